@@ -1,0 +1,266 @@
+//! The array: where its transducers are, where they look and how they radiate.
+
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec;
+use alloc::vec::Vec;
+
+use num_complex::Complex64;
+
+use crate::directivity::Directivity;
+use crate::error::{Error, real};
+use crate::math;
+use crate::presets;
+
+/// The most transducers an array may have: far above any built, low enough to refuse a slip of the pen.
+const MOST_TRANSDUCERS: usize = 1 << 20;
+
+/// What all transducers of an array have in common.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transducer {
+    /// P0 in Pa m: on-axis pressure (peak) times distance at full drive.
+    pub source_pressure: f64,
+    /// D(theta).
+    pub directivity: Directivity,
+}
+
+impl Default for Transducer {
+    /// 4.386 Pa m, the AUTD3's transducer (its software: 275.574 * 0.2 / 4 pi), as a point source.
+    fn default() -> Self {
+        Self { source_pressure: 4.386, directivity: Directivity::Point }
+    }
+}
+
+/// How an array came about, so that a scene file can say it as briefly as it was said.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Origin {
+    /// Positions and normals one by one.
+    Positions,
+    /// [`Array::grid`].
+    Grid {
+        /// Transducers along x.
+        nx: usize,
+        /// Transducers along y.
+        ny: usize,
+        /// Their distance in m.
+        pitch: f64,
+    },
+    /// [`Array::preset`].
+    Preset {
+        /// Name of the preset.
+        name: String,
+        /// Boards along x and y.
+        tiles: [usize; 2],
+    },
+}
+
+/// N transducers.
+///
+/// ```text
+///        z   theta = angle to the normal
+///        |  .* point
+///        | /
+///  --o-o-o-o-o--> x        flat arrays lie in z = 0 and radiate to +z
+/// ```
+///
+/// ```
+/// let array = midair::Array::grid(20, 20, 10e-3)?;
+/// assert_eq!(array.len(), 400);
+/// assert_eq!(array.positions()[0], [-0.095, -0.095, 0.0]);
+/// # Ok::<(), midair::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Array {
+    positions: Vec<[f64; 3]>,
+    normals: Vec<[f64; 3]>,
+    transducer: Transducer,
+    response: Option<Vec<Complex64>>,
+    origin: Origin,
+}
+
+impl Array {
+    /// Transducers at `positions` (N, 3) in m looking along `normals` (N, 3), which are normalised; left out
+    /// they are +z.
+    ///
+    /// # Errors
+    /// No position, more than 2^20, a coordinate that is not finite, another number of normals, a zero normal.
+    pub fn new(positions: Vec<[f64; 3]>, normals: Option<Vec<[f64; 3]>>) -> Result<Self, Error> {
+        if positions.is_empty() {
+            return Err(Error::invalid("array.positions", "empty", "give at least one transducer"));
+        }
+        count("array.positions", positions.len())?;
+        for (i, position) in positions.iter().enumerate() {
+            vector(&format!("array.positions[{i}]"), position)?;
+        }
+        let mut normals = normals.unwrap_or_else(|| vec![[0.0, 0.0, 1.0]; positions.len()]);
+        if normals.len() != positions.len() {
+            return Err(Error::invalid(
+                "array.normals",
+                format!("{} normals", normals.len()),
+                format!("give one for each of the {} positions", positions.len()),
+            ));
+        }
+        for (i, normal) in normals.iter_mut().enumerate() {
+            vector(&format!("array.normals[{i}]"), normal)?;
+            // Scaled by the largest component first, so that no finite normal over- or underflows.
+            let largest = normal.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            if largest == 0.0 {
+                return Err(Error::invalid(
+                    format!("array.normals[{i}]"),
+                    format!("{normal:?}"),
+                    "give the direction the transducer looks",
+                ));
+            }
+            *normal = normal.map(|x| x / largest);
+            let length = math::sqrt(normal.iter().map(|x| x * x).sum());
+            *normal = normal.map(|x| x / length);
+        }
+        Ok(Self {
+            positions,
+            normals,
+            transducer: Transducer::default(),
+            response: None,
+            origin: Origin::Positions,
+        })
+    }
+
+    /// A flat grid of `nx` x `ny` transducers `pitch` metres apart, centred, x fastest.
+    ///
+    /// # Errors
+    /// A count of 0, more than 2^20 transducers, a pitch that is not above 0.
+    pub fn grid(nx: usize, ny: usize, pitch: f64) -> Result<Self, Error> {
+        for (item, value) in [("array.grid.nx", nx), ("array.grid.ny", ny)] {
+            if value == 0 {
+                return Err(Error::invalid(item, value, "give at least 1 transducer"));
+            }
+        }
+        count("array.grid nx * ny", nx.saturating_mul(ny))?;
+        real("array.grid.pitch", pitch, 0.0, true)?;
+        let centred = |i: usize, n: usize| (i as f64 - (n as f64 - 1.0) / 2.0) * pitch;
+        let positions = (0..nx * ny).map(|i| [centred(i % nx, nx), centred(i / nx, ny), 0.0]).collect();
+        Ok(Self { origin: Origin::Grid { nx, ny, pitch }, ..Self::new(positions, None)? })
+    }
+
+    /// A real board, or the paper's array; see [`crate::presets`].
+    ///
+    /// # Errors
+    /// An unknown name, tiles of 0, tiles for a preset that is no board.
+    pub fn preset(name: &str, tiles: [usize; 2]) -> Result<Self, Error> {
+        let preset = presets::find(name)?;
+        for (axis, &value) in tiles.iter().enumerate() {
+            if value == 0 || (value != 1 && !preset.tiles) {
+                let cure = if preset.tiles { "give at least 1 board" } else { "this preset is one piece: leave tiles out" };
+                return Err(Error::invalid(format!("array.tiles[{axis}]"), value, cure));
+            }
+        }
+        count("array.tiles", tiles[0].saturating_mul(tiles[1]).saturating_mul(preset.count))?;
+        let origin = Origin::Preset { name: name.to_string(), tiles };
+        let array = Self::new((preset.positions)(tiles), None)?;
+        Ok(Self { origin, transducer: preset.transducer, ..array })
+    }
+
+    /// The same array with other transducers.
+    ///
+    /// # Errors
+    /// A source pressure or directivity parameter out of range.
+    pub fn with_transducer(mut self, transducer: Transducer) -> Result<Self, Error> {
+        real("array.source_pressure", transducer.source_pressure, 0.0, true)?;
+        transducer.directivity.checked()?;
+        self.transducer = transducer;
+        Ok(self)
+    }
+
+    /// The same array with a complex response c_i (N,) of each transducer: gain and phase offset, 0 for a dead
+    /// one, which then gets drive 0. `None` stands for 1 everywhere.
+    ///
+    /// # Errors
+    /// Another number of responses than transducers, a value that is not finite.
+    pub fn with_response(mut self, response: Option<Vec<Complex64>>) -> Result<Self, Error> {
+        if let Some(response) = &response {
+            if response.len() != self.len() {
+                return Err(Error::invalid(
+                    "array.response",
+                    format!("{} values", response.len()),
+                    format!("give one for each of the {} transducers", self.len()),
+                ));
+            }
+            if let Some((i, c)) = response.iter().enumerate().find(|(_, c)| !c.re.is_finite() || !c.im.is_finite()) {
+                return Err(Error::invalid(format!("array.response[{i}]"), c, "give finite numbers"));
+            }
+            if let Some((i, c)) = response.iter().enumerate().find(|(_, c)| c.norm_sqr() > 1e6 * 1e6) {
+                return Err(Error::invalid(
+                    format!("array.response[{i}]"),
+                    c,
+                    "a response is relative to source_pressure: give at most 1e6 in modulus",
+                ));
+            }
+        }
+        self.response = response;
+        Ok(self)
+    }
+
+    /// Number of transducers N.
+    #[must_use]
+    #[allow(clippy::len_without_is_empty, reason = "an array is never empty")]
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Positions (N, 3) in m.
+    #[must_use]
+    pub fn positions(&self) -> &[[f64; 3]] {
+        &self.positions
+    }
+
+    /// Unit normals (N, 3).
+    #[must_use]
+    pub fn normals(&self) -> &[[f64; 3]] {
+        &self.normals
+    }
+
+    /// Source pressure and directivity of every transducer.
+    #[must_use]
+    pub fn transducer(&self) -> Transducer {
+        self.transducer
+    }
+
+    /// Responses (N,), or `None` where all are 1.
+    #[must_use]
+    pub fn response(&self) -> Option<&[Complex64]> {
+        self.response.as_deref()
+    }
+
+    /// How the array came about.
+    #[must_use]
+    pub fn origin(&self) -> &Origin {
+        &self.origin
+    }
+
+    /// Whether pressures are in the paper's unit: eq. (5) in millimetres, which P0 = 1e-3 Pa m reproduces.
+    #[must_use]
+    #[allow(clippy::float_cmp, reason = "the unit is chosen by exactly this number")]
+    pub fn in_paper_unit(&self) -> bool {
+        self.transducer.source_pressure == 1e-3
+    }
+
+    /// The middle of the positions' bounding box: the origin of everything rounded to f32.
+    pub(crate) fn centre(&self) -> [f64; 3] {
+        crate::scene::bounds(&self.positions).map(|[low, high]| 0.5 * low + 0.5 * high)
+    }
+}
+
+/// Refuses a coordinate that is not finite.
+pub(crate) fn vector(item: &str, vector: &[f64; 3]) -> Result<(), Error> {
+    if vector.iter().all(|x| x.is_finite()) {
+        return Ok(());
+    }
+    Err(Error::invalid(item, format!("{vector:?}"), "give three finite numbers"))
+}
+
+fn count(item: &str, transducers: usize) -> Result<(), Error> {
+    if transducers > MOST_TRANSDUCERS {
+        let cure = format!("give at most {MOST_TRANSDUCERS} transducers");
+        return Err(Error::invalid(item, transducers, cure));
+    }
+    Ok(())
+}

@@ -1,0 +1,201 @@
+//! How strongly a transducer radiates to the side: D(theta), 1 straight ahead.
+
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use core::f64::consts::FRAC_PI_2;
+
+use crate::error::{Error, real};
+use crate::math;
+
+/// Directivity of a transducer. All but `Point` are baffled: D = 0 behind, where theta is above 90 degrees.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Directivity {
+    /// D = 1 everywhere, also behind: the paper's model.
+    #[default]
+    Point,
+    /// D = 2 `J1(x)/x`, x = k a sin theta: a circular piston of radius a (m) in a baffle.
+    Piston(f64),
+    /// D = sin(x)/x, x = (k d/2) sin theta: an aperture of width d (m); Ultraino's model.
+    Sinc(f64),
+    /// D = cos(theta)^n; `HandyBeam`'s model with n = 3.376.
+    Cos(f64),
+    /// The Nicera T4010A1 as measured every 10 degrees (the AUTD3's transducer), by monotone cubics (PCHIP).
+    T4010a1,
+}
+
+/// D of the T4010A1 at 0, 10, ..., 90 degrees (values of the AUTD3 software's transducer table).
+const T4010A1: [f64; 10] = [1.0, 1.0, 1.0, 0.8913, 0.7079, 0.5012, 0.3548, 0.2512, 0.1995, 0.1778];
+
+/// The names a scene file knows, with the parameter a bare name stands for.
+const NAMES: [(&str, Option<f64>); 5] =
+    [("point", None), ("piston", Some(4.5e-3)), ("sinc", Some(9e-3)), ("cos", Some(3.376)), ("t4010a1", None)];
+
+impl Directivity {
+    /// The directivity of a name (`point`, `piston`, `sinc`, `cos`, `t4010a1`) and its parameter: radius in m,
+    /// width in m, exponent; left out it is 4.5e-3, 9e-3, 3.376.
+    ///
+    /// # Errors
+    /// A name not listed, a parameter where none belongs, a radius or width that is not above 0, an exponent
+    /// below 0.
+    pub fn named(name: &str, parameter: Option<f64>) -> Result<Self, Error> {
+        let Some((_, default)) = NAMES.iter().find(|(known, _)| *known == name) else {
+            return Err(Error::unknown("directivity", name, NAMES.iter().map(|(known, _)| *known)));
+        };
+        if let (None, Some(value)) = (default, parameter) {
+            return Err(Error::invalid(format!("directivity.{name}"), value, "it takes no parameter"));
+        }
+        let value = parameter.or(*default).unwrap_or_default();
+        match name {
+            "piston" => Self::Piston(value),
+            "sinc" => Self::Sinc(value),
+            "cos" => Self::Cos(value),
+            "t4010a1" => Self::T4010a1,
+            _ => Self::Point,
+        }
+        .checked()
+    }
+
+    /// The name and parameter that [`Directivity::named`] takes.
+    #[must_use]
+    pub fn name(&self) -> (&'static str, Option<f64>) {
+        match *self {
+            Self::Point => ("point", None),
+            Self::Piston(radius) => ("piston", Some(radius)),
+            Self::Sinc(width) => ("sinc", Some(width)),
+            Self::Cos(exponent) => ("cos", Some(exponent)),
+            Self::T4010a1 => ("t4010a1", None),
+        }
+    }
+
+    pub(crate) fn checked(self) -> Result<Self, Error> {
+        if let (name, Some(parameter)) = self.name() {
+            // Beyond a metre (or an exponent of 1000) the table below would no longer resolve the lobes.
+            let greatest = if matches!(self, Self::Cos(_)) { 1000.0 } else { 1.0 };
+            real(&format!("directivity.{name}"), parameter, 0.0, !matches!(self, Self::Cos(_)))?;
+            if parameter > greatest {
+                return Err(Error::invalid(
+                    format!("directivity.{name}"),
+                    parameter,
+                    format!("give at most {greatest}: {}", Self::unit(name)),
+                ));
+            }
+        }
+        Ok(self)
+    }
+
+    fn unit(name: &str) -> String {
+        String::from(match name {
+            "piston" => "its radius in metres",
+            "sinc" => "its width in metres",
+            _ => "an exponent",
+        })
+    }
+
+    /// D at an angle given by its cosine, for wavenumber k (1/m), in double precision.
+    #[must_use]
+    pub fn value(&self, cos_theta: f64, k: f64) -> f64 {
+        if matches!(self, Self::Point) {
+            return 1.0;
+        }
+        if cos_theta < 0.0 {
+            return 0.0;
+        }
+        let sin_theta = math::sqrt((1.0 - cos_theta * cos_theta).max(0.0));
+        match *self {
+            Self::Point => 1.0,
+            Self::Piston(radius) => jinc(k * radius * sin_theta),
+            Self::Sinc(width) => {
+                let x = 0.5 * k * width * sin_theta;
+                if x < 1e-4 { 1.0 - x * x / 6.0 } else { math::sin(x) / x }
+            }
+            Self::Cos(exponent) => math::pow(cos_theta, exponent),
+            Self::T4010a1 => pchip(&T4010A1, math::acos(cos_theta.min(1.0)).to_degrees() / 10.0),
+        }
+    }
+}
+
+/// 2 `J1(x)/x`.
+fn jinc(x: f64) -> f64 {
+    if x < 1e-4 { 1.0 - x * x / 8.0 } else { 2.0 * math::j1(x) / x }
+}
+
+/// The monotone cubic through `values` at 0, 1, 2, ... (Fritsch and Butland 1984: harmonic-mean slopes, so that
+/// no overshoot is invented between measured values; one-sided three-point slopes at the ends).
+fn pchip(values: &[f64; 10], x: f64) -> f64 {
+    let step = |i: usize| values[i + 1] - values[i];
+    let slope = |i: usize| -> f64 {
+        let end = |first: f64, second: f64| {
+            let slope = 1.5 * first - 0.5 * second;
+            if slope * first <= 0.0 {
+                0.0
+            } else if first * second < 0.0 && slope.abs() > 3.0 * first.abs() {
+                3.0 * first
+            } else {
+                slope
+            }
+        };
+        match i {
+            0 => end(step(0), step(1)),
+            9 => end(step(8), step(7)),
+            _ if step(i - 1) * step(i) <= 0.0 => 0.0,
+            _ => 2.0 * step(i - 1) * step(i) / (step(i - 1) + step(i)),
+        }
+    };
+    let i = (x as usize).min(8);
+    let u = x - i as f64;
+    let [c0, c1, c2, c3] = hermite(values[i], values[i + 1], slope(i), slope(i + 1));
+    ((c3 * u + c2) * u + c1) * u + c0
+}
+
+/// The cubic c0 + c1 u + c2 u^2 + c3 u^3 with the given values and slopes at u = 0 and u = 1.
+fn hermite(left: f64, right: f64, left_slope: f64, right_slope: f64) -> [f64; 4] {
+    let rise = right - left;
+    [left, left_slope, 3.0 * rise - 2.0 * left_slope - right_slope, left_slope + right_slope - 2.0 * rise]
+}
+
+/// D over theta as cubics of equal width from 0 to 90 degrees: what the f32 rows read.
+#[derive(Clone, Debug)]
+pub(crate) struct Table {
+    pieces: Vec<[f32; 4]>,
+}
+
+impl Table {
+    /// Eight pieces a degree put a node on every knot of the T4010A1 and keep the error of the smooth
+    /// patterns far below f32 rounding (h^4/384 of the fourth derivative).
+    pub(crate) const PIECES_PER_RADIAN: f32 = (PIECES as f64 / FRAC_PI_2) as f32;
+
+    /// The table of `directivity`, or none for a point source.
+    pub(crate) fn new(directivity: Directivity, k: f64) -> Option<Self> {
+        if directivity == Directivity::Point {
+            return None;
+        }
+        let width = FRAC_PI_2 / PIECES as f64;
+        // Inside one piece every pattern is smooth, so its cubic goes through four of its own values.
+        let pieces = (0..PIECES)
+            .map(|piece| {
+                let at = |third: f64| {
+                    let theta = (piece as f64 + third / 3.0) * width;
+                    directivity.value(math::sin((FRAC_PI_2 - theta).max(0.0)), k)
+                };
+                let (a, b, c, d) = (at(0.0), at(1.0), at(2.0), at(3.0));
+                let c1 = -5.5 * a + 9.0 * b - 4.5 * c + d;
+                let c2 = 9.0 * a - 22.5 * b + 18.0 * c - 4.5 * d;
+                let c3 = -4.5 * a + 13.5 * b - 13.5 * c + 4.5 * d;
+                [a as f32, c1 as f32, c2 as f32, c3 as f32]
+            })
+            .collect();
+        Some(Self { pieces })
+    }
+
+    /// D at an angle counted in pieces.
+    #[inline(always)]
+    pub(crate) fn at(&self, pieces: f32) -> f32 {
+        let index = (pieces as usize).min(PIECES - 1);
+        let u = pieces - index as f32;
+        let [c0, c1, c2, c3] = self.pieces[index];
+        ((c3 * u + c2) * u + c1) * u + c0
+    }
+}
+
+const PIECES: usize = 720;

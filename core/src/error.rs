@@ -1,0 +1,95 @@
+//! What can be wrong with a request, in one line that names the item, its value and the cure.
+
+use alloc::string::{String, ToString};
+use core::fmt::Display;
+
+/// A request that cannot be answered. The text of each is one line for a person.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A value that cannot be meant.
+    #[error("{item} is {value}: {cure}")]
+    Invalid {
+        /// The item, as in the scene file: `points[3].pressure`.
+        item: String,
+        /// The value found.
+        value: String,
+        /// What to change.
+        cure: String,
+    },
+    /// A name nobody here answers to.
+    #[error("unknown {kind} \"{name}\": known are {known}")]
+    Unknown {
+        /// What the name should have named: `solver`, `preset`, `option of greedy`.
+        kind: String,
+        /// The name given.
+        name: String,
+        /// The names that would have done, separated by commas.
+        known: String,
+    },
+    /// A point closer to a transducer than a hundredth of the wavelength, where 1/r has no meaning.
+    #[error(
+        "points[{point}] is {distance:.3e} m from transducer {transducer}: move it at least {least:.3e} m (a hundredth of the wavelength) away"
+    )]
+    TooNear {
+        /// Index of the point.
+        point: usize,
+        /// Index of the transducer.
+        transducer: usize,
+        /// Their distance in metres.
+        distance: f64,
+        /// The smallest distance allowed, in metres.
+        least: f64,
+    },
+    /// A point with a pressure above 0 at which no transducer has any effect.
+    #[error(
+        "points[{point}] is reached by no transducer: move it in front of the array, turn a normal or ask for pressure 0 there"
+    )]
+    Unreached {
+        /// Index of the point.
+        point: usize,
+    },
+    /// A scene file that cannot be read as one.
+    #[error("scene file{}: {reason}", line.map_or(String::new(), |n| alloc::format!(", line {n}")))]
+    File {
+        /// The line, counted from 1, where known.
+        line: Option<usize>,
+        /// What is wrong there and what to change.
+        reason: String,
+    },
+}
+
+impl Error {
+    /// An [`Error::Invalid`].
+    pub fn invalid(item: impl Into<String>, value: impl Display, cure: impl Into<String>) -> Self {
+        Self::Invalid { item: item.into(), value: value.to_string(), cure: cure.into() }
+    }
+
+    /// An [`Error::Unknown`] that lists the names known.
+    pub fn unknown<'a>(
+        kind: impl Into<String>,
+        name: impl Into<String>,
+        known: impl IntoIterator<Item = &'a str>,
+    ) -> Self {
+        let mut list = String::new();
+        for name in known {
+            if !list.is_empty() {
+                list.push_str(", ");
+            }
+            list.push_str(name);
+        }
+        Self::Unknown { kind: kind.into(), name: name.into(), known: list }
+    }
+}
+
+/// `value` if it is finite and at least `least` (or above it when `strict`), else an error naming `item`.
+pub(crate) fn real(item: &str, value: f64, least: f64, strict: bool) -> Result<f64, Error> {
+    if !value.is_finite() {
+        return Err(Error::invalid(item, value, "give a finite number"));
+    }
+    if value < least || (strict && value == least) {
+        let bound = if strict { "above" } else { "of at least" };
+        return Err(Error::invalid(item, value, alloc::format!("give a number {bound} {least}")));
+    }
+    Ok(value)
+}

@@ -1,0 +1,298 @@
+//! G, row by row: the one place that knows eq. (5), directivity, absorption and response.
+
+use alloc::format;
+use alloc::sync::Arc;
+use alloc::vec;
+use alloc::vec::Vec;
+
+use num_complex::{Complex32, Complex64};
+
+use crate::array::Array;
+use crate::error::Error;
+use crate::kernels::{self, Law, Row, Source, Spots, padded};
+use crate::math;
+use crate::medium::Medium;
+use crate::scene::Scene;
+
+/// An array in a medium, prepared for computing rows: positions in wavelengths from the array's middle.
+///
+/// Distances in wavelengths *are* phases in turns, so the f32 rows need no multiplication between distance and
+/// phase, and lose no digits to one.
+#[derive(Clone, Debug)]
+pub(crate) struct Emitters {
+    array: Array,
+    medium: Medium,
+    centre: [f64; 3],
+    sources: Vec<Source>,
+    law: Law,
+}
+
+impl Emitters {
+    pub(crate) fn new(array: &Array, medium: Medium) -> Self {
+        let centre = array.centre();
+        let wavelength = medium.wavelength();
+        let sources = (0..array.len())
+            .map(|i| {
+                let response = array.response().map_or(Complex64::ONE, |response| response[i]);
+                // P0 cancels: the reference is 1000 P0.
+                let strength = response / (1000.0 * wavelength);
+                Source {
+                    position: wavelengths(array.positions()[i], centre, wavelength),
+                    normal: array.normals()[i].map(|x| x as f32),
+                    strength: [strength.re as f32, strength.im as f32],
+                }
+            })
+            .collect();
+        let law = Law {
+            decay: (-medium.absorption * wavelength * core::f64::consts::LOG2_E) as f32,
+            table: crate::directivity::Table::new(array.transducer().directivity, medium.wavenumber()),
+        };
+        Self { array: array.clone(), medium, centre, sources, law }
+    }
+
+    /// Points in this frame, padded: x, y and z.
+    pub(crate) fn frame(&self, points: &[[f64; 3]]) -> [Vec<f32>; 3] {
+        // Far away on every axis: finite whatever is computed there, and never the nearest.
+        let mut frame = [(); 3].map(|()| vec![4e6; padded(points.len())]);
+        for (j, point) in points.iter().enumerate() {
+            let place = wavelengths(*point, self.centre, self.medium.wavelength());
+            for (axis, x) in frame.iter_mut().zip(place) {
+                axis[j] = x;
+            }
+        }
+        frame
+    }
+
+    /// The row of transducer `i` in units of the reference; the least square distance in square wavelengths.
+    pub(crate) fn row(&self, i: usize, spots: Spots<'_>, out: &mut Row<'_>) -> f32 {
+        kernels::row(&self.law, &self.sources[i], spots, out)
+    }
+
+    /// Pa of one unit of the rows.
+    pub(crate) fn reference(&self) -> f64 {
+        1000.0 * self.array.transducer().source_pressure
+    }
+
+    /// Eq. (5) in double precision, in Pa.
+    fn exact(&self, i: usize, point: [f64; 3]) -> Complex64 {
+        let transducer = self.array.transducer();
+        let from = self.array.positions()[i];
+        let ray = [0, 1, 2].map(|axis| point[axis] - from[axis]);
+        let r = distance(from, point).max(self.medium.wavelength() / 100.0);
+        let normal = self.array.normals()[i];
+        let cos_theta = (0..3).map(|axis| ray[axis] * normal[axis]).sum::<f64>() / r;
+        let k = self.medium.wavenumber();
+        let amplitude = transducer.source_pressure / r
+            * transducer.directivity.value(cos_theta, k)
+            * math::exp(-self.medium.absorption * r);
+        let response = self.array.response().map_or(Complex64::ONE, |response| response[i]);
+        response * Complex64::new(amplitude * math::cos(k * r), amplitude * math::sin(k * r))
+    }
+}
+
+/// A position in wavelengths from `centre`, rounded to f32 only now.
+fn wavelengths(position: [f64; 3], centre: [f64; 3], wavelength: f64) -> [f32; 3] {
+    [0, 1, 2].map(|axis| ((position[axis] - centre[axis]) / wavelength) as f32)
+}
+
+pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    math::sqrt((0..3).map(|axis| (a[axis] - b[axis]) * (a[axis] - b[axis])).sum())
+}
+
+/// A source of rows of G, one row a transducer: computed from positions when asked, or a matrix of the user's
+/// own (measured, scattered by obstacles). A solver cannot tell which.
+///
+/// Rows are planar f32 in units of [`Gains::reference`], padded with zeros to [`Gains::lanes`].
+#[derive(Clone, Debug)]
+pub struct Gains {
+    rows: Rows,
+    count: usize,
+}
+
+#[derive(Clone, Debug)]
+enum Rows {
+    Computed { emitters: Arc<Emitters>, frame: Arc<[Vec<f32>; 3]>, points: Arc<[[f64; 3]]> },
+    Stored { matrix: Arc<[Complex64]>, transducers: usize, reference: f64 },
+}
+
+impl Gains {
+    /// G of a scene's array at its points.
+    #[must_use]
+    pub fn of(scene: &Scene) -> Self {
+        Self::at(Arc::new(Emitters::new(scene.array(), scene.medium())), scene.points().into())
+    }
+
+    fn at(emitters: Arc<Emitters>, points: Arc<[[f64; 3]]>) -> Self {
+        let frame = Arc::new(emitters.frame(&points));
+        Self { count: points.len(), rows: Rows::Computed { emitters, frame, points } }
+    }
+
+    /// A user's own G (M, N) in Pa, point by point, as the matrix reads.
+    ///
+    /// # Errors
+    /// No entries, a length that is no multiple of `points`, an entry that is not finite (named by [j, i]).
+    pub fn from_matrix(matrix: &[Complex64], points: usize) -> Result<Self, Error> {
+        if matrix.is_empty() || points == 0 || matrix.len() % points != 0 {
+            let value = format!("{} entries for {points} points", matrix.len());
+            return Err(Error::invalid("gains", value, "give an (M, N) matrix with M and N at least 1"));
+        }
+        let transducers = matrix.len() / points;
+        if let Some(at) = matrix.iter().position(|g| !g.re.is_finite() || !g.im.is_finite()) {
+            let item = format!("gains[{}, {}]", at / transducers, at % transducers);
+            return Err(Error::invalid(item, matrix[at], "give finite numbers"));
+        }
+        // Divided first: the sum of finite numbers need not be finite, their mean is.
+        let mean = matrix.iter().map(|g| math::hypot(g.re, g.im) / matrix.len() as f64).sum::<f64>();
+        let turned = (0..matrix.len()).map(|k| matrix[(k % points) * transducers + k / points]).collect();
+        let reference = if mean > 0.0 { mean } else { 1.0 };
+        Ok(Self { count: points, rows: Rows::Stored { matrix: turned, transducers, reference } })
+    }
+
+    /// Number of transducers N.
+    #[must_use]
+    pub fn transducers(&self) -> usize {
+        match &self.rows {
+            Rows::Computed { emitters, .. } => emitters.sources.len(),
+            Rows::Stored { transducers, .. } => *transducers,
+        }
+    }
+
+    /// Number of points M.
+    #[must_use]
+    pub fn points(&self) -> usize {
+        self.count
+    }
+
+    /// Length of a row: M padded to 16.
+    #[must_use]
+    pub fn lanes(&self) -> usize {
+        padded(self.count)
+    }
+
+    /// Pa of one unit: 1000 P0, or the mean modulus of a user's own G.
+    #[must_use]
+    pub fn reference(&self) -> f64 {
+        match &self.rows {
+            Rows::Computed { emitters, .. } => emitters.reference(),
+            Rows::Stored { reference, .. } => *reference,
+        }
+    }
+
+    /// The transducers' positions (N, 3) in m, where there are any.
+    #[must_use]
+    pub fn positions(&self) -> Option<&[[f64; 3]]> {
+        match &self.rows {
+            Rows::Computed { emitters, .. } => Some(emitters.array.positions()),
+            Rows::Stored { .. } => None,
+        }
+    }
+
+    /// The acoustic impedance's product rho c^2 in Pa: the scene's, or 1.18 kg/m^3 and 340 m/s.
+    pub(crate) fn medium(&self) -> Medium {
+        match &self.rows {
+            Rows::Computed { emitters, .. } => emitters.medium,
+            Rows::Stored { .. } => Medium::default(),
+        }
+    }
+
+    /// Writes row `i`: `re` and `im` of length [`Gains::lanes`], zeros in the padding. Relative error of an
+    /// entry against eq. (5) in f64: below 2e-4 up to 1 m at 40 kHz, growing with the distance.
+    ///
+    /// # Panics
+    /// If `i` is no transducer or a slice has another length.
+    pub fn row(&self, i: usize, re: &mut [f32], im: &mut [f32]) {
+        assert!(re.len() == self.lanes() && im.len() == self.lanes(), "a row is M padded to 16 long");
+        match &self.rows {
+            Rows::Computed { emitters, frame, .. } => {
+                emitters.row(i, self.spots(frame), &mut Row { re, im });
+            }
+            Rows::Stored { matrix, reference, .. } => {
+                for (j, g) in matrix[i * self.count..(i + 1) * self.count].iter().enumerate() {
+                    (re[j], im[j]) = ((g.re / reference) as f32, (g.im / reference) as f32);
+                }
+                re[self.count..].fill(0.0);
+                im[self.count..].fill(0.0);
+            }
+        }
+    }
+
+    /// Writes the moduli of row `i`, refusing a point on the transducer.
+    pub(crate) fn moduli(&self, i: usize, out: &mut [f32]) -> Result<(), Error> {
+        match &self.rows {
+            Rows::Computed { emitters, frame, points } => {
+                let square = kernels::magnitudes(&emitters.law, &emitters.sources[i], self.spots(frame), out);
+                // f32 decides where to look, f64 decides.
+                if square < 1.01e-4 {
+                    return emitters.check_distances(i, points);
+                }
+            }
+            Rows::Stored { matrix, reference, .. } => {
+                for (out, g) in out.iter_mut().zip(&matrix[i * self.count..(i + 1) * self.count]) {
+                    *out = (math::hypot(g.re, g.im) / reference) as f32;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Entry (j, i) in double precision, in Pa: eq. (5) itself.
+    #[must_use]
+    pub fn exact(&self, j: usize, i: usize) -> Complex64 {
+        match &self.rows {
+            Rows::Computed { emitters, points, .. } => emitters.exact(i, points[j]),
+            Rows::Stored { matrix, .. } => matrix[i * self.count + j],
+        }
+    }
+
+    /// G (M, N) in Pa, point by point, from the same rows that the solvers see.
+    ///
+    /// # Errors
+    /// A point on a transducer.
+    pub fn matrix(&self) -> Result<Vec<Complex32>, Error> {
+        let n = self.transducers();
+        let (mut re, mut im) = (vec![0.0; self.lanes()], vec![0.0; self.lanes()]);
+        let mut matrix = vec![Complex32::ZERO; n * self.count];
+        for i in 0..n {
+            self.moduli(i, &mut re)?;
+            self.row(i, &mut re, &mut im);
+            for j in 0..self.count {
+                let g = Complex64::new(f64::from(re[j]), f64::from(im[j])) * self.reference();
+                matrix[j * n + i] = Complex32::new(g.re as f32, g.im as f32);
+            }
+        }
+        Ok(matrix)
+    }
+
+    /// The same transducers at some of the points.
+    pub(crate) fn select(&self, chosen: &[usize]) -> Self {
+        match &self.rows {
+            Rows::Computed { emitters, points, .. } => {
+                Self::at(Arc::clone(emitters), chosen.iter().map(|&j| points[j]).collect())
+            }
+            Rows::Stored { matrix, transducers, reference } => {
+                let pick = |i: usize| chosen.iter().map(move |&j| matrix[i * self.count + j]);
+                let matrix = (0..*transducers).flat_map(pick).collect();
+                let rows = Rows::Stored { matrix, transducers: *transducers, reference: *reference };
+                Self { rows, count: chosen.len() }
+            }
+        }
+    }
+
+    fn spots<'a>(&self, frame: &'a [Vec<f32>; 3]) -> Spots<'a> {
+        Spots { coordinates: [&frame[0], &frame[1], &frame[2]], count: self.count }
+    }
+}
+
+impl Emitters {
+    fn check_distances(&self, i: usize, points: &[[f64; 3]]) -> Result<(), Error> {
+        let least = self.medium.wavelength() / 100.0;
+        let position = self.array.positions()[i];
+        for (point, place) in points.iter().enumerate() {
+            let distance = distance(position, *place);
+            if distance < least {
+                return Err(Error::TooNear { point, transducer: i, distance, least });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,94 @@
+//! Drives for airborne ultrasound phased arrays: given points in the air feel given pressures.
+//!
+//! # The paper in one page
+//! N transducers at distance r from M control points radiate (eq. 5, with directivity, absorption and response)
+//!
+//! ```text
+//! p_j = sum_i G_ji q_i,   G_ji = P0/r D(theta) e^{-alpha r} e^{+jkr} c_i,   |q_i| <= 1
+//! ```
+//!
+//! and a hand feels |p_j| alone. So the phases at the points are free, and the drive q is sought that minimises
+//! (eq. 7) `sum_j w_j (t_j - |p_j|)^2` for targets t_j. Suzuki et al. (IEEE Trans. Haptics 14(4), 2021) do it
+//! greedily: one transducer after another tries K amplitudes times L phases and keeps the best, while the field
+//! at the points is kept up to date (eq. 9). That is linear in N and in M, needs no matrix and runs anywhere.
+//! Two numbers judge it: accuracy `sum |p_j| / sum t_j` (eq. 12) and sigma, the spread of |p_j|/t_j (eq. 13).
+//!
+//! # One way through
+//! points -> [`Scene`] (checked once) -> [`Gains`] -> [`Problem`] -> [`Solve::solve`] -> [`Solution`] -> [`field()`].
+//!
+//! ```
+//! use midair::{Array, Control, Medium, Problem, Request, Scene, Workspace, solvers::Greedy};
+//!
+//! // Two points 15 cm above the paper's 20 x 20 array, as strong as it can make both.
+//! let array = Array::preset("paper20", [1, 1])?;
+//! let points = vec![[-0.02, 0.0, 0.15], [0.02, 0.0, 0.15]];
+//! let scene = Scene::new(array, Medium::default(), points, Request::default())?;
+//! let problem = Problem::new(&scene)?;
+//! let solution = midair::solve(&problem, &Greedy::default(), false, &mut Workspace::new(), &mut Control::none())?;
+//! assert!(solution.drive.iter().all(|q| q.norm() < 1.0 + 1e-6));
+//! assert!(solution.metrics().uniformity > 0.8);
+//! # Ok::<(), midair::Error>(())
+//! ```
+//!
+//! SI units, time factor e^{-jwt}, |p| is the peak amplitude; all conventions are in `docs/conventions.md`.
+//!
+//! # Features
+//! `std` (default; without it the crate is `no_std` + alloc), `parallel` (fields over all threads), `serde`,
+//! `scene-file` (scenes as TOML or JSON text).
+#![cfg_attr(not(feature = "std"), no_std)]
+
+extern crate alloc;
+
+mod array;
+mod control;
+mod directivity;
+mod error;
+mod field;
+#[cfg(feature = "scene-file")]
+pub mod file;
+mod gains;
+mod kernels;
+mod math;
+mod medium;
+mod metrics;
+mod options;
+pub mod presets;
+mod problem;
+mod rng;
+mod scene;
+mod solution;
+pub mod solvers;
+mod workspace;
+
+pub use array::{Array, Origin, Transducer};
+pub use control::{Control, Progress};
+pub use directivity::Directivity;
+pub use error::Error;
+pub use field::field;
+pub use gains::Gains;
+pub use medium::Medium;
+pub use metrics::Metrics;
+pub use num_complex::{Complex32, Complex64};
+pub use options::{Configure, OptionInfo, OptionValue, Options, Value, spell, word};
+pub use problem::Problem;
+pub use rng::Rng;
+pub use scene::{Plane, Request, Scene};
+pub use solution::{Solution, Status};
+pub use solvers::{Solve, solve};
+pub use workspace::{Pool, Workspace};
+
+/// What [`options!`] needs where it is used.
+#[doc(hidden)]
+pub mod __private {
+    pub use alloc::vec;
+    pub use alloc::vec::Vec;
+}
+
+/// The chapters of `docs/` whose code is run as tests.
+#[cfg(doctest)]
+mod chapters {
+    #[doc = include_str!("../../docs/extending.md")]
+    mod extending {}
+    #[doc = include_str!("../../README.md")]
+    mod readme {}
+}

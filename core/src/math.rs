@@ -1,0 +1,25 @@
+//! Elementary functions with the same bits on every platform.
+//!
+//! A platform's own `sin` or `exp` may differ in the last bit from its neighbour's, and one such bit can
+//! turn a tie of the greedy search; so the pure-Rust `libm` is used with and without `std`. Square roots are
+//! exact by IEEE 754 and come from the hardware where `std` gives access to it.
+
+pub(crate) use libm::{acos, atan2, cos, exp, hypot, j1, pow, sin};
+
+/// Square root in double precision.
+#[inline(always)]
+pub(crate) fn sqrt(x: f64) -> f64 {
+    #[cfg(feature = "std")]
+    return x.sqrt();
+    #[cfg(not(feature = "std"))]
+    return libm::sqrt(x);
+}
+
+/// Square root in single precision, vectorised by the compiler where `std` is there.
+#[inline(always)]
+pub(crate) fn sqrtf(x: f32) -> f32 {
+    #[cfg(feature = "std")]
+    return x.sqrt();
+    #[cfg(not(feature = "std"))]
+    return libm::sqrtf(x);
+}

@@ -1,0 +1,75 @@
+//! The air between array and points.
+
+use crate::error::{Error, real};
+use crate::math;
+
+/// A homogeneous medium and the frequency used in it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::exhaustive_structs, reason = "four numbers that a caller sets freely; a scene checks them")]
+pub struct Medium {
+    /// Frequency f in Hz.
+    pub frequency: f64,
+    /// Sound speed c in m/s; [`Medium::sound_speed_at`] gives it from a temperature.
+    pub sound_speed: f64,
+    /// Amplitude absorption alpha in Np/m (1.3 dB/m, air at 40 kHz, is 0.15).
+    pub absorption: f64,
+    /// Density rho in kg/m^3.
+    pub density: f64,
+}
+
+impl Default for Medium {
+    /// 40 kHz, 340 m/s (a wavelength of 8.5 mm, as in the paper), no absorption, 1.18 kg/m^3.
+    fn default() -> Self {
+        Self { frequency: 40e3, sound_speed: 340.0, absorption: 0.0, density: 1.18 }
+    }
+}
+
+impl Medium {
+    /// c = 331.3 sqrt(1 + T/273.15) m/s, T in degrees Celsius (ideal gas, dry air).
+    ///
+    /// # Errors
+    /// A temperature that is not finite or not above -273.15.
+    pub fn sound_speed_at(temperature: f64) -> Result<f64, Error> {
+        real("medium.temperature", temperature, -273.15, true)?;
+        Ok(331.3 * math::sqrt(1.0 + temperature / 273.15))
+    }
+
+    /// c/f in m.
+    #[must_use]
+    pub fn wavelength(&self) -> f64 {
+        self.sound_speed / self.frequency
+    }
+
+    /// k = 2 pi f/c in 1/m.
+    #[must_use]
+    pub fn wavenumber(&self) -> f64 {
+        core::f64::consts::TAU / self.wavelength()
+    }
+
+    /// Radiation pressure in Pa on a rigid wall at normal incidence, |p|^2/(rho c^2) for a peak pressure |p| in Pa.
+    ///
+    /// ```
+    /// let pascals = midair::Medium::default().radiation(5e3);
+    /// assert!((pascals - 183.3).abs() < 0.1);
+    /// ```
+    #[must_use]
+    pub fn radiation(&self, pressure: f64) -> f64 {
+        pressure * pressure / (self.density * self.sound_speed * self.sound_speed)
+    }
+
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        real("medium.frequency", self.frequency, 0.0, true)?;
+        real("medium.sound_speed", self.sound_speed, 0.0, true)?;
+        real("medium.absorption", self.absorption, 0.0, false)?;
+        real("medium.density", self.density, 0.0, true)?;
+        let wavelength = self.wavelength();
+        if !(1e-9..=1e9).contains(&wavelength) {
+            return Err(Error::invalid(
+                "medium.frequency",
+                self.frequency,
+                alloc::format!("the wavelength would be {wavelength:e} m: give Hz and m/s"),
+            ));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,74 @@
+//! How good an answer is: the numbers the methods are compared by.
+
+use crate::math;
+
+/// Metrics over the points with a pressure and a weight above 0, x_j = |p_j| / target_j.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[allow(clippy::exhaustive_structs, reason = "six numbers defined in docs/conventions.md")]
+pub struct Metrics {
+    /// sum |p_j| / sum target_j, unclipped: eq. (12).
+    pub accuracy: f64,
+    /// Standard deviation (1/M) of x / max x: eq. (13) for equal targets. 0 for one point or silence.
+    pub sigma: f64,
+    /// min x / max x; 1 for one point, 0 in silence.
+    pub uniformity: f64,
+    /// Mean x.
+    pub level: f64,
+    /// sum w (target - |p|)^2 / sum w target^2: eq. (7) relative to silence.
+    pub residual: f64,
+    /// max |p_j| over the quiet points (target 0) over the largest target; 0 where there are none.
+    pub leak: f64,
+}
+
+/// Gathers the metrics in one pass that needs no memory, in double precision.
+///
+/// Each item of `points` is (|p|, target, weight) in any one unit.
+///
+/// ```
+/// let metrics = midair::Metrics::of([(0.9, 1.0, 1.0), (0.6, 1.0, 1.0)].into_iter());
+/// assert!((metrics.accuracy - 0.75).abs() < 1e-12);
+/// assert!((metrics.uniformity - 2.0 / 3.0).abs() < 1e-12);
+/// ```
+impl Metrics {
+    /// The metrics of some points.
+    #[must_use]
+    pub fn of(points: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Self {
+        let heard = points.clone().filter(|&(_, target, weight)| target > 0.0 && weight > 0.0);
+        let largest = heard.clone().fold(0.0, |most: f64, (_, target, _)| most.max(target));
+        let heaviest = heard.clone().fold(0.0, |most: f64, (_, _, weight)| most.max(weight));
+        let (mut count, mut reached, mut asked, mut level) = (0.0, 0.0, 0.0, 0.0);
+        let (mut miss, mut all) = (0.0, 0.0);
+        let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
+        for (pressure, target, weight) in heard.clone() {
+            let x = pressure / target;
+            // Relative to the largest, so that no square of a finite number overflows.
+            let (gap, target) = ((target - pressure) / largest, target / largest);
+            count += 1.0;
+            reached += pressure / largest;
+            asked += target;
+            level += x;
+            miss += weight / heaviest * gap * gap;
+            all += weight / heaviest * target * target;
+            low = low.min(x);
+            high = high.max(x);
+        }
+        if count == 0.0 {
+            return Self::default();
+        }
+        let mean = level / count;
+        let spread = |sum: f64, (pressure, target, _): (f64, f64, f64)| {
+            let gap = (pressure / target - mean) / high;
+            sum + gap * gap
+        };
+        let silent = high == 0.0;
+        let quiet = points.filter(|&(_, target, weight)| target == 0.0 && weight > 0.0);
+        Self {
+            accuracy: reached / asked,
+            sigma: if silent { 0.0 } else { math::sqrt(heard.fold(0.0, spread) / count) },
+            uniformity: if silent { 0.0 } else { low / high },
+            level: mean,
+            residual: miss / all,
+            leak: quiet.fold(0.0, |most: f64, (pressure, _, _)| most.max(pressure)) / largest,
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! What a solver sees: gains, targets and weights of the points that take part, in units of the reference.
+
+use alloc::format;
+use alloc::sync::Arc;
+use alloc::vec;
+use alloc::vec::Vec;
+
+use num_complex::{Complex32, Complex64};
+
+use crate::error::Error;
+use crate::gains::Gains;
+use crate::math;
+use crate::metrics::Metrics;
+use crate::scene::{Request, Scene};
+
+/// Targets above this many reference pressures are a slip of the unit, and their squares near f32's end.
+const MOST_TARGET: f64 = 1e15;
+
+/// A checked problem: it can be solved.
+///
+/// Cloning is cheap but for the targets: all else is shared.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    gains: Gains,
+    weights: Arc<[f32]>,
+    asked: Arc<Asked>,
+    targets: Vec<f32>,
+}
+
+/// The caller's side of a problem, over all points, in Pa.
+#[derive(Debug)]
+pub(crate) struct Asked {
+    /// The gains of all points.
+    pub(crate) gains: Gains,
+    /// Targets (M,).
+    pub(crate) targets: Vec<f64>,
+    /// Weights (M,).
+    pub(crate) weights: Vec<f64>,
+    /// The points of weight above 0.
+    active: Vec<usize>,
+    /// Whether the caller gave pressures.
+    given: bool,
+    /// Factor that brings the targets to the balanced level.
+    balance: f64,
+}
+
+impl Problem {
+    /// The problem of a scene.
+    ///
+    /// # Errors
+    /// A point on a transducer, or one with a pressure above 0 that no transducer reaches.
+    pub fn new(scene: &Scene) -> Result<Self, Error> {
+        Self::with_gains(Gains::of(scene), scene.request())
+    }
+
+    /// The problem of a user's own gains.
+    ///
+    /// # Errors
+    /// As [`Problem::new`] and [`Request::check`].
+    pub fn with_gains(all: Gains, request: &Request) -> Result<Self, Error> {
+        request.check(all.points())?;
+        let active: Vec<usize> = (0..all.points()).filter(|&j| request.weight(j) > 0.0).collect();
+        let gains = if active.len() == all.points() { all.clone() } else { all.select(&active) };
+        let reach = reach(&gains).map_err(|error| match error {
+            // The selection renumbered the points.
+            Error::TooNear { point, transducer, distance, least } => {
+                Error::TooNear { point: active[point], transducer, distance, least }
+            }
+            other => other,
+        })?;
+        let reference = all.reference();
+        let mut loads = 0.0;
+        for (&j, &reach) in active.iter().zip(&reach) {
+            let target = request.pressure(j);
+            if target > 0.0 && reach == 0.0 {
+                return Err(Error::Unreached { point: j });
+            }
+            if request.pressures.is_some() && target / reference > MOST_TARGET {
+                let cure = "no array comes near it: give the pressure in Pa";
+                return Err(Error::invalid(format!("points[{j}].pressure"), format!("{target:e}"), cure));
+            }
+            if target > 0.0 {
+                loads += (target / (reach * reference)) * (target / (reach * reference));
+            }
+        }
+        let balance = 1.0 / math::sqrt(loads);
+        let given = request.pressures.is_some();
+        let scale = if given { 1.0 } else { balance };
+        let heaviest = active.iter().map(|&j| request.weight(j)).fold(0.0, f64::max);
+        let lanes = gains.lanes();
+        let mut weights = vec![0.0; lanes];
+        for (weight, &j) in weights.iter_mut().zip(&active) {
+            *weight = (request.weight(j) / heaviest) as f32;
+        }
+        let asked = Asked {
+            targets: (0..all.points()).map(|j| request.pressure(j) * scale).collect(),
+            weights: (0..all.points()).map(|j| request.weight(j)).collect(),
+            balance: if given { balance } else { 1.0 },
+            gains: all,
+            active,
+            given,
+        };
+        let mut problem = Self { gains, weights: weights.into(), asked: Arc::new(asked), targets: Vec::new() };
+        problem.targets = vec![0.0; lanes];
+        problem.asked.scaled_targets(1.0, &mut problem.targets);
+        Ok(problem)
+    }
+
+    /// The same problem at `factor` times the caller's targets, in a buffer of [`Gains::lanes`] numbers.
+    pub(crate) fn rescaled(&self, factor: f64, mut targets: Vec<f32>) -> Self {
+        self.asked.scaled_targets(factor, &mut targets);
+        Self { gains: self.gains.clone(), weights: Arc::clone(&self.weights), asked: self.asked(), targets }
+    }
+
+    pub(crate) fn into_targets(self) -> Vec<f32> {
+        self.targets
+    }
+
+    pub(crate) fn asked(&self) -> Arc<Asked> {
+        Arc::clone(&self.asked)
+    }
+
+    /// Rows of G over the points of weight above 0.
+    #[must_use]
+    pub fn gains(&self) -> &Gains {
+        &self.gains
+    }
+
+    /// Targets |p_j| in units of the reference, padded with zeros.
+    #[must_use]
+    pub fn targets(&self) -> &[f32] {
+        &self.targets
+    }
+
+    /// Weights, the largest 1, padded with zeros.
+    #[must_use]
+    pub fn weights(&self) -> &[f32] {
+        &self.weights
+    }
+
+    /// Targets (M,) of all points in Pa, as the caller gave them or at the balanced level.
+    #[must_use]
+    pub fn pressures(&self) -> &[f64] {
+        &self.asked.targets
+    }
+
+    /// Weights (M,) of all points, as the caller gave them.
+    #[must_use]
+    pub fn point_weights(&self) -> &[f64] {
+        &self.asked.weights
+    }
+
+    /// The factor s that brings the targets to the balanced level: `sum_j (s target_j / p1_j)^2 = 1` with
+    /// `p1_j = sum_i |G_ji|`. 1 where pressures were left out.
+    #[must_use]
+    pub fn balance(&self) -> f64 {
+        self.asked.balance
+    }
+
+    /// Whether every given target is below half the balanced level: solved without balancing, greedy drives
+    /// every transducer all the same and smears such foci (the paper's section V).
+    #[must_use]
+    pub fn is_weak(&self) -> bool {
+        self.asked.given && self.asked.balance > 2.0
+    }
+
+    /// The residual of a field given by its moduli in units of the reference, against this problem's targets.
+    #[must_use]
+    pub fn residual(&self, moduli: &[f32]) -> f64 {
+        let points = moduli.iter().zip(&self.targets).zip(self.weights.iter());
+        Metrics::of(points.map(|((&p, &t), &w)| (f64::from(p), f64::from(t), f64::from(w)))).residual
+    }
+
+    /// The metrics of a drive (N,) over the caller's points, wholly in double precision.
+    ///
+    /// # Errors
+    /// A drive of another length, a value that is not finite, |q| above 1 + 1e-6.
+    pub fn judge(&self, drive: &[Complex32]) -> Result<Metrics, Error> {
+        let all = &self.asked.gains;
+        check_drive(drive, all.transducers())?;
+        let pressures: Vec<f64> = (0..all.points())
+            .map(|j| {
+                let sum: Complex64 = (0..drive.len())
+                    .map(|i| {
+                        let q = Complex64::new(f64::from(drive[i].re), f64::from(drive[i].im));
+                        all.exact(j, i) * q
+                    })
+                    .sum();
+                sum.norm()
+            })
+            .collect();
+        Ok(self.asked.metrics(pressures.iter().copied()))
+    }
+}
+
+impl Asked {
+    fn scaled_targets(&self, factor: f64, out: &mut [f32]) {
+        for (out, &j) in out.iter_mut().zip(&self.active) {
+            *out = (self.targets[j] * factor / self.gains.reference()) as f32;
+        }
+        out[self.active.len()..].fill(0.0);
+    }
+
+    /// Metrics of pressures |p| (M,) in Pa.
+    pub(crate) fn metrics(&self, pressures: impl Iterator<Item = f64> + Clone) -> Metrics {
+        let asked = self.targets.iter().zip(&self.weights);
+        Metrics::of(pressures.zip(asked).map(|(pressure, (&target, &weight))| (pressure, target, weight)))
+    }
+}
+
+/// p1_j = `sum_i |G_ji|` in units of the reference.
+fn reach(gains: &Gains) -> Result<Vec<f64>, Error> {
+    let mut moduli = vec![0.0; gains.lanes()];
+    let mut reach = vec![0.0; gains.points()];
+    for i in 0..gains.transducers() {
+        gains.moduli(i, &mut moduli)?;
+        for (sum, &modulus) in reach.iter_mut().zip(&moduli) {
+            *sum += f64::from(modulus);
+        }
+    }
+    Ok(reach)
+}
+
+/// Refuses a drive that no array of `transducers` could be given.
+pub(crate) fn check_drive(drive: &[Complex32], transducers: usize) -> Result<(), Error> {
+    if drive.len() != transducers {
+        let value = format!("{} values", drive.len());
+        return Err(Error::invalid("drive", value, format!("give one for each of the {transducers} transducers")));
+    }
+    for (i, q) in drive.iter().enumerate() {
+        let modulus = math::hypot(f64::from(q.re), f64::from(q.im));
+        if !modulus.is_finite() {
+            return Err(Error::invalid(format!("drive[{i}]"), q, "give finite numbers"));
+        }
+        if modulus > 1.0 + 1e-6 {
+            return Err(Error::invalid(format!("drive[{i}]"), q, "a drive's modulus is at most 1"));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,60 @@
+//! The small seeded generator behind every random choice.
+//!
+//! `SplitMix64` (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014):
+//! eight bytes of state, no bad seeds, the same numbers on every platform. A seed is part of a result, so
+//! changing this file is a breaking change; `golden/` and a test of its first values pin it.
+
+/// A `SplitMix64` generator.
+///
+/// ```
+/// let mut rng = midair::Rng::new(1);
+/// let order = rng.permutation(4);
+/// let mut sorted = order.clone();
+/// sorted.sort_unstable();
+/// assert_eq!(sorted, [0, 1, 2, 3]);
+/// assert_eq!(order, midair::Rng::new(1).permutation(4));
+/// ```
+#[derive(Clone, Debug)]
+pub struct Rng(u64);
+
+impl Rng {
+    /// A generator that is a function of `seed` alone.
+    #[must_use]
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// The next 64 random bits.
+    pub fn next_u64(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    /// A number in `0..bound`, by the high half of a 128-bit product (a bias of at most `bound` in 2^64).
+    pub fn below(&mut self, bound: u64) -> u64 {
+        ((u128::from(self.next_u64()) * u128::from(bound)) >> 64) as u64
+    }
+
+    /// A number in [0, 1) with 53 random bits.
+    pub fn uniform(&mut self) -> f64 {
+        (self.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Shuffles `items` (Fisher and Yates, from the last to the second).
+    pub fn shuffle<T>(&mut self, items: &mut [T]) {
+        for last in (1..items.len()).rev() {
+            items.swap(last, self.below(last as u64 + 1) as usize);
+        }
+    }
+
+    /// A random order of `0..count`.
+    #[must_use]
+    pub fn permutation(&mut self, count: u32) -> alloc::vec::Vec<u32> {
+        let mut order: alloc::vec::Vec<u32> = (0..count).collect();
+        self.shuffle(&mut order);
+        order
+    }
+}

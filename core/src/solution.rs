@@ -1,0 +1,139 @@
+//! What comes out of a solve.
+
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+use core::fmt;
+
+use num_complex::Complex32;
+
+use crate::kernels;
+use crate::math;
+use crate::metrics::Metrics;
+use crate::problem::{Asked, Problem};
+use crate::workspace::Workspace;
+
+/// How a solve ended. Outcome is data, never an error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Status {
+    /// The method ran to its end.
+    Done,
+    /// The method's steps ran out before its tolerance was met.
+    OutOfSteps,
+    /// The caller asked to stop; the answer is the best so far.
+    Stopped,
+    /// The arithmetic broke down; the answer is the best before.
+    Breakdown,
+}
+
+impl fmt::Display for Status {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Done => "done",
+            Self::OutOfSteps => "out_of_steps",
+            Self::Stopped => "stopped",
+            Self::Breakdown => "breakdown",
+        })
+    }
+}
+
+/// A drive and what it does at the points.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Solution {
+    /// Drives q (N,), |q| <= 1.
+    pub drive: Vec<Complex32>,
+    /// Complex pressures (M,) in Pa (peak) at all of the caller's points, by one f32 pass over the rows.
+    pub pressures: Vec<Complex32>,
+    /// How the solve ended.
+    pub status: Status,
+    /// Steps taken.
+    pub steps: usize,
+    asked: Arc<Asked>,
+}
+
+impl Solution {
+    /// The solution that `drive` is: a solver's last line. Its pressures are computed here.
+    #[must_use]
+    pub fn new(
+        problem: &Problem,
+        drive: Vec<Complex32>,
+        status: Status,
+        steps: usize,
+        work: &mut Workspace,
+    ) -> Self {
+        let asked = problem.asked();
+        let gains = &asked.gains;
+        let mut buffers = [(); 4].map(|()| work.floats.take(gains.lanes()));
+        let [row_re, row_im, re, im] = &mut buffers;
+        for (i, q) in drive.iter().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
+            gains.row(i, row_re, row_im);
+            kernels::accumulate([row_re, row_im], [q.re, q.im], re, im);
+        }
+        let mut pressures = work.complexes.take(gains.points());
+        let scale = |x: f32| (f64::from(x) * gains.reference()) as f32;
+        for ((pressure, re), im) in pressures.iter_mut().zip(&*re).zip(&*im) {
+            *pressure = Complex32::new(scale(*re), scale(*im));
+        }
+        work.floats.give_all(buffers);
+        Self { drive, pressures, status, steps, asked }
+    }
+
+    /// Divides drives and pressures by `factor`.
+    pub(crate) fn reduce(&mut self, factor: f64) {
+        let reduced = |q: Complex32| {
+            let part = |x: f32| (f64::from(x) / factor) as f32;
+            Complex32::new(part(q.re), part(q.im))
+        };
+        self.drive.iter_mut().for_each(|q| *q = reduced(*q));
+        self.pressures.iter_mut().for_each(|p| *p = reduced(*p));
+    }
+
+    /// Metrics of the pressures against the caller's targets; f64 arithmetic over the M values.
+    #[must_use]
+    pub fn metrics(&self) -> Metrics {
+        self.asked.metrics(self.pressures.iter().map(|p| math::hypot(f64::from(p.re), f64::from(p.im))))
+    }
+
+    /// The targets (M,) in Pa that the metrics refer to.
+    #[must_use]
+    pub fn targets(&self) -> &[f64] {
+        &self.asked.targets
+    }
+
+    /// Radiation pressure in Pa at point `j`, |p|^2/(rho c^2).
+    ///
+    /// # Panics
+    /// If there is no such point.
+    #[must_use]
+    pub fn radiation(&self, j: usize) -> f64 {
+        let pressure = self.pressures[j];
+        self.asked.gains.medium().radiation(math::hypot(f64::from(pressure.re), f64::from(pressure.im)))
+    }
+
+    /// |q_i|, 0 to 1.
+    ///
+    /// # Panics
+    /// If there is no such transducer.
+    #[must_use]
+    pub fn amplitude(&self, i: usize) -> f64 {
+        math::hypot(f64::from(self.drive[i].re), f64::from(self.drive[i].im)).min(1.0)
+    }
+
+    /// The phase of q_i in rad in [0, 2 pi); 0 where q_i = 0.
+    ///
+    /// # Panics
+    /// If there is no such transducer.
+    #[must_use]
+    pub fn phase(&self, i: usize) -> f64 {
+        use core::f64::consts::TAU;
+        let q = self.drive[i];
+        if q == Complex32::ZERO {
+            return 0.0;
+        }
+        let angle = math::atan2(f64::from(q.im), f64::from(q.re));
+        let turned = if angle < 0.0 { angle + TAU } else { angle };
+        // A tiny negative angle rounds up to a whole turn.
+        if turned < TAU { turned.abs() } else { 0.0 }
+    }
+}

@@ -1,0 +1,254 @@
+//! The greedy algorithm with brute-force search: Suzuki et al., IEEE Trans. Haptics 14(4), 2021, Algorithm 2.
+//!
+//! One transducer after another takes, of K amplitudes times L phases, the drive that lowers eq. (7) most; the
+//! field at the points is kept and updated (eq. 9), so that the whole costs O(K L M N). No matrix is stored: a
+//! row of G is used once and forgotten. Energies are compared by their *differences*: at N = 10^4 a transducer
+//! changes the energy by less than an f32 sum of it can show.
+
+use alloc::format;
+use alloc::vec::Vec;
+
+use num_complex::Complex32;
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::gains::Gains;
+use crate::kernels::{self, Candidates, L1, L2, Point};
+use crate::options::{OptionValue, Value, spell, word};
+use crate::problem::Problem;
+use crate::rng::Rng;
+use crate::solution::{Solution, Status};
+use crate::solvers::{Info, Method, Solve};
+use crate::workspace::Workspace;
+
+/// Whether the errors are squared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Objective {
+    /// `sum w (t - |P|)^2`, the paper's eq. (7).
+    L2,
+    /// `sum w |t - |P||`, what the authors' code minimises.
+    L1,
+}
+
+/// In which order the transducers have their turn.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[allow(clippy::exhaustive_enums, reason = "the orders the paper compares, and the caller's own")]
+pub enum Order {
+    /// A random permutation from the seed.
+    Random,
+    /// By index: x fastest on a grid.
+    Rows,
+    /// By x, then y (to 1 um): column after column from the (-x, -y) corner, the paper's fixed order.
+    Columns,
+    /// The caller's permutation of 0..N.
+    Given(Vec<u32>),
+}
+
+crate::options! {
+    /// Greedy search. Time O(K L M N), memory O(N + M + K L).
+    pub struct Greedy {
+        /// Phase levels L, 2 to 65536: phases are 2 pi l/L.
+        pub phases: u32 = 16,
+        /// Amplitude levels K, 1 to 256: amplitudes are (k+1)/K, never off.
+        pub amplitudes: u32 = 1,
+        /// What is minimised: "l2" (squared errors, the paper's text) or "l1" (its authors' code).
+        pub objective: Objective = Objective::L2,
+        /// Whose turn comes when: "random", "rows", "columns" or a permutation of 0..N.
+        pub order: Order = Order::Random,
+        /// Seed of the random order, 0 to 2^64 - 1.
+        pub seed: u64 = 0,
+    }
+}
+
+const OBJECTIVES: [(&str, Objective); 2] = [("l2", Objective::L2), ("l1", Objective::L1)];
+
+impl OptionValue for Objective {
+    fn read(item: &str, value: &Value) -> Result<Self, Error> {
+        word(item, value, &OBJECTIVES)
+    }
+
+    fn show(&self) -> Value {
+        spell(*self, &OBJECTIVES)
+    }
+}
+
+impl OptionValue for Order {
+    fn read(item: &str, value: &Value) -> Result<Self, Error> {
+        if let Value::Integers(list) = value {
+            let order = list.iter().map(|&i| u32::try_from(i)).collect::<Result<_, _>>();
+            return order.map(Self::Given).map_err(|_| not_a_permutation(value));
+        }
+        word(item, value, &[("random", 0), ("rows", 1), ("columns", 2)])
+            .map(|k| [Self::Random, Self::Rows, Self::Columns][k].clone())
+            .map_err(|_| Error::invalid(item, value, "give \"random\", \"rows\", \"columns\" or a permutation of 0..N"))
+    }
+
+    fn show(&self) -> Value {
+        match self {
+            Self::Random => Value::Text("random".into()),
+            Self::Rows => Value::Text("rows".into()),
+            Self::Columns => Value::Text("columns".into()),
+            Self::Given(order) => Value::Integers(order.iter().map(|&i| i64::from(i)).collect()),
+        }
+    }
+}
+
+fn not_a_permutation(value: &Value) -> Error {
+    Error::invalid("order", value, "give each transducer's index once: a permutation of 0..N")
+}
+
+impl Order {
+    /// Writes the order of all transducers into `out`, which holds 0..N.
+    fn write(&self, seed: u64, gains: &Gains, out: &mut [u32]) -> Result<(), Error> {
+        match self {
+            Self::Rows => {}
+            Self::Random => Rng::new(seed).shuffle(out),
+            Self::Columns => {
+                let positions = gains.positions().ok_or_else(|| {
+                    Error::invalid("order", "\"columns\"", "gains have no positions: give \"rows\", \"random\" or a permutation")
+                })?;
+                let micron = |x: f64| libm::round(x * 1e6);
+                let key = |i: u32| positions[i as usize].map(micron);
+                // Unstable sorting needs no memory; the index makes it stable.
+                out.sort_unstable_by(|&a, &b| {
+                    let ([ax, ay, _], [bx, by, _]) = (key(a), key(b));
+                    ax.total_cmp(&bx).then(ay.total_cmp(&by)).then(a.cmp(&b))
+                });
+            }
+            Self::Given(order) => {
+                let fault = || not_a_permutation(&Value::Text(format!("a list of {} indices", order.len())));
+                if order.len() != out.len() {
+                    return Err(fault());
+                }
+                // Marks every index met in `out`, which still holds 0..N, before overwriting it.
+                for &i in order {
+                    match out.get_mut(i as usize) {
+                        Some(mark) if *mark == i => *mark = u32::MAX,
+                        _ => return Err(fault()),
+                    }
+                }
+                out.copy_from_slice(order);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Method for Greedy {
+    const INFO: Info = Info {
+        name: "greedy",
+        summary: "greedy with brute-force search over phases and amplitudes",
+        source: "Suzuki et al., IEEE Trans. Haptics 14(4), 2021, Algorithm 2",
+        balance: false,
+        tolerance: 0.02,
+        uses_start: false,
+        uses_level: false,
+    };
+
+    fn check(&self) -> Result<(), Error> {
+        for (item, value, range) in [("phases", self.phases, 2..=65_536), ("amplitudes", self.amplitudes, 1..=256)] {
+            if !range.contains(&value) {
+                let cure = format!("give {} to {}", range.start(), range.end());
+                return Err(Error::invalid(item, value, cure));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Solve for Greedy {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+        self.check()?;
+        let gains = problem.gains();
+        let count = gains.transducers();
+        let mut order = work.indices.take(count);
+        for (k, i) in order.iter_mut().enumerate() {
+            *i = k as u32;
+        }
+        self.order.write(self.seed, gains, &mut order)?;
+        let (phases, amplitudes) = (self.phases as usize, self.amplitudes as usize);
+        let spare = [(); 2].map(|()| work.floats.take(kernels::padded(phases * amplitudes)));
+        let [re, im] = spare;
+        let candidates = Candidates::new(phases, amplitudes, re, im);
+        let mut search = Search::new(problem, work);
+        let mut drive = work.complexes.take(count);
+        let (mut status, mut steps) = (Status::Done, 0);
+        for &i in &order {
+            let i = i as usize;
+            let choice = match self.objective {
+                Objective::L2 => search.choose::<L2>(gains, i, &candidates, phases),
+                Objective::L1 => search.choose::<L1>(gains, i, &candidates, phases),
+            };
+            if let Some([re, im]) = choice {
+                drive[i] = Complex32::new(re, im);
+            }
+            steps += 1;
+            if control.step(steps, count, || problem.residual(&search.modulus)).is_break() && steps < count {
+                status = Status::Stopped;
+                break;
+            }
+        }
+        search.end(work);
+        work.floats.give_all(candidates.into_buffers());
+        work.indices.give(order);
+        Ok(Solution::new(problem, drive, status, steps, work))
+    }
+}
+
+/// The state between two transducers: the cached field of eq. (9).
+struct Search {
+    re: Vec<f32>,
+    im: Vec<f32>,
+    modulus: Vec<f32>,
+    row_re: Vec<f32>,
+    row_im: Vec<f32>,
+    points: Vec<Point>,
+}
+
+impl Search {
+    fn new(problem: &Problem, work: &mut Workspace) -> Self {
+        let lanes = problem.gains().lanes();
+        let mut points = work.points.take(problem.gains().points());
+        for ((point, &target), &weight) in points.iter_mut().zip(problem.targets()).zip(problem.weights()) {
+            *point = Point { target, weight, ..Point::default() };
+        }
+        let [re, im, modulus, row_re, row_im] = [(); 5].map(|()| work.floats.take(lanes));
+        Self { re, im, modulus, row_re, row_im, points }
+    }
+
+    /// Chooses transducer i's drive and adds it to the field; none if it reaches no point.
+    fn choose<T: kernels::Term>(
+        &mut self,
+        gains: &Gains,
+        i: usize,
+        candidates: &Candidates,
+        phases: usize,
+    ) -> Option<[f32; 2]> {
+        gains.row(i, &mut self.row_re, &mut self.row_im);
+        let row = [&self.row_re[..], &self.row_im[..]];
+        if kernels::energy(row) == 0.0 {
+            return None;
+        }
+        let mut silent = true;
+        for (j, point) in self.points.iter_mut().enumerate() {
+            point.gain = [row[0][j], row[1][j]];
+            point.pressure = [self.re[j], self.im[j]];
+            point.modulus = self.modulus[j];
+            silent &= point.modulus == 0.0;
+        }
+        // In silence every phase is as good as any other.
+        let stride = if silent { phases } else { 1 };
+        let tolerance = kernels::tolerance(&self.points);
+        let drive = candidates.drive(kernels::best::<T>(&self.points, candidates, stride, tolerance));
+        kernels::accumulate(row, drive, &mut self.re, &mut self.im);
+        kernels::modulus(&self.re, &self.im, &mut self.modulus);
+        Some(drive)
+    }
+
+    fn end(self, work: &mut Workspace) {
+        let Self { re, im, modulus, row_re, row_im, points } = self;
+        work.floats.give_all([re, im, modulus, row_re, row_im]);
+        work.points.give(points);
+    }
+}

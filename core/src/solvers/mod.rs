@@ -1,0 +1,198 @@
+//! The methods: one file each, one line each in the registry.
+
+mod greedy;
+mod limit;
+mod naive;
+
+use alloc::boxed::Box;
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+
+pub use greedy::{Greedy, Objective, Order};
+pub use limit::Limit;
+pub use naive::Naive;
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::options::{Configure, OptionInfo, Options};
+use crate::problem::Problem;
+use crate::solution::Solution;
+use crate::workspace::Workspace;
+
+/// Declares [`SOLVERS`]; one line adds a solver.
+macro_rules! registry {
+    ($($method:path,)*) => {
+        /// Every solver, in the order of tables.
+        pub static SOLVERS: &[Entry] = &[$(Entry::of::<$method>()),*];
+    };
+}
+
+registry! {
+    greedy::Greedy,
+    naive::Naive,
+}
+
+/// The solver used where none is named.
+pub const DEFAULT: &str = "greedy";
+
+/// A method that finds a drive.
+pub trait Solve {
+    /// Solves `problem` as it stands: its targets are met or missed, no drive exceeds 1. Buffers come from
+    /// `work` and go back there; `control` is called once a step. A solver does not balance: [`solve`] does.
+    ///
+    /// # Errors
+    /// Options that this problem cannot be solved with.
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error>;
+}
+
+/// What the registry knows of a method beside its options.
+#[derive(Clone, Copy, Debug)]
+#[allow(clippy::exhaustive_structs, reason = "each solver writes one out in full")]
+pub struct Info {
+    /// Its name.
+    pub name: &'static str,
+    /// What it does, in one line.
+    pub summary: &'static str,
+    /// Paper and equation.
+    pub source: &'static str,
+    /// Whether [`solve`] balances the targets unless told otherwise.
+    pub balance: bool,
+    /// By how much permuting, moving or mirroring a scene may change a metric (in the mean over 20 scenes).
+    pub tolerance: f64,
+    /// Whether it uses a start (a drive or point phases).
+    pub uses_start: bool,
+    /// Whether it uses a level ("target" or "max").
+    pub uses_level: bool,
+}
+
+/// A registered method: options, what is known of it, and [`Solve`].
+pub trait Method: Configure + Solve + Send + Sync + 'static {
+    /// What is known of it.
+    const INFO: Info;
+
+    /// Checks the options against each other and their ranges.
+    ///
+    /// # Errors
+    /// A value out of range.
+    fn check(&self) -> Result<(), Error>;
+}
+
+/// A line of the registry.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// What is known of the method.
+    pub info: &'static Info,
+    list: fn() -> Vec<OptionInfo>,
+    make: fn(&Options) -> Result<Configured, Error>,
+}
+
+/// A solver with its options, all of them in full.
+#[allow(missing_debug_implementations, reason = "a solver of a user's own need not have one")]
+pub struct Configured {
+    /// The registry's line.
+    pub info: &'static Info,
+    /// The value of every option.
+    pub options: Options,
+    /// The solver itself.
+    pub solver: Box<dyn Solve + Send + Sync>,
+}
+
+impl Entry {
+    /// The registry's line for a method.
+    #[must_use]
+    pub const fn of<M: Method>() -> Self {
+        Self { info: &M::INFO, list: M::list, make: make::<M> }
+    }
+
+    /// Every option with its default.
+    #[must_use]
+    pub fn options(&self) -> Vec<OptionInfo> {
+        (self.list)()
+    }
+
+    /// The method with some options set.
+    ///
+    /// # Errors
+    /// An unknown option or a value that does not fit.
+    pub fn configure(&self, options: &Options) -> Result<Configured, Error> {
+        (self.make)(options)
+    }
+}
+
+fn make<M: Method>(options: &Options) -> Result<Configured, Error> {
+    let mut solver = M::default();
+    for (name, value) in options {
+        solver.set(name, value).map_err(|error| match error {
+            Error::Unknown { name, known, .. } => {
+                Error::Unknown { kind: format!("option of {}", M::INFO.name), name, known }
+            }
+            other => other,
+        })?;
+    }
+    solver.check()?;
+    Ok(Configured { info: &M::INFO, options: solver.options(), solver: Box::new(solver) })
+}
+
+/// The registry's line of that name.
+///
+/// # Errors
+/// An unknown name; the error lists the known ones.
+pub fn find(name: &str) -> Result<&'static Entry, Error> {
+    SOLVERS
+        .iter()
+        .find(|entry| entry.info.name == name)
+        .ok_or_else(|| Error::unknown("solver", name, SOLVERS.iter().map(|entry| entry.info.name)))
+}
+
+/// The error for an argument that `name` does not use, listing the solvers that do.
+#[must_use]
+pub fn unused(argument: &str, name: &str, uses: fn(&Info) -> bool) -> Error {
+    let users: Vec<&str> = SOLVERS.iter().map(|entry| entry.info).filter(|info| uses(info)).map(|i| i.name).collect();
+    let cure = if users.is_empty() {
+        String::from("leave it out, no solver here uses it")
+    } else {
+        format!("leave it out, or take one that uses it: {}", users.join(", "))
+    };
+    Error::invalid(argument, format!("given to \"{name}\""), cure)
+}
+
+/// Solves a problem, balancing it first if asked to.
+///
+/// Balancing multiplies the targets by [`Problem::balance`] when that is above 1, and divides the drives by it
+/// afterwards: the cure of the paper's section V, where foci much weaker than the array can make come out
+/// smeared. Metrics, trace and progress speak of the final drive and the caller's targets.
+///
+/// # Errors
+/// What the solver refuses.
+///
+/// ```
+/// use midair::{Array, Control, Medium, Problem, Request, Scene, Workspace, solvers};
+///
+/// let points = vec![[-0.02, 0.0, 0.15], [0.02, 0.0, 0.15]];
+/// let scene = Scene::new(Array::grid(20, 20, 10e-3)?, Medium::default(), points, Request::default())?;
+/// let greedy = solvers::find("greedy")?.configure(&[("seed".into(), midair::Value::Integer(1))].into())?;
+/// let problem = Problem::new(&scene)?;
+/// let solution = midair::solve(&problem, &*greedy.solver, false, &mut Workspace::new(), &mut Control::none())?;
+/// assert!(solution.metrics().accuracy > 0.8);
+/// # Ok::<(), midair::Error>(())
+/// ```
+pub fn solve(
+    problem: &Problem,
+    solver: &dyn Solve,
+    balance: bool,
+    work: &mut Workspace,
+    control: &mut Control,
+) -> Result<Solution, Error> {
+    let factor = problem.balance();
+    if !balance || factor <= 1.0 {
+        return solver.solve(problem, work, control);
+    }
+    let targets = work.floats.take(problem.gains().lanes());
+    let balanced = problem.rescaled(factor, targets);
+    let solution = solver.solve(&balanced, work, control);
+    work.floats.give(balanced.into_targets());
+    let mut solution = solution?;
+    solution.reduce(factor);
+    Ok(solution)
+}

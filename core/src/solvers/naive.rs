@@ -1,0 +1,69 @@
+//! Superposed single foci: the drive of each point alone, added up.
+//!
+//! q_i = `sum_j conj(G_ji) p_j / sum_i |G_ji|^2`: every point is focused on as if it were the only one, at the
+//! amplitude that would give it its pressure; what the foci do to each other is left to chance. The baseline
+//! that every method has to beat (the back-projection with which Marzo et al. 2019 and others start).
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::kernels;
+use crate::options;
+use crate::problem::Problem;
+use crate::solution::{Solution, Status};
+use crate::solvers::{Info, Limit, Method, Solve};
+use crate::workspace::Workspace;
+
+use num_complex::Complex32;
+
+options! {
+    /// The sum of single foci. Time O(N M), memory O(N + M).
+    pub struct Naive {
+        /// How a sum above full drive is brought back: "clamp", "normalize" or "full".
+        pub limit: Limit = Limit::Clamp,
+    }
+}
+
+impl Method for Naive {
+    const INFO: Info = Info {
+        name: "naive",
+        summary: "single foci, superposed",
+        source: "back-projection, e.g. Marzo et al., PNAS 2019",
+        balance: false,
+        tolerance: 1e-4,
+        uses_start: false,
+        uses_level: false,
+    };
+
+    fn check(&self) -> Result<(), Error> {
+        Ok(())
+    }
+}
+
+impl Solve for Naive {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+        let gains = problem.gains();
+        let mut buffers = [(); 3].map(|()| work.floats.take(gains.lanes()));
+        let [re, im, share] = &mut buffers;
+        for i in 0..gains.transducers() {
+            gains.row(i, re, im);
+            kernels::squares([re, im], share);
+        }
+        for (share, target) in share.iter_mut().zip(problem.targets()) {
+            // A quiet point and one out of reach have no focus.
+            *share = if *share > 0.0 { target / *share } else { 0.0 };
+        }
+        let mut drive = work.complexes.take(gains.transducers());
+        for (i, q) in drive.iter_mut().enumerate() {
+            gains.row(i, re, im);
+            let [sum_re, sum_im] = kernels::project([re, im], share);
+            *q = Complex32::new(sum_re, sum_im);
+        }
+        self.limit.apply(&mut drive);
+        work.floats.give_all(buffers);
+        let mut solution = Solution::new(problem, drive, Status::Done, 1, work);
+        if control.step(1, 1, || solution.metrics().residual).is_break() {
+            solution.status = Status::Stopped;
+        }
+        Ok(solution)
+    }
+}

@@ -1,0 +1,68 @@
+//! The memory of solves: taken, given back, taken again.
+
+use alloc::vec::Vec;
+
+use num_complex::Complex32;
+
+use crate::solution::Solution;
+
+/// Buffers of one kind that wait to be used again.
+#[derive(Debug, Default)]
+pub struct Pool<T> {
+    free: Vec<Vec<T>>,
+}
+
+impl<T: Clone + Default> Pool<T> {
+    /// A buffer of `len` defaults: the smallest free one that holds them, else a new one.
+    pub fn take(&mut self, len: usize) -> Vec<T> {
+        let fits = (0..self.free.len()).filter(|&k| self.free[k].capacity() >= len);
+        let mut buffer = match fits.min_by_key(|&k| self.free[k].capacity()) {
+            Some(k) => self.free.swap_remove(k),
+            None => Vec::with_capacity(len),
+        };
+        buffer.clear();
+        buffer.resize(len, T::default());
+        buffer
+    }
+
+    /// Gives a buffer back.
+    pub fn give(&mut self, buffer: Vec<T>) {
+        if buffer.capacity() > 0 {
+            self.free.push(buffer);
+        }
+    }
+
+    /// Gives several back.
+    pub fn give_all(&mut self, buffers: impl IntoIterator<Item = Vec<T>>) {
+        buffers.into_iter().for_each(|buffer| self.give(buffer));
+    }
+}
+
+/// The memory that solvers work in. The second solve of a size through one workspace allocates nothing, once
+/// the first one's solution was given back with [`Workspace::recycle`].
+#[derive(Debug, Default)]
+#[non_exhaustive]
+pub struct Workspace {
+    /// Single-precision numbers.
+    pub floats: Pool<f32>,
+    /// Complex numbers.
+    pub complexes: Pool<Complex32>,
+    /// Indices of transducers.
+    pub indices: Pool<u32>,
+    /// Per-point states of the greedy search.
+    pub(crate) points: Pool<crate::kernels::Point>,
+}
+
+impl Workspace {
+    /// An empty workspace.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Takes a solution's vectors back for the next solve.
+    pub fn recycle(&mut self, solution: Solution) {
+        self.complexes.give(solution.drive);
+        self.complexes.give(solution.pressures);
+    }
+}

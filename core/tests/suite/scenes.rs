@@ -1,0 +1,68 @@
+//! Scenes that tests share, and the same scenes as the oracle sees them.
+
+use midair::{Array, Complex32, Complex64, Directivity, Medium, Problem, Request, Rng, Scene};
+
+use crate::oracle;
+
+/// A scene with default air.
+pub(crate) fn scene(array: Array, points: Vec<[f64; 3]>, pressures: Option<Vec<f64>>) -> Scene {
+    Scene::new(array, Medium::default(), points, Request { pressures, weights: None }).expect("a valid scene")
+}
+
+/// A preset of one board.
+pub(crate) fn preset(name: &str) -> Array {
+    Array::preset(name, [1, 1]).expect("a known preset")
+}
+
+/// `count` points of the paper's figures 3 and 4: uniform over the array's square, at z = 150 mm.
+pub(crate) fn random_points(count: usize, half: f64, seed: u64) -> Vec<[f64; 3]> {
+    let mut rng = Rng::new(seed);
+    let mut coordinate = || (2.0 * rng.uniform() - 1.0) * half;
+    (0..count).map(|_| [coordinate(), coordinate(), 0.15]).collect()
+}
+
+/// The 38 points of fig. 2.
+pub(crate) fn smiley() -> Vec<[f64; 3]> {
+    use std::f64::consts::{PI, TAU};
+    let at = |r: f64, angle: f64| [r * angle.cos(), r * angle.sin(), 0.15];
+    let circle = (0..30).map(|i| at(0.045, TAU * f64::from(i) / 30.0));
+    let eyes = [[-0.0135, 0.0135, 0.15], [0.0135, 0.0135, 0.15]];
+    let mouth = (1..=6).map(|i| at(0.027, -PI * f64::from(i) / 7.0));
+    circle.chain(eyes).chain(mouth).collect()
+}
+
+/// The oracle's model of a scene's array and air.
+pub(crate) fn model(scene: &Scene) -> oracle::Model {
+    let (array, medium) = (scene.array(), scene.medium());
+    oracle::Model {
+        positions: array.positions().to_vec(),
+        normals: array.normals().to_vec(),
+        response: array.response().map_or_else(|| vec![Complex64::ONE; array.len()], <[_]>::to_vec),
+        source_pressure: array.transducer().source_pressure,
+        directivity: match array.transducer().directivity {
+            Directivity::Point => oracle::Directivity::Point,
+            Directivity::Piston(radius) => oracle::Directivity::Piston(radius),
+            Directivity::Sinc(width) => oracle::Directivity::Sinc(width),
+            Directivity::Cos(exponent) => oracle::Directivity::Cos(exponent),
+            Directivity::T4010a1 => oracle::Directivity::T4010a1,
+        },
+        frequency: medium.frequency,
+        sound_speed: medium.sound_speed,
+        absorption: medium.absorption,
+    }
+}
+
+/// The oracle's gains of a scene, transducer-major.
+pub(crate) fn gains(scene: &Scene) -> Vec<Vec<Complex64>> {
+    oracle::gains(&model(scene), scene.points())
+}
+
+/// A problem's targets in Pa.
+pub(crate) fn problem(scene: &Scene) -> Problem {
+    Problem::new(scene).expect("a solvable scene")
+}
+
+/// A drive in double precision.
+pub(crate) fn widen(drive: &[Complex32]) -> Vec<Complex64> {
+    drive.iter().map(|q| Complex64::new(f64::from(q.re), f64::from(q.im))).collect()
+}

@@ -1,0 +1,179 @@
+"""Double-precision reference for the kernels, written from the definitions.
+
+SI units, time factor e^{-jwt}: an outgoing wave runs as e^{+jkr}. G has a row per point and a column
+per transducer, so that a field is G @ drive.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import PchipInterpolator
+from scipy.special import j1
+
+T4010A1 = (1.0, 1.0, 1.0, 0.8913, 0.7079, 0.5012, 0.3548, 0.2512, 0.1995, 0.1778)
+# Part of E(0) by which a later candidate has to beat an earlier one, so that rounding does not decide
+# between candidates that are equal on paper.
+TIE = 1e-12
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Directivity = str | tuple[str, float]
+
+
+def pattern(directivity: Directivity, k: float, theta: Real) -> Real:
+    """Far-field pattern at angles from the normal; all but the point source are silent behind."""
+    name, size = (directivity, 0.0) if isinstance(directivity, str) else directivity
+    front = np.minimum(theta, np.pi / 2)
+    x = k * size * np.sin(front)
+    if name == "point":
+        return np.ones_like(theta)
+    if name == "piston":
+        d = np.divide(2 * j1(x), x, out=np.ones_like(x), where=x != 0)
+    elif name == "sinc":
+        d = np.sinc(x / 2 / np.pi)
+    elif name == "cos":
+        d = np.cos(front) ** size
+    elif name == "t4010a1":
+        d = PchipInterpolator(np.arange(0, 91, 10), T4010A1)(np.degrees(front))
+    else:
+        raise ValueError(f"unknown directivity {name!r}")
+    return np.where(theta <= np.pi / 2, d, 0.0)
+
+
+def gains(
+    positions: ArrayLike,
+    points: ArrayLike,
+    *,
+    normals: ArrayLike | None = None,
+    response: ArrayLike | None = None,
+    source_pressure: float = 4.386,
+    directivity: Directivity = "point",
+    frequency: float = 40e3,
+    sound_speed: float = 340.0,
+    absorption: float = 0.0,
+) -> Complex:
+    """(M, N) pressure per unit of drive; normals default to +z. No point may sit on a transducer."""
+    k = 2 * np.pi * frequency / sound_speed
+    way = np.asarray(points, float)[:, None] - np.asarray(positions, float)
+    normal = np.broadcast_to([0.0, 0.0, 1.0] if normals is None else np.asarray(normals, float), way.shape)
+    r = np.linalg.norm(way, axis=2)
+    # Not by arccos, which loses digits near the axis.
+    theta = np.arctan2(np.linalg.norm(np.cross(normal, way), axis=2), np.sum(normal * way, axis=2))
+    wave = source_pressure / r * pattern(directivity, k, theta) * np.exp((1j * k - absorption) * r)
+    return wave * (1.0 if response is None else np.asarray(response, complex))
+
+
+def reach(G: Complex) -> Real:
+    """Most pressure that drives of at most 1 can give at each point on its own."""
+    return np.abs(G).sum(axis=1)
+
+
+def balanced_factor(G: Complex, targets: ArrayLike, weights: ArrayLike | None = None) -> float:
+    """Factor s for which the sum of (s t / p1)^2 is 1; 0 for a target out of reach."""
+    t, w = _targets(targets, weights)
+    use = (w > 0) & (t > 0)
+    with np.errstate(divide="ignore"):
+        return float(1 / np.linalg.norm(t[use] / reach(G)[use]))
+
+
+def _targets(targets: ArrayLike, weights: ArrayLike | None) -> tuple[Real, Real]:
+    t = np.asarray(targets, float)
+    return t, np.ones_like(t) if weights is None else np.asarray(weights, float)
+
+
+class _Walk:
+    """The search's state along the order, kept to the points of weight > 0."""
+
+    def __init__(
+        self,
+        G: Complex,
+        targets: ArrayLike,
+        *,
+        weights: ArrayLike | None = None,
+        phases: int = 16,
+        amplitudes: int = 1,
+        objective: str = "l2",
+    ) -> None:
+        t, w = _targets(targets, weights)
+        live = w > 0
+        self.G, self.t, self.w = np.asarray(G)[live], t[live], w[live]
+        self.power = {"l1": 1, "l2": 2}[objective]
+        steps = np.exp(2j * np.pi * np.arange(phases) / phases)
+        self.grid = (np.arange(1, amplitudes + 1) / amplitudes)[:, None] * steps
+        self.P = np.zeros(len(self.t), complex)
+        self.silent = float(self.w @ np.abs(self.t) ** self.power)
+
+    def candidates(self, i: int) -> Complex:
+        """Amplitudes outer, phases inner; in silence, where all phases are equal, phase 0 alone."""
+        if not self.G[:, i].any():
+            return np.zeros(0, complex)
+        return (self.grid if self.P.any() else self.grid[:, :1]).ravel()
+
+    def changes(self, i: int, q: Complex) -> Real:
+        """E(P + G q) - E(P) for each q, as differences: two whole energies would cancel."""
+        step = np.multiply.outer(q, self.G[:, i])
+        before, after = np.abs(self.P), np.abs(self.P + step)
+        squares = 2 * np.real(self.P.conj() * step) + np.abs(step) ** 2
+        rise = np.divide(squares, before + after, out=np.zeros_like(after), where=before + after > 0)
+        gap = self.t - before
+        cost = rise * (rise - 2 * gap) if self.power == 2 else np.abs(gap - rise) - np.abs(gap)
+        return cost @ self.w
+
+    def add(self, i: int, q: complex) -> None:
+        self.P += self.G[:, i] * q
+
+
+def greedy(G: Complex, targets: ArrayLike, *, order: ArrayLike, **search: Any) -> Complex:
+    """Drive by Algorithm 2 of Suzuki et al. 2021; weights, phases, amplitudes, objective as in _Walk."""
+    walk = _Walk(G, targets, **search)
+    drive = np.zeros(G.shape[1], complex)
+    for i in np.asarray(order):
+        candidates, best = walk.candidates(i), np.inf
+        for q, change in zip(candidates, walk.changes(i, candidates), strict=True):
+            if change < best - TIE * walk.silent:
+                drive[i], best = q, change
+        walk.add(i, drive[i])
+    return drive
+
+
+def regrets(G: Complex, targets: ArrayLike, drive: ArrayLike, *, order: ArrayLike, **search: Any) -> Real:
+    """Per step: this drive's energy less the least among candidates, over E(0) unless that is 0."""
+    walk = _Walk(G, targets, **search)
+    drive = np.asarray(drive, complex)
+    steps = []
+    for i in np.asarray(order):
+        candidates = walk.candidates(i)
+        taken = walk.changes(i, drive[i : i + 1])[0]
+        steps.append(taken - walk.changes(i, candidates).min() if candidates.size else 0.0)
+        walk.add(i, drive[i])
+    return np.array(steps) / (walk.silent or 1.0)
+
+
+def naive(G: Complex, targets: ArrayLike, limit: str = "clamp") -> Complex:
+    """Sum of the back-propagated single foci, then limited. Points out of reach add nothing."""
+    power = np.sum(np.abs(G) ** 2, axis=1)
+    share = np.divide(np.asarray(targets, float), power, out=np.zeros_like(power), where=power > 0)
+    q = G.conj().T @ share
+    size = np.abs(q)
+    divisor = {"clamp": np.maximum(size, 1), "normalize": np.full_like(size, size.max()), "full": size}[limit]
+    return np.divide(q, divisor, out=np.zeros_like(q), where=size > 0)
+
+
+def metrics(p_abs: ArrayLike, targets: ArrayLike, weights: ArrayLike | None = None) -> dict[str, float]:
+    """How well magnitudes meet their targets; some point must have target > 0 and weight > 0."""
+    p, (t, w) = np.asarray(p_abs, float), _targets(targets, weights)
+    leak = p[(w > 0) & (t == 0)].max(initial=0)
+    use = (w > 0) & (t > 0)
+    p, t, w = p[use], t[use], w[use]
+    x = p / t
+    # In silence there is no largest ratio to divide by; sigma and uniformity are then 0.
+    unit = x.max() or 1.0
+    return {
+        "accuracy": float(p.sum() / t.sum()),
+        "sigma": float(np.std(x / unit)),
+        "uniformity": float(x.min() / unit),
+        "level": float(x.mean()),
+        "residual": float(w @ (t - p) ** 2 / (w @ t**2)),
+        "leak": float(leak / t.max()),
+    }
