@@ -207,8 +207,9 @@ impl Gains {
                 emitters.row(i, self.spots(frame), &mut Row { re, im });
             }
             Rows::Stored { matrix, reference, .. } => {
+                let unit = 1.0 / reference;
                 for (j, g) in matrix[i * self.count..(i + 1) * self.count].iter().enumerate() {
-                    (re[j], im[j]) = ((g.re / reference) as f32, (g.im / reference) as f32);
+                    (re[j], im[j]) = ((g.re * unit) as f32, (g.im * unit) as f32);
                 }
                 re[self.count..].fill(0.0);
                 im[self.count..].fill(0.0);

@@ -49,8 +49,6 @@ pub struct Workspace {
     pub complexes: Pool<Complex32>,
     /// Indices of transducers.
     pub indices: Pool<u32>,
-    /// Per-point states of the greedy search.
-    pub(crate) points: Pool<crate::kernels::Point>,
 }
 
 impl Workspace {

@@ -9,9 +9,9 @@ mod row;
 mod search;
 mod turns;
 
-pub(crate) use pressure::{accumulate, energy, modulus, project, squares};
+pub(crate) use pressure::{accumulate, modulus, project, squares};
 pub(crate) use row::{Law, Row, Source, Spots, magnitudes, row};
-pub(crate) use search::{Candidates, L1, L2, Point, Term, best, tolerance};
+pub(crate) use search::{Candidates, L1, L2, Points, Term, best, tolerance};
 
 /// Numbers worked on at once: one AVX-512 register, four of SSE2, NEON or wasm.
 pub(crate) const LANES: usize = 16;

@@ -40,15 +40,6 @@ pub(crate) fn squares(row: [&[f32]; 2], out: &mut [f32]) {
     }
 }
 
-/// sum_j |G_j|^2.
-pub(crate) fn energy(row: [&[f32]; 2]) -> f32 {
-    let mut total = [0.0; LANES];
-    for (re, im) in groups(row[0]).iter().zip(groups(row[1])) {
-        total = from_fn(|l| total[l] + (re[l] * re[l] + im[l] * im[l]));
-    }
-    sum(&total)
-}
-
 /// The sum over lanes, halves upon halves: a fixed tree, so that its rounding is part of the contract.
 #[inline(always)]
 fn sum(lanes: &Lanes) -> f32 {

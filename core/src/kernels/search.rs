@@ -11,8 +11,10 @@ use alloc::vec::Vec;
 
 /// A point's term of eq. (7) as a function of |P|^2, by its change.
 pub(crate) trait Term {
-    /// The change of the term when |P| goes from `old` up by `rise` and |P|^2 up by `square`.
-    fn change(old: f32, rise: f32, square: f32, target: f32) -> f32;
+    /// The change of the term when |P|^2 rises by `square` from `old`^2 to `new`^2, `sum` = old + new.
+    fn change(square: f32, sum: f32, old: f32, target: f32) -> f32;
+    /// A bound on it for a drive of modulus 1: `gain` bounds |G|.
+    fn bound(gain: f32, old: f32, target: f32) -> f32;
 }
 
 /// (t - |P|)^2, the paper's eq. (7).
@@ -23,28 +25,44 @@ pub(crate) struct L1;
 
 impl Term for L2 {
     #[inline(always)]
-    fn change(_old: f32, rise: f32, square: f32, target: f32) -> f32 {
-        square - (target + target) * rise
+    fn change(square: f32, sum: f32, _old: f32, target: f32) -> f32 {
+        square * (1.0 - (target + target) / sum)
+    }
+
+    #[inline(always)]
+    fn bound(gain: f32, old: f32, target: f32) -> f32 {
+        gain * (gain + 2.0 * (old + target))
     }
 }
 
 impl Term for L1 {
     #[inline(always)]
-    fn change(old: f32, rise: f32, _square: f32, target: f32) -> f32 {
+    fn change(square: f32, sum: f32, old: f32, target: f32) -> f32 {
         let gap = target - old;
-        (gap - rise).abs() - gap.abs()
+        (gap - square / sum).abs() - gap.abs()
+    }
+
+    #[inline(always)]
+    fn bound(gain: f32, _old: f32, _target: f32) -> f32 {
+        gain
     }
 }
 
-/// One point as the search sees it: its pressure, this transducer's gain, and what is asked for.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Point {
-    pub(crate) pressure: [f32; 2],
-    pub(crate) modulus: f32,
-    pub(crate) gain: [f32; 2],
-    pub(crate) target: f32,
-    pub(crate) weight: f32,
+/// The points as the search sees them: their pressures, this transducer's gains, and what is asked for. All
+/// slices are padded alike.
+#[derive(Clone, Copy)]
+pub(crate) struct Points<'a> {
+    pub(crate) pressure: [&'a [f32]; 2],
+    pub(crate) modulus: &'a [f32],
+    pub(crate) gain: [&'a [f32]; 2],
+    pub(crate) target: &'a [f32],
+    pub(crate) weight: &'a [f32],
+    /// How many of them are points; the rest is padding.
+    pub(crate) count: usize,
 }
+
+/// Squares of smaller numbers vanish in f32; added to |P| + |P + e| it keeps 0/0 away.
+const SMALLEST: f32 = 1e-20;
 
 /// Candidate drives a e^{j phi}, a = (k+1)/K outer, phi = 2 pi l/L inner.
 pub(crate) struct Candidates {
@@ -88,49 +106,66 @@ impl Candidates {
     }
 }
 
-/// Below this difference two energies are equal: 1e-7 (f32 rounding) of a bound on the largest term summed.
-pub(crate) fn tolerance(points: &[Point]) -> f32 {
-    points.iter().fold(0.0, |most: f32, point| {
-        let gain = sqrtf(point.gain[0] * point.gain[0] + point.gain[1] * point.gain[1]);
-        let term = point.weight * gain * (gain + 2.0 * (point.modulus + point.target));
-        if term > most { term } else { most }
-    }) * 1e-7
+/// Below this difference two energies are equal: 1e-7 (f32 rounding) of a bound on the largest term summed. 0 if
+/// the transducer cannot change any term.
+pub(crate) fn tolerance<T: Term>(points: Points<'_>) -> f32 {
+    let gains = groups(points.gain[0]).iter().zip(groups(points.gain[1]));
+    let asked = groups(points.target).iter().zip(groups(points.weight));
+    let mut most = [0.0; LANES];
+    for (((re, im), old), (target, weight)) in gains.zip(groups(points.modulus)).zip(asked) {
+        let bound: Lanes =
+            from_fn(|l| weight[l] * T::bound(re[l].abs() + im[l].abs(), old[l], target[l]));
+        most = from_fn(|l| if bound[l] > most[l] { bound[l] } else { most[l] });
+    }
+    1e-7 * greatest(&most)
+}
+
+/// The greatest lane, halves against halves.
+#[inline(always)]
+fn greatest(lanes: &Lanes) -> f32 {
+    let larger = |a: f32, b: f32| if a > b { a } else { b };
+    let eight: [f32; 8] = from_fn(|l| larger(lanes[l], lanes[l + 8]));
+    let four: [f32; 4] = from_fn(|l| larger(eight[l], eight[l + 4]));
+    larger(larger(four[0], four[2]), larger(four[1], four[3]))
 }
 
 /// The change of the energy for each candidate of one group.
 #[inline(always)]
-fn changes<T: Term>(points: &[Point], re: &Lanes, im: &Lanes) -> Lanes {
+fn changes<T: Term>(points: Points<'_>, re: &Lanes, im: &Lanes) -> Lanes {
+    let count = points.count;
+    let [pressure_re, pressure_im] = points.pressure.map(|slice| &slice[..count]);
+    let [gain_re, gain_im] = points.gain.map(|slice| &slice[..count]);
+    let [modulus, target, weight] = [points.modulus, points.target, points.weight].map(|slice| &slice[..count]);
     let mut total = [0.0; LANES];
-    for point in points {
-        let ([gr, gi], [pr, pi]) = (point.gain, point.pressure);
-        let er: Lanes = from_fn(|l| gr * re[l] - gi * im[l]);
-        let ei: Lanes = from_fn(|l| gr * im[l] + gi * re[l]);
-        let x: Lanes = from_fn(|l| pr + er[l]);
-        let y: Lanes = from_fn(|l| pi + ei[l]);
-        // |P + e|^2 - |P|^2 and |P + e| - |P| without the cancellation of their two large parts.
-        let square: Lanes = from_fn(|l| er[l] * (pr + x[l]) + ei[l] * (pi + y[l]));
-        let modulus: Lanes = from_fn(|l| sqrtf(x[l] * x[l] + y[l] * y[l]));
-        let rise: Lanes = from_fn(|l| square[l] / (modulus[l] + point.modulus + f32::MIN_POSITIVE));
-        total = from_fn(|l| {
-            total[l] + point.weight * T::change(point.modulus, rise[l], square[l], point.target)
-        });
+    for j in 0..count {
+        let (gr, gi, pr, pi) = (gain_re[j], gain_im[j], pressure_re[j], pressure_im[j]);
+        let (old, target, weight) = (modulus[j], target[j], weight[j]);
+        let floor = old + SMALLEST;
+        for l in 0..LANES {
+            let er = gr * re[l] - gi * im[l];
+            let ei = gr * im[l] + gi * re[l];
+            let (x, y) = (pr + er, pi + ei);
+            // |P + e|^2 - |P|^2 without the cancellation of its two large parts.
+            let square = er * (pr + x) + ei * (pi + y);
+            total[l] += weight * T::change(square, sqrtf(x * x + y * y) + floor, old, target);
+        }
     }
     total
 }
 
 /// The first candidate that no other one beats by more than `tolerance`; `stride` = L searches the amplitudes
 /// alone (phase 0), 1 all candidates.
-pub(crate) fn best<T: Term>(points: &[Point], candidates: &Candidates, stride: usize, tolerance: f32) -> usize {
+pub(crate) fn best<T: Term>(
+    points: Points<'_>,
+    candidates: &Candidates,
+    stride: usize,
+    tolerance: f32,
+) -> usize {
     let mut winner = (0, f32::INFINITY);
-    let mut offer = |index: usize, change: f32| {
-        if change < winner.1 - tolerance || winner.1 == f32::INFINITY {
-            winner = (index, change);
-        }
-    };
     if stride == 1 {
         for (group, (re, im)) in groups(&candidates.re).iter().zip(groups(&candidates.im)).enumerate() {
-            for (lane, change) in changes::<T>(points, re, im).into_iter().enumerate() {
-                offer(group * LANES + lane, change);
+            if let Some((lane, change)) = winner_of(&changes::<T>(points, re, im), winner.1, tolerance) {
+                winner = (group * LANES + lane, change);
             }
         }
     } else {
@@ -138,10 +173,22 @@ pub(crate) fn best<T: Term>(points: &[Point], candidates: &Candidates, stride: u
             let index = |lane: usize| (first + lane * stride).min(candidates.count - stride);
             let re = from_fn(|lane| candidates.re[index(lane)]);
             let im = from_fn(|lane| candidates.im[index(lane)]);
-            for (lane, change) in changes::<T>(points, &re, &im).into_iter().enumerate() {
-                offer(index(lane), change);
+            if let Some((lane, change)) = winner_of(&changes::<T>(points, &re, &im), winner.1, tolerance) {
+                winner = (index(lane), change);
             }
         }
     }
     winner.0
+}
+
+/// The first lane within `tolerance` of the least, if that beats what stands by more than `tolerance`.
+#[inline(always)]
+fn winner_of(changes: &Lanes, stands: f32, tolerance: f32) -> Option<(usize, f32)> {
+    let least = -greatest(&from_fn(|l| -changes[l]));
+    if stands - least <= tolerance {
+        return None;
+    }
+    let within = changes.iter().rev().fold(0_u32, |bits, &change| bits << 1 | u32::from(change <= least + tolerance));
+    let lane = (within.trailing_zeros() as usize).min(LANES - 1);
+    Some((lane, changes[lane]))
 }

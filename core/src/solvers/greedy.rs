@@ -13,7 +13,7 @@ use num_complex::Complex32;
 use crate::control::Control;
 use crate::error::Error;
 use crate::gains::Gains;
-use crate::kernels::{self, Candidates, L1, L2, Point};
+use crate::kernels::{self, Candidates, L1, L2, Points, Term};
 use crate::options::{OptionValue, Value, spell, word};
 use crate::problem::Problem;
 use crate::rng::Rng;
@@ -177,8 +177,8 @@ impl Solve for Greedy {
         for &i in &order {
             let i = i as usize;
             let choice = match self.objective {
-                Objective::L2 => search.choose::<L2>(gains, i, &candidates, phases),
-                Objective::L1 => search.choose::<L1>(gains, i, &candidates, phases),
+                Objective::L2 => search.choose::<L2>(i, &candidates, phases),
+                Objective::L1 => search.choose::<L1>(i, &candidates, phases),
             };
             if let Some([re, im]) = choice {
                 drive[i] = Complex32::new(re, im);
@@ -196,59 +196,48 @@ impl Solve for Greedy {
     }
 }
 
-/// The state between two transducers: the cached field of eq. (9).
-struct Search {
+/// The state between two transducers: the cached field of eq. (9), and the row at hand.
+struct Search<'a> {
+    problem: &'a Problem,
     re: Vec<f32>,
     im: Vec<f32>,
     modulus: Vec<f32>,
     row_re: Vec<f32>,
     row_im: Vec<f32>,
-    points: Vec<Point>,
 }
 
-impl Search {
-    fn new(problem: &Problem, work: &mut Workspace) -> Self {
-        let lanes = problem.gains().lanes();
-        let mut points = work.points.take(problem.gains().points());
-        for ((point, &target), &weight) in points.iter_mut().zip(problem.targets()).zip(problem.weights()) {
-            *point = Point { target, weight, ..Point::default() };
-        }
-        let [re, im, modulus, row_re, row_im] = [(); 5].map(|()| work.floats.take(lanes));
-        Self { re, im, modulus, row_re, row_im, points }
+impl<'a> Search<'a> {
+    fn new(problem: &'a Problem, work: &mut Workspace) -> Self {
+        let [re, im, modulus, row_re, row_im] = [(); 5].map(|()| work.floats.take(problem.gains().lanes()));
+        Self { problem, re, im, modulus, row_re, row_im }
     }
 
     /// Chooses transducer i's drive and adds it to the field; none if it reaches no point.
-    fn choose<T: kernels::Term>(
-        &mut self,
-        gains: &Gains,
-        i: usize,
-        candidates: &Candidates,
-        phases: usize,
-    ) -> Option<[f32; 2]> {
-        gains.row(i, &mut self.row_re, &mut self.row_im);
-        let row = [&self.row_re[..], &self.row_im[..]];
-        if kernels::energy(row) == 0.0 {
+    fn choose<T: Term>(&mut self, i: usize, candidates: &Candidates, phases: usize) -> Option<[f32; 2]> {
+        self.problem.gains().row(i, &mut self.row_re, &mut self.row_im);
+        let points = Points {
+            pressure: [&self.re, &self.im],
+            modulus: &self.modulus,
+            gain: [&self.row_re, &self.row_im],
+            target: self.problem.targets(),
+            weight: self.problem.weights(),
+            count: self.problem.gains().points(),
+        };
+        let tolerance = kernels::tolerance::<T>(points);
+        if tolerance == 0.0 {
             return None;
         }
-        let mut silent = true;
-        for (j, point) in self.points.iter_mut().enumerate() {
-            point.gain = [row[0][j], row[1][j]];
-            point.pressure = [self.re[j], self.im[j]];
-            point.modulus = self.modulus[j];
-            silent &= point.modulus == 0.0;
-        }
         // In silence every phase is as good as any other.
+        let silent = self.modulus.iter().all(|&modulus| modulus == 0.0);
         let stride = if silent { phases } else { 1 };
-        let tolerance = kernels::tolerance(&self.points);
-        let drive = candidates.drive(kernels::best::<T>(&self.points, candidates, stride, tolerance));
-        kernels::accumulate(row, drive, &mut self.re, &mut self.im);
+        let drive = candidates.drive(kernels::best::<T>(points, candidates, stride, tolerance));
+        kernels::accumulate([&self.row_re, &self.row_im], drive, &mut self.re, &mut self.im);
         kernels::modulus(&self.re, &self.im, &mut self.modulus);
         Some(drive)
     }
 
     fn end(self, work: &mut Workspace) {
-        let Self { re, im, modulus, row_re, row_im, points } = self;
+        let Self { re, im, modulus, row_re, row_im, .. } = self;
         work.floats.give_all([re, im, modulus, row_re, row_im]);
-        work.points.give(points);
     }
 }
