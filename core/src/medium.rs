@@ -34,6 +34,21 @@ impl Medium {
         Ok(331.3 * math::sqrt(1.0 + temperature / 273.15))
     }
 
+    /// The sound speed in m/s, given as such or by a temperature in degrees Celsius; 340 where neither is given.
+    ///
+    /// # Errors
+    /// Both given, or what [`Medium::sound_speed_at`] refuses.
+    pub fn sound_speed(speed: Option<f64>, temperature: Option<f64>) -> Result<f64, Error> {
+        match (speed, temperature) {
+            (Some(_), Some(temperature)) => {
+                Err(Error::invalid("medium.temperature", temperature, "sound_speed is given too: keep one of them"))
+            }
+            (Some(speed), None) => Ok(speed),
+            (None, Some(temperature)) => Self::sound_speed_at(temperature),
+            (None, None) => Ok(Self::default().sound_speed),
+        }
+    }
+
     /// c/f in m.
     #[must_use]
     pub fn wavelength(&self) -> f64 {

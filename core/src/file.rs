@@ -1,0 +1,399 @@
+//! The scene file: TOML or JSON, one schema, read and written here for every door.
+
+use alloc::collections::BTreeMap;
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+
+use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
+
+use crate::array::{Array, Origin, Transducer};
+use crate::directivity::Directivity;
+use crate::error::Error;
+use crate::medium::Medium;
+use crate::options::{Options, Value};
+use crate::scene::{Plane, Request, Scene};
+use crate::solvers;
+
+/// The largest scene file read, in bytes.
+pub const MOST_BYTES: usize = 64 << 20;
+
+/// The two ways to write a scene down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(clippy::exhaustive_enums, reason = "the two formats of the schema")]
+pub enum Format {
+    /// TOML.
+    Toml,
+    /// JSON.
+    Json,
+}
+
+impl Format {
+    /// By the name's ending: `.json` is JSON, anything else TOML.
+    #[must_use]
+    pub fn of(name: &str) -> Self {
+        if name.to_ascii_lowercase().ends_with(".json") { Self::Json } else { Self::Toml }
+    }
+}
+
+/// How a scene was solved, written beside it so that a result can be replayed.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[allow(clippy::exhaustive_structs, reason = "two remarks")]
+pub struct Provenance {
+    /// The version of midair.
+    pub version: Option<String>,
+    /// How the solve ended.
+    pub status: Option<String>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SceneTable {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    version: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    status: Option<String>,
+    #[serde(default)]
+    medium: MediumTable,
+    array: ArrayTable,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    solver: Option<SolverTable>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    plane: Option<PlaneTable>,
+    #[serde(default)]
+    points: Vec<PointTable>,
+}
+
+#[derive(Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MediumTable {
+    frequency: Option<f64>,
+    sound_speed: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    temperature: Option<f64>,
+    absorption: Option<f64>,
+    density: Option<f64>,
+}
+
+#[derive(Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ArrayTable {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    grid: Option<GridTable>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    preset: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tiles: Option<[i64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    positions: Option<Vec<[f64; 3]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    normals: Option<Vec<[f64; 3]>>,
+    source_pressure: Option<f64>,
+    directivity: Option<DirectivityTable>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    response: Option<Vec<[f64; 2]>>,
+}
+
+#[derive(Clone, Copy, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct GridTable {
+    nx: i64,
+    ny: i64,
+    pitch: f64,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(untagged, expecting = "a name such as \"point\" or a table of one name and its parameter")]
+enum DirectivityTable {
+    Name(String),
+    Parameter(BTreeMap<String, f64>),
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PointTable {
+    position: [f64; 3],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pressure: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    weight: Option<f64>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct SolverTable {
+    name: String,
+    #[serde(flatten)]
+    options: BTreeMap<String, ValueTable>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PlaneTable {
+    z: Option<f64>,
+    size: Option<f64>,
+    pixels: Option<i64>,
+    center: Option<[f64; 2]>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(untagged, expecting = "a number, a word or a list of whole numbers")]
+enum ValueTable {
+    Bool(bool),
+    Integer(i64),
+    Large(u64),
+    Real(f64),
+    Text(String),
+    Integers(Vec<i64>),
+}
+
+impl From<ValueTable> for Value {
+    fn from(table: ValueTable) -> Self {
+        match table {
+            ValueTable::Bool(value) => Self::Bool(value),
+            ValueTable::Integer(value) => Self::Integer(value.into()),
+            ValueTable::Large(value) => Self::Integer(value.into()),
+            ValueTable::Real(value) => Self::Real(value),
+            ValueTable::Text(value) => Self::Text(value),
+            ValueTable::Integers(values) => Self::Integers(values),
+        }
+    }
+}
+
+impl TryFrom<&Value> for ValueTable {
+    type Error = Error;
+
+    fn try_from(value: &Value) -> Result<Self, Error> {
+        Ok(match value {
+            Value::Bool(value) => Self::Bool(*value),
+            Value::Integer(number) => match (i64::try_from(*number), u64::try_from(*number)) {
+                (Ok(number), _) => Self::Integer(number),
+                (_, Ok(number)) => Self::Large(number),
+                _ => return Err(Error::invalid("solver option", value, "give a number of at most 64 bits")),
+            },
+            Value::Real(value) => Self::Real(*value),
+            Value::Text(value) => Self::Text(value.clone()),
+            Value::Integers(values) => Self::Integers(values.clone()),
+        })
+    }
+}
+
+/// Reads a scene from a file's bytes.
+///
+/// # Errors
+/// An empty, binary or oversized file, a fault of the format, an unknown key, solver, option or preset, and all
+/// that [`Scene::new`] refuses.
+///
+/// ```
+/// use midair::file::{Format, read};
+///
+/// let text = r#"
+/// [array]
+/// preset = "paper20"
+///
+/// [[points]]
+/// position = [0.0, 0.0, 0.15]
+/// "#;
+/// assert_eq!(read(text.as_bytes(), Format::Toml)?.array().len(), 400);
+/// # Ok::<(), midair::Error>(())
+/// ```
+pub fn read(bytes: &[u8], format: Format) -> Result<Scene, Error> {
+    let fault = |reason: &str| Error::File { line: None, reason: reason.to_string() };
+    if bytes.len() > MOST_BYTES {
+        return Err(Error::invalid("scene file", format!("{} bytes", bytes.len()), "give at most 64 MB"));
+    }
+    let text = core::str::from_utf8(bytes).map_err(|_| fault("not text: give TOML or JSON in UTF-8"))?;
+    if text.trim().is_empty() {
+        return Err(fault("empty: it needs at least [array] and [[points]]"));
+    }
+    let table: SceneTable = match format {
+        Format::Toml => toml::from_str(text).map_err(|error| {
+            let line = error.span().map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1);
+            Error::File { line, reason: one_line(error.message()) }
+        })?,
+        Format::Json => serde_json::from_str(text).map_err(|error| {
+            let reason = error.to_string();
+            let reason = reason.rsplit_once(" at line ").map_or(reason.as_str(), |(reason, _)| reason);
+            Error::File { line: Some(error.line()), reason: one_line(reason) }
+        })?,
+    };
+    table.scene()
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+impl SceneTable {
+    fn scene(self) -> Result<Scene, Error> {
+        let count = self.points.len();
+        let given = self.points.iter().filter(|point| point.pressure.is_some()).count();
+        if given != 0 && given != count {
+            let without = self.points.iter().position(|point| point.pressure.is_none()).unwrap_or_default();
+            let cure = format!("{given} of {count} points have one: give every point a pressure, or none");
+            return Err(Error::invalid(format!("points[{without}].pressure"), "left out", cure));
+        }
+        let weighted = self.points.iter().any(|point| point.weight.is_some());
+        let request = Request {
+            pressures: self.points.iter().map(|point| point.pressure).collect::<Option<Vec<_>>>().filter(|_| given > 0),
+            weights: weighted.then(|| self.points.iter().map(|point| point.weight.unwrap_or(1.0)).collect()),
+        };
+        let points: Vec<_> = self.points.iter().map(|point| point.position).collect();
+        let mut scene = Scene::new(self.array.array()?, self.medium.medium()?, points, request)?;
+        scene.plane = self.plane.map(|plane| plane.plane(scene.points())).transpose()?;
+        if let Some(table) = self.solver {
+            let options: Options = table.options.into_iter().map(|(name, value)| (name, value.into())).collect();
+            solvers::find(&table.name)?.configure(&options)?;
+            scene.solver = Some((table.name, options));
+        }
+        Ok(scene)
+    }
+}
+
+impl MediumTable {
+    fn medium(&self) -> Result<Medium, Error> {
+        let default = Medium::default();
+        let sound_speed = Medium::sound_speed(self.sound_speed, self.temperature)?;
+        Ok(Medium {
+            frequency: self.frequency.unwrap_or(default.frequency),
+            sound_speed,
+            absorption: self.absorption.unwrap_or(default.absorption),
+            density: self.density.unwrap_or(default.density),
+        })
+    }
+}
+
+impl ArrayTable {
+    fn array(self) -> Result<Array, Error> {
+        let ways = usize::from(self.grid.is_some())
+            + usize::from(self.preset.is_some())
+            + usize::from(self.positions.is_some());
+        if ways != 1 {
+            let cure = "give exactly one of grid, preset and positions";
+            return Err(Error::invalid("array", format!("described {ways} times"), cure));
+        }
+        for (item, given, belongs) in [
+            ("array.tiles", self.tiles.is_some(), self.preset.is_some()),
+            ("array.normals", self.normals.is_some(), self.positions.is_some()),
+        ] {
+            if given && !belongs {
+                return Err(Error::invalid(item, "given", "tiles go with a preset, normals with positions"));
+            }
+        }
+        let array = match (self.grid, self.preset, self.positions) {
+            (Some(grid), ..) => {
+                Array::grid(whole("array.grid.nx", grid.nx)?, whole("array.grid.ny", grid.ny)?, grid.pitch)?
+            }
+            (_, Some(preset), _) => {
+                let [x, y] = self.tiles.unwrap_or([1, 1]);
+                Array::preset(&preset, [whole("array.tiles[0]", x)?, whole("array.tiles[1]", y)?])?
+            }
+            (.., positions) => Array::new(positions.unwrap_or_default(), self.normals)?,
+        };
+        let default = array.transducer();
+        let array = array.with_transducer(Transducer {
+            source_pressure: self.source_pressure.unwrap_or(default.source_pressure),
+            directivity: self.directivity.map_or(Ok(default.directivity), |table| table.directivity())?,
+        })?;
+        let response = self.response.map(|list| list.iter().map(|&[re, im]| Complex64::new(re, im)).collect());
+        array.with_response(response)
+    }
+}
+
+/// A count; what is 0 or less is named before anything is made of it.
+fn whole(item: &str, value: i64) -> Result<usize, Error> {
+    usize::try_from(value).map_err(|_| Error::invalid(item, value, "give at least 1"))
+}
+
+impl DirectivityTable {
+    fn directivity(&self) -> Result<Directivity, Error> {
+        match self {
+            Self::Name(name) => Directivity::named(name, None),
+            Self::Parameter(table) => match table.iter().next() {
+                Some((name, &parameter)) if table.len() == 1 => Directivity::named(name, Some(parameter)),
+                _ => Err(Error::invalid("array.directivity", format!("{} keys", table.len()), "give one, such as { piston = 4.5e-3 }")),
+            },
+        }
+    }
+}
+
+impl PlaneTable {
+    fn plane(&self, points: &[[f64; 3]]) -> Result<Plane, Error> {
+        let around = Plane::around(points);
+        // A size of the user's own is meant around the array's axis; one that follows the points follows them.
+        let center = if self.size.is_some() { [0.0, 0.0] } else { around.center };
+        Plane::new(
+            self.z.unwrap_or(around.z),
+            self.size.unwrap_or(around.size),
+            self.pixels.map_or(Ok(around.pixels), |pixels| whole("plane.pixels", pixels))?,
+            self.center.unwrap_or(center),
+        )
+    }
+}
+
+/// Writes a scene as text that [`read`] reads as the same scene.
+///
+/// # Errors
+/// A seed that TOML cannot hold (above 2^63 - 1).
+pub fn write(scene: &Scene, format: Format, provenance: &Provenance) -> Result<String, Error> {
+    let table = describe(scene, provenance)?;
+    let fault = |reason: String| Error::File { line: None, reason };
+    match format {
+        Format::Toml => toml::to_string(&table).map_err(|error| fault(format!("{error}: write it as .json"))),
+        Format::Json => serde_json::to_string_pretty(&table).map_err(|error| fault(error.to_string())),
+    }
+}
+
+fn describe(scene: &Scene, provenance: &Provenance) -> Result<SceneTable, Error> {
+    let (array, medium, request) = (scene.array(), scene.medium(), scene.request());
+    let mut place = ArrayTable::default();
+    match array.origin() {
+        Origin::Grid { nx, ny, pitch } => {
+            place.grid = Some(GridTable { nx: *nx as i64, ny: *ny as i64, pitch: *pitch });
+        }
+        Origin::Preset { name, tiles } => {
+            place.preset = Some(name.clone());
+            place.tiles = Some(tiles.map(|tiles| tiles as i64));
+        }
+        Origin::Positions => {
+            place.positions = Some(array.positions().to_vec());
+            place.normals = Some(array.normals().to_vec());
+        }
+    }
+    let transducer = array.transducer();
+    place.source_pressure = Some(transducer.source_pressure);
+    place.directivity = Some(match transducer.directivity.name() {
+        (name, None) => DirectivityTable::Name(name.to_string()),
+        (name, Some(parameter)) => DirectivityTable::Parameter([(name.to_string(), parameter)].into()),
+    });
+    place.response = array.response().map(|response| response.iter().map(|c| [c.re, c.im]).collect());
+    let points = scene.points().iter().enumerate().map(|(j, &position)| PointTable {
+        position,
+        pressure: request.pressures.as_ref().map(|pressures| pressures[j]),
+        weight: request.weights.as_ref().map(|weights| weights[j]),
+    });
+    let solver = scene.solver.as_ref().map(|(name, options)| {
+        let options = options.iter().map(|(key, value)| Ok((key.clone(), value.try_into()?)));
+        Ok(SolverTable { name: name.clone(), options: options.collect::<Result<_, Error>>()? })
+    });
+    Ok(SceneTable {
+        version: provenance.version.clone(),
+        status: provenance.status.clone(),
+        medium: MediumTable {
+            frequency: Some(medium.frequency),
+            sound_speed: Some(medium.sound_speed),
+            temperature: None,
+            absorption: Some(medium.absorption),
+            density: Some(medium.density),
+        },
+        array: place,
+        solver: solver.transpose()?,
+        plane: scene.plane.map(|plane| PlaneTable {
+            z: Some(plane.z),
+            size: Some(plane.size),
+            pixels: Some(plane.pixels as i64),
+            center: Some(plane.center),
+        }),
+        points: points.collect(),
+    })
+}
