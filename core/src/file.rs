@@ -13,8 +13,7 @@ use crate::directivity::Directivity;
 use crate::error::Error;
 use crate::medium::Medium;
 use crate::options::{Options, Value};
-use crate::scene::{Plane, Request, Scene};
-use crate::solvers;
+use crate::scene::{Choice, Plane, Request, Scene};
 
 /// The largest scene file read, in bytes.
 pub const MOST_BYTES: usize = 64 << 20;
@@ -243,8 +242,7 @@ impl SceneTable {
         scene.plane = self.plane.map(|plane| plane.plane(scene.points())).transpose()?;
         if let Some(table) = self.solver {
             let options: Options = table.options.into_iter().map(|(name, value)| (name, value.into())).collect();
-            solvers::find(&table.name)?.configure(&options)?;
-            scene.solver = Some((table.name, options));
+            scene.solver = Some(Choice::new(table.name, options)?);
         }
         Ok(scene)
     }
@@ -372,9 +370,9 @@ fn describe(scene: &Scene, provenance: &Provenance) -> Result<SceneTable, Error>
         pressure: request.pressures.as_ref().map(|pressures| pressures[j]),
         weight: request.weights.as_ref().map(|weights| weights[j]),
     });
-    let solver = scene.solver.as_ref().map(|(name, options)| {
-        let options = options.iter().map(|(key, value)| Ok((key.clone(), value.try_into()?)));
-        Ok(SolverTable { name: name.clone(), options: options.collect::<Result<_, Error>>()? })
+    let solver = scene.solver.as_ref().map(|choice| {
+        let options = choice.table().into_iter().map(|(key, value)| Ok((key, (&value).try_into()?)));
+        Ok(SolverTable { name: choice.name.clone(), options: options.collect::<Result<_, Error>>()? })
     });
     Ok(SceneTable {
         version: provenance.version.clone(),

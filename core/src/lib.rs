@@ -72,7 +72,7 @@ pub use num_complex::{Complex32, Complex64};
 pub use options::{Configure, OptionInfo, OptionValue, Options, Value, spell, word};
 pub use problem::Problem;
 pub use rng::Rng;
-pub use scene::{Plane, Request, Scene};
+pub use scene::{Choice, Plane, Request, Scene};
 pub use solution::{Solution, Status};
 pub use solvers::{Solve, solve};
 pub use workspace::{Pool, Workspace};

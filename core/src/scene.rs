@@ -7,7 +7,8 @@ use alloc::vec::Vec;
 use crate::array::{Array, vector};
 use crate::error::{Error, real};
 use crate::medium::Medium;
-use crate::options::Options;
+use crate::options::{Options, Value};
+use crate::solvers;
 
 /// Beyond this many wavelengths from the array's middle f32 can no longer tell one phase from another (2^20
 /// wavelengths are 9 km at 40 kHz).
@@ -68,6 +69,40 @@ impl Request {
     /// Weight of point j.
     pub(crate) fn weight(&self, j: usize) -> f64 {
         self.weights.as_ref().map_or(1.0, |weights| weights[j])
+    }
+}
+
+/// The solver of a scene file: its name, its options and whether to balance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// The name in the registry.
+    pub name: String,
+    /// The options set; the others keep their defaults.
+    pub options: Options,
+    /// Whether to balance; left out it is the method's own habit.
+    pub balance: Option<bool>,
+}
+
+impl Choice {
+    /// A choice from a table of options, in which `balance` is the entry point's and all else the solver's.
+    ///
+    /// # Errors
+    /// An unknown solver or option, a value that does not fit.
+    pub fn new(name: String, mut options: Options) -> Result<Self, Error> {
+        let balance = match options.remove("balance") {
+            None => None,
+            Some(Value::Bool(balance)) => Some(balance),
+            Some(other) => return Err(Error::invalid("solver.balance", other, "give true or false")),
+        };
+        solvers::find(&name)?.configure(&options)?;
+        Ok(Self { name, options, balance })
+    }
+
+    /// The table it came from.
+    #[must_use]
+    pub fn table(&self) -> Options {
+        let balance = self.balance.map(|balance| ("balance".into(), Value::Bool(balance)));
+        self.options.clone().into_iter().chain(balance).collect()
     }
 }
 
@@ -142,8 +177,8 @@ pub struct Scene {
     medium: Medium,
     points: Vec<[f64; 3]>,
     request: Request,
-    /// The solver a scene file names, with its options.
-    pub solver: Option<(String, Options)>,
+    /// The solver a scene file names.
+    pub solver: Option<Choice>,
     /// The plane a scene file asks pictures of.
     pub plane: Option<Plane>,
 }

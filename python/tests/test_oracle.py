@@ -1,8 +1,9 @@
 """Known answers for the reference that the kernels are tested against."""
 
 import numpy as np
-import oracle
 import pytest
+
+import oracle
 
 
 def grid(n: int) -> np.ndarray:

@@ -1,0 +1,67 @@
+# `make` lists what there is.
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DEFAULT_GOAL := help
+
+BIN := .venv/bin
+PYTHON := $(BIN)/python
+export UV_PYTHON_DOWNLOADS := never
+export VIRTUAL_ENV := $(CURDIR)/.venv
+# CI passes --offline or the like here.
+CARGO := cargo
+
+.PHONY: help setup demo test test-rust test-python lint bench golden pins clean
+
+help: ## List the targets
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
+
+# The environment: uv from PyPI into the project's own .venv, then everything by name and pinned version.
+.venv/ready: pyproject.toml constraints.txt
+	python3 -m venv .venv || { echo "python3 -m venv failed: install Python 3.11+ with venv (Debian: python3-venv)"; exit 1; }
+	$(PYTHON) -m pip install --quiet --disable-pip-version-check --constraint constraints.txt uv
+	$(BIN)/uv pip install --quiet --python $(PYTHON) --constraint constraints.txt --group dev --requirements pyproject.toml
+	touch $@
+
+setup: .venv/ready ## Build midair into .venv
+	$(BIN)/maturin develop --uv --quiet --release
+
+demo: setup ## Solve the paper's fig. 2 by naive and greedy; leaves out/demo/field.png and drive.npz
+	mkdir -p out/demo
+	$(BIN)/midair compare docs/scenes/smiley.toml --solvers naive,greedy --image out/demo/field.png
+	$(BIN)/midair solve docs/scenes/smiley.toml --output out/demo/drive.npz
+	@echo "see out/demo/field.png and out/demo/drive.npz"
+
+test: lint test-rust test-python ## Every test of every language
+
+test-rust: ## The core: tests, doctests, each feature set, no_std
+	$(CARGO) test --quiet -p midair --features scene-file,parallel
+	for features in "" std serde parallel; do $(CARGO) check --quiet -p midair --no-default-features --features "$$features"; done
+	$(CARGO) run --quiet --release --manifest-path core/tests/no_std/Cargo.toml
+
+test-python: setup ## The package: tests, stubs, types
+	$(PYTHON) -m pytest --quiet
+	$(PYTHON) -m mypy.stubtest midair._midair
+	$(PYTHON) -m mypy python/midair
+
+lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
+	$(CARGO) fmt --check
+	$(CARGO) clippy --quiet --all-targets -p midair --features scene-file,parallel -- -D warnings
+	$(CARGO) clippy --quiet --all-targets -p midair-python -- -D warnings
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --quiet --no-deps -p midair --features scene-file,parallel
+	$(BIN)/ruff check --quiet python
+	$(BIN)/ruff format --check --quiet python
+
+bench: ## Greedy beside the textbook loop, and a field; once more with AVX2 compiled in
+	$(CARGO) bench --quiet -p midair --features parallel
+	RUSTFLAGS="-C target-cpu=x86-64-v3" $(CARGO) bench --quiet --target-dir target/v3 -p midair --features parallel
+
+golden: ## Write golden/ anew (a breaking change: say so in CHANGELOG.md)
+	MIDAIR_GOLDEN=write $(CARGO) test --quiet -p midair --features scene-file,parallel --test suite golden
+
+pins: ## Pin what pyproject.toml asks for, names and versions only
+	$(BIN)/uv pip compile --quiet --universal --no-header --no-annotate --group dev --no-emit-index-url --output-file constraints.txt pyproject.toml
+	echo "uv==$$($(BIN)/uv --version | cut -d' ' -f2)" >> constraints.txt
+
+clean: ## Remove what was built
+	$(CARGO) clean
+	rm -rf .venv out core/tests/no_std/target python/midair/*.so

@@ -1,0 +1,56 @@
+"""Drives for airborne ultrasound phased arrays: given points in the air feel given pressures.
+
+>>> import midair
+>>> array = midair.Array.preset("paper20")
+>>> scene = midair.Scene(array, [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
+>>> solution = midair.solve(scene, "greedy", seed=1)
+>>> solution.metrics.accuracy > 0.8
+True
+
+SI units, e^{-jwt}, peak pressures: every convention is in docs/conventions.md.
+"""
+
+from importlib.metadata import version as _version
+
+from ._midair import (
+    Array,
+    Field,
+    Gains,
+    Metrics,
+    OptionInfo,
+    Plane,
+    PresetInfo,
+    Scene,
+    SceneError,
+    SceneWarning,
+    Solution,
+    SolverInfo,
+    field,
+    judge,
+    presets,
+    solve,
+    solvers,
+)
+from .plot import plot
+
+__version__ = _version("midair")
+__all__ = [
+    "Array",
+    "Field",
+    "Gains",
+    "Metrics",
+    "OptionInfo",
+    "Plane",
+    "PresetInfo",
+    "Scene",
+    "SceneError",
+    "SceneWarning",
+    "Solution",
+    "SolverInfo",
+    "field",
+    "judge",
+    "plot",
+    "presets",
+    "solve",
+    "solvers",
+]

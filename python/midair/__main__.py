@@ -1,0 +1,5 @@
+"""`python -m midair`."""
+
+from .cli import main
+
+main()

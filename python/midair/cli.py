@@ -1,0 +1,284 @@
+"""The command line: `midair solve | compare | solvers | presets`."""
+
+from __future__ import annotations
+
+import io
+import json
+import signal
+import sys
+import time
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+
+from cyclopts import App, CycloptsError, Parameter
+from rich import box
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    Progress,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+from rich.table import Table
+
+from . import Scene, SceneError, SceneWarning, Solution, __version__, field, output, presets, solve, solvers
+from .plot import contact_sheet, picture
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+app = App(
+    name="midair",
+    help="Drives for airborne ultrasound phased arrays: given points in the air feel given pressures.",
+    version=__version__,
+)
+# A pipe has no width of its own; tables keep theirs.
+console = Console() if sys.stdout.isatty() else Console(width=120)
+
+#: Exit status of a request that cannot be answered, and of Ctrl-C (128 + SIGINT).
+REFUSED, INTERRUPTED = 2, 130
+
+
+@app.command(name="solve")
+def solve_command(
+    scene: Path,
+    *,
+    solver: str | None = None,
+    output_file: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    image: Path | None = None,
+    balance: bool | None = None,
+    **options: str,
+) -> int:
+    """Find a drive for a scene file, judge it, and write what is asked for.
+
+    Any option of the solver is an option here (`midair solvers` lists them): --phases 16 --seed 1.
+
+    Parameters
+    ----------
+    scene
+        Scene file, TOML or JSON.
+    solver
+        Name of the solver; left out, the scene file's, else the default.
+    output_file
+        Where the drive goes: .npz, .csv or .json. Left out, nothing is written.
+    image
+        Where a picture of the field goes: .png, .svg, .pdf or .jpg.
+    balance
+        Solve at the level the array can reach and reduce the drives afterwards.
+    options
+        Options of the solver, as --name value.
+    """
+    request = Scene.load(scene)
+    if output_file is not None:
+        output.check(output_file, output.DRIVES)
+    if image is not None:
+        output.check(image, output.IMAGES)
+    with _progress("solving") as tell, _interruptible() as interrupted:
+
+        def watch(step: int, steps: int, residual: float) -> bool:
+            tell(step, steps)
+            return not interrupted()
+
+        solution = solve(request, solver, balance=balance, progress=watch, **_values(options))
+    _print_table([solution])
+    if output_file is not None:
+        output.write_drive(output_file, request, solution)
+        console.print(f"wrote {output_file}", highlight=False, soft_wrap=True)
+    if solution.status == "stopped":
+        print("stopped: what was found so far is above", file=sys.stderr)
+        return INTERRUPTED
+    if image is not None:
+        with _progress("drawing"):
+            drawn = picture(field(request, solution.drive), _title(solution))
+            _write_image(image, drawn)
+    return 0
+
+
+@app.command(name="compare")
+def compare_command(
+    scene: Path, *, solvers: str = "all", image: Path | None = None, balance: bool | None = None
+) -> int:
+    """Solve a scene file by several methods: a table, and a picture with a panel for each on one scale.
+
+    Parameters
+    ----------
+    scene
+        Scene file, TOML or JSON. Its solver options hold for its solver.
+    solvers
+        Names separated by commas, or "all".
+    image
+        Where the contact sheet of fields goes: .png, .svg, .pdf or .jpg.
+    balance
+        Balance for every method, or (--no-balance) for none; left out, each method's own habit.
+    """
+    request = Scene.load(scene)
+    if image is not None:
+        output.check(image, output.IMAGES)
+    names = _names(solvers)
+    solutions, fields = [], []
+    with _progress("comparing") as tell:
+        for done, name in enumerate(names):
+            solutions.append(solve(request, name, balance=balance))
+            if image is not None:
+                fields.append(field(request, solutions[-1].drive))
+            tell(done + 1, len(names))
+        if image is not None:
+            _write_image(image, contact_sheet(fields, [_title(solution) for solution in solutions]))
+    _print_table(solutions)
+    return 0
+
+
+@app.command(name="solvers")
+def solvers_command() -> int:
+    """List the solvers with their options and defaults."""
+    table = Table("solver", "option", "default", "what it does", box=box.SIMPLE_HEAD)
+    for name, info in solvers().items():
+        table.add_row(f"[bold]{name}[/bold]", "", "", f"{info.summary} ({info.source})")
+        for option, about in info.options.items():
+            table.add_row("", option, str(about.default), about.doc)
+        table.add_row(
+            "", "balance", str(info.balance), "Solve at the balanced level, reduce the drives afterwards."
+        )
+    console.print(table)
+    return 0
+
+
+@app.command(name="presets")
+def presets_command() -> int:
+    """List the arrays known by name."""
+    table = Table("preset", "transducers", "tiles", "P0 / Pa m", "what it is", "source", box=box.SIMPLE_HEAD)
+    for name, info in presets().items():
+        tiles = "yes" if info.tiles else "no"
+        table.add_row(
+            f"[bold]{name}[/bold]",
+            str(info.count),
+            tiles,
+            f"{info.source_pressure:g}",
+            info.summary,
+            info.source,
+        )
+    console.print(table)
+    return 0
+
+
+def _names(solver_list: str) -> list[str]:
+    known = list(solvers())
+    names = known if solver_list == "all" else [name.strip() for name in solver_list.split(",")]
+    for name in names:
+        if name not in known:
+            raise SceneError(f'unknown solver "{name}": known are {", ".join(known)}')
+    return names
+
+
+def _values(options: dict[str, str]) -> dict[str, Any]:
+    """Options as typed: 16, true and [1, 0] are what they look like, anything else is a word."""
+    values: dict[str, Any] = {}
+    for name, text in options.items():
+        key = name.replace("-", "_")
+        if key in {"pressures", "weights", "start", "progress", "trace"}:
+            raise SceneError(
+                f"--{name} is no option of the command line: put it into the scene file or use Python"
+            )
+        try:
+            values[key] = json.loads(text)
+        except ValueError:
+            values[key] = text
+    return values
+
+
+def _title(solution: Solution) -> str:
+    options = solution.options
+    told = (
+        key for key in ("phases", "amplitudes", "order", "limit") if isinstance(options.get(key), str | int)
+    )
+    return ", ".join([solution.solver, *(f"{key}={options[key]}" for key in told)])
+
+
+def _print_table(solutions: Sequence[Solution]) -> None:
+    """Metrics side by side; the leak into quiet points only where there are any."""
+    names = ["accuracy", "sigma", "uniformity", "level", "residual"]
+    if any(solution.metrics.leak > 0 for solution in solutions):
+        names.append("leak")
+    table = Table("solver", *names, "limit", "steps", "time", "status", box=box.SIMPLE_HEAD, pad_edge=False)
+    for solution in solutions:
+        numbers = [f"{getattr(solution.metrics, name):.4f}" for name in names]
+        limit = str(solution.options.get("limit", "-"))
+        time = _duration(solution.elapsed)
+        table.add_row(solution.solver, *numbers, limit, str(solution.steps), time, solution.status)
+    console.print(table)
+
+
+def _duration(seconds: float) -> str:
+    return f"{seconds:.2f} s" if seconds >= 1 else f"{seconds * 1e3:.2f} ms"
+
+
+def _write_image(path: Path, figure: Figure) -> None:
+    content = io.BytesIO()
+    figure.savefig(content, format=path.suffix[1:].lower(), dpi=120)
+    output.write(path, content.getvalue())
+
+
+@contextmanager
+def _progress(doing: str) -> Iterator[Callable[[int, int], None]]:
+    """A progress bar for whatever takes over a second; the block calls what it gets with (step, steps)."""
+    columns = (SpinnerColumn(), TextColumn(doing), BarColumn(), TimeElapsedColumn(), TimeRemainingColumn())
+    bar = Progress(*columns, console=Console(stderr=True), transient=True)
+    task = bar.add_task(doing, total=None)
+    began = time.monotonic()
+    shown = began
+
+    def tell(step: int, steps: int) -> None:
+        nonlocal shown
+        now = time.monotonic()
+        if now - began > 1 and now - shown > 0.1:
+            shown = now
+            bar.start()
+            bar.update(task, completed=step, total=steps)
+
+    try:
+        yield tell
+    finally:
+        bar.stop()
+
+
+@contextmanager
+def _interruptible() -> Iterator[Callable[[], bool]]:
+    """Turns Ctrl-C into a request to stop; the block asks whether there was one. A second one interrupts."""
+    asked = False
+
+    def ask(*_: object) -> None:
+        nonlocal asked
+        asked = True
+        signal.signal(signal.SIGINT, previous)
+
+    previous = signal.signal(signal.SIGINT, ask)
+    try:
+        yield lambda: asked
+    finally:
+        signal.signal(signal.SIGINT, previous)
+
+
+def _one_line(error: BaseException) -> str:
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.strerror}: {error.filename}" if error.filename else error.strerror
+    return " ".join(str(error).split())
+
+
+def main(arguments: Sequence[str] | None = None) -> NoReturn:
+    """Run the command line and leave with its status: 0, 2 for a request refused, 130 for Ctrl-C."""
+    warnings.showwarning = lambda message, *_: print(f"warning: {message}", file=sys.stderr)
+    warnings.simplefilter("always", SceneWarning)
+    try:
+        status = app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
+    except (SceneError, OSError, CycloptsError) as error:
+        print(f"error: {_one_line(error)}", file=sys.stderr)
+        sys.exit(REFUSED)
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        sys.exit(INTERRUPTED)
+    sys.exit(status if isinstance(status, int) else 0)

@@ -1,0 +1,197 @@
+//! `midair.Array` and the presets.
+
+use midair::{Complex64, Directivity, Transducer};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, ToPyArray};
+use pyo3::prelude::*;
+use pyo3::types::{IntoPyDict, PyDict};
+
+use crate::{invalid, read, refused};
+
+type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+
+/// N transducers: positions (N, 3) in m, normals (N, 3), and how each radiates.
+///
+/// Normals are normalised and +z where left out. source_pressure (Pa m) is the on-axis pressure times distance
+/// at full drive, directivity a name ("point", "piston", "sinc", "cos", "t4010a1") or {name: parameter},
+/// response (N,) a complex factor of each transducer, 0 for a dead one.
+///
+/// >>> import midair
+/// >>> midair.Array([[0, 0, 0], [0.01, 0, 0]]).positions.shape
+/// (2, 3)
+#[pyclass(frozen, module = "midair")]
+#[derive(Clone)]
+pub(crate) struct Array {
+    pub(crate) inner: midair::Array,
+}
+
+/// Applies the keywords that every way to make an array shares; what is left out stays as it is.
+pub(crate) fn adjusted(
+    array: midair::Array,
+    source_pressure: Argument<'_, '_>,
+    directivity: Argument<'_, '_>,
+    response: Argument<'_, '_>,
+) -> PyResult<midair::Array> {
+    let own = array.transducer();
+    let transducer = Transducer {
+        source_pressure: read::real_or("source_pressure", source_pressure, own.source_pressure)?,
+        directivity: directivity.map_or(Ok(own.directivity), read::directivity)?,
+    };
+    let array = array.with_transducer(transducer).map_err(refused)?;
+    match response {
+        None => Ok(array),
+        Some(response) => array.with_response(Some(read::complexes("response", response)?)).map_err(refused),
+    }
+}
+
+/// Vectors as a numpy array (K, 3).
+pub(crate) fn rows<'py>(py: Python<'py>, vectors: &[[f64; 3]]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    vectors.as_flattened().to_pyarray(py).reshape([vectors.len(), 3])
+}
+
+#[pymethods]
+impl Array {
+    #[new]
+    #[pyo3(signature = (positions, normals=None, *, source_pressure=None, directivity=None, response=None))]
+    fn new(
+        positions: &Bound<'_, PyAny>,
+        normals: Argument<'_, '_>,
+        source_pressure: Argument<'_, '_>,
+        directivity: Argument<'_, '_>,
+        response: Argument<'_, '_>,
+    ) -> PyResult<Self> {
+        let normals = normals.map(|normals| read::vectors("normals", normals)).transpose()?;
+        let array = midair::Array::new(read::vectors("positions", positions)?, normals).map_err(refused)?;
+        Ok(Self { inner: adjusted(array, source_pressure, directivity, response)? })
+    }
+
+    /// A flat grid of nx x ny transducers, pitch metres apart, centred in z = 0, x fastest.
+    #[staticmethod]
+    #[pyo3(signature = (nx, ny, pitch, *, source_pressure=None, directivity=None, response=None))]
+    fn grid(
+        nx: &Bound<'_, PyAny>,
+        ny: &Bound<'_, PyAny>,
+        pitch: &Bound<'_, PyAny>,
+        source_pressure: Argument<'_, '_>,
+        directivity: Argument<'_, '_>,
+        response: Argument<'_, '_>,
+    ) -> PyResult<Self> {
+        let (nx, ny) = (read::count("nx", nx)?, read::count("ny", ny)?);
+        let array = midair::Array::grid(nx, ny, read::real("pitch", pitch)?).map_err(refused)?;
+        Ok(Self { inner: adjusted(array, source_pressure, directivity, response)? })
+    }
+
+    /// A known board or the paper's array; tiles = (x, y) boards. Keywords override the preset's values.
+    #[staticmethod]
+    #[pyo3(signature = (name, tiles=None, *, source_pressure=None, directivity=None, response=None))]
+    fn preset(
+        name: &Bound<'_, PyAny>,
+        tiles: Argument<'_, '_>,
+        source_pressure: Argument<'_, '_>,
+        directivity: Argument<'_, '_>,
+        response: Argument<'_, '_>,
+    ) -> PyResult<Self> {
+        let Ok(name) = name.extract::<String>() else {
+            return Err(invalid("preset", &name.to_string(), "give a name as text"));
+        };
+        let tiles = match tiles {
+            None => [1, 1],
+            Some(tiles) => {
+                let pair: Vec<Bound<'_, PyAny>> = tiles.try_iter().and_then(Iterator::collect).unwrap_or_default();
+                let [x, y] = &pair[..] else {
+                    return Err(invalid("tiles", &tiles.to_string(), "give two whole numbers, boards along x and y"));
+                };
+                [read::count("tiles[0]", x)?, read::count("tiles[1]", y)?]
+            }
+        };
+        let array = midair::Array::preset(&name, tiles).map_err(refused)?;
+        Ok(Self { inner: adjusted(array, source_pressure, directivity, response)? })
+    }
+
+    /// The names of the presets; `midair.presets()` tells more.
+    #[staticmethod]
+    fn presets() -> Vec<&'static str> {
+        midair::presets::PRESETS.iter().map(|preset| preset.name).collect()
+    }
+
+    /// Positions (N, 3) in m.
+    #[getter]
+    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        rows(py, self.inner.positions())
+    }
+
+    /// Unit normals (N, 3).
+    #[getter]
+    fn normals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        rows(py, self.inner.normals())
+    }
+
+    /// Complex responses (N,), or None where all are 1.
+    #[getter]
+    fn response<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<Complex64>>> {
+        self.inner.response().map(|response| response.to_pyarray(py))
+    }
+
+    /// P0 in Pa m.
+    #[getter]
+    fn source_pressure(&self) -> f64 {
+        self.inner.transducer().source_pressure
+    }
+
+    /// The directivity: a name, or a dictionary of one name and its parameter.
+    #[getter]
+    fn directivity<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let directivity: Directivity = self.inner.transducer().directivity;
+        match directivity.name() {
+            (name, None) => Ok(name.into_pyobject(py)?.into_any()),
+            (name, Some(parameter)) => Ok([(name, parameter)].into_py_dict(py)?.into_any()),
+        }
+    }
+
+    fn __len__(&self) -> usize {
+        self.inner.len()
+    }
+
+    fn __repr__(&self) -> String {
+        let (name, _) = self.inner.transducer().directivity.name();
+        format!("<midair.Array of {} transducers, {} Pa m, {name}>", self.inner.len(), self.source_pressure())
+    }
+}
+
+/// What is known of a preset.
+#[pyclass(frozen, get_all, module = "midair")]
+pub(crate) struct PresetInfo {
+    /// What it is, in one line.
+    summary: &'static str,
+    /// Where its numbers come from.
+    source: &'static str,
+    /// Transducers of one board.
+    count: usize,
+    /// Whether boards can be tiled.
+    tiles: bool,
+    /// P0 in Pa m.
+    source_pressure: f64,
+}
+
+#[pymethods]
+impl PresetInfo {
+    fn __repr__(&self) -> String {
+        format!("<{} transducers: {}>", self.count, self.summary)
+    }
+}
+
+/// Every preset by name.
+#[pyfunction]
+pub(crate) fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let dict = PyDict::new(py);
+    for preset in &midair::presets::PRESETS {
+        let info = PresetInfo {
+            summary: preset.summary,
+            source: preset.source,
+            count: preset.count,
+            tiles: preset.tiles,
+            source_pressure: preset.transducer.source_pressure,
+        };
+        dict.set_item(preset.name, Bound::new(py, info)?)?;
+    }
+    Ok(dict)
+}

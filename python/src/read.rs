@@ -1,0 +1,210 @@
+//! Arguments from Python: real integers and floats are taken, everything else is refused by name.
+
+use midair::{Complex32, Complex64, Directivity, Options, Value};
+use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::{IntoPyDict, PyBool, PyDict, PyFloat, PyInt, PyString};
+
+use crate::{invalid, refused};
+
+/// How a value reads in an error: short, on one line.
+fn quoted(value: &Bound<'_, PyAny>) -> String {
+    let text = value.repr().map_or_else(|_| "something".into(), |text| text.to_string());
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    if text.chars().count() <= 60 { text } else { text.chars().take(57).chain("...".chars()).collect() }
+}
+
+/// A numpy array of the wanted type, if the value holds numbers of one of `kinds` (numpy's letters).
+fn numbers<'py, T: numpy::Element>(
+    item: &str,
+    value: &Bound<'py, PyAny>,
+    kinds: &str,
+    dtype: &str,
+    cure: &str,
+) -> PyResult<PyReadonlyArrayDyn<'py, T>> {
+    let numpy = value.py().import("numpy")?;
+    // A ragged list is no array at all; what else goes wrong in there is not ours to hide.
+    let array = match numpy.call_method1("asarray", (value,)) {
+        Ok(array) => array,
+        Err(error) if error.is_instance_of::<pyo3::exceptions::PyException>(value.py()) => {
+            return Err(invalid(item, &quoted(value), cure));
+        }
+        Err(error) => return Err(error),
+    };
+    let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
+    let empty = array.getattr("size")?.extract::<usize>()? == 0;
+    if !kinds.contains(&kind) && !(empty && kind != "O") {
+        return Err(invalid(item, &quoted(value), cure));
+    }
+    let keywords = [("dtype", dtype), ("order", "C")].into_py_dict(value.py())?;
+    let array = numpy.call_method("asarray", (array,), Some(&keywords))?;
+    Ok(array.cast_into::<PyArrayDyn<T>>()?.readonly())
+}
+
+fn shape_of<T: numpy::Element>(array: &PyReadonlyArrayDyn<'_, T>) -> String {
+    let sizes: Vec<String> = array.shape().iter().map(ToString::to_string).collect();
+    format!("of shape ({}{})", sizes.join(", "), if sizes.len() == 1 { "," } else { "" })
+}
+
+/// Vectors (K, 3).
+pub(crate) fn vectors(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 3]>> {
+    let cure = "give real numbers of shape (K, 3), in metres";
+    let array = numbers::<f64>(item, value, "iuf", "float64", cure)?;
+    if array.is_empty() {
+        return Ok(Vec::new());
+    }
+    match array.shape() {
+        [_, 3] => Ok(array.as_slice()?.as_chunks().0.to_vec()),
+        _ => Err(invalid(item, &shape_of(&array), cure)),
+    }
+}
+
+/// Numbers (M,); one number stands for all M.
+pub(crate) fn list(item: &str, value: &Bound<'_, PyAny>, count: usize) -> PyResult<Vec<f64>> {
+    let cure = format!("give one real number, or one for each of the {count} points");
+    let array = numbers::<f64>(item, value, "iuf", "float64", &cure)?;
+    match array.shape() {
+        [] => Ok(vec![array.as_slice()?[0]; count]),
+        [length] if *length == count => Ok(array.as_slice()?.to_vec()),
+        _ => Err(invalid(item, &shape_of(&array), &cure)),
+    }
+}
+
+/// One real number.
+pub(crate) fn real(item: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    let cure = "give one real number";
+    let array = numbers::<f64>(item, value, "iuf", "float64", cure)?;
+    match array.shape() {
+        [] => Ok(array.as_slice()?[0]),
+        _ => Err(invalid(item, &shape_of(&array), cure)),
+    }
+}
+
+/// One real number, or the default where it is left out.
+pub(crate) fn real_or(item: &str, value: Option<&Bound<'_, PyAny>>, default: f64) -> PyResult<f64> {
+    value.map_or(Ok(default), |value| real(item, value))
+}
+
+/// A whole number that counts something; `least` is refused by the core, below 0 is refused here.
+pub(crate) fn count(item: &str, value: &Bound<'_, PyAny>) -> PyResult<usize> {
+    let number = integer(value).and_then(|number| usize::try_from(number).ok());
+    number.ok_or_else(|| invalid(item, &quoted(value), "give a whole number, 1 or above"))
+}
+
+fn integer(value: &Bound<'_, PyAny>) -> Option<i128> {
+    if value.is_instance_of::<PyBool>() || value.is_instance_of::<PyFloat>() {
+        return None;
+    }
+    // numpy's integers are no `int`, but count as one; its bools do not.
+    if !value.is_instance_of::<PyInt>() {
+        let kind = value.getattr("dtype").and_then(|dtype| dtype.getattr("kind")).ok()?;
+        if !matches!(kind.extract::<&str>(), Ok("i" | "u")) {
+            return None;
+        }
+    }
+    value.call_method0("__index__").ok()?.extract().ok()
+}
+
+/// Complex numbers (N,) in double precision.
+pub(crate) fn complexes(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Complex64>> {
+    let cure = "give numbers of shape (N,), one a transducer";
+    let array = numbers::<Complex64>(item, value, "iufc", "complex128", cure)?;
+    match array.shape() {
+        [_] => Ok(array.as_slice()?.to_vec()),
+        _ => Err(invalid(item, &shape_of(&array), cure)),
+    }
+}
+
+/// A drive (N,).
+pub(crate) fn drive(value: &Bound<'_, PyAny>) -> PyResult<Vec<Complex32>> {
+    let cure = "give numbers of shape (N,), one a transducer";
+    let array = numbers::<Complex32>("drive", value, "iufc", "complex64", cure)?;
+    match array.shape() {
+        [_] => Ok(array.as_slice()?.to_vec()),
+        _ => Err(invalid("drive", &shape_of(&array), cure)),
+    }
+}
+
+/// A complex matrix (M, N): its entries and M.
+pub(crate) fn matrix(item: &str, value: &Bound<'_, PyAny>) -> PyResult<(Vec<Complex64>, usize)> {
+    let cure = "give numbers of shape (M, N): points by transducers";
+    let array = numbers::<Complex64>(item, value, "iufc", "complex128", cure)?;
+    match array.shape() {
+        [points, _] => Ok((array.as_slice()?.to_vec(), *points)),
+        _ => Err(invalid(item, &shape_of(&array), cure)),
+    }
+}
+
+/// A directivity: a name, or a dictionary of one name and its parameter.
+pub(crate) fn directivity(value: &Bound<'_, PyAny>) -> PyResult<Directivity> {
+    if let Ok(name) = value.cast::<PyString>() {
+        return Directivity::named(name.to_str()?, None).map_err(refused);
+    }
+    let table = value.cast::<PyDict>().ok().filter(|table| table.len() == 1);
+    if let Some((name, parameter)) = table.and_then(|table| table.iter().next()) {
+        if let Ok(name) = name.extract::<String>() {
+            let parameter = real(&format!("directivity.{name}"), &parameter)?;
+            return Directivity::named(&name, Some(parameter)).map_err(refused);
+        }
+    }
+    Err(invalid("directivity", &quoted(value), "give a name such as \"point\" or {\"piston\": 4.5e-3}"))
+}
+
+/// A solver's options from keywords; `None` leaves the default.
+pub(crate) fn options(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Options> {
+    let mut options = Options::new();
+    for (name, value) in keywords.into_iter().flatten() {
+        if !value.is_none() {
+            let name: String = name.extract()?;
+            let value = option(&name, &value)?;
+            options.insert(name, value);
+        }
+    }
+    Ok(options)
+}
+
+fn option(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
+    if let Ok(flag) = value.cast::<PyBool>() {
+        return Ok(Value::Bool(flag.is_true()));
+    }
+    if let Ok(text) = value.cast::<PyString>() {
+        return Ok(Value::Text(text.to_str()?.to_owned()));
+    }
+    if value.is_instance_of::<PyInt>() {
+        return integer(value)
+            .map(Value::Integer)
+            .ok_or_else(|| invalid(item, &quoted(value), "give a number of at most 64 bits"));
+    }
+    let cure = "give a number, a word or a list of whole numbers";
+    if let Some(number) = integer(value) {
+        return Ok(Value::Integer(number));
+    }
+    if let Ok(number) = real(item, value) {
+        return Ok(Value::Real(number));
+    }
+    let array = numbers::<i64>(item, value, "iu", "int64", cure)?;
+    match array.shape() {
+        [_] => Ok(Value::Integers(array.as_slice()?.to_vec())),
+        _ => Err(invalid(item, &shape_of(&array), cure)),
+    }
+}
+
+/// Options as Python values.
+pub(crate) fn option_dict<'py>(py: Python<'py>, options: &Options) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    for (name, value) in options {
+        dict.set_item(name, option_object(py, value)?)?;
+    }
+    Ok(dict)
+}
+
+/// An option's value as a Python value.
+pub(crate) fn option_object<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
+    Ok(match value {
+        Value::Bool(flag) => flag.into_pyobject(py)?.to_owned().into_any(),
+        Value::Integer(number) => number.into_pyobject(py)?.into_any(),
+        Value::Real(number) => number.into_pyobject(py)?.into_any(),
+        Value::Text(text) => text.into_pyobject(py)?.into_any(),
+        Value::Integers(list) => list.into_pyobject(py)?.into_any(),
+    })
+}

@@ -1,0 +1,254 @@
+//! `midair.Scene` and `midair.Gains`.
+
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use midair::file::{self, Format, Provenance};
+use midair::{Complex32, Medium, Request};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, ToPyArray};
+use pyo3::exceptions::PyOSError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::array::{Array, adjusted, rows};
+use crate::field::Plane;
+use crate::solve::Solution;
+use crate::{read, refused};
+
+type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+
+/// A request: an array, points (M, 3) in m, and what each shall feel.
+///
+/// pressures (M,) are peak pressures in Pa; one number stands for all, 0 asks for a quiet point; left out, all are
+/// equal at the level the array can reach together. weights (M,) multiply the points' terms; a point of weight 0
+/// takes no part. sound_speed (m/s) or temperature (degrees C), absorption in Np/m, density in kg/m^3;
+/// source_pressure and directivity override the array's.
+///
+/// >>> import midair
+/// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]])
+/// >>> round(float(abs(scene.gains()).sum()), 5)
+/// 2.36066
+#[pyclass(frozen, module = "midair")]
+pub(crate) struct Scene {
+    pub(crate) inner: Arc<midair::Scene>,
+}
+
+/// Pressures and weights as the core takes them.
+pub(crate) fn request(
+    count: usize,
+    pressures: Argument<'_, '_>,
+    weights: Argument<'_, '_>,
+) -> PyResult<Request> {
+    let list = |item, value: Argument<'_, '_>| value.map(|value| read::list(item, value, count)).transpose();
+    Ok(Request { pressures: list("pressures", pressures)?, weights: list("weights", weights)? })
+}
+
+/// An error of the file system, as Python's own file functions raise it.
+fn os_error(error: &std::io::Error, path: &Path) -> PyErr {
+    let text = error.to_string();
+    let text = text.split(" (os error").next().unwrap_or_default().to_owned();
+    PyOSError::new_err((error.raw_os_error(), text, path.to_path_buf()))
+}
+
+#[pymethods]
+impl Scene {
+    #[new]
+    #[pyo3(signature = (
+        array, points, pressures=None, *, weights=None, frequency=None, sound_speed=None, temperature=None,
+        absorption=None, density=None, source_pressure=None, directivity=None
+    ))]
+    #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
+    fn new(
+        array: &Bound<'_, Array>,
+        points: &Bound<'_, PyAny>,
+        pressures: Argument<'_, '_>,
+        weights: Argument<'_, '_>,
+        frequency: Argument<'_, '_>,
+        sound_speed: Argument<'_, '_>,
+        temperature: Argument<'_, '_>,
+        absorption: Argument<'_, '_>,
+        density: Argument<'_, '_>,
+        source_pressure: Argument<'_, '_>,
+        directivity: Argument<'_, '_>,
+    ) -> PyResult<Self> {
+        let default = Medium::default();
+        let speed = sound_speed.map(|speed| read::real("sound_speed", speed)).transpose()?;
+        let temperature = temperature.map(|value| read::real("temperature", value)).transpose()?;
+        let medium = Medium {
+            frequency: read::real_or("frequency", frequency, default.frequency)?,
+            sound_speed: Medium::sound_speed(speed, temperature).map_err(refused)?,
+            absorption: read::real_or("absorption", absorption, default.absorption)?,
+            density: read::real_or("density", density, default.density)?,
+        };
+        let array = adjusted(array.get().inner.clone(), source_pressure, directivity, None)?;
+        let points = read::vectors("points", points)?;
+        // Without points there is nothing to compare lengths with; the core says so.
+        let request =
+            if points.is_empty() { Request::default() } else { request(points.len(), pressures, weights)? };
+        let scene = midair::Scene::new(array, medium, points, request).map_err(refused)?;
+        Ok(Self { inner: Arc::new(scene) })
+    }
+
+    /// Reads a scene file, TOML or (by its ending .json) JSON.
+    #[staticmethod]
+    fn load(path: PathBuf) -> PyResult<Self> {
+        let mut bytes = Vec::new();
+        // One byte more than allowed is enough to see that a file is too large.
+        std::fs::File::open(&path)
+            .and_then(|file| file.take(file::MOST_BYTES as u64 + 1).read_to_end(&mut bytes))
+            .map_err(|error| os_error(&error, &path))?;
+        let scene = file::read(&bytes, Format::of(&path.to_string_lossy())).map_err(refused)?;
+        Ok(Self { inner: Arc::new(scene) })
+    }
+
+    /// Writes the scene as TOML or (by the ending .json) JSON, whole or not at all.
+    fn save(&self, path: PathBuf) -> PyResult<()> {
+        let text = file::write(&self.inner, Format::of(&path.to_string_lossy()), &Provenance::default());
+        let mut name = path.file_name().unwrap_or_default().to_os_string();
+        name.push(format!(".{}.part", std::process::id()));
+        let part = path.with_file_name(name);
+        let text = text.map_err(refused)?;
+        let written = std::fs::File::create(&part)
+            .and_then(|mut file| file.write_all(text.as_bytes()))
+            .and_then(|()| std::fs::rename(&part, &path));
+        written.map_err(|error| {
+            // What was begun is taken away; the first error is the one to tell.
+            let _ = std::fs::remove_file(&part);
+            os_error(&error, &path)
+        })
+    }
+
+    /// The scene as JSON text; with a solution, as the record of how it was solved.
+    #[pyo3(signature = (solution=None))]
+    fn json(&self, solution: Option<&Bound<'_, Solution>>) -> PyResult<String> {
+        let Some(solution) = solution else {
+            return file::write(&self.inner, Format::Json, &Provenance::default()).map_err(refused);
+        };
+        let mut scene = (*self.inner).clone();
+        scene.solver = Some(solution.get().choice.clone());
+        let provenance = Provenance {
+            version: Some(env!("CARGO_PKG_VERSION").into()),
+            status: Some(solution.get().inner.status.to_string()),
+        };
+        file::write(&scene, Format::Json, &provenance).map_err(refused)
+    }
+
+    /// The array.
+    #[getter]
+    fn array(&self) -> Array {
+        Array { inner: self.inner.array().clone() }
+    }
+
+    /// Points (M, 3) in m.
+    #[getter]
+    fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        rows(py, self.inner.points())
+    }
+
+    /// Pressures (M,) in Pa as given, or None.
+    #[getter]
+    fn pressures<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        self.inner.request().pressures.as_ref().map(|pressures| pressures.to_pyarray(py))
+    }
+
+    /// Weights (M,) as given, or None.
+    #[getter]
+    fn weights<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        self.inner.request().weights.as_ref().map(|weights| weights.to_pyarray(py))
+    }
+
+    /// Frequency in Hz.
+    #[getter]
+    fn frequency(&self) -> f64 {
+        self.inner.medium().frequency
+    }
+
+    /// Sound speed in m/s.
+    #[getter]
+    fn sound_speed(&self) -> f64 {
+        self.inner.medium().sound_speed
+    }
+
+    /// Wavelength in m.
+    #[getter]
+    fn wavelength(&self) -> f64 {
+        self.inner.medium().wavelength()
+    }
+
+    /// Absorption in Np/m.
+    #[getter]
+    fn absorption(&self) -> f64 {
+        self.inner.medium().absorption
+    }
+
+    /// Density in kg/m^3.
+    #[getter]
+    fn density(&self) -> f64 {
+        self.inner.medium().density
+    }
+
+    /// Whether pressures are in the paper's unit: eq. (5) in mm, which source_pressure = 1e-3 reproduces.
+    #[getter]
+    fn in_paper_unit(&self) -> bool {
+        self.inner.array().in_paper_unit()
+    }
+
+    /// The solver the scene file names, (name, options), or None.
+    #[getter]
+    fn solver<'py>(&self, py: Python<'py>) -> PyResult<Option<(String, Bound<'py, PyDict>)>> {
+        let Some(choice) = &self.inner.solver else { return Ok(None) };
+        Ok(Some((choice.name.clone(), read::option_dict(py, &choice.table())?)))
+    }
+
+    /// The plane the scene file asks pictures of, or None.
+    #[getter]
+    fn plane(&self) -> Option<Plane> {
+        self.inner.plane.map(|inner| Plane { inner })
+    }
+
+    /// G (M, N) in Pa, complex64: the pressure at point j of transducer i at full drive, eq. (5).
+    fn gains<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
+        let scene = Arc::clone(&self.inner);
+        let matrix = py.detach(move || midair::Gains::of(&scene).matrix()).map_err(refused)?;
+        matrix.into_pyarray(py).reshape([self.inner.points().len(), self.inner.array().len()])
+    }
+
+    fn __repr__(&self) -> String {
+        let (n, m) = (self.inner.array().len(), self.inner.points().len());
+        format!("<midair.Scene of {n} transducers and {m} points at {} Hz>", self.inner.medium().frequency)
+    }
+}
+
+/// A user's own G (M, N) in Pa: measured, or computed with obstacles.
+///
+/// Pressures and weights then go to `solve` and `judge`.
+///
+/// >>> import midair, numpy as np
+/// >>> solution = midair.solve(midair.Gains(np.ones((1, 4))), pressures=4.0)
+/// >>> round(solution.metrics.accuracy, 6)
+/// 1.0
+#[pyclass(frozen, module = "midair")]
+pub(crate) struct Gains {
+    pub(crate) inner: midair::Gains,
+}
+
+#[pymethods]
+impl Gains {
+    #[new]
+    fn new(matrix: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let (entries, points) = read::matrix("gains", matrix)?;
+        Ok(Self { inner: midair::Gains::from_matrix(&entries, points).map_err(refused)? })
+    }
+
+    /// (M, N): points and transducers.
+    #[getter]
+    fn shape(&self) -> (usize, usize) {
+        (self.inner.points(), self.inner.transducers())
+    }
+
+    fn __repr__(&self) -> String {
+        let (m, n) = self.shape();
+        format!("<midair.Gains of {n} transducers at {m} points>")
+    }
+}

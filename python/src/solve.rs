@@ -1,0 +1,342 @@
+//! `midair.solve`, `midair.Solution`, `midair.Metrics` and `midair.solvers`.
+
+use std::ffi::CString;
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+use midair::{Complex32, Control, Progress, Workspace, solvers as registry};
+use numpy::{IntoPyArray, PyArray1, ToPyArray};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::field::Task;
+use crate::{SceneWarning, invalid, read, refused};
+
+type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+
+/// How good an answer is, over the points with a pressure and a weight above 0, x = |p| / target.
+#[pyclass(frozen, get_all, eq, module = "midair")]
+#[derive(Clone, PartialEq)]
+pub(crate) struct Metrics {
+    /// sum |p| / sum target: eq. (12).
+    accuracy: f64,
+    /// Standard deviation of x / max x: eq. (13) for equal targets.
+    sigma: f64,
+    /// min x / max x.
+    uniformity: f64,
+    /// Mean x.
+    level: f64,
+    /// sum w (target - |p|)^2 / sum w target^2.
+    residual: f64,
+    /// max |p| over the quiet points over the largest target.
+    leak: f64,
+}
+
+impl From<midair::Metrics> for Metrics {
+    fn from(metrics: midair::Metrics) -> Self {
+        let midair::Metrics { accuracy, sigma, uniformity, level, residual, leak } = metrics;
+        Self { accuracy, sigma, uniformity, level, residual, leak }
+    }
+}
+
+#[pymethods]
+impl Metrics {
+    fn __repr__(&self) -> String {
+        let Self { accuracy, sigma, uniformity, level, residual, leak } = self;
+        format!(
+            "Metrics(accuracy={accuracy:.4}, sigma={sigma:.4}, uniformity={uniformity:.4}, level={level:.4}, residual={residual:.4}, leak={leak:.4})"
+        )
+    }
+}
+
+/// A drive and what it does at the points.
+#[pyclass(frozen, module = "midair")]
+pub(crate) struct Solution {
+    pub(crate) inner: midair::Solution,
+    pub(crate) choice: midair::Choice,
+    trace: Option<Vec<f64>>,
+    elapsed: f64,
+}
+
+#[pymethods]
+impl Solution {
+    /// Drives q (N,), complex64, |q| <= 1.
+    #[getter]
+    fn drive<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Complex32>> {
+        self.inner.drive.to_pyarray(py)
+    }
+
+    /// Phases (N,) in rad in [0, 2 pi); 0 where the drive is 0.
+    #[getter]
+    fn phases<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        (0..self.inner.drive.len()).map(|i| self.inner.phase(i)).collect::<Vec<_>>().into_pyarray(py)
+    }
+
+    /// Amplitudes (N,), 0 to 1.
+    #[getter]
+    fn amplitudes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        (0..self.inner.drive.len()).map(|i| self.inner.amplitude(i)).collect::<Vec<_>>().into_pyarray(py)
+    }
+
+    /// Complex pressures (M,) in Pa (peak), complex64.
+    #[getter]
+    fn pressures<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Complex32>> {
+        self.inner.pressures.to_pyarray(py)
+    }
+
+    /// Radiation pressures (M,) in Pa, |p|^2/(rho c^2).
+    #[getter]
+    fn radiation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        (0..self.inner.pressures.len()).map(|j| self.inner.radiation(j)).collect::<Vec<_>>().into_pyarray(py)
+    }
+
+    /// Targets (M,) in Pa that the metrics refer to.
+    #[getter]
+    fn targets<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.inner.targets().to_pyarray(py)
+    }
+
+    /// How good it is.
+    #[getter]
+    fn metrics(&self) -> Metrics {
+        self.inner.metrics().into()
+    }
+
+    /// How the solve ended: "done", "out_of_steps", "stopped" or "breakdown".
+    #[getter]
+    fn status(&self) -> String {
+        self.inner.status.to_string()
+    }
+
+    /// Steps taken.
+    #[getter]
+    fn steps(&self) -> usize {
+        self.inner.steps
+    }
+
+    /// Seconds from the checked scene to the answer.
+    #[getter]
+    fn elapsed(&self) -> f64 {
+        self.elapsed
+    }
+
+    /// The residual after each step (steps,), or None where no trace was asked for.
+    #[getter]
+    fn trace<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        self.trace.as_ref().map(|trace| trace.to_pyarray(py))
+    }
+
+    /// The solver's name.
+    #[getter]
+    fn solver(&self) -> &str {
+        &self.choice.name
+    }
+
+    /// Every option in full, and whether the targets were balanced.
+    #[getter]
+    fn options<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        read::option_dict(py, &self.choice.table())
+    }
+
+    fn __repr__(&self) -> String {
+        let metrics = self.inner.metrics();
+        let (name, status) = (&self.choice.name, self.inner.status);
+        let (accuracy, sigma) = (metrics.accuracy, metrics.sigma);
+        format!("<midair.Solution by {name}: {status}, accuracy {accuracy:.4}, sigma {sigma:.4}>")
+    }
+}
+
+/// A running solve's contact with Python: signals are looked at now and then, progress is told every step.
+pub(crate) struct Pulse {
+    progress: Option<Py<PyAny>>,
+    last: Instant,
+    raised: Option<PyErr>,
+}
+
+impl Pulse {
+    /// Often enough that Ctrl-C feels immediate, seldom enough that taking the GIL costs nothing.
+    const INTERVAL: Duration = Duration::from_millis(50);
+
+    pub(crate) fn new(progress: Option<Py<PyAny>>) -> Self {
+        Self { progress, last: Instant::now(), raised: None }
+    }
+
+    /// Called once a step, without the GIL.
+    pub(crate) fn beat(&mut self, progress: &Progress<'_>) -> ControlFlow<()> {
+        if self.progress.is_none() && self.last.elapsed() < Self::INTERVAL {
+            return ControlFlow::Continue(());
+        }
+        let told = Python::attach(|py| -> PyResult<bool> {
+            if self.last.elapsed() >= Self::INTERVAL {
+                py.check_signals()?;
+                self.last = Instant::now();
+            }
+            let Some(callback) = &self.progress else { return Ok(true) };
+            let answer = callback.call1(py, (progress.step, progress.steps, progress.residual()))?;
+            // Only False stops: a callback that returns nothing goes on.
+            Ok(answer.extract::<bool>(py).unwrap_or(true))
+        });
+        match told {
+            Ok(true) => ControlFlow::Continue(()),
+            Ok(false) => ControlFlow::Break(()),
+            Err(error) => {
+                self.raised = Some(error);
+                ControlFlow::Break(())
+            }
+        }
+    }
+
+    /// The exception of a callback or signal, if there was one.
+    pub(crate) fn raised(self) -> PyResult<()> {
+        self.raised.map_or(Ok(()), Err)
+    }
+}
+
+/// The solver, its options and whether to balance, from the keywords and the scene file.
+fn chosen(task: &Task, solver: Argument<'_, '_>, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<midair::Choice> {
+    let name = match solver {
+        None => None,
+        Some(name) => match name.extract::<String>() {
+            Ok(name) => Some(name),
+            Err(_) => return Err(invalid("solver", &name.to_string(), "give a name as text")),
+        },
+    };
+    let given = read::options(keywords)?;
+    // Another solver's options in the file do not fit; the same one's do, and keywords win over them.
+    let file = task.choice().filter(|choice| name.as_ref().is_none_or(|name| *name == choice.name));
+    let name = name.or_else(|| file.map(|choice| choice.name.clone())).unwrap_or_else(|| registry::DEFAULT.into());
+    let mut options = file.map(|choice| choice.options.clone()).unwrap_or_default();
+    options.extend(given);
+    Ok(midair::Choice { name, options, balance: file.and_then(|choice| choice.balance) })
+}
+
+/// Finds a drive for a scene, or for gains with pressures and weights.
+///
+/// solver is a name of `solvers()`; left out it is the scene file's, else the default. Its options are keywords.
+/// balance=True solves at the level the array can reach and reduces the drives afterwards; None is the method's
+/// own habit. start (a drive, point phases or a Solution) and level ("target" or "max") are for the methods that
+/// use them. progress(step, steps, residual) is called every step and stops the solve by returning False;
+/// trace=True keeps the residuals.
+///
+/// >>> import midair
+/// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
+/// >>> solution = midair.solve(scene, "greedy", phases=16, seed=1)
+/// >>> solution.drive.shape, solution.status
+/// ((400,), 'done')
+#[pyfunction]
+#[pyo3(signature = (
+    scene, solver=None, *, pressures=None, weights=None, balance=None, level=None, start=None, progress=None,
+    trace=false, **options
+))]
+#[allow(clippy::too_many_arguments, reason = "Python's keywords")]
+pub(crate) fn solve(
+    py: Python<'_>,
+    scene: &Bound<'_, PyAny>,
+    solver: Argument<'_, '_>,
+    pressures: Argument<'_, '_>,
+    weights: Argument<'_, '_>,
+    balance: Argument<'_, '_>,
+    level: Argument<'_, '_>,
+    start: Argument<'_, '_>,
+    progress: Option<Py<PyAny>>,
+    trace: bool,
+    options: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Solution> {
+    let task = Task::read(scene, pressures, weights)?;
+    let mut choice = chosen(&task, solver, options)?;
+    let configured = registry::find(&choice.name).and_then(|entry| entry.configure(&choice.options));
+    let configured = configured.map_err(refused)?;
+    for (argument, value, uses) in [
+        ("level", level, (|info| info.uses_level) as fn(&registry::Info) -> bool),
+        ("start", start, |info| info.uses_start),
+    ] {
+        if value.is_some() && !uses(configured.info) {
+            return Err(refused(registry::unused(argument, configured.info.name, uses)));
+        }
+    }
+    if let Some(balance) = balance {
+        let Ok(balance) = balance.extract::<bool>() else {
+            return Err(invalid("balance", &balance.to_string(), "give True, False or None"));
+        };
+        choice.balance = Some(balance);
+    }
+    let balance = choice.balance.unwrap_or(configured.info.balance);
+    choice.balance = Some(balance);
+    choice.options = configured.options;
+    let clock = Instant::now();
+    let problem = py.detach(|| task.problem()).map_err(refused)?;
+    if problem.is_weak() && !balance {
+        let text = format!(
+            "targets are {:.2} of the balanced level: foci this weak come out smeared, balance=True cures it",
+            1.0 / problem.balance()
+        );
+        let text = CString::new(text).unwrap_or_default();
+        PyErr::warn(py, &py.get_type::<SceneWarning>(), &text, 1)?;
+    }
+    let mut pulse = Pulse::new(progress);
+    let (solution, trace) = py.detach(|| {
+        let mut observer = |progress: Progress<'_>| pulse.beat(&progress);
+        let control = Control::watched(&mut observer);
+        let mut control = if trace { control.traced() } else { control };
+        let solution = midair::solve(&problem, &*configured.solver, balance, &mut Workspace::new(), &mut control);
+        (solution, control.into_trace())
+    });
+    let elapsed = clock.elapsed().as_secs_f64();
+    pulse.raised()?;
+    Ok(Solution { inner: solution.map_err(refused)?, choice, trace, elapsed })
+}
+
+/// One option of a solver.
+#[pyclass(frozen, get_all, module = "midair")]
+pub(crate) struct OptionInfo {
+    /// Its default.
+    default: Py<PyAny>,
+    /// What it does, in one line.
+    doc: &'static str,
+}
+
+#[pymethods]
+impl OptionInfo {
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        Ok(format!("<default {}: {}>", self.default.bind(py).repr()?, self.doc))
+    }
+}
+
+/// What is known of a solver.
+#[pyclass(frozen, get_all, module = "midair")]
+pub(crate) struct SolverInfo {
+    /// Its name.
+    name: &'static str,
+    /// What it does, in one line.
+    summary: &'static str,
+    /// Paper and equation.
+    source: &'static str,
+    /// Whether it balances unless told otherwise.
+    balance: bool,
+    /// Its options by name.
+    options: Py<PyDict>,
+}
+
+#[pymethods]
+impl SolverInfo {
+    fn __repr__(&self) -> String {
+        format!("<{}: {}>", self.name, self.summary)
+    }
+}
+
+/// Every solver by name, with its documented options and their defaults.
+#[pyfunction]
+pub(crate) fn solvers(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let dict = PyDict::new(py);
+    for entry in registry::SOLVERS {
+        let options = PyDict::new(py);
+        for option in entry.options() {
+            let default = read::option_object(py, &option.default)?.unbind();
+            options.set_item(option.name, Bound::new(py, OptionInfo { default, doc: option.doc })?)?;
+        }
+        let registry::Info { name, summary, source, balance, .. } = *entry.info;
+        let info = SolverInfo { name, summary, source, balance, options: options.unbind() };
+        dict.set_item(name, Bound::new(py, info)?)?;
+    }
+    Ok(dict)
+}
