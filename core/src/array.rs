@@ -149,7 +149,11 @@ impl Array {
         let preset = presets::find(name)?;
         for (axis, &value) in tiles.iter().enumerate() {
             if value == 0 || (value != 1 && !preset.tiles) {
-                let cure = if preset.tiles { "give at least 1 board" } else { "this preset is one piece: leave tiles out" };
+                let cure = if preset.tiles {
+                    "give at least 1 board"
+                } else {
+                    "this preset is one piece: leave tiles out"
+                };
                 return Err(Error::invalid(format!("array.tiles[{axis}]"), value, cure));
             }
         }
@@ -184,7 +188,9 @@ impl Array {
                     format!("give one for each of the {} transducers", self.len()),
                 ));
             }
-            if let Some((i, c)) = response.iter().enumerate().find(|(_, c)| !c.re.is_finite() || !c.im.is_finite()) {
+            if let Some((i, c)) =
+                response.iter().enumerate().find(|(_, c)| !c.re.is_finite() || !c.im.is_finite())
+            {
                 return Err(Error::invalid(format!("array.response[{i}]"), c, "give finite numbers"));
             }
             if let Some((i, c)) = response.iter().enumerate().find(|(_, c)| c.norm_sqr() > 1e6 * 1e6) {
@@ -238,7 +244,6 @@ impl Array {
 
     /// Whether pressures are in the paper's unit: eq. (5) in millimetres, which P0 = 1e-3 Pa m reproduces.
     #[must_use]
-    #[allow(clippy::float_cmp, reason = "the unit is chosen by exactly this number")]
     pub fn in_paper_unit(&self) -> bool {
         self.transducer.source_pressure == 1e-3
     }

@@ -234,14 +234,20 @@ impl SceneTable {
         }
         let weighted = self.points.iter().any(|point| point.weight.is_some());
         let request = Request {
-            pressures: self.points.iter().map(|point| point.pressure).collect::<Option<Vec<_>>>().filter(|_| given > 0),
+            pressures: self
+                .points
+                .iter()
+                .map(|point| point.pressure)
+                .collect::<Option<Vec<_>>>()
+                .filter(|_| given > 0),
             weights: weighted.then(|| self.points.iter().map(|point| point.weight.unwrap_or(1.0)).collect()),
         };
         let points: Vec<_> = self.points.iter().map(|point| point.position).collect();
         let mut scene = Scene::new(self.array.array()?, self.medium.medium()?, points, request)?;
         scene.plane = self.plane.map(|plane| plane.plane(scene.points())).transpose()?;
         if let Some(table) = self.solver {
-            let options: Options = table.options.into_iter().map(|(name, value)| (name, value.into())).collect();
+            let options: Options =
+                table.options.into_iter().map(|(name, value)| (name, value.into())).collect();
             scene.solver = Some(Choice::new(table.name, options)?);
         }
         Ok(scene)
@@ -293,7 +299,8 @@ impl ArrayTable {
             source_pressure: self.source_pressure.unwrap_or(default.source_pressure),
             directivity: self.directivity.map_or(Ok(default.directivity), |table| table.directivity())?,
         })?;
-        let response = self.response.map(|list| list.iter().map(|&[re, im]| Complex64::new(re, im)).collect());
+        let response =
+            self.response.map(|list| list.iter().map(|&[re, im]| Complex64::new(re, im)).collect());
         array.with_response(response)
     }
 }
@@ -309,7 +316,11 @@ impl DirectivityTable {
             Self::Name(name) => Directivity::named(name, None),
             Self::Parameter(table) => match table.iter().next() {
                 Some((name, &parameter)) if table.len() == 1 => Directivity::named(name, Some(parameter)),
-                _ => Err(Error::invalid("array.directivity", format!("{} keys", table.len()), "give one, such as { piston = 4.5e-3 }")),
+                _ => Err(Error::invalid(
+                    "array.directivity",
+                    format!("{} keys", table.len()),
+                    "give one, such as { piston = 4.5e-3 }",
+                )),
             },
         }
     }

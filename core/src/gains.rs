@@ -132,7 +132,7 @@ impl Gains {
     /// # Errors
     /// No entries, a length that is no multiple of `points`, an entry that is not finite (named by [j, i]).
     pub fn from_matrix(matrix: &[Complex64], points: usize) -> Result<Self, Error> {
-        if matrix.is_empty() || points == 0 || matrix.len() % points != 0 {
+        if matrix.is_empty() || points == 0 || !matrix.len().is_multiple_of(points) {
             let value = format!("{} entries for {points} points", matrix.len());
             return Err(Error::invalid("gains", value, "give an (M, N) matrix with M and N at least 1"));
         }

@@ -100,7 +100,8 @@ impl Problem {
             active,
             given,
         };
-        let mut problem = Self { gains, weights: weights.into(), asked: Arc::new(asked), targets: Vec::new() };
+        let mut problem =
+            Self { gains, weights: weights.into(), asked: Arc::new(asked), targets: Vec::new() };
         problem.targets = vec![0.0; lanes];
         problem.asked.scaled_targets(1.0, &mut problem.targets);
         Ok(problem)
@@ -225,7 +226,11 @@ fn reach(gains: &Gains) -> Result<Vec<f64>, Error> {
 pub(crate) fn check_drive(drive: &[Complex32], transducers: usize) -> Result<(), Error> {
     if drive.len() != transducers {
         let value = format!("{} values", drive.len());
-        return Err(Error::invalid("drive", value, format!("give one for each of the {transducers} transducers")));
+        return Err(Error::invalid(
+            "drive",
+            value,
+            format!("give one for each of the {transducers} transducers"),
+        ));
     }
     for (i, q) in drive.iter().enumerate() {
         let modulus = math::hypot(f64::from(q.re), f64::from(q.im));

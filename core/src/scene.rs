@@ -199,7 +199,8 @@ impl Scene {
             if (0..3).all(|axis| (position[axis] - centre[axis]).abs() <= reach) {
                 return Ok(());
             }
-            let cure = format!("bring it within {reach:.3e} m of the array's middle (coordinates are in metres)");
+            let cure =
+                format!("bring it within {reach:.3e} m of the array's middle (coordinates are in metres)");
             Err(Error::invalid(item, format!("{position:?}"), cure))
         };
         for (i, position) in array.positions().iter().enumerate() {

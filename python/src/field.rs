@@ -40,9 +40,14 @@ impl Plane {
         let center = match center {
             None => [0.0, 0.0],
             Some(center) => {
-                let pair: Vec<Bound<'_, PyAny>> = center.try_iter().and_then(Iterator::collect).unwrap_or_default();
+                let pair: Vec<Bound<'_, PyAny>> =
+                    center.try_iter().and_then(Iterator::collect).unwrap_or_default();
                 let [x, y] = &pair[..] else {
-                    return Err(invalid("plane.center", &center.to_string(), "give two real numbers, x and y"));
+                    return Err(invalid(
+                        "plane.center",
+                        &center.to_string(),
+                        "give two real numbers, x and y",
+                    ));
                 };
                 [read::real("plane.center[0]", x)?, read::real("plane.center[1]", y)?]
             }
@@ -242,7 +247,11 @@ impl Task {
         if let Ok(scene) = object.cast::<Scene>() {
             for (item, value) in [("pressures", pressures), ("weights", weights)] {
                 if value.is_some() {
-                    return Err(invalid(item, "given beside a Scene", "give them to the Scene; here they go with Gains"));
+                    return Err(invalid(
+                        item,
+                        "given beside a Scene",
+                        "give them to the Scene; here they go with Gains",
+                    ));
                 }
             }
             return Ok(Self::Scene(Arc::clone(&scene.get().inner)));

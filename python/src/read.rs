@@ -32,8 +32,7 @@ fn numbers<'py, T: numpy::Element>(
         Err(error) => return Err(error),
     };
     let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
-    let empty = array.getattr("size")?.extract::<usize>()? == 0;
-    if !kinds.contains(&kind) && !(empty && kind != "O") {
+    if !kinds.contains(&kind) {
         return Err(invalid(item, &quoted(value), cure));
     }
     let keywords = [("dtype", dtype), ("order", "C")].into_py_dict(value.py())?;
@@ -141,11 +140,11 @@ pub(crate) fn directivity(value: &Bound<'_, PyAny>) -> PyResult<Directivity> {
         return Directivity::named(name.to_str()?, None).map_err(refused);
     }
     let table = value.cast::<PyDict>().ok().filter(|table| table.len() == 1);
-    if let Some((name, parameter)) = table.and_then(|table| table.iter().next()) {
-        if let Ok(name) = name.extract::<String>() {
-            let parameter = real(&format!("directivity.{name}"), &parameter)?;
-            return Directivity::named(&name, Some(parameter)).map_err(refused);
-        }
+    if let Some((name, parameter)) = table.and_then(|table| table.iter().next())
+        && let Ok(name) = name.extract::<String>()
+    {
+        let parameter = real(&format!("directivity.{name}"), &parameter)?;
+        return Directivity::named(&name, Some(parameter)).map_err(refused);
     }
     Err(invalid("directivity", &quoted(value), "give a name such as \"point\" or {\"piston\": 4.5e-3}"))
 }

@@ -193,7 +193,11 @@ impl Pulse {
 }
 
 /// The solver, its options and whether to balance, from the keywords and the scene file.
-fn chosen(task: &Task, solver: Argument<'_, '_>, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<midair::Choice> {
+fn chosen(
+    task: &Task,
+    solver: Argument<'_, '_>,
+    keywords: Option<&Bound<'_, PyDict>>,
+) -> PyResult<midair::Choice> {
     let name = match solver {
         None => None,
         Some(name) => match name.extract::<String>() {
@@ -204,7 +208,8 @@ fn chosen(task: &Task, solver: Argument<'_, '_>, keywords: Option<&Bound<'_, PyD
     let given = read::options(keywords)?;
     // Another solver's options in the file do not fit; the same one's do, and keywords win over them.
     let file = task.choice().filter(|choice| name.as_ref().is_none_or(|name| *name == choice.name));
-    let name = name.or_else(|| file.map(|choice| choice.name.clone())).unwrap_or_else(|| registry::DEFAULT.into());
+    let name =
+        name.or_else(|| file.map(|choice| choice.name.clone())).unwrap_or_else(|| registry::DEFAULT.into());
     let mut options = file.map(|choice| choice.options.clone()).unwrap_or_default();
     options.extend(given);
     Ok(midair::Choice { name, options, balance: file.and_then(|choice| choice.balance) })
@@ -278,7 +283,8 @@ pub(crate) fn solve(
         let mut observer = |progress: Progress<'_>| pulse.beat(&progress);
         let control = Control::watched(&mut observer);
         let mut control = if trace { control.traced() } else { control };
-        let solution = midair::solve(&problem, &*configured.solver, balance, &mut Workspace::new(), &mut control);
+        let solution =
+            midair::solve(&problem, &*configured.solver, balance, &mut Workspace::new(), &mut control);
         (solution, control.into_trace())
     });
     let elapsed = clock.elapsed().as_secs_f64();

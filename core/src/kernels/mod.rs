@@ -7,6 +7,8 @@
 mod pressure;
 mod row;
 mod search;
+#[cfg(test)]
+mod tests;
 mod turns;
 
 pub(crate) use pressure::{accumulate, modulus, project, squares};

@@ -69,8 +69,15 @@ fn spread(law: &Law, source: &Source, [x, y, z]: [&Lanes; 3], nearest: &mut Lane
 /// acos x for 0 <= x <= 1 (larger x counts as 1), error below 1e-7 rad plus rounding: Abramowitz and Stegun 4.4.46.
 #[inline(always)]
 fn arc_cosine(x: f32) -> f32 {
+    #[allow(clippy::approx_constant, reason = "fitted coefficients that lie near a constant")]
     const C: [f32; 8] = [
-        1.570_796_3, -0.214_598_8, 0.088_978_99, -0.050_174_304, 0.030_891_88, -0.017_088_126, 0.006_670_09,
+        1.570_796_3,
+        -0.214_598_8,
+        0.088_978_99,
+        -0.050_174_304,
+        0.030_891_88,
+        -0.017_088_126,
+        0.006_670_09,
         -0.001_262_491_1,
     ];
     let complement = if x < 1.0 { 1.0 - x } else { 0.0 };

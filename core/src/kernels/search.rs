@@ -113,8 +113,7 @@ pub(crate) fn tolerance<T: Term>(points: Points<'_>) -> f32 {
     let asked = groups(points.target).iter().zip(groups(points.weight));
     let mut most = [0.0; LANES];
     for (((re, im), old), (target, weight)) in gains.zip(groups(points.modulus)).zip(asked) {
-        let bound: Lanes =
-            from_fn(|l| weight[l] * T::bound(re[l].abs() + im[l].abs(), old[l], target[l]));
+        let bound: Lanes = from_fn(|l| weight[l] * T::bound(re[l].abs() + im[l].abs(), old[l], target[l]));
         most = from_fn(|l| if bound[l] > most[l] { bound[l] } else { most[l] });
     }
     1e-7 * greatest(&most)
@@ -135,7 +134,8 @@ fn changes<T: Term>(points: Points<'_>, re: &Lanes, im: &Lanes) -> Lanes {
     let count = points.count;
     let [pressure_re, pressure_im] = points.pressure.map(|slice| &slice[..count]);
     let [gain_re, gain_im] = points.gain.map(|slice| &slice[..count]);
-    let [modulus, target, weight] = [points.modulus, points.target, points.weight].map(|slice| &slice[..count]);
+    let [modulus, target, weight] =
+        [points.modulus, points.target, points.weight].map(|slice| &slice[..count]);
     let mut total = [0.0; LANES];
     for j in 0..count {
         let (gr, gi, pr, pi) = (gain_re[j], gain_im[j], pressure_re[j], pressure_im[j]);
@@ -188,7 +188,8 @@ fn winner_of(changes: &Lanes, stands: f32, tolerance: f32) -> Option<(usize, f32
     if stands - least <= tolerance {
         return None;
     }
-    let within = changes.iter().rev().fold(0_u32, |bits, &change| bits << 1 | u32::from(change <= least + tolerance));
+    let within =
+        changes.iter().rev().fold(0_u32, |bits, &change| bits << 1 | u32::from(change <= least + tolerance));
     let lane = (within.trailing_zeros() as usize).min(LANES - 1);
     Some((lane, changes[lane]))
 }

@@ -7,9 +7,11 @@ use core::array::from_fn;
 const ROUND: f32 = 12_582_912.0;
 
 /// sin(2 pi x)/x in powers of x^2, least maximal error on |x| <= 1/4 (3e-9, below f32 rounding).
+#[allow(clippy::approx_constant, reason = "fitted coefficients that lie near a constant")]
 const SINE: [f32; 5] = [6.283_185, -41.341_656, 81.601_006, -76.549_78, 39.536_705];
 
 /// 2^x in powers of x, least relative error on |x| <= 1/2 (2e-9).
+#[allow(clippy::approx_constant, reason = "fitted coefficients that lie near a constant")]
 const POWER: [f32; 7] =
     [1.0, 0.693_147_2, 0.240_226_47, 0.055_503_29, 0.009_618_489, 0.001_339_993_1, 0.000_153_458_12];
 

@@ -81,7 +81,9 @@ impl OptionValue for Order {
         }
         word(item, value, &[("random", 0), ("rows", 1), ("columns", 2)])
             .map(|k| [Self::Random, Self::Rows, Self::Columns][k].clone())
-            .map_err(|_| Error::invalid(item, value, "give \"random\", \"rows\", \"columns\" or a permutation of 0..N"))
+            .map_err(|_| {
+                Error::invalid(item, value, "give \"random\", \"rows\", \"columns\" or a permutation of 0..N")
+            })
     }
 
     fn show(&self) -> Value {
@@ -106,7 +108,11 @@ impl Order {
             Self::Random => Rng::new(seed).shuffle(out),
             Self::Columns => {
                 let positions = gains.positions().ok_or_else(|| {
-                    Error::invalid("order", "\"columns\"", "gains have no positions: give \"rows\", \"random\" or a permutation")
+                    Error::invalid(
+                        "order",
+                        "\"columns\"",
+                        "gains have no positions: give \"rows\", \"random\" or a permutation",
+                    )
                 })?;
                 let micron = |x: f64| libm::round(x * 1e6);
                 let key = |i: u32| positions[i as usize].map(micron);
@@ -147,7 +153,9 @@ impl Method for Greedy {
     };
 
     fn check(&self) -> Result<(), Error> {
-        for (item, value, range) in [("phases", self.phases, 2..=65_536), ("amplitudes", self.amplitudes, 1..=256)] {
+        for (item, value, range) in
+            [("phases", self.phases, 2..=65_536), ("amplitudes", self.amplitudes, 1..=256)]
+        {
             if !range.contains(&value) {
                 let cure = format!("give {} to {}", range.start(), range.end());
                 return Err(Error::invalid(item, value, cure));
@@ -158,7 +166,12 @@ impl Method for Greedy {
 }
 
 impl Solve for Greedy {
-    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+    fn solve(
+        &self,
+        problem: &Problem,
+        work: &mut Workspace,
+        control: &mut Control,
+    ) -> Result<Solution, Error> {
         self.check()?;
         let gains = problem.gains();
         let count = gains.transducers();

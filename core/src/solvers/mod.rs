@@ -43,7 +43,12 @@ pub trait Solve {
     ///
     /// # Errors
     /// Options that this problem cannot be solved with.
-    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error>;
+    fn solve(
+        &self,
+        problem: &Problem,
+        work: &mut Workspace,
+        control: &mut Control,
+    ) -> Result<Solution, Error>;
 }
 
 /// What the registry knows of a method beside its options.
@@ -148,7 +153,8 @@ pub fn find(name: &str) -> Result<&'static Entry, Error> {
 /// The error for an argument that `name` does not use, listing the solvers that do.
 #[must_use]
 pub fn unused(argument: &str, name: &str, uses: fn(&Info) -> bool) -> Error {
-    let users: Vec<&str> = SOLVERS.iter().map(|entry| entry.info).filter(|info| uses(info)).map(|i| i.name).collect();
+    let users: Vec<&str> =
+        SOLVERS.iter().map(|entry| entry.info).filter(|info| uses(info)).map(|i| i.name).collect();
     let cure = if users.is_empty() {
         String::from("leave it out, no solver here uses it")
     } else {

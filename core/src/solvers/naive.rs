@@ -40,7 +40,12 @@ impl Method for Naive {
 }
 
 impl Solve for Naive {
-    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+    fn solve(
+        &self,
+        problem: &Problem,
+        work: &mut Workspace,
+        control: &mut Control,
+    ) -> Result<Solution, Error> {
         let gains = problem.gains();
         let mut buffers = [(); 3].map(|()| work.floats.take(gains.lanes()));
         let [re, im, share] = &mut buffers;

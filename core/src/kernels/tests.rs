@@ -1,0 +1,213 @@
+//! Every kernel against plain f64 loops, at every length up to four whole groups of lanes and a remainder, over
+//! dirty memory.
+
+mod search;
+
+use alloc::vec;
+use alloc::vec::Vec;
+use core::f64::consts::{LOG2_E, TAU};
+use core::ops::RangeInclusive;
+
+use super::{Law, Row, Source, Spots, padded};
+use crate::directivity::{Directivity, Table};
+use crate::rng::Rng;
+
+const LENGTHS: RangeInclusive<usize> = 1..=67;
+
+/// One rounding to f32, relative.
+const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
+
+/// rad/m at 40 kHz and 340 m/s.
+const WAVENUMBER: f64 = TAU / 8.5e-3;
+
+/// `count` numbers from `low` to `high`, padded with zeros.
+fn numbers(rng: &mut Rng, count: usize, low: f64, high: f64) -> Vec<f32> {
+    let mut list = vec![0.0; padded(count)];
+    list[..count].fill_with(|| (low + (high - low) * rng.uniform()) as f32);
+    list
+}
+
+fn wide(x: f32) -> f64 {
+    f64::from(x)
+}
+
+fn assert_near(got: f32, want: f64, allowed: f64, what: &str) {
+    // Negated, so that NaN fails.
+    assert!(!((wide(got) - want).abs() > allowed) && got.is_finite(), "{what}: {got:e} for {want:e}");
+}
+
+/// One transducer and some points, the way `Emitters` hands them over.
+struct Shot {
+    directivity: Directivity,
+    law: Law,
+    source: Source,
+    coordinates: [Vec<f32>; 3],
+    count: usize,
+}
+
+impl Shot {
+    fn new(rng: &mut Rng, directivity: Directivity, decay: f32, count: usize) -> Self {
+        let mut number = |low: f64, high: f64| (low + (high - low) * rng.uniform()) as f32;
+        let mut normal = [number(-0.5, 0.5), number(-0.5, 0.5), 1.0];
+        let length = normal.iter().map(|x| x * x).sum::<f32>().sqrt();
+        normal = normal.map(|x| x / length);
+        let position = [number(-12.0, 12.0), number(-12.0, 12.0), number(-1.0, 1.0)];
+        let strength = [number(-2.0, 2.0), number(-2.0, 2.0)];
+        // Padding lies far away, as `Emitters::frame` puts it.
+        let mut coordinates = [(); 3].map(|()| vec![4e6; padded(count)]);
+        for j in 0..count {
+            for (axis, (low, high)) in [(-20.0, 20.0), (-20.0, 20.0), (-5.0, 60.0)].into_iter().enumerate() {
+                coordinates[axis][j] = number(low, high);
+            }
+        }
+        let law = Law { decay, table: Table::new(directivity, WAVENUMBER) };
+        Self { directivity, law, source: Source { position, normal, strength }, coordinates, count }
+    }
+
+    fn spots(&self) -> Spots<'_> {
+        let [x, y, z] = &self.coordinates;
+        Spots { coordinates: [x, y, z], count: self.count }
+    }
+
+    /// Distance of point j, held at a hundredth of a wavelength, and the real factor of eq. (5).
+    fn spread(&self, j: usize) -> (f64, f64) {
+        let ray = [0, 1, 2].map(|axis| wide(self.coordinates[axis][j]) - wide(self.source.position[axis]));
+        let r = self.square(j).sqrt().max(wide(super::row::NEAREST));
+        let cos = (0..3).map(|axis| ray[axis] * wide(self.source.normal[axis])).sum::<f64>() / r;
+        (r, self.directivity.value(cos, WAVENUMBER) * (wide(self.law.decay) * r).exp2() / r)
+    }
+
+    fn square(&self, j: usize) -> f64 {
+        let part = |axis: usize| wide(self.coordinates[axis][j]) - wide(self.source.position[axis]);
+        (0..3).map(|axis| part(axis).powi(2)).sum()
+    }
+
+    fn strength(&self) -> f64 {
+        wide(self.source.strength[0]).hypot(wide(self.source.strength[1]))
+    }
+
+    /// What each kernel must give, over memory full of NaN.
+    fn check(&self) {
+        let [mut re, mut im, mut moduli] = [(); 3].map(|()| vec![f32::NAN; padded(self.count)]);
+        let least = super::row(&self.law, &self.source, self.spots(), &mut Row { re: &mut re, im: &mut im });
+        let again = super::magnitudes(&self.law, &self.source, self.spots(), &mut moduli);
+        for j in 0..self.count {
+            let (r, amplitude) = self.spread(j);
+            let (sin, cos) = (TAU * r).sin_cos();
+            let [cr, ci] = self.source.strength.map(wide);
+            // Relative to the modulus straight ahead (D has zeros): the amplitude's own few roundings, the
+            // table's and the polynomials' 3e-7 each, and in the phase four roundings of the distance.
+            let unit = self.strength() / r;
+            let (flat, phase) = (2e-6 * unit, 4.0 * ROUNDING * TAU * r * unit);
+            let what = self.directivity.name().0;
+            assert_near(re[j], amplitude * (cos * cr - sin * ci), flat + phase, what);
+            assert_near(im[j], amplitude * (cos * ci + sin * cr), flat + phase, what);
+            assert_near(moduli[j], amplitude.abs() * self.strength(), flat, what);
+        }
+        let nearest = (0..self.count).map(|j| self.square(j)).fold(f64::INFINITY, f64::min);
+        for square in [least, again] {
+            assert_near(square, nearest, 6.0 * ROUNDING * nearest, "least square distance");
+        }
+        for list in [&re, &im, &moduli] {
+            assert!(list[self.count..].iter().all(|&x| x == 0.0), "padding of {} is not silent", self.count);
+        }
+    }
+}
+
+/// Every directivity, without absorption and with 1.3 dB/m.
+fn shots(seed: u64, count: usize) -> Vec<Shot> {
+    let mut rng = Rng::new(seed);
+    let patterns = ["point", "piston", "sinc", "cos", "t4010a1"].map(|name| Directivity::named(name, None));
+    let mut list = Vec::new();
+    for pattern in patterns {
+        for decay in [0.0, (-0.15 * 8.5e-3 * LOG2_E) as f32] {
+            list.push(Shot::new(&mut rng, pattern.clone().expect("a known name"), decay, count));
+        }
+    }
+    list
+}
+
+#[test]
+fn row_and_magnitudes_are_eq_5() {
+    for count in LENGTHS {
+        shots(count as u64, count).iter().for_each(Shot::check);
+    }
+}
+
+#[test]
+fn nearer_than_a_hundredth_of_a_wavelength_r_is_held_there() {
+    for mut shot in shots(1, 20) {
+        for (j, step) in [(3, 0.0), (7, 0.004), (17, 0.02)] {
+            for axis in 0..3 {
+                shot.coordinates[axis][j] = shot.source.position[axis];
+            }
+            // Exact in f32: the source is put where it is 0.
+            shot.source.position[2] = 0.0;
+            shot.coordinates[2][j] = step;
+        }
+        shot.check();
+    }
+}
+
+#[test]
+fn accumulate_adds_g_q() {
+    for count in LENGTHS {
+        let mut rng = Rng::new(count as u64);
+        let [gr, gi, pr, pi] = [(); 4].map(|()| numbers(&mut rng, count, -1.0, 1.0));
+        let [qr, qi] = [0.6_f32, -0.7];
+        let (mut re, mut im) = (pr.clone(), pi.clone());
+        super::accumulate([&gr, &gi], [qr, qi], &mut re, &mut im);
+        for j in 0..padded(count) {
+            // Two products, their difference and the sum: four roundings of numbers below 1, 1, 2 and 3.
+            let allowed = 7.0 * ROUNDING;
+            assert_near(re[j], wide(pr[j]) + wide(gr[j]) * wide(qr) - wide(gi[j]) * wide(qi), allowed, "re");
+            assert_near(im[j], wide(pi[j]) + wide(gr[j]) * wide(qi) + wide(gi[j]) * wide(qr), allowed, "im");
+        }
+        assert!(re[count..].iter().chain(&im[count..]).all(|&x| x == 0.0), "silent padding was given sound");
+    }
+}
+
+#[test]
+fn modulus_and_squares_are_those_of_complex_numbers() {
+    for count in LENGTHS {
+        let mut rng = Rng::new(count as u64);
+        let [re, im] = [(); 2].map(|()| numbers(&mut rng, count, -1.0, 1.0));
+        let start = numbers(&mut rng, count, 0.0, 1.0);
+        let (mut moduli, mut sums) = (vec![f32::NAN; padded(count)], start.clone());
+        super::modulus(&re, &im, &mut moduli);
+        super::squares([&re, &im], &mut sums);
+        for j in 0..padded(count) {
+            let (modulus, sum) = (wide(re[j]).hypot(wide(im[j])), wide(start[j]));
+            // Squares and sum round twice, which the root halves, and the root once.
+            assert_near(moduli[j], modulus, 2.0 * ROUNDING * modulus, "modulus");
+            // The squares, their sum, and theirs with what was there.
+            assert_near(
+                sums[j],
+                sum + modulus * modulus,
+                3.0 * ROUNDING * (sum + modulus * modulus),
+                "square",
+            );
+        }
+    }
+}
+
+#[test]
+fn project_is_the_conjugate_sum() {
+    for count in LENGTHS {
+        let mut rng = Rng::new(count as u64);
+        let [re, im] = [(); 2].map(|()| numbers(&mut rng, count, -1.0, 1.0));
+        let targets = numbers(&mut rng, count, 0.0, 2.0);
+        let sum = |part: &dyn Fn(usize) -> f64| (0..count).map(part).sum::<f64>();
+        let got = super::project([&re, &im], &targets);
+        for (got, list, sign) in [(got[0], &re, 1.0), (got[1], &im, -1.0)] {
+            // A product, at most five sums in a lane and four across: ten roundings.
+            let most = sum(&|j| (wide(list[j]) * wide(targets[j])).abs());
+            assert_near(
+                got,
+                sign * sum(&|j| wide(list[j]) * wide(targets[j])),
+                10.0 * ROUNDING * most,
+                "sum",
+            );
+        }
+    }
+}
