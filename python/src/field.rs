@@ -3,14 +3,15 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use midair::{Complex32, Control, Problem, Progress};
+use midair::{Complex32, Control, Progress};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, ToPyArray};
-use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
 use crate::array::rows;
-use crate::scene::{Gains, Scene, request};
-use crate::solve::{Metrics, Pulse};
+use crate::pulse::Pulse;
+use crate::scene::Scene;
+use crate::solve::Metrics;
+use crate::task::Task;
 use crate::{invalid, read, refused};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -230,53 +231,4 @@ pub(crate) fn judge(
     let drive = read::drive(drive)?;
     let metrics = py.detach(|| task.problem()?.judge(&drive)).map_err(refused)?;
     Ok(metrics.into())
-}
-
-/// What `solve` and `judge` take first: a scene, or gains with what is asked of them.
-pub(crate) enum Task {
-    Scene(Arc<midair::Scene>),
-    Gains(midair::Gains, midair::Request),
-}
-
-impl Task {
-    pub(crate) fn read(
-        object: &Bound<'_, PyAny>,
-        pressures: Argument<'_, '_>,
-        weights: Argument<'_, '_>,
-    ) -> PyResult<Self> {
-        if let Ok(scene) = object.cast::<Scene>() {
-            for (item, value) in [("pressures", pressures), ("weights", weights)] {
-                if value.is_some() {
-                    return Err(invalid(
-                        item,
-                        "given beside a Scene",
-                        "give them to the Scene; here they go with Gains",
-                    ));
-                }
-            }
-            return Ok(Self::Scene(Arc::clone(&scene.get().inner)));
-        }
-        if let Ok(gains) = object.cast::<Gains>() {
-            let gains = gains.get().inner.clone();
-            let request = request(gains.points(), pressures, weights)?;
-            return Ok(Self::Gains(gains, request));
-        }
-        let kind = object.get_type().qualname()?;
-        Err(PyTypeError::new_err(format!("expected a midair.Scene or midair.Gains first, not {kind}")))
-    }
-
-    pub(crate) fn problem(&self) -> Result<Problem, midair::Error> {
-        match self {
-            Self::Scene(scene) => Problem::new(scene),
-            Self::Gains(gains, request) => Problem::with_gains(gains.clone(), request),
-        }
-    }
-
-    /// The solver the scene file names.
-    pub(crate) fn choice(&self) -> Option<&midair::Choice> {
-        match self {
-            Self::Scene(scene) => scene.solver.as_ref(),
-            Self::Gains(..) => None,
-        }
-    }
 }

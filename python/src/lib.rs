@@ -3,9 +3,11 @@
 
 mod array;
 mod field;
+mod pulse;
 mod read;
 mod scene;
 mod solve;
+mod task;
 
 use pyo3::prelude::*;
 

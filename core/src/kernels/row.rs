@@ -110,7 +110,8 @@ pub(crate) fn magnitudes(law: &Law, source: &Source, spots: Spots<'_>, out: &mut
     let mut nearest = [f32::INFINITY; LANES];
     for (((x, y), z), out) in x.iter().zip(y).zip(z).zip(groups_mut(out)) {
         let (_, amplitude) = spread(law, source, [x, y, z], &mut nearest);
-        *out = from_fn(|l| amplitude[l] * strength);
+        // A piston's side lobes have D < 0.
+        *out = from_fn(|l| (amplitude[l] * strength).abs());
     }
     out[spots.count..].fill(0.0);
     least(&nearest)

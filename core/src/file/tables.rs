@@ -1,4 +1,4 @@
-//! The scene file: TOML or JSON, one schema, read and written here for every door.
+//! The schema: what a scene file may hold, and how it becomes a scene and back.
 
 use alloc::collections::BTreeMap;
 use alloc::format;
@@ -8,6 +8,7 @@ use alloc::vec::Vec;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
+use super::Provenance;
 use crate::array::{Array, Origin, Transducer};
 use crate::directivity::Directivity;
 use crate::error::Error;
@@ -15,40 +16,9 @@ use crate::medium::Medium;
 use crate::options::{Options, Value};
 use crate::scene::{Choice, Plane, Request, Scene};
 
-/// The largest scene file read, in bytes.
-pub const MOST_BYTES: usize = 64 << 20;
-
-/// The two ways to write a scene down.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(clippy::exhaustive_enums, reason = "the two formats of the schema")]
-pub enum Format {
-    /// TOML.
-    Toml,
-    /// JSON.
-    Json,
-}
-
-impl Format {
-    /// By the name's ending: `.json` is JSON, anything else TOML.
-    #[must_use]
-    pub fn of(name: &str) -> Self {
-        if name.to_ascii_lowercase().ends_with(".json") { Self::Json } else { Self::Toml }
-    }
-}
-
-/// How a scene was solved, written beside it so that a result can be replayed.
-#[derive(Clone, Debug, Default, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "two remarks")]
-pub struct Provenance {
-    /// The version of midair.
-    pub version: Option<String>,
-    /// How the solve ended.
-    pub status: Option<String>,
-}
-
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct SceneTable {
+pub(super) struct SceneTable {
     #[serde(skip_serializing_if = "Option::is_none")]
     version: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -177,54 +147,64 @@ impl TryFrom<&Value> for ValueTable {
     }
 }
 
-/// Reads a scene from a file's bytes.
-///
-/// # Errors
-/// An empty, binary or oversized file, a fault of the format, an unknown key, solver, option or preset, and all
-/// that [`Scene::new`] refuses.
-///
-/// ```
-/// use midair::file::{Format, read};
-///
-/// let text = r#"
-/// [array]
-/// preset = "paper20"
-///
-/// [[points]]
-/// position = [0.0, 0.0, 0.15]
-/// "#;
-/// assert_eq!(read(text.as_bytes(), Format::Toml)?.array().len(), 400);
-/// # Ok::<(), midair::Error>(())
-/// ```
-pub fn read(bytes: &[u8], format: Format) -> Result<Scene, Error> {
-    let fault = |reason: &str| Error::File { line: None, reason: reason.to_string() };
-    if bytes.len() > MOST_BYTES {
-        return Err(Error::invalid("scene file", format!("{} bytes", bytes.len()), "give at most 64 MB"));
-    }
-    let text = core::str::from_utf8(bytes).map_err(|_| fault("not text: give TOML or JSON in UTF-8"))?;
-    if text.trim().is_empty() {
-        return Err(fault("empty: it needs at least [array] and [[points]]"));
-    }
-    let table: SceneTable = match format {
-        Format::Toml => toml::from_str(text).map_err(|error| {
-            let line = error.span().map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1);
-            Error::File { line, reason: one_line(error.message()) }
-        })?,
-        Format::Json => serde_json::from_str(text).map_err(|error| {
-            let reason = error.to_string();
-            let reason = reason.rsplit_once(" at line ").map_or(reason.as_str(), |(reason, _)| reason);
-            Error::File { line: Some(error.line()), reason: one_line(reason) }
-        })?,
-    };
-    table.scene()
-}
-
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
 impl SceneTable {
-    fn scene(self) -> Result<Scene, Error> {
+    /// The table of a scene.
+    pub(super) fn of(scene: &Scene, provenance: &Provenance) -> Result<Self, Error> {
+        let (array, medium, request) = (scene.array(), scene.medium(), scene.request());
+        let mut place = ArrayTable::default();
+        match array.origin() {
+            Origin::Grid { nx, ny, pitch } => {
+                place.grid = Some(GridTable { nx: *nx as i64, ny: *ny as i64, pitch: *pitch });
+            }
+            Origin::Preset { name, tiles } => {
+                place.preset = Some(name.clone());
+                place.tiles = Some(tiles.map(|tiles| tiles as i64));
+            }
+            Origin::Positions => {
+                place.positions = Some(array.positions().to_vec());
+                place.normals = Some(array.normals().to_vec());
+            }
+        }
+        let transducer = array.transducer();
+        place.source_pressure = Some(transducer.source_pressure);
+        place.directivity = Some(match transducer.directivity.name() {
+            (name, None) => DirectivityTable::Name(name.to_string()),
+            (name, Some(parameter)) => DirectivityTable::Parameter([(name.to_string(), parameter)].into()),
+        });
+        place.response = array.response().map(|response| response.iter().map(|c| [c.re, c.im]).collect());
+        let points = scene.points().iter().enumerate().map(|(j, &position)| PointTable {
+            position,
+            pressure: request.pressures.as_ref().map(|pressures| pressures[j]),
+            weight: request.weights.as_ref().map(|weights| weights[j]),
+        });
+        let solver = scene.solver.as_ref().map(|choice| {
+            let options = choice.table().into_iter().map(|(key, value)| Ok((key, (&value).try_into()?)));
+            Ok(SolverTable { name: choice.name.clone(), options: options.collect::<Result<_, Error>>()? })
+        });
+        Ok(SceneTable {
+            version: provenance.version.clone(),
+            status: provenance.status.clone(),
+            medium: MediumTable {
+                frequency: Some(medium.frequency),
+                sound_speed: Some(medium.sound_speed),
+                temperature: None,
+                absorption: Some(medium.absorption),
+                density: Some(medium.density),
+            },
+            array: place,
+            solver: solver.transpose()?,
+            plane: scene.plane.map(|plane| PlaneTable {
+                z: Some(plane.z),
+                size: Some(plane.size),
+                pixels: Some(plane.pixels as i64),
+                center: Some(plane.center),
+            }),
+            points: points.collect(),
+        })
+    }
+
+    /// The scene of a table.
+    pub(super) fn scene(self) -> Result<Scene, Error> {
         let count = self.points.len();
         let given = self.points.iter().filter(|point| point.pressure.is_some()).count();
         if given != 0 && given != count {
@@ -338,71 +318,4 @@ impl PlaneTable {
             self.center.unwrap_or(center),
         )
     }
-}
-
-/// Writes a scene as text that [`read`] reads as the same scene.
-///
-/// # Errors
-/// A seed that TOML cannot hold (above 2^63 - 1).
-pub fn write(scene: &Scene, format: Format, provenance: &Provenance) -> Result<String, Error> {
-    let table = describe(scene, provenance)?;
-    let fault = |reason: String| Error::File { line: None, reason };
-    match format {
-        Format::Toml => toml::to_string(&table).map_err(|error| fault(format!("{error}: write it as .json"))),
-        Format::Json => serde_json::to_string_pretty(&table).map_err(|error| fault(error.to_string())),
-    }
-}
-
-fn describe(scene: &Scene, provenance: &Provenance) -> Result<SceneTable, Error> {
-    let (array, medium, request) = (scene.array(), scene.medium(), scene.request());
-    let mut place = ArrayTable::default();
-    match array.origin() {
-        Origin::Grid { nx, ny, pitch } => {
-            place.grid = Some(GridTable { nx: *nx as i64, ny: *ny as i64, pitch: *pitch });
-        }
-        Origin::Preset { name, tiles } => {
-            place.preset = Some(name.clone());
-            place.tiles = Some(tiles.map(|tiles| tiles as i64));
-        }
-        Origin::Positions => {
-            place.positions = Some(array.positions().to_vec());
-            place.normals = Some(array.normals().to_vec());
-        }
-    }
-    let transducer = array.transducer();
-    place.source_pressure = Some(transducer.source_pressure);
-    place.directivity = Some(match transducer.directivity.name() {
-        (name, None) => DirectivityTable::Name(name.to_string()),
-        (name, Some(parameter)) => DirectivityTable::Parameter([(name.to_string(), parameter)].into()),
-    });
-    place.response = array.response().map(|response| response.iter().map(|c| [c.re, c.im]).collect());
-    let points = scene.points().iter().enumerate().map(|(j, &position)| PointTable {
-        position,
-        pressure: request.pressures.as_ref().map(|pressures| pressures[j]),
-        weight: request.weights.as_ref().map(|weights| weights[j]),
-    });
-    let solver = scene.solver.as_ref().map(|choice| {
-        let options = choice.table().into_iter().map(|(key, value)| Ok((key, (&value).try_into()?)));
-        Ok(SolverTable { name: choice.name.clone(), options: options.collect::<Result<_, Error>>()? })
-    });
-    Ok(SceneTable {
-        version: provenance.version.clone(),
-        status: provenance.status.clone(),
-        medium: MediumTable {
-            frequency: Some(medium.frequency),
-            sound_speed: Some(medium.sound_speed),
-            temperature: None,
-            absorption: Some(medium.absorption),
-            density: Some(medium.density),
-        },
-        array: place,
-        solver: solver.transpose()?,
-        plane: scene.plane.map(|plane| PlaneTable {
-            z: Some(plane.z),
-            size: Some(plane.size),
-            pixels: Some(plane.pixels as i64),
-            center: Some(plane.center),
-        }),
-        points: points.collect(),
-    })
 }
