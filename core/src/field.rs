@@ -7,7 +7,6 @@ use core::ops::ControlFlow;
 
 use num_complex::Complex32;
 
-use crate::array::vector;
 use crate::control::Control;
 use crate::error::Error;
 use crate::gains::Emitters;
@@ -28,7 +27,7 @@ const CHUNKS_A_STEP: usize = 32;
 /// depend on how many there are. `None` if `control` asked to stop.
 ///
 /// # Errors
-/// A drive that does not fit the array, no points, a coordinate that is not finite.
+/// A drive that does not fit the array, no points, a coordinate that is not finite or too far away.
 ///
 /// ```
 /// use midair::{Array, Control, Medium, Plane, Request, Scene};
@@ -50,9 +49,7 @@ pub fn field(
     if points.is_empty() {
         return Err(Error::invalid("field points", "empty", "give at least one point"));
     }
-    for (j, point) in points.iter().enumerate() {
-        vector(&alloc::format!("field points[{j}]"), point)?;
-    }
+    scene.check_places("field points", "", points)?;
     let emitters = Arc::new(Emitters::new(scene.array(), scene.medium()));
     let mut pressures = vec![Complex32::ZERO; points.len()];
     let stretch = CHUNK * CHUNKS_A_STEP;

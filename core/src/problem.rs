@@ -13,8 +13,9 @@ use crate::math;
 use crate::metrics::Metrics;
 use crate::scene::{Request, Scene};
 
-/// Targets above this many reference pressures are a slip of the unit, and their squares near f32's end.
+/// Targets outside these many reference pressures are a slip of the unit, and near the ends of f32.
 const MOST_TARGET: f64 = 1e15;
+const LEAST_TARGET: f64 = 1e-30;
 
 /// A checked problem: it can be solved.
 ///
@@ -69,21 +70,24 @@ impl Problem {
             other => other,
         })?;
         let reference = all.reference();
-        let mut loads = 0.0;
+        // Loads relative to the heaviest, so that no square over- or underflows.
+        let mut loads: Vec<f64> = Vec::with_capacity(active.len());
         for (&j, &reach) in active.iter().zip(&reach) {
             let target = request.pressure(j);
             if target > 0.0 && reach == 0.0 {
                 return Err(Error::Unreached { point: j });
             }
-            if request.pressures.is_some() && target / reference > MOST_TARGET {
-                let cure = "no array comes near it: give the pressure in Pa";
+            let within = LEAST_TARGET..=MOST_TARGET;
+            if request.pressures.is_some() && target > 0.0 && !within.contains(&(target / reference)) {
+                let cure = "no array comes near it: give the pressure in Pa, or 0 for a quiet point";
                 return Err(Error::invalid(format!("points[{j}].pressure"), format!("{target:e}"), cure));
             }
             if target > 0.0 {
-                loads += (target / (reach * reference)) * (target / (reach * reference));
+                loads.push(target / (reach * reference));
             }
         }
-        let balance = 1.0 / math::sqrt(loads);
+        let load = loads.iter().copied().fold(0.0, f64::max);
+        let balance = 1.0 / (load * math::sqrt(loads.iter().map(|own| (own / load) * (own / load)).sum()));
         let given = request.pressures.is_some();
         let scale = if given { 1.0 } else { balance };
         let heaviest = active.iter().map(|&j| request.weight(j)).fold(0.0, f64::max);

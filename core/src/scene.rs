@@ -192,24 +192,28 @@ impl Scene {
     pub fn new(array: Array, medium: Medium, points: Vec<[f64; 3]>, request: Request) -> Result<Self, Error> {
         medium.check()?;
         request.check(points.len())?;
-        let reach = MOST_WAVELENGTHS * medium.wavelength();
-        let centre = array.centre();
-        let near = |item: String, position: &[f64; 3]| {
-            vector(&item, position)?;
-            if (0..3).all(|axis| (position[axis] - centre[axis]).abs() <= reach) {
-                return Ok(());
+        let scene = Self { array, medium, points, request, solver: None, plane: None };
+        scene.check_places("array.positions", "", scene.array.positions())?;
+        scene.check_places("points", ".position", &scene.points)?;
+        Ok(scene)
+    }
+
+    /// Refuses places that are not finite or too far away for phases in f32.
+    pub(crate) fn check_places(&self, item: &str, part: &str, places: &[[f64; 3]]) -> Result<(), Error> {
+        let reach = MOST_WAVELENGTHS * self.medium.wavelength();
+        let centre = self.array.centre();
+        for (k, place) in places.iter().enumerate() {
+            let far = (0..3).any(|axis| (place[axis] - centre[axis]).abs() > reach);
+            if far || !place.iter().all(|x| x.is_finite()) {
+                let item = format!("{item}[{k}]{part}");
+                vector(&item, place)?;
+                let cure = format!(
+                    "bring it within {reach:.3e} m of the array's middle (coordinates are in metres)"
+                );
+                return Err(Error::invalid(item, format!("{place:?}"), cure));
             }
-            let cure =
-                format!("bring it within {reach:.3e} m of the array's middle (coordinates are in metres)");
-            Err(Error::invalid(item, format!("{position:?}"), cure))
-        };
-        for (i, position) in array.positions().iter().enumerate() {
-            near(format!("array.positions[{i}]"), position)?;
         }
-        for (j, point) in points.iter().enumerate() {
-            near(format!("points[{j}].position"), point)?;
-        }
-        Ok(Self { array, medium, points, request, solver: None, plane: None })
+        Ok(())
     }
 
     /// The array.

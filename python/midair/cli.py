@@ -121,15 +121,19 @@ def compare_command(
         output.check(image, output.IMAGES)
     names = _names(solvers)
     solutions, fields = [], []
-    with _progress("comparing") as tell:
-        for done, name in enumerate(names):
-            solutions.append(solve(request, name, balance=balance))
+    try:
+        with _progress("comparing") as tell:
+            for done, name in enumerate(names):
+                solutions.append(solve(request, name, balance=balance))
+                if image is not None:
+                    fields.append(field(request, solutions[-1].drive))
+                tell(done + 1, len(names))
             if image is not None:
-                fields.append(field(request, solutions[-1].drive))
-            tell(done + 1, len(names))
-        if image is not None:
-            _write_image(image, contact_sheet(fields, [_title(solution) for solution in solutions]))
-    _print_table(solutions)
+                _write_image(image, contact_sheet(fields, [_title(solution) for solution in solutions]))
+    finally:
+        # What was solved before an interruption is worth its line.
+        if solutions:
+            _print_table(solutions)
     return 0
 
 

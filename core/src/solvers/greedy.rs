@@ -197,7 +197,7 @@ impl Solve for Greedy {
                 drive[i] = Complex32::new(re, im);
             }
             steps += 1;
-            if control.step(steps, count, || problem.residual(&search.modulus)).is_break() && steps < count {
+            if control.step(steps, count, || problem.residual(&search.modulus)).is_break() {
                 status = Status::Stopped;
                 break;
             }
