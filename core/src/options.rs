@@ -79,6 +79,20 @@ impl OptionValue for u32 {
     }
 }
 
+impl OptionValue for f64 {
+    fn read(item: &str, value: &Value) -> Result<Self, Error> {
+        match value {
+            Value::Integer(number) => Ok(*number as Self),
+            Value::Real(number) if number.is_finite() => Ok(*number),
+            _ => Err(Error::invalid(item, value, "give a finite number")),
+        }
+    }
+
+    fn show(&self) -> Value {
+        Value::Real(*self)
+    }
+}
+
 /// Reads a value that is one of a few words.
 ///
 /// # Errors

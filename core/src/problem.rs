@@ -18,6 +18,16 @@ use crate::solution::Solution;
 const MOST_TARGET: f64 = 1e15;
 const LEAST_TARGET: f64 = 1e-30;
 
+/// Where an iterative method begins.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::exhaustive_enums, reason = "the two sides of p = G q")]
+pub enum Start {
+    /// A drive (N,), |q| <= 1.
+    Drive(Vec<Complex32>),
+    /// Phases (M,) in rad of the pressures at the points.
+    Phases(Vec<f64>),
+}
+
 /// A checked problem: it can be solved.
 ///
 /// Cloning is cheap but for the targets: all else is shared.
@@ -26,6 +36,7 @@ pub struct Problem {
     gains: Gains,
     weights: Arc<[f32]>,
     asked: Arc<Asked>,
+    start: Option<Arc<Start>>,
     targets: Vec<f32>,
 }
 
@@ -106,7 +117,7 @@ impl Problem {
             given,
         };
         let mut problem =
-            Self { gains, weights: weights.into(), asked: Arc::new(asked), targets: Vec::new() };
+            Self { gains, weights: weights.into(), asked: Arc::new(asked), start: None, targets: Vec::new() };
         problem.targets = vec![0.0; lanes];
         problem.asked.scaled_targets(1.0, &mut problem.targets);
         Ok(problem)
@@ -115,7 +126,56 @@ impl Problem {
     /// The same problem at `factor` times the caller's targets, in a buffer of [`Gains::lanes`] numbers.
     pub(crate) fn rescaled(&self, factor: f64, mut targets: Vec<f32>) -> Self {
         self.asked.scaled_targets(factor, &mut targets);
-        Self { gains: self.gains.clone(), weights: Arc::clone(&self.weights), asked: self.asked(), targets }
+        Self {
+            gains: self.gains.clone(),
+            weights: Arc::clone(&self.weights),
+            asked: self.asked(),
+            start: self.start.clone(),
+            targets,
+        }
+    }
+
+    /// The same problem with a start for the methods that use one.
+    ///
+    /// # Errors
+    /// A drive or phases of another length, a value that is not finite, |q| above 1 + 1e-6.
+    pub fn with_start(mut self, start: Start) -> Result<Self, Error> {
+        match &start {
+            Start::Drive(drive) => check_drive(drive, self.gains.transducers())?,
+            Start::Phases(phases) => {
+                let count = self.asked.targets.len();
+                if phases.len() != count {
+                    let value = format!("{} phases", phases.len());
+                    return Err(Error::invalid(
+                        "start",
+                        value,
+                        format!("give one for each of the {count} points"),
+                    ));
+                }
+                if let Some(j) = phases.iter().position(|phase| !phase.is_finite()) {
+                    return Err(Error::invalid(format!("start[{j}]"), phases[j], "give finite numbers"));
+                }
+            }
+        }
+        self.start = Some(Arc::new(start));
+        Ok(self)
+    }
+
+    /// The drive to start from, if one was given.
+    #[must_use]
+    pub fn start_drive(&self) -> Option<&[Complex32]> {
+        match self.start.as_deref() {
+            Some(Start::Drive(drive)) => Some(drive),
+            _ => None,
+        }
+    }
+
+    /// The point phases in rad to start from, if they were given: over the points of weight above 0.
+    pub fn start_phases(&self) -> Option<impl Iterator<Item = f64> + '_> {
+        match self.start.as_deref() {
+            Some(Start::Phases(phases)) => Some(self.asked.active.iter().map(|&j| phases[j])),
+            _ => None,
+        }
     }
 
     pub(crate) fn into_targets(self) -> Vec<f32> {

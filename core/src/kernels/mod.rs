@@ -11,7 +11,7 @@ mod search;
 mod tests;
 mod turns;
 
-pub(crate) use pressure::{accumulate, modulus, project, squares};
+pub(crate) use pressure::{accumulate, add_scaled, correlate, dot, modulus, project, squares};
 pub(crate) use row::{Law, Row, Source, Spots, magnitudes, row};
 pub(crate) use search::{Candidates, L1, L2, Points, Term, best, tolerance};
 

@@ -1,20 +1,34 @@
 //! The methods: one file each, one line each in the registry.
 
+mod evd;
 mod greedy;
+mod gs;
+mod gspat;
 mod limit;
+mod lm;
 mod naive;
+mod sdp;
+mod tikhonov;
+mod wgs;
 
 use alloc::boxed::Box;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
+pub use evd::Evd;
 pub use greedy::{Greedy, Objective, Order};
+pub use gs::Gs;
+pub use gspat::Gspat;
 pub use limit::Limit;
+pub use lm::Lm;
 pub use naive::Naive;
+pub use sdp::{Moduli, Sdp};
+pub use tikhonov::Tikhonov;
+pub use wgs::Wgs;
 
 use crate::control::Control;
-use crate::error::Error;
+use crate::error::{Error, real};
 use crate::options::{Configure, OptionInfo, Options};
 use crate::problem::Problem;
 use crate::solution::Solution;
@@ -30,6 +44,13 @@ macro_rules! registry {
 
 registry! {
     greedy::Greedy,
+    lm::Lm,
+    gspat::Gspat,
+    gs::Gs,
+    wgs::Wgs,
+    evd::Evd,
+    sdp::Sdp,
+    tikhonov::Tikhonov,
     naive::Naive,
 }
 
@@ -137,6 +158,14 @@ fn make<M: Method>(options: &Options) -> Result<Configured, Error> {
     }
     solver.check()?;
     Ok(Configured { info: &M::INFO, options: solver.options(), solver: Box::new(solver) })
+}
+
+/// Refuses an iterative method's steps and tolerance out of range.
+fn check_iteration(steps: u32, tolerance: f64) -> Result<(), Error> {
+    if steps == 0 {
+        return Err(Error::invalid("steps", steps, "give at least 1"));
+    }
+    real("tolerance", tolerance, 0.0, false).map(|_| ())
 }
 
 /// The registry's line of that name.

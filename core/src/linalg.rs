@@ -1,0 +1,295 @@
+//! What the methods need of linear algebra and no more: G stored, G G^H, a Cholesky solve, a leading eigenvector.
+//!
+//! All in f32 over padded rows, so that the kernels' lanes do the work. The matrices solved are regularised
+//! (condition below 1e5), which f32 bears; `docs/design.md` has the measurements against a library.
+
+use alloc::vec::Vec;
+
+use crate::gains::Gains;
+use crate::kernels;
+use crate::math::{sqrt, sqrtf};
+use crate::workspace::Workspace;
+
+/// A complex vector or matrix of padded rows, planar.
+#[derive(Debug)]
+pub(crate) struct Planar {
+    pub(crate) re: Vec<f32>,
+    pub(crate) im: Vec<f32>,
+    lanes: usize,
+}
+
+impl Planar {
+    /// `rows` rows of zeros.
+    pub(crate) fn zeros(rows: usize, lanes: usize, work: &mut Workspace) -> Self {
+        Self { re: work.floats.take(rows * lanes), im: work.floats.take(rows * lanes), lanes }
+    }
+
+    /// G itself, a row a transducer.
+    pub(crate) fn stored(gains: &Gains, work: &mut Workspace) -> Self {
+        let mut rows = Self::zeros(gains.transducers(), gains.lanes(), work);
+        for i in 0..gains.transducers() {
+            let [re, im] = rows.row_mut(i);
+            gains.row(i, re, im);
+        }
+        rows
+    }
+
+    pub(crate) fn row(&self, k: usize) -> [&[f32]; 2] {
+        let range = k * self.lanes..(k + 1) * self.lanes;
+        [&self.re[range.clone()], &self.im[range]]
+    }
+
+    pub(crate) fn row_mut(&mut self, k: usize) -> [&mut [f32]; 2] {
+        let range = k * self.lanes..(k + 1) * self.lanes;
+        [&mut self.re[range.clone()], &mut self.im[range]]
+    }
+
+    pub(crate) fn give(self, work: &mut Workspace) {
+        work.floats.give_all([self.re, self.im]);
+    }
+}
+
+/// conj(G G^H), row k padded: entry l is `conj(sum_i G_ki conj(G_li))`. Time O(N M^2), memory O(M^2).
+///
+/// Conjugated so that `correlate` with row k is row k of G G^H times a vector. `factor` weighs transducer i.
+pub(crate) fn gram(gains: &Gains, factor: impl Fn(usize) -> f32, work: &mut Workspace) -> Planar {
+    let (count, lanes) = (gains.points(), gains.lanes());
+    let mut product = Planar::zeros(count, lanes, work);
+    let mut row = Planar::zeros(1, lanes, work);
+    for i in 0..gains.transducers() {
+        gains.row(i, &mut row.re, &mut row.im);
+        let factor = factor(i);
+        for k in 0..count {
+            let conjugate = [factor * row.re[k], -factor * row.im[k]];
+            let [re, im] = product.row_mut(k);
+            kernels::accumulate([&row.re, &row.im], conjugate, re, im);
+        }
+    }
+    row.give(work);
+    product
+}
+
+/// The matrix that [`gram`] conjugates, times `vector`.
+pub(crate) fn times(matrix: &Planar, vector: &Planar, out: &mut Planar, count: usize) {
+    for k in 0..count {
+        [out.re[k], out.im[k]] = kernels::correlate(matrix.row(k), vector.row(0));
+    }
+}
+
+/// A Cholesky factor L of a real symmetric matrix A = L L^T, and solves with it. Time O(n^3/6) each multiply-add.
+#[derive(Debug)]
+pub(crate) struct Cholesky {
+    factor: Vec<f32>,
+    size: usize,
+}
+
+impl Cholesky {
+    /// Factors the `size` x `size` matrix in `matrix`, of which the lower half is read; `None` (and the buffer
+    /// back in `work`) if it is not positive definite in f32.
+    pub(crate) fn new(mut matrix: Vec<f32>, size: usize, work: &mut Workspace) -> Option<Self> {
+        for i in 0..size {
+            let (above, rest) = matrix.split_at_mut(i * size);
+            let row = &mut rest[..size];
+            row[i + 1..].fill(0.0);
+            for j in 0..i {
+                let other = &above[j * size..(j + 1) * size];
+                row[j] = (row[j] - partial_dot(row, other, j)) / other[j];
+            }
+            let pivot = row[i] - partial_dot(row, row, i);
+            if pivot.is_nan() || pivot <= 0.0 {
+                work.floats.give(matrix);
+                return None;
+            }
+            row[i] = sqrtf(pivot);
+        }
+        Some(Self { factor: matrix, size })
+    }
+
+    /// Replaces b by A^-1 b.
+    pub(crate) fn solve(&self, b: &mut [f32]) {
+        let n = self.size;
+        for i in 0..n {
+            let row = &self.factor[i * n..(i + 1) * n];
+            b[i] = (b[i] - partial_dot(row, b, i)) / row[i];
+        }
+        for i in (0..n).rev() {
+            let row = &self.factor[i * n..i * n + i + 1];
+            b[i] /= row[i];
+            let x = b[i];
+            for (b, l) in b[..i].iter_mut().zip(row) {
+                *b -= l * x;
+            }
+        }
+    }
+
+    pub(crate) fn give(self, work: &mut Workspace) {
+        work.floats.give(self.factor);
+    }
+}
+
+/// The dot product of the first `count` numbers of two slices.
+fn partial_dot(a: &[f32], b: &[f32], count: usize) -> f32 {
+    let whole = count - count % kernels::LANES;
+    let tail: f32 = a[whole..count].iter().zip(&b[whole..count]).map(|(a, b)| a * b).sum();
+    kernels::dot(&a[..whole], &b[..whole]) + tail
+}
+
+/// A Hermitian positive definite system (A + jB) x = b, solved as the real one [[A, -B], [B, A]].
+#[derive(Debug)]
+pub(crate) struct Hermitian {
+    cholesky: Cholesky,
+    lanes: usize,
+}
+
+impl Hermitian {
+    /// Factors `conj(matrix) + shift I`, `matrix` as [`gram`] makes it. `None` if not positive definite in f32.
+    pub(crate) fn new(matrix: &Planar, count: usize, shift: f32, work: &mut Workspace) -> Option<Self> {
+        let lanes = matrix.lanes;
+        let size = 2 * lanes;
+        let mut real = work.floats.take(size * size);
+        for k in 0..lanes {
+            let (upper, lower) = (k * size, (k + lanes) * size);
+            if k < count {
+                let [re, im] = matrix.row(k);
+                for l in 0..lanes {
+                    real[upper + l] = re[l];
+                    // The stored matrix is conjugated: its im is -B.
+                    real[lower + l] = -im[l];
+                    real[lower + lanes + l] = re[l];
+                }
+            }
+            // Padding becomes the identity.
+            let diagonal = if k < count { shift } else { 1.0 };
+            real[upper + k] += diagonal;
+            real[lower + lanes + k] += diagonal;
+        }
+        Cholesky::new(real, size, work).map(|cholesky| Self { cholesky, lanes })
+    }
+
+    /// Replaces the vector (one padded row) by the solution.
+    pub(crate) fn solve(&self, vector: &mut Planar, work: &mut Workspace) {
+        let mut both = work.floats.take(2 * self.lanes);
+        both[..self.lanes].copy_from_slice(&vector.re);
+        both[self.lanes..].copy_from_slice(&vector.im);
+        self.cholesky.solve(&mut both);
+        vector.re.copy_from_slice(&both[..self.lanes]);
+        vector.im.copy_from_slice(&both[self.lanes..]);
+        work.floats.give(both);
+    }
+
+    pub(crate) fn give(self, work: &mut Workspace) {
+        self.cholesky.give(work);
+    }
+}
+
+/// Lanczos vectors a cycle: enough for any gap met in practice within a few cycles.
+const CYCLE: usize = 24;
+
+/// Replaces `vector` by the unit eigenvector of the largest eigenvalue of a Hermitian positive semidefinite
+/// matrix stored conjugated, starting from what `vector` holds. Restarted Lanczos with full reorthogonalisation.
+pub(crate) fn leading_eigenvector(matrix: &Planar, vector: &mut Planar, count: usize, work: &mut Workspace) {
+    let lanes = matrix.lanes;
+    let steps = CYCLE.min(count);
+    let mut basis = Planar::zeros(steps, lanes, work);
+    let mut next = Planar::zeros(1, lanes, work);
+    for _ in 0..40 {
+        let mut diagonal = [0.0_f64; CYCLE];
+        let mut beside = [0.0_f64; CYCLE];
+        if !normalise(vector) {
+            break;
+        }
+        let mut used = 0;
+        for step in 0..steps {
+            let [re, im] = basis.row_mut(step);
+            re.copy_from_slice(&vector.re);
+            im.copy_from_slice(&vector.im);
+            times(matrix, vector, &mut next, count);
+            used = step + 1;
+            // Twice is enough to be orthogonal to rounding.
+            for round in 0..2 {
+                for k in 0..used {
+                    let [re, im] = kernels::correlate(basis.row(k), next.row(0));
+                    if round == 0 && k == step {
+                        diagonal[step] = f64::from(re);
+                    }
+                    let [next_re, next_im] = [&mut next.re, &mut next.im];
+                    kernels::accumulate(basis.row(k), [-re, -im], next_re, next_im);
+                }
+            }
+            let length = norm(&next);
+            beside[step] = f64::from(length);
+            if step + 1 == steps || f64::from(length) <= 1e-6 * diagonal[0] {
+                break;
+            }
+            core::mem::swap(vector, &mut next);
+            normalise(vector);
+        }
+        let ritz = top_of_tridiagonal(&diagonal[..used], &beside[..used]);
+        vector.re.fill(0.0);
+        vector.im.fill(0.0);
+        for (k, weight) in ritz.iter().enumerate().take(used) {
+            kernels::accumulate(basis.row(k), [*weight as f32, 0.0], &mut vector.re, &mut vector.im);
+        }
+        // The Ritz vector's residual, relative to the eigenvalue's size.
+        if (beside[used - 1] * ritz[used - 1]).abs() <= 1e-6 * diagonal[0] {
+            break;
+        }
+    }
+    normalise(vector);
+    basis.give(work);
+    next.give(work);
+}
+
+fn norm(vector: &Planar) -> f32 {
+    sqrtf(kernels::dot(&vector.re, &vector.re) + kernels::dot(&vector.im, &vector.im))
+}
+
+fn normalise(vector: &mut Planar) -> bool {
+    let length = norm(vector);
+    if length > 0.0 {
+        vector.re.iter_mut().chain(&mut vector.im).for_each(|x| *x /= length);
+    }
+    length > 0.0
+}
+
+/// The unit eigenvector of the largest eigenvalue of a small symmetric tridiagonal matrix: bisection by the
+/// count of negative pivots, then inverse iteration from just above, where the pivots are all positive.
+fn top_of_tridiagonal(diagonal: &[f64], beside: &[f64]) -> [f64; CYCLE] {
+    let n = diagonal.len();
+    let off = |k: usize| if k < n - 1 { beside[k] } else { 0.0 };
+    let radius = |k: usize| off(k) + if k > 0 { off(k - 1) } else { 0.0 };
+    let mut high = (0..n).map(|k| diagonal[k] + radius(k)).fold(f64::MIN, f64::max);
+    let mut low = diagonal.iter().copied().fold(f64::MIN, f64::max);
+    let above = |x: f64| {
+        let mut pivot = x - diagonal[0];
+        (0..n).all(|k| {
+            if k > 0 {
+                pivot = x - diagonal[k] - off(k - 1) * off(k - 1) / pivot;
+            }
+            pivot > 0.0
+        })
+    };
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if above(middle) { high = middle } else { low = middle }
+    }
+    let shift = high + 1e-14 * high.abs() + f64::MIN_POSITIVE;
+    let mut x = [0.0; CYCLE];
+    x[..n].fill(1.0);
+    for _ in 0..3 {
+        let mut pivots = [0.0; CYCLE];
+        pivots[0] = shift - diagonal[0];
+        for k in 1..n {
+            let ratio = off(k - 1) / pivots[k - 1];
+            pivots[k] = shift - diagonal[k] - ratio * off(k - 1);
+            x[k] += ratio * x[k - 1];
+        }
+        for k in (0..n).rev() {
+            let below = if k + 1 < n { off(k) * x[k + 1] } else { 0.0 };
+            x[k] = (x[k] + below) / pivots[k];
+        }
+        let length = sqrt(x[..n].iter().map(|x| x * x).sum());
+        x[..n].iter_mut().for_each(|x| *x /= length);
+    }
+    x
+}

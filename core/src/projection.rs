@@ -1,0 +1,154 @@
+//! Between transducers and points: back, forward, and the two in turn as Gerchberg-Saxton's methods do it.
+
+use alloc::vec::Vec;
+
+use num_complex::Complex32;
+
+use crate::gains::Gains;
+use crate::kernels;
+use crate::linalg::Planar;
+use crate::math::{self, sqrtf};
+use crate::problem::Problem;
+use crate::workspace::Workspace;
+
+/// G stored, a drive of |q| = 1, and its field.
+pub(crate) struct Projector {
+    gains: Planar,
+    transducers: usize,
+    count: usize,
+    drive: Vec<Complex32>,
+    field: Planar,
+    modulus: Vec<f32>,
+    before: Vec<f32>,
+}
+
+impl Projector {
+    /// Starts from the problem's start, else from q = 1.
+    pub(crate) fn new(problem: &Problem, work: &mut Workspace) -> Self {
+        let gains = problem.gains();
+        let lanes = gains.lanes();
+        let mut projector = Self {
+            gains: Planar::stored(gains, work),
+            transducers: gains.transducers(),
+            count: gains.points(),
+            drive: work.complexes.take(gains.transducers()),
+            field: Planar::zeros(1, lanes, work),
+            modulus: work.floats.take(lanes),
+            before: work.floats.take(lanes),
+        };
+        match problem.start_drive() {
+            Some(drive) => projector.drive.copy_from_slice(drive),
+            None => projector.drive.fill(Complex32::ONE),
+        }
+        projector.forward(problem.targets());
+        if problem.start_phases().is_some() {
+            let mut wanted = start_phasors(problem, work);
+            for (j, &target) in problem.targets().iter().enumerate() {
+                wanted.re[j] *= target;
+                wanted.im[j] *= target;
+            }
+            projector.back(&wanted);
+            projector.forward(problem.targets());
+            wanted.give(work);
+        }
+        projector
+    }
+
+    pub(crate) fn drive(&self) -> &[Complex32] {
+        &self.drive
+    }
+
+    /// |p| of the present drive.
+    pub(crate) fn modulus(&self) -> &[f32] {
+        &self.modulus
+    }
+
+    /// The present phases at the points with other moduli; phase 0 where there is silence.
+    pub(crate) fn wanted(&self, moduli: &[f32], out: &mut Planar) {
+        for j in 0..self.count {
+            let scale = if self.modulus[j] > 0.0 { moduli[j] / self.modulus[j] } else { 0.0 };
+            out.re[j] = if scale > 0.0 { self.field.re[j] * scale } else { moduli[j] };
+            out.im[j] = self.field.im[j] * scale;
+        }
+    }
+
+    /// q = G^H p, every |q| made 1; a transducer without effect gets 0.
+    pub(crate) fn back(&mut self, wanted: &Planar) {
+        for (i, q) in self.drive.iter_mut().enumerate() {
+            let [re, im] = kernels::correlate(self.gains.row(i), wanted.row(0));
+            let modulus = sqrtf(re * re + im * im);
+            *q = if modulus > 0.0 { Complex32::new(re / modulus, im / modulus) } else { Complex32::ZERO };
+        }
+    }
+
+    /// p = G q. Returns the largest change of a |p| relative to its target.
+    pub(crate) fn forward(&mut self, targets: &[f32]) -> f32 {
+        core::mem::swap(&mut self.modulus, &mut self.before);
+        self.field.re.fill(0.0);
+        self.field.im.fill(0.0);
+        for i in 0..self.transducers {
+            let q = self.drive[i];
+            kernels::accumulate(self.gains.row(i), [q.re, q.im], &mut self.field.re, &mut self.field.im);
+        }
+        kernels::modulus(&self.field.re, &self.field.im, &mut self.modulus);
+        let changes = self.modulus.iter().zip(&self.before).zip(targets);
+        changes
+            .filter(|(_, target)| **target > 0.0)
+            .fold(0.0, |most, ((now, before), target)| f32::max(most, (now - before).abs() / target))
+    }
+
+    /// Gives the memory back and the drive away.
+    pub(crate) fn end(self, work: &mut Workspace) -> Vec<Complex32> {
+        let Self { gains, drive, field, modulus, before, .. } = self;
+        gains.give(work);
+        field.give(work);
+        work.floats.give_all([modulus, before]);
+        drive
+    }
+}
+
+/// q_i = factor_i sum_j conj(G_ji) p_j, rows computed on the way.
+pub(crate) fn back_project(
+    gains: &Gains,
+    phasors: &Planar,
+    factor: impl Fn(usize) -> f32,
+    work: &mut Workspace,
+) -> Vec<Complex32> {
+    let mut drive = work.complexes.take(gains.transducers());
+    let mut row = Planar::zeros(1, gains.lanes(), work);
+    for (i, q) in drive.iter_mut().enumerate() {
+        gains.row(i, &mut row.re, &mut row.im);
+        let [re, im] = kernels::correlate(row.row(0), phasors.row(0));
+        *q = Complex32::new(re, im) * factor(i);
+    }
+    row.give(work);
+    drive
+}
+
+/// The unit phasors at the points that a problem's start gives; 1 where there is none, or silence.
+pub(crate) fn start_phasors(problem: &Problem, work: &mut Workspace) -> Planar {
+    let gains = problem.gains();
+    let mut phasors = Planar::zeros(1, gains.lanes(), work);
+    phasors.re[..gains.points()].fill(1.0);
+    if let Some(phases) = problem.start_phases() {
+        for (j, phase) in phases.enumerate() {
+            (phasors.re[j], phasors.im[j]) = (math::cos(phase) as f32, math::sin(phase) as f32);
+        }
+    }
+    if let Some(drive) = problem.start_drive() {
+        let [mut row, mut field] = [(); 2].map(|()| Planar::zeros(1, gains.lanes(), work));
+        for (i, q) in drive.iter().enumerate() {
+            gains.row(i, &mut row.re, &mut row.im);
+            kernels::accumulate([&row.re, &row.im], [q.re, q.im], &mut field.re, &mut field.im);
+        }
+        for j in 0..gains.points() {
+            let modulus = sqrtf(field.re[j] * field.re[j] + field.im[j] * field.im[j]);
+            if modulus > 0.0 {
+                (phasors.re[j], phasors.im[j]) = (field.re[j] / modulus, field.im[j] / modulus);
+            }
+        }
+        row.give(work);
+        field.give(work);
+    }
+    phasors
+}

@@ -1,0 +1,132 @@
+//! Eigenvector phases and a regularised solve: Long, Seah, Carter and Subramanian, ACM Trans. Graphics 33(6), 2014.
+//!
+//! R, with R_kj the field at point k of a focus of target t_j at point j, has a leading eigenvector whose phases
+//! the points support mutually. With those phases p is set, and
+//! (G^H G + diag(w^2)) q = G^H p is solved, w_i = sqrt(mean_j t_j |G_ji|)^gamma, here in its M x M dual
+//! q = W^-2 G^H (G W^-2 G^H + I)^-1 p. gamma is an exponent, 1 in the paper. The authors of the greedy paper read a
+//! row of the eigenvectors' matrix and rescale q by a mean below 1; this is the eigenvector, unscaled.
+
+use crate::control::Control;
+use crate::error::{Error, real};
+use crate::kernels;
+use crate::linalg::{Hermitian, Planar, gram, leading_eigenvector};
+use crate::math::{pow, sqrtf};
+use crate::problem::Problem;
+use crate::projection::back_project;
+use crate::solution::{Solution, Status};
+use crate::solvers::{Info, Limit, Method, Solve};
+use crate::workspace::Workspace;
+
+crate::options! {
+    /// Leading eigenvector and Long's regularisation. Time O(N M^2 + M^3), memory O(N + M^2).
+    pub struct Evd {
+        /// Exponent of Long's regularising weights, 0 to 10.
+        pub gamma: f64 = 1.0,
+        /// How a drive above 1 is brought back: "clamp", "normalize" or "full".
+        pub limit: Limit = Limit::Clamp,
+    }
+}
+
+impl Method for Evd {
+    const INFO: Info = Info {
+        name: "evd",
+        summary: "leading eigenvector's phases, then a regularised solve",
+        source: "Long et al., ACM Trans. Graphics 33(6), 2014",
+        balance: false,
+        tolerance: 1e-2,
+        uses_start: false,
+        uses_level: false,
+    };
+
+    fn check(&self) -> Result<(), Error> {
+        real("gamma", self.gamma, 0.0, false)?;
+        if self.gamma > 10.0 {
+            return Err(Error::invalid("gamma", self.gamma, "give 0 to 10"));
+        }
+        Ok(())
+    }
+}
+
+impl Solve for Evd {
+    fn solve(
+        &self,
+        problem: &Problem,
+        work: &mut Workspace,
+        control: &mut Control,
+    ) -> Result<Solution, Error> {
+        let gains = problem.gains();
+        let (count, targets) = (gains.points(), problem.targets());
+        let mut phasors = phases(problem, work);
+        for (j, &target) in targets.iter().enumerate() {
+            phasors.re[j] *= target;
+            phasors.im[j] *= target;
+        }
+        // 1 / w_i^2 = (mean_j t_j |G_ji|)^-gamma; 0 for a transducer without effect.
+        let mut inverse = work.floats.take(gains.transducers());
+        let [mut row, mut moduli] = [(); 2].map(|()| Planar::zeros(1, gains.lanes(), work));
+        for (i, inverse) in inverse.iter_mut().enumerate() {
+            gains.row(i, &mut row.re, &mut row.im);
+            kernels::modulus(&row.re, &row.im, &mut moduli.re);
+            let mean = f64::from(kernels::dot(&moduli.re, targets)) / count as f64;
+            *inverse = if mean > 0.0 { pow(mean, -self.gamma) as f32 } else { 0.0 };
+        }
+        let matrix = gram(gains, |i| inverse[i], work);
+        // In f32 the matrix resolves no more than this part of its diagonal.
+        let largest = (0..count).map(|j| matrix.row(j)[0][j]).fold(0.0, f32::max);
+        let mut shift = f32::max(1.0, 1e-6 * largest);
+        let solver = loop {
+            match Hermitian::new(&matrix, count, shift, work) {
+                Some(solver) => break solver,
+                None => shift *= 10.0,
+            }
+        };
+        solver.solve(&mut phasors, work);
+        let mut drive = back_project(gains, &phasors, |i| inverse[i], work);
+        self.limit.apply(&mut drive);
+        solver.give(work);
+        work.floats.give(inverse);
+        for planar in [phasors, row, moduli, matrix] {
+            planar.give(work);
+        }
+        let mut solution = Solution::new(problem, drive, Status::Done, 1, work);
+        if control.step(1, 1, || problem.residual_of(&solution)).is_break() {
+            solution.status = Status::Stopped;
+        }
+        Ok(solution)
+    }
+}
+
+/// The unit phasors of R's leading eigenvector; 1 where it vanishes.
+///
+/// R = G G^H D with D = diag(t_j / sum_i |G_ji|^2), similar to the Hermitian D^1/2 G G^H D^1/2, whose eigenvectors
+/// have the same phases.
+fn phases(problem: &Problem, work: &mut Workspace) -> Planar {
+    let gains = problem.gains();
+    let count = gains.points();
+    let mut matrix = gram(gains, |_| 1.0, work);
+    let mut root = work.floats.take(gains.lanes());
+    for j in 0..count {
+        let power = matrix.row(j)[0][j];
+        root[j] = if power > 0.0 { sqrtf(problem.targets()[j] / power) } else { 0.0 };
+    }
+    for k in 0..count {
+        let [re, im] = matrix.row_mut(k);
+        for l in 0..count {
+            re[l] *= root[k] * root[l];
+            im[l] *= root[k] * root[l];
+        }
+    }
+    let mut vector = Planar::zeros(1, gains.lanes(), work);
+    for j in 0..count {
+        vector.re[j] = if root[j] > 0.0 { 1.0 } else { 0.0 };
+    }
+    leading_eigenvector(&matrix, &mut vector, count, work);
+    for j in 0..count {
+        let (re, im) = (vector.re[j], vector.im[j]);
+        let modulus = sqrtf(re * re + im * im);
+        (vector.re[j], vector.im[j]) = if modulus > 0.0 { (re / modulus, im / modulus) } else { (1.0, 0.0) };
+    }
+    work.floats.give(root);
+    matrix.give(work);
+    vector
+}

@@ -1,0 +1,122 @@
+//! GS-PAT: Plasencia, Hirayama, Montano-Murillo and Subramanian, ACM Trans. Graphics 39(4), 2020.
+//!
+//! Gerchberg-Saxton without the transducers in the loop: with the back-propagation X = G^H / diag(G G^H) the
+//! field of X p is R p, R = G X of M x M, so that a step costs O(M^2). The last step corrects the amplitudes,
+//! p = t^2 g/|g|^2; the amplitude enters once (the authors of the greedy paper also put it into X, which has no
+//! effect when all are equal).
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::kernels;
+use crate::linalg::{Planar, gram, times};
+use crate::problem::Problem;
+use crate::projection::{back_project, start_phasors};
+use crate::solution::{Solution, Status};
+use crate::solvers::{Info, Limit, Method, Solve, check_iteration};
+use crate::workspace::Workspace;
+
+crate::options! {
+    /// GS-PAT. Time O(N M^2) once and O(M^2) a step, memory O(N + M^2).
+    pub struct Gspat {
+        /// Steps at most.
+        pub steps: u32 = 100,
+        /// Ends when no |p| changes by more than this part of its target in a step; 0 takes all steps.
+        pub tolerance: f64 = 0.0,
+        /// How a drive above 1 is brought back: "clamp", "normalize" or "full".
+        pub limit: Limit = Limit::Clamp,
+    }
+}
+
+impl Method for Gspat {
+    const INFO: Info = Info {
+        name: "gspat",
+        summary: "GS-PAT: Gerchberg-Saxton on the M x M matrix",
+        source: "Plasencia et al., ACM Trans. Graphics 39(4), 2020",
+        balance: false,
+        tolerance: 1e-3,
+        uses_start: true,
+        uses_level: false,
+    };
+
+    fn check(&self) -> Result<(), Error> {
+        check_iteration(self.steps, self.tolerance)
+    }
+}
+
+impl Solve for Gspat {
+    fn solve(
+        &self,
+        problem: &Problem,
+        work: &mut Workspace,
+        control: &mut Control,
+    ) -> Result<Solution, Error> {
+        let gains = problem.gains();
+        let (count, lanes, targets) = (gains.points(), gains.lanes(), problem.targets());
+        let matrix = gram(gains, |_| 1.0, work);
+        // 1 / sum_i |G_ji|^2, 0 for a quiet point that nothing reaches.
+        let share = |j: usize| {
+            let power = matrix.row(j)[0][j];
+            if power > 0.0 { 1.0 / power } else { 0.0 }
+        };
+        let mut wanted = start_phasors(problem, work);
+        let mut field = Planar::zeros(1, lanes, work);
+        let mut moduli = work.floats.take(lanes);
+        let mut before = work.floats.take(lanes);
+        for (j, &target) in targets.iter().enumerate() {
+            wanted.re[j] *= target;
+            wanted.im[j] *= target;
+        }
+        let propagate = |wanted: &mut Planar, field: &mut Planar, moduli: &mut [f32]| {
+            for j in 0..count {
+                wanted.re[j] *= share(j);
+                wanted.im[j] *= share(j);
+            }
+            times(&matrix, wanted, field, count);
+            kernels::modulus(&field.re, &field.im, moduli);
+        };
+        let steps = self.steps as usize;
+        let (mut status, mut step) =
+            (if self.tolerance > 0.0 { Status::OutOfSteps } else { Status::Done }, 0);
+        while step < steps {
+            propagate(&mut wanted, &mut field, &mut moduli);
+            for j in 0..count {
+                let scale = if moduli[j] > 0.0 { targets[j] / moduli[j] } else { 0.0 };
+                wanted.re[j] = if scale > 0.0 { field.re[j] * scale } else { targets[j] };
+                wanted.im[j] = field.im[j] * scale;
+            }
+            step += 1;
+            let change = moduli.iter().zip(&before).zip(targets).filter(|(_, target)| **target > 0.0);
+            let change =
+                change.fold(0.0, |most, ((now, was), target)| f32::max(most, (now - was).abs() / target));
+            before.copy_from_slice(&moduli);
+            if step == steps {
+                break;
+            }
+            if control.step(step, steps, || problem.residual(&moduli)).is_break() {
+                status = Status::Stopped;
+                break;
+            }
+            if self.tolerance > 0.0 && f64::from(change) <= self.tolerance {
+                status = Status::Done;
+                break;
+            }
+        }
+        propagate(&mut wanted, &mut field, &mut moduli);
+        for j in 0..count {
+            let scale = if moduli[j] > 0.0 { targets[j] / moduli[j] } else { 0.0 };
+            wanted.re[j] = field.re[j] * scale * scale * share(j);
+            wanted.im[j] = field.im[j] * scale * scale * share(j);
+        }
+        let mut drive = back_project(gains, &wanted, |_| 1.0, work);
+        self.limit.apply(&mut drive);
+        work.floats.give_all([moduli, before]);
+        for planar in [matrix, wanted, field] {
+            planar.give(work);
+        }
+        let mut solution = Solution::new(problem, drive, status, step, work);
+        if step == steps && control.step(step, steps, || problem.residual_of(&solution)).is_break() {
+            solution.status = Status::Stopped;
+        }
+        Ok(solution)
+    }
+}

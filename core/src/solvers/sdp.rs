@@ -1,0 +1,231 @@
+//! Semidefinite relaxation by block coordinate descent: Inoue, Makino and Shinoda, World Haptics 2015.
+//!
+//! The phases u at the points, |u_j| = 1, that the pseudo-inverse G^+ meets best minimise u^H Q u with
+//! Q = T (I - G G^+) T, T = diag(t). With G^+ = G^H (G G^H + alpha I)^-1 (singular values s/(s^2 + alpha)) that is
+//! Q = alpha T (G G^H + alpha I)^-1 T. Relaxed to X = u u^H, X_jj = 1, X >= 0, it is solved by one random column
+//! after another (Waldspurger, d'Aspremont and Mallat, Math. Programming 149, 2015): with m the column of Q without
+//! its diagonal, x = X m and g = x^H m, the column becomes -sqrt(lambda/g) x, or 0. The leading eigenvector of X is u,
+//! with its raw moduli (the paper's, which loses points) or made 1.
+
+use crate::control::Control;
+use crate::error::{Error, real};
+use crate::kernels;
+use crate::linalg::{Hermitian, Planar, gram, leading_eigenvector, times};
+use crate::math::{sqrt, sqrtf};
+use crate::options::{OptionValue, Value, spell, word};
+use crate::problem::Problem;
+use crate::projection::{back_project, start_phasors};
+use crate::rng::Rng;
+use crate::solution::{Solution, Status};
+use crate::solvers::{Info, Limit, Method, Solve, check_iteration};
+use crate::workspace::Workspace;
+
+/// What becomes of the moduli of the relaxation's eigenvector.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(clippy::exhaustive_enums, reason = "as they are, or 1")]
+pub enum Moduli {
+    /// As they are: the paper's. Points with a small one are lost.
+    Raw,
+    /// 1 for every point.
+    Unit,
+}
+
+const MODULI: [(&str, Moduli); 2] = [("raw", Moduli::Raw), ("unit", Moduli::Unit)];
+
+impl OptionValue for Moduli {
+    fn read(item: &str, value: &Value) -> Result<Self, Error> {
+        word(item, value, &MODULI)
+    }
+
+    fn show(&self) -> Value {
+        spell(*self, &MODULI)
+    }
+}
+
+crate::options! {
+    /// SDP relaxation by block coordinate descent. Time O(N M^2 + M^3) once and O(M^2) a step, memory O(N + M^2).
+    pub struct Sdp {
+        /// Random columns visited at most.
+        pub steps: u32 = 1000,
+        /// Ends when a visit to every column, one after another, changes no entry of X by more; 0 takes all steps.
+        pub tolerance: f64 = 0.0,
+        /// How much of a column the descent may use, above 0 and below 1.
+        pub lambda: f64 = 0.9,
+        /// Damping of the pseudo-inverse in units of 1/mm^2 (at P0 = 1e-3 Pa m), above 0.
+        pub alpha: f64 = 1e-3,
+        /// Moduli of the eigenvector: "raw" (the paper's) or "unit".
+        pub moduli: Moduli = Moduli::Raw,
+        /// Seed of the columns' order, 0 to 2^64 - 1.
+        pub seed: u64 = 0,
+        /// How a drive above 1 is brought back: "clamp", "normalize" or "full".
+        pub limit: Limit = Limit::Normalize,
+    }
+}
+
+impl Method for Sdp {
+    const INFO: Info = Info {
+        name: "sdp",
+        summary: "SDP relaxation of the point phases, then the pseudo-inverse",
+        source: "Inoue et al., World Haptics Conference 2015",
+        balance: false,
+        tolerance: 0.02,
+        uses_start: true,
+        uses_level: false,
+    };
+
+    fn check(&self) -> Result<(), Error> {
+        check_iteration(self.steps, self.tolerance)?;
+        real("alpha", self.alpha, 0.0, true)?;
+        real("lambda", self.lambda, 0.0, true)?;
+        if self.lambda >= 1.0 {
+            return Err(Error::invalid("lambda", self.lambda, "give a number above 0 and below 1"));
+        }
+        Ok(())
+    }
+}
+
+impl Solve for Sdp {
+    fn solve(
+        &self,
+        problem: &Problem,
+        work: &mut Workspace,
+        control: &mut Control,
+    ) -> Result<Solution, Error> {
+        let gains = problem.gains();
+        let (count, lanes) = (gains.points(), gains.lanes());
+        let product = gram(gains, |_| 1.0, work);
+        let largest = (0..count).map(|j| product.row(j)[0][j]).fold(0.0, f32::max);
+        // In f32 the matrix resolves no more than this part of its diagonal.
+        let mut shift = (self.alpha as f32).max(1e-6 * largest);
+        let inverse = loop {
+            match Hermitian::new(&product, count, shift, work) {
+                Some(inverse) => break inverse,
+                None => shift *= 10.0,
+            }
+        };
+        let quality = quality(problem, &inverse, work);
+        let mut relaxed = begin(problem, work);
+        let [mut column, mut image] = [(); 2].map(|()| Planar::zeros(1, lanes, work));
+        let mut rng = Rng::new(self.seed);
+        let steps = self.steps as usize;
+        let (mut status, mut step) =
+            (if self.tolerance > 0.0 { Status::OutOfSteps } else { Status::Done }, 0);
+        let (mut still, mut quiet) = (0, false);
+        while step < steps && !quiet {
+            let chosen = rng.below(count as u64) as usize;
+            let [re, im] = quality.row(chosen);
+            // Rows are stored conjugated, so a row reads as the column.
+            column.re.copy_from_slice(re);
+            column.im.copy_from_slice(im);
+            (column.re[chosen], column.im[chosen]) = (0.0, 0.0);
+            times(&relaxed, &column, &mut image, count);
+            let [gain, _] = kernels::correlate(image.row(0), column.row(0));
+            let scale = if gain > 0.0 { -sqrt(self.lambda / f64::from(gain)) as f32 } else { 0.0 };
+            let change = replace(&mut relaxed, chosen, &image, scale, count);
+            still = if change <= self.tolerance as f32 { still + 1 } else { 0 };
+            quiet = self.tolerance > 0.0 && still >= count;
+            step += 1;
+            if step < steps && control.step(step, steps, || relaxation(&relaxed, &quality, count)).is_break()
+            {
+                status = Status::Stopped;
+                break;
+            }
+        }
+        if quiet {
+            status = Status::Done;
+        }
+        let mut phasors = Planar::zeros(1, lanes, work);
+        phasors.re[..count].fill(1.0);
+        leading_eigenvector(&relaxed, &mut phasors, count, work);
+        for (j, &target) in problem.targets().iter().enumerate().take(count) {
+            let modulus = sqrtf(phasors.re[j] * phasors.re[j] + phasors.im[j] * phasors.im[j]);
+            let factor = match self.moduli {
+                Moduli::Raw => target * sqrtf(count as f32),
+                Moduli::Unit if modulus > 0.0 => target / modulus,
+                Moduli::Unit => 0.0,
+            };
+            phasors.re[j] *= factor;
+            phasors.im[j] *= factor;
+        }
+        inverse.solve(&mut phasors, work);
+        let mut drive = back_project(gains, &phasors, |_| 1.0, work);
+        self.limit.apply(&mut drive);
+        inverse.give(work);
+        for planar in [product, quality, relaxed, column, image, phasors] {
+            planar.give(work);
+        }
+        let mut solution = Solution::new(problem, drive, status, step, work);
+        if step == steps && control.step(step, steps, || problem.residual_of(&solution)).is_break() {
+            solution.status = Status::Stopped;
+        }
+        Ok(solution)
+    }
+}
+
+/// conj(Q)/alpha = conj(T (G G^H + alpha I)^-1 T), one column of the inverse after another.
+fn quality(problem: &Problem, inverse: &Hermitian, work: &mut Workspace) -> Planar {
+    let (count, lanes) = (problem.gains().points(), problem.gains().lanes());
+    let mut matrix = Planar::zeros(count, lanes, work);
+    let mut column = Planar::zeros(1, lanes, work);
+    let targets = problem.targets();
+    for k in 0..count {
+        column.re.fill(0.0);
+        column.im.fill(0.0);
+        column.re[k] = targets[k];
+        inverse.solve(&mut column, work);
+        // Column k of a Hermitian matrix is its conjugated row k.
+        let [re, im] = matrix.row_mut(k);
+        for l in 0..count {
+            re[l] = targets[l] * column.re[l];
+            im[l] = targets[l] * column.im[l];
+        }
+    }
+    column.give(work);
+    matrix
+}
+
+/// X = I, or half way from I to u u^H of the start's phasors u.
+fn begin(problem: &Problem, work: &mut Workspace) -> Planar {
+    let (count, lanes) = (problem.gains().points(), problem.gains().lanes());
+    let mut matrix = Planar::zeros(count, lanes, work);
+    let given = problem.start_drive().is_some() || problem.start_phases().is_some();
+    let phasors = start_phasors(problem, work);
+    for k in 0..count {
+        let (uk, vk) = (phasors.re[k], phasors.im[k]);
+        let [re, im] = matrix.row_mut(k);
+        if given {
+            for l in 0..count {
+                re[l] = 0.5 * (phasors.re[l] * uk + phasors.im[l] * vk);
+                im[l] = 0.5 * (phasors.im[l] * uk - phasors.re[l] * vk);
+            }
+        }
+        (re[k], im[k]) = (1.0, 0.0);
+    }
+    phasors.give(work);
+    matrix
+}
+
+/// Writes `scale` times `image` into row and column `chosen`; the largest change of an entry.
+fn replace(matrix: &mut Planar, chosen: usize, image: &Planar, scale: f32, count: usize) -> f32 {
+    let mut change = 0.0_f32;
+    for k in (0..count).filter(|&k| k != chosen) {
+        let (re, im) = (scale * image.re[k], scale * image.im[k]);
+        let [row_re, row_im] = matrix.row_mut(k);
+        change = change.max((row_re[chosen] - re).abs()).max((row_im[chosen] + im).abs());
+        (row_re[chosen], row_im[chosen]) = (re, -im);
+        let [row_re, row_im] = matrix.row_mut(chosen);
+        (row_re[k], row_im[k]) = (re, im);
+    }
+    change
+}
+
+/// trace(Q X) relative to trace(Q): what the descent lowers, told as its residual.
+fn relaxation(relaxed: &Planar, quality: &Planar, count: usize) -> f64 {
+    let (mut sum, mut trace) = (0.0, 0.0);
+    for k in 0..count {
+        let [re, _] = kernels::correlate(quality.row(k), relaxed.row(k));
+        sum += f64::from(re);
+        trace += f64::from(quality.row(k)[0][k]);
+    }
+    sum / trace
+}

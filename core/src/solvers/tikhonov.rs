@@ -1,0 +1,93 @@
+//! The regularised pseudo-inverse at zero target phases: the linear least-squares answer to G q = p.
+//!
+//! q = G^H (G G^H + mu I)^-1 p, the M x M dual of least squares damped by mu = regularization * mean diag(G G^H),
+//! with p the targets at phase 0. Weights multiply rows of G and p by their square roots. Where the phases at the
+//! points are free, 0 is a poor choice: the paper's methods differ in how they choose better.
+
+use crate::control::Control;
+use crate::error::{Error, real};
+use crate::linalg::{Hermitian, Planar, gram};
+use crate::math::sqrtf;
+use crate::problem::Problem;
+use crate::projection::back_project;
+use crate::solution::{Solution, Status};
+use crate::solvers::{Info, Limit, Method, Solve};
+use crate::workspace::Workspace;
+
+crate::options! {
+    /// Tikhonov-regularised pseudo-inverse. Time O(N M^2 + M^3), memory O(N + M^2).
+    pub struct Tikhonov {
+        /// Damping relative to the mean of diag(G G^H), above 0.
+        pub regularization: f64 = 0.07,
+        /// How a drive above 1 is brought back: "clamp", "normalize" or "full".
+        pub limit: Limit = Limit::Clamp,
+    }
+}
+
+impl Method for Tikhonov {
+    const INFO: Info = Info {
+        name: "tikhonov",
+        summary: "regularised pseudo-inverse, all target phases 0",
+        source: "Tikhonov's regularisation of G q = p",
+        balance: false,
+        tolerance: 1e-3,
+        uses_start: false,
+        uses_level: false,
+    };
+
+    fn check(&self) -> Result<(), Error> {
+        real("regularization", self.regularization, 0.0, true).map(|_| ())
+    }
+}
+
+impl Solve for Tikhonov {
+    fn solve(
+        &self,
+        problem: &Problem,
+        work: &mut Workspace,
+        control: &mut Control,
+    ) -> Result<Solution, Error> {
+        let gains = problem.gains();
+        let count = gains.points();
+        let mut matrix = gram(gains, |_| 1.0, work);
+        // Weighted least squares: rows of G and p times the square root of the weight.
+        let mut trace = 0.0;
+        for k in 0..count {
+            for l in 0..count {
+                let weight = sqrtf(problem.weights()[k] * problem.weights()[l]);
+                let [re, im] = matrix.row_mut(k);
+                re[l] *= weight;
+                im[l] *= weight;
+            }
+            trace += matrix.row(k)[0][k];
+        }
+        // Rounding of G G^H in f32 bounds the damping from below.
+        let mut shift = (self.regularization as f32).max(1e-6) * trace / count as f32;
+        let solver = loop {
+            match Hermitian::new(&matrix, count, shift, work) {
+                Some(solver) => break solver,
+                None => shift *= 10.0,
+            }
+        };
+        let mut phasors = Planar::zeros(1, gains.lanes(), work);
+        for k in 0..count {
+            phasors.re[k] = sqrtf(problem.weights()[k]) * problem.targets()[k];
+        }
+        solver.solve(&mut phasors, work);
+        for k in 0..count {
+            let weight = sqrtf(problem.weights()[k]);
+            phasors.re[k] *= weight;
+            phasors.im[k] *= weight;
+        }
+        let mut drive = back_project(gains, &phasors, |_| 1.0, work);
+        self.limit.apply(&mut drive);
+        solver.give(work);
+        matrix.give(work);
+        phasors.give(work);
+        let mut solution = Solution::new(problem, drive, Status::Done, 1, work);
+        if control.step(1, 1, || problem.residual_of(&solution)).is_break() {
+            solution.status = Status::Stopped;
+        }
+        Ok(solution)
+    }
+}
