@@ -113,7 +113,7 @@ impl Cholesky {
             b[i] = (b[i] - partial_dot(row, b, i)) / row[i];
         }
         for i in (0..n).rev() {
-            let row = &self.factor[i * n..i * n + i + 1];
+            let row = &self.factor[i * n..=i * n + i];
             b[i] /= row[i];
             let x = b[i];
             for (b, l) in b[..i].iter_mut().zip(row) {

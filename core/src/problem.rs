@@ -171,6 +171,7 @@ impl Problem {
     }
 
     /// The point phases in rad to start from, if they were given: over the points of weight above 0.
+    #[must_use]
     pub fn start_phases(&self) -> Option<impl Iterator<Item = f64> + '_> {
         match self.start.as_deref() {
             Some(Start::Phases(phases)) => Some(self.asked.active.iter().map(|&j| phases[j])),

@@ -190,7 +190,7 @@ pub(crate) fn field(
     drive: &Bound<'_, PyAny>,
     plane: Argument<'_, '_>,
 ) -> PyResult<Field> {
-    let drive = read::drive(drive)?;
+    let drive = read::drive("drive", drive)?;
     let scene = Arc::clone(&scene.get().inner);
     let places = match plane {
         None => Places::Plane(scene.picture_plane()),
@@ -228,7 +228,7 @@ pub(crate) fn judge(
     weights: Argument<'_, '_>,
 ) -> PyResult<Metrics> {
     let task = Task::read(scene, pressures, weights)?;
-    let drive = read::drive(drive)?;
+    let drive = read::drive("drive", drive)?;
     let metrics = py.detach(|| task.problem()?.judge(&drive)).map_err(refused)?;
     Ok(metrics.into())
 }

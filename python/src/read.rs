@@ -115,13 +115,29 @@ pub(crate) fn complexes(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Co
 }
 
 /// A drive (N,).
-pub(crate) fn drive(value: &Bound<'_, PyAny>) -> PyResult<Vec<Complex32>> {
+pub(crate) fn drive(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Complex32>> {
     let cure = "give numbers of shape (N,), one a transducer";
-    let array = numbers::<Complex32>("drive", value, "iufc", "complex64", cure)?;
+    let array = numbers::<Complex32>(item, value, "iufc", "complex64", cure)?;
     match array.shape() {
         [_] => Ok(array.as_slice()?.to_vec()),
-        _ => Err(invalid("drive", &shape_of(&array), cure)),
+        _ => Err(invalid(item, &shape_of(&array), cure)),
     }
+}
+
+/// Real numbers (K,).
+pub(crate) fn reals(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    let cure = "give real numbers of shape (K,)";
+    let array = numbers::<f64>(item, value, "iuf", "float64", cure)?;
+    match array.shape() {
+        [_] => Ok(array.as_slice()?.to_vec()),
+        _ => Err(invalid(item, &shape_of(&array), cure)),
+    }
+}
+
+/// Whether numpy sees complex numbers in it.
+pub(crate) fn is_complex(value: &Bound<'_, PyAny>) -> bool {
+    let array = value.py().import("numpy").and_then(|numpy| numpy.call_method1("iscomplexobj", (value,)));
+    array.and_then(|complex| complex.extract::<bool>()).unwrap_or(false)
 }
 
 /// A complex matrix (M, N): its entries and M.

@@ -169,6 +169,17 @@ fn chosen(
     Ok(midair::Choice { name, options, balance: file.and_then(|choice| choice.balance) })
 }
 
+/// A start: a Solution or complex numbers are a drive (N,), real numbers are point phases (M,).
+fn begin(start: &Bound<'_, PyAny>) -> PyResult<midair::Start> {
+    if let Ok(solution) = start.cast::<Solution>() {
+        return Ok(midair::Start::Drive(solution.get().inner.drive.clone()));
+    }
+    if read::is_complex(start) {
+        return read::drive("start", start).map(midair::Start::Drive);
+    }
+    read::reals("start", start).map(midair::Start::Phases)
+}
+
 /// Finds a drive for a scene, or for gains with pressures and weights.
 ///
 /// solver is a name of `solvers()`; left out it is the scene file's, else the default. Its options are keywords.
@@ -223,7 +234,12 @@ pub(crate) fn solve(
     choice.balance = Some(balance);
     choice.options = configured.options;
     let clock = Instant::now();
-    let problem = py.detach(|| task.problem()).map_err(refused)?;
+    let start = start.map(begin).transpose()?;
+    let problem = py.detach(|| match start {
+        None => task.problem(),
+        Some(start) => task.problem()?.with_start(start),
+    });
+    let problem = problem.map_err(refused)?;
     if problem.is_weak() && !balance {
         let text = format!(
             "targets are {:.2} of the balanced level: foci this weak come out smeared, balance=True cures it",

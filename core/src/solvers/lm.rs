@@ -165,13 +165,11 @@ impl State {
                 state.theta[j] = angle(phasors.re[j], phasors.im[j]);
             }
             for i in 0..gains.transducers() {
-                state.phi[i] = match problem.start_drive() {
-                    Some(drive) => angle(drive[i].re, drive[i].im),
-                    None => {
-                        let [re, im] = kernels::correlate(rows.row(i), phasors.row(0));
-                        angle(re, im)
-                    }
+                let [re, im] = match problem.start_drive() {
+                    Some(drive) => [drive[i].re, drive[i].im],
+                    None => kernels::correlate(rows.row(i), phasors.row(0)),
                 };
+                state.phi[i] = angle(re, im);
             }
             phasors.give(work);
         }

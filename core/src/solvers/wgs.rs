@@ -97,7 +97,9 @@ impl Solve for Wgs {
             }
             // Only ratios matter: the largest is brought back to 1.
             let largest = raised.iter().copied().fold(0.0, f32::max);
-            raised.iter_mut().for_each(|x| *x /= largest);
+            for x in &mut raised {
+                *x /= largest;
+            }
         }
         work.floats.give_all([raised, best_moduli]);
         wanted.give(work);
