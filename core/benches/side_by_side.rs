@@ -9,7 +9,8 @@ use std::time::{Duration, Instant};
 
 use midair::solvers::{Greedy, Order};
 use midair::{
-    Array, Complex32, Complex64, Control, Gains, Medium, Plane, Problem, Request, Rng, Scene, Solve, Workspace,
+    Array, Complex32, Complex64, Control, Gains, Medium, Plane, Problem, Request, Rng, Scene, Solve,
+    Workspace,
 };
 
 /// Algorithm 2, by the book.

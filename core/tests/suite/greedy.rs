@@ -1,7 +1,9 @@
 //! Greedy against the plain double-precision search, choice by choice.
 
 use midair::solvers::{Greedy, Objective, Order};
-use midair::{Array, Control, Directivity, Medium, Request, Rng, Scene, Solution, Solve, Transducer, Workspace};
+use midair::{
+    Array, Control, Directivity, Medium, Request, Rng, Scene, Solution, Solve, Transducer, Workspace,
+};
 
 use crate::oracle::{self, Search};
 use crate::scenes::{gains, preset, problem, random_points, scene, smiley, widen};
@@ -37,7 +39,11 @@ fn with_oracle(greedy: &Greedy, scene: &Scene, check: impl FnOnce(&Search)) {
         weights: problem.point_weights(),
         phases: greedy.phases as usize,
         amplitudes: greedy.amplitudes as usize,
-        objective: if greedy.objective == Objective::L2 { oracle::Objective::L2 } else { oracle::Objective::L1 },
+        objective: if greedy.objective == Objective::L2 {
+            oracle::Objective::L2
+        } else {
+            oracle::Objective::L1
+        },
         order: &order(greedy, scene),
     });
 }
@@ -55,7 +61,8 @@ fn every_choice_is_within_the_regret() {
     for points in [1_u32, 2, 4, 16, 38, 64] {
         for (phases, amplitudes) in [(2, 1), (3, 2), (16, 1), (16, 4), (100, 1)] {
             for objective in [Objective::L2, Objective::L1] {
-                let greedy = Greedy { phases, amplitudes, objective, seed: u64::from(points), ..Greedy::default() };
+                let greedy =
+                    Greedy { phases, amplitudes, objective, seed: u64::from(points), ..Greedy::default() };
                 let points = random_points(points as usize, 0.1, u64::from(points));
                 assert_regrets(&greedy, &scene(preset("paper20"), points, None));
             }
@@ -67,7 +74,10 @@ fn every_choice_is_within_the_regret() {
 fn every_choice_is_within_the_regret_on_the_smiley() {
     let pressures = Some(vec![1.0; 38]);
     for order in [Order::Random, Order::Rows, Order::Columns] {
-        assert_regrets(&Greedy { order, ..Greedy::default() }, &scene(preset("paper36"), smiley(), pressures.clone()));
+        assert_regrets(
+            &Greedy { order, ..Greedy::default() },
+            &scene(preset("paper36"), smiley(), pressures.clone()),
+        );
     }
 }
 
@@ -120,7 +130,10 @@ fn on_small_scenes_the_choices_are_the_oracles() {
             assert_eq!(drive[3], midair::Complex32::ZERO, "the dead transducer is driven");
             with_oracle(&greedy, &scene, |search| {
                 for (i, (ours, theirs)) in widen(&drive).iter().zip(search.greedy()).enumerate() {
-                    assert!((ours - theirs).norm() < 1e-6, "seed {seed}, transducer {i}: {ours} for {theirs}");
+                    assert!(
+                        (ours - theirs).norm() < 1e-6,
+                        "seed {seed}, transducer {i}: {ours} for {theirs}"
+                    );
                 }
             });
         }
