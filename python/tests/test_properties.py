@@ -24,7 +24,12 @@ def scenes(draw: st.DrawFn, *, unit: float = 1.0) -> midair.Scene:
     count = draw(st.integers(1, 6))
     sites = draw(st.lists(st.tuples(numbers, numbers), min_size=1, max_size=12))
     points = [[draw(numbers), draw(numbers), draw(heights)] for _ in range(count)]
-XX    weights = draw(lists(0.0, 0.5, 2.0))
+
+    def lists(*values: float) -> st.SearchStrategy:
+        return st.none() | st.lists(st.sampled_from(values), min_size=count, max_size=count)
+
+    pressures = draw(lists(0.0, 5.0, 80.0, 300.0))
+    weights = draw(lists(0.0, 0.5, 2.0))
     directivity = draw(st.sampled_from(["point", "t4010a1", {"piston": 5e-3}]))
     array = midair.Array([[x, y, 0] for x, y in sites], directivity=directivity)
     if pressures is not None:
