@@ -15,6 +15,9 @@ use crate::presets;
 /// The most transducers an array may have: far above any built, low enough to refuse a slip of the pen.
 const MOST_TRANSDUCERS: usize = 1 << 20;
 
+/// Pressures far outside any unit's would leave f32's range somewhere.
+pub(crate) const UNITS: core::ops::RangeInclusive<f64> = 1e-15..=1e15;
+
 /// What all transducers of an array have in common.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transducer {
@@ -111,9 +114,12 @@ impl Array {
                     "give the direction the transducer looks",
                 ));
             }
-            *normal = normal.map(|x| x / largest);
-            let length = math::sqrt(normal.iter().map(|x| x * x).sum());
-            *normal = normal.map(|x| x / length);
+            let scaled = normal.map(|x| x / largest);
+            let length = math::sqrt(scaled.iter().map(|x| x * x).sum());
+            // One that is a unit vector to rounding stays as it is, or saving and loading would wear it down.
+            if (largest * length - 1.0).abs() > 1e-15 {
+                *normal = scaled.map(|x| x / length);
+            }
         }
         Ok(Self {
             positions,
@@ -168,7 +174,14 @@ impl Array {
     /// # Errors
     /// A source pressure or directivity parameter out of range.
     pub fn with_transducer(mut self, transducer: Transducer) -> Result<Self, Error> {
-        real("array.source_pressure", transducer.source_pressure, 0.0, true)?;
+        let pressure = real("array.source_pressure", transducer.source_pressure, 0.0, true)?;
+        if !UNITS.contains(&pressure) {
+            return Err(Error::invalid(
+                "array.source_pressure",
+                format!("{pressure:?}"),
+                "give Pa m: 1e-15 to 1e15",
+            ));
+        }
         transducer.directivity.checked()?;
         self.transducer = transducer;
         Ok(self)

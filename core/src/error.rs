@@ -62,7 +62,7 @@ pub enum Error {
 impl Error {
     /// An [`Error::Invalid`].
     pub fn invalid(item: impl Into<String>, value: impl Display, cure: impl Into<String>) -> Self {
-        Self::Invalid { item: item.into(), value: value.to_string(), cure: cure.into() }
+        Self::Invalid { item: one_line(&item.into()), value: one_line(&value.to_string()), cure: cure.into() }
     }
 
     /// An [`Error::Unknown`] that lists the names known.
@@ -78,18 +78,34 @@ impl Error {
             }
             list.push_str(name);
         }
-        Self::Unknown { kind: kind.into(), name: name.into(), known: list }
+        Self::Unknown { kind: kind.into(), name: one_line(&name.into()), known: list }
     }
+}
+
+/// Text on one line, whatever a user typed.
+pub(crate) fn one_line(text: &str) -> String {
+    let mut line = String::with_capacity(text.len());
+    for word in text.split(|c: char| c.is_whitespace() || c.is_control()).filter(|word| !word.is_empty()) {
+        if !line.is_empty() {
+            line.push(' ');
+        }
+        line.push_str(word);
+    }
+    line
 }
 
 /// `value` if it is finite and at least `least` (or above it when `strict`), else an error naming `item`.
 pub(crate) fn real(item: &str, value: f64, least: f64, strict: bool) -> Result<f64, Error> {
     if !value.is_finite() {
-        return Err(Error::invalid(item, value, "give a finite number"));
+        return Err(Error::invalid(item, format_args!("{value:?}"), "give a finite number"));
     }
     if value < least || (strict && value == least) {
         let bound = if strict { "above" } else { "of at least" };
-        return Err(Error::invalid(item, value, alloc::format!("give a number {bound} {least}")));
+        return Err(Error::invalid(
+            item,
+            format_args!("{value:?}"),
+            alloc::format!("give a number {bound} {least}"),
+        ));
     }
     Ok(value)
 }

@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 
 use num_complex::{Complex32, Complex64};
 
-use crate::array::Array;
+use crate::array::{Array, UNITS};
 use crate::error::Error;
 use crate::kernels::{self, Law, Row, Source, Spots, padded};
 use crate::math;
@@ -143,6 +143,9 @@ impl Gains {
         }
         // Divided first: the sum of finite numbers need not be finite, their mean is.
         let mean = matrix.iter().map(|g| math::hypot(g.re, g.im) / matrix.len() as f64).sum::<f64>();
+        if mean > 0.0 && !UNITS.contains(&mean) {
+            return Err(Error::invalid("gains", format!("{mean:e} in the mean"), "give Pa: 1e-15 to 1e15"));
+        }
         let turned = (0..matrix.len()).map(|k| matrix[(k % points) * transducers + k / points]).collect();
         let reference = if mean > 0.0 { mean } else { 1.0 };
         Ok(Self { count: points, rows: Rows::Stored { matrix: turned, transducers, reference } })

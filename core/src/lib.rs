@@ -36,6 +36,7 @@
 //! `std` (default; without it the crate is `no_std` + alloc), `parallel` (fields over all threads), `serde`,
 //! `scene-file` (scenes as TOML or JSON text).
 #![cfg_attr(not(feature = "std"), no_std)]
+#![forbid(unsafe_code)]
 
 extern crate alloc;
 

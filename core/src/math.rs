@@ -4,7 +4,7 @@
 //! turn a tie of the greedy search; so the pure-Rust `libm` is used with and without `std`. Square roots are
 //! exact by IEEE 754 and come from the hardware where `std` gives access to it.
 
-pub(crate) use libm::{acos, atan2, cos, exp, hypot, j1, pow, sin};
+pub(crate) use libm::{acos, atan2, cos, exp, hypot, j1, pow, powf, sin};
 
 /// Square root in double precision.
 #[inline(always)]

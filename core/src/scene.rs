@@ -191,6 +191,7 @@ impl Scene {
     /// transducer or point too far away for f32 phases. A point *on* a transducer is found when solving.
     pub fn new(array: Array, medium: Medium, points: Vec<[f64; 3]>, request: Request) -> Result<Self, Error> {
         medium.check()?;
+        array.transducer().directivity.check_beam(medium.wavenumber())?;
         request.check(points.len())?;
         let scene = Self { array, medium, points, request, solver: None, plane: None };
         scene.check_places("array.positions", "", scene.array.positions())?;

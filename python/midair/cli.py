@@ -223,7 +223,7 @@ def _duration(seconds: float) -> str:
 
 def _write_image(path: Path, figure: Figure) -> None:
     content = io.BytesIO()
-    figure.savefig(content, format=path.suffix[1:].lower(), dpi=120)
+    figure.savefig(content, format=path.suffix[1:].lower(), dpi=150)
     output.write(path, content.getvalue())
 
 
@@ -247,7 +247,9 @@ def _progress(doing: str) -> Iterator[Callable[[int, int], None]]:
     try:
         yield tell
     finally:
-        bar.stop()
+        # A bar that was never shown would still end its line.
+        if bar.live.is_started:
+            bar.stop()
 
 
 @contextmanager

@@ -28,6 +28,8 @@ def plot(
 
     Points of the plane are dots; points off it are hollow rings where they project. Returns the axes.
     """
+    if not isinstance(field, Field):
+        raise TypeError(f"expected a midair.Field first, not {type(field).__qualname__}")
     if ax is None:
         import matplotlib.pyplot as plt
 
@@ -70,7 +72,8 @@ def _values(field: Field, quantity: Quantity) -> NDArray[np.float64]:
     if quantity == "pressure":
         values: NDArray[np.float64] = np.abs(field.pressure).astype(np.float64) ** 2
         return values
-    raise SceneError(f'quantity is "{quantity}": give "pressure" or "radiation"')
+    given = " ".join(str(quantity).split())
+    raise SceneError(f'quantity is "{given}": give "pressure" or "radiation"')
 
 
 def _scale(quantity: Quantity, top: float, paper: bool) -> tuple[float, str]:

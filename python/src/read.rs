@@ -3,7 +3,7 @@
 use midair::{Complex32, Complex64, Directivity, Options, Value};
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyBool, PyDict, PyFloat, PyInt, PyString};
+use pyo3::types::{IntoPyDict, PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 
 use crate::{invalid, refused};
 
@@ -24,6 +24,9 @@ fn numbers<'py, T: numpy::Element>(
 ) -> PyResult<PyReadonlyArrayDyn<'py, T>> {
     let numpy = value.py().import("numpy")?;
     // A ragged list is no array at all; what else goes wrong in there is not ours to hide.
+    if has_bool(value) {
+        return Err(invalid(item, &quoted(value), cure));
+    }
     let array = match numpy.call_method1("asarray", (value,)) {
         Ok(array) => array,
         Err(error) if error.is_instance_of::<pyo3::exceptions::PyException>(value.py()) => {
@@ -38,6 +41,17 @@ fn numbers<'py, T: numpy::Element>(
     let keywords = [("dtype", dtype), ("order", "C")].into_py_dict(value.py())?;
     let array = numpy.call_method("asarray", (array,), Some(&keywords))?;
     Ok(array.cast_into::<PyArrayDyn<T>>()?.readonly())
+}
+
+/// Whether a bool hides in a list, where numpy would make a number of it.
+fn has_bool(value: &Bound<'_, PyAny>) -> bool {
+    if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
+        return value
+            .try_iter()
+            .is_ok_and(|mut items| items.any(|item| item.is_ok_and(|item| has_bool(&item))));
+    }
+    let name = value.get_type().name();
+    value.is_instance_of::<PyBool>() || name.is_ok_and(|name| name == "bool" || name == "bool_")
 }
 
 fn shape_of<T: numpy::Element>(array: &PyReadonlyArrayDyn<'_, T>) -> String {
@@ -117,9 +131,10 @@ pub(crate) fn complexes(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Co
 /// A drive (N,).
 pub(crate) fn drive(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Complex32>> {
     let cure = "give numbers of shape (N,), one a transducer";
-    let array = numbers::<Complex32>(item, value, "iufc", "complex64", cure)?;
+    // Rounded here and not by numpy: what does not fit f32 becomes infinite and is refused by name.
+    let array = numbers::<Complex64>(item, value, "iufc", "complex128", cure)?;
     match array.shape() {
-        [_] => Ok(array.as_slice()?.to_vec()),
+        [_] => Ok(array.as_slice()?.iter().map(|q| Complex32::new(q.re as f32, q.im as f32)).collect()),
         _ => Err(invalid(item, &shape_of(&array), cure)),
     }
 }

@@ -4,9 +4,8 @@ mod tables;
 
 use alloc::format;
 use alloc::string::{String, ToString};
-use alloc::vec::Vec;
 
-use crate::error::Error;
+use crate::error::{Error, one_line};
 use crate::scene::Scene;
 use tables::SceneTable;
 
@@ -81,10 +80,6 @@ pub fn read(bytes: &[u8], format: Format) -> Result<Scene, Error> {
         })?,
     };
     table.scene()
-}
-
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// Writes a scene as text that [`read`] reads as the same scene.

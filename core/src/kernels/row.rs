@@ -61,7 +61,7 @@ fn spread(law: &Law, source: &Source, [x, y, z]: [&Lanes; 3], nearest: &mut Lane
         let [nx, ny, nz] = source.normal;
         let cos: Lanes = from_fn(|l| (nx * dx[l] + ny * dy[l] + nz * dz[l]) * inverse[l]);
         let pieces: Lanes = from_fn(|l| arc_cosine(cos[l]) * Table::PIECES_PER_RADIAN);
-        amplitude = from_fn(|l| if cos[l] < 0.0 { 0.0 } else { amplitude[l] * table.at(pieces[l]) });
+        amplitude = from_fn(|l| if cos[l] < 0.0 { 0.0 } else { amplitude[l] * table.at(pieces[l], cos[l]) });
     }
     (distance, amplitude)
 }

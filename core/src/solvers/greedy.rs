@@ -123,7 +123,7 @@ impl Order {
                 });
             }
             Self::Given(order) => {
-                let fault = || not_a_permutation(&Value::Text(format!("a list of {} indices", order.len())));
+                let fault = || not_a_permutation(&self.show());
                 if order.len() != out.len() {
                     return Err(fault());
                 }

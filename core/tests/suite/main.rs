@@ -1,6 +1,15 @@
 //! The tests of the core, in one binary.
 
+mod field;
+#[cfg(feature = "scene-file")]
+mod files;
+#[cfg(feature = "scene-file")]
+mod golden;
 mod greedy;
+mod laws;
 #[allow(dead_code, unreachable_pub, reason = "an independent reference, also for tests to come")]
 mod oracle;
+mod paper;
+mod props;
+mod rows;
 mod scenes;

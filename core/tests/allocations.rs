@@ -1,0 +1,59 @@
+//! The second solve of a size through one workspace allocates nothing: counted, for every registered solver.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use midair::{Array, Control, Medium, Problem, Request, Rng, Scene, Workspace, solvers};
+
+struct Counting;
+
+thread_local! {
+    static COUNT: Cell<usize> = const { Cell::new(0) };
+}
+
+#[allow(unsafe_code, reason = "a global allocator cannot be had otherwise; it only counts and passes on")]
+// SAFETY: every call is the system allocator's own.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.with(|count| count.set(count.get() + 1));
+        // SAFETY: as the caller's.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
+        // SAFETY: as the caller's.
+        unsafe { System.dealloc(block, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn problem(seed: u64, pressure: Option<f64>) -> Problem {
+    let mut rng = Rng::new(seed);
+    let points = (0..11).map(|_| [0.1 * rng.uniform(), 0.1 * rng.uniform(), 0.15]).collect();
+    let array = Array::grid(9, 7, 10e-3).expect("a grid");
+    let request = Request { pressures: pressure.map(|pressure| vec![pressure; 11]), weights: None };
+    Problem::new(&Scene::new(array, Medium::default(), points, request).expect("a scene")).expect("a problem")
+}
+
+#[test]
+fn the_second_solve_of_a_size_allocates_nothing() {
+    // The balanced level; far below it with and without balancing, another path through `solve`.
+    for (pressure, balance) in [(None, false), (Some(1.0), true), (Some(1.0), false)] {
+        let (first, second) = (problem(1, pressure), problem(2, pressure));
+        for entry in solvers::SOLVERS {
+            let made = entry.configure(&midair::Options::new()).expect("defaults");
+            let mut work = Workspace::new();
+            let before = COUNT.get();
+            let solution = midair::solve(&first, &*made.solver, balance, &mut work, &mut Control::none());
+            work.recycle(solution.expect("an answer"));
+            assert!(COUNT.get() > before, "the first solve must allocate, or nothing is counted");
+            let before = COUNT.get();
+            let solution = midair::solve(&second, &*made.solver, balance, &mut work, &mut Control::none());
+            let allocations = COUNT.get() - before;
+            assert_eq!(allocations, 0, "{} allocates in its second solve", entry.info.name);
+            assert!(solution.expect("an answer").drive.iter().any(|q| q.norm() > 0.0));
+        }
+    }
+}

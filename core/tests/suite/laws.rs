@@ -1,0 +1,347 @@
+//! The law book: what every registered solver keeps. Nothing here names a solver; registering one runs it.
+
+use std::f64::consts::{PI, TAU};
+use std::ops::ControlFlow;
+
+use midair::solvers::{Configured, Entry, SOLVERS};
+use midair::{
+    Array, Complex32, Complex64, Control, Error, Medium, Metrics, Options, Problem, Progress, Request, Scene,
+    Solution, Status, Transducer, Workspace,
+};
+
+use crate::oracle;
+use crate::scenes::{gains, preset, problem, random_points, scene, widen};
+
+fn made(entry: &Entry) -> Configured {
+    entry.configure(&Options::new()).expect("defaults")
+}
+
+fn solved(entry: &Entry, problem: &Problem, balance: bool) -> Solution {
+    midair::solve(problem, &*made(entry).solver, balance, &mut Workspace::new(), &mut Control::none())
+        .unwrap_or_else(|error| panic!("{}: {error}", entry.info.name))
+}
+
+fn raw(entry: &Entry, scene: &Scene) -> Solution {
+    solved(entry, &problem(scene), false)
+}
+
+fn assert_usable(name: &str, solution: &Solution) {
+    for (i, q) in solution.drive.iter().enumerate() {
+        assert!(q.norm() <= 1.0 + 1e-6, "{name}: drive[{i}] is {q}");
+        let (amplitude, phase) = (solution.amplitude(i), solution.phase(i));
+        assert!(
+            (0.0..=1.0).contains(&amplitude) && (0.0..TAU).contains(&phase),
+            "{name}: {amplitude} at {phase}"
+        );
+    }
+    assert!(solution.pressures.iter().all(|p| p.norm().is_finite()), "{name}: {:?}", solution.pressures);
+    let Metrics { accuracy, sigma, uniformity, level, residual, leak } = solution.metrics();
+    let metrics = [accuracy, sigma, uniformity, level, residual, leak];
+    assert!(metrics.iter().all(|metric| metric.is_finite()), "{name}: {metrics:?}");
+}
+
+/// `count` points at least 10 mm (a focal width and more) apart.
+fn apart(count: usize, seed: u64) -> Vec<[f64; 3]> {
+    let mut points: Vec<[f64; 3]> = Vec::new();
+    for candidate in random_points(1000, 0.07, seed) {
+        let near = |point: &[f64; 3]| (point[0] - candidate[0]).hypot(point[1] - candidate[1]) < 0.01;
+        if points.len() < count && !points.iter().any(near) {
+            points.push(candidate);
+        }
+    }
+    points
+}
+
+fn request(pressures: &[f64]) -> Request {
+    Request { pressures: Some(pressures.to_vec()), weights: None }
+}
+
+#[test]
+fn odd_scenes_get_finite_answers() {
+    let small = || Array::grid(4, 4, 10e-3).expect("a grid");
+    let at = |z: f64| vec![[0.0, 0.0, z], [0.01, 0.0, z], [0.01, 0.0, z]];
+    let pair = vec![[0.0, 0.0, 0.1], [0.02, 0.0, 0.1]];
+    let beside = Request { pressures: None, weights: Some(vec![1.0, 0.0]) };
+    let dead = small().with_response(Some(vec![Complex64::ZERO; 16])).is_ok();
+    assert!(dead, "an array of dead transducers is an array");
+    let scenes = [
+        ("N = 1", Array::grid(1, 1, 1e-2).expect("a grid"), at(0.1), Request::default()),
+        ("M = 1", small(), vec![[0.0, 0.01, 0.12]], Request::default()),
+        ("N = M = 1", Array::grid(1, 1, 1e-2).expect("a grid"), vec![[0.0, 0.0, 0.1]], request(&[1e3])),
+        ("M > N", small(), random_points(40, 0.05, 3), Request::default()),
+        ("coincident points", small(), at(0.1), request(&[100.0, 200.0, 300.0])),
+        ("a quiet point", small(), at(0.12), request(&[100.0, 0.0, 50.0])),
+        ("points behind", small(), at(-0.1), request(&[100.0, 200.0, 100.0])),
+        ("weight 0 on a transducer", small(), vec![[0.0, 0.0, 0.1], [0.005, 0.005, 0.0]], beside.clone()),
+        ("far too strong", small(), pair.clone(), request(&[1e6, 1e6])),
+        ("far too weak", small(), pair.clone(), request(&[1e-6, 1e-6])),
+        ("one a billion times the other", small(), pair, request(&[1e-3, 1e6])),
+    ];
+    for (what, array, points, request) in scenes {
+        let scene = Scene::new(array, Medium::default(), points, request).expect("a scene");
+        for entry in SOLVERS {
+            for balance in [false, true] {
+                assert_usable(
+                    &format!("{}, {what}", entry.info.name),
+                    &solved(entry, &problem(&scene), balance),
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bits() {
+    let scene = scene(preset("paper20"), random_points(9, 0.1, 4), None);
+    for entry in SOLVERS {
+        let mut work = Workspace::new();
+        let mut again = || {
+            let solver = made(entry).solver;
+            midair::solve(&problem(&scene), &*solver, false, &mut work, &mut Control::none())
+                .expect("an answer")
+        };
+        let first = again();
+        assert_eq!(first.drive, again().drive, "{}", entry.info.name);
+    }
+}
+
+#[test]
+fn scaling_source_pressure_and_pressures_changes_no_drive() {
+    let points = random_points(6, 0.1, 5);
+    let scaled = |factor: f64| {
+        let own = Transducer { source_pressure: 4.386 * factor, ..Transducer::default() };
+        let array =
+            Array::grid(12, 12, 10e-3).and_then(|array| array.with_transducer(own)).expect("an array");
+        let pressures = (0..6).map(|j| 100.0 * factor * f64::from(j)).collect();
+        problem(&scene(array, points.clone(), Some(pressures)))
+    };
+    for entry in SOLVERS {
+        for balance in [false, true] {
+            let (one, thousand) =
+                (solved(entry, &scaled(1.0), balance), solved(entry, &scaled(1000.0), balance));
+            assert_eq!(one.drive, thousand.drive, "{}", entry.info.name);
+        }
+    }
+}
+
+#[test]
+fn one_strong_focus_gets_the_conjugate_phases() {
+    let scene = scene(preset("paper20"), vec![[0.013, -0.021, 0.15]], Some(vec![2.0 * 2.4]));
+    for entry in SOLVERS {
+        let solution = raw(entry, &scene);
+        // Modulo one global phase: every q_i G_i turned by the field's own phase.
+        let total: Complex64 = gains(&scene).iter().zip(widen(&solution.drive)).map(|(g, q)| g[0] * q).sum();
+        // A whole step of the coarsest default grid, else the methods' own convergence.
+        let gridded = entry.options().iter().any(|option| option.name == "phases");
+        let allowed = if gridded { TAU / 16.0 } else { 0.01 };
+        for (i, (g, q)) in gains(&scene).iter().zip(widen(&solution.drive)).enumerate() {
+            let off = (g[0] * q / total).arg().abs();
+            assert!(off <= allowed, "{}: transducer {i} is {off} rad off", entry.info.name);
+        }
+    }
+}
+
+#[test]
+fn reported_pressures_are_the_field_of_the_drive() {
+    let crooked = scene(preset("autd3"), random_points(7, 0.1, 6), Some(vec![700.0; 7]));
+    for entry in SOLVERS {
+        for balance in [false, true] {
+            let solution = solved(entry, &problem(&crooked), balance);
+            let field = oracle::field(&gains(&crooked), &widen(&solution.drive));
+            let loudest = field.iter().map(|p| p.norm()).fold(0.0, f64::max);
+            for (ours, theirs) in widen(&solution.pressures).iter().zip(&field) {
+                // 249 rows with phases good to 1e-4 rad, of random sign.
+                assert!((ours - theirs).norm() < 1e-4 * loudest, "{}: {ours} for {theirs}", entry.info.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn no_answer_is_worse_than_silence_where_all_can_be_had() {
+    for seed in 0..5 {
+        let scene = scene(Array::grid(14, 14, 10e-3).expect("a grid"), apart(8, seed), None);
+        for entry in SOLVERS {
+            let residual = raw(entry, &scene).metrics().residual;
+            assert!(residual <= 1.0, "{}: residual {residual}", entry.info.name);
+        }
+    }
+}
+
+/// Largest mean change of accuracy, sigma, uniformity and level between two ways to put the same scenes.
+fn mean_change(entry: &Entry, other: impl Fn(&[[f64; 3]]) -> (Array, Vec<[f64; 3]>)) -> f64 {
+    let mut sums = [0.0; 4];
+    for seed in 0..20 {
+        let points = apart(8, 100 + seed);
+        let here = raw(entry, &scene(preset("paper20"), points.clone(), None)).metrics();
+        let (array, points) = other(&points);
+        let there = raw(entry, &scene(array, points, None)).metrics();
+        let pairs = [
+            (here.accuracy, there.accuracy),
+            (here.sigma, there.sigma),
+            (here.uniformity, there.uniformity),
+            (here.level, there.level),
+        ];
+        for (sum, (here, there)) in sums.iter_mut().zip(pairs) {
+            *sum += (here - there) / 20.0;
+        }
+    }
+    sums.iter().fold(0.0, |most, sum| most.max(sum.abs()))
+}
+
+#[test]
+fn permuting_moving_or_mirroring_a_scene_changes_no_metric() {
+    let moved = |points: &[[f64; 3]], by: [f64; 3]| -> Vec<[f64; 3]> {
+        points.iter().map(|point| [0, 1, 2].map(|axis| point[axis] + by[axis])).collect()
+    };
+    for entry in SOLVERS {
+        let permuted = mean_change(entry, |points| {
+            let mut points = points.to_vec();
+            points.reverse();
+            (preset("paper20"), points)
+        });
+        let by = [3.0, -2.0, 7.0];
+        let elsewhere = mean_change(entry, |points| {
+            let array = Array::new(moved(preset("paper20").positions(), by), None).expect("an array");
+            (array.with_transducer(preset("paper20").transducer()).expect("a transducer"), moved(points, by))
+        });
+        let mirrored = mean_change(entry, |points| {
+            (preset("paper20"), points.iter().map(|[x, y, z]| [-x, *y, *z]).collect())
+        });
+        for (what, change) in [("permuted", permuted), ("moved", elsewhere), ("mirrored", mirrored)] {
+            assert!(change <= entry.info.tolerance, "{} {what}: {change}", entry.info.name);
+        }
+    }
+}
+
+#[test]
+fn a_stop_request_gives_a_usable_answer() {
+    let scene = scene(preset("paper20"), random_points(5, 0.1, 7), None);
+    for entry in SOLVERS {
+        for stop in [1, 3] {
+            let mut calls = 0;
+            let mut observer = |progress: Progress| {
+                calls += 1;
+                assert!(progress.step <= progress.steps && progress.residual().is_finite());
+                if progress.step >= stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
+            let mut control = Control::watched(&mut observer);
+            let made = made(entry);
+            let solution =
+                midair::solve(&problem(&scene), &*made.solver, false, &mut Workspace::new(), &mut control);
+            let solution = solution.expect("an answer");
+            assert_usable(entry.info.name, &solution);
+            assert!(calls > 0, "{} never asks", entry.info.name);
+            // A method of fewer steps than that ends by itself.
+            if calls == stop {
+                assert_eq!(solution.status, Status::Stopped, "{}", entry.info.name);
+                assert_eq!(solution.steps, stop, "{}", entry.info.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_trace_ends_in_the_residual_of_the_answer() {
+    let weak = scene(preset("paper20"), random_points(5, 0.1, 8), Some(vec![0.1; 5]));
+    for entry in SOLVERS {
+        for balance in [false, true] {
+            let mut control = Control::none().traced();
+            let made = made(entry);
+            let solution =
+                midair::solve(&problem(&weak), &*made.solver, balance, &mut Workspace::new(), &mut control);
+            let solution = solution.expect("an answer");
+            let trace = control.into_trace().expect("a trace");
+            assert_eq!(trace.len(), solution.steps, "{}", entry.info.name);
+            let (last, residual) = (trace[trace.len() - 1], solution.metrics().residual);
+            // The solver's own field against one more pass in f32.
+            assert!(
+                (last - residual).abs() < 1e-4 * residual.max(1.0),
+                "{}: {last} for {residual}",
+                entry.info.name
+            );
+        }
+    }
+}
+
+#[test]
+fn balancing_keeps_weak_foci_as_good_as_strong_ones() {
+    let points = apart(6, 9);
+    let strong = scene(preset("paper20"), points.clone(), None);
+    let level = problem(&strong).pressures()[0];
+    let weak = scene(preset("paper20"), points, Some(vec![0.01 * level; 6]));
+    assert!(problem(&weak).is_weak() && !problem(&strong).is_weak());
+    for entry in SOLVERS {
+        let (strong, weak) = (raw(entry, &strong).metrics(), solved(entry, &problem(&weak), true).metrics());
+        // The same drive divided by 100: f32 rounding is all that differs, but a rounded target may turn a tie.
+        assert!((strong.accuracy - weak.accuracy).abs() < 0.02, "{}: {strong:?} {weak:?}", entry.info.name);
+        assert!((strong.sigma - weak.sigma).abs() < 0.02, "{}: {strong:?} {weak:?}", entry.info.name);
+    }
+}
+
+#[test]
+fn a_point_of_weight_0_and_a_common_factor_of_weights_change_no_bit() {
+    let points = random_points(5, 0.1, 10);
+    let with = |points: &[[f64; 3]], weights: Vec<f64>| {
+        let request = Request { pressures: Some(vec![0.5; points.len()]), weights: Some(weights) };
+        problem(&Scene::new(preset("paper20"), Medium::default(), points.to_vec(), request).expect("a scene"))
+    };
+    let weights = vec![1.0, 2.0, 0.5, 1.0, 3.0];
+    let padded = [&points[..2], &[[0.005, 0.005, 0.0]], &points[2..]].concat();
+    for entry in SOLVERS {
+        let plain = solved(entry, &with(&points, weights.clone()), false);
+        let scaled = solved(entry, &with(&points, weights.iter().map(|w| 8.0 * w).collect()), false);
+        assert_eq!(plain.drive, scaled.drive, "{}", entry.info.name);
+        let padding = solved(entry, &with(&padded, vec![1.0, 2.0, 0.0, 0.5, 1.0, 3.0]), false);
+        assert_eq!(plain.drive, padding.drive, "{}", entry.info.name);
+        assert_eq!(plain.metrics(), padding.metrics(), "{}", entry.info.name);
+        assert_eq!(padding.pressures.len(), 6);
+    }
+}
+
+#[test]
+fn dead_transducers_are_not_driven() {
+    let mut response = vec![Complex64::from_polar(0.8, PI / 3.0); 400];
+    for i in [0, 17, 399] {
+        response[i] = Complex64::ZERO;
+    }
+    let array = preset("paper20").with_response(Some(response)).expect("responses");
+    let scene = scene(array, random_points(4, 0.1, 11), None);
+    for entry in SOLVERS {
+        let drive = raw(entry, &scene).drive;
+        for (i, q) in drive.iter().enumerate() {
+            assert_eq!(
+                [0, 17, 399].contains(&i),
+                *q == Complex32::ZERO,
+                "{}: drive[{i}] = {q}",
+                entry.info.name
+            );
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_answered_is_refused_before_any_solver() {
+    let refused = |array: Array, points: Vec<[f64; 3]>, item: &str| {
+        let error =
+            Scene::new(array, Medium::default(), points, Request::default()).and_then(|s| Problem::new(&s));
+        let error: Error = error.map(|_| ()).expect_err(item);
+        let text = error.to_string();
+        assert!(text.contains(item) && !text.contains('\n'), "{text}");
+    };
+    let grid = || Array::grid(4, 4, 10e-3).expect("a grid");
+    let baffled = || {
+        let directivity = midair::Directivity::T4010a1;
+        grid().with_transducer(Transducer { directivity, ..Transducer::default() }).expect("a transducer")
+    };
+    refused(grid(), vec![], "points");
+    refused(grid(), vec![[0.0, 0.0, f64::NAN]], "points[0].position");
+    refused(grid(), vec![[0.0, 0.0, 0.1], [0.0, f64::INFINITY, 0.1]], "points[1].position");
+    refused(
+        grid(),
+        vec![[0.0, 0.0, 0.1], [0.005, 0.005, 1e-6]],
+        "points[1] is 1.000e-6 m from transducer 10",
+    );
+    refused(baffled(), vec![[0.0, 0.0, 0.1], [0.0, 0.0, -0.1]], "points[1] is reached by no transducer");
+    refused(grid(), vec![[0.0, 0.0, 1e9]], "points[0].position");
+}

@@ -1,0 +1,290 @@
+//! Rows of G, computed and stored, against eq. (5) in plain f64 loops.
+
+use midair::solvers::{Greedy, Order};
+use midair::{
+    Array, Complex64, Control, Directivity, Gains, Medium, Problem, Request, Rng, Scene, Solve, Transducer,
+    Workspace,
+};
+
+use crate::oracle;
+use crate::scenes::{gains, preset, problem, random_points, scene};
+
+const PATTERNS: [Directivity; 7] = [
+    Directivity::Point,
+    Directivity::Piston(4.5e-3),
+    // Has two zeros and a negative side lobe before 90 degrees.
+    Directivity::Piston(1e-2),
+    Directivity::Sinc(9e-3),
+    Directivity::Cos(3.376),
+    Directivity::Cos(0.0),
+    Directivity::T4010a1,
+];
+
+/// 36 tilted transducers with responses of every phase, one of them dead, around `middle`, and `count` points at
+/// up to `far` metres from them.
+fn crooked(directivity: Directivity, absorption: f64, middle: [f64; 3], far: f64, count: usize) -> Scene {
+    let mut rng = Rng::new(count as u64);
+    let mut random = |low: f64, high: f64| low + (high - low) * rng.uniform();
+    let mut near = |size: f64| middle.map(|x| x + random(-size, size));
+    let positions: Vec<_> = (0..36).map(|_| near(0.1)).collect();
+    let normals = (0..36).map(|_| [random(-0.6, 0.6), random(-0.6, 0.6), 1.0]).collect();
+    let mut response: Vec<_> =
+        (0..36).map(|_| Complex64::from_polar(random(0.1, 3.0), random(-3.0, 3.0))).collect();
+    response[7] = Complex64::ZERO;
+    let points = (0..count).map(|_| {
+        let [x, y, z] = [random(-1.0, 1.0), random(-1.0, 1.0), random(0.2, 1.0)];
+        let scale = random(0.15, far) / (x * x + y * y + z * z).sqrt();
+        [middle[0] + scale * x, middle[1] + scale * y, middle[2] + scale * z + 0.1]
+    });
+    let points: Vec<_> = points.collect();
+    let transducer = Transducer { directivity, ..Transducer::default() };
+    let array = Array::new(positions, Some(normals)).and_then(|array| array.with_transducer(transducer));
+    let array = array.and_then(|array| array.with_response(Some(response))).expect("an array");
+    let medium = Medium { absorption, sound_speed: 346.0, ..Medium::default() };
+    Scene::new(array, medium, points, Request::default()).expect("a scene")
+}
+
+/// Every row in Pa, each written over memory full of NaN.
+fn rows(gains: &Gains) -> Vec<Vec<Complex64>> {
+    let row = |i: usize| {
+        let [mut re, mut im] = [(); 2].map(|()| vec![f32::NAN; gains.lanes()]);
+        gains.row(i, &mut re, &mut im);
+        assert!(
+            re[gains.points()..].iter().chain(&im[gains.points()..]).all(|&x| x == 0.0),
+            "sound in the padding"
+        );
+        let entry = |j: usize| Complex64::new(f64::from(re[j]), f64::from(im[j])) * gains.reference();
+        (0..gains.points()).map(entry).collect()
+    };
+    (0..gains.transducers()).map(row).collect()
+}
+
+/// Distance and error of each entry of G of a transducer that is not dead. The error is relative to the modulus
+/// straight ahead at that distance, for there are angles at which a transducer is silent; for a point source that
+/// is the entry's own modulus.
+fn errors(scene: &Scene, found: &[Vec<Complex64>]) -> Vec<(f64, f64)> {
+    let array = scene.array();
+    let mut errors = Vec::new();
+    for (i, (found, exact)) in found.iter().zip(gains(scene)).enumerate() {
+        let response = array.response().map_or(1.0, |list| list[i].norm());
+        for ((found, exact), point) in found.iter().zip(exact).zip(scene.points()) {
+            let square = |axis: usize| (point[axis] - array.positions()[i][axis]).powi(2);
+            let r = (square(0) + square(1) + square(2)).sqrt();
+            let unit =
+                array.transducer().source_pressure * response * (-scene.medium().absorption * r).exp() / r;
+            if unit == 0.0 {
+                assert_eq!(*found, Complex64::ZERO, "the dead transducer sounds");
+            } else {
+                errors.push((r, (found - exact).norm() / unit));
+            }
+        }
+    }
+    errors
+}
+
+/// Asserts the promise of [`Gains::row`]. A metre is 118 wavelengths, where neighbouring f32 numbers lie 7.6e-6
+/// turns or 4.8e-5 rad apart; coordinates, their differences, squares, sum and root each round by half of that
+/// at most, and 2e-4 holds eight of them. The error grows with the distance.
+fn assert_errors(scene: &Scene, found: &[Vec<Complex64>]) {
+    for (r, error) in errors(scene, found) {
+        assert!(
+            error < if r <= 1.0 { 2e-4 } else { 4e-4 },
+            "{error:e} at {r} m from {:?}",
+            scene.array().transducer()
+        );
+    }
+}
+
+#[test]
+fn rows_are_eq_5_for_every_directivity_absorption_response_and_normal() {
+    for directivity in PATTERNS {
+        for absorption in [0.0, 0.15] {
+            let scene = crooked(directivity, absorption, [0.0; 3], 1.9, 300);
+            assert_errors(&scene, &rows(&Gains::of(&scene)));
+        }
+    }
+}
+
+#[test]
+fn rows_of_the_papers_array_are_eq_5_and_better_than_promised_in_the_median() {
+    let mut rng = Rng::new(1);
+    let mut points = random_points(400, 1.2, 2);
+    for point in &mut points {
+        point[2] = 0.05 + 1.3 * rng.uniform();
+    }
+    let scene = scene(preset("paper36"), points, None);
+    let found = rows(&Gains::of(&scene));
+    assert_errors(&scene, &found);
+    let errors = errors(&scene, &found).into_iter().filter(|(r, _)| (0.9..1.1).contains(r));
+    let mut errors: Vec<f64> = errors.map(|(_, error)| error).collect();
+    errors.sort_by(f64::total_cmp);
+    // Six or so roundings of random sign, each even over half of 4.8e-5 rad to either side: 3e-5 is their root
+    // mean square, the median is two thirds of it.
+    assert!(
+        errors.len() > 10_000 && errors[errors.len() / 2] < 3e-5,
+        "median {:e}",
+        errors[errors.len() / 2]
+    );
+}
+
+#[test]
+fn an_array_five_metres_off_loses_no_digit() {
+    for directivity in PATTERNS {
+        let scene = crooked(directivity, 0.15, [5.0, -5.0, 5.0], 0.9, 100);
+        assert_errors(&scene, &rows(&Gains::of(&scene)));
+    }
+}
+
+#[test]
+fn matrix_has_the_rows_in_pascals_point_by_point() {
+    let scene = crooked(Directivity::T4010a1, 0.15, [0.0; 3], 0.9, 21);
+    let matrix = Gains::of(&scene).matrix().expect("no point on a transducer");
+    assert_eq!(matrix.len(), 36 * 21);
+    let entry =
+        |i: usize, j: usize| Complex64::new(matrix[j * 36 + i].re.into(), matrix[j * 36 + i].im.into());
+    let found: Vec<Vec<_>> = (0..36).map(|i| (0..21).map(|j| entry(i, j)).collect()).collect();
+    assert_errors(&scene, &found);
+    let touched = vec![[0.0, 0.0, 0.1], scene.array().positions()[5]];
+    let touched =
+        Scene::new(scene.array().clone(), scene.medium(), touched, Request::default()).expect("a scene");
+    let error = Gains::of(&touched).matrix().expect_err("a point on a transducer").to_string();
+    assert!(error.starts_with("points[1] is 0.000e0 m from transducer 5"), "{error}");
+}
+
+#[test]
+fn exact_is_the_oracle() {
+    for directivity in PATTERNS {
+        for middle in [[0.0; 3], [5.0, -5.0, 5.0]] {
+            let scene = crooked(directivity, 0.15, middle, 1.9, 20);
+            let found = Gains::of(&scene);
+            let exact: Vec<Vec<_>> = (0..36).map(|i| (0..20).map(|j| found.exact(j, i)).collect()).collect();
+            for (r, error) in errors(&scene, &exact) {
+                // Both are f64; two metres are 1500 rad, known to 2e-13 each.
+                assert!(error < 1e-12, "{error:e} at {r} m with {directivity:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn p1_of_the_papers_arrays_has_its_six_digits() {
+    for (name, p1) in [("paper20", 2.36066), ("paper36", 6.40341)] {
+        let scene = scene(preset(name), vec![[0.0, 0.0, 0.15]], None);
+        let balanced = problem(&scene).pressures()[0];
+        let reach: f64 = rows(&Gains::of(&scene)).iter().map(|row| row[0].norm()).sum();
+        // Half a unit of the sixth digit.
+        assert!((balanced - p1).abs() < 5e-6 && (reach - p1).abs() < 5e-6, "{balanced} or {reach} for {p1}");
+    }
+}
+
+#[test]
+fn targets_left_out_are_the_balanced_level() {
+    for directivity in PATTERNS {
+        let scene = crooked(directivity, 0.0, [0.0; 3], 0.9, 30);
+        let reach = oracle::reach(&gains(&scene));
+        let level = oracle::balanced_factor(&reach, &[1.0; 30], &[1.0; 30]);
+        for &target in problem(&scene).pressures() {
+            // f32 moduli are good to 2e-6 of the one straight ahead, their errors of random sign.
+            assert!((target / level - 1.0).abs() < 1e-6, "{target} for {level} with {directivity:?}");
+        }
+    }
+}
+
+#[test]
+fn behind_a_baffle_all_is_silent() {
+    let mut points = random_points(50, 0.2, 1);
+    for point in &mut points {
+        point[2] *= -1.0;
+    }
+    for directivity in PATTERNS {
+        let transducer = Transducer { directivity, ..Transducer::default() };
+        let array = preset("paper20").with_transducer(transducer).expect("a transducer");
+        let gains = Gains::of(&scene(array, points.clone(), None));
+        let silent = rows(&gains).iter().flatten().all(|g| *g == Complex64::ZERO);
+        let exactly = (0..50).all(|j| gains.exact(j, 21) == Complex64::ZERO);
+        let open = directivity == Directivity::Point;
+        assert_eq!((silent, exactly), (!open, !open), "{directivity:?}");
+    }
+}
+
+#[test]
+fn an_entry_has_the_same_bits_whatever_the_number_of_points_and_the_memory() {
+    let whole = crooked(Directivity::T4010a1, 0.15, [0.0; 3], 0.9, 67);
+    let all = rows(&Gains::of(&whole));
+    for count in 1..=67 {
+        let points = whole.points()[..count].to_vec();
+        let part =
+            Scene::new(whole.array().clone(), whole.medium(), points, Request::default()).expect("a scene");
+        for (part, all) in rows(&Gains::of(&part)).iter().zip(&all) {
+            assert_eq!(part[..], all[..count], "M = {count}");
+        }
+    }
+}
+
+/// The exact matrix of a scene, as a user would hand it over.
+fn stored(scene: &Scene) -> Gains {
+    let gains = gains(scene);
+    let points = scene.points().len();
+    let entry = |k: usize| gains[k % gains.len()][k / gains.len()];
+    let matrix: Vec<Complex64> = (0..gains.len() * points).map(entry).collect();
+    Gains::from_matrix(&matrix, points).expect("a matrix")
+}
+
+#[test]
+fn stored_rows_are_the_users_matrix_at_every_count() {
+    for count in 1..=67 {
+        let scene = crooked(Directivity::Cos(1.0), 0.0, [0.0; 3], 0.9, count);
+        let gains = stored(&scene);
+        assert_eq!((gains.transducers(), gains.points(), gains.positions()), (36, count, None));
+        for (i, (found, exact)) in rows(&gains).iter().zip(crate::scenes::gains(&scene)).enumerate() {
+            for (j, (found, exact)) in found.iter().zip(exact).enumerate() {
+                assert_eq!(gains.exact(j, i), exact);
+                // Each part is rounded to f32 once.
+                assert!((found - exact).norm() <= 1e-7 * exact.norm(), "{found} for {exact}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_stored_matrix_gets_the_answer_of_the_computed_one() {
+    for (count, seed) in [(1, 1), (8, 2), (38, 3), (64, 4)] {
+        let scene = scene(preset("paper20"), random_points(count, 0.1, seed), None);
+        let computed = problem(&scene);
+        let request = Request { pressures: Some(computed.pressures().to_vec()), weights: None };
+        let stored = Problem::with_gains(stored(&scene), &request).expect("a problem");
+        let order = Order::Given(Rng::new(seed).permutation(400));
+        let greedy = Greedy { order, ..Greedy::default() };
+        let solve = |problem: &Problem| {
+            greedy.solve(problem, &mut Workspace::new(), &mut Control::none()).expect("an answer").metrics()
+        };
+        let (a, b) = (solve(&computed), solve(&stored));
+        for (a, b) in
+            [(a.accuracy, b.accuracy), (a.sigma, b.sigma), (a.uniformity, b.uniformity), (a.level, b.level)]
+        {
+            // Rows that differ by 1e-5 let a near tie of one choice fall the other way now and then.
+            assert!((a - b).abs() < 1e-3, "{a} and {b} at M = {count}");
+        }
+    }
+}
+
+#[test]
+fn a_matrix_that_is_none_is_refused_by_name() {
+    let one = Complex64::ONE;
+    let message =
+        |matrix: &[Complex64], points| Gains::from_matrix(matrix, points).expect_err("refused").to_string();
+    for (matrix, points) in [(&[][..], 1), (&[one; 4][..], 0), (&[one; 4][..], 3)] {
+        assert!(message(matrix, points).starts_with("gains is"), "{}", message(matrix, points));
+    }
+    for bad in [Complex64::new(f64::NAN, 0.0), Complex64::new(0.0, f64::INFINITY)] {
+        let text = message(&[one, one, one, one, one, bad], 2);
+        assert!(text.starts_with("gains[1, 2] is"), "{text}");
+    }
+}
+
+#[test]
+#[should_panic(expected = "a row is M padded to 16 long")]
+fn a_row_of_another_length_is_refused() {
+    let gains = Gains::of(&scene(preset("paper20"), random_points(3, 0.1, 1), None));
+    gains.row(0, &mut [0.0; 3], &mut [0.0; 3]);
+}

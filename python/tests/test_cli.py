@@ -1,0 +1,338 @@
+"""The command line: what it prints and writes."""
+
+import csv
+import json
+import os
+import signal
+import struct
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import midair
+from midair import cli
+from scenes import METRICS, numbers, same_bits
+
+SOLVERS = sorted(midair.solvers())
+
+#: There so that a hang is a failure and not a hung suite.
+HANG = 60
+
+SCENE = """
+[array]
+grid = { nx = 8, ny = 6, pitch = 0.01 }
+
+[[points]]
+position = [-0.02, 0.0, 0.1]
+pressure = 1900.0
+
+[[points]]
+position = [0.015, 0.01, 0.1]
+pressure = 1700.0
+
+[solver]
+name = "greedy"
+phases = 8
+amplitudes = 2
+seed = 5
+"""
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture(autouse=True)
+def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("scene.toml").write_text(SCENE)
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str]) -> Run:
+    """Runs the command line in this process: status, standard output, standard error."""
+
+    def run(*arguments: object) -> tuple[int, str, str]:
+        with pytest.raises(SystemExit) as left:
+            cli.main([str(argument) for argument in arguments])
+        out, err = capsys.readouterr()
+        return left.value.code, out, err
+
+    return run
+
+
+def midair_process(*arguments: str) -> subprocess.CompletedProcess[str]:
+    """Runs the command line in a process of its own."""
+    command = [sys.executable, "-m", "midair", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=HANG, check=False)
+
+
+def files() -> set[str]:
+    return {path.name for path in Path().iterdir()}
+
+
+def expected() -> tuple[midair.Scene, midair.Solution]:
+    scene = midair.Scene.load("scene.toml")
+    return scene, midair.solve(scene)
+
+
+def test_module_and_script_are_the_same_program() -> None:
+    script = Path(sys.executable).with_name("midair")
+    ran = midair_process("solve", "scene.toml")
+    assert (ran.returncode, ran.stderr) == (0, "")
+    assert "greedy" in ran.stdout
+    version = subprocess.run([script, "--version"], capture_output=True, text=True, timeout=HANG, check=True)
+    assert version.stdout == midair_process("--version").stdout == midair.__version__ + "\n"
+    assert files() == {"scene.toml"}
+
+
+@pytest.mark.parametrize("command", ["", "solve", "compare", "solvers", "presets"])
+def test_help_names_every_option(run: Run, command: str) -> None:
+    status, out, err = run(*command.split(), "--help")
+    words = {
+        "": ["solve", "compare", "solvers", "presets"],
+        "solve": ["--solver", "--output", "-o", "--image", "--balance"],
+        "compare": ["--solvers", "--image", "--balance"],
+    }
+    assert (status, err) == (0, "")
+    for word in ["Usage", *words.get(command, [])]:
+        assert word in out
+
+
+def test_solvers_are_listed_with_options_and_defaults(run: Run) -> None:
+    status, out, _ = run("solvers")
+    assert status == 0
+    for name, info in midair.solvers().items():
+        assert f" {name} " in out
+        for option, about in info.options.items():
+            assert any(line.split()[:2] == [option, str(about.default)] for line in out.splitlines())
+
+
+def test_presets_are_listed_with_their_counts(run: Run) -> None:
+    status, out, _ = run("presets")
+    assert status == 0
+    for name, info in midair.presets().items():
+        assert any(line.split()[:2] == [name, str(info.count)] for line in out.splitlines())
+
+
+def test_solve_prints_the_metrics_and_writes_nothing_unasked(run: Run) -> None:
+    status, out, err = run("solve", "scene.toml")
+    assert (status, err, files()) == (0, "", {"scene.toml"})
+    header, _, row = out.strip().splitlines()
+    _, solution = expected()
+    assert row.split()[:6] == ["greedy", *(f"{numbers(solution.metrics)[name]:.4f}" for name in METRICS[:5])]
+    assert header.split()[:6] == ["solver", *METRICS[:5]]
+    assert row.split()[-1] == "done"
+
+
+def test_options_on_the_command_line_win_over_the_file(run: Run) -> None:
+    run("solve", "scene.toml", "-o", "a.npz", "--phases", "4", "--objective", "l1", "--balance")
+    drive = midair.solve(midair.Scene.load("scene.toml"), phases=4, objective="l1", balance=True).drive
+    assert same_bits(np.load("a.npz")["drive"], drive)
+    run("solve", "scene.toml", "-o", "b.npz", "--solver", "naive", "--limit", "full")
+    drive = midair.solve(midair.Scene.load("scene.toml"), "naive", limit="full").drive
+    assert same_bits(np.load("b.npz")["drive"], drive)
+
+
+def test_order_may_be_a_permutation(run: Run) -> None:
+    order = [*range(47, -1, -1)]
+    status, _, err = run("solve", "scene.toml", "-o", "a.npz", "--order", str(order))
+    assert (status, err) == (0, "")
+    assert same_bits(
+        np.load("a.npz")["drive"], midair.solve(midair.Scene.load("scene.toml"), order=order).drive
+    )
+    Path("two.toml").write_text(SCENE.replace("nx = 8, ny = 6", "nx = 2, ny = 1").replace("900", "90"))
+    assert run("solve", "two.toml", "--order", "[1,0]")[0] == 0
+
+
+def replayed(text: str) -> midair.Solution:
+    Path("replay.json").write_text(text)
+    return midair.solve(midair.Scene.load("replay.json"))
+
+
+def check_record(text: str, scene: midair.Scene, solution: midair.Solution) -> None:
+    """The scene's text says how it was solved, and gives the same bits again."""
+    record = json.loads(text)
+    assert (record["version"], record["status"]) == (midair.__version__, "done")
+    assert record["solver"] == {"name": "greedy", **solution.options}
+    assert record["solver"]["seed"] == 5
+    again = replayed(text)
+    assert same_bits(again.drive, solution.drive)
+    assert same_bits(again.pressures, solution.pressures)
+    assert midair.Scene.load("replay.json").points.tolist() == scene.points.tolist()
+
+
+def test_npz_holds_the_drive_and_what_it_does(run: Run) -> None:
+    status, out, _ = run("solve", "scene.toml", "-o", "drive.npz")
+    assert (status, files()) == (0, {"scene.toml", "drive.npz"})
+    assert "wrote drive.npz" in out
+    scene, solution = expected()
+    arrays = {
+        "drive": solution.drive,
+        "amplitudes": solution.amplitudes,
+        "phases": solution.phases,
+        "positions": scene.array.positions,
+        "points": scene.points,
+        "targets": solution.targets,
+        "pressures": solution.pressures,
+    }
+    with np.load("drive.npz", allow_pickle=False) as record:
+        assert set(record) == {*arrays, *METRICS, "scene"}
+        for name, array in arrays.items():
+            assert same_bits(record[name], array)
+        assert {name: float(record[name]) for name in METRICS} == numbers(solution.metrics)
+        check_record(str(record["scene"]), scene, solution)
+
+
+def test_json_holds_the_same_as_plain_numbers(run: Run) -> None:
+    assert run("solve", "scene.toml", "--output", "drive.json")[0] == 0
+    assert files() == {"scene.toml", "drive.json"}
+    scene, solution = expected()
+    record = json.loads(Path("drive.json").read_text())
+    reals = ["amplitudes", "phases", "positions", "points", "targets"]
+    assert set(record) == {"drive", "pressures", *reals, *METRICS, "scene"}
+    for name in ("drive", "pressures"):
+        pairs = np.array(record[name])
+        assert pairs.shape == (len(getattr(solution, name)), 2)
+        assert same_bits((pairs[:, 0] + 1j * pairs[:, 1]).astype(np.complex64), getattr(solution, name))
+    for name in reals:
+        source = {"positions": scene.array, "points": scene}.get(name, solution)
+        assert same_bits(np.array(record[name]), getattr(source, name))
+    assert {name: record[name] for name in METRICS} == numbers(solution.metrics)
+    assert isinstance(record["scene"], str)
+    check_record(record["scene"], scene, solution)
+
+
+def test_csv_has_a_row_for_each_transducer(run: Run) -> None:
+    assert run("solve", "scene.toml", "-o", "DRIVE.CSV")[0] == 0
+    scene, solution = expected()
+    text = Path("DRIVE.CSV").read_text()
+    assert text.startswith("index,x,y,z,amplitude,phase\n0,")
+    header, *rows = csv.reader(text.splitlines())
+    assert header == ["index", "x", "y", "z", "amplitude", "phase"]
+    values = np.array(rows, dtype=float)
+    assert [row[0] for row in rows] == [str(i) for i in range(48)]
+    assert same_bits(values[:, 1:4].copy(), scene.array.positions)
+    assert same_bits(values[:, 4].copy(), solution.amplitudes)
+    assert same_bits(values[:, 5].copy(), solution.phases)
+
+
+def test_a_file_that_was_there_is_replaced_whole(run: Run) -> None:
+    Path("drive.csv").write_text("old\n" * 10000)
+    assert run("solve", "scene.toml", "-o", "drive.csv")[0] == 0
+    assert len(Path("drive.csv").read_text().splitlines()) == 49
+    assert files() == {"scene.toml", "drive.csv"}
+
+
+def png_size(path: str) -> tuple[int, int]:
+    content = Path(path).read_bytes()
+    assert content.startswith(b"\x89PNG\r\n\x1a\n")
+    assert content.rstrip().endswith(b"IEND\xaeB`\x82")
+    return struct.unpack(">II", content[16:24])
+
+
+def test_image_is_a_picture_of_sane_size(run: Run) -> None:
+    status, _, err = run("solve", "scene.toml", "--image", "field.png")
+    assert (status, err, files()) == (0, "", {"scene.toml", "field.png"})
+    width, height = png_size("field.png")
+    assert 600 < height < width < 4000
+    run("solve", "scene.toml", "--image", "field.svg")
+    assert "<svg" in Path("field.svg").read_text()
+
+
+def test_compare_has_a_line_and_a_panel_for_each_solver(run: Run) -> None:
+    status, out, err = run("compare", "scene.toml", "--image", "sheet.png")
+    assert (status, err, files()) == (0, "", {"scene.toml", "sheet.png"})
+    rows = out.strip().splitlines()[2:]
+    assert [row.split()[0] for row in rows] == list(midair.solvers())
+    width, height = png_size("sheet.png")
+    assert 400 < height < 8000
+    assert 600 < width < 8000
+    # The scene file's options hold for its solver.
+    scene = midair.Scene.load("scene.toml")
+    for row in rows:
+        assert row.split()[1] == f"{midair.solve(scene, row.split()[0]).metrics.accuracy:.4f}"
+
+
+def test_compare_takes_some_solvers_in_the_order_given(run: Run) -> None:
+    status, out, _ = run("compare", "scene.toml", "--solvers", "naive, greedy")
+    assert (status, files()) == (0, {"scene.toml"})
+    assert [row.split()[0] for row in out.strip().splitlines()[2:]] == ["naive", "greedy"]
+
+
+def test_leak_is_told_where_there_are_quiet_points(run: Run) -> None:
+    Path("quiet.toml").write_text(SCENE.replace("pressure = 1700.0", "pressure = 0"))
+    leak = midair.solve(midair.Scene.load("quiet.toml")).metrics.leak
+    out = run("solve", "quiet.toml")[1]
+    assert "leak" in out
+    assert f"{leak:.4f}" in out
+    assert "leak" not in run("solve", "scene.toml")[1]
+
+
+def test_weak_targets_are_warned_of_in_one_line(run: Run) -> None:
+    Path("weak.toml").write_text(SCENE.replace("00.0", ".0"))
+    for _ in range(2):
+        status, out, err = run("solve", "weak.toml", "-o", "drive.csv")
+        assert status == 0
+        assert err.startswith("warning: ")
+        assert len(err.splitlines()) == 1
+        assert "greedy" in out
+    assert run("solve", "weak.toml", "--balance")[2] == ""
+    assert run("solve", "weak.toml", "--no-balance")[2] != ""
+    assert "drive.csv" in files()
+
+
+def test_progress_is_shown_only_of_what_takes_over_a_second(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn = []
+    monkeypatch.setattr(cli.Progress, "start", lambda self: drawn.append(self))
+    assert run("solve", "scene.toml")[0] == 0
+    assert not drawn
+    clock = iter(range(10**6))
+    monkeypatch.setattr(cli.time, "monotonic", lambda: float(next(clock)))
+    status, out, _ = run("solve", "scene.toml")
+    assert (status, "greedy" in out) == (0, True)
+    assert drawn
+    assert drawn[0].console.stderr
+
+
+LONG = """
+import midair.cli
+solve = midair.cli.solve
+def told(*arguments, **options):
+    print("ready", flush=True)
+    return solve(*arguments, **options)
+midair.cli.solve = told
+midair.cli.main({arguments!r})
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_ctrl_c_writes_the_whole_file_of_what_was_found() -> None:
+    # 40,000 steps of milliseconds each: what ends within HANG was stopped between steps.
+    Path("long.toml").write_text(
+        SCENE.replace("nx = 8, ny = 6, pitch = 0.01", "nx = 200, ny = 200, pitch = 0.005")
+    )
+    arguments = ["solve", "long.toml", "--phases", "4096", "--amplitudes", "256", "-o", "drive.json"]
+    arguments += ["--image", "field.png"]
+    command = [sys.executable, "-c", LONG.format(arguments=arguments)]
+    child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        assert child.stdout.readline() == "ready\n"
+        child.send_signal(signal.SIGINT)
+        out, err = child.communicate(timeout=HANG)
+    finally:
+        child.kill()
+        child.wait()
+    assert child.returncode == 130
+    assert "Traceback" not in err
+    assert "stopped" in out
+    record = json.loads(Path("drive.json").read_text())
+    assert json.loads(record["scene"])["status"] == "stopped"
+    drive = np.array(record["drive"])
+    assert drive.shape == (40000, 2)
+    assert 0 < np.count_nonzero(np.abs(drive).sum(axis=1)) < 40000
+    assert not [name for name in files() if name.endswith(".part")]

@@ -1,0 +1,55 @@
+"""The wheel in a bare environment: nothing but NumPy beside it."""
+
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+BIN = Path(sys.executable).parent
+
+PROGRAM = """
+import sys, numpy as np, midair
+scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15], [0.03, 0, 0.15]], pressures=900.0)
+solution = midair.solve(scene, seed=3)
+assert midair.judge(scene, solution.drive).accuracy > 0.8
+assert np.isfinite(midair.field(scene, solution.drive, midair.Plane(0.15, 0.1, 20)).pressure).all()
+scene.save("scene.toml")
+again = midair.solve(midair.Scene.load("scene.toml"), seed=3)
+assert again.drive.tobytes() == solution.drive.tobytes()
+loaded = {name.partition(".")[0] for name in sys.modules}
+assert not loaded & {"matplotlib", "rich", "cyclopts"}, loaded
+"""
+
+
+def run(*command: object, cwd: Path) -> None:
+    done = subprocess.run([str(part) for part in command], cwd=cwd, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("wheel")
+    run(BIN / "maturin", "build", "--quiet", "--release", "--out", folder, cwd=ROOT)
+    (found,) = folder.glob("midair-*.whl")
+    return found
+
+
+def test_the_wheel_holds_the_package_and_no_tests(wheel: Path) -> None:
+    names = zipfile.ZipFile(wheel).namelist()
+    assert "abi3" in wheel.name
+    for name in ("midair/__init__.py", "midair/cli.py", "midair/py.typed", "midair/_midair.pyi"):
+        assert name in names
+    assert not [name for name in names if "test" in name or "oracle" in name or name.startswith("python/")]
+
+
+def test_the_wheel_works_with_nothing_but_numpy(wheel: Path, tmp_path: Path) -> None:
+    uv, bare = BIN / "uv", tmp_path / "bare"
+    run(uv, "venv", "--quiet", "--python", sys.executable, bare, cwd=tmp_path)
+    python = bare / ("Scripts" if sys.platform == "win32" else "bin") / "python"
+    constraints = ROOT / "constraints.txt"
+    run(uv, "pip", "install", "--quiet", "--python", python, "-c", constraints, "numpy", cwd=tmp_path)
+    run(uv, "pip", "install", "--quiet", "--python", python, "--no-deps", wheel, cwd=tmp_path)
+    run(python, "-I", "-c", PROGRAM, cwd=tmp_path)
