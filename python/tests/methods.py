@@ -103,7 +103,7 @@ def sdp(
     """Inoue et al. 2015; scale is the option lambda."""
     inverse, Q = sdp_parts(G, t)
     u = leading(descend(Q, rng, steps, scale))
-    return limited(inverse @ (t * (u if moduli == "raw" else u / np.abs(u))), limit)
+    return limited(inverse @ (t * (u if moduli == "raw" else np.exp(1j * np.angle(u)))), limit)
 
 
 def relaxed(Q: Complex) -> tuple[float, Complex]:

@@ -79,34 +79,36 @@ impl Solve for Lm {
                 moved = false;
             }
             step += 1;
-            let Some((length, predicted)) = normal.step(problem, &state, damping, &mut trial, work) else {
+            let finished = match normal.step(problem, &state, damping, &mut trial, work) {
+                Some((length, _)) if length <= self.eps * (state.length() + self.eps) => true,
+                Some((_, predicted)) => {
+                    trial.refresh(problem, &normal.gains);
+                    let ratio = (state.cost - trial.cost) / predicted;
+                    moved = ratio > 0.0;
+                    if moved {
+                        core::mem::swap(&mut state, &mut trial);
+                        let trust = 2.0 * ratio - 1.0;
+                        damping *= (1.0 - trust * trust * trust).max(1.0 / 3.0);
+                        growth = 2.0;
+                    } else {
+                        damping *= growth;
+                        growth *= 2.0;
+                    }
+                    // Past all f32: nothing can improve any more.
+                    damping > 1e30
+                }
                 // Not positive definite in f32: more damping makes it so.
-                damping *= growth;
-                growth *= 2.0;
-                continue;
+                None => {
+                    damping *= growth;
+                    growth *= 2.0;
+                    false
+                }
             };
-            if length <= self.eps * (state.length() + self.eps) {
-                status = Status::Done;
-                break;
-            }
-            trial.refresh(problem, &normal.gains);
-            let ratio = (state.cost - trial.cost) / predicted;
-            if ratio > 0.0 {
-                core::mem::swap(&mut state, &mut trial);
-                damping *=
-                    (1.0 - (2.0 * ratio - 1.0) * (2.0 * ratio - 1.0) * (2.0 * ratio - 1.0)).max(1.0 / 3.0);
-                growth = 2.0;
-                moved = true;
-            } else {
-                damping *= growth;
-                growth *= 2.0;
-            }
             if control.step(step, steps, || problem.residual(&state.modulus)).is_break() {
                 status = Status::Stopped;
                 break;
             }
-            // Past all f32: nothing can improve any more.
-            if damping > 1e30 {
+            if finished {
                 status = Status::Done;
                 break;
             }
