@@ -76,8 +76,7 @@ impl Projector {
     pub(crate) fn back(&mut self, wanted: &Planar) {
         for (i, q) in self.drive.iter_mut().enumerate() {
             let [re, im] = kernels::correlate(self.gains.row(i), wanted.row(0));
-            let modulus = sqrtf(re * re + im * im);
-            *q = if modulus > 0.0 { Complex32::new(re / modulus, im / modulus) } else { Complex32::ZERO };
+            *q = unit(Complex32::new(re, im));
         }
     }
 
@@ -105,6 +104,16 @@ impl Projector {
         work.floats.give_all([modulus, before]);
         drive
     }
+}
+
+/// z/|z|, 0 for 0. By the larger part first, so that no square under- or overflows.
+pub(crate) fn unit(z: Complex32) -> Complex32 {
+    let larger = f32::max(z.re.abs(), z.im.abs());
+    if larger == 0.0 {
+        return Complex32::ZERO;
+    }
+    let z = Complex32::new(z.re / larger, z.im / larger);
+    z / sqrtf(z.re * z.re + z.im * z.im)
 }
 
 /// q_i = factor_i sum_j conj(G_ji) p_j, rows computed on the way.

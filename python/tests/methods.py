@@ -152,7 +152,9 @@ def lm_residuals(G: Complex, t: Real, x: Real) -> tuple[Complex, Complex]:
     return waves.sum(axis=1) - wanted, 1j * np.hstack([waves, -np.diag(wanted)])
 
 
-def lm(G: Complex, t: Real, start: Real, *, steps: int = 200, tau: float = 1e-3, eps: float = 1e-8) -> Complex:
+def lm(
+    G: Complex, t: Real, start: Real, *, steps: int = 200, tau: float = 1e-3, eps: float = 1e-8
+) -> Complex:
     """Madsen, Nielsen and Tingleff 2004, algorithm 3.16, from the N + M phases of start; |q| = 1."""
 
     def parts(x: Real) -> tuple[Real, Real]:

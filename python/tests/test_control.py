@@ -47,7 +47,9 @@ def test_progress_is_told_every_step(solver: str) -> None:
     scene = small()
     solution = midair.solve(scene, solver, progress=lambda *step: told.append(step), trace=True)
     assert [step for step, _, _ in told] == list(range(1, solution.steps + 1))
-    assert {steps for _, steps, _ in told} == {len(told)} or solution.status != "done"
+    # An iterative method may be done before its steps run out.
+    (steps,) = {steps for _, steps, _ in told}
+    assert steps >= len(told) == solution.steps
     assert {tuple(map(type, step)) for step in told} == {(int, int, float)}
     assert np.array_equal([residual for _, _, residual in told], solution.trace)
     # The last step's residual is the answer's: an f32 field kept along the way, and one computed anew.
