@@ -51,7 +51,7 @@ lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
 	$(BIN)/ruff check --quiet python
 	$(BIN)/ruff format --check --quiet python
 
-bench: ## Greedy beside the textbook loop, and a field; once more with AVX2 compiled in
+bench: ## Greedy beside the textbook loop, a field, every method over M and N; once more with AVX2 compiled in
 	$(CARGO) bench --quiet -p midair --features parallel
 	RUSTFLAGS="-C target-cpu=x86-64-v3" $(CARGO) bench --quiet --target-dir target/v3 -p midair --features parallel
 

@@ -293,3 +293,101 @@ fn top_of_tridiagonal(diagonal: &[f64], beside: &[f64]) -> [f64; CYCLE] {
     }
     x
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Rng;
+    use num_complex::Complex64;
+
+    /// A random Hermitian positive semidefinite matrix of rank at most `rank`, and the same stored conjugated.
+    fn random(count: usize, rank: usize, work: &mut Workspace) -> (Vec<Vec<Complex64>>, Planar) {
+        let mut rng = Rng::new((count * 1000 + rank) as u64);
+        let mut number = || 2.0 * rng.uniform() - 1.0;
+        let columns: Vec<Vec<Complex64>> =
+            (0..rank).map(|_| (0..count).map(|_| Complex64::new(number(), number())).collect()).collect();
+        let entry = |k: usize, l: usize| columns.iter().map(|g| g[k] * g[l].conj()).sum::<Complex64>();
+        let matrix: Vec<Vec<Complex64>> =
+            (0..count).map(|k| (0..count).map(|l| entry(k, l)).collect()).collect();
+        let mut stored = Planar::zeros(count, kernels::padded(count), work);
+        for k in 0..count {
+            let [re, im] = stored.row_mut(k);
+            for l in 0..count {
+                (re[l], im[l]) = (matrix[k][l].re as f32, -matrix[k][l].im as f32);
+            }
+        }
+        (matrix, stored)
+    }
+
+    fn entry(vector: &Planar, j: usize) -> Complex64 {
+        Complex64::new(f64::from(vector.re[j]), f64::from(vector.im[j]))
+    }
+
+    fn apply(matrix: &[Vec<Complex64>], vector: &Planar, k: usize) -> Complex64 {
+        matrix[k].iter().enumerate().map(|(l, entry_)| entry_ * entry(vector, l)).sum()
+    }
+
+    #[test]
+    fn a_hermitian_system_is_solved_at_every_size() {
+        let mut work = Workspace::new();
+        for count in 1..=40 {
+            let (matrix, stored) = random(count, 2 * count, &mut work);
+            let solver = Hermitian::new(&stored, count, 0.5, &mut work).expect("positive definite");
+            let mut x = Planar::zeros(1, kernels::padded(count), &mut work);
+            for j in 0..count {
+                (x.re[j], x.im[j]) = (1.0 + j as f32, 2.0 - j as f32);
+            }
+            solver.solve(&mut x, &mut work);
+            for k in 0..count {
+                let wanted = Complex64::new(1.0 + k as f64, 2.0 - k as f64);
+                let got = apply(&matrix, &x, k) + 0.5 * entry(&x, k);
+                // Backward stable: rounding times the size of matrix and solution, which stay below 1e3 here.
+                assert!((got - wanted).norm() < 1e-3 * count as f64, "{count}: {got} for {wanted}");
+            }
+            assert!(x.re[count..].iter().all(|&x| x == 0.0));
+        }
+    }
+
+    #[test]
+    fn what_is_not_positive_definite_is_refused() {
+        let mut work = Workspace::new();
+        let (_, stored) = random(8, 2, &mut work);
+        assert!(Hermitian::new(&stored, 8, -1.0, &mut work).is_none());
+        assert!(Cholesky::new(alloc::vec![0.0; 256], 16, &mut work).is_none());
+    }
+
+    #[test]
+    fn the_leading_eigenvector_is_found_at_every_size() {
+        let mut work = Workspace::new();
+        for count in 1..=60 {
+            for rank in [1, 2 * count] {
+                let (matrix, stored) = random(count, rank, &mut work);
+                let mut vector = Planar::zeros(1, kernels::padded(count), &mut work);
+                vector.re[..count].fill(1.0);
+                leading_eigenvector(&stored, &mut vector, count, &mut work);
+                let value = (0..count)
+                    .map(|k| (entry(&vector, k).conj() * apply(&matrix, &vector, k)).re)
+                    .sum::<f64>();
+                let residual =
+                    (0..count).map(|k| (apply(&matrix, &vector, k) - value * entry(&vector, k)).norm_sqr());
+                // f32 products of vectors of length 1, relative to the eigenvalue.
+                assert!(residual.sum::<f64>().sqrt() < 2e-5 * value, "{count}, rank {rank}");
+                // No other direction has a larger quotient: a hundred products of another start find none.
+                let mut other: Vec<Complex64> =
+                    (0..count).map(|j| Complex64::new(1.0, j as f64 - 3.0)).collect();
+                for _ in 0..100 {
+                    let image = matrix
+                        .iter()
+                        .map(|row| row.iter().zip(&other).map(|(a, b)| a * b).sum::<Complex64>());
+                    let image: Vec<Complex64> = image.collect();
+                    let length = image.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
+                    other = image.into_iter().map(|z| z / length.max(1e-300)).collect();
+                }
+                let image =
+                    matrix.iter().map(|row| row.iter().zip(&other).map(|(a, b)| a * b).sum::<Complex64>());
+                let quotient = image.zip(&other).map(|(a, b)| (b.conj() * a).re).sum::<f64>();
+                assert!(quotient <= value * (1.0 + 1e-5), "{count}: {quotient} above {value}");
+            }
+        }
+    }
+}

@@ -186,8 +186,9 @@ pub(crate) fn options(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Options>
     for (name, value) in keywords.into_iter().flatten() {
         if !value.is_none() {
             let name: String = name.extract()?;
-            let value = option(&name, &value)?;
-            options.insert(name, value);
+            // `lambda` is a word of Python's own: lambda_ stands for it.
+            let name = name.strip_suffix('_').unwrap_or(&name);
+            options.insert(name.to_owned(), option(name, &value)?);
         }
     }
     Ok(options)

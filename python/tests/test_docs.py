@@ -76,5 +76,14 @@ def test_the_readmes_commands_run(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(midair.solvers()))
-def test_every_solver_stands_in_the_readme(name: str) -> None:
-    assert f"`{name}`" in (ROOT / "README.md").read_text()
+def test_every_solver_has_its_row_and_paragraph(name: str) -> None:
+    assert re.search(rf"^\| `{name}` \|.* here \|$", (ROOT / "README.md").read_text(), re.MULTILINE)
+    page = ROOT.joinpath("docs", "how-to-choose.md").read_text()
+    assert len(re.findall(rf"^\| `{name}` \|", page, re.MULTILINE)) == 2, "a row of words and one of numbers"
+    assert re.search(rf"^\*\*`{name}`\*\* ", page, re.MULTILINE), "a paragraph"
+
+
+def test_every_picture_is_there() -> None:
+    for page in PAGES:
+        for target in re.findall(r"!\[[^]]*\]\(([^)]+)\)", page.read_text()):
+            assert (page.parent / target).stat().st_size > 1000, target

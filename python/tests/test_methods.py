@@ -87,7 +87,7 @@ def test_sdp_reaches_the_optimum_of_its_relaxation(count: int) -> None:
         _, Q = methods.sdp_parts(*exact(count, seed))
         optimum, _ = methods.relaxed(Q)
         # All but the last entry of the trace are tr(Q X)/tr(Q) of the descent.
-        solution = midair.solve(scene(count, seed), "sdp", steps=20000, **{"lambda": 0.9999}, trace=True)
+        solution = midair.solve(scene(count, seed), "sdp", steps=20000, lambda_=0.9999, trace=True)
         reached = solution.trace[-2] * np.trace(Q).real
         assert optimum * (1 - 1e-3) <= reached <= 1.01 * optimum
 

@@ -210,3 +210,27 @@ fn project_is_the_conjugate_sum() {
         }
     }
 }
+
+#[test]
+fn correlate_dot_and_add_scaled_are_their_sums() {
+    for count in LENGTHS {
+        let mut rng = Rng::new(count as u64);
+        let [a, b, c, d] = [(); 4].map(|()| numbers(&mut rng, count, -1.0, 1.0));
+        let sum = |part: &dyn Fn(usize) -> f64| (0..count).map(part).sum::<f64>();
+        // Two products and their sum, at most five sums in a lane and four across, of terms below 2.
+        let allowed = 12.0 * ROUNDING * 2.0 * count as f64;
+        let [re, im] = super::correlate([&a, &b], [&c, &d]);
+        assert_near(re, sum(&|j| wide(a[j]) * wide(c[j]) + wide(b[j]) * wide(d[j])), allowed, "re");
+        assert_near(im, sum(&|j| wide(a[j]) * wide(d[j]) - wide(b[j]) * wide(c[j])), allowed, "im");
+        assert_near(super::dot(&a, &b), sum(&|j| wide(a[j]) * wide(b[j])), allowed, "dot");
+        let start = numbers(&mut rng, count, -1.0, 1.0);
+        let (mut out, factors) = (start.clone(), [0.5_f32, -0.25, 1.5, -2.0]);
+        super::add_scaled(factors, [&a, &b, &c, &d], &mut out);
+        for j in 0..padded(count) {
+            let parts = [&a, &b, &c, &d].into_iter().zip(factors).map(|(x, f)| wide(x[j]) * wide(f));
+            // Eight roundings of numbers below 6.
+            assert_near(out[j], wide(start[j]) + parts.sum::<f64>(), 48.0 * ROUNDING, "add_scaled");
+        }
+        assert!(out[count..].iter().all(|&x| x == 0.0), "silent padding was given sound");
+    }
+}

@@ -11,7 +11,7 @@ use midair::{Complex32, Control, Metrics, Problem, Scene, Solution, Workspace, s
 use serde_json::{Value, json};
 
 /// Name, array, points (x, y, z in mm, pressure in Pa, weight), solver table, balance.
-const SCENES: [(&str, &str, &str, &str, bool); 8] = [
+const SCENES: [(&str, &str, &str, &str, bool); 15] = [
     ("focus", "preset = \"autd3\"", "0 0 150 500 1", "name = \"greedy\"\nseed = 1", false),
     (
         "pair",
@@ -60,6 +60,55 @@ const SCENES: [(&str, &str, &str, &str, bool); 8] = [
         "grid = { nx = 7, ny = 7, pitch = 0.01 }\ndirectivity = { sinc = 0.009 }",
         "-20 5 120 2000 1,20 0 130 1500 1",
         "name = \"naive\"\nlimit = \"normalize\"",
+        false,
+    ),
+    (
+        "lm",
+        "grid = { nx = 7, ny = 6, pitch = 0.01 }\ndirectivity = \"t4010a1\"",
+        "-20 5 120 400 1,20 0 130 300 2,0 -18 110 350 1,10 20 125 0 1",
+        "name = \"lm\"\nsteps = 12\nseed = 3",
+        false,
+    ),
+    (
+        "gspat",
+        "grid = { nx = 7, ny = 6, pitch = 0.01 }\ndirectivity = \"t4010a1\"",
+        "-20 5 120 400 1,20 0 130 300 2,0 -18 110 350 1,10 20 125 0 1",
+        "name = \"gspat\"\nsteps = 20",
+        false,
+    ),
+    (
+        "gs",
+        "grid = { nx = 7, ny = 6, pitch = 0.01 }\ndirectivity = \"t4010a1\"",
+        "-20 5 120 400 1,20 0 130 300 2,0 -18 110 350 1,10 20 125 0 1",
+        "name = \"gs\"\nsteps = 20",
+        false,
+    ),
+    (
+        "wgs",
+        "grid = { nx = 7, ny = 6, pitch = 0.01 }\ndirectivity = \"t4010a1\"",
+        "-20 5 120 400 1,20 0 130 300 2,0 -18 110 350 1,10 20 125 0 1",
+        "name = \"wgs\"\nsteps = 20",
+        false,
+    ),
+    (
+        "evd",
+        "grid = { nx = 7, ny = 6, pitch = 0.01 }\ndirectivity = \"t4010a1\"",
+        "-20 5 120 400 1,20 0 130 300 2,0 -18 110 350 1,10 20 125 0 1",
+        "name = \"evd\"\ngamma = 0.5",
+        false,
+    ),
+    (
+        "sdp",
+        "grid = { nx = 7, ny = 6, pitch = 0.01 }\ndirectivity = \"t4010a1\"",
+        "-20 5 120 400 1,20 0 130 300 2,0 -18 110 350 1,10 20 125 0 1",
+        "name = \"sdp\"\nsteps = 60\nseed = 4\nmoduli = \"unit\"",
+        false,
+    ),
+    (
+        "tikhonov",
+        "grid = { nx = 7, ny = 6, pitch = 0.01 }\ndirectivity = \"t4010a1\"",
+        "-20 5 120 400 1,20 0 130 300 2,0 -18 110 350 1,10 20 125 0 1",
+        "name = \"tikhonov\"\nlimit = \"full\"",
         false,
     ),
 ];
