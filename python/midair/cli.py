@@ -190,7 +190,7 @@ def _values(options: dict[str, str]) -> dict[str, Any]:
             )
         try:
             values[key] = json.loads(text)
-        except ValueError:
+        except (ValueError, RecursionError):
             values[key] = text
     return values
 
@@ -271,8 +271,10 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
 
 def _one_line(error: BaseException) -> str:
     if isinstance(error, OSError) and error.strerror:
-        return f"{error.strerror}: {error.filename}" if error.filename else error.strerror
-    return " ".join(str(error).split())
+        text = f"{error.strerror}: {error.filename}" if error.filename else error.strerror
+    else:
+        text = str(error)
+    return " ".join(text.split())
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:

@@ -34,6 +34,36 @@ pub(super) struct SceneTable {
     points: Vec<PointTable>,
 }
 
+/// Exactly N numbers: an array type alone would take the first N of a longer list.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+#[serde(try_from = "Vec<f64>", into = "Vec<f64>")]
+struct Numbers<const N: usize>([f64; N]);
+
+impl<const N: usize> TryFrom<Vec<f64>> for Numbers<N> {
+    type Error = String;
+
+    fn try_from(list: Vec<f64>) -> Result<Self, String> {
+        let found = list.len();
+        list.try_into().map(Self).map_err(|_| format!("invalid length {found}, expected {N} numbers"))
+    }
+}
+
+impl<const N: usize> From<Numbers<N>> for Vec<f64> {
+    fn from(numbers: Numbers<N>) -> Self {
+        numbers.0.to_vec()
+    }
+}
+
+/// Vectors as the core takes them.
+fn plain<const N: usize>(list: Vec<Numbers<N>>) -> Vec<[f64; N]> {
+    list.into_iter().map(|numbers| numbers.0).collect()
+}
+
+/// Vectors as the file holds them.
+fn listed<const N: usize>(list: &[[f64; N]]) -> Vec<Numbers<N>> {
+    list.iter().map(|&numbers| Numbers(numbers)).collect()
+}
+
 #[derive(Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MediumTable {
@@ -53,15 +83,15 @@ struct ArrayTable {
     #[serde(skip_serializing_if = "Option::is_none")]
     preset: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    tiles: Option<[i64; 2]>,
+    tiles: Option<Vec<i64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    positions: Option<Vec<[f64; 3]>>,
+    positions: Option<Vec<Numbers<3>>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    normals: Option<Vec<[f64; 3]>>,
+    normals: Option<Vec<Numbers<3>>>,
     source_pressure: Option<f64>,
     directivity: Option<DirectivityTable>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    response: Option<Vec<[f64; 2]>>,
+    response: Option<Vec<Numbers<2>>>,
 }
 
 #[derive(Clone, Copy, Serialize, Deserialize)]
@@ -82,7 +112,7 @@ enum DirectivityTable {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PointTable {
-    position: [f64; 3],
+    position: Numbers<3>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pressure: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -102,7 +132,7 @@ struct PlaneTable {
     z: Option<f64>,
     size: Option<f64>,
     pixels: Option<i64>,
-    center: Option<[f64; 2]>,
+    center: Option<Numbers<2>>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -158,11 +188,11 @@ impl SceneTable {
             }
             Origin::Preset { name, tiles } => {
                 place.preset = Some(name.clone());
-                place.tiles = Some(tiles.map(|tiles| tiles as i64));
+                place.tiles = Some(tiles.map(|tiles| tiles as i64).to_vec());
             }
             Origin::Positions => {
-                place.positions = Some(array.positions().to_vec());
-                place.normals = Some(array.normals().to_vec());
+                place.positions = Some(listed(array.positions()));
+                place.normals = Some(listed(array.normals()));
             }
         }
         let transducer = array.transducer();
@@ -171,9 +201,10 @@ impl SceneTable {
             (name, None) => DirectivityTable::Name(name.to_string()),
             (name, Some(parameter)) => DirectivityTable::Parameter([(name.to_string(), parameter)].into()),
         });
-        place.response = array.response().map(|response| response.iter().map(|c| [c.re, c.im]).collect());
+        place.response =
+            array.response().map(|response| response.iter().map(|c| Numbers([c.re, c.im])).collect());
         let points = scene.points().iter().enumerate().map(|(j, &position)| PointTable {
-            position,
+            position: Numbers(position),
             pressure: request.pressures.as_ref().map(|pressures| pressures[j]),
             weight: request.weights.as_ref().map(|weights| weights[j]),
         });
@@ -197,7 +228,7 @@ impl SceneTable {
                 z: Some(plane.z),
                 size: Some(plane.size),
                 pixels: Some(plane.pixels as i64),
-                center: Some(plane.center),
+                center: Some(Numbers(plane.center)),
             }),
             points: points.collect(),
         })
@@ -222,7 +253,7 @@ impl SceneTable {
                 .filter(|_| given > 0),
             weights: weighted.then(|| self.points.iter().map(|point| point.weight.unwrap_or(1.0)).collect()),
         };
-        let points: Vec<_> = self.points.iter().map(|point| point.position).collect();
+        let points: Vec<_> = self.points.iter().map(|point| point.position.0).collect();
         let mut scene = Scene::new(self.array.array()?, self.medium.medium()?, points, request)?;
         scene.plane = self.plane.map(|plane| plane.plane(scene.points())).transpose()?;
         if let Some(table) = self.solver {
@@ -269,18 +300,27 @@ impl ArrayTable {
                 Array::grid(whole("array.grid.nx", grid.nx)?, whole("array.grid.ny", grid.ny)?, grid.pitch)?
             }
             (_, Some(preset), _) => {
-                let [x, y] = self.tiles.unwrap_or([1, 1]);
+                let tiles = self.tiles.unwrap_or_else(|| [1, 1].to_vec());
+                let [x, y] = tiles[..] else {
+                    let value = format!("{tiles:?}");
+                    return Err(Error::invalid(
+                        "array.tiles",
+                        value,
+                        "give two numbers, boards along x and y",
+                    ));
+                };
                 Array::preset(&preset, [whole("array.tiles[0]", x)?, whole("array.tiles[1]", y)?])?
             }
-            (.., positions) => Array::new(positions.unwrap_or_default(), self.normals)?,
+            (.., positions) => Array::new(plain(positions.unwrap_or_default()), self.normals.map(plain))?,
         };
         let default = array.transducer();
         let array = array.with_transducer(Transducer {
             source_pressure: self.source_pressure.unwrap_or(default.source_pressure),
             directivity: self.directivity.map_or(Ok(default.directivity), |table| table.directivity())?,
         })?;
-        let response =
-            self.response.map(|list| list.iter().map(|&[re, im]| Complex64::new(re, im)).collect());
+        let response = self
+            .response
+            .map(|list| plain(list).into_iter().map(|[re, im]| Complex64::new(re, im)).collect());
         array.with_response(response)
     }
 }
@@ -315,7 +355,7 @@ impl PlaneTable {
             self.z.unwrap_or(around.z),
             self.size.unwrap_or(around.size),
             self.pixels.map_or(Ok(around.pixels), |pixels| whole("plane.pixels", pixels))?,
-            self.center.unwrap_or(center),
+            self.center.map_or(center, |center| center.0),
         )
     }
 }

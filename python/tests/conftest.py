@@ -1,0 +1,5 @@
+"""Set before NumPy is imported: BLAS threads that wait for each other by spinning make busy machines crawl."""
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -1,0 +1,272 @@
+"""What the command line cannot do it says in one line, with exit status 2, and nothing is written."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import midair
+from midair import cli
+
+SCENE = """
+[array]
+grid = { nx = 6, ny = 5, pitch = 0.01 }
+
+[[points]]
+position = [-0.02, 0.0, 0.1]
+pressure = 1500.0
+
+[[points]]
+position = [0.015, 0.01, 0.1]
+pressure = 1500.0
+"""
+
+#: There so that a hang is a failure and not a hung suite.
+HANG = 60
+
+
+def changed(old: str, new: str) -> bytes:
+    assert old in SCENE
+    return SCENE.replace(old, new, 1).encode()
+
+
+GRID = "grid = { nx = 6, ny = 5, pitch = 0.01 }"
+
+FILES: dict[str, tuple[bytes, str]] = {
+    "empty": (b"", "empty"),
+    "blank": (b" \n\n", "empty"),
+    "binary": (bytes(range(256)) * 8, "text"),
+    "no toml": (b"[array\n", "line 1"),
+    "json in a toml file": (b'{"array": {"preset": "paper20"}}', "line 1"),
+    "an image": (b"\x89PNG\r\n\x1a\n" + bytes(100), "text"),
+    "unknown table": (SCENE.encode() + b"\n[aray]\n", "aray"),
+    "unknown key of the array": (changed("[array]", '[array]\nprest = "paper20"'), "prest"),
+    "unknown key of the medium": (SCENE.encode() + b"\n[medium]\nfrequncy = 4e4\n", "frequncy"),
+    "unknown key of a point": (changed("pressure =", "presure ="), "presure"),
+    "unknown key of the grid": (changed("nx = 6", "nx = 6, nz = 2"), "nz"),
+    "unknown key of the plane": (SCENE.encode() + b"\n[plane]\nwidth = 0.1\n", "width"),
+    "unknown solver": (SCENE.encode() + b'\n[solver]\nname = "gredy"\n', "greedy, lm"),
+    "solver without a name": (SCENE.encode() + b"\n[solver]\nphases = 4\n", "name"),
+    "unknown option": (SCENE.encode() + b'\n[solver]\nname = "greedy"\nphasse = 4\n', "phasse"),
+    "option out of range": (SCENE.encode() + b'\n[solver]\nname = "greedy"\nphases = 1\n', "phases"),
+    "balance of no sense": (SCENE.encode() + b'\n[solver]\nname = "greedy"\nbalance = 1\n', "balance"),
+    "unknown preset": (changed(GRID, 'preset = "autd4"'), "autd3"),
+    "tiles of 0": (changed(GRID, 'preset = "autd3"\ntiles = [0, 1]'), "tiles"),
+    "tiles of three": (changed(GRID, 'preset = "autd3"\ntiles = [1, 1, 1]'), "array.tiles"),
+    "two arrays": (changed("[array]", '[array]\npreset = "paper20"'), "exactly one"),
+    "no array": (changed(GRID, ""), "exactly one"),
+    "no array table": (b"[[points]]\nposition = [0.0, 0.0, 0.1]\n", "array"),
+    "no points": (b'[array]\npreset = "paper20"\n', "points"),
+    "half a count": (changed("nx = 6", "nx = 2.5"), "line 3"),
+    "a negative count": (changed("nx = 6", "nx = -6"), "nx"),
+    "a count of 0": (changed("nx = 6", "nx = 0"), "nx"),
+    "too many transducers": (changed("nx = 6", "nx = 99999999"), "nx"),
+    "a pitch of 0": (changed("pitch = 0.01", "pitch = 0"), "pitch"),
+    "a pitch in words": (changed("pitch = 0.01", 'pitch = "1 cm"'), "line 3"),
+    "a position of two": (changed("-0.02, 0.0, 0.1", "-0.02, 0.0"), "line 6"),
+    "a position of four": (changed("-0.02, 0.0, 0.1", "-0.02, 0.0, 0.1, 0.1"), "line 6"),
+    "a position that is none": (changed("-0.02, 0.0, 0.1", "nan, 0.0, 0.1"), "points[0].position"),
+    "an infinite position": (changed("0.015, 0.01, 0.1", "0.0, 0.0, inf"), "points[1].position"),
+    "a point on a transducer": (changed("0.015, 0.01, 0.1", "0.005, 0.01, 0.0"), "points[1]"),
+    "pressure on some points only": (changed("pressure = 1500.0\n", ""), "points[0].pressure"),
+    "all pressures 0": (SCENE.replace("1500.0", "0.0").encode(), "all 0"),
+    "a pressure that is none": (changed("1500.0", "nan"), "points[0].pressure"),
+    "a pressure below 0": (changed("1500.0", "-1.0"), "points[0].pressure"),
+    "a pressure in words": (changed("1500.0", '"1500"'), "line 7"),
+    "a pressure that is true": (changed("1500.0", "true"), "line 7"),
+    "all weights 0": (SCENE.replace("1500.0", "1500.0\nweight = 0").encode(), "weights"),
+    "a weight below 0": (changed("1500.0", "1500.0\nweight = -1"), "points[0].weight"),
+    "a frequency of 0": (SCENE.encode() + b"\n[medium]\nfrequency = 0.0\n", "frequency"),
+    "two sound speeds": (SCENE.encode() + b"\n[medium]\nsound_speed = 340\ntemperature = 20\n", "keep one"),
+    "an unknown directivity": (changed("[array]", '[array]\ndirectivity = "pistn"'), "pistn"),
+    "a directivity of two": (changed("[array]", "[array]\ndirectivity = { cos = 1, piston = 1 }"), "one"),
+    "responses of three numbers": (changed("[array]", f"[array]\nresponse = {[[1, 0, 0]] * 30}"), "line 3"),
+    "a center of three numbers": (SCENE.encode() + b"\n[plane]\ncenter = [0.0, 0.0, 0.0]\n", "line 14"),
+    "responses of another length": (changed("[array]", "[array]\nresponse = [[1.0, 0.0]]"), "response"),
+    "a line break in a name": (SCENE.encode() + b'\n[solver]\nname = "gr\\needy"\n', "greedy, lm"),
+    "a line break in an option": (SCENE.encode() + b'\n[solver]\nname = "greedy"\nseed = "1\\n2"\n', "seed"),
+}  # fmt: skip
+
+JSON: dict[str, tuple[bytes, str]] = {
+    "no json": (b"{", "line 1"),
+    "toml": (SCENE.encode(), "line 2"),
+    "NaN": (b'{"array": {"preset": "paper20"}, "points": [{"position": [NaN, 0, 0.1]}]}', "line 1"),
+    "twice the same key": (b'{"array": {"preset": "paper20"},\n"array": {"preset": "paper20"}}', "array"),
+    "a deep nest": (b"[" * 100000, "scene file"),
+}
+
+ARGUMENTS: dict[str, tuple[str, str]] = {
+    "no scene": ("solve", "scene"),
+    "no scene to compare": ("compare", "scene"),
+    "unknown command": ("sovle scene.toml", "sovle"),
+    "unknown option of midair": ("--nosuch", "nosuch"),
+    "unknown option of compare": ("compare scene.toml --nosuch 3", "nosuch"),
+    "unknown option of solve": ("solve scene.toml --nosuch 3 -o out.csv", "nosuch"),
+    "an option of another solver": ("solve scene.toml --limit clamp", "limit"),
+    "one scene too many": ("solve scene.toml scene.toml", "scene.toml"),
+    "one word too many": ("solvers scene.toml", "scene.toml"),
+    "option without its value": ("solve scene.toml --phases", "phases"),
+    "option given twice": ("solve scene.toml --phases 4 --phases 8", "phases"),
+    "output without its value": ("solve scene.toml -o", "-o"),
+    "missing file": ("solve none.toml -o out.csv", "none.toml"),
+    "missing file to compare": ("compare none.toml --image out.png", "none.toml"),
+    "folder for a file": ("solve folder.toml", "folder.toml"),
+    "unknown solver": ("solve scene.toml --solver nosuch -o out.csv", "greedy, lm"),
+    "unknown solvers": ("compare scene.toml --solvers nosuch --image out.png", "greedy, lm"),
+    "unknown solver among others": ("compare scene.toml --solvers naive,nosuch", "greedy, lm"),
+    "no solvers": ("compare scene.toml --solvers=", "greedy, lm"),
+    "phases 1": ("solve scene.toml --phases 1 -o out.csv --image out.png", "phases"),
+    "phases x": ("solve scene.toml --phases x -o out.csv", "phases"),
+    "phases 2.5": ("solve scene.toml --phases 2.5 -o out.csv", "phases"),
+    "phases true": ("solve scene.toml --phases true -o out.csv", "phases"),
+    "phases NaN": ("solve scene.toml --phases NaN -o out.csv", "phases"),
+    "phases of a list": ("solve scene.toml --phases [16] -o out.csv", "phases"),
+    "phases of a table": ('solve scene.toml --phases {"a":1} -o out.csv', "phases"),
+    "seed -1": ("solve scene.toml --seed -1 -o out.csv", "seed"),
+    "amplitudes 257": ("solve scene.toml --amplitudes 257 -o out.csv", "amplitudes"),
+    "order of no sense": ("solve scene.toml --order sideways -o out.csv", "order"),
+    "order of half": ("solve scene.toml --order [1,0] -o out.csv", "order"),
+    "order of a deep nest": ("solve scene.toml -o out.csv --order " + "[" * 100000, "order"),
+    "balance of no sense": ("solve scene.toml --balance maybe", "maybe"),
+    "level nobody uses": ("solve scene.toml --solver naive --level max -o out.csv", "level"),
+    "pressures": ("solve scene.toml --pressures 5 -o out.csv", "pressures"),
+    "start": ("solve scene.toml --start 5 -o out.csv", "start"),
+    "unknown ending": ("solve scene.toml -o out.mat", ".npz, .csv or .json"),
+    "no ending": ("solve scene.toml -o out", ".npz, .csv or .json"),
+    "ending alone": ("solve scene.toml -o .npz", ".npz, .csv or .json"),
+    "unknown ending of the image": ("solve scene.toml --image out.mat", ".png"),
+    "unknown ending of the sheet": ("compare scene.toml --image out.csv", ".png"),
+    "output is a folder": ("solve scene.toml -o folder.csv", "folder.csv"),
+    "image is a folder": ("solve scene.toml --image folder.png", "folder.png"),
+    "folder that is not there": ("solve scene.toml -o none/out.csv", "none"),
+    "folder that is not there for the image": ("solve scene.toml -o out.csv --image none/out.png", "none"),
+    "folder that is not there for the sheet": ("compare scene.toml --image none/out.png", "none"),
+    "folder that is a file": ("solve scene.toml -o scene.toml/out.csv", "scene.toml"),
+    "name too long": (f"solve scene.toml -o {'a' * 300}.csv", "long"),
+}
+
+Refuse = Callable[..., str]
+
+
+@pytest.fixture(autouse=True)
+def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("scene.toml").write_text(SCENE)
+    for ending in ("toml", "csv", "png"):
+        Path(f"folder.{ending}").mkdir()
+
+
+def check(status: object, out: str, err: str) -> str:
+    assert status == 2
+    assert out == ""
+    assert err.startswith("error: ")
+    assert err.endswith("\n")
+    assert len(err.splitlines()) == 1, err
+    return err
+
+
+@pytest.fixture
+def refuse(capsys: pytest.CaptureFixture[str]) -> Refuse:
+    """Runs the command line in this process, has it refused, and gives the one line it says."""
+
+    def refuse(*arguments: str) -> str:
+        before = {path: path.stat().st_mtime_ns for path in Path().rglob("*")}
+        with pytest.raises(SystemExit) as left:
+            cli.main(arguments)
+        assert {path: path.stat().st_mtime_ns for path in Path().rglob("*")} == before
+        return check(left.value.code, *capsys.readouterr())
+
+    return refuse
+
+
+@pytest.mark.parametrize("bad", ARGUMENTS)
+def test_bad_command_is_refused_in_one_line(refuse: Refuse, bad: str) -> None:
+    command, word = ARGUMENTS[bad]
+    assert word in refuse(*command.split(" "))
+
+
+@pytest.mark.parametrize("command", ["solve", "compare"])
+@pytest.mark.parametrize("bad", FILES)
+def test_bad_file_is_refused_in_one_line(refuse: Refuse, bad: str, command: str) -> None:
+    content, word = FILES[bad]
+    Path("bad.toml").write_bytes(content)
+    to = {"solve": ["-o", "out.npz", "--image", "out.png"], "compare": ["--image", "out.png"]}
+    assert word in refuse(command, "bad.toml", *to[command])
+    with pytest.raises(midair.SceneError) as caught:
+        midair.solve(midair.Scene.load("bad.toml"))
+    assert len(str(caught.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize("bad", JSON)
+def test_bad_json_file_is_refused_in_one_line(refuse: Refuse, bad: str) -> None:
+    content, word = JSON[bad]
+    Path("bad.json").write_bytes(content)
+    assert word in refuse("solve", "bad.json", "-o", "out.npz")
+
+
+def test_oversized_file_is_refused_unread(refuse: Refuse) -> None:
+    with Path("huge.toml").open("wb") as huge:
+        huge.truncate(65 << 20)
+    assert "64 MB" in refuse("solve", "huge.toml", "-o", "out.npz")
+    # The largest file taken is read, and found to be no text.
+    with Path("large.toml").open("wb") as large:
+        large.truncate(64 << 20)
+    assert "64 MB" not in refuse("solve", "large.toml", "-o", "out.npz")
+
+
+def test_name_with_a_line_break_is_refused_in_one_line(refuse: Refuse) -> None:
+    for arguments in (["no\nfile.toml"], ["scene.toml", "-o", "a\nb"], ["scene.toml", "-o", "a\nb/out.csv"]):
+        assert refuse("solve", *arguments)
+    for arguments in (["--so\nlver", "1"], ["--solver", "gr\needy"], ["--seed", "1\n2"], ["--order", "a\nb"]):
+        assert refuse("solve", "scene.toml", *arguments)
+    assert refuse("so\nlve")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="permissions of POSIX")
+def test_folder_that_cannot_be_written_to_is_refused(refuse: Refuse, monkeypatch: pytest.MonkeyPatch) -> None:
+    # The superuser may write anywhere, so the folder only says that it cannot be written to.
+    def refused(*_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("midair.output.tempfile.TemporaryFile", refused)
+    assert "Permission denied" in refuse("solve", "scene.toml", "-o", "out.csv")
+
+
+def test_output_is_checked_before_the_solve(refuse: Refuse, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cli, "solve", lambda *_, **__: pytest.fail("solved in vain"))
+    for end in (["-o", "none/out.csv"], ["-o", "out.mat"], ["-o", "folder.csv"], ["--image", "none/out.png"]):
+        refuse("solve", "scene.toml", *end)
+
+
+def test_write_that_fails_leaves_nothing_behind(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(path: Path, content: bytes) -> int:
+        with path.open("wb") as part:
+            part.write(content[: len(content) // 2])
+        raise OSError(28, "No space left on device", str(path))
+
+    Path("out.npz").write_text("old")
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(SystemExit) as left:
+        cli.main(["solve", "scene.toml", "-o", "out.npz"])
+    _, err = capsys.readouterr()
+    assert left.value.code == 2
+    assert err.startswith("error: No space left on device")
+    assert len(err.splitlines()) == 1
+    assert Path("out.npz").read_text() == "old"
+    assert not list(Path().glob("*.part")) + list(Path().glob(".*"))
+
+
+@pytest.mark.parametrize(
+    "command",
+    ["solve none.toml", "solve scene.toml --phases 1 -o out.csv", "sovle", "compare scene.toml --nosuch 1"],
+)
+def test_process_says_the_same(command: str) -> None:
+    program = [sys.executable, "-m", "midair", *command.split()]
+    ran = subprocess.run(program, capture_output=True, text=True, timeout=HANG, check=False)
+    check(ran.returncode, ran.stdout, ran.stderr)
+    assert not Path("out.csv").exists()
