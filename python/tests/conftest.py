@@ -1,4 +1,4 @@
-"""Set before NumPy is imported: BLAS threads that wait for each other by spinning make busy machines crawl."""
+"""Set before NumPy is imported: BLAS threads that wait by spinning make busy machines crawl."""
 
 import os
 

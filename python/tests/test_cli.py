@@ -226,6 +226,14 @@ def test_a_file_that_was_there_is_replaced_whole(run: Run) -> None:
     assert files() == {"scene.toml", "drive.csv"}
 
 
+def test_names_are_told_as_they_are(run: Run) -> None:
+    for name in ("a[bold].csv", "b[/].csv", "µ 1 :smile:.json"):
+        status, out, err = run("solve", "scene.toml", "-o", name)
+        assert (status, err) == (0, "")
+        assert out.splitlines()[-1] == f"wrote {name}"
+        assert name in files()
+
+
 def png_size(path: str) -> tuple[int, int]:
     content = Path(path).read_bytes()
     assert content.startswith(b"\x89PNG\r\n\x1a\n")
