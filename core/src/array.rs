@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 
 use num_complex::Complex64;
 
-use crate::directivity::Directivity;
+use crate::directivity::Transducer;
 use crate::error::{Error, real};
 use crate::math;
 use crate::presets;
@@ -17,22 +17,6 @@ const MOST_TRANSDUCERS: usize = 1 << 20;
 
 /// Pressures far outside any unit's would leave f32's range somewhere.
 pub(crate) const UNITS: core::ops::RangeInclusive<f64> = 1e-15..=1e15;
-
-/// What all transducers of an array have in common.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Transducer {
-    /// P0 in Pa m: on-axis pressure (peak) times distance at full drive.
-    pub source_pressure: f64,
-    /// D(theta).
-    pub directivity: Directivity,
-}
-
-impl Default for Transducer {
-    /// 4.386 Pa m, the AUTD3's transducer (its software: 275.574 * 0.2 / 4 pi), as a point source.
-    fn default() -> Self {
-        Self { source_pressure: 4.386, directivity: Directivity::Point }
-    }
-}
 
 /// How an array came about, so that a scene file can say it as briefly as it was said.
 #[derive(Clone, Debug, PartialEq)]
@@ -263,7 +247,7 @@ impl Array {
 
     /// The middle of the positions' bounding box: the origin of everything rounded to f32.
     pub(crate) fn centre(&self) -> [f64; 3] {
-        crate::scene::bounds(&self.positions).map(|[low, high]| 0.5 * low + 0.5 * high)
+        bounds(&self.positions).map(|[low, high]| 0.5 * low + 0.5 * high)
     }
 }
 
@@ -281,4 +265,15 @@ fn count(item: &str, transducers: usize) -> Result<(), Error> {
         return Err(Error::invalid(item, transducers, cure));
     }
     Ok(())
+}
+
+/// Lowest and highest coordinate along each axis, [0, 0] where there are no points.
+pub(crate) fn bounds(points: &[[f64; 3]]) -> [[f64; 2]; 3] {
+    let Some(first) = points.first() else { return [[0.0; 2]; 3] };
+    points.iter().fold(first.map(|x| [x, x]), |mut bounds, point| {
+        for (bound, &x) in bounds.iter_mut().zip(point) {
+            *bound = [bound[0].min(x), bound[1].max(x)];
+        }
+        bounds
+    })
 }

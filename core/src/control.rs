@@ -77,6 +77,13 @@ impl<'a> Control<'a> {
         self.trace
     }
 
+    /// Replaces the last residual kept: for a method whose steps know only an estimate, once its answer is made.
+    pub fn correct(&mut self, residual: impl Fn() -> f64) {
+        if let Some(last) = self.trace.as_mut().and_then(|trace| trace.last_mut()) {
+            *last = residual();
+        }
+    }
+
     /// A solver's call after step `step` of `steps` (counted from 1); `residual` is computed only if somebody
     /// wants it. `Break` asks the solver to end with what it has.
     pub fn step(&mut self, step: usize, steps: usize, residual: impl Fn() -> f64) -> ControlFlow<()> {

@@ -1,4 +1,4 @@
-//! How strongly a transducer radiates to the side: D(theta), 1 straight ahead.
+//! How a transducer radiates: P0 on its axis, and D(theta) to the side, 1 straight ahead.
 
 use alloc::format;
 use alloc::vec::Vec;
@@ -6,6 +6,22 @@ use core::f64::consts::FRAC_PI_2;
 
 use crate::error::{Error, real};
 use crate::math;
+
+/// What all transducers of an array have in common.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transducer {
+    /// P0 in Pa m: on-axis pressure (peak) times distance at full drive.
+    pub source_pressure: f64,
+    /// D(theta).
+    pub directivity: Directivity,
+}
+
+impl Default for Transducer {
+    /// 4.386 Pa m, the AUTD3's transducer (its software: 275.574 * 0.2 / 4 pi), as a point source.
+    fn default() -> Self {
+        Self { source_pressure: 4.386, directivity: Directivity::Point }
+    }
+}
 
 /// Directivity of a transducer. All but `Point` are baffled: D = 0 behind, where theta is above 90 degrees.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -40,6 +40,39 @@ impl fmt::Display for Value {
 /// Options by name.
 pub type Options = BTreeMap<String, Value>;
 
+/// The solver of a scene file: its name, its options and whether to balance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// The name in the registry.
+    pub name: String,
+    /// The options set; the others keep their defaults.
+    pub options: Options,
+    /// Whether to balance; left out it is the method's own habit.
+    pub balance: Option<bool>,
+}
+
+impl Choice {
+    /// A choice from a table of options, in which `balance` is the entry point's and all else the solver's.
+    ///
+    /// # Errors
+    /// A `balance` that is neither true nor false. Name and options are checked where the solver is made.
+    pub fn new(name: String, mut options: Options) -> Result<Self, Error> {
+        let balance = match options.remove("balance") {
+            None => None,
+            Some(Value::Bool(balance)) => Some(balance),
+            Some(other) => return Err(Error::invalid("solver.balance", other, "give true or false")),
+        };
+        Ok(Self { name, options, balance })
+    }
+
+    /// The table it came from.
+    #[must_use]
+    pub fn table(&self) -> Options {
+        let balance = self.balance.map(|balance| ("balance".into(), Value::Bool(balance)));
+        self.options.clone().into_iter().chain(balance).collect()
+    }
+}
+
 /// A type that an option can have.
 pub trait OptionValue: Sized {
     /// Reads it from what a door handed over; `item` names the option in the error.

@@ -2,8 +2,7 @@
 
 use alloc::vec::Vec;
 
-use crate::array::Transducer;
-use crate::directivity::Directivity;
+use crate::directivity::{Directivity, Transducer};
 use crate::error::Error;
 
 /// An array known by name.

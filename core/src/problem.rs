@@ -12,7 +12,6 @@ use crate::gains::Gains;
 use crate::math;
 use crate::metrics::Metrics;
 use crate::scene::{Request, Scene};
-use crate::solution::Solution;
 
 /// Targets outside these many reference pressures are a slip of the unit, and near the ends of f32.
 const MOST_TARGET: f64 = 1e15;
@@ -50,7 +49,7 @@ pub(crate) struct Asked {
     /// Weights (M,).
     pub(crate) weights: Vec<f64>,
     /// The points of weight above 0.
-    active: Vec<usize>,
+    pub(crate) active: Vec<usize>,
     /// Whether the caller gave pressures.
     given: bool,
     /// Factor that brings the targets to the balanced level.
@@ -236,19 +235,6 @@ impl Problem {
     pub fn residual(&self, moduli: &[f32]) -> f64 {
         let points = moduli.iter().zip(&self.targets).zip(self.weights.iter());
         Metrics::of(points.map(|((&p, &t), &w)| (f64::from(p), f64::from(t), f64::from(w)))).residual
-    }
-
-    /// The residual of a solution that a solver has just made, against this problem's targets: what it tells its
-    /// [`crate::Control`] last, before balancing is undone.
-    #[must_use]
-    pub fn residual_of(&self, solution: &Solution) -> f64 {
-        let points = self.asked.active.iter().zip(&self.targets).zip(self.weights.iter());
-        let unit = self.gains.reference();
-        let modulus = |p: Complex32| math::hypot(f64::from(p.re), f64::from(p.im)) / unit;
-        let heard = |((&j, &t), &w): ((&usize, &f32), &f32)| {
-            (modulus(solution.pressures[j]), f64::from(t), f64::from(w))
-        };
-        Metrics::of(points.map(heard)).residual
     }
 
     /// The metrics of a drive (N,) over the caller's points, wholly in double precision.

@@ -1,14 +1,12 @@
 //! What a person asks for: an array, a medium, points and what each shall feel. Checked once, here.
 
 use alloc::format;
-use alloc::string::String;
 use alloc::vec::Vec;
 
-use crate::array::{Array, vector};
+use crate::array::{Array, bounds, vector};
 use crate::error::{Error, real};
 use crate::medium::Medium;
-use crate::options::{Options, Value};
-use crate::solvers;
+use crate::options::Choice;
 
 /// Beyond this many wavelengths from the array's middle f32 can no longer tell one phase from another (2^20
 /// wavelengths are 9 km at 40 kHz).
@@ -69,40 +67,6 @@ impl Request {
     /// Weight of point j.
     pub(crate) fn weight(&self, j: usize) -> f64 {
         self.weights.as_ref().map_or(1.0, |weights| weights[j])
-    }
-}
-
-/// The solver of a scene file: its name, its options and whether to balance.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Choice {
-    /// The name in the registry.
-    pub name: String,
-    /// The options set; the others keep their defaults.
-    pub options: Options,
-    /// Whether to balance; left out it is the method's own habit.
-    pub balance: Option<bool>,
-}
-
-impl Choice {
-    /// A choice from a table of options, in which `balance` is the entry point's and all else the solver's.
-    ///
-    /// # Errors
-    /// An unknown solver or option, a value that does not fit.
-    pub fn new(name: String, mut options: Options) -> Result<Self, Error> {
-        let balance = match options.remove("balance") {
-            None => None,
-            Some(Value::Bool(balance)) => Some(balance),
-            Some(other) => return Err(Error::invalid("solver.balance", other, "give true or false")),
-        };
-        solvers::find(&name)?.configure(&options)?;
-        Ok(Self { name, options, balance })
-    }
-
-    /// The table it came from.
-    #[must_use]
-    pub fn table(&self) -> Options {
-        let balance = self.balance.map(|balance| ("balance".into(), Value::Bool(balance)));
-        self.options.clone().into_iter().chain(balance).collect()
     }
 }
 
@@ -246,15 +210,4 @@ impl Scene {
     pub fn picture_plane(&self) -> Plane {
         self.plane.unwrap_or_else(|| Plane::around(&self.points))
     }
-}
-
-/// Lowest and highest coordinate along each axis, [0, 0] where there are no points.
-pub(crate) fn bounds(points: &[[f64; 3]]) -> [[f64; 2]; 3] {
-    let Some(first) = points.first() else { return [[0.0; 2]; 3] };
-    points.iter().fold(first.map(|x| [x, x]), |mut bounds, point| {
-        for (bound, &x) in bounds.iter_mut().zip(point) {
-            *bound = [bound[0].min(x), bound[1].max(x)];
-        }
-        bounds
-    })
 }

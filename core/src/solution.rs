@@ -6,6 +6,7 @@ use core::fmt;
 
 use num_complex::Complex32;
 
+use crate::control::Control;
 use crate::kernels;
 use crate::math;
 use crate::metrics::Metrics;
@@ -93,6 +94,26 @@ impl Solution {
     #[must_use]
     pub fn metrics(&self) -> Metrics {
         self.asked.metrics(self.pressures.iter().map(|p| math::hypot(f64::from(p.re), f64::from(p.im))))
+    }
+
+    /// Tells `control` of the last of `steps` steps, with the answer's own residual, for a solver whose steps (if it
+    /// has any) know only an estimate of it. A stop request now still counts as one.
+    pub fn tell(&mut self, problem: &Problem, steps: usize, control: &mut Control) {
+        if self.status == Status::Stopped {
+            control.correct(|| self.residual_for(problem));
+        } else if control.step(self.steps, steps, || self.residual_for(problem)).is_break() {
+            self.status = Status::Stopped;
+        }
+    }
+
+    /// The residual against the targets of `problem`, before balancing is undone.
+    fn residual_for(&self, problem: &Problem) -> f64 {
+        let unit = self.asked.gains.reference();
+        let modulus = |p: Complex32| math::hypot(f64::from(p.re), f64::from(p.im)) / unit;
+        let points = self.asked.active.iter().zip(problem.targets()).zip(problem.weights());
+        let heard =
+            |((&j, &t), &w): ((&usize, &f32), &f32)| (modulus(self.pressures[j]), f64::from(t), f64::from(w));
+        Metrics::of(points.map(heard)).residual
     }
 
     /// The targets (M,) in Pa that the metrics refer to.

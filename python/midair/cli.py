@@ -88,7 +88,7 @@ def solve_command(
     _print_table([solution])
     if output_file is not None:
         output.write_drive(output_file, request, solution)
-        console.print(f"wrote {output_file}", highlight=False, soft_wrap=True)
+        console.print(f"wrote {output_file}", markup=False, emoji=False, highlight=False, soft_wrap=True)
     if solution.status == "stopped":
         print("stopped: what was found so far is above", file=sys.stderr)
         return INTERRUPTED
@@ -189,9 +189,11 @@ def _values(options: dict[str, str]) -> dict[str, Any]:
                 f"--{name} is no option of the command line: put it into the scene file or use Python"
             )
         try:
-            values[key] = json.loads(text)
+            value = json.loads(text)
         except (ValueError, RecursionError):
-            values[key] = text
+            value = None
+        # null is no value of any option: it stays a word, and is refused as one.
+        values[key] = text if value is None else value
     return values
 
 

@@ -6,7 +6,6 @@ import csv
 import io
 import json
 import os
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -29,17 +28,24 @@ def check(path: Path, endings: tuple[str, ...]) -> None:
     if not path.parent.is_dir():
         raise SceneError(f'output folder "{path.parent}" is not there: make it first')
     try:
-        tempfile.TemporaryFile(dir=path.parent).close()
+        part = _part(path)
+        part.touch()
+        part.unlink()
     except OSError as error:
         reason = error.strerror or str(error)
         raise SceneError(
-            f'output folder "{path.parent}" cannot be written to ({reason}): choose another'
+            f'output "{path}" cannot be written ({reason}): choose another name or folder'
         ) from error
+
+
+def _part(path: Path) -> Path:
+    """The temporary name beside it."""
+    return path.with_name(f".{path.name}.{os.getpid()}.part")
 
 
 def write(path: Path, content: bytes) -> None:
     """Write under a temporary name and rename, so that no reader ever meets half a file."""
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    part = _part(path)
     try:
         part.write_bytes(content)
         part.replace(path)

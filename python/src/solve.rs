@@ -214,6 +214,11 @@ pub(crate) fn solve(
 ) -> PyResult<Solution> {
     let task = Task::read(scene, pressures, weights)?;
     let mut choice = chosen(&task, solver, options)?;
+    if let Some(callback) = progress.as_ref().map(|callback| callback.bind(py))
+        && !callback.is_callable()
+    {
+        return Err(invalid("progress", &callback.to_string(), "give a function of (step, steps, residual)"));
+    }
     let configured = registry::find(&choice.name).and_then(|entry| entry.configure(&choice.options));
     let configured = configured.map_err(refused)?;
     for (argument, value, uses) in [
@@ -241,9 +246,10 @@ pub(crate) fn solve(
     });
     let problem = problem.map_err(refused)?;
     if problem.is_weak() && !balance {
+        let part = 1.0 / problem.balance();
+        let part = if part < 0.01 { format!("{part:.1e}") } else { format!("{part:.2}") };
         let text = format!(
-            "targets are {:.2} of the balanced level: foci this weak come out smeared, balance=True cures it",
-            1.0 / problem.balance()
+            "targets are {part} of the balanced level: foci this weak come out smeared, balance=True cures it"
         );
         let text = CString::new(text).unwrap_or_default();
         PyErr::warn(py, &py.get_type::<SceneWarning>(), &text, 1)?;

@@ -182,7 +182,7 @@ def lm(
     return np.exp(1j * x[: G.shape[1]])
 
 
-def least_squares(G: Complex, t: Real, start: Real) -> Complex:
+def least_squares(G: Complex, t: Real, start: Real, evaluations: int) -> Complex:
     """The same cost by SciPy's trust region."""
 
     def value(x: Real) -> Real:
@@ -193,5 +193,5 @@ def least_squares(G: Complex, t: Real, start: Real) -> Complex:
         J = lm_residuals(G, t, x)[1]
         return np.vstack([J.real, J.imag])
 
-    found = scipy.optimize.least_squares(value, start, slope, method="trf")
+    found = scipy.optimize.least_squares(value, start, slope, method="trf", max_nfev=evaluations)
     return np.exp(1j * found.x[: G.shape[1]])

@@ -231,8 +231,12 @@ def test_folder_that_cannot_be_written_to_is_refused(refuse: Refuse, monkeypatch
     def refused(*_: object, **__: object) -> None:
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr("midair.output.tempfile.TemporaryFile", refused)
+    monkeypatch.setattr(Path, "touch", refused)
     assert "Permission denied" in refuse("solve", "scene.toml", "-o", "out.csv")
+
+
+def test_name_too_long_for_the_file_system_is_refused_before_the_solve(refuse: Refuse) -> None:
+    assert "too long" in refuse("solve", "scene.toml", "-o", "x" * 252 + ".csv")
 
 
 def test_output_is_checked_before_the_solve(refuse: Refuse, monkeypatch: pytest.MonkeyPatch) -> None:

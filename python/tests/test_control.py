@@ -20,8 +20,8 @@ SEARCH = """
 import sys, midair, numpy as np
 points = np.random.default_rng(0).uniform(-0.1, 0.1, (16, 3)) + [0, 0, 0.3]
 scene = midair.Scene(midair.Array.grid(200, 200, pitch=0.005), points)
-print("ready", flush=True)
 try:
+    print("ready", flush=True)
     midair.solve(scene, "greedy", amplitudes=256, phases=4096)
 except KeyboardInterrupt:
     print("interrupted", flush=True)

@@ -5,10 +5,11 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 import midair
+from scenes import usable
 
 # The same examples in every run: a failure is a failure for everybody.
 steady = settings(
@@ -53,13 +54,10 @@ def attempt(make, *arguments, **keywords):
 def test_any_scene_is_refused_or_answered_with_finite_numbers(data, solver: str, balance: bool) -> None:
     scene = attempt(lambda: data.draw(scenes()))
     solution = scene and attempt(midair.solve, scene, solver, balance=balance)
-    if solution is None:
-        return
-    assert np.abs(solution.drive).max() <= 1 + 1e-6
-    assert np.isfinite(solution.pressures).all()
+    # Refused: another one is drawn, and too many of them are a failure.
+    assume(solution is not None)
+    assert usable(solution)
     assert ((solution.phases >= 0) & (solution.phases < 2 * np.pi)).all()
-    metrics = solution.metrics
-    assert np.isfinite([metrics.accuracy, metrics.sigma, metrics.residual, metrics.leak]).all()
 
 
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
@@ -68,8 +66,8 @@ def test_any_scene_is_refused_or_answered_with_finite_numbers(data, solver: str,
 def test_a_saved_scene_gives_the_same_bits(data, solver: str, name: str) -> None:
     scene = attempt(lambda: data.draw(scenes()))
     solution = scene and attempt(midair.solve, scene, solver)
-    if solution is None:
-        return
+    # Refused: another one is drawn, and too many of them are a failure.
+    assume(solution is not None)
     with TemporaryDirectory() as folder:
         path = Path(folder) / name
         scene.save(path)

@@ -9,12 +9,13 @@ use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 use super::Provenance;
-use crate::array::{Array, Origin, Transducer};
-use crate::directivity::Directivity;
+use crate::array::{Array, Origin};
+use crate::directivity::{Directivity, Transducer};
 use crate::error::Error;
 use crate::medium::Medium;
-use crate::options::{Options, Value};
-use crate::scene::{Choice, Plane, Request, Scene};
+use crate::options::{Choice, Options, Value};
+use crate::scene::{Plane, Request, Scene};
+use crate::solvers;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -259,7 +260,9 @@ impl SceneTable {
         if let Some(table) = self.solver {
             let options: Options =
                 table.options.into_iter().map(|(name, value)| (name, value.into())).collect();
-            scene.solver = Some(Choice::new(table.name, options)?);
+            let choice = Choice::new(table.name, options)?;
+            solvers::find(&choice.name)?.configure(&choice.options)?;
+            scene.solver = Some(choice);
         }
         Ok(scene)
     }

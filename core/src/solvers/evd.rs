@@ -7,9 +7,10 @@
 //! row of the eigenvectors' matrix and rescale q by a mean below 1; this is the eigenvector, unscaled.
 
 use crate::control::Control;
+use crate::eigen::leading_eigenvector;
 use crate::error::{Error, real};
 use crate::kernels;
-use crate::linalg::{Hermitian, Planar, gram, leading_eigenvector};
+use crate::linalg::{Hermitian, Planar, gram};
 use crate::math::{pow, sqrtf};
 use crate::problem::Problem;
 use crate::projection::back_project;
@@ -73,13 +74,8 @@ impl Solve for Evd {
         let matrix = gram(gains, |i| inverse[i], work);
         // In f32 the matrix resolves no more than this part of its diagonal.
         let largest = (0..count).map(|j| matrix.row(j)[0][j]).fold(0.0, f32::max);
-        let mut shift = f32::max(1.0, 1e-6 * largest);
-        let solver = loop {
-            match Hermitian::new(&matrix, count, shift, work) {
-                Some(solver) => break solver,
-                None => shift *= 10.0,
-            }
-        };
+        let shift = f32::max(1.0, 1e-6 * largest);
+        let solver = Hermitian::damped(&matrix, count, shift, work);
         solver.solve(&mut phasors, work);
         let mut drive = back_project(gains, &phasors, |i| inverse[i], work);
         self.limit.apply(&mut drive);
@@ -89,9 +85,7 @@ impl Solve for Evd {
             planar.give(work);
         }
         let mut solution = Solution::new(problem, drive, Status::Done, 1, work);
-        if control.step(1, 1, || problem.residual_of(&solution)).is_break() {
-            solution.status = Status::Stopped;
-        }
+        solution.tell(problem, 1, control);
         Ok(solution)
     }
 }

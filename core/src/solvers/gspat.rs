@@ -89,15 +89,13 @@ impl Solve for Gspat {
             let change =
                 change.fold(0.0, |most, ((now, was), target)| f32::max(most, (now - was).abs() / target));
             before.copy_from_slice(&moduli);
-            if step == steps {
-                break;
-            }
-            if control.step(step, steps, || problem.residual(&moduli)).is_break() {
-                status = Status::Stopped;
-                break;
-            }
             if self.tolerance > 0.0 && f64::from(change) <= self.tolerance {
                 status = Status::Done;
+                break;
+            }
+            // The field before the limit; the last step tells the answer's own.
+            if step < steps && control.step(step, steps, || problem.residual(&moduli)).is_break() {
+                status = Status::Stopped;
                 break;
             }
         }
@@ -114,9 +112,7 @@ impl Solve for Gspat {
             planar.give(work);
         }
         let mut solution = Solution::new(problem, drive, status, step, work);
-        if step == steps && control.step(step, steps, || problem.residual_of(&solution)).is_break() {
-            solution.status = Status::Stopped;
-        }
+        solution.tell(problem, steps, control);
         Ok(solution)
     }
 }

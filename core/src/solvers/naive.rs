@@ -66,9 +66,7 @@ impl Solve for Naive {
         self.limit.apply(&mut drive);
         work.floats.give_all(buffers);
         let mut solution = Solution::new(problem, drive, Status::Done, 1, work);
-        if control.step(1, 1, || problem.residual_of(&solution)).is_break() {
-            solution.status = Status::Stopped;
-        }
+        solution.tell(problem, 1, control);
         Ok(solution)
     }
 }

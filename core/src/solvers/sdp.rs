@@ -8,9 +8,10 @@
 //! with its raw moduli (the paper's, which loses points) or made 1.
 
 use crate::control::Control;
+use crate::eigen::leading_eigenvector;
 use crate::error::{Error, real};
 use crate::kernels;
-use crate::linalg::{Hermitian, Planar, gram, leading_eigenvector, times};
+use crate::linalg::{Hermitian, Planar, gram, times};
 use crate::math::{sqrt, sqrtf};
 use crate::options::{OptionValue, Value, spell, word};
 use crate::problem::Problem;
@@ -47,7 +48,8 @@ crate::options! {
     pub struct Sdp {
         /// Random columns visited at most.
         pub steps: u32 = 1000,
-        /// Ends when a visit to every column, one after another, changes no entry of X by more; 0 takes all steps.
+        /// Ends when no column's visit changes an entry of X by more; 0 takes all steps. Rest needs lambda near 1:
+        /// at 0.9 the descent never settles.
         pub tolerance: f64 = 0.0,
         /// How much of a column the descent may use, above 0 and below 1.
         pub lambda: f64 = 0.9,
@@ -96,13 +98,8 @@ impl Solve for Sdp {
         let product = gram(gains, |_| 1.0, work);
         let largest = (0..count).map(|j| product.row(j)[0][j]).fold(0.0, f32::max);
         // In f32 the matrix resolves no more than this part of its diagonal.
-        let mut shift = (self.alpha as f32).max(1e-6 * largest);
-        let inverse = loop {
-            match Hermitian::new(&product, count, shift, work) {
-                Some(inverse) => break inverse,
-                None => shift *= 10.0,
-            }
-        };
+        let shift = (self.alpha as f32).max(1e-6 * largest);
+        let inverse = Hermitian::damped(&product, count, shift, work);
         let quality = quality(problem, &inverse, work);
         let mut relaxed = begin(problem, work);
         let [mut column, mut image] = [(); 2].map(|()| Planar::zeros(1, lanes, work));
@@ -110,7 +107,9 @@ impl Solve for Sdp {
         let steps = self.steps as usize;
         let (mut status, mut step) =
             (if self.tolerance > 0.0 { Status::OutOfSteps } else { Status::Done }, 0);
-        let (mut still, mut quiet) = (0, false);
+        // Columns whose last visit changed nothing since anything changed.
+        let mut still = work.floats.take(count);
+        let mut quiet = false;
         while step < steps && !quiet {
             let chosen = rng.below(count as u64) as usize;
             let [re, im] = quality.row(chosen);
@@ -122,10 +121,15 @@ impl Solve for Sdp {
             let [gain, _] = kernels::correlate(image.row(0), column.row(0));
             let scale = if gain > 0.0 { -sqrt(self.lambda / f64::from(gain)) as f32 } else { 0.0 };
             let change = replace(&mut relaxed, chosen, &image, scale, count);
-            still = if change <= self.tolerance as f32 { still + 1 } else { 0 };
-            quiet = self.tolerance > 0.0 && still >= count;
+            if change > self.tolerance as f32 {
+                still.fill(0.0);
+            }
+            still[chosen] = 1.0;
+            quiet = self.tolerance > 0.0 && still.iter().all(|&mark| mark > 0.0);
             step += 1;
-            if step < steps && control.step(step, steps, || relaxation(&relaxed, &quality, count)).is_break()
+            if step < steps
+                && !quiet
+                && control.step(step, steps, || relaxation(&relaxed, &quality, count)).is_break()
             {
                 status = Status::Stopped;
                 break;
@@ -151,13 +155,12 @@ impl Solve for Sdp {
         let mut drive = back_project(gains, &phasors, |_| 1.0, work);
         self.limit.apply(&mut drive);
         inverse.give(work);
+        work.floats.give(still);
         for planar in [product, quality, relaxed, column, image, phasors] {
             planar.give(work);
         }
         let mut solution = Solution::new(problem, drive, status, step, work);
-        if step == steps && control.step(step, steps, || problem.residual_of(&solution)).is_break() {
-            solution.status = Status::Stopped;
-        }
+        solution.tell(problem, steps, control);
         Ok(solution)
     }
 }

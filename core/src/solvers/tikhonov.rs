@@ -62,13 +62,8 @@ impl Solve for Tikhonov {
             trace += matrix.row(k)[0][k];
         }
         // Rounding of G G^H in f32 bounds the damping from below.
-        let mut shift = (self.regularization as f32).max(1e-6) * trace / count as f32;
-        let solver = loop {
-            match Hermitian::new(&matrix, count, shift, work) {
-                Some(solver) => break solver,
-                None => shift *= 10.0,
-            }
-        };
+        let shift = (self.regularization as f32).max(1e-6) * trace / count as f32;
+        let solver = Hermitian::damped(&matrix, count, shift, work);
         let mut phasors = Planar::zeros(1, gains.lanes(), work);
         for k in 0..count {
             phasors.re[k] = sqrtf(problem.weights()[k]) * problem.targets()[k];
@@ -85,9 +80,7 @@ impl Solve for Tikhonov {
         matrix.give(work);
         phasors.give(work);
         let mut solution = Solution::new(problem, drive, Status::Done, 1, work);
-        if control.step(1, 1, || problem.residual_of(&solution)).is_break() {
-            solution.status = Status::Stopped;
-        }
+        solution.tell(problem, 1, control);
         Ok(solution)
     }
 }

@@ -63,7 +63,10 @@ impl Solve for Wgs {
         raised.copy_from_slice(problem.targets());
         let mut best = work.complexes.take(problem.gains().transducers());
         let mut best_moduli = work.floats.take(lanes);
-        let mut worst = -1.0;
+        // The start is the first candidate: an answer is never worse than what it began with.
+        let mut worst = spread(projector.modulus(), problem.targets()).0;
+        best.copy_from_slice(projector.drive());
+        best_moduli.copy_from_slice(projector.modulus());
         let steps = self.steps as usize;
         let (mut status, mut step) =
             (if self.tolerance > 0.0 { Status::OutOfSteps } else { Status::Done }, 0);

@@ -1,5 +1,6 @@
 //! The tests of the core, in one binary.
 
+mod constants;
 mod field;
 #[cfg(feature = "scene-file")]
 mod files;
@@ -7,9 +8,12 @@ mod files;
 mod golden;
 mod greedy;
 mod laws;
+mod metrics;
+mod motions;
 #[allow(dead_code, unreachable_pub, reason = "an independent reference, also for tests to come")]
 mod oracle;
 mod paper;
 mod props;
+mod registry;
 mod rows;
 mod scenes;

@@ -1,0 +1,140 @@
+//! What the registry says of its solvers is so: names, options, grids, and memory that leaves no trace.
+
+use std::f64::consts::TAU;
+
+use midair::solvers::{DEFAULT, SOLVERS, find};
+use midair::{Array, Complex32, Control, Options, Problem, Value, Workspace};
+
+use crate::scenes::{preset, problem, random_points, scene, widen};
+
+fn drive(solver: &dyn midair::Solve, problem: &Problem, work: &mut Workspace) -> Vec<Complex32> {
+    midair::solve(problem, solver, false, work, &mut Control::none()).expect("an answer").drive
+}
+
+#[test]
+fn every_name_is_listed_once_and_found() {
+    for (k, entry) in SOLVERS.iter().enumerate() {
+        let name = entry.info.name;
+        assert_eq!(find(name).expect("a listed name").info.name, name);
+        assert!(SOLVERS[..k].iter().all(|other| other.info.name != name), "{name} twice");
+        assert!(!entry.info.summary.is_empty() && !entry.info.source.is_empty(), "{name} has no source");
+        assert!(
+            entry.info.tolerance > 0.0 && entry.info.tolerance <= 0.02,
+            "{name}: {}",
+            entry.info.tolerance
+        );
+    }
+    assert!(find(DEFAULT).is_ok());
+    let error = find("no such").map(|entry| entry.info.name).expect_err("unknown").to_string();
+    assert!(SOLVERS.iter().all(|entry| error.contains(entry.info.name)) && !error.contains('\n'), "{error}");
+}
+
+#[test]
+fn every_option_is_documented_and_its_default_is_what_is_used() {
+    for entry in SOLVERS {
+        let name = entry.info.name;
+        let made = entry.configure(&Options::new()).expect("defaults");
+        let listed: Options = entry.options().into_iter().map(|o| (o.name.to_owned(), o.default)).collect();
+        assert_eq!(made.options, listed, "{name}");
+        // Each default may be given in so many words, and one by one.
+        for (key, value) in &listed {
+            let alone = entry.configure(&[(key.clone(), value.clone())].into());
+            assert_eq!(alone.map(|made| made.options).ok().as_ref(), Some(&listed), "{name}.{key}");
+        }
+        for option in entry.options() {
+            assert!(option.doc.len() > 3 && !option.doc.contains('\n'), "{name}.{} has no doc", option.name);
+        }
+    }
+}
+
+#[test]
+fn what_is_no_option_or_no_value_of_it_is_refused_by_name() {
+    for entry in SOLVERS {
+        let name = entry.info.name;
+        let message = |key: &str, value: Value| {
+            let made = entry.configure(&[(key.to_owned(), value)].into());
+            let text = made.map(|made| made.info.name).expect_err(key).to_string();
+            assert!(!text.contains('\n'), "{text:?}");
+            text
+        };
+        let unknown = message("no_such_option", Value::Bool(true));
+        assert!(unknown.contains("no_such_option") && unknown.contains(name), "{unknown}");
+        for option in entry.options() {
+            assert!(unknown.contains(option.name), "{name} does not list {}: {unknown}", option.name);
+            // No option of any kind is a negative number, a word nobody knows or not a number at all.
+            let wrong = [
+                Value::Integer(-1),
+                Value::Real(-1.0),
+                Value::Real(f64::NAN),
+                Value::Text("no such word".into()),
+            ];
+            for value in wrong {
+                let text = message(option.name, value.clone());
+                assert!(text.starts_with(&format!("{} is", option.name)), "{name}: {text}");
+            }
+        }
+    }
+}
+
+#[test]
+fn phases_and_amplitudes_lie_on_the_grid_asked_for() {
+    let problem = problem(&scene(preset("autd3"), random_points(6, 0.08, 1), None));
+    let mut checked = 0;
+    for entry in SOLVERS {
+        let options = entry.options();
+        let has = |name: &str| options.iter().any(|option| option.name == name);
+        if !has("phases") {
+            continue;
+        }
+        for (phases, amplitudes) in [(2_i32, 1_i32), (3, 1), (16, 1), (10, 4), (256, 16)] {
+            let mut chosen: Options = [("phases".to_owned(), Value::Integer(phases.into()))].into();
+            let levels = if has("amplitudes") { amplitudes } else { 1 };
+            if has("amplitudes") {
+                chosen.insert("amplitudes".into(), Value::Integer(amplitudes.into()));
+            }
+            let made = entry.configure(&chosen).expect("options");
+            for q in widen(&drive(&*made.solver, &problem, &mut Workspace::new())) {
+                let turns = q.arg() / TAU * f64::from(phases);
+                let steps = q.norm() * f64::from(levels);
+                // Rounded to f32 once; an amplitude of 0 would not be on the grid (k+1)/K.
+                let near = |x: f64| (x - x.round()).abs() < 1e-6 * f64::from(phases.max(levels));
+                assert!(near(turns) && near(steps) && steps > 0.5, "{}: {q}", entry.info.name);
+            }
+            checked += 1;
+        }
+    }
+    assert!(checked > 0, "no solver has a grid: this test tests nothing");
+}
+
+#[test]
+fn a_seed_is_another_answer_and_an_index_of_nothing_else() {
+    let problem = problem(&scene(preset("autd3"), random_points(6, 0.08, 2), None));
+    for entry in SOLVERS.iter().filter(|entry| entry.options().iter().any(|option| option.name == "seed")) {
+        let with = |seed: u64| {
+            let made =
+                entry.configure(&[("seed".to_owned(), Value::Integer(seed.into()))].into()).expect("a seed");
+            drive(&*made.solver, &problem, &mut Workspace::new())
+        };
+        let answers = [1, 2, u64::MAX].map(with);
+        assert!(answers[0] != answers[1] && answers[1] != answers[2], "{} ignores its seed", entry.info.name);
+    }
+}
+
+#[test]
+fn what_a_workspace_was_used_for_before_changes_no_bit() {
+    let wide = scene(preset("autd3"), random_points(40, 0.08, 3), None);
+    let narrow = scene(Array::grid(5, 4, 1e-2).expect("a grid"), random_points(3, 0.03, 4), None);
+    for entry in SOLVERS {
+        let solver = entry.configure(&Options::new()).expect("defaults").solver;
+        let fresh = |problem: &Problem| drive(&*solver, problem, &mut Workspace::new());
+        let mut work = Workspace::new();
+        for scene in [&wide, &narrow, &wide, &narrow] {
+            let problem = problem(scene);
+            let mut control = Control::none();
+            let solution =
+                midair::solve(&problem, &*solver, false, &mut work, &mut control).expect("an answer");
+            assert_eq!(solution.drive, fresh(&problem), "{}", entry.info.name);
+            work.recycle(solution);
+        }
+    }
+}
