@@ -47,7 +47,8 @@ impl Method for Lm {
     };
 
     fn check(&self) -> Result<(), Error> {
-        check_iteration(self.steps, self.eps)?;
+        check_iteration(self.steps, 0.0)?;
+        real("eps", self.eps, 0.0, false)?;
         real("tau", self.tau, 0.0, true).map(|_| ())
     }
 }

@@ -62,8 +62,6 @@ fn odd_scenes_get_finite_answers() {
     let at = |z: f64| vec![[0.0, 0.0, z], [0.01, 0.0, z], [0.01, 0.0, z]];
     let pair = vec![[0.0, 0.0, 0.1], [0.02, 0.0, 0.1]];
     let beside = Request { pressures: None, weights: Some(vec![1.0, 0.0]) };
-    let dead = small().with_response(Some(vec![Complex64::ZERO; 16])).is_ok();
-    assert!(dead, "an array of dead transducers is an array");
     let scenes = [
         ("N = 1", Array::grid(1, 1, 1e-2).expect("a grid"), at(0.1), Request::default()),
         ("M = 1", small(), vec![[0.0, 0.01, 0.12]], Request::default()),
@@ -136,6 +134,8 @@ fn one_strong_focus_gets_the_conjugate_phases() {
         let allowed = if gridded { TAU / 16.0 } else { 0.01 };
         for (i, (g, q)) in gains(&scene).iter().zip(widen(&solution.drive)).enumerate() {
             let off = (g[0] * q / total).arg().abs();
+            // A silent transducer has no phase to be wrong.
+            assert!(q.norm() > 0.0, "{}: transducer {i} is left off", entry.info.name);
             assert!(off <= allowed, "{}: transducer {i} is {off} rad off", entry.info.name);
         }
     }
@@ -164,52 +164,6 @@ fn no_answer_is_worse_than_silence_where_all_can_be_had() {
         for entry in SOLVERS {
             let residual = raw(entry, &scene).metrics().residual;
             assert!(residual <= 1.0, "{}: residual {residual}", entry.info.name);
-        }
-    }
-}
-
-/// Largest mean change of accuracy, sigma, uniformity and level between two ways to put the same scenes.
-fn mean_change(entry: &Entry, other: impl Fn(&[[f64; 3]]) -> (Array, Vec<[f64; 3]>)) -> f64 {
-    let mut sums = [0.0; 4];
-    for seed in 0..20 {
-        let points = apart(8, 100 + seed);
-        let here = raw(entry, &scene(preset("paper20"), points.clone(), None)).metrics();
-        let (array, points) = other(&points);
-        let there = raw(entry, &scene(array, points, None)).metrics();
-        let pairs = [
-            (here.accuracy, there.accuracy),
-            (here.sigma, there.sigma),
-            (here.uniformity, there.uniformity),
-            (here.level, there.level),
-        ];
-        for (sum, (here, there)) in sums.iter_mut().zip(pairs) {
-            *sum += (here - there) / 20.0;
-        }
-    }
-    sums.iter().fold(0.0, |most, sum| most.max(sum.abs()))
-}
-
-#[test]
-fn permuting_moving_or_mirroring_a_scene_changes_no_metric() {
-    let moved = |points: &[[f64; 3]], by: [f64; 3]| -> Vec<[f64; 3]> {
-        points.iter().map(|point| [0, 1, 2].map(|axis| point[axis] + by[axis])).collect()
-    };
-    for entry in SOLVERS {
-        let permuted = mean_change(entry, |points| {
-            let mut points = points.to_vec();
-            points.reverse();
-            (preset("paper20"), points)
-        });
-        let by = [3.0, -2.0, 7.0];
-        let elsewhere = mean_change(entry, |points| {
-            let array = Array::new(moved(preset("paper20").positions(), by), None).expect("an array");
-            (array.with_transducer(preset("paper20").transducer()).expect("a transducer"), moved(points, by))
-        });
-        let mirrored = mean_change(entry, |points| {
-            (preset("paper20"), points.iter().map(|[x, y, z]| [-x, *y, *z]).collect())
-        });
-        for (what, change) in [("permuted", permuted), ("moved", elsewhere), ("mirrored", mirrored)] {
-            assert!(change <= entry.info.tolerance, "{} {what}: {change}", entry.info.name);
         }
     }
 }
@@ -342,6 +296,8 @@ fn what_cannot_be_answered_is_refused_before_any_solver() {
         vec![[0.0, 0.0, 0.1], [0.005, 0.005, 1e-6]],
         "points[1] is 1.000e-6 m from transducer 10",
     );
+    let dead = grid().with_response(Some(vec![Complex64::ZERO; 16])).expect("an array, if a useless one");
+    refused(dead, vec![[0.0, 0.0, 0.1]], "points[0] is reached by no transducer");
     refused(baffled(), vec![[0.0, 0.0, 0.1], [0.0, 0.0, -0.1]], "points[1] is reached by no transducer");
     refused(grid(), vec![[0.0, 0.0, 1e9]], "points[0].position");
 }

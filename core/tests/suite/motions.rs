@@ -128,7 +128,6 @@ fn permuting_moving_or_mirroring_a_whole_scene_changes_no_metric() {
                     *sum += if drawn { by } else { by.abs() } / 20.0;
                 }
             }
-            println!("MOT {} {what} {sums:.5?} of {}", entry.info.name, entry.info.tolerance);
             let most = sums.iter().fold(0.0, |most: f64, sum| most.max(sum.abs()));
             assert!(most <= entry.info.tolerance, "{} {what}: {sums:?}", entry.info.name);
         }
