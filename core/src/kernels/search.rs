@@ -9,12 +9,12 @@ use super::{LANES, Lanes, groups, padded};
 use crate::math::{cos, sin, sqrtf};
 use alloc::vec::Vec;
 
-/// A point's term of eq. (7) as a function of |P|^2, by its change.
+/// A point's term of eq. (7), by its change when |P| rises towards its target or past it.
 pub(crate) trait Term {
-    /// The change of the term when |P|^2 rises by `square` from `old`^2 to `new`^2, `sum` = old + new.
-    fn change(square: f32, sum: f32, old: f32, target: f32) -> f32;
-    /// A bound on it for a drive of modulus 1: `gain` bounds |G|.
-    fn bound(gain: f32, old: f32, target: f32) -> f32;
+    /// The change of the term when |P| rises by `rise`, `gap` = target - |P| before.
+    fn change(rise: f32, gap: f32) -> f32;
+    /// A bound on it for a drive of modulus 1: `gain` bounds |G|, and so |rise|.
+    fn bound(gain: f32, gap: f32) -> f32;
 }
 
 /// (t - |P|)^2, the paper's eq. (7).
@@ -25,25 +25,24 @@ pub(crate) struct L1;
 
 impl Term for L2 {
     #[inline(always)]
-    fn change(square: f32, sum: f32, _old: f32, target: f32) -> f32 {
-        square * (1.0 - (target + target) / sum)
+    fn change(rise: f32, gap: f32) -> f32 {
+        rise * (rise - (gap + gap))
     }
 
     #[inline(always)]
-    fn bound(gain: f32, old: f32, target: f32) -> f32 {
-        gain * (gain + 2.0 * (old + target))
+    fn bound(gain: f32, gap: f32) -> f32 {
+        gain * (gain + 2.0 * gap.abs())
     }
 }
 
 impl Term for L1 {
     #[inline(always)]
-    fn change(square: f32, sum: f32, old: f32, target: f32) -> f32 {
-        let gap = target - old;
-        (gap - square / sum).abs() - gap.abs()
+    fn change(rise: f32, gap: f32) -> f32 {
+        (gap - rise).abs() - gap.abs()
     }
 
     #[inline(always)]
-    fn bound(gain: f32, _old: f32, _target: f32) -> f32 {
+    fn bound(gain: f32, _gap: f32) -> f32 {
         gain
     }
 }
@@ -113,7 +112,7 @@ pub(crate) fn tolerance<T: Term>(points: Points<'_>) -> f32 {
     let asked = groups(points.target).iter().zip(groups(points.weight));
     let mut most = [0.0; LANES];
     for (((re, im), old), (target, weight)) in gains.zip(groups(points.modulus)).zip(asked) {
-        let bound: Lanes = from_fn(|l| weight[l] * T::bound(re[l].abs() + im[l].abs(), old[l], target[l]));
+        let bound: Lanes = from_fn(|l| weight[l] * T::bound(re[l].abs() + im[l].abs(), target[l] - old[l]));
         most = from_fn(|l| if bound[l] > most[l] { bound[l] } else { most[l] });
     }
     1e-7 * greatest(&most)
@@ -140,14 +139,16 @@ fn changes<T: Term>(points: Points<'_>, re: &Lanes, im: &Lanes) -> Lanes {
     for j in 0..count {
         let (gr, gi, pr, pi) = (gain_re[j], gain_im[j], pressure_re[j], pressure_im[j]);
         let (old, target, weight) = (modulus[j], target[j], weight[j]);
-        let floor = old + SMALLEST;
+        let (floor, gap) = (old + SMALLEST, target - old);
         for l in 0..LANES {
             let er = gr * re[l] - gi * im[l];
             let ei = gr * im[l] + gi * re[l];
             let (x, y) = (pr + er, pi + ei);
             // |P + e|^2 - |P|^2 without the cancellation of its two large parts.
             let square = er * (pr + x) + ei * (pi + y);
-            total[l] += weight * T::change(square, sqrtf(x * x + y * y) + floor, old, target);
+            // So is |P + e| - |P|.
+            let rise = square / (sqrtf(x * x + y * y) + floor);
+            total[l] += weight * T::change(rise, gap);
         }
     }
     total

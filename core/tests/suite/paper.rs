@@ -98,10 +98,9 @@ fn a_strong_focus_is_ideal_in_any_order() {
 #[test]
 fn a_weak_focus_is_smeared_along_x_by_the_fixed_order() {
     // With |p| = 1 in reach of the first columns, the rest keeps |P| there by waves from either side in turn. How
-    // they pair hangs on ties that the symmetry of the scene leaves open: in f64 the width is 38 mm with ties told
-    // apart from 1e-12, 55 mm from 1e-9 (a lobe at 30 mm then exceeds half), never near the ideal 6.4 mm.
+    // they pair hangs on near-ties of the symmetric scene: 42 mm here, 38 mm in f64, the paper's picture some 40.
     let widths = [0, 1].map(|axis| width(axis, &columns(), 1.0, false));
-    assert!((0.035..0.060).contains(&widths[0]) && widths[1] < 0.02, "{widths:?}");
+    assert!((0.035..0.045).contains(&widths[0]) && widths[1] < 0.02, "{widths:?}");
 }
 
 #[test]

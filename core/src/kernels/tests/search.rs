@@ -70,7 +70,7 @@ impl Scene {
     /// The most that a drive of modulus 1 may change point j's term by.
     fn bound<T: Reference>(&self, j: usize) -> f64 {
         let gain = wide(self.gain[0][j]).abs() + wide(self.gain[1][j]).abs();
-        wide(self.weight[j]) * wide(T::bound(gain as f32, self.modulus[j], self.target[j]))
+        wide(self.weight[j]) * wide(T::bound(gain as f32, self.target[j] - self.modulus[j]))
     }
 
     fn greatest_bound<T: Reference>(&self) -> f64 {
