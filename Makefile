@@ -7,7 +7,6 @@ BIN := .venv/bin
 PYTHON := $(BIN)/python
 export UV_PYTHON_DOWNLOADS := never
 export VIRTUAL_ENV := $(CURDIR)/.venv
-# CI passes --offline or the like here.
 CARGO := cargo
 
 .PHONY: help setup demo test test-rust test-python lint bench golden pins clean

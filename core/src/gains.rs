@@ -190,7 +190,7 @@ impl Gains {
         }
     }
 
-    /// The acoustic impedance's product rho c^2 in Pa: the scene's, or 1.18 kg/m^3 and 340 m/s.
+    /// The scene's medium; the default one for a user's own G, which says nothing of the air.
     pub(crate) fn medium(&self) -> Medium {
         match &self.rows {
             Rows::Computed { emitters, .. } => emitters.medium,

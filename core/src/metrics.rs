@@ -20,7 +20,7 @@ pub struct Metrics {
     pub leak: f64,
 }
 
-/// Gathers the metrics in one pass that needs no memory, in double precision.
+/// In double precision, and without memory: the points are walked more than once instead.
 ///
 /// Each item of `points` is (|p|, target, weight) in any one unit.
 ///
