@@ -9,7 +9,7 @@ use num_complex::{Complex32, Complex64};
 
 use crate::array::{Array, UNITS};
 use crate::error::Error;
-use crate::kernels::{self, Law, Row, Source, Spots, padded};
+use crate::kernels::{self, Law, Level, Row, Source, Spots, padded};
 use crate::math;
 use crate::medium::Medium;
 use crate::scene::Scene;
@@ -31,21 +31,25 @@ impl Emitters {
     pub(crate) fn new(array: &Array, medium: Medium) -> Self {
         let centre = array.centre();
         let wavelength = medium.wavelength();
+        // P0 cancels: the reference is 1000 P0.
+        let unit = 1.0 / (1000.0 * wavelength);
         let sources = (0..array.len())
             .map(|i| {
-                let response = array.response().map_or(Complex64::ONE, |response| response[i]);
-                // P0 cancels: the reference is 1000 P0.
-                let strength = response / (1000.0 * wavelength);
+                let (gain, turns) = array.response().map_or((unit, 0.0), |response| {
+                    let Complex64 { re, im } = response[i];
+                    (unit * math::hypot(re, im), math::atan2(im, re) / core::f64::consts::TAU)
+                });
                 Source {
                     position: wavelengths(array.positions()[i], centre, wavelength),
                     normal: array.normals()[i].map(|x| x as f32),
-                    strength: [strength.re as f32, strength.im as f32],
+                    gain: gain as f32,
+                    turns: turns as f32,
                 }
             })
             .collect();
         let law = Law {
             decay: (-medium.absorption * wavelength * core::f64::consts::LOG2_E) as f32,
-            table: crate::directivity::Table::new(array.transducer().directivity, medium.wavenumber()),
+            table: array.transducer().directivity.table(medium.wavenumber()),
         };
         Self { array: array.clone(), medium, centre, sources, law }
     }
@@ -63,9 +67,9 @@ impl Emitters {
         frame
     }
 
-    /// The row of transducer `i` in units of the reference; the least square distance in square wavelengths.
-    pub(crate) fn row(&self, i: usize, spots: Spots<'_>, out: &mut Row<'_>) -> f32 {
-        kernels::row(&self.law, &self.sources[i], spots, out)
+    /// The row of transducer `i` in units of the reference.
+    pub(crate) fn row(&self, level: Level, i: usize, spots: Spots<'_>, out: &mut Row<'_>) {
+        kernels::row(level, &self.law, &self.sources[i], spots, out);
     }
 
     /// Pa of one unit of the rows.
@@ -107,12 +111,14 @@ pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 pub struct Gains {
     rows: Rows,
     count: usize,
+    level: Level,
 }
 
 #[derive(Clone, Debug)]
 enum Rows {
     Computed { emitters: Arc<Emitters>, frame: Arc<[Vec<f32>; 3]>, points: Arc<[[f64; 3]]> },
-    Stored { matrix: Arc<[Complex64]>, transducers: usize, reference: f64 },
+    /// The user's numbers, transducer by transducer, and the padded f32 rows made of them.
+    Stored { matrix: Arc<[Complex64]>, planar: Arc<[Vec<f32>; 2]>, reference: f64 },
 }
 
 impl Gains {
@@ -124,7 +130,20 @@ impl Gains {
 
     fn at(emitters: Arc<Emitters>, points: Arc<[[f64; 3]]>) -> Self {
         let frame = Arc::new(emitters.frame(&points));
-        Self { count: points.len(), rows: Rows::Computed { emitters, frame, points } }
+        let count = points.len();
+        Self { count, rows: Rows::Computed { emitters, frame, points }, level: Level::best() }
+    }
+
+    /// The same with the kernels of another level: for tests and benchmarks.
+    #[must_use]
+    pub fn with_level(self, level: Level) -> Self {
+        Self { level, ..self }
+    }
+
+    /// The level of the kernels.
+    #[must_use]
+    pub fn level(&self) -> Level {
+        self.level
     }
 
     /// A user's own G (M, N) in Pa, point by point, as the matrix reads.
@@ -148,7 +167,20 @@ impl Gains {
         }
         let turned = (0..matrix.len()).map(|k| matrix[(k % points) * transducers + k / points]).collect();
         let reference = if mean > 0.0 { mean } else { 1.0 };
-        Ok(Self { count: points, rows: Rows::Stored { matrix: turned, transducers, reference } })
+        Ok(Self::stored(turned, points, reference, Level::best()))
+    }
+
+    fn stored(matrix: Arc<[Complex64]>, count: usize, reference: f64, level: Level) -> Self {
+        let lanes = padded(count);
+        let unit = 1.0 / reference;
+        let mut planar = [(); 2].map(|()| vec![0.0; matrix.len() / count * lanes]);
+        for (i, row) in matrix.chunks(count).enumerate() {
+            for (j, g) in row.iter().enumerate() {
+                planar[0][i * lanes + j] = (g.re * unit) as f32;
+                planar[1][i * lanes + j] = (g.im * unit) as f32;
+            }
+        }
+        Self { count, rows: Rows::Stored { matrix, planar: Arc::new(planar), reference }, level }
     }
 
     /// Number of transducers N.
@@ -156,7 +188,7 @@ impl Gains {
     pub fn transducers(&self) -> usize {
         match &self.rows {
             Rows::Computed { emitters, .. } => emitters.sources.len(),
-            Rows::Stored { transducers, .. } => *transducers,
+            Rows::Stored { matrix, .. } => matrix.len() / self.count,
         }
     }
 
@@ -207,36 +239,59 @@ impl Gains {
         assert!(re.len() == self.lanes() && im.len() == self.lanes(), "a row is M padded to 16 long");
         match &self.rows {
             Rows::Computed { emitters, frame, .. } => {
-                emitters.row(i, self.spots(frame), &mut Row { re, im });
+                emitters.row(self.level, i, self.spots(frame), &mut Row { re, im });
             }
-            Rows::Stored { matrix, reference, .. } => {
-                let unit = 1.0 / reference;
-                for (j, g) in matrix[i * self.count..(i + 1) * self.count].iter().enumerate() {
-                    (re[j], im[j]) = ((g.re * unit) as f32, (g.im * unit) as f32);
-                }
-                re[self.count..].fill(0.0);
-                im[self.count..].fill(0.0);
+            Rows::Stored { planar, .. } => {
+                let range = i * self.lanes()..(i + 1) * self.lanes();
+                re.copy_from_slice(&planar[0][range.clone()]);
+                im.copy_from_slice(&planar[1][range]);
             }
         }
     }
 
-    /// Writes the moduli of row `i`, refusing a point on the transducer.
-    pub(crate) fn moduli(&self, i: usize, out: &mut [f32]) -> Result<(), Error> {
+    /// The rows as the kernels read them.
+    pub(crate) fn rows(&self) -> kernels::Rows<'_> {
+        match &self.rows {
+            Rows::Computed { emitters, frame, .. } => kernels::Rows::Computed {
+                law: &emitters.law,
+                sources: &emitters.sources,
+                spots: self.spots(frame),
+            },
+            Rows::Stored { planar, .. } => kernels::Rows::Stored { re: &planar[0], im: &planar[1] },
+        }
+    }
+
+    /// p1_j = `sum_i |G_ji|` in units of the reference, refusing a point on a transducer.
+    pub(crate) fn reach(&self) -> Result<Vec<f64>, Error> {
+        /// Rows summed in f32 before f64 takes over.
+        const TOGETHER: usize = 64;
+        let mut reach = vec![0.0; self.count];
         match &self.rows {
             Rows::Computed { emitters, frame, points } => {
-                let square = kernels::magnitudes(&emitters.law, &emitters.sources[i], self.spots(frame), out);
-                // f32 decides where to look, f64 decides.
-                if square < 1.01e-4 {
-                    return emitters.check_distances(i, points);
+                let mut sums = vec![0.0; self.lanes()];
+                for (step, sources) in emitters.sources.chunks(TOGETHER).enumerate() {
+                    sums.fill(0.0);
+                    // f32 decides where to look, f64 decides.
+                    let (law, spots) = (&emitters.law, self.spots(frame));
+                    if kernels::add_moduli(self.level, law, sources, spots, 1.01e-4, &mut sums) {
+                        for i in step * TOGETHER..step * TOGETHER + sources.len() {
+                            emitters.check_distances(i, points)?;
+                        }
+                    }
+                    for (reach, sum) in reach.iter_mut().zip(&sums) {
+                        *reach += f64::from(*sum);
+                    }
                 }
             }
             Rows::Stored { matrix, reference, .. } => {
-                for (out, g) in out.iter_mut().zip(&matrix[i * self.count..(i + 1) * self.count]) {
-                    *out = (math::hypot(g.re, g.im) / reference) as f32;
+                for row in matrix.chunks(self.count) {
+                    for (reach, g) in reach.iter_mut().zip(row) {
+                        *reach += math::hypot(g.re, g.im) / reference;
+                    }
                 }
             }
         }
-        Ok(())
+        Ok(reach)
     }
 
     /// Entry (j, i) in double precision, in Pa: eq. (5) itself.
@@ -254,10 +309,10 @@ impl Gains {
     /// A point on a transducer.
     pub fn matrix(&self) -> Result<Vec<Complex32>, Error> {
         let n = self.transducers();
+        self.reach()?;
         let (mut re, mut im) = (vec![0.0; self.lanes()], vec![0.0; self.lanes()]);
         let mut matrix = vec![Complex32::ZERO; n * self.count];
         for i in 0..n {
-            self.moduli(i, &mut re)?;
             self.row(i, &mut re, &mut im);
             for j in 0..self.count {
                 let g = Complex64::new(f64::from(re[j]), f64::from(im[j])) * self.reference();
@@ -271,13 +326,13 @@ impl Gains {
     pub(crate) fn select(&self, chosen: &[usize]) -> Self {
         match &self.rows {
             Rows::Computed { emitters, points, .. } => {
-                Self::at(Arc::clone(emitters), chosen.iter().map(|&j| points[j]).collect())
+                let points = chosen.iter().map(|&j| points[j]).collect();
+                Self::at(Arc::clone(emitters), points).with_level(self.level)
             }
-            Rows::Stored { matrix, transducers, reference } => {
-                let pick = |i: usize| chosen.iter().map(move |&j| matrix[i * self.count + j]);
-                let matrix = (0..*transducers).flat_map(pick).collect();
-                let rows = Rows::Stored { matrix, transducers: *transducers, reference: *reference };
-                Self { rows, count: chosen.len() }
+            Rows::Stored { matrix, reference, .. } => {
+                let rows = matrix.chunks(self.count);
+                let picked = rows.flat_map(|row| chosen.iter().map(move |&j| row[j])).collect();
+                Self::stored(picked, chosen.len(), *reference, self.level)
             }
         }
     }

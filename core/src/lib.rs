@@ -36,7 +36,6 @@
 //! `std` (default; without it the crate is `no_std` + alloc), `parallel` (fields over all threads), `serde`,
 //! `scene-file` (scenes as TOML or JSON text).
 #![cfg_attr(not(feature = "std"), no_std)]
-#![forbid(unsafe_code)]
 
 extern crate alloc;
 
@@ -70,6 +69,7 @@ pub use directivity::{Directivity, Transducer};
 pub use error::Error;
 pub use field::field;
 pub use gains::Gains;
+pub use kernels::Level;
 pub use medium::Medium;
 pub use metrics::Metrics;
 pub use num_complex::{Complex32, Complex64};

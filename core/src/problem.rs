@@ -9,6 +9,7 @@ use num_complex::{Complex32, Complex64};
 
 use crate::error::Error;
 use crate::gains::Gains;
+use crate::kernels::Level;
 use crate::math;
 use crate::metrics::Metrics;
 use crate::scene::{Request, Scene};
@@ -73,7 +74,7 @@ impl Problem {
         request.check(all.points())?;
         let active: Vec<usize> = (0..all.points()).filter(|&j| request.weight(j) > 0.0).collect();
         let gains = if active.len() == all.points() { all.clone() } else { all.select(&active) };
-        let reach = reach(&gains).map_err(|error| match error {
+        let reach = gains.reach().map_err(|error| match error {
             // The selection renumbered the points.
             Error::TooNear { point, transducer, distance, least } => {
                 Error::TooNear { point: active[point], transducer, distance, least }
@@ -160,6 +161,12 @@ impl Problem {
         Ok(self)
     }
 
+    /// The same problem with the kernels of another level: for tests and benchmarks.
+    #[must_use]
+    pub fn with_level(self, level: Level) -> Self {
+        Self { gains: self.gains.with_level(level), ..self }
+    }
+
     /// The drive to start from, if one was given.
     #[must_use]
     pub fn start_drive(&self) -> Option<&[Complex32]> {
@@ -237,6 +244,13 @@ impl Problem {
         Metrics::of(points.map(|((&p, &t), &w)| (f64::from(p), f64::from(t), f64::from(w)))).residual
     }
 
+    /// The same of the pressures' real and imaginary parts.
+    pub(crate) fn residual_of(&self, pressures: impl Iterator<Item = (f32, f32)> + Clone) -> f64 {
+        let moduli = pressures.map(|(re, im)| math::hypot(f64::from(re), f64::from(im)));
+        let asked = self.targets.iter().zip(self.weights.iter());
+        Metrics::of(moduli.zip(asked).map(|(p, (&t, &w))| (p, f64::from(t), f64::from(w)))).residual
+    }
+
     /// The metrics of a drive (N,) over the caller's points, wholly in double precision.
     ///
     /// # Errors
@@ -272,19 +286,6 @@ impl Asked {
         let asked = self.targets.iter().zip(&self.weights);
         Metrics::of(pressures.zip(asked).map(|(pressure, (&target, &weight))| (pressure, target, weight)))
     }
-}
-
-/// p1_j = `sum_i |G_ji|` in units of the reference.
-fn reach(gains: &Gains) -> Result<Vec<f64>, Error> {
-    let mut moduli = vec![0.0; gains.lanes()];
-    let mut reach = vec![0.0; gains.points()];
-    for i in 0..gains.transducers() {
-        gains.moduli(i, &mut moduli)?;
-        for (sum, &modulus) in reach.iter_mut().zip(&moduli) {
-            *sum += f64::from(modulus);
-        }
-    }
-    Ok(reach)
 }
 
 /// Refuses a drive that no array of `transducers` could be given.

@@ -8,6 +8,7 @@ use num_complex::Complex32;
 
 use crate::control::Control;
 use crate::kernels;
+use crate::linalg::Planar;
 use crate::math;
 use crate::metrics::Metrics;
 use crate::problem::{Asked, Problem};
@@ -65,18 +66,46 @@ impl Solution {
     ) -> Self {
         let asked = problem.asked();
         let gains = &asked.gains;
-        let mut buffers = [(); 4].map(|()| work.floats.take(gains.lanes()));
-        let [row_re, row_im, re, im] = &mut buffers;
-        for (i, q) in drive.iter().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
-            gains.row(i, row_re, row_im);
-            kernels::accumulate([row_re, row_im], [q.re, q.im], re, im);
+        let mut field = Planar::zeros(1, gains.lanes(), work);
+        let mut row = Planar::zeros(1, gains.lanes(), work);
+        kernels::add_waves(gains.level(), gains.rows(), &drive, [&mut row.re, &mut row.im], [&mut field.re, &mut field.im]);
+        row.give(work);
+        Self::with_pressures(asked, drive, field, status, steps, work)
+    }
+
+    /// As [`Solution::new`], from the field that a solver has kept: P (one padded row) at the problem's points.
+    pub(crate) fn of_field(
+        problem: &Problem,
+        drive: Vec<Complex32>,
+        field: Planar,
+        status: Status,
+        steps: usize,
+        work: &mut Workspace,
+    ) -> Self {
+        let asked = problem.asked();
+        if asked.active.len() < asked.targets.len() {
+            // The points of weight 0 were not in it.
+            field.give(work);
+            return Self::new(problem, drive, status, steps, work);
         }
+        Self::with_pressures(asked, drive, field, status, steps, work)
+    }
+
+    fn with_pressures(
+        asked: Arc<Asked>,
+        drive: Vec<Complex32>,
+        field: Planar,
+        status: Status,
+        steps: usize,
+        work: &mut Workspace,
+    ) -> Self {
+        let gains = &asked.gains;
         let mut pressures = work.complexes.take(gains.points());
         let scale = |x: f32| (f64::from(x) * gains.reference()) as f32;
-        for ((pressure, re), im) in pressures.iter_mut().zip(&*re).zip(&*im) {
+        for ((pressure, re), im) in pressures.iter_mut().zip(&field.re).zip(&field.im) {
             *pressure = Complex32::new(scale(*re), scale(*im));
         }
-        work.floats.give_all(buffers);
+        field.give(work);
         Self { drive, pressures, status, steps, asked }
     }
 

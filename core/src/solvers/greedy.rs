@@ -8,12 +8,12 @@
 use alloc::format;
 use alloc::vec::Vec;
 
-use num_complex::Complex32;
-
 use crate::control::Control;
 use crate::error::Error;
 use crate::gains::Gains;
-use crate::kernels::{self, Candidates, L1, L2, Points, Term};
+use crate::kernels::greedy::{self, Pass};
+use crate::kernels::{self, Candidates, L1, L2, Sixteen};
+use crate::linalg::Planar;
 use crate::options::{OptionValue, Value, spell, word};
 use crate::problem::Problem;
 use crate::rng::Rng;
@@ -154,7 +154,7 @@ impl Method for Greedy {
 
     fn check(&self) -> Result<(), Error> {
         for (item, value, range) in
-            [("phases", self.phases, 2..=65_536), ("amplitudes", self.amplitudes, 1..=256)]
+            [("phases", self.phases, 2..=65_536), ("amplitudes", self.amplitudes, 1..=kernels::MOST_AMPLITUDES as u32)]
         {
             if !range.contains(&value) {
                 let cure = format!("give {} to {}", range.start(), range.end());
@@ -174,83 +174,51 @@ impl Solve for Greedy {
     ) -> Result<Solution, Error> {
         self.check()?;
         let gains = problem.gains();
-        let count = gains.transducers();
+        let (count, lanes) = (gains.transducers(), gains.lanes());
         let mut order = work.indices.take(count);
         for (k, i) in order.iter_mut().enumerate() {
             *i = k as u32;
         }
         self.order.write(self.seed, gains, &mut order)?;
-        let (phases, amplitudes) = (self.phases as usize, self.amplitudes as usize);
-        let spare = [(); 2].map(|()| work.floats.take(kernels::padded(phases * amplitudes)));
-        let [re, im] = spare;
-        let candidates = Candidates::new(phases, amplitudes, re, im);
-        let mut search = Search::new(problem, work);
+        let phases = self.phases as usize;
+        let [re, im] = [(); 2].map(|()| work.floats.take(kernels::table(phases)));
+        let candidates = Candidates::new(phases, self.amplitudes as usize, re, im);
+        let mut indices = work.indices.take(greedy::indices(lanes));
+        let mut kept = work.points.take(2 * lanes / kernels::LANES);
+        let mut row = Planar::zeros(1, lanes, work);
         let mut drive = work.complexes.take(count);
-        let (mut status, mut steps) = (Status::Done, 0);
-        for &i in &order {
-            let i = i as usize;
-            let choice = match self.objective {
-                Objective::L2 => search.choose::<L2>(i, &candidates, phases),
-                Objective::L1 => search.choose::<L1>(i, &candidates, phases),
-            };
-            if let Some([re, im]) = choice {
-                drive[i] = Complex32::new(re, im);
-            }
-            steps += 1;
-            if control.step(steps, count, || problem.residual(&search.modulus)).is_break() {
-                status = Status::Stopped;
-                break;
-            }
-        }
-        search.end(work);
-        work.floats.give_all(candidates.into_buffers());
-        work.indices.give(order);
-        Ok(Solution::new(problem, drive, status, steps, work))
-    }
-}
-
-/// The state between two transducers: the cached field of eq. (9), and the row at hand.
-struct Search<'a> {
-    problem: &'a Problem,
-    re: Vec<f32>,
-    im: Vec<f32>,
-    modulus: Vec<f32>,
-    row_re: Vec<f32>,
-    row_im: Vec<f32>,
-}
-
-impl<'a> Search<'a> {
-    fn new(problem: &'a Problem, work: &mut Workspace) -> Self {
-        let [re, im, modulus, row_re, row_im] = [(); 5].map(|()| work.floats.take(problem.gains().lanes()));
-        Self { problem, re, im, modulus, row_re, row_im }
-    }
-
-    /// Chooses transducer i's drive and adds it to the field; none if it reaches no point.
-    fn choose<T: Term>(&mut self, i: usize, candidates: &Candidates, phases: usize) -> Option<[f32; 2]> {
-        self.problem.gains().row(i, &mut self.row_re, &mut self.row_im);
-        let points = Points {
-            pressure: [&self.re, &self.im],
-            modulus: &self.modulus,
-            gain: [&self.row_re, &self.row_im],
-            target: self.problem.targets(),
-            weight: self.problem.weights(),
-            count: self.problem.gains().points(),
+        let mut field = Planar::zeros(1, lanes, work);
+        let pass = Pass {
+            rows: gains.rows(),
+            count: gains.points(),
+            target: problem.targets(),
+            weight: problem.weights(),
+            candidates: &candidates,
+            order: &order,
+            kept: &mut kept,
+            row: [&mut row.re, &mut row.im],
+            indices: &mut indices,
         };
-        let tolerance = kernels::tolerance::<T>(points);
-        if tolerance == 0.0 {
-            return None;
-        }
-        // In silence every phase is as good as any other.
-        let silent = self.modulus.iter().all(|&modulus| modulus == 0.0);
-        let stride = if silent { phases } else { 1 };
-        let drive = candidates.drive(kernels::best::<T>(points, candidates, stride, tolerance));
-        kernels::accumulate([&self.row_re, &self.row_im], drive, &mut self.re, &mut self.im);
-        kernels::modulus(&self.re, &self.im, &mut self.modulus);
-        Some(drive)
-    }
-
-    fn end(self, work: &mut Workspace) {
-        let Self { re, im, modulus, row_re, row_im, .. } = self;
-        work.floats.give_all([re, im, modulus, row_re, row_im]);
+        let mut status = Status::Done;
+        let mut step = |turn: usize, points: &[Sixteen]| {
+            let pressures = points.iter().flat_map(|kept| kept.re.into_iter().zip(kept.im));
+            let go = control.step(turn, count, || problem.residual_of(pressures.clone())).is_continue();
+            if !go {
+                status = Status::Stopped;
+            }
+            go
+        };
+        let pressures = [&mut field.re[..], &mut field.im[..]];
+        let (level, drives) = (gains.level(), &mut drive[..]);
+        let steps = match self.objective {
+            Objective::L2 => greedy::pass::<L2>(level, pass, drives, pressures, &mut step),
+            Objective::L1 => greedy::pass::<L1>(level, pass, drives, pressures, &mut step),
+        };
+        let [re, im] = candidates.into_buffers();
+        work.floats.give_all([re, im]);
+        row.give(work);
+        work.points.give(kept);
+        work.indices.give_all([order, indices]);
+        Ok(Solution::of_field(problem, drive, field, status, steps, work))
     }
 }

@@ -1,6 +1,7 @@
 //! The methods: one file each, one line each in the registry.
 
 mod evd;
+mod fast;
 mod greedy;
 mod gs;
 mod gspat;
@@ -17,6 +18,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 pub use evd::Evd;
+pub use fast::Fast;
 pub use greedy::{Greedy, Objective, Order};
 pub use gs::Gs;
 pub use gspat::Gspat;
@@ -44,6 +46,7 @@ macro_rules! registry {
 
 registry! {
     greedy::Greedy,
+    fast::Fast,
     lm::Lm,
     gspat::Gspat,
     gs::Gs,
