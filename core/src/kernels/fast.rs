@@ -5,7 +5,7 @@ use num_complex::Complex32;
 use super::level::{Level, dispatch};
 use super::pressure::correlation;
 use super::rows::Rows;
-use super::simd::Simd;
+use super::simd::{Simd, TINY};
 use super::{LANES, Lanes, groups, groups_mut};
 
 /// The largest block: two sums a transducer fill a register.
@@ -137,7 +137,7 @@ fn units<S: Simd>(s: S, parts: &[S::V; LANES]) -> Lanes {
     let sums = s.mul(sums, s.splat(1.0 / largest));
     let square = s.mul(sums, sums);
     let square = s.add(square, s.swap_halves(square));
-    let least = s.splat(f32::MIN_POSITIVE);
+    let least = s.splat(TINY);
     let unit = s.mul(sums, s.inverse_root(s.max(square, least)));
     let mut q: Lanes = [0.0; LANES];
     s.store(s.select_less(square, least, s.splat(0.0), unit), &mut q);
@@ -169,7 +169,7 @@ fn add_block<S: Simd>(s: S, rows: &[f32], drives: &[[f32; 2]], [re, im]: [&mut [
 #[inline(always)]
 fn shortfall<S: Simd>(s: S, target: &[f32], weight: &[f32], pressure: [&[f32]; 2], out: [&mut [f32]; 2]) {
     let [out_re, out_im] = out;
-    let (zero, least) = (s.splat(0.0), s.splat(f32::MIN_POSITIVE));
+    let (zero, least) = (s.splat(0.0), s.splat(TINY));
     let asked = groups(target).iter().zip(groups(weight));
     let pressures = groups(pressure[0]).iter().zip(groups(pressure[1]));
     let out = groups_mut(out_re).iter_mut().zip(groups_mut(out_im));

@@ -28,7 +28,9 @@ pub(crate) struct Pass<'a> {
     /// Memory: two for each 16 points,
     pub(crate) kept: &'a mut [Sixteen],
     /// two rows,
-    pub(crate) row: [&'a mut [f32]; 2],
+    pub(crate) row: [&'a mut [f32]; 4],
+    /// [`super::shortlist::floats`] numbers,
+    pub(crate) floats: &'a mut [f32],
     /// and [`indices`] indices.
     pub(crate) indices: &'a mut [u32],
 }
@@ -58,8 +60,8 @@ fn run<S: Simd, T: Term>(
     [re, im]: [&mut [f32]; 2],
     step: &mut impl FnMut(usize, &[Sixteen]) -> bool,
 ) -> usize {
-    let Pass { rows, count, target, weight, candidates, order, kept, row, indices } = pass;
-    let [row_re, row_im] = row;
+    let Pass { rows, count, target, weight, candidates, order, kept, row, floats, indices } = pass;
+    let [mut row_re, mut row_im, mut next_re, mut next_im] = row;
     let (near, close) = indices.split_at_mut(target.len());
     let (kept, moved) = kept.split_at_mut(target.len() / LANES);
     let mut energy = s.splat(0.0);
@@ -69,11 +71,18 @@ fn run<S: Simd, T: Term>(
     }
     let mut silent = true;
     let mut turns = 0;
-    for &i in order {
-        rows.write(s, i as usize, row_re, row_im);
+    if let Some(&first) = order.first() {
+        rows.write(s, first as usize, row_re, row_im);
+    }
+    for (turn, &i) in order.iter().enumerate() {
         let points = Points { kept, gain: [&*row_re, &*row_im], count };
-        let choice = if T::SQUARE && !silent {
-            choose(s, points, energy, moved, candidates, near, close)
+        let moments = (T::SQUARE && !silent).then(|| Moments::new(s, kept, points.gain, energy, near));
+        // The next row depends on nothing here: it fills the wait for the sums.
+        if let Some(&next) = order.get(turn + 1) {
+            rows.write(s, next as usize, next_re, next_im);
+        }
+        let choice = if let Some((moments, nearby)) = moments {
+            choose(s, points, &moments, nearby, moved, candidates, floats, near, close)
         } else {
             let tolerance = search::tolerance::<S, T>(s, points);
             (tolerance > 0.0).then(|| search::best::<S, T>(s, points, candidates, silent, tolerance))
@@ -88,10 +97,12 @@ fn run<S: Simd, T: Term>(
             }
             silent = kept.iter().all(|kept| kept.modulus == [0.0; LANES]);
         }
-        turns += 1;
+        turns = turn + 1;
         if !step(turns, kept) {
             break;
         }
+        core::mem::swap(&mut row_re, &mut next_re);
+        core::mem::swap(&mut row_im, &mut next_im);
     }
     for (kept, group) in kept.iter().zip(0..) {
         let range = group * LANES..(group + 1) * LANES;
@@ -101,23 +112,25 @@ fn run<S: Simd, T: Term>(
     turns
 }
 
-/// The best candidate, `energy` being that of the points as they are; none if the transducer has no effect.
+/// The best candidate, `moments` leaving out the first `nearby` points of `near`; none if the transducer has no effect.
 #[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "the state of one turn")]
 fn choose<S: Simd>(
     s: S,
     points: Points<'_>,
-    energy: S::V,
+    moments: &Moments,
+    nearby: usize,
     moved: &mut [Sixteen],
     candidates: &Candidates,
+    floats: &mut [f32],
     near: &mut [u32],
     close: &mut [u32],
 ) -> Option<usize> {
-    let (moments, nearby) = Moments::new(s, points.kept, points.gain, energy, near);
     if moments.power == 0.0 {
         return None;
     }
     let Shortlist { best, count, reach } =
-        shortlist(s, points, &moments, &near[..nearby], candidates, moments.slack(1.0), close);
+        shortlist(s, points, moments, &near[..nearby], candidates, moments.slack(1.0), floats, close);
     if count == 1 {
         return Some(best);
     }

@@ -13,7 +13,7 @@ mod pressure;
 mod row;
 mod rows;
 mod search;
-mod shortlist;
+pub(crate) mod shortlist;
 pub(crate) mod simd;
 mod table;
 #[cfg(test)]
@@ -25,7 +25,7 @@ pub(crate) use matrix::{add_waves, combine_rows, correlate_rows, gram, gram_floa
 pub(crate) use pressure::{accumulate, add_outer, correlate, dot, modulus, project, squares};
 pub(crate) use row::{Law, Row, Source, Spots, add_moduli, row};
 pub(crate) use rows::Rows;
-pub(crate) use search::{Candidates, L1, L2, MOST_AMPLITUDES, table};
+pub(crate) use search::{Candidates, L1, L2, table};
 pub(crate) use table::Table;
 
 /// Numbers worked on at once: one AVX-512 register, four of SSE2, NEON or wasm.

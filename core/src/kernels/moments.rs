@@ -18,15 +18,12 @@
 //! number of candidates. Points with |u| above [`FAR`] (at the first transducers) are left out and named, to be
 //! evaluated exactly.
 
-use super::simd::Simd;
+use super::simd::{Simd, TINY};
 use crate::math::sqrtf;
 use super::{LANES, Lanes, groups};
 
 /// The largest |u| that the polynomial is used for.
 const FAR: f32 = 0.25;
-
-/// 1/|P|^2 is held below its inverse, so that a silent point has |u| above [`FAR`] and everything stays finite.
-const SILENCE: f32 = 1e-36;
 
 /// What is kept of 16 points, refreshed when their pressures change.
 #[derive(Clone, Copy, Debug, Default)]
@@ -36,7 +33,7 @@ pub(crate) struct Sixteen {
     pub(crate) im: Lanes,
     /// |P|.
     pub(crate) modulus: Lanes,
-    /// 1/|P|^2, 0 for a quiet point, whose term has no remainder.
+    /// 1/|P|^2, so large for silence that |u| is above [`FAR`]; 0 for a quiet point, whose term has no remainder.
     inverse: Lanes,
     /// w (1 - t/|P|).
     pull: Lanes,
@@ -70,9 +67,9 @@ impl Sixteen {
     fn refresh<S: Simd>(&mut self, s: S, re: S::V, im: S::V) -> S::V {
         let (target, weight) = (s.load(&self.target), s.load(&self.weight));
         let square = s.fma(re, re, s.mul(im, im));
-        let (root, inverse) = s.roots(s.max(square, s.splat(SILENCE)));
+        let (root, inverse) = s.roots(s.max(square, s.splat(TINY)));
         let zero = s.splat(0.0);
-        let modulus = s.select_less(square, s.splat(f32::MIN_POSITIVE), zero, root);
+        let modulus = s.select_less(square, s.splat(TINY), zero, root);
         let weighted = s.mul(weight, target);
         s.store(re, &mut self.re);
         s.store(im, &mut self.im);

@@ -1,7 +1,7 @@
 //! The pressures at the points: adding a transducer, moduli, projections, squares.
 
 use super::level::{Level, dispatch};
-use super::simd::Simd;
+use super::simd::{Simd, TINY};
 use super::{LANES, groups, groups_mut};
 
 /// P += G q, q = (re, im).
@@ -34,7 +34,7 @@ pub(crate) fn modulus(level: Level, re: &[f32], im: &[f32], out: &mut [f32]) {
 /// sqrt(a) of a >= 0; 0 below the smallest normal number.
 #[inline(always)]
 pub(crate) fn root<S: Simd>(s: S, a: S::V) -> S::V {
-    let least = s.splat(f32::MIN_POSITIVE);
+    let least = s.splat(TINY);
     s.select_less(a, least, s.splat(0.0), s.roots(s.max(a, least)).0)
 }
 

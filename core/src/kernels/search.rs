@@ -4,7 +4,7 @@
 //! points and no sum runs across lanes.
 
 use super::moments::Sixteen;
-use super::simd::Simd;
+use super::simd::{Simd, TINY};
 use super::{LANES, Lanes, groups};
 use crate::math::{cos, sin};
 use alloc::vec::Vec;
@@ -66,9 +66,6 @@ pub(crate) struct Points<'a> {
 /// Squares of smaller numbers vanish in f32; added to |P| + |P + e| it keeps 0/0 away.
 const SMALLEST: f32 = 1e-20;
 
-/// The most amplitudes K.
-pub(crate) const MOST_AMPLITUDES: usize = 256;
-
 /// Length of a table of phases: any 16 of them can be read, from any phase on.
 pub(crate) const fn table(phases: usize) -> usize {
     phases + LANES
@@ -79,13 +76,18 @@ pub(crate) struct Candidates {
     /// cos and sin of the phases, and the last one again up to [`table`]: a copy never wins against its original.
     cos: Vec<f32>,
     sin: Vec<f32>,
+    /// (k+1)/K.
+    levels: Vec<f32>,
     pub(crate) phases: usize,
     pub(crate) amplitudes: usize,
 }
 
 impl Candidates {
-    /// Fills two buffers for K = `amplitudes` and L = `phases`; their length is set here.
-    pub(crate) fn new(phases: usize, amplitudes: usize, mut cosines: Vec<f32>, mut sines: Vec<f32>) -> Self {
+    /// Fills three buffers for K = `amplitudes` and L = `phases`; their length is set here.
+    pub(crate) fn new(phases: usize, amplitudes: usize, buffers: [Vec<f32>; 3]) -> Self {
+        let [mut cosines, mut sines, mut levels] = buffers;
+        levels.clear();
+        levels.extend((0..amplitudes).map(|k| ((k as f64 + 1.0) / amplitudes as f64) as f32));
         for (buffer, part) in [(&mut cosines, cos as fn(f64) -> f64), (&mut sines, sin)] {
             buffer.clear();
             buffer.extend((0..table(phases)).map(|l| {
@@ -93,19 +95,21 @@ impl Candidates {
                 part(core::f64::consts::TAU * l as f64 / phases as f64) as f32
             }));
         }
-        Self { cos: cosines, sin: sines, phases, amplitudes }
+        Self { cos: cosines, sin: sines, levels, phases, amplitudes }
     }
 
     /// (k+1)/K.
     #[inline(always)]
     pub(crate) fn amplitude(&self, k: usize) -> f32 {
-        ((k as f64 + 1.0) / self.amplitudes as f64) as f32
+        self.levels[k]
     }
 
     /// The drive (re, im) of candidate k L + l.
     #[inline(always)]
     pub(crate) fn drive(&self, index: usize) -> [f32; 2] {
-        let (amplitude, l) = (self.amplitude(index / self.phases), index % self.phases);
+        // Most grids have one amplitude, and a division takes as long as meeting them all.
+        let k = if index < self.phases { 0 } else { index / self.phases };
+        let (amplitude, l) = (self.amplitude(k), index - k * self.phases);
         [amplitude * self.cos[l], amplitude * self.sin[l]]
     }
 
@@ -121,9 +125,9 @@ impl Candidates {
         [&self.cos, &self.sin].map(|part| part[l..].first_chunk().unwrap_or(&[0.0; LANES]))
     }
 
-    /// Gives the two buffers back.
-    pub(crate) fn into_buffers(self) -> [Vec<f32>; 2] {
-        [self.cos, self.sin]
+    /// Gives the buffers back.
+    pub(crate) fn into_buffers(self) -> [Vec<f32>; 3] {
+        [self.cos, self.sin, self.levels]
     }
 }
 
@@ -160,7 +164,7 @@ pub(crate) fn add_changes<S: Simd, T: Term>(
         let (x, y) = (s.add(pr, er), s.add(pi, ei));
         // |P + e|^2 - |P|^2 without the cancellation of its two large parts, and so |P + e| - |P|.
         let square = s.fma(er, s.add(pr, x), s.mul(ei, s.add(pi, y)));
-        let least = s.splat(f32::MIN_POSITIVE);
+        let least = s.splat(TINY);
         let new = s.roots(s.max(s.fma(x, x, s.mul(y, y)), least)).0;
         let rise = s.mul(square, reciprocal(s, s.add(new, s.splat(old + SMALLEST))));
         total = s.fma(s.splat(kept.weight[lane]), T::change(s, rise, s.splat(target - old)), total);

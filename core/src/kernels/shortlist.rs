@@ -5,7 +5,7 @@
 //! that may hold the best are met in full.
 
 use super::moments::Moments;
-use super::search::{self, Candidates, L2, MOST_AMPLITUDES, Points};
+use super::search::{self, Candidates, L2, Points};
 use super::simd::Simd;
 use super::{LANES, Lanes};
 use crate::math::sqrtf;
@@ -26,8 +26,16 @@ impl Shortlist {
     pub(crate) const MOST: usize = 256;
 }
 
+/// Numbers of working memory for [`shortlist`].
+pub(crate) fn floats(candidates: &Candidates) -> usize {
+    Shortlist::MOST + SEEN * candidates.amplitudes
+}
+
 /// Phases met first of a large grid.
 const COARSE: usize = LANES;
+
+/// Room for what these give at one amplitude, and for the first of them once more.
+const SEEN: usize = 2 * LANES;
 
 /// From this many phases on it is worth looking twice.
 const LARGE: usize = 64;
@@ -74,7 +82,7 @@ struct List<'a> {
     slack: f32,
     least: f32,
     indices: &'a mut [u32],
-    values: [f32; Shortlist::MOST],
+    values: &'a mut [f32],
     count: usize,
 }
 
@@ -129,10 +137,11 @@ pub(crate) fn shortlist<S: Simd>(
     near: &[u32],
     candidates: &Candidates,
     slack: f32,
+    floats: &mut [f32],
     close: &mut [u32],
 ) -> Shortlist {
     let energies = Energies { s, points, moments, near, candidates };
-    let values = [0.0; Shortlist::MOST];
+    let (values, seen) = floats.split_at_mut(Shortlist::MOST);
     let mut list = List { slack, least: f32::INFINITY, indices: close, values, count: 0 };
     let phases = candidates.phases;
     if phases < LARGE {
@@ -144,7 +153,7 @@ pub(crate) fn shortlist<S: Simd>(
             }
         }
     } else {
-        twice(&energies, &mut list);
+        twice(&energies, &mut list, seen);
     }
     if list.count > 1 {
         list.sift();
@@ -166,40 +175,44 @@ pub(crate) fn shortlist<S: Simd>(
 
 /// A large grid: coarse, and then fine where it matters.
 #[inline(always)]
-fn twice<S: Simd>(energies: &Energies<'_, S>, list: &mut List<'_>) {
+fn twice<S: Simd>(energies: &Energies<'_, S>, list: &mut List<'_>, seen: &mut [f32]) {
     let (s, candidates) = (energies.s, energies.candidates);
     let phases = candidates.phases;
     let start = |c: usize| c * phases / COARSE;
-    let mut coarse: [Lanes; 2] = [[0.0; LANES]; 2];
+    let (mut cos, mut sin): (Lanes, Lanes) = ([0.0; LANES], [0.0; LANES]);
     for c in 0..COARSE {
-        let [cos, sin] = candidates.phasor(start(c));
-        (coarse[0][c], coarse[1][c]) = (cos, sin);
+        [cos[c], sin[c]] = candidates.phasor(start(c));
     }
-    let width = core::f32::consts::TAU * phases.div_ceil(COARSE) as f32 / phases as f32;
-    let mut seen = [[0.0; LANES]; MOST_AMPLITUDES];
     let mut lowest = s.splat(f32::INFINITY);
-    for (k, seen) in seen.iter_mut().enumerate().take(candidates.amplitudes) {
-        let changes = energies.meet(candidates.amplitude(k), [&coarse[0], &coarse[1]]);
+    for (k, seen) in seen.chunks_exact_mut(SEEN).enumerate() {
+        let changes = energies.meet(candidates.amplitude(k), [&cos, &sin]);
         lowest = s.min(changes, lowest);
-        s.store(changes, seen);
+        let [first, again] = seen.as_chunks_mut().0 else { continue };
+        s.store(changes, first);
+        s.store(changes, again);
     }
     list.least = -s.greatest(s.sub(s.splat(0.0), lowest));
-    let bend = energies.curvature(1.0) * width * width / 8.0;
-    // The best of all is near the best of the coarse ones: met first, it rules out most others.
-    let is_best = |seen: &Lanes| seen.iter().position(|&change| change <= list.least);
-    let best = seen.iter().take(candidates.amplitudes).enumerate().find_map(|(k, seen)| Some((k, is_best(seen)?)));
+    // The best of all is near the best of these: met first, it rules out most others.
+    let least = s.splat(list.least);
+    let best = seen.chunks_exact(SEEN).enumerate().find_map(|(k, seen)| {
+        let here = !s.less(least, s.load(window(seen, 0))) & 0xffff;
+        (here != 0).then(|| (k, here.trailing_zeros() as usize))
+    });
     if let Some((k, c)) = best {
-        let middle = (start(c) + phases - LANES / 2) % phases;
-        let changes = energies.meet(candidates.amplitude(k), candidates.sixteen(middle));
+        let around = (start(c) + phases - LANES / 2) % phases;
+        let changes = energies.meet(candidates.amplitude(k), candidates.sixteen(around));
         list.least = list.least.min(-s.greatest(s.sub(s.splat(0.0), changes)));
     }
-    for (k, seen) in seen.iter().enumerate().take(candidates.amplitudes) {
+    let width = core::f32::consts::TAU * phases.div_ceil(COARSE) as f32 / phases as f32;
+    let bend = energies.curvature(1.0) * width * width / 8.0;
+    for (k, seen) in seen.chunks_exact(SEEN).enumerate() {
         let amplitude = candidates.amplitude(k);
-        for c in 0..COARSE {
-            let lower = seen[c].min(seen[(c + 1) % COARSE]) - amplitude * bend;
-            if lower > list.least + list.slack {
-                continue;
-            }
+        let lower = s.min(s.load(window(seen, 0)), s.load(window(seen, 1)));
+        let limit = s.splat(list.least + list.slack + amplitude * bend);
+        let mut stretches = !s.less(limit, lower) & 0xffff;
+        while stretches != 0 {
+            let c = stretches.trailing_zeros() as usize;
+            stretches &= stretches - 1;
             let (first, end) = (start(c), start(c + 1));
             for l in (first..end).step_by(LANES) {
                 let changes = energies.meet(amplitude, candidates.sixteen(l));
@@ -207,4 +220,10 @@ fn twice<S: Simd>(energies: &Energies<'_, S>, list: &mut List<'_>) {
             }
         }
     }
+}
+
+/// Sixteen numbers from a place on.
+#[inline(always)]
+fn window(list: &[f32], at: usize) -> &Lanes {
+    list[at..].first_chunk().unwrap_or(&[0.0; LANES])
 }

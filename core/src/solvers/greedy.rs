@@ -12,7 +12,7 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::gains::Gains;
 use crate::kernels::greedy::{self, Pass};
-use crate::kernels::{self, Candidates, L1, L2, Sixteen};
+use crate::kernels::{self, Candidates, L1, L2, Sixteen, shortlist, table};
 use crate::linalg::Planar;
 use crate::options::{OptionValue, Value, spell, word};
 use crate::problem::Problem;
@@ -154,7 +154,7 @@ impl Method for Greedy {
 
     fn check(&self) -> Result<(), Error> {
         for (item, value, range) in
-            [("phases", self.phases, 2..=65_536), ("amplitudes", self.amplitudes, 1..=kernels::MOST_AMPLITUDES as u32)]
+            [("phases", self.phases, 2..=65_536), ("amplitudes", self.amplitudes, 1..=256)]
         {
             if !range.contains(&value) {
                 let cure = format!("give {} to {}", range.start(), range.end());
@@ -181,11 +181,12 @@ impl Solve for Greedy {
         }
         self.order.write(self.seed, gains, &mut order)?;
         let phases = self.phases as usize;
-        let [re, im] = [(); 2].map(|()| work.floats.take(kernels::table(phases)));
-        let candidates = Candidates::new(phases, self.amplitudes as usize, re, im);
+        let buffers = [table(phases), table(phases), self.amplitudes as usize].map(|len| work.floats.take(len));
+        let candidates = Candidates::new(phases, self.amplitudes as usize, buffers);
+        let mut floats = work.floats.take(shortlist::floats(&candidates));
         let mut indices = work.indices.take(greedy::indices(lanes));
         let mut kept = work.points.take(2 * lanes / kernels::LANES);
-        let mut row = Planar::zeros(1, lanes, work);
+        let mut rows = [(); 4].map(|()| work.floats.take(lanes));
         let mut drive = work.complexes.take(count);
         let mut field = Planar::zeros(1, lanes, work);
         let pass = Pass {
@@ -196,7 +197,8 @@ impl Solve for Greedy {
             candidates: &candidates,
             order: &order,
             kept: &mut kept,
-            row: [&mut row.re, &mut row.im],
+            row: rows.each_mut().map(|row| &mut row[..]),
+            floats: &mut floats,
             indices: &mut indices,
         };
         let mut status = Status::Done;
@@ -214,9 +216,9 @@ impl Solve for Greedy {
             Objective::L2 => greedy::pass::<L2>(level, pass, drives, pressures, &mut step),
             Objective::L1 => greedy::pass::<L1>(level, pass, drives, pressures, &mut step),
         };
-        let [re, im] = candidates.into_buffers();
-        work.floats.give_all([re, im]);
-        row.give(work);
+        work.floats.give_all(candidates.into_buffers());
+        work.floats.give(floats);
+        work.floats.give_all(rows);
         work.points.give(kept);
         work.indices.give_all([order, indices]);
         Ok(Solution::of_field(problem, drive, field, status, steps, work))
