@@ -116,9 +116,17 @@ pub struct Gains {
 
 #[derive(Clone, Debug)]
 enum Rows {
-    Computed { emitters: Arc<Emitters>, frame: Arc<[Vec<f32>; 3]>, points: Arc<[[f64; 3]]> },
+    Computed {
+        emitters: Arc<Emitters>,
+        frame: Arc<[Vec<f32>; 3]>,
+        points: Arc<[[f64; 3]]>,
+    },
     /// The user's numbers, transducer by transducer, and the padded f32 rows made of them.
-    Stored { matrix: Arc<[Complex64]>, planar: Arc<[Vec<f32>; 2]>, reference: f64 },
+    Stored {
+        matrix: Arc<[Complex64]>,
+        planar: Arc<[Vec<f32>; 2]>,
+        reference: f64,
+    },
 }
 
 impl Gains {

@@ -138,7 +138,13 @@ pub(crate) struct Hermitian {
 
 impl Hermitian {
     /// Factors `conj(matrix) + shift I`, `matrix` as [`gram`] makes it. `None` if not positive definite in f32.
-    pub(crate) fn new(level: Level, matrix: &Planar, count: usize, shift: f32, work: &mut Workspace) -> Option<Self> {
+    pub(crate) fn new(
+        level: Level,
+        matrix: &Planar,
+        count: usize,
+        shift: f32,
+        work: &mut Workspace,
+    ) -> Option<Self> {
         let lanes = matrix.lanes;
         let size = 2 * lanes;
         let mut real = work.floats.take(size * size);
@@ -162,7 +168,13 @@ impl Hermitian {
     }
 
     /// The same with as much more damping as f32 needs to factor it: tenfold and tenfold again.
-    pub(crate) fn damped(level: Level, matrix: &Planar, count: usize, mut shift: f32, work: &mut Workspace) -> Self {
+    pub(crate) fn damped(
+        level: Level,
+        matrix: &Planar,
+        count: usize,
+        mut shift: f32,
+        work: &mut Workspace,
+    ) -> Self {
         loop {
             // Damping far above every entry leaves a multiple of the identity, which always factors.
             if let Some(solver) = Self::new(level, matrix, count, shift, work) {
@@ -226,7 +238,8 @@ pub(crate) mod tests {
         let mut work = Workspace::new();
         for count in 1..=40 {
             let (matrix, stored) = random(count, 2 * count, &mut work);
-            let solver = Hermitian::new(Level::best(), &stored, count, 0.5, &mut work).expect("positive definite");
+            let solver =
+                Hermitian::new(Level::best(), &stored, count, 0.5, &mut work).expect("positive definite");
             let mut x = Planar::zeros(1, kernels::padded(count), &mut work);
             for j in 0..count {
                 (x.re[j], x.im[j]) = (1.0 + j as f32, 2.0 - j as f32);

@@ -68,7 +68,13 @@ impl Solution {
         let gains = &asked.gains;
         let mut field = Planar::zeros(1, gains.lanes(), work);
         let mut row = Planar::zeros(1, gains.lanes(), work);
-        kernels::add_waves(gains.level(), gains.rows(), &drive, [&mut row.re, &mut row.im], [&mut field.re, &mut field.im]);
+        kernels::add_waves(
+            gains.level(),
+            gains.rows(),
+            &drive,
+            [&mut row.re, &mut row.im],
+            [&mut field.re, &mut field.im],
+        );
         row.give(work);
         Self::with_pressures(asked, drive, field, status, steps, work)
     }

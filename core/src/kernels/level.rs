@@ -3,12 +3,12 @@
 use core::fmt;
 
 use super::simd::Scalar;
-#[cfg(target_arch = "x86_64")]
-use super::simd::{avx2::Avx2, avx512::Avx512};
 #[cfg(target_arch = "aarch64")]
 use super::simd::neon::Neon;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 use super::simd::simd128::Simd128;
+#[cfg(target_arch = "x86_64")]
+use super::simd::{avx2::Avx2, avx512::Avx512};
 
 /// The instructions that the kernels use: a value that exists only for what this machine can do.
 ///
@@ -140,15 +140,30 @@ macro_rules! dispatch {
         use crate::kernels::level::Kind;
         use crate::kernels::simd::Simd;
         match $level.0 {
-            Kind::Scalar($simd) => $simd.vectorize(#[inline(always)] || $body),
+            Kind::Scalar($simd) => $simd.vectorize(
+                #[inline(always)]
+                || $body,
+            ),
             #[cfg(target_arch = "x86_64")]
-            Kind::Avx2($simd) => $simd.vectorize(#[inline(always)] || $body),
+            Kind::Avx2($simd) => $simd.vectorize(
+                #[inline(always)]
+                || $body,
+            ),
             #[cfg(target_arch = "x86_64")]
-            Kind::Avx512($simd) => $simd.vectorize(#[inline(always)] || $body),
+            Kind::Avx512($simd) => $simd.vectorize(
+                #[inline(always)]
+                || $body,
+            ),
             #[cfg(target_arch = "aarch64")]
-            Kind::Neon($simd) => $simd.vectorize(#[inline(always)] || $body),
+            Kind::Neon($simd) => $simd.vectorize(
+                #[inline(always)]
+                || $body,
+            ),
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-            Kind::Simd128($simd) => $simd.vectorize(#[inline(always)] || $body),
+            Kind::Simd128($simd) => $simd.vectorize(
+                #[inline(always)]
+                || $body,
+            ),
         }
     }};
 }

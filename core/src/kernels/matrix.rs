@@ -12,7 +12,12 @@ use super::{LANES, Lanes, groups, groups_mut};
 const TOGETHER: usize = LANES / 2;
 
 /// out_k = `sum_j conj(row_kj) vector_j` for every row of a planar matrix.
-pub(crate) fn correlate_rows(level: Level, rows: [&[f32]; 2], vector: [&[f32]; 2], mut out: impl FnMut(usize, Complex32)) {
+pub(crate) fn correlate_rows(
+    level: Level,
+    rows: [&[f32]; 2],
+    vector: [&[f32]; 2],
+    mut out: impl FnMut(usize, Complex32),
+) {
     dispatch!(level, s => {
         let lanes = vector[0].len();
         let row = |k: usize| rows.map(|part| &part[k * lanes..(k + 1) * lanes]);
@@ -38,7 +43,13 @@ pub(crate) fn combine_rows(level: Level, rows: [&[f32]; 2], factors: &[Complex32
     /// Groups of the sum that stay in registers.
     const WIDE: usize = 4;
     #[inline(always)]
-    fn some<S: Simd, const N: usize>(s: S, rows: [&[f32]; 2], factors: &[Complex32], out: &mut [&mut [f32]; 2], at: usize) {
+    fn some<S: Simd, const N: usize>(
+        s: S,
+        rows: [&[f32]; 2],
+        factors: &[Complex32],
+        out: &mut [&mut [f32]; 2],
+        at: usize,
+    ) {
         let lanes = out[0].len();
         let mut sums = [[s.splat(0.0); N]; 2];
         for (k, q) in factors.iter().enumerate() {
@@ -71,7 +82,13 @@ pub(crate) fn combine_rows(level: Level, rows: [&[f32]; 2], factors: &[Complex32
 }
 
 /// P += G q for every transducer that is driven; `row` is memory for one row.
-pub(crate) fn add_waves(level: Level, rows: Rows<'_>, drive: &[Complex32], row: [&mut [f32]; 2], field: [&mut [f32]; 2]) {
+pub(crate) fn add_waves(
+    level: Level,
+    rows: Rows<'_>,
+    drive: &[Complex32],
+    row: [&mut [f32]; 2],
+    field: [&mut [f32]; 2],
+) {
     dispatch!(level, s => {
         let ([row_re, row_im], [re, im]) = (row, field);
         for (i, q) in drive.iter().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {

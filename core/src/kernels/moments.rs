@@ -19,8 +19,8 @@
 //! evaluated exactly.
 
 use super::simd::{Simd, TINY};
-use crate::math::sqrtf;
 use super::{LANES, Lanes, groups};
+use crate::math::sqrtf;
 
 /// The largest |u| that the polynomial is used for.
 const FAR: f32 = 0.25;
@@ -165,11 +165,25 @@ impl Moments {
             ci = s.fma(size, ti, ci);
             rest = s.fma(s.mul(product, size), size, rest);
         }
-        let sums = s.sums(&[
-            a1r, a1i, a2r, a2i, a3r, a3i, cr, ci, bow, power, rest, energy, zero, zero, zero, zero,
-        ]);
+        let sums =
+            s.sums(&[a1r, a1i, a2r, a2i, a3r, a3i, cr, ci, bow, power, rest, energy, zero, zero, zero, zero]);
         let factors = [
-            2.0, 2.0, 0.5, 0.5, -0.25, -0.25, 0.25, 0.25, 0.5, 1.0, 0.25 / (1.0 - FAR), 1.0, 0.0, 0.0, 0.0, 0.0,
+            2.0,
+            2.0,
+            0.5,
+            0.5,
+            -0.25,
+            -0.25,
+            0.25,
+            0.25,
+            0.5,
+            1.0,
+            0.25 / (1.0 - FAR),
+            1.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
         ];
         let mut m: Lanes = [0.0; LANES];
         s.store(s.mul(sums, s.load(&factors)), &mut m);

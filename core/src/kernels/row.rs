@@ -2,9 +2,9 @@
 
 use super::level::{Level, dispatch};
 use super::simd::Simd;
+use super::table::Table;
 use super::turns::{power_of_two, wave};
 use super::{LANES, Lanes, groups, groups_mut};
-use super::table::Table;
 
 /// A hundredth of a wavelength: nearer than that r is held there, so that no field is infinite.
 pub(crate) const NEAREST: f32 = 0.01;
@@ -175,7 +175,8 @@ fn moduli_of_form<S: Simd>(
 /// Zeros in the padding.
 #[inline(always)]
 fn silence<S: Simd>(s: S, list: &mut [f32], count: usize) {
-    const LANE: Lanes = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+    const LANE: Lanes =
+        [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
     if let Some(last) = groups_mut(list).last_mut()
         && count % LANES > 0
     {

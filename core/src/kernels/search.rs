@@ -193,7 +193,13 @@ impl Winner {
 
     /// Takes up to 16 further candidates: the first one that no other beats by more than `tolerance`.
     #[inline(always)]
-    pub(crate) fn meet<S: Simd>(self, s: S, changes: S::V, index: impl Fn(usize) -> usize, tolerance: f32) -> Self {
+    pub(crate) fn meet<S: Simd>(
+        self,
+        s: S,
+        changes: S::V,
+        index: impl Fn(usize) -> usize,
+        tolerance: f32,
+    ) -> Self {
         let least = -s.greatest(s.sub(s.splat(0.0), changes));
         // Not "at most": an infinite change stands against the first.
         if self.change - least <= tolerance {

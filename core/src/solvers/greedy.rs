@@ -181,7 +181,8 @@ impl Solve for Greedy {
         }
         self.order.write(self.seed, gains, &mut order)?;
         let phases = self.phases as usize;
-        let buffers = [table(phases), table(phases), self.amplitudes as usize].map(|len| work.floats.take(len));
+        let buffers =
+            [table(phases), table(phases), self.amplitudes as usize].map(|len| work.floats.take(len));
         let candidates = Candidates::new(phases, self.amplitudes as usize, buffers);
         let mut floats = work.floats.take(shortlist::floats(&candidates));
         let mut indices = work.indices.take(greedy::indices(lanes));

@@ -292,7 +292,11 @@ impl Normal {
                 self.steepest = self.steepest.max(f64::from(slope.abs()));
                 self.largest = self.largest.max(f64::from(square));
             }
-            kernels::add_outer(problem.gains().level(), self.columns.each_ref().map(Vec::as_slice), &mut self.matrix);
+            kernels::add_outer(
+                problem.gains().level(),
+                self.columns.each_ref().map(Vec::as_slice),
+                &mut self.matrix,
+            );
         }
         for j in 0..count {
             // d r_j / d theta_j = -j sqrt(w_j) t_j e^{j theta_j}.

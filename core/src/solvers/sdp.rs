@@ -129,7 +129,9 @@ impl Solve for Sdp {
             step += 1;
             if step < steps
                 && !quiet
-                && control.step(step, steps, || relaxation(gains.level(), &relaxed, &quality, count)).is_break()
+                && control
+                    .step(step, steps, || relaxation(gains.level(), &relaxed, &quality, count))
+                    .is_break()
             {
                 status = Status::Stopped;
                 break;
