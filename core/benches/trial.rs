@@ -30,7 +30,8 @@ fn main() {
                 .map(|a| a.split(',').map(String::from).collect::<Vec<_>>())
                 .unwrap_or(vec!["greedy".into(), "fast".into()]);
             for level in Level::all() {
-                let problem = Problem::new(&scene).unwrap().with_level(level);
+                let problem =
+                    Problem::with_gains(Gains::of(&scene).with_level(level), scene.request()).unwrap();
                 let t = Instant::now();
                 for _ in 0..20 {
                     std::hint::black_box(Problem::new(&scene).unwrap());

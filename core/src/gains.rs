@@ -142,7 +142,7 @@ impl Gains {
         Self { count, rows: Rows::Computed { emitters, frame, points }, level: Level::best() }
     }
 
-    /// The same with the kernels of another level: for tests and benchmarks.
+    /// The same with the kernels of another level than the best, for comparisons.
     #[must_use]
     pub fn with_level(self, level: Level) -> Self {
         Self { level, ..self }

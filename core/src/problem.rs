@@ -9,7 +9,6 @@ use num_complex::{Complex32, Complex64};
 
 use crate::error::Error;
 use crate::gains::Gains;
-use crate::kernels::Level;
 use crate::math;
 use crate::metrics::Metrics;
 use crate::scene::{Request, Scene};
@@ -159,12 +158,6 @@ impl Problem {
         }
         self.start = Some(Arc::new(start));
         Ok(self)
-    }
-
-    /// The same problem with the kernels of another level: for tests and benchmarks.
-    #[must_use]
-    pub fn with_level(self, level: Level) -> Self {
-        Self { gains: self.gains.with_level(level), ..self }
     }
 
     /// The drive to start from, if one was given.

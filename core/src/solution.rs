@@ -89,12 +89,17 @@ impl Solution {
         work: &mut Workspace,
     ) -> Self {
         let asked = problem.asked();
-        if asked.active.len() < asked.targets.len() {
-            // The points of weight 0 were not in it.
-            field.give(work);
-            return Self::new(problem, drive, status, steps, work);
+        if asked.active.len() == asked.targets.len() {
+            return Self::with_pressures(asked, drive, field, status, steps, work);
         }
-        Self::with_pressures(asked, drive, field, status, steps, work)
+        // The points of weight 0 were not in it.
+        let mut solution = Self::new(problem, drive, status, steps, work);
+        let reference = problem.gains().reference();
+        for (k, &j) in solution.asked.active.iter().enumerate() {
+            solution.pressures[j] = pascals(field.re[k], field.im[k], reference);
+        }
+        field.give(work);
+        solution
     }
 
     fn with_pressures(
@@ -107,9 +112,9 @@ impl Solution {
     ) -> Self {
         let gains = &asked.gains;
         let mut pressures = work.complexes.take(gains.points());
-        let scale = |x: f32| (f64::from(x) * gains.reference()) as f32;
+        let reference = gains.reference();
         for ((pressure, re), im) in pressures.iter_mut().zip(&field.re).zip(&field.im) {
-            *pressure = Complex32::new(scale(*re), scale(*im));
+            *pressure = pascals(*re, *im, reference);
         }
         field.give(work);
         Self { drive, pressures, status, steps, asked }
@@ -192,4 +197,9 @@ impl Solution {
         // A tiny negative angle rounds up to a whole turn.
         if turned < TAU { turned.abs() } else { 0.0 }
     }
+}
+
+/// A pressure in units of the reference, in Pa.
+fn pascals(re: f32, im: f32, reference: f64) -> Complex32 {
+    Complex32::new((f64::from(re) * reference) as f32, (f64::from(im) * reference) as f32)
 }

@@ -19,6 +19,7 @@ use crate::error::Error;
 use crate::kernels::fast::{self, Sweep};
 use crate::linalg::Planar;
 use crate::problem::Problem;
+use crate::rng::Rng;
 use crate::solution::{Solution, Status};
 use crate::solvers::{Info, Method, Solve};
 use crate::workspace::Workspace;
@@ -33,6 +34,8 @@ crate::options! {
         pub block: u32 = 8,
         /// Further sweeps over all transducers, 0 to 1000.
         pub sweeps: u32 = 0,
+        /// Seed of the order, 0 to 2^64 - 1.
+        pub seed: u64 = 0,
     }
 }
 
@@ -91,7 +94,7 @@ impl Solve for Fast {
                 control.step(step, steps, residual).is_continue()
             };
             let pressures = [&mut field.re[..], &mut field.im[..]];
-            if !fast::sweep(gains.level(), task, stride(count), &mut drive, pressures, turn) {
+            if !fast::sweep(gains.level(), task, stride(count, self.seed), &mut drive, pressures, turn) {
                 status = Status::Stopped;
                 break;
             }
@@ -101,12 +104,13 @@ impl Solve for Fast {
     }
 }
 
-/// All of 0..count in strides near the golden section: neighbours in turn are far apart on the board, as in a
-/// random order, without a seed.
-fn stride(count: usize) -> impl Iterator<Item = usize> {
+/// All of 0..count in strides near the golden section, from a place that the seed draws: neighbours in turn are far
+/// apart on the board, which does what a shuffle does and costs nothing.
+fn stride(count: usize, seed: u64) -> impl Iterator<Item = usize> {
     let golden = (count as f64 * 0.618_033_988_749_895) as usize;
     let step = (golden.max(1)..).find(|&step| coprime(step, count)).unwrap_or(1) % count;
-    (0..count).scan(0, move |at, _| {
+    let start = (Rng::new(seed).uniform() * count as f64) as usize;
+    (0..count).scan(start, move |at, _| {
         let i = *at;
         *at += step;
         *at -= if *at >= count { count } else { 0 };
@@ -129,7 +133,7 @@ mod tests {
     #[test]
     fn every_transducer_has_its_turn() {
         for count in 1..=300 {
-            let mut order: Vec<usize> = stride(count).collect();
+            let mut order: Vec<usize> = stride(count, count as u64).collect();
             order.sort_unstable();
             assert!(order.into_iter().eq(0..count), "{count}");
         }
