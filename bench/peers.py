@@ -138,7 +138,7 @@ def keep(rows: list[record.Row]) -> None:
     """The record, and the README's table if all that it compares with took part."""
     path = BENCH / "records" / f"{rows[0]['date']}.csv"
     record.write(path, rows)
-    print(f"wrote {path}")
+    print(f"wrote {path.relative_to(BENCH.parent)}")
     if {rival for rival, _, _ in record.REFERENCES} <= {row["rival"] for row in rows}:
         record.place(Path(BENCH.parent / "README.md"), record.table(rows))
         print("wrote the README's table")
