@@ -56,7 +56,7 @@ bench: ## Greedy beside the textbook loop, a field, every method over M and N; o
 
 RIVALS := autd3/ready textbook.so planar.so $(if $(ACOUSTOOLS),acoustools/ready)
 
-bench-peers: setup ## midair beside its rivals: record and README table (QUICK=1: a minute, neither; ACOUSTOOLS=1: AcousTools too)
+bench-peers: setup ## midair beside its rivals: record and README table (QUICK=1: neither; ACOUSTOOLS=1: AcousTools too)
 	-$(MAKE) --keep-going --no-print-directory $(addprefix bench/.envs/,$(RIVALS))
 	$(PYTHON) bench/peers.py $(if $(QUICK),--quick)
 

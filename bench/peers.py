@@ -7,7 +7,6 @@ import random
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from pathlib import Path
 from statistics import median
 from typing import Any
 
@@ -140,7 +139,7 @@ def keep(rows: list[record.Row]) -> None:
     record.write(path, rows)
     print(f"wrote {path.relative_to(BENCH.parent)}")
     if {rival for rival, _, _ in record.REFERENCES} <= {row["rival"] for row in rows}:
-        record.place(Path(BENCH.parent / "README.md"), record.table(rows))
+        record.place(BENCH.parent / "README.md", record.table(rows))
         print("wrote the README's table")
 
 
