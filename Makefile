@@ -9,7 +9,7 @@ export UV_PYTHON_DOWNLOADS := never
 export VIRTUAL_ENV := $(CURDIR)/.venv
 CARGO := cargo
 
-.PHONY: help setup demo test test-rust test-python lint bench golden pins clean
+.PHONY: help setup demo test test-rust test-python lint bench bench-peers golden pins clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -47,12 +47,29 @@ lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
 	$(CARGO) clippy --quiet --all-targets -p midair --features scene-file,parallel -- -D warnings
 	$(CARGO) clippy --quiet --all-targets -p midair-python -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --quiet --no-deps -p midair --features scene-file,parallel
-	$(BIN)/ruff check --quiet python
-	$(BIN)/ruff format --check --quiet python
+	$(BIN)/ruff check --quiet python bench
+	$(BIN)/ruff format --check --quiet python bench
 
 bench: ## Greedy beside the textbook loop, a field, every method over M and N; once more with AVX2 compiled in
 	$(CARGO) bench --quiet -p midair --features parallel
 	RUSTFLAGS="-C target-cpu=x86-64-v3" $(CARGO) bench --quiet --target-dir target/v3 -p midair --features parallel
+
+RIVALS := autd3/ready textbook.so planar.so $(if $(ACOUSTOOLS),acoustools/ready)
+
+bench-peers: setup ## midair beside its rivals: record and README table (QUICK=1: neither; ACOUSTOOLS=1: AcousTools too)
+	-$(MAKE) --keep-going --no-print-directory $(addprefix bench/.envs/,$(RIVALS))
+	$(PYTHON) bench/peers.py $(if $(QUICK),--quick)
+
+bench/.envs/%/ready: bench/%.txt .venv/ready
+	$(BIN)/uv venv --quiet --clear --python $(PYTHON) $(@D)
+	$(BIN)/uv pip install --quiet --python $(@D)/bin/python --constraint constraints.txt --requirements $<
+	touch $@
+
+bench/.envs/textbook.so: CXXFLAGS := -O3
+bench/.envs/planar.so: CXXFLAGS := -Ofast -march=native
+bench/.envs/%.so: bench/workers/%.cpp
+	mkdir -p $(@D)
+	$(CXX) -std=c++17 $(CXXFLAGS) -fPIC -shared -o $@ $<
 
 golden: ## Write golden/ anew (a breaking change: say so in CHANGELOG.md)
 	MIDAIR_GOLDEN=write $(CARGO) test --quiet -p midair --features scene-file,parallel --test suite golden
@@ -63,4 +80,4 @@ pins: ## Pin what pyproject.toml asks for, names and versions only
 
 clean: ## Remove what was built
 	$(CARGO) clean
-	rm -rf .venv out core/tests/no_std/target python/midair/*.so
+	rm -rf .venv out bench/.envs core/tests/no_std/target python/midair/*.so
