@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::kernels::{self, Law, Level, Row, Source, Spots, padded};
 use crate::math;
 use crate::medium::Medium;
-use crate::scene::Scene;
+use crate::scene::{Scene, check_array, check_places};
 
 /// An array in a medium, prepared for computing rows: positions in wavelengths from the array's middle.
 ///
@@ -101,6 +101,51 @@ fn wavelengths(position: [f64; 3], centre: [f64; 3], wavelength: f64) -> [f32; 3
 
 pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     math::sqrt((0..3).map(|axis| (a[axis] - b[axis]) * (a[axis] - b[axis])).sum())
+}
+
+/// An array in a medium, made ready once for points that change: what a scene is for points that do not.
+///
+/// ```
+/// use midair::{Array, Level, Medium, Problem, Request, Transmitter};
+///
+/// let transmitter = Transmitter::new(&Array::grid(8, 8, 10e-3)?, Medium::default(), Level::best())?;
+/// let problem = Problem::with_gains(transmitter.gains(&[[0.0, 0.0, 0.1]])?, &Request::default())?;
+/// assert_eq!(problem.gains().transducers(), 64);
+/// # Ok::<(), midair::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Transmitter {
+    emitters: Arc<Emitters>,
+    level: Level,
+}
+
+impl Transmitter {
+    /// Makes an array ready.
+    ///
+    /// # Errors
+    /// As [`Scene::new`]: a medium out of range, a beam too narrow or a transducer too far away for f32 phases.
+    pub fn new(array: &Array, medium: Medium, level: Level) -> Result<Self, Error> {
+        check_array(array, medium)?;
+        Ok(Self { emitters: Arc::new(Emitters::new(array, medium)), level })
+    }
+
+    /// G at some points (M, 3) in m.
+    ///
+    /// # Errors
+    /// No point, a coordinate that is not finite or too far away.
+    pub fn gains(&self, points: &[[f64; 3]]) -> Result<Gains, Error> {
+        if points.is_empty() {
+            return Err(Error::invalid("points", "empty", "give at least one point"));
+        }
+        check_places(&self.emitters.array, self.emitters.medium, "points", ".position", points)?;
+        Ok(Gains::at(Arc::clone(&self.emitters), points.into()).with_level(self.level))
+    }
+
+    /// The array.
+    #[must_use]
+    pub fn array(&self) -> &Array {
+        &self.emitters.array
+    }
 }
 
 /// A source of rows of G, one row a transducer: computed from positions when asked, or a matrix of the user's

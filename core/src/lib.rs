@@ -40,6 +40,7 @@
 extern crate alloc;
 
 mod array;
+mod batch;
 mod control;
 mod directivity;
 mod eigen;
@@ -64,11 +65,12 @@ pub mod solvers;
 mod workspace;
 
 pub use array::{Array, Origin};
+pub use batch::{Batch, solve_batch};
 pub use control::{Control, Progress};
 pub use directivity::{Directivity, Transducer};
 pub use error::Error;
 pub use field::field;
-pub use gains::Gains;
+pub use gains::{Gains, Transmitter};
 pub use kernels::Level;
 pub use medium::Medium;
 pub use metrics::Metrics;
