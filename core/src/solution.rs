@@ -7,6 +7,7 @@ use core::fmt;
 use num_complex::Complex32;
 
 use crate::control::Control;
+use crate::gains::Gains;
 use crate::kernels;
 use crate::linalg::Planar;
 use crate::math;
@@ -90,9 +91,13 @@ impl Solution {
     ) -> Self {
         let asked = problem.asked();
         if asked.active.len() < asked.targets.len() {
-            // The points of weight 0 were not in it.
+            // The points of weight 0 were not in it; the others keep their bits.
+            let mut solution = Self::new(problem, drive, status, steps, work);
+            for ((&j, &re), &im) in solution.asked.active.iter().zip(&field.re).zip(&field.im) {
+                solution.pressures[j] = in_pascals(&solution.asked.gains, re, im);
+            }
             field.give(work);
-            return Self::new(problem, drive, status, steps, work);
+            return solution;
         }
         Self::with_pressures(asked, drive, field, status, steps, work)
     }
@@ -107,9 +112,8 @@ impl Solution {
     ) -> Self {
         let gains = &asked.gains;
         let mut pressures = work.complexes.take(gains.points());
-        let scale = |x: f32| (f64::from(x) * gains.reference()) as f32;
-        for ((pressure, re), im) in pressures.iter_mut().zip(&field.re).zip(&field.im) {
-            *pressure = Complex32::new(scale(*re), scale(*im));
+        for ((pressure, &re), &im) in pressures.iter_mut().zip(&field.re).zip(&field.im) {
+            *pressure = in_pascals(gains, re, im);
         }
         field.give(work);
         Self { drive, pressures, status, steps, asked }
@@ -192,4 +196,10 @@ impl Solution {
         // A tiny negative angle rounds up to a whole turn.
         if turned < TAU { turned.abs() } else { 0.0 }
     }
+}
+
+/// A pressure in Pa from its parts in units of the reference.
+fn in_pascals(gains: &Gains, re: f32, im: f32) -> Complex32 {
+    let scale = |x: f32| (f64::from(x) * gains.reference()) as f32;
+    Complex32::new(scale(re), scale(im))
 }
