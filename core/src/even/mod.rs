@@ -47,7 +47,7 @@ struct Rows {
     order: Vec<u32>,
     /// Rows of points with a target: the first ones.
     loud: usize,
-    /// Rows in a tile: the points, and one of zeros if they are odd.
+    /// Rows in a tile: the points, and zeros.
     count: usize,
     /// Factor of each row.
     scale: Vec<f32>,
@@ -61,7 +61,7 @@ impl Rows {
     fn new(problem: &Problem, work: &mut Workspace) -> Self {
         let (gains, targets) = (problem.gains(), problem.targets());
         let points = gains.points();
-        let count = points.next_multiple_of(tiles::PAIR);
+        let count = tiles::height(points);
         let mut order = work.indices.take(points);
         let heard = |j: &u32| targets[*j as usize] > 0.0;
         let all = 0..points as u32;
@@ -78,7 +78,14 @@ impl Rows {
         let mut planes = [(); 2].map(|()| work.floats.take(size));
         let mut memory = work.floats.take(2 * LANES * gains.lanes());
         let [re, im] = &mut planes;
-        tiles::pack(gains.level(), gains.rows(), gains.transducers(), (&order, &scale), &mut memory, [re, im]);
+        tiles::pack(
+            gains.level(),
+            gains.rows(),
+            gains.transducers(),
+            (&order, &scale),
+            &mut memory,
+            [re, im],
+        );
         work.floats.give(memory);
         let loud = (0..points as u32).filter(heard).count();
         Self { order, loud, count, scale, target, planes, level: gains.level() }
@@ -126,8 +133,8 @@ impl Wave {
 
     /// What `play` of a kernel makes of it, and the moduli.
     fn set(&mut self, play: impl FnOnce(tiles::Wave<'_>)) {
-        let [drive, field, lanes] =
-            [&mut self.drive, &mut self.field, &mut self.lanes].map(|pair| pair.each_mut().map(Vec::as_mut_slice));
+        let [drive, field, lanes] = [&mut self.drive, &mut self.field, &mut self.lanes]
+            .map(|pair| pair.each_mut().map(Vec::as_mut_slice));
         play(tiles::Wave { drive, field, lanes });
         for (modulus, (re, im)) in self.moduli.iter_mut().zip(self.field[0].iter().zip(&self.field[1])) {
             *modulus = sqrtf(re * re + im * im);

@@ -102,7 +102,7 @@ impl Newton {
     fn new(problem: &Problem, rows: &Rows, work: &mut Workspace) -> Self {
         let quiet = rows.order.len() - rows.loud;
         let size = rows.loud + 2 * quiet;
-        let count = size.next_multiple_of(tiles::FOUR);
+        let count = tiles::height(size);
         let transducers = padded(problem.gains().transducers());
         let mut ease = work.floats.take(size);
         let points = rows.order.iter().chain(&rows.order[rows.loud..]);

@@ -9,11 +9,16 @@ use super::simd::{Simd, TINY};
 use super::turns::wave as phasor;
 use super::{LANES, Lanes, groups, groups_mut};
 
-/// Points of a tile are padded to a multiple of it: two rows meet two in [`couplings`].
-pub(crate) const PAIR: usize = 2;
+/// Rows met at once: four meet two in [`couplings`] and [`products`], and their sums fill the registers.
+const LEFT: usize = 4;
+const RIGHT: usize = 2;
 
-/// Rows of slopes are padded to a multiple of it: four meet two in [`products`].
-pub(crate) const FOUR: usize = 4;
+/// Rows of a tile that holds `count`: padded to whole blocks, and past a multiple of 32 rows, at which a row of each
+/// tile would want the same place in the nearest cache.
+pub(crate) const fn height(count: usize) -> usize {
+    let rows = count.next_multiple_of(LEFT);
+    if rows.is_multiple_of(32) { rows + LEFT } else { rows }
+}
 
 /// G, `count` rows of lanes a tile.
 #[derive(Clone, Copy)]
@@ -39,7 +44,14 @@ pub(crate) struct Wave<'a> {
 }
 
 /// Writes G as tiles: row `k` of each is point `order[k]` times `scale[k]`. `memory` holds 32 rows of `rows`.
-pub(crate) fn pack(level: Level, rows: Rows<'_>, transducers: usize, points: (&[u32], &[f32]), memory: &mut [f32], out: [&mut [f32]; 2]) {
+pub(crate) fn pack(
+    level: Level,
+    rows: Rows<'_>,
+    transducers: usize,
+    points: (&[u32], &[f32]),
+    memory: &mut [f32],
+    out: [&mut [f32]; 2],
+) {
     dispatch!(level, s => {
         let (order, scale) = points;
         let lanes = memory.len() / (2 * LANES);
@@ -75,7 +87,12 @@ fn unit<S: Simd>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
 
 /// Drives the array tile by tile and hears it.
 #[inline(always)]
-fn play<S: Simd>(s: S, tiles: Tiles<'_>, wave: Wave<'_>, mut drive: impl FnMut(usize, [&[Lanes]; 2]) -> [S::V; 2]) {
+fn play<S: Simd>(
+    s: S,
+    tiles: Tiles<'_>,
+    wave: Wave<'_>,
+    mut drive: impl FnMut(usize, [&[Lanes]; 2]) -> [S::V; 2],
+) {
     let Wave { drive: [qr, qi], field, lanes } = wave;
     let [re, im] = lanes;
     let (re, im) = (groups_mut(re), groups_mut(im));
@@ -102,18 +119,25 @@ fn play<S: Simd>(s: S, tiles: Tiles<'_>, wave: Wave<'_>, mut drive: impl FnMut(u
 /// q = b/|b| with b = sum_j conj(G_j) p_j, 0 where b is, and P = G q.
 pub(crate) fn sweep(level: Level, tiles: Tiles<'_>, wanted: [&[f32]; 2], wave: Wave<'_>) {
     dispatch!(level, s => play(s, tiles, wave, #[inline(always)] |_, [gr, gi]| {
-        let (mut re, mut im) = (s.splat(0.0), s.splat(0.0));
+        // Four sums that do not wait for one another.
+        let mut sums = [s.splat(0.0); 4];
         for ((gr, gi), (&pr, &pi)) in gr.iter().zip(gi).zip(wanted[0].iter().zip(wanted[1])) {
             let (gr, gi, pr, pi) = (s.load(gr), s.load(gi), s.splat(pr), s.splat(pi));
-            re = s.fma(gr, pr, s.fma(gi, pi, re));
-            im = s.fma(gr, pi, s.fnma(gi, pr, im));
+            sums = [s.fma(gr, pr, sums[0]), s.fma(gi, pi, sums[1]), s.fma(gr, pi, sums[2]), s.fma(gi, pr, sums[3])];
         }
-        unit(s, [re, im])
+        unit(s, [s.add(sums[0], sums[1]), s.sub(sums[2], sums[3])])
     }));
 }
 
 /// q = (r + j f d r) / |.| of another drive r and turns d, and P = G q: e^{jfd} r but for (f d)^3/3.
-pub(crate) fn turn(level: Level, tiles: Tiles<'_>, from: [&[f32]; 2], turns: &[f32], factor: f32, wave: Wave<'_>) {
+pub(crate) fn turn(
+    level: Level,
+    tiles: Tiles<'_>,
+    from: [&[f32]; 2],
+    turns: &[f32],
+    factor: f32,
+    wave: Wave<'_>,
+) {
     dispatch!(level, s => {
         let ([re, im], turns) = (from.map(groups), groups(turns));
         play(s, tiles, wave, #[inline(always)] |t, _| {
@@ -126,7 +150,14 @@ pub(crate) fn turn(level: Level, tiles: Tiles<'_>, from: [&[f32]; 2], turns: &[f
 
 /// The slopes of the equations, row after row: f Re(G q) + g Im(G q) of the first rows of each tile, then of the rows
 /// from `again` on once more, with as many factors as there are rows in all.
-pub(crate) fn slopes(level: Level, tiles: Tiles<'_>, drive: [&[f32]; 2], factors: [&[f32]; 2], points: (usize, usize), out: &mut [f32]) {
+pub(crate) fn slopes(
+    level: Level,
+    tiles: Tiles<'_>,
+    drive: [&[f32]; 2],
+    factors: [&[f32]; 2],
+    points: (usize, usize),
+    out: &mut [f32],
+) {
     dispatch!(level, s => {
         let (count, again) = points;
         let rows = factors[0].len();
@@ -163,12 +194,12 @@ pub(crate) fn combine(level: Level, tiles: &[f32], factors: &[f32], out: &mut [f
 pub(crate) fn products(level: Level, tiles: &[f32], rows: usize, size: usize, matrix: &mut [f32]) {
     dispatch!(level, s => {
         let all = groups(tiles);
-        for k in (0..size).step_by(FOUR) {
-            for l in (0..(k + FOUR).min(size)).step_by(PAIR) {
-                let mut sums = [[s.splat(0.0); PAIR]; FOUR];
+        for k in (0..size).step_by(LEFT) {
+            for l in (0..(k + LEFT).min(size)).step_by(RIGHT) {
+                let mut sums = [[s.splat(0.0); RIGHT]; LEFT];
                 for tile in all.chunks_exact(rows) {
                     let right = [s.load(&tile[l]), s.load(&tile[l + 1])];
-                    for (sums, row) in sums.iter_mut().zip(&tile[k..k + FOUR]) {
+                    for (sums, row) in sums.iter_mut().zip(&tile[k..k + LEFT]) {
                         let row = s.load(row);
                         *sums = [s.fma(row, right[0], sums[0]), s.fma(row, right[1], sums[1])];
                     }
@@ -183,22 +214,21 @@ pub(crate) fn products(level: Level, tiles: &[f32], rows: usize, size: usize, ma
     });
 }
 
-/// The lower half of G G^H over the first `size` points, the blocks on the diagonal whole.
+/// The lower half of G G^H over the first `size` points.
 pub(crate) fn couplings(level: Level, tiles: Tiles<'_>, size: usize, matrix: [&mut [f32]; 2]) {
     dispatch!(level, s => {
         let [all_re, all_im] = tiles.planes.map(groups);
         let [to_re, to_im] = matrix;
-        for k in (0..size).step_by(PAIR) {
-            for l in (0..=k).step_by(PAIR) {
-                let mut sums = [[[s.splat(0.0); 2]; PAIR]; PAIR];
+        for k in (0..size).step_by(LEFT) {
+            for l in (0..(k + LEFT).min(size)).step_by(RIGHT) {
+                let mut sums = [[[s.splat(0.0); 2]; RIGHT]; LEFT];
                 for (re, im) in all_re.chunks_exact(tiles.count).zip(all_im.chunks_exact(tiles.count)) {
-                    for (b, right) in (l..l + PAIR).enumerate() {
-                        let (lr, li) = (s.load(&re[right]), s.load(&im[right]));
-                        for (a, left) in (k..k + PAIR).enumerate() {
-                            let (kr, ki) = (s.load(&re[left]), s.load(&im[left]));
-                            let [real, imag] = &mut sums[a][b];
-                            *real = s.fma(kr, lr, s.fma(ki, li, *real));
-                            *imag = s.fma(ki, lr, s.fnma(kr, li, *imag));
+                    let right = [l, l + 1].map(|l| [s.load(&re[l]), s.load(&im[l])]);
+                    for (sums, (re, im)) in sums.iter_mut().zip(re[k..k + LEFT].iter().zip(&im[k..k + LEFT])) {
+                        let (re, im) = (s.load(re), s.load(im));
+                        for ([real, imag], [other_re, other_im]) in sums.iter_mut().zip(right) {
+                            *real = s.fma(re, other_re, s.fma(im, other_im, *real));
+                            *imag = s.fma(im, other_re, s.fnma(re, other_im, *imag));
                         }
                     }
                 }
@@ -216,7 +246,14 @@ pub(crate) fn couplings(level: Level, tiles: Tiles<'_>, size: usize, matrix: [&m
 /// each v_k gets the phase of sum_l C_kl v_l, in the order of `visits`. The sum of |v_k| |sum_l C_kl v_l|.
 ///
 /// Where the sum is silent v_k stays.
-pub(crate) fn align(level: Level, matrix: [&[f32]; 2], shares: &[f32], visits: &[u32], rounds: usize, vectors: [&mut [f32]; 2]) -> Lanes {
+pub(crate) fn align(
+    level: Level,
+    matrix: [&[f32]; 2],
+    shares: &[f32],
+    visits: &[u32],
+    rounds: usize,
+    vectors: [&mut [f32]; 2],
+) -> Lanes {
     dispatch!(level, s => {
         let [re, im] = vectors.map(groups_mut);
         let size = shares.len();
@@ -227,12 +264,12 @@ pub(crate) fn align(level: Level, matrix: [&[f32]; 2], shares: &[f32], visits: &
             for &k in visits {
                 let k = k as usize;
                 let row = matrix.map(|plane| &plane[k * size..(k + 1) * size]);
-                let (mut x, mut y) = (s.splat(0.0), s.splat(0.0));
+                let mut sums = [s.splat(0.0); 4];
                 for ((&cr, &ci), (re, im)) in row[0].iter().zip(row[1]).zip(re.iter().zip(im.iter())) {
                     let (cr, ci, re, im) = (s.splat(cr), s.splat(ci), s.load(re), s.load(im));
-                    x = s.fma(cr, re, s.fnma(ci, im, x));
-                    y = s.fma(cr, im, s.fma(ci, re, y));
+                    sums = [s.fma(cr, re, sums[0]), s.fma(ci, im, sums[1]), s.fma(cr, im, sums[2]), s.fma(ci, re, sums[3])];
                 }
+                let (x, y) = (s.sub(sums[0], sums[1]), s.add(sums[2], sums[3]));
                 let square = s.fma(x, x, s.mul(y, y));
                 let (root, inverse) = s.roots(s.max(square, tiny));
                 let share = s.splat(shares[k]);
