@@ -93,7 +93,9 @@ fn a_sweep_aims_every_transducer_and_hears_it() {
         for transducers in [1, 16, 37] {
             let scene = Scene::new(count, transducers, level);
             let mut wanted = complex(rng, count);
-            wanted.iter_mut().for_each(|plane| plane.resize(height(count).max(plane.len()), 0.0));
+            for plane in &mut wanted {
+                plane.resize(height(count).max(plane.len()), 0.0);
+            }
             let [drive, _] =
                 scene.play(|wave| tiles::sweep(level, scene.tiles(), [&wanted[0], &wanted[1]], wave));
             for i in 0..transducers {
@@ -141,7 +143,9 @@ fn slopes_their_products_and_sums_are_those_of_j() {
         let drive = complex(rng, transducers);
         let rows = height(size);
         let mut factors = [(); 2].map(|()| vec![0.0; rows]);
-        factors.iter_mut().for_each(|f| f[..size].copy_from_slice(&numbers(rng, size, -1.0, 1.0)[..size]));
+        for f in &mut factors {
+            f[..size].copy_from_slice(&numbers(rng, size, -1.0, 1.0)[..size]);
+        }
         let mut slopes = vec![0.0; rows * padded(transducers)];
         let split = [&factors[0][..], &factors[1]];
         tiles::slopes(level, scene.tiles(), [&drive[0], &drive[1]], split, (count, loud), &mut slopes);
