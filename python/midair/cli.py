@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
 
 from cyclopts import App, CycloptsError, Parameter
 from rich import box
@@ -52,7 +52,7 @@ def solve_command(
     output_file: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
     image: Path | None = None,
     balance: bool | None = None,
-    level: str | None = None,
+    level: Literal["target", "max"] | None = None,
     **options: str,
 ) -> int:
     """Find a drive for a scene file, judge it, and write what is asked for.

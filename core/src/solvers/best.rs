@@ -14,7 +14,7 @@ crate::options! {
         /// Point phases tried on the M x M matrix, at least 1.
         pub starts: u32 = 32,
         /// Weighted Gerchberg-Saxton sweeps from each of the four best.
-        pub steps: u32 = 8,
+        pub steps: u32 = 12,
         /// Ends when no point is off the common level by more than this part of it.
         pub tolerance: f64 = 1e-5,
         /// Seed of the point phases, 0 to 2^64 - 1.
