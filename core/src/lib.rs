@@ -45,6 +45,7 @@ mod control;
 mod directivity;
 mod eigen;
 mod error;
+mod even;
 mod field;
 #[cfg(feature = "scene-file")]
 pub mod file;
@@ -76,7 +77,7 @@ pub use medium::Medium;
 pub use metrics::Metrics;
 pub use num_complex::{Complex32, Complex64};
 pub use options::{Choice, Configure, OptionInfo, OptionValue, Options, Value, spell, word};
-pub use problem::{Problem, Start};
+pub use problem::{Aim, Problem, Start};
 pub use rng::Rng;
 pub use scene::{Plane, Request, Scene};
 pub use solution::{Solution, Status};

@@ -11,6 +11,7 @@ use crate::error::Error;
 use crate::gains::Gains;
 use crate::math;
 use crate::metrics::Metrics;
+use crate::options::{OptionValue, Value, spell, word};
 use crate::scene::{Request, Scene};
 
 /// Targets outside these many reference pressures are a slip of the unit, and near the ends of f32.
@@ -27,6 +28,28 @@ pub enum Start {
     Phases(Vec<f64>),
 }
 
+/// How loud `uniform` and `best` make the points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(clippy::exhaustive_enums, reason = "the two levels of docs/conventions.md")]
+pub enum Aim {
+    /// As loud as asked, and no louder.
+    Target,
+    /// As loud as the array can make them, the ratios kept.
+    Max,
+}
+
+const AIMS: [(&str, Aim); 2] = [("target", Aim::Target), ("max", Aim::Max)];
+
+impl OptionValue for Aim {
+    fn read(item: &str, value: &Value) -> Result<Self, Error> {
+        word(item, value, &AIMS)
+    }
+
+    fn show(&self) -> Value {
+        spell(*self, &AIMS)
+    }
+}
+
 /// A checked problem: it can be solved.
 ///
 /// Cloning is cheap but for the targets: all else is shared.
@@ -36,6 +59,7 @@ pub struct Problem {
     weights: Arc<[f32]>,
     asked: Arc<Asked>,
     start: Option<Arc<Start>>,
+    aim: Option<Aim>,
     targets: Vec<f32>,
 }
 
@@ -115,8 +139,14 @@ impl Problem {
             active,
             given,
         };
-        let mut problem =
-            Self { gains, weights: weights.into(), asked: Arc::new(asked), start: None, targets: Vec::new() };
+        let mut problem = Self {
+            gains,
+            weights: weights.into(),
+            asked: Arc::new(asked),
+            start: None,
+            aim: None,
+            targets: Vec::new(),
+        };
         problem.targets = vec![0.0; lanes];
         problem.asked.scaled_targets(1.0, &mut problem.targets);
         Ok(problem)
@@ -130,6 +160,7 @@ impl Problem {
             weights: Arc::clone(&self.weights),
             asked: self.asked(),
             start: self.start.clone(),
+            aim: self.aim,
             targets,
         }
     }
@@ -158,6 +189,20 @@ impl Problem {
         }
         self.start = Some(Arc::new(start));
         Ok(self)
+    }
+
+    /// The same problem with another aim for the methods that use one.
+    #[must_use]
+    pub fn with_aim(mut self, aim: Aim) -> Self {
+        self.aim = Some(aim);
+        self
+    }
+
+    /// How loud the points are to be: unless chosen, as loud as asked where pressures were given, else as loud as
+    /// the array can make them.
+    #[must_use]
+    pub fn aim(&self) -> Aim {
+        self.aim.unwrap_or(if self.asked.given { Aim::Target } else { Aim::Max })
     }
 
     /// The drive to start from, if one was given.

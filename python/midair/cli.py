@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
 
 from cyclopts import App, CycloptsError, Parameter
 from rich import box
@@ -52,6 +52,7 @@ def solve_command(
     output_file: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
     image: Path | None = None,
     balance: bool | None = None,
+    level: Literal["target", "max"] | None = None,
     **options: str,
 ) -> int:
     """Find a drive for a scene file, judge it, and write what is asked for.
@@ -70,6 +71,8 @@ def solve_command(
         Where a picture of the field goes: .png, .svg, .pdf or .jpg.
     balance
         Solve at the level the array can reach and reduce the drives afterwards.
+    level
+        "target" for as loud as asked, "max" for as loud as the array can, for the solvers that use one.
     options
         Options of the solver, as --name value.
     """
@@ -84,7 +87,7 @@ def solve_command(
             tell(step, steps)
             return not interrupted()
 
-        solution = solve(request, solver, balance=balance, progress=watch, **_values(options))
+        solution = solve(request, solver, balance=balance, level=level, progress=watch, **_values(options))
     _print_table([solution])
     if output_file is not None:
         output.write_drive(output_file, request, solution)

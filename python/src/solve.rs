@@ -3,7 +3,7 @@
 use std::ffi::CString;
 use std::time::Instant;
 
-use midair::{Complex32, Control, Progress, Workspace, solvers as registry};
+use midair::{Complex32, Control, OptionValue, Progress, Workspace, solvers as registry};
 use numpy::{IntoPyArray, PyArray1, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -132,7 +132,7 @@ impl Solution {
         &self.choice.name
     }
 
-    /// Every option in full, and whether the targets were balanced.
+    /// Every option in full, whether the targets were balanced, and the level where the method uses one.
     #[getter]
     fn options<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         read::option_dict(py, &self.choice.table())
@@ -166,7 +166,16 @@ fn chosen(
         name.or_else(|| file.map(|choice| choice.name.clone())).unwrap_or_else(|| registry::DEFAULT.into());
     let mut options = file.map(|choice| choice.options.clone()).unwrap_or_default();
     options.extend(given);
-    Ok(midair::Choice { name, options, balance: file.and_then(|choice| choice.balance) })
+    let (balance, level) = file.map_or((None, None), |choice| (choice.balance, choice.level));
+    Ok(midair::Choice { name, options, balance, level })
+}
+
+/// A level by its name.
+fn aim(level: &Bound<'_, PyAny>) -> PyResult<midair::Aim> {
+    match level.extract::<String>() {
+        Ok(name) => midair::Aim::read("level", &midair::Value::Text(name)).map_err(refused),
+        Err(_) => Err(invalid("level", &level.to_string(), "give \"target\" or \"max\"")),
+    }
 }
 
 /// A start: a Solution or complex numbers are a drive (N,), real numbers are point phases (M,).
@@ -219,15 +228,12 @@ pub(crate) fn solve(
     {
         return Err(invalid("progress", &callback.to_string(), "give a function of (step, steps, residual)"));
     }
-    let configured = registry::find(&choice.name).and_then(|entry| entry.configure(&choice.options));
-    let configured = configured.map_err(refused)?;
-    for (argument, value, uses) in [
-        ("level", level, (|info| info.uses_level) as fn(&registry::Info) -> bool),
-        ("start", start, |info| info.uses_start),
-    ] {
-        if value.is_some() && !uses(configured.info) {
-            return Err(refused(registry::unused(argument, configured.info.name, uses)));
-        }
+    if let Some(level) = level {
+        choice.level = Some(aim(level)?);
+    }
+    let configured = choice.configured().map_err(refused)?;
+    if start.is_some() && !configured.info.uses_start {
+        return Err(refused(registry::unused("start", configured.info.name, |info| info.uses_start)));
     }
     if let Some(balance) = balance {
         let Ok(balance) = balance.extract::<bool>() else {
@@ -244,8 +250,13 @@ pub(crate) fn solve(
         None => task.problem(),
         Some(start) => task.problem()?.with_start(start),
     });
-    let problem = problem.map_err(refused)?;
-    if problem.is_weak() && !balance {
+    let mut problem = problem.map_err(refused)?;
+    if let Some(level) = choice.level {
+        problem = problem.with_aim(level);
+    }
+    if configured.info.uses_level {
+        choice.level = Some(problem.aim());
+    } else if problem.is_weak() && !balance {
         let part = 1.0 / problem.balance();
         let part = if part < 0.01 { format!("{part:.1e}") } else { format!("{part:.2}") };
         let text = format!(

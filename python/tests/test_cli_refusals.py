@@ -131,6 +131,7 @@ ARGUMENTS: dict[str, tuple[str, str]] = {
     "order of half": ("solve scene.toml --order [1,0] -o out.csv", "order"),
     "order of a deep nest": ("solve scene.toml -o out.csv --order " + "[" * 100000, "order"),
     "balance of no sense": ("solve scene.toml --balance maybe", "maybe"),
+    "level of no sense": ("solve scene.toml --solver uniform --level loud -o out.csv", "level"),
     "level nobody uses": ("solve scene.toml --solver naive --level max -o out.csv", "level"),
     "pressures": ("solve scene.toml --pressures 5 -o out.csv", "pressures"),
     "start": ("solve scene.toml --start 5 -o out.csv", "start"),

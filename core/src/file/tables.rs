@@ -15,7 +15,6 @@ use crate::error::Error;
 use crate::medium::Medium;
 use crate::options::{Choice, Options, Value};
 use crate::scene::{Plane, Request, Scene};
-use crate::solvers;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -261,7 +260,7 @@ impl SceneTable {
             let options: Options =
                 table.options.into_iter().map(|(name, value)| (name, value.into())).collect();
             let choice = Choice::new(table.name, options)?;
-            solvers::find(&choice.name)?.configure(&choice.options)?;
+            choice.configured()?;
             scene.solver = Some(choice);
         }
         Ok(scene)

@@ -18,6 +18,7 @@ pub(crate) mod simd;
 mod table;
 #[cfg(test)]
 mod tests;
+pub(crate) mod tiles;
 mod turns;
 
 pub use level::Level;

@@ -4,6 +4,7 @@
 mod matrix;
 mod search;
 mod simd;
+mod tiles;
 
 use alloc::vec;
 use alloc::vec::Vec;

@@ -1,5 +1,6 @@
 //! The methods: one file each, one line each in the registry.
 
+mod best;
 mod evd;
 mod fast;
 mod greedy;
@@ -10,6 +11,7 @@ mod lm;
 mod naive;
 mod sdp;
 mod tikhonov;
+mod uniform;
 mod wgs;
 
 use alloc::boxed::Box;
@@ -17,6 +19,7 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
+pub use best::Best;
 pub use evd::Evd;
 pub use fast::Fast;
 pub use greedy::{Greedy, Objective, Order};
@@ -27,6 +30,7 @@ pub use lm::Lm;
 pub use naive::Naive;
 pub use sdp::{Moduli, Sdp};
 pub use tikhonov::Tikhonov;
+pub use uniform::Uniform;
 pub use wgs::Wgs;
 
 use crate::control::Control;
@@ -45,6 +49,8 @@ macro_rules! registry {
 }
 
 registry! {
+    uniform::Uniform,
+    best::Best,
     greedy::Greedy,
     fast::Fast,
     lm::Lm,
@@ -73,6 +79,11 @@ pub trait Solve {
         work: &mut Workspace,
         control: &mut Control,
     ) -> Result<Solution, Error>;
+
+    /// Whether it brings its answer to the problem's level by itself, so that there is nothing to balance.
+    fn levels(&self) -> bool {
+        false
+    }
 }
 
 /// What the registry knows of a method beside its options.
@@ -223,7 +234,7 @@ pub fn solve(
     control: &mut Control,
 ) -> Result<Solution, Error> {
     let factor = problem.balance();
-    if !balance || factor <= 1.0 {
+    if !balance || factor <= 1.0 || solver.levels() {
         return solver.solve(problem, work, control);
     }
     let targets = work.floats.take(problem.gains().lanes());

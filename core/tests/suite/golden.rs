@@ -7,11 +7,11 @@ use std::fs;
 use std::path::PathBuf;
 
 use midair::file::{Format, Provenance, read, write};
-use midair::{Complex32, Control, Gains, Level, Metrics, Problem, Scene, Solution, Workspace, solvers};
+use midair::{Complex32, Control, Gains, Level, Metrics, Problem, Scene, Solution, Workspace};
 use serde_json::{Value, json};
 
 /// Name, array, points (x, y, z in mm, pressure in Pa, weight), solver table, balance.
-const SCENES: [(&str, &str, &str, &str, bool); 15] = [
+const SCENES: [(&str, &str, &str, &str, bool); 17] = [
     ("focus", "preset = \"autd3\"", "0 0 150 500 1", "name = \"greedy\"\nseed = 1", false),
     (
         "pair",
@@ -111,6 +111,20 @@ const SCENES: [(&str, &str, &str, &str, bool); 15] = [
         "name = \"tikhonov\"\nlimit = \"full\"",
         false,
     ),
+    (
+        "uniform",
+        "grid = { nx = 7, ny = 6, pitch = 0.01 }\ndirectivity = \"t4010a1\"",
+        "-20 5 120 400 1,20 0 130 300 2,0 -18 110 350 1,10 20 125 0 1",
+        "name = \"uniform\"",
+        true,
+    ),
+    (
+        "best",
+        "grid = { nx = 7, ny = 6, pitch = 0.01 }\ndirectivity = \"t4010a1\"",
+        "-20 5 120 400 1,20 0 130 300 2,0 -18 110 350 1",
+        "name = \"best\"\nstarts = 40\nseed = 5\nlevel = \"max\"",
+        true,
+    ),
 ];
 
 fn folder() -> PathBuf {
@@ -139,10 +153,12 @@ fn scene((_, array, points, solver, _): &(&str, &str, &str, &str, bool)) -> Scen
 
 fn solved(scene: &Scene, balance: bool, level: Level) -> Solution {
     let choice = scene.solver.as_ref().expect("a solver");
-    let made =
-        solvers::find(&choice.name).and_then(|entry| entry.configure(&choice.options)).expect("options");
+    let made = choice.configured().expect("options");
     let gains = Gains::of(scene).with_level(level);
-    let problem = Problem::with_gains(gains, scene.request()).expect("a problem");
+    let mut problem = Problem::with_gains(gains, scene.request()).expect("a problem");
+    if let Some(level) = choice.level {
+        problem = problem.with_aim(level);
+    }
     midair::solve(&problem, &*made.solver, balance, &mut Workspace::new(), &mut Control::none())
         .expect("an answer")
 }

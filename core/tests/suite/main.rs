@@ -1,6 +1,7 @@
 //! The tests of the core, in one binary.
 
 mod constants;
+mod even;
 mod field;
 #[cfg(feature = "scene-file")]
 mod files;
