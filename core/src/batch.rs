@@ -76,8 +76,8 @@ pub fn solve_batch(
     while done < count {
         let end = count.min(done + stretch);
         let parts = parts(&mut batch, drives, done..end, transducers, points);
-        let run = |(part, work): (Part<'_>, &mut Workspace)| {
-            some(part, transducers, points, problem, solver, balance, work)
+        let run = |(mut part, work): (Part<'_>, &mut Workspace)| {
+            some(&mut part, transducers, points, problem, solver, balance, work)
         };
         each(parts, &mut spaces, &run)?;
         done = end;
@@ -118,7 +118,7 @@ fn parts<'a>(
 }
 
 fn some(
-    part: Part<'_>,
+    part: &mut Part<'_>,
     transducers: usize,
     points: usize,
     problem: &dyn Fn(usize) -> Result<Problem, Error>,

@@ -7,7 +7,6 @@ use core::fmt;
 use num_complex::Complex32;
 
 use crate::control::Control;
-use crate::gains::Gains;
 use crate::kernels;
 use crate::linalg::Planar;
 use crate::math;

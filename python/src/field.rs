@@ -229,6 +229,7 @@ pub(crate) fn judge(
 ) -> PyResult<Metrics> {
     let task = Task::read(scene, pressures, weights)?;
     let drive = read::drive("drive", drive)?;
-    let metrics = py.detach(|| task.problem()?.judge(&drive)).map_err(refused)?;
+    let level = crate::level::level()?;
+    let metrics = py.detach(|| task.problem(level)?.judge(&drive)).map_err(refused)?;
     Ok(metrics.into())
 }

@@ -2,10 +2,13 @@
 //! and hands over the answer; it decides nothing.
 
 mod array;
+mod batch;
 mod field;
+mod level;
 mod pulse;
 mod read;
 mod scene;
+mod setting;
 mod solve;
 mod task;
 
@@ -39,6 +42,8 @@ fn invalid(item: &str, value: &str, cure: &str) -> PyErr {
 mod _midair {
     #[pymodule_export]
     use super::array::{Array, PresetInfo, presets};
+    #[pymodule_export]
+    use super::batch::{Batch, BatchMetrics, solve_batch};
     #[pymodule_export]
     use super::field::{Field, Plane, field, judge};
     #[pymodule_export]

@@ -171,11 +171,16 @@ fn chosen(
 }
 
 /// A level by its name.
-fn aim(level: &Bound<'_, PyAny>) -> PyResult<midair::Aim> {
+pub(crate) fn aim(level: &Bound<'_, PyAny>) -> PyResult<midair::Aim> {
     match level.extract::<String>() {
         Ok(name) => midair::Aim::read("level", &midair::Value::Text(name)).map_err(refused),
         Err(_) => Err(invalid("level", &level.to_string(), "give \"target\" or \"max\"")),
     }
+}
+
+/// True or False.
+pub(crate) fn flag(item: &str, value: &Bound<'_, PyAny>) -> PyResult<bool> {
+    value.extract().map_err(|_| invalid(item, &value.to_string(), "give True, False or None"))
 }
 
 /// A start: a Solution or complex numbers are a drive (N,), real numbers are point phases (M,).
@@ -236,19 +241,17 @@ pub(crate) fn solve(
         return Err(refused(registry::unused("start", configured.info.name, |info| info.uses_start)));
     }
     if let Some(balance) = balance {
-        let Ok(balance) = balance.extract::<bool>() else {
-            return Err(invalid("balance", &balance.to_string(), "give True, False or None"));
-        };
-        choice.balance = Some(balance);
+        choice.balance = Some(flag("balance", balance)?);
     }
     let balance = choice.balance.unwrap_or(configured.info.balance);
     choice.balance = Some(balance);
     choice.options = configured.options;
     let clock = Instant::now();
     let start = start.map(begin).transpose()?;
+    let level = crate::level::level()?;
     let problem = py.detach(|| match start {
-        None => task.problem(),
-        Some(start) => task.problem()?.with_start(start),
+        None => task.problem(level),
+        Some(start) => task.problem(level)?.with_start(start),
     });
     let mut problem = problem.map_err(refused)?;
     if let Some(level) = choice.level {

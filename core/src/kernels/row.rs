@@ -178,7 +178,7 @@ fn silence<S: Simd>(s: S, list: &mut [f32], count: usize) {
     const LANE: Lanes =
         [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
     if let Some(last) = groups_mut(list).last_mut()
-        && count % LANES > 0
+        && !count.is_multiple_of(LANES)
     {
         let used = s.splat((count % LANES) as f32);
         s.store(s.select_less(s.load(&LANE), used, s.load(last), s.splat(0.0)), last);

@@ -130,6 +130,7 @@ impl List<'_> {
 /// The candidates within `slack` of the best, by the moments and by eq. (7) itself at the points `near`; their
 /// indices are written into `close` in rising order.
 #[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "the state of one turn")]
 pub(crate) fn shortlist<S: Simd>(
     s: S,
     points: Points<'_>,

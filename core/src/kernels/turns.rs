@@ -8,7 +8,7 @@ const SINE: [f32; 5] = [4.442_883, -7.308_245_7, 3.606_354_5, -0.846_112_9, 0.10
 
 /// sqrt(2) cos(pi x) in powers of x^2, least maximal error on |x| <= 1/2 (7e-8).
 #[allow(clippy::approx_constant, reason = "fitted coefficients that lie near a constant")]
-const COSINE: [f32; 5] = [1.414_213_5, -6.978_850_8, 5.739_461, -1.883_563, 0.310_698_18];
+const COSINE: [f32; 5] = [1.414_213_5, -6.978_851, 5.739_461, -1.883_563, 0.310_698_18];
 
 /// 2^x in powers of x, least relative error on |x| <= 1/2 (2e-9).
 #[allow(clippy::approx_constant, reason = "fitted coefficients that lie near a constant")]
