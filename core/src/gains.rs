@@ -10,6 +10,7 @@ use num_complex::{Complex32, Complex64};
 use crate::array::{Array, UNITS};
 use crate::error::Error;
 use crate::kernels::{self, Law, Row, Source, Spots, padded};
+use crate::levels::Levels;
 use crate::math;
 use crate::medium::Medium;
 use crate::scene::Scene;
@@ -33,9 +34,8 @@ impl Emitters {
         let wavelength = medium.wavelength();
         let sources = (0..array.len())
             .map(|i| {
-                let response = array.response().map_or(Complex64::ONE, |response| response[i]);
                 // P0 cancels: the reference is 1000 P0.
-                let strength = response / (1000.0 * wavelength);
+                let strength = array.effect(i) / (1000.0 * wavelength);
                 Source {
                     position: wavelengths(array.positions()[i], centre, wavelength),
                     normal: array.normals()[i].map(|x| x as f32),
@@ -85,8 +85,7 @@ impl Emitters {
         let amplitude = transducer.source_pressure / r
             * transducer.directivity.value(cos_theta, k)
             * math::exp(-self.medium.absorption * r);
-        let response = self.array.response().map_or(Complex64::ONE, |response| response[i]);
-        response * Complex64::new(amplitude * math::cos(k * r), amplitude * math::sin(k * r))
+        self.array.effect(i) * Complex64::new(amplitude * math::cos(k * r), amplitude * math::sin(k * r))
     }
 }
 
@@ -186,6 +185,15 @@ impl Gains {
     pub fn positions(&self) -> Option<&[[f64; 3]]> {
         match &self.rows {
             Rows::Computed { emitters, .. } => Some(emitters.array.positions()),
+            Rows::Stored { .. } => None,
+        }
+    }
+
+    /// The grid of the scene's device; a user's own G has none.
+    #[must_use]
+    pub fn levels(&self) -> Option<&Levels> {
+        match &self.rows {
+            Rows::Computed { emitters, .. } => emitters.array.levels(),
             Rows::Stored { .. } => None,
         }
     }

@@ -27,6 +27,12 @@ pub enum Status {
     Breakdown,
 }
 
+/// z / factor, rounded once.
+fn divided(z: Complex32, factor: f64) -> Complex32 {
+    let part = |x: f32| (f64::from(x) / factor) as f32;
+    Complex32::new(part(z.re), part(z.im))
+}
+
 impl fmt::Display for Status {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -50,6 +56,9 @@ pub struct Solution {
     pub status: Status,
     /// Steps taken.
     pub steps: usize,
+    /// What supply or modulation have to multiply all drives by, at most 1: where balancing asks for less than the
+    /// device's least amplitude. The pressures count it in, the drives do not.
+    pub scale: f64,
     asked: Arc<Asked>,
 }
 
@@ -64,30 +73,51 @@ impl Solution {
         work: &mut Workspace,
     ) -> Self {
         let asked = problem.asked();
-        let gains = &asked.gains;
+        let pressures = work.complexes.take(asked.gains.points());
+        let mut solution = Self { drive, pressures, status, steps, scale: 1.0, asked };
+        solution.measure(work);
+        solution
+    }
+
+    /// Computes the pressures that the drive gives.
+    fn measure(&mut self, work: &mut Workspace) {
+        let gains = &self.asked.gains;
         let mut buffers = [(); 4].map(|()| work.floats.take(gains.lanes()));
         let [row_re, row_im, re, im] = &mut buffers;
-        for (i, q) in drive.iter().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
+        for (i, q) in self.drive.iter().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
             gains.row(i, row_re, row_im);
             kernels::accumulate([row_re, row_im], [q.re, q.im], re, im);
         }
-        let mut pressures = work.complexes.take(gains.points());
-        let scale = |x: f32| (f64::from(x) * gains.reference()) as f32;
-        for ((pressure, re), im) in pressures.iter_mut().zip(&*re).zip(&*im) {
+        let scale = |x: f32| (f64::from(x) * gains.reference() * self.scale) as f32;
+        for ((pressure, re), im) in self.pressures.iter_mut().zip(&*re).zip(&*im) {
             *pressure = Complex32::new(scale(*re), scale(*im));
         }
         work.floats.give_all(buffers);
-        Self { drive, pressures, status, steps, asked }
     }
 
-    /// Divides drives and pressures by `factor`.
-    pub(crate) fn reduce(&mut self, factor: f64) {
-        let reduced = |q: Complex32| {
-            let part = |x: f32| (f64::from(x) / factor) as f32;
-            Complex32::new(part(q.re), part(q.im))
+    /// Divides drives and pressures by `factor`, at least 1, and brings every drive to the device's nearest level.
+    /// Whether that moved a drive.
+    pub(crate) fn settle(&mut self, factor: f64, work: &mut Workspace) -> bool {
+        let gains = self.asked.gains.clone();
+        let Some(levels) = gains.levels() else {
+            if factor > 1.0 {
+                self.drive.iter_mut().chain(&mut self.pressures).for_each(|z| *z = divided(*z, factor));
+            }
+            return false;
         };
-        self.drive.iter_mut().for_each(|q| *q = reduced(*q));
-        self.pressures.iter_mut().for_each(|p| *p = reduced(*p));
+        let (kept, scale) = levels.split(1.0 / factor);
+        let mut moved = false;
+        for q in &mut self.drive {
+            let settled = levels.nearest(divided(*q, 1.0 / kept));
+            moved |= settled != *q;
+            *q = settled;
+        }
+        let rescaled = scale.to_bits() != self.scale.to_bits();
+        self.scale = scale;
+        if moved || rescaled {
+            self.measure(work);
+        }
+        moved
     }
 
     /// Metrics of the pressures against the caller's targets; f64 arithmetic over the M values.

@@ -63,7 +63,7 @@ pub(crate) struct Points<'a> {
 /// Squares of smaller numbers vanish in f32; added to |P| + |P + e| it keeps 0/0 away.
 const SMALLEST: f32 = 1e-20;
 
-/// Candidate drives a e^{j phi}, a = (k+1)/K outer, phi = 2 pi l/L inner.
+/// Candidate drives a e^{j phi}.
 pub(crate) struct Candidates {
     re: Vec<f32>,
     im: Vec<f32>,
@@ -71,27 +71,61 @@ pub(crate) struct Candidates {
 }
 
 impl Candidates {
-    /// Fills two buffers with K = `amplitudes` times L = `phases` candidates; their length is set here.
-    pub(crate) fn new(phases: usize, amplitudes: usize, mut re: Vec<f32>, mut im: Vec<f32>) -> Self {
-        let count = phases * amplitudes;
-        for buffer in [&mut re, &mut im] {
-            buffer.clear();
-            buffer.resize(padded(count), 0.0);
-        }
+    /// K = `amplitudes` times L = `phases` candidates: a = (k+1)/K outer, phi = 2 pi l/L inner.
+    #[cfg(test)]
+    pub(crate) fn new(phases: usize, amplitudes: usize, re: Vec<f32>, im: Vec<f32>) -> Self {
+        let even = |k: usize| (k as f64 + 1.0) / amplitudes as f64;
+        Self::grid(phases, amplitudes, even, re, im)
+    }
+
+    /// The same with the amplitudes of a table.
+    pub(crate) fn grid(
+        phases: usize,
+        amplitudes: usize,
+        amplitude: impl Fn(usize) -> f64,
+        re: Vec<f32>,
+        im: Vec<f32>,
+    ) -> Self {
+        let mut made = Self::zeros(phases * amplitudes, re, im);
         for phase in 0..phases {
             let angle = core::f64::consts::TAU * phase as f64 / phases as f64;
             let (cos, sin) = (cos(angle), sin(angle));
             for level in 0..amplitudes {
-                let amplitude = (level as f64 + 1.0) / amplitudes as f64;
-                re[level * phases + phase] = (amplitude * cos) as f32;
-                im[level * phases + phase] = (amplitude * sin) as f32;
+                let k = level * phases + phase;
+                (made.re[k], made.im[k]) = ((amplitude(level) * cos) as f32, (amplitude(level) * sin) as f32);
             }
         }
-        // The last candidate again in the spare lanes: a copy never wins against its original.
-        let last = (re[count - 1], im[count - 1]);
-        re[count..].fill(last.0);
-        im[count..].fill(last.1);
+        made.repeat_last();
+        made
+    }
+
+    /// Turns by up to `width` steps of 1/`phases`: 0 first, then 1, -1, 2, -2 and so on.
+    pub(crate) fn turns(phases: usize, width: usize, re: Vec<f32>, im: Vec<f32>) -> Self {
+        let mut made = Self::zeros(width.min(phases), re, im);
+        for k in 0..made.count {
+            let step = k.div_ceil(2) as f64 * if k % 2 == 1 { 1.0 } else { -1.0 };
+            let angle = core::f64::consts::TAU * step / phases as f64;
+            (made.re[k], made.im[k]) = (cos(angle) as f32, sin(angle) as f32);
+        }
+        made.repeat_last();
+        made
+    }
+
+    fn zeros(count: usize, mut re: Vec<f32>, mut im: Vec<f32>) -> Self {
+        for buffer in [&mut re, &mut im] {
+            buffer.clear();
+            buffer.resize(padded(count), 0.0);
+        }
         Self { re, im, count }
+    }
+
+    /// The last candidate again in the spare lanes: a copy never wins against its original.
+    fn repeat_last(&mut self) {
+        let last = self.count - 1;
+        for buffer in [&mut self.re, &mut self.im] {
+            let value = buffer[last];
+            buffer[self.count..].fill(value);
+        }
     }
 
     /// The drive (re, im) of candidate `index`.

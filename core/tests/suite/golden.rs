@@ -11,7 +11,7 @@ use midair::{Complex32, Control, Metrics, Problem, Scene, Solution, Workspace, s
 use serde_json::{Value, json};
 
 /// Name, array, points (x, y, z in mm, pressure in Pa, weight), solver table, balance.
-const SCENES: [(&str, &str, &str, &str, bool); 15] = [
+const SCENES: [(&str, &str, &str, &str, bool); 16] = [
     ("focus", "preset = \"autd3\"", "0 0 150 500 1", "name = \"greedy\"\nseed = 1", false),
     (
         "pair",
@@ -111,6 +111,13 @@ const SCENES: [(&str, &str, &str, &str, bool); 15] = [
         "name = \"tikhonov\"\nlimit = \"full\"",
         false,
     ),
+    (
+        "device",
+        "grid = { nx = 4, ny = 3, pitch = 0.01 }\nlevels = { phases = 10, amplitudes = [0, 0.25, 1] }\nmask = [true, true, true, true, false, true, true, true, true, true, true, false]",
+        "-20 5 120 100 1,20 0 130 80 1",
+        "name = \"wgs\"\nsteps = 20",
+        true,
+    ),
 ];
 
 fn folder() -> PathBuf {
@@ -139,9 +146,10 @@ fn scene((_, array, points, solver, _): &(&str, &str, &str, &str, bool)) -> Scen
 
 fn solved(scene: &Scene, balance: bool) -> Solution {
     let choice = scene.solver.as_ref().expect("a solver");
-    let made =
-        solvers::find(&choice.name).and_then(|entry| entry.configure(&choice.options)).expect("options");
     let problem = Problem::new(scene).expect("a problem");
+    let made = solvers::find(&choice.name)
+        .and_then(|entry| entry.configure_for(&choice.options, problem.gains().levels()))
+        .expect("options");
     midair::solve(&problem, &*made.solver, balance, &mut Workspace::new(), &mut Control::none())
         .expect("an answer")
 }

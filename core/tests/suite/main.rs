@@ -8,6 +8,7 @@ mod files;
 mod golden;
 mod greedy;
 mod laws;
+mod levels;
 mod metrics;
 mod motions;
 #[allow(dead_code, unreachable_pub, reason = "an independent reference, also for tests to come")]
