@@ -28,6 +28,7 @@ __all__ = [
 ]
 
 _Directivity: TypeAlias = str | dict[str, float]
+_Levels: TypeAlias = dict[str, int | ArrayLike | None]
 _Option: TypeAlias = bool | int | float | str | Sequence[int] | NDArray[np.integer] | None
 
 class SceneError(ValueError): ...
@@ -43,6 +44,8 @@ class Array:
         source_pressure: float | None = None,
         directivity: _Directivity | None = None,
         response: ArrayLike | None = None,
+        mask: ArrayLike | None = None,
+        levels: _Levels | None = None,
     ) -> Array: ...
     @staticmethod
     def grid(
@@ -53,6 +56,8 @@ class Array:
         source_pressure: float | None = None,
         directivity: _Directivity | None = None,
         response: ArrayLike | None = None,
+        mask: ArrayLike | None = None,
+        levels: _Levels | None = None,
     ) -> Array: ...
     @staticmethod
     def preset(
@@ -62,6 +67,8 @@ class Array:
         source_pressure: float | None = None,
         directivity: _Directivity | None = None,
         response: ArrayLike | None = None,
+        mask: ArrayLike | None = None,
+        levels: _Levels | None = None,
     ) -> Array: ...
     @staticmethod
     def presets() -> list[str]: ...
@@ -71,6 +78,10 @@ class Array:
     def normals(self) -> NDArray[np.float64]: ...
     @property
     def response(self) -> NDArray[np.complex128] | None: ...
+    @property
+    def mask(self) -> NDArray[np.bool_]: ...
+    @property
+    def levels(self) -> dict[str, int | NDArray[np.float64] | None] | None: ...
     @property
     def source_pressure(self) -> float: ...
     @property
@@ -215,6 +226,8 @@ class Solution:
     def status(self) -> Literal["done", "out_of_steps", "stopped", "breakdown"]: ...
     @property
     def steps(self) -> int: ...
+    @property
+    def scale(self) -> float: ...
     @property
     def elapsed(self) -> float: ...
     @property

@@ -215,7 +215,8 @@ def _print_table(solutions: Sequence[Solution]) -> None:
         numbers = [f"{getattr(solution.metrics, name):.4f}" for name in names]
         limit = str(solution.options.get("limit", "-"))
         time = _duration(solution.elapsed)
-        table.add_row(solution.solver, *numbers, limit, str(solution.steps), time, solution.status)
+        status = solution.status if solution.scale == 1 else f"{solution.status}, scale {solution.scale:.3g}"
+        table.add_row(solution.solver, *numbers, limit, str(solution.steps), time, status)
     console.print(table)
 
 

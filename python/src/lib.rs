@@ -3,6 +3,7 @@
 
 mod array;
 mod field;
+mod levels;
 mod pulse;
 mod read;
 mod scene;

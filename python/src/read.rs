@@ -8,7 +8,7 @@ use pyo3::types::{IntoPyDict, PyBool, PyDict, PyFloat, PyInt, PyList, PyString, 
 use crate::{invalid, refused};
 
 /// How a value reads in an error: short, on one line.
-fn quoted(value: &Bound<'_, PyAny>) -> String {
+pub(crate) fn quoted(value: &Bound<'_, PyAny>) -> String {
     let text = value.repr().map_or_else(|_| "something".into(), |text| text.to_string());
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
     if text.chars().count() <= 60 { text } else { text.chars().take(57).chain("...".chars()).collect() }
@@ -116,6 +116,18 @@ fn integer(value: &Bound<'_, PyAny>) -> Option<i128> {
         }
     }
     value.call_method0("__index__").ok()?.extract().ok()
+}
+
+/// Yes or no (N,).
+pub(crate) fn flags(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<bool>> {
+    let cure = "give True or False of shape (N,), one a transducer";
+    let array = value.py().import("numpy")?.call_method1("asarray", (value,));
+    let array = array.ok().and_then(|array| array.cast_into::<PyArrayDyn<bool>>().ok());
+    let array = array.ok_or_else(|| invalid(item, &quoted(value), cure))?.readonly();
+    match array.shape() {
+        [_] => Ok(array.as_array().iter().copied().collect()),
+        _ => Err(invalid(item, &shape_of(&array), cure)),
+    }
 }
 
 /// Complex numbers (N,) in double precision.

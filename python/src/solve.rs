@@ -114,6 +114,13 @@ impl Solution {
         self.inner.steps
     }
 
+    /// What supply or modulation have to multiply all drives by, at most 1: below 1 where balancing asks for less than
+    /// the device's least amplitude. The pressures count it in, the drives do not.
+    #[getter]
+    fn scale(&self) -> f64 {
+        self.inner.scale
+    }
+
     /// Seconds from the checked scene to the answer.
     #[getter]
     fn elapsed(&self) -> f64 {
@@ -142,7 +149,9 @@ impl Solution {
         let metrics = self.inner.metrics();
         let (name, status) = (&self.choice.name, self.inner.status);
         let (accuracy, sigma) = (metrics.accuracy, metrics.sigma);
-        format!("<midair.Solution by {name}: {status}, accuracy {accuracy:.4}, sigma {sigma:.4}>")
+        let scale = self.inner.scale;
+        let supply = if scale < 1.0 { format!(", drives to be scaled by {scale:.4}") } else { String::new() };
+        format!("<midair.Solution by {name}: {status}, accuracy {accuracy:.4}, sigma {sigma:.4}{supply}>")
     }
 }
 
@@ -219,7 +228,8 @@ pub(crate) fn solve(
     {
         return Err(invalid("progress", &callback.to_string(), "give a function of (step, steps, residual)"));
     }
-    let configured = registry::find(&choice.name).and_then(|entry| entry.configure(&choice.options));
+    let configured =
+        registry::find(&choice.name).and_then(|entry| entry.configure_for(&choice.options, task.levels()));
     let configured = configured.map_err(refused)?;
     for (argument, value, uses) in [
         ("level", level, (|info| info.uses_level) as fn(&registry::Info) -> bool),
@@ -251,8 +261,7 @@ pub(crate) fn solve(
         let text = format!(
             "targets are {part} of the balanced level: foci this weak come out smeared, balance=True cures it"
         );
-        let text = CString::new(text).unwrap_or_default();
-        PyErr::warn(py, &py.get_type::<SceneWarning>(), &text, 1)?;
+        warn(py, text)?;
     }
     let mut pulse = Pulse::new(progress);
     let (solution, trace) = py.detach(|| {
@@ -265,7 +274,20 @@ pub(crate) fn solve(
     });
     let elapsed = clock.elapsed().as_secs_f64();
     pulse.raised()?;
-    Ok(Solution { inner: solution.map_err(refused)?, choice, trace, elapsed })
+    let inner = solution.map_err(refused)?;
+    if inner.scale < 1.0 {
+        let scale = inner.scale;
+        let text = format!(
+            "the device has no amplitude this low: scale all drives by {scale:.4} by supply or modulation (solution.scale)"
+        );
+        warn(py, text)?;
+    }
+    Ok(Solution { inner, choice, trace, elapsed })
+}
+
+/// Warns by a `SceneWarning`.
+fn warn(py: Python<'_>, text: String) -> PyResult<()> {
+    PyErr::warn(py, &py.get_type::<SceneWarning>(), &CString::new(text).unwrap_or_default(), 1)
 }
 
 /// One option of a solver.

@@ -38,7 +38,7 @@ def test_keywords_have_the_names_and_order_of_the_design() -> None:
     parameters = {
         midair.Scene: "array points pressures weights frequency sound_speed temperature absorption density "
         "source_pressure directivity",
-        midair.Array: "positions normals source_pressure directivity response",
+        midair.Array: "positions normals source_pressure directivity response mask levels",
         midair.Plane: "z size pixels center",
         midair.solve: "scene solver pressures weights balance level start progress trace options",
         midair.judge: "scene drive pressures weights",

@@ -29,7 +29,9 @@ pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &mut Workspace) 
     let gains = problem.gains();
     assert_eq!(drive.len(), gains.transducers(), "one drive a transducer");
     let Some(levels) = gains.levels() else { return };
-    drive.iter_mut().for_each(|q| *q = levels.nearest(*q));
+    for q in drive.iter_mut() {
+        *q = levels.nearest(*q);
+    }
     let Some(phases) = levels.phases() else { return };
     let [re, im] = [(); 2].map(|()| work.floats.take(WIDTH));
     let candidates = Candidates::turns(phases as usize, WIDTH, re, im);
