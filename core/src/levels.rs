@@ -111,12 +111,12 @@ impl Levels {
         Complex32::new((amplitude * direction.re) as f32, (amplitude * direction.im) as f32)
     }
 
-    /// Splits a common factor of all drives, at most 1, into what the amplitudes can do and what is left for supply or
-    /// modulation: below the least amplitude above 0 there is only silence.
-    pub(crate) fn split(&self, factor: f64) -> (f64, f64) {
+    /// What supply or modulation have to do where the largest drive asked for is below the least amplitude above 0,
+    /// at which there would only be silence: the drives divided by this factor (at most 1) reach that amplitude.
+    pub(crate) fn scale(&self, largest: f64) -> f64 {
         match self.on().first() {
-            Some(&least) if factor < least => (least, factor / least),
-            _ => (factor, 1.0),
+            Some(&least) if largest > 0.0 && largest < FULL * least => largest / least,
+            _ => 1.0,
         }
     }
 }
@@ -166,13 +166,14 @@ mod tests {
     }
 
     #[test]
-    fn a_factor_below_the_least_amplitude_is_split() {
-        let split = |table: &[f64], factor| Levels::new(None, Some(table.to_vec())).unwrap().split(factor);
-        assert_eq!(split(&[0.0, 1.0], 0.25), (1.0, 0.25));
-        assert_eq!(split(&[1.0], 1.0), (1.0, 1.0));
-        assert_eq!(split(&[0.0, 0.5, 1.0], 0.6), (0.6, 1.0));
-        assert_eq!(split(&[0.0, 0.5, 1.0], 0.125), (0.5, 0.25));
-        assert_eq!(Levels::new(Some(16), None).unwrap().split(0.1), (0.1, 1.0));
+    fn what_lies_below_the_least_amplitude_is_left_to_the_supply() {
+        let scale = |table: &[f64], largest| Levels::new(None, Some(table.to_vec())).unwrap().scale(largest);
+        assert_eq!(scale(&[0.0, 1.0], 0.25), 0.25);
+        assert_eq!(scale(&[1.0], 1.0 - 1e-7), 1.0);
+        assert_eq!(scale(&[0.0, 0.5, 1.0], 0.6), 1.0);
+        assert_eq!(scale(&[0.0, 0.5, 1.0], 0.125), 0.25);
+        assert_eq!(scale(&[0.0, 0.5, 1.0], 0.0), 1.0);
+        assert_eq!(Levels::new(Some(16), None).unwrap().scale(0.1), 1.0);
     }
 
     #[test]

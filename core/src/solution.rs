@@ -56,8 +56,8 @@ pub struct Solution {
     pub status: Status,
     /// Steps taken.
     pub steps: usize,
-    /// What supply or modulation have to multiply all drives by, at most 1: where balancing asks for less than the
-    /// device's least amplitude. The pressures count it in, the drives do not.
+    /// What supply or modulation have to multiply all drives by, at most 1: below 1 where the answer asks for less than
+    /// the device's least amplitude above 0. The pressures count it in, the drives do not.
     pub scale: f64,
     asked: Arc<Asked>,
 }
@@ -105,16 +105,17 @@ impl Solution {
             }
             return false;
         };
-        let (kept, scale) = levels.split(1.0 / factor);
+        let modulus = |q: &Complex32| math::hypot(f64::from(q.re), f64::from(q.im));
+        let largest = self.drive.iter().map(modulus).fold(0.0, f64::max);
+        let scale = levels.scale(largest / factor);
         let mut moved = false;
         for q in &mut self.drive {
-            let settled = levels.nearest(divided(*q, 1.0 / kept));
+            let settled = levels.nearest(divided(*q, factor * scale));
             moved |= settled != *q;
             *q = settled;
         }
-        let rescaled = scale.to_bits() != self.scale.to_bits();
-        self.scale = scale;
-        if moved || rescaled {
+        self.scale *= scale;
+        if moved || scale < 1.0 {
             self.measure(work);
         }
         moved

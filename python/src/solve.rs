@@ -114,8 +114,8 @@ impl Solution {
         self.inner.steps
     }
 
-    /// What supply or modulation have to multiply all drives by, at most 1: below 1 where balancing asks for less than
-    /// the device's least amplitude. The pressures count it in, the drives do not.
+    /// What supply or modulation have to multiply all drives by, at most 1: below 1 where the answer asks for less than
+    /// the device's least amplitude above 0. The pressures count it in, the drives do not.
     #[getter]
     fn scale(&self) -> f64 {
         self.inner.scale

@@ -219,8 +219,8 @@ pub fn unused(argument: &str, name: &str, uses: fn(&Info) -> bool) -> Error {
 /// smeared. Metrics, trace and progress speak of the final drive and the caller's targets.
 ///
 /// Where the array has [`crate::Levels`], every drive of the answer lies on them, rounded to the nearest phase and
-/// amplitude. Balancing then reduces to the nearest amplitude; below the least one above 0 the drives stay there and
-/// [`Solution::scale`] says what is left to supply or modulation.
+/// amplitude. Balancing then reduces to the nearest amplitude; where that would be below the least one above 0, the
+/// drives are brought there and [`Solution::scale`] says what is left to supply or modulation.
 ///
 /// # Errors
 /// What the solver refuses.

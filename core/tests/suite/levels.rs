@@ -59,7 +59,7 @@ fn every_answer_lies_on_the_grid_and_reports_its_own_field() {
                 let solution = solved(entry, &problem(&scene), balance);
                 assert_on_grid(name, &solution.drive, &levels);
                 assert!(solution.scale > 0.0 && solution.scale <= 1.0, "{name}: {}", solution.scale);
-                assert!(balance || solution.scale == 1.0, "{name} was not asked to balance");
+                assert!(solution.drive.iter().any(|q| q.norm() > 0.0), "{name} is silent");
                 let field = oracle::field(&gains(&scene), &widen(&solution.drive));
                 let loudest = field.iter().map(|p| p.norm()).fold(0.0, f64::max);
                 for (ours, theirs) in widen(&solution.pressures).iter().zip(&field) {
