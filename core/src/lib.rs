@@ -41,6 +41,7 @@
 extern crate alloc;
 
 mod array;
+mod bound;
 mod control;
 mod directivity;
 mod eigen;
@@ -59,6 +60,7 @@ mod options;
 pub mod presets;
 mod problem;
 mod projection;
+mod reach;
 mod rng;
 mod scene;
 mod solution;
@@ -66,6 +68,7 @@ pub mod solvers;
 mod workspace;
 
 pub use array::{Array, Origin};
+pub use bound::bound;
 pub use control::{Control, Progress};
 pub use directivity::{Directivity, Transducer};
 pub use error::Error;
@@ -77,6 +80,7 @@ pub use metrics::Metrics;
 pub use num_complex::{Complex32, Complex64};
 pub use options::{Choice, Configure, OptionInfo, OptionValue, Options, Value, spell, word};
 pub use problem::{Problem, Start};
+pub use reach::{Beyond, Reach};
 pub use rng::Rng;
 pub use scene::{Plane, Request, Scene};
 pub use solution::{Solution, Status};

@@ -15,11 +15,13 @@ __all__ = [
     "OptionInfo",
     "Plane",
     "PresetInfo",
+    "Reach",
     "Scene",
     "SceneError",
     "SceneWarning",
     "Solution",
     "SolverInfo",
+    "bound",
     "field",
     "judge",
     "presets",
@@ -123,6 +125,7 @@ class Scene:
     def save(self, path: str | PathLike[str]) -> None: ...
     def json(self, solution: Solution | None = None) -> str: ...
     def gains(self) -> NDArray[np.complex64]: ...
+    def reach(self) -> Reach: ...
     @property
     def array(self) -> Array: ...
     @property
@@ -147,6 +150,13 @@ class Scene:
     def solver(self) -> tuple[str, dict[str, _Option]] | None: ...
     @property
     def plane(self) -> Plane | None: ...
+
+@final
+class Reach:
+    @property
+    def alone(self) -> NDArray[np.float64]: ...
+    @property
+    def level(self) -> NDArray[np.float64]: ...
 
 @final
 class Gains:
@@ -270,6 +280,9 @@ def solve(
     trace: bool = False,
     **options: _Option,
 ) -> Solution: ...
+def bound(
+    scene: Scene | Gains, *, pressures: ArrayLike | None = None, weights: ArrayLike | None = None
+) -> float: ...
 def field(scene: Scene, drive: ArrayLike, plane: Plane | ArrayLike | None = None) -> Field: ...
 def judge(
     scene: Scene | Gains,

@@ -41,9 +41,9 @@ mod _midair {
     #[pymodule_export]
     use super::array::{Array, PresetInfo, presets};
     #[pymodule_export]
-    use super::field::{Field, Plane, field, judge};
+    use super::field::{Field, Plane, bound, field, judge};
     #[pymodule_export]
-    use super::scene::{Gains, Scene};
+    use super::scene::{Gains, Reach, Scene};
     #[pymodule_export]
     use super::solve::{Metrics, OptionInfo, Solution, SolverInfo, solve, solvers};
     #[pymodule_export]

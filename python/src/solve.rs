@@ -275,6 +275,9 @@ pub(crate) fn solve(
     let elapsed = clock.elapsed().as_secs_f64();
     pulse.raised()?;
     let inner = solution.map_err(refused)?;
+    if let Some(beyond) = py.detach(|| problem.beyond()) {
+        warn(py, beyond.to_string())?;
+    }
     if inner.scale < 1.0 {
         let scale = inner.scale;
         let text = format!(

@@ -1,5 +1,6 @@
 //! The tests of the core, in one binary.
 
+mod bound;
 mod constants;
 mod field;
 #[cfg(feature = "scene-file")]
