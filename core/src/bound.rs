@@ -48,7 +48,7 @@ type Lanes = [Complex64; RANK];
 /// An upper bound on the level x = min |p_j| / target_j over the points with a pressure and a weight above 0: no drive
 /// with |q| <= 1, quantised or not, exceeds it. At most 64 such points.
 ///
-/// It is the value of a relaxation, to 0.1 % for most scenes: for the paper's random scenes 6 to 9 % above the
+/// It is the value of a relaxation, to 0.1 % for most scenes: for the paper's random scenes 8 to 9 % above the
 /// best field known. Deterministic; in double precision, time O(N M) a step and some hundred steps.
 ///
 /// # Errors

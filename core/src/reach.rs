@@ -83,7 +83,7 @@ impl Problem {
 
     /// What is asked for and provably cannot be had: a target above its point's own reach, or targets of which no drive
     /// gives more than three quarters at the same time, as the quick form of [`crate::bound()`] proves (up to 64 points; from
-    /// about 1.4 times the balanced level on at a few points, from twice at 64).
+    /// about 1.4 times the balanced level on at a few points, from 2 to 2.5 times at 64).
     #[must_use]
     pub fn beyond(&self) -> Option<Beyond> {
         if let Some((point, alone)) = self.overasked() {

@@ -219,7 +219,7 @@ pub(crate) fn field(
 
 /// An upper bound on the level min |p| / target over the points with a pressure: no drive, quantised or not, exceeds it.
 ///
-/// It is the value of a semidefinite relaxation and lies some 6 to 9 % above the best field known. At most 64 points.
+/// It is the value of a semidefinite relaxation and lies some 8 to 9 % above the best field known. At most 64 points.
 /// Pressures and weights go with Gains only.
 ///
 /// >>> import midair

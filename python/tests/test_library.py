@@ -61,6 +61,7 @@ def test_defaults_are_those_of_the_conventions() -> None:
     assert (plane.pixels, plane.center) == (200, (0, 0))
 
 
+@pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 def test_shapes_and_types_are_those_of_the_conventions() -> None:
     scene = small(pressures=[1e3, 2e3, 0, 500], weights=[1, 2, 3, 0])
     solution = midair.solve(scene, "greedy", amplitudes=3)
