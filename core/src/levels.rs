@@ -94,7 +94,8 @@ impl Levels {
             return drive;
         }
         let (re, im) = (f64::from(drive.re), f64::from(drive.im));
-        let modulus = math::hypot(re, im);
+        // Squares of f32 numbers neither over- nor underflow in f64.
+        let modulus = math::sqrt(re * re + im * im);
         let amplitude = match self.amplitudes() {
             Some(table) => nearest_of(table, modulus),
             None if modulus > FULL => 1.0,

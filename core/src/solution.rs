@@ -105,8 +105,8 @@ impl Solution {
             }
             return false;
         };
-        let modulus = |q: &Complex32| math::hypot(f64::from(q.re), f64::from(q.im));
-        let largest = self.drive.iter().map(modulus).fold(0.0, f64::max);
+        let square = |q: &Complex32| f64::from(q.re) * f64::from(q.re) + f64::from(q.im) * f64::from(q.im);
+        let largest = math::sqrt(self.drive.iter().map(square).fold(0.0, f64::max));
         let scale = levels.scale(largest / factor);
         let mut moved = false;
         for q in &mut self.drive {
