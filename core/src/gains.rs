@@ -10,6 +10,7 @@ use num_complex::{Complex32, Complex64};
 use crate::array::{Array, UNITS};
 use crate::error::Error;
 use crate::kernels::{self, Law, Level, Row, Source, Spots, padded};
+use crate::levels::Levels;
 use crate::math;
 use crate::medium::Medium;
 use crate::scene::{Scene, check_array, check_places};
@@ -35,10 +36,12 @@ impl Emitters {
         let unit = 1.0 / (1000.0 * wavelength);
         let sources = (0..array.len())
             .map(|i| {
-                let (gain, turns) = array.response().map_or((unit, 0.0), |response| {
-                    let Complex64 { re, im } = response[i];
+                let Complex64 { re, im } = array.effect(i);
+                let (gain, turns) = if im == 0.0 && re >= 0.0 {
+                    (unit * re, 0.0)
+                } else {
                     (unit * math::hypot(re, im), math::atan2(im, re) / core::f64::consts::TAU)
-                });
+                };
                 Source {
                     position: wavelengths(array.positions()[i], centre, wavelength),
                     normal: array.normals()[i].map(|x| x as f32),
@@ -89,8 +92,7 @@ impl Emitters {
         let amplitude = transducer.source_pressure / r
             * transducer.directivity.value(cos_theta, k)
             * math::exp(-self.medium.absorption * r);
-        let response = self.array.response().map_or(Complex64::ONE, |response| response[i]);
-        response * Complex64::new(amplitude * math::cos(k * r), amplitude * math::sin(k * r))
+        self.array.effect(i) * Complex64::new(amplitude * math::cos(k * r), amplitude * math::sin(k * r))
     }
 }
 
@@ -271,6 +273,15 @@ impl Gains {
     pub fn positions(&self) -> Option<&[[f64; 3]]> {
         match &self.rows {
             Rows::Computed { emitters, .. } => Some(emitters.array.positions()),
+            Rows::Stored { .. } => None,
+        }
+    }
+
+    /// The grid of the scene's device; a user's own G has none.
+    #[must_use]
+    pub fn levels(&self) -> Option<&Levels> {
+        match &self.rows {
+            Rows::Computed { emitters, .. } => emitters.array.levels(),
             Rows::Stored { .. } => None,
         }
     }

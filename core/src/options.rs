@@ -6,6 +6,7 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
 
+use crate::levels::Levels;
 use crate::error::Error;
 use crate::problem::Aim;
 use crate::solvers::{self, Configured};
@@ -71,12 +72,12 @@ impl Choice {
         Ok(Self { name, options, balance, level })
     }
 
-    /// The solver.
+    /// The solver, on a device of some levels: its options' defaults may be the device's.
     ///
     /// # Errors
     /// An unknown name or option, a value out of range, a level for a solver that uses none.
-    pub fn configured(&self) -> Result<Configured, Error> {
-        let made = solvers::find(&self.name)?.configure(&self.options)?;
+    pub fn configured(&self, levels: Option<&Levels>) -> Result<Configured, Error> {
+        let made = solvers::find(&self.name)?.configure_for(&self.options, levels)?;
         if self.level.is_some() && !made.info.uses_level {
             return Err(solvers::unused("level", made.info.name, |info| info.uses_level));
         }

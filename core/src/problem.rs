@@ -78,6 +78,8 @@ pub(crate) struct Asked {
     given: bool,
     /// Factor that brings the targets to the balanced level.
     balance: f64,
+    /// The first point asked for more than its own reach, and that reach in Pa.
+    overasked: Option<(usize, f64)>,
 }
 
 impl Problem {
@@ -107,6 +109,7 @@ impl Problem {
         let reference = all.reference();
         // Loads relative to the heaviest, so that no square over- or underflows.
         let mut loads: Vec<f64> = Vec::with_capacity(active.len());
+        let mut overasked = None;
         for (&j, &reach) in active.iter().zip(&reach) {
             let target = request.pressure(j);
             if target > 0.0 && reach == 0.0 {
@@ -119,6 +122,10 @@ impl Problem {
             }
             if target > 0.0 {
                 loads.push(target / (reach * reference));
+            }
+            // f32 sums: within 1e-4 of the reach nobody can tell.
+            if request.pressures.is_some() && target > (1.0 + 1e-4) * reach * reference {
+                overasked = overasked.or(Some((j, reach * reference)));
             }
         }
         let load = loads.iter().copied().fold(0.0, f64::max);
@@ -135,6 +142,7 @@ impl Problem {
             targets: (0..all.points()).map(|j| request.pressure(j) * scale).collect(),
             weights: (0..all.points()).map(|j| request.weight(j)).collect(),
             balance: if given { balance } else { 1.0 },
+            overasked,
             gains: all,
             active,
             given,
@@ -266,6 +274,21 @@ impl Problem {
     #[must_use]
     pub fn balance(&self) -> f64 {
         self.asked.balance
+    }
+
+    /// Gains of all points.
+    pub(crate) fn all_gains(&self) -> &Gains {
+        &self.asked.gains
+    }
+
+    /// The points with a pressure and a weight above 0.
+    pub(crate) fn heard(&self) -> Vec<usize> {
+        self.asked.active.iter().copied().filter(|&j| self.asked.targets[j] > 0.0).collect()
+    }
+
+    /// The first point asked for more than its own reach, and that reach in Pa.
+    pub(crate) fn overasked(&self) -> Option<(usize, f64)> {
+        self.asked.overasked
     }
 
     /// Whether every given target is below half the balanced level: solved without balancing, greedy drives

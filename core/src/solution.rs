@@ -7,6 +7,7 @@ use core::fmt;
 use num_complex::Complex32;
 
 use crate::control::Control;
+use crate::gains::Gains;
 use crate::kernels;
 use crate::linalg::Planar;
 use crate::math;
@@ -26,6 +27,12 @@ pub enum Status {
     Stopped,
     /// The arithmetic broke down; the answer is the best before.
     Breakdown,
+}
+
+/// z / factor, rounded once.
+fn divided(z: Complex32, factor: f64) -> Complex32 {
+    let part = |x: f32| (f64::from(x) / factor) as f32;
+    Complex32::new(part(z.re), part(z.im))
 }
 
 impl fmt::Display for Status {
@@ -51,6 +58,9 @@ pub struct Solution {
     pub status: Status,
     /// Steps taken.
     pub steps: usize,
+    /// What supply or modulation have to multiply all drives by, at most 1: below 1 where the answer asks for less than
+    /// the device's least amplitude above 0. The pressures count it in, the drives do not.
+    pub scale: f64,
     asked: Arc<Asked>,
 }
 
@@ -65,18 +75,18 @@ impl Solution {
         work: &mut Workspace,
     ) -> Self {
         let asked = problem.asked();
-        let gains = &asked.gains;
+        let field = Self::field_of(&asked.gains, &drive, work);
+        Self::with_pressures(asked, drive, field, status, steps, work)
+    }
+
+    /// The field of a drive at some points: one padded row, in units of the reference.
+    fn field_of(gains: &Gains, drive: &[Complex32], work: &mut Workspace) -> Planar {
         let mut field = Planar::zeros(1, gains.lanes(), work);
         let mut row = Planar::zeros(1, gains.lanes(), work);
-        kernels::add_waves(
-            gains.level(),
-            gains.rows(),
-            &drive,
-            [&mut row.re, &mut row.im],
-            [&mut field.re, &mut field.im],
-        );
+        let (row_parts, into) = ([&mut row.re[..], &mut row.im[..]], [&mut field.re[..], &mut field.im[..]]);
+        kernels::add_waves(gains.level(), gains.rows(), drive, row_parts, into);
         row.give(work);
-        Self::with_pressures(asked, drive, field, status, steps, work)
+        field
     }
 
     /// As [`Solution::new`], from the field that a solver has kept: P (one padded row) at the problem's points.
@@ -117,17 +127,43 @@ impl Solution {
             *pressure = pascals(*re, *im, reference);
         }
         field.give(work);
-        Self { drive, pressures, status, steps, asked }
+        Self { drive, pressures, status, steps, scale: 1.0, asked }
     }
 
-    /// Divides drives and pressures by `factor`.
-    pub(crate) fn reduce(&mut self, factor: f64) {
-        let reduced = |q: Complex32| {
-            let part = |x: f32| (f64::from(x) / factor) as f32;
-            Complex32::new(part(q.re), part(q.im))
+    /// Computes the pressures that the drive gives.
+    fn measure(&mut self, work: &mut Workspace) {
+        let field = Self::field_of(&self.asked.gains, &self.drive, work);
+        let reference = self.asked.gains.reference() * self.scale;
+        for ((pressure, re), im) in self.pressures.iter_mut().zip(&field.re).zip(&field.im) {
+            *pressure = pascals(*re, *im, reference);
+        }
+        field.give(work);
+    }
+
+    /// Divides drives and pressures by `factor`, at least 1, and brings every drive to the device's nearest level.
+    /// Whether that moved a drive.
+    pub(crate) fn settle(&mut self, factor: f64, work: &mut Workspace) -> bool {
+        let gains = self.asked.gains.clone();
+        let Some(levels) = gains.levels() else {
+            if factor > 1.0 {
+                self.drive.iter_mut().chain(&mut self.pressures).for_each(|z| *z = divided(*z, factor));
+            }
+            return false;
         };
-        self.drive.iter_mut().for_each(|q| *q = reduced(*q));
-        self.pressures.iter_mut().for_each(|p| *p = reduced(*p));
+        let square = |q: &Complex32| f64::from(q.re) * f64::from(q.re) + f64::from(q.im) * f64::from(q.im);
+        let largest = math::sqrt(self.drive.iter().map(square).fold(0.0, f64::max));
+        let scale = levels.scale(largest / factor);
+        let mut moved = false;
+        for q in &mut self.drive {
+            let settled = levels.nearest(divided(*q, factor * scale));
+            moved |= settled != *q;
+            *q = settled;
+        }
+        self.scale *= scale;
+        if moved || scale < 1.0 {
+            self.measure(work);
+        }
+        moved
     }
 
     /// Metrics of the pressures against the caller's targets; f64 arithmetic over the M values.

@@ -15,11 +15,13 @@ __all__ = [
     "OptionInfo",
     "Plane",
     "PresetInfo",
+    "Reach",
     "Scene",
     "SceneError",
     "SceneWarning",
     "Solution",
     "SolverInfo",
+    "bound",
     "field",
     "judge",
     "presets",
@@ -28,6 +30,7 @@ __all__ = [
 ]
 
 _Directivity: TypeAlias = str | dict[str, float]
+_Levels: TypeAlias = dict[str, int | ArrayLike | None]
 _Option: TypeAlias = bool | int | float | str | Sequence[int] | NDArray[np.integer] | None
 
 class SceneError(ValueError): ...
@@ -43,6 +46,8 @@ class Array:
         source_pressure: float | None = None,
         directivity: _Directivity | None = None,
         response: ArrayLike | None = None,
+        mask: ArrayLike | None = None,
+        levels: _Levels | None = None,
     ) -> Array: ...
     @staticmethod
     def grid(
@@ -53,6 +58,8 @@ class Array:
         source_pressure: float | None = None,
         directivity: _Directivity | None = None,
         response: ArrayLike | None = None,
+        mask: ArrayLike | None = None,
+        levels: _Levels | None = None,
     ) -> Array: ...
     @staticmethod
     def preset(
@@ -62,6 +69,8 @@ class Array:
         source_pressure: float | None = None,
         directivity: _Directivity | None = None,
         response: ArrayLike | None = None,
+        mask: ArrayLike | None = None,
+        levels: _Levels | None = None,
     ) -> Array: ...
     @staticmethod
     def presets() -> list[str]: ...
@@ -71,6 +80,10 @@ class Array:
     def normals(self) -> NDArray[np.float64]: ...
     @property
     def response(self) -> NDArray[np.complex128] | None: ...
+    @property
+    def mask(self) -> NDArray[np.bool_]: ...
+    @property
+    def levels(self) -> dict[str, int | NDArray[np.float64] | None] | None: ...
     @property
     def source_pressure(self) -> float: ...
     @property
@@ -112,6 +125,7 @@ class Scene:
     def save(self, path: str | PathLike[str]) -> None: ...
     def json(self, solution: Solution | None = None) -> str: ...
     def gains(self) -> NDArray[np.complex64]: ...
+    def reach(self) -> Reach: ...
     @property
     def array(self) -> Array: ...
     @property
@@ -136,6 +150,13 @@ class Scene:
     def solver(self) -> tuple[str, dict[str, _Option]] | None: ...
     @property
     def plane(self) -> Plane | None: ...
+
+@final
+class Reach:
+    @property
+    def alone(self) -> NDArray[np.float64]: ...
+    @property
+    def level(self) -> NDArray[np.float64]: ...
 
 @final
 class Gains:
@@ -216,6 +237,8 @@ class Solution:
     @property
     def steps(self) -> int: ...
     @property
+    def scale(self) -> float: ...
+    @property
     def elapsed(self) -> float: ...
     @property
     def trace(self) -> NDArray[np.float64] | None: ...
@@ -257,6 +280,9 @@ def solve(
     trace: bool = False,
     **options: _Option,
 ) -> Solution: ...
+def bound(
+    scene: Scene | Gains, *, pressures: ArrayLike | None = None, weights: ArrayLike | None = None
+) -> float: ...
 def field(scene: Scene, drive: ArrayLike, plane: Plane | ArrayLike | None = None) -> Field: ...
 def judge(
     scene: Scene | Gains,

@@ -5,6 +5,7 @@ mod array;
 mod batch;
 mod field;
 mod level;
+mod levels;
 mod pulse;
 mod read;
 mod scene;
@@ -45,9 +46,9 @@ mod _midair {
     #[pymodule_export]
     use super::batch::{Batch, BatchMetrics, solve_batch};
     #[pymodule_export]
-    use super::field::{Field, Plane, field, judge};
+    use super::field::{Field, Plane, bound, field, judge};
     #[pymodule_export]
-    use super::scene::{Gains, Scene};
+    use super::scene::{Gains, Reach, Scene};
     #[pymodule_export]
     use super::solve::{Metrics, OptionInfo, Solution, SolverInfo, solve, solvers};
     #[pymodule_export]

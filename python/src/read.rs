@@ -130,6 +130,18 @@ pub(crate) fn batch_of_points(item: &str, value: &Bound<'_, PyAny>) -> PyResult<
     }
 }
 
+/// Yes or no (N,).
+pub(crate) fn flags(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<bool>> {
+    let cure = "give True or False of shape (N,), one a transducer";
+    let array = value.py().import("numpy")?.call_method1("asarray", (value,));
+    let array = array.ok().and_then(|array| array.cast_into::<PyArrayDyn<bool>>().ok());
+    let array = array.ok_or_else(|| invalid(item, &quoted(value), cure))?.readonly();
+    match array.shape() {
+        [_] => Ok(array.as_array().iter().copied().collect()),
+        _ => Err(invalid(item, &shape_of(&array), cure)),
+    }
+}
+
 /// Numbers (B, M) of a batch; (M,) stand for every problem, one number for every point.
 pub(crate) fn batch_of_numbers(
     item: &str,

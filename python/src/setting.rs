@@ -89,7 +89,7 @@ impl Setting {
             balance: balance.map(|value| flag("balance", &value)).transpose()?,
             level: aimed.map(|value| aim(&value)).transpose()?,
         };
-        let configured = choice.configured().map_err(refused)?;
+        let configured = choice.configured(array.levels()).map_err(refused)?;
         let balance = choice.balance.unwrap_or(configured.info.balance);
         choice.balance = Some(balance);
         choice.options = configured.options.clone();

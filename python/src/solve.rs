@@ -114,6 +114,13 @@ impl Solution {
         self.inner.steps
     }
 
+    /// What supply or modulation have to multiply all drives by, at most 1: below 1 where the answer asks for less than
+    /// the device's least amplitude above 0. The pressures count it in, the drives do not.
+    #[getter]
+    fn scale(&self) -> f64 {
+        self.inner.scale
+    }
+
     /// Seconds from the checked scene to the answer.
     #[getter]
     fn elapsed(&self) -> f64 {
@@ -142,7 +149,9 @@ impl Solution {
         let metrics = self.inner.metrics();
         let (name, status) = (&self.choice.name, self.inner.status);
         let (accuracy, sigma) = (metrics.accuracy, metrics.sigma);
-        format!("<midair.Solution by {name}: {status}, accuracy {accuracy:.4}, sigma {sigma:.4}>")
+        let scale = self.inner.scale;
+        let supply = if scale < 1.0 { format!(", drives to be scaled by {scale:.4}") } else { String::new() };
+        format!("<midair.Solution by {name}: {status}, accuracy {accuracy:.4}, sigma {sigma:.4}{supply}>")
     }
 }
 
@@ -236,7 +245,7 @@ pub(crate) fn solve(
     if let Some(level) = level {
         choice.level = Some(aim(level)?);
     }
-    let configured = choice.configured().map_err(refused)?;
+    let configured = choice.configured(task.levels()).map_err(refused)?;
     if start.is_some() && !configured.info.uses_start {
         return Err(refused(registry::unused("start", configured.info.name, |info| info.uses_start)));
     }
@@ -265,8 +274,7 @@ pub(crate) fn solve(
         let text = format!(
             "targets are {part} of the balanced level: foci this weak come out smeared, balance=True cures it"
         );
-        let text = CString::new(text).unwrap_or_default();
-        PyErr::warn(py, &py.get_type::<SceneWarning>(), &text, 1)?;
+        warn(py, text)?;
     }
     let mut pulse = Pulse::new(progress);
     let (solution, trace) = py.detach(|| {
@@ -279,7 +287,23 @@ pub(crate) fn solve(
     });
     let elapsed = clock.elapsed().as_secs_f64();
     pulse.raised()?;
-    Ok(Solution { inner: solution.map_err(refused)?, choice, trace, elapsed })
+    let inner = solution.map_err(refused)?;
+    if let Some(beyond) = py.detach(|| problem.beyond()) {
+        warn(py, beyond.to_string())?;
+    }
+    if inner.scale < 1.0 {
+        let scale = inner.scale;
+        let text = format!(
+            "the device has no amplitude this low: scale all drives by {scale:.4} by supply or modulation (solution.scale)"
+        );
+        warn(py, text)?;
+    }
+    Ok(Solution { inner, choice, trace, elapsed })
+}
+
+/// Warns by a `SceneWarning`.
+fn warn(py: Python<'_>, text: String) -> PyResult<()> {
+    PyErr::warn(py, &py.get_type::<SceneWarning>(), &CString::new(text).unwrap_or_default(), 1)
 }
 
 /// One option of a solver.

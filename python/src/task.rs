@@ -52,6 +52,14 @@ impl Task {
         Problem::with_gains(gains.with_level(level), request)
     }
 
+    /// The levels of the scene's device.
+    pub(crate) fn levels(&self) -> Option<&midair::Levels> {
+        match self {
+            Self::Scene(scene) => scene.array().levels(),
+            Self::Gains(..) => None,
+        }
+    }
+
     /// The solver the scene file names.
     pub(crate) fn choice(&self) -> Option<&midair::Choice> {
         match self {

@@ -19,6 +19,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 pub(crate) mod tiles;
+mod turn;
 mod turns;
 
 pub use level::Level;
@@ -28,6 +29,7 @@ pub(crate) use row::{Law, Row, Source, Spots, add_moduli, row};
 pub(crate) use rows::Rows;
 pub(crate) use search::{Candidates, L1, L2, table};
 pub(crate) use table::Table;
+pub(crate) use turn::{keep, turn};
 
 /// Numbers worked on at once: one AVX-512 register, four of SSE2, NEON or wasm.
 pub(crate) const LANES: usize = 16;

@@ -71,34 +71,59 @@ pub(crate) const fn table(phases: usize) -> usize {
     phases + LANES
 }
 
-/// Candidate drives a e^{j phi}, a = (k+1)/K outer, phi = 2 pi l/L inner.
+/// Candidate drives a e^{j phi}: amplitudes outer, phases inner.
 pub(crate) struct Candidates {
     /// cos and sin of the phases, and the last one again up to [`table`]: a copy never wins against its original.
     cos: Vec<f32>,
     sin: Vec<f32>,
-    /// (k+1)/K.
+    /// The amplitudes.
     levels: Vec<f32>,
     pub(crate) phases: usize,
     pub(crate) amplitudes: usize,
 }
 
 impl Candidates {
-    /// Fills three buffers for K = `amplitudes` and L = `phases`; their length is set here.
+    /// K = `amplitudes` times L = `phases` candidates: a = (k+1)/K outer, phi = 2 pi l/L inner.
+    #[cfg(test)]
     pub(crate) fn new(phases: usize, amplitudes: usize, buffers: [Vec<f32>; 3]) -> Self {
+        Self::grid(phases, (0..amplitudes).map(|k| (k as f64 + 1.0) / amplitudes as f64), buffers)
+    }
+
+    /// L = `phases` phases 2 pi l/L at each of some amplitudes, in buffers whose length is set here.
+    pub(crate) fn grid(phases: usize, amplitudes: impl Iterator<Item = f64>, buffers: [Vec<f32>; 3]) -> Self {
+        Self::made(phases, |l| l as f64 / phases as f64, amplitudes, buffers)
+    }
+
+    /// Turns by up to `width` steps of 1/`phases`, at full amplitude: 0 first, then 1, -1, 2, -2 and so on.
+    pub(crate) fn turns(phases: usize, width: usize, buffers: [Vec<f32>; 3]) -> Self {
+        let turns = |k: usize| {
+            let step = k.div_ceil(2) as f64 * if k % 2 == 1 { 1.0 } else { -1.0 };
+            step / phases as f64
+        };
+        Self::made(width.min(phases), turns, core::iter::once(1.0), buffers)
+    }
+
+    fn made(
+        phases: usize,
+        turns: impl Fn(usize) -> f64,
+        amplitudes: impl Iterator<Item = f64>,
+        buffers: [Vec<f32>; 3],
+    ) -> Self {
         let [mut cosines, mut sines, mut levels] = buffers;
         levels.clear();
-        levels.extend((0..amplitudes).map(|k| ((k as f64 + 1.0) / amplitudes as f64) as f32));
+        levels.extend(amplitudes.map(|amplitude| amplitude as f32));
         for (buffer, part) in [(&mut cosines, cos as fn(f64) -> f64), (&mut sines, sin)] {
             buffer.clear();
             buffer.extend((0..table(phases)).map(|l| {
-                let l = l.min(phases - 1);
-                part(core::f64::consts::TAU * l as f64 / phases as f64) as f32
+                let angle = core::f64::consts::TAU * turns(l.min(phases - 1));
+                part(angle) as f32
             }));
         }
+        let amplitudes = levels.len();
         Self { cos: cosines, sin: sines, levels, phases, amplitudes }
     }
 
-    /// (k+1)/K.
+    /// Amplitude k.
     #[inline(always)]
     pub(crate) fn amplitude(&self, k: usize) -> f32 {
         self.levels[k]

@@ -13,8 +13,9 @@ use crate::error::Error;
 use crate::gains::Gains;
 use crate::kernels::greedy::{self, Pass};
 use crate::kernels::{self, Candidates, L1, L2, Sixteen, shortlist, table};
+use crate::levels::Levels;
 use crate::linalg::Planar;
-use crate::options::{OptionValue, Value, spell, word};
+use crate::options::{OptionValue, Options, Value, spell, word};
 use crate::problem::Problem;
 use crate::rng::Rng;
 use crate::solution::{Solution, Status};
@@ -48,9 +49,9 @@ pub enum Order {
 crate::options! {
     /// Greedy search. Time O(K L M N), memory O(N + M + K L).
     pub struct Greedy {
-        /// Phase levels L, 2 to 65536: phases are 2 pi l/L.
+        /// Phase levels L, 2 to 65536, or a divisor of the device's: phases are 2 pi l/L.
         pub phases: u32 = 16,
-        /// Amplitude levels K, 1 to 256: amplitudes are (k+1)/K, never off.
+        /// Amplitude levels K, 1 to 256: amplitudes are (k+1)/K or as many of the device's, never off.
         pub amplitudes: u32 = 1,
         /// What is minimised: "l2" (squared errors, the paper's text) or "l1" (its authors' code).
         pub objective: Objective = Objective::L2,
@@ -60,6 +61,9 @@ crate::options! {
         pub seed: u64 = 0,
     }
 }
+
+/// A device's longer table is thinned to the paper's K = 16 unless told otherwise: K multiplies the time.
+const AMPLITUDES: usize = 16;
 
 const OBJECTIVES: [(&str, Objective); 2] = [("l2", Objective::L2), ("l1", Objective::L1)];
 
@@ -152,6 +156,13 @@ impl Method for Greedy {
         uses_level: false,
     };
 
+    fn device_defaults(levels: &Levels) -> Options {
+        let phases = levels.phases().map(|count| ("phases".into(), count.show()));
+        let on = levels.on().len().min(AMPLITUDES) as u32;
+        let amplitudes = (on > 0).then(|| ("amplitudes".into(), on.show()));
+        phases.into_iter().chain(amplitudes).collect()
+    }
+
     fn check(&self) -> Result<(), Error> {
         for (item, value, range) in
             [("phases", self.phases, 2..=65_536), ("amplitudes", self.amplitudes, 1..=256)]
@@ -162,6 +173,31 @@ impl Method for Greedy {
             }
         }
         Ok(())
+    }
+}
+
+impl Greedy {
+    /// Candidates on this problem's device.
+    fn candidates(&self, problem: &Problem, work: &mut Workspace) -> Result<Candidates, Error> {
+        let (phases, amplitudes) = (self.phases as usize, self.amplitudes as usize);
+        let on = problem.gains().levels().map(Levels::on).unwrap_or_default();
+        if let Some(known) = problem.gains().levels().and_then(Levels::phases)
+            && !known.is_multiple_of(self.phases)
+        {
+            let cure = format!("the device has {known} phases: give a number that divides it");
+            return Err(Error::invalid("phases", self.phases, cure));
+        }
+        if !on.is_empty() && amplitudes > on.len() {
+            let cure = format!("the device has {} amplitudes above 0: give at most as many", on.len());
+            return Err(Error::invalid("amplitudes", self.amplitudes, cure));
+        }
+        // Evenly spaced in the table, full drive among them.
+        let value = |k: usize| match on {
+            [] => (k as f64 + 1.0) / amplitudes as f64,
+            table => table[((k + 1) * table.len()).div_ceil(amplitudes) - 1],
+        };
+        let buffers = [table(phases), table(phases), amplitudes].map(|len| work.floats.take(len));
+        Ok(Candidates::grid(phases, (0..amplitudes).map(value), buffers))
     }
 }
 
@@ -180,10 +216,7 @@ impl Solve for Greedy {
             *i = k as u32;
         }
         self.order.write(self.seed, gains, &mut order)?;
-        let phases = self.phases as usize;
-        let buffers =
-            [table(phases), table(phases), self.amplitudes as usize].map(|len| work.floats.take(len));
-        let candidates = Candidates::new(phases, self.amplitudes as usize, buffers);
+        let candidates = self.candidates(problem, work)?;
         let mut floats = work.floats.take(shortlist::floats(&candidates));
         let mut indices = work.indices.take(greedy::indices(lanes));
         let mut kept = work.points.take(2 * lanes / kernels::LANES);

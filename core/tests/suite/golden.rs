@@ -11,7 +11,7 @@ use midair::{Complex32, Control, Gains, Level, Metrics, Problem, Scene, Solution
 use serde_json::{Value, json};
 
 /// Name, array, points (x, y, z in mm, pressure in Pa, weight), solver table, balance.
-const SCENES: [(&str, &str, &str, &str, bool); 17] = [
+const SCENES: [(&str, &str, &str, &str, bool); 18] = [
     ("focus", "preset = \"autd3\"", "0 0 150 500 1", "name = \"greedy\"\nseed = 1", false),
     (
         "pair",
@@ -125,6 +125,13 @@ const SCENES: [(&str, &str, &str, &str, bool); 17] = [
         "name = \"best\"\nstarts = 40\nseed = 5\nlevel = \"max\"",
         true,
     ),
+    (
+        "device",
+        "grid = { nx = 4, ny = 3, pitch = 0.01 }\nlevels = { phases = 10, amplitudes = [0, 0.25, 1] }\nmask = [true, true, true, true, false, true, true, true, true, true, true, false]",
+        "-20 5 120 100 1,20 0 130 80 1",
+        "name = \"wgs\"\nsteps = 20",
+        true,
+    ),
 ];
 
 fn folder() -> PathBuf {
@@ -153,7 +160,7 @@ fn scene((_, array, points, solver, _): &(&str, &str, &str, &str, bool)) -> Scen
 
 fn solved(scene: &Scene, balance: bool, level: Level) -> Solution {
     let choice = scene.solver.as_ref().expect("a solver");
-    let made = choice.configured().expect("options");
+    let made = choice.configured(scene.array().levels()).expect("options");
     let gains = Gains::of(scene).with_level(level);
     let mut problem = Problem::with_gains(gains, scene.request()).expect("a problem");
     if let Some(level) = choice.level {

@@ -1,5 +1,6 @@
 //! The tests of the core, in one binary.
 
+mod bound;
 mod constants;
 mod even;
 mod field;
@@ -9,6 +10,7 @@ mod files;
 mod golden;
 mod greedy;
 mod laws;
+mod levels;
 mod metrics;
 mod motions;
 #[allow(dead_code, unreachable_pub, reason = "an independent reference, also for tests to come")]
