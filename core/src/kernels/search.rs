@@ -78,54 +78,32 @@ impl Candidates {
         Self::grid(phases, amplitudes, even, re, im)
     }
 
-    /// The same with the amplitudes of a table.
+    /// The same with the amplitudes of a table. Fills two buffers; their length is set here.
     pub(crate) fn grid(
         phases: usize,
         amplitudes: usize,
         amplitude: impl Fn(usize) -> f64,
-        re: Vec<f32>,
-        im: Vec<f32>,
+        mut re: Vec<f32>,
+        mut im: Vec<f32>,
     ) -> Self {
-        let mut made = Self::zeros(phases * amplitudes, re, im);
-        for phase in 0..phases {
-            let angle = core::f64::consts::TAU * phase as f64 / phases as f64;
-            let (cos, sin) = (cos(angle), sin(angle));
-            for level in 0..amplitudes {
-                let k = level * phases + phase;
-                (made.re[k], made.im[k]) = ((amplitude(level) * cos) as f32, (amplitude(level) * sin) as f32);
-            }
-        }
-        made.repeat_last();
-        made
-    }
-
-    /// Turns by up to `width` steps of 1/`phases`: 0 first, then 1, -1, 2, -2 and so on.
-    pub(crate) fn turns(phases: usize, width: usize, re: Vec<f32>, im: Vec<f32>) -> Self {
-        let mut made = Self::zeros(width.min(phases), re, im);
-        for k in 0..made.count {
-            let step = k.div_ceil(2) as f64 * if k % 2 == 1 { 1.0 } else { -1.0 };
-            let angle = core::f64::consts::TAU * step / phases as f64;
-            (made.re[k], made.im[k]) = (cos(angle) as f32, sin(angle) as f32);
-        }
-        made.repeat_last();
-        made
-    }
-
-    fn zeros(count: usize, mut re: Vec<f32>, mut im: Vec<f32>) -> Self {
+        let count = phases * amplitudes;
         for buffer in [&mut re, &mut im] {
             buffer.clear();
             buffer.resize(padded(count), 0.0);
         }
-        Self { re, im, count }
-    }
-
-    /// The last candidate again in the spare lanes: a copy never wins against its original.
-    fn repeat_last(&mut self) {
-        let last = self.count - 1;
-        for buffer in [&mut self.re, &mut self.im] {
-            let value = buffer[last];
-            buffer[self.count..].fill(value);
+        for phase in 0..phases {
+            let angle = core::f64::consts::TAU * phase as f64 / phases as f64;
+            let (cos, sin) = (cos(angle), sin(angle));
+            for level in 0..amplitudes {
+                re[level * phases + phase] = (amplitude(level) * cos) as f32;
+                im[level * phases + phase] = (amplitude(level) * sin) as f32;
+            }
         }
+        // The last candidate again in the spare lanes: a copy never wins against its original.
+        let last = (re[count - 1], im[count - 1]);
+        re[count..].fill(last.0);
+        im[count..].fill(last.1);
+        Self { re, im, count }
     }
 
     /// The drive (re, im) of candidate `index`.
