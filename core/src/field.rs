@@ -9,7 +9,7 @@ use num_complex::Complex32;
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::gains::Emitters;
+use crate::emitters::Emitters;
 use crate::kernels::{self, Level, Row, Spots, padded};
 use crate::problem::check_drive;
 use crate::scene::Scene;

@@ -1,4 +1,4 @@
-//! G, row by row: the one place that knows eq. (5), directivity, absorption and response.
+//! G, row by row: computed when asked for, or a matrix of the user's own.
 
 use alloc::format;
 use alloc::sync::Arc;
@@ -8,102 +8,13 @@ use alloc::vec::Vec;
 use num_complex::{Complex32, Complex64};
 
 use crate::array::{Array, UNITS};
+use crate::emitters::Emitters;
 use crate::error::Error;
-use crate::kernels::{self, Law, Level, Row, Source, Spots, padded};
+use crate::kernels::{self, Level, Row, Spots, padded};
 use crate::levels::Levels;
 use crate::math;
 use crate::medium::Medium;
-use crate::scene::{Scene, check_array, check_places};
-
-/// An array in a medium, prepared for computing rows: positions in wavelengths from the array's middle.
-///
-/// Distances in wavelengths *are* phases in turns, so the f32 rows need no multiplication between distance and
-/// phase, and lose no digits to one.
-#[derive(Clone, Debug)]
-pub(crate) struct Emitters {
-    array: Array,
-    medium: Medium,
-    centre: [f64; 3],
-    sources: Vec<Source>,
-    law: Law,
-}
-
-impl Emitters {
-    pub(crate) fn new(array: &Array, medium: Medium) -> Self {
-        let centre = array.centre();
-        let wavelength = medium.wavelength();
-        // P0 cancels: the reference is 1000 P0.
-        let unit = 1.0 / (1000.0 * wavelength);
-        let sources = (0..array.len())
-            .map(|i| {
-                let Complex64 { re, im } = array.effect(i);
-                let (gain, turns) = if im == 0.0 && re >= 0.0 {
-                    (unit * re, 0.0)
-                } else {
-                    (unit * math::hypot(re, im), math::atan2(im, re) / core::f64::consts::TAU)
-                };
-                Source {
-                    position: wavelengths(array.positions()[i], centre, wavelength),
-                    normal: array.normals()[i].map(|x| x as f32),
-                    gain: gain as f32,
-                    turns: turns as f32,
-                }
-            })
-            .collect();
-        let law = Law {
-            decay: (-medium.absorption * wavelength * core::f64::consts::LOG2_E) as f32,
-            table: array.transducer().directivity.table(medium.wavenumber()),
-        };
-        Self { array: array.clone(), medium, centre, sources, law }
-    }
-
-    /// Points in this frame, padded: x, y and z.
-    pub(crate) fn frame(&self, points: &[[f64; 3]]) -> [Vec<f32>; 3] {
-        // Far away on every axis: finite whatever is computed there, and never the nearest.
-        let mut frame = [(); 3].map(|()| vec![4e6; padded(points.len())]);
-        for (j, point) in points.iter().enumerate() {
-            let place = wavelengths(*point, self.centre, self.medium.wavelength());
-            for (axis, x) in frame.iter_mut().zip(place) {
-                axis[j] = x;
-            }
-        }
-        frame
-    }
-
-    /// The row of transducer `i` in units of the reference.
-    pub(crate) fn row(&self, level: Level, i: usize, spots: Spots<'_>, out: &mut Row<'_>) {
-        kernels::row(level, &self.law, &self.sources[i], spots, out);
-    }
-
-    /// Pa of one unit of the rows.
-    pub(crate) fn reference(&self) -> f64 {
-        1000.0 * self.array.transducer().source_pressure
-    }
-
-    /// Eq. (5) in double precision, in Pa.
-    fn exact(&self, i: usize, point: [f64; 3]) -> Complex64 {
-        let transducer = self.array.transducer();
-        let from = self.array.positions()[i];
-        let ray = [0, 1, 2].map(|axis| point[axis] - from[axis]);
-        let r = distance(from, point).max(self.medium.wavelength() / 100.0);
-        let normal = self.array.normals()[i];
-        let cos_theta = (0..3).map(|axis| ray[axis] * normal[axis]).sum::<f64>() / r;
-        let k = self.medium.wavenumber();
-        let amplitude = transducer.source_pressure / r
-            * transducer.directivity.value(cos_theta, k)
-            * math::exp(-self.medium.absorption * r);
-        self.array.effect(i) * Complex64::new(amplitude * math::cos(k * r), amplitude * math::sin(k * r))
-    }
-}
-
-/// A position in wavelengths from `centre`, rounded to f32 only now.
-fn wavelengths(position: [f64; 3], centre: [f64; 3], wavelength: f64) -> [f32; 3] {
-    [0, 1, 2].map(|axis| ((position[axis] - centre[axis]) / wavelength) as f32)
-}
-
-pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    math::sqrt((0..3).map(|axis| (a[axis] - b[axis]) * (a[axis] - b[axis])).sum())
-}
+use crate::scene::{Scene, check_array};
 
 /// An array in a medium, made ready once for points that change: what a scene is for points that do not.
 ///
@@ -136,10 +47,7 @@ impl Transmitter {
     /// # Errors
     /// No point, a coordinate that is not finite or too far away.
     pub fn gains(&self, points: &[[f64; 3]]) -> Result<Gains, Error> {
-        if points.is_empty() {
-            return Err(Error::invalid("points", "empty", "give at least one point"));
-        }
-        check_places(&self.emitters.array, self.emitters.medium, "points", ".position", points)?;
+        self.emitters.check_points(points)?;
         Ok(Gains::at(Arc::clone(&self.emitters), points.into()).with_level(self.level))
     }
 
@@ -325,24 +233,25 @@ impl Gains {
         }
     }
 
-    /// p1_j = `sum_i |G_ji|` in units of the reference, refusing a point on a transducer.
-    pub(crate) fn reach(&self) -> Result<Vec<f64>, Error> {
+    /// p1_j = `sum_i |G_ji|` in units of the reference, refusing a point on a transducer; `sums` is memory.
+    pub(crate) fn reach(&self, reach: &mut Vec<f64>, sums: &mut Vec<f32>) -> Result<(), Error> {
         /// Rows summed in f32 before f64 takes over.
         const TOGETHER: usize = 64;
-        let mut reach = vec![0.0; self.count];
+        reach.clear();
+        reach.resize(self.count, 0.0);
         match &self.rows {
             Rows::Computed { emitters, frame, points } => {
-                let mut sums = vec![0.0; self.lanes()];
                 for (step, sources) in emitters.sources.chunks(TOGETHER).enumerate() {
-                    sums.fill(0.0);
+                    sums.clear();
+                    sums.resize(self.lanes(), 0.0);
                     // f32 decides where to look, f64 decides.
                     let (law, spots) = (&emitters.law, self.spots(frame));
-                    if kernels::add_moduli(self.level, law, sources, spots, 1.01e-4, &mut sums) {
+                    if kernels::add_moduli(self.level, law, sources, spots, 1.01e-4, sums) {
                         for i in step * TOGETHER..step * TOGETHER + sources.len() {
                             emitters.check_distances(i, points)?;
                         }
                     }
-                    for (reach, sum) in reach.iter_mut().zip(&sums) {
+                    for (reach, sum) in reach.iter_mut().zip(&*sums) {
                         *reach += f64::from(*sum);
                     }
                 }
@@ -355,7 +264,23 @@ impl Gains {
                 }
             }
         }
-        Ok(reach)
+        Ok(())
+    }
+
+    /// The same transducers at other points, in the same memory where nobody else holds it.
+    pub(crate) fn carry(&mut self, points: &[[f64; 3]]) -> Result<(), Error> {
+        let Rows::Computed { emitters, frame, points: old } = &mut self.rows else {
+            return Err(Error::invalid("points", "given", "a matrix of your own belongs to its points"));
+        };
+        emitters.check_points(points)?;
+        match (Arc::get_mut(frame), Arc::get_mut(old)) {
+            (Some(frame), Some(old)) if old.len() == points.len() => {
+                emitters.write_frame(points, frame);
+                old.copy_from_slice(points);
+            }
+            _ => *self = Self::at(Arc::clone(emitters), points.into()).with_level(self.level),
+        }
+        Ok(())
     }
 
     /// Entry (j, i) in double precision, in Pa: eq. (5) itself.
@@ -373,7 +298,7 @@ impl Gains {
     /// A point on a transducer.
     pub fn matrix(&self) -> Result<Vec<Complex32>, Error> {
         let n = self.transducers();
-        self.reach()?;
+        self.reach(&mut Vec::new(), &mut Vec::new())?;
         let (mut re, mut im) = (vec![0.0; self.lanes()], vec![0.0; self.lanes()]);
         let mut matrix = vec![Complex32::ZERO; n * self.count];
         for i in 0..n {
@@ -403,19 +328,5 @@ impl Gains {
 
     fn spots<'a>(&self, frame: &'a [Vec<f32>; 3]) -> Spots<'a> {
         Spots { coordinates: [&frame[0], &frame[1], &frame[2]], count: self.count }
-    }
-}
-
-impl Emitters {
-    fn check_distances(&self, i: usize, points: &[[f64; 3]]) -> Result<(), Error> {
-        let least = self.medium.wavelength() / 100.0;
-        let position = self.array.positions()[i];
-        for (point, place) in points.iter().enumerate() {
-            let distance = distance(position, *place);
-            if distance < least {
-                return Err(Error::TooNear { point, transducer: i, distance, least });
-            }
-        }
-        Ok(())
     }
 }

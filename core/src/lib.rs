@@ -40,11 +40,13 @@
 extern crate alloc;
 
 mod array;
+mod asked;
 mod batch;
 mod bound;
 mod control;
 mod directivity;
 mod eigen;
+mod emitters;
 mod error;
 mod even;
 mod field;

@@ -12,7 +12,8 @@ use crate::kernels;
 use crate::linalg::Planar;
 use crate::math;
 use crate::metrics::Metrics;
-use crate::problem::{Asked, Problem};
+use crate::asked::Asked;
+use crate::problem::Problem;
 use crate::workspace::Workspace;
 
 /// How a solve ended. Outcome is data, never an error.
