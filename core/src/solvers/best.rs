@@ -31,7 +31,7 @@ impl Method for Best {
         summary: "the loudest even field from many starts",
         source: "as uniform",
         balance: true,
-        tolerance: 1e-3,
+        tolerance: 1e-4,
         uses_start: true,
         uses_level: true,
     };
