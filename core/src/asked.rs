@@ -98,7 +98,8 @@ impl Asked {
         }
         // Loads relative to the heaviest, so that no square over- or underflows.
         let pairs = self.active.iter().zip(&self.reach);
-        let loads = pairs.map(|(&j, &reach)| request.pressure(j) / (reach * reference)).filter(|load| *load > 0.0);
+        let loads =
+            pairs.map(|(&j, &reach)| request.pressure(j) / (reach * reference)).filter(|load| *load > 0.0);
         let load = loads.clone().fold(0.0, f64::max);
         let balance = 1.0 / (load * math::sqrt(loads.map(|own| (own / load) * (own / load)).sum()));
         let scale = if self.given { 1.0 } else { balance };

@@ -25,6 +25,8 @@ pub struct Batch {
     pub pressures: Vec<Complex32>,
     /// Metrics (B,).
     pub metrics: Vec<Metrics>,
+    /// What supply or modulation have to multiply each drive by (B,), see [`crate::Solution::scale`].
+    pub scale: Vec<f64>,
     /// How each ended (B,).
     pub status: Vec<Status>,
     /// Steps of each (B,).
@@ -37,6 +39,7 @@ struct Part<'a> {
     drives: &'a mut [Complex32],
     pressures: &'a mut [Complex32],
     metrics: &'a mut [Metrics],
+    scale: &'a mut [f64],
     status: &'a mut [Status],
     steps: &'a mut [usize],
 }
@@ -63,6 +66,7 @@ pub fn solve_batch(
     let mut batch = Batch {
         pressures: vec![Complex32::ZERO; count * points],
         metrics: vec![Metrics::of(core::iter::empty()); count],
+        scale: vec![1.0; count],
         status: vec![Status::Stopped; count],
         steps: vec![0; count],
     };
@@ -102,15 +106,17 @@ fn parts<'a>(
         .chunks_mut(TOGETHER * transducers)
         .zip(batch.pressures[start * points..end * points].chunks_mut(TOGETHER * points))
         .zip(batch.metrics[range.clone()].chunks_mut(TOGETHER))
+        .zip(batch.scale[range.clone()].chunks_mut(TOGETHER))
         .zip(batch.status[range.clone()].chunks_mut(TOGETHER))
         .zip(batch.steps[range].chunks_mut(TOGETHER));
     lists
         .enumerate()
-        .map(|(k, ((((drives, pressures), metrics), status), steps))| Part {
+        .map(|(k, (((((drives, pressures), metrics), scale), status), steps))| Part {
             first: start + k * TOGETHER,
             drives,
             pressures,
             metrics,
+            scale,
             status,
             steps,
         })
@@ -139,6 +145,7 @@ fn some(
         drive.copy_from_slice(&solution.drive);
         pressures.copy_from_slice(&solution.pressures);
         part.metrics[k] = solution.metrics();
+        part.scale[k] = solution.scale;
         part.status[k] = solution.status;
         part.steps[k] = solution.steps;
         work.recycle(solution);

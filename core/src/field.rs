@@ -8,8 +8,8 @@ use core::ops::ControlFlow;
 use num_complex::Complex32;
 
 use crate::control::Control;
-use crate::error::Error;
 use crate::emitters::Emitters;
+use crate::error::Error;
 use crate::kernels::{self, Level, Row, Spots, padded};
 use crate::problem::check_drive;
 use crate::scene::Scene;

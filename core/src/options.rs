@@ -6,8 +6,8 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
 
-use crate::levels::Levels;
 use crate::error::Error;
+use crate::levels::Levels;
 use crate::problem::Aim;
 use crate::solvers::{self, Configured};
 

@@ -76,7 +76,8 @@ impl Problem {
         let mut asked = Asked::of(all);
         let selected = asked.select(request)?;
         asked.fill(selected.as_ref(), request)?;
-        let mut problem = Self { selected, asked: Arc::new(asked), start: None, aim: None, targets: Vec::new() };
+        let mut problem =
+            Self { selected, asked: Arc::new(asked), start: None, aim: None, targets: Vec::new() };
         problem.aim_at_targets();
         Ok(problem)
     }
@@ -87,7 +88,8 @@ impl Problem {
     /// # Errors
     /// As [`crate::Transmitter::gains`] and [`Problem::with_gains`]; the problem is then lost.
     pub fn renewed(mut self, points: &[[f64; 3]], request: &Request) -> Result<Self, Error> {
-        let weighted = request.weights.as_ref().is_none_or(|weights| weights.iter().all(|&weight| weight > 0.0));
+        let weighted =
+            request.weights.as_ref().is_none_or(|weights| weights.iter().all(|&weight| weight > 0.0));
         match Arc::get_mut(&mut self.asked) {
             Some(asked) if weighted && self.selected.is_none() => {
                 asked.gains.carry(points)?;

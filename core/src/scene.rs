@@ -41,7 +41,10 @@ impl Request {
                     format!("give one for each of the {points} points"),
                 ));
             }
-            for (j, &value) in values.iter().enumerate() {
+            // Named only when refused: this runs for every frame of a moving hand.
+            let refused = |value: &f64| !(value.is_finite() && *value >= 0.0);
+            if let Some(j) = values.iter().position(refused) {
+                let value = values[j];
                 real(&format!("points[{j}].{name}"), value, 0.0, false)?;
             }
         }

@@ -6,13 +6,13 @@ use core::fmt;
 
 use num_complex::Complex32;
 
+use crate::asked::Asked;
 use crate::control::Control;
 use crate::gains::Gains;
 use crate::kernels;
 use crate::linalg::Planar;
 use crate::math;
 use crate::metrics::Metrics;
-use crate::asked::Asked;
 use crate::problem::Problem;
 use crate::workspace::Workspace;
 

@@ -14,6 +14,8 @@ from importlib.metadata import version as _version
 
 from ._midair import (
     Array,
+    Batch,
+    BatchMetrics,
     Field,
     Gains,
     Metrics,
@@ -25,12 +27,14 @@ from ._midair import (
     SceneError,
     SceneWarning,
     Solution,
+    Solver,
     SolverInfo,
     bound,
     field,
     judge,
     presets,
     solve,
+    solve_batch,
     solvers,
 )
 from .plot import plot
@@ -38,6 +42,8 @@ from .plot import plot
 __version__ = _version("midair")
 __all__ = [
     "Array",
+    "Batch",
+    "BatchMetrics",
     "Field",
     "Gains",
     "Metrics",
@@ -49,6 +55,7 @@ __all__ = [
     "SceneError",
     "SceneWarning",
     "Solution",
+    "Solver",
     "SolverInfo",
     "bound",
     "field",
@@ -56,5 +63,6 @@ __all__ = [
     "plot",
     "presets",
     "solve",
+    "solve_batch",
     "solvers",
 ]

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from os import PathLike
-from typing import Literal, TypeAlias, final
+from typing import Any, Literal, TypeAlias, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -266,6 +266,96 @@ class SolverInfo:
     def balance(self) -> bool: ...
     @property
     def options(self) -> dict[str, OptionInfo]: ...
+
+@final
+class BatchMetrics:
+    @property
+    def accuracy(self) -> NDArray[np.float64]: ...
+    @property
+    def sigma(self) -> NDArray[np.float64]: ...
+    @property
+    def uniformity(self) -> NDArray[np.float64]: ...
+    @property
+    def level(self) -> NDArray[np.float64]: ...
+    @property
+    def residual(self) -> NDArray[np.float64]: ...
+    @property
+    def leak(self) -> NDArray[np.float64]: ...
+
+@final
+class Batch:
+    @property
+    def drives(self) -> NDArray[np.complex64]: ...
+    @property
+    def pressures(self) -> NDArray[np.complex64]: ...
+    @property
+    def metrics(self) -> BatchMetrics: ...
+    @property
+    def scale(self) -> NDArray[np.float64]: ...
+    @property
+    def status(self) -> list[str]: ...
+    @property
+    def steps(self) -> NDArray[np.int64]: ...
+    @property
+    def elapsed(self) -> float: ...
+    def __len__(self) -> int: ...
+
+def solve_batch(
+    scene: Scene | Array,
+    points: ArrayLike,
+    pressures: ArrayLike | None = None,
+    solver: str | None = None,
+    *,
+    weights: ArrayLike | None = None,
+    start: ArrayLike | None = None,
+    out: NDArray[np.complex64] | None = None,
+    threads: int | None = None,
+    progress: Callable[[int, int, float], object] | None = None,
+    **options: Any,
+) -> Batch: ...
+@final
+class Solver:
+    def __new__(
+        cls, scene: Scene | Array, solver: str | None = None, *, points: int, **options: Any
+    ) -> Solver: ...
+    @overload
+    def __call__(
+        self,
+        points: ArrayLike,
+        pressures: ArrayLike | None = None,
+        *,
+        weights: ArrayLike | None = None,
+        start: ArrayLike | Solution | None = None,
+        out: None = None,
+    ) -> Solution: ...
+    @overload
+    def __call__(
+        self,
+        points: ArrayLike,
+        pressures: ArrayLike | None = None,
+        *,
+        weights: ArrayLike | None = None,
+        start: ArrayLike | Solution | None = None,
+        out: NDArray[np.complex64],
+    ) -> Solver: ...
+    @property
+    def drive(self) -> NDArray[np.complex64]: ...
+    @property
+    def pressures(self) -> NDArray[np.complex64]: ...
+    @property
+    def metrics(self) -> Metrics: ...
+    @property
+    def status(self) -> str: ...
+    @property
+    def scale(self) -> float: ...
+    @property
+    def steps(self) -> int: ...
+    @property
+    def elapsed(self) -> float: ...
+    @property
+    def solver(self) -> str: ...
+    @property
+    def options(self) -> dict[str, _Option]: ...
 
 def solve(
     scene: Scene | Gains,

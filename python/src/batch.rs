@@ -93,6 +93,12 @@ impl Batch {
         BatchMetrics { inner: self.inner.metrics.clone() }
     }
 
+    /// What supply or modulation have to multiply each drive by (B,).
+    #[getter]
+    fn scale<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.inner.scale.to_pyarray(py)
+    }
+
     /// How each ended (B,): "done", "out_of_steps", "stopped" or "breakdown".
     #[getter]
     fn status(&self) -> Vec<String> {
@@ -232,10 +238,12 @@ pub(crate) fn solve_batch(
     };
     let slice = writable.as_slice_mut()?;
     let inner = py.detach(|| {
-        let mut observer = |progress: Progress<'_>| pulse.beat(&progress);
-        let mut control = Control::watched(&mut observer);
         let (solver, balance) = (&*setting.configured.solver, setting.balance);
-        let run = || midair::solve_batch(count, size, &problem, solver, balance, slice, &mut control);
+        let mut run = || {
+            let mut observer = |progress: Progress<'_>| pulse.beat(&progress);
+            let mut control = Control::watched(&mut observer);
+            midair::solve_batch(count, size, &problem, solver, balance, slice, &mut control)
+        };
         match &pool {
             Some(pool) => pool.install(run),
             None => run(),

@@ -236,7 +236,8 @@ pub(crate) fn bound(
     weights: Argument<'_, '_>,
 ) -> PyResult<f64> {
     let task = Task::read(scene, pressures, weights)?;
-    py.detach(|| midair::bound(&task.problem()?)).map_err(refused)
+    let level = crate::level::level()?;
+    py.detach(|| midair::bound(&task.problem(level)?)).map_err(refused)
 }
 
 /// The metrics of a drive (N,), wholly in double precision. Pressures and weights go with Gains only.

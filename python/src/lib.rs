@@ -11,6 +11,7 @@ mod read;
 mod scene;
 mod setting;
 mod solve;
+mod solver;
 mod task;
 
 use pyo3::prelude::*;
@@ -51,6 +52,8 @@ mod _midair {
     use super::scene::{Gains, Reach, Scene};
     #[pymodule_export]
     use super::solve::{Metrics, OptionInfo, Solution, SolverInfo, solve, solvers};
+    #[pymodule_export]
+    use super::solver::Solver;
     #[pymodule_export]
     use super::{SceneError, SceneWarning};
 }

@@ -34,7 +34,7 @@ impl Setting {
             Some(keywords) => keywords.copy()?,
             None => PyDict::new(object.py()),
         };
-        let mut take = |name: &str| -> PyResult<Option<Bound<'_, PyAny>>> {
+        let take = |name: &str| -> PyResult<Option<Bound<'_, PyAny>>> {
             let value = keywords.get_item(name)?.filter(|value| !value.is_none());
             if keywords.contains(name)? {
                 keywords.del_item(name)?;

@@ -58,6 +58,17 @@ pub(crate) struct Solution {
     elapsed: f64,
 }
 
+impl Solution {
+    pub(crate) fn new(
+        inner: midair::Solution,
+        choice: midair::Choice,
+        trace: Option<Vec<f64>>,
+        elapsed: f64,
+    ) -> Self {
+        Self { inner, choice, trace, elapsed }
+    }
+}
+
 #[pymethods]
 impl Solution {
     /// Drives q (N,), complex64, |q| <= 1.
@@ -193,7 +204,7 @@ pub(crate) fn flag(item: &str, value: &Bound<'_, PyAny>) -> PyResult<bool> {
 }
 
 /// A start: a Solution or complex numbers are a drive (N,), real numbers are point phases (M,).
-fn begin(start: &Bound<'_, PyAny>) -> PyResult<midair::Start> {
+pub(crate) fn begin(start: &Bound<'_, PyAny>) -> PyResult<midair::Start> {
     if let Ok(solution) = start.cast::<Solution>() {
         return Ok(midair::Start::Drive(solution.get().inner.drive.clone()));
     }

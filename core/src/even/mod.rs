@@ -21,6 +21,7 @@ use crate::linalg::Planar;
 use crate::math::sqrtf;
 use crate::problem::{Aim, Problem};
 use crate::solution::{Solution, Status};
+use crate::solvers::refine;
 use crate::workspace::Workspace;
 use starts::Starts;
 
@@ -243,7 +244,15 @@ pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &mut Workspace, contro
     let factor = if wanted && loudest > rows.target { rows.target / loudest } else { 1.0 };
     let mut drive = work.complexes.take(problem.gains().transducers());
     for (i, q) in drive.iter_mut().enumerate() {
-        *q = Complex32::new(best.drive[0][i], best.drive[1][i]) * factor;
+        *q = Complex32::new(best.drive[0][i], best.drive[1][i]);
+    }
+    let device = problem.gains().levels().is_some();
+    if device {
+        // At full drive: the entry point brings what is below it to the device's amplitudes.
+        refine(problem, &mut drive, work);
+    }
+    for q in &mut drive {
+        *q *= factor;
     }
     let mut field = Planar::zeros(1, problem.gains().lanes(), work);
     for (field, own) in [&mut field.re, &mut field.im].into_iter().zip(&best.field) {
@@ -262,7 +271,12 @@ pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &mut Workspace, contro
     wave.give(work);
     starts.give(work);
     rows.give(work);
-    let mut solution = Solution::of_field(problem, drive, field, status, step, work);
+    let mut solution = if device {
+        field.give(work);
+        Solution::new(problem, drive, status, step, work)
+    } else {
+        Solution::of_field(problem, drive, field, status, step, work)
+    };
     solution.tell(problem, steps, control);
     solution
 }

@@ -67,7 +67,7 @@ registry! {
 }
 
 /// The solver used where none is named.
-pub const DEFAULT: &str = "greedy";
+pub const DEFAULT: &str = "uniform";
 
 /// A method that finds a drive.
 pub trait Solve {

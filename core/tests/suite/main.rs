@@ -1,5 +1,6 @@
 //! The tests of the core, in one binary.
 
+mod batch;
 mod bound;
 mod constants;
 mod even;
