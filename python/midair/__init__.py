@@ -32,6 +32,7 @@ from ._midair import (
     solvers,
 )
 from .plot import plot
+from .sweep import sweep
 
 __version__ = _version("midair")
 __all__ = [
@@ -53,4 +54,5 @@ __all__ = [
     "presets",
     "solve",
     "solvers",
+    "sweep",
 ]
