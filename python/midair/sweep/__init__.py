@@ -57,16 +57,16 @@ def sweep(
     """
     parts: list[dict[str, list[Any]]] = []
     asked = read(request, drives=drives is not None)
-    work(asked, parts.append, output, drives, scheduler=scheduler, threads=threads, progress=progress)
+    work(asked, output, drives, receive=parts.append, scheduler=scheduler, threads=threads, progress=progress)
     return table.as_columns(parts, asked)
 
 
 def work(
     asked: Request,
-    receive: Callable[[dict[str, list[Any]]], None],
     output: str | PathLike[str] | None,
     drives: str | PathLike[str] | None,
     *,
+    receive: Callable[[dict[str, list[Any]]], None] = lambda columns: None,
     scheduler: str | None = None,
     threads: int | None = None,
     progress: Callable[[int, int], None] | None = None,

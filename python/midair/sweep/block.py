@@ -20,8 +20,8 @@ METRICS = ("accuracy", "sigma", "uniformity", "level", "residual", "leak")
 
 #: Settings of a block, all that JSON can hold. "array", "medium": the tables of a scene file.
 #: "count", "region" [[x0, x1], [y0, y1], [z0, z1]] in m, "pressure" [low, high] in Pa or None: random points;
-#: or "points" [[x, y, z], ...], "pressures", "weights": fixed ones. "solver", "options": also balance and level
-#: where given. "seed": of all; "seeds": of each trial, None for 0, 1, ...; "drives": whether they are wanted.
+#: or "points" [[x, y, z], ...], "pressures", "weights": fixed ones. "solver", "options": with balance and
+#: level. "seed": of all; "seeds": of each trial, None for 0, 1, ...; "drives": whether they are wanted.
 Settings = Mapping[str, Any]
 
 

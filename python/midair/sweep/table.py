@@ -119,8 +119,8 @@ def check_drives(path: Path) -> None:
 def open_drives(path: Path, request: Request) -> Iterator[Callable[[Arrays, int], None]]:
     """A Zarr group with a row for each row of the table; what it yields takes a chunk and its first row.
 
-    drive (rows, N), pressures (rows, M) as attained, complex64; points (rows, M, 3) in m; targets (rows, M) in
-    Pa where pressures were asked for. N and M are the sweep's largest: what a row lacks is 0, points NaN.
+    drive (rows, N), pressures (rows, M) as attained, complex64; points (rows, M, 3) in m; targets (rows, M)
+    in Pa if pressures were asked for. N and M are the sweep's largest: what a row lacks is 0, points NaN.
     """
     import zarr
 
