@@ -53,7 +53,7 @@ def collect(run: Run) -> Found:
 def draw(found: Found) -> Figure:
     """A panel for each method, all in the same colours."""
     height = -(-len(found.fields) // 3)
-    figure = Figure(figsize=(9.6, 3.25 * height), layout="constrained")
+    figure = Figure(figsize=(9.6, 3.25 * height), layout="compressed")
     grid = figure.subplots(height, 3, squeeze=False, sharex=True, sharey=True)
     image = None
     for axes in grid.flat[len(found.fields) :]:

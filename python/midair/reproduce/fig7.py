@@ -113,8 +113,8 @@ def collect(run: Run) -> Found:
 
 def draw(found: Found) -> Figure:
     """Weak above strong above balanced; random orders left, the fixed one right; each in its own colours."""
-    figure = Figure(figsize=(7.4, 9.4), layout="constrained")
-    for axes, row in zip(figure.subplots(3, 2).flat, found.rows, strict=True):
+    figure = Figure(figsize=(7.8, 9.6), layout="compressed")
+    for axes, row in zip(figure.subplots(3, 2, sharex=True, sharey=True).flat, found.rows, strict=True):
         field = found.fields[row["panel"]]
         image = fields.picture(axes, field, SIZE, float(field.max()))
         order = "random order" if row["order"] == "random" else "fixed order"

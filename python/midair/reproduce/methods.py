@@ -28,7 +28,7 @@ PAPER = (
     Method("greedy", "greedy, K=1 L=16, |q|=1", "greedy", {"balance": False}, "#d62728"),
     Method("lm", "LM, |q|=1", "lm", {"balance": False}, "#1f77b4"),
     Method("evd", "EVD, clamp", "evd", {"balance": False}, "#2ca02c"),
-    Method("sdp", "SDP+BCD, normalize", "sdp", {"balance": False}, "#9467bd"),
+    Method("sdp", "SDP+BCD, raw moduli, normalize", "sdp", {"balance": False}, "#9467bd"),
     Method("gspat", "GS-PAT, clamp", "gspat", {"balance": False}, "#ff7f0e"),
 )
 
@@ -37,7 +37,7 @@ GS = Method("gs", "GS, |q|=1", "gs", {"balance": False}, "#8c564b", False)
 #: The finest grid the paper speaks of.
 FINE = Method(
     "greedy-fine",
-    "greedy, K=16 L=256",
+    "greedy, K=16 L=256, |q|≤1",
     "greedy",
     {"balance": False, "amplitudes": 16, "phases": 256},
     "#7f0000",
