@@ -306,7 +306,9 @@ def _write_image(path: Path, figure: Figure) -> None:
 def _progress(doing: str) -> Iterator[Callable[[int, int], None]]:
     """A progress bar for whatever takes over a second; the block calls what it gets with (step, steps)."""
     columns = (SpinnerColumn(), TextColumn(doing), BarColumn(), TimeElapsedColumn(), TimeRemainingColumn())
-    bar = Progress(*columns, console=Console(stderr=True), transient=True)
+    terminal = Console(stderr=True)
+    # Elsewhere even a bar that leaves nothing behind leaves an empty line.
+    bar = Progress(*columns, console=terminal, transient=True, disable=not terminal.is_terminal)
     task = bar.add_task(doing, total=None)
     began = time.monotonic()
     shown = began

@@ -10,7 +10,7 @@ import warnings
 import zipfile
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
@@ -30,9 +30,6 @@ Function = Callable[[Settings, int, int], Arrays]
 
 #: Jobs handed out for each worker: enough that none waits, few enough that results wait in little memory.
 AHEAD = 4
-
-#: Seconds after which a scheduler that has not answered is given up.
-PATIENCE = 8
 
 
 @dataclass(frozen=True)
@@ -141,26 +138,11 @@ def _workers(scheduler: str | None, threads: int | None) -> Iterator[tuple[Execu
         count = threads or os.cpu_count() or 1
         with ThreadPoolExecutor(count) as pool:
             yield pool, count
-        return
-    try:
-        from distributed import Client, KilledWorker
-    except ImportError as error:
-        raise SceneError('a scheduler needs Dask: pip install "midair[cluster]"') from error
-    try:
-        client = Client(scheduler, timeout=PATIENCE, set_as_default=False)
-    except (OSError, ValueError, TypeError) as error:
-        raise SceneError(
-            f'scheduler "{scheduler}" does not answer: give the address that `dask scheduler` prints,'
-            " such as tcp://127.0.0.1:8786"
-        ) from error
-    with client:
-        try:
-            # A worker lost is no error: its jobs go to another one.
-            yield client.get_executor(pure=False), max(sum(client.nthreads().values()), 1)
-        except KilledWorker as error:
-            raise SceneError(f"worker after worker was lost ({error}): what is done is kept") from error
-        except CancelledError as error:
-            raise SceneError(f'scheduler "{scheduler}" was lost: what is done is kept') from error
+    else:
+        from .cluster import workers
+
+        with workers(scheduler) as found:
+            yield found
 
 
 def _load(path: Path) -> Arrays | None:
