@@ -36,6 +36,8 @@ app = App(
     name="midair",
     help="Drives for airborne ultrasound phased arrays: given points in the air feel given pressures.",
     version=__version__,
+    # It is `main` that tells of an interruption.
+    suppress_keyboard_interrupt=False,
 )
 # A pipe has no width of its own; tables keep theirs.
 console = Console() if sys.stdout.isatty() else Console(width=120)

@@ -148,7 +148,7 @@ def _workers(scheduler: str | None, threads: int | None) -> Iterator[tuple[Execu
 def _load(path: Path) -> Arrays | None:
     """A kept result; what cannot be read counts as not there."""
     try:
-        with np.load(path) as kept:
+        with np.load(io.BytesIO(path.read_bytes())) as kept:
             return dict(kept)
     except (OSError, ValueError, EOFError, zipfile.BadZipFile):
         return None
