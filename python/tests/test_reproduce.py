@@ -151,8 +151,8 @@ def test_the_reference_lies_within_the_interval_of_fig_3(method: Any, count: int
     array, rng = midair.Array.preset("paper20"), np.random.default_rng(count)
     means = []
     for points, targets in zip(ours["points"], ours["targets"], strict=True):
-        G = oracle.gains(array.positions, points, source_pressure=1e-3) * 1e3
-        drive = reference(method.key, G, targets * 1e3 / 1e3, rng)
+        G = oracle.gains(array.positions, points, source_pressure=1e-3)
+        drive = reference(method.key, G, targets, rng)
         means.append(oracle.metrics(np.abs(G @ drive), targets)["accuracy"])
     assert interval["low"] <= np.mean(means) <= interval["high"], (np.mean(means), interval)
 
@@ -170,7 +170,7 @@ def test_the_scenes_are_the_papers() -> None:
 def test_a_slope_is_found_with_its_error() -> None:
     x = np.array([1.0, 2.0, 4.0, 8.0])
     assert timing.slope(x, 3 * x**1.5) == pytest.approx((1.5, 0.0), abs=1e-12)
-    # By hand: residuals of (1, 2, 2, 4) in powers of 2 about the line of slope 0.9 are .1, -.3, .3, -.1 of two.
+    # By hand: about the line of slope 0.9 the powers of 2 are off by .1, -.3, .3, -.1.
     found, error = timing.slope(x, 2.0 ** np.array([0.0, 0.5, 2.0, 2.5]))
     assert found == pytest.approx(0.9)
     assert error == pytest.approx(np.sqrt(0.2 / 2 / 5), rel=1e-9)
