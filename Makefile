@@ -8,8 +8,9 @@ PYTHON := $(BIN)/python
 export UV_PYTHON_DOWNLOADS := never
 export VIRTUAL_ENV := $(CURDIR)/.venv
 CARGO := cargo
+TRIALS := 1000
 
-.PHONY: help setup demo test test-rust test-python lint bench golden pins clean
+.PHONY: help setup demo test test-rust test-python lint bench paper golden pins clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -47,12 +48,16 @@ lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
 	$(CARGO) clippy --quiet --all-targets -p midair --features scene-file,parallel -- -D warnings
 	$(CARGO) clippy --quiet --all-targets -p midair-python -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --quiet --no-deps -p midair --features scene-file,parallel
-	$(BIN)/ruff check --quiet python
-	$(BIN)/ruff format --check --quiet python
+	$(BIN)/ruff check --quiet python bench
+	$(BIN)/ruff format --check --quiet python bench
 
 bench: ## Greedy beside the textbook loop, a field, every method over M and N; once more with AVX2 compiled in
 	$(CARGO) bench --quiet -p midair --features parallel
 	RUSTFLAGS="-C target-cpu=x86-64-v3" $(CARGO) bench --quiet --target-dir target/v3 -p midair --features parallel
+
+paper: setup ## Make the paper's figures anew (TRIALS=1000) and docs/paper.md from their tables
+	OPENBLAS_NUM_THREADS=1 $(BIN)/midair reproduce all --trials $(TRIALS) --output out/paper
+	$(PYTHON) -m midair.reproduce.page out/paper docs
 
 golden: ## Write golden/ anew (a breaking change: say so in CHANGELOG.md)
 	MIDAIR_GOLDEN=write $(CARGO) test --quiet -p midair --features scene-file,parallel --test suite golden

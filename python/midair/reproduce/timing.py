@@ -56,10 +56,10 @@ def _seconds(scene: Scene, method: tuple[str, Options], repeats: int) -> float:
     return (time.thread_time_ns() - began) / 1e9 / repeats
 
 
-def study(run: Run, places: Sequence[tuple[int, int]], x: str, most: int) -> tables.Rows:
+def study(run: Run, places: Sequence[tuple[int, int]], x: str, least: int) -> tables.Rows:
     """Median and quartiles for each method at each (side, count), and the slope over x = "M" or "N".
 
-    Slopes are fitted twice: over all places, and over those of x above `most`.
+    Slopes are fitted twice: over all places, and over those of x from `least` on.
     """
     methods = timed()
     rounds = min(run.trials, ROUNDS)
@@ -75,7 +75,7 @@ def study(run: Run, places: Sequence[tuple[int, int]], x: str, most: int) -> tab
             [np.quantile(found[place]["seconds"][:, number], [0.25, 0.5, 0.75]) for place in places]
         )
         size = np.array([side * side if x == "N" else count for side, count in places], float)
-        large = size >= most
+        large = size >= least
         slopes = [slope(size[keep], quartiles[keep, 1]) for keep in (size > 0, large)]
         for (side, count), (low, median, high) in zip(places, quartiles.tolist(), strict=True):
             rows.append(
@@ -88,6 +88,7 @@ def study(run: Run, places: Sequence[tuple[int, int]], x: str, most: int) -> tab
                     "median": median,
                     "low": low,
                     "high": high,
+                    "from": least,
                     "slope": slopes[0][0],
                     "slope_error": slopes[0][1],
                     "slope_large": slopes[1][0],
@@ -119,7 +120,7 @@ def draw(rows: tables.Rows, x: str, label: str) -> Figure:
 
 def told_slope(row: tables.Row) -> str:
     """A method's slopes in words."""
-    return (
-        f"{row['slope_large']:.2f} +- {row['slope_large_error']:.2f}"
-        f" ({row['slope']:.2f} +- {row['slope_error']:.2f} over all)"
-    )
+    told = f"{row['slope']:.2f} ± {row['slope_error']:.2f}"
+    if row["from"] == 0:
+        return told
+    return f"{told}; {row['slope_large']:.2f} ± {row['slope_large_error']:.2f} from {row['from']} on"
