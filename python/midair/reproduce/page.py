@@ -65,8 +65,8 @@ WORDS = {
         "36 x 36 transducers, greedy with K = 1, L = 16, one point at (0, 0, 150 mm). Width is the distance"
         " between the outermost samples of |p| above half its maximum, within 60 mm; an artefact is the"
         " loudest |p| further than 13.4 mm from the point, relative to the point; power is the mean of"
-        " |q|². Medians over the orders. The third row of panels is not the paper's: it is the cure that its section"
-        " V asks for.",
+        " |q|². Medians over the orders. The third row of panels is not the paper's: it is the cure that"
+        " its section V asks for.",
     ),
 }
 
