@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from matplotlib.figure import Figure
+
 from ..sweep.block import solve_block
 from ..sweep.engine import Job
-from . import scenes, tables
+from . import drawing, scenes, tables
 from .methods import curves
 from .run import Run
 
@@ -45,3 +47,16 @@ def study(run: Run, metric: str) -> tables.Rows:
         for method in curves()
         for count in scenes.COUNTS
     ]
+
+
+def draw(rows: tables.Rows, label: str) -> Figure:
+    """Curves over M with their 95 % intervals."""
+    figure = Figure(figsize=(7.2, 4.6), layout="constrained")
+    axes = figure.subplots()
+    drawing.lines(axes, rows, curves(), "M", "mean")
+    axes.set(xlabel="control points M", ylabel=label, ylim=(0, None))
+    axes.set_title(
+        f"20 x 20 transducers, {rows[0]['trials']} trials; bars: 95 % of the mean", fontsize="medium"
+    )
+    figure.legend(loc="outside right upper", fontsize="small")
+    return figure

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from . import accuracy, drawing, tables
-from .methods import curves
+from . import accuracy, tables
 from .run import Found, Run
 from .verdicts import Verdict, outcome, percent, span
 
@@ -16,21 +15,13 @@ def collect(run: Run) -> Found:
 
 
 def draw(found: Found) -> Figure:
-    """Curves with their 95 % intervals."""
-    figure = Figure(figsize=(7.2, 4.6), layout="constrained")
-    axes = figure.subplots()
-    drawing.lines(axes, found.rows, curves(), "M", "mean")
-    axes.set(xlabel="control points M", ylabel="accuracy, eq. (12)", ylim=(0, None))
-    axes.set_title(
-        f"20 x 20 transducers, {found.rows[0]['trials']} trials; bars: 95 % of the mean", fontsize="medium"
-    )
-    figure.legend(loc="outside right upper", fontsize="small")
-    return figure
+    """Curves over M."""
+    return accuracy.draw(found.rows, "accuracy, eq. (12)")
 
 
 def judge(rows: tables.Rows) -> list[Verdict]:
     """The paper's statements about accuracy."""
-    mean = {key: tables.column(tables.pick(rows, method=key), "mean") for key in tables.labels(rows)}
+    mean = tables.by_method(rows, "mean")
     counts = [row["M"] for row in tables.pick(rows, method="greedy")]
     greedy, lm, gspat = mean["greedy"], mean["lm"], mean["gspat"]
 

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from . import accuracy, drawing, tables
-from .methods import PAPER, curves
+from . import accuracy, tables
+from .methods import PAPER
 from .run import Found, Run
 from .verdicts import Verdict, outcome
 
@@ -21,21 +21,13 @@ def collect(run: Run) -> Found:
 
 
 def draw(found: Found) -> Figure:
-    """Curves with their 95 % intervals."""
-    figure = Figure(figsize=(7.2, 4.6), layout="constrained")
-    axes = figure.subplots()
-    drawing.lines(axes, found.rows, curves(), "M", "mean")
-    axes.set(xlabel="control points M", ylabel="deviation sigma, eq. (13) with 1/M", ylim=(0, None))
-    axes.set_title(
-        f"20 x 20 transducers, {found.rows[0]['trials']} trials; bars: 95 % of the mean", fontsize="medium"
-    )
-    figure.legend(loc="outside right upper", fontsize="small")
-    return figure
+    """Curves over M."""
+    return accuracy.draw(found.rows, "deviation sigma, eq. (13) with 1/M")
 
 
 def judge(rows: tables.Rows) -> list[Verdict]:
     """The paper's statements about the variation among points."""
-    mean = {key: tables.column(tables.pick(rows, method=key), "mean") for key in tables.labels(rows)}
+    mean = tables.by_method(rows, "mean")
     counts = [row["M"] for row in tables.pick(rows, method="greedy")]
     others = [method.key for method in PAPER if method.key != "greedy"]
     least = np.min([mean[key] for key in others if key != "lm"] + [mean["greedy"]], axis=0)

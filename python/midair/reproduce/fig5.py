@@ -31,7 +31,7 @@ def draw(found: Found) -> Figure:
 
 def judge(rows: tables.Rows) -> list[Verdict]:
     """Greedy is linear in M; who is faster than whom."""
-    median = {key: tables.column(tables.pick(rows, method=key), "median") for key in tables.labels(rows)}
+    median = tables.by_method(rows, "median")
     counts = [row["M"] for row in tables.pick(rows, method="greedy")]
     slow = [method.key for method in PAPER if method.key not in ("greedy", "gspat")]
     fast = np.maximum(median["greedy"], median["gspat"])

@@ -66,6 +66,11 @@ def column(rows: Rows, name: str) -> NDArray[np.float64]:
     return np.array([row[name] for row in rows], float)
 
 
+def by_method(rows: Rows, name: str) -> dict[str, NDArray[np.float64]]:
+    """A column for each method."""
+    return {key: column(pick(rows, method=key), name) for key in labels(rows)}
+
+
 def largest(of: dict[str, NDArray[np.float64]], keys: Sequence[str]) -> NDArray[np.float64]:
     """The largest of some methods at each place."""
     top: NDArray[np.float64] = np.max([of[key] for key in keys], axis=0)
