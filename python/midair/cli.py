@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import signal
 import sys
 import time
 import warnings
@@ -27,6 +26,7 @@ from rich.progress import (
 from rich.table import Table
 
 from . import Scene, SceneError, SceneWarning, Solution, __version__, field, output, presets, solve, solvers
+from .interruption import interruptible
 from .plot import contact_sheet, picture
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def solve_command(
         output.check(output_file, output.DRIVES)
     if image is not None:
         output.check(image, output.IMAGES)
-    with _progress("solving") as tell, _interruptible() as interrupted:
+    with _progress("solving") as tell, interruptible() as interrupted:
 
         def watch(step: int, steps: int, residual: float) -> bool:
             tell(step, steps)
@@ -329,23 +329,6 @@ def _progress(doing: str) -> Iterator[Callable[[int, int], None]]:
         # A bar that was never shown would still end its line.
         if bar.live.is_started:
             bar.stop()
-
-
-@contextmanager
-def _interruptible() -> Iterator[Callable[[], bool]]:
-    """Turns Ctrl-C into a request to stop; the block asks whether there was one. A second one interrupts."""
-    asked = False
-
-    def ask(*_: object) -> None:
-        nonlocal asked
-        asked = True
-        signal.signal(signal.SIGINT, previous)
-
-    previous = signal.signal(signal.SIGINT, ask)
-    try:
-        yield lambda: asked
-    finally:
-        signal.signal(signal.SIGINT, previous)
 
 
 def _one_line(error: BaseException) -> str:

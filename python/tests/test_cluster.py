@@ -1,6 +1,7 @@
 """A sweep on a Dask cluster of two real processes on loopback, one of them killed: no number changes."""
 
 import json
+import signal
 import socket
 import subprocess
 import sys
@@ -99,6 +100,16 @@ def test_a_scheduler_that_is_lost_is_one_line_and_keeps_what_is_done(
     assert running.returncode == 2, (out, err)
     assert err.count("\n") == 1, err
     assert "lost" in err
+    assert list(tmp_path.glob(".far.csv.chunks/*/*.npz"))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_ctrl_c_keeps_what_is_done(cluster: Cluster, tmp_path: Path) -> None:
+    running = sweep(tmp_path, "--output", "far.csv", "--scheduler", cluster.address)
+    cluster.until(lambda: running.poll() is not None or list(tmp_path.glob(".far.csv.chunks/*/*.npz")))
+    running.send_signal(signal.SIGINT)
+    out, err = running.communicate(timeout=HANG)
+    assert (running.returncode, out, err) == (130, "", "interrupted\n")
     assert list(tmp_path.glob(".far.csv.chunks/*/*.npz"))
 
 

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _midair
+import midair
+
 from .._midair import Array, Scene, SceneError, solvers
 from .engine import Arrays
 
@@ -104,10 +105,11 @@ def _solve(
     """By the batch solver where all share a seed or need none, else one by one: the same bits either way."""
     solver, options = settings["solver"], dict(settings["options"])
     fresh = "seed" in solvers()[solver].options and "seed" not in options
-    batch = getattr(_midair, "solve_batch", None)
+    batch = getattr(midair, "solve_batch", None)
     if batch is not None and not fresh:
+        shares = None if weights is None else np.broadcast_to(weights, points.shape[:2])
         # The jobs are spread over the processors already.
-        found = batch(array, points, targets, solver, weights=weights, threads=1, **options, **medium)
+        found = batch(array, points, targets, solver, weights=shares, threads=1, **options, **medium)
         solved = {name: np.asarray(getattr(found.metrics, name)) for name in METRICS}
         status = np.broadcast_to(np.asarray(found.status, np.str_), len(trials))
         return {"drive": found.drives, "pressures": found.pressures, **solved, "status": status}
@@ -118,7 +120,7 @@ def _solve(
         if fresh:
             options["seed"] = solver_seed(settings, trial)
         try:
-            solutions.append(_midair.solve(scene, solver, **options))
+            solutions.append(midair.solve(scene, solver, **options))
         except SceneError as error:
             raise SceneError(f"seed {trial}, {len(points[index])} points: {error}") from error
     return {

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from .. import _midair, output
 from .._midair import SceneError, SceneWarning
+from ..interruption import interruptible
 
 Arrays = dict[str, NDArray[Any]]
 Settings = Mapping[str, Any]
@@ -30,6 +31,10 @@ Function = Callable[[Settings, int, int], Arrays]
 
 #: Jobs handed out for each worker: enough that none waits, few enough that results wait in little memory.
 AHEAD = 4
+
+
+#: Seconds between looks at whether somebody pressed Ctrl-C.
+INTERVAL = 0.2
 
 
 @dataclass(frozen=True)
@@ -77,14 +82,20 @@ def run(
     threads : how many; left out, one a processor
     tell : called with the number of items of each job that is done
     """
-    with warnings.catch_warnings(), _workers(scheduler, threads) as (executor, workers):
+    with (
+        warnings.catch_warnings(),
+        _workers(scheduler, threads) as (executor, workers),
+        interruptible() as interrupted,
+    ):
         # The same words thousands of times would say less than the column `level`.
         warnings.simplefilter("ignore", SceneWarning)
         waiting: deque[tuple[Job, Future[Arrays]]] = deque()
         unsaved: dict[Future[Arrays], Job] = {}
 
         def collect() -> None:
-            done, _ = wait(unsaved, return_when=FIRST_COMPLETED)
+            done, _ = wait(unsaved, INTERVAL, FIRST_COMPLETED)
+            if interrupted():
+                raise KeyboardInterrupt
             for future in done:
                 job = unsaved.pop(future)
                 if chunks is not None:
