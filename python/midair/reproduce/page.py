@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
 from textwrap import fill
-from typing import get_args
 
 from PIL import Image
 
@@ -26,7 +25,7 @@ HEAD = """# The paper, made anew
 Every figure of S. Suzuki, M. Fujiwara, Y. Makino, H. Shinoda, "Radiation Pressure Field Reconstruction for
 Ultrasound Midair Haptics by Greedy Algorithm With Brute-Force Search", IEEE Transactions on Haptics 14(4),
 914-921, 2021 ([doi:10.1109/TOH.2021.3076489](https://doi.org/10.1109/TOH.2021.3076489)), and what became of
-its statements. Of the {count} below: {outcomes}.
+its {count} statements: {outcomes}.
 
 This page is written by `make paper` from the tables in [docs/paper](paper), which
 `midair reproduce all --trials {trials}` makes together with the pictures.
@@ -35,6 +34,12 @@ The methods are set as in the authors' public code, without balancing. What brin
 back to |q| <= 1 (clamp, normalize, or every |q| = 1) decides fig. 3 more than the method does, so each legend
 says it. Means are over the same random points for every method; intervals are 95 % of the mean.
 """
+
+PLURAL: dict[Outcome, str] = {
+    "holds": "hold",
+    "holds in part": "hold in part",
+    "does not hold": "do not hold",
+}
 
 WORDS = {
     "fig2": (
@@ -108,7 +113,7 @@ def text(place: Path) -> str:
     rows = {name: tables.read(place / f"{name}.csv") for name in FIGURES}
     verdicts = {name: figure.judge(rows[name]) for name, figure in FIGURES.items()}
     outcomes = [verdict.verdict for judged in verdicts.values() for verdict in judged]
-    told = ", ".join(f"{outcomes.count(kind)} {kind}" for kind in get_args(Outcome) if kind in outcomes)
+    told = ", ".join(f"{outcomes.count(kind)} {words}" for kind, words in PLURAL.items())
     parts = [HEAD.format(trials=rows["fig3"][0]["trials"], count=len(outcomes), outcomes=told)]
     for name, (title, words) in WORDS.items():
         judged = [[it.statement, f"**{it.verdict}**", it.evidence] for it in verdicts[name]]
