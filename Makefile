@@ -8,8 +8,9 @@ PYTHON := $(BIN)/python
 export UV_PYTHON_DOWNLOADS := never
 export VIRTUAL_ENV := $(CURDIR)/.venv
 CARGO := cargo
+TRIALS := 1000
 
-.PHONY: help setup demo test test-rust test-python lint bench bench-peers golden pins clean
+.PHONY: help setup demo test test-rust test-python lint bench bench-peers paper golden pins clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -70,6 +71,10 @@ bench/.envs/planar.so: CXXFLAGS := -Ofast -march=native
 bench/.envs/%.so: bench/workers/%.cpp
 	mkdir -p $(@D)
 	$(CXX) -std=c++17 $(CXXFLAGS) -fPIC -shared -o $@ $<
+
+paper: setup ## Make the paper's figures anew (TRIALS=1000) and docs/paper.md from their tables
+	OPENBLAS_NUM_THREADS=1 $(BIN)/midair reproduce all --trials $(TRIALS) --output out/paper
+	$(PYTHON) -m midair.reproduce.page out/paper docs
 
 golden: ## Write golden/ anew (a breaking change: say so in CHANGELOG.md)
 	MIDAIR_GOLDEN=write $(CARGO) test --quiet -p midair --features scene-file,parallel --test suite golden

@@ -38,6 +38,7 @@ from ._midair import (
     solvers,
 )
 from .plot import plot
+from .sweep import sweep
 
 __version__ = _version("midair")
 __all__ = [
@@ -65,4 +66,5 @@ __all__ = [
     "solve",
     "solve_batch",
     "solvers",
+    "sweep",
 ]

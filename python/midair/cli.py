@@ -1,10 +1,9 @@
-"""The command line: `midair solve | compare | solvers | presets`."""
+"""The command line: `midair solve | compare | solvers | presets | reproduce | sweep`."""
 
 from __future__ import annotations
 
 import io
 import json
-import signal
 import sys
 import time
 import warnings
@@ -40,6 +39,7 @@ from . import (
     solve,
     solvers,
 )
+from .interruption import interruptible
 from .plot import contact_sheet, picture
 
 if TYPE_CHECKING:
@@ -50,6 +50,8 @@ app = App(
     name="midair",
     help="Drives for airborne ultrasound phased arrays: given points in the air feel given pressures.",
     version=__version__,
+    # It is `main` that tells of an interruption.
+    suppress_keyboard_interrupt=False,
 )
 # A pipe has no width of its own; tables keep theirs.
 console = Console() if sys.stdout.isatty() else Console(width=120)
@@ -98,7 +100,7 @@ def solve_command(
         output.check(output_file, output.DRIVES)
     if image is not None:
         output.check(image, output.IMAGES)
-    with _progress("solving") as tell, _interruptible() as interrupted:
+    with _progress("solving") as tell, interruptible() as interrupted:
 
         def watch(step: int, steps: int, residual: float) -> bool:
             tell(step, steps)
@@ -196,6 +198,79 @@ def presets_command() -> int:
     return 0
 
 
+@app.command(name="reproduce")
+def reproduce_command(
+    *figures: str,
+    trials: int = 1000,
+    seed: int = 0,
+    output_folder: Annotated[Path, Parameter(name=["--output", "-o"])] = Path("reproduced"),
+    scheduler: str | None = None,
+) -> int:
+    """Make the figures of Suzuki et al. 2021 anew, with the numbers behind them, and judge its statements.
+
+    Stopped and started again, it goes on where it was.
+
+    Parameters
+    ----------
+    figures
+        fig2, fig3, fig4, fig5, fig6, fig7; left out, or "all": every one.
+    trials
+        Random scenes for each number of points.
+    seed
+        Seed of all that is random.
+    output_folder
+        Where the pictures, tables and verdicts.csv go.
+    scheduler
+        Address of a Dask scheduler, tcp://host:port; left out, this machine works.
+    """
+    from .reproduce import reproduce
+
+    names = figures or ("all",)
+    verdicts = reproduce(
+        names, output_folder, trials=trials, seed=seed, scheduler=scheduler, progress=_progress
+    )
+    table = Table("figure", "statement", "verdict", "what decides", box=box.SIMPLE_HEAD, pad_edge=False)
+    for verdict in verdicts:
+        table.add_row(verdict.figure, verdict.statement, verdict.verdict, verdict.evidence)
+    console.print(table)
+    return 0
+
+
+@app.command(name="sweep")
+def sweep_command(
+    request: Path,
+    *,
+    output_file: Annotated[Path, Parameter(name=["--output", "-o"])],
+    drives: Path | None = None,
+    scheduler: str | None = None,
+) -> int:
+    """Solve every problem of a sweep file; one table of their metrics.
+
+    Stopped and started again, it goes on where it was.
+
+    Parameters
+    ----------
+    request
+        Sweep file, TOML or JSON: docs/sweeps.md.
+    output_file
+        Where the table goes: .csv or .parquet.
+    drives
+        Where the drives go: a Zarr group, a folder ending in .zarr.
+    scheduler
+        Address of a Dask scheduler, tcp://host:port; left out, this machine works.
+    """
+    from .sweep import work
+    from .sweep.request import read
+
+    asked = read(request, drives=drives is not None)
+    with _progress("sweeping") as tell:
+        work(asked, output_file, drives, scheduler=scheduler, progress=tell)
+    files = f"{output_file}" + ("" if drives is None else f" and {drives}")
+    told = f"wrote {asked.problems} rows to {files}"
+    console.print(told, markup=False, emoji=False, highlight=False, soft_wrap=True)
+    return 0
+
+
 def _names(solver_list: str) -> list[str]:
     known = list(solvers())
     names = known if solver_list == "all" else [name.strip() for name in solver_list.split(",")]
@@ -279,7 +354,9 @@ def _write_image(path: Path, figure: Figure) -> None:
 def _progress(doing: str) -> Iterator[Callable[[int, int], None]]:
     """A progress bar for whatever takes over a second; the block calls what it gets with (step, steps)."""
     columns = (SpinnerColumn(), TextColumn(doing), BarColumn(), TimeElapsedColumn(), TimeRemainingColumn())
-    bar = Progress(*columns, console=Console(stderr=True), transient=True)
+    terminal = Console(stderr=True)
+    # Elsewhere even a bar that leaves nothing behind leaves an empty line.
+    bar = Progress(*columns, console=terminal, transient=True, disable=not terminal.is_terminal)
     task = bar.add_task(doing, total=None)
     began = time.monotonic()
     shown = began
@@ -298,23 +375,6 @@ def _progress(doing: str) -> Iterator[Callable[[int, int], None]]:
         # A bar that was never shown would still end its line.
         if bar.live.is_started:
             bar.stop()
-
-
-@contextmanager
-def _interruptible() -> Iterator[Callable[[], bool]]:
-    """Turns Ctrl-C into a request to stop; the block asks whether there was one. A second one interrupts."""
-    asked = False
-
-    def ask(*_: object) -> None:
-        nonlocal asked
-        asked = True
-        signal.signal(signal.SIGINT, previous)
-
-    previous = signal.signal(signal.SIGINT, ask)
-    try:
-        yield lambda: asked
-    finally:
-        signal.signal(signal.SIGINT, previous)
 
 
 def _one_line(error: BaseException) -> str:

@@ -1,0 +1,45 @@
+"""How many training scenes a core makes in a second: adds a line to bench/records/dataset.csv.
+
+The request is docs/sweeps/dataset.toml with a tenth of its trials, written as Parquet and Zarr like the
+recipe's. Time is CPU time of the process with all its threads: other work on the machine does not count.
+"""
+
+import platform
+import resource
+import tempfile
+import tomllib
+from datetime import date
+from pathlib import Path
+
+import midair
+
+ROOT = Path(__file__).parents[1]
+RECORD = ROOT / "bench" / "records" / "dataset.csv"
+
+
+def seconds() -> float:
+    """CPU time of this process."""
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    return used.ru_utime + used.ru_stime
+
+
+def main() -> None:
+    """Make the scenes and write the line."""
+    request = tomllib.loads((ROOT / "docs" / "sweeps" / "dataset.toml").read_text())
+    request["seeds"] //= 10
+    began = seconds()
+    with tempfile.TemporaryDirectory() as folder:
+        table = midair.sweep(request, Path(folder, "scenes.parquet"), drives=Path(folder, "scenes.zarr"))
+    spent = seconds() - began
+    rows = len(table["index"])
+    accuracy = table["accuracy"].mean()
+    if not RECORD.exists():
+        RECORD.write_text("date,cpu,version,solver,scenes,cpu_s,scenes_per_second_per_core,accuracy\n")
+    line = [date.today(), platform.machine(), midair.__version__, request["solver"]["name"], rows]
+    with RECORD.open("a") as file:
+        file.write(",".join(map(str, line)) + f",{spent:.2f},{rows / spent:.0f},{accuracy:.4f}\n")
+    print(f"{rows} scenes, {rows / spent:.0f} per second and core, mean accuracy {accuracy:.4f}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,97 @@
+"""Every figure of Suzuki et al. 2021 anew: pictures, their numbers, and what became of its statements."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from pathlib import Path
+from typing import Protocol
+
+from matplotlib.figure import Figure as Picture
+
+from .._midair import SceneError
+from . import drawing, fig2, fig3, fig4, fig5, fig6, fig7, tables
+from .fields import pixels
+from .run import Found, Run, Tell, silent
+from .verdicts import Verdict
+
+
+class Figure(Protocol):
+    """What the module of a figure does."""
+
+    def collect(self, run: Run, /) -> Found:
+        """Find the numbers."""
+
+    def draw(self, found: Found, /) -> Picture:
+        """Draw them in the paper's layout."""
+
+    def judge(self, rows: tables.Rows, /) -> list[Verdict]:
+        """Hold the paper's statements against them."""
+
+
+FIGURES: dict[str, Figure] = {
+    "fig2": fig2,
+    "fig3": fig3,
+    "fig4": fig4,
+    "fig5": fig5,
+    "fig6": fig6,
+    "fig7": fig7,
+}
+
+
+def reproduce(
+    figures: Sequence[str],
+    output: Path,
+    *,
+    trials: int = 1000,
+    seed: int = 0,
+    scheduler: str | None = None,
+    progress: Callable[[str], AbstractContextManager[Tell]] = lambda figure: nullcontext(silent),
+) -> list[Verdict]:
+    """Write NAME.png, NAME.svg and NAME.csv for each figure, and verdicts.csv, into the folder `output`.
+
+    figures : names of FIGURES, or "all"
+    trials : random scenes of figs. 3 and 4, random orders of fig. 7; timing takes 15 rounds at most
+    scheduler : address of a Dask scheduler for all but what is timed
+    progress : opened with the name of each figure; gives what is called with (items done, items)
+
+    What is finished is kept in `output`/.chunks, and a run that was stopped goes on there.
+    """
+    names = [name for asked in figures for name in (FIGURES if asked == "all" else [asked])]
+    for name in names:
+        if name not in FIGURES:
+            raise SceneError(f'unknown figure "{name}": known are {", ".join(FIGURES)} and all')
+    if trials < 1:
+        raise SceneError(f"trials is {trials}: give 1 or more")
+    if not 0 <= seed < 2**63:
+        raise SceneError(f"seed is {seed}: give 0 to 2^63 - 1")
+    _make(output)
+    verdicts: list[Verdict] = []
+    for name in dict.fromkeys(names):
+        with progress(name) as tell:
+            verdicts += _figure(name, Run(trials, seed, output / ".chunks", scheduler, tell), output)
+    tables.write(output / "verdicts.csv", [verdict.row() for verdict in verdicts])
+    return verdicts
+
+
+def _make(folder: Path) -> None:
+    """Refuse a folder that cannot be written before any work is done."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise SceneError(f'output "{folder}" cannot be written ({error.strerror}): choose another') from error
+
+
+def _figure(name: str, run: Run, output: Path) -> list[Verdict]:
+    """Numbers first, and what is drawn and judged is what the file says."""
+    figure, path = FIGURES[name], output / f"{name}.csv"
+    rows, fields = figure.collect(run)
+    tables.write(path, rows)
+    if fields:
+        tables.write(output / f"{name}-fields.csv", pixels(fields))
+    found = Found(tables.read(path), fields)
+    drawing.save(figure.draw(found), output, name)
+    return figure.judge(found.rows)

@@ -1,0 +1,75 @@
+"""Fig. 3: mean accuracy over the number of points."""
+
+from __future__ import annotations
+
+from matplotlib.figure import Figure
+
+from . import accuracy, tables
+from .run import Found, Run
+from .verdicts import Verdict, outcome, percent, span
+
+
+def collect(run: Run) -> Found:
+    """The trials' accuracy, eq. (12)."""
+    return Found(accuracy.study(run, "accuracy"))
+
+
+def draw(found: Found) -> Figure:
+    """Curves over M."""
+    return accuracy.draw(found.rows, "accuracy, eq. (12)")
+
+
+def judge(rows: tables.Rows) -> list[Verdict]:
+    """The paper's statements about accuracy."""
+    mean = tables.by_method(rows, "mean")
+    counts = [row["M"] for row in tables.pick(rows, method="greedy")]
+    greedy, lm, gspat = mean["greedy"], mean["lm"], mean["gspat"]
+
+    least = min(tables.pick(rows, method="greedy"), key=lambda row: row["mean"])
+    lead, second = lm - greedy, greedy - tables.largest(mean, ("gspat", "evd", "sdp"))
+    low, gap = greedy - tables.largest(mean, ("evd", "sdp")), lm - gspat
+    fine = abs(mean["greedy-fine"] - greedy)
+    verdicts = [
+        Verdict(
+            "fig3",
+            "greedy's accuracy is above 80 % at every M",
+            outcome(least["mean"] > 0.8),
+            f"lowest mean {percent(least['mean'])} at M = {least['M']}"
+            f" (95 %: {percent(least['low'])} to {percent(least['high'])})",
+        ),
+        Verdict(
+            "fig3",
+            "LM is the most accurate, greedy comes next",
+            outcome(bool((lead > 0).all()), bool((second > 0).all())),
+            f"LM over greedy {span(lead, counts)}; greedy over the best of the others {span(second, counts)}",
+        ),
+        Verdict(
+            "fig3",
+            "EVD and SDP+BCD are less accurate than greedy",
+            outcome(bool((low > 0).all())),
+            f"greedy over the better of the two {span(low, counts)}",
+        ),
+        Verdict(
+            "fig3",
+            "GS-PAT is slightly less accurate than LM",
+            outcome(bool((gap > 0).all()), bool((gap < 0.05).all())),
+            f"LM over GS-PAT {span(gap, counts)}; slightly is taken as below 5 points",
+        ),
+        Verdict(
+            "fig3",
+            "K=16, L=256 gains less than a point over K=1, L=16",
+            outcome(bool((fine < 0.01).all())),
+            f"difference at most {100 * fine.max():.2f} points, at M = {counts[int(fine.argmax())]}",
+        ),
+    ]
+    if "uniform" in mean:
+        gain = mean["uniform"] - greedy
+        verdicts.append(
+            Verdict(
+                "fig3",
+                "(ours) `uniform` is more accurate than greedy at every M",
+                outcome(bool((gain > 0).all())),
+                f"uniform over greedy {span(gain, counts)}",
+            )
+        )
+    return verdicts

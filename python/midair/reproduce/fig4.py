@@ -1,0 +1,83 @@
+"""Fig. 4: mean deviation sigma over the number of points."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from . import accuracy, tables
+from .methods import PAPER
+from .run import Found, Run
+from .verdicts import Verdict, outcome
+
+#: The mean sigma that an even field may have.
+EVEN = 1e-4
+
+
+def collect(run: Run) -> Found:
+    """The trials' sigma, eq. (13)."""
+    return Found(accuracy.study(run, "sigma"))
+
+
+def draw(found: Found) -> Figure:
+    """Curves over M."""
+    return accuracy.draw(found.rows, "deviation sigma, eq. (13) with 1/M")
+
+
+def judge(rows: tables.Rows) -> list[Verdict]:
+    """The paper's statements about the variation among points."""
+    mean = tables.by_method(rows, "mean")
+    counts = [row["M"] for row in tables.pick(rows, method="greedy")]
+    others = [method.key for method in PAPER if method.key != "greedy"]
+    least = np.min([mean[key] for key in others if key != "lm"] + [mean["greedy"]], axis=0)
+    lowest = mean["lm"] < least
+    where = [count for count, low in zip(counts, lowest, strict=True) if not low]
+    squares, absolutes = (_louder(mean[key], mean, others) for key in ("greedy", "greedy-l1"))
+    even = mean["gspat"] < mean["greedy"]
+    verdicts = [
+        Verdict(
+            "fig4",
+            "LM has the least variation",
+            outcome(bool(lowest.all()), bool(lowest.any())),
+            f"LM {_range(mean['lm'])}"
+            + (f"; not the least at M = {', '.join(map(str, where))}" if where else ""),
+        ),
+        Verdict(
+            "fig4",
+            "greedy's variation is relatively large at every M",
+            outcome(bool(squares.all()), bool(absolutes.all())),
+            f"among the two largest of five at {squares.sum()} of {len(counts)} M with squared errors, as"
+            f" printed ({_range(mean['greedy'])}), and at {absolutes.sum()} with absolute errors, as in the"
+            f" authors' code ({_range(mean['greedy-l1'])})",
+        ),
+        Verdict(
+            "fig4",
+            "GS-PAT's variation is little",
+            outcome(bool(even.all()), bool(even.any())),
+            f"GS-PAT {_range(mean['gspat'])}; below greedy at {even.sum()} of {len(counts)} M",
+        ),
+    ]
+    if "uniform" in mean:
+        worst = int(mean["uniform"].argmax())
+        verdicts.append(
+            Verdict(
+                "fig4",
+                "(ours) `uniform` has sigma of at most 1e-4 at every M",
+                outcome(bool((mean["uniform"] <= EVEN).all())),
+                f"largest mean {mean['uniform'][worst]:.1e} at M = {counts[worst]}",
+            )
+        )
+    return verdicts
+
+
+def _louder(
+    sigma: NDArray[np.float64], mean: dict[str, NDArray[np.float64]], others: list[str]
+) -> NDArray[np.bool_]:
+    """Where at most one of the others varies more."""
+    above: NDArray[np.bool_] = np.sum([mean[key] > sigma for key in others], axis=0) <= 1
+    return above
+
+
+def _range(values: NDArray[np.float64]) -> str:
+    return f"{values.min():.4f} to {values.max():.4f}"

@@ -1,0 +1,71 @@
+"""Fig. 5: time over the number of points, 20 x 20 transducers."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from . import scenes, tables, timing
+from .methods import PAPER
+from .run import Found, Run
+from .verdicts import Verdict, outcome
+
+SIDE = 20
+
+#: Below this many points what is done once a transducer hides the slope.
+LARGE = 64
+
+#: "Computation is linear": the slope of log time over log M within this of 1.
+LINEAR = 0.1
+
+
+def collect(run: Run) -> Found:
+    """Times of every method."""
+    return Found(timing.study(run, [(SIDE, count) for count in scenes.MANY], "M", LARGE))
+
+
+def draw(found: Found) -> Figure:
+    """Times over M."""
+    return timing.draw(found.rows, "M", "control points M, N = 400")
+
+
+def judge(rows: tables.Rows) -> list[Verdict]:
+    """Greedy is linear in M; who is faster than whom."""
+    median = tables.by_method(rows, "median")
+    counts = [row["M"] for row in tables.pick(rows, method="greedy")]
+    slow = [method.key for method in PAPER if method.key not in ("greedy", "gspat")]
+    fast = np.maximum(median["greedy"], median["gspat"])
+    ratio = {key: median[key] / fast for key in slow}
+    share = median["greedy"] / median["gspat"]
+    faster = ", ".join(str(count) for count, part in zip(counts, share, strict=True) if part < 1)
+    verdicts = [
+        linear(rows, "fig5", "M", "greedy"),
+        Verdict(
+            "fig5",
+            "greedy and GS-PAT are more than ten times as fast as the others",
+            outcome(*(bool((ratio[key] > 10).all()) for key in slow)),
+            "times the slower of the two: "
+            + ", ".join(f"{key} {ratio[key].min():.1f} to {ratio[key].max():.1f}" for key in slow),
+        ),
+        Verdict(
+            "fig5",
+            "GS-PAT is faster at small M, greedy at large M",
+            outcome(bool(share[0] > 1), bool(share[-1] < 1)),
+            f"greedy over GS-PAT in time: {share[0]:.2f} at M = {counts[0]},"
+            f" {share[-1]:.2f} at M = {counts[-1]}; greedy is faster at M = {faster or 'none'}",
+        ),
+    ]
+    if "greedy-brute" in median:
+        verdicts.append(linear(rows, "fig5", "M", "greedy-brute"))
+    return verdicts
+
+
+def linear(rows: tables.Rows, figure: str, x: str, method: str) -> Verdict:
+    """Whether a method's time is linear in x."""
+    row = tables.pick(rows, method=method)[0]
+    return Verdict(
+        figure,
+        f"{'greedy' if method == 'greedy' else 'greedy by plain brute force'} is linear in {x}",
+        outcome(abs(row["slope_large"] - 1) <= LINEAR),
+        f"log-log slope {timing.told_slope(row)}",
+    )

@@ -1,0 +1,128 @@
+"""Sweeps: arrays x points x solvers x options x seeds in one tidy table, by one machine or a cluster."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack
+from importlib.util import find_spec
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .._midair import SceneError
+from ..output import check
+from . import table
+from .block import solve_block
+from .engine import Arrays, Job, run
+from .request import Request, read
+
+if TYPE_CHECKING:
+    import numpy as np
+
+#: Problems that are handed out and kept together: seconds of work at most, and lanes enough for a batch.
+CHUNK = 64
+
+
+def sweep(
+    request: str | PathLike[str] | Mapping[str, Any],
+    output: str | PathLike[str] | None = None,
+    *,
+    drives: str | PathLike[str] | None = None,
+    scheduler: str | None = None,
+    threads: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> dict[str, np.ndarray[Any, Any]]:
+    """Solve every problem of a sweep; returns the table, a column (rows,) for each name.
+
+    request : a sweep file (TOML or JSON, docs/sweeps.md) or a mapping of its keys
+    output : a file for the table, .csv or .parquet
+    drives : a folder for a Zarr group of drives, points and pressures, a row for each row of the table
+    scheduler : address of a Dask scheduler; left out, threads of this process work
+    threads : how many of them; left out, one a processor
+    progress : called with (problems done, problems)
+
+    The numbers depend on the request alone: not on threads, workers, or an interruption. With an output a
+    stopped sweep goes on where it was. Raises SceneError for whatever is not in order.
+
+    >>> import midair
+    >>> table = midair.sweep({
+    ...     "array": {"preset": "paper20"},
+    ...     "points": {"count": [2, 4], "x": [-0.1, 0.1], "y": [-0.1, 0.1], "z": 0.15},
+    ...     "solver": [{"name": "greedy", "phases": [16, 256]}, {"name": "naive"}],
+    ...     "seeds": 10,
+    ... })
+    >>> table["accuracy"].shape
+    (60,)
+    """
+    parts: list[dict[str, list[Any]]] = []
+    asked = read(request, drives=drives is not None)
+    work(asked, output, drives, receive=parts.append, scheduler=scheduler, threads=threads, progress=progress)
+    return table.as_columns(parts, asked)
+
+
+def work(
+    asked: Request,
+    output: str | PathLike[str] | None,
+    drives: str | PathLike[str] | None,
+    *,
+    receive: Callable[[dict[str, list[Any]]], None] = lambda columns: None,
+    scheduler: str | None = None,
+    threads: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    chunk: int = CHUNK,
+) -> None:
+    """A sweep whose rows are handed over in order, `chunk` at most at a time: no table need fit memory."""
+    files = [None if path is None else Path(path) for path in (output, drives)]
+    chunks = _check(*files)
+    done = first = 0
+
+    def tell(items: int) -> None:
+        nonlocal done
+        done += items
+        if progress is not None:
+            progress(done, asked.problems)
+
+    with ExitStack() as stack:
+        write = stack.enter_context(table.open_table(files[0], asked)) if files[0] else None
+        give = stack.enter_context(table.open_drives(files[1], asked)) if files[1] else None
+
+        def take(job: Job, arrays: Arrays) -> None:
+            nonlocal first
+            columns = table.rows(job.owner, job, arrays, first)
+            if write is not None:
+                write(columns)
+            if give is not None:
+                give(arrays, first)
+            receive(columns)
+            first += job.stop - job.start
+
+        run(_jobs(asked, chunk), take, chunks=chunks, scheduler=scheduler, threads=threads, tell=tell)
+    if chunks is not None:
+        shutil.rmtree(chunks, ignore_errors=True)
+
+
+def _jobs(asked: Request, chunk: int) -> Iterator[Job]:
+    for block in asked.blocks:
+        for start in range(0, block.trials, chunk):
+            yield Job(solve_block, block.settings, start, min(start + chunk, block.trials), block)
+
+
+def _check(output: Path | None, drives: Path | None) -> Path | None:
+    """Refuse files that cannot be written before any work is done; returns the folder of finished chunks."""
+    if output is not None:
+        check(output, table.TABLES)
+        if output.suffix.lower() == ".parquet":
+            _need("pyarrow", output)
+    if drives is not None:
+        _need("zarr", drives)
+        table.check_drives(drives)
+    beside = output or drives
+    return None if beside is None else beside.with_name(f".{beside.name}.chunks")
+
+
+def _need(package: str, path: Path) -> None:
+    if find_spec(package) is None:
+        raise SceneError(
+            f'"{path}" needs {package}: pip install "midair[sweep]", or give a .csv and no drives'
+        )

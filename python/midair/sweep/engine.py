@@ -1,0 +1,188 @@
+"""Many pure jobs over threads or a Dask cluster: finished ones are kept, results come in order."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import os
+import warnings
+import zipfile
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _midair, output
+from .._midair import SceneError, SceneWarning
+from ..interruption import interruptible
+
+Arrays = dict[str, NDArray[Any]]
+Settings = Mapping[str, Any]
+Function = Callable[[Settings, int, int], Arrays]
+
+#: Jobs handed out for each worker: enough that none waits, few enough that results wait in little memory.
+AHEAD = 4
+
+
+#: Seconds between looks at whether somebody pressed Ctrl-C.
+INTERVAL = 0.2
+
+
+@dataclass(frozen=True)
+class Job:
+    """Items start to stop of function(settings, start, stop), which depends on nothing else.
+
+    The function lies at the top of a module, the settings are what JSON can hold.
+    """
+
+    function: Function
+    settings: Settings
+    start: int
+    stop: int
+    #: What the caller knows it by; it stays in this process.
+    owner: Any = None
+
+    @property
+    def path(self) -> Path:
+        """Where the result is kept, below a folder of chunks."""
+        named = [self.function.__module__, self.function.__qualname__, build(), self.settings]
+        key = hashlib.sha256(json.dumps(named, sort_keys=True).encode()).hexdigest()
+        return Path(key[:20], f"{self.start}-{self.stop}.npz")
+
+
+@cache
+def build() -> str:
+    """The version and the compiled core's own digest: other bits never mix with kept ones."""
+    core = Path(str(_midair.__file__)).read_bytes()
+    return f"{version('midair')}-{hashlib.sha256(core).hexdigest()[:16]}"
+
+
+def run(
+    jobs: Iterable[Job],
+    receive: Callable[[Job, Arrays], None],
+    *,
+    chunks: Path | None = None,
+    scheduler: str | None = None,
+    threads: int | None = None,
+    tell: Callable[[int], None] = lambda items: None,
+) -> None:
+    """Do the jobs and hand each result to `receive`, in the order of the jobs.
+
+    chunks : folder that keeps each result as soon as it is there; a job found in it is not done again
+    scheduler : address of a Dask scheduler; left out, the work is done by threads of this process
+    threads : how many; left out, one a processor
+    tell : called with the number of items of each job that is done
+    """
+    with (
+        warnings.catch_warnings(),
+        _workers(scheduler, threads) as (executor, workers),
+        interruptible() as interrupted,
+    ):
+        # The same words thousands of times would say less than the column `level`.
+        warnings.simplefilter("ignore", SceneWarning)
+        waiting: deque[tuple[Job, Future[Arrays]]] = deque()
+        unsaved: dict[Future[Arrays], Job] = {}
+
+        def collect() -> None:
+            done, _ = wait(unsaved, INTERVAL, FIRST_COMPLETED)
+            if interrupted():
+                raise KeyboardInterrupt
+            for future in done:
+                job = unsaved.pop(future)
+                if chunks is not None:
+                    _save(chunks / job.path, future.result())
+                tell(job.stop - job.start)
+
+        def hand_over(most: int) -> None:
+            while len(waiting) > most:
+                while waiting and waiting[0][1] not in unsaved:
+                    job, future = waiting.popleft()
+                    receive(job, future.result())
+                if len(waiting) > most:
+                    collect()
+
+        try:
+            for job in jobs:
+                kept = None if chunks is None else _load(chunks / job.path)
+                if kept is None:
+                    future = executor.submit(
+                        _work, version("midair"), job.function, job.settings, job.start, job.stop
+                    )
+                    unsaved[future] = job
+                else:
+                    future = Future()
+                    future.set_result(kept)
+                    tell(job.stop - job.start)
+                waiting.append((job, future))
+                hand_over(AHEAD * workers)
+            hand_over(0)
+        except BaseException:
+            for future in unsaved:
+                future.cancel()
+            executor.shutdown(wait=scheduler is None)
+            if chunks is not None:
+                _keep(chunks, unsaved)
+            raise
+
+
+def _work(asked: str, function: Function, settings: Settings, start: int, stop: int) -> Arrays:
+    """One job, on whatever machine this is."""
+    here = version("midair")
+    if here != asked:
+        raise SceneError(f"a worker has midair {here}, the run midair {asked}: install the same on all")
+    return function(settings, start, stop)
+
+
+@contextmanager
+def _workers(scheduler: str | None, threads: int | None) -> Iterator[tuple[Executor, int]]:
+    """An executor, and how many jobs it does at once."""
+    if scheduler is None:
+        count = threads or os.cpu_count() or 1
+        with ThreadPoolExecutor(count) as pool:
+            yield pool, count
+    else:
+        from .cluster import workers
+
+        with workers(scheduler) as found:
+            yield found
+
+
+def _load(path: Path) -> Arrays | None:
+    """A kept result; what cannot be read counts as not there."""
+    try:
+        with np.load(io.BytesIO(path.read_bytes())) as kept:
+            return dict(kept)
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile):
+        return None
+
+
+def _save(path: Path, arrays: Arrays) -> None:
+    content = io.BytesIO()
+    np.savez(content, **arrays)  # type: ignore[arg-type]
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        output.write(path, content.getvalue())
+    except OSError as error:
+        raise SceneError(
+            f'"{path}" cannot be written ({error.strerror}): make room or choose another folder;'
+            " what is done is kept"
+        ) from error
+
+
+def _keep(chunks: Path, unsaved: Mapping[Future[Arrays], Job]) -> None:
+    """Save what was finished while the run was being stopped, as far as there is room."""
+    for future, job in unsaved.items():
+        if future.done() and not future.cancelled() and future.exception() is None:
+            try:
+                _save(chunks / job.path, future.result())
+            except SceneError:
+                return

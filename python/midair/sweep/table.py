@@ -1,0 +1,165 @@
+"""Where rows go: a table as CSV or Parquet, drives as Zarr, each under a temporary name until it is whole."""
+
+from __future__ import annotations
+
+import csv
+import os
+import shutil
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .._midair import SceneError
+from .block import METRICS, trial_seed
+from .engine import Arrays, Job
+from .request import Block, Request
+
+Columns = dict[str, list[Any]]
+Write = Callable[[Columns], None]
+
+TABLES = (".csv", ".parquet")
+
+
+def names(request: Request) -> list[str]:
+    """The columns of the table."""
+    return ["index", *request.names, "trial", *METRICS, "status"]
+
+
+def rows(block: Block, job: Job, arrays: Arrays, first: int) -> Columns:
+    """A chunk's part of the table, its first row being row `first`."""
+    count = job.stop - job.start
+    return {
+        "index": list(range(first, first + count)),
+        **{name: [value] * count for name, value in block.columns.items()},
+        "trial": [trial_seed(block.settings, index) for index in range(job.start, job.stop)],
+        **{name: arrays[name].tolist() for name in (*METRICS, "status")},
+    }
+
+
+@contextmanager
+def _temporary(path: Path) -> Iterator[Path]:
+    """A name beside the path that becomes it, if all goes well."""
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        yield part
+        if path.is_dir():
+            shutil.rmtree(path)
+        part.replace(path)
+    except OSError as error:
+        raise SceneError(
+            f'"{path}" cannot be written ({error.strerror or error}): make room or choose another folder;'
+            " what is done is kept"
+        ) from error
+    finally:
+        if part.is_dir():
+            shutil.rmtree(part)
+        part.unlink(missing_ok=True)
+
+
+@contextmanager
+def open_table(path: Path, request: Request) -> Iterator[Write]:
+    """A table by the path's ending; what it yields takes columns of rows in order."""
+    write = _parquet if path.suffix.lower() == ".parquet" else _csv
+    with _temporary(path) as part, write(part, request) as give:
+        yield give
+
+
+@contextmanager
+def _csv(path: Path, request: Request) -> Iterator[Write]:
+    header = names(request)
+    with path.open("w", newline="", encoding="utf-8") as file:
+        out = csv.writer(file, lineterminator="\n")
+        out.writerow(header)
+        yield lambda columns: out.writerows(zip(*(columns[name] for name in header), strict=True))
+
+
+@contextmanager
+def _parquet(path: Path, request: Request) -> Iterator[Write]:
+    import pyarrow as pa
+    from pyarrow.parquet import ParquetWriter
+
+    kinds = {name: _kind([block.columns[name] for block in request.blocks]) for name in request.names}
+    kinds |= {"index": int, "trial": int, "status": str} | dict.fromkeys(METRICS, float)
+    types = {bool: pa.bool_(), int: pa.int64(), float: pa.float64(), str: pa.string()}
+    schema = pa.schema([(name, types[kinds[name]]) for name in names(request)])
+    with ParquetWriter(path, schema) as out:
+
+        def give(columns: Columns) -> None:
+            plain = {
+                name: [None if value is None else kinds[name](value) for value in columns[name]]
+                for name in schema.names
+            }
+            out.write_table(pa.table(plain, schema=schema))
+
+        yield give
+
+
+def _kind(values: Sequence[Any]) -> type:
+    """The one type that holds all of a column; words hold anything."""
+    found = {type(value) for value in values if value is not None}
+    if found == {int, float}:
+        return float
+    return found.pop() if len(found) == 1 and found <= {bool, int, float} else str
+
+
+def check_drives(path: Path) -> None:
+    """Refuse a folder of drives that cannot be made, or that is somebody's other folder."""
+    if path.suffix != ".zarr":
+        raise SceneError(f'drives "{path}" has another ending: give a name that ends in .zarr')
+    if path.exists() and not (path / "zarr.json").is_file():
+        raise SceneError(f'drives "{path}" is there and no Zarr group: choose another name')
+    if not path.parent.is_dir() or not os.access(path.parent, os.W_OK):
+        raise SceneError(f'folder "{path.parent}" cannot be written: make it first, or choose another')
+
+
+@contextmanager
+def open_drives(path: Path, request: Request) -> Iterator[Callable[[Arrays, int], None]]:
+    """A Zarr group with a row for each row of the table; what it yields takes a chunk and its first row.
+
+    drive (rows, N), pressures (rows, M) as attained, complex64; points (rows, M, 3) in m; targets (rows, M)
+    in Pa if pressures were asked for. N and M are the sweep's largest: what a row lacks is 0, points NaN.
+    """
+    import zarr
+
+    settings = [block.settings for block in request.blocks]
+    most = max(setting["count"] for setting in settings)
+    wide = max(block.columns["transducers"] for block in request.blocks)
+    shapes: dict[str, tuple[tuple[int, ...], str, float]] = {
+        "drive": ((wide,), "complex64", 0.0),
+        "pressures": ((most,), "complex64", 0.0),
+        "points": ((most, 3), "float64", np.nan),
+    }
+    if any(setting.get("pressure", setting.get("pressures")) is not None for setting in settings):
+        shapes["targets"] = ((most,), "float64", 0.0)
+    with _temporary(path) as part:
+        group = zarr.open_group(part, mode="w")
+        arrays = {
+            name: group.create_array(
+                name,
+                shape=(request.problems, *shape),
+                chunks=(min(request.problems, 1024), *shape),
+                dtype=dtype,
+                fill_value=fill,
+            )
+            for name, (shape, dtype, fill) in shapes.items()
+        }
+
+        def give(chunk: Arrays, first: int) -> None:
+            for name in arrays.keys() & chunk.keys():
+                values = chunk[name]
+                place = (slice(first, first + len(values)), *(slice(length) for length in values.shape[1:]))
+                arrays[name][place] = values
+
+        yield give
+
+
+def as_columns(parts: Sequence[Mapping[str, list[Any]]], request: Request) -> dict[str, np.ndarray[Any, Any]]:
+    """The whole table as arrays; a column with gaps holds objects."""
+    whole = {name: [value for part in parts for value in part[name]] for name in names(request)}
+    return {
+        name: np.array(values, object if None in values or len({type(v) for v in values}) > 1 else None)
+        for name, values in whole.items()
+    }
