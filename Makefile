@@ -10,7 +10,7 @@ export VIRTUAL_ENV := $(CURDIR)/.venv
 CARGO := cargo
 TRIALS := 1000
 
-.PHONY: help setup demo test test-rust test-python lint bench paper golden pins clean
+.PHONY: help setup demo test test-rust test-python lint bench bench-peers paper golden pins clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -55,6 +55,23 @@ bench: ## Greedy beside the textbook loop, a field, every method over M and N; o
 	$(CARGO) bench --quiet -p midair --features parallel
 	RUSTFLAGS="-C target-cpu=x86-64-v3" $(CARGO) bench --quiet --target-dir target/v3 -p midair --features parallel
 
+RIVALS := autd3/ready textbook.so planar.so $(if $(ACOUSTOOLS),acoustools/ready)
+
+bench-peers: setup ## midair beside its rivals: record and README table (QUICK=1: neither; ACOUSTOOLS=1: AcousTools too)
+	-$(MAKE) --keep-going --no-print-directory $(addprefix bench/.envs/,$(RIVALS))
+	$(PYTHON) bench/peers.py $(if $(QUICK),--quick)
+
+bench/.envs/%/ready: bench/%.txt .venv/ready
+	$(BIN)/uv venv --quiet --clear --python $(PYTHON) $(@D)
+	$(BIN)/uv pip install --quiet --python $(@D)/bin/python --constraint constraints.txt --requirements $<
+	touch $@
+
+bench/.envs/textbook.so: CXXFLAGS := -O3
+bench/.envs/planar.so: CXXFLAGS := -Ofast -march=native
+bench/.envs/%.so: bench/workers/%.cpp
+	mkdir -p $(@D)
+	$(CXX) -std=c++17 $(CXXFLAGS) -fPIC -shared -o $@ $<
+
 paper: setup ## Make the paper's figures anew (TRIALS=1000) and docs/paper.md from their tables
 	OPENBLAS_NUM_THREADS=1 $(BIN)/midair reproduce all --trials $(TRIALS) --output out/paper
 	$(PYTHON) -m midair.reproduce.page out/paper docs
@@ -68,4 +85,4 @@ pins: ## Pin what pyproject.toml asks for, names and versions only
 
 clean: ## Remove what was built
 	$(CARGO) clean
-	rm -rf .venv out core/tests/no_std/target python/midair/*.so
+	rm -rf .venv out bench/.envs core/tests/no_std/target python/midair/*.so

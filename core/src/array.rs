@@ -9,6 +9,7 @@ use num_complex::Complex64;
 
 use crate::directivity::Transducer;
 use crate::error::{Error, real};
+use crate::levels::Levels;
 use crate::math;
 use crate::presets;
 
@@ -62,6 +63,8 @@ pub struct Array {
     normals: Vec<[f64; 3]>,
     transducer: Transducer,
     response: Option<Vec<Complex64>>,
+    mask: Option<Vec<bool>>,
+    levels: Option<Levels>,
     origin: Origin,
 }
 
@@ -110,6 +113,8 @@ impl Array {
             normals,
             transducer: Transducer::default(),
             response: None,
+            mask: None,
+            levels: None,
             origin: Origin::Positions,
         })
     }
@@ -150,7 +155,7 @@ impl Array {
         count("array.tiles", tiles[0].saturating_mul(tiles[1]).saturating_mul(preset.count))?;
         let origin = Origin::Preset { name: name.to_string(), tiles };
         let array = Self::new((preset.positions)(tiles), None)?;
-        Ok(Self { origin, transducer: preset.transducer, ..array })
+        Ok(Self { origin, transducer: preset.transducer, levels: preset.levels()?, ..array })
     }
 
     /// The same array with other transducers.
@@ -202,6 +207,30 @@ impl Array {
         Ok(self)
     }
 
+    /// The same array with some transducers switched off: those whose entry in the mask (N,) is false get drive 0.
+    /// `None` leaves all on.
+    ///
+    /// # Errors
+    /// Another number of entries than transducers.
+    pub fn with_mask(mut self, mask: Option<Vec<bool>>) -> Result<Self, Error> {
+        if let Some(mask) = &mask
+            && mask.len() != self.len()
+        {
+            let cure = format!("give one for each of the {} transducers", self.len());
+            return Err(Error::invalid("array.mask", format!("{} values", mask.len()), cure));
+        }
+        self.mask = mask;
+        Ok(self)
+    }
+
+    /// The same array behind a device that knows only some phases and amplitudes: every answer then lies on that
+    /// grid. `None` (and levels that bind nothing) stands for any drive.
+    #[must_use]
+    pub fn with_levels(mut self, levels: Option<Levels>) -> Self {
+        self.levels = levels.filter(|levels| !levels.are_continuous());
+        self
+    }
+
     /// Number of transducers N.
     #[must_use]
     #[allow(clippy::len_without_is_empty, reason = "an array is never empty")]
@@ -231,6 +260,26 @@ impl Array {
     #[must_use]
     pub fn response(&self) -> Option<&[Complex64]> {
         self.response.as_deref()
+    }
+
+    /// Which transducers are on (N,), or `None` where all are.
+    #[must_use]
+    pub fn mask(&self) -> Option<&[bool]> {
+        self.mask.as_deref()
+    }
+
+    /// The grid of the device, or `None` where any drive can be had.
+    #[must_use]
+    pub fn levels(&self) -> Option<&Levels> {
+        self.levels.as_ref()
+    }
+
+    /// What transducer i radiates for a drive of 1, relative to the source pressure: its response, 0 if it is off.
+    pub(crate) fn effect(&self, i: usize) -> Complex64 {
+        if self.mask.as_ref().is_some_and(|mask| !mask[i]) {
+            return Complex64::ZERO;
+        }
+        self.response.as_ref().map_or(Complex64::ONE, |response| response[i])
     }
 
     /// How the array came about.

@@ -1,10 +1,10 @@
 //! How a transducer radiates: P0 on its axis, and D(theta) to the side, 1 straight ahead.
 
 use alloc::format;
-use alloc::vec::Vec;
-use core::f64::consts::FRAC_PI_2;
+use core::f64::consts::{FRAC_PI_2, PI};
 
 use crate::error::{Error, real};
+use crate::kernels::{LANES, Table};
 use crate::math;
 
 /// What all transducers of an array have in common.
@@ -101,12 +101,7 @@ impl Directivity {
 
     /// Refuses beams so narrow that an angle in f32 no longer resolves them, for wavenumber k (1/m).
     pub(crate) fn check_beam(&self, k: f64) -> Result<(), Error> {
-        let (name, sharpness) = match *self {
-            Self::Point | Self::T4010a1 => return Ok(()),
-            Self::Piston(radius) => ("directivity.piston", k * radius),
-            Self::Sinc(width) => ("directivity.sinc", k * width / 2.0),
-            Self::Cos(exponent) => ("directivity.cos", math::sqrt(exponent)),
-        };
+        let (name, sharpness) = self.sharpness(k);
         // An error of 6e-8 in cos(theta) then changes D by 2e-4 at most.
         if sharpness <= 80.0 {
             return Ok(());
@@ -117,6 +112,16 @@ impl Directivity {
             value,
             "give metres, at most some 13 wavelengths (an exponent: at most 6400)",
         ))
+    }
+
+    /// How fast D varies with the angle, and what says so.
+    fn sharpness(&self, k: f64) -> (&'static str, f64) {
+        match *self {
+            Self::Point | Self::T4010a1 => ("directivity", 0.0),
+            Self::Piston(radius) => ("directivity.piston", k * radius),
+            Self::Sinc(width) => ("directivity.sinc", k * width / 2.0),
+            Self::Cos(exponent) => ("directivity.cos", math::sqrt(exponent)),
+        }
     }
 
     /// D at an angle given by its cosine, for wavenumber k (1/m), in double precision.
@@ -181,57 +186,72 @@ fn hermite(left: f64, right: f64, left_slope: f64, right_slope: f64) -> [f64; 4]
     [left, left_slope, 3.0 * rise - 2.0 * left_slope - right_slope, left_slope + right_slope - 2.0 * rise]
 }
 
-/// D over theta as cubics of equal width from 0 to 90 degrees: what the f32 rows read.
-#[derive(Clone, Debug)]
-pub(crate) struct Table {
-    pieces: Vec<[f32; 4]>,
-    /// Where D falls to 0 too steeply for any cubic: cos(theta)^n, n below 2 and broken.
-    power: Option<f32>,
-}
-
-impl Table {
-    /// Eight pieces a degree put a node on every knot of the T4010A1 and keep the error of the smooth
-    /// patterns far below f32 rounding (h^4/384 of the fourth derivative).
-    pub(crate) const PIECES_PER_RADIAN: f32 = (PIECES as f64 / FRAC_PI_2) as f32;
-
-    /// The table of `directivity`, or none for a point source.
-    pub(crate) fn new(directivity: Directivity, k: f64) -> Option<Self> {
-        if directivity == Directivity::Point {
-            return None;
-        }
-        let width = FRAC_PI_2 / PIECES as f64;
-        // Inside one piece every pattern is smooth, so its cubic goes through four of its own values.
-        let pieces = (0..PIECES)
-            .map(|piece| {
-                let at = |third: f64| {
-                    let theta = (piece as f64 + third / 3.0) * width;
-                    directivity.value(math::sin((FRAC_PI_2 - theta).max(0.0)), k)
-                };
-                let (a, b, c, d) = (at(0.0), at(1.0), at(2.0), at(3.0));
-                let c1 = -5.5 * a + 9.0 * b - 4.5 * c + d;
-                let c2 = 9.0 * a - 22.5 * b + 18.0 * c - 4.5 * d;
-                let c3 = -4.5 * a + 13.5 * b - 13.5 * c + 4.5 * d;
-                [a as f32, c1 as f32, c2 as f32, c3 as f32]
-            })
-            .collect();
-        let power = match directivity {
-            Directivity::Cos(exponent) if exponent < 2.0 && exponent != 1.0 => Some(exponent as f32),
-            _ => None,
+impl Directivity {
+    /// What the f32 rows read, for wavenumber k (1/m); none for a point source.
+    pub(crate) fn table(&self, k: f64) -> Option<Table> {
+        let width = match *self {
+            Self::Point => return None,
+            Self::Cos(exponent) if exponent < 3.0 && exponent != libm::round(exponent) => {
+                return Some(Table::Power(exponent as f32));
+            }
+            // The measured angles are the pieces' ends.
+            Self::T4010a1 => PI / 18.0,
+            _ if self.sharpness(k).1 <= FEW => FRAC_PI_2 / LANES as f64,
+            _ => return Some(self.many(k)),
         };
-        Some(Self { pieces, power })
+        let mut coefficients = [[0.0; LANES]; 6];
+        for piece in 0..LANES {
+            let value = |place: f64| self.at_angle((piece as f64 + place) * width, k);
+            // The highest power first, as Horner's rule reads them.
+            for (list, coefficient) in coefficients.iter_mut().zip(quintic(value).into_iter().rev()) {
+                list[piece] = coefficient as f32;
+            }
+        }
+        Some(Table::Few { scale: (1.0 / width) as f32, coefficients })
     }
 
-    /// D at an angle counted in pieces, whose cosine is given too.
-    #[inline(always)]
-    pub(crate) fn at(&self, pieces: f32, cos_theta: f32) -> f32 {
-        if let Some(exponent) = self.power {
-            return math::powf(cos_theta, exponent);
-        }
-        let index = (pieces as usize).min(PIECES - 1);
-        let u = pieces - index as f32;
-        let [c0, c1, c2, c3] = self.pieces[index];
-        ((c3 * u + c2) * u + c1) * u + c0
+    /// D at an angle; beyond 90 degrees what it is at 90.
+    fn at_angle(&self, theta: f64, k: f64) -> f64 {
+        self.value(math::sin((FRAC_PI_2 - theta).max(0.0)), k)
+    }
+
+    /// Eight cubics a degree keep the error far below f32 rounding (h^4/384 of the fourth derivative).
+    fn many(&self, k: f64) -> Table {
+        const PIECES: usize = 720;
+        let width = FRAC_PI_2 / PIECES as f64;
+        let cubic = |piece: usize| {
+            let at = |third: f64| self.at_angle((piece as f64 + third / 3.0) * width, k);
+            let (a, b, c, d) = (at(0.0), at(1.0), at(2.0), at(3.0));
+            let c1 = -5.5 * a + 9.0 * b - 4.5 * c + d;
+            let c2 = 9.0 * a - 22.5 * b + 18.0 * c - 4.5 * d;
+            let c3 = -4.5 * a + 13.5 * b - 13.5 * c + 4.5 * d;
+            [a as f32, c1 as f32, c2 as f32, c3 as f32]
+        };
+        Table::Many { scale: (1.0 / width) as f32, pieces: (0..PIECES).map(cubic).collect() }
     }
 }
 
-const PIECES: usize = 720;
+/// Up to this sharpness 16 quintics follow D within 1e-6: h^6/(2^11 6!) of the sixth derivative.
+const FEW: f64 = 8.0;
+
+/// The polynomial through the values at 0, 1/5, ..., 1: coefficients from the lowest power, by Newton's divided
+/// differences.
+fn quintic(value: impl Fn(f64) -> f64) -> [f64; 6] {
+    let node = |i: usize| i as f64 / 5.0;
+    let mut differences: [f64; 6] = core::array::from_fn(|i| value(node(i)));
+    for order in 1..6 {
+        for i in (order..6).rev() {
+            differences[i] = (differences[i] - differences[i - 1]) / (node(i) - node(i - order));
+        }
+    }
+    let mut coefficients = [0.0; 6];
+    for i in (0..6).rev() {
+        // Horner with polynomials: times (x - node), plus the next difference.
+        for power in (0..6).rev() {
+            let lower = if power > 0 { coefficients[power - 1] } else { 0.0 };
+            coefficients[power] = lower - node(i) * coefficients[power];
+        }
+        coefficients[0] += differences[i];
+    }
+    coefficients
+}

@@ -1,6 +1,6 @@
 //! The leading eigenvector of a Hermitian matrix.
 
-use crate::kernels;
+use crate::kernels::{self, Level};
 use crate::linalg::{Planar, times};
 use crate::math::{sqrt, sqrtf};
 use crate::workspace::Workspace;
@@ -10,7 +10,13 @@ const CYCLE: usize = 24;
 
 /// Replaces `vector` by the unit eigenvector of the largest eigenvalue of a Hermitian positive semidefinite
 /// matrix stored conjugated, starting from what `vector` holds. Restarted Lanczos with full reorthogonalisation.
-pub(crate) fn leading_eigenvector(matrix: &Planar, vector: &mut Planar, count: usize, work: &mut Workspace) {
+pub(crate) fn leading_eigenvector(
+    level: Level,
+    matrix: &Planar,
+    vector: &mut Planar,
+    count: usize,
+    work: &mut Workspace,
+) {
     let lanes = matrix.lanes;
     let steps = CYCLE.min(count);
     let mut basis = Planar::zeros(steps, lanes, work);
@@ -18,7 +24,7 @@ pub(crate) fn leading_eigenvector(matrix: &Planar, vector: &mut Planar, count: u
     for _ in 0..40 {
         let mut diagonal = [0.0_f64; CYCLE];
         let mut beside = [0.0_f64; CYCLE];
-        if !normalise(vector) {
+        if !normalise(level, vector) {
             break;
         }
         let mut used = 0;
@@ -26,49 +32,49 @@ pub(crate) fn leading_eigenvector(matrix: &Planar, vector: &mut Planar, count: u
             let [re, im] = basis.row_mut(step);
             re.copy_from_slice(&vector.re);
             im.copy_from_slice(&vector.im);
-            times(matrix, vector, &mut next, count);
+            times(level, matrix, vector, &mut next);
             used = step + 1;
             // Twice is enough to be orthogonal to rounding.
             for round in 0..2 {
                 for k in 0..used {
-                    let [re, im] = kernels::correlate(basis.row(k), next.row(0));
+                    let [re, im] = kernels::correlate(level, basis.row(k), next.row(0));
                     if round == 0 && k == step {
                         diagonal[step] = f64::from(re);
                     }
                     let [next_re, next_im] = [&mut next.re, &mut next.im];
-                    kernels::accumulate(basis.row(k), [-re, -im], next_re, next_im);
+                    kernels::accumulate(level, basis.row(k), [-re, -im], next_re, next_im);
                 }
             }
-            let length = norm(&next);
+            let length = norm(level, &next);
             beside[step] = f64::from(length);
             if step + 1 == steps || f64::from(length) <= 1e-6 * diagonal[0] {
                 break;
             }
             core::mem::swap(vector, &mut next);
-            normalise(vector);
+            normalise(level, vector);
         }
         let ritz = top_of_tridiagonal(&diagonal[..used], &beside[..used]);
         vector.re.fill(0.0);
         vector.im.fill(0.0);
         for (k, weight) in ritz.iter().enumerate().take(used) {
-            kernels::accumulate(basis.row(k), [*weight as f32, 0.0], &mut vector.re, &mut vector.im);
+            kernels::accumulate(level, basis.row(k), [*weight as f32, 0.0], &mut vector.re, &mut vector.im);
         }
         // The Ritz vector's residual, relative to the eigenvalue's size.
         if (beside[used - 1] * ritz[used - 1]).abs() <= 1e-6 * diagonal[0] {
             break;
         }
     }
-    normalise(vector);
+    normalise(level, vector);
     basis.give(work);
     next.give(work);
 }
 
-fn norm(vector: &Planar) -> f32 {
-    sqrtf(kernels::dot(&vector.re, &vector.re) + kernels::dot(&vector.im, &vector.im))
+fn norm(level: Level, vector: &Planar) -> f32 {
+    sqrtf(kernels::dot(level, &vector.re, &vector.re) + kernels::dot(level, &vector.im, &vector.im))
 }
 
-fn normalise(vector: &mut Planar) -> bool {
-    let length = norm(vector);
+fn normalise(level: Level, vector: &mut Planar) -> bool {
+    let length = norm(level, vector);
     if length > 0.0 {
         vector.re.iter_mut().chain(&mut vector.im).for_each(|x| *x /= length);
     }
@@ -132,7 +138,7 @@ mod tests {
                 let (matrix, stored) = random(count, rank, &mut work);
                 let mut vector = Planar::zeros(1, kernels::padded(count), &mut work);
                 vector.re[..count].fill(1.0);
-                leading_eigenvector(&stored, &mut vector, count, &mut work);
+                leading_eigenvector(Level::best(), &stored, &mut vector, count, &mut work);
                 let value = (0..count)
                     .map(|k| (entry(&vector, k).conj() * apply(&matrix, &vector, k)).re)
                     .sum::<f64>();

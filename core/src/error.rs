@@ -1,5 +1,6 @@
 //! What can be wrong with a request, in one line that names the item, its value and the cure.
 
+use alloc::boxed::Box;
 use alloc::string::{String, ToString};
 use core::fmt::Display;
 
@@ -48,6 +49,14 @@ pub enum Error {
     Unreached {
         /// Index of the point.
         point: usize,
+    },
+    /// One problem of a batch that cannot be answered.
+    #[error("problems[{index}]: {error}")]
+    InBatch {
+        /// Which one.
+        index: usize,
+        /// Why.
+        error: Box<Error>,
     },
     /// A scene file that cannot be read as one.
     #[error("scene file{}: {reason}", line.map_or(String::new(), |n| alloc::format!(", line {n}")))]

@@ -8,9 +8,9 @@ use core::ops::ControlFlow;
 use num_complex::Complex32;
 
 use crate::control::Control;
+use crate::emitters::Emitters;
 use crate::error::Error;
-use crate::gains::Emitters;
-use crate::kernels::{self, Row, Spots, padded};
+use crate::kernels::{self, Level, Row, Spots, padded};
 use crate::problem::check_drive;
 use crate::scene::Scene;
 
@@ -50,12 +50,13 @@ pub fn field(
         return Err(Error::invalid("field points", "empty", "give at least one point"));
     }
     scene.check_places("field points", "", points)?;
+    let level = Level::best();
     let emitters = Arc::new(Emitters::new(scene.array(), scene.medium()));
     let mut pressures = vec![Complex32::ZERO; points.len()];
     let stretch = CHUNK * CHUNKS_A_STEP;
     let steps = points.len().div_ceil(stretch);
     for (step, (out, points)) in pressures.chunks_mut(stretch).zip(points.chunks(stretch)).enumerate() {
-        each_chunk(out, points, &|out, points| chunk(&emitters, drive, points, out));
+        each_chunk(out, points, &|out, points| chunk(level, &emitters, drive, points, out));
         if let ControlFlow::Break(()) = control.step(step + 1, steps, || 0.0) {
             return Ok(None);
         }
@@ -77,13 +78,13 @@ fn each_chunk(out: &mut [Complex32], points: &[[f64; 3]], work: Work<'_>) {
 }
 
 /// One chunk: every transducer's row over it, added up.
-fn chunk(emitters: &Emitters, drive: &[Complex32], points: &[[f64; 3]], out: &mut [Complex32]) {
+fn chunk(level: Level, emitters: &Emitters, drive: &[Complex32], points: &[[f64; 3]], out: &mut [Complex32]) {
     let frame = emitters.frame(points);
     let spots = Spots { coordinates: [&frame[0], &frame[1], &frame[2]], count: points.len() };
     let [mut row_re, mut row_im, mut re, mut im] = [(); 4].map(|()| vec![0.0; padded(points.len())]);
     for (i, q) in drive.iter().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
-        emitters.row(i, spots, &mut Row { re: &mut row_re, im: &mut row_im });
-        kernels::accumulate([&row_re, &row_im], [q.re, q.im], &mut re, &mut im);
+        emitters.row(level, i, spots, &mut Row { re: &mut row_re, im: &mut row_im });
+        kernels::accumulate(level, [&row_re, &row_im], [q.re, q.im], &mut re, &mut im);
     }
     let scale = |x: f32| (f64::from(x) * emitters.reference()) as f32;
     for (out, (re, im)) in out.iter_mut().zip(re.iter().zip(&im)) {

@@ -1,4 +1,4 @@
-//! G, row by row: the one place that knows eq. (5), directivity, absorption and response.
+//! G, row by row: computed when asked for, or a matrix of the user's own.
 
 use alloc::format;
 use alloc::sync::Arc;
@@ -8,95 +8,54 @@ use alloc::vec::Vec;
 use num_complex::{Complex32, Complex64};
 
 use crate::array::{Array, UNITS};
+use crate::emitters::Emitters;
 use crate::error::Error;
-use crate::kernels::{self, Law, Row, Source, Spots, padded};
+use crate::kernels::{self, Level, Row, Spots, padded};
+use crate::levels::Levels;
 use crate::math;
 use crate::medium::Medium;
-use crate::scene::Scene;
+use crate::scene::{Scene, check_array};
 
-/// An array in a medium, prepared for computing rows: positions in wavelengths from the array's middle.
+/// An array in a medium, made ready once for points that change: what a scene is for points that do not.
 ///
-/// Distances in wavelengths *are* phases in turns, so the f32 rows need no multiplication between distance and
-/// phase, and lose no digits to one.
+/// ```
+/// use midair::{Array, Level, Medium, Problem, Request, Transmitter};
+///
+/// let transmitter = Transmitter::new(&Array::grid(8, 8, 10e-3)?, Medium::default(), Level::best())?;
+/// let problem = Problem::with_gains(transmitter.gains(&[[0.0, 0.0, 0.1]])?, &Request::default())?;
+/// assert_eq!(problem.gains().transducers(), 64);
+/// # Ok::<(), midair::Error>(())
+/// ```
 #[derive(Clone, Debug)]
-pub(crate) struct Emitters {
-    array: Array,
-    medium: Medium,
-    centre: [f64; 3],
-    sources: Vec<Source>,
-    law: Law,
+pub struct Transmitter {
+    emitters: Arc<Emitters>,
+    level: Level,
 }
 
-impl Emitters {
-    pub(crate) fn new(array: &Array, medium: Medium) -> Self {
-        let centre = array.centre();
-        let wavelength = medium.wavelength();
-        let sources = (0..array.len())
-            .map(|i| {
-                let response = array.response().map_or(Complex64::ONE, |response| response[i]);
-                // P0 cancels: the reference is 1000 P0.
-                let strength = response / (1000.0 * wavelength);
-                Source {
-                    position: wavelengths(array.positions()[i], centre, wavelength),
-                    normal: array.normals()[i].map(|x| x as f32),
-                    strength: [strength.re as f32, strength.im as f32],
-                }
-            })
-            .collect();
-        let law = Law {
-            decay: (-medium.absorption * wavelength * core::f64::consts::LOG2_E) as f32,
-            table: crate::directivity::Table::new(array.transducer().directivity, medium.wavenumber()),
-        };
-        Self { array: array.clone(), medium, centre, sources, law }
+impl Transmitter {
+    /// Makes an array ready.
+    ///
+    /// # Errors
+    /// As [`Scene::new`]: a medium out of range, a beam too narrow or a transducer too far away for f32 phases.
+    pub fn new(array: &Array, medium: Medium, level: Level) -> Result<Self, Error> {
+        check_array(array, medium)?;
+        Ok(Self { emitters: Arc::new(Emitters::new(array, medium)), level })
     }
 
-    /// Points in this frame, padded: x, y and z.
-    pub(crate) fn frame(&self, points: &[[f64; 3]]) -> [Vec<f32>; 3] {
-        // Far away on every axis: finite whatever is computed there, and never the nearest.
-        let mut frame = [(); 3].map(|()| vec![4e6; padded(points.len())]);
-        for (j, point) in points.iter().enumerate() {
-            let place = wavelengths(*point, self.centre, self.medium.wavelength());
-            for (axis, x) in frame.iter_mut().zip(place) {
-                axis[j] = x;
-            }
-        }
-        frame
+    /// G at some points (M, 3) in m.
+    ///
+    /// # Errors
+    /// No point, a coordinate that is not finite or too far away.
+    pub fn gains(&self, points: &[[f64; 3]]) -> Result<Gains, Error> {
+        self.emitters.check_points(points)?;
+        Ok(Gains::at(Arc::clone(&self.emitters), points.into()).with_level(self.level))
     }
 
-    /// The row of transducer `i` in units of the reference; the least square distance in square wavelengths.
-    pub(crate) fn row(&self, i: usize, spots: Spots<'_>, out: &mut Row<'_>) -> f32 {
-        kernels::row(&self.law, &self.sources[i], spots, out)
+    /// The array.
+    #[must_use]
+    pub fn array(&self) -> &Array {
+        &self.emitters.array
     }
-
-    /// Pa of one unit of the rows.
-    pub(crate) fn reference(&self) -> f64 {
-        1000.0 * self.array.transducer().source_pressure
-    }
-
-    /// Eq. (5) in double precision, in Pa.
-    fn exact(&self, i: usize, point: [f64; 3]) -> Complex64 {
-        let transducer = self.array.transducer();
-        let from = self.array.positions()[i];
-        let ray = [0, 1, 2].map(|axis| point[axis] - from[axis]);
-        let r = distance(from, point).max(self.medium.wavelength() / 100.0);
-        let normal = self.array.normals()[i];
-        let cos_theta = (0..3).map(|axis| ray[axis] * normal[axis]).sum::<f64>() / r;
-        let k = self.medium.wavenumber();
-        let amplitude = transducer.source_pressure / r
-            * transducer.directivity.value(cos_theta, k)
-            * math::exp(-self.medium.absorption * r);
-        let response = self.array.response().map_or(Complex64::ONE, |response| response[i]);
-        response * Complex64::new(amplitude * math::cos(k * r), amplitude * math::sin(k * r))
-    }
-}
-
-/// A position in wavelengths from `centre`, rounded to f32 only now.
-fn wavelengths(position: [f64; 3], centre: [f64; 3], wavelength: f64) -> [f32; 3] {
-    [0, 1, 2].map(|axis| ((position[axis] - centre[axis]) / wavelength) as f32)
-}
-
-pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    math::sqrt((0..3).map(|axis| (a[axis] - b[axis]) * (a[axis] - b[axis])).sum())
 }
 
 /// A source of rows of G, one row a transducer: computed from positions when asked, or a matrix of the user's
@@ -107,12 +66,22 @@ pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 pub struct Gains {
     rows: Rows,
     count: usize,
+    level: Level,
 }
 
 #[derive(Clone, Debug)]
 enum Rows {
-    Computed { emitters: Arc<Emitters>, frame: Arc<[Vec<f32>; 3]>, points: Arc<[[f64; 3]]> },
-    Stored { matrix: Arc<[Complex64]>, transducers: usize, reference: f64 },
+    Computed {
+        emitters: Arc<Emitters>,
+        frame: Arc<[Vec<f32>; 3]>,
+        points: Arc<[[f64; 3]]>,
+    },
+    /// The user's numbers, transducer by transducer, and the padded f32 rows made of them.
+    Stored {
+        matrix: Arc<[Complex64]>,
+        planar: Arc<[Vec<f32>; 2]>,
+        reference: f64,
+    },
 }
 
 impl Gains {
@@ -124,7 +93,20 @@ impl Gains {
 
     fn at(emitters: Arc<Emitters>, points: Arc<[[f64; 3]]>) -> Self {
         let frame = Arc::new(emitters.frame(&points));
-        Self { count: points.len(), rows: Rows::Computed { emitters, frame, points } }
+        let count = points.len();
+        Self { count, rows: Rows::Computed { emitters, frame, points }, level: Level::best() }
+    }
+
+    /// The same with the kernels of another level than the best, for comparisons.
+    #[must_use]
+    pub fn with_level(self, level: Level) -> Self {
+        Self { level, ..self }
+    }
+
+    /// The level of the kernels.
+    #[must_use]
+    pub fn level(&self) -> Level {
+        self.level
     }
 
     /// A user's own G (M, N) in Pa, point by point, as the matrix reads.
@@ -148,7 +130,20 @@ impl Gains {
         }
         let turned = (0..matrix.len()).map(|k| matrix[(k % points) * transducers + k / points]).collect();
         let reference = if mean > 0.0 { mean } else { 1.0 };
-        Ok(Self { count: points, rows: Rows::Stored { matrix: turned, transducers, reference } })
+        Ok(Self::stored(turned, points, reference, Level::best()))
+    }
+
+    fn stored(matrix: Arc<[Complex64]>, count: usize, reference: f64, level: Level) -> Self {
+        let lanes = padded(count);
+        let unit = 1.0 / reference;
+        let mut planar = [(); 2].map(|()| vec![0.0; matrix.len() / count * lanes]);
+        for (i, row) in matrix.chunks(count).enumerate() {
+            for (j, g) in row.iter().enumerate() {
+                planar[0][i * lanes + j] = (g.re * unit) as f32;
+                planar[1][i * lanes + j] = (g.im * unit) as f32;
+            }
+        }
+        Self { count, rows: Rows::Stored { matrix, planar: Arc::new(planar), reference }, level }
     }
 
     /// Number of transducers N.
@@ -156,7 +151,7 @@ impl Gains {
     pub fn transducers(&self) -> usize {
         match &self.rows {
             Rows::Computed { emitters, .. } => emitters.sources.len(),
-            Rows::Stored { transducers, .. } => *transducers,
+            Rows::Stored { matrix, .. } => matrix.len() / self.count,
         }
     }
 
@@ -190,6 +185,15 @@ impl Gains {
         }
     }
 
+    /// The grid of the scene's device; a user's own G has none.
+    #[must_use]
+    pub fn levels(&self) -> Option<&Levels> {
+        match &self.rows {
+            Rows::Computed { emitters, .. } => emitters.array.levels(),
+            Rows::Stored { .. } => None,
+        }
+    }
+
     /// The scene's medium; the default one for a user's own G, which says nothing of the air.
     pub(crate) fn medium(&self) -> Medium {
         match &self.rows {
@@ -207,34 +211,74 @@ impl Gains {
         assert!(re.len() == self.lanes() && im.len() == self.lanes(), "a row is M padded to 16 long");
         match &self.rows {
             Rows::Computed { emitters, frame, .. } => {
-                emitters.row(i, self.spots(frame), &mut Row { re, im });
+                emitters.row(self.level, i, self.spots(frame), &mut Row { re, im });
             }
-            Rows::Stored { matrix, reference, .. } => {
-                let unit = 1.0 / reference;
-                for (j, g) in matrix[i * self.count..(i + 1) * self.count].iter().enumerate() {
-                    (re[j], im[j]) = ((g.re * unit) as f32, (g.im * unit) as f32);
-                }
-                re[self.count..].fill(0.0);
-                im[self.count..].fill(0.0);
+            Rows::Stored { planar, .. } => {
+                let range = i * self.lanes()..(i + 1) * self.lanes();
+                re.copy_from_slice(&planar[0][range.clone()]);
+                im.copy_from_slice(&planar[1][range]);
             }
         }
     }
 
-    /// Writes the moduli of row `i`, refusing a point on the transducer.
-    pub(crate) fn moduli(&self, i: usize, out: &mut [f32]) -> Result<(), Error> {
+    /// The rows as the kernels read them.
+    pub(crate) fn rows(&self) -> kernels::Rows<'_> {
+        match &self.rows {
+            Rows::Computed { emitters, frame, .. } => kernels::Rows::Computed {
+                law: &emitters.law,
+                sources: &emitters.sources,
+                spots: self.spots(frame),
+            },
+            Rows::Stored { planar, .. } => kernels::Rows::Stored { re: &planar[0], im: &planar[1] },
+        }
+    }
+
+    /// p1_j = `sum_i |G_ji|` in units of the reference, refusing a point on a transducer; `sums` is memory.
+    pub(crate) fn reach(&self, reach: &mut Vec<f64>, sums: &mut Vec<f32>) -> Result<(), Error> {
+        /// Rows summed in f32 before f64 takes over.
+        const TOGETHER: usize = 64;
+        reach.clear();
+        reach.resize(self.count, 0.0);
         match &self.rows {
             Rows::Computed { emitters, frame, points } => {
-                let square = kernels::magnitudes(&emitters.law, &emitters.sources[i], self.spots(frame), out);
-                // f32 decides where to look, f64 decides.
-                if square < 1.01e-4 {
-                    return emitters.check_distances(i, points);
+                for (step, sources) in emitters.sources.chunks(TOGETHER).enumerate() {
+                    sums.clear();
+                    sums.resize(self.lanes(), 0.0);
+                    // f32 decides where to look, f64 decides.
+                    let (law, spots) = (&emitters.law, self.spots(frame));
+                    if kernels::add_moduli(self.level, law, sources, spots, 1.01e-4, sums) {
+                        for i in step * TOGETHER..step * TOGETHER + sources.len() {
+                            emitters.check_distances(i, points)?;
+                        }
+                    }
+                    for (reach, sum) in reach.iter_mut().zip(&*sums) {
+                        *reach += f64::from(*sum);
+                    }
                 }
             }
             Rows::Stored { matrix, reference, .. } => {
-                for (out, g) in out.iter_mut().zip(&matrix[i * self.count..(i + 1) * self.count]) {
-                    *out = (math::hypot(g.re, g.im) / reference) as f32;
+                for row in matrix.chunks(self.count) {
+                    for (reach, g) in reach.iter_mut().zip(row) {
+                        *reach += math::hypot(g.re, g.im) / reference;
+                    }
                 }
             }
+        }
+        Ok(())
+    }
+
+    /// The same transducers at other points, in the same memory where nobody else holds it.
+    pub(crate) fn carry(&mut self, points: &[[f64; 3]]) -> Result<(), Error> {
+        let Rows::Computed { emitters, frame, points: old } = &mut self.rows else {
+            return Err(Error::invalid("points", "given", "a matrix of your own belongs to its points"));
+        };
+        emitters.check_points(points)?;
+        match (Arc::get_mut(frame), Arc::get_mut(old)) {
+            (Some(frame), Some(old)) if old.len() == points.len() => {
+                emitters.write_frame(points, frame);
+                old.copy_from_slice(points);
+            }
+            _ => *self = Self::at(Arc::clone(emitters), points.into()).with_level(self.level),
         }
         Ok(())
     }
@@ -254,10 +298,10 @@ impl Gains {
     /// A point on a transducer.
     pub fn matrix(&self) -> Result<Vec<Complex32>, Error> {
         let n = self.transducers();
+        self.reach(&mut Vec::new(), &mut Vec::new())?;
         let (mut re, mut im) = (vec![0.0; self.lanes()], vec![0.0; self.lanes()]);
         let mut matrix = vec![Complex32::ZERO; n * self.count];
         for i in 0..n {
-            self.moduli(i, &mut re)?;
             self.row(i, &mut re, &mut im);
             for j in 0..self.count {
                 let g = Complex64::new(f64::from(re[j]), f64::from(im[j])) * self.reference();
@@ -271,32 +315,18 @@ impl Gains {
     pub(crate) fn select(&self, chosen: &[usize]) -> Self {
         match &self.rows {
             Rows::Computed { emitters, points, .. } => {
-                Self::at(Arc::clone(emitters), chosen.iter().map(|&j| points[j]).collect())
+                let points = chosen.iter().map(|&j| points[j]).collect();
+                Self::at(Arc::clone(emitters), points).with_level(self.level)
             }
-            Rows::Stored { matrix, transducers, reference } => {
-                let pick = |i: usize| chosen.iter().map(move |&j| matrix[i * self.count + j]);
-                let matrix = (0..*transducers).flat_map(pick).collect();
-                let rows = Rows::Stored { matrix, transducers: *transducers, reference: *reference };
-                Self { rows, count: chosen.len() }
+            Rows::Stored { matrix, reference, .. } => {
+                let rows = matrix.chunks(self.count);
+                let picked = rows.flat_map(|row| chosen.iter().map(move |&j| row[j])).collect();
+                Self::stored(picked, chosen.len(), *reference, self.level)
             }
         }
     }
 
     fn spots<'a>(&self, frame: &'a [Vec<f32>; 3]) -> Spots<'a> {
         Spots { coordinates: [&frame[0], &frame[1], &frame[2]], count: self.count }
-    }
-}
-
-impl Emitters {
-    fn check_distances(&self, i: usize, points: &[[f64; 3]]) -> Result<(), Error> {
-        let least = self.medium.wavelength() / 100.0;
-        let position = self.array.positions()[i];
-        for (point, place) in points.iter().enumerate() {
-            let distance = distance(position, *place);
-            if distance < least {
-                return Err(Error::TooNear { point, transducer: i, distance, least });
-            }
-        }
-        Ok(())
     }
 }

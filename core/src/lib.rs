@@ -36,20 +36,25 @@
 //! `std` (default; without it the crate is `no_std` + alloc), `parallel` (fields over all threads), `serde`,
 //! `scene-file` (scenes as TOML or JSON text).
 #![cfg_attr(not(feature = "std"), no_std)]
-#![forbid(unsafe_code)]
 
 extern crate alloc;
 
 mod array;
+mod asked;
+mod batch;
+mod bound;
 mod control;
 mod directivity;
 mod eigen;
+mod emitters;
 mod error;
+mod even;
 mod field;
 #[cfg(feature = "scene-file")]
 pub mod file;
 mod gains;
 mod kernels;
+mod levels;
 mod linalg;
 mod math;
 mod medium;
@@ -58,25 +63,33 @@ mod options;
 pub mod presets;
 mod problem;
 mod projection;
+mod reach;
 mod rng;
 mod scene;
+mod session;
 mod solution;
 pub mod solvers;
 mod workspace;
 
 pub use array::{Array, Origin};
+pub use batch::{Batch, solve_batch};
+pub use bound::bound;
 pub use control::{Control, Progress};
 pub use directivity::{Directivity, Transducer};
 pub use error::Error;
 pub use field::field;
-pub use gains::Gains;
+pub use gains::{Gains, Transmitter};
+pub use kernels::Level;
+pub use levels::Levels;
 pub use medium::Medium;
 pub use metrics::Metrics;
 pub use num_complex::{Complex32, Complex64};
 pub use options::{Choice, Configure, OptionInfo, OptionValue, Options, Value, spell, word};
-pub use problem::{Problem, Start};
+pub use problem::{Aim, Problem, Start};
+pub use reach::{Beyond, Reach};
 pub use rng::Rng;
 pub use scene::{Plane, Request, Scene};
+pub use session::Session;
 pub use solution::{Solution, Status};
 pub use solvers::{Solve, solve};
 pub use workspace::{Pool, Workspace};

@@ -6,7 +6,7 @@
 use alloc::vec::Vec;
 
 use crate::gains::Gains;
-use crate::kernels;
+use crate::kernels::{self, Level};
 use crate::math::sqrtf;
 use crate::workspace::Workspace;
 
@@ -55,25 +55,19 @@ impl Planar {
 pub(crate) fn gram(gains: &Gains, factor: impl Fn(usize) -> f32, work: &mut Workspace) -> Planar {
     let (count, lanes) = (gains.points(), gains.lanes());
     let mut product = Planar::zeros(count, lanes, work);
-    let mut row = Planar::zeros(1, lanes, work);
-    for i in 0..gains.transducers() {
-        gains.row(i, &mut row.re, &mut row.im);
-        let factor = factor(i);
-        for k in 0..count {
-            let conjugate = [factor * row.re[k], -factor * row.im[k]];
-            let [re, im] = product.row_mut(k);
-            kernels::accumulate([&row.re, &row.im], conjugate, re, im);
-        }
-    }
-    row.give(work);
+    let mut memory = work.floats.take(kernels::gram_floats(lanes));
+    let Planar { re, im, .. } = &mut product;
+    kernels::gram(gains.level(), gains.rows(), factor, gains.transducers(), count, &mut memory, [re, im]);
+    work.floats.give(memory);
     product
 }
 
 /// The matrix that [`gram`] conjugates, times `vector`.
-pub(crate) fn times(matrix: &Planar, vector: &Planar, out: &mut Planar, count: usize) {
-    for k in 0..count {
-        [out.re[k], out.im[k]] = kernels::correlate(matrix.row(k), vector.row(0));
-    }
+pub(crate) fn times(level: Level, matrix: &Planar, vector: &Planar, out: &mut Planar) {
+    let Planar { re, im, .. } = out;
+    kernels::correlate_rows(level, [&matrix.re, &matrix.im], vector.row(0), |k, p| {
+        (re[k], im[k]) = (p.re, p.im);
+    });
 }
 
 /// A Cholesky factor L of a real symmetric matrix A = L L^T, and solves with it. Time O(n^3/6) each multiply-add.
@@ -81,28 +75,29 @@ pub(crate) fn times(matrix: &Planar, vector: &Planar, out: &mut Planar, count: u
 pub(crate) struct Cholesky {
     factor: Vec<f32>,
     size: usize,
+    level: Level,
 }
 
 impl Cholesky {
     /// Factors the `size` x `size` matrix in `matrix`, of which the lower half is read; `None` (and the buffer
     /// back in `work`) if it is not positive definite in f32.
-    pub(crate) fn new(mut matrix: Vec<f32>, size: usize, work: &mut Workspace) -> Option<Self> {
+    pub(crate) fn new(level: Level, mut matrix: Vec<f32>, size: usize, work: &mut Workspace) -> Option<Self> {
         for i in 0..size {
             let (above, rest) = matrix.split_at_mut(i * size);
             let row = &mut rest[..size];
             row[i + 1..].fill(0.0);
             for j in 0..i {
                 let other = &above[j * size..(j + 1) * size];
-                row[j] = (row[j] - partial_dot(row, other, j)) / other[j];
+                row[j] = (row[j] - partial_dot(level, row, other, j)) / other[j];
             }
-            let pivot = row[i] - partial_dot(row, row, i);
+            let pivot = row[i] - partial_dot(level, row, row, i);
             if pivot.is_nan() || pivot <= 0.0 {
                 work.floats.give(matrix);
                 return None;
             }
             row[i] = sqrtf(pivot);
         }
-        Some(Self { factor: matrix, size })
+        Some(Self { factor: matrix, size, level })
     }
 
     /// Replaces b by A^-1 b.
@@ -110,7 +105,7 @@ impl Cholesky {
         let n = self.size;
         for i in 0..n {
             let row = &self.factor[i * n..(i + 1) * n];
-            b[i] = (b[i] - partial_dot(row, b, i)) / row[i];
+            b[i] = (b[i] - partial_dot(self.level, row, b, i)) / row[i];
         }
         for i in (0..n).rev() {
             let row = &self.factor[i * n..=i * n + i];
@@ -128,10 +123,10 @@ impl Cholesky {
 }
 
 /// The dot product of the first `count` numbers of two slices.
-fn partial_dot(a: &[f32], b: &[f32], count: usize) -> f32 {
+fn partial_dot(level: Level, a: &[f32], b: &[f32], count: usize) -> f32 {
     let whole = count - count % kernels::LANES;
     let tail: f32 = a[whole..count].iter().zip(&b[whole..count]).map(|(a, b)| a * b).sum();
-    kernels::dot(&a[..whole], &b[..whole]) + tail
+    kernels::dot(level, &a[..whole], &b[..whole]) + tail
 }
 
 /// A Hermitian positive definite system (A + jB) x = b, solved as the real one [[A, -B], [B, A]].
@@ -143,7 +138,13 @@ pub(crate) struct Hermitian {
 
 impl Hermitian {
     /// Factors `conj(matrix) + shift I`, `matrix` as [`gram`] makes it. `None` if not positive definite in f32.
-    pub(crate) fn new(matrix: &Planar, count: usize, shift: f32, work: &mut Workspace) -> Option<Self> {
+    pub(crate) fn new(
+        level: Level,
+        matrix: &Planar,
+        count: usize,
+        shift: f32,
+        work: &mut Workspace,
+    ) -> Option<Self> {
         let lanes = matrix.lanes;
         let size = 2 * lanes;
         let mut real = work.floats.take(size * size);
@@ -163,14 +164,20 @@ impl Hermitian {
             real[upper + k] += diagonal;
             real[lower + lanes + k] += diagonal;
         }
-        Cholesky::new(real, size, work).map(|cholesky| Self { cholesky, lanes })
+        Cholesky::new(level, real, size, work).map(|cholesky| Self { cholesky, lanes })
     }
 
     /// The same with as much more damping as f32 needs to factor it: tenfold and tenfold again.
-    pub(crate) fn damped(matrix: &Planar, count: usize, mut shift: f32, work: &mut Workspace) -> Self {
+    pub(crate) fn damped(
+        level: Level,
+        matrix: &Planar,
+        count: usize,
+        mut shift: f32,
+        work: &mut Workspace,
+    ) -> Self {
         loop {
             // Damping far above every entry leaves a multiple of the identity, which always factors.
-            if let Some(solver) = Self::new(matrix, count, shift, work) {
+            if let Some(solver) = Self::new(level, matrix, count, shift, work) {
                 return solver;
             }
             shift = 10.0 * shift.max(f32::MIN_POSITIVE);
@@ -231,7 +238,8 @@ pub(crate) mod tests {
         let mut work = Workspace::new();
         for count in 1..=40 {
             let (matrix, stored) = random(count, 2 * count, &mut work);
-            let solver = Hermitian::new(&stored, count, 0.5, &mut work).expect("positive definite");
+            let solver =
+                Hermitian::new(Level::best(), &stored, count, 0.5, &mut work).expect("positive definite");
             let mut x = Planar::zeros(1, kernels::padded(count), &mut work);
             for j in 0..count {
                 (x.re[j], x.im[j]) = (1.0 + j as f32, 2.0 - j as f32);
@@ -251,7 +259,7 @@ pub(crate) mod tests {
     fn what_is_not_positive_definite_is_refused() {
         let mut work = Workspace::new();
         let (_, stored) = random(8, 2, &mut work);
-        assert!(Hermitian::new(&stored, 8, -1.0, &mut work).is_none());
-        assert!(Cholesky::new(alloc::vec![0.0; 256], 16, &mut work).is_none());
+        assert!(Hermitian::new(Level::best(), &stored, 8, -1.0, &mut work).is_none());
+        assert!(Cholesky::new(Level::best(), alloc::vec![0.0; 256], 16, &mut work).is_none());
     }
 }

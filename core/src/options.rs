@@ -7,6 +7,9 @@ use alloc::vec::Vec;
 use core::fmt;
 
 use crate::error::Error;
+use crate::levels::Levels;
+use crate::problem::Aim;
+use crate::solvers::{self, Configured};
 
 /// The value of an option, as a door hands it over.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,7 +43,7 @@ impl fmt::Display for Value {
 /// Options by name.
 pub type Options = BTreeMap<String, Value>;
 
-/// The solver of a scene file: its name, its options and whether to balance.
+/// The solver of a scene file: its name, its options, whether to balance, and the level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
     /// The name in the registry.
@@ -49,27 +52,44 @@ pub struct Choice {
     pub options: Options,
     /// Whether to balance; left out it is the method's own habit.
     pub balance: Option<bool>,
+    /// The level that a method that uses one aims at; left out it is the problem's own.
+    pub level: Option<Aim>,
 }
 
 impl Choice {
-    /// A choice from a table of options, in which `balance` is the entry point's and all else the solver's.
+    /// A choice from a table of options, in which `balance` and `level` are the entry point's, all else the solver's.
     ///
     /// # Errors
-    /// A `balance` that is neither true nor false. Name and options are checked where the solver is made.
+    /// A `balance` that is neither true nor false, a `level` that is none. Name and options are checked by
+    /// [`Choice::configured`].
     pub fn new(name: String, mut options: Options) -> Result<Self, Error> {
         let balance = match options.remove("balance") {
             None => None,
             Some(Value::Bool(balance)) => Some(balance),
             Some(other) => return Err(Error::invalid("solver.balance", other, "give true or false")),
         };
-        Ok(Self { name, options, balance })
+        let level = options.remove("level").map(|level| Aim::read("solver.level", &level)).transpose()?;
+        Ok(Self { name, options, balance, level })
+    }
+
+    /// The solver, on a device of some levels: its options' defaults may be the device's.
+    ///
+    /// # Errors
+    /// An unknown name or option, a value out of range, a level for a solver that uses none.
+    pub fn configured(&self, levels: Option<&Levels>) -> Result<Configured, Error> {
+        let made = solvers::find(&self.name)?.configure_for(&self.options, levels)?;
+        if self.level.is_some() && !made.info.uses_level {
+            return Err(solvers::unused("level", made.info.name, |info| info.uses_level));
+        }
+        Ok(made)
     }
 
     /// The table it came from.
     #[must_use]
     pub fn table(&self) -> Options {
         let balance = self.balance.map(|balance| ("balance".into(), Value::Bool(balance)));
-        self.options.clone().into_iter().chain(balance).collect()
+        let level = self.level.map(|level| ("level".into(), level.show()));
+        self.options.clone().into_iter().chain(balance).chain(level).collect()
     }
 }
 

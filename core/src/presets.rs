@@ -4,6 +4,7 @@ use alloc::vec::Vec;
 
 use crate::directivity::{Directivity, Transducer};
 use crate::error::Error;
+use crate::levels::Levels;
 
 /// An array known by name.
 #[derive(Clone, Copy, Debug)]
@@ -21,7 +22,16 @@ pub struct Preset {
     pub tiles: bool,
     /// Its transducers.
     pub transducer: Transducer,
+    /// Phases and amplitudes (evenly spaced from 0 to 1) of its device, where it has such levels.
+    pub grid: Option<[u32; 2]>,
     pub(crate) positions: fn([usize; 2]) -> Vec<[f64; 3]>,
+}
+
+impl Preset {
+    /// The levels of its device.
+    pub(crate) fn levels(&self) -> Result<Option<Levels>, Error> {
+        self.grid.map(|[phases, amplitudes]| Levels::evenly(phases, amplitudes)).transpose()
+    }
 }
 
 /// P0 = 1e-3 Pa m is eq. (5) with lengths in millimetres.
@@ -37,6 +47,7 @@ pub const PRESETS: [Preset; 3] = [
         count: 400,
         tiles: false,
         transducer: PAPER,
+        grid: None,
         positions: |_| square(20),
     },
     Preset {
@@ -46,15 +57,18 @@ pub const PRESETS: [Preset; 3] = [
         count: 1296,
         tiles: false,
         transducer: PAPER,
+        grid: None,
         positions: |_| square(36),
     },
     Preset {
         name: "autd3",
         summary: "AUTD3 boards of 249 transducers, tiles of 192.0 x 151.4 mm",
-        source: "AUTD3 software, geometry of the device (18 x 14 at 10.16 mm, three sites missing)",
+        source: "AUTD3 software, geometry of the device (18 x 14 at 10.16 mm, three sites missing); its manual, pulse width encoder",
         count: 249,
         tiles: true,
         transducer: Transducer { source_pressure: 4.386, directivity: Directivity::Point },
+        // 8 bits each. The firmware's pulse widths make the sound pressure proportional to the intensity value.
+        grid: Some([256, 256]),
         positions: autd3,
     },
 ];

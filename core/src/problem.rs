@@ -2,20 +2,17 @@
 
 use alloc::format;
 use alloc::sync::Arc;
-use alloc::vec;
 use alloc::vec::Vec;
 
 use num_complex::{Complex32, Complex64};
 
+use crate::asked::Asked;
 use crate::error::Error;
 use crate::gains::Gains;
 use crate::math;
 use crate::metrics::Metrics;
+use crate::options::{OptionValue, Value, spell, word};
 use crate::scene::{Request, Scene};
-
-/// Targets outside these many reference pressures are a slip of the unit, and near the ends of f32.
-const MOST_TARGET: f64 = 1e15;
-const LEAST_TARGET: f64 = 1e-30;
 
 /// Where an iterative method begins.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,33 +24,39 @@ pub enum Start {
     Phases(Vec<f64>),
 }
 
+/// How loud `uniform` and `best` make the points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(clippy::exhaustive_enums, reason = "the two levels of docs/conventions.md")]
+pub enum Aim {
+    /// As loud as asked, and no louder.
+    Target,
+    /// As loud as the array can make them, the ratios kept.
+    Max,
+}
+
+const AIMS: [(&str, Aim); 2] = [("target", Aim::Target), ("max", Aim::Max)];
+
+impl OptionValue for Aim {
+    fn read(item: &str, value: &Value) -> Result<Self, Error> {
+        word(item, value, &AIMS)
+    }
+
+    fn show(&self) -> Value {
+        spell(*self, &AIMS)
+    }
+}
+
 /// A checked problem: it can be solved.
 ///
 /// Cloning is cheap but for the targets: all else is shared.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    gains: Gains,
-    weights: Arc<[f32]>,
+    /// The gains of the points of weight above 0, unless those are all.
+    selected: Option<Gains>,
     asked: Arc<Asked>,
     start: Option<Arc<Start>>,
+    aim: Option<Aim>,
     targets: Vec<f32>,
-}
-
-/// The caller's side of a problem, over all points, in Pa.
-#[derive(Debug)]
-pub(crate) struct Asked {
-    /// The gains of all points.
-    pub(crate) gains: Gains,
-    /// Targets (M,).
-    pub(crate) targets: Vec<f64>,
-    /// Weights (M,).
-    pub(crate) weights: Vec<f64>,
-    /// The points of weight above 0.
-    pub(crate) active: Vec<usize>,
-    /// Whether the caller gave pressures.
-    given: bool,
-    /// Factor that brings the targets to the balanced level.
-    balance: f64,
 }
 
 impl Problem {
@@ -70,66 +73,53 @@ impl Problem {
     /// # Errors
     /// As [`Problem::new`] and [`Request::check`].
     pub fn with_gains(all: Gains, request: &Request) -> Result<Self, Error> {
-        request.check(all.points())?;
-        let active: Vec<usize> = (0..all.points()).filter(|&j| request.weight(j) > 0.0).collect();
-        let gains = if active.len() == all.points() { all.clone() } else { all.select(&active) };
-        let reach = reach(&gains).map_err(|error| match error {
-            // The selection renumbered the points.
-            Error::TooNear { point, transducer, distance, least } => {
-                Error::TooNear { point: active[point], transducer, distance, least }
-            }
-            other => other,
-        })?;
-        let reference = all.reference();
-        // Loads relative to the heaviest, so that no square over- or underflows.
-        let mut loads: Vec<f64> = Vec::with_capacity(active.len());
-        for (&j, &reach) in active.iter().zip(&reach) {
-            let target = request.pressure(j);
-            if target > 0.0 && reach == 0.0 {
-                return Err(Error::Unreached { point: j });
-            }
-            let within = LEAST_TARGET..=MOST_TARGET;
-            if request.pressures.is_some() && target > 0.0 && !within.contains(&(target / reference)) {
-                let cure = "no array comes near it: give the pressure in Pa, or 0 for a quiet point";
-                return Err(Error::invalid(format!("points[{j}].pressure"), format!("{target:e}"), cure));
-            }
-            if target > 0.0 {
-                loads.push(target / (reach * reference));
-            }
-        }
-        let load = loads.iter().copied().fold(0.0, f64::max);
-        let balance = 1.0 / (load * math::sqrt(loads.iter().map(|own| (own / load) * (own / load)).sum()));
-        let given = request.pressures.is_some();
-        let scale = if given { 1.0 } else { balance };
-        let heaviest = active.iter().map(|&j| request.weight(j)).fold(0.0, f64::max);
-        let lanes = gains.lanes();
-        let mut weights = vec![0.0; lanes];
-        for (weight, &j) in weights.iter_mut().zip(&active) {
-            *weight = (request.weight(j) / heaviest) as f32;
-        }
-        let asked = Asked {
-            targets: (0..all.points()).map(|j| request.pressure(j) * scale).collect(),
-            weights: (0..all.points()).map(|j| request.weight(j)).collect(),
-            balance: if given { balance } else { 1.0 },
-            gains: all,
-            active,
-            given,
-        };
+        let mut asked = Asked::of(all);
+        let selected = asked.select(request)?;
+        asked.fill(selected.as_ref(), request)?;
         let mut problem =
-            Self { gains, weights: weights.into(), asked: Arc::new(asked), start: None, targets: Vec::new() };
-        problem.targets = vec![0.0; lanes];
-        problem.asked.scaled_targets(1.0, &mut problem.targets);
+            Self { selected, asked: Arc::new(asked), start: None, aim: None, targets: Vec::new() };
+        problem.aim_at_targets();
         Ok(problem)
+    }
+
+    /// The problem of other points and requests with the same array, in the memory of this one: if no solution of it
+    /// is left, the number of points is the same and all have a weight, nothing is allocated.
+    ///
+    /// # Errors
+    /// As [`crate::Transmitter::gains`] and [`Problem::with_gains`]; the problem is then lost.
+    pub fn renewed(mut self, points: &[[f64; 3]], request: &Request) -> Result<Self, Error> {
+        let weighted =
+            request.weights.as_ref().is_none_or(|weights| weights.iter().all(|&weight| weight > 0.0));
+        match Arc::get_mut(&mut self.asked) {
+            Some(asked) if weighted && self.selected.is_none() => {
+                asked.gains.carry(points)?;
+                asked.fill(None, request)?;
+            }
+            _ => {
+                let mut gains = self.asked.gains.clone();
+                gains.carry(points)?;
+                return Self::with_gains(gains, request);
+            }
+        }
+        (self.start, self.aim) = (None, None);
+        self.aim_at_targets();
+        Ok(self)
+    }
+
+    fn aim_at_targets(&mut self) {
+        self.targets.clear();
+        self.targets.resize(self.gains().lanes(), 0.0);
+        self.asked.scaled_targets(1.0, &mut self.targets);
     }
 
     /// The same problem at `factor` times the caller's targets, in a buffer of [`Gains::lanes`] numbers.
     pub(crate) fn rescaled(&self, factor: f64, mut targets: Vec<f32>) -> Self {
         self.asked.scaled_targets(factor, &mut targets);
         Self {
-            gains: self.gains.clone(),
-            weights: Arc::clone(&self.weights),
+            selected: self.selected.clone(),
             asked: self.asked(),
             start: self.start.clone(),
+            aim: self.aim,
             targets,
         }
     }
@@ -140,7 +130,7 @@ impl Problem {
     /// A drive or phases of another length, a value that is not finite, |q| above 1 + 1e-6.
     pub fn with_start(mut self, start: Start) -> Result<Self, Error> {
         match &start {
-            Start::Drive(drive) => check_drive(drive, self.gains.transducers())?,
+            Start::Drive(drive) => check_drive(drive, self.gains().transducers())?,
             Start::Phases(phases) => {
                 let count = self.asked.targets.len();
                 if phases.len() != count {
@@ -158,6 +148,20 @@ impl Problem {
         }
         self.start = Some(Arc::new(start));
         Ok(self)
+    }
+
+    /// The same problem with another aim for the methods that use one.
+    #[must_use]
+    pub fn with_aim(mut self, aim: Aim) -> Self {
+        self.aim = Some(aim);
+        self
+    }
+
+    /// How loud the points are to be: unless chosen, as loud as asked where pressures were given, else as loud as
+    /// the array can make them.
+    #[must_use]
+    pub fn aim(&self) -> Aim {
+        self.aim.unwrap_or(if self.asked.given { Aim::Target } else { Aim::Max })
     }
 
     /// The drive to start from, if one was given.
@@ -189,7 +193,7 @@ impl Problem {
     /// Rows of G over the points of weight above 0.
     #[must_use]
     pub fn gains(&self) -> &Gains {
-        &self.gains
+        self.selected.as_ref().unwrap_or(&self.asked.gains)
     }
 
     /// Targets |p_j| in units of the reference, padded with zeros.
@@ -201,7 +205,7 @@ impl Problem {
     /// Weights, the largest 1, padded with zeros.
     #[must_use]
     pub fn weights(&self) -> &[f32] {
-        &self.weights
+        &self.asked.shares
     }
 
     /// Targets (M,) of all points in Pa, as the caller gave them or at the balanced level.
@@ -223,6 +227,21 @@ impl Problem {
         self.asked.balance
     }
 
+    /// Gains of all points.
+    pub(crate) fn all_gains(&self) -> &Gains {
+        &self.asked.gains
+    }
+
+    /// The points with a pressure and a weight above 0.
+    pub(crate) fn heard(&self) -> Vec<usize> {
+        self.asked.active.iter().copied().filter(|&j| self.asked.targets[j] > 0.0).collect()
+    }
+
+    /// The first point asked for more than its own reach, and that reach in Pa.
+    pub(crate) fn overasked(&self) -> Option<(usize, f64)> {
+        self.asked.overasked
+    }
+
     /// Whether every given target is below half the balanced level: solved without balancing, greedy drives
     /// every transducer all the same and smears such foci (the paper's section V).
     #[must_use]
@@ -233,8 +252,15 @@ impl Problem {
     /// The residual of a field given by its moduli in units of the reference, against this problem's targets.
     #[must_use]
     pub fn residual(&self, moduli: &[f32]) -> f64 {
-        let points = moduli.iter().zip(&self.targets).zip(self.weights.iter());
+        let points = moduli.iter().zip(&self.targets).zip(self.asked.shares.iter());
         Metrics::of(points.map(|((&p, &t), &w)| (f64::from(p), f64::from(t), f64::from(w)))).residual
+    }
+
+    /// The same of the pressures' real and imaginary parts.
+    pub(crate) fn residual_of(&self, pressures: impl Iterator<Item = (f32, f32)> + Clone) -> f64 {
+        let moduli = pressures.map(|(re, im)| math::hypot(f64::from(re), f64::from(im)));
+        let asked = self.targets.iter().zip(self.asked.shares.iter());
+        Metrics::of(moduli.zip(asked).map(|(p, (&t, &w))| (p, f64::from(t), f64::from(w)))).residual
     }
 
     /// The metrics of a drive (N,) over the caller's points, wholly in double precision.
@@ -257,34 +283,6 @@ impl Problem {
             .collect();
         Ok(self.asked.metrics(pressures.iter().copied()))
     }
-}
-
-impl Asked {
-    fn scaled_targets(&self, factor: f64, out: &mut [f32]) {
-        for (out, &j) in out.iter_mut().zip(&self.active) {
-            *out = (self.targets[j] * factor / self.gains.reference()) as f32;
-        }
-        out[self.active.len()..].fill(0.0);
-    }
-
-    /// Metrics of pressures |p| (M,) in Pa.
-    pub(crate) fn metrics(&self, pressures: impl Iterator<Item = f64> + Clone) -> Metrics {
-        let asked = self.targets.iter().zip(&self.weights);
-        Metrics::of(pressures.zip(asked).map(|(pressure, (&target, &weight))| (pressure, target, weight)))
-    }
-}
-
-/// p1_j = `sum_i |G_ji|` in units of the reference.
-fn reach(gains: &Gains) -> Result<Vec<f64>, Error> {
-    let mut moduli = vec![0.0; gains.lanes()];
-    let mut reach = vec![0.0; gains.points()];
-    for i in 0..gains.transducers() {
-        gains.moduli(i, &mut moduli)?;
-        for (sum, &modulus) in reach.iter_mut().zip(&moduli) {
-            *sum += f64::from(modulus);
-        }
-    }
-    Ok(reach)
 }
 
 /// Refuses a drive that no array of `transducers` could be given.

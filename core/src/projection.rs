@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use num_complex::Complex32;
 
 use crate::gains::Gains;
-use crate::kernels;
+use crate::kernels::{self, Level};
 use crate::linalg::Planar;
 use crate::math::{self, sqrtf};
 use crate::problem::Problem;
@@ -13,8 +13,8 @@ use crate::workspace::Workspace;
 
 /// G stored, a drive of |q| = 1, and its field.
 pub(crate) struct Projector {
+    level: Level,
     gains: Planar,
-    transducers: usize,
     count: usize,
     drive: Vec<Complex32>,
     field: Planar,
@@ -28,8 +28,8 @@ impl Projector {
         let gains = problem.gains();
         let lanes = gains.lanes();
         let mut projector = Self {
+            level: gains.level(),
             gains: Planar::stored(gains, work),
-            transducers: gains.transducers(),
             count: gains.points(),
             drive: work.complexes.take(gains.transducers()),
             field: Planar::zeros(1, lanes, work),
@@ -74,22 +74,16 @@ impl Projector {
 
     /// q = G^H p, every |q| made 1; a transducer without effect gets 0.
     pub(crate) fn back(&mut self, wanted: &Planar) {
-        for (i, q) in self.drive.iter_mut().enumerate() {
-            let [re, im] = kernels::correlate(self.gains.row(i), wanted.row(0));
-            *q = unit(Complex32::new(re, im));
-        }
+        let Self { gains, drive, .. } = self;
+        kernels::correlate_rows(self.level, [&gains.re, &gains.im], wanted.row(0), |i, q| drive[i] = unit(q));
     }
 
     /// p = G q. Returns the largest change of a |p| relative to its target.
     pub(crate) fn forward(&mut self, targets: &[f32]) -> f32 {
         core::mem::swap(&mut self.modulus, &mut self.before);
-        self.field.re.fill(0.0);
-        self.field.im.fill(0.0);
-        for i in 0..self.transducers {
-            let q = self.drive[i];
-            kernels::accumulate(self.gains.row(i), [q.re, q.im], &mut self.field.re, &mut self.field.im);
-        }
-        kernels::modulus(&self.field.re, &self.field.im, &mut self.modulus);
+        let Planar { re, im, .. } = &mut self.field;
+        kernels::combine_rows(self.level, [&self.gains.re, &self.gains.im], &self.drive, [re, im]);
+        kernels::modulus(self.level, &self.field.re, &self.field.im, &mut self.modulus);
         let changes = self.modulus.iter().zip(&self.before).zip(targets);
         changes
             .filter(|(_, target)| **target > 0.0)
@@ -127,7 +121,7 @@ pub(crate) fn back_project(
     let mut row = Planar::zeros(1, gains.lanes(), work);
     for (i, q) in drive.iter_mut().enumerate() {
         gains.row(i, &mut row.re, &mut row.im);
-        let [re, im] = kernels::correlate(row.row(0), phasors.row(0));
+        let [re, im] = kernels::correlate(gains.level(), row.row(0), phasors.row(0));
         *q = Complex32::new(re, im) * factor(i);
     }
     row.give(work);
@@ -148,7 +142,7 @@ pub(crate) fn start_phasors(problem: &Problem, work: &mut Workspace) -> Planar {
         let [mut row, mut field] = [(); 2].map(|()| Planar::zeros(1, gains.lanes(), work));
         for (i, q) in drive.iter().enumerate() {
             gains.row(i, &mut row.re, &mut row.im);
-            kernels::accumulate([&row.re, &row.im], [q.re, q.im], &mut field.re, &mut field.im);
+            kernels::accumulate(gains.level(), row.row(0), [q.re, q.im], &mut field.re, &mut field.im);
         }
         for j in 0..gains.points() {
             let modulus = sqrtf(field.re[j] * field.re[j] + field.im[j] * field.im[j]);

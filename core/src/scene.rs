@@ -41,7 +41,10 @@ impl Request {
                     format!("give one for each of the {points} points"),
                 ));
             }
-            for (j, &value) in values.iter().enumerate() {
+            // Named only when refused: this runs for every frame of a moving hand.
+            let refused = |value: &f64| !(value.is_finite() && *value >= 0.0);
+            if let Some(j) = values.iter().position(refused) {
+                let value = values[j];
                 real(&format!("points[{j}].{name}"), value, 0.0, false)?;
             }
         }
@@ -124,6 +127,36 @@ impl Plane {
     }
 }
 
+/// Refuses a medium, and an array that cannot be computed with in it.
+pub(crate) fn check_array(array: &Array, medium: Medium) -> Result<(), Error> {
+    medium.check()?;
+    array.transducer().directivity.check_beam(medium.wavenumber())?;
+    check_places(array, medium, "array.positions", "", array.positions())
+}
+
+/// Refuses places that are not finite or too far away from the array for phases in f32.
+pub(crate) fn check_places(
+    array: &Array,
+    medium: Medium,
+    item: &str,
+    part: &str,
+    places: &[[f64; 3]],
+) -> Result<(), Error> {
+    let reach = MOST_WAVELENGTHS * medium.wavelength();
+    let centre = array.centre();
+    for (k, place) in places.iter().enumerate() {
+        let far = (0..3).any(|axis| (place[axis] - centre[axis]).abs() > reach);
+        if far || !place.iter().all(|x| x.is_finite()) {
+            let item = format!("{item}[{k}]{part}");
+            vector(&item, place)?;
+            let cure =
+                format!("bring it within {reach:.3e} m of the array's middle (coordinates are in metres)");
+            return Err(Error::invalid(item, format!("{place:?}"), cure));
+        }
+    }
+    Ok(())
+}
+
 /// A request: checked when made, and unchanged from then on.
 ///
 /// ```
@@ -154,31 +187,16 @@ impl Scene {
     /// No point, a value that is not finite or out of range, lists of unequal lengths, nothing asked for, a
     /// transducer or point too far away for f32 phases. A point *on* a transducer is found when solving.
     pub fn new(array: Array, medium: Medium, points: Vec<[f64; 3]>, request: Request) -> Result<Self, Error> {
-        medium.check()?;
-        array.transducer().directivity.check_beam(medium.wavenumber())?;
+        check_array(&array, medium)?;
         request.check(points.len())?;
         let scene = Self { array, medium, points, request, solver: None, plane: None };
-        scene.check_places("array.positions", "", scene.array.positions())?;
         scene.check_places("points", ".position", &scene.points)?;
         Ok(scene)
     }
 
     /// Refuses places that are not finite or too far away for phases in f32.
     pub(crate) fn check_places(&self, item: &str, part: &str, places: &[[f64; 3]]) -> Result<(), Error> {
-        let reach = MOST_WAVELENGTHS * self.medium.wavelength();
-        let centre = self.array.centre();
-        for (k, place) in places.iter().enumerate() {
-            let far = (0..3).any(|axis| (place[axis] - centre[axis]).abs() > reach);
-            if far || !place.iter().all(|x| x.is_finite()) {
-                let item = format!("{item}[{k}]{part}");
-                vector(&item, place)?;
-                let cure = format!(
-                    "bring it within {reach:.3e} m of the array's middle (coordinates are in metres)"
-                );
-                return Err(Error::invalid(item, format!("{place:?}"), cure));
-            }
-        }
-        Ok(())
+        check_places(&self.array, self.medium, item, part, places)
     }
 
     /// The array.

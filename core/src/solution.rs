@@ -6,11 +6,14 @@ use core::fmt;
 
 use num_complex::Complex32;
 
+use crate::asked::Asked;
 use crate::control::Control;
+use crate::gains::Gains;
 use crate::kernels;
+use crate::linalg::Planar;
 use crate::math;
 use crate::metrics::Metrics;
-use crate::problem::{Asked, Problem};
+use crate::problem::Problem;
 use crate::workspace::Workspace;
 
 /// How a solve ended. Outcome is data, never an error.
@@ -25,6 +28,12 @@ pub enum Status {
     Stopped,
     /// The arithmetic broke down; the answer is the best before.
     Breakdown,
+}
+
+/// z / factor, rounded once.
+fn divided(z: Complex32, factor: f64) -> Complex32 {
+    let part = |x: f32| (f64::from(x) / factor) as f32;
+    Complex32::new(part(z.re), part(z.im))
 }
 
 impl fmt::Display for Status {
@@ -50,6 +59,9 @@ pub struct Solution {
     pub status: Status,
     /// Steps taken.
     pub steps: usize,
+    /// What supply or modulation have to multiply all drives by, at most 1: below 1 where the answer asks for less than
+    /// the device's least amplitude above 0. The pressures count it in, the drives do not.
+    pub scale: f64,
     asked: Arc<Asked>,
 }
 
@@ -64,30 +76,95 @@ impl Solution {
         work: &mut Workspace,
     ) -> Self {
         let asked = problem.asked();
-        let gains = &asked.gains;
-        let mut buffers = [(); 4].map(|()| work.floats.take(gains.lanes()));
-        let [row_re, row_im, re, im] = &mut buffers;
-        for (i, q) in drive.iter().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
-            gains.row(i, row_re, row_im);
-            kernels::accumulate([row_re, row_im], [q.re, q.im], re, im);
-        }
-        let mut pressures = work.complexes.take(gains.points());
-        let scale = |x: f32| (f64::from(x) * gains.reference()) as f32;
-        for ((pressure, re), im) in pressures.iter_mut().zip(&*re).zip(&*im) {
-            *pressure = Complex32::new(scale(*re), scale(*im));
-        }
-        work.floats.give_all(buffers);
-        Self { drive, pressures, status, steps, asked }
+        let field = Self::field_of(&asked.gains, &drive, work);
+        Self::with_pressures(asked, drive, field, status, steps, work)
     }
 
-    /// Divides drives and pressures by `factor`.
-    pub(crate) fn reduce(&mut self, factor: f64) {
-        let reduced = |q: Complex32| {
-            let part = |x: f32| (f64::from(x) / factor) as f32;
-            Complex32::new(part(q.re), part(q.im))
+    /// The field of a drive at some points: one padded row, in units of the reference.
+    fn field_of(gains: &Gains, drive: &[Complex32], work: &mut Workspace) -> Planar {
+        let mut field = Planar::zeros(1, gains.lanes(), work);
+        let mut row = Planar::zeros(1, gains.lanes(), work);
+        let (row_parts, into) = ([&mut row.re[..], &mut row.im[..]], [&mut field.re[..], &mut field.im[..]]);
+        kernels::add_waves(gains.level(), gains.rows(), drive, row_parts, into);
+        row.give(work);
+        field
+    }
+
+    /// As [`Solution::new`], from the field that a solver has kept: P (one padded row) at the problem's points.
+    pub(crate) fn of_field(
+        problem: &Problem,
+        drive: Vec<Complex32>,
+        field: Planar,
+        status: Status,
+        steps: usize,
+        work: &mut Workspace,
+    ) -> Self {
+        let asked = problem.asked();
+        if asked.active.len() == asked.targets.len() {
+            return Self::with_pressures(asked, drive, field, status, steps, work);
+        }
+        // The points of weight 0 were not in it.
+        let mut solution = Self::new(problem, drive, status, steps, work);
+        let reference = problem.gains().reference();
+        for (k, &j) in solution.asked.active.iter().enumerate() {
+            solution.pressures[j] = pascals(field.re[k], field.im[k], reference);
+        }
+        field.give(work);
+        solution
+    }
+
+    fn with_pressures(
+        asked: Arc<Asked>,
+        drive: Vec<Complex32>,
+        field: Planar,
+        status: Status,
+        steps: usize,
+        work: &mut Workspace,
+    ) -> Self {
+        let gains = &asked.gains;
+        let mut pressures = work.complexes.take(gains.points());
+        let reference = gains.reference();
+        for ((pressure, re), im) in pressures.iter_mut().zip(&field.re).zip(&field.im) {
+            *pressure = pascals(*re, *im, reference);
+        }
+        field.give(work);
+        Self { drive, pressures, status, steps, scale: 1.0, asked }
+    }
+
+    /// Computes the pressures that the drive gives.
+    fn measure(&mut self, work: &mut Workspace) {
+        let field = Self::field_of(&self.asked.gains, &self.drive, work);
+        let reference = self.asked.gains.reference() * self.scale;
+        for ((pressure, re), im) in self.pressures.iter_mut().zip(&field.re).zip(&field.im) {
+            *pressure = pascals(*re, *im, reference);
+        }
+        field.give(work);
+    }
+
+    /// Divides drives and pressures by `factor`, at least 1, and brings every drive to the device's nearest level.
+    /// Whether that moved a drive.
+    pub(crate) fn settle(&mut self, factor: f64, work: &mut Workspace) -> bool {
+        let gains = self.asked.gains.clone();
+        let Some(levels) = gains.levels() else {
+            if factor > 1.0 {
+                self.drive.iter_mut().chain(&mut self.pressures).for_each(|z| *z = divided(*z, factor));
+            }
+            return false;
         };
-        self.drive.iter_mut().for_each(|q| *q = reduced(*q));
-        self.pressures.iter_mut().for_each(|p| *p = reduced(*p));
+        let square = |q: &Complex32| f64::from(q.re) * f64::from(q.re) + f64::from(q.im) * f64::from(q.im);
+        let largest = math::sqrt(self.drive.iter().map(square).fold(0.0, f64::max));
+        let scale = levels.scale(largest / factor);
+        let mut moved = false;
+        for q in &mut self.drive {
+            let settled = levels.nearest(divided(*q, factor * scale));
+            moved |= settled != *q;
+            *q = settled;
+        }
+        self.scale *= scale;
+        if moved || scale < 1.0 {
+            self.measure(work);
+        }
+        moved
     }
 
     /// Metrics of the pressures against the caller's targets; f64 arithmetic over the M values.
@@ -157,4 +234,9 @@ impl Solution {
         // A tiny negative angle rounds up to a whole turn.
         if turned < TAU { turned.abs() } else { 0.0 }
     }
+}
+
+/// A pressure in units of the reference, in Pa.
+fn pascals(re: f32, im: f32, reference: f64) -> Complex32 {
+    Complex32::new((f64::from(re) * reference) as f32, (f64::from(im) * reference) as f32)
 }

@@ -4,6 +4,7 @@ use alloc::vec::Vec;
 
 use num_complex::Complex32;
 
+use crate::kernels::Sixteen;
 use crate::solution::Solution;
 
 /// Buffers of one kind that wait to be used again.
@@ -49,6 +50,8 @@ pub struct Workspace {
     pub complexes: Pool<Complex32>,
     /// Indices of transducers.
     pub indices: Pool<u32>,
+    /// What the greedy search keeps of its points.
+    pub(crate) points: Pool<Sixteen>,
 }
 
 impl Workspace {

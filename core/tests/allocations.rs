@@ -3,7 +3,10 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use midair::{Array, Control, Medium, Problem, Request, Rng, Scene, Workspace, solvers};
+use midair::{
+    Array, Control, Level, Levels, Medium, Problem, Request, Rng, Scene, Session, Transmitter, Workspace,
+    solvers,
+};
 
 struct Counting;
 
@@ -29,10 +32,10 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-fn problem(seed: u64, pressure: Option<f64>) -> Problem {
+fn problem(seed: u64, pressure: Option<f64>, levels: Option<&Levels>) -> Problem {
     let mut rng = Rng::new(seed);
     let points = (0..11).map(|_| [0.1 * rng.uniform(), 0.1 * rng.uniform(), 0.15]).collect();
-    let array = Array::grid(9, 7, 10e-3).expect("a grid");
+    let array = Array::grid(9, 7, 10e-3).expect("a grid").with_levels(levels.cloned());
     let request = Request { pressures: pressure.map(|pressure| vec![pressure; 11]), weights: None };
     Problem::new(&Scene::new(array, Medium::default(), points, request).expect("a scene")).expect("a problem")
 }
@@ -40,8 +43,15 @@ fn problem(seed: u64, pressure: Option<f64>) -> Problem {
 #[test]
 fn the_second_solve_of_a_size_allocates_nothing() {
     // The balanced level; far below it with and without balancing, another path through `solve`.
-    for (pressure, balance) in [(None, false), (Some(1.0), true), (Some(1.0), false)] {
-        let (first, second) = (problem(1, pressure), problem(2, pressure));
+    let board = Levels::new(Some(32), Some(vec![0.0, 0.25, 1.0])).expect("levels");
+    for (pressure, balance, levels) in [
+        (None, false, None),
+        (Some(1.0), true, None),
+        (Some(1.0), false, None),
+        (None, false, Some(&board)),
+        (Some(1.0), true, Some(&board)),
+    ] {
+        let (first, second) = (problem(1, pressure, levels), problem(2, pressure, levels));
         for entry in solvers::SOLVERS {
             let made = entry.configure(&midair::Options::new()).expect("defaults");
             let mut work = Workspace::new();
@@ -54,6 +64,31 @@ fn the_second_solve_of_a_size_allocates_nothing() {
             let allocations = COUNT.get() - before;
             assert_eq!(allocations, 0, "{} allocates in its second solve", entry.info.name);
             assert!(solution.expect("an answer").drive.iter().any(|q| q.norm() > 0.0));
+        }
+    }
+}
+
+#[test]
+fn a_session_allocates_nothing_from_its_second_call_on() {
+    let array = Array::grid(9, 7, 10e-3).expect("a grid");
+    let mut rng = Rng::new(3);
+    for entry in solvers::SOLVERS {
+        let transmitter = Transmitter::new(&array, Medium::default(), Level::best()).expect("an array");
+        let mut session =
+            Session::new(transmitter, entry.configure(&midair::Options::new()).expect("defaults"));
+        let mut request = Request { pressures: Some(vec![0.0; 11]), weights: None };
+        for call in 0..4 {
+            let points: [[f64; 3]; 11] =
+                std::array::from_fn(|_| [0.1 * rng.uniform(), 0.1 * rng.uniform(), 0.15]);
+            if let Some(pressures) = &mut request.pressures {
+                pressures.fill(100.0 + f64::from(call));
+            }
+            let before = COUNT.get();
+            let solution = session.solve(&points, &request, None, &mut Control::none()).expect("an answer");
+            assert!(solution.drive.iter().any(|q| q.norm() > 0.0));
+            let allocations = COUNT.get() - before;
+            // Two calls take all the buffers that a method swaps about.
+            assert!(call < 2 || allocations == 0, "{}: {allocations} in call {call}", entry.info.name);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from os import PathLike
-from typing import Literal, TypeAlias, final
+from typing import Any, Literal, TypeAlias, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,11 +15,13 @@ __all__ = [
     "OptionInfo",
     "Plane",
     "PresetInfo",
+    "Reach",
     "Scene",
     "SceneError",
     "SceneWarning",
     "Solution",
     "SolverInfo",
+    "bound",
     "field",
     "judge",
     "presets",
@@ -28,6 +30,7 @@ __all__ = [
 ]
 
 _Directivity: TypeAlias = str | dict[str, float]
+_Levels: TypeAlias = dict[str, int | ArrayLike | None]
 _Option: TypeAlias = bool | int | float | str | Sequence[int] | NDArray[np.integer] | None
 
 class SceneError(ValueError): ...
@@ -43,6 +46,8 @@ class Array:
         source_pressure: float | None = None,
         directivity: _Directivity | None = None,
         response: ArrayLike | None = None,
+        mask: ArrayLike | None = None,
+        levels: _Levels | None = None,
     ) -> Array: ...
     @staticmethod
     def grid(
@@ -53,6 +58,8 @@ class Array:
         source_pressure: float | None = None,
         directivity: _Directivity | None = None,
         response: ArrayLike | None = None,
+        mask: ArrayLike | None = None,
+        levels: _Levels | None = None,
     ) -> Array: ...
     @staticmethod
     def preset(
@@ -62,6 +69,8 @@ class Array:
         source_pressure: float | None = None,
         directivity: _Directivity | None = None,
         response: ArrayLike | None = None,
+        mask: ArrayLike | None = None,
+        levels: _Levels | None = None,
     ) -> Array: ...
     @staticmethod
     def presets() -> list[str]: ...
@@ -71,6 +80,10 @@ class Array:
     def normals(self) -> NDArray[np.float64]: ...
     @property
     def response(self) -> NDArray[np.complex128] | None: ...
+    @property
+    def mask(self) -> NDArray[np.bool_]: ...
+    @property
+    def levels(self) -> dict[str, int | NDArray[np.float64] | None] | None: ...
     @property
     def source_pressure(self) -> float: ...
     @property
@@ -112,6 +125,7 @@ class Scene:
     def save(self, path: str | PathLike[str]) -> None: ...
     def json(self, solution: Solution | None = None) -> str: ...
     def gains(self) -> NDArray[np.complex64]: ...
+    def reach(self) -> Reach: ...
     @property
     def array(self) -> Array: ...
     @property
@@ -136,6 +150,13 @@ class Scene:
     def solver(self) -> tuple[str, dict[str, _Option]] | None: ...
     @property
     def plane(self) -> Plane | None: ...
+
+@final
+class Reach:
+    @property
+    def alone(self) -> NDArray[np.float64]: ...
+    @property
+    def level(self) -> NDArray[np.float64]: ...
 
 @final
 class Gains:
@@ -216,6 +237,8 @@ class Solution:
     @property
     def steps(self) -> int: ...
     @property
+    def scale(self) -> float: ...
+    @property
     def elapsed(self) -> float: ...
     @property
     def trace(self) -> NDArray[np.float64] | None: ...
@@ -244,6 +267,96 @@ class SolverInfo:
     @property
     def options(self) -> dict[str, OptionInfo]: ...
 
+@final
+class BatchMetrics:
+    @property
+    def accuracy(self) -> NDArray[np.float64]: ...
+    @property
+    def sigma(self) -> NDArray[np.float64]: ...
+    @property
+    def uniformity(self) -> NDArray[np.float64]: ...
+    @property
+    def level(self) -> NDArray[np.float64]: ...
+    @property
+    def residual(self) -> NDArray[np.float64]: ...
+    @property
+    def leak(self) -> NDArray[np.float64]: ...
+
+@final
+class Batch:
+    @property
+    def drives(self) -> NDArray[np.complex64]: ...
+    @property
+    def pressures(self) -> NDArray[np.complex64]: ...
+    @property
+    def metrics(self) -> BatchMetrics: ...
+    @property
+    def scale(self) -> NDArray[np.float64]: ...
+    @property
+    def status(self) -> list[str]: ...
+    @property
+    def steps(self) -> NDArray[np.int64]: ...
+    @property
+    def elapsed(self) -> float: ...
+    def __len__(self) -> int: ...
+
+def solve_batch(
+    scene: Scene | Array,
+    points: ArrayLike,
+    pressures: ArrayLike | None = None,
+    solver: str | None = None,
+    *,
+    weights: ArrayLike | None = None,
+    start: ArrayLike | None = None,
+    out: NDArray[np.complex64] | None = None,
+    threads: int | None = None,
+    progress: Callable[[int, int, float], object] | None = None,
+    **options: Any,
+) -> Batch: ...
+@final
+class Solver:
+    def __new__(
+        cls, scene: Scene | Array, solver: str | None = None, *, points: int, **options: Any
+    ) -> Solver: ...
+    @overload
+    def __call__(
+        self,
+        points: ArrayLike,
+        pressures: ArrayLike | None = None,
+        *,
+        weights: ArrayLike | None = None,
+        start: ArrayLike | Solution | None = None,
+        out: None = None,
+    ) -> Solution: ...
+    @overload
+    def __call__(
+        self,
+        points: ArrayLike,
+        pressures: ArrayLike | None = None,
+        *,
+        weights: ArrayLike | None = None,
+        start: ArrayLike | Solution | None = None,
+        out: NDArray[np.complex64],
+    ) -> Solver: ...
+    @property
+    def drive(self) -> NDArray[np.complex64]: ...
+    @property
+    def pressures(self) -> NDArray[np.complex64]: ...
+    @property
+    def metrics(self) -> Metrics: ...
+    @property
+    def status(self) -> str: ...
+    @property
+    def scale(self) -> float: ...
+    @property
+    def steps(self) -> int: ...
+    @property
+    def elapsed(self) -> float: ...
+    @property
+    def solver(self) -> str: ...
+    @property
+    def options(self) -> dict[str, _Option]: ...
+
 def solve(
     scene: Scene | Gains,
     solver: str | None = None,
@@ -257,6 +370,9 @@ def solve(
     trace: bool = False,
     **options: _Option,
 ) -> Solution: ...
+def bound(
+    scene: Scene | Gains, *, pressures: ArrayLike | None = None, weights: ArrayLike | None = None
+) -> float: ...
 def field(scene: Scene, drive: ArrayLike, plane: Plane | ArrayLike | None = None) -> Field: ...
 def judge(
     scene: Scene | Gains,

@@ -10,8 +10,9 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
 
+import numpy as np
 from cyclopts import App, CycloptsError, Parameter
 from rich import box
 from rich.console import Console
@@ -25,12 +26,25 @@ from rich.progress import (
 )
 from rich.table import Table
 
-from . import Scene, SceneError, SceneWarning, Solution, __version__, field, output, presets, solve, solvers
+from . import (
+    Scene,
+    SceneError,
+    SceneWarning,
+    Solution,
+    __version__,
+    bound,
+    field,
+    output,
+    presets,
+    solve,
+    solvers,
+)
 from .interruption import interruptible
 from .plot import contact_sheet, picture
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
 app = App(
     name="midair",
@@ -41,6 +55,9 @@ app = App(
 )
 # A pipe has no width of its own; tables keep theirs.
 console = Console() if sys.stdout.isatty() else Console(width=120)
+
+#: The most points that `midair.bound` takes.
+BOUND_POINTS = 64
 
 #: Exit status of a request that cannot be answered, and of Ctrl-C (128 + SIGINT).
 REFUSED, INTERRUPTED = 2, 130
@@ -54,6 +71,7 @@ def solve_command(
     output_file: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
     image: Path | None = None,
     balance: bool | None = None,
+    level: Literal["target", "max"] | None = None,
     **options: str,
 ) -> int:
     """Find a drive for a scene file, judge it, and write what is asked for.
@@ -72,6 +90,8 @@ def solve_command(
         Where a picture of the field goes: .png, .svg, .pdf or .jpg.
     balance
         Solve at the level the array can reach and reduce the drives afterwards.
+    level
+        "target" for as loud as asked, "max" for as loud as the array can, for the solvers that use one.
     options
         Options of the solver, as --name value.
     """
@@ -86,7 +106,7 @@ def solve_command(
             tell(step, steps)
             return not interrupted()
 
-        solution = solve(request, solver, balance=balance, progress=watch, **_values(options))
+        solution = solve(request, solver, balance=balance, level=level, progress=watch, **_values(options))
     _print_table([solution])
     if output_file is not None:
         output.write_drive(output_file, request, solution)
@@ -107,6 +127,9 @@ def compare_command(
 ) -> int:
     """Solve a scene file by several methods: a table, and a picture with a panel for each on one scale.
 
+    The column "gap" tells how far the weakest point stays below a level that no drive exceeds
+    (`midair.bound`, up to 64 points).
+
     Parameters
     ----------
     scene
@@ -123,8 +146,10 @@ def compare_command(
         output.check(image, output.IMAGES)
     names = _names(solvers)
     solutions, fields = [], []
+    most = None
     try:
         with _progress("comparing") as tell:
+            most = _bound(request)
             for done, name in enumerate(names):
                 solutions.append(solve(request, name, balance=balance))
                 if image is not None:
@@ -135,7 +160,8 @@ def compare_command(
     finally:
         # What was solved before an interruption is worth its line.
         if solutions:
-            _print_table(solutions)
+            gaps = None if most is None else [_gap(one, most, request.weights) for one in solutions]
+            _print_table(solutions, gaps)
     return 0
 
 
@@ -280,18 +306,38 @@ def _title(solution: Solution) -> str:
     return ", ".join([solution.solver, *(f"{key}={options[key]}" for key in told)])
 
 
-def _print_table(solutions: Sequence[Solution]) -> None:
-    """Metrics side by side; the leak into quiet points only where there are any."""
+def _print_table(solutions: Sequence[Solution], gaps: Sequence[float] | None = None) -> None:
+    """Metrics side by side; the leak only where there are quiet points, the gap where it is known."""
     names = ["accuracy", "sigma", "uniformity", "level", "residual"]
     if any(solution.metrics.leak > 0 for solution in solutions):
         names.append("leak")
-    table = Table("solver", *names, "limit", "steps", "time", "status", box=box.SIMPLE_HEAD, pad_edge=False)
-    for solution in solutions:
+    known = [] if gaps is None else ["gap"]
+    table = Table(
+        "solver", *names, *known, "limit", "steps", "time", "status", box=box.SIMPLE_HEAD, pad_edge=False
+    )
+    for k, solution in enumerate(solutions):
         numbers = [f"{getattr(solution.metrics, name):.4f}" for name in names]
+        numbers += [] if gaps is None else [f"{gaps[k]:.1%}"]
         limit = str(solution.options.get("limit", "-"))
         time = _duration(solution.elapsed)
-        table.add_row(solution.solver, *numbers, limit, str(solution.steps), time, solution.status)
+        status = solution.status if solution.scale == 1 else f"{solution.status}, scale {solution.scale:.3g}"
+        table.add_row(solution.solver, *numbers, limit, str(solution.steps), time, status)
     console.print(table)
+
+
+def _bound(scene: Scene) -> float | None:
+    """The level that no drive exceeds, or None where it would take too long to know."""
+    wanted = np.ones(len(scene.points), dtype=bool)
+    for given in (scene.pressures, scene.weights):
+        wanted &= True if given is None else given > 0
+    return bound(scene) if wanted.sum() <= BOUND_POINTS else None
+
+
+def _gap(solution: Solution, most: float, weights: NDArray[np.float64] | None) -> float:
+    """How far a solution's weakest point stays below that level, relative to it."""
+    heard = (solution.targets > 0) & (True if weights is None else weights > 0)
+    weakest = np.min(np.abs(solution.pressures[heard]) / solution.targets[heard])
+    return float(1 - weakest / most)
 
 
 def _duration(seconds: float) -> str:

@@ -78,6 +78,7 @@ def _record(scene: Scene, solution: Solution) -> dict[str, Any]:
         "points": scene.points,
         "targets": solution.targets,
         "pressures": solution.pressures,
+        "scale": solution.scale,
         **{name: getattr(metrics, name) for name in names},
         "scene": scene.json(solution),
     }

@@ -5,6 +5,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 
+use crate::levels::{self, on_device};
 use crate::{invalid, read, refused};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -13,7 +14,9 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 ///
 /// Normals are normalised and +z where left out. source_pressure (Pa m) is the on-axis pressure times distance
 /// at full drive, directivity a name ("point", "piston", "sinc", "cos", "t4010a1") or {name: parameter},
-/// response (N,) a complex factor of each transducer, 0 for a dead one.
+/// response (N,) a complex factor of each transducer, 0 for a dead one; mask (N,) is False where one is off.
+/// levels are what the device's channels know, {"phases": 256, "amplitudes": [0, 0.5, 1]}: every answer then lies on
+/// them. What is left out there, or None, is continuous.
 ///
 /// >>> import midair
 /// >>> midair.Array([[0, 0, 0], [0.01, 0, 0]]).positions.shape
@@ -51,22 +54,27 @@ pub(crate) fn rows<'py>(py: Python<'py>, vectors: &[[f64; 3]]) -> PyResult<Bound
 #[pymethods]
 impl Array {
     #[new]
-    #[pyo3(signature = (positions, normals=None, *, source_pressure=None, directivity=None, response=None))]
+    #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
+    #[pyo3(signature = (positions, normals=None, *, source_pressure=None, directivity=None, response=None, mask=None, levels=None))]
     fn new(
         positions: &Bound<'_, PyAny>,
         normals: Argument<'_, '_>,
         source_pressure: Argument<'_, '_>,
         directivity: Argument<'_, '_>,
         response: Argument<'_, '_>,
+        mask: Argument<'_, '_>,
+        levels: Argument<'_, '_>,
     ) -> PyResult<Self> {
         let normals = normals.map(|normals| read::vectors("normals", normals)).transpose()?;
         let array = midair::Array::new(read::vectors("positions", positions)?, normals).map_err(refused)?;
-        Ok(Self { inner: adjusted(array, source_pressure, directivity, response)? })
+        let array = adjusted(array, source_pressure, directivity, response)?;
+        Ok(Self { inner: on_device(array, mask, levels)? })
     }
 
     /// A flat grid of nx x ny transducers, pitch metres apart, centred in z = 0, x fastest.
     #[staticmethod]
-    #[pyo3(signature = (nx, ny, pitch, *, source_pressure=None, directivity=None, response=None))]
+    #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
+    #[pyo3(signature = (nx, ny, pitch, *, source_pressure=None, directivity=None, response=None, mask=None, levels=None))]
     fn grid(
         nx: &Bound<'_, PyAny>,
         ny: &Bound<'_, PyAny>,
@@ -74,21 +82,27 @@ impl Array {
         source_pressure: Argument<'_, '_>,
         directivity: Argument<'_, '_>,
         response: Argument<'_, '_>,
+        mask: Argument<'_, '_>,
+        levels: Argument<'_, '_>,
     ) -> PyResult<Self> {
         let (nx, ny) = (read::count("nx", nx)?, read::count("ny", ny)?);
         let array = midair::Array::grid(nx, ny, read::real("pitch", pitch)?).map_err(refused)?;
-        Ok(Self { inner: adjusted(array, source_pressure, directivity, response)? })
+        let array = adjusted(array, source_pressure, directivity, response)?;
+        Ok(Self { inner: on_device(array, mask, levels)? })
     }
 
     /// A known board or the paper's array; tiles = (x, y) boards. Keywords override the preset's values.
     #[staticmethod]
-    #[pyo3(signature = (name, tiles=None, *, source_pressure=None, directivity=None, response=None))]
+    #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
+    #[pyo3(signature = (name, tiles=None, *, source_pressure=None, directivity=None, response=None, mask=None, levels=None))]
     fn preset(
         name: &Bound<'_, PyAny>,
         tiles: Argument<'_, '_>,
         source_pressure: Argument<'_, '_>,
         directivity: Argument<'_, '_>,
         response: Argument<'_, '_>,
+        mask: Argument<'_, '_>,
+        levels: Argument<'_, '_>,
     ) -> PyResult<Self> {
         let Ok(name) = name.extract::<String>() else {
             return Err(invalid("preset", &name.to_string(), "give a name as text"));
@@ -109,7 +123,8 @@ impl Array {
             }
         };
         let array = midair::Array::preset(&name, tiles).map_err(refused)?;
-        Ok(Self { inner: adjusted(array, source_pressure, directivity, response)? })
+        let array = adjusted(array, source_pressure, directivity, response)?;
+        Ok(Self { inner: on_device(array, mask, levels)? })
     }
 
     /// The names of the presets; `midair.presets()` tells more.
@@ -134,6 +149,18 @@ impl Array {
     #[getter]
     fn response<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<Complex64>>> {
         self.inner.response().map(|response| response.to_pyarray(py))
+    }
+
+    /// Which transducers are on (N,), bool.
+    #[getter]
+    fn mask<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        levels::mask(py, &self.inner)
+    }
+
+    /// The device's levels as {"phases": L or None, "amplitudes": (K,) or None}, or None where any drive can be had.
+    #[getter]
+    fn levels<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        levels::shown(py, &self.inner)
     }
 
     /// P0 in Pa m.

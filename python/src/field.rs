@@ -217,6 +217,29 @@ pub(crate) fn field(
     Ok(Field { scene, places, pressure })
 }
 
+/// An upper bound on the level min |p| / target over the points with a pressure: no drive, quantised or not, exceeds it.
+///
+/// It is the value of a semidefinite relaxation and lies some 8 to 9 % above the best field known. At most 64 points.
+/// Pressures and weights go with Gains only.
+///
+/// >>> import midair
+/// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
+/// >>> level = midair.solve(scene, "wgs").metrics.level
+/// >>> level < midair.bound(scene) < 1.12 * level
+/// True
+#[pyfunction]
+#[pyo3(signature = (scene, *, pressures=None, weights=None))]
+pub(crate) fn bound(
+    py: Python<'_>,
+    scene: &Bound<'_, PyAny>,
+    pressures: Argument<'_, '_>,
+    weights: Argument<'_, '_>,
+) -> PyResult<f64> {
+    let task = Task::read(scene, pressures, weights)?;
+    let level = crate::level::level()?;
+    py.detach(|| midair::bound(&task.problem(level)?)).map_err(refused)
+}
+
 /// The metrics of a drive (N,), wholly in double precision. Pressures and weights go with Gains only.
 #[pyfunction]
 #[pyo3(signature = (scene, drive, *, pressures=None, weights=None))]
@@ -229,6 +252,7 @@ pub(crate) fn judge(
 ) -> PyResult<Metrics> {
     let task = Task::read(scene, pressures, weights)?;
     let drive = read::drive("drive", drive)?;
-    let metrics = py.detach(|| task.problem()?.judge(&drive)).map_err(refused)?;
+    let level = crate::level::level()?;
+    let metrics = py.detach(|| task.problem(level)?.judge(&drive)).map_err(refused)?;
     Ok(metrics.into())
 }

@@ -2,11 +2,16 @@
 //! and hands over the answer; it decides nothing.
 
 mod array;
+mod batch;
 mod field;
+mod level;
+mod levels;
 mod pulse;
 mod read;
 mod scene;
+mod setting;
 mod solve;
+mod solver;
 mod task;
 
 use pyo3::prelude::*;
@@ -40,11 +45,15 @@ mod _midair {
     #[pymodule_export]
     use super::array::{Array, PresetInfo, presets};
     #[pymodule_export]
-    use super::field::{Field, Plane, field, judge};
+    use super::batch::{Batch, BatchMetrics, solve_batch};
     #[pymodule_export]
-    use super::scene::{Gains, Scene};
+    use super::field::{Field, Plane, bound, field, judge};
+    #[pymodule_export]
+    use super::scene::{Gains, Reach, Scene};
     #[pymodule_export]
     use super::solve::{Metrics, OptionInfo, Solution, SolverInfo, solve, solvers};
+    #[pymodule_export]
+    use super::solver::Solver;
     #[pymodule_export]
     use super::{SceneError, SceneWarning};
 }

@@ -8,7 +8,7 @@ use pyo3::types::{IntoPyDict, PyBool, PyDict, PyFloat, PyInt, PyList, PyString, 
 use crate::{invalid, refused};
 
 /// How a value reads in an error: short, on one line.
-fn quoted(value: &Bound<'_, PyAny>) -> String {
+pub(crate) fn quoted(value: &Bound<'_, PyAny>) -> String {
     let text = value.repr().map_or_else(|_| "something".into(), |text| text.to_string());
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
     if text.chars().count() <= 60 { text } else { text.chars().take(57).chain("...".chars()).collect() }
@@ -116,6 +116,61 @@ fn integer(value: &Bound<'_, PyAny>) -> Option<i128> {
         }
     }
     value.call_method0("__index__").ok()?.extract().ok()
+}
+
+/// Points (B, M, 3) of a batch, one after the other, and B and M.
+pub(crate) fn batch_of_points(item: &str, value: &Bound<'_, PyAny>) -> PyResult<(Vec<[f64; 3]>, [usize; 2])> {
+    let cure = "give real numbers of shape (B, M, 3), in metres, B and M at least 1";
+    let array = numbers::<f64>(item, value, "iuf", "float64", cure)?;
+    match array.shape() {
+        &[count, size, 3] if count * size > 0 => {
+            Ok((array.as_slice()?.as_chunks().0.to_vec(), [count, size]))
+        }
+        _ => Err(invalid(item, &shape_of(&array), cure)),
+    }
+}
+
+/// Yes or no (N,).
+pub(crate) fn flags(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<bool>> {
+    let cure = "give True or False of shape (N,), one a transducer";
+    let array = value.py().import("numpy")?.call_method1("asarray", (value,));
+    let array = array.ok().and_then(|array| array.cast_into::<PyArrayDyn<bool>>().ok());
+    let array = array.ok_or_else(|| invalid(item, &quoted(value), cure))?.readonly();
+    match array.shape() {
+        [_] => Ok(array.as_array().iter().copied().collect()),
+        _ => Err(invalid(item, &shape_of(&array), cure)),
+    }
+}
+
+/// Numbers (B, M) of a batch; (M,) stand for every problem, one number for every point.
+pub(crate) fn batch_of_numbers(
+    item: &str,
+    value: &Bound<'_, PyAny>,
+    shape: [usize; 2],
+) -> PyResult<Vec<f64>> {
+    let [count, size] = shape;
+    let cure = format!("give one real number, {size} of them, or an array of shape ({count}, {size})");
+    let array = numbers::<f64>(item, value, "iuf", "float64", &cure)?;
+    match array.shape() {
+        [] => Ok(vec![array.as_slice()?[0]; count * size]),
+        &[length] if length == size => Ok(array.as_slice()?.repeat(count)),
+        &[rows, columns] if [rows, columns] == shape => Ok(array.as_slice()?.to_vec()),
+        _ => Err(invalid(item, &shape_of(&array), &cure)),
+    }
+}
+
+/// Drives (B, N) of a batch.
+pub(crate) fn batch_of_drives(
+    item: &str,
+    value: &Bound<'_, PyAny>,
+    shape: [usize; 2],
+) -> PyResult<Vec<Complex32>> {
+    let cure = format!("give complex drives of shape ({}, {}) or real point phases", shape[0], shape[1]);
+    let array = numbers::<Complex64>(item, value, "c", "complex128", &cure)?;
+    if array.shape() != shape {
+        return Err(invalid(item, &shape_of(&array), &cure));
+    }
+    Ok(array.as_slice()?.iter().map(|q| Complex32::new(q.re as f32, q.im as f32)).collect())
 }
 
 /// Complex numbers (N,) in double precision.

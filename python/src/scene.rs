@@ -214,9 +214,43 @@ impl Scene {
         matrix.into_pyarray(py).reshape([self.inner.points().len(), self.inner.array().len()])
     }
 
+    /// What the array can do at the points: the strongest pressure at each alone, and at all of them together.
+    fn reach(&self, py: Python<'_>) -> PyResult<Reach> {
+        let reach = py.detach(|| Ok(midair::Problem::new(&self.inner)?.reach())).map_err(refused)?;
+        Ok(Reach { inner: reach })
+    }
+
     fn __repr__(&self) -> String {
         let (n, m) = (self.inner.array().len(), self.inner.points().len());
         format!("<midair.Scene of {n} transducers and {m} points at {} Hz>", self.inner.medium().frequency)
+    }
+}
+
+/// What an array can do at a scene's points.
+#[pyclass(frozen, module = "midair")]
+pub(crate) struct Reach {
+    inner: midair::Reach,
+}
+
+#[pymethods]
+impl Reach {
+    /// The strongest pressure at each point alone (M,) in Pa: the sum of |G|.
+    #[getter]
+    fn alone<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.inner.alone.to_pyarray(py)
+    }
+
+    /// The balanced level (M,) in Pa: what the array can make at all points together, in the ratios of the pressures, if
+    /// they are a focal width apart.
+    #[getter]
+    fn level<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.inner.level.to_pyarray(py)
+    }
+
+    fn __repr__(&self) -> String {
+        let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+        let (alone, level) = (most(&self.inner.alone), most(&self.inner.level));
+        format!("<midair.Reach: up to {alone:.4} Pa alone, {level:.4} Pa together>")
     }
 }
 

@@ -3,7 +3,7 @@
 use std::ffi::CString;
 use std::time::Instant;
 
-use midair::{Complex32, Control, Progress, Workspace, solvers as registry};
+use midair::{Complex32, Control, OptionValue, Progress, Workspace, solvers as registry};
 use numpy::{IntoPyArray, PyArray1, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -56,6 +56,17 @@ pub(crate) struct Solution {
     pub(crate) choice: midair::Choice,
     trace: Option<Vec<f64>>,
     elapsed: f64,
+}
+
+impl Solution {
+    pub(crate) fn new(
+        inner: midair::Solution,
+        choice: midair::Choice,
+        trace: Option<Vec<f64>>,
+        elapsed: f64,
+    ) -> Self {
+        Self { inner, choice, trace, elapsed }
+    }
 }
 
 #[pymethods]
@@ -114,6 +125,13 @@ impl Solution {
         self.inner.steps
     }
 
+    /// What supply or modulation have to multiply all drives by, at most 1: below 1 where the answer asks for less than
+    /// the device's least amplitude above 0. The pressures count it in, the drives do not.
+    #[getter]
+    fn scale(&self) -> f64 {
+        self.inner.scale
+    }
+
     /// Seconds from the checked scene to the answer.
     #[getter]
     fn elapsed(&self) -> f64 {
@@ -132,7 +150,7 @@ impl Solution {
         &self.choice.name
     }
 
-    /// Every option in full, and whether the targets were balanced.
+    /// Every option in full, whether the targets were balanced, and the level where the method uses one.
     #[getter]
     fn options<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         read::option_dict(py, &self.choice.table())
@@ -142,7 +160,9 @@ impl Solution {
         let metrics = self.inner.metrics();
         let (name, status) = (&self.choice.name, self.inner.status);
         let (accuracy, sigma) = (metrics.accuracy, metrics.sigma);
-        format!("<midair.Solution by {name}: {status}, accuracy {accuracy:.4}, sigma {sigma:.4}>")
+        let scale = self.inner.scale;
+        let supply = if scale < 1.0 { format!(", drives to be scaled by {scale:.4}") } else { String::new() };
+        format!("<midair.Solution by {name}: {status}, accuracy {accuracy:.4}, sigma {sigma:.4}{supply}>")
     }
 }
 
@@ -166,11 +186,25 @@ fn chosen(
         name.or_else(|| file.map(|choice| choice.name.clone())).unwrap_or_else(|| registry::DEFAULT.into());
     let mut options = file.map(|choice| choice.options.clone()).unwrap_or_default();
     options.extend(given);
-    Ok(midair::Choice { name, options, balance: file.and_then(|choice| choice.balance) })
+    let (balance, level) = file.map_or((None, None), |choice| (choice.balance, choice.level));
+    Ok(midair::Choice { name, options, balance, level })
+}
+
+/// A level by its name.
+pub(crate) fn aim(level: &Bound<'_, PyAny>) -> PyResult<midair::Aim> {
+    match level.extract::<String>() {
+        Ok(name) => midair::Aim::read("level", &midair::Value::Text(name)).map_err(refused),
+        Err(_) => Err(invalid("level", &level.to_string(), "give \"target\" or \"max\"")),
+    }
+}
+
+/// True or False.
+pub(crate) fn flag(item: &str, value: &Bound<'_, PyAny>) -> PyResult<bool> {
+    value.extract().map_err(|_| invalid(item, &value.to_string(), "give True, False or None"))
 }
 
 /// A start: a Solution or complex numbers are a drive (N,), real numbers are point phases (M,).
-fn begin(start: &Bound<'_, PyAny>) -> PyResult<midair::Start> {
+pub(crate) fn begin(start: &Bound<'_, PyAny>) -> PyResult<midair::Start> {
     if let Ok(solution) = start.cast::<Solution>() {
         return Ok(midair::Start::Drive(solution.get().inner.drive.clone()));
     }
@@ -219,40 +253,39 @@ pub(crate) fn solve(
     {
         return Err(invalid("progress", &callback.to_string(), "give a function of (step, steps, residual)"));
     }
-    let configured = registry::find(&choice.name).and_then(|entry| entry.configure(&choice.options));
-    let configured = configured.map_err(refused)?;
-    for (argument, value, uses) in [
-        ("level", level, (|info| info.uses_level) as fn(&registry::Info) -> bool),
-        ("start", start, |info| info.uses_start),
-    ] {
-        if value.is_some() && !uses(configured.info) {
-            return Err(refused(registry::unused(argument, configured.info.name, uses)));
-        }
+    if let Some(level) = level {
+        choice.level = Some(aim(level)?);
+    }
+    let configured = choice.configured(task.levels()).map_err(refused)?;
+    if start.is_some() && !configured.info.uses_start {
+        return Err(refused(registry::unused("start", configured.info.name, |info| info.uses_start)));
     }
     if let Some(balance) = balance {
-        let Ok(balance) = balance.extract::<bool>() else {
-            return Err(invalid("balance", &balance.to_string(), "give True, False or None"));
-        };
-        choice.balance = Some(balance);
+        choice.balance = Some(flag("balance", balance)?);
     }
     let balance = choice.balance.unwrap_or(configured.info.balance);
     choice.balance = Some(balance);
     choice.options = configured.options;
     let clock = Instant::now();
     let start = start.map(begin).transpose()?;
+    let level = crate::level::level()?;
     let problem = py.detach(|| match start {
-        None => task.problem(),
-        Some(start) => task.problem()?.with_start(start),
+        None => task.problem(level),
+        Some(start) => task.problem(level)?.with_start(start),
     });
-    let problem = problem.map_err(refused)?;
-    if problem.is_weak() && !balance {
+    let mut problem = problem.map_err(refused)?;
+    if let Some(level) = choice.level {
+        problem = problem.with_aim(level);
+    }
+    if configured.info.uses_level {
+        choice.level = Some(problem.aim());
+    } else if problem.is_weak() && !balance {
         let part = 1.0 / problem.balance();
         let part = if part < 0.01 { format!("{part:.1e}") } else { format!("{part:.2}") };
         let text = format!(
             "targets are {part} of the balanced level: foci this weak come out smeared, balance=True cures it"
         );
-        let text = CString::new(text).unwrap_or_default();
-        PyErr::warn(py, &py.get_type::<SceneWarning>(), &text, 1)?;
+        warn(py, text)?;
     }
     let mut pulse = Pulse::new(progress);
     let (solution, trace) = py.detach(|| {
@@ -265,7 +298,23 @@ pub(crate) fn solve(
     });
     let elapsed = clock.elapsed().as_secs_f64();
     pulse.raised()?;
-    Ok(Solution { inner: solution.map_err(refused)?, choice, trace, elapsed })
+    let inner = solution.map_err(refused)?;
+    if let Some(beyond) = py.detach(|| problem.beyond()) {
+        warn(py, beyond.to_string())?;
+    }
+    if inner.scale < 1.0 {
+        let scale = inner.scale;
+        let text = format!(
+            "the device has no amplitude this low: scale all drives by {scale:.4} by supply or modulation (solution.scale)"
+        );
+        warn(py, text)?;
+    }
+    Ok(Solution { inner, choice, trace, elapsed })
+}
+
+/// Warns by a `SceneWarning`.
+fn warn(py: Python<'_>, text: String) -> PyResult<()> {
+    PyErr::warn(py, &py.get_type::<SceneWarning>(), &CString::new(text).unwrap_or_default(), 1)
 }
 
 /// One option of a solver.

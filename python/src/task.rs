@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use midair::Problem;
+use midair::{Level, Problem};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
@@ -44,10 +44,19 @@ impl Task {
         Err(PyTypeError::new_err(format!("expected a midair.Scene or midair.Gains first, not {kind}")))
     }
 
-    pub(crate) fn problem(&self) -> Result<Problem, midair::Error> {
+    pub(crate) fn problem(&self, level: Level) -> Result<Problem, midair::Error> {
+        let (gains, request) = match self {
+            Self::Scene(scene) => (midair::Gains::of(scene), scene.request()),
+            Self::Gains(gains, request) => (gains.clone(), request),
+        };
+        Problem::with_gains(gains.with_level(level), request)
+    }
+
+    /// The levels of the scene's device.
+    pub(crate) fn levels(&self) -> Option<&midair::Levels> {
         match self {
-            Self::Scene(scene) => Problem::new(scene),
-            Self::Gains(gains, request) => Problem::with_gains(gains.clone(), request),
+            Self::Scene(scene) => scene.array().levels(),
+            Self::Gains(..) => None,
         }
     }
 

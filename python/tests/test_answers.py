@@ -48,6 +48,7 @@ ODD: dict[str, Callable[[], midair.Scene]] = {
 }
 
 
+@pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("odd", ODD)
 def test_odd_request_is_answered(odd: str, solver: str) -> None:

@@ -93,7 +93,7 @@ def test_help_names_every_option(run: Run, command: str) -> None:
     status, out, err = run(*command.split(), "--help")
     words = {
         "": ["solve", "compare", "solvers", "presets"],
-        "solve": ["--solver", "--output", "-o", "--image", "--balance"],
+        "solve": ["--solver", "--output", "-o", "--image", "--balance", "--level"],
         "compare": ["--solvers", "--image", "--balance"],
     }
     assert (status, err) == (0, "")
@@ -179,7 +179,7 @@ def test_npz_holds_the_drive_and_what_it_does(run: Run) -> None:
         "pressures": solution.pressures,
     }
     with np.load("drive.npz", allow_pickle=False) as record:
-        assert set(record) == {*arrays, *METRICS, "scene"}
+        assert set(record) == {*arrays, *METRICS, "scale", "scene"}
         for name, array in arrays.items():
             assert same_bits(record[name], array)
         assert {name: float(record[name]) for name in METRICS} == numbers(solution.metrics)
@@ -192,7 +192,7 @@ def test_json_holds_the_same_as_plain_numbers(run: Run) -> None:
     scene, solution = expected()
     record = json.loads(Path("drive.json").read_text())
     reals = ["amplitudes", "phases", "positions", "points", "targets"]
-    assert set(record) == {"drive", "pressures", *reals, *METRICS, "scene"}
+    assert set(record) == {"drive", "pressures", *reals, *METRICS, "scale", "scene"}
     for name in ("drive", "pressures"):
         pairs = np.array(record[name])
         assert pairs.shape == (len(getattr(solution, name)), 2)

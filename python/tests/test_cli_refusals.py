@@ -17,11 +17,11 @@ grid = { nx = 6, ny = 5, pitch = 0.01 }
 
 [[points]]
 position = [-0.02, 0.0, 0.1]
-pressure = 1500.0
+pressure = 900.0
 
 [[points]]
 position = [0.015, 0.01, 0.1]
-pressure = 1500.0
+pressure = 900.0
 """
 
 #: There so that a hang is a failure and not a hung suite.
@@ -71,14 +71,14 @@ FILES: dict[str, tuple[bytes, str]] = {
     "a position that is none": (changed("-0.02, 0.0, 0.1", "nan, 0.0, 0.1"), "points[0].position"),
     "an infinite position": (changed("0.015, 0.01, 0.1", "0.0, 0.0, inf"), "points[1].position"),
     "a point on a transducer": (changed("0.015, 0.01, 0.1", "0.005, 0.01, 0.0"), "points[1]"),
-    "pressure on some points only": (changed("pressure = 1500.0\n", ""), "points[0].pressure"),
-    "all pressures 0": (SCENE.replace("1500.0", "0.0").encode(), "all 0"),
-    "a pressure that is none": (changed("1500.0", "nan"), "points[0].pressure"),
-    "a pressure below 0": (changed("1500.0", "-1.0"), "points[0].pressure"),
-    "a pressure in words": (changed("1500.0", '"1500"'), "line 7"),
-    "a pressure that is true": (changed("1500.0", "true"), "line 7"),
-    "all weights 0": (SCENE.replace("1500.0", "1500.0\nweight = 0").encode(), "weights"),
-    "a weight below 0": (changed("1500.0", "1500.0\nweight = -1"), "points[0].weight"),
+    "pressure on some points only": (changed("pressure = 900.0\n", ""), "points[0].pressure"),
+    "all pressures 0": (SCENE.replace("900.0", "0.0").encode(), "all 0"),
+    "a pressure that is none": (changed("900.0", "nan"), "points[0].pressure"),
+    "a pressure below 0": (changed("900.0", "-1.0"), "points[0].pressure"),
+    "a pressure in words": (changed("900.0", '"900"'), "line 7"),
+    "a pressure that is true": (changed("900.0", "true"), "line 7"),
+    "all weights 0": (SCENE.replace("900.0", "900.0\nweight = 0").encode(), "weights"),
+    "a weight below 0": (changed("900.0", "900.0\nweight = -1"), "points[0].weight"),
     "a frequency of 0": (SCENE.encode() + b"\n[medium]\nfrequency = 0.0\n", "frequency"),
     "two sound speeds": (SCENE.encode() + b"\n[medium]\nsound_speed = 340\ntemperature = 20\n", "keep one"),
     "an unknown directivity": (changed("[array]", '[array]\ndirectivity = "pistn"'), "pistn"),
@@ -131,6 +131,7 @@ ARGUMENTS: dict[str, tuple[str, str]] = {
     "order of half": ("solve scene.toml --order [1,0] -o out.csv", "order"),
     "order of a deep nest": ("solve scene.toml -o out.csv --order " + "[" * 100000, "order"),
     "balance of no sense": ("solve scene.toml --balance maybe", "maybe"),
+    "level of no sense": ("solve scene.toml --solver uniform --level loud -o out.csv", "level"),
     "level nobody uses": ("solve scene.toml --solver naive --level max -o out.csv", "level"),
     "pressures": ("solve scene.toml --pressures 5 -o out.csv", "pressures"),
     "start": ("solve scene.toml --start 5 -o out.csv", "start"),

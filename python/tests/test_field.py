@@ -58,6 +58,7 @@ def test_field_takes_points_anywhere() -> None:
     assert np.array_equal(field.points, points)
 
 
+@pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 def test_field_at_the_points_is_what_the_solution_says() -> None:
     scene = small(pressures=[1e3, 500, 0, 2e3])
     solution = midair.solve(scene, "greedy")

@@ -38,7 +38,7 @@ def test_keywords_have_the_names_and_order_of_the_design() -> None:
     parameters = {
         midair.Scene: "array points pressures weights frequency sound_speed temperature absorption density "
         "source_pressure directivity",
-        midair.Array: "positions normals source_pressure directivity response",
+        midair.Array: "positions normals source_pressure directivity response mask levels",
         midair.Plane: "z size pixels center",
         midair.solve: "scene solver pressures weights balance level start progress trace options",
         midair.judge: "scene drive pressures weights",
@@ -61,6 +61,7 @@ def test_defaults_are_those_of_the_conventions() -> None:
     assert (plane.pixels, plane.center) == (200, (0, 0))
 
 
+@pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 def test_shapes_and_types_are_those_of_the_conventions() -> None:
     scene = small(pressures=[1e3, 2e3, 0, 500], weights=[1, 2, 3, 0])
     solution = midair.solve(scene, "greedy", amplitudes=3)

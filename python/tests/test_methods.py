@@ -162,14 +162,14 @@ def test_wgs_is_even_and_does_not_oscillate() -> None:
             assert even.uniformity >= plain.uniformity - 1e-6
 
 
-STARTED = ("lm", "gspat", "gs", "wgs", "sdp")
+STARTED = ("uniform", "best", "lm", "gspat", "gs", "wgs", "sdp")
 
 
 @pytest.mark.parametrize("name", sorted(midair.solvers()))
 def test_a_start_is_used_or_refused(name: str) -> None:
     where = scene(4, 0)
     if name not in STARTED:
-        with pytest.raises(midair.SceneError, match="lm, gspat, gs, wgs, sdp"):
+        with pytest.raises(midair.SceneError, match="uniform, best, lm, gspat, gs, wgs, sdp"):
             midair.solve(where, name, start=np.zeros(4))
         return
     first = midair.solve(where, name)
@@ -182,7 +182,7 @@ def test_a_start_is_used_or_refused(name: str) -> None:
         midair.solve(where, name, start=[0, np.nan, 0, 0])
 
 
-@pytest.mark.parametrize("name", ["lm", "gspat", "gs", "wgs"])
+@pytest.mark.parametrize("name", ["uniform", "best", "lm", "gspat", "gs", "wgs"])
 def test_going_on_from_an_answer_makes_it_no_worse(name: str) -> None:
     for count, seed, steps in [(4, 0, 1), (16, 1, 1), (16, 2, 5), (64, 3, 5)]:
         first = midair.solve(scene(count, seed), name, balance=False)

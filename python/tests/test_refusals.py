@@ -286,6 +286,7 @@ def test_point_on_a_transducer_names_both_and_their_distance() -> None:
     assert usable(midair.solve(scene(points=[[0.005, 0.005, 8.6e-5]])))
 
 
+@pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 def test_point_that_nothing_reaches_is_named() -> None:
     for array in (
         midair.Array.grid(4, 4, pitch=0.01, directivity="piston"),

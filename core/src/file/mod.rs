@@ -1,5 +1,6 @@
 //! The scene file: TOML or JSON, one schema, read and written here for every door.
 
+mod levels;
 mod tables;
 
 use alloc::format;

@@ -9,13 +9,13 @@ use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 use super::Provenance;
+use super::levels::LevelsTable;
 use crate::array::{Array, Origin};
 use crate::directivity::{Directivity, Transducer};
 use crate::error::Error;
 use crate::medium::Medium;
 use crate::options::{Choice, Options, Value};
 use crate::scene::{Plane, Request, Scene};
-use crate::solvers;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -93,6 +93,10 @@ struct ArrayTable {
     directivity: Option<DirectivityTable>,
     #[serde(skip_serializing_if = "Option::is_none")]
     response: Option<Vec<Numbers<2>>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mask: Option<Vec<bool>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    levels: Option<LevelsTable>,
 }
 
 #[derive(Clone, Copy, Serialize, Deserialize)]
@@ -204,6 +208,8 @@ impl SceneTable {
         });
         place.response =
             array.response().map(|response| response.iter().map(|c| Numbers([c.re, c.im])).collect());
+        place.mask = array.mask().map(<[_]>::to_vec);
+        place.levels = LevelsTable::of(array);
         let points = scene.points().iter().enumerate().map(|(j, &position)| PointTable {
             position: Numbers(position),
             pressure: request.pressures.as_ref().map(|pressures| pressures[j]),
@@ -261,7 +267,7 @@ impl SceneTable {
             let options: Options =
                 table.options.into_iter().map(|(name, value)| (name, value.into())).collect();
             let choice = Choice::new(table.name, options)?;
-            solvers::find(&choice.name)?.configure(&choice.options)?;
+            choice.configured(scene.array().levels())?;
             scene.solver = Some(choice);
         }
         Ok(scene)
@@ -324,7 +330,9 @@ impl ArrayTable {
         let response = self
             .response
             .map(|list| plain(list).into_iter().map(|[re, im]| Complex64::new(re, im)).collect());
-        array.with_response(response)
+        let levels =
+            self.levels.map_or_else(|| Ok(array.levels().cloned()), |table| table.levels().map(Some))?;
+        array.with_response(response)?.with_mask(self.mask).map(|array| array.with_levels(levels))
     }
 }
 

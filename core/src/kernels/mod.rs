@@ -1,19 +1,35 @@
 //! Every loop worth vectorising, behind safe functions of slices.
 //!
 //! Numbers are f32, complex ones planar (re and im apart), slices padded to a multiple of [`LANES`]. Each loop
-//! works on a fixed array of 16 lanes in a fixed order and never asks what the machine is, so the compiler
-//! vectorises it for whatever it compiles for and the result has the same bits everywhere.
+//! is written once over [`simd::Simd`], 16 lanes and a fixed order of sums, and compiled for every [`Level`].
 
+pub(crate) mod fast;
+pub(crate) mod greedy;
+pub(crate) mod level;
+mod matrix;
+mod moments;
+pub(crate) use moments::Sixteen;
 mod pressure;
 mod row;
+mod rows;
 mod search;
+pub(crate) mod shortlist;
+pub(crate) mod simd;
+mod table;
 #[cfg(test)]
 mod tests;
+pub(crate) mod tiles;
+mod turn;
 mod turns;
 
-pub(crate) use pressure::{accumulate, add_scaled, correlate, dot, modulus, project, squares};
-pub(crate) use row::{Law, Row, Source, Spots, magnitudes, row};
-pub(crate) use search::{Candidates, L1, L2, Points, Term, best, tolerance};
+pub use level::Level;
+pub(crate) use matrix::{add_waves, combine_rows, correlate_rows, gram, gram_floats};
+pub(crate) use pressure::{accumulate, add_outer, correlate, dot, modulus, project, squares};
+pub(crate) use row::{Law, Row, Source, Spots, add_moduli, row};
+pub(crate) use rows::Rows;
+pub(crate) use search::{Candidates, L1, L2, table};
+pub(crate) use table::Table;
+pub(crate) use turn::{keep, turn};
 
 /// Numbers worked on at once: one AVX-512 register, four of SSE2, NEON or wasm.
 pub(crate) const LANES: usize = 16;

@@ -1,81 +1,109 @@
 //! The pressures at the points: adding a transducer, moduli, projections, squares.
 
-use core::array::from_fn;
-
-use super::{LANES, Lanes, groups, groups_mut};
-use crate::math::sqrtf;
+use super::level::{Level, dispatch};
+use super::simd::{Simd, TINY};
+use super::{LANES, groups, groups_mut};
 
 /// P += G q, q = (re, im).
-pub(crate) fn accumulate(row: [&[f32]; 2], drive: [f32; 2], re: &mut [f32], im: &mut [f32]) {
-    let [qr, qi] = drive;
+#[inline(always)]
+pub(crate) fn add_wave<S: Simd>(s: S, row: [&[f32]; 2], drive: [f32; 2], re: &mut [f32], im: &mut [f32]) {
+    let (qr, qi) = (s.splat(drive[0]), s.splat(drive[1]));
     let rows = groups(row[0]).iter().zip(groups(row[1]));
     for ((gr, gi), (pr, pi)) in rows.zip(groups_mut(re).iter_mut().zip(groups_mut(im))) {
-        *pr = from_fn(|l| pr[l] + (gr[l] * qr - gi[l] * qi));
-        *pi = from_fn(|l| pi[l] + (gr[l] * qi + gi[l] * qr));
+        let (r, i) = (s.load(gr), s.load(gi));
+        s.store(s.fma(r, qr, s.fnma(i, qi, s.load(pr))), pr);
+        s.store(s.fma(r, qi, s.fma(i, qr, s.load(pi))), pi);
     }
 }
 
-/// out = |P|.
-pub(crate) fn modulus(re: &[f32], im: &[f32], out: &mut [f32]) {
-    for ((re, im), out) in groups(re).iter().zip(groups(im)).zip(groups_mut(out)) {
-        *out = from_fn(|l| sqrtf(re[l] * re[l] + im[l] * im[l]));
-    }
+/// P += G q, q = (re, im).
+pub(crate) fn accumulate(level: Level, row: [&[f32]; 2], drive: [f32; 2], re: &mut [f32], im: &mut [f32]) {
+    dispatch!(level, s => add_wave(s, row, drive, re, im));
+}
+
+/// out = |P|; 0 where |P|^2 is below the smallest normal number.
+pub(crate) fn modulus(level: Level, re: &[f32], im: &[f32], out: &mut [f32]) {
+    dispatch!(level, s => {
+        for ((re, im), out) in groups(re).iter().zip(groups(im)).zip(groups_mut(out)) {
+            let (re, im) = (s.load(re), s.load(im));
+            s.store(root(s, s.fma(re, re, s.mul(im, im))), out);
+        }
+    });
+}
+
+/// sqrt(a) of a >= 0; 0 below the smallest normal number.
+#[inline(always)]
+pub(crate) fn root<S: Simd>(s: S, a: S::V) -> S::V {
+    let least = s.splat(TINY);
+    s.select_less(a, least, s.splat(0.0), s.roots(s.max(a, least)).0)
 }
 
 /// sum_j conj(G_j) t_j for real t: (re, im).
-pub(crate) fn project(row: [&[f32]; 2], targets: &[f32]) -> [f32; 2] {
-    let mut re = [0.0; LANES];
-    let mut im = [0.0; LANES];
-    for ((gr, gi), t) in groups(row[0]).iter().zip(groups(row[1])).zip(groups(targets)) {
-        re = from_fn(|l| re[l] + gr[l] * t[l]);
-        im = from_fn(|l| im[l] - gi[l] * t[l]);
+pub(crate) fn project(level: Level, row: [&[f32]; 2], targets: &[f32]) -> [f32; 2] {
+    dispatch!(level, s => {
+        let (mut re, mut im) = (s.splat(0.0), s.splat(0.0));
+        for ((gr, gi), t) in groups(row[0]).iter().zip(groups(row[1])).zip(groups(targets)) {
+            re = s.fma(s.load(gr), s.load(t), re);
+            im = s.fnma(s.load(gi), s.load(t), im);
+        }
+        [s.sum(re), s.sum(im)]
+    })
+}
+
+/// sum_j conj(G_j) p_j for complex p: (re, im), lanes apart.
+#[inline(always)]
+pub(crate) fn correlation<S: Simd>(s: S, row: [&[f32]; 2], pressure: [&[f32]; 2]) -> [S::V; 2] {
+    let (mut re, mut im) = (s.splat(0.0), s.splat(0.0));
+    let pressures = groups(pressure[0]).iter().zip(groups(pressure[1]));
+    for ((gr, gi), (pr, pi)) in groups(row[0]).iter().zip(groups(row[1])).zip(pressures) {
+        let (gr, gi, pr, pi) = (s.load(gr), s.load(gi), s.load(pr), s.load(pi));
+        re = s.fma(gr, pr, s.fma(gi, pi, re));
+        im = s.fma(gr, pi, s.fnma(gi, pr, im));
     }
-    [sum(&re), sum(&im)]
+    [re, im]
 }
 
 /// sum_j conj(G_j) p_j for complex p: (re, im).
-pub(crate) fn correlate(row: [&[f32]; 2], pressure: [&[f32]; 2]) -> [f32; 2] {
-    let mut re = [0.0; LANES];
-    let mut im = [0.0; LANES];
-    let pressures = groups(pressure[0]).iter().zip(groups(pressure[1]));
-    for ((gr, gi), (pr, pi)) in groups(row[0]).iter().zip(groups(row[1])).zip(pressures) {
-        re = from_fn(|l| re[l] + (gr[l] * pr[l] + gi[l] * pi[l]));
-        im = from_fn(|l| im[l] + (gr[l] * pi[l] - gi[l] * pr[l]));
-    }
-    [sum(&re), sum(&im)]
+pub(crate) fn correlate(level: Level, row: [&[f32]; 2], pressure: [&[f32]; 2]) -> [f32; 2] {
+    dispatch!(level, s => {
+        let [re, im] = correlation(s, row, pressure);
+        [s.sum(re), s.sum(im)]
+    })
 }
 
 /// sum_j a_j b_j.
-pub(crate) fn dot(a: &[f32], b: &[f32]) -> f32 {
-    let mut total = [0.0; LANES];
-    for (a, b) in groups(a).iter().zip(groups(b)) {
-        total = from_fn(|l| total[l] + a[l] * b[l]);
-    }
-    sum(&total)
+pub(crate) fn dot(level: Level, a: &[f32], b: &[f32]) -> f32 {
+    dispatch!(level, s => {
+        let mut total = s.splat(0.0);
+        for (a, b) in groups(a).iter().zip(groups(b)) {
+            total = s.fma(s.load(a), s.load(b), total);
+        }
+        s.sum(total)
+    })
 }
 
-/// out += f a for four vectors at once: `out += sum_b factors_b vectors_b`.
-pub(crate) fn add_scaled(factors: [f32; 4], vectors: [&[f32]; 4], out: &mut [f32]) {
-    let [a, b, c, d] = vectors.map(groups);
-    let pairs = a.iter().zip(b).zip(c.iter().zip(d));
-    for (((a, b), (c, d)), out) in pairs.zip(groups_mut(out)) {
-        *out = from_fn(|l| {
-            out[l] + ((factors[0] * a[l] + factors[1] * b[l]) + (factors[2] * c[l] + factors[3] * d[l]))
-        });
-    }
+/// matrix += `sum_b v_b v_b^T` for four vectors, the rows up to the diagonal's group of lanes.
+pub(crate) fn add_outer(level: Level, vectors: [&[f32]; 4], matrix: &mut [f32]) {
+    dispatch!(level, s => {
+        let size = vectors[0].len();
+        let [a, b, c, d] = vectors.map(groups);
+        for (k, row) in matrix.chunks_exact_mut(size).enumerate() {
+            let [fa, fb, fc, fd] = vectors;
+            let factors = [s.splat(fa[k]), s.splat(fb[k]), s.splat(fc[k]), s.splat(fd[k])];
+            for (g, out) in groups_mut(row).iter_mut().enumerate().take(k / LANES + 1) {
+                let sum = s.fma(factors[0], s.load(&a[g]), s.fma(factors[1], s.load(&b[g]), s.load(out)));
+                s.store(s.fma(factors[2], s.load(&c[g]), s.fma(factors[3], s.load(&d[g]), sum)), out);
+            }
+        }
+    });
 }
 
 /// out += |G|^2.
-pub(crate) fn squares(row: [&[f32]; 2], out: &mut [f32]) {
-    for ((re, im), out) in groups(row[0]).iter().zip(groups(row[1])).zip(groups_mut(out)) {
-        *out = from_fn(|l| out[l] + (re[l] * re[l] + im[l] * im[l]));
-    }
-}
-
-/// The sum over lanes, halves upon halves: a fixed tree, so that its rounding is part of the contract.
-#[inline(always)]
-fn sum(lanes: &Lanes) -> f32 {
-    let eight: [f32; 8] = from_fn(|l| lanes[l] + lanes[l + 8]);
-    let four: [f32; 4] = from_fn(|l| eight[l] + eight[l + 4]);
-    (four[0] + four[2]) + (four[1] + four[3])
+pub(crate) fn squares(level: Level, row: [&[f32]; 2], out: &mut [f32]) {
+    dispatch!(level, s => {
+        for ((re, im), out) in groups(row[0]).iter().zip(groups(row[1])).zip(groups_mut(out)) {
+            let (re, im) = (s.load(re), s.load(im));
+            s.store(s.fma(re, re, s.fma(im, im, s.load(out))), out);
+        }
+    });
 }

@@ -1,20 +1,22 @@
-//! The brute-force search of the greedy method: which candidate drive lowers the energy most.
+//! The exact search of the greedy method: which candidate drive lowers the energy most.
 //!
 //! Sixteen candidates lie in the lanes and the points pass by one after another, so nothing is padded in the
 //! points and no sum runs across lanes.
 
-use core::array::from_fn;
-
-use super::{LANES, Lanes, groups, padded};
-use crate::math::{cos, sin, sqrtf};
+use super::moments::Sixteen;
+use super::simd::{Simd, TINY};
+use super::{LANES, Lanes, groups};
+use crate::math::{cos, sin};
 use alloc::vec::Vec;
 
 /// A point's term of eq. (7), by its change when |P| rises towards its target or past it.
 pub(crate) trait Term {
+    /// Whether it is (t - |P|)^2, whose moments are known.
+    const SQUARE: bool;
     /// The change of the term when |P| rises by `rise`, `gap` = target - |P| before.
-    fn change(rise: f32, gap: f32) -> f32;
+    fn change<S: Simd>(s: S, rise: S::V, gap: S::V) -> S::V;
     /// A bound on it for a drive of modulus 1: `gain` bounds |G|, and so |rise|.
-    fn bound(gain: f32, gap: f32) -> f32;
+    fn bound<S: Simd>(s: S, gain: S::V, gap: S::V) -> S::V;
 }
 
 /// (t - |P|)^2, the paper's eq. (7).
@@ -24,38 +26,39 @@ pub(crate) struct L2;
 pub(crate) struct L1;
 
 impl Term for L2 {
+    const SQUARE: bool = true;
+
     #[inline(always)]
-    fn change(rise: f32, gap: f32) -> f32 {
-        rise * (rise - (gap + gap))
+    fn change<S: Simd>(s: S, rise: S::V, gap: S::V) -> S::V {
+        s.mul(rise, s.sub(rise, s.add(gap, gap)))
     }
 
     #[inline(always)]
-    fn bound(gain: f32, gap: f32) -> f32 {
-        gain * (gain + 2.0 * gap.abs())
+    fn bound<S: Simd>(s: S, gain: S::V, gap: S::V) -> S::V {
+        let gap = s.abs(gap);
+        s.mul(gain, s.add(gain, s.add(gap, gap)))
     }
 }
 
 impl Term for L1 {
+    const SQUARE: bool = false;
+
     #[inline(always)]
-    fn change(rise: f32, gap: f32) -> f32 {
-        (gap - rise).abs() - gap.abs()
+    fn change<S: Simd>(s: S, rise: S::V, gap: S::V) -> S::V {
+        s.sub(s.abs(s.sub(gap, rise)), s.abs(gap))
     }
 
     #[inline(always)]
-    fn bound(gain: f32, _gap: f32) -> f32 {
+    fn bound<S: Simd>(_: S, gain: S::V, _gap: S::V) -> S::V {
         gain
     }
 }
 
-/// The points as the search sees them: their pressures, this transducer's gains, and what is asked for. All
-/// slices are padded alike.
+/// The points as the search sees them: their pressures and what is asked for, and this transducer's gains.
 #[derive(Clone, Copy)]
 pub(crate) struct Points<'a> {
-    pub(crate) pressure: [&'a [f32]; 2],
-    pub(crate) modulus: &'a [f32],
+    pub(crate) kept: &'a [Sixteen],
     pub(crate) gain: [&'a [f32]; 2],
-    pub(crate) target: &'a [f32],
-    pub(crate) weight: &'a [f32],
     /// How many of them are points; the rest is padding.
     pub(crate) count: usize,
 }
@@ -63,134 +66,231 @@ pub(crate) struct Points<'a> {
 /// Squares of smaller numbers vanish in f32; added to |P| + |P + e| it keeps 0/0 away.
 const SMALLEST: f32 = 1e-20;
 
-/// Candidate drives a e^{j phi}, a = (k+1)/K outer, phi = 2 pi l/L inner.
+/// Length of a table of phases: any 16 of them can be read, from any phase on.
+pub(crate) const fn table(phases: usize) -> usize {
+    phases + LANES
+}
+
+/// Candidate drives a e^{j phi}: amplitudes outer, phases inner.
 pub(crate) struct Candidates {
-    re: Vec<f32>,
-    im: Vec<f32>,
-    count: usize,
+    /// cos and sin of the phases, and the last one again up to [`table`]: a copy never wins against its original.
+    cos: Vec<f32>,
+    sin: Vec<f32>,
+    /// The amplitudes.
+    levels: Vec<f32>,
+    pub(crate) phases: usize,
+    pub(crate) amplitudes: usize,
 }
 
 impl Candidates {
-    /// Fills two buffers with K = `amplitudes` times L = `phases` candidates; their length is set here.
-    pub(crate) fn new(phases: usize, amplitudes: usize, mut re: Vec<f32>, mut im: Vec<f32>) -> Self {
-        let count = phases * amplitudes;
-        for buffer in [&mut re, &mut im] {
+    /// K = `amplitudes` times L = `phases` candidates: a = (k+1)/K outer, phi = 2 pi l/L inner.
+    #[cfg(test)]
+    pub(crate) fn new(phases: usize, amplitudes: usize, buffers: [Vec<f32>; 3]) -> Self {
+        Self::grid(phases, (0..amplitudes).map(|k| (k as f64 + 1.0) / amplitudes as f64), buffers)
+    }
+
+    /// L = `phases` phases 2 pi l/L at each of some amplitudes, in buffers whose length is set here.
+    pub(crate) fn grid(phases: usize, amplitudes: impl Iterator<Item = f64>, buffers: [Vec<f32>; 3]) -> Self {
+        Self::made(phases, |l| l as f64 / phases as f64, amplitudes, buffers)
+    }
+
+    /// Turns by up to `width` steps of 1/`phases`, at full amplitude: 0 first, then 1, -1, 2, -2 and so on.
+    pub(crate) fn turns(phases: usize, width: usize, buffers: [Vec<f32>; 3]) -> Self {
+        let turns = |k: usize| {
+            let step = k.div_ceil(2) as f64 * if k % 2 == 1 { 1.0 } else { -1.0 };
+            step / phases as f64
+        };
+        Self::made(width.min(phases), turns, core::iter::once(1.0), buffers)
+    }
+
+    fn made(
+        phases: usize,
+        turns: impl Fn(usize) -> f64,
+        amplitudes: impl Iterator<Item = f64>,
+        buffers: [Vec<f32>; 3],
+    ) -> Self {
+        let [mut cosines, mut sines, mut levels] = buffers;
+        levels.clear();
+        levels.extend(amplitudes.map(|amplitude| amplitude as f32));
+        for (buffer, part) in [(&mut cosines, cos as fn(f64) -> f64), (&mut sines, sin)] {
             buffer.clear();
-            buffer.resize(padded(count), 0.0);
+            buffer.extend((0..table(phases)).map(|l| {
+                let angle = core::f64::consts::TAU * turns(l.min(phases - 1));
+                part(angle) as f32
+            }));
         }
-        for phase in 0..phases {
-            let angle = core::f64::consts::TAU * phase as f64 / phases as f64;
-            let (cos, sin) = (cos(angle), sin(angle));
-            for level in 0..amplitudes {
-                let amplitude = (level as f64 + 1.0) / amplitudes as f64;
-                re[level * phases + phase] = (amplitude * cos) as f32;
-                im[level * phases + phase] = (amplitude * sin) as f32;
-            }
-        }
-        // The last candidate again in the spare lanes: a copy never wins against its original.
-        let last = (re[count - 1], im[count - 1]);
-        re[count..].fill(last.0);
-        im[count..].fill(last.1);
-        Self { re, im, count }
+        let amplitudes = levels.len();
+        Self { cos: cosines, sin: sines, levels, phases, amplitudes }
     }
 
-    /// The drive (re, im) of candidate `index`.
+    /// Amplitude k.
+    #[inline(always)]
+    pub(crate) fn amplitude(&self, k: usize) -> f32 {
+        self.levels[k]
+    }
+
+    /// The drive (re, im) of candidate k L + l.
+    #[inline(always)]
     pub(crate) fn drive(&self, index: usize) -> [f32; 2] {
-        [self.re[index], self.im[index]]
+        // Most grids have one amplitude, and a division takes as long as meeting them all.
+        let k = if index < self.phases { 0 } else { index / self.phases };
+        let (amplitude, l) = (self.amplitude(k), index - k * self.phases);
+        [amplitude * self.cos[l], amplitude * self.sin[l]]
     }
 
-    /// Gives the two buffers back.
-    pub(crate) fn into_buffers(self) -> [Vec<f32>; 2] {
-        [self.re, self.im]
+    /// cos and sin of phase l.
+    #[inline(always)]
+    pub(crate) fn phasor(&self, l: usize) -> [f32; 2] {
+        [self.cos[l], self.sin[l]]
+    }
+
+    /// cos and sin of 16 phases from l on.
+    #[inline(always)]
+    pub(crate) fn sixteen(&self, l: usize) -> [&Lanes; 2] {
+        [&self.cos, &self.sin].map(|part| part[l..].first_chunk().unwrap_or(&[0.0; LANES]))
+    }
+
+    /// Gives the buffers back.
+    pub(crate) fn into_buffers(self) -> [Vec<f32>; 3] {
+        [self.cos, self.sin, self.levels]
     }
 }
 
 /// Below this difference two energies are equal: 1e-7 (f32 rounding) of a bound on the largest term summed. 0 if
 /// the transducer cannot change any term.
-pub(crate) fn tolerance<T: Term>(points: Points<'_>) -> f32 {
+#[inline(always)]
+pub(crate) fn tolerance<S: Simd, T: Term>(s: S, points: Points<'_>) -> f32 {
     let gains = groups(points.gain[0]).iter().zip(groups(points.gain[1]));
-    let asked = groups(points.target).iter().zip(groups(points.weight));
-    let mut most = [0.0; LANES];
-    for (((re, im), old), (target, weight)) in gains.zip(groups(points.modulus)).zip(asked) {
-        let bound: Lanes = from_fn(|l| weight[l] * T::bound(re[l].abs() + im[l].abs(), target[l] - old[l]));
-        most = from_fn(|l| if bound[l] > most[l] { bound[l] } else { most[l] });
+    let mut most = s.splat(0.0);
+    for ((re, im), kept) in gains.zip(points.kept) {
+        let gain = s.add(s.abs(s.load(re)), s.abs(s.load(im)));
+        let gap = s.sub(s.load(&kept.target), s.load(&kept.modulus));
+        most = s.max(most, s.mul(s.load(&kept.weight), T::bound(s, gain, gap)));
     }
-    1e-7 * greatest(&most)
+    1e-7 * s.greatest(most)
 }
 
-/// The greatest lane, halves against halves.
+/// Adds the change of some points' terms under the candidates (re, im) to `total`.
 #[inline(always)]
-fn greatest(lanes: &Lanes) -> f32 {
-    let larger = |a: f32, b: f32| if a > b { a } else { b };
-    let eight: [f32; 8] = from_fn(|l| larger(lanes[l], lanes[l + 8]));
-    let four: [f32; 4] = from_fn(|l| larger(eight[l], eight[l + 4]));
-    larger(larger(four[0], four[2]), larger(four[1], four[3]))
-}
-
-/// The change of the energy for each candidate of one group.
-#[inline(always)]
-fn changes<T: Term>(points: Points<'_>, re: &Lanes, im: &Lanes) -> Lanes {
-    let count = points.count;
-    let [pressure_re, pressure_im] = points.pressure.map(|slice| &slice[..count]);
-    let [gain_re, gain_im] = points.gain.map(|slice| &slice[..count]);
-    let [modulus, target, weight] =
-        [points.modulus, points.target, points.weight].map(|slice| &slice[..count]);
-    let mut total = [0.0; LANES];
-    for j in 0..count {
-        let (gr, gi, pr, pi) = (gain_re[j], gain_im[j], pressure_re[j], pressure_im[j]);
-        let (old, target, weight) = (modulus[j], target[j], weight[j]);
-        let (floor, gap) = (old + SMALLEST, target - old);
-        for l in 0..LANES {
-            let er = gr * re[l] - gi * im[l];
-            let ei = gr * im[l] + gi * re[l];
-            let (x, y) = (pr + er, pi + ei);
-            // |P + e|^2 - |P|^2 without the cancellation of its two large parts.
-            let square = er * (pr + x) + ei * (pi + y);
-            // So is |P + e| - |P|.
-            let rise = square / (sqrtf(x * x + y * y) + floor);
-            total[l] += weight * T::change(rise, gap);
-        }
+pub(crate) fn add_changes<S: Simd, T: Term>(
+    s: S,
+    points: Points<'_>,
+    some: impl Iterator<Item = usize>,
+    [re, im]: [S::V; 2],
+    mut total: S::V,
+) -> S::V {
+    for j in some {
+        let (gr, gi) = (s.splat(points.gain[0][j]), s.splat(points.gain[1][j]));
+        let (kept, lane) = (&points.kept[j / LANES], j % LANES);
+        let (pr, pi) = (s.splat(kept.re[lane]), s.splat(kept.im[lane]));
+        let (old, target) = (kept.modulus[lane], kept.target[lane]);
+        let er = s.fnma(gi, im, s.mul(gr, re));
+        let ei = s.fma(gi, re, s.mul(gr, im));
+        let (x, y) = (s.add(pr, er), s.add(pi, ei));
+        // |P + e|^2 - |P|^2 without the cancellation of its two large parts, and so |P + e| - |P|.
+        let square = s.fma(er, s.add(pr, x), s.mul(ei, s.add(pi, y)));
+        let least = s.splat(TINY);
+        let new = s.roots(s.max(s.fma(x, x, s.mul(y, y)), least)).0;
+        let rise = s.mul(square, reciprocal(s, s.add(new, s.splat(old + SMALLEST))));
+        total = s.fma(s.splat(kept.weight[lane]), T::change(s, rise, s.splat(target - old)), total);
     }
     total
 }
 
-/// The first candidate that no other one beats by more than `tolerance`; `stride` = L searches the amplitudes
-/// alone (phase 0), 1 all candidates.
-pub(crate) fn best<T: Term>(
-    points: Points<'_>,
-    candidates: &Candidates,
-    stride: usize,
-    tolerance: f32,
-) -> usize {
-    let mut winner = (0, f32::INFINITY);
-    if stride == 1 {
-        for (group, (re, im)) in groups(&candidates.re).iter().zip(groups(&candidates.im)).enumerate() {
-            if let Some((lane, change)) = winner_of(&changes::<T>(points, re, im), winner.1, tolerance) {
-                winner = (group * LANES + lane, change);
-            }
-        }
-    } else {
-        for first in (0..candidates.count).step_by(stride * LANES) {
-            let index = |lane: usize| (first + lane * stride).min(candidates.count - stride);
-            let re = from_fn(|lane| candidates.re[index(lane)]);
-            let im = from_fn(|lane| candidates.im[index(lane)]);
-            if let Some((lane, change)) = winner_of(&changes::<T>(points, &re, &im), winner.1, tolerance) {
-                winner = (index(lane), change);
-            }
-        }
-    }
-    winner.0
+/// 1/a of normal a > 0, by the inverse root and one step of Newton.
+#[inline(always)]
+fn reciprocal<S: Simd>(s: S, a: S::V) -> S::V {
+    let guess = s.guess(a);
+    let guess = s.mul(guess, guess);
+    s.fma(guess, s.fnma(a, guess, s.splat(1.0)), guess)
 }
 
-/// The first lane within `tolerance` of the least, if that beats what stands by more than `tolerance`.
-#[inline(always)]
-fn winner_of(changes: &Lanes, stands: f32, tolerance: f32) -> Option<(usize, f32)> {
-    let least = -greatest(&from_fn(|l| -changes[l]));
-    if stands - least <= tolerance {
-        return None;
+/// The best candidate so far.
+#[derive(Clone, Copy)]
+pub(crate) struct Winner {
+    pub(crate) index: usize,
+    change: f32,
+}
+
+impl Winner {
+    /// Before any candidate is known.
+    pub(crate) const NONE: Self = Self { index: 0, change: f32::INFINITY };
+
+    /// Takes up to 16 further candidates: the first one that no other beats by more than `tolerance`.
+    #[inline(always)]
+    pub(crate) fn meet<S: Simd>(
+        self,
+        s: S,
+        changes: S::V,
+        index: impl Fn(usize) -> usize,
+        tolerance: f32,
+    ) -> Self {
+        let least = -s.greatest(s.sub(s.splat(0.0), changes));
+        // Not "at most": an infinite change stands against the first.
+        if self.change - least <= tolerance {
+            return self;
+        }
+        let beyond = s.less(s.splat(least + tolerance), changes);
+        let lane = (!beyond & 0xffff).trailing_zeros().min(15) as usize;
+        let mut lanes: Lanes = [0.0; LANES];
+        s.store(changes, &mut lanes);
+        Self { index: index(lane), change: lanes[lane] }
     }
-    let within =
-        changes.iter().rev().fold(0_u32, |bits, &change| bits << 1 | u32::from(change <= least + tolerance));
-    let lane = (within.trailing_zeros() as usize).min(LANES - 1);
-    Some((lane, changes[lane]))
+}
+
+/// The first of all candidates that no other one beats by more than `tolerance`; with `silent` the amplitudes
+/// alone are searched (phase 0).
+#[inline(always)]
+pub(crate) fn best<S: Simd, T: Term>(
+    s: S,
+    points: Points<'_>,
+    candidates: &Candidates,
+    silent: bool,
+    tolerance: f32,
+) -> usize {
+    let (phases, amplitudes) = (candidates.phases, candidates.amplitudes);
+    let mut winner = Winner::NONE;
+    let zero = s.splat(0.0);
+    if silent {
+        for first in (0..amplitudes).step_by(LANES) {
+            let at = |lane: usize| (first + lane).min(amplitudes - 1);
+            let re = s.load(&core::array::from_fn(|lane| candidates.amplitude(at(lane))));
+            let changes = add_changes::<S, T>(s, points, 0..points.count, [re, zero], zero);
+            winner = winner.meet(s, changes, |lane| at(lane) * phases, tolerance);
+        }
+        return winner.index;
+    }
+    for k in 0..amplitudes {
+        let amplitude = s.splat(candidates.amplitude(k));
+        for first in (0..phases).step_by(LANES) {
+            let [cos, sin] = candidates.sixteen(first);
+            let drives = [s.mul(amplitude, s.load(cos)), s.mul(amplitude, s.load(sin))];
+            let changes = add_changes::<S, T>(s, points, 0..points.count, drives, zero);
+            winner = winner.meet(s, changes, |lane| k * phases + first + lane, tolerance);
+        }
+    }
+    winner.index
+}
+
+/// As [`best`], among candidates given by their index in rising order.
+#[inline(always)]
+pub(crate) fn best_of<S: Simd>(
+    s: S,
+    points: Points<'_>,
+    candidates: &Candidates,
+    some: &[u32],
+    tolerance: f32,
+) -> usize {
+    let mut winner = Winner::NONE;
+    for chunk in some.chunks(LANES) {
+        let at = |lane: usize| chunk[lane.min(chunk.len() - 1)] as usize;
+        let mut drives = [[0.0; LANES]; 2];
+        for lane in 0..LANES {
+            [drives[0][lane], drives[1][lane]] = candidates.drive(at(lane));
+        }
+        let drives = [s.load(&drives[0]), s.load(&drives[1])];
+        let changes = add_changes::<S, L2>(s, points, 0..points.count, drives, s.splat(0.0));
+        winner = winner.meet(s, changes, at, tolerance);
+    }
+    winner.index
 }

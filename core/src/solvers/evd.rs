@@ -67,15 +67,15 @@ impl Solve for Evd {
         let [mut row, mut moduli] = [(); 2].map(|()| Planar::zeros(1, gains.lanes(), work));
         for (i, inverse) in inverse.iter_mut().enumerate() {
             gains.row(i, &mut row.re, &mut row.im);
-            kernels::modulus(&row.re, &row.im, &mut moduli.re);
-            let mean = f64::from(kernels::dot(&moduli.re, targets)) / count as f64;
+            kernels::modulus(gains.level(), &row.re, &row.im, &mut moduli.re);
+            let mean = f64::from(kernels::dot(gains.level(), &moduli.re, targets)) / count as f64;
             *inverse = if mean > 0.0 { pow(mean, -self.gamma) as f32 } else { 0.0 };
         }
         let matrix = gram(gains, |i| inverse[i], work);
         // In f32 the matrix resolves no more than this part of its diagonal.
         let largest = (0..count).map(|j| matrix.row(j)[0][j]).fold(0.0, f32::max);
         let shift = f32::max(1.0, 1e-6 * largest);
-        let solver = Hermitian::damped(&matrix, count, shift, work);
+        let solver = Hermitian::damped(gains.level(), &matrix, count, shift, work);
         solver.solve(&mut phasors, work);
         let mut drive = back_project(gains, &phasors, |i| inverse[i], work);
         self.limit.apply(&mut drive);
@@ -114,7 +114,7 @@ fn phases(problem: &Problem, work: &mut Workspace) -> Planar {
     for j in 0..count {
         vector.re[j] = if root[j] > 0.0 { 1.0 } else { 0.0 };
     }
-    leading_eigenvector(&matrix, &mut vector, count, work);
+    leading_eigenvector(gains.level(), &matrix, &mut vector, count, work);
     for j in 0..count {
         let (re, im) = (vector.re[j], vector.im[j]);
         let modulus = sqrtf(re * re + im * im);

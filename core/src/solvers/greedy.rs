@@ -8,13 +8,14 @@
 use alloc::format;
 use alloc::vec::Vec;
 
-use num_complex::Complex32;
-
 use crate::control::Control;
 use crate::error::Error;
 use crate::gains::Gains;
-use crate::kernels::{self, Candidates, L1, L2, Points, Term};
-use crate::options::{OptionValue, Value, spell, word};
+use crate::kernels::greedy::{self, Pass};
+use crate::kernels::{self, Candidates, L1, L2, Sixteen, shortlist, table};
+use crate::levels::Levels;
+use crate::linalg::Planar;
+use crate::options::{OptionValue, Options, Value, spell, word};
 use crate::problem::Problem;
 use crate::rng::Rng;
 use crate::solution::{Solution, Status};
@@ -48,9 +49,9 @@ pub enum Order {
 crate::options! {
     /// Greedy search. Time O(K L M N), memory O(N + M + K L).
     pub struct Greedy {
-        /// Phase levels L, 2 to 65536: phases are 2 pi l/L.
+        /// Phase levels L, 2 to 65536, or a divisor of the device's: phases are 2 pi l/L.
         pub phases: u32 = 16,
-        /// Amplitude levels K, 1 to 256: amplitudes are (k+1)/K, never off.
+        /// Amplitude levels K, 1 to 256: amplitudes are (k+1)/K or as many of the device's, never off.
         pub amplitudes: u32 = 1,
         /// What is minimised: "l2" (squared errors, the paper's text) or "l1" (its authors' code).
         pub objective: Objective = Objective::L2,
@@ -60,6 +61,9 @@ crate::options! {
         pub seed: u64 = 0,
     }
 }
+
+/// A device's longer table is thinned to the paper's K = 16 unless told otherwise: K multiplies the time.
+const AMPLITUDES: usize = 16;
 
 const OBJECTIVES: [(&str, Objective); 2] = [("l2", Objective::L2), ("l1", Objective::L1)];
 
@@ -152,6 +156,13 @@ impl Method for Greedy {
         uses_level: false,
     };
 
+    fn device_defaults(levels: &Levels) -> Options {
+        let phases = levels.phases().map(|count| ("phases".into(), count.show()));
+        let on = levels.on().len().min(AMPLITUDES) as u32;
+        let amplitudes = (on > 0).then(|| ("amplitudes".into(), on.show()));
+        phases.into_iter().chain(amplitudes).collect()
+    }
+
     fn check(&self) -> Result<(), Error> {
         for (item, value, range) in
             [("phases", self.phases, 2..=65_536), ("amplitudes", self.amplitudes, 1..=256)]
@@ -165,6 +176,31 @@ impl Method for Greedy {
     }
 }
 
+impl Greedy {
+    /// Candidates on this problem's device.
+    fn candidates(&self, problem: &Problem, work: &mut Workspace) -> Result<Candidates, Error> {
+        let (phases, amplitudes) = (self.phases as usize, self.amplitudes as usize);
+        let on = problem.gains().levels().map(Levels::on).unwrap_or_default();
+        if let Some(known) = problem.gains().levels().and_then(Levels::phases)
+            && !known.is_multiple_of(self.phases)
+        {
+            let cure = format!("the device has {known} phases: give a number that divides it");
+            return Err(Error::invalid("phases", self.phases, cure));
+        }
+        if !on.is_empty() && amplitudes > on.len() {
+            let cure = format!("the device has {} amplitudes above 0: give at most as many", on.len());
+            return Err(Error::invalid("amplitudes", self.amplitudes, cure));
+        }
+        // Evenly spaced in the table, full drive among them.
+        let value = |k: usize| match on {
+            [] => (k as f64 + 1.0) / amplitudes as f64,
+            table => table[((k + 1) * table.len()).div_ceil(amplitudes) - 1],
+        };
+        let buffers = [table(phases), table(phases), amplitudes].map(|len| work.floats.take(len));
+        Ok(Candidates::grid(phases, (0..amplitudes).map(value), buffers))
+    }
+}
+
 impl Solve for Greedy {
     fn solve(
         &self,
@@ -174,83 +210,51 @@ impl Solve for Greedy {
     ) -> Result<Solution, Error> {
         self.check()?;
         let gains = problem.gains();
-        let count = gains.transducers();
+        let (count, lanes) = (gains.transducers(), gains.lanes());
         let mut order = work.indices.take(count);
         for (k, i) in order.iter_mut().enumerate() {
             *i = k as u32;
         }
         self.order.write(self.seed, gains, &mut order)?;
-        let (phases, amplitudes) = (self.phases as usize, self.amplitudes as usize);
-        let spare = [(); 2].map(|()| work.floats.take(kernels::padded(phases * amplitudes)));
-        let [re, im] = spare;
-        let candidates = Candidates::new(phases, amplitudes, re, im);
-        let mut search = Search::new(problem, work);
+        let candidates = self.candidates(problem, work)?;
+        let mut floats = work.floats.take(shortlist::floats(&candidates));
+        let mut indices = work.indices.take(greedy::indices(lanes));
+        let mut kept = work.points.take(2 * lanes / kernels::LANES);
+        let mut rows = [(); 4].map(|()| work.floats.take(lanes));
         let mut drive = work.complexes.take(count);
-        let (mut status, mut steps) = (Status::Done, 0);
-        for &i in &order {
-            let i = i as usize;
-            let choice = match self.objective {
-                Objective::L2 => search.choose::<L2>(i, &candidates, phases),
-                Objective::L1 => search.choose::<L1>(i, &candidates, phases),
-            };
-            if let Some([re, im]) = choice {
-                drive[i] = Complex32::new(re, im);
-            }
-            steps += 1;
-            if control.step(steps, count, || problem.residual(&search.modulus)).is_break() {
-                status = Status::Stopped;
-                break;
-            }
-        }
-        search.end(work);
-        work.floats.give_all(candidates.into_buffers());
-        work.indices.give(order);
-        Ok(Solution::new(problem, drive, status, steps, work))
-    }
-}
-
-/// The state between two transducers: the cached field of eq. (9), and the row at hand.
-struct Search<'a> {
-    problem: &'a Problem,
-    re: Vec<f32>,
-    im: Vec<f32>,
-    modulus: Vec<f32>,
-    row_re: Vec<f32>,
-    row_im: Vec<f32>,
-}
-
-impl<'a> Search<'a> {
-    fn new(problem: &'a Problem, work: &mut Workspace) -> Self {
-        let [re, im, modulus, row_re, row_im] = [(); 5].map(|()| work.floats.take(problem.gains().lanes()));
-        Self { problem, re, im, modulus, row_re, row_im }
-    }
-
-    /// Chooses transducer i's drive and adds it to the field; none if it reaches no point.
-    fn choose<T: Term>(&mut self, i: usize, candidates: &Candidates, phases: usize) -> Option<[f32; 2]> {
-        self.problem.gains().row(i, &mut self.row_re, &mut self.row_im);
-        let points = Points {
-            pressure: [&self.re, &self.im],
-            modulus: &self.modulus,
-            gain: [&self.row_re, &self.row_im],
-            target: self.problem.targets(),
-            weight: self.problem.weights(),
-            count: self.problem.gains().points(),
+        let mut field = Planar::zeros(1, lanes, work);
+        let pass = Pass {
+            rows: gains.rows(),
+            count: gains.points(),
+            target: problem.targets(),
+            weight: problem.weights(),
+            candidates: &candidates,
+            order: &order,
+            kept: &mut kept,
+            row: rows.each_mut().map(|row| &mut row[..]),
+            floats: &mut floats,
+            indices: &mut indices,
         };
-        let tolerance = kernels::tolerance::<T>(points);
-        if tolerance == 0.0 {
-            return None;
-        }
-        // In silence every phase is as good as any other.
-        let silent = self.modulus.iter().all(|&modulus| modulus == 0.0);
-        let stride = if silent { phases } else { 1 };
-        let drive = candidates.drive(kernels::best::<T>(points, candidates, stride, tolerance));
-        kernels::accumulate([&self.row_re, &self.row_im], drive, &mut self.re, &mut self.im);
-        kernels::modulus(&self.re, &self.im, &mut self.modulus);
-        Some(drive)
-    }
-
-    fn end(self, work: &mut Workspace) {
-        let Self { re, im, modulus, row_re, row_im, .. } = self;
-        work.floats.give_all([re, im, modulus, row_re, row_im]);
+        let mut status = Status::Done;
+        let mut step = |turn: usize, points: &[Sixteen]| {
+            let pressures = points.iter().flat_map(|kept| kept.re.into_iter().zip(kept.im));
+            let go = control.step(turn, count, || problem.residual_of(pressures.clone())).is_continue();
+            if !go {
+                status = Status::Stopped;
+            }
+            go
+        };
+        let pressures = [&mut field.re[..], &mut field.im[..]];
+        let (level, drives) = (gains.level(), &mut drive[..]);
+        let steps = match self.objective {
+            Objective::L2 => greedy::pass::<L2>(level, pass, drives, pressures, &mut step),
+            Objective::L1 => greedy::pass::<L1>(level, pass, drives, pressures, &mut step),
+        };
+        work.floats.give_all(candidates.into_buffers());
+        work.floats.give(floats);
+        work.floats.give_all(rows);
+        work.points.give(kept);
+        work.indices.give_all([order, indices]);
+        Ok(Solution::of_field(problem, drive, field, status, steps, work))
     }
 }

@@ -71,8 +71,8 @@ impl Solve for Gspat {
                 wanted.re[j] *= share(j);
                 wanted.im[j] *= share(j);
             }
-            times(&matrix, wanted, field, count);
-            kernels::modulus(&field.re, &field.im, moduli);
+            times(gains.level(), &matrix, wanted, field);
+            kernels::modulus(gains.level(), &field.re, &field.im, moduli);
         };
         let steps = self.steps as usize;
         let (mut status, mut step) =

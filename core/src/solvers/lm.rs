@@ -170,7 +170,7 @@ impl State {
             for i in 0..gains.transducers() {
                 let [re, im] = match problem.start_drive() {
                     Some(drive) => [drive[i].re, drive[i].im],
-                    None => kernels::correlate(rows.row(i), phasors.row(0)),
+                    None => kernels::correlate(gains.level(), rows.row(i), phasors.row(0)),
                 };
                 state.phi[i] = angle(re, im);
             }
@@ -201,14 +201,14 @@ impl State {
             let angle = f64::from(angle);
             (math::cos(angle) as f32, math::sin(angle) as f32)
         };
-        self.field.re.fill(0.0);
-        self.field.im.fill(0.0);
-        for (i, (q, &phi)) in self.drive.iter_mut().zip(&self.phi).enumerate() {
+        for (q, &phi) in self.drive.iter_mut().zip(&self.phi) {
             let (re, im) = cis(phi);
             *q = Complex32::new(re, im);
-            kernels::accumulate(gains.row(i), [re, im], &mut self.field.re, &mut self.field.im);
         }
-        kernels::modulus(&self.field.re, &self.field.im, &mut self.modulus);
+        let level = problem.gains().level();
+        let Planar { re, im, .. } = &mut self.field;
+        kernels::combine_rows(level, [&gains.re, &gains.im], &self.drive, [re, im]);
+        kernels::modulus(level, &self.field.re, &self.field.im, &mut self.modulus);
         self.cost = 0.0;
         for j in 0..problem.gains().points() {
             let (re, im) = cis(self.theta[j]);
@@ -292,16 +292,11 @@ impl Normal {
                 self.steepest = self.steepest.max(f64::from(slope.abs()));
                 self.largest = self.largest.max(f64::from(square));
             }
-            let [a, b, c, d] = &self.columns;
-            for k in 0..size {
-                let upto = kernels::padded(k + 1);
-                let row = &mut self.matrix[k * size..k * size + upto];
-                kernels::add_scaled(
-                    [a[k], b[k], c[k], d[k]],
-                    [&a[..upto], &b[..upto], &c[..upto], &d[..upto]],
-                    row,
-                );
-            }
+            kernels::add_outer(
+                problem.gains().level(),
+                self.columns.each_ref().map(Vec::as_slice),
+                &mut self.matrix,
+            );
         }
         for j in 0..count {
             // d r_j / d theta_j = -j sqrt(w_j) t_j e^{j theta_j}.
@@ -335,7 +330,7 @@ impl Normal {
         for k in 0..size {
             matrix[k * size + k] += damping as f32;
         }
-        let cholesky = Cholesky::new(matrix, size, work)?;
+        let cholesky = Cholesky::new(gains.level(), matrix, size, work)?;
         let mut both = work.floats.take(size);
         both[..lanes].copy_from_slice(&state.residual.re);
         both[lanes..].copy_from_slice(&state.residual.im);
@@ -352,14 +347,13 @@ impl Normal {
             square += d * d;
             predicted += 0.5 * d * (damping * d - slope);
         };
-        for i in 0..gains.transducers() {
+        kernels::correlate_rows(gains.level(), [&self.gains.re, &self.gains.im], dual.row(0), |i, sum| {
             // -Re(conj(j q) sum_j conj(G_ji) y_j) = -Im(conj(q) sum)
-            let [re, im] = kernels::correlate(self.gains.row(i), dual.row(0));
             let q = state.drive[i];
-            let d = -(q.re * im - q.im * re);
+            let d = -(q.re * sum.im - q.im * sum.re);
             trial.phi[i] = state.phi[i] + d;
             took(d, self.gradient[i]);
-        }
+        });
         for j in 0..count {
             let d =
                 problem.targets()[j] * (state.phasor.re[j] * dual.im[j] - state.phasor.im[j] * dual.re[j]);

@@ -1,14 +1,18 @@
 //! The methods: one file each, one line each in the registry.
 
+mod best;
 mod evd;
+mod fast;
 mod greedy;
 mod gs;
 mod gspat;
 mod limit;
 mod lm;
 mod naive;
+mod refine;
 mod sdp;
 mod tikhonov;
+mod uniform;
 mod wgs;
 
 use alloc::boxed::Box;
@@ -16,19 +20,24 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
+pub use best::Best;
 pub use evd::Evd;
+pub use fast::Fast;
 pub use greedy::{Greedy, Objective, Order};
 pub use gs::Gs;
 pub use gspat::Gspat;
 pub use limit::Limit;
 pub use lm::Lm;
 pub use naive::Naive;
+pub use refine::refine;
 pub use sdp::{Moduli, Sdp};
 pub use tikhonov::Tikhonov;
+pub use uniform::Uniform;
 pub use wgs::Wgs;
 
 use crate::control::Control;
 use crate::error::{Error, real};
+use crate::levels::Levels;
 use crate::options::{Configure, OptionInfo, Options};
 use crate::problem::Problem;
 use crate::solution::Solution;
@@ -43,7 +52,10 @@ macro_rules! registry {
 }
 
 registry! {
+    uniform::Uniform,
+    best::Best,
     greedy::Greedy,
+    fast::Fast,
     lm::Lm,
     gspat::Gspat,
     gs::Gs,
@@ -55,7 +67,7 @@ registry! {
 }
 
 /// The solver used where none is named.
-pub const DEFAULT: &str = "greedy";
+pub const DEFAULT: &str = "uniform";
 
 /// A method that finds a drive.
 pub trait Solve {
@@ -70,6 +82,11 @@ pub trait Solve {
         work: &mut Workspace,
         control: &mut Control,
     ) -> Result<Solution, Error>;
+
+    /// Whether it brings its answer to the problem's level by itself, so that there is nothing to balance.
+    fn levels(&self) -> bool {
+        false
+    }
 }
 
 /// What the registry knows of a method beside its options.
@@ -97,6 +114,12 @@ pub trait Method: Configure + Solve + Send + Sync + 'static {
     /// What is known of it.
     const INFO: Info;
 
+    /// Defaults that follow from a device's levels.
+    #[must_use]
+    fn device_defaults(_levels: &Levels) -> Options {
+        Options::new()
+    }
+
     /// Checks the options against each other and their ranges.
     ///
     /// # Errors
@@ -111,6 +134,7 @@ pub struct Entry {
     pub info: &'static Info,
     list: fn() -> Vec<OptionInfo>,
     make: fn(&Options) -> Result<Configured, Error>,
+    device: fn(&Levels) -> Options,
 }
 
 /// A solver with its options, all of them in full.
@@ -128,7 +152,7 @@ impl Entry {
     /// The registry's line for a method.
     #[must_use]
     pub const fn of<M: Method>() -> Self {
-        Self { info: &M::INFO, list: M::list, make: make::<M> }
+        Self { info: &M::INFO, list: M::list, make: make::<M>, device: M::device_defaults }
     }
 
     /// Every option with its default.
@@ -143,6 +167,16 @@ impl Entry {
     /// An unknown option or a value that does not fit.
     pub fn configure(&self, options: &Options) -> Result<Configured, Error> {
         (self.make)(options)
+    }
+
+    /// The same for an array that may have levels: they give the defaults of options that choose a grid.
+    ///
+    /// # Errors
+    /// As [`Entry::configure`].
+    pub fn configure_for(&self, options: &Options, levels: Option<&Levels>) -> Result<Configured, Error> {
+        let mut all = levels.map(self.device).unwrap_or_default();
+        all.extend(options.clone());
+        self.configure(&all)
     }
 }
 
@@ -198,6 +232,10 @@ pub fn unused(argument: &str, name: &str, uses: fn(&Info) -> bool) -> Error {
 /// afterwards: the cure of the paper's section V, where foci much weaker than the array can make come out
 /// smeared. Metrics, trace and progress speak of the final drive and the caller's targets.
 ///
+/// Where the array has [`crate::Levels`], every drive of the answer lies on them, rounded to the nearest phase and
+/// amplitude. Balancing then reduces to the nearest amplitude; where that would be below the least one above 0, the
+/// drives are brought there and [`Solution::scale`] says what is left to supply or modulation.
+///
 /// # Errors
 /// What the solver refuses.
 ///
@@ -219,15 +257,18 @@ pub fn solve(
     work: &mut Workspace,
     control: &mut Control,
 ) -> Result<Solution, Error> {
-    let factor = problem.balance();
-    if !balance || factor <= 1.0 {
-        return solver.solve(problem, work, control);
+    let factor = if balance && !solver.levels() { problem.balance().max(1.0) } else { 1.0 };
+    let mut solution = if factor > 1.0 {
+        let targets = work.floats.take(problem.gains().lanes());
+        let balanced = problem.rescaled(factor, targets);
+        let solution = solver.solve(&balanced, work, control);
+        work.floats.give(balanced.into_targets());
+        solution?
+    } else {
+        solver.solve(problem, work, control)?
+    };
+    if solution.settle(factor, work) {
+        control.correct(|| solution.metrics().residual);
     }
-    let targets = work.floats.take(problem.gains().lanes());
-    let balanced = problem.rescaled(factor, targets);
-    let solution = solver.solve(&balanced, work, control);
-    work.floats.give(balanced.into_targets());
-    let mut solution = solution?;
-    solution.reduce(factor);
     Ok(solution)
 }

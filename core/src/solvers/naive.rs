@@ -51,7 +51,7 @@ impl Solve for Naive {
         let [re, im, share] = &mut buffers;
         for i in 0..gains.transducers() {
             gains.row(i, re, im);
-            kernels::squares([re, im], share);
+            kernels::squares(gains.level(), [re, im], share);
         }
         for (share, target) in share.iter_mut().zip(problem.targets()) {
             // A quiet point and one out of reach have no focus.
@@ -60,7 +60,7 @@ impl Solve for Naive {
         let mut drive = work.complexes.take(gains.transducers());
         for (i, q) in drive.iter_mut().enumerate() {
             gains.row(i, re, im);
-            let [sum_re, sum_im] = kernels::project([re, im], share);
+            let [sum_re, sum_im] = kernels::project(gains.level(), [re, im], share);
             *q = Complex32::new(sum_re, sum_im);
         }
         self.limit.apply(&mut drive);

@@ -10,7 +10,7 @@
 use crate::control::Control;
 use crate::eigen::leading_eigenvector;
 use crate::error::{Error, real};
-use crate::kernels;
+use crate::kernels::{self, Level};
 use crate::linalg::{Hermitian, Planar, gram, times};
 use crate::math::{sqrt, sqrtf};
 use crate::options::{OptionValue, Value, spell, word};
@@ -99,7 +99,7 @@ impl Solve for Sdp {
         let largest = (0..count).map(|j| product.row(j)[0][j]).fold(0.0, f32::max);
         // In f32 the matrix resolves no more than this part of its diagonal.
         let shift = (self.alpha as f32).max(1e-6 * largest);
-        let inverse = Hermitian::damped(&product, count, shift, work);
+        let inverse = Hermitian::damped(gains.level(), &product, count, shift, work);
         let quality = quality(problem, &inverse, work);
         let mut relaxed = begin(problem, work);
         let [mut column, mut image] = [(); 2].map(|()| Planar::zeros(1, lanes, work));
@@ -117,8 +117,8 @@ impl Solve for Sdp {
             column.re.copy_from_slice(re);
             column.im.copy_from_slice(im);
             (column.re[chosen], column.im[chosen]) = (0.0, 0.0);
-            times(&relaxed, &column, &mut image, count);
-            let [gain, _] = kernels::correlate(image.row(0), column.row(0));
+            times(gains.level(), &relaxed, &column, &mut image);
+            let [gain, _] = kernels::correlate(gains.level(), image.row(0), column.row(0));
             let scale = if gain > 0.0 { -sqrt(self.lambda / f64::from(gain)) as f32 } else { 0.0 };
             let change = replace(&mut relaxed, chosen, &image, scale, count);
             if change > self.tolerance as f32 {
@@ -129,7 +129,9 @@ impl Solve for Sdp {
             step += 1;
             if step < steps
                 && !quiet
-                && control.step(step, steps, || relaxation(&relaxed, &quality, count)).is_break()
+                && control
+                    .step(step, steps, || relaxation(gains.level(), &relaxed, &quality, count))
+                    .is_break()
             {
                 status = Status::Stopped;
                 break;
@@ -140,7 +142,7 @@ impl Solve for Sdp {
         }
         let mut phasors = Planar::zeros(1, lanes, work);
         phasors.re[..count].fill(1.0);
-        leading_eigenvector(&relaxed, &mut phasors, count, work);
+        leading_eigenvector(gains.level(), &relaxed, &mut phasors, count, work);
         for (j, &target) in problem.targets().iter().enumerate().take(count) {
             let modulus = sqrtf(phasors.re[j] * phasors.re[j] + phasors.im[j] * phasors.im[j]);
             let factor = match self.moduli {
@@ -223,10 +225,10 @@ fn replace(matrix: &mut Planar, chosen: usize, image: &Planar, scale: f32, count
 }
 
 /// trace(Q X) relative to trace(Q): what the descent lowers, told as its residual.
-fn relaxation(relaxed: &Planar, quality: &Planar, count: usize) -> f64 {
+fn relaxation(level: Level, relaxed: &Planar, quality: &Planar, count: usize) -> f64 {
     let (mut sum, mut trace) = (0.0, 0.0);
     for k in 0..count {
-        let [re, _] = kernels::correlate(quality.row(k), relaxed.row(k));
+        let [re, _] = kernels::correlate(level, quality.row(k), relaxed.row(k));
         sum += f64::from(re);
         trace += f64::from(quality.row(k)[0][k]);
     }

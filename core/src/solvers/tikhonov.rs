@@ -63,7 +63,7 @@ impl Solve for Tikhonov {
         }
         // Rounding of G G^H in f32 bounds the damping from below.
         let shift = (self.regularization as f32).max(1e-6) * trace / count as f32;
-        let solver = Hermitian::damped(&matrix, count, shift, work);
+        let solver = Hermitian::damped(gains.level(), &matrix, count, shift, work);
         let mut phasors = Planar::zeros(1, gains.lanes(), work);
         for k in 0..count {
             phasors.re[k] = sqrtf(problem.weights()[k]) * problem.targets()[k];

@@ -111,7 +111,7 @@ fn bad_files_are_refused_in_one_line_that_names_the_item() {
         (with("size = 0.1", "sise = 0.1"), "unknown field `sise`"),
         (with("source_pressure", "pressure"), "unknown field `pressure`"),
         (with("phases = 32", "phase = 32"), "unknown option of greedy \"phase\": known are phases"),
-        (with("\"greedy\"", "\"gredy\""), "unknown solver \"gredy\": known are greedy"),
+        (with("\"greedy\"", "\"gredy\""), "unknown solver \"gredy\": known are uniform"),
         (with(grid, "preset = \"autd4\""), "unknown preset \"autd4\": known are paper20"),
         (with("{ piston = 4.5e-3 }", "\"pistn\""), "unknown directivity \"pistn\": known are point"),
         (with("{ piston = 4.5e-3 }", "{ piston = 1e-3, cos = 1.0 }"), "array.directivity"),

@@ -2,7 +2,8 @@
 
 use midair::solvers::{Greedy, Objective, Order};
 use midair::{
-    Array, Control, Directivity, Medium, Request, Rng, Scene, Solution, Solve, Transducer, Workspace,
+    Array, Control, Directivity, Gains, Level, Medium, Problem, Request, Rng, Scene, Solution, Solve,
+    Transducer, Workspace,
 };
 
 use crate::oracle::{self, Search};
@@ -49,11 +50,27 @@ fn with_oracle(greedy: &Greedy, scene: &Scene, check: impl FnOnce(&Search)) {
 }
 
 fn assert_regrets(greedy: &Greedy, scene: &Scene) {
-    let drive = widen(&solved(greedy, scene).drive);
-    with_oracle(greedy, scene, |search| {
-        let worst = search.regrets(&drive).into_iter().fold(0.0, f64::max);
-        assert!(worst < REGRET, "regret {worst:e} with {greedy:?}");
-    });
+    for level in Level::all() {
+        let gains = Gains::of(scene).with_level(level);
+        let problem = Problem::with_gains(gains, scene.request()).expect("a problem");
+        let solution = greedy.solve(&problem, &mut Workspace::new(), &mut Control::none()).expect("solvable");
+        let drive = widen(&solution.drive);
+        with_oracle(greedy, scene, |search| {
+            let worst = search.regrets(&drive).into_iter().fold(0.0, f64::max);
+            assert!(worst < REGRET, "{level}: regret {worst:e} with {greedy:?}");
+        });
+    }
+}
+
+#[test]
+fn fine_grids_of_phases_and_amplitudes_are_searched_as_well() {
+    for (phases, amplitudes, points) in
+        [(256, 16, 1), (256, 16, 4), (256, 16, 32), (1000, 3, 16), (64, 256, 8)]
+    {
+        let greedy = Greedy { phases, amplitudes, seed: 5, ..Greedy::default() };
+        let scene = scene(preset("paper20"), random_points(points, 0.1, 11 + points as u64), None);
+        assert_regrets(&greedy, &scene);
+    }
 }
 
 #[test]
@@ -122,6 +139,7 @@ fn crooked(points: usize, seed: u64) -> Scene {
 
 #[test]
 fn on_small_scenes_the_choices_are_the_oracles() {
+    let mut apart = 0;
     for seed in 0..50 {
         let scene = crooked(2 + seed as usize % 5, seed);
         for objective in [Objective::L2, Objective::L1] {
@@ -129,15 +147,19 @@ fn on_small_scenes_the_choices_are_the_oracles() {
             let drive = solved(&greedy, &scene).drive;
             assert_eq!(drive[3], midair::Complex32::ZERO, "the dead transducer is driven");
             with_oracle(&greedy, &scene, |search| {
-                for (i, (ours, theirs)) in widen(&drive).iter().zip(search.greedy()).enumerate() {
-                    assert!(
-                        (ours - theirs).norm() < 1e-6,
-                        "seed {seed}, transducer {i}: {ours} for {theirs}"
-                    );
+                let ours = widen(&drive);
+                let same = |i: usize| (ours[i] - search.greedy()[i]).norm() < 1e-6;
+                if !(0..ours.len()).all(same) {
+                    // G in f32 (its phases good to 1e-5) may turn a near-tie, and then all that follows.
+                    let worst = search.regrets(&ours).into_iter().fold(0.0, f64::max);
+                    assert!(worst < REGRET, "seed {seed}: regret {worst:e}");
+                    apart += 1;
                 }
             });
         }
     }
+    // 1200 choices; one in a thousand is as near to a tie as 1e-5 of what it changes.
+    assert!(apart <= 3, "{apart} of 100 scenes have other choices");
 }
 
 #[test]

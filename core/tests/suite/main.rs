@@ -1,6 +1,9 @@
 //! The tests of the core, in one binary.
 
+mod batch;
+mod bound;
 mod constants;
+mod even;
 mod field;
 #[cfg(feature = "scene-file")]
 mod files;
@@ -8,6 +11,7 @@ mod files;
 mod golden;
 mod greedy;
 mod laws;
+mod levels;
 mod metrics;
 mod motions;
 #[allow(dead_code, unreachable_pub, reason = "an independent reference, also for tests to come")]

@@ -37,7 +37,16 @@ pub(crate) fn model(scene: &Scene) -> oracle::Model {
     oracle::Model {
         positions: array.positions().to_vec(),
         normals: array.normals().to_vec(),
-        response: array.response().map_or_else(|| vec![Complex64::ONE; array.len()], <[_]>::to_vec),
+        response: (0..array.len())
+            .map(|i| {
+                let on = array.mask().is_none_or(|mask| mask[i]);
+                if on {
+                    array.response().map_or(Complex64::ONE, |response| response[i])
+                } else {
+                    Complex64::ZERO
+                }
+            })
+            .collect(),
         source_pressure: array.transducer().source_pressure,
         directivity: match array.transducer().directivity {
             Directivity::Point => oracle::Directivity::Point,

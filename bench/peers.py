@@ -1,0 +1,160 @@
+"""midair beside its rivals in one run: `make bench-peers`. README.md here says how, and whom it favours."""
+
+import argparse
+import datetime
+import math
+import random
+from collections.abc import Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from statistics import median
+from typing import Any
+
+import judge
+import numpy as np
+import record
+from rivals import BENCH, RIVALS, Worker
+from tasks import TASKS, Task
+
+PLACE = 1e-6  # m, by which positions may differ
+CLAIM = 1e-3  # by which judged metrics may differ from reported ones
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is done: rounds, scenes judged, least CPU time of one measurement, largest M."""
+
+    rounds: int = 9
+    scenes: int = 10
+    least: float = 50e6  # ns
+    most: int = 256
+
+
+QUICK = Effort(rounds=3, scenes=3, least=10e6, most=64)
+
+
+@dataclass
+class Entry:
+    """One rival's method on one task, its measurements and its answers."""
+
+    worker: Worker
+    task: Task
+    method: str
+    form: str
+    times: list[float] = field(default_factory=list)
+    answers: list[dict[str, float]] = field(default_factory=list)
+    repeat: int = 1
+
+    def __str__(self) -> str:
+        size = f"N = {len(self.task.array)}, M = {self.task.count}"
+        return f"{self.worker.name} {self.method} ({self.form}), {size}"
+
+    def ask(self, scene: int, repeat: int) -> dict[str, Any]:
+        request = {"method": self.method, "form": self.form, "repeat": repeat}
+        return self.worker.ask(self.task.request(scene) | request)
+
+    def judge(self, scene: int) -> None:
+        """The answer in the one forward model. A wrong place or a wrong claim ends the run."""
+        answer, points = self.ask(scene, 0), self.task.points(scene)
+        apart = np.abs(np.array(answer["positions"]) - self.task.array.positions).max()
+        if not apart <= PLACE:
+            raise SystemExit(f"{self}: transducers are {apart:.1e} m from where they should be")
+        re, im = np.array(answer["drive"])
+        found = judge.metrics(self.task.gains(points), re + 1j * im, self.task.targets)
+        for name, told in answer.get("metrics", {}).items():
+            if not abs(told - found[name]) <= CLAIM:
+                both = f"reports {name} {told:.6f}, judged {found[name]:.6f}"
+                raise SystemExit(f"{self}, scene {scene}: {both}")
+        self.answers.append(found)
+
+    def measure(self) -> None:
+        """One measurement of enough calls to be long beside the clock."""
+        self.times.append(self.ask(0, self.repeat)["ns"])
+
+    def calibrate(self, least: float) -> None:
+        self.repeat = max(1, math.ceil(least / self.ask(0, 1)["ns"]))
+
+    def row(self, date: str, rounds: int, cpu: str) -> record.Row:
+        quality = {name: f"{np.mean([a[name] for a in self.answers]):.6f}" for name in self.answers[0]}
+        return {
+            "date": date,
+            "cpu": cpu,
+            "rival": self.worker.name,
+            "version": self.worker.version,
+            "method": self.method,
+            "form": self.form,
+            "N": str(len(self.task.array)),
+            "M": str(self.task.count),
+            "rounds": str(rounds),
+            "ns_median": f"{median(self.times):.0f}",
+            "ns_min": f"{min(self.times):.0f}",
+            "scenes": str(len(self.answers)),
+            **quality,
+        }
+
+
+def entries(workers: list[Worker], most: int) -> Iterator[Entry]:
+    for task in TASKS:
+        for worker in workers:
+            if task.count > most or worker.name not in task.rivals:
+                continue
+            for method in (method for method in task.methods if method in worker.methods):
+                for form in worker.forms:
+                    yield Entry(worker, task, method, form)
+
+
+def run(workers: list[Worker], effort: Effort) -> list[record.Row]:
+    """Judges every answer, then measures in rounds, each in another order."""
+    work = list(entries(workers, effort.most))
+    for entry in work:
+        for scene in range(effort.scenes):
+            entry.judge(scene)
+    print(f"{len(work)} entries judged on {effort.scenes} scenes each", flush=True)
+    for entry in work:
+        entry.calibrate(effort.least)
+    shuffle = random.Random(0).shuffle
+    for number in range(effort.rounds):
+        order = list(work)
+        shuffle(order)
+        for entry in order:
+            entry.measure()
+        print(f"round {number + 1} of {effort.rounds}", flush=True)
+    date, cpu = datetime.date.today().isoformat(), record.cpu()
+    return [entry.row(date, effort.rounds, cpu) for entry in work]
+
+
+def start(stack: ExitStack) -> list[Worker]:
+    workers = []
+    for rival in RIVALS:
+        if rival.needs.exists():
+            workers.append(stack.enter_context(Worker(rival)))
+        else:
+            print(f"{rival.name} is left out: {rival.cure}", flush=True)
+    return workers
+
+
+def keep(rows: list[record.Row]) -> None:
+    """The record, and the README's table if all that it compares with took part."""
+    path = BENCH / "records" / f"{rows[0]['date']}.csv"
+    record.write(path, rows)
+    print(f"wrote {path.relative_to(BENCH.parent)}")
+    if {rival for rival, _, _ in record.REFERENCES} <= {row["rival"] for row in rows}:
+        record.place(BENCH.parent / "README.md", record.table(rows))
+        print("wrote the README's table")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--rounds", type=int, default=Effort.rounds, help="measurements of each entry")
+    parser.add_argument("--quick", action="store_true", help="a look: no record, no table in the README")
+    options = parser.parse_args()
+    effort = QUICK if options.quick else Effort(rounds=options.rounds)
+    with ExitStack() as stack:
+        rows = run(start(stack), effort)
+    print(record.table(rows))
+    if not options.quick:
+        keep(rows)
+
+
+if __name__ == "__main__":
+    main()

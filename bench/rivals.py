@@ -1,0 +1,87 @@
+"""Who takes part: one process each, of its own environment, held to one thread."""
+
+import json
+import os
+import subprocess
+import sys
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+BENCH = Path(__file__).parent
+ENVIRONMENTS = BENCH / ".envs"
+ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("RAYON", "OMP", "OPENBLAS", "MKL")}
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A worker's command, the file without which it cannot start, and how to get that."""
+
+    name: str
+    command: tuple[str, ...]
+    needs: Path
+    cure: str
+
+
+def _library(name: str, cure: str, *arguments: str) -> Rival:
+    folder = ENVIRONMENTS / name
+    command = (str(folder / "bin" / "python"), f"{name}_worker.py", *arguments)
+    return Rival(name, command, folder / "ready", cure)
+
+
+def _textbook(name: str, library: str) -> Rival:
+    path = ENVIRONMENTS / f"{library}.so"
+    command = (sys.executable, "textbook_worker.py", str(path))
+    return Rival(name, command, path, f"`make bench/.envs/{library}.so` compiles it")
+
+
+RIVALS = (
+    Rival("midair", (sys.executable, "midair_worker.py"), BENCH, ""),
+    _library("autd3", "`make bench/.envs/autd3/ready` installs it"),
+    _library("acoustools", "`make bench-peers ACOUSTOOLS=1` installs it (torch: some GB)", "-cpu"),
+    _textbook("textbook f64", "textbook"),
+    _textbook("textbook f32", "planar"),
+)
+
+
+class Worker:
+    """A rival's running process; ends with the `with` block."""
+
+    def __init__(self, rival: Rival) -> None:
+        self.name = rival.name
+        self._process = subprocess.Popen(
+            [rival.command[0], str(BENCH / "workers" / rival.command[1]), *rival.command[2:]],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+            env=os.environ | ONE_THREAD,
+        )
+        assert self._process.stdin
+        assert self._process.stdout
+        self._in, self._out = self._process.stdin, self._process.stdout
+        hello = self._hear("it said what it offers")
+        self.version: str = hello["version"]
+        self.methods: list[str] = hello["methods"]
+        self.forms: list[str] = hello["forms"]
+
+    def __enter__(self) -> "Worker":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        with self._process:
+            self._process.kill()
+
+    def ask(self, request: dict[str, Any]) -> dict[str, Any]:
+        """One request, one answer (workers/serve.py)."""
+        with suppress(BrokenPipeError):  # then there is no answer either, which is told
+            self._in.write(json.dumps(request) + "\n")
+            self._in.flush()
+        return self._hear(f"it answered {request['method']}, M = {len(request['points'])}")
+
+    def _hear(self, event: str) -> dict[str, Any]:
+        line = self._out.readline()
+        if not line:
+            raise SystemExit(f"{self.name} ended before {event}; its own words are above")
+        message: dict[str, Any] = json.loads(line)
+        return message

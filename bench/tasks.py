@@ -1,0 +1,71 @@
+"""What is asked of every rival: arrays, seeded points, targets."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import judge
+import numpy as np
+
+import midair
+
+HEIGHT = 0.15  # m
+HALF = 0.1  # m, half the side of the square of points
+
+METHODS = ("greedy", "fast", "uniform", "best", "gspat", "gs", "wgs", "naive")
+SEARCHES = ("greedy", "fast")
+
+
+@dataclass(frozen=True)
+class Task:
+    """Points that all take the same share of what the array can give: p1 / sqrt M, p1 at (0, 0, HEIGHT)."""
+
+    preset: str
+    tiles: tuple[int, int] | None
+    count: int
+    methods: tuple[str, ...]
+    rivals: tuple[str, ...]
+
+    @cached_property
+    def array(self) -> midair.Array:
+        return midair.Array.preset(self.preset, self.tiles)
+
+    def gains(self, points: judge.Real) -> judge.Complex:
+        return judge.gains(self.array.positions, points, self.array.source_pressure)
+
+    def points(self, scene: int) -> judge.Real:
+        """(M, 3) in m, the same for the same scene number."""
+        rng = np.random.default_rng([len(self.array), self.count, scene])
+        flat = rng.uniform(-HALF, HALF, (self.count, 2))
+        return np.column_stack([flat, np.full(self.count, HEIGHT)])
+
+    @cached_property
+    def targets(self) -> judge.Real:
+        """(M,) in Pa."""
+        p1 = np.abs(self.gains(np.array([[0, 0, HEIGHT]]))).sum()
+        return np.full(self.count, p1 / np.sqrt(self.count))
+
+    def request(self, scene: int) -> dict[str, Any]:
+        """What workers/serve.py takes, but for method, form and repeat."""
+        return {
+            "preset": self.preset,
+            "tiles": self.tiles,
+            "positions": self.array.positions.tolist(),
+            "source_pressure": self.array.source_pressure,
+            "wavenumber": judge.WAVENUMBER,
+            "sound_speed": judge.SOUND_SPEED,
+            "points": self.points(scene).tolist(),
+            "pressures": self.targets.tolist(),
+            "seed": scene,
+        }
+
+
+_SEARCHERS = ("midair", "textbook f64", "textbook f32")
+_LIBRARIES = ("midair", "autd3", "acoustools")
+
+TASKS = (
+    *[Task("autd3", (2, 2), count, METHODS, (*_LIBRARIES, *_SEARCHERS[1:])) for count in (4, 16, 64)],
+    Task("autd3", (2, 2), 256, METHODS, _LIBRARIES),
+    *[Task("paper20", None, count, SEARCHES, _SEARCHERS) for count in (4, 16, 64)],
+    Task("paper36", None, 38, SEARCHES, _SEARCHERS),
+)

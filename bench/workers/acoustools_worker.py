@@ -1,0 +1,42 @@
+"""AcousTools, one thread: "call" has its tensors ready, "full" makes them from NumPy arrays and back.
+
+Its defaults: 200 steps, |q| = 1. It reads the argument -cpu by itself. A board at z = 0 without normals gets
+normals 0, which makes its piston model a point source: the model of all others here.
+"""
+
+from importlib.metadata import version
+from typing import Any
+
+import torch
+from acoustools import Solvers
+from serve import Prepared, serve
+
+METHODS = ("naive", "wgs", "gspat")
+
+
+def prepare(task: dict[str, Any]) -> Prepared:
+    board = torch.tensor(task["positions"], dtype=torch.float32)
+    # A point source's amplitude is twice this by half of the directivity at 0.
+    model = {"board": board, "k": task["wavenumber"], "p_ref": task["source_pressure"]}
+    method = getattr(Solvers, task["method"])
+    relative = task["pressures"][:, None] / task["pressures"].max()
+    keyword = "activation" if task["method"] == "naive" else "b"
+
+    def tensors() -> tuple[torch.Tensor, torch.Tensor]:
+        points = torch.tensor(task["points"].T[None], dtype=torch.float32)
+        return points, torch.tensor(relative, dtype=torch.complex64)
+
+    def call(points: torch.Tensor, targets: torch.Tensor) -> torch.Tensor:
+        return method(points, **{keyword: targets}, **model)
+
+    def answer(result: Any) -> dict[str, Any]:
+        return {"drive": torch.as_tensor(result).numpy().ravel(), "positions": task["positions"]}
+
+    if task["form"] == "full":
+        return lambda: call(*tensors()).numpy(), answer
+    ready = tensors()
+    return lambda: call(*ready), answer
+
+
+torch.set_num_threads(1)
+serve(f"{version('acoustools')}, torch {version('torch')}", METHODS, ("call", "full"), prepare)

@@ -1,0 +1,55 @@
+"""A worker's side of the talk: a line of JSON in, a line of JSON out, the CPU time of this process between.
+
+First the worker says what it offers: {"version", "methods", "forms"}. Each request is a task {"method",
+"form", "preset", "tiles", "positions", "source_pressure", "wavenumber", "sound_speed", "points", "pressures",
+"seed", "repeat"} in SI units; the answer is {"ns"} of one of `repeat` calls, after one not counted. With
+"repeat" 0 it is {"drive": [re, im], "positions"}, and "metrics" where the rival reports any.
+"""
+
+import json
+import os
+import sys
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+#: What is timed, and what turns its result into the answer's entries, which is not.
+Prepared = tuple[Callable[[], Any], Callable[[Any], dict[str, Any]]]
+
+
+def serve(
+    version: str, methods: Sequence[str], forms: Sequence[str], prepare: Callable[[dict[str, Any]], Prepared]
+) -> None:
+    """Answers until the input ends. Whatever a rival prints goes to standard error."""
+    with os.fdopen(os.dup(1), "w") as out:
+        os.dup2(2, 1)
+        _say(out, {"version": version, "methods": list(methods), "forms": list(forms)})
+        for line in sys.stdin:
+            task = json.loads(line)
+            for name in ("positions", "points", "pressures"):
+                task[name] = np.array(task[name])
+            run, answer = prepare(task)
+            result = run()
+            _say(out, {"ns": _time(run, task["repeat"])} if task["repeat"] else _plain(answer(result)))
+
+
+def _time(run: Callable[[], Any], repeat: int) -> float:
+    start = time.process_time_ns()
+    for _ in range(repeat):
+        run()
+    return (time.process_time_ns() - start) / repeat
+
+
+def _plain(answer: dict[str, Any]) -> dict[str, Any]:
+    drive = np.asarray(answer["drive"], complex)
+    return answer | {
+        "drive": [drive.real.tolist(), drive.imag.tolist()],
+        "positions": np.asarray(answer["positions"], float).tolist(),
+    }
+
+
+def _say(out: Any, message: dict[str, Any]) -> None:
+    out.write(json.dumps(message) + "\n")
+    out.flush()

@@ -1,0 +1,282 @@
+//! Even fields at the highest common level: every |p_j| the same multiple of its target.
+//!
+//! Point phases that reinforce one another are found on the matrix of couplings ([`starts`]); weighted
+//! Gerchberg-Saxton sweeps with |q| = 1 raise the weakest points ([`sweeps`]); Gauss-Newton steps on
+//! |P_j| = s p_j, the level s free, make all alike ([`newton`]).
+//!
+//! Rows of G are divided by their targets, so that all points ask for the same; the quiet ones come last.
+
+mod newton;
+mod starts;
+mod sweeps;
+
+use alloc::vec::Vec;
+
+use num_complex::Complex32;
+
+use crate::control::Control;
+use crate::kernels::tiles::{self, Tiles};
+use crate::kernels::{self, LANES, Level};
+use crate::linalg::Planar;
+use crate::math::sqrtf;
+use crate::problem::{Aim, Problem};
+use crate::solution::{Solution, Status};
+use crate::solvers::refine;
+use crate::workspace::Workspace;
+use starts::Starts;
+
+/// The most that a target may be raised to the largest one's size: squares stay within f32.
+const MOST_RAISED: f32 = 1e12;
+
+/// How much work to spend.
+pub(crate) struct Plan {
+    /// Point phases tried on the matrix of couplings.
+    pub(crate) starts: usize,
+    /// How many of the best of them are carried on to drives.
+    pub(crate) finalists: usize,
+    /// Seed of the point phases.
+    pub(crate) seed: u64,
+    /// Weighted sweeps for each.
+    pub(crate) sweeps: usize,
+    /// Even enough: the largest deviation from the common level, relative to it.
+    pub(crate) tolerance: f32,
+}
+
+/// G as tiles of 16 transducers, a row a point, each row in units of its target.
+struct Rows {
+    /// The problem's point of each row.
+    order: Vec<u32>,
+    /// Rows of points with a target: the first ones.
+    loud: usize,
+    /// Rows in a tile: the points, and zeros.
+    count: usize,
+    /// Factor of each row.
+    scale: Vec<f32>,
+    /// What every loud row asks for.
+    target: f32,
+    planes: [Vec<f32>; 2],
+    level: Level,
+}
+
+impl Rows {
+    fn new(problem: &Problem, work: &mut Workspace) -> Self {
+        let (gains, targets) = (problem.gains(), problem.targets());
+        let points = gains.points();
+        let count = tiles::height(points);
+        let mut order = work.indices.take(points);
+        let heard = |j: &u32| targets[*j as usize] > 0.0;
+        let all = 0..points as u32;
+        for (own, j) in order.iter_mut().zip(all.clone().filter(heard).chain(all.filter(|j| !heard(j)))) {
+            *own = j;
+        }
+        let target = targets.iter().copied().fold(0.0, f32::max);
+        let mut scale = work.floats.take(count);
+        for (scale, &j) in scale.iter_mut().zip(&order) {
+            let own = targets[j as usize];
+            *scale = if own > 0.0 { (target / own).min(MOST_RAISED) } else { 1.0 };
+        }
+        let size = kernels::padded(gains.transducers()) * count;
+        let mut planes = [(); 2].map(|()| work.floats.take(size));
+        let mut memory = work.floats.take(2 * LANES * gains.lanes());
+        let [re, im] = &mut planes;
+        tiles::pack(
+            gains.level(),
+            gains.rows(),
+            gains.transducers(),
+            (&order, &scale),
+            &mut memory,
+            [re, im],
+        );
+        work.floats.give(memory);
+        let loud = (0..points as u32).filter(heard).count();
+        Self { order, loud, count, scale, target, planes, level: gains.level() }
+    }
+
+    /// Multiplies row `k` by `factor`.
+    fn rescale(&mut self, k: usize, factor: f32) {
+        self.scale[k] *= factor;
+        let count = self.count * LANES;
+        for plane in &mut self.planes {
+            for tile in plane.chunks_exact_mut(count) {
+                tile[k * LANES..(k + 1) * LANES].iter_mut().for_each(|x| *x *= factor);
+            }
+        }
+    }
+
+    fn tiles(&self) -> Tiles<'_> {
+        let [re, im] = &self.planes;
+        Tiles { planes: [re, im], count: self.count }
+    }
+
+    fn give(self, work: &mut Workspace) {
+        work.indices.give(self.order);
+        work.floats.give(self.scale);
+        work.floats.give_all(self.planes);
+    }
+}
+
+/// A drive and its field at the rows.
+struct Wave {
+    drive: [Vec<f32>; 2],
+    field: [Vec<f32>; 2],
+    moduli: Vec<f32>,
+    /// The field's lanes, before they are added up.
+    lanes: [Vec<f32>; 2],
+}
+
+impl Wave {
+    fn new(rows: &Rows, work: &mut Workspace) -> Self {
+        let transducers = rows.planes[0].len() / rows.count;
+        let mut pair = |size: usize| [(); 2].map(|()| work.floats.take(size));
+        let (drive, field, lanes) = (pair(transducers), pair(rows.count), pair(rows.count * LANES));
+        Self { drive, field, moduli: work.floats.take(rows.count), lanes }
+    }
+
+    /// What `play` of a kernel makes of it, and the moduli.
+    fn set(&mut self, play: impl FnOnce(tiles::Wave<'_>)) {
+        let [drive, field, lanes] = [&mut self.drive, &mut self.field, &mut self.lanes]
+            .map(|pair| pair.each_mut().map(Vec::as_mut_slice));
+        play(tiles::Wave { drive, field, lanes });
+        for (modulus, (re, im)) in self.moduli.iter_mut().zip(self.field[0].iter().zip(&self.field[1])) {
+            *modulus = sqrtf(re * re + im * im);
+        }
+    }
+
+    fn copy(&mut self, other: &Self) {
+        let own = self.drive.iter_mut().chain(&mut self.field).chain([&mut self.moduli]);
+        let others = other.drive.iter().chain(&other.field).chain([&other.moduli]);
+        own.zip(others).for_each(|(own, other)| own.copy_from_slice(other));
+    }
+
+    fn drive(&self) -> [&[f32]; 2] {
+        [&self.drive[0], &self.drive[1]]
+    }
+
+    /// |P| of the weakest loud point.
+    fn lowest(&self, rows: &Rows) -> f32 {
+        self.moduli[..rows.loud].iter().copied().fold(f32::INFINITY, f32::min)
+    }
+
+    /// The mean |P| of the loud points.
+    fn level(&self, rows: &Rows) -> f32 {
+        self.moduli[..rows.loud].iter().sum::<f32>() / rows.loud as f32
+    }
+
+    /// The largest deviation from `level`, the quiet points' from silence, relative to it.
+    fn unevenness(&self, rows: &Rows, level: f32) -> f32 {
+        if level == 0.0 {
+            return f32::INFINITY;
+        }
+        let (loud, quiet) = self.moduli.split_at(rows.loud);
+        let deviations = loud.iter().map(|x| (x / level - 1.0).abs()).chain(quiet.iter().map(|x| x / level));
+        deviations.fold(0.0, f32::max)
+    }
+
+    fn give(self, work: &mut Workspace) {
+        work.floats.give_all(self.drive);
+        work.floats.give_all(self.field);
+        work.floats.give_all(self.lanes);
+        work.floats.give(self.moduli);
+    }
+}
+
+/// The caller's hand on the solve: counts steps and tells each.
+struct Watch<'a, 'b> {
+    problem: &'a Problem,
+    control: &'a mut Control<'b>,
+    step: usize,
+    steps: usize,
+    stopped: bool,
+    /// Moduli in the problem's order and unit.
+    moduli: Vec<f32>,
+}
+
+impl Watch<'_, '_> {
+    /// Whether to go on after a step to `wave`. A step is told when the next one is done: the last one's residual is
+    /// that of the answer, which is told when it is made.
+    fn told(&mut self, rows: &Rows, wave: &Wave) -> bool {
+        let (problem, moduli) = (self.problem, &self.moduli);
+        if self.step > 0 {
+            self.stopped = self.control.step(self.step, self.steps, || problem.residual(moduli)).is_break();
+        }
+        if !self.stopped {
+            self.step += 1;
+            for (k, &j) in rows.order.iter().enumerate() {
+                self.moduli[j as usize] = wave.moduli[k] / rows.scale[k];
+            }
+        }
+        !self.stopped
+    }
+}
+
+/// An even drive, at the level that the problem aims at.
+pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &mut Workspace, control: &mut Control) -> Solution {
+    let mut rows = Rows::new(problem, work);
+    let starts = Starts::new(problem, &mut rows, plan, work);
+    let moduli = work.floats.take(problem.gains().lanes());
+    let steps = starts.count * (1 + plan.sweeps + newton::MOST_STEPS) + newton::MOST_STEPS;
+    let mut watch = Watch { problem, control, step: 0, steps, stopped: false, moduli };
+    let mut best = Wave::new(&rows, work);
+    let mut wave = Wave::new(&rows, work);
+    let mut reached = (false, -1.0);
+    for start in 0..starts.count {
+        sweeps::raise(&rows, &starts, start, plan.sweeps, &mut wave, &mut watch, work);
+        let even = newton::polish(problem, &rows, None, plan.tolerance, &mut wave, &mut watch, work);
+        if (even, wave.lowest(&rows)) > reached {
+            reached = (even, wave.lowest(&rows));
+            core::mem::swap(&mut best, &mut wave);
+        }
+        if watch.stopped {
+            break;
+        }
+    }
+    let wanted = problem.aim() == Aim::Target;
+    // With many points the target may lie above the level where free steps end, and still be in reach.
+    if wanted && !watch.stopped && reached.1 < rows.target && 4 * rows.loud >= problem.gains().transducers() {
+        wave.copy(&best);
+        let level = Some(rows.target);
+        if newton::polish(problem, &rows, level, plan.tolerance, &mut wave, &mut watch, work) {
+            reached.0 = true;
+            core::mem::swap(&mut best, &mut wave);
+        }
+    }
+    let loudest = best.moduli[..rows.loud].iter().copied().fold(0.0, f32::max);
+    let factor = if wanted && loudest > rows.target { rows.target / loudest } else { 1.0 };
+    let mut drive = work.complexes.take(problem.gains().transducers());
+    for (i, q) in drive.iter_mut().enumerate() {
+        *q = Complex32::new(best.drive[0][i], best.drive[1][i]);
+    }
+    let device = problem.gains().levels().is_some();
+    if device {
+        // At full drive: the entry point brings what is below it to the device's amplitudes.
+        refine(problem, &mut drive, work);
+    }
+    for q in &mut drive {
+        *q *= factor;
+    }
+    let mut field = Planar::zeros(1, problem.gains().lanes(), work);
+    for (field, own) in [&mut field.re, &mut field.im].into_iter().zip(&best.field) {
+        for (k, &j) in rows.order.iter().enumerate() {
+            field[j as usize] = own[k] / rows.scale[k] * factor;
+        }
+    }
+    let status = match (watch.stopped, reached.0) {
+        (true, _) => Status::Stopped,
+        (_, true) => Status::Done,
+        _ => Status::OutOfSteps,
+    };
+    let step = watch.step;
+    work.floats.give(watch.moduli);
+    best.give(work);
+    wave.give(work);
+    starts.give(work);
+    rows.give(work);
+    let mut solution = if device {
+        field.give(work);
+        Solution::new(problem, drive, status, step, work)
+    } else {
+        Solution::of_field(problem, drive, field, status, step, work)
+    };
+    solution.tell(problem, steps, control);
+    solution
+}

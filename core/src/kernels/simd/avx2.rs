@@ -1,0 +1,163 @@
+//! Two registers of AVX2 with fused multiply-adds (Haswell and Zen, and later).
+
+use core::arch::x86_64::{
+    __m256, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _mm_add_ps, _mm_add_ss, _mm_cvtss_f32,
+    _mm_max_ps, _mm_movehl_ps, _mm_shuffle_ps, _mm256_add_epi32, _mm256_add_ps, _mm256_and_ps,
+    _mm256_blendv_ps, _mm256_castps_si256, _mm256_castps256_ps128, _mm256_castsi256_ps, _mm256_cmp_ps,
+    _mm256_cvtps_epi32, _mm256_extractf128_ps, _mm256_fmadd_ps, _mm256_fnmadd_ps, _mm256_loadu_ps,
+    _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_permutevar8x32_ps,
+    _mm256_round_ps, _mm256_set1_epi32, _mm256_set1_ps, _mm256_slli_epi32, _mm256_srli_epi32,
+    _mm256_storeu_ps, _mm256_sub_epi32, _mm256_sub_ps,
+};
+
+use super::{Lanes, Simd};
+
+/// AVX2 and FMA are there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Avx2(());
+
+impl Avx2 {
+    /// # Safety
+    /// The CPU has AVX2 and FMA.
+    pub(crate) const unsafe fn assume() -> Self {
+        Self(())
+    }
+}
+
+type Pair = [__m256; 2];
+
+/// A method of [`Simd`] that does the same to both registers. (Closures would not be compiled for AVX2.)
+macro_rules! operations {
+    ($($name:ident($($argument:ident),*) = $body:expr;)*) => {$(
+        #[inline(always)]
+        fn $name(self, $($argument: Pair),*) -> Pair {
+            // SAFETY: the token proves that the CPU has AVX2 and FMA.
+            let first = unsafe {
+                $(let $argument = $argument[0];)*
+                $body
+            };
+            // SAFETY: the same.
+            let second = unsafe {
+                $(let $argument = $argument[1];)*
+                $body
+            };
+            [first, second]
+        }
+    )*};
+}
+
+impl Simd for Avx2 {
+    type V = Pair;
+
+    #[inline(always)]
+    fn vectorize<R>(self, f: impl FnOnce() -> R) -> R {
+        #[target_feature(enable = "avx2,fma")]
+        fn inner<R>(f: impl FnOnce() -> R) -> R {
+            f()
+        }
+        // SAFETY: the token proves that the CPU has them.
+        unsafe { inner(f) }
+    }
+
+    #[inline(always)]
+    fn splat(self, x: f32) -> Pair {
+        // SAFETY: the token proves that the CPU has AVX2.
+        [unsafe { _mm256_set1_ps(x) }; 2]
+    }
+
+    #[inline(always)]
+    fn load(self, lanes: &Lanes) -> Pair {
+        // SAFETY: 16 numbers are two registers.
+        unsafe { [_mm256_loadu_ps(lanes.as_ptr()), _mm256_loadu_ps(lanes.as_ptr().add(8))] }
+    }
+
+    #[inline(always)]
+    fn store(self, v: Pair, lanes: &mut Lanes) {
+        // SAFETY: 16 numbers are two registers.
+        unsafe {
+            _mm256_storeu_ps(lanes.as_mut_ptr(), v[0]);
+            _mm256_storeu_ps(lanes.as_mut_ptr().add(8), v[1]);
+        }
+    }
+
+    operations! {
+        add(a, b) = _mm256_add_ps(a, b);
+        sub(a, b) = _mm256_sub_ps(a, b);
+        mul(a, b) = _mm256_mul_ps(a, b);
+        fma(a, b, c) = _mm256_fmadd_ps(a, b, c);
+        fnma(a, b, c) = _mm256_fnmadd_ps(a, b, c);
+        min(a, b) = _mm256_min_ps(a, b);
+        max(a, b) = _mm256_max_ps(a, b);
+        abs(a) = _mm256_and_ps(a, _mm256_castsi256_ps(_mm256_set1_epi32(0x7fff_ffff)));
+        whole(a) = _mm256_round_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(a);
+        power(a) = {
+            let exponent = _mm256_add_epi32(_mm256_cvtps_epi32(a), _mm256_set1_epi32(127));
+            _mm256_castsi256_ps(_mm256_slli_epi32::<23>(exponent))
+        };
+        // The estimate of AVX differs between makers; this one does not.
+        guess(a) = {
+            let half = _mm256_mul_ps(a, _mm256_set1_ps(0.5));
+            let bits = _mm256_srli_epi32::<1>(_mm256_castps_si256(a));
+            let y = _mm256_castsi256_ps(_mm256_sub_epi32(_mm256_set1_epi32(0x5f37_5a86), bits));
+            let three_halves = _mm256_set1_ps(1.5);
+            let y = _mm256_mul_ps(y, _mm256_fnmadd_ps(_mm256_mul_ps(half, y), y, three_halves));
+            _mm256_mul_ps(y, _mm256_fnmadd_ps(_mm256_mul_ps(half, y), y, three_halves))
+        };
+        select_less(a, b, x, y) =
+            _mm256_blendv_ps(y, x, _mm256_cmp_ps::<_CMP_LT_OQ>(a, b));
+    }
+
+    #[inline(always)]
+    fn less(self, a: Pair, b: Pair) -> u32 {
+        // SAFETY: the token proves that the CPU has AVX.
+        unsafe {
+            let low = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a[0], b[0]));
+            let high = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a[1], b[1]));
+            (low | high << 8) as u32
+        }
+    }
+
+    #[inline(always)]
+    fn swap_halves(self, [low, high]: Pair) -> Pair {
+        [high, low]
+    }
+
+    #[inline(always)]
+    fn sum(self, [low, high]: Pair) -> f32 {
+        // SAFETY: the token proves that the CPU has AVX.
+        unsafe {
+            let eight = _mm256_add_ps(low, high);
+            let four = _mm_add_ps(_mm256_castps256_ps128(eight), _mm256_extractf128_ps::<1>(eight));
+            let two = _mm_add_ps(four, _mm_movehl_ps(four, four));
+            _mm_cvtss_f32(_mm_add_ss(two, _mm_shuffle_ps::<1>(two, two)))
+        }
+    }
+
+    #[inline(always)]
+    fn greatest(self, [low, high]: Pair) -> f32 {
+        // SAFETY: the token proves that the CPU has AVX.
+        unsafe {
+            let eight = _mm256_max_ps(low, high);
+            let four = _mm_max_ps(_mm256_castps256_ps128(eight), _mm256_extractf128_ps::<1>(eight));
+            let two = _mm_max_ps(four, _mm_movehl_ps(four, four));
+            _mm_cvtss_f32(_mm_max_ps(two, _mm_shuffle_ps::<1>(two, two)))
+        }
+    }
+
+    #[inline(always)]
+    fn look_up(self, table: &Lanes, index: Pair) -> Pair {
+        let [first, second] = self.load(table);
+        macro_rules! look {
+            ($index:expr) => {{
+                // SAFETY: the token proves that the CPU has AVX2.
+                unsafe {
+                    let place = _mm256_cvtps_epi32($index);
+                    let a = _mm256_permutevar8x32_ps(first, place);
+                    let b = _mm256_permutevar8x32_ps(second, place);
+                    _mm256_blendv_ps(b, a, _mm256_cmp_ps::<_CMP_LT_OQ>($index, _mm256_set1_ps(8.0)))
+                }
+            }};
+        }
+        [look!(index[0]), look!(index[1])]
+    }
+}

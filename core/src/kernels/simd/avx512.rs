@@ -1,0 +1,121 @@
+//! One register of AVX-512 (foundation and DQ: Skylake-X and later).
+
+use core::arch::x86_64::{
+    __m512, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _mm512_abs_ps, _mm512_add_ps,
+    _mm512_cmp_ps_mask, _mm512_cvtps_epi32, _mm512_cvtss_f32, _mm512_fmadd_ps, _mm512_fnmadd_ps,
+    _mm512_loadu_ps, _mm512_mask_blend_ps, _mm512_max_ps, _mm512_min_ps, _mm512_mul_ps,
+    _mm512_permutexvar_ps, _mm512_reduce_ps, _mm512_roundscale_ps, _mm512_rsqrt14_ps, _mm512_scalef_ps,
+    _mm512_set1_ps, _mm512_shuffle_f32x4, _mm512_shuffle_ps, _mm512_storeu_ps, _mm512_sub_ps,
+};
+
+use super::{LANES, Lanes, Simd};
+
+/// AVX-512F and DQ are there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Avx512(());
+
+impl Avx512 {
+    /// # Safety
+    /// The CPU has AVX-512F, AVX-512DQ, AVX2 and FMA.
+    pub(crate) const unsafe fn assume() -> Self {
+        Self(())
+    }
+}
+
+/// A method of [`Simd`] that is one expression of intrinsics.
+macro_rules! operations {
+    ($($name:ident($($argument:ident: $kind:ty),*) -> $result:ty = $body:expr;)*) => {$(
+        #[inline(always)]
+        fn $name(self, $($argument: $kind),*) -> $result {
+            // SAFETY: the token proves that the CPU has AVX-512F; loads and stores are of whole `Lanes`.
+            unsafe { $body }
+        }
+    )*};
+}
+
+impl Simd for Avx512 {
+    type V = __m512;
+
+    #[inline(always)]
+    fn vectorize<R>(self, f: impl FnOnce() -> R) -> R {
+        #[target_feature(enable = "avx512f,avx512dq,avx2,fma")]
+        fn inner<R>(f: impl FnOnce() -> R) -> R {
+            f()
+        }
+        // SAFETY: the token proves that the CPU has them.
+        unsafe { inner(f) }
+    }
+
+    operations! {
+        splat(x: f32) -> __m512 = _mm512_set1_ps(x);
+        load(lanes: &Lanes) -> __m512 = _mm512_loadu_ps(lanes.as_ptr());
+        store(v: __m512, lanes: &mut Lanes) -> () = _mm512_storeu_ps(lanes.as_mut_ptr(), v);
+        add(a: __m512, b: __m512) -> __m512 = _mm512_add_ps(a, b);
+        sub(a: __m512, b: __m512) -> __m512 = _mm512_sub_ps(a, b);
+        mul(a: __m512, b: __m512) -> __m512 = _mm512_mul_ps(a, b);
+        fma(a: __m512, b: __m512, c: __m512) -> __m512 = _mm512_fmadd_ps(a, b, c);
+        fnma(a: __m512, b: __m512, c: __m512) -> __m512 = _mm512_fnmadd_ps(a, b, c);
+        min(a: __m512, b: __m512) -> __m512 = _mm512_min_ps(a, b);
+        max(a: __m512, b: __m512) -> __m512 = _mm512_max_ps(a, b);
+        abs(a: __m512) -> __m512 = _mm512_abs_ps(a);
+        whole(a: __m512) -> __m512 = _mm512_roundscale_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(a);
+        fraction(a: __m512) -> __m512 = _mm512_reduce_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(a);
+        power(a: __m512) -> __m512 = _mm512_scalef_ps(_mm512_set1_ps(1.0), a);
+        guess(a: __m512) -> __m512 = _mm512_rsqrt14_ps(a);
+        select_less(a: __m512, b: __m512, x: __m512, y: __m512) -> __m512 =
+            _mm512_mask_blend_ps(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b), y, x);
+        less(a: __m512, b: __m512) -> u32 = u32::from(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b));
+        swap_halves(a: __m512) -> __m512 = _mm512_shuffle_f32x4::<0b01_00_11_10>(a, a);
+        sum(a: __m512) -> f32 = {
+            let eight = _mm512_add_ps(a, _mm512_shuffle_f32x4::<0b01_00_11_10>(a, a));
+            let four = _mm512_add_ps(eight, _mm512_shuffle_f32x4::<0b10_11_00_01>(eight, eight));
+            let two = _mm512_add_ps(four, _mm512_shuffle_ps::<0b01_00_11_10>(four, four));
+            let one = _mm512_add_ps(two, _mm512_shuffle_ps::<0b10_11_00_01>(two, two));
+            _mm512_cvtss_f32(one)
+        };
+        greatest(a: __m512) -> f32 = {
+            let eight = _mm512_max_ps(a, _mm512_shuffle_f32x4::<0b01_00_11_10>(a, a));
+            let four = _mm512_max_ps(eight, _mm512_shuffle_f32x4::<0b10_11_00_01>(eight, eight));
+            let two = _mm512_max_ps(four, _mm512_shuffle_ps::<0b01_00_11_10>(four, four));
+            _mm512_cvtss_f32(_mm512_max_ps(two, _mm512_shuffle_ps::<0b10_11_00_01>(two, two)))
+        };
+        look_up(table: &Lanes, index: __m512) -> __m512 =
+            _mm512_permutexvar_ps(_mm512_cvtps_epi32(index), _mm512_loadu_ps(table.as_ptr()));
+    }
+
+    #[inline(always)]
+    fn sums(self, vectors: &[__m512; LANES]) -> __m512 {
+        // Each fold adds the halves of two vectors, then quarters, pairs and neighbours, until 16 vectors are one.
+        // The folds deal the vectors out, neighbouring bits of their number swapped. (Closures would not be
+        // compiled for AVX-512.)
+        macro_rules! fold {
+            ($shuffle:ident, $low:expr, $high:expr, $a:expr, $b:expr) => {{
+                let (a, b) = ($a, $b);
+                // SAFETY: the token proves that the CPU has AVX-512F.
+                unsafe { _mm512_add_ps($shuffle::<{ $low }>(a, b), $shuffle::<{ $high }>(a, b)) }
+            }};
+        }
+        macro_rules! eights {
+            ($a:expr, $b:expr) => {
+                fold!(_mm512_shuffle_f32x4, 0b01_00_01_00, 0b11_10_11_10, vectors[$a], vectors[$b])
+            };
+        }
+        macro_rules! fours {
+            ($a:expr) => {
+                fold!(
+                    _mm512_shuffle_f32x4,
+                    0b10_00_10_00,
+                    0b11_01_11_01,
+                    eights!($a, $a + 4),
+                    eights!($a + 8, $a + 12)
+                )
+            };
+        }
+        macro_rules! twos {
+            ($a:expr) => {
+                fold!(_mm512_shuffle_ps, 0b01_00_01_00, 0b11_10_11_10, fours!($a), fours!($a + 1))
+            };
+        }
+        fold!(_mm512_shuffle_ps, 0b10_00_10_00, 0b11_01_11_01, twos!(0), twos!(2))
+    }
+}

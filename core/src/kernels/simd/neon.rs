@@ -1,0 +1,106 @@
+//! Four registers of NEON, which every 64-bit ARM has.
+
+use core::arch::aarch64::{
+    float32x4_t, vabsq_f32, vaddq_f32, vaddq_s32, vaddvq_u32, vandq_u32, vbslq_f32, vcltq_f32, vcvtq_s32_f32,
+    vdupq_n_f32, vdupq_n_s32, vfmaq_f32, vfmsq_f32, vld1q_f32, vld1q_u32, vmulq_f32, vreinterpretq_f32_s32,
+    vrndnq_f32, vrsqrteq_f32, vrsqrtsq_f32, vshlq_n_s32, vst1q_f32, vsubq_f32,
+};
+
+use super::{Lanes, Simd};
+
+/// NEON is there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Neon;
+
+type Four = [float32x4_t; 4];
+
+/// A method of [`Simd`] that does the same to all registers.
+macro_rules! operations {
+    ($($name:ident($($argument:ident),*) = $body:expr;)*) => {$(
+        #[inline(always)]
+        #[allow(unused_unsafe, reason = "safe where NEON is part of the target")]
+        fn $name(self, $($argument: Four),*) -> Four {
+            macro_rules! one {
+                ($h:literal) => {{
+                    $(let $argument = $argument[$h];)*
+                    // SAFETY: every aarch64 CPU has NEON.
+                    unsafe { $body }
+                }};
+            }
+            [one!(0), one!(1), one!(2), one!(3)]
+        }
+    )*};
+}
+
+impl Simd for Neon {
+    type V = Four;
+
+    #[inline(always)]
+    fn vectorize<R>(self, f: impl FnOnce() -> R) -> R {
+        f()
+    }
+
+    #[inline(always)]
+    #[allow(unused_unsafe, reason = "safe where NEON is part of the target")]
+    fn splat(self, x: f32) -> Four {
+        // SAFETY: every aarch64 CPU has NEON.
+        [unsafe { vdupq_n_f32(x) }; 4]
+    }
+
+    #[inline(always)]
+    fn load(self, lanes: &Lanes) -> Four {
+        let at = lanes.as_ptr();
+        // SAFETY: 16 numbers are four registers.
+        unsafe { [vld1q_f32(at), vld1q_f32(at.add(4)), vld1q_f32(at.add(8)), vld1q_f32(at.add(12))] }
+    }
+
+    #[inline(always)]
+    fn store(self, v: Four, lanes: &mut Lanes) {
+        let at = lanes.as_mut_ptr();
+        // SAFETY: 16 numbers are four registers.
+        unsafe {
+            vst1q_f32(at, v[0]);
+            vst1q_f32(at.add(4), v[1]);
+            vst1q_f32(at.add(8), v[2]);
+            vst1q_f32(at.add(12), v[3]);
+        }
+    }
+
+    operations! {
+        add(a, b) = vaddq_f32(a, b);
+        sub(a, b) = vsubq_f32(a, b);
+        mul(a, b) = vmulq_f32(a, b);
+        fma(a, b, c) = vfmaq_f32(c, a, b);
+        fnma(a, b, c) = vfmsq_f32(c, a, b);
+        min(a, b) = vbslq_f32(vcltq_f32(a, b), a, b);
+        max(a, b) = vbslq_f32(vcltq_f32(b, a), a, b);
+        abs(a) = vabsq_f32(a);
+        whole(a) = vrndnq_f32(a);
+        power(a) = vreinterpretq_f32_s32(vshlq_n_s32::<23>(vaddq_s32(vcvtq_s32_f32(a), vdupq_n_s32(127))));
+        // Eight bits, whose rounding ARM prescribes, and a step of Newton.
+        guess(a) = {
+            let y = vrsqrteq_f32(a);
+            vmulq_f32(y, vrsqrtsq_f32(vmulq_f32(a, y), y))
+        };
+        select_less(a, b, x, y) = vbslq_f32(vcltq_f32(a, b), x, y);
+    }
+
+    #[inline(always)]
+    fn less(self, a: Four, b: Four) -> u32 {
+        macro_rules! bits {
+            ($h:literal) => {{
+                // SAFETY: four numbers are a register.
+                unsafe {
+                    vaddvq_u32(vandq_u32(vcltq_f32(a[$h], b[$h]), vld1q_u32([1, 2, 4, 8].as_ptr())))
+                        << (4 * $h)
+                }
+            }};
+        }
+        bits!(0) | bits!(1) | bits!(2) | bits!(3)
+    }
+
+    #[inline(always)]
+    fn swap_halves(self, [a, b, c, d]: Four) -> Four {
+        [c, d, a, b]
+    }
+}

@@ -1,0 +1,107 @@
+//! No instructions named: arrays of 16, which the compiler vectorises for what every such machine has.
+
+use core::array::from_fn;
+
+use super::{Lanes, Simd, guess};
+
+/// The level that is always there. Products and sums are rounded apart.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scalar;
+
+/// Adding and subtracting 1.5 * 2^23 rounds to the nearest integer any |x| below 2^22.
+const ROUND: f32 = 12_582_912.0;
+
+impl Simd for Scalar {
+    type V = Lanes;
+
+    #[inline(always)]
+    fn vectorize<R>(self, f: impl FnOnce() -> R) -> R {
+        f()
+    }
+
+    #[inline(always)]
+    fn splat(self, x: f32) -> Lanes {
+        [x; 16]
+    }
+
+    #[inline(always)]
+    fn load(self, lanes: &Lanes) -> Lanes {
+        *lanes
+    }
+
+    #[inline(always)]
+    fn store(self, v: Lanes, lanes: &mut Lanes) {
+        *lanes = v;
+    }
+
+    #[inline(always)]
+    fn add(self, a: Lanes, b: Lanes) -> Lanes {
+        from_fn(|l| a[l] + b[l])
+    }
+
+    #[inline(always)]
+    fn sub(self, a: Lanes, b: Lanes) -> Lanes {
+        from_fn(|l| a[l] - b[l])
+    }
+
+    #[inline(always)]
+    fn mul(self, a: Lanes, b: Lanes) -> Lanes {
+        from_fn(|l| a[l] * b[l])
+    }
+
+    #[inline(always)]
+    fn fma(self, a: Lanes, b: Lanes, c: Lanes) -> Lanes {
+        from_fn(|l| a[l] * b[l] + c[l])
+    }
+
+    #[inline(always)]
+    fn fnma(self, a: Lanes, b: Lanes, c: Lanes) -> Lanes {
+        from_fn(|l| c[l] - a[l] * b[l])
+    }
+
+    #[inline(always)]
+    fn min(self, a: Lanes, b: Lanes) -> Lanes {
+        from_fn(|l| if a[l] < b[l] { a[l] } else { b[l] })
+    }
+
+    #[inline(always)]
+    fn max(self, a: Lanes, b: Lanes) -> Lanes {
+        from_fn(|l| if a[l] > b[l] { a[l] } else { b[l] })
+    }
+
+    #[inline(always)]
+    fn abs(self, a: Lanes) -> Lanes {
+        a.map(f32::abs)
+    }
+
+    #[inline(always)]
+    fn whole(self, a: Lanes) -> Lanes {
+        from_fn(|l| (a[l] + ROUND) - ROUND)
+    }
+
+    #[inline(always)]
+    fn power(self, a: Lanes) -> Lanes {
+        // The exponent's bits.
+        from_fn(|l| f32::from_bits(((a[l] as i32 + 127) as u32) << 23))
+    }
+
+    #[inline(always)]
+    fn guess(self, a: Lanes) -> Lanes {
+        a.map(guess)
+    }
+
+    #[inline(always)]
+    fn select_less(self, a: Lanes, b: Lanes, x: Lanes, y: Lanes) -> Lanes {
+        from_fn(|l| if a[l] < b[l] { x[l] } else { y[l] })
+    }
+
+    #[inline(always)]
+    fn less(self, a: Lanes, b: Lanes) -> u32 {
+        (0..16).fold(0, |bits, l| bits | u32::from(a[l] < b[l]) << l)
+    }
+
+    #[inline(always)]
+    fn swap_halves(self, a: Lanes) -> Lanes {
+        from_fn(|l| a[(l + 8) % 16])
+    }
+}

@@ -1,0 +1,190 @@
+//! Products with whole matrices, and the sweep of `fast`, against plain f64 loops.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use num_complex::{Complex32, Complex64};
+
+use super::super::fast::{self, Sweep};
+use super::super::{Level, Rows, add_waves, combine_rows, correlate_rows, gram, gram_floats, padded};
+use super::{LENGTHS, ROUNDING, numbers, wide};
+use crate::rng::Rng;
+
+/// A matrix of padded rows, planar, and its entries.
+struct Matrix {
+    re: Vec<f32>,
+    im: Vec<f32>,
+    rows: usize,
+    columns: usize,
+}
+
+impl Matrix {
+    fn new(rows: usize, columns: usize) -> Self {
+        let mut rng = Rng::new((1000 * rows + columns) as u64);
+        let mut list = || (0..rows).flat_map(|_| numbers(&mut rng, columns, -1.0, 1.0)).collect();
+        Self { re: list(), im: list(), rows, columns }
+    }
+
+    fn rows(&self) -> Rows<'_> {
+        Rows::Stored { re: &self.re, im: &self.im }
+    }
+
+    fn at(&self, row: usize, column: usize) -> Complex64 {
+        let place = row * padded(self.columns) + column;
+        Complex64::new(wide(self.re[place]), wide(self.im[place]))
+    }
+}
+
+fn exact(z: Complex32) -> Complex64 {
+    Complex64::new(wide(z.re), wide(z.im))
+}
+
+fn assert_close(got: Complex64, want: Complex64, terms: usize, what: &str) {
+    // Two products and sums a term, of numbers below 2, and the sum over lanes.
+    let allowed = 4.0 * ROUNDING * (terms + 8) as f64;
+    assert!((got - want).norm() <= allowed, "{what}: {got} for {want}, allowed {allowed:e}");
+}
+
+#[test]
+fn products_with_rows_are_their_sums() {
+    for level in Level::all() {
+        for count in LENGTHS {
+            let matrix = Matrix::new(68 - count, count);
+            let lanes = padded(count);
+            let vector = Matrix::new(1, count);
+            correlate_rows(level, [&matrix.re, &matrix.im], [&vector.re, &vector.im], |k, got| {
+                let want = (0..count).map(|j| matrix.at(k, j).conj() * vector.at(0, j)).sum();
+                assert_close(exact(got), want, count, "correlate_rows");
+            });
+            let factors: Vec<Complex32> = (0..matrix.rows)
+                .map(|k| Complex32::cis(k as f32) * if k % 5 == 4 { 0.0 } else { 0.5 })
+                .collect();
+            let want = |j: usize| (0..matrix.rows).map(|k| matrix.at(k, j) * exact(factors[k])).sum();
+            let (mut re, mut im) = (vec![f32::NAN; lanes], vec![f32::NAN; lanes]);
+            combine_rows(level, [&matrix.re, &matrix.im], &factors, [&mut re, &mut im]);
+            let (mut also_re, mut also_im) = (vec![0.0; lanes], vec![0.0; lanes]);
+            let (mut row_re, mut row_im) = (vec![f32::NAN; lanes], vec![f32::NAN; lanes]);
+            let row = [&mut row_re[..], &mut row_im[..]];
+            add_waves(level, matrix.rows(), &factors, row, [&mut also_re, &mut also_im]);
+            for j in 0..count {
+                assert_close(Complex64::new(wide(re[j]), wide(im[j])), want(j), matrix.rows, "combine_rows");
+                assert_close(
+                    Complex64::new(wide(also_re[j]), wide(also_im[j])),
+                    want(j),
+                    matrix.rows,
+                    "add_waves",
+                );
+            }
+            assert!(re[count..].iter().chain(&im[count..]).all(|&x| x == 0.0), "padding was given sound");
+        }
+    }
+}
+
+#[test]
+fn gram_is_the_weighted_conjugate_product() {
+    for level in Level::all() {
+        for count in LENGTHS {
+            // One panel, and two with a rest.
+            for transducers in [1, 7, 75] {
+                let matrix = Matrix::new(transducers, count);
+                let lanes = padded(count);
+                let (mut re, mut im) = (vec![0.0; count * lanes], vec![0.0; count * lanes]);
+                let mut memory = vec![f32::NAN; gram_floats(lanes)];
+                let factor = |i: usize| 0.25 + (i % 3) as f32;
+                gram(level, matrix.rows(), factor, transducers, count, &mut memory, [&mut re, &mut im]);
+                for k in 0..count {
+                    for l in 0..lanes {
+                        let got = Complex64::new(wide(re[k * lanes + l]), wide(im[k * lanes + l]));
+                        let entry = |i: usize| matrix.at(i, k).conj() * matrix.at(i, l) * wide(factor(i));
+                        let want =
+                            if l < count { (0..transducers).map(entry).sum() } else { Complex64::ZERO };
+                        assert_close(got, want, 4 * transducers, "gram");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A block of `fast` as its formula reads: the new drives of some rows, from the field before.
+fn block(
+    matrix: &Matrix,
+    asked: [&[f32]; 2],
+    own: f64,
+    old: &[Complex32],
+    before: &[Complex64],
+    rows: core::ops::Range<usize>,
+) -> Vec<Complex64> {
+    let [target, weight] = asked.map(|list| move |j: usize| wide(list[j]));
+    let short = |j: usize| {
+        let p = before[j];
+        let phase = if p.norm() > 0.0 { p / p.norm() } else { Complex64::ONE };
+        weight(j) * (target(j) * phase - p)
+    };
+    let sum = |i: usize| {
+        let term = |j: usize| {
+            let g = matrix.at(i, j);
+            g.conj() * short(j) + own * weight(j) * g.norm_sqr() * exact(old[i])
+        };
+        (0..matrix.columns).map(term).sum::<Complex64>()
+    };
+    rows.map(sum).map(|sum| if sum.norm() > 0.0 { sum / sum.norm() } else { Complex64::ZERO }).collect()
+}
+
+#[test]
+fn the_sweep_of_fast_is_its_formula() {
+    const N: usize = 21;
+    for level in Level::all() {
+        for count in LENGTHS {
+            let mut matrix = Matrix::new(N, count);
+            let lanes = padded(count);
+            // One transducer without effect.
+            matrix.re[4 * lanes..5 * lanes].fill(0.0);
+            matrix.im[4 * lanes..5 * lanes].fill(0.0);
+            let mut rng = Rng::new(count as u64);
+            let (target, weight) = (numbers(&mut rng, count, 1.0, 5.0), numbers(&mut rng, count, 0.5, 1.0));
+            let asked = [&target[..], &weight[..]];
+            for size in [1, 3, 8] {
+                let mut drive = vec![Complex32::ZERO; N];
+                let (mut re, mut im) = (vec![0.0; lanes], vec![0.0; lanes]);
+                let mut memory = vec![f32::NAN; fast::floats(lanes)];
+                for own in [0.0, 0.4] {
+                    let old = drive.clone();
+                    let task = Sweep {
+                        rows: matrix.rows(),
+                        target: &target,
+                        weight: &weight,
+                        block: size,
+                        own,
+                        memory: &mut memory,
+                    };
+                    // The field after each block, from where the formula starts at the next.
+                    let field = |[re, im]: [&[f32]; 2]| -> Vec<Complex64> {
+                        (0..count).map(|j| Complex64::new(wide(re[j]), wide(im[j]))).collect()
+                    };
+                    let mut fields = vec![field([&re, &im])];
+                    let step = |pressures: [&[f32]; 2]| {
+                        fields.push(field(pressures));
+                        true
+                    };
+                    assert!(fast::sweep(level, task, 0..N, &mut drive, [&mut re, &mut im], step));
+                    assert_eq!(fields.len(), 1 + N.div_ceil(size));
+                    for (step, fields) in fields.windows(2).enumerate() {
+                        let rows = size * step..N.min(size * (step + 1));
+                        let wanted = block(&matrix, asked, wide(own), &old, &fields[0], rows.clone());
+                        for (i, want) in rows.clone().zip(&wanted) {
+                            // A sum of terms up to 5 that nearly cancel has few digits left: 1e-4 at the worst.
+                            assert!((exact(drive[i]) - want).norm() < 1e-4, "{level}: q of {i}, M = {count}");
+                        }
+                        for j in 0..count {
+                            let moved = |i: usize| matrix.at(i, j) * (exact(drive[i]) - exact(old[i]));
+                            let want = fields[0][j] + rows.clone().map(moved).sum::<Complex64>();
+                            assert_close(fields[1][j], want, 4 * N, "the field after a block");
+                        }
+                    }
+                }
+                assert_eq!(drive[4], Complex32::ZERO);
+            }
+        }
+    }
+}

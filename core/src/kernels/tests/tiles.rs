@@ -1,0 +1,250 @@
+//! Tiles against plain f64 loops, at every level.
+
+use alloc::vec;
+use alloc::vec::Vec;
+use core::f64::consts::TAU;
+
+use num_complex::Complex64;
+
+use super::super::tiles::{self, Tiles, Wave, height};
+use super::super::{LANES, Level, Rows, padded};
+use super::{LENGTHS, ROUNDING, assert_near, numbers, wide};
+use crate::rng::Rng;
+
+/// Rows of G and the same as tiles, every second point doubled and the points in turn from the last.
+struct Scene {
+    points: usize,
+    transducers: usize,
+    planes: [Vec<f32>; 2],
+    /// G as the tiles hold it, point by point.
+    gains: Vec<Vec<Complex64>>,
+}
+
+impl Scene {
+    fn new(points: usize, transducers: usize, level: Level) -> Self {
+        let mut rng = Rng::new((1000 * points + transducers) as u64);
+        let lanes = padded(points);
+        let mut stored = [(); 2].map(|()| Vec::new());
+        for plane in &mut stored {
+            for _ in 0..transducers {
+                plane.extend(numbers(&mut rng, points, -1.0, 1.0));
+            }
+        }
+        let order: Vec<u32> = (0..points as u32).rev().collect();
+        let mut scale = vec![0.0; height(points)];
+        (0..points).for_each(|k| scale[k] = if k % 2 == 0 { 1.0 } else { 2.0 });
+        // The buffers of a workspace are zeros; the memory for rows need not be.
+        let size = padded(transducers) * height(points);
+        let mut planes = [(); 2].map(|()| vec![0.0; size]);
+        let [re, im] = &mut planes;
+        let rows = Rows::Stored { re: &stored[0], im: &stored[1] };
+        let mut memory = vec![f32::NAN; 2 * LANES * lanes];
+        tiles::pack(level, rows, transducers, (&order, &scale), &mut memory, [re, im]);
+        let entry = |k: usize, i: usize| {
+            let at = i * lanes + points - 1 - k;
+            Complex64::new(wide(stored[0][at]), wide(stored[1][at])) * wide(scale[k])
+        };
+        let gains = (0..points).map(|k| (0..transducers).map(|i| entry(k, i)).collect()).collect();
+        Self { points, transducers, planes, gains }
+    }
+
+    fn tiles(&self) -> Tiles<'_> {
+        Tiles { planes: [&self.planes[0], &self.planes[1]], count: height(self.points) }
+    }
+
+    /// Lets a kernel play; the drive and the field, whose padding must be silent.
+    fn play(&self, kernel: impl FnOnce(Wave<'_>)) -> [Vec<Complex64>; 2] {
+        let dirty = |size: usize| [(); 2].map(|()| vec![f32::NAN; size]);
+        let (mut drive, mut field) = (dirty(padded(self.transducers)), dirty(height(self.points)));
+        let mut lanes = dirty(height(self.points) * LANES);
+        let [drive_, field_, lanes_] =
+            [&mut drive, &mut field, &mut lanes].map(|pair| pair.each_mut().map(Vec::as_mut_slice));
+        kernel(Wave { drive: drive_, field: field_, lanes: lanes_ });
+        let join = |[re, im]: &[Vec<f32>; 2]| -> Vec<Complex64> {
+            re.iter().zip(im).map(|(&re, &im)| Complex64::new(wide(re), wide(im))).collect()
+        };
+        let (drive, field) = (join(&drive), join(&field));
+        assert!(drive[self.transducers..].iter().chain(&field[self.points..]).all(|z| z.norm() == 0.0));
+        // The field is that of the drive: sums of terms of at most 2 sqrt 2.
+        let allowed = 4.0 * ROUNDING * 3.0 * self.transducers as f64;
+        for (heard, row) in field.iter().zip(&self.gains) {
+            let want: Complex64 = row.iter().zip(&drive).map(|(g, q)| g * q).sum();
+            assert!((heard - want).norm() <= allowed, "{heard} for {want}");
+        }
+        [drive, field]
+    }
+}
+
+fn complex(rng: &mut Rng, count: usize) -> [Vec<f32>; 2] {
+    [(); 2].map(|()| numbers(rng, count, -1.0, 1.0))
+}
+
+fn each(test: impl Fn(Level, usize, &mut Rng)) {
+    for level in Level::all() {
+        for count in LENGTHS {
+            test(level, count, &mut Rng::new(count as u64));
+        }
+    }
+}
+
+#[test]
+fn a_sweep_aims_every_transducer_and_hears_it() {
+    each(|level, count, rng| {
+        for transducers in [1, 16, 37] {
+            let scene = Scene::new(count, transducers, level);
+            let mut wanted = complex(rng, count);
+            for plane in &mut wanted {
+                plane.resize(height(count).max(plane.len()), 0.0);
+            }
+            let [drive, _] =
+                scene.play(|wave| tiles::sweep(level, scene.tiles(), [&wanted[0], &wanted[1]], wave));
+            for i in 0..transducers {
+                let part = |k: usize| {
+                    scene.gains[k][i].conj() * Complex64::new(wide(wanted[0][k]), wide(wanted[1][k]))
+                };
+                let want: Complex64 = (0..count).map(part).sum();
+                // Sums of terms below 4, their error beside their modulus; the root within a few roundings.
+                let allowed = 8.0 * ROUNDING + 4.0 * ROUNDING * 4.0 * count as f64 / want.norm();
+                assert!((drive[i] - want / want.norm()).norm() <= allowed, "{level} {count}: {}", drive[i]);
+            }
+        }
+    });
+}
+
+#[test]
+fn a_turn_is_a_change_of_phase() {
+    each(|level, count, rng| {
+        let transducers = 5 + count;
+        let scene = Scene::new(count, transducers, level);
+        let mut from = [(); 2].map(|()| vec![0.0; padded(transducers)]);
+        // The first one is off, and stays so.
+        for i in 1..transducers {
+            let phase = TAU * rng.uniform();
+            (from[0][i], from[1][i]) = (libm::cos(phase) as f32, libm::sin(phase) as f32);
+        }
+        let turns = numbers(rng, transducers, -1.0, 1.0);
+        let [drive, _] =
+            scene.play(|wave| tiles::turn(level, scene.tiles(), [&from[0], &from[1]], &turns, 0.5, wave));
+        assert_eq!(drive[0], Complex64::ZERO);
+        for i in 1..transducers {
+            let angle = libm::atan(0.5 * wide(turns[i]));
+            let want = Complex64::new(wide(from[0][i]), wide(from[1][i])) * Complex64::from_polar(1.0, angle);
+            assert!((drive[i] - want).norm() <= 8.0 * ROUNDING, "{level} {count}: {} for {want}", drive[i]);
+        }
+    });
+}
+
+#[test]
+fn slopes_their_products_and_sums_are_those_of_j() {
+    each(|level, count, rng| {
+        let (transducers, loud) = (37, count / 2);
+        let size = 2 * count - loud;
+        let scene = Scene::new(count, transducers, level);
+        let drive = complex(rng, transducers);
+        let rows = height(size);
+        let mut factors = [(); 2].map(|()| vec![0.0; rows]);
+        for f in &mut factors {
+            f[..size].copy_from_slice(&numbers(rng, size, -1.0, 1.0)[..size]);
+        }
+        let mut slopes = vec![0.0; rows * padded(transducers)];
+        let split = [&factors[0][..], &factors[1]];
+        tiles::slopes(level, scene.tiles(), [&drive[0], &drive[1]], split, (count, loud), &mut slopes);
+        let j = |e: usize, i: usize| {
+            let point = if e < count { e } else { e - count + loud };
+            let wave = scene.gains[point][i] * Complex64::new(wide(drive[0][i]), wide(drive[1][i]));
+            wide(factors[0][e]) * wave.re + wide(factors[1][e]) * wave.im
+        };
+        for e in 0..size {
+            for i in 0..transducers {
+                let got = slopes[(i / LANES * rows + e) * LANES + i % LANES];
+                assert_near(got, j(e, i), 32.0 * ROUNDING, "slope");
+            }
+        }
+        let mut matrix = vec![f32::NAN; size * size];
+        tiles::products(level, &slopes, rows, size, &mut matrix);
+        // Terms of at most 4 squared, each of two factors with the error above.
+        let allowed = 300.0 * ROUNDING * transducers as f64;
+        for k in 0..size {
+            for l in 0..=k {
+                let want = (0..transducers).map(|i| j(k, i) * j(l, i)).sum();
+                assert_near(matrix[k * size + l], want, allowed, "product");
+            }
+        }
+        let mut sums = vec![f32::NAN; padded(transducers)];
+        let most = tiles::combine(level, &slopes, &factors[0], &mut sums);
+        for i in 0..transducers {
+            let want = (0..size).map(|e| wide(factors[0][e]) * j(e, i)).sum();
+            assert_near(sums[i], want, 100.0 * ROUNDING * size as f64, "sum");
+        }
+        assert_eq!(most, sums.iter().fold(0.0, |most: f32, x| most.max(x.abs())));
+    });
+}
+
+#[test]
+fn couplings_are_products_of_rows() {
+    each(|level, count, _| {
+        let scene = Scene::new(count, 37, level);
+        let mut matrix = [(); 2].map(|()| vec![f32::NAN; count * count]);
+        let [re, im] = &mut matrix;
+        tiles::couplings(level, scene.tiles(), count, [re, im]);
+        for k in 0..count {
+            for l in 0..=k {
+                let pairs = scene.gains[k].iter().zip(&scene.gains[l]);
+                let want: Complex64 = pairs.map(|(a, b)| a * b.conj()).sum();
+                // 37 products of two numbers below 2 sqrt 2.
+                assert_near(re[k * count + l], want.re, 40.0 * 8.0 * ROUNDING * 4.0, "re");
+                assert_near(im[k * count + l], want.im, 40.0 * 8.0 * ROUNDING * 4.0, "im");
+            }
+        }
+    });
+}
+
+#[test]
+fn aligning_raises_the_energy_and_keeps_the_moduli() {
+    each(|level, count, rng| {
+        let scene = Scene::new(count, 37, level);
+        let mut matrix = [(); 2].map(|()| vec![0.0; count * count]);
+        let coupling = |k: usize, l: usize| -> Complex64 {
+            scene.gains[k].iter().zip(&scene.gains[l]).map(|(a, b)| a * b.conj()).sum()
+        };
+        for k in 0..count {
+            for l in (0..count).filter(|&l| l != k) {
+                (matrix[0][k * count + l], matrix[1][k * count + l]) =
+                    (coupling(k, l).re as f32, coupling(k, l).im as f32);
+            }
+        }
+        let shares = numbers(rng, count, 0.5, 1.0)[..count].to_vec();
+        let turns = numbers(rng, count * LANES, -1.0, 1.0);
+        let mut vectors = [(); 2].map(|()| vec![f32::NAN; count * LANES]);
+        let [re, im] = &mut vectors;
+        tiles::phasors(level, &turns, &shares, [re, im]);
+        let energy = |[re, im]: &[Vec<f32>; 2], s: usize| -> f64 {
+            let v = |k: usize| Complex64::new(wide(re[k * LANES + s]), wide(im[k * LANES + s]));
+            let pairs = (0..count).flat_map(|k| (0..count).filter(move |&l| l != k).map(move |l| (k, l)));
+            pairs.map(|(k, l)| (v(k).conj() * coupling(k, l) * v(l)).re).sum()
+        };
+        let before: Vec<f64> = (0..LANES).map(|s| energy(&vectors, s)).collect();
+        let visits: Vec<u32> = (0..count as u32).collect();
+        let planes = [&matrix[0][..], &matrix[1]];
+        let mut told = [0.0; LANES];
+        for _ in 0..40 {
+            let [re, im] = &mut vectors;
+            told = tiles::align(level, planes, &shares, &visits, 1, [re, im]);
+        }
+        let scale = coupling(0, 0).re * (count * count) as f64;
+        for s in 0..LANES {
+            let after = energy(&vectors, s);
+            assert!(after >= before[s] - 1e-5 * scale, "{level} {count}: {after} from {}", before[s]);
+            // Summed while the vectors still move, and they hardly do.
+            assert!(
+                (wide(told[s]) - after).abs() <= 1e-2 * scale,
+                "{level} {count}: told {}, is {after}",
+                told[s]
+            );
+            for k in 0..count {
+                let modulus = libm::hypot(wide(vectors[0][k * LANES + s]), wide(vectors[1][k * LANES + s]));
+                assert!((modulus - wide(shares[k])).abs() < 1e-6, "{level} {count}: {modulus}");
+            }
+        }
+    });
+}

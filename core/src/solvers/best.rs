@@ -1,0 +1,67 @@
+//! The most even and loudest of several: `uniform` from many more point phases, the best of them carried on.
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::even::{self, Plan};
+use crate::problem::Problem;
+use crate::solution::Solution;
+use crate::solvers::{Info, Method, Solve, check_iteration};
+use crate::workspace::Workspace;
+
+crate::options! {
+    /// Even fields from many starts. Time O(N M^2 + M^3), memory O(N M + M^2).
+    pub struct Best {
+        /// Point phases tried on the M x M matrix, at least 1.
+        pub starts: u32 = 32,
+        /// Weighted Gerchberg-Saxton sweeps from each of the four best.
+        pub steps: u32 = 12,
+        /// Ends when no point is off the common level by more than this part of it.
+        pub tolerance: f64 = 1e-5,
+        /// Seed of the point phases, 0 to 2^64 - 1.
+        pub seed: u64 = 0,
+    }
+}
+
+/// Starts carried on to drives: how loud a field can be made even is known only then.
+const FINALISTS: usize = 4;
+
+impl Method for Best {
+    const INFO: Info = Info {
+        name: "best",
+        summary: "the loudest even field from many starts",
+        source: "as uniform",
+        balance: true,
+        tolerance: 1e-4,
+        uses_start: true,
+        uses_level: true,
+    };
+
+    fn check(&self) -> Result<(), Error> {
+        if self.starts == 0 {
+            return Err(Error::invalid("starts", self.starts, "give at least 1"));
+        }
+        check_iteration(self.steps, self.tolerance)
+    }
+}
+
+impl Solve for Best {
+    fn solve(
+        &self,
+        problem: &Problem,
+        work: &mut Workspace,
+        control: &mut Control,
+    ) -> Result<Solution, Error> {
+        let plan = Plan {
+            starts: self.starts as usize,
+            finalists: FINALISTS,
+            seed: self.seed,
+            sweeps: self.steps as usize,
+            tolerance: self.tolerance as f32,
+        };
+        Ok(even::solve(problem, &plan, work, control))
+    }
+
+    fn levels(&self) -> bool {
+        true
+    }
+}

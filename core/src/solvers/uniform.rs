@@ -1,0 +1,60 @@
+//! Even fields at the highest common level: reinforcing point phases, weighted sweeps, Gauss-Newton steps.
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::even::{self, Plan};
+use crate::problem::Problem;
+use crate::solution::Solution;
+use crate::solvers::{Info, Method, Solve, check_iteration};
+use crate::workspace::Workspace;
+
+crate::options! {
+    /// Even fields, |q| = 1 before the level is brought down. Time O(N M^2 + M^3), memory O(N M + M^2).
+    pub struct Uniform {
+        /// Weighted Gerchberg-Saxton sweeps before the Gauss-Newton steps.
+        pub steps: u32 = 4,
+        /// Ends when no point is off the common level by more than this part of it.
+        pub tolerance: f64 = 1e-5,
+    }
+}
+
+/// Starts of the point phases, which run side by side: as many as cost no more than one.
+const STARTS: usize = 16;
+
+impl Method for Uniform {
+    const INFO: Info = Info {
+        name: "uniform",
+        summary: "even points at the highest common level, |q| alike",
+        source: "coupled phases, weighted Gerchberg-Saxton, Gauss-Newton on |P| = s p",
+        balance: true,
+        tolerance: 1e-4,
+        uses_start: true,
+        uses_level: true,
+    };
+
+    fn check(&self) -> Result<(), Error> {
+        check_iteration(self.steps, self.tolerance)
+    }
+}
+
+impl Solve for Uniform {
+    fn solve(
+        &self,
+        problem: &Problem,
+        work: &mut Workspace,
+        control: &mut Control,
+    ) -> Result<Solution, Error> {
+        let plan = Plan {
+            starts: STARTS,
+            finalists: 1,
+            seed: 0,
+            sweeps: self.steps as usize,
+            tolerance: self.tolerance as f32,
+        };
+        Ok(even::solve(problem, &plan, work, control))
+    }
+
+    fn levels(&self) -> bool {
+        true
+    }
+}

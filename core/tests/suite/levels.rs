@@ -1,0 +1,293 @@
+//! A device's grid: what lies on it, what is rounded, what balancing leaves to the supply, and how even it can be.
+
+use std::f64::consts::TAU;
+
+use midair::solvers::{self, Entry, Lm, SOLVERS, Wgs, refine};
+use midair::{
+    Array, Complex32, Control, Levels, Medium, Metrics, Options, Problem, Request, Scene, Solution, Solve,
+    Start, Value, Workspace,
+};
+
+use crate::oracle;
+use crate::scenes::{gains, preset, problem, random_points, scene, widen};
+
+fn levels(phases: u32, amplitudes: &[f64]) -> Levels {
+    let table = (!amplitudes.is_empty()).then(|| amplitudes.to_vec());
+    Levels::new(Some(phases), table).expect("levels")
+}
+
+/// The paper's array behind a device of such levels.
+fn device(levels: Levels) -> Array {
+    preset("paper20").with_levels(Some(levels))
+}
+
+fn solved(entry: &Entry, problem: &Problem, balance: bool) -> Solution {
+    let made = entry.configure_for(&Options::new(), problem.gains().levels()).expect("defaults");
+    midair::solve(problem, &*made.solver, balance, &mut Workspace::new(), &mut Control::none())
+        .unwrap_or_else(|error| panic!("{}: {error}", entry.info.name))
+}
+
+fn assert_on_grid(name: &str, drive: &[Complex32], levels: &Levels) {
+    for (i, q) in widen(drive).into_iter().enumerate().filter(|(_, q)| q.norm() > 0.0) {
+        let near = |x: f64| (x - x.round()).abs();
+        if let Some(phases) = levels.phases() {
+            let steps = q.arg() / TAU * f64::from(phases);
+            // One rounding to f32, in steps.
+            assert!(near(steps) < 1e-6 * f64::from(phases), "{name}: drive[{i}] = {q} is {steps} steps");
+        }
+        if let Some(table) = levels.amplitudes() {
+            let off = table.iter().map(|a| (a - q.norm()).abs()).fold(1.0, f64::min);
+            assert!(off < 1e-6, "{name}: drive[{i}] = {q} is no amplitude of {table:?}");
+        }
+    }
+}
+
+#[test]
+fn every_answer_lies_on_the_grid_and_reports_its_own_field() {
+    let points = random_points(6, 0.08, 21);
+    for (levels, pressure) in [
+        (levels(256, &[]), None),
+        (levels(10, &[1.0]), Some(0.3)),
+        (levels(16, &[0.0, 0.1, 0.4, 1.0]), Some(0.1)),
+        (levels(2, &[0.0, 1.0]), Some(3.0)),
+        (Levels::new(None, Some(vec![0.5, 1.0])).expect("levels"), Some(0.2)),
+    ] {
+        let scene = scene(device(levels.clone()), points.clone(), pressure.map(|pressure| vec![pressure; 6]));
+        for entry in SOLVERS {
+            for balance in [false, true] {
+                let name = entry.info.name;
+                let solution = solved(entry, &problem(&scene), balance);
+                assert_on_grid(name, &solution.drive, &levels);
+                assert!(solution.scale > 0.0 && solution.scale <= 1.0, "{name}: {}", solution.scale);
+                assert!(solution.drive.iter().any(|q| q.norm() > 0.0), "{name} is silent");
+                let field = oracle::field(&gains(&scene), &widen(&solution.drive));
+                let loudest = field.iter().map(|p| p.norm()).fold(0.0, f64::max);
+                for (ours, theirs) in widen(&solution.pressures).iter().zip(&field) {
+                    let theirs = theirs * solution.scale;
+                    // 400 rows with phases good to 1e-4 rad, of random sign.
+                    assert!((ours - theirs).norm() <= 1e-4 * loudest, "{name}: {ours} for {theirs}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn rounding_goes_to_the_nearest_and_moves_no_drive_further_than_half_a_step() {
+    let points = random_points(5, 0.08, 22);
+    let free = problem(&scene(preset("paper20"), points.clone(), None));
+    let bound = problem(&scene(device(levels(12, &[])), points, None));
+    for name in ["gs", "evd", "tikhonov", "naive"] {
+        let entry = solvers::find(name).expect("a solver");
+        let (free, bound) = (solved(entry, &free, false), solved(entry, &bound, false));
+        let mut furthest = 0.0_f64;
+        for (a, b) in widen(&free.drive).iter().zip(&widen(&bound.drive)) {
+            assert!((a.norm() - b.norm()).abs() < 1e-6, "{name}: the amplitude is free");
+            furthest = furthest.max((a * b.conj()).arg().abs());
+        }
+        // Nearest, not truncated: never beyond half a step, and with 400 transducers close to it somewhere.
+        assert!(furthest <= TAU / 24.0 + 1e-6 && furthest > TAU / 30.0, "{name}: {furthest}");
+    }
+}
+
+#[test]
+fn a_solver_of_ones_own_is_brought_to_the_grid_too() {
+    struct Crooked;
+    impl Solve for Crooked {
+        fn solve(
+            &self,
+            problem: &Problem,
+            work: &mut Workspace,
+            control: &mut Control,
+        ) -> Result<Solution, midair::Error> {
+            let mut drive = work.complexes.take(problem.gains().transducers());
+            for (i, q) in drive.iter_mut().enumerate() {
+                *q = Complex32::from_polar(0.7, i as f32);
+            }
+            let mut solution = Solution::new(problem, drive, midair::Status::Done, 1, work);
+            solution.tell(problem, 1, control);
+            Ok(solution)
+        }
+    }
+    let levels = levels(8, &[0.0, 0.5, 1.0]);
+    let problem = problem(&scene(device(levels.clone()), random_points(3, 0.05, 23), None));
+    let mut control = Control::none().traced();
+    let solution = midair::solve(&problem, &Crooked, false, &mut Workspace::new(), &mut control);
+    let solution = solution.expect("an answer");
+    assert_on_grid("crooked", &solution.drive, &levels);
+    assert!(solution.drive.iter().all(|q| (q.norm() - 0.5).abs() < 1e-6), "0.7 is nearer to 0.5");
+    let trace = control.into_trace().expect("a trace");
+    assert!((trace[0] - solution.metrics().residual).abs() < 1e-12, "the trace tells of the rounded answer");
+}
+
+#[test]
+fn balancing_reduces_by_the_table_and_below_it_by_the_scale() {
+    let points = random_points(4, 0.08, 24);
+    let level = problem(&scene(preset("paper20"), points.clone(), None)).pressures()[0];
+    let wgs = solvers::find("wgs").expect("a solver");
+    let at = |part: f64, levels: Option<Levels>| {
+        let array = preset("paper20").with_levels(levels);
+        solved(wgs, &problem(&scene(array, points.clone(), Some(vec![part * level; 4]))), true)
+    };
+    let free = at(0.2, None);
+    let same = |metrics: Metrics| {
+        // The table's values are met to a rounding; phases to 1/65536 of a turn.
+        assert!((metrics.accuracy - free.metrics().accuracy).abs() < 1e-3, "{metrics:?}");
+        assert!((metrics.sigma - free.metrics().sigma).abs() < 1e-3, "{metrics:?}");
+    };
+    // No amplitude at all, and on/off: all of it is left to the supply.
+    for table in [&[1.0][..], &[0.0, 1.0]] {
+        let solution = at(0.2, Some(levels(65_536, table)));
+        assert!((solution.scale - 0.2).abs() < 1e-6 && solution.amplitude(7) > 0.999, "{}", solution.scale);
+        same(solution.metrics());
+    }
+    // The table has it; the table has nothing so small.
+    let within = at(0.2, Some(levels(65_536, &[0.0, 0.1, 0.2, 1.0])));
+    assert!(within.scale == 1.0 && (within.amplitude(7) - 0.2).abs() < 1e-6);
+    same(within.metrics());
+    let below = at(0.2, Some(levels(65_536, &[0.0, 0.4, 1.0])));
+    assert!((below.scale - 0.5).abs() < 1e-6 && (below.amplitude(7) - 0.4).abs() < 1e-6, "{}", below.scale);
+    same(below.metrics());
+    // Between two values the nearest one is taken, and the metrics say what that costs.
+    let between = at(0.2, Some(levels(65_536, &[0.15, 1.0])));
+    assert!(between.scale == 1.0 && (between.amplitude(7) - 0.15).abs() < 1e-6);
+    let expected = 0.75 * free.metrics().accuracy;
+    assert!((between.metrics().accuracy - expected).abs() < 1e-3, "{:?}", between.metrics());
+}
+
+#[test]
+fn masked_transducers_are_off_and_count_for_nothing() {
+    let mask: Vec<bool> = (0..400).map(|i| i % 7 != 3).collect();
+    let array = preset("paper20").with_mask(Some(mask.clone())).expect("a mask");
+    let scene = scene(array, random_points(4, 0.08, 25), None);
+    for entry in SOLVERS {
+        let solution = solved(entry, &problem(&scene), false);
+        for (i, q) in solution.drive.iter().enumerate() {
+            assert_eq!(mask[i], *q != Complex32::ZERO, "{}: drive[{i}] = {q}", entry.info.name);
+        }
+    }
+    let error = preset("paper20").with_mask(Some(vec![true; 3])).expect_err("too short").to_string();
+    assert_eq!(error, "array.mask is 3 values: give one for each of the 400 transducers");
+}
+
+#[test]
+fn levels_that_no_device_has_are_refused() {
+    let refused = |phases: Option<u32>, table: Option<&[f64]>, text: &str| {
+        let error = Levels::new(phases, table.map(<[f64]>::to_vec)).expect_err(text).to_string();
+        assert!(error.contains(text) && !error.contains('\n'), "{error}");
+    };
+    refused(Some(1), None, "array.levels.phases is 1");
+    refused(Some(65_537), None, "array.levels.phases is 65537");
+    refused(None, Some(&[]), "array.levels.amplitudes is 0 values");
+    refused(None, Some(&[0.5, f64::NAN, 1.0]), "array.levels.amplitudes[1] is NaN");
+    refused(None, Some(&[-0.5, 1.0]), "array.levels.amplitudes[0] is -0.5");
+    refused(None, Some(&[0.5, 0.5, 1.0]), "array.levels.amplitudes[1] is 0.5");
+    refused(None, Some(&[0.0, 0.5]), "end the table in 1");
+}
+
+#[test]
+fn greedy_takes_the_devices_grid_and_refuses_another() {
+    let points = random_points(5, 0.08, 26);
+    let entry = solvers::find("greedy").expect("greedy");
+    let with = |table: &[f64], options: &[(&str, i128)]| {
+        let problem = problem(&scene(device(levels(24, table)), points.clone(), Some(vec![0.4; 5])));
+        let options =
+            options.iter().map(|(name, value)| ((*name).to_owned(), Value::Integer(*value))).collect();
+        let made = entry.configure_for(&options, problem.gains().levels()).expect("options");
+        let solution =
+            midair::solve(&problem, &*made.solver, false, &mut Workspace::new(), &mut Control::none());
+        solution.map(|solution| (solution, made.options))
+    };
+    let table = [0.0, 0.2, 0.5, 1.0];
+    let (own, options) = with(&table, &[]).expect("an answer");
+    assert_eq!((&options["phases"], &options["amplitudes"]), (&Value::Integer(24), &Value::Integer(3)));
+    let amplitudes: Vec<f64> = (0..400).map(|i| own.amplitude(i)).collect();
+    for wanted in [0.2, 0.5, 1.0] {
+        assert!(amplitudes.iter().any(|a| (a - wanted).abs() < 1e-6), "{wanted} is never taken");
+    }
+    assert!(amplitudes.iter().all(|a| *a > 0.1), "greedy has no off");
+    let (coarse, options) = with(&table, &[("phases", 8), ("amplitudes", 1)]).expect("an answer");
+    assert_eq!(options["phases"], Value::Integer(8));
+    assert_on_grid("greedy", &coarse.drive, &levels(8, &[1.0]));
+    let refused = |options: &[(&str, i128)], text: &str| {
+        let error = with(&table, options).map(|_| ()).expect_err(text).to_string();
+        assert!(error.contains(text), "{error}");
+    };
+    refused(&[("phases", 16)], "phases is 16: the device has 24 phases");
+    refused(&[("amplitudes", 4)], "amplitudes is 4: the device has 3 amplitudes above 0");
+    // A long table is thinned to 16 by default, full drive among them.
+    let long: Vec<f64> = (0..=255).map(|k| f64::from(k) / 255.0).collect();
+    let (_, options) = with(&long, &[]).expect("an answer");
+    assert_eq!(options["amplitudes"], Value::Integer(16));
+}
+
+/// An even drive of continuous phases: lm at nine tenths of what wgs reaches, from where wgs ends.
+fn even(scene: &Scene) -> Vec<Complex32> {
+    let free = |pressures: Option<Vec<f64>>| {
+        let request = Request { pressures, ..scene.request().clone() };
+        let array = scene.array().clone().with_levels(None);
+        problem(&Scene::new(array, Medium::default(), scene.points().to_vec(), request).expect("a scene"))
+    };
+    let (work, control) = (&mut Workspace::new(), &mut Control::none());
+    let asked = free(scene.request().pressures.clone());
+    let start = Wgs { steps: 100, tolerance: 0.0 }.solve(&asked, work, control).expect("an answer");
+    let level = 0.9 * start.metrics().level;
+    let lower = free(Some(asked.pressures().iter().map(|pressure| level * pressure).collect()));
+    let lower = lower.with_start(Start::Drive(start.drive)).expect("a start");
+    Lm { steps: 100, ..Lm::default() }.solve(&lower, work, control).expect("an answer").drive
+}
+
+#[test]
+fn the_sweep_takes_most_of_what_rounding_costs_and_keeps_within_the_quantised_targets() {
+    // Bounds on the mean sigma over 10 seeds; what comes out is 8 to 80 % of them.
+    for (points, phases, most) in [
+        (16, 256, 0.0015),
+        (64, 256, 0.0025),
+        (16, 32, 0.003),
+        (64, 32, 0.006),
+        (16, 16, 0.004),
+        (64, 16, 0.010),
+        (16, 10, 0.008),
+        (64, 10, 0.016),
+    ] {
+        let (mut rounded, mut swept) = (0.0, 0.0);
+        for seed in 0..10 {
+            let scene = scene(device(levels(phases, &[])), random_points(points, 0.1, 100 + seed), None);
+            let problem = problem(&scene);
+            let sigma = |drive: &[Complex32]| problem.judge(drive).expect("a drive").sigma;
+            let mut drive = even(&scene);
+            let plain: Vec<Complex32> =
+                drive.iter().map(|q| problem.gains().levels().expect("levels").nearest(*q)).collect();
+            refine(&problem, &mut drive, &mut Workspace::new());
+            assert_on_grid("refine", &drive, problem.gains().levels().expect("levels"));
+            let (before, after) = (sigma(&plain), sigma(&drive));
+            assert!(after < before, "M = {points}, L = {phases}: {after} from {before}");
+            (rounded, swept) = (rounded + before / 10.0, swept + after / 10.0);
+        }
+        println!("M = {points}, L = {phases}: rounded {rounded:.5}, swept {swept:.5}");
+        assert!(swept <= most, "M = {points}, L = {phases}: {swept} (rounded: {rounded})");
+    }
+}
+
+#[test]
+fn the_sweep_keeps_zeros_amplitudes_and_unequal_targets() {
+    let mask: Vec<bool> = (0..400).map(|i| i % 5 != 0).collect();
+    let array = device(levels(16, &[0.0, 0.5, 1.0])).with_mask(Some(mask)).expect("a mask");
+    let request = Request {
+        pressures: Some(vec![1.0, 0.5, 0.0, 0.8, 0.6]),
+        weights: Some(vec![1.0, 2.0, 1.0, 0.0, 1.0]),
+    };
+    let scene = Scene::new(array, Medium::default(), random_points(5, 0.08, 27), request).expect("a scene");
+    let problem = problem(&scene);
+    let mut drive = even(&scene);
+    for q in drive.iter_mut().take(200) {
+        *q *= 0.6;
+    }
+    let plain: Vec<_> = drive.iter().map(|q| problem.gains().levels().expect("levels").nearest(*q)).collect();
+    refine(&problem, &mut drive, &mut Workspace::new());
+    for (a, b) in plain.iter().zip(&drive) {
+        assert!((a.norm() - b.norm()).abs() < 1e-6, "{a} became {b}");
+    }
+    let (before, after) = (problem.judge(&plain).expect("ok"), problem.judge(&drive).expect("ok"));
+    assert!(after.sigma < before.sigma && after.leak < before.leak, "{before:?} {after:?}");
+}

@@ -1,0 +1,256 @@
+//! `midair.solve_batch`.
+
+use std::time::Instant;
+
+use midair::{Complex32, Control, Problem, Progress, Request, Start};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods, ToPyArray};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::pulse::Pulse;
+use crate::setting::Setting;
+use crate::{invalid, read, refused};
+
+type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+
+/// How good the answers of a batch are: each an array (B,); see `Metrics`.
+#[pyclass(frozen, module = "midair")]
+pub(crate) struct BatchMetrics {
+    inner: Vec<midair::Metrics>,
+}
+
+impl BatchMetrics {
+    fn each<'py>(&self, py: Python<'py>, part: fn(&midair::Metrics) -> f64) -> Bound<'py, PyArray1<f64>> {
+        self.inner.iter().map(part).collect::<Vec<_>>().into_pyarray(py)
+    }
+}
+
+#[pymethods]
+impl BatchMetrics {
+    /// sum |p| / sum target: eq. (12).
+    #[getter]
+    fn accuracy<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.each(py, |metrics| metrics.accuracy)
+    }
+
+    /// Standard deviation of x / max x: eq. (13) for equal targets.
+    #[getter]
+    fn sigma<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.each(py, |metrics| metrics.sigma)
+    }
+
+    /// min x / max x.
+    #[getter]
+    fn uniformity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.each(py, |metrics| metrics.uniformity)
+    }
+
+    /// Mean x.
+    #[getter]
+    fn level<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.each(py, |metrics| metrics.level)
+    }
+
+    /// sum w (target - |p|)^2 / sum w target^2.
+    #[getter]
+    fn residual<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.each(py, |metrics| metrics.residual)
+    }
+
+    /// max |p| over the quiet points over the largest target.
+    #[getter]
+    fn leak<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.each(py, |metrics| metrics.leak)
+    }
+}
+
+/// The answers to B problems of M points each.
+#[pyclass(frozen, module = "midair")]
+pub(crate) struct Batch {
+    drives: Py<PyArray2<Complex32>>,
+    inner: midair::Batch,
+    points: usize,
+    elapsed: f64,
+}
+
+#[pymethods]
+impl Batch {
+    /// Drives (B, N), complex64, |q| <= 1; `out` itself where that was given.
+    #[getter]
+    fn drives(&self, py: Python<'_>) -> Py<PyArray2<Complex32>> {
+        self.drives.clone_ref(py)
+    }
+
+    /// Complex pressures (B, M) in Pa (peak), complex64.
+    #[getter]
+    fn pressures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
+        self.inner.pressures.to_pyarray(py).reshape([self.inner.steps.len(), self.points])
+    }
+
+    /// How good each is: attributes of shape (B,).
+    #[getter]
+    fn metrics(&self) -> BatchMetrics {
+        BatchMetrics { inner: self.inner.metrics.clone() }
+    }
+
+    /// What supply or modulation have to multiply each drive by (B,).
+    #[getter]
+    fn scale<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.inner.scale.to_pyarray(py)
+    }
+
+    /// How each ended (B,): "done", "out_of_steps", "stopped" or "breakdown".
+    #[getter]
+    fn status(&self) -> Vec<String> {
+        self.inner.status.iter().map(ToString::to_string).collect()
+    }
+
+    /// Steps of each (B,).
+    #[getter]
+    fn steps<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        self.inner.steps.iter().map(|&steps| steps as i64).collect::<Vec<_>>().into_pyarray(py)
+    }
+
+    /// Seconds from the checked arguments to the last answer.
+    #[getter]
+    fn elapsed(&self) -> f64 {
+        self.elapsed
+    }
+
+    fn __len__(&self) -> usize {
+        self.inner.steps.len()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<midair.Batch of {} problems of {} points>", self.inner.steps.len(), self.points)
+    }
+}
+
+/// Starts of a batch: complex drives (B, N) or real point phases (B, M).
+enum Starts {
+    None,
+    Drives(Vec<Complex32>),
+    Phases(Vec<f64>),
+}
+
+/// Solves B problems at once, each bit for bit as `solve` would alone.
+///
+/// The first argument gives array and medium: a Scene, or an Array with a Scene's keywords (frequency, sound_speed,
+/// ...). points are (B, M, 3) in m; pressures and weights a number, (M,) or (B, M): a weight of 0 pads problems
+/// with fewer points. start is complex drives (B, N) or real point phases (B, M). The drives are written into out
+/// (B, N), complex64 and C-contiguous, if that is given. threads is how many at most; the answers do not depend on
+/// it. progress(done, problems, mean residual) stops the batch by returning False: what is not yet solved has the
+/// status "stopped" and a drive of 0.
+///
+/// >>> import midair, numpy
+/// >>> points = numpy.random.default_rng(1).uniform(-0.05, 0.05, (10, 4, 3)) + [0, 0, 0.15]
+/// >>> batch = midair.solve_batch(midair.Array.preset("paper20"), points, solver="fast")
+/// >>> batch.drives.shape, batch.metrics.accuracy.shape
+/// ((10, 400), (10,))
+#[pyfunction]
+#[pyo3(signature = (
+    scene, points, pressures=None, solver=None, *, weights=None, start=None, out=None, threads=None,
+    progress=None, **options
+))]
+#[allow(clippy::too_many_arguments, reason = "Python's keywords")]
+pub(crate) fn solve_batch(
+    py: Python<'_>,
+    scene: &Bound<'_, PyAny>,
+    points: &Bound<'_, PyAny>,
+    pressures: Argument<'_, '_>,
+    solver: Argument<'_, '_>,
+    weights: Argument<'_, '_>,
+    start: Argument<'_, '_>,
+    out: Argument<'_, '_>,
+    threads: Argument<'_, '_>,
+    progress: Option<Py<PyAny>>,
+    options: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Batch> {
+    let setting = Setting::read(scene, solver, options)?;
+    let (points, [count, size]) = read::batch_of_points("points", points)?;
+    let list = |item, value: Argument<'_, '_>| {
+        value.map(|value| read::batch_of_numbers(item, value, [count, size])).transpose()
+    };
+    let (pressures, weights) = (list("pressures", pressures)?, list("weights", weights)?);
+    let transducers = setting.transmitter.array().len();
+    if start.is_some() && !setting.configured.info.uses_start {
+        let name = setting.configured.info.name;
+        return Err(refused(midair::solvers::unused("start", name, |info| info.uses_start)));
+    }
+    let starts = match start {
+        None => Starts::None,
+        Some(start) if read::is_complex(start) => {
+            Starts::Drives(read::batch_of_drives("start", start, [count, transducers])?)
+        }
+        Some(start) => Starts::Phases(read::batch_of_numbers("start", start, [count, size])?),
+    };
+    let drives = match out {
+        None => PyArray2::<Complex32>::zeros(py, [count, transducers], false),
+        Some(out) => {
+            let cure =
+                format!("give a writable C-contiguous complex64 array of shape ({count}, {transducers})");
+            let array = out.cast::<PyArray2<Complex32>>().ok().cloned();
+            let fits = |array: &Bound<'_, PyArray2<Complex32>>| {
+                array.shape() == [count, transducers] && array.is_c_contiguous()
+            };
+            array.filter(fits).ok_or_else(|| invalid("out", &read::quoted(out), &cure))?
+        }
+    };
+    if let Some(callback) = progress.as_ref().map(|callback| callback.bind(py))
+        && !callback.is_callable()
+    {
+        let cure = "give a function of (done, problems, residual)";
+        return Err(invalid("progress", &callback.to_string(), cure));
+    }
+    let pool = threads
+        .map(|threads| read::count("threads", threads))
+        .transpose()?
+        .map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.clamp(1, 1024)).build();
+            pool.map_err(|error| invalid("threads", &threads.to_string(), &error.to_string()))
+        })
+        .transpose()?;
+    let mut writable = drives
+        .try_readwrite()
+        .map_err(|_| invalid("out", "in use or read-only", "give an array that can be written"))?;
+    let mut pulse = Pulse::new(progress);
+    let clock = Instant::now();
+    let row =
+        |list: &Option<Vec<f64>>, k: usize| list.as_ref().map(|list| list[k * size..(k + 1) * size].to_vec());
+    let problem = |k: usize| -> Result<Problem, midair::Error> {
+        let gains = setting.transmitter.gains(&points[k * size..(k + 1) * size])?;
+        let request = Request { pressures: row(&pressures, k), weights: row(&weights, k) };
+        let problem = Problem::with_gains(gains, &request)?;
+        let problem = match &starts {
+            Starts::None => problem,
+            Starts::Drives(drives) => {
+                let drive = drives[k * transducers..(k + 1) * transducers].to_vec();
+                problem.with_start(Start::Drive(drive))?
+            }
+            Starts::Phases(phases) => {
+                problem.with_start(Start::Phases(phases[k * size..(k + 1) * size].to_vec()))?
+            }
+        };
+        Ok(match setting.choice.level {
+            Some(level) => problem.with_aim(level),
+            None => problem,
+        })
+    };
+    let slice = writable.as_slice_mut()?;
+    let inner = py.detach(|| {
+        let (solver, balance) = (&*setting.configured.solver, setting.balance);
+        let mut run = || {
+            let mut observer = |progress: Progress<'_>| pulse.beat(&progress);
+            let mut control = Control::watched(&mut observer);
+            midair::solve_batch(count, size, &problem, solver, balance, slice, &mut control)
+        };
+        match &pool {
+            Some(pool) => pool.install(run),
+            None => run(),
+        }
+    });
+    drop(writable);
+    pulse.raised()?;
+    let inner = inner.map_err(refused)?;
+    Ok(Batch { drives: drives.unbind(), inner, points: size, elapsed: clock.elapsed().as_secs_f64() })
+}

@@ -1,0 +1,64 @@
+//! A device's levels and a mask of transducers, from Python and back.
+
+use midair::Levels;
+use numpy::{IntoPyArray, PyArray1, ToPyArray};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::{invalid, read, refused};
+
+type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+
+/// The array with what is given of mask and levels; what is left out stays as it is.
+pub(crate) fn on_device(
+    array: midair::Array,
+    mask: Argument<'_, '_>,
+    levels: Argument<'_, '_>,
+) -> PyResult<midair::Array> {
+    let array = match levels {
+        None => array,
+        Some(levels) => array.with_levels(Some(read_levels(levels)?)),
+    };
+    match mask {
+        None => Ok(array),
+        Some(mask) => array.with_mask(Some(read::flags("mask", mask)?)).map_err(refused),
+    }
+}
+
+/// `{"phases": 256, "amplitudes": [0, 0.5, 1]}`; what is left out or None is continuous.
+fn read_levels(value: &Bound<'_, PyAny>) -> PyResult<Levels> {
+    let Ok(table) = value.cast::<PyDict>() else {
+        let cure = "give a dictionary such as {\"phases\": 256, \"amplitudes\": [0, 0.5, 1]}";
+        return Err(invalid("levels", &read::quoted(value), cure));
+    };
+    let (mut phases, mut amplitudes) = (None, None);
+    for (key, value) in table {
+        match key.extract::<String>().as_deref() {
+            Ok("phases" | "amplitudes") if value.is_none() => {}
+            Ok("phases") => {
+                let count = read::count("array.levels.phases", &value)?;
+                phases = Some(u32::try_from(count).unwrap_or(u32::MAX));
+            }
+            Ok("amplitudes") => amplitudes = Some(read::reals("array.levels.amplitudes", &value)?),
+            _ => {
+                let name = key.to_string();
+                return Err(refused(midair::Error::unknown("key of levels", name, ["phases", "amplitudes"])));
+            }
+        }
+    }
+    Levels::new(phases, amplitudes).map_err(refused)
+}
+
+/// The same as a dictionary of Python's, or None where any drive can be had.
+pub(crate) fn shown<'py>(py: Python<'py>, array: &midair::Array) -> PyResult<Option<Bound<'py, PyDict>>> {
+    let Some(levels) = array.levels() else { return Ok(None) };
+    let table = PyDict::new(py);
+    table.set_item("phases", levels.phases())?;
+    table.set_item("amplitudes", levels.amplitudes().map(|table| table.to_pyarray(py)))?;
+    Ok(Some(table))
+}
+
+/// The mask (N,), all True where none was given.
+pub(crate) fn mask<'py>(py: Python<'py>, array: &midair::Array) -> Bound<'py, PyArray1<bool>> {
+    array.mask().map_or_else(|| vec![true; array.len()], <[_]>::to_vec).into_pyarray(py)
+}

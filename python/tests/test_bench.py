@@ -1,0 +1,61 @@
+"""The side-by-side benchmark, which is not run here: its judge and its table."""
+
+import runpy
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import midair
+from scenes import POINTS, small
+
+ROOT = Path(__file__).parents[2]
+BENCH = ROOT / "bench"
+
+
+def load(name: str) -> SimpleNamespace:
+    return SimpleNamespace(**runpy.run_path(str(BENCH / f"{name}.py")))
+
+
+def test_the_judge_agrees_with_midairs() -> None:
+    judge, scene = load("judge"), small(pressures=[900.0, 700.0, 500.0, 800.0])
+    rng = np.random.default_rng(1)
+    drive = (rng.uniform(0, 1, 64) * np.exp(2j * np.pi * rng.uniform(size=64))).astype(np.complex64)
+    G = judge.gains(scene.array.positions, POINTS, scene.array.source_pressure)
+    found, expected = judge.metrics(G, drive, scene.pressures), midair.judge(scene, drive)
+    for name in ("accuracy", "sigma", "uniformity"):
+        # Both in double precision; kr = 200 rad rounds to 3e-14, a sum of 64 to less than 1e-12.
+        assert found[name] == pytest.approx(getattr(expected, name), rel=1e-11), name
+
+
+def test_the_readmes_table_is_made_from_the_newest_record() -> None:
+    record, page = load("record"), (ROOT / "README.md").read_text()
+    newest = max(BENCH.joinpath("records").glob("*.csv"))
+    assert page.count(record.BEGIN) == page.count(record.END) == 1
+    shown = page.partition(record.BEGIN)[2].partition(record.END)[0]
+    assert shown == f"\n{record.table(record.read(newest))}\n"
+
+
+def row(rival: str, method: str, form: str, ns: float) -> dict[str, str]:
+    known = {"rival": rival, "method": method, "form": form, "N": "996", "M": "16", "ns_median": str(ns)}
+    return dict.fromkeys(load("record").FIELDS, "0.5") | known
+
+
+def test_ratios_refer_to_autd3_and_the_textbook() -> None:
+    rows = [
+        row("midair", "greedy", "solve", 100),
+        row("autd3", "greedy", "full", 250),
+        row("textbook f64", "greedy", "call", 4000),
+    ]
+    table = load("record").table(rows)
+    assert "| `midair.solve`, greedy | 2.5 | 40 | 0.500 / 0.500 / 0.500 | - | - | - |" in table
+    assert "| autd3, greedy | 1 | 16 |" in table
+
+
+def test_a_page_without_markers_is_left_alone(tmp_path: Path) -> None:
+    page = tmp_path / "README.md"
+    page.write_text("no table")
+    with pytest.raises(SystemExit, match="has no lines"):
+        load("record").place(page, "a table")
+    assert page.read_text() == "no table"

@@ -1,0 +1,86 @@
+"""`uniform` and `best`: the level they aim at, through every door."""
+
+import json
+
+import numpy as np
+import pytest
+
+import midair
+
+POINTS = [[-0.03, 0.01, 0.15], [0.02, 0.03, 0.15], [0.01, -0.04, 0.15]]
+ARRAY = midair.Array.preset("paper20")
+SOLVERS = ("uniform", "best")
+
+
+def ratios(solution: midair.Solution) -> np.ndarray:
+    return np.abs(solution.pressures) / solution.targets
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_pressures_mean_as_loud_as_asked_and_none_mean_as_loud_as_can_be(solver: str) -> None:
+    weak = midair.Scene(ARRAY, POINTS, [0.05, 0.1, 0.07])
+    asked, loud = midair.solve(weak, solver), midair.solve(weak, solver, level="max")
+    assert asked.options["level"] == "target"
+    assert ratios(asked) == pytest.approx(np.ones(3), abs=1e-4)
+    # The same field, brought down by one factor.
+    assert loud.metrics.sigma < 1e-5
+    assert np.abs(loud.drive) == pytest.approx(np.ones(400), abs=1e-5)
+    assert asked.drive * loud.metrics.level == pytest.approx(loud.drive, abs=1e-4)
+    left_out = midair.solve(midair.Scene(ARRAY, POINTS), solver)
+    assert left_out.options["level"] == "max"
+    assert np.abs(left_out.drive).max() == pytest.approx(1, abs=1e-5)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_balancing_changes_nothing(solver: str) -> None:
+    scene = midair.Scene(ARRAY, POINTS, 1)
+    drives = [midair.solve(scene, solver, balance=balance).drive for balance in (None, False, True)]
+    assert all(np.array_equal(drive, drives[0]) for drive in drives)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("bad", ["loud", 1, "Max", None], ids=repr)
+def test_a_level_is_one_of_two_words(solver: str, bad: object) -> None:
+    scene = midair.Scene(ARRAY, POINTS)
+    if bad is None:
+        assert midair.solve(scene, solver, level=None).status == "done"
+        return
+    with pytest.raises(midair.SceneError, match=r"^level .*\"target\" or \"max\""):
+        midair.solve(scene, solver, level=bad)
+
+
+def test_a_level_in_the_scene_file_is_used_saved_and_won_over(tmp_path) -> None:
+    path = tmp_path / "scene.toml"
+    midair.Scene(ARRAY, POINTS, 0.5).save(path)
+    path.write_text(path.read_text() + '\n[solver]\nname = "uniform"\nlevel = "max"\n')
+    scene = midair.Scene.load(path)
+    assert scene.solver == ("uniform", {"level": "max"})
+    assert midair.solve(scene).metrics.level > 1.1
+    assert midair.solve(scene, level="target").metrics.level == pytest.approx(1, abs=1e-4)
+    again = tmp_path / "again.json"
+    scene.save(again)
+    assert json.loads(again.read_text())["solver"] == {"name": "uniform", "level": "max"}
+    # Another solver drops the file's options, the level among them.
+    assert midair.solve(scene, "wgs").status == "done"
+
+
+@pytest.mark.parametrize(
+    ("table", "item"),
+    [('name = "naive"\nlevel = "max"', "level"), ('name = "uniform"\nlevel = "most"', "solver.level")],
+)
+def test_a_level_that_makes_no_sense_in_a_file_is_refused(tmp_path, table: str, item: str) -> None:
+    path = tmp_path / "scene.toml"
+    midair.Scene(ARRAY, POINTS).save(path)
+    path.write_text(path.read_text() + f"\n[solver]\n{table}\n")
+    with pytest.raises(midair.SceneError, match=item):
+        midair.Scene.load(path)
+
+
+def test_a_field_of_many_points_is_even_and_exact_in_double_precision() -> None:
+    rng = np.random.default_rng(3)
+    points = np.c_[rng.uniform(-0.1, 0.1, (128, 2)), np.full(128, 0.15)]
+    scene = midair.Scene(ARRAY, points, 2.36066 / np.sqrt(128))
+    metrics = midair.judge(scene, midair.solve(scene, "uniform").drive)
+    # The rows' f32 phases are good to 1e-4.
+    assert metrics.residual < 1e-6
+    assert metrics.level == pytest.approx(1, abs=1e-4)
