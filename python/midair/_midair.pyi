@@ -313,6 +313,7 @@ def solve_batch(
     progress: Callable[[int, int, float], object] | None = None,
     **options: Any,
 ) -> Batch: ...
+
 @final
 class Solver:
     def __new__(
