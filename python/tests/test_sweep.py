@@ -333,7 +333,7 @@ BAD: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "an unknown key of the medium": ({"medium": {"temprature": 20}}, "unknown field `temprature`"),
     "a medium that is none": ({"medium": 3}, "medium"),
-    "an unknown solver": ({"solver": {"name": "gredy"}}, "unknown solver 'gredy': known are greedy"),
+    "an unknown solver": ({"solver": {"name": "gredy"}}, "unknown solver 'gredy': known are "),
     "no solver": ({"solver": None}, "solver is missing"),
     "an unknown option": ({"solver": {"name": "naive", "phases": 3}}, "phases"),
     "an option out of range": ({"solver": {"name": "greedy", "phases": [16, 1]}}, "phases"),

@@ -146,7 +146,7 @@ def _check_method(name: str, options: Mapping[str, Any]) -> None:
     order = options.get("order")
     if not isinstance(order, list | tuple):
         array = Array.grid(2, 2, 0.01)
-        solve(Scene(array, [[0.0, 0.0, 0.1]], 1e3), name, **options)
+        solve(Scene(array, [[0.0, 0.0, 0.1]]), name, **options)
 
 
 Sets = list[tuple[dict[str, Any], dict[str, Any]]]
