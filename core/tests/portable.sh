@@ -21,7 +21,7 @@ need "an ARM libc" /usr/aarch64-linux-gnu/lib/crt1.o libc6-dev-arm64-cross
 need "an ARM emulator" /usr/bin/qemu-aarch64 qemu-user
 need "a libc for WebAssembly" /usr/lib/wasm32-wasi/libc.a wasi-libc
 need "Node 20 or newer" "$(command -v node || true)" nodejs
-need "a linker for WebAssembly" "/usr/bin/wasm-ld /usr/bin/wasm-ld-19 /usr/bin/wasm-ld-14" lld
+need "a linker for WebAssembly" "/usr/bin/wasm-ld-19 /usr/bin/wasm-ld" lld-19
 wasm_linker=$found
 
 # -Zbuild-std asks a stable compiler for this; a rustup toolchain must not step in.
