@@ -10,7 +10,7 @@ export VIRTUAL_ENV := $(CURDIR)/.venv
 CARGO := cargo
 TRIALS := 1000
 
-.PHONY: help setup demo test test-rust test-python lint bench bench-peers paper golden pins clean
+.PHONY: help setup demo test test-rust test-python test-portable lint bench bench-peers paper golden pins clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -42,6 +42,9 @@ test-python: setup ## The package: tests, stubs, types
 	$(PYTHON) -m pytest --quiet
 	$(PYTHON) -m mypy.stubtest midair._midair
 	$(PYTHON) -m mypy python/midair
+
+test-portable: ## The core on 64-bit ARM and WebAssembly, emulated (Debian's packages)
+	core/tests/portable.sh
 
 lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
 	$(CARGO) fmt --check
