@@ -54,7 +54,7 @@ def test_solvers_tell_their_options_and_defaults() -> None:
 
 
 def test_default_solver_is_the_best_there_is() -> None:
-    assert midair.solve(small()).solver == "greedy"
+    assert midair.solve(small()).solver == "uniform"
 
 
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")

@@ -13,11 +13,11 @@ BIN = Path(sys.executable).parent
 PROGRAM = """
 import sys, numpy as np, midair
 scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15], [0.03, 0, 0.15]], pressures=900.0)
-solution = midair.solve(scene, seed=3)
+solution = midair.solve(scene, "greedy", seed=3)
 assert midair.judge(scene, solution.drive).accuracy > 0.8
 assert np.isfinite(midair.field(scene, solution.drive, midair.Plane(0.15, 0.1, 20)).pressure).all()
 scene.save("scene.toml")
-again = midair.solve(midair.Scene.load("scene.toml"), seed=3)
+again = midair.solve(midair.Scene.load("scene.toml"), "greedy", seed=3)
 assert again.drive.tobytes() == solution.drive.tobytes()
 loaded = {name.partition(".")[0] for name in sys.modules}
 assert not loaded & {"matplotlib", "rich", "cyclopts"}, loaded
