@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
     "Array",
+    "Batch",
+    "BatchMetrics",
     "Field",
     "Gains",
     "Metrics",
@@ -20,12 +22,14 @@ __all__ = [
     "SceneError",
     "SceneWarning",
     "Solution",
+    "Solver",
     "SolverInfo",
     "bound",
     "field",
     "judge",
     "presets",
     "solve",
+    "solve_batch",
     "solvers",
 ]
 
