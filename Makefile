@@ -54,9 +54,8 @@ lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
 	$(BIN)/ruff check --quiet python bench
 	$(BIN)/ruff format --check --quiet python bench
 
-bench: ## Greedy beside the textbook loop, a field, every method over M and N; once more with AVX2 compiled in
+bench: ## Greedy, fast and uniform beside the textbook loop at every level, latency, every method over M and N
 	$(CARGO) bench --quiet -p midair --features parallel
-	RUSTFLAGS="-C target-cpu=x86-64-v3" $(CARGO) bench --quiet --target-dir target/v3 -p midair --features parallel
 
 RIVALS := autd3/ready textbook.so planar.so $(if $(ACOUSTOOLS),acoustools/ready)
 
