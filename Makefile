@@ -10,7 +10,7 @@ export VIRTUAL_ENV := $(CURDIR)/.venv
 CARGO := cargo
 TRIALS := 1000
 
-.PHONY: help setup demo test test-rust test-python lint bench bench-peers figures paper golden pins clean
+.PHONY: help setup demo test test-rust test-python test-portable lint bench bench-peers figures paper golden pins clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -43,6 +43,9 @@ test-python: setup ## The package: tests, stubs, types
 	$(PYTHON) -m mypy.stubtest midair._midair
 	$(PYTHON) -m mypy python/midair
 
+test-portable: ## The core on 64-bit ARM and WebAssembly, emulated (Debian's packages)
+	core/tests/portable.sh
+
 lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
 	$(CARGO) fmt --check
 	$(CARGO) clippy --quiet --all-targets -p midair --features scene-file,parallel -- -D warnings
@@ -51,9 +54,8 @@ lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
 	$(BIN)/ruff check --quiet python bench
 	$(BIN)/ruff format --check --quiet python bench
 
-bench: ## Greedy beside the textbook loop, a field, every method over M and N; once more with AVX2 compiled in
+bench: ## Greedy, fast and uniform beside the textbook loop at every level, latency, every method over M and N
 	$(CARGO) bench --quiet -p midair --features parallel
-	RUSTFLAGS="-C target-cpu=x86-64-v3" $(CARGO) bench --quiet --target-dir target/v3 -p midair --features parallel
 
 RIVALS := autd3/ready textbook.so planar.so $(if $(ACOUSTOOLS),acoustools/ready)
 

@@ -28,7 +28,8 @@ class Task:
 
     @cached_property
     def array(self) -> midair.Array:
-        return midair.Array.preset(self.preset, self.tiles)
+        # Any drive: what the rivals' boards round to is no part of the methods.
+        return midair.Array.preset(self.preset, self.tiles, levels={})
 
     def gains(self, points: judge.Real) -> judge.Complex:
         return judge.gains(self.array.positions, points, self.array.source_pressure)

@@ -12,7 +12,7 @@ FORMS = ("solve", "Solver") if hasattr(midair, "Solver") else ("solve",)
 
 
 def prepare(task: dict[str, Any]) -> Prepared:
-    array = midair.Array.preset(task["preset"], task["tiles"] and tuple(task["tiles"]))
+    array = midair.Array.preset(task["preset"], task["tiles"] and tuple(task["tiles"]), levels={})
     method, points, pressures = task["method"], task["points"], task["pressures"]
     seeded = "seed" in midair.solvers()[method].options
     options = {"seed": task["seed"]} if seeded else {}
@@ -30,7 +30,12 @@ def prepare(task: dict[str, Any]) -> Prepared:
         return lambda: solve().drive, answer
     solver = midair.Solver(array, method, points=len(points), **options)
     out = np.empty(len(array), np.complex64)
-    return lambda: solver(points, pressures, out=out).drive, answer
+
+    def follow() -> Any:
+        solver(points, pressures, out=out)
+        return out
+
+    return follow, answer
 
 
 serve(version("midair"), tuple(midair.solvers()), FORMS, prepare)

@@ -58,8 +58,8 @@ WORDS = {
     ),
     "fig5": (
         "Fig. 5: time over the number of points",
-        "20 x 20 transducers, greedy in fixed order. CPU time of a whole solve in one thread, methods taking"
-        " turns on the same scenes, medians. All are this project's own implementations. In ms:",
+        "20 x 20 transducers, greedy in fixed order. CPU time of a whole solve, all threads added up, methods"
+        " taking turns on the same scenes, medians. All are this project's own implementations. In ms:",
     ),
     "fig6": (
         "Fig. 6: time over the number of transducers",

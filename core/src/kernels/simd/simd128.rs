@@ -100,3 +100,46 @@ impl Simd for Simd128 {
         [c, d, a, b]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use alloc::collections::BTreeMap;
+    use alloc::vec;
+    use alloc::vec::Vec;
+
+    use crate::solvers::{Entry, SOLVERS};
+    use crate::{Array, Complex32, Control, Directivity, Gains, Level, Medium};
+    use crate::{Problem, Request, Scene, Transducer, Workspace};
+
+    /// Drive and pressures of a method with its defaults.
+    fn answer(entry: &Entry, scene: &Scene, level: Level) -> Vec<[u32; 2]> {
+        let gains = Gains::of(scene).with_level(level);
+        let problem = Problem::with_gains(gains, scene.request()).expect("a problem");
+        let solver = entry.configure(&BTreeMap::new()).expect("defaults").solver;
+        let solution = crate::solve(&problem, &*solver, true, &mut Workspace::new(), &mut Control::none());
+        let solution = solution.expect("an answer");
+        let bits = |z: &Complex32| [z.re.to_bits(), z.im.to_bits()];
+        solution.drive.iter().chain(&solution.pressures).map(bits).collect()
+    }
+
+    #[test]
+    fn every_method_has_the_bits_of_the_scalar_level() {
+        for directivity in [Directivity::Point, Directivity::T4010a1] {
+            let transducer = Transducer { directivity, ..Transducer::default() };
+            let array = Array::grid(9, 7, 10e-3).and_then(|array| array.with_transducer(transducer));
+            let medium = Medium { absorption: 0.15, ..Medium::default() };
+            // More points than lanes, and no multiple of them.
+            let points: Vec<[f64; 3]> = (0..19)
+                .map(|j| [f64::from(j % 5) * 0.012 - 0.02, f64::from(j / 5) * 0.013 - 0.02, 0.12])
+                .collect();
+            let weights = Some(vec![1.5; points.len()]);
+            let request = Request { pressures: None, weights };
+            let scene = Scene::new(array.expect("an array"), medium, points, request).expect("a scene");
+            for entry in SOLVERS {
+                let name = entry.info.name;
+                let [simd, scalar] = [Level::best(), Level::SCALAR].map(|level| answer(entry, &scene, level));
+                assert!(simd == scalar, "{name}, {directivity:?}: not the bits of the scalar level");
+            }
+        }
+    }
+}

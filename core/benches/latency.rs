@@ -1,0 +1,56 @@
+//! How long one call of a session takes, and how much longer the slowest calls: 100,000 solves of moving points.
+//!
+//! `cargo bench -p midair --bench latency`. On an idle core the 99th percentile is the median and a little; what lies
+//! beyond is the machine's.
+
+use std::time::Instant;
+
+use midair::{Array, Control, Level, Medium, Options, Request, Rng, Session, Transmitter, solvers};
+
+/// Nanoseconds of each of `calls` solves.
+fn measured(tiles: [usize; 2], points: usize, name: &str, calls: usize) -> Vec<u64> {
+    let array = Array::preset("autd3", tiles).expect("boards").with_levels(None);
+    let transmitter = Transmitter::new(&array, Medium::default(), Level::best()).expect("an array");
+    let configured =
+        solvers::find(name).and_then(|entry| entry.configure(&Options::new())).expect("a method");
+    let mut session = Session::new(transmitter, configured);
+    let request = Request { pressures: Some(vec![500.0; points]), weights: None };
+    let mut rng = Rng::new(points as u64);
+    let mut places: Vec<[f64; 3]> =
+        (0..points).map(|_| [0.1 * rng.uniform() - 0.05, 0.1 * rng.uniform() - 0.05, 0.15]).collect();
+    let mut times = Vec::with_capacity(calls);
+    for call in 0..calls + 100 {
+        for place in &mut places {
+            // Half a millimetre a call: a hand at 0.5 m/s, 1000 times a second.
+            place[0] += 1e-3 * (rng.uniform() - 0.5);
+        }
+        let start = Instant::now();
+        let solution = session.solve(&places, &request, None, &mut Control::none()).expect("an answer");
+        let took = start.elapsed().as_nanos() as u64;
+        assert!(solution.drive.iter().all(|q| q.norm() < 1.0 + 1e-6));
+        if call >= 100 {
+            times.push(took);
+        }
+    }
+    times.sort_unstable();
+    times
+}
+
+fn main() {
+    let calls = if std::env::args().any(|argument| argument == "--bench") { 100_000 } else { 10 };
+    println!("{:8} {:>5} {:>3} {:>9} {:>9} {:>9} us", "method", "N", "M", "p50", "p99", "p99.9");
+    for name in ["fast", "greedy", "uniform"] {
+        for (tiles, transducers) in [([1, 1], 249), ([2, 2], 996)] {
+            for points in [4, 16] {
+                let times = measured(tiles, points, name, calls);
+                let part = |share: f64| times[((times.len() - 1) as f64 * share) as usize] as f64 / 1e3;
+                println!(
+                    "{name:8} {transducers:>5} {points:>3} {:9.1} {:9.1} {:9.1}",
+                    part(0.5),
+                    part(0.99),
+                    part(0.999)
+                );
+            }
+        }
+    }
+}
