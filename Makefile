@@ -10,7 +10,7 @@ export VIRTUAL_ENV := $(CURDIR)/.venv
 CARGO := cargo
 TRIALS := 1000
 
-.PHONY: help setup demo test test-rust test-python test-portable lint bench bench-peers paper golden pins clean
+.PHONY: help setup demo test test-rust test-python test-portable lint bench bench-peers figures paper golden pins clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -73,6 +73,9 @@ bench/.envs/planar.so: CXXFLAGS := -Ofast -march=native
 bench/.envs/%.so: bench/workers/%.cpp
 	mkdir -p $(@D)
 	$(CXX) -std=c++17 $(CXXFLAGS) -fPIC -shared -o $@ $<
+
+figures: setup ## Draw docs/quality-time.png
+	OPENBLAS_NUM_THREADS=1 $(PYTHON) bench/figures.py
 
 paper: setup ## Make the paper's figures anew (TRIALS=1000) and docs/paper.md from their tables
 	OPENBLAS_NUM_THREADS=1 $(BIN)/midair reproduce all --trials $(TRIALS) --output out/paper

@@ -12,6 +12,7 @@ import pytest
 import midair
 import midair._midair
 from midair.reproduce import page as paper
+from midair.reproduce import tables
 from midair.sweep.request import read
 
 ROOT = Path(__file__).parents[2]
@@ -99,6 +100,13 @@ def test_every_picture_is_there() -> None:
     for page in PAGES:
         for target in re.findall(r"!\[[^]]*\]\(([^)]+)\)", page.read_text()):
             assert (page.parent / target).stat().st_size > 1000, target
+
+
+def test_every_method_is_in_the_quality_time_picture() -> None:
+    rows = tables.read(ROOT / "docs" / "quality-time.csv")
+    for count in (4, 16, 64):
+        found = {row["method"] for row in tables.pick(rows, M=count)}
+        assert found == {*midair.solvers(), "greedy 256 x 16"}, "run `make figures`"
 
 
 def test_the_papers_page_is_what_its_tables_say() -> None:
