@@ -114,7 +114,7 @@ def draw(rows: tables.Rows, x: str, label: str) -> Figure:
     axes.set_yscale("log")
     axes.set(xlabel=label, ylabel="CPU time of a solve / s")
     axes.set_title(
-        f"CPU time of all threads, median of {rows[0]['rounds']} rounds; bars: quartiles", fontsize="medium"
+        f"median of {rows[0]['rounds']} rounds, all threads; bars: quartiles", fontsize="medium"
     )
     figure.legend(loc="outside right upper", fontsize="small")
     return figure

@@ -3,11 +3,10 @@
 use core::arch::x86_64::{
     __m256, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _mm_add_ps, _mm_add_ss, _mm_cvtss_f32,
     _mm_max_ps, _mm_movehl_ps, _mm_shuffle_ps, _mm256_add_epi32, _mm256_add_ps, _mm256_and_ps,
-    _mm256_blendv_ps, _mm256_castps_si256, _mm256_castps256_ps128, _mm256_castsi256_ps, _mm256_cmp_ps,
-    _mm256_cvtps_epi32, _mm256_extractf128_ps, _mm256_fmadd_ps, _mm256_fnmadd_ps, _mm256_loadu_ps,
-    _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_permutevar8x32_ps,
-    _mm256_round_ps, _mm256_set1_epi32, _mm256_set1_ps, _mm256_slli_epi32, _mm256_srli_epi32,
-    _mm256_storeu_ps, _mm256_sub_epi32, _mm256_sub_ps,
+    _mm256_blendv_ps, _mm256_castps256_ps128, _mm256_castsi256_ps, _mm256_cmp_ps, _mm256_cvtps_epi32,
+    _mm256_div_ps, _mm256_extractf128_ps, _mm256_fmadd_ps, _mm256_fnmadd_ps, _mm256_loadu_ps, _mm256_max_ps,
+    _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_permutevar8x32_ps, _mm256_round_ps,
+    _mm256_set1_epi32, _mm256_set1_ps, _mm256_slli_epi32, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_sub_ps,
 };
 
 use super::{Lanes, Simd};
@@ -94,17 +93,26 @@ impl Simd for Avx2 {
             let exponent = _mm256_add_epi32(_mm256_cvtps_epi32(a), _mm256_set1_epi32(127));
             _mm256_castsi256_ps(_mm256_slli_epi32::<23>(exponent))
         };
-        // The estimate of AVX differs between makers; this one does not.
-        guess(a) = {
-            let half = _mm256_mul_ps(a, _mm256_set1_ps(0.5));
-            let bits = _mm256_srli_epi32::<1>(_mm256_castps_si256(a));
-            let y = _mm256_castsi256_ps(_mm256_sub_epi32(_mm256_set1_epi32(0x5f37_5a86), bits));
-            let three_halves = _mm256_set1_ps(1.5);
-            let y = _mm256_mul_ps(y, _mm256_fnmadd_ps(_mm256_mul_ps(half, y), y, three_halves));
-            _mm256_mul_ps(y, _mm256_fnmadd_ps(_mm256_mul_ps(half, y), y, three_halves))
-        };
+        // The estimate of AVX differs between makers; root and quotient do not, and measure faster than the
+        // exponent's bits with steps of Newton.
+        guess(a) = _mm256_div_ps(_mm256_set1_ps(1.0), _mm256_sqrt_ps(a));
         select_less(a, b, x, y) =
             _mm256_blendv_ps(y, x, _mm256_cmp_ps::<_CMP_LT_OQ>(a, b));
+    }
+
+    #[inline(always)]
+    fn roots(self, a: Pair) -> (Pair, Pair) {
+        // SAFETY: the token proves that the CPU has AVX.
+        unsafe {
+            let (first, second) = (_mm256_sqrt_ps(a[0]), _mm256_sqrt_ps(a[1]));
+            let one = _mm256_set1_ps(1.0);
+            ([first, second], [_mm256_div_ps(one, first), _mm256_div_ps(one, second)])
+        }
+    }
+
+    #[inline(always)]
+    fn inverse_root(self, a: Pair) -> Pair {
+        self.guess(a)
     }
 
     #[inline(always)]
