@@ -108,7 +108,12 @@ impl Batch {
     /// Steps of each (B,).
     #[getter]
     fn steps<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        self.inner.steps.iter().map(|&steps| steps as i64).collect::<Vec<_>>().into_pyarray(py)
+        self.inner
+            .steps
+            .iter()
+            .map(|&steps| i64::try_from(steps).unwrap_or(i64::MAX))
+            .collect::<Vec<_>>()
+            .into_pyarray(py)
     }
 
     /// Seconds from the checked arguments to the last answer.

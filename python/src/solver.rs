@@ -112,12 +112,11 @@ impl Solver {
         let in_place =
             array.as_ref().filter(|array| array.shape()[1] == 3).and_then(|array| array.as_slice().ok());
         let copied;
-        let places = match in_place {
-            Some(slice) => slice.as_chunks().0,
-            None => {
-                copied = read::vectors("points", points)?;
-                &copied
-            }
+        let places = if let Some(slice) = in_place {
+            slice.as_chunks().0
+        } else {
+            copied = read::vectors("points", points)?;
+            &copied
         };
         if places.len() > this.points {
             let cure =
@@ -145,21 +144,17 @@ impl Solver {
         pulse.raised()?;
         solved.map_err(refused)?;
         this.elapsed = clock.elapsed().as_secs_f64();
-        match out {
-            Some(mut out) => {
-                let drive = &this.last()?.drive;
-                for (out, q) in out.as_array_mut().iter_mut().zip(drive) {
-                    *out = *q;
-                }
-                Ok(slf.into_pyobject(py)?.into_any().unbind())
+        if let Some(mut out) = out {
+            let drive = &this.last()?.drive;
+            for (out, q) in out.as_array_mut().iter_mut().zip(drive) {
+                *out = *q;
             }
-            None => {
-                let elapsed = this.elapsed;
-                let inner = this.session.take().ok_or_else(|| invalid("solution", "none", "report this"))?;
-                let solution = Solution::new(inner, this.choice.clone(), None, elapsed);
-                Ok(Bound::new(py, solution)?.into_any().unbind())
-            }
+            return Ok(slf.into_pyobject(py)?.into_any().unbind());
         }
+        let elapsed = this.elapsed;
+        let inner = this.session.take().ok_or_else(|| invalid("solution", "none", "report this"))?;
+        let solution = Solution::new(inner, this.choice.clone(), None, elapsed);
+        Ok(Bound::new(py, solution)?.into_any().unbind())
     }
 
     /// Drives q (N,) of the last call with out, complex64.

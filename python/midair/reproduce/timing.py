@@ -113,9 +113,7 @@ def draw(rows: tables.Rows, x: str, label: str) -> Figure:
     drawing.lines(axes, rows, timed(), x, "median")
     axes.set_yscale("log")
     axes.set(xlabel=label, ylabel="CPU time of a solve / s")
-    axes.set_title(
-        f"median of {rows[0]['rounds']} rounds, all threads; bars: quartiles", fontsize="medium"
-    )
+    axes.set_title(f"median of {rows[0]['rounds']} rounds, all threads; bars: quartiles", fontsize="medium")
     figure.legend(loc="outside right upper", fontsize="small")
     return figure
 
