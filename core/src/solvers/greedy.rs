@@ -118,12 +118,13 @@ impl Order {
                         "gains have no positions: give \"rows\", \"random\" or a permutation",
                     )
                 })?;
-                let micron = |x: f64| libm::round(x * 1e6);
+                // Rounded by the cast: positions lie well within 2^63 um, and this is asked some N log N times.
+                let micron = |x: f64| (x * 1e6 + 0.5_f64.copysign(x)) as i64;
                 let key = |i: u32| positions[i as usize].map(micron);
                 // Unstable sorting needs no memory; the index makes it stable.
                 out.sort_unstable_by(|&a, &b| {
                     let ([ax, ay, _], [bx, by, _]) = (key(a), key(b));
-                    ax.total_cmp(&bx).then(ay.total_cmp(&by)).then(a.cmp(&b))
+                    (ax, ay, a).cmp(&(bx, by, b))
                 });
             }
             Self::Given(order) => {

@@ -105,11 +105,12 @@ def _solve(
     """By the batch solver where all share a seed or need none, else one by one: the same bits either way."""
     solver, options = settings["solver"], dict(settings["options"])
     fresh = "seed" in solvers()[solver].options and "seed" not in options
-    batch = getattr(midair, "solve_batch", None)
-    if batch is not None and not fresh:
+    if not fresh:
         shares = None if weights is None else np.broadcast_to(weights, points.shape[:2])
         # The jobs are spread over the processors already.
-        found = batch(array, points, targets, solver, weights=shares, threads=1, **options, **medium)
+        found = midair.solve_batch(
+            array, points, targets, solver, weights=shares, threads=1, **options, **medium
+        )
         solved = {name: np.asarray(getattr(found.metrics, name)) for name in METRICS}
         status = np.broadcast_to(np.asarray(found.status, np.str_), len(trials))
         return {"drive": found.drives, "pressures": found.pressures, **solved, "status": status}
