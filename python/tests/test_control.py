@@ -22,7 +22,7 @@ points = np.random.default_rng(0).uniform(-0.1, 0.1, (16, 3)) + [0, 0, 0.3]
 scene = midair.Scene(midair.Array.grid(200, 200, pitch=0.005), points)
 try:
     print("ready", flush=True)
-    midair.solve(scene, "greedy", amplitudes=256, phases=4096)
+    midair.solve(scene, "greedy", amplitudes=256, phases=4096, objective="l1")
 except KeyboardInterrupt:
     print("interrupted", flush=True)
 else:
