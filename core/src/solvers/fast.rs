@@ -145,12 +145,14 @@ impl Solve for Fast {
             abreast::sweep(gains.level(), task, stride(count, self.seed), &mut drives, [&mut *re, &mut *im]);
         }
         let steps = count.div_ceil(self.block as usize) * (1 + self.sweeps as usize);
-        let solutions = problems.iter().enumerate().map(|(lane, problem)| {
-            let mut drive = work.complexes.take(count);
-            let mut field = Planar::zeros(1, problem.gains().lanes(), work);
-            for (q, [re, im]) in drive.iter_mut().zip(drives.as_chunks::<LANES>().0.as_chunks().0) {
-                *q = Complex32::new(re[lane], im[lane]);
+        let mut own: Vec<_> = problems.iter().map(|_| work.complexes.take(count)).collect();
+        for (i, [re, im]) in drives.as_chunks::<LANES>().0.as_chunks().0.iter().enumerate() {
+            for (own, (&re, &im)) in own.iter_mut().zip(re.iter().zip(im)) {
+                own[i] = Complex32::new(re, im);
             }
+        }
+        let solutions = problems.iter().zip(own).enumerate().map(|(lane, (problem, drive))| {
+            let mut field = Planar::zeros(1, problem.gains().lanes(), work);
             for (own, all) in [(&mut field.re, &*re), (&mut field.im, &*im)] {
                 own.iter_mut().zip(all.as_chunks::<LANES>().0).for_each(|(own, all)| *own = all[lane]);
             }
