@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use midair::solvers;
 use midair::{
     Array, Complex32, Complex64, Control, Gains, Level, Medium, Metrics, Options, Plane, Problem, Request,
-    Rng, Scene, Value, Workspace,
+    Rng, Scene, Transmitter, Value, Workspace,
 };
 
 /// Algorithm 2, by the book.
@@ -151,6 +151,50 @@ fn against_the_textbook(array: &Array, points: usize, rounds: usize) {
     }
 }
 
+/// A batch of `fast` on one thread against a loop of lone solves, each problem made anew on both sides.
+fn batch(array: &Array, points: usize, count: usize, rounds: usize) {
+    let transmitter =
+        Transmitter::new(array, Medium::default(), Level::best()).expect("an array with a medium");
+    let mut rng = Rng::new(points as u64);
+    let mut coordinate = || (2.0 * rng.uniform() - 1.0) * 0.1;
+    let places: Vec<Vec<[f64; 3]>> =
+        (0..count).map(|_| (0..points).map(|_| [coordinate(), coordinate(), 0.15]).collect()).collect();
+    let problem = |k: usize| Problem::with_gains(transmitter.gains(&places[k])?, &Request::default());
+    let solver = solvers::find("fast").and_then(|entry| entry.configure(&Options::new())).expect("a method");
+    let mut work = Workspace::new();
+    let mut lone = |out: &mut [Complex32]| {
+        for (k, out) in out.chunks_mut(array.len()).enumerate() {
+            let problem = problem(k).expect("a problem");
+            let solution = midair::solve(&problem, &*solver.solver, true, &mut work, &mut Control::none())
+                .expect("a solution");
+            out.copy_from_slice(&solution.drive);
+            black_box(solution.metrics());
+            work.recycle(solution);
+        }
+    };
+    let together = |out: &mut [Complex32]| {
+        midair::solve_batch(count, points, &problem, &*solver.solver, true, out, &mut Control::none())
+            .expect("answers")
+    };
+    let mut drives = [(); 2].map(|()| vec![Complex32::ZERO; count * array.len()]);
+    lone(&mut drives[0]);
+    together(&mut drives[1]);
+    assert_eq!(drives[0], drives[1], "a batch is lone solves");
+    let mut times = [const { Vec::new() }; 3];
+    for _ in 0..rounds {
+        times[0].push(timed(|| (0..count).for_each(|k| drop(black_box(problem(k))))));
+        times[1].push(timed(|| lone(&mut drives[0])));
+        times[2].push(timed(|| together(&mut drives[1])));
+    }
+    let [made, lone, together] = times.map(|times| median(times) / count as u32);
+    println!(
+        "batch of {count}, fast, N={} M={points}, one problem: alone {lone:.2?}, together {together:.2?} ({:.2} times); \
+         making it is {made:.2?} of both",
+        array.len(),
+        lone.as_secs_f64() / together.as_secs_f64()
+    );
+}
+
 /// A field of 500 x 500 pixels.
 fn field() {
     let scene = scene(Array::grid(36, 36, 10e-3).expect("a grid"), 38);
@@ -172,8 +216,12 @@ fn main() {
         let boards = Array::preset("autd3", [2, 2]).expect("boards").with_levels(None);
         against_the_textbook(&boards, 64, 9);
         against_the_textbook(&grid(36), 38, 9);
+        for points in [4, 16] {
+            batch(&grid(20), points, 1024, 9);
+        }
         field();
     } else {
         against_the_textbook(&grid(4), 2, 1);
+        batch(&grid(4), 2, 20, 1);
     }
 }

@@ -10,8 +10,8 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::metrics::Metrics;
 use crate::problem::Problem;
-use crate::solution::Status;
-use crate::solvers::{Solve, solve};
+use crate::solution::{Solution, Status};
+use crate::solvers::{Solve, solve, solve_together};
 use crate::workspace::Workspace;
 
 /// Problems that a thread solves between two calls of the control.
@@ -46,7 +46,7 @@ struct Part<'a> {
 
 /// Solves B problems of N transducers and M points each; problem k is made when its turn comes, and its drive is
 /// written into row k of `drives` (B, N). Each is bit for bit what [`solve`] makes of it alone, whatever the number
-/// of threads. Memory: the output and a workspace a thread.
+/// of threads. Memory: the output, and a workspace and 16 problems a thread.
 ///
 /// `control` is called after every few problems (its residual is the mean so far); once it says stop, the
 /// problems not yet begun keep a drive of 0 and the status [`Status::Stopped`].
@@ -80,9 +80,8 @@ pub fn solve_batch(
     while done < count {
         let end = count.min(done + stretch);
         let parts = parts(&mut batch, drives, done..end, transducers, points);
-        let run = |(mut part, work): (Part<'_>, &mut Workspace)| {
-            some(&mut part, transducers, points, problem, solver, balance, work)
-        };
+        let run =
+            |(mut part, work): (Part<'_>, &mut Workspace)| some(&mut part, problem, solver, balance, work);
         each(parts, &mut spaces, &run)?;
         done = end;
         let mean = || batch.metrics[..done].iter().map(|metrics| metrics.residual).sum::<f64>() / done as f64;
@@ -123,34 +122,53 @@ fn parts<'a>(
         .collect()
 }
 
+impl Part<'_> {
+    /// Keeps the solution of the part's problem `k`.
+    fn keep(&mut self, k: usize, solution: Solution, work: &mut Workspace) -> Result<(), Error> {
+        let count = self.metrics.len();
+        let (transducers, points) = (self.drives.len() / count, self.pressures.len() / count);
+        if solution.drive.len() != transducers || solution.pressures.len() != points {
+            let item = alloc::format!("problems[{}]", self.first + k);
+            let value = alloc::format!("of {} points", solution.pressures.len());
+            return Err(Error::invalid(item, value, "give equal sizes"));
+        }
+        self.drives[k * transducers..(k + 1) * transducers].copy_from_slice(&solution.drive);
+        self.pressures[k * points..(k + 1) * points].copy_from_slice(&solution.pressures);
+        self.metrics[k] = solution.metrics();
+        self.scale[k] = solution.scale;
+        self.status[k] = solution.status;
+        self.steps[k] = solution.steps;
+        work.recycle(solution);
+        Ok(())
+    }
+}
+
+/// Makes and solves the problems of a part.
 fn some(
     part: &mut Part<'_>,
-    transducers: usize,
-    points: usize,
     problem: &dyn Fn(usize) -> Result<Problem, Error>,
     solver: &dyn Solve,
     balance: bool,
     work: &mut Workspace,
 ) -> Result<(), Error> {
-    let lists = part.drives.chunks_mut(transducers).zip(part.pressures.chunks_mut(points));
-    for (k, (drive, pressures)) in lists.enumerate() {
-        let index = part.first + k;
-        let solution = problem(index)
-            .and_then(|problem| solve(&problem, solver, balance, work, &mut Control::none()))
-            .map_err(|error| Error::InBatch { index, error: Box::new(error) })?;
-        if solution.drive.len() != transducers || solution.pressures.len() != points {
-            let value = alloc::format!("of {} points", solution.pressures.len());
-            return Err(Error::invalid(alloc::format!("problems[{index}]"), value, "give equal sizes"));
+    let first = part.first;
+    let named = |k: usize, error| Error::InBatch { index: first + k, error: Box::new(error) };
+    let mut made = Ok(());
+    let problems: Vec<Problem> = (0..part.metrics.len())
+        .map_while(|k| problem(first + k).map_err(|error| made = Err(named(k, error))).ok())
+        .collect();
+    if let Some(solutions) = solve_together(&problems, solver, balance, work) {
+        for (k, solution) in solutions.into_iter().enumerate() {
+            part.keep(k, solution, work)?;
         }
-        drive.copy_from_slice(&solution.drive);
-        pressures.copy_from_slice(&solution.pressures);
-        part.metrics[k] = solution.metrics();
-        part.scale[k] = solution.scale;
-        part.status[k] = solution.status;
-        part.steps[k] = solution.steps;
-        work.recycle(solution);
+        return made;
     }
-    Ok(())
+    for (k, problem) in problems.iter().enumerate() {
+        let solution = solve(problem, solver, balance, work, &mut Control::none());
+        part.keep(k, solution.map_err(|error| named(k, error))?, work)?;
+    }
+    // Those before the one that could not be made were to be refused first.
+    made
 }
 
 #[cfg(feature = "parallel")]

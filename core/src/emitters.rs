@@ -79,7 +79,7 @@ impl Emitters {
         if points.is_empty() {
             return Err(Error::invalid("points", "empty", "give at least one point"));
         }
-        check_places(&self.array, self.medium, "points", ".position", points)
+        check_places(self.centre, self.medium, "points", ".position", points)
     }
 
     /// The row of transducer `i` in units of the reference.

@@ -131,19 +131,18 @@ impl Plane {
 pub(crate) fn check_array(array: &Array, medium: Medium) -> Result<(), Error> {
     medium.check()?;
     array.transducer().directivity.check_beam(medium.wavenumber())?;
-    check_places(array, medium, "array.positions", "", array.positions())
+    check_places(array.centre(), medium, "array.positions", "", array.positions())
 }
 
-/// Refuses places that are not finite or too far away from the array for phases in f32.
+/// Refuses places that are not finite or too far away from the array's middle for phases in f32.
 pub(crate) fn check_places(
-    array: &Array,
+    centre: [f64; 3],
     medium: Medium,
     item: &str,
     part: &str,
     places: &[[f64; 3]],
 ) -> Result<(), Error> {
     let reach = MOST_WAVELENGTHS * medium.wavelength();
-    let centre = array.centre();
     for (k, place) in places.iter().enumerate() {
         let far = (0..3).any(|axis| (place[axis] - centre[axis]).abs() > reach);
         if far || !place.iter().all(|x| x.is_finite()) {
@@ -196,7 +195,7 @@ impl Scene {
 
     /// Refuses places that are not finite or too far away for phases in f32.
     pub(crate) fn check_places(&self, item: &str, part: &str, places: &[[f64; 3]]) -> Result<(), Error> {
-        check_places(&self.array, self.medium, item, part, places)
+        check_places(self.array.centre(), self.medium, item, part, places)
     }
 
     /// The array.

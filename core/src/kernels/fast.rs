@@ -43,16 +43,20 @@ pub(crate) fn sweep(
 }
 
 /// Some transducers and their rows, one after the other.
-struct Block<'a> {
-    members: [usize; MOST],
-    count: usize,
-    rows: &'a mut [f32],
+pub(super) struct Block<'a> {
+    pub(super) members: [usize; MOST],
+    pub(super) count: usize,
+    pub(super) rows: &'a mut [f32],
     lanes: usize,
 }
 
-impl Block<'_> {
+impl<'a> Block<'a> {
+    pub(super) fn new(rows: &'a mut [f32], lanes: usize) -> Self {
+        Self { members: [0; MOST], count: 0, rows, lanes }
+    }
+
     /// Takes the next members.
-    fn take(&mut self, most: usize, order: &mut impl Iterator<Item = usize>) {
+    pub(super) fn take(&mut self, most: usize, order: &mut impl Iterator<Item = usize>) {
         self.count = 0;
         while self.count < most
             && let Some(i) = order.next()
@@ -64,7 +68,7 @@ impl Block<'_> {
 
     /// Writes the rows of some members.
     #[inline(always)]
-    fn write<S: Simd>(&mut self, s: S, rows: Rows<'_>, range: core::ops::Range<usize>) {
+    pub(super) fn write<S: Simd>(&mut self, s: S, rows: Rows<'_>, range: core::ops::Range<usize>) {
         let lists = self.rows.chunks_exact_mut(2 * self.lanes).zip(&self.members[..self.count]);
         for (row, &i) in lists.take(range.end).skip(range.start) {
             let (re, im) = row.split_at_mut(self.lanes);
@@ -87,8 +91,8 @@ fn run<S: Simd>(
     let (short, kept) = memory.split_at_mut(2 * lanes);
     let (short_re, short_im) = short.split_at_mut(lanes);
     let (first, second) = kept.split_at_mut(2 * MOST * lanes);
-    let mut block = Block { members: [0; MOST], count: 0, rows: first, lanes };
-    let mut next = Block { members: [0; MOST], count: 0, rows: second, lanes };
+    let mut block = Block::new(first, lanes);
+    let mut next = Block::new(second, lanes);
     block.take(most, &mut order);
     block.write(s, rows, 0..MOST);
     shortfall(s, target, weight, [&*re, &*im], [&mut *short_re, &mut *short_im]);
@@ -111,10 +115,10 @@ fn run<S: Simd>(
         // for the pressures after.
         next.take(most, &mut order);
         next.write(s, rows, 0..MOST / 2);
-        let mut moved = [[0.0; 2]; MOST];
+        let mut moved = [[s.splat(0.0); 2]; MOST];
         for (k, moved) in moved.iter_mut().enumerate().take(block.count) {
             let old = &mut drive[block.members[k]];
-            *moved = [q[k] - old.re, q[k + MOST] - old.im];
+            *moved = [s.splat(q[k] - old.re), s.splat(q[k + MOST] - old.im)];
             *old = Complex32::new(q[k], q[k + MOST]);
         }
         add_block(s, block.rows, &moved[..block.count], [&mut *re, &mut *im]);
@@ -144,15 +148,14 @@ fn units<S: Simd>(s: S, parts: &[S::V; LANES]) -> Lanes {
     q
 }
 
-/// P += `sum_k G_k q_k` for a block.
+/// P += `sum_k G_k q_k` for a block, each q_k in all lanes or a lane its own.
 #[inline(always)]
-fn add_block<S: Simd>(s: S, rows: &[f32], drives: &[[f32; 2]], [re, im]: [&mut [f32]; 2]) {
+pub(super) fn add_block<S: Simd>(s: S, rows: &[f32], drives: &[[S::V; 2]], [re, im]: [&mut [f32]; 2]) {
     let lanes = re.len();
     for (group, (re, im)) in groups_mut(re).iter_mut().zip(groups_mut(im)).enumerate() {
         let (mut pr, mut pi) = (s.load(re), s.load(im));
         let (mut also_re, mut also_im) = (s.splat(0.0), s.splat(0.0));
         for (row, &[qr, qi]) in rows.chunks_exact(2 * lanes).zip(drives) {
-            let (qr, qi) = (s.splat(qr), s.splat(qi));
             let at = |part: usize| &groups(&row[part * lanes..])[group];
             let (gr, gi) = (s.load(at(0)), s.load(at(1)));
             pr = s.fma(gr, qr, pr);
@@ -167,7 +170,13 @@ fn add_block<S: Simd>(s: S, rows: &[f32], drives: &[[f32; 2]], [re, im]: [&mut [
 
 /// w (t P/|P| - P); the phase of a silent point is 0.
 #[inline(always)]
-fn shortfall<S: Simd>(s: S, target: &[f32], weight: &[f32], pressure: [&[f32]; 2], out: [&mut [f32]; 2]) {
+pub(super) fn shortfall<S: Simd>(
+    s: S,
+    target: &[f32],
+    weight: &[f32],
+    pressure: [&[f32]; 2],
+    out: [&mut [f32]; 2],
+) {
     let [out_re, out_im] = out;
     let (zero, least) = (s.splat(0.0), s.splat(TINY));
     let asked = groups(target).iter().zip(groups(weight));

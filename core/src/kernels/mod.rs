@@ -3,6 +3,7 @@
 //! Numbers are f32, complex ones planar (re and im apart), slices padded to a multiple of [`LANES`]. Each loop
 //! is written once over [`simd::Simd`], 16 lanes and a fixed order of sums, and compiled for every [`Level`].
 
+pub(crate) mod abreast;
 pub(crate) mod fast;
 pub(crate) mod greedy;
 pub(crate) mod level;

@@ -83,6 +83,13 @@ pub trait Solve {
         control: &mut Control,
     ) -> Result<Solution, Error>;
 
+    /// Solves several problems at once, each bit for bit as [`Solve::solve`] does without a control, where it knows
+    /// how to share the work.
+    #[doc(hidden)]
+    fn solve_together(&self, _problems: &[Problem], _work: &mut Workspace) -> Option<Vec<Solution>> {
+        None
+    }
+
     /// Whether it brings its answer to the problem's level by itself, so that there is nothing to balance.
     fn levels(&self) -> bool {
         false
@@ -257,7 +264,7 @@ pub fn solve(
     work: &mut Workspace,
     control: &mut Control,
 ) -> Result<Solution, Error> {
-    let factor = if balance && !solver.levels() { problem.balance().max(1.0) } else { 1.0 };
+    let factor = factor(problem, solver, balance);
     let mut solution = if factor > 1.0 {
         let targets = work.floats.take(problem.gains().lanes());
         let balanced = problem.rescaled(factor, targets);
@@ -271,4 +278,30 @@ pub fn solve(
         control.correct(|| solution.metrics().residual);
     }
     Ok(solution)
+}
+
+/// As [`solve`], several problems at once, where the solver knows how.
+pub(crate) fn solve_together(
+    problems: &[Problem],
+    solver: &dyn Solve,
+    balance: bool,
+    work: &mut Workspace,
+) -> Option<Vec<Solution>> {
+    let factors = || problems.iter().map(|problem| factor(problem, solver, balance));
+    let balanced: Vec<Problem> = problems
+        .iter()
+        .zip(factors())
+        .map(|(problem, factor)| problem.rescaled(factor, work.floats.take(problem.gains().lanes())))
+        .collect();
+    let mut solutions = solver.solve_together(&balanced, work);
+    for (solution, factor) in solutions.iter_mut().flatten().zip(factors()) {
+        solution.settle(factor, work);
+    }
+    work.floats.give_all(balanced.into_iter().map(Problem::into_targets));
+    solutions
+}
+
+/// What the targets are multiplied by before solving, and the answer divided by afterwards.
+fn factor(problem: &Problem, solver: &dyn Solve, balance: bool) -> f64 {
+    if balance && !solver.levels() { problem.balance().max(1.0) } else { 1.0 }
 }
