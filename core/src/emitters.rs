@@ -12,9 +12,6 @@ use crate::math;
 use crate::medium::Medium;
 use crate::scene::check_places;
 
-/// Where padding lies on every axis, in wavelengths: finite whatever is computed there, and never the nearest.
-const FAR: f32 = 4e6;
-
 /// An array in a medium, prepared for computing rows: positions in wavelengths from the array's middle.
 ///
 /// Distances in wavelengths *are* phases in turns, so the f32 rows need no multiplication between distance and
@@ -57,9 +54,9 @@ impl Emitters {
         Self { array: array.clone(), medium, centre, sources, law }
     }
 
-    /// Points in this frame, padded: x, y and z.
+    /// Points in this frame, padded with the last one: x, y and z.
     pub(crate) fn frame(&self, points: &[[f64; 3]]) -> [Vec<f32>; 3] {
-        let mut frame = [(); 3].map(|()| vec![FAR; padded(points.len())]);
+        let mut frame = [(); 3].map(|()| vec![0.0; padded(points.len())]);
         self.write_frame(points, &mut frame);
         frame
     }
@@ -70,6 +67,13 @@ impl Emitters {
             let place = wavelengths(*point, self.centre, self.medium.wavelength());
             for (axis, x) in frame.iter_mut().zip(place) {
                 axis[j] = x;
+            }
+        }
+        // Padding is computed with the rest, and far away, with absorption, it would be denormal: a hundred cycles each.
+        for axis in frame {
+            let (places, padding) = axis.split_at_mut(points.len());
+            if let Some(&last) = places.last() {
+                padding.fill(last);
             }
         }
     }
@@ -128,5 +132,22 @@ impl Emitters {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn padding_is_a_point_also_when_the_points_change() {
+        let array = Array::preset("paper20", [1, 1]).expect("a preset");
+        let emitters = Emitters::new(&array, Medium::default());
+        let (near, other) = ([[0.0, 0.01, 0.15]; 3], [[0.02, 0.0, 0.1]; 3]);
+        let mut frame = emitters.frame(&near);
+        assert!(frame.iter().all(|axis| axis.len() == 16 && axis.iter().all(|x| *x == axis[0])));
+        emitters.write_frame(&other, &mut frame);
+        assert_eq!(frame, emitters.frame(&other));
+        assert!(emitters.frame(&[]).iter().all(Vec::is_empty));
     }
 }

@@ -9,7 +9,7 @@ use super::{LANES, Lanes, groups, groups_mut};
 /// A hundredth of a wavelength: nearer than that r is held there, so that no field is infinite.
 pub(crate) const NEAREST: f32 = 0.01;
 
-/// Points in wavelengths from the array's middle, each coordinate padded with points far away.
+/// Points in wavelengths from the array's middle, each coordinate padded with anything finite.
 #[derive(Clone, Copy)]
 pub(crate) struct Spots<'a> {
     /// x, y and z.

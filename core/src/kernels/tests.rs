@@ -57,7 +57,7 @@ impl Shot {
         normal = normal.map(|x| x / length);
         let position = [number(-12.0, 12.0), number(-12.0, 12.0), number(-1.0, 1.0)];
         let (gain, turns) = (number(0.1, 2.0), if count.is_multiple_of(2) { 0.0 } else { number(-0.5, 0.5) });
-        // Padding lies far away, as `Emitters::frame` puts it.
+        // Padding may lie anywhere.
         let mut coordinates = [(); 3].map(|()| vec![4e6; padded(count)]);
         for j in 0..count {
             for (axis, (low, high)) in [(-20.0, 20.0), (-20.0, 20.0), (-5.0, 60.0)].into_iter().enumerate() {
