@@ -17,7 +17,9 @@ SOLVERS = sorted(midair.solvers())
 HANG = 60
 
 SEARCH = """
-import sys, midair, numpy as np
+import signal, sys, midair, numpy as np
+# A shell that runs the tests in the background has its children ignore Ctrl-C.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 points = np.random.default_rng(0).uniform(-0.1, 0.1, (16, 3)) + [0, 0, 0.3]
 scene = midair.Scene(midair.Array.grid(200, 200, pitch=0.005), points)
 try:
