@@ -25,7 +25,7 @@ fn polynomial<S: Simd, const N: usize>(s: S, coefficients: &[f32; N], x: S::V) -
     sum
 }
 
-/// `amplitude` times (cos 2 pi x, sin 2 pi x) of |x| < 2^22 turns; absolute error below 1e-6 of the amplitude
+/// `amplitude` times (cos 2 pi x, sin 2 pi x) of |x| < 2^22 turns; absolute error below 7e-7 of the amplitude
 /// (sigma^2 is up to 2, and rounded three times where products are not fused).
 ///
 /// By the half angle: with sigma = sqrt(2) sin(pi x) and gamma = sqrt(2) cos(pi x) the two are 1 - sigma^2 and
@@ -73,16 +73,26 @@ mod tests {
     }
 
     #[test]
-    fn waves_are_within_1e_6_over_the_whole_range() {
+    fn waves_are_accurate_over_the_whole_range() {
         for level in Level::all() {
+            // sigma^2 is up to 2: without fused products it is rounded once more.
+            let allowed = if ["scalar", "simd128"].contains(&level.name()) { 7e-7 } else { 6e-7 };
             for scale in [1e-7_f32, 1e-3, 0.3, 1.0, 7.7, 117.6, 1e4, 4e6] {
                 for step in -4000..4000_i16 {
                     let turns: Lanes = from_fn(|l| scale * (f32::from(step) + l as f32 / 16.0) / 4000.0);
                     let [cos, sin] = cis(level, &turns);
                     for l in 0..LANES {
                         let angle = core::f64::consts::TAU * f64::from(turns[l]).fract();
-                        assert!((f64::from(cos[l]) - angle.cos()).abs() < 1e-6, "{level}: cos {}", turns[l]);
-                        assert!((f64::from(sin[l]) - angle.sin()).abs() < 1e-6, "{level}: sin {}", turns[l]);
+                        assert!(
+                            (f64::from(cos[l]) - angle.cos()).abs() < allowed,
+                            "{level}: cos {}",
+                            turns[l]
+                        );
+                        assert!(
+                            (f64::from(sin[l]) - angle.sin()).abs() < allowed,
+                            "{level}: sin {}",
+                            turns[l]
+                        );
                     }
                 }
             }
