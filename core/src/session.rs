@@ -84,13 +84,7 @@ impl Session {
         self.solution.as_ref()
     }
 
-    /// The last problem.
-    #[must_use]
-    pub fn problem(&self) -> Option<&Problem> {
-        self.problem.as_ref()
-    }
-
-    /// The last drive, moved out: the next call allocates another.
+    /// The last solution, moved out: the next call allocates another.
     pub fn take(&mut self) -> Option<Solution> {
         self.solution.take()
     }
