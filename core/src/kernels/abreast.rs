@@ -96,7 +96,7 @@ fn add_own<S: Simd>(s: S, row: &[f32], weight: &[f32], q: [S::V; 2], parts: &mut
 
 /// The sum of the first `count` vectors in the tree of [`Simd::sum`], as if +0 stood in the others' places.
 #[inline(always)]
-fn tree<S: Simd>(s: S, vectors: &mut [S::V; LANES], count: usize) -> S::V {
+pub(super) fn tree<S: Simd>(s: S, vectors: &mut [S::V; LANES], count: usize) -> S::V {
     let mut left = count;
     for half in [8, 4, 2, 1] {
         for l in half..left {

@@ -84,8 +84,7 @@ fn run<S: Simd, T: Term>(
         let choice = if let Some((moments, nearby)) = moments {
             choose(s, points, &moments, nearby, moved, candidates, floats, near, close)
         } else {
-            let tolerance = search::tolerance::<S, T>(s, points);
-            (tolerance > 0.0).then(|| search::best::<S, T>(s, points, candidates, silent, tolerance))
+            search_all::<S, T>(s, points, candidates, silent)
         };
         if let Some(index) = choice {
             let [qr, qi] = candidates.drive(index);
@@ -112,10 +111,22 @@ fn run<S: Simd, T: Term>(
     turns
 }
 
+/// The best candidate by eq. (7) alone; none if the transducer has no effect.
+#[inline(always)]
+pub(super) fn search_all<S: Simd, T: Term>(
+    s: S,
+    points: Points<'_>,
+    candidates: &Candidates,
+    silent: bool,
+) -> Option<usize> {
+    let tolerance = search::tolerance::<S, T>(s, points);
+    (tolerance > 0.0).then(|| search::best::<S, T>(s, points, candidates, silent, tolerance))
+}
+
 /// The best candidate, `moments` leaving out the first `nearby` points of `near`; none if the transducer has no effect.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "the state of one turn")]
-fn choose<S: Simd>(
+pub(super) fn choose<S: Simd>(
     s: S,
     points: Points<'_>,
     moments: &Moments,

@@ -6,6 +6,7 @@
 pub(crate) mod abreast;
 pub(crate) mod fast;
 pub(crate) mod greedy;
+pub(crate) mod greedy_abreast;
 pub(crate) mod level;
 mod matrix;
 mod moments;

@@ -62,6 +62,23 @@ impl Sixteen {
         sixteen
     }
 
+    /// The points of the problem in a lane, where each of `points` is one point of several problems.
+    #[inline(always)]
+    pub(super) fn of_lane<S: Simd>(s: S, points: &[Self], lane: usize) -> Self {
+        let mut own = Self::silent(s, &[0.0; LANES], &[0.0; LANES]);
+        for (j, point) in points.iter().enumerate() {
+            own.re[j] = point.re[lane];
+            own.im[j] = point.im[lane];
+            own.modulus[j] = point.modulus[lane];
+            own.inverse[j] = point.inverse[lane];
+            own.pull[j] = point.pull[lane];
+            own.product[j] = point.product[lane];
+            own.target[j] = point.target[lane];
+            own.weight[j] = point.weight[lane];
+        }
+        own
+    }
+
     /// Sets the pressures; returns the energies w (t - |P|)^2.
     #[inline(always)]
     fn refresh<S: Simd>(&mut self, s: S, re: S::V, im: S::V) -> S::V {
@@ -109,6 +126,91 @@ pub(crate) struct Moments {
     pub(crate) energy: f32,
 }
 
+/// What a lane adds to the moments, in this order: A1, A2, A3 and C (re before im), 2 B, the power, 4 R (1 - [`FAR`])
+/// and the energy.
+pub(super) const PARTS: usize = 12;
+
+/// By what the sums of the parts are multiplied.
+pub(super) const FACTORS: [f32; PARTS] =
+    [2.0, 2.0, 0.5, 0.5, -0.25, -0.25, 0.25, 0.25, 0.5, 1.0, 0.25 / (1.0 - FAR), 1.0];
+
+/// Adds the parts of 16 points, energies apart. Bit l is set where the polynomial does not hold: such points add
+/// their power alone.
+#[inline(always)]
+pub(super) fn add_parts<S: Simd>(
+    s: S,
+    parts: &mut [S::V; PARTS],
+    point: &Sixteen,
+    [mut gr, mut gi]: [S::V; 2],
+) -> u32 {
+    let zero = s.splat(0.0);
+    let [a1r, a1i, a2r, a2i, a3r, a3i, cr, ci, bow, power, rest, _] = parts;
+    let (weight, inverse) = (s.load(&point.weight), s.load(&point.inverse));
+    let (pull, product) = (s.load(&point.pull), s.load(&point.product));
+    let mut square = s.fma(gr, gr, s.mul(gi, gi));
+    *power = s.fma(weight, square, *power);
+    let mut size = s.mul(square, inverse);
+    let far = s.splat(FAR * FAR);
+    let beyond = s.less(far, size);
+    if beyond != 0 {
+        gr = s.select_less(far, size, zero, gr);
+        gi = s.select_less(far, size, zero, gi);
+        square = s.select_less(far, size, zero, square);
+        size = s.select_less(far, size, zero, size);
+    }
+    let (pr, pi) = (s.load(&point.re), s.load(&point.im));
+    let er = s.fma(pr, gr, s.mul(pi, gi));
+    let ei = s.fnma(pi, gr, s.mul(pr, gi));
+    *a1r = s.fma(pull, er, *a1r);
+    *a1i = s.fma(pull, ei, *a1i);
+    *bow = s.fma(s.add(weight, pull), square, *bow);
+    let (ur, ui) = (s.mul(er, inverse), s.mul(ei, inverse));
+    let (tr, ti) = (s.mul(product, ur), s.mul(product, ui));
+    // w t |P| u^2, and from it u^3 and |u|^2 u.
+    let (sr, si) = (s.fnma(ti, ui, s.mul(tr, ur)), s.fma(ti, ur, s.mul(tr, ui)));
+    *a2r = s.add(*a2r, sr);
+    *a2i = s.add(*a2i, si);
+    *a3r = s.fma(sr, ur, s.fnma(si, ui, *a3r));
+    *a3i = s.fma(sr, ui, s.fma(si, ur, *a3i));
+    *cr = s.fma(size, tr, *cr);
+    *ci = s.fma(size, ti, *ci);
+    *rest = s.fma(s.mul(product, size), size, *rest);
+    beyond
+}
+
+/// A drive z and what the polynomial takes of it: |z|^2, z^2 and z^3.
+#[derive(Clone, Copy)]
+pub(super) struct Powers<V> {
+    pub(super) first: [V; 2],
+    pub(super) square: V,
+    pub(super) second: [V; 2],
+    pub(super) third: [V; 2],
+}
+
+/// The powers of the drives (re, im).
+#[inline(always)]
+pub(super) fn powers<S: Simd>(s: S, re: S::V, im: S::V) -> Powers<S::V> {
+    let (re_re, re_im) = (s.mul(re, re), s.mul(re, im));
+    let (square, re2) = (s.fma(im, im, re_re), s.fnma(im, im, re_re));
+    let im2 = s.add(re_im, re_im);
+    let (re3, im3) = (s.fnma(im, im2, s.mul(re, re2)), s.fma(im, re2, s.mul(re, im2)));
+    Powers { first: [re, im], square, second: [re2, im2], third: [re3, im3] }
+}
+
+/// The change of the energy: `m` are 2 A1, A2/2, -A3/4, C/4 (re before im) and B.
+#[inline(always)]
+pub(super) fn change<S: Simd>(s: S, m: &[S::V; 9], z: &Powers<S::V>) -> S::V {
+    let bow = s.add(m[8], part(s, [m[6], m[7]], z.first, s.splat(0.0)));
+    let sum = part(s, [m[0], m[1]], z.first, s.mul(z.square, bow));
+    part(s, [m[4], m[5]], z.third, part(s, [m[2], m[3]], z.second, sum))
+}
+
+/// Re((re + j im)(c + j d)) + sum.
+#[inline(always)]
+fn part<S: Simd>(s: S, [re, im]: [S::V; 2], [c, d]: [S::V; 2], sum: S::V) -> S::V {
+    s.fma(re, c, s.fnma(im, d, sum))
+}
+
 impl Moments {
     /// The moments of a row over the points where the polynomial holds; the others are put into `near`, from
     /// its start, and counted. `energy` comes from [`Sixteen::add`].
@@ -121,72 +223,23 @@ impl Moments {
         near: &mut [u32],
     ) -> (Self, usize) {
         let zero = s.splat(0.0);
-        let [mut a1r, mut a1i, mut a2r, mut a2i, mut a3r, mut a3i] = [zero; 6];
-        let [mut cr, mut ci, mut bow, mut power, mut rest] = [zero; 5];
+        let mut parts = [zero; PARTS];
         let mut count = 0;
         let rows = groups(row[0]).iter().zip(groups(row[1]));
         for (group, (point, (gr, gi))) in points.iter().zip(rows).enumerate() {
-            let (gr, gi) = (s.load(gr), s.load(gi));
-            let (weight, inverse) = (s.load(&point.weight), s.load(&point.inverse));
-            let (pull, product) = (s.load(&point.pull), s.load(&point.product));
-            let square = s.fma(gr, gr, s.mul(gi, gi));
-            power = s.fma(weight, square, power);
-            let size = s.mul(square, inverse);
-            let beyond = s.less(s.splat(FAR * FAR), size);
-            let (mut gr, mut gi, mut square, mut size) = (gr, gi, square, size);
-            if beyond != 0 {
-                let far = s.splat(FAR * FAR);
-                gr = s.select_less(far, size, zero, gr);
-                gi = s.select_less(far, size, zero, gi);
-                square = s.select_less(far, size, zero, square);
-                size = s.select_less(far, size, zero, size);
-                let mut bits = beyond;
-                while bits != 0 {
-                    near[count] = (group * LANES) as u32 + bits.trailing_zeros();
-                    count += 1;
-                    bits &= bits - 1;
-                }
+            let mut bits = add_parts(s, &mut parts, point, [s.load(gr), s.load(gi)]);
+            while bits != 0 {
+                near[count] = (group * LANES) as u32 + bits.trailing_zeros();
+                count += 1;
+                bits &= bits - 1;
             }
-            let (pr, pi) = (s.load(&point.re), s.load(&point.im));
-            let er = s.fma(pr, gr, s.mul(pi, gi));
-            let ei = s.fnma(pi, gr, s.mul(pr, gi));
-            a1r = s.fma(pull, er, a1r);
-            a1i = s.fma(pull, ei, a1i);
-            bow = s.fma(s.add(weight, pull), square, bow);
-            let (ur, ui) = (s.mul(er, inverse), s.mul(ei, inverse));
-            let (tr, ti) = (s.mul(product, ur), s.mul(product, ui));
-            // w t |P| u^2, and from it u^3 and |u|^2 u.
-            let (sr, si) = (s.fnma(ti, ui, s.mul(tr, ur)), s.fma(ti, ur, s.mul(tr, ui)));
-            a2r = s.add(a2r, sr);
-            a2i = s.add(a2i, si);
-            a3r = s.fma(sr, ur, s.fnma(si, ui, a3r));
-            a3i = s.fma(sr, ui, s.fma(si, ur, a3i));
-            cr = s.fma(size, tr, cr);
-            ci = s.fma(size, ti, ci);
-            rest = s.fma(s.mul(product, size), size, rest);
         }
+        let [a1r, a1i, a2r, a2i, a3r, a3i, cr, ci, bow, power, rest, _] = parts;
         let sums =
             s.sums(&[a1r, a1i, a2r, a2i, a3r, a3i, cr, ci, bow, power, rest, energy, zero, zero, zero, zero]);
-        let factors = [
-            2.0,
-            2.0,
-            0.5,
-            0.5,
-            -0.25,
-            -0.25,
-            0.25,
-            0.25,
-            0.5,
-            1.0,
-            0.25 / (1.0 - FAR),
-            1.0,
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-        ];
         let mut m: Lanes = [0.0; LANES];
-        s.store(s.mul(sums, s.load(&factors)), &mut m);
+        m[..PARTS].copy_from_slice(&FACTORS);
+        s.store(s.mul(sums, s.load(&m)), &mut m);
         let moments = Self {
             first: [m[0], m[1]],
             second: [m[2], m[3]],
@@ -203,13 +256,19 @@ impl Moments {
     /// The change of the energy under the drives z = (re, im).
     #[inline(always)]
     pub(crate) fn change<S: Simd>(&self, s: S, re: S::V, im: S::V) -> S::V {
-        let (re_re, re_im) = (s.mul(re, re), s.mul(re, im));
-        let (square, re2) = (s.fma(im, im, re_re), s.fnma(im, im, re_re));
-        let im2 = s.add(re_im, re_im);
-        let (re3, im3) = (s.fnma(im, im2, s.mul(re, re2)), s.fma(im, re2, s.mul(re, im2)));
-        let bow = s.add(s.splat(self.bow), part(s, self.crossed, re, im, s.splat(0.0)));
-        let sum = part(s, self.first, re, im, s.mul(square, bow));
-        part(s, self.third, re3, im3, part(s, self.second, re2, im2, sum))
+        let Self { first: [a, b], second: [c, d], third: [e, f], crossed: [g, h], bow, .. } = *self;
+        let m = [
+            s.splat(a),
+            s.splat(b),
+            s.splat(c),
+            s.splat(d),
+            s.splat(e),
+            s.splat(f),
+            s.splat(g),
+            s.splat(h),
+            s.splat(bow),
+        ];
+        change(s, &m, &powers(s, re, im))
     }
 
     /// A bound on the second derivative of the change over the phase, at amplitude a.
@@ -226,10 +285,4 @@ impl Moments {
         let rounding = reach * reach * self.power + reach * sqrtf(self.power * self.energy);
         2.0 * square * square * self.remainder + 4e-7 * rounding
     }
-}
-
-/// Re((re + j im)(c + j d)) + sum.
-#[inline(always)]
-fn part<S: Simd>(s: S, [re, im]: [f32; 2], c: S::V, d: S::V, sum: S::V) -> S::V {
-    s.fma(s.splat(re), c, s.fnma(s.splat(im), d, sum))
 }

@@ -123,6 +123,11 @@ impl Candidates {
         Self { cos: cosines, sin: sines, levels, phases, amplitudes }
     }
 
+    /// How many there are.
+    pub(crate) fn count(&self) -> usize {
+        self.phases * self.amplitudes
+    }
+
     /// Amplitude k.
     #[inline(always)]
     pub(crate) fn amplitude(&self, k: usize) -> f32 {

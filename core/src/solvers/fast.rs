@@ -165,7 +165,7 @@ impl Solve for Fast {
 }
 
 /// x, y and z of a problem's points, padded, where its rows are computed just as those of `like` are.
-fn places<'a>(problem: &'a Problem, like: &Gains) -> Option<[&'a [f32]; 3]> {
+pub(super) fn places<'a>(problem: &'a Problem, like: &Gains) -> Option<[&'a [f32]; 3]> {
     let gains = problem.gains();
     match (gains.rows(), like.rows()) {
         (Rows::Computed { sources, spots, .. }, Rows::Computed { sources: others, .. })
@@ -178,7 +178,7 @@ fn places<'a>(problem: &'a Problem, like: &Gains) -> Option<[&'a [f32]; 3]> {
 }
 
 /// Writes a problem's list into its lane.
-fn deal(list: &[f32], lane: usize, lanes: &mut [f32]) {
+pub(super) fn deal(list: &[f32], lane: usize, lanes: &mut [f32]) {
     for (group, &x) in lanes.as_chunks_mut::<LANES>().0.iter_mut().zip(list) {
         group[lane] = x;
     }

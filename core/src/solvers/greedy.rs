@@ -12,7 +12,11 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::gains::Gains;
 use crate::kernels::greedy::{self, Pass};
-use crate::kernels::{self, Candidates, L1, L2, Sixteen, shortlist, table};
+use crate::kernels::{
+    self, Candidates, L1, L2, LANES, Rows, Sixteen, Spots, greedy_abreast, shortlist, table,
+};
+use crate::solvers::fast::{deal, places};
+use num_complex::Complex32;
 use crate::levels::Levels;
 use crate::linalg::Planar;
 use crate::options::{OptionValue, Options, Value, spell, word};
@@ -257,5 +261,72 @@ impl Solve for Greedy {
         work.points.give(kept);
         work.indices.give_all([order, indices]);
         Ok(Solution::of_field(problem, drive, field, status, steps, work))
+    }
+
+    fn solve_together(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
+        self.check().ok()?;
+        let first = problems.first()?;
+        let gains = first.gains();
+        let Rows::Computed { law, sources, .. } = gains.rows() else { return None };
+        let points = problems.iter().map(|problem| problem.gains().points()).max()?;
+        if self.objective != Objective::L2 || problems.len() > LANES || points > problems.len() {
+            return None;
+        }
+        let places: Vec<_> = problems.iter().map(|problem| places(problem, gains)).collect::<Option<_>>()?;
+        let candidates = self.candidates(first, work).ok()?;
+        if !greedy_abreast::fits(&candidates) {
+            return None;
+        }
+        let count = gains.transducers();
+        let mut order = work.indices.take(count);
+        for (k, i) in order.iter_mut().enumerate() {
+            *i = k as u32;
+        }
+        self.order.write(self.seed, gains, &mut order).ok()?;
+        let lanes = points * LANES;
+        let mut lists = [(); 7].map(|()| work.floats.take(lanes));
+        let [x, y, z, target, weight, re, im] = &mut lists;
+        for (lane, (problem, [own_x, own_y, own_z])) in problems.iter().zip(places).enumerate() {
+            deal(own_x, lane, x);
+            deal(own_y, lane, y);
+            deal(own_z, lane, z);
+            deal(problem.targets(), lane, target);
+            deal(problem.weights(), lane, weight);
+        }
+        let counts: Vec<usize> = problems.iter().map(|problem| problem.gains().points()).collect();
+        let mut drives = work.floats.take(2 * LANES * count);
+        let mut floats = work.floats.take(greedy_abreast::floats(lanes, &candidates));
+        let mut kept = work.points.take(points + 2);
+        let mut indices = work.indices.take(greedy::indices(LANES));
+        let pass = greedy_abreast::Pass {
+            rows: Rows::Computed { law, sources, spots: Spots { coordinates: [x, y, z], count: lanes } },
+            target,
+            weight,
+            counts: &counts,
+            candidates: &candidates,
+            order: &order,
+            kept: &mut kept,
+            floats: &mut floats,
+            indices: &mut indices,
+        };
+        greedy_abreast::pass(gains.level(), pass, &mut drives, [&mut *re, &mut *im]);
+        let mut own: Vec<_> = problems.iter().map(|_| work.complexes.take(count)).collect();
+        for (i, [re, im]) in drives.as_chunks::<LANES>().0.as_chunks().0.iter().enumerate() {
+            for (own, (&re, &im)) in own.iter_mut().zip(re.iter().zip(im)) {
+                own[i] = Complex32::new(re, im);
+            }
+        }
+        let solutions = problems.iter().zip(own).enumerate().map(|(lane, (problem, drive))| {
+            let mut field = Planar::zeros(1, problem.gains().lanes(), work);
+            for (own, all) in [(&mut field.re, &*re), (&mut field.im, &*im)] {
+                own.iter_mut().zip(all.as_chunks::<LANES>().0).for_each(|(own, all)| *own = all[lane]);
+            }
+            Solution::of_field(problem, drive, field, Status::Done, count, work)
+        });
+        let solutions = solutions.collect();
+        work.floats.give_all(lists.into_iter().chain([drives, floats]).chain(candidates.into_buffers()));
+        work.points.give(kept);
+        work.indices.give_all([order, indices]);
+        Some(solutions)
     }
 }

@@ -173,18 +173,32 @@ fn some(transmitter: &Transmitter, points: usize, count: usize, given: bool) -> 
     (0..count).map(|k| problem(k).expect("a problem")).collect()
 }
 
+/// Options that problems in lanes are solved with, and some that go one by one.
+fn with_options() -> Vec<(String, Box<dyn Solve + Send + Sync>)> {
+    use solvers::{Fast, Greedy, Objective, Order};
+    let coarse = Greedy { phases: 10, amplitudes: 3, order: Order::Columns, ..Greedy::default() };
+    let most = Greedy { phases: 51, amplitudes: 5, seed: 3, ..Greedy::default() };
+    let fine = Greedy { phases: 64, ..Greedy::default() };
+    let absolute = Greedy { objective: Objective::L1, ..Greedy::default() };
+    let swept = Fast { block: 3, sweeps: 2, seed: 5 };
+    let named = |solver: Greedy| (format!("{solver:?}"), Box::new(solver) as Box<dyn Solve + Send + Sync>);
+    let mut list: Vec<_> = [Greedy::default(), coarse, most, fine, absolute].map(named).into();
+    list.extend([Fast::default(), swept].map(|solver| (format!("{solver:?}"), Box::new(solver) as _)));
+    list
+}
+
 #[test]
 fn problems_in_lanes_are_lone_solves_bit_for_bit() {
-    let default = solvers::Fast::default();
-    let swept = solvers::Fast { block: 3, sweeps: 2, seed: 5 };
-    for level in Level::all() {
-        for (full, solver) in [(false, &default), (true, &default), (false, &swept), (true, &swept)] {
-            let transmitter = small(full, level);
-            for points in [1, 2, 3, 4, 7, 8, 15, 16] {
-                for (given, balance) in [(true, false), (true, true), (false, true)] {
-                    let problems = some(&transmitter, points, 33, given);
-                    let what = format!("{level} {full} {solver:?} M={points} {given} {balance}");
-                    hold(&problems, solver, balance, &what);
+    for (name, solver) in with_options() {
+        for level in Level::all() {
+            for full in [false, true] {
+                let transmitter = small(full, level);
+                for points in [1, 2, 3, 4, 7, 8, 15, 16] {
+                    for (given, balance) in [(true, false), (true, true), (false, true)] {
+                        let problems = some(&transmitter, points, 33, given);
+                        let what = format!("{name} {level} {full} M={points} {given} {balance}");
+                        hold(&problems, &*solver, balance, &what);
+                    }
                 }
             }
         }
