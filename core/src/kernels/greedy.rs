@@ -81,10 +81,11 @@ fn run<S: Simd, T: Term>(
         if let Some(&next) = order.get(turn + 1) {
             rows.write(s, next as usize, next_re, next_im);
         }
-        let choice = if let Some((moments, nearby)) = moments {
-            choose(s, points, &moments, nearby, moved, candidates, floats, near, close)
-        } else {
-            search_all::<S, T>(s, points, candidates, silent)
+        let choice = match moments {
+            Some((moments, nearby)) if nearby == 0 || !few(points, candidates) => {
+                choose(s, points, &moments, nearby, moved, candidates, floats, near, close)
+            }
+            _ => search_all::<S, T>(s, points, candidates, silent),
         };
         if let Some(index) = choice {
             let [qr, qi] = candidates.drive(index);
@@ -109,6 +110,12 @@ fn run<S: Simd, T: Term>(
         im[range].copy_from_slice(&kept.im);
     }
     turns
+}
+
+/// Whether eq. (7) alone is quicker than moments that leave points out.
+#[inline(always)]
+pub(super) fn few(points: Points<'_>, candidates: &Candidates) -> bool {
+    points.kept.len() == 1 && candidates.count() <= LANES
 }
 
 /// The best candidate by eq. (7) alone; none if the transducer has no effect.

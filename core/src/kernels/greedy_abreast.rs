@@ -5,12 +5,11 @@
 //! other turn of a problem is handed to the lone pass's own functions. So every problem's bits are those of its lone
 //! pass.
 
-use super::abreast::tree;
-use super::greedy::{choose, search_all};
+use super::greedy::{choose, few, search_all};
 use super::level::{Level, dispatch};
 use super::moments::{FACTORS, Moments, PARTS, Powers, Sixteen, add_parts, change, powers};
 use super::rows::Rows;
-use super::search::{Candidates, L2, Points};
+use super::search::{Candidates, EQUAL, L2, Points, Spot, add_change, largest};
 use super::shortlist::{self, Shortlist};
 use super::simd::Simd;
 use super::{LANES, Lanes, groups, groups_mut};
@@ -39,7 +38,7 @@ const POWERS: usize = 7;
 
 /// Numbers of working memory for rows of `lanes`.
 pub(crate) fn floats(lanes: usize, candidates: &Candidates) -> usize {
-    3 * lanes + 2 * LANES + POWERS * candidates.count() + shortlist::floats(candidates)
+    5 * lanes + 2 * LANES + POWERS * candidates.count() + shortlist::floats(candidates)
 }
 
 /// As [`super::greedy::pass`] for a problem in each lane; `drive` has two groups of lanes a transducer, re and im.
@@ -52,8 +51,8 @@ fn run<S: Simd>(s: S, pass: Pass<'_>, drive: &mut [f32], [re, im]: [&mut [f32]; 
     let Pass { rows, target, weight, counts, candidates, order, kept, floats, indices } = pass;
     let lanes = target.len();
     let points = lanes / LANES;
-    let (row_re, rest) = floats.split_at_mut(lanes);
-    let (row_im, rest) = rest.split_at_mut(lanes);
+    let (mut row, rest) = floats.split_at_mut(2 * lanes);
+    let (mut next, rest) = rest.split_at_mut(2 * lanes);
     let (energies, rest) = rest.split_at_mut(lanes);
     let (table, rest) = rest.split_at_mut(POWERS * candidates.count());
     let (kept, alone) = kept.split_at_mut(points);
@@ -65,13 +64,36 @@ fn run<S: Simd>(s: S, pass: Pass<'_>, drive: &mut [f32], [re, im]: [&mut [f32]; 
     write_powers(s, candidates, table);
     let used = 0xffff >> (LANES - counts.len());
     let mut sounding = 0;
-    for &i in order {
-        rows.write(s, i as usize, row_re, row_im);
-        let (m, near) = moments(s, kept, [&*row_re, &*row_im], energies);
+    if let Some(&first) = order.first() {
+        let (re, im) = row.split_at_mut(lanes);
+        rows.write(s, first as usize, re, im);
+    }
+    for (turn, &i) in order.iter().enumerate() {
+        let gain = [&row[..lanes], &row[lanes..]];
+        let (m, near) = moments(s, kept, gain, energies);
+        // The next row depends on nothing here: it fills the wait for the sums.
+        if let Some(&following) = order.get(turn + 1) {
+            let (re, im) = next.split_at_mut(lanes);
+            rows.write(s, following as usize, re, im);
+        }
         let (mut q, clear) = winners(s, &m, table);
         let [_, _, _, _, _, _, _, _, _, power, ..] = m;
         let decided = clear & sounding & !near & s.less(s.splat(0.0), power);
+        let all = Turn { kept, gain, energies };
         let mut left = used & !decided;
+        let nearby = near & sounding & left;
+        // A search in every lane takes as long as some lone turns.
+        if candidates.amplitudes == 1
+            && candidates.count() <= LANES
+            && 3 * nearby.count_ones() as usize > points
+        {
+            let found = all.search(s, table);
+            let lanes = lanes_of(s, nearby);
+            for (q, found) in q.iter_mut().zip(found) {
+                *q = s.select_less(s.splat(0.0), lanes, found, *q);
+            }
+            left &= !nearby;
+        }
         if left != 0 {
             let mut own: [Lanes; 2] = [[0.0; LANES]; 2];
             s.store(q[0], &mut own[0]);
@@ -79,9 +101,9 @@ fn run<S: Simd>(s: S, pass: Pass<'_>, drive: &mut [f32], [re, im]: [&mut [f32]; 
             while left != 0 {
                 let lane = left.trailing_zeros() as usize;
                 left &= left - 1;
-                let silent = sounding >> lane & 1 == 0;
-                [own[0][lane], own[1][lane]] =
-                    lone.drive(s, lane, kept, [&*row_re, &*row_im], energies, silent);
+                let is = |lanes: u32| lanes >> lane & 1 == 1;
+                let [re, im] = lone.drive(s, &all, lane, !is(sounding), is(near));
+                (own[0][lane], own[1][lane]) = (re, im);
             }
             q = [s.load(&own[0]), s.load(&own[1])];
         }
@@ -89,7 +111,7 @@ fn run<S: Simd>(s: S, pass: Pass<'_>, drive: &mut [f32], [re, im]: [&mut [f32]; 
         s.store(q[0], &mut drive[2 * i as usize]);
         s.store(q[1], &mut drive[2 * i as usize + 1]);
         sounding = 0;
-        let rows = groups(row_re).iter().zip(groups(row_im));
+        let rows = groups(gain[0]).iter().zip(groups(gain[1]));
         for ((kept, energy), (gr, gi)) in kept.iter_mut().zip(groups_mut(energies)).zip(rows) {
             let energies = kept.add(s, [gr, gi], q);
             s.store(energies, energy);
@@ -97,6 +119,7 @@ fn run<S: Simd>(s: S, pass: Pass<'_>, drive: &mut [f32], [re, im]: [&mut [f32]; 
             let modulus = s.mul(s.load(&kept.weight), s.load(&kept.modulus));
             sounding |= s.less(s.splat(0.0), modulus);
         }
+        core::mem::swap(&mut row, &mut next);
     }
     for (kept, (re, im)) in kept.iter().zip(groups_mut(re).iter_mut().zip(groups_mut(im))) {
         (*re, *im) = (kept.re, kept.im);
@@ -107,22 +130,43 @@ fn run<S: Simd>(s: S, pass: Pass<'_>, drive: &mut [f32], [re, im]: [&mut [f32]; 
 #[inline(always)]
 fn moments<S: Simd>(s: S, kept: &[Sixteen], row: [&[f32]; 2], energies: &[f32]) -> ([S::V; PARTS], u32) {
     let zero = s.splat(0.0);
-    let mut parts = [[zero; LANES]; PARTS];
+    let mut parts = [[zero; PARTS]; LANES];
     let mut near = 0;
     let rows = groups(row[0]).iter().zip(groups(row[1])).zip(groups(energies));
-    for (j, (kept, ((gr, gi), energy))) in kept.iter().zip(rows).enumerate().take(LANES) {
+    for ((kept, ((gr, gi), energy)), parts) in kept.iter().zip(rows).zip(&mut parts) {
         let mut own = [zero; PARTS];
         near |= add_parts(s, &mut own, kept, [s.load(gr), s.load(gi)]);
         own[PARTS - 1] = s.load(energy);
-        for (part, own) in parts.iter_mut().zip(own) {
-            part[j] = own;
-        }
+        *parts = own;
     }
-    let mut m = [zero; PARTS];
-    for ((m, part), factor) in m.iter_mut().zip(&mut parts).zip(FACTORS) {
-        *m = s.mul(tree(s, part, kept.len()), s.splat(factor));
+    let mut m = trees(s, &mut parts, kept.len());
+    for (m, factor) in m.iter_mut().zip(FACTORS) {
+        *m = s.mul(*m, s.splat(factor));
     }
     (m, near)
+}
+
+/// The sums of the first `count` lists in the tree of [`Simd::sum`], as if +0 stood in the others' places.
+#[inline(always)]
+fn trees<S: Simd, const N: usize>(s: S, lists: &mut [[S::V; N]; LANES], count: usize) -> [S::V; N] {
+    let mut left = count;
+    for half in [8, 4, 2, 1] {
+        let (low, high) = lists[..left].split_at_mut(half.min(left));
+        for (low, high) in low.iter_mut().zip(high) {
+            for (low, high) in low.iter_mut().zip(high) {
+                *low = s.add(*low, *high);
+            }
+        }
+        left = left.min(half);
+    }
+    let mut sums = lists[0];
+    if count < LANES {
+        // One +0 among the summands and the sum is not -0.
+        for sum in &mut sums {
+            *sum = s.add(*sum, s.splat(0.0));
+        }
+    }
+    sums
 }
 
 /// Each problem's best candidate by the moments, and in which lanes no other is as good within their slack.
@@ -141,7 +185,10 @@ fn winners<S: Simd>(s: S, m: &[S::V; PARTS], table: &[f32]) -> ([S::V; 2], u32) 
         };
         let change = change(s, &m, &z);
         second = s.min(second, s.max(least, change));
-        best = [s.select_less(change, least, z.first[0], best[0]), s.select_less(change, least, z.first[1], best[1])];
+        best = [
+            s.select_less(change, least, z.first[0], best[0]),
+            s.select_less(change, least, z.first[1], best[1]),
+        ];
         least = s.min(change, least);
     }
     let mut slack: Lanes = [0.0; LANES];
@@ -177,6 +224,63 @@ fn write_powers<S: Simd>(s: S, candidates: &Candidates, table: &mut [f32]) {
     }
 }
 
+/// All problems before a turn, and the transducer's gains.
+struct Turn<'a> {
+    kept: &'a [Sixteen],
+    gain: [&'a [f32]; 2],
+    energies: &'a [f32],
+}
+
+impl Turn<'_> {
+    /// What [`search_all`] finds for each problem among up to 16 phases.
+    #[inline(always)]
+    fn search<S: Simd>(&self, s: S, table: &[f32]) -> [S::V; 2] {
+        let zero = s.splat(0.0);
+        let tolerance = s.mul(s.splat(EQUAL), largest::<S, L2>(s, self.kept, self.gain));
+        let mut changes = [zero; LANES];
+        let candidates = table.as_chunks::<POWERS>().0;
+        for (four, changes) in candidates.chunks(4).zip(changes.chunks_exact_mut(4)) {
+            for (kept, (gr, gi)) in
+                self.kept.iter().zip(groups(self.gain[0]).iter().zip(groups(self.gain[1])))
+            {
+                let spot = Spot {
+                    gain: [s.load(gr), s.load(gi)],
+                    pressure: [s.load(&kept.re), s.load(&kept.im)],
+                    modulus: s.load(&kept.modulus),
+                    target: s.load(&kept.target),
+                    weight: s.load(&kept.weight),
+                };
+                for (&[re, im, ..], change) in four.iter().zip(&mut *changes) {
+                    *change = add_change::<S, L2>(s, &spot, [s.splat(re), s.splat(im)], *change);
+                }
+            }
+        }
+        let mut least = s.splat(f32::INFINITY);
+        for &change in &changes[..candidates.len()] {
+            least = s.min(change, least);
+        }
+        let limit = s.add(least, tolerance);
+        let mut best = [zero; 2];
+        for (&[re, im, ..], &change) in candidates.iter().zip(&changes).rev() {
+            best = [
+                s.select_less(limit, change, best[0], s.splat(re)),
+                s.select_less(limit, change, best[1], s.splat(im)),
+            ];
+        }
+        [s.select_less(zero, tolerance, best[0], zero), s.select_less(zero, tolerance, best[1], zero)]
+    }
+}
+
+/// 1 in the lanes of some bits, 0 in the others.
+#[inline(always)]
+fn lanes_of<S: Simd>(s: S, bits: u32) -> S::V {
+    let mut lanes: Lanes = [0.0; LANES];
+    for (lane, x) in lanes.iter_mut().enumerate() {
+        *x = (bits >> lane & 1) as f32;
+    }
+    s.load(&lanes)
+}
+
 /// The lone pass's turn, and its memory: two [`Sixteen`], two rows of 16 and what [`choose`] needs.
 struct Lone<'a> {
     candidates: &'a Candidates,
@@ -187,32 +291,25 @@ struct Lone<'a> {
 }
 
 impl Lone<'_> {
-    /// The drive that the problem of a lane chooses when alone, 0 for none.
+    /// The drive that the problem of a lane chooses when alone, 0 for none. It may be `silent` so far, and have points
+    /// that the moments leave out.
     #[inline(always)]
-    fn drive<S: Simd>(
-        &mut self,
-        s: S,
-        lane: usize,
-        kept: &[Sixteen],
-        row: [&[f32]; 2],
-        energies: &[f32],
-        silent: bool,
-    ) -> [f32; 2] {
+    fn drive<S: Simd>(&mut self, s: S, all: &Turn<'_>, lane: usize, silent: bool, nearby: bool) -> [f32; 2] {
         let count = self.counts[lane];
         let (own, moved) = self.kept.split_at_mut(1);
         let (near, close) = self.indices.split_at_mut(LANES);
         let (rows, floats) = self.floats.split_at_mut(2 * LANES);
-        own[0] = Sixteen::of_lane(s, &kept[..count], lane);
+        own[0] = Sixteen::of_lane(s, &all.kept[..count], lane);
         let mut energy: Lanes = [0.0; LANES];
         rows.fill(0.0);
         for j in 0..count {
-            rows[j] = row[0][j * LANES + lane];
-            rows[LANES + j] = row[1][j * LANES + lane];
-            energy[j] = energies[j * LANES + lane];
+            rows[j] = all.gain[0][j * LANES + lane];
+            rows[LANES + j] = all.gain[1][j * LANES + lane];
+            energy[j] = all.energies[j * LANES + lane];
         }
         let points = Points { kept: own, gain: [&rows[..LANES], &rows[LANES..]], count };
-        let choice = if silent {
-            search_all::<S, L2>(s, points, self.candidates, true)
+        let choice = if silent || nearby && few(points, self.candidates) {
+            search_all::<S, L2>(s, points, self.candidates, silent)
         } else {
             let (moments, nearby) = Moments::new(s, own, points.gain, s.load(&energy), near);
             choose(s, points, &moments, nearby, moved, self.candidates, floats, near, close)

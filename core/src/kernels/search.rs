@@ -161,18 +161,57 @@ impl Candidates {
     }
 }
 
-/// Below this difference two energies are equal: 1e-7 (f32 rounding) of a bound on the largest term summed. 0 if
-/// the transducer cannot change any term.
+/// Below this difference two energies are equal. 0 if the transducer cannot change any term.
 #[inline(always)]
 pub(crate) fn tolerance<S: Simd, T: Term>(s: S, points: Points<'_>) -> f32 {
-    let gains = groups(points.gain[0]).iter().zip(groups(points.gain[1]));
+    EQUAL * s.greatest(largest::<S, T>(s, points.kept, points.gain))
+}
+
+/// Of the largest term summed, the part below which two energies are equal: the rounding of f32.
+pub(super) const EQUAL: f32 = 1e-7;
+
+/// A bound on the largest term summed, lanes apart.
+#[inline(always)]
+pub(super) fn largest<S: Simd, T: Term>(s: S, kept: &[Sixteen], gain: [&[f32]; 2]) -> S::V {
+    let gains = groups(gain[0]).iter().zip(groups(gain[1]));
     let mut most = s.splat(0.0);
-    for ((re, im), kept) in gains.zip(points.kept) {
+    for ((re, im), kept) in gains.zip(kept) {
         let gain = s.add(s.abs(s.load(re)), s.abs(s.load(im)));
         let gap = s.sub(s.load(&kept.target), s.load(&kept.modulus));
         most = s.max(most, s.mul(s.load(&kept.weight), T::bound(s, gain, gap)));
     }
-    1e-7 * s.greatest(most)
+    most
+}
+
+/// A point as [`add_change`] sees it, or one of several problems.
+#[derive(Clone, Copy)]
+pub(super) struct Spot<V> {
+    pub(super) gain: [V; 2],
+    pub(super) pressure: [V; 2],
+    pub(super) modulus: V,
+    pub(super) target: V,
+    pub(super) weight: V,
+}
+
+/// Adds the change of a point's term under the drives (re, im) to `total`.
+#[inline(always)]
+pub(super) fn add_change<S: Simd, T: Term>(
+    s: S,
+    spot: &Spot<S::V>,
+    [re, im]: [S::V; 2],
+    total: S::V,
+) -> S::V {
+    let ([gr, gi], [pr, pi]) = (spot.gain, spot.pressure);
+    let er = s.fnma(gi, im, s.mul(gr, re));
+    let ei = s.fma(gi, re, s.mul(gr, im));
+    let (x, y) = (s.add(pr, er), s.add(pi, ei));
+    // |P + e|^2 - |P|^2 without the cancellation of its two large parts, and so |P + e| - |P|.
+    let square = s.fma(er, s.add(pr, x), s.mul(ei, s.add(pi, y)));
+    let least = s.splat(TINY);
+    let new = s.roots(s.max(s.fma(x, x, s.mul(y, y)), least)).0;
+    let old = s.add(spot.modulus, s.splat(SMALLEST));
+    let rise = s.mul(square, reciprocal(s, s.add(new, old)));
+    s.fma(spot.weight, T::change(s, rise, s.sub(spot.target, spot.modulus)), total)
 }
 
 /// Adds the change of some points' terms under the candidates (re, im) to `total`.
@@ -181,23 +220,19 @@ pub(crate) fn add_changes<S: Simd, T: Term>(
     s: S,
     points: Points<'_>,
     some: impl Iterator<Item = usize>,
-    [re, im]: [S::V; 2],
+    drives: [S::V; 2],
     mut total: S::V,
 ) -> S::V {
     for j in some {
-        let (gr, gi) = (s.splat(points.gain[0][j]), s.splat(points.gain[1][j]));
         let (kept, lane) = (&points.kept[j / LANES], j % LANES);
-        let (pr, pi) = (s.splat(kept.re[lane]), s.splat(kept.im[lane]));
-        let (old, target) = (kept.modulus[lane], kept.target[lane]);
-        let er = s.fnma(gi, im, s.mul(gr, re));
-        let ei = s.fma(gi, re, s.mul(gr, im));
-        let (x, y) = (s.add(pr, er), s.add(pi, ei));
-        // |P + e|^2 - |P|^2 without the cancellation of its two large parts, and so |P + e| - |P|.
-        let square = s.fma(er, s.add(pr, x), s.mul(ei, s.add(pi, y)));
-        let least = s.splat(TINY);
-        let new = s.roots(s.max(s.fma(x, x, s.mul(y, y)), least)).0;
-        let rise = s.mul(square, reciprocal(s, s.add(new, s.splat(old + SMALLEST))));
-        total = s.fma(s.splat(kept.weight[lane]), T::change(s, rise, s.splat(target - old)), total);
+        let spot = Spot {
+            gain: [s.splat(points.gain[0][j]), s.splat(points.gain[1][j])],
+            pressure: [s.splat(kept.re[lane]), s.splat(kept.im[lane])],
+            modulus: s.splat(kept.modulus[lane]),
+            target: s.splat(kept.target[lane]),
+            weight: s.splat(kept.weight[lane]),
+        };
+        total = add_change::<S, T>(s, &spot, drives, total);
     }
     total
 }

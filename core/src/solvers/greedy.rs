@@ -15,16 +15,16 @@ use crate::kernels::greedy::{self, Pass};
 use crate::kernels::{
     self, Candidates, L1, L2, LANES, Rows, Sixteen, Spots, greedy_abreast, shortlist, table,
 };
-use crate::solvers::fast::{deal, places};
-use num_complex::Complex32;
 use crate::levels::Levels;
 use crate::linalg::Planar;
 use crate::options::{OptionValue, Options, Value, spell, word};
 use crate::problem::Problem;
 use crate::rng::Rng;
 use crate::solution::{Solution, Status};
+use crate::solvers::fast::{deal, places};
 use crate::solvers::{Info, Method, Solve};
 use crate::workspace::Workspace;
+use num_complex::Complex32;
 
 /// Whether the errors are squared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -207,28 +207,29 @@ fn problems_in_lanes_are_lone_solves_bit_for_bit() {
 
 #[test]
 fn problems_of_unlike_sizes_arrays_and_levels_are_lone_solves_bit_for_bit() {
-    let solver = solvers::Fast::default();
-    let transmitter = small(false, Level::best());
-    let mut problems: Vec<Problem> = (0..16)
-        .map(|k| {
-            let weights = (0..M).map(|j| if j < k % M { 0.0 } else { 0.1 + j as f64 }).collect();
-            let request = Request { pressures: None, weights: Some(weights) };
-            let gains = transmitter.gains(&random_points(M, 0.05, k as u64)).expect("gains");
-            Problem::with_gains(gains, &request).expect("a problem")
-        })
-        .collect();
-    hold(&problems, &solver, true, "weights of 0");
-    let elsewhere = small(true, Level::best());
-    problems[3] = some(&elsewhere, M, 1, true).remove(0);
-    hold(&problems, &solver, true, "another array");
-    problems[3] = some(&small(false, Level::SCALAR), M, 1, true).remove(0);
-    hold(&problems, &solver, true, "another level");
-    let matrix = problems[3].gains().matrix().expect("G");
-    let matrix: Vec<Complex64> =
-        matrix.iter().map(|g| Complex64::new(f64::from(g.re), f64::from(g.im))).collect();
-    let gains = Gains::from_matrix(&matrix, M).expect("gains");
-    problems[0] = Problem::with_gains(gains, &Request::default()).expect("a problem");
-    hold(&problems, &solver, true, "a matrix");
+    for (name, solver) in with_options() {
+        let transmitter = small(false, Level::best());
+        let mut problems: Vec<Problem> = (0..16)
+            .map(|k| {
+                let weights = (0..M).map(|j| if j < k % M { 0.0 } else { 0.1 + j as f64 }).collect();
+                let request = Request { pressures: None, weights: Some(weights) };
+                let gains = transmitter.gains(&random_points(M, 0.05, k as u64)).expect("gains");
+                Problem::with_gains(gains, &request).expect("a problem")
+            })
+            .collect();
+        hold(&problems, &*solver, true, &format!("{name}, weights of 0"));
+        let elsewhere = small(true, Level::best());
+        problems[3] = some(&elsewhere, M, 1, true).remove(0);
+        hold(&problems, &*solver, true, &format!("{name}, another array"));
+        problems[3] = some(&small(false, Level::SCALAR), M, 1, true).remove(0);
+        hold(&problems, &*solver, true, &format!("{name}, another level"));
+        let matrix = problems[3].gains().matrix().expect("G");
+        let matrix: Vec<Complex64> =
+            matrix.iter().map(|g| Complex64::new(f64::from(g.re), f64::from(g.im))).collect();
+        let gains = Gains::from_matrix(&matrix, M).expect("gains");
+        problems[0] = Problem::with_gains(gains, &Request::default()).expect("a problem");
+        hold(&problems, &*solver, true, &format!("{name}, a matrix"));
+    }
 }
 
 #[test]
@@ -236,5 +237,7 @@ fn the_device_s_levels_hold_in_a_batch() {
     let array = preset("autd3");
     let transmitter = Transmitter::new(&array, Medium::default(), Level::best()).expect("an array");
     assert!(array.levels().is_some());
-    hold(&some(&transmitter, 3, 17, true), &solvers::Fast::default(), true, "autd3");
+    let coarse = solvers::Greedy { phases: 16, amplitudes: 3, ..solvers::Greedy::default() };
+    hold(&some(&transmitter, 3, 17, true), &solvers::Fast::default(), true, "fast");
+    hold(&some(&transmitter, 3, 17, true), &coarse, false, "greedy");
 }
