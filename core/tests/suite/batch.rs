@@ -176,7 +176,7 @@ fn some(transmitter: &Transmitter, points: usize, count: usize, given: bool) -> 
 /// Options that problems in lanes are solved with, and some that go one by one.
 fn with_options() -> Vec<(String, Box<dyn Solve + Send + Sync>)> {
     use solvers::{Fast, Greedy, Objective, Order};
-    let coarse = Greedy { phases: 10, amplitudes: 3, order: Order::Columns, ..Greedy::default() };
+    let coarse = Greedy { phases: 10, amplitudes: 3, order: Order::Rows, ..Greedy::default() };
     let most = Greedy { phases: 51, amplitudes: 5, seed: 3, ..Greedy::default() };
     let fine = Greedy { phases: 64, ..Greedy::default() };
     let absolute = Greedy { objective: Objective::L1, ..Greedy::default() };
