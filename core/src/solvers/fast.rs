@@ -15,15 +15,14 @@
 //! part `OWN` of its own wave left in P so that the members of a block do not all turn at once.
 
 use alloc::vec::Vec;
-use core::ptr;
 
 use num_complex::Complex32;
 
+use crate::abreast::{Abreast, deal};
 use crate::control::Control;
 use crate::error::Error;
-use crate::gains::Gains;
 use crate::kernels::fast::{self, Sweep};
-use crate::kernels::{LANES, Rows, Spots, abreast};
+use crate::kernels::{self, LANES};
 use crate::linalg::Planar;
 use crate::problem::Problem;
 use crate::rng::Rng;
@@ -112,37 +111,32 @@ impl Solve for Fast {
 
     fn solve_together(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
         self.check().ok()?;
-        let gains = problems.first()?.gains();
-        let Rows::Computed { law, sources, .. } = gains.rows() else { return None };
-        let points = problems.iter().map(|problem| problem.gains().points()).max()?;
-        // A point costs a group of lanes here, a lone problem does.
-        if problems.len() > LANES || points > problems.len() {
-            return None;
-        }
-        let places: Vec<_> = problems.iter().map(|problem| places(problem, gains)).collect::<Option<_>>()?;
-        let lanes = points * LANES;
-        let mut lists = [(); 7].map(|()| work.floats.take(lanes));
-        let [x, y, z, target, weight, re, im] = &mut lists;
-        for (lane, (problem, [own_x, own_y, own_z])) in problems.iter().zip(places).enumerate() {
-            deal(own_x, lane, x);
-            deal(own_y, lane, y);
-            deal(own_z, lane, z);
+        let abreast = Abreast::of(problems, work)?;
+        let (count, lanes) = (problems.first()?.gains().transducers(), abreast.lanes());
+        let mut lists = [(); 4].map(|()| work.floats.take(lanes));
+        let [target, weight, re, im] = &mut lists;
+        for (lane, problem) in problems.iter().enumerate() {
             deal(problem.targets(), lane, target);
             deal(problem.weights(), lane, weight);
         }
-        let count = gains.transducers();
         let mut drives = work.floats.take(2 * LANES * count);
         let mut memory = work.floats.take(fast::floats(lanes));
         for sweep in 0..=self.sweeps {
             let task = Sweep {
-                rows: Rows::Computed { law, sources, spots: Spots { coordinates: [x, y, z], count: lanes } },
+                rows: abreast.rows(),
                 target,
                 weight,
                 block: self.block as usize,
                 own: if sweep == 0 { 0.0 } else { OWN },
                 memory: &mut memory,
             };
-            abreast::sweep(gains.level(), task, stride(count, self.seed), &mut drives, [&mut *re, &mut *im]);
+            kernels::abreast::sweep(
+                abreast.level,
+                task,
+                stride(count, self.seed),
+                &mut drives,
+                [&mut *re, &mut *im],
+            );
         }
         let steps = count.div_ceil(self.block as usize) * (1 + self.sweeps as usize);
         let mut own: Vec<_> = problems.iter().map(|_| work.complexes.take(count)).collect();
@@ -160,27 +154,8 @@ impl Solve for Fast {
         });
         let solutions = solutions.collect();
         work.floats.give_all(lists.into_iter().chain([drives, memory]));
+        abreast.give(work);
         Some(solutions)
-    }
-}
-
-/// x, y and z of a problem's points, padded, where its rows are computed just as those of `like` are.
-fn places<'a>(problem: &'a Problem, like: &Gains) -> Option<[&'a [f32]; 3]> {
-    let gains = problem.gains();
-    match (gains.rows(), like.rows()) {
-        (Rows::Computed { sources, spots, .. }, Rows::Computed { sources: others, .. })
-            if ptr::eq(sources, others) && gains.level() == like.level() =>
-        {
-            Some(spots.coordinates)
-        }
-        _ => None,
-    }
-}
-
-/// Writes a problem's list into its lane.
-fn deal(list: &[f32], lane: usize, lanes: &mut [f32]) {
-    for (group, &x) in lanes.as_chunks_mut::<LANES>().0.iter_mut().zip(list) {
-        group[lane] = x;
     }
 }
 
