@@ -15,8 +15,7 @@
 //! part `OWN` of its own wave left in P so that the members of a block do not all turn at once.
 
 use alloc::vec::Vec;
-
-use num_complex::Complex32;
+use core::array;
 
 use crate::abreast::{Abreast, deal};
 use crate::control::Control;
@@ -119,7 +118,8 @@ impl Solve for Fast {
             deal(problem.targets(), lane, target);
             deal(problem.weights(), lane, weight);
         }
-        let mut drives = work.floats.take(2 * LANES * count);
+        let padded = count.next_multiple_of(fast::MOST);
+        let mut drives = work.floats.take(2 * LANES * padded);
         let mut memory = work.floats.take(fast::floats(lanes));
         for sweep in 0..=self.sweeps {
             let task = Sweep {
@@ -139,13 +139,13 @@ impl Solve for Fast {
             );
         }
         let steps = count.div_ceil(self.block as usize) * (1 + self.sweeps as usize);
-        let mut own: Vec<_> = problems.iter().map(|_| work.complexes.take(count)).collect();
-        for (i, [re, im]) in drives.as_chunks::<LANES>().0.as_chunks().0.iter().enumerate() {
-            for (own, (&re, &im)) in own.iter_mut().zip(re.iter().zip(im)) {
-                own[i] = Complex32::new(re, im);
-            }
-        }
-        let solutions = problems.iter().zip(own).enumerate().map(|(lane, (problem, drive))| {
+        let mut own = array::from_fn(|lane| match problems.get(lane) {
+            Some(_) => work.complexes.take(padded),
+            None => Vec::new(),
+        });
+        kernels::abreast::deal_out(abreast.level, &drives, &mut own);
+        let solutions = problems.iter().zip(own).enumerate().map(|(lane, (problem, mut drive))| {
+            drive.truncate(count);
             let mut field = Planar::zeros(1, problem.gains().lanes(), work);
             for (own, all) in [(&mut field.re, &*re), (&mut field.im, &*im)] {
                 own.iter_mut().zip(all.as_chunks::<LANES>().0).for_each(|(own, all)| *own = all[lane]);
