@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 
 use midair::solvers;
 use midair::{
-    Array, Complex32, Complex64, Control, Gains, Level, Medium, Metrics, Options, Plane, Problem, Request,
-    Rng, Scene, Transmitter, Value, Workspace,
+    Array, Ask, Complex32, Complex64, Control, Gains, Level, Medium, Metrics, Options, Plane, Problem,
+    Request, Rng, Scene, Transmitter, Value, Workspace,
 };
 
 /// Algorithm 2, by the book.
@@ -172,8 +172,13 @@ fn batch(array: &Array, points: usize, count: usize, rounds: usize) {
             work.recycle(solution);
         }
     };
+    let ask = |k: usize, ask: &mut Ask| {
+        ask.points.clone_from(&places[k]);
+        Ok(())
+    };
     let together = |out: &mut [Complex32]| {
-        midair::solve_batch(count, points, &problem, &*solver.solver, true, out, &mut Control::none())
+        let (ask, none) = (&ask, &mut Control::none());
+        midair::solve_batch(&transmitter, count, points, ask, &*solver.solver, true, out, none)
             .expect("answers")
     };
     let mut drives = [(); 2].map(|()| vec![Complex32::ZERO; count * array.len()]);

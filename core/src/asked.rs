@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 
 use crate::error::Error;
 use crate::gains::Gains;
+use crate::kernels::padded;
 use crate::math;
 use crate::metrics::Metrics;
 use crate::scene::Request;
@@ -14,7 +15,7 @@ const MOST_TARGET: f64 = 1e15;
 const LEAST_TARGET: f64 = 1e-30;
 
 /// The caller's side of a problem, over all points, in Pa.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Asked {
     /// The gains of all points.
     pub(crate) gains: Gains,
@@ -33,7 +34,7 @@ pub(crate) struct Asked {
     /// The first point asked for more than its own reach, and that reach in Pa.
     pub(crate) overasked: Option<(usize, f64)>,
     /// p1_j of the points of weight above 0 in units of the reference, and memory for summing it.
-    reach: Vec<f64>,
+    pub(crate) reach: Vec<f64>,
     sums: Vec<f32>,
 }
 
@@ -54,22 +55,29 @@ impl Asked {
         }
     }
 
-    /// Finds the points of weight above 0, and their gains unless they are all.
-    pub(crate) fn select(&mut self, request: &Request) -> Result<Option<Gains>, Error> {
-        request.check(self.gains.points())?;
+    /// Takes a request up, checked, and finds the points of weight above 0: their gains, unless they are all. Nothing
+    /// but those is allocated the second time.
+    pub(crate) fn take(&mut self, request: &Request) -> Result<Option<Gains>, Error> {
+        let all = 0..self.gains.points();
+        request.check(all.end)?;
+        self.given = request.pressures.is_some();
+        self.targets.clear();
+        self.targets.extend(all.clone().map(|j| request.pressure(j)));
+        self.weights.clear();
+        self.weights.extend(all.clone().map(|j| request.weight(j)));
         self.active.clear();
-        self.active.extend((0..self.gains.points()).filter(|&j| request.weight(j) > 0.0));
-        Ok((self.active.len() < self.gains.points()).then(|| self.gains.select(&self.active)))
+        self.active.extend(all.clone().filter(|&j| self.weights[j] > 0.0));
+        let heaviest = self.weights.iter().copied().fold(0.0, f64::max);
+        self.shares.clear();
+        self.shares.resize(padded(self.active.len()), 0.0);
+        for (share, &j) in self.shares.iter_mut().zip(&self.active) {
+            *share = (self.weights[j] / heaviest) as f32;
+        }
+        Ok((self.active.len() < all.end).then(|| self.gains.select(&self.active)))
     }
 
-    /// Takes a request up; `selected` are the gains of the points of weight above 0, unless those are all. Nothing is
-    /// allocated the second time.
-    pub(crate) fn fill(&mut self, selected: Option<&Gains>, request: &Request) -> Result<(), Error> {
-        request.check(self.gains.points())?;
-        if selected.is_none() {
-            self.active.clear();
-            self.active.extend(0..self.gains.points());
-        }
+    /// Sums |G| over the transducers; `selected` are the gains of the points of weight above 0, unless those are all.
+    pub(crate) fn measure(&mut self, selected: Option<&Gains>) -> Result<(), Error> {
         let gains = selected.unwrap_or(&self.gains);
         gains.reach(&mut self.reach, &mut self.sums).map_err(|error| match error {
             // The selection renumbered the points.
@@ -77,13 +85,16 @@ impl Asked {
                 Error::TooNear { point: self.active[point], transducer, distance, least }
             }
             other => other,
-        })?;
+        })
+    }
+
+    /// Holds the request to the reach: a balanced level, and targets at it where none were given.
+    pub(crate) fn level(&mut self) -> Result<(), Error> {
         let reference = self.gains.reference();
-        self.given = request.pressures.is_some();
         self.overasked = None;
         let within = LEAST_TARGET..=MOST_TARGET;
         for (&j, &reach) in self.active.iter().zip(&self.reach) {
-            let target = request.pressure(j);
+            let target = self.targets[j];
             if target > 0.0 && reach == 0.0 {
                 return Err(Error::Unreached { point: j });
             }
@@ -99,21 +110,12 @@ impl Asked {
         // Loads relative to the heaviest, so that no square over- or underflows.
         let pairs = self.active.iter().zip(&self.reach);
         let loads =
-            pairs.map(|(&j, &reach)| request.pressure(j) / (reach * reference)).filter(|load| *load > 0.0);
+            pairs.map(|(&j, &reach)| self.targets[j] / (reach * reference)).filter(|load| *load > 0.0);
         let load = loads.clone().fold(0.0, f64::max);
-        let balance = 1.0 / (load * math::sqrt(loads.map(|own| (own / load) * (own / load)).sum()));
-        let scale = if self.given { 1.0 } else { balance };
-        self.balance = if self.given { balance } else { 1.0 };
-        let all = 0..self.gains.points();
-        self.targets.clear();
-        self.targets.extend(all.clone().map(|j| request.pressure(j) * scale));
-        self.weights.clear();
-        self.weights.extend(all.map(|j| request.weight(j)));
-        let heaviest = self.weights.iter().copied().fold(0.0, f64::max);
-        self.shares.clear();
-        self.shares.resize(gains.lanes(), 0.0);
-        for (share, &j) in self.shares.iter_mut().zip(&self.active) {
-            *share = (self.weights[j] / heaviest) as f32;
+        self.balance = 1.0 / (load * math::sqrt(loads.map(|own| (own / load) * (own / load)).sum()));
+        if !self.given {
+            self.targets.iter_mut().for_each(|target| *target *= self.balance);
+            self.balance = 1.0;
         }
         Ok(())
     }

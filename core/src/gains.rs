@@ -16,6 +16,12 @@ use crate::math;
 use crate::medium::Medium;
 use crate::scene::{Scene, check_array};
 
+/// Rows whose moduli are summed in f32 before f64 takes over.
+pub(crate) const TOGETHER: usize = 64;
+
+/// Square wavelengths, a little more than a hundredth squared: f32 decides where f64 is to look.
+pub(crate) const NEAR: f32 = 1.01e-4;
+
 /// An array in a medium, made ready once for points that change: what a scene is for points that do not.
 ///
 /// ```
@@ -233,10 +239,16 @@ impl Gains {
         }
     }
 
+    /// What rows are computed from, unless they are kept.
+    pub(crate) fn computed(&self) -> Option<(&Arc<Emitters>, Spots<'_>)> {
+        match &self.rows {
+            Rows::Computed { emitters, frame, .. } => Some((emitters, self.spots(frame))),
+            Rows::Stored { .. } => None,
+        }
+    }
+
     /// p1_j = `sum_i |G_ji|` in units of the reference, refusing a point on a transducer; `sums` is memory.
     pub(crate) fn reach(&self, reach: &mut Vec<f64>, sums: &mut Vec<f32>) -> Result<(), Error> {
-        /// Rows summed in f32 before f64 takes over.
-        const TOGETHER: usize = 64;
         reach.clear();
         reach.resize(self.count, 0.0);
         match &self.rows {
@@ -244,9 +256,8 @@ impl Gains {
                 for (step, sources) in emitters.sources.chunks(TOGETHER).enumerate() {
                     sums.clear();
                     sums.resize(self.lanes(), 0.0);
-                    // f32 decides where to look, f64 decides.
                     let (law, spots) = (&emitters.law, self.spots(frame));
-                    if kernels::add_moduli(self.level, law, sources, spots, 1.01e-4, sums) {
+                    if kernels::add_moduli(self.level, law, sources, spots, NEAR, sums) {
                         for i in step * TOGETHER..step * TOGETHER + sources.len() {
                             emitters.check_distances(i, points)?;
                         }

@@ -39,6 +39,7 @@
 
 extern crate alloc;
 
+mod abreast;
 mod array;
 mod asked;
 mod batch;
@@ -72,7 +73,7 @@ pub mod solvers;
 mod workspace;
 
 pub use array::{Array, Origin};
-pub use batch::{Batch, solve_batch};
+pub use batch::{Ask, Batch, solve_batch};
 pub use bound::bound;
 pub use control::{Control, Progress};
 pub use directivity::{Directivity, Transducer};

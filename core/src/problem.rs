@@ -73,13 +73,9 @@ impl Problem {
     /// # Errors
     /// As [`Problem::new`] and [`Request::check`].
     pub fn with_gains(all: Gains, request: &Request) -> Result<Self, Error> {
-        let mut asked = Asked::of(all);
-        let selected = asked.select(request)?;
-        asked.fill(selected.as_ref(), request)?;
-        let mut problem =
-            Self { selected, asked: Arc::new(asked), start: None, aim: None, targets: Vec::new() };
-        problem.aim_at_targets();
-        Ok(problem)
+        let mut problem = Self::of(all);
+        problem.selected = Arc::make_mut(&mut problem.asked).take(request)?;
+        problem.measured()
     }
 
     /// The problem of other points and requests with the same array, in the memory of this one: if no solution of it
@@ -88,28 +84,57 @@ impl Problem {
     /// # Errors
     /// As [`crate::Transmitter::gains`] and [`Problem::with_gains`]; the problem is then lost.
     pub fn renewed(mut self, points: &[[f64; 3]], request: &Request) -> Result<Self, Error> {
-        let weighted =
-            request.weights.as_ref().is_none_or(|weights| weights.iter().all(|&weight| weight > 0.0));
-        match Arc::get_mut(&mut self.asked) {
-            Some(asked) if weighted && self.selected.is_none() => {
-                asked.gains.carry(points)?;
-                asked.fill(None, request)?;
-            }
-            _ => {
-                let mut gains = self.asked.gains.clone();
-                gains.carry(points)?;
-                return Self::with_gains(gains, request);
-            }
+        self.place(points, request)?;
+        self.measured()
+    }
+
+    /// A problem of which nothing is asked yet.
+    pub(crate) fn of(gains: Gains) -> Self {
+        Self {
+            selected: None,
+            asked: Arc::new(Asked::of(gains)),
+            start: None,
+            aim: None,
+            targets: Vec::new(),
         }
+    }
+
+    /// Takes other points and another request up: [`Problem::measure`] and [`Problem::level`] are still to come.
+    pub(crate) fn place(&mut self, points: &[[f64; 3]], request: &Request) -> Result<(), Error> {
+        let asked = Arc::make_mut(&mut self.asked);
+        asked.gains.carry(points)?;
+        self.selected = asked.take(request)?;
         (self.start, self.aim) = (None, None);
-        self.aim_at_targets();
+        Ok(())
+    }
+
+    fn measured(mut self) -> Result<Self, Error> {
+        self.measure()?;
+        self.level()?;
         Ok(self)
     }
 
-    fn aim_at_targets(&mut self) {
+    /// Sums |G| at the points.
+    pub(crate) fn measure(&mut self) -> Result<(), Error> {
+        Arc::make_mut(&mut self.asked).measure(self.selected.as_ref())
+    }
+
+    /// The sums of |G| at the points of weight above 0, in units of the reference, set to 0.
+    pub(crate) fn cleared_reach(&mut self) -> &mut Vec<f64> {
+        let points = self.gains().points();
+        let reach = &mut Arc::make_mut(&mut self.asked).reach;
+        reach.clear();
+        reach.resize(points, 0.0);
+        reach
+    }
+
+    /// Holds the request to what the array can do.
+    pub(crate) fn level(&mut self) -> Result<(), Error> {
+        Arc::make_mut(&mut self.asked).level()?;
         self.targets.clear();
         self.targets.resize(self.gains().lanes(), 0.0);
         self.asked.scaled_targets(1.0, &mut self.targets);
+        Ok(())
     }
 
     /// The same problem at `factor` times the caller's targets, in a buffer of [`Gains::lanes`] numbers.
@@ -129,6 +154,12 @@ impl Problem {
     /// # Errors
     /// A drive or phases of another length, a value that is not finite, |q| above 1 + 1e-6.
     pub fn with_start(mut self, start: Start) -> Result<Self, Error> {
+        self.begin(start)?;
+        Ok(self)
+    }
+
+    /// As [`Problem::with_start`].
+    pub(crate) fn begin(&mut self, start: Start) -> Result<(), Error> {
         match &start {
             Start::Drive(drive) => check_drive(drive, self.gains().transducers())?,
             Start::Phases(phases) => {
@@ -147,7 +178,7 @@ impl Problem {
             }
         }
         self.start = Some(Arc::new(start));
-        Ok(self)
+        Ok(())
     }
 
     /// The same problem with another aim for the methods that use one.
@@ -155,6 +186,11 @@ impl Problem {
     pub fn with_aim(mut self, aim: Aim) -> Self {
         self.aim = Some(aim);
         self
+    }
+
+    /// As [`Problem::with_aim`], or none.
+    pub(crate) fn aim_at(&mut self, aim: Option<Aim>) {
+        self.aim = aim;
     }
 
     /// How loud the points are to be: unless chosen, as loud as asked where pressures were given, else as loud as

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use midair::{Complex32, Control, Problem, Progress, Request, Start};
+use midair::{Ask, Complex32, Control, Progress, Start};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -220,26 +220,21 @@ pub(crate) fn solve_batch(
         .map_err(|_| invalid("out", "in use or read-only", "give an array that can be written"))?;
     let mut pulse = Pulse::new(progress);
     let clock = Instant::now();
-    let row =
-        |list: &Option<Vec<f64>>, k: usize| list.as_ref().map(|list| list[k * size..(k + 1) * size].to_vec());
-    let problem = |k: usize| -> Result<Problem, midair::Error> {
-        let gains = setting.transmitter.gains(&points[k * size..(k + 1) * size])?;
-        let request = Request { pressures: row(&pressures, k), weights: row(&weights, k) };
-        let problem = Problem::with_gains(gains, &request)?;
-        let problem = match &starts {
-            Starts::None => problem,
+    let ask = |k: usize, ask: &mut Ask| -> Result<(), midair::Error> {
+        let own = k * size..(k + 1) * size;
+        ask.points.clear();
+        ask.points.extend_from_slice(&points[own.clone()]);
+        rewrite(&mut ask.request.pressures, pressures.as_ref().map(|list| &list[own.clone()]));
+        rewrite(&mut ask.request.weights, weights.as_ref().map(|list| &list[own.clone()]));
+        ask.start = match &starts {
+            Starts::None => None,
             Starts::Drives(drives) => {
-                let drive = drives[k * transducers..(k + 1) * transducers].to_vec();
-                problem.with_start(Start::Drive(drive))?
+                Some(Start::Drive(drives[k * transducers..(k + 1) * transducers].to_vec()))
             }
-            Starts::Phases(phases) => {
-                problem.with_start(Start::Phases(phases[k * size..(k + 1) * size].to_vec()))?
-            }
+            Starts::Phases(phases) => Some(Start::Phases(phases[own].to_vec())),
         };
-        Ok(match setting.choice.level {
-            Some(level) => problem.with_aim(level),
-            None => problem,
-        })
+        ask.aim = setting.choice.level;
+        Ok(())
     };
     let slice = writable.as_slice_mut()?;
     let inner = py.detach(|| {
@@ -247,7 +242,8 @@ pub(crate) fn solve_batch(
         let mut run = || {
             let mut observer = |progress: Progress<'_>| pulse.beat(&progress);
             let mut control = Control::watched(&mut observer);
-            midair::solve_batch(count, size, &problem, solver, balance, slice, &mut control)
+            let transmitter = &setting.transmitter;
+            midair::solve_batch(transmitter, count, size, &ask, solver, balance, slice, &mut control)
         };
         match &pool {
             Some(pool) => pool.install(run),
@@ -258,4 +254,15 @@ pub(crate) fn solve_batch(
     pulse.raised()?;
     let inner = inner.map_err(refused)?;
     Ok(Batch { drives: drives.unbind(), inner, points: size, elapsed: clock.elapsed().as_secs_f64() })
+}
+
+/// Writes a list over another one, in its memory.
+fn rewrite(list: &mut Option<Vec<f64>>, with: Option<&[f64]>) {
+    match (list, with) {
+        (Some(list), Some(with)) => {
+            list.clear();
+            list.extend_from_slice(with);
+        }
+        (list, with) => *list = with.map(<[f64]>::to_vec),
+    }
 }

@@ -78,7 +78,7 @@ def test_progress_and_stop() -> None:
     assert told[-1][:2] == (B, B)
     assert 0 <= told[-1][2] < 1
     many = np.tile(POINTS, (60, 1, 1))
-    stopped = midair.solve_batch(ARRAY, many, 0.5, "fast", progress=lambda *now: False)
+    stopped = midair.solve_batch(ARRAY, many, 0.5, "fast", threads=1, progress=lambda *now: False)
     done = stopped.status.count("done")
     assert 0 < done < 60 * B
     assert not stopped.drives[done:].any()

@@ -19,18 +19,23 @@ pub(crate) struct Pass<'a> {
     pub(crate) rows: Rows<'a>,
     pub(crate) target: &'a [f32],
     pub(crate) weight: &'a [f32],
-    /// How many points each problem has.
-    pub(crate) counts: &'a [usize],
+    /// How many problems there are.
+    pub(crate) problems: usize,
     /// As [`fits`] wants them.
     pub(crate) candidates: &'a Candidates,
     /// The transducers in the order of their turns.
     pub(crate) order: &'a [u32],
-    /// Memory: one for each point and two more,
+    /// Memory: [`kept`] of these,
     pub(crate) kept: &'a mut [Sixteen],
     /// [`floats`] numbers,
     pub(crate) floats: &'a mut [f32],
     /// and [`super::greedy::indices`] indices for a row of 16.
     pub(crate) indices: &'a mut [u32],
+}
+
+/// Whether this pass knows how to search K = `amplitudes` times L = `phases` candidates.
+pub(crate) fn fits(phases: usize, amplitudes: usize) -> bool {
+    shortlist::met_whole(phases) && phases * amplitudes <= Shortlist::MOST
 }
 
 /// Numbers kept of a candidate: its [`Powers`].
@@ -41,6 +46,11 @@ pub(crate) fn floats(lanes: usize, candidates: &Candidates) -> usize {
     5 * lanes + 2 * LANES + POWERS * candidates.count() + shortlist::floats(candidates)
 }
 
+/// Points kept for rows of `lanes`: theirs and two of a lone pass.
+pub(crate) const fn kept(lanes: usize) -> usize {
+    lanes / LANES + 2
+}
+
 /// As [`super::greedy::pass`] for a problem in each lane; `drive` has two groups of lanes a transducer, re and im.
 pub(crate) fn pass(level: Level, pass: Pass<'_>, drive: &mut [f32], pressures: [&mut [f32]; 2]) {
     dispatch!(level, s => run(s, pass, drive, pressures));
@@ -48,7 +58,7 @@ pub(crate) fn pass(level: Level, pass: Pass<'_>, drive: &mut [f32], pressures: [
 
 #[inline(always)]
 fn run<S: Simd>(s: S, pass: Pass<'_>, drive: &mut [f32], [re, im]: [&mut [f32]; 2]) {
-    let Pass { rows, target, weight, counts, candidates, order, kept, floats, indices } = pass;
+    let Pass { rows, target, weight, problems, candidates, order, kept, floats, indices } = pass;
     let lanes = target.len();
     let points = lanes / LANES;
     let (mut row, rest) = floats.split_at_mut(2 * lanes);
@@ -56,13 +66,13 @@ fn run<S: Simd>(s: S, pass: Pass<'_>, drive: &mut [f32], [re, im]: [&mut [f32]; 
     let (energies, rest) = rest.split_at_mut(lanes);
     let (table, rest) = rest.split_at_mut(POWERS * candidates.count());
     let (kept, alone) = kept.split_at_mut(points);
-    let mut lone = Lone { candidates, counts, kept: alone, floats: rest, indices };
+    let mut lone = Lone { candidates, kept: alone, floats: rest, indices };
     for (kept, (t, w)) in kept.iter_mut().zip(groups(target).iter().zip(groups(weight))) {
         *kept = Sixteen::silent(s, t, w);
     }
     energies.fill(0.0);
     write_powers(s, candidates, table);
-    let used = 0xffff >> (LANES - counts.len());
+    let used = 0xffff >> (LANES - problems);
     let mut sounding = 0;
     if let Some(&first) = order.first() {
         let (re, im) = row.split_at_mut(lanes);
@@ -102,7 +112,7 @@ fn run<S: Simd>(s: S, pass: Pass<'_>, drive: &mut [f32], [re, im]: [&mut [f32]; 
                 let lane = left.trailing_zeros() as usize;
                 left &= left - 1;
                 let is = |lanes: u32| lanes >> lane & 1 == 1;
-                let [re, im] = lone.drive(s, &all, lane, !is(sounding), is(near));
+                let [re, im] = lone.drive(s, &all, lane, is(near));
                 (own[0][lane], own[1][lane]) = (re, im);
             }
             q = [s.load(&own[0]), s.load(&own[1])];
@@ -284,18 +294,16 @@ fn lanes_of<S: Simd>(s: S, bits: u32) -> S::V {
 /// The lone pass's turn, and its memory: two [`Sixteen`], two rows of 16 and what [`choose`] needs.
 struct Lone<'a> {
     candidates: &'a Candidates,
-    counts: &'a [usize],
     kept: &'a mut [Sixteen],
     floats: &'a mut [f32],
     indices: &'a mut [u32],
 }
 
 impl Lone<'_> {
-    /// The drive that the problem of a lane chooses when alone, 0 for none. It may be `silent` so far, and have points
-    /// that the moments leave out.
+    /// The drive that the problem of a lane chooses when alone, 0 for none. `nearby` if the moments leave points out.
     #[inline(always)]
-    fn drive<S: Simd>(&mut self, s: S, all: &Turn<'_>, lane: usize, silent: bool, nearby: bool) -> [f32; 2] {
-        let count = self.counts[lane];
+    fn drive<S: Simd>(&mut self, s: S, all: &Turn<'_>, lane: usize, nearby: bool) -> [f32; 2] {
+        let count = all.kept.iter().rposition(|kept| kept.weight[lane] > 0.0).map_or(0, |last| last + 1);
         let (own, moved) = self.kept.split_at_mut(1);
         let (near, close) = self.indices.split_at_mut(LANES);
         let (rows, floats) = self.floats.split_at_mut(2 * LANES);
@@ -308,6 +316,7 @@ impl Lone<'_> {
             energy[j] = all.energies[j * LANES + lane];
         }
         let points = Points { kept: own, gain: [&rows[..LANES], &rows[LANES..]], count };
+        let silent = own[0].modulus == [0.0; LANES];
         let choice = if silent || nearby && few(points, self.candidates) {
             search_all::<S, L2>(s, points, self.candidates, silent)
         } else {
@@ -316,9 +325,4 @@ impl Lone<'_> {
         };
         choice.map_or([0.0; 2], |index| self.candidates.drive(index))
     }
-}
-
-/// Whether this pass knows how to search these candidates.
-pub(crate) fn fits(candidates: &Candidates) -> bool {
-    shortlist::met_whole(candidates) && candidates.count() <= Shortlist::MOST
 }

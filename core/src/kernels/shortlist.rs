@@ -40,9 +40,9 @@ const SEEN: usize = 2 * LANES;
 /// From this many phases on it is worth looking twice.
 const LARGE: usize = 64;
 
-/// Whether every candidate is met.
-pub(crate) fn met_whole(candidates: &Candidates) -> bool {
-    candidates.phases < LARGE
+/// Whether every candidate of so many phases is met.
+pub(crate) fn met_whole(phases: usize) -> bool {
+    phases < LARGE
 }
 
 /// The energies' changes by the moments, and by eq. (7) at the points that these leave out.
@@ -150,7 +150,7 @@ pub(crate) fn shortlist<S: Simd>(
     let (values, seen) = floats.split_at_mut(Shortlist::MOST);
     let mut list = List { slack, least: f32::INFINITY, indices: close, values, count: 0 };
     let phases = candidates.phases;
-    if met_whole(candidates) {
+    if met_whole(phases) {
         for k in 0..candidates.amplitudes {
             let amplitude = candidates.amplitude(k);
             for first in (0..phases).step_by(LANES) {

@@ -15,15 +15,12 @@
 //! part `OWN` of its own wave left in P so that the members of a block do not all turn at once.
 
 use alloc::vec::Vec;
-use core::ptr;
 
-use num_complex::Complex32;
-
+use crate::abreast::Together;
 use crate::control::Control;
 use crate::error::Error;
-use crate::gains::Gains;
+use crate::kernels::abreast;
 use crate::kernels::fast::{self, Sweep};
-use crate::kernels::{LANES, Rows, Spots, abreast};
 use crate::linalg::Planar;
 use crate::problem::Problem;
 use crate::rng::Rng;
@@ -112,75 +109,25 @@ impl Solve for Fast {
 
     fn solve_together(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
         self.check().ok()?;
-        let gains = problems.first()?.gains();
-        let Rows::Computed { law, sources, .. } = gains.rows() else { return None };
-        let points = problems.iter().map(|problem| problem.gains().points()).max()?;
-        // A point costs a group of lanes here, a lone problem does.
-        if problems.len() > LANES || points > problems.len() {
-            return None;
-        }
-        let places: Vec<_> = problems.iter().map(|problem| places(problem, gains)).collect::<Option<_>>()?;
-        let lanes = points * LANES;
-        let mut lists = [(); 7].map(|()| work.floats.take(lanes));
-        let [x, y, z, target, weight, re, im] = &mut lists;
-        for (lane, (problem, [own_x, own_y, own_z])) in problems.iter().zip(places).enumerate() {
-            deal(own_x, lane, x);
-            deal(own_y, lane, y);
-            deal(own_z, lane, z);
-            deal(problem.targets(), lane, target);
-            deal(problem.weights(), lane, weight);
-        }
-        let count = gains.transducers();
-        let mut drives = work.floats.take(2 * LANES * count);
+        let mut together = Together::of(problems, work)?;
+        let (count, lanes) = (problems.first()?.gains().transducers(), together.target.len());
         let mut memory = work.floats.take(fast::floats(lanes));
         for sweep in 0..=self.sweeps {
             let task = Sweep {
-                rows: Rows::Computed { law, sources, spots: Spots { coordinates: [x, y, z], count: lanes } },
-                target,
-                weight,
+                rows: together.abreast.rows(),
+                target: &together.target,
+                weight: &together.weight,
                 block: self.block as usize,
                 own: if sweep == 0 { 0.0 } else { OWN },
                 memory: &mut memory,
             };
-            abreast::sweep(gains.level(), task, stride(count, self.seed), &mut drives, [&mut *re, &mut *im]);
+            let [re, im] = &mut together.pressures;
+            let order = stride(count, self.seed);
+            abreast::sweep(together.abreast.level, task, order, &mut together.drives, [re, im]);
         }
+        work.floats.give(memory);
         let steps = count.div_ceil(self.block as usize) * (1 + self.sweeps as usize);
-        let mut own: Vec<_> = problems.iter().map(|_| work.complexes.take(count)).collect();
-        for (i, [re, im]) in drives.as_chunks::<LANES>().0.as_chunks().0.iter().enumerate() {
-            for (own, (&re, &im)) in own.iter_mut().zip(re.iter().zip(im)) {
-                own[i] = Complex32::new(re, im);
-            }
-        }
-        let solutions = problems.iter().zip(own).enumerate().map(|(lane, (problem, drive))| {
-            let mut field = Planar::zeros(1, problem.gains().lanes(), work);
-            for (own, all) in [(&mut field.re, &*re), (&mut field.im, &*im)] {
-                own.iter_mut().zip(all.as_chunks::<LANES>().0).for_each(|(own, all)| *own = all[lane]);
-            }
-            Solution::of_field(problem, drive, field, Status::Done, steps, work)
-        });
-        let solutions = solutions.collect();
-        work.floats.give_all(lists.into_iter().chain([drives, memory]));
-        Some(solutions)
-    }
-}
-
-/// x, y and z of a problem's points, padded, where its rows are computed just as those of `like` are.
-pub(super) fn places<'a>(problem: &'a Problem, like: &Gains) -> Option<[&'a [f32]; 3]> {
-    let gains = problem.gains();
-    match (gains.rows(), like.rows()) {
-        (Rows::Computed { sources, spots, .. }, Rows::Computed { sources: others, .. })
-            if ptr::eq(sources, others) && gains.level() == like.level() =>
-        {
-            Some(spots.coordinates)
-        }
-        _ => None,
-    }
-}
-
-/// Writes a problem's list into its lane.
-pub(super) fn deal(list: &[f32], lane: usize, lanes: &mut [f32]) {
-    for (group, &x) in lanes.as_chunks_mut::<LANES>().0.iter_mut().zip(list) {
-        group[lane] = x;
+        Some(together.solutions(problems, steps, work))
     }
 }
 

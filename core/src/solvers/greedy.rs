@@ -8,23 +8,20 @@
 use alloc::format;
 use alloc::vec::Vec;
 
+use crate::abreast::Together;
 use crate::control::Control;
 use crate::error::Error;
 use crate::gains::Gains;
 use crate::kernels::greedy::{self, Pass};
-use crate::kernels::{
-    self, Candidates, L1, L2, LANES, Rows, Sixteen, Spots, greedy_abreast, shortlist, table,
-};
+use crate::kernels::{self, Candidates, L1, L2, LANES, Sixteen, greedy_abreast, shortlist, table};
 use crate::levels::Levels;
 use crate::linalg::Planar;
 use crate::options::{OptionValue, Options, Value, spell, word};
 use crate::problem::Problem;
 use crate::rng::Rng;
 use crate::solution::{Solution, Status};
-use crate::solvers::fast::{deal, places};
 use crate::solvers::{Info, Method, Solve};
 use crate::workspace::Workspace;
-use num_complex::Complex32;
 
 /// Whether the errors are squared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -182,6 +179,16 @@ impl Method for Greedy {
 }
 
 impl Greedy {
+    /// The transducers in the order of their turns.
+    fn turns(&self, gains: &Gains, work: &mut Workspace) -> Result<Vec<u32>, Error> {
+        let mut order = work.indices.take(gains.transducers());
+        for (k, i) in order.iter_mut().enumerate() {
+            *i = k as u32;
+        }
+        self.order.write(self.seed, gains, &mut order)?;
+        Ok(order)
+    }
+
     /// Candidates on this problem's device.
     fn candidates(&self, problem: &Problem, work: &mut Workspace) -> Result<Candidates, Error> {
         let (phases, amplitudes) = (self.phases as usize, self.amplitudes as usize);
@@ -216,11 +223,7 @@ impl Solve for Greedy {
         self.check()?;
         let gains = problem.gains();
         let (count, lanes) = (gains.transducers(), gains.lanes());
-        let mut order = work.indices.take(count);
-        for (k, i) in order.iter_mut().enumerate() {
-            *i = k as u32;
-        }
-        self.order.write(self.seed, gains, &mut order)?;
+        let order = self.turns(gains, work)?;
         let candidates = self.candidates(problem, work)?;
         let mut floats = work.floats.take(shortlist::floats(&candidates));
         let mut indices = work.indices.take(greedy::indices(lanes));
@@ -266,67 +269,35 @@ impl Solve for Greedy {
     fn solve_together(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
         self.check().ok()?;
         let first = problems.first()?;
-        let gains = first.gains();
-        let Rows::Computed { law, sources, .. } = gains.rows() else { return None };
-        let points = problems.iter().map(|problem| problem.gains().points()).max()?;
-        if self.objective != Objective::L2 || problems.len() > LANES || points > problems.len() {
+        let fits = greedy_abreast::fits(self.phases as usize, self.amplitudes as usize);
+        if self.objective != Objective::L2 || !fits {
             return None;
         }
-        let places: Vec<_> = problems.iter().map(|problem| places(problem, gains)).collect::<Option<_>>()?;
         let candidates = self.candidates(first, work).ok()?;
-        if !greedy_abreast::fits(&candidates) {
-            return None;
-        }
-        let count = gains.transducers();
-        let mut order = work.indices.take(count);
-        for (k, i) in order.iter_mut().enumerate() {
-            *i = k as u32;
-        }
-        self.order.write(self.seed, gains, &mut order).ok()?;
-        let lanes = points * LANES;
-        let mut lists = [(); 7].map(|()| work.floats.take(lanes));
-        let [x, y, z, target, weight, re, im] = &mut lists;
-        for (lane, (problem, [own_x, own_y, own_z])) in problems.iter().zip(places).enumerate() {
-            deal(own_x, lane, x);
-            deal(own_y, lane, y);
-            deal(own_z, lane, z);
-            deal(problem.targets(), lane, target);
-            deal(problem.weights(), lane, weight);
-        }
-        let counts: Vec<usize> = problems.iter().map(|problem| problem.gains().points()).collect();
-        let mut drives = work.floats.take(2 * LANES * count);
+        let order = self.turns(first.gains(), work).ok()?;
+        let mut together = Together::of(problems, work)?;
+        let lanes = together.target.len();
         let mut floats = work.floats.take(greedy_abreast::floats(lanes, &candidates));
-        let mut kept = work.points.take(points + 2);
+        let mut kept = work.points.take(greedy_abreast::kept(lanes));
         let mut indices = work.indices.take(greedy::indices(LANES));
         let pass = greedy_abreast::Pass {
-            rows: Rows::Computed { law, sources, spots: Spots { coordinates: [x, y, z], count: lanes } },
-            target,
-            weight,
-            counts: &counts,
+            rows: together.abreast.rows(),
+            target: &together.target,
+            weight: &together.weight,
+            problems: problems.len(),
             candidates: &candidates,
             order: &order,
             kept: &mut kept,
             floats: &mut floats,
             indices: &mut indices,
         };
-        greedy_abreast::pass(gains.level(), pass, &mut drives, [&mut *re, &mut *im]);
-        let mut own: Vec<_> = problems.iter().map(|_| work.complexes.take(count)).collect();
-        for (i, [re, im]) in drives.as_chunks::<LANES>().0.as_chunks().0.iter().enumerate() {
-            for (own, (&re, &im)) in own.iter_mut().zip(re.iter().zip(im)) {
-                own[i] = Complex32::new(re, im);
-            }
-        }
-        let solutions = problems.iter().zip(own).enumerate().map(|(lane, (problem, drive))| {
-            let mut field = Planar::zeros(1, problem.gains().lanes(), work);
-            for (own, all) in [(&mut field.re, &*re), (&mut field.im, &*im)] {
-                own.iter_mut().zip(all.as_chunks::<LANES>().0).for_each(|(own, all)| *own = all[lane]);
-            }
-            Solution::of_field(problem, drive, field, Status::Done, count, work)
-        });
-        let solutions = solutions.collect();
-        work.floats.give_all(lists.into_iter().chain([drives, floats]).chain(candidates.into_buffers()));
+        let [re, im] = &mut together.pressures;
+        greedy_abreast::pass(together.abreast.level, pass, &mut together.drives, [re, im]);
+        work.floats.give_all(candidates.into_buffers());
+        work.floats.give(floats);
         work.points.give(kept);
+        let steps = order.len();
         work.indices.give_all([order, indices]);
-        Some(solutions)
+        Some(together.solutions(problems, steps, work))
     }
 }

@@ -287,15 +287,22 @@ pub(crate) fn solve_together(
     balance: bool,
     work: &mut Workspace,
 ) -> Option<Vec<Solution>> {
-    let factors = || problems.iter().map(|problem| factor(problem, solver, balance));
-    let balanced: Vec<Problem> = problems
-        .iter()
-        .zip(factors())
-        .map(|(problem, factor)| problem.rescaled(factor, work.floats.take(problem.gains().lanes())))
-        .collect();
+    let factor = |problem: &Problem| factor(problem, solver, balance);
+    if problems.iter().all(|problem| factor(problem) <= 1.0) {
+        let mut solutions = solver.solve_together(problems, work);
+        for solution in solutions.iter_mut().flatten() {
+            solution.settle(1.0, work);
+        }
+        return solutions;
+    }
+    let rescaled = |problem: &Problem| {
+        let targets = work.floats.take(problem.gains().lanes());
+        problem.rescaled(factor(problem), targets)
+    };
+    let balanced: Vec<Problem> = problems.iter().map(rescaled).collect();
     let mut solutions = solver.solve_together(&balanced, work);
-    for (solution, factor) in solutions.iter_mut().flatten().zip(factors()) {
-        solution.settle(factor, work);
+    for (solution, problem) in solutions.iter_mut().flatten().zip(problems) {
+        solution.settle(factor(problem), work);
     }
     work.floats.give_all(balanced.into_iter().map(Problem::into_targets));
     solutions

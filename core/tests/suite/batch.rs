@@ -1,8 +1,9 @@
 //! Batches and sessions: every answer bit for bit that of a lone solve.
 
 use midair::{
-    Array, Complex32, Complex64, Control, Directivity, Error, Gains, Level, Medium, Problem, Request, Rng,
-    Session, Solution, Solve, Status, Transducer, Transmitter, Workspace, solve_batch, solvers,
+    Aim, Array, Ask, Batch, Complex32, Complex64, Control, Directivity, Error, Level, Medium, Problem,
+    Request, Rng, Session, Solution, Solve, Start, Status, Transducer, Transmitter, Workspace, solve_batch,
+    solvers,
 };
 
 use crate::scenes::{preset, random_points};
@@ -15,16 +16,44 @@ fn transmitter() -> Transmitter {
 }
 
 /// Problem k: its points, and every third with a point of weight 0.
-fn asked(k: usize) -> (Vec<[f64; 3]>, Request) {
+fn asked(k: usize) -> Ask {
     let mut rng = Rng::new(k as u64);
     let pressures = (0..M).map(|_| 0.2 + rng.uniform()).collect();
     let weights = (k % 3 == 2).then(|| (0..M).map(|j| if j == k % M { 0.0 } else { 1.0 }).collect());
-    (random_points(M, 0.1, k as u64), Request { pressures: Some(pressures), weights })
+    let request = Request { pressures: Some(pressures), weights };
+    Ask { points: random_points(M, 0.1, k as u64), request, start: None, aim: None }
 }
 
-fn problem(transmitter: &Transmitter, k: usize) -> Result<Problem, Error> {
-    let (points, request) = asked(k);
-    Problem::with_gains(transmitter.gains(&points)?, &request)
+/// The problem that one asks for, made alone.
+fn problem(transmitter: &Transmitter, ask: &Ask) -> Problem {
+    let gains = transmitter.gains(&ask.points).expect("gains");
+    let mut problem = Problem::with_gains(gains, &ask.request).expect("a problem");
+    if let Some(start) = &ask.start {
+        problem = problem.with_start(start.clone()).expect("a start");
+    }
+    if let Some(aim) = ask.aim { problem.with_aim(aim) } else { problem }
+}
+
+fn alone(problem: &Problem, solver: &dyn Solve, balance: bool) -> Solution {
+    midair::solve(problem, solver, balance, &mut Workspace::new(), &mut Control::none()).expect("an answer")
+}
+
+/// A batch of these, the drives first.
+fn batch_of(
+    transmitter: &Transmitter,
+    asks: &[Ask],
+    solver: &(dyn Solve + Sync),
+    balance: bool,
+) -> Result<(Vec<Complex32>, Batch), Error> {
+    let mut drives = vec![Complex32::ZERO; asks.len() * transmitter.array().len()];
+    let ask = |k: usize, ask: &mut Ask| {
+        ask.clone_from(&asks[k]);
+        Ok(())
+    };
+    let points = asks[0].points.len();
+    let none = &mut Control::none();
+    let batch = solve_batch(transmitter, asks.len(), points, &ask, solver, balance, &mut drives, none)?;
+    Ok((drives, batch))
 }
 
 #[test]
@@ -33,17 +62,12 @@ fn a_batch_and_a_session_are_lone_solves_bit_for_bit() {
     for entry in solvers::SOLVERS {
         let made = || entry.configure(&midair::Options::new()).expect("defaults");
         let solver = made().solver;
-        let mut drives = vec![midair::Complex32::ZERO; B * 400];
-        let make = |k| problem(&transmitter, k);
         let balance = entry.info.balance;
-        let batch = solve_batch(B, M, &make, &*solver, balance, &mut drives, &mut Control::none());
-        let batch = batch.expect("answers");
+        let asks: Vec<Ask> = (0..B).map(asked).collect();
+        let (drives, batch) = batch_of(&transmitter, &asks, &*solver, balance).expect("answers");
         let mut session = Session::new(transmitter.clone(), made());
-        for k in 0..B {
-            let problem = make(k).expect("a problem");
-            let mut work = Workspace::new();
-            let lone = midair::solve(&problem, &*solver, balance, &mut work, &mut Control::none())
-                .expect("an answer");
+        for (k, Ask { points, request, .. }) in asks.iter().enumerate() {
+            let lone = alone(&problem(&transmitter, &asks[k]), &*solver, balance);
             let name = entry.info.name;
             assert_eq!(lone.drive, drives[k * 400..(k + 1) * 400], "{name}: drive of problem {k}");
             assert_eq!(lone.pressures, batch.pressures[k * M..(k + 1) * M], "{name}: pressures of {k}");
@@ -51,8 +75,7 @@ fn a_batch_and_a_session_are_lone_solves_bit_for_bit() {
                 (lone.metrics(), lone.status, lone.steps),
                 (batch.metrics[k], batch.status[k], batch.steps[k])
             );
-            let (points, request) = asked(k);
-            let again = session.solve(&points, &request, None, &mut Control::none()).expect("an answer");
+            let again = session.solve(points, request, None, &mut Control::none()).expect("an answer");
             assert_eq!(
                 (&lone.drive, &lone.pressures),
                 (&again.drive, &again.pressures),
@@ -70,47 +93,65 @@ fn a_bad_problem_is_named_and_a_stop_keeps_what_is_done() {
         .configure(&midair::Options::new())
         .expect("defaults")
         .solver;
-    let mut drives = vec![midair::Complex32::ZERO; B * 400];
-    let bad = |k: usize| {
+    let refused = |spoil: &dyn Fn(usize, &mut Ask)| {
+        let mut asks: Vec<Ask> = (0..B).map(asked).collect();
+        asks.iter_mut().enumerate().for_each(|(k, ask)| spoil(k, ask));
+        batch_of(&transmitter, &asks, &*solver, false).expect_err("refused").to_string()
+    };
+    // Found when placed, when measured, when held to the reach: the first by index is named.
+    let far = |ask: &mut Ask| ask.points[0][1] = f64::NAN;
+    let near = |ask: &mut Ask| ask.points[2] = transmitter.array().positions()[0];
+    let loud = |ask: &mut Ask| ask.request.pressures.as_mut().expect("pressures")[1] = 1e200;
+    let told = refused(&|k, ask| {
         if k == 7 || k == 30 {
-            transmitter.gains(&[[0.0, f64::NAN, 0.1]; M]).map(|_| unreachable!())
-        } else {
-            problem(&transmitter, k)
+            far(ask)
         }
-    };
-    let refused =
-        solve_batch(B, M, &bad, &*solver, false, &mut drives, &mut Control::none()).expect_err("refused");
-    assert_eq!(
-        refused.to_string(),
-        "problems[7]: points[0].position is [0.0, NaN, 0.1]: give three finite numbers"
-    );
-    let short = |k: usize| {
-        let (points, _) = asked(k);
-        Problem::with_gains(transmitter.gains(&points[..if k == 3 { 2 } else { M }])?, &Request::default())
-    };
-    let refused =
-        solve_batch(B, M, &short, &*solver, false, &mut drives, &mut Control::none()).expect_err("refused");
-    assert!(refused.to_string().starts_with("problems[3]"), "{refused}");
-    drives.fill(midair::Complex32::ZERO);
+    });
+    assert!(told.starts_with("problems[7]: points[0].position is [") && told.contains("NaN"), "{told}");
+    let told = refused(&|k, ask| match k {
+        5 => near(ask),
+        6 => loud(ask),
+        7 => far(ask),
+        _ => (),
+    });
+    assert!(told.starts_with("problems[5]: points[2] "), "{told}");
+    let told = refused(&|k, ask| match k {
+        4 => loud(ask),
+        5 => near(ask),
+        _ => (),
+    });
+    assert!(told.starts_with("problems[4]: points[1].pressure is 1e200"), "{told}");
+    let told = refused(&|k, ask| {
+        if k == 3 {
+            ask.points.truncate(2)
+        }
+    });
+    assert_eq!(told, "problems[3]: points is 2 of them: give 5 as all problems of the batch have");
     let mut calls = 0;
     let mut stop = |_: midair::Progress<'_>| {
         calls += 1;
         std::ops::ControlFlow::Break(())
     };
-    let make = |k| problem(&transmitter, k);
+    let ask = |k: usize, ask: &mut Ask| {
+        ask.clone_from(&asked(k));
+        Ok(())
+    };
+    // More than any machine solves before it asks whether to go on.
+    let count = 1000 * std::thread::available_parallelism().map_or(1, usize::from);
     let batch = solve_batch(
-        1000,
+        &transmitter,
+        count,
         M,
-        &make,
+        &ask,
         &*solver,
         false,
-        &mut vec![midair::Complex32::ZERO; 400_000],
+        &mut vec![Complex32::ZERO; 400 * count],
         &mut Control::watched(&mut stop),
     );
     let batch = batch.expect("what is done");
     assert_eq!(calls, 1);
     let done = batch.status.iter().filter(|status| **status == Status::Done).count();
-    assert!(done > 0 && done < 1000 && batch.status[..done].iter().all(|status| *status == Status::Done));
+    assert!(done > 0 && done < count && batch.status[..done].iter().all(|status| *status == Status::Done));
     assert!(batch.pressures[done * M..].iter().all(|p| p.norm() == 0.0));
 }
 
@@ -134,18 +175,12 @@ fn bits(list: &[Complex32]) -> Vec<[u32; 2]> {
 }
 
 /// Holds batches of every size up to the number of problems to lone solves, in bits.
-fn hold(problems: &[Problem], solver: &(dyn Solve + Sync), balance: bool, what: &str) {
-    let lone = |problem: &Problem| {
-        midair::solve(problem, solver, balance, &mut Workspace::new(), &mut Control::none())
-            .expect("an answer")
-    };
-    let lone: Vec<Solution> = problems.iter().map(lone).collect();
-    let points = problems[0].pressures().len();
-    for count in 1..=problems.len() {
-        let mut drives = vec![Complex32::ZERO; count * lone[0].drive.len()];
-        let make = |k: usize| Ok(problems[k].clone());
-        let batch = solve_batch(count, points, &make, solver, balance, &mut drives, &mut Control::none())
-            .expect("answers");
+fn hold(transmitter: &Transmitter, asks: &[Ask], solver: &(dyn Solve + Sync), balance: bool, what: &str) {
+    let lone: Vec<Solution> =
+        asks.iter().map(|ask| alone(&problem(transmitter, ask), solver, balance)).collect();
+    let points = asks[0].points.len();
+    for count in 1..=asks.len() {
+        let (drives, batch) = batch_of(transmitter, &asks[..count], solver, balance).expect("answers");
         for (k, lone) in lone[..count].iter().enumerate() {
             let drive = &drives[k * lone.drive.len()..(k + 1) * lone.drive.len()];
             assert_eq!(bits(&lone.drive), bits(drive), "{what}: drive {k} of {count}");
@@ -161,22 +196,22 @@ fn hold(problems: &[Problem], solver: &(dyn Solve + Sync), balance: bool, what: 
 }
 
 /// `count` problems of `points` points at random places and pressures.
-fn some(transmitter: &Transmitter, points: usize, count: usize, given: bool) -> Vec<Problem> {
-    let problem = |k: usize| {
+fn some(points: usize, count: usize, given: bool) -> Vec<Ask> {
+    let ask = |k: usize| {
         let mut rng = Rng::new((100 * points + k) as u64);
         // From 0, a quiet point, to more than the array can give.
         let pressures =
             given.then(|| (0..points).map(|j| 2e3 * ((j + 1) % 3) as f64 * rng.uniform()).collect());
-        let gains = transmitter.gains(&random_points(points, 0.05, k as u64))?;
-        Problem::with_gains(gains, &Request { pressures, weights: None })
+        let request = Request { pressures, weights: None };
+        Ask { points: random_points(points, 0.05, k as u64), request, start: None, aim: None }
     };
-    (0..count).map(|k| problem(k).expect("a problem")).collect()
+    (0..count).map(ask).collect()
 }
 
 /// Options that problems in lanes are solved with, and some that go one by one.
 fn with_options() -> Vec<(String, Box<dyn Solve + Send + Sync>)> {
     use solvers::{Fast, Greedy, Objective, Order};
-    let coarse = Greedy { phases: 10, amplitudes: 3, order: Order::Rows, ..Greedy::default() };
+    let coarse = Greedy { phases: 10, amplitudes: 3, order: Order::Columns, ..Greedy::default() };
     let most = Greedy { phases: 51, amplitudes: 5, seed: 3, ..Greedy::default() };
     let fine = Greedy { phases: 64, ..Greedy::default() };
     let absolute = Greedy { objective: Objective::L1, ..Greedy::default() };
@@ -195,9 +230,8 @@ fn problems_in_lanes_are_lone_solves_bit_for_bit() {
                 let transmitter = small(full, level);
                 for points in [1, 2, 3, 4, 7, 8, 15, 16] {
                     for (given, balance) in [(true, false), (true, true), (false, true)] {
-                        let problems = some(&transmitter, points, 33, given);
                         let what = format!("{name} {level} {full} M={points} {given} {balance}");
-                        hold(&problems, &*solver, balance, &what);
+                        hold(&transmitter, &some(points, 33, given), &*solver, balance, &what);
                     }
                 }
             }
@@ -206,29 +240,33 @@ fn problems_in_lanes_are_lone_solves_bit_for_bit() {
 }
 
 #[test]
-fn problems_of_unlike_sizes_arrays_and_levels_are_lone_solves_bit_for_bit() {
+fn problems_of_unlike_sizes_are_lone_solves_bit_for_bit() {
+    let ask = |k: usize| {
+        let weights = (0..M).map(|j| if j < k % M { 0.0 } else { 0.1 + j as f64 }).collect();
+        let request = Request { pressures: None, weights: Some(weights) };
+        Ask { points: random_points(M, 0.05, k as u64), request, start: None, aim: None }
+    };
+    let asks: Vec<Ask> = (0..16).map(ask).collect();
     for (name, solver) in with_options() {
-        let transmitter = small(false, Level::best());
-        let mut problems: Vec<Problem> = (0..16)
-            .map(|k| {
-                let weights = (0..M).map(|j| if j < k % M { 0.0 } else { 0.1 + j as f64 }).collect();
-                let request = Request { pressures: None, weights: Some(weights) };
-                let gains = transmitter.gains(&random_points(M, 0.05, k as u64)).expect("gains");
-                Problem::with_gains(gains, &request).expect("a problem")
-            })
-            .collect();
-        hold(&problems, &*solver, true, &format!("{name}, weights of 0"));
-        let elsewhere = small(true, Level::best());
-        problems[3] = some(&elsewhere, M, 1, true).remove(0);
-        hold(&problems, &*solver, true, &format!("{name}, another array"));
-        problems[3] = some(&small(false, Level::SCALAR), M, 1, true).remove(0);
-        hold(&problems, &*solver, true, &format!("{name}, another level"));
-        let matrix = problems[3].gains().matrix().expect("G");
-        let matrix: Vec<Complex64> =
-            matrix.iter().map(|g| Complex64::new(f64::from(g.re), f64::from(g.im))).collect();
-        let gains = Gains::from_matrix(&matrix, M).expect("gains");
-        problems[0] = Problem::with_gains(gains, &Request::default()).expect("a problem");
-        hold(&problems, &*solver, true, &format!("{name}, a matrix"));
+        hold(&small(false, Level::best()), &asks, &*solver, true, &format!("{name}, weights of 0"));
+    }
+}
+
+#[test]
+fn a_problem_keeps_nothing_of_the_one_before() {
+    let mut asks = some(3, 40, true);
+    for (k, ask) in asks.iter_mut().enumerate() {
+        ask.start = (k % 4 == 1).then(|| Start::Phases(vec![0.1 * k as f64; 3]));
+        ask.aim = (k % 5 == 2).then_some(Aim::Max);
+        ask.request.weights = (k % 7 == 3).then(|| vec![0.0, 1.0, 0.5]);
+        if k % 3 == 2 {
+            ask.request.pressures = None;
+        }
+    }
+    let transmitter = small(true, Level::best());
+    for name in ["fast", "gs", "uniform"] {
+        let made = solvers::find(name).and_then(|entry| entry.configure(&midair::Options::new()));
+        hold(&transmitter, &asks, &*made.expect("a method").solver, true, name);
     }
 }
 
@@ -238,6 +276,6 @@ fn the_device_s_levels_hold_in_a_batch() {
     let transmitter = Transmitter::new(&array, Medium::default(), Level::best()).expect("an array");
     assert!(array.levels().is_some());
     let coarse = solvers::Greedy { phases: 16, amplitudes: 3, ..solvers::Greedy::default() };
-    hold(&some(&transmitter, 3, 17, true), &solvers::Fast::default(), true, "fast");
-    hold(&some(&transmitter, 3, 17, true), &coarse, false, "greedy");
+    hold(&transmitter, &some(3, 17, true), &solvers::Fast::default(), true, "fast");
+    hold(&transmitter, &some(3, 17, true), &coarse, false, "greedy");
 }

@@ -6,6 +6,7 @@ use core::arch::x86_64::{
     _mm512_loadu_ps, _mm512_mask_blend_ps, _mm512_max_ps, _mm512_min_ps, _mm512_mul_ps,
     _mm512_permutexvar_ps, _mm512_reduce_ps, _mm512_roundscale_ps, _mm512_rsqrt14_ps, _mm512_scalef_ps,
     _mm512_set1_ps, _mm512_shuffle_f32x4, _mm512_shuffle_ps, _mm512_storeu_ps, _mm512_sub_ps,
+    _mm512_unpackhi_ps, _mm512_unpacklo_ps,
 };
 
 use super::{LANES, Lanes, Simd};
@@ -117,5 +118,39 @@ impl Simd for Avx512 {
             };
         }
         fold!(_mm512_shuffle_ps, 0b10_00_10_00, 0b11_01_11_01, twos!(0), twos!(2))
+    }
+
+    #[inline(always)]
+    fn transpose(self, v: [__m512; LANES]) -> [__m512; LANES] {
+        // Fours of vectors within quarters of a register, then quarters of four registers.
+        let (mut fours, mut out) = (v, v);
+        // SAFETY: the token proves that the CPU has AVX-512F.
+        unsafe {
+            for k in [0, 4, 8, 12] {
+                let (low, high) = (_mm512_unpacklo_ps(v[k], v[k + 1]), _mm512_unpackhi_ps(v[k], v[k + 1]));
+                let (also_low, also_high) =
+                    (_mm512_unpacklo_ps(v[k + 2], v[k + 3]), _mm512_unpackhi_ps(v[k + 2], v[k + 3]));
+                fours[k] = _mm512_shuffle_ps::<0b01_00_01_00>(low, also_low);
+                fours[k + 1] = _mm512_shuffle_ps::<0b11_10_11_10>(low, also_low);
+                fours[k + 2] = _mm512_shuffle_ps::<0b01_00_01_00>(high, also_high);
+                fours[k + 3] = _mm512_shuffle_ps::<0b11_10_11_10>(high, also_high);
+            }
+            for k in 0..4 {
+                let [a, b, c, d] = [fours[k], fours[k + 4], fours[k + 8], fours[k + 12]];
+                let (low, high) = (
+                    _mm512_shuffle_f32x4::<0b01_00_01_00>(a, b),
+                    _mm512_shuffle_f32x4::<0b11_10_11_10>(a, b),
+                );
+                let (also_low, also_high) = (
+                    _mm512_shuffle_f32x4::<0b01_00_01_00>(c, d),
+                    _mm512_shuffle_f32x4::<0b11_10_11_10>(c, d),
+                );
+                out[k] = _mm512_shuffle_f32x4::<0b10_00_10_00>(low, also_low);
+                out[k + 4] = _mm512_shuffle_f32x4::<0b11_01_11_01>(low, also_low);
+                out[k + 8] = _mm512_shuffle_f32x4::<0b10_00_10_00>(high, also_high);
+                out[k + 12] = _mm512_shuffle_f32x4::<0b11_01_11_01>(high, also_high);
+            }
+        }
+        out
     }
 }

@@ -90,6 +90,16 @@ pub(crate) trait Simd: Copy {
         self.load(&lanes)
     }
 
+    /// Lane l of vector k becomes lane k of vector l.
+    #[inline(always)]
+    fn transpose(self, vectors: [Self::V; LANES]) -> [Self::V; LANES] {
+        let mut lists = [[0.0; LANES]; LANES];
+        for (list, vector) in lists.iter_mut().zip(vectors) {
+            self.store(vector, list);
+        }
+        core::array::from_fn(|l| self.load(&lists.map(|list| list[l])))
+    }
+
     /// `table[index]`, for indices that are whole numbers in 0..16.
     #[inline(always)]
     fn look_up(self, table: &Lanes, index: Self::V) -> Self::V {
