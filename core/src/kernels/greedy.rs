@@ -11,7 +11,7 @@ use super::level::{Level, dispatch};
 use super::moments::{Moments, Sixteen};
 use super::rows::Rows;
 use super::search::{self, Candidates, L2, Points, Term};
-use super::shortlist::{Shortlist, shortlist};
+use super::shortlist::{self, Shortlist, shortlist};
 use super::simd::Simd;
 use super::{LANES, Lanes, groups};
 
@@ -82,7 +82,8 @@ fn run<S: Simd, T: Term>(
             rows.write(s, next as usize, next_re, next_im);
         }
         let choice = match moments {
-            Some((moments, nearby)) if nearby == 0 || !few(points, candidates) => {
+            // With few points eq. (7) alone is quicker than moments that leave some out.
+            Some((moments, nearby)) if nearby == 0 || points.kept.len() > 1 || !few(candidates) => {
                 choose(s, points, &moments, nearby, moved, candidates, floats, near, close)
             }
             _ => search_all::<S, T>(s, points, candidates, silent),
@@ -112,10 +113,10 @@ fn run<S: Simd, T: Term>(
     turns
 }
 
-/// Whether eq. (7) alone is quicker than moments that leave points out.
+/// Whether all candidates are up to 16 phases.
 #[inline(always)]
-pub(super) fn few(points: Points<'_>, candidates: &Candidates) -> bool {
-    points.kept.len() == 1 && candidates.count() <= LANES
+pub(super) fn few(candidates: &Candidates) -> bool {
+    candidates.amplitudes == 1 && candidates.phases <= LANES
 }
 
 /// The best candidate by eq. (7) alone; none if the transducer has no effect.
@@ -146,6 +147,12 @@ pub(super) fn choose<S: Simd>(
 ) -> Option<usize> {
     if moments.power == 0.0 {
         return None;
+    }
+    if nearby == 0
+        && few(candidates)
+        && let Some(index) = shortlist::clear_winner(s, moments, candidates)
+    {
+        return Some(index);
     }
     let Shortlist { best, count, reach } =
         shortlist(s, points, moments, &near[..nearby], candidates, moments.slack(1.0), floats, close);

@@ -39,7 +39,7 @@ pub(crate) fn fits(phases: usize, amplitudes: usize) -> bool {
 }
 
 /// Numbers kept of a candidate: its [`Powers`].
-const POWERS: usize = 7;
+const POWERS: usize = 9;
 
 /// Numbers of working memory for rows of `lanes`.
 pub(crate) fn floats(lanes: usize, candidates: &Candidates) -> usize {
@@ -93,10 +93,7 @@ fn run<S: Simd>(s: S, pass: Pass<'_>, drive: &mut [f32], [re, im]: [&mut [f32]; 
         let mut left = used & !decided;
         let nearby = near & sounding & left;
         // A search in every lane takes as long as some lone turns.
-        if candidates.amplitudes == 1
-            && candidates.count() <= LANES
-            && 3 * nearby.count_ones() as usize > points
-        {
+        if few(candidates) && 3 * nearby.count_ones() as usize > points {
             let found = all.search(s, table);
             let lanes = lanes_of(s, nearby);
             for (q, found) in q.iter_mut().zip(found) {
@@ -186,12 +183,13 @@ fn winners<S: Simd>(s: S, m: &[S::V; PARTS], table: &[f32]) -> ([S::V; 2], u32) 
     let m = [a, b, c, d, e, f, g, h, bow];
     let mut best = [s.splat(0.0); 2];
     let (mut least, mut second) = (s.splat(f32::INFINITY), s.splat(f32::INFINITY));
-    for &[re, im, square, re2, im2, re3, im3] in table.as_chunks::<POWERS>().0 {
+    for &[re, im, square, re2, im2, re3, im3, re_crossed, im_crossed] in table.as_chunks::<POWERS>().0 {
         let z = Powers {
             first: [s.splat(re), s.splat(im)],
             square: s.splat(square),
             second: [s.splat(re2), s.splat(im2)],
             third: [s.splat(re3), s.splat(im3)],
+            crossed: [s.splat(re_crossed), s.splat(im_crossed)],
         };
         let change = change(s, &m, &z);
         second = s.min(second, s.max(least, change));
@@ -222,7 +220,11 @@ fn write_powers<S: Simd>(s: S, candidates: &Candidates, table: &mut [f32]) {
         for (chunk, table) in table.chunks_mut(POWERS * LANES).enumerate() {
             let [cos, sin] = candidates.sixteen(chunk * LANES);
             let z = powers(s, s.mul(a, s.load(cos)), s.mul(a, s.load(sin)));
-            let list = [z.first[0], z.first[1], z.square, z.second[0], z.second[1], z.third[0], z.third[1]];
+            let [first, second, third, crossed] = [z.first, z.second, z.third, z.crossed];
+            let list = [
+                first[0], first[1], z.square, second[0], second[1], third[0], third[1], crossed[0],
+                crossed[1],
+            ];
             for (n, part) in list.into_iter().enumerate() {
                 let mut lanes: Lanes = [0.0; LANES];
                 s.store(part, &mut lanes);
@@ -317,7 +319,7 @@ impl Lone<'_> {
         }
         let points = Points { kept: own, gain: [&rows[..LANES], &rows[LANES..]], count };
         let silent = own[0].modulus == [0.0; LANES];
-        let choice = if silent || nearby && few(points, self.candidates) {
+        let choice = if silent || nearby && few(self.candidates) {
             search_all::<S, L2>(s, points, self.candidates, silent)
         } else {
             let (moments, nearby) = Moments::new(s, own, points.gain, s.load(&energy), near);

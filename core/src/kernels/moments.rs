@@ -178,13 +178,16 @@ pub(super) fn add_parts<S: Simd>(
     beyond
 }
 
-/// A drive z and what the polynomial takes of it: |z|^2, z^2 and z^3.
+/// What the polynomial takes of a drive z.
 #[derive(Clone, Copy)]
 pub(super) struct Powers<V> {
-    pub(super) first: [V; 2],
+    /// |z|^2.
     pub(super) square: V,
+    /// z, z^2, z^3 and |z|^2 z.
+    pub(super) first: [V; 2],
     pub(super) second: [V; 2],
     pub(super) third: [V; 2],
+    pub(super) crossed: [V; 2],
 }
 
 /// The powers of the drives (re, im).
@@ -194,15 +197,17 @@ pub(super) fn powers<S: Simd>(s: S, re: S::V, im: S::V) -> Powers<S::V> {
     let (square, re2) = (s.fma(im, im, re_re), s.fnma(im, im, re_re));
     let im2 = s.add(re_im, re_im);
     let (re3, im3) = (s.fnma(im, im2, s.mul(re, re2)), s.fma(im, re2, s.mul(re, im2)));
-    Powers { first: [re, im], square, second: [re2, im2], third: [re3, im3] }
+    let crossed = [s.mul(square, re), s.mul(square, im)];
+    Powers { square, first: [re, im], second: [re2, im2], third: [re3, im3], crossed }
 }
 
 /// The change of the energy: `m` are 2 A1, A2/2, -A3/4, C/4 (re before im) and B.
 #[inline(always)]
 pub(super) fn change<S: Simd>(s: S, m: &[S::V; 9], z: &Powers<S::V>) -> S::V {
-    let bow = s.add(m[8], part(s, [m[6], m[7]], z.first, s.splat(0.0)));
-    let sum = part(s, [m[0], m[1]], z.first, s.mul(z.square, bow));
-    part(s, [m[4], m[5]], z.third, part(s, [m[2], m[3]], z.second, sum))
+    // Two sums, that neither waits long.
+    let low = part(s, [m[0], m[1]], z.first, part(s, [m[2], m[3]], z.second, s.mul(m[8], z.square)));
+    let high = s.fnma(m[5], z.third[1], s.mul(m[4], z.third[0]));
+    s.add(low, part(s, [m[6], m[7]], z.crossed, high))
 }
 
 /// Re((re + j im)(c + j d)) + sum.

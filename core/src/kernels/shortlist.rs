@@ -132,6 +132,16 @@ impl List<'_> {
     }
 }
 
+/// The best of up to 16 phases, if the moments leave no point out and no other phase is as good within their slack.
+#[inline(always)]
+pub(crate) fn clear_winner<S: Simd>(s: S, moments: &Moments, candidates: &Candidates) -> Option<usize> {
+    let [cos, sin] = candidates.sixteen(0);
+    let changes = moments.change(s, s.load(cos), s.load(sin));
+    let limit = s.add(s.least(changes), s.splat(moments.slack(1.0)));
+    let bits = !s.less(limit, changes) & (0xffff >> (LANES - candidates.phases));
+    bits.is_power_of_two().then(|| bits.trailing_zeros() as usize)
+}
+
 /// The candidates within `slack` of the best, by the moments and by eq. (7) itself at the points `near`; their
 /// indices are written into `close` in rising order.
 #[inline(always)]

@@ -74,6 +74,12 @@ impl Simd for Avx512 {
             let one = _mm512_add_ps(two, _mm512_shuffle_ps::<0b10_11_00_01>(two, two));
             _mm512_cvtss_f32(one)
         };
+        least(a: __m512) -> __m512 = {
+            let eight = _mm512_min_ps(a, _mm512_shuffle_f32x4::<0b01_00_11_10>(a, a));
+            let four = _mm512_min_ps(eight, _mm512_shuffle_f32x4::<0b10_11_00_01>(eight, eight));
+            let two = _mm512_min_ps(four, _mm512_shuffle_ps::<0b01_00_11_10>(four, four));
+            _mm512_min_ps(two, _mm512_shuffle_ps::<0b10_11_00_01>(two, two))
+        };
         greatest(a: __m512) -> f32 = {
             let eight = _mm512_max_ps(a, _mm512_shuffle_f32x4::<0b01_00_11_10>(a, a));
             let four = _mm512_max_ps(eight, _mm512_shuffle_f32x4::<0b10_11_00_01>(eight, eight));

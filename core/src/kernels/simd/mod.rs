@@ -80,6 +80,12 @@ pub(crate) trait Simd: Copy {
         lanes.into_iter().fold(f32::NEG_INFINITY, |a, b| if a > b { a } else { b })
     }
 
+    /// The least lane, in all lanes, if none is NaN.
+    #[inline(always)]
+    fn least(self, a: Self::V) -> Self::V {
+        self.splat(-self.greatest(self.sub(self.splat(0.0), a)))
+    }
+
     /// Lane k is the sum over the lanes of vector k, the same tree as [`Simd::sum`].
     #[inline(always)]
     fn sums(self, vectors: &[Self::V; LANES]) -> Self::V {
