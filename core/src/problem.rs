@@ -294,7 +294,7 @@ impl Problem {
 
     /// The same of the pressures' real and imaginary parts.
     pub(crate) fn residual_of(&self, pressures: impl Iterator<Item = (f32, f32)> + Clone) -> f64 {
-        let moduli = pressures.map(|(re, im)| math::hypot(f64::from(re), f64::from(im)));
+        let moduli = pressures.map(|(re, im)| math::modulus(Complex32::new(re, im)));
         let asked = self.targets.iter().zip(self.asked.shares.iter());
         Metrics::of(moduli.zip(asked).map(|(p, (&t, &w))| (p, f64::from(t), f64::from(w)))).residual
     }
@@ -332,7 +332,7 @@ pub(crate) fn check_drive(drive: &[Complex32], transducers: usize) -> Result<(),
         ));
     }
     for (i, q) in drive.iter().enumerate() {
-        let modulus = math::hypot(f64::from(q.re), f64::from(q.im));
+        let modulus = math::modulus(*q);
         if !modulus.is_finite() {
             return Err(Error::invalid(format!("drive[{i}]"), q, "give finite numbers"));
         }
