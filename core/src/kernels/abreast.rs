@@ -70,19 +70,18 @@ fn run<S: Simd>(
             *sums = Terms::new(s, pair, [&*short_re, &*short_im], weight, own).sum();
         }
         sums[block.count..].fill([s.splat(0.0); 2]);
-        let q = units(s, &sums);
+        let unit = unit(s, &sums);
+        for (z, &i) in sums.iter_mut().zip(&block.members).take(block.count) {
+            let (q, old) = (direction(s, *z, unit), drive_of(s, drive, i, 1.0));
+            let own = &mut groups_mut(drive)[2 * i..2 * i + 2];
+            s.store(q[0], &mut own[0]);
+            s.store(q[1], &mut own[1]);
+            *z = [s.sub(q[0], old[0]), s.sub(q[1], old[1])];
+        }
         // The next rows depend on nothing here, see `fast`.
         next.take(most, &mut order);
         next.write(s, rows, 0..MOST / 2);
-        let mut moved = [[s.splat(0.0); 2]; MOST];
-        for ((k, q), moved) in q.into_iter().enumerate().zip(&mut moved).take(block.count) {
-            let old = drive_of(s, drive, block.members[k], 1.0);
-            *moved = [s.sub(q[0], old[0]), s.sub(q[1], old[1])];
-            let place = 2 * block.members[k];
-            s.store(q[0], &mut groups_mut(drive)[place]);
-            s.store(q[1], &mut groups_mut(drive)[place + 1]);
-        }
-        add_block(s, block.rows, &moved[..block.count], [&mut *re, &mut *im]);
+        add_block(s, block.rows, &sums[..block.count], [&mut *re, &mut *im]);
         shortfall(s, target, weight, [&*re, &*im], [&mut *short_re, &mut *short_im]);
         next.write(s, rows, MOST / 2..MOST);
         core::mem::swap(&mut block, &mut next);
@@ -165,22 +164,26 @@ fn add<S: Simd>(s: S, a: [[S::V; 2]; 2], b: [[S::V; 2]; 2]) -> [[S::V; 2]; 2] {
     [[s.add(a[0][0], b[0][0]), s.add(a[0][1], b[0][1])], [s.add(a[1][0], b[1][0]), s.add(a[1][1], b[1][1])]]
 }
 
-/// z/|z| of 8 complex sums in each lane; 0 for what is far below the lane's largest.
+/// One over the largest part of 8 complex sums in each lane: only directions matter, and relative to the largest no square
+/// under- or overflows.
 #[inline(always)]
-fn units<S: Simd>(s: S, sums: &[[S::V; 2]; MOST]) -> [[S::V; 2]; MOST] {
+fn unit<S: Simd>(s: S, sums: &[[S::V; 2]; MOST]) -> S::V {
     let mut largest = s.splat(f32::MIN_POSITIVE);
     for &[re, im] in sums {
         largest = s.max(largest, s.max(s.abs(re), s.abs(im)));
     }
     let mut lanes: Lanes = [0.0; LANES];
     s.store(largest, &mut lanes);
-    let (unit, least, zero) = (s.load(&lanes.map(|x| 1.0 / x)), s.splat(TINY), s.splat(0.0));
-    let mut out = *sums;
-    for z in &mut out {
-        let [re, im] = [s.mul(z[0], unit), s.mul(z[1], unit)];
-        let square = s.add(s.mul(re, re), s.mul(im, im));
-        let inverse = s.inverse_root(s.max(square, least));
-        *z = [s.mul(re, inverse), s.mul(im, inverse)].map(|q| s.select_less(square, least, zero, q));
-    }
-    out
+    s.load(&lanes.map(|x| 1.0 / x))
+}
+
+/// z/|z|; 0 for what is far below the lane's largest, one over `unit`.
+#[inline(always)]
+fn direction<S: Simd>(s: S, z: [S::V; 2], unit: S::V) -> [S::V; 2] {
+    let (least, zero) = (s.splat(TINY), s.splat(0.0));
+    let [re, im] = [s.mul(z[0], unit), s.mul(z[1], unit)];
+    let square = s.add(s.mul(re, re), s.mul(im, im));
+    let inverse = s.inverse_root(s.max(square, least));
+    let part = |x| s.select_less(square, least, zero, s.mul(x, inverse));
+    [part(re), part(im)]
 }
