@@ -144,8 +144,7 @@ impl Solution {
     /// Divides drives and pressures by `factor`, at least 1, and brings every drive to the device's nearest level.
     /// Whether that moved a drive.
     pub(crate) fn settle(&mut self, factor: f64, work: &mut Workspace) -> bool {
-        let asked = Arc::clone(&self.asked);
-        let Some(levels) = asked.gains.levels() else {
+        let Some(levels) = self.asked.gains.levels() else {
             if factor > 1.0 {
                 self.drive.iter_mut().chain(&mut self.pressures).for_each(|z| *z = divided(*z, factor));
             }

@@ -25,10 +25,10 @@ pub(crate) fn sweep(
     dispatch!(level, s => run(s, sweep, order, drive, pressures));
 }
 
-/// Deals the drives of [`sweep`] out to their problems: 8 transducers at a time, to lists of a multiple of 8.
+/// Deals the drives of [`sweep`] out to their problems, 8 transducers at a time.
 pub(crate) fn deal_out(level: Level, drive: &[f32], out: &mut [Vec<Complex32>; LANES]) {
     dispatch!(level, s => {
-        for (at, eight) in groups(drive).as_chunks::<LANES>().0.iter().enumerate() {
+        for eight in groups(drive).as_chunks::<LANES>().0 {
             let mut vectors = [s.splat(0.0); LANES];
             for (vector, lanes) in vectors.iter_mut().zip(eight) {
                 *vector = s.load(lanes);
@@ -36,9 +36,8 @@ pub(crate) fn deal_out(level: Level, drive: &[f32], out: &mut [Vec<Complex32>; L
             for (vector, out) in s.transpose(vectors).into_iter().zip(&mut *out) {
                 let mut lanes: Lanes = [0.0; LANES];
                 s.store(vector, &mut lanes);
-                if let Some(out) = out.as_chunks_mut::<MOST>().0.get_mut(at) {
-                    *out = array::from_fn(|k| Complex32::new(lanes[2 * k], lanes[2 * k + 1]));
-                }
+                let own: [_; MOST] = array::from_fn(|k| Complex32::new(lanes[2 * k], lanes[2 * k + 1]));
+                out.extend_from_slice(&own);
             }
         }
     });

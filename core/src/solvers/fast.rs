@@ -15,7 +15,7 @@
 //! part `OWN` of its own wave left in P so that the members of a block do not all turn at once.
 
 use alloc::vec::Vec;
-use core::array;
+use core::{array, mem};
 
 use crate::abreast::{Abreast, deal};
 use crate::control::Control;
@@ -139,12 +139,10 @@ impl Solve for Fast {
             );
         }
         let steps = count.div_ceil(self.block as usize) * (1 + self.sweeps as usize);
-        let mut own = array::from_fn(|lane| match problems.get(lane) {
-            Some(_) => work.complexes.take(padded),
-            None => Vec::new(),
-        });
+        let mut own = array::from_fn(|_| work.complexes.empty(padded));
         kernels::abreast::deal_out(abreast.level, &drives, &mut own);
-        let solutions = problems.iter().zip(own).enumerate().map(|(lane, (problem, mut drive))| {
+        let solutions = problems.iter().zip(own.iter_mut().map(mem::take)).enumerate();
+        let solutions = solutions.map(|(lane, (problem, mut drive))| {
             drive.truncate(count);
             let mut field = Planar::zeros(1, problem.gains().lanes(), work);
             for (own, all) in [(&mut field.re, &*re), (&mut field.im, &*im)] {
@@ -153,6 +151,7 @@ impl Solve for Fast {
             Solution::of_field(problem, drive, field, Status::Done, steps, work)
         });
         let solutions = solutions.collect();
+        work.complexes.give_all(own);
         work.floats.give_all(lists.into_iter().chain([drives, memory]));
         abreast.give(work);
         Some(solutions)
