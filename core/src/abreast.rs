@@ -10,7 +10,7 @@ use crate::kernels::{LANES, Level, Rows, Spots, add_moduli};
 use crate::problem::Problem;
 use crate::workspace::Workspace;
 
-/// The points of up to 16 problems of one array, point after point.
+/// The points of up to 16 problems of one transmitter, point after point.
 pub(crate) struct Abreast {
     emitters: Arc<Emitters>,
     pub(crate) level: Level,
@@ -32,7 +32,7 @@ impl Abreast {
         for lane in 0..LANES {
             let gains = problems[lane.min(problems.len() - 1)].gains();
             let (own, spots) = gains.computed()?;
-            if !Arc::ptr_eq(own, emitters) || gains.level() != first.level() {
+            if !Arc::ptr_eq(own, emitters) {
                 return None;
             }
             for (list, places) in spots.coordinates.into_iter().zip(&mut places) {
@@ -69,7 +69,7 @@ pub(crate) fn measure(problems: &mut [Problem], work: &mut Workspace) -> bool {
     let Some(abreast) = Abreast::of(problems, work) else { return false };
     let mut others = problems.iter_mut();
     let mut reaches: [Option<&mut Vec<f64>>; LANES] =
-        array::from_fn(|_| others.next().map(|problem| problem.cleared_reach()));
+        array::from_fn(|_| others.next().map(Problem::cleared_reach));
     let mut sums = work.floats.take(abreast.lanes());
     let mut near = false;
     for sources in abreast.emitters.sources.chunks(TOGETHER) {

@@ -221,7 +221,7 @@ impl Worker {
         let start = range.start;
         // Those before one that is refused here may be refused later on, and are the first then.
         let (mut count, mut refused) = (range.len(), Ok(()));
-        for k in 0..count {
+        for k in 0..range.len() {
             if let Err(error) = self.place(k, part.first + start + k, task) {
                 (count, refused) = (k, Err((start + k, error)));
                 break;
