@@ -1,6 +1,7 @@
 //! Many problems at once: each as if it were alone, over all threads.
 
 use alloc::boxed::Box;
+use alloc::format;
 use alloc::vec;
 use alloc::vec::Vec;
 
