@@ -2,7 +2,7 @@
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use core::array;
+use core::{array, mem};
 
 use crate::emitters::Emitters;
 use crate::gains::{NEAR, TOGETHER};
@@ -13,7 +13,7 @@ use crate::problem::Problem;
 use crate::solution::{Solution, Status};
 use crate::workspace::Workspace;
 
-/// The points of up to 16 problems of one array, point after point.
+/// The points of up to 16 problems of one transmitter, point after point.
 pub(crate) struct Abreast {
     emitters: Arc<Emitters>,
     pub(crate) level: Level,
@@ -35,7 +35,7 @@ impl Abreast {
         for lane in 0..LANES {
             let gains = problems[lane.min(problems.len() - 1)].gains();
             let (own, spots) = gains.computed()?;
-            if !Arc::ptr_eq(own, emitters) || gains.level() != first.level() {
+            if !Arc::ptr_eq(own, emitters) {
                 return None;
             }
             for (list, places) in spots.coordinates.into_iter().zip(&mut places) {
@@ -95,12 +95,10 @@ impl Together {
     pub(crate) fn solutions(self, problems: &[Problem], steps: usize, work: &mut Workspace) -> Vec<Solution> {
         let Self { abreast, target, weight, drives, pressures: [re, im] } = self;
         let count = abreast.emitters.sources.len();
-        let mut own = array::from_fn(|lane| match problems.get(lane) {
-            Some(_) => work.complexes.take(count.next_multiple_of(EIGHT)),
-            None => Vec::new(),
-        });
+        let mut own = array::from_fn(|_| work.complexes.empty(count.next_multiple_of(EIGHT)));
         deal_out(abreast.level, &drives, &mut own);
-        let solutions = problems.iter().zip(own).enumerate().map(|(lane, (problem, mut drive))| {
+        let drives_of = problems.iter().zip(own.iter_mut().map(mem::take)).enumerate();
+        let solutions = drives_of.map(|(lane, (problem, mut drive))| {
             drive.truncate(count);
             let mut field = Planar::zeros(1, problem.gains().lanes(), work);
             for (own, all) in [(&mut field.re, &re), (&mut field.im, &im)] {
@@ -109,6 +107,7 @@ impl Together {
             Solution::of_field(problem, drive, field, Status::Done, steps, work)
         });
         let solutions = solutions.collect();
+        work.complexes.give_all(own);
         work.floats.give_all([target, weight, drives, re, im]);
         abreast.give(work);
         solutions
@@ -121,7 +120,7 @@ pub(crate) fn measure(problems: &mut [Problem], work: &mut Workspace) -> bool {
     let Some(abreast) = Abreast::of(problems, work) else { return false };
     let mut others = problems.iter_mut();
     let mut reaches: [Option<&mut Vec<f64>>; LANES] =
-        array::from_fn(|_| others.next().map(|problem| problem.cleared_reach()));
+        array::from_fn(|_| others.next().map(Problem::cleared_reach));
     let mut sums = work.floats.take(abreast.lanes());
     let mut near = false;
     for sources in abreast.emitters.sources.chunks(TOGETHER) {

@@ -33,9 +33,6 @@ pub(crate) struct Asked {
     pub(crate) balance: f64,
     /// The first point asked for more than its own reach, and that reach in Pa.
     pub(crate) overasked: Option<(usize, f64)>,
-    /// p1_j of the points of weight above 0 in units of the reference, and memory for summing it.
-    pub(crate) reach: Vec<f64>,
-    sums: Vec<f32>,
 }
 
 impl Asked {
@@ -50,8 +47,6 @@ impl Asked {
             given: false,
             balance: 1.0,
             overasked: None,
-            reach: Vec::new(),
-            sums: Vec::new(),
         }
     }
 
@@ -76,24 +71,13 @@ impl Asked {
         Ok((self.active.len() < all.end).then(|| self.gains.select(&self.active)))
     }
 
-    /// Sums |G| over the transducers; `selected` are the gains of the points of weight above 0, unless those are all.
-    pub(crate) fn measure(&mut self, selected: Option<&Gains>) -> Result<(), Error> {
-        let gains = selected.unwrap_or(&self.gains);
-        gains.reach(&mut self.reach, &mut self.sums).map_err(|error| match error {
-            // The selection renumbered the points.
-            Error::TooNear { point, transducer, distance, least } => {
-                Error::TooNear { point: self.active[point], transducer, distance, least }
-            }
-            other => other,
-        })
-    }
-
-    /// Holds the request to the reach: a balanced level, and targets at it where none were given.
-    pub(crate) fn level(&mut self) -> Result<(), Error> {
+    /// Holds the request to the reach, p1_j of the points of weight above 0 in units of the reference: a balanced level,
+    /// and targets at it where none were given.
+    pub(crate) fn level(&mut self, reach: &[f64]) -> Result<(), Error> {
         let reference = self.gains.reference();
         self.overasked = None;
         let within = LEAST_TARGET..=MOST_TARGET;
-        for (&j, &reach) in self.active.iter().zip(&self.reach) {
+        for (&j, &reach) in self.active.iter().zip(reach) {
             let target = self.targets[j];
             if target > 0.0 && reach == 0.0 {
                 return Err(Error::Unreached { point: j });
@@ -108,7 +92,7 @@ impl Asked {
             }
         }
         // Loads relative to the heaviest, so that no square over- or underflows.
-        let pairs = self.active.iter().zip(&self.reach);
+        let pairs = self.active.iter().zip(reach);
         let loads =
             pairs.map(|(&j, &reach)| self.targets[j] / (reach * reference)).filter(|load| *load > 0.0);
         let load = loads.clone().fold(0.0, f64::max);

@@ -1,6 +1,7 @@
 //! Many problems at once: each as if it were alone, over all threads.
 
 use alloc::boxed::Box;
+use alloc::format;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -86,7 +87,7 @@ struct Task<'a> {
 /// writes down what that problem asks for, over what an earlier one did; its drive is then written into its row of
 /// `drives` (B, N). Each is bit for bit what [`solve`] makes of it alone, whatever the number of threads. Memory: the
 /// output, and a workspace and 16 problems a thread; where all weights are above 0 and `ask` writes into the memory it
-/// is given, nothing is allocated for a further problem.
+/// is given, a further problem allocates nothing.
 ///
 /// `control` is called after every few problems (its residual is the mean so far); once it says stop, the
 /// problems not yet begun keep a drive of 0 and the status [`Status::Stopped`].
@@ -221,7 +222,7 @@ impl Worker {
         let start = range.start;
         // Those before one that is refused here may be refused later on, and are the first then.
         let (mut count, mut refused) = (range.len(), Ok(()));
-        for k in 0..count {
+        for k in 0..range.len() {
             if let Err(error) = self.place(k, part.first + start + k, task) {
                 (count, refused) = (k, Err((start + k, error)));
                 break;

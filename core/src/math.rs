@@ -4,6 +4,8 @@
 //! turn a tie of the greedy search; so the pure-Rust `libm` is used with and without `std`. Square roots are
 //! exact by IEEE 754 and come from the hardware where `std` gives access to it.
 
+use num_complex::Complex32;
+
 pub(crate) use libm::{acos, atan2, cos, exp, hypot, j1, pow, powf, sin};
 
 /// Square root in double precision.
@@ -13,6 +15,13 @@ pub(crate) fn sqrt(x: f64) -> f64 {
     return x.sqrt();
     #[cfg(not(feature = "std"))]
     return libm::sqrt(x);
+}
+
+/// |z| in double precision: of single precision squares are exact, and neither over- nor underflow.
+#[inline(always)]
+pub(crate) fn modulus(z: Complex32) -> f64 {
+    let (re, im) = (f64::from(z.re), f64::from(z.im));
+    sqrt(re * re + im * im)
 }
 
 /// Square root in single precision, vectorised by the compiler where `std` is there.

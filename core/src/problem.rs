@@ -57,6 +57,9 @@ pub struct Problem {
     start: Option<Arc<Start>>,
     aim: Option<Aim>,
     targets: Vec<f32>,
+    /// p1_j of the points of weight above 0 in units of the reference, and memory for summing it.
+    reach: Vec<f64>,
+    sums: Vec<f32>,
 }
 
 impl Problem {
@@ -96,6 +99,8 @@ impl Problem {
             start: None,
             aim: None,
             targets: Vec::new(),
+            reach: Vec::new(),
+            sums: Vec::new(),
         }
     }
 
@@ -114,23 +119,28 @@ impl Problem {
         Ok(self)
     }
 
-    /// Sums |G| at the points.
+    /// Sums |G| at the points of weight above 0.
     pub(crate) fn measure(&mut self) -> Result<(), Error> {
-        Arc::make_mut(&mut self.asked).measure(self.selected.as_ref())
+        let gains = self.selected.as_ref().unwrap_or(&self.asked.gains);
+        gains.reach(&mut self.reach, &mut self.sums).map_err(|error| match error {
+            // The selection renumbered the points.
+            Error::TooNear { point, transducer, distance, least } => {
+                Error::TooNear { point: self.asked.active[point], transducer, distance, least }
+            }
+            other => other,
+        })
     }
 
-    /// The sums of |G| at the points of weight above 0, in units of the reference, set to 0.
+    /// Where the sums of |G| are kept, set to 0.
     pub(crate) fn cleared_reach(&mut self) -> &mut Vec<f64> {
-        let points = self.gains().points();
-        let reach = &mut Arc::make_mut(&mut self.asked).reach;
-        reach.clear();
-        reach.resize(points, 0.0);
-        reach
+        self.reach.clear();
+        self.reach.resize(self.gains().points(), 0.0);
+        &mut self.reach
     }
 
     /// Holds the request to what the array can do.
     pub(crate) fn level(&mut self) -> Result<(), Error> {
-        Arc::make_mut(&mut self.asked).level()?;
+        Arc::make_mut(&mut self.asked).level(&self.reach)?;
         self.targets.clear();
         self.targets.resize(self.gains().lanes(), 0.0);
         self.asked.scaled_targets(1.0, &mut self.targets);
@@ -146,6 +156,8 @@ impl Problem {
             start: self.start.clone(),
             aim: self.aim,
             targets,
+            reach: Vec::new(),
+            sums: Vec::new(),
         }
     }
 
@@ -294,7 +306,7 @@ impl Problem {
 
     /// The same of the pressures' real and imaginary parts.
     pub(crate) fn residual_of(&self, pressures: impl Iterator<Item = (f32, f32)> + Clone) -> f64 {
-        let moduli = pressures.map(|(re, im)| math::hypot(f64::from(re), f64::from(im)));
+        let moduli = pressures.map(|(re, im)| math::modulus(Complex32::new(re, im)));
         let asked = self.targets.iter().zip(self.asked.shares.iter());
         Metrics::of(moduli.zip(asked).map(|(p, (&t, &w))| (p, f64::from(t), f64::from(w)))).residual
     }
@@ -332,7 +344,7 @@ pub(crate) fn check_drive(drive: &[Complex32], transducers: usize) -> Result<(),
         ));
     }
     for (i, q) in drive.iter().enumerate() {
-        let modulus = math::hypot(f64::from(q.re), f64::from(q.im));
+        let modulus = math::modulus(*q);
         if !modulus.is_finite() {
             return Err(Error::invalid(format!("drive[{i}]"), q, "give finite numbers"));
         }

@@ -144,15 +144,13 @@ impl Solution {
     /// Divides drives and pressures by `factor`, at least 1, and brings every drive to the device's nearest level.
     /// Whether that moved a drive.
     pub(crate) fn settle(&mut self, factor: f64, work: &mut Workspace) -> bool {
-        let asked = Arc::clone(&self.asked);
-        let Some(levels) = asked.gains.levels() else {
+        let Some(levels) = self.asked.gains.levels() else {
             if factor > 1.0 {
                 self.drive.iter_mut().chain(&mut self.pressures).for_each(|z| *z = divided(*z, factor));
             }
             return false;
         };
-        let square = |q: &Complex32| f64::from(q.re) * f64::from(q.re) + f64::from(q.im) * f64::from(q.im);
-        let largest = math::sqrt(self.drive.iter().map(square).fold(0.0, f64::max));
+        let largest = self.drive.iter().map(|&q| math::modulus(q)).fold(0.0, f64::max);
         let scale = levels.scale(largest / factor);
         let mut moved = false;
         for q in &mut self.drive {
@@ -170,7 +168,7 @@ impl Solution {
     /// Metrics of the pressures against the caller's targets; f64 arithmetic over the M values.
     #[must_use]
     pub fn metrics(&self) -> Metrics {
-        self.asked.metrics(self.pressures.iter().map(|p| math::hypot(f64::from(p.re), f64::from(p.im))))
+        self.asked.metrics(self.pressures.iter().map(|&p| math::modulus(p)))
     }
 
     /// Tells `control` of the last of `steps` steps, with the answer's own residual, for a solver whose steps (if it
@@ -186,7 +184,7 @@ impl Solution {
     /// The residual against the targets of `problem`, before balancing is undone.
     fn residual_for(&self, problem: &Problem) -> f64 {
         let unit = self.asked.gains.reference();
-        let modulus = |p: Complex32| math::hypot(f64::from(p.re), f64::from(p.im)) / unit;
+        let modulus = |p: Complex32| math::modulus(p) / unit;
         let points = self.asked.active.iter().zip(problem.targets()).zip(problem.weights());
         let heard =
             |((&j, &t), &w): ((&usize, &f32), &f32)| (modulus(self.pressures[j]), f64::from(t), f64::from(w));
@@ -205,8 +203,7 @@ impl Solution {
     /// If there is no such point.
     #[must_use]
     pub fn radiation(&self, j: usize) -> f64 {
-        let pressure = self.pressures[j];
-        self.asked.gains.medium().radiation(math::hypot(f64::from(pressure.re), f64::from(pressure.im)))
+        self.asked.gains.medium().radiation(math::modulus(self.pressures[j]))
     }
 
     /// |q_i|, 0 to 1.
@@ -215,7 +212,7 @@ impl Solution {
     /// If there is no such transducer.
     #[must_use]
     pub fn amplitude(&self, i: usize) -> f64 {
-        math::hypot(f64::from(self.drive[i].re), f64::from(self.drive[i].im)).min(1.0)
+        math::modulus(self.drive[i]).min(1.0)
     }
 
     /// The phase of q_i in rad in [0, 2 pi); 0 where q_i = 0.

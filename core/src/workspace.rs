@@ -16,13 +16,19 @@ pub struct Pool<T> {
 impl<T: Clone + Default> Pool<T> {
     /// A buffer of `len` defaults: the smallest free one that holds them, else a new one.
     pub fn take(&mut self, len: usize) -> Vec<T> {
+        let mut buffer = self.empty(len);
+        buffer.resize(len, T::default());
+        buffer
+    }
+
+    /// An empty buffer that holds `len` without allocating.
+    pub(crate) fn empty(&mut self, len: usize) -> Vec<T> {
         let fits = (0..self.free.len()).filter(|&k| self.free[k].capacity() >= len);
         let mut buffer = match fits.min_by_key(|&k| self.free[k].capacity()) {
             Some(k) => self.free.swap_remove(k),
             None => Vec::with_capacity(len),
         };
         buffer.clear();
-        buffer.resize(len, T::default());
         buffer
     }
 

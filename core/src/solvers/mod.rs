@@ -83,8 +83,8 @@ pub trait Solve {
         control: &mut Control,
     ) -> Result<Solution, Error>;
 
-    /// Solves several problems at once, each bit for bit as [`Solve::solve`] does without a control, where it knows
-    /// how to share the work.
+    /// Solves several problems of one transmitter at once, each bit for bit as [`Solve::solve`] does without a control,
+    /// where it knows how to share the work.
     #[doc(hidden)]
     fn solve_together(&self, _problems: &[Problem], _work: &mut Workspace) -> Option<Vec<Solution>> {
         None

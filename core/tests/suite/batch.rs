@@ -104,7 +104,7 @@ fn a_bad_problem_is_named_and_a_stop_keeps_what_is_done() {
     let loud = |ask: &mut Ask| ask.request.pressures.as_mut().expect("pressures")[1] = 1e200;
     let told = refused(&|k, ask| {
         if k == 7 || k == 30 {
-            far(ask)
+            far(ask);
         }
     });
     assert!(told.starts_with("problems[7]: points[0].position is [") && told.contains("NaN"), "{told}");
@@ -123,7 +123,7 @@ fn a_bad_problem_is_named_and_a_stop_keeps_what_is_done() {
     assert!(told.starts_with("problems[4]: points[1].pressure is 1e200"), "{told}");
     let told = refused(&|k, ask| {
         if k == 3 {
-            ask.points.truncate(2)
+            ask.points.truncate(2);
         }
     });
     assert_eq!(told, "problems[3]: points is 2 of them: give 5 as all problems of the batch have");

@@ -54,6 +54,25 @@ fn operations_are_those_of_each_lane() {
 }
 
 #[test]
+fn a_transpose_swaps_lanes_and_vectors() {
+    let lists: [Lanes; LANES] = from_fn(|k| from_fn(|l| (k * LANES + l) as f32));
+    for level in Level::all() {
+        let turned = dispatch!(level, s => {
+            let mut vectors = [s.splat(0.0); LANES];
+            for (vector, list) in vectors.iter_mut().zip(&lists) {
+                *vector = s.load(list);
+            }
+            let mut turned = [[f32::NAN; LANES]; LANES];
+            for (list, vector) in turned.iter_mut().zip(s.transpose(vectors)) {
+                s.store(vector, list);
+            }
+            turned
+        });
+        assert_eq!(turned, from_fn(|k| from_fn(|l| lists[l][k])), "{level}");
+    }
+}
+
+#[test]
 fn sums_follow_one_tree_at_every_level() {
     let mut rng = Rng::new(2);
     for _ in 0..200 {
