@@ -7,6 +7,7 @@
 
 use num_complex::Complex32;
 
+use super::fine;
 use super::level::{Level, dispatch};
 use super::moments::{Moments, Sixteen};
 use super::rows::Rows;
@@ -14,6 +15,10 @@ use super::search::{self, Candidates, L2, Points, Term};
 use super::shortlist::{Shortlist, shortlist};
 use super::simd::Simd;
 use super::{LANES, Lanes, groups};
+
+/// Differences of the energy that do not matter, beside the energy of silence: a fifth of the regret that
+/// docs/conventions.md allows, which leaves the rest to the rounding of G.
+const MATTERS: f32 = 2e-7;
 
 /// What a pass works on; all lists of points are padded alike.
 pub(crate) struct Pass<'a> {
@@ -29,15 +34,20 @@ pub(crate) struct Pass<'a> {
     pub(crate) kept: &'a mut [Sixteen],
     /// two rows,
     pub(crate) row: [&'a mut [f32]; 4],
-    /// [`super::shortlist::floats`] numbers,
+    /// [`floats`] numbers,
     pub(crate) floats: &'a mut [f32],
     /// and [`indices`] indices.
     pub(crate) indices: &'a mut [u32],
 }
 
-/// Indices of working memory for a row of `lanes`.
-pub(crate) fn indices(lanes: usize) -> usize {
-    lanes + Shortlist::MOST
+/// Numbers of working memory for a grid of `phases`.
+pub(crate) fn floats(phases: usize) -> usize {
+    fine::floats(phases)
+}
+
+/// Indices of working memory for a row of `lanes` and a grid of `phases`.
+pub(crate) fn indices(lanes: usize, phases: usize) -> usize {
+    lanes + fine::list(phases)
 }
 
 /// Gives every transducer in turn its best candidate. `step` is told the points after each turn and answers whether
@@ -69,6 +79,8 @@ fn run<S: Simd, T: Term>(
         *kept = Sixteen::silent(s, t, w);
         energy = s.fma(s.mul(s.load(w), s.load(t)), s.load(t), energy);
     }
+    let matters = MATTERS * s.sum(energy);
+    let large = candidates.phases >= fine::LARGE;
     let mut silent = true;
     let mut turns = 0;
     if let Some(&first) = order.first() {
@@ -76,13 +88,23 @@ fn run<S: Simd, T: Term>(
     }
     for (turn, &i) in order.iter().enumerate() {
         let points = Points { kept, gain: [&*row_re, &*row_im], count };
-        let moments = (T::SQUARE && !silent).then(|| Moments::new(s, kept, points.gain, energy, near));
+        let moments = (T::SQUARE && !silent).then(|| {
+            if large {
+                Moments::new::<S, true>(s, kept, points.gain, energy, near)
+            } else {
+                Moments::new::<S, false>(s, kept, points.gain, energy, near)
+            }
+        });
         // The next row depends on nothing here: it fills the wait for the sums.
         if let Some(&next) = order.get(turn + 1) {
             rows.write(s, next as usize, next_re, next_im);
         }
         let choice = if let Some((moments, nearby)) = moments {
-            choose(s, points, &moments, nearby, moved, candidates, floats, near, close)
+            if large {
+                fine::best(s, points, &moments, &near[..nearby], candidates, matters, floats, close)
+            } else {
+                choose(s, points, &moments, nearby, moved, candidates, floats, near, close)
+            }
         } else {
             let tolerance = search::tolerance::<S, T>(s, points);
             (tolerance > 0.0).then(|| search::best::<S, T>(s, points, candidates, silent, tolerance))
@@ -170,7 +192,7 @@ fn settle<S: Simd>(
         *moved = *kept;
         energy = s.add(energy, moved.add(s, [gr, gi], q));
     }
-    let (moments, nearby) = Moments::new(s, moved, points.gain, energy, near);
+    let (moments, nearby) = Moments::new::<S, false>(s, moved, points.gain, energy, near);
     let square = reach * reach;
     if nearby > 0 || 2.0 * square * square * moments.remainder > tolerance {
         return None;

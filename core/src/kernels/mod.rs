@@ -4,7 +4,9 @@
 //! is written once over [`simd::Simd`], 16 lanes and a fixed order of sums, and compiled for every [`Level`].
 
 pub(crate) mod abreast;
+mod energies;
 pub(crate) mod fast;
+mod fine;
 pub(crate) mod greedy;
 pub(crate) mod level;
 mod matrix;
@@ -14,7 +16,7 @@ mod pressure;
 mod row;
 mod rows;
 mod search;
-pub(crate) mod shortlist;
+mod shortlist;
 pub(crate) mod simd;
 mod table;
 #[cfg(test)]

@@ -17,7 +17,20 @@
 //! within R = sum w t |P| |u|^4 / (4 (1 - |u|)): moments that cost O(M) once, and then nothing of M for any
 //! number of candidates. Points with |u| above [`FAR`] (at the first transducers) are left out and named, to be
 //! evaluated exactly.
+//!
+//! A large grid, whose candidates lie close together, takes the terms of the fourth order too,
+//!
+//! ```text
+//! 5 Re(z^4 A4)/32 - a^2 Re(z^2 D)/8 - a^4 F/32,
+//! A4 = sum w t |P| u^4                D  = sum w t |P| |u|^2 u^2       F = sum w t |P| |u|^4
+//! ```
+//!
+//! and is within FAR R. Of a difference less is left. |1 + w| = sum b_p b_q w^p conj(w)^q with sqrt(1 + x) =
+//! sum b_n x^n, and sum |b_n| x^n = 2 - sqrt(1 - x) has the square 5 - x - 4 sqrt(1 - x). So the terms of degree n have
+//! a slope of at most 4 n |b_n| |w|^(n-1), which from n = 5 on is at most 35/64 |w|^(n-1), and two drives d apart differ
+//! by the polynomial's difference within 35/32 d sum w t |P| |u|^5/(1 - |u|) < 35/8 FAR R d.
 
+use super::search::{self, L2, Term};
 use super::simd::{Simd, TINY};
 use super::{LANES, Lanes, groups};
 use crate::math::sqrtf;
@@ -89,6 +102,23 @@ impl Sixteen {
         let im = s.fma(gr, qi, s.fma(gi, qr, s.load(&self.im)));
         self.refresh(s, re, im)
     }
+
+    /// Adds the changes of the terms under the drive q to `total`, as [`search::add_changes`] does.
+    #[inline(always)]
+    pub(crate) fn add_change<S: Simd>(
+        &self,
+        s: S,
+        [gr, gi]: [&Lanes; 2],
+        [qr, qi]: [S::V; 2],
+        total: S::V,
+    ) -> S::V {
+        let (gr, gi) = (s.load(gr), s.load(gi));
+        let e = [s.fnma(gi, qi, s.mul(gr, qr)), s.fma(gi, qr, s.mul(gr, qi))];
+        let old = [&self.re, &self.im, &self.modulus].map(|x| s.load(x));
+        let gap = s.sub(s.load(&self.target), old[2]);
+        let change = L2::change(s, search::rise(s, old, e), gap);
+        s.fma(s.load(&self.weight), change, total)
+    }
 }
 
 /// The moments of one transducer.
@@ -105,15 +135,19 @@ pub(crate) struct Moments {
     pub(crate) power: f32,
     /// R, for drives of modulus 1.
     pub(crate) remainder: f32,
+    /// 5 A4/32, -D/8 and -F/32, if asked for.
+    fourth: [f32; 2],
+    turning: [f32; 2],
+    level: f32,
     /// The energy before.
     pub(crate) energy: f32,
 }
 
 impl Moments {
-    /// The moments of a row over the points where the polynomial holds; the others are put into `near`, from
-    /// its start, and counted. `energy` comes from [`Sixteen::add`].
+    /// The moments of a row over the points where the polynomial holds, A4 and D if `FOURTH`; the others are put into
+    /// `near`, from its start, and counted. `energy` comes from [`Sixteen::add`].
     #[inline(always)]
-    pub(crate) fn new<S: Simd>(
+    pub(crate) fn new<S: Simd, const FOURTH: bool>(
         s: S,
         points: &[Sixteen],
         row: [&[f32]; 2],
@@ -123,6 +157,7 @@ impl Moments {
         let zero = s.splat(0.0);
         let [mut a1r, mut a1i, mut a2r, mut a2i, mut a3r, mut a3i] = [zero; 6];
         let [mut cr, mut ci, mut bow, mut power, mut rest] = [zero; 5];
+        let [mut a4r, mut a4i, mut dr, mut di] = [zero; 4];
         let mut count = 0;
         let rows = groups(row[0]).iter().zip(groups(row[1]));
         for (group, (point, (gr, gi))) in points.iter().zip(rows).enumerate() {
@@ -164,9 +199,16 @@ impl Moments {
             cr = s.fma(size, tr, cr);
             ci = s.fma(size, ti, ci);
             rest = s.fma(s.mul(product, size), size, rest);
+            if FOURTH {
+                let (vr, vi) = (s.fnma(ui, ui, s.mul(ur, ur)), s.mul(s.add(ur, ur), ui));
+                a4r = s.fma(sr, vr, s.fnma(si, vi, a4r));
+                a4i = s.fma(sr, vi, s.fma(si, vr, a4i));
+                dr = s.fma(size, sr, dr);
+                di = s.fma(size, si, di);
+            }
         }
         let sums =
-            s.sums(&[a1r, a1i, a2r, a2i, a3r, a3i, cr, ci, bow, power, rest, energy, zero, zero, zero, zero]);
+            s.sums(&[a1r, a1i, a2r, a2i, a3r, a3i, cr, ci, bow, power, rest, energy, a4r, a4i, dr, di]);
         let factors = [
             2.0,
             2.0,
@@ -180,10 +222,10 @@ impl Moments {
             1.0,
             0.25 / (1.0 - FAR),
             1.0,
-            0.0,
-            0.0,
-            0.0,
-            0.0,
+            5.0 / 32.0,
+            5.0 / 32.0,
+            -1.0 / 8.0,
+            -1.0 / 8.0,
         ];
         let mut m: Lanes = [0.0; LANES];
         s.store(s.mul(sums, s.load(&factors)), &mut m);
@@ -196,6 +238,9 @@ impl Moments {
             power: m[9],
             remainder: m[10],
             energy: m[11],
+            fourth: [m[12], m[13]],
+            turning: [m[14], m[15]],
+            level: -(1.0 - FAR) / 8.0 * m[10],
         };
         (moments, count)
     }
@@ -212,19 +257,57 @@ impl Moments {
         part(s, self.third, re3, im3, part(s, self.second, re2, im2, sum))
     }
 
+    /// The change to the fourth order.
+    #[inline(always)]
+    pub(crate) fn fine_change<S: Simd>(&self, s: S, re: S::V, im: S::V) -> S::V {
+        let square = s.fma(re, re, s.mul(im, im));
+        let (re2, im2) = (s.fnma(im, im, s.mul(re, re)), s.mul(s.add(re, re), im));
+        let (re4, im4) = (s.fnma(im2, im2, s.mul(re2, re2)), s.mul(s.add(re2, re2), im2));
+        let even = part(s, self.turning, re2, im2, s.mul(square, s.splat(self.level)));
+        part(s, self.fourth, re4, im4, s.fma(square, even, self.change(s, re, im)))
+    }
+
     /// A bound on the second derivative of the change over the phase, at amplitude a.
+    #[inline(always)]
     pub(crate) fn curvature(&self, a: f32) -> f32 {
         let size = |[re, im]: [f32; 2]| sqrtf(re * re + im * im);
         let cubic = 9.0 * size(self.third) + size(self.crossed);
         a * (size(self.first) + a * (4.0 * size(self.second) + a * cubic))
     }
 
+    /// A bound on g2 + (1 + a) g3 for a up to 1, where the change is a g1 + a^2 g2 + a^3 g3 at any phase.
+    #[inline(always)]
+    pub(crate) fn bow(&self) -> f32 {
+        let size = |[re, im]: [f32; 2]| sqrtf(re * re + im * im);
+        self.bow + size(self.second) + 2.0 * (size(self.third) + size(self.crossed))
+    }
+
     /// What the remainder, the tolerance of ties and the rounding of the sums leave open between two drives of
-    /// modulus up to `reach`. By Cauchy `sum w |G| |t - |P||` is at most the root of power times energy.
+    /// modulus up to `reach`.
+    #[inline(always)]
     pub(crate) fn slack(&self, reach: f32) -> f32 {
         let square = reach * reach;
-        let rounding = reach * reach * self.power + reach * sqrtf(self.power * self.energy);
-        2.0 * square * square * self.remainder + 4e-7 * rounding
+        2.0 * square * square * self.remainder + self.rounding(reach)
+    }
+
+    /// What the tolerance of ties and the rounding of the sums leave open. By Cauchy `sum w |G| |t - |P||` is at most
+    /// the root of power times energy.
+    #[inline(always)]
+    pub(crate) fn rounding(&self, reach: f32) -> f32 {
+        4e-7 * (reach * reach * self.power + reach * sqrtf(self.power * self.energy))
+    }
+
+    /// The remainder to the fourth order: |u| is below [`FAR`].
+    #[inline(always)]
+    pub(crate) fn fine_remainder(&self) -> f32 {
+        FAR * self.remainder
+    }
+
+    /// A bound on the fine remainder of the difference between two drives of modulus up to 1, for each unit that
+    /// they are apart.
+    #[inline(always)]
+    pub(crate) fn steepness(&self) -> f32 {
+        35.0 / 8.0 * FAR * self.remainder
     }
 }
 

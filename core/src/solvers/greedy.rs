@@ -12,7 +12,7 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::gains::Gains;
 use crate::kernels::greedy::{self, Pass};
-use crate::kernels::{self, Candidates, L1, L2, Sixteen, shortlist, table};
+use crate::kernels::{self, Candidates, L1, L2, Sixteen, table};
 use crate::levels::Levels;
 use crate::linalg::Planar;
 use crate::options::{OptionValue, Options, Value, spell, word};
@@ -218,8 +218,8 @@ impl Solve for Greedy {
         }
         self.order.write(self.seed, gains, &mut order)?;
         let candidates = self.candidates(problem, work)?;
-        let mut floats = work.floats.take(shortlist::floats(&candidates));
-        let mut indices = work.indices.take(greedy::indices(lanes));
+        let mut floats = work.floats.take(greedy::floats(candidates.phases));
+        let mut indices = work.indices.take(greedy::indices(lanes, candidates.phases));
         let mut kept = work.points.take(2 * lanes / kernels::LANES);
         let mut rows = [(); 4].map(|()| work.floats.take(lanes));
         let mut drive = work.complexes.take(count);
