@@ -1,7 +1,8 @@
 //! The search of a large grid: many phases, and maybe many amplitudes.
 //!
-//! Mostly the full amplitude alone is met, at every sixteenth of the phases and then on both sides of the best of
-//! these. The rest is passed over by bounds on f_a(phi), the change under a e^{j phi}:
+//! Amplitudes rise to 1. Mostly that alone is met, at 32 phases and then closely around where the first moment points,
+//! or around the best of the 32 where the moments leave points out. The rest is passed over by bounds on f_a(phi), the
+//! change under a e^{j phi}:
 //!
 //! - Over the phase its second derivative is at most c, so on a stretch of length h with v <= v' at its ends it
 //!   stays above v - c h^2/8 (1 - x)^2 with x = 2 (v' - v)/(c h^2), or above v where x > 1.
@@ -56,6 +57,9 @@ pub(crate) fn best<S: Simd>(
     floats: &mut [f32],
     close: &mut [u32],
 ) -> Option<usize> {
+    if moments.power == 0.0 {
+        return None;
+    }
     let energies = Energies { s, points, moments, near, candidates };
     let (values, met) = floats.split_at_mut(list(candidates.phases));
     let rounding = energies.rounding();
@@ -88,7 +92,9 @@ pub(crate) fn best<S: Simd>(
     if tolerance == 0.0 {
         return None;
     }
-    let close = &close[..count];
+    let close = &mut close[..count];
+    // Phases looked at closely may run past the last one.
+    close.sort_unstable();
     if count <= LANES {
         return Some(among_few(s, points, candidates, close, tolerance));
     }
@@ -265,7 +271,7 @@ impl<V: Copy> Coarse<V> {
     }
 }
 
-/// What a function of values v and w at both ends of a stretch stays above.
+/// What a function of values v and w at both ends of a stretch stays above; `dip` is c h^2/8.
 #[inline(always)]
 fn below<S: Simd>(s: S, v: S::V, w: S::V, dip: f32) -> S::V {
     let apart = s.mul(s.splat(0.25 / dip), s.abs(s.sub(v, w)));
@@ -304,7 +310,7 @@ struct Rivals {
 }
 
 impl Rivals {
-    /// The best of both sides, and the number of rivals listed, itself among them.
+    /// The best of what was looked at closely, and how many are listed: its rivals and itself.
     #[inline(always)]
     fn beside<S: Simd>(
         &self,

@@ -153,14 +153,14 @@ fn lower_amplitudes_and_the_second_derivative_are_bounded() {
     }
 }
 
-/// The candidate that a search of the grid finds.
-fn best(level: Level, scene: &Scene, candidates: &Candidates, matters: f32) -> (usize, f32) {
+/// The candidate that a search of the grid finds, and what rounding leaves open.
+fn best(level: Level, scene: &Scene, candidates: &Candidates, matters: f32) -> (Option<usize>, f32) {
     with_energies!(level, scene, candidates, |s, energies| {
         let mut floats = vec![f32::NAN; fine::floats(candidates.phases)];
         let mut close = vec![u32::MAX; fine::list(candidates.phases)];
         let Energies { points, moments, near, .. } = energies;
         let found = fine::best(s, points, moments, near, candidates, matters, &mut floats, &mut close);
-        (found.expect("a transducer that has an effect"), energies.rounding())
+        (found, energies.rounding())
     })
 }
 
@@ -175,6 +175,7 @@ fn assert_best(scene: &Scene, phases: usize, amplitudes: usize) {
             // What need not be told, the tolerance of ties and a term's few roundings as in the exact search, and
             // the rounding of the polynomial.
             let exact = wide(tolerance::<L2>(level, scene)) + 12.0 * ROUNDING * bounds;
+            let index = index.expect("a transducer that has an effect");
             let regret = scene.total::<L2>(candidates.drive(index)) - least;
             let allowed = matters + exact + 3.0 * wide(rounding);
             assert!(
@@ -212,7 +213,18 @@ fn more_rivals_than_a_list_holds_are_decided_all_the_same() {
         scene.target.fill(1e4);
         let candidates = grid(256, 16);
         let (index, rounding) = best(level, &scene, &candidates, 0.0);
+        let index = index.expect("a transducer that has an effect");
         let regret = scene.total::<L2>(candidates.drive(index)) - least::<L2>(&scene, &candidates, false);
         assert!(regret <= 3.0 * wide(rounding), "{level}: {regret:e}");
+    }
+}
+
+#[test]
+fn a_transducer_that_reaches_no_point_has_no_best() {
+    for level in Level::all() {
+        let mut scene = scene(3, 20, 1.0);
+        scene.gain.iter_mut().for_each(|part| part.fill(0.0));
+        assert_eq!(best(level, &scene, &grid(256, 16), 0.0).0, None);
+        assert_eq!(best(level, &scene, &grid(256, 16), 1.0).0, None);
     }
 }

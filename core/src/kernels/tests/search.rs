@@ -32,7 +32,7 @@ impl Reference for L1 {
 /// Some points in the middle of a search.
 pub(super) struct Scene {
     pressure: [Vec<f32>; 2],
-    gain: [Vec<f32>; 2],
+    pub(super) gain: [Vec<f32>; 2],
     pub(super) target: Vec<f32>,
     weight: Vec<f32>,
     pub(super) count: usize,
