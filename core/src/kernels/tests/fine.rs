@@ -4,6 +4,8 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
+use num_complex::Complex64;
+
 use super::super::energies::Energies;
 use super::super::fine;
 use super::super::level::{Level, dispatch};
@@ -11,7 +13,7 @@ use super::super::moments::Moments;
 use super::super::search::{Candidates, L2};
 use super::super::{LANES, padded};
 use super::search::{Scene, least, tolerance};
-use super::{ROUNDING, wide};
+use super::{ROUNDING, assert_near, wide};
 use crate::rng::Rng;
 
 /// Amplitudes as uneven as a device's table may be.
@@ -98,6 +100,47 @@ fn the_fourth_order_misses_by_its_remainder_and_differences_by_their_distance() 
                             "{level}: M = {count}, loud {loud}: {miss:?}"
                         );
                     }
+                }
+            }
+        }
+    }
+}
+
+/// Point j's change under the drive q with |1 + w| to the fourth order: sum b_p b_q w^p conj(w)^q of p + q up to 4,
+/// where sqrt(1 + x) = sum b_n x^n.
+fn truncated(scene: &Scene, j: usize, q: Complex64) -> f64 {
+    const ROOT: [f64; 5] = [1.0, 0.5, -0.125, 0.0625, -5.0 / 128.0];
+    let [pr, pi, gr, gi] = scene.numbers(j);
+    let (p, e) = (Complex64::new(pr, pi), Complex64::new(gr, gi) * q);
+    let w = e / p;
+    let mut root = 0.0;
+    for m in 0..5 {
+        for n in 0..5 - m {
+            root += ROOT[m] * ROOT[n] * (w.powu(m as u32) * w.conj().powu(n as u32)).re;
+        }
+    }
+    let square = (p.conj() * e).re * 2.0 + e.norm_sqr();
+    wide(scene.weight[j]) * (square - 2.0 * wide(scene.target[j]) * p.norm() * (root - 1.0))
+}
+
+#[test]
+fn the_fourth_order_is_the_series() {
+    let candidates = grid(64, 1);
+    for level in Level::all() {
+        for count in [1, 2, 5, 16, 17, 40, 67] {
+            for loud in [1.0, 3.0, 10.0] {
+                let scene = scene(count as u64, count, loud);
+                let [re, im] = drives(8);
+                let mut found = [0.0; LANES];
+                let (rounding, near) = with_energies!(level, scene, &candidates, |s, energies| {
+                    s.store(energies.moments.fine_change(s, s.load(&re), s.load(&im)), &mut found);
+                    (energies.moments.rounding(1.0), energies.near.to_vec())
+                });
+                for lane in 0..LANES {
+                    let q = Complex64::new(wide(re[lane]), wide(im[lane]));
+                    let far = (0..count).filter(|&j| !near.contains(&(j as u32)));
+                    let want: f64 = far.map(|j| truncated(&scene, j, q)).sum();
+                    assert_near(found[lane], want, wide(rounding), "the fourth order");
                 }
             }
         }

@@ -34,7 +34,7 @@ pub(super) struct Scene {
     pressure: [Vec<f32>; 2],
     pub(super) gain: [Vec<f32>; 2],
     pub(super) target: Vec<f32>,
-    weight: Vec<f32>,
+    pub(super) weight: Vec<f32>,
     pub(super) count: usize,
 }
 
@@ -68,7 +68,7 @@ impl Scene {
     }
 
     /// P and G of point j.
-    fn numbers(&self, j: usize) -> [f64; 4] {
+    pub(super) fn numbers(&self, j: usize) -> [f64; 4] {
         [&self.pressure[0], &self.pressure[1], &self.gain[0], &self.gain[1]].map(|x| wide(x[j]))
     }
 
