@@ -248,6 +248,22 @@ fn the_best_of_a_large_grid_is_found() {
 }
 
 #[test]
+fn where_every_point_has_its_target_the_first_moment_tells_nothing() {
+    for count in [1, 2, 3, 8, 17, 67] {
+        for loud in [0.7, 3.0, 10.0] {
+            for (phases, amplitudes) in [(64, 1), (100, 2), (256, 1), (256, 16)] {
+                let mut scene = Scene::new((3 * count + phases) as u64, count, loud);
+                for j in 0..count {
+                    let [re, im, ..] = scene.numbers(j);
+                    scene.target[j] = re.hypot(im) as f32;
+                }
+                assert_best(&scene, phases, amplitudes);
+            }
+        }
+    }
+}
+
+#[test]
 fn more_rivals_than_a_list_holds_are_decided_all_the_same() {
     // A point that the transducer hardly moves: every candidate is within rounding of every other, and of 16 rings
     // of 256 phases none is passed over.
