@@ -88,13 +88,11 @@ fn run<S: Simd, T: Term>(
     }
     for (turn, &i) in order.iter().enumerate() {
         let points = Points { kept, gain: [&*row_re, &*row_im], count };
-        let moments = (T::SQUARE && !silent).then(|| {
-            if large {
-                Moments::new::<S, true>(s, kept, points.gain, energy, near)
-            } else {
-                Moments::new::<S, false>(s, kept, points.gain, energy, near)
-            }
-        });
+        let moments = match (T::SQUARE && !silent, large) {
+            (true, true) => Some(Moments::new::<S, true>(s, kept, points.gain, energy, near)),
+            (true, false) => Some(Moments::new::<S, false>(s, kept, points.gain, energy, near)),
+            (false, _) => None,
+        };
         // The next row depends on nothing here: it fills the wait for the sums.
         if let Some(&next) = order.get(turn + 1) {
             rows.write(s, next as usize, next_re, next_im);
