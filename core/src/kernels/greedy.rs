@@ -3,7 +3,7 @@
 //! Most turns are decided by moments (see [`Moments`]), whatever the number of candidates. Where the best
 //! candidates lie closer than the moments' remainder they are expanded anew about the best of them, which makes
 //! the remainder smaller by the fourth power of their distance; and where that is not enough eq. (7) itself
-//! decides, as it does at the first transducers and for the absolute errors.
+//! decides, as it does at the first transducers and for the absolute errors. Large grids are searched by [`fine`].
 
 use num_complex::Complex32;
 
