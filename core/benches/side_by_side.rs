@@ -151,6 +151,31 @@ fn against_the_textbook(array: &Array, points: usize, rounds: usize) {
     }
 }
 
+/// Greedy's search of 4096 candidates against that of 16.
+fn many_candidates(array: &Array, points: usize, rounds: usize) {
+    let scene = scene(array.clone(), points);
+    let order = Rng::new(0).permutation(array.len() as u32);
+    let greedy = |phases, amplitudes| {
+        Entrant::new("", "greedy", &[("phases", phases), ("amplitudes", amplitudes)], &order, Level::best())
+    };
+    let entrants = [greedy(16, 1), greedy(256, 16)];
+    let mut work = Workspace::new();
+    let [few, many] = entrants.each_ref().map(|entrant| entrant.solve(&scene, &mut work).residual);
+    assert!(many < 1.2 * few, "a finer grid serves no worse: {many} for {few}");
+    let mut times = [const { Vec::new() }; 2];
+    for _ in 0..rounds {
+        for (entrant, times) in entrants.iter().zip(&mut times) {
+            times.push(timed(|| (0..5).map(|_| entrant.solve(&scene, &mut work).accuracy).sum::<f64>()) / 5);
+        }
+    }
+    let [few, many] = times.map(median);
+    let ratio = many.as_secs_f64() / few.as_secs_f64();
+    println!(
+        "greedy N={} M={points}: K=16 L=256 {many:.2?}, {ratio:.2} times K=1 L=16, {few:.2?}",
+        array.len()
+    );
+}
+
 /// A batch of `fast` on one thread against a loop of lone solves, each problem made anew on both sides.
 fn batch(array: &Array, points: usize, count: usize, rounds: usize) {
     let transmitter =
@@ -221,12 +246,18 @@ fn main() {
         let boards = Array::preset("autd3", [2, 2]).expect("boards").with_levels(None);
         against_the_textbook(&boards, 64, 9);
         against_the_textbook(&grid(36), 38, 9);
+        for (array, points) in
+            [&grid(20), &boards].into_iter().flat_map(|a| [32, 64, 128, 256].map(|m| (a, m)))
+        {
+            many_candidates(array, points, 31);
+        }
         for points in [4, 16] {
             batch(&grid(20), points, 1024, 9);
         }
         field();
     } else {
         against_the_textbook(&grid(4), 2, 1);
+        many_candidates(&grid(4), 2, 1);
         batch(&grid(4), 2, 20, 1);
     }
 }

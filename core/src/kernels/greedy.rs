@@ -3,17 +3,23 @@
 //! Most turns are decided by moments (see [`Moments`]), whatever the number of candidates. Where the best
 //! candidates lie closer than the moments' remainder they are expanded anew about the best of them, which makes
 //! the remainder smaller by the fourth power of their distance; and where that is not enough eq. (7) itself
-//! decides, as it does at the first transducers and for the absolute errors.
+//! decides, as it does at the first transducers and for the absolute errors. Large grids are searched by [`fine`].
 
 use num_complex::Complex32;
 
+use super::fine;
 use super::level::{Level, dispatch};
-use super::moments::{Moments, Sixteen};
+use super::moments::Moments;
 use super::rows::Rows;
 use super::search::{self, Candidates, L2, Points, Term};
 use super::shortlist::{self, Shortlist, shortlist};
 use super::simd::Simd;
+use super::sixteen::Sixteen;
 use super::{LANES, Lanes, groups};
+
+/// Differences of the energy that do not matter, beside the energy of silence: a fifth of the regret that
+/// docs/conventions.md allows, which leaves the rest to the rounding of G.
+const MATTERS: f32 = 2e-7;
 
 /// What a pass works on; all lists of points are padded alike.
 pub(crate) struct Pass<'a> {
@@ -29,15 +35,20 @@ pub(crate) struct Pass<'a> {
     pub(crate) kept: &'a mut [Sixteen],
     /// two rows,
     pub(crate) row: [&'a mut [f32]; 4],
-    /// [`super::shortlist::floats`] numbers,
+    /// [`floats`] numbers,
     pub(crate) floats: &'a mut [f32],
     /// and [`indices`] indices.
     pub(crate) indices: &'a mut [u32],
 }
 
-/// Indices of working memory for a row of `lanes`.
-pub(crate) fn indices(lanes: usize) -> usize {
-    lanes + Shortlist::MOST
+/// Numbers of working memory for a grid of `phases`.
+pub(crate) fn floats(phases: usize) -> usize {
+    fine::floats(phases)
+}
+
+/// Indices of working memory for a row of `lanes` and a grid of `phases`.
+pub(crate) fn indices(lanes: usize, phases: usize) -> usize {
+    lanes + fine::list(phases)
 }
 
 /// Gives every transducer in turn its best candidate. `step` is told the points after each turn and answers whether
@@ -69,6 +80,8 @@ fn run<S: Simd, T: Term>(
         *kept = Sixteen::silent(s, t, w);
         energy = s.fma(s.mul(s.load(w), s.load(t)), s.load(t), energy);
     }
+    let matters = MATTERS * s.sum(energy);
+    let large = candidates.phases >= fine::LARGE;
     let mut silent = true;
     let mut turns = 0;
     if let Some(&first) = order.first() {
@@ -76,12 +89,19 @@ fn run<S: Simd, T: Term>(
     }
     for (turn, &i) in order.iter().enumerate() {
         let points = Points { kept, gain: [&*row_re, &*row_im], count };
-        let moments = (T::SQUARE && !silent).then(|| Moments::new(s, kept, points.gain, energy, near));
+        let moments = match (T::SQUARE && !silent, large) {
+            (true, true) => Some(Moments::new::<S, true>(s, kept, points.gain, energy, near)),
+            (true, false) => Some(Moments::new::<S, false>(s, kept, points.gain, energy, near)),
+            (false, _) => None,
+        };
         // The next row depends on nothing here: it fills the wait for the sums.
         if let Some(&next) = order.get(turn + 1) {
             rows.write(s, next as usize, next_re, next_im);
         }
         let choice = match moments {
+            Some((moments, nearby)) if large => {
+                fine::best(s, points, &moments, &near[..nearby], candidates, matters, floats, close)
+            }
             // With few points eq. (7) alone is quicker than moments that leave some out.
             Some((moments, nearby)) if nearby == 0 || points.kept.len() > 1 || !few(candidates) => {
                 choose(s, points, &moments, nearby, moved, candidates, floats, near, close)
@@ -145,7 +165,7 @@ pub(super) fn choose<S: Simd>(
     near: &mut [u32],
     close: &mut [u32],
 ) -> Option<usize> {
-    if moments.power == 0.0 {
+    if moments.power() == 0.0 {
         return None;
     }
     if nearby == 0
@@ -195,9 +215,9 @@ fn settle<S: Simd>(
         *moved = *kept;
         energy = s.add(energy, moved.add(s, [gr, gi], q));
     }
-    let (moments, nearby) = Moments::new(s, moved, points.gain, energy, near);
+    let (moments, nearby) = Moments::new::<S, false>(s, moved, points.gain, energy, near);
     let square = reach * reach;
-    if nearby > 0 || 2.0 * square * square * moments.remainder > tolerance {
+    if nearby > 0 || 2.0 * square * square * moments.remainder() > tolerance {
         return None;
     }
     let mut winner = search::Winner::NONE;

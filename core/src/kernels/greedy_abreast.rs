@@ -5,13 +5,15 @@
 //! other turn of a problem is handed to the lone pass's own functions. So every problem's bits are those of its lone
 //! pass.
 
-use super::greedy::{choose, few, search_all};
+use super::fine;
+use super::greedy::{self, choose, few, search_all};
 use super::level::{Level, dispatch};
-use super::moments::{FACTORS, Moments, PARTS, Powers, Sixteen, add_parts, change, powers};
+use super::moments::{ENERGY, FACTORS, Moments, PARTS, Powers, THIRD, add_parts, change, powers, slack};
 use super::rows::Rows;
-use super::search::{Candidates, EQUAL, L2, Points, Spot, add_change, largest};
-use super::shortlist::{self, Shortlist};
+use super::search::{Candidates, EQUAL, L2, Points, largest};
+use super::shortlist::Shortlist;
 use super::simd::Simd;
+use super::sixteen::Sixteen;
 use super::{LANES, Lanes, groups, groups_mut};
 
 /// What a pass works on; a list of points has a group of lanes a point.
@@ -35,7 +37,7 @@ pub(crate) struct Pass<'a> {
 
 /// Whether this pass knows how to search K = `amplitudes` times L = `phases` candidates.
 pub(crate) fn fits(phases: usize, amplitudes: usize) -> bool {
-    shortlist::met_whole(phases) && phases * amplitudes <= Shortlist::MOST
+    phases < fine::LARGE && phases * amplitudes <= Shortlist::MOST
 }
 
 /// Numbers kept of a candidate: its [`Powers`].
@@ -43,7 +45,7 @@ const POWERS: usize = 9;
 
 /// Numbers of working memory for rows of `lanes`.
 pub(crate) fn floats(lanes: usize, candidates: &Candidates) -> usize {
-    5 * lanes + 2 * LANES + POWERS * candidates.count() + shortlist::floats(candidates)
+    5 * lanes + 2 * LANES + POWERS * candidates.count() + greedy::floats(candidates.phases)
 }
 
 /// Points kept for rows of `lanes`: theirs and two of a lone pass.
@@ -135,16 +137,16 @@ fn run<S: Simd>(s: S, pass: Pass<'_>, drive: &mut [f32], [re, im]: [&mut [f32]; 
 
 /// The moments of each problem, and in which lanes they leave a point out.
 #[inline(always)]
-fn moments<S: Simd>(s: S, kept: &[Sixteen], row: [&[f32]; 2], energies: &[f32]) -> ([S::V; PARTS], u32) {
+fn moments<S: Simd>(s: S, kept: &[Sixteen], row: [&[f32]; 2], energies: &[f32]) -> ([S::V; THIRD], u32) {
     let zero = s.splat(0.0);
-    let mut parts = [[zero; PARTS]; LANES];
+    let mut parts = [[zero; THIRD]; LANES];
     let mut near = 0;
     let rows = groups(row[0]).iter().zip(groups(row[1])).zip(groups(energies));
     for ((kept, ((gr, gi), energy)), parts) in kept.iter().zip(rows).zip(&mut parts) {
         let mut own = [zero; PARTS];
-        near |= add_parts(s, &mut own, kept, [s.load(gr), s.load(gi)]);
-        own[PARTS - 1] = s.load(energy);
-        *parts = own;
+        near |= add_parts::<S, false>(s, &mut own, kept, [s.load(gr), s.load(gi)]);
+        parts.copy_from_slice(&own[..THIRD]);
+        parts[ENERGY] = s.load(energy);
     }
     let mut m = trees(s, &mut parts, kept.len());
     for (m, factor) in m.iter_mut().zip(FACTORS) {
@@ -178,7 +180,7 @@ fn trees<S: Simd, const N: usize>(s: S, lists: &mut [[S::V; N]; LANES], count: u
 
 /// Each problem's best candidate by the moments, and in which lanes no other is as good within their slack.
 #[inline(always)]
-fn winners<S: Simd>(s: S, m: &[S::V; PARTS], table: &[f32]) -> ([S::V; 2], u32) {
+fn winners<S: Simd>(s: S, m: &[S::V; THIRD], table: &[f32]) -> ([S::V; 2], u32) {
     let &[a, b, c, d, e, f, g, h, bow, power, remainder, energy] = m;
     let m = [a, b, c, d, e, f, g, h, bow];
     let mut best = [s.splat(0.0); 2];
@@ -199,16 +201,15 @@ fn winners<S: Simd>(s: S, m: &[S::V; PARTS], table: &[f32]) -> ([S::V; 2], u32) 
         ];
         least = s.min(change, least);
     }
-    let mut slack: Lanes = [0.0; LANES];
     let mut lanes: [Lanes; 3] = [[0.0; LANES]; 3];
-    s.store(power, &mut lanes[0]);
-    s.store(remainder, &mut lanes[1]);
-    s.store(energy, &mut lanes[2]);
-    for lane in 0..LANES {
-        let [power, remainder, energy] = [lanes[0][lane], lanes[1][lane], lanes[2][lane]];
-        slack[lane] = Moments { power, remainder, energy, ..Moments::default() }.slack(1.0);
+    for (lanes, part) in lanes.iter_mut().zip([power, remainder, energy]) {
+        s.store(part, lanes);
     }
-    (best, s.less(s.add(least, s.load(&slack)), second))
+    let mut slacks: Lanes = [0.0; LANES];
+    for (lane, own) in slacks.iter_mut().enumerate() {
+        *own = slack(lanes[0][lane], lanes[1][lane], lanes[2][lane], 1.0);
+    }
+    (best, s.less(s.add(least, s.load(&slacks)), second))
 }
 
 /// Writes what the polynomial takes of every candidate.
@@ -255,15 +256,8 @@ impl Turn<'_> {
             for (kept, (gr, gi)) in
                 self.kept.iter().zip(groups(self.gain[0]).iter().zip(groups(self.gain[1])))
             {
-                let spot = Spot {
-                    gain: [s.load(gr), s.load(gi)],
-                    pressure: [s.load(&kept.re), s.load(&kept.im)],
-                    modulus: s.load(&kept.modulus),
-                    target: s.load(&kept.target),
-                    weight: s.load(&kept.weight),
-                };
                 for (&[re, im, ..], change) in four.iter().zip(&mut *changes) {
-                    *change = add_change::<S, L2>(s, &spot, [s.splat(re), s.splat(im)], *change);
+                    *change = kept.add_change(s, [gr, gi], [s.splat(re), s.splat(im)], *change);
                 }
             }
         }
@@ -322,7 +316,7 @@ impl Lone<'_> {
         let choice = if silent || nearby && few(self.candidates) {
             search_all::<S, L2>(s, points, self.candidates, silent)
         } else {
-            let (moments, nearby) = Moments::new(s, own, points.gain, s.load(&energy), near);
+            let (moments, nearby) = Moments::new::<S, false>(s, own, points.gain, s.load(&energy), near);
             choose(s, points, &moments, nearby, moved, self.candidates, floats, near, close)
         };
         choice.map_or([0.0; 2], |index| self.candidates.drive(index))

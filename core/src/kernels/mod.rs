@@ -4,19 +4,21 @@
 //! is written once over [`simd::Simd`], 16 lanes and a fixed order of sums, and compiled for every [`Level`].
 
 pub(crate) mod abreast;
+mod energies;
 pub(crate) mod fast;
+mod fine;
 pub(crate) mod greedy;
 pub(crate) mod greedy_abreast;
 pub(crate) mod level;
 mod matrix;
 mod moments;
-pub(crate) use moments::Sixteen;
 mod pressure;
 mod row;
 mod rows;
 mod search;
-pub(crate) mod shortlist;
+mod shortlist;
 pub(crate) mod simd;
+mod sixteen;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -30,6 +32,7 @@ pub(crate) use pressure::{accumulate, add_outer, correlate, dot, modulus, projec
 pub(crate) use row::{Law, Row, Source, Spots, add_moduli, row};
 pub(crate) use rows::Rows;
 pub(crate) use search::{Candidates, L1, L2, table};
+pub(crate) use sixteen::Sixteen;
 pub(crate) use table::Table;
 pub(crate) use turn::{keep, turn};
 

@@ -17,134 +17,66 @@
 //! within R = sum w t |P| |u|^4 / (4 (1 - |u|)): moments that cost O(M) once, and then nothing of M for any
 //! number of candidates. Points with |u| above [`FAR`] (at the first transducers) are left out and named, to be
 //! evaluated exactly.
+//!
+//! A large grid, whose candidates lie close together, takes the terms of the fourth order too,
+//!
+//! ```text
+//! 5 Re(z^4 A4)/32 - a^2 Re(z^2 D)/8 - a^4 F/32,
+//! A4 = sum w t |P| u^4                D  = sum w t |P| |u|^2 u^2       F = sum w t |P| |u|^4
+//! ```
+//!
+//! and is within FAR R. Of a difference less is left. |1 + w| = sum b_p b_q w^p conj(w)^q with sqrt(1 + x) =
+//! sum b_n x^n, and sum |b_n| x^n = 2 - sqrt(1 - x) has the square 5 - x - 4 sqrt(1 - x). So the terms of degree n have
+//! a slope of at most 4 n |b_n| |w|^(n-1), which from n = 5 on is at most 35/64 |w|^(n-1), and two drives d apart differ
+//! by the polynomial's difference within 35/32 d sum w t |P| |u|^5/(1 - |u|) < 35/8 FAR R d.
 
-use super::simd::{Simd, TINY};
+use super::simd::Simd;
+use super::sixteen::Sixteen;
 use super::{LANES, Lanes, groups};
 use crate::math::sqrtf;
 
 /// The largest |u| that the polynomial is used for.
-const FAR: f32 = 0.25;
+pub(super) const FAR: f32 = 0.25;
 
-/// What is kept of 16 points, refreshed when their pressures change.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Sixteen {
-    /// The pressures P.
-    pub(crate) re: Lanes,
-    pub(crate) im: Lanes,
-    /// |P|.
-    pub(crate) modulus: Lanes,
-    /// 1/|P|^2, so large for silence that |u| is above [`FAR`]; 0 for a quiet point, whose term has no remainder.
-    inverse: Lanes,
-    /// w (1 - t/|P|).
-    pull: Lanes,
-    /// w t |P|.
-    product: Lanes,
-    pub(crate) target: Lanes,
-    pub(crate) weight: Lanes,
-}
+/// What a lane adds to the moments, in this order: A1, A2, A3 and C (re before im), 2 B, the power, 4 R (1 - [`FAR`]),
+/// the energy, A4 and D.
+pub(super) const PARTS: usize = LANES;
 
-impl Sixteen {
-    /// Silence where pressures t are wanted, with weights w.
-    #[inline(always)]
-    pub(crate) fn silent<S: Simd>(s: S, target: &Lanes, weight: &Lanes) -> Self {
-        let none = [0.0; LANES];
-        let mut sixteen = Self {
-            re: none,
-            im: none,
-            modulus: none,
-            inverse: none,
-            pull: none,
-            product: none,
-            target: *target,
-            weight: *weight,
-        };
-        sixteen.refresh(s, s.splat(0.0), s.splat(0.0));
-        sixteen
-    }
+/// How many of them the third order needs, and which is the energy.
+pub(super) const THIRD: usize = 12;
+pub(super) const ENERGY: usize = 11;
 
-    /// The points of the problem in a lane, where each of `points` is one point of several problems.
-    #[inline(always)]
-    pub(super) fn of_lane<S: Simd>(s: S, points: &[Self], lane: usize) -> Self {
-        let mut own = Self::silent(s, &[0.0; LANES], &[0.0; LANES]);
-        for (j, point) in points.iter().enumerate() {
-            own.re[j] = point.re[lane];
-            own.im[j] = point.im[lane];
-            own.modulus[j] = point.modulus[lane];
-            own.inverse[j] = point.inverse[lane];
-            own.pull[j] = point.pull[lane];
-            own.product[j] = point.product[lane];
-            own.target[j] = point.target[lane];
-            own.weight[j] = point.weight[lane];
-        }
-        own
-    }
+/// By what the sums of the parts are multiplied: the terms of the polynomial become fused products with no sign left.
+pub(super) const FACTORS: [f32; PARTS] = [
+    2.0,
+    -2.0,
+    0.5,
+    -0.5,
+    -0.25,
+    0.25,
+    0.25,
+    -0.25,
+    0.5,
+    1.0,
+    0.25 / (1.0 - FAR),
+    1.0,
+    5.0 / 32.0,
+    -5.0 / 32.0,
+    -1.0 / 8.0,
+    1.0 / 8.0,
+];
 
-    /// Sets the pressures; returns the energies w (t - |P|)^2.
-    #[inline(always)]
-    fn refresh<S: Simd>(&mut self, s: S, re: S::V, im: S::V) -> S::V {
-        let (target, weight) = (s.load(&self.target), s.load(&self.weight));
-        let square = s.fma(re, re, s.mul(im, im));
-        let (root, inverse) = s.roots(s.max(square, s.splat(TINY)));
-        let zero = s.splat(0.0);
-        let modulus = s.select_less(square, s.splat(TINY), zero, root);
-        let weighted = s.mul(weight, target);
-        s.store(re, &mut self.re);
-        s.store(im, &mut self.im);
-        s.store(modulus, &mut self.modulus);
-        s.store(s.select_less(zero, target, s.mul(inverse, inverse), zero), &mut self.inverse);
-        s.store(s.fnma(weighted, inverse, weight), &mut self.pull);
-        s.store(s.mul(weighted, modulus), &mut self.product);
-        let gap = s.sub(target, modulus);
-        s.mul(s.mul(weight, gap), gap)
-    }
-
-    /// P += G q; returns the energies.
-    #[inline(always)]
-    pub(crate) fn add<S: Simd>(&mut self, s: S, [gr, gi]: [&Lanes; 2], [qr, qi]: [S::V; 2]) -> S::V {
-        let (gr, gi) = (s.load(gr), s.load(gi));
-        let re = s.fma(gr, qr, s.fnma(gi, qi, s.load(&self.re)));
-        let im = s.fma(gr, qi, s.fma(gi, qr, s.load(&self.im)));
-        self.refresh(s, re, im)
-    }
-}
-
-/// The moments of one transducer.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Moments {
-    /// 2 A1, A2/2, -A3/4 and C/4.
-    pub(crate) first: [f32; 2],
-    pub(crate) second: [f32; 2],
-    pub(crate) third: [f32; 2],
-    pub(crate) crossed: [f32; 2],
-    /// B.
-    pub(crate) bow: f32,
-    /// sum w |G|^2.
-    pub(crate) power: f32,
-    /// R, for drives of modulus 1.
-    pub(crate) remainder: f32,
-    /// The energy before.
-    pub(crate) energy: f32,
-}
-
-/// What a lane adds to the moments, in this order: A1, A2, A3 and C (re before im), 2 B, the power, 4 R (1 - [`FAR`])
-/// and the energy.
-pub(super) const PARTS: usize = 12;
-
-/// By what the sums of the parts are multiplied.
-pub(super) const FACTORS: [f32; PARTS] =
-    [2.0, 2.0, 0.5, 0.5, -0.25, -0.25, 0.25, 0.25, 0.5, 1.0, 0.25 / (1.0 - FAR), 1.0];
-
-/// Adds the parts of 16 points, energies apart. Bit l is set where the polynomial does not hold: such points add
+/// Adds the parts of 16 points, energies apart, and A4 and D if `FOURTH`. Bit l is set where the polynomial does not hold: such points add
 /// their power alone.
 #[inline(always)]
-pub(super) fn add_parts<S: Simd>(
+pub(super) fn add_parts<S: Simd, const FOURTH: bool>(
     s: S,
     parts: &mut [S::V; PARTS],
     point: &Sixteen,
     [mut gr, mut gi]: [S::V; 2],
 ) -> u32 {
     let zero = s.splat(0.0);
-    let [a1r, a1i, a2r, a2i, a3r, a3i, cr, ci, bow, power, rest, _] = parts;
+    let [a1r, a1i, a2r, a2i, a3r, a3i, cr, ci, bow, power, rest, _, a4r, a4i, dr, di] = parts;
     let (weight, inverse) = (s.load(&point.weight), s.load(&point.inverse));
     let (pull, product) = (s.load(&point.pull), s.load(&point.product));
     let mut square = s.fma(gr, gr, s.mul(gi, gi));
@@ -175,6 +107,13 @@ pub(super) fn add_parts<S: Simd>(
     *cr = s.fma(size, tr, *cr);
     *ci = s.fma(size, ti, *ci);
     *rest = s.fma(s.mul(product, size), size, *rest);
+    if FOURTH {
+        let (vr, vi) = (s.fnma(ui, ui, s.mul(ur, ur)), s.mul(s.add(ur, ur), ui));
+        *a4r = s.fma(sr, vr, s.fnma(si, vi, *a4r));
+        *a4i = s.fma(sr, vi, s.fma(si, vr, *a4i));
+        *dr = s.fma(size, sr, *dr);
+        *di = s.fma(size, si, *di);
+    }
     beyond
 }
 
@@ -201,67 +140,75 @@ pub(super) fn powers<S: Simd>(s: S, re: S::V, im: S::V) -> Powers<S::V> {
     Powers { square, first: [re, im], second: [re2, im2], third: [re3, im3], crossed }
 }
 
-/// The change of the energy: `m` are 2 A1, A2/2, -A3/4, C/4 (re before im) and B.
+/// The change of the energy to the third order, from moments in the order of [`PARTS`].
 #[inline(always)]
 pub(super) fn change<S: Simd>(s: S, m: &[S::V; 9], z: &Powers<S::V>) -> S::V {
     // Two sums, that neither waits long.
     let low = part(s, [m[0], m[1]], z.first, part(s, [m[2], m[3]], z.second, s.mul(m[8], z.square)));
-    let high = s.fnma(m[5], z.third[1], s.mul(m[4], z.third[0]));
+    let high = s.fma(m[5], z.third[1], s.mul(m[4], z.third[0]));
     s.add(low, part(s, [m[6], m[7]], z.crossed, high))
 }
 
-/// Re((re + j im)(c + j d)) + sum.
+/// re c + im d + sum.
 #[inline(always)]
 fn part<S: Simd>(s: S, [re, im]: [S::V; 2], [c, d]: [S::V; 2], sum: S::V) -> S::V {
-    s.fma(re, c, s.fnma(im, d, sum))
+    s.fma(re, c, s.fma(im, d, sum))
 }
 
+/// The moments of one transducer, times [`FACTORS`].
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Moments(pub(super) Lanes);
+
 impl Moments {
-    /// The moments of a row over the points where the polynomial holds; the others are put into `near`, from
-    /// its start, and counted. `energy` comes from [`Sixteen::add`].
+    /// The moments of a row over the points where the polynomial holds, A4 and D if `FOURTH`; the others are put into
+    /// `near`, from its start, and counted. `energy` comes from [`Sixteen::add`].
     #[inline(always)]
-    pub(crate) fn new<S: Simd>(
+    pub(crate) fn new<S: Simd, const FOURTH: bool>(
         s: S,
         points: &[Sixteen],
         row: [&[f32]; 2],
         energy: S::V,
         near: &mut [u32],
     ) -> (Self, usize) {
-        let zero = s.splat(0.0);
-        let mut parts = [zero; PARTS];
+        let mut parts = [s.splat(0.0); PARTS];
         let mut count = 0;
         let rows = groups(row[0]).iter().zip(groups(row[1]));
         for (group, (point, (gr, gi))) in points.iter().zip(rows).enumerate() {
-            let mut bits = add_parts(s, &mut parts, point, [s.load(gr), s.load(gi)]);
+            let mut bits = add_parts::<S, FOURTH>(s, &mut parts, point, [s.load(gr), s.load(gi)]);
             while bits != 0 {
                 near[count] = (group * LANES) as u32 + bits.trailing_zeros();
                 count += 1;
                 bits &= bits - 1;
             }
         }
-        let [a1r, a1i, a2r, a2i, a3r, a3i, cr, ci, bow, power, rest, _] = parts;
-        let sums =
-            s.sums(&[a1r, a1i, a2r, a2i, a3r, a3i, cr, ci, bow, power, rest, energy, zero, zero, zero, zero]);
-        let mut m: Lanes = [0.0; LANES];
-        m[..PARTS].copy_from_slice(&FACTORS);
-        s.store(s.mul(sums, s.load(&m)), &mut m);
-        let moments = Self {
-            first: [m[0], m[1]],
-            second: [m[2], m[3]],
-            third: [m[4], m[5]],
-            crossed: [m[6], m[7]],
-            bow: m[8],
-            power: m[9],
-            remainder: m[10],
-            energy: m[11],
-        };
+        parts[ENERGY] = energy;
+        let mut moments = Self(FACTORS);
+        s.store(s.mul(s.sums(&parts), s.load(&FACTORS)), &mut moments.0);
         (moments, count)
+    }
+
+    /// sum w |G|^2.
+    #[inline(always)]
+    pub(crate) fn power(&self) -> f32 {
+        self.0[9]
+    }
+
+    /// R, for drives of modulus 1.
+    #[inline(always)]
+    pub(crate) fn remainder(&self) -> f32 {
+        self.0[10]
+    }
+
+    /// 2 A1.
+    #[inline(always)]
+    pub(crate) fn first(&self) -> [f32; 2] {
+        [self.0[0], -self.0[1]]
     }
 
     /// The change of the energy under the drives z = (re, im).
     #[inline(always)]
     pub(crate) fn change<S: Simd>(&self, s: S, re: S::V, im: S::V) -> S::V {
-        let Self { first: [a, b], second: [c, d], third: [e, f], crossed: [g, h], bow, .. } = *self;
+        let [a, b, c, d, e, f, g, h, bow, ..] = self.0;
         let m = [
             s.splat(a),
             s.splat(b),
@@ -276,18 +223,72 @@ impl Moments {
         change(s, &m, &powers(s, re, im))
     }
 
-    /// A bound on the second derivative of the change over the phase, at amplitude a.
-    pub(crate) fn curvature(&self, a: f32) -> f32 {
-        let size = |[re, im]: [f32; 2]| sqrtf(re * re + im * im);
-        let cubic = 9.0 * size(self.third) + size(self.crossed);
-        a * (size(self.first) + a * (4.0 * size(self.second) + a * cubic))
+    /// The change to the fourth order.
+    #[inline(always)]
+    pub(crate) fn fine_change<S: Simd>(&self, s: S, re: S::V, im: S::V) -> S::V {
+        let square = s.fma(re, re, s.mul(im, im));
+        let (re2, im2) = (s.fnma(im, im, s.mul(re, re)), s.mul(s.add(re, re), im));
+        let (re4, im4) = (s.fnma(im2, im2, s.mul(re2, re2)), s.mul(s.add(re2, re2), im2));
+        let [fourth_re, fourth_im, turning_re, turning_im] =
+            [s.splat(self.0[12]), s.splat(self.0[13]), s.splat(self.0[14]), s.splat(self.0[15])];
+        // F is in the remainder.
+        let level = s.splat(-(1.0 - FAR) / 8.0 * self.remainder());
+        let even = part(s, [turning_re, turning_im], [re2, im2], s.mul(square, level));
+        part(s, [fourth_re, fourth_im], [re4, im4], s.fma(square, even, self.change(s, re, im)))
     }
 
-    /// What the remainder, the tolerance of ties and the rounding of the sums leave open between two drives of
-    /// modulus up to `reach`. By Cauchy `sum w |G| |t - |P||` is at most the root of power times energy.
-    pub(crate) fn slack(&self, reach: f32) -> f32 {
-        let square = reach * reach;
-        let rounding = reach * reach * self.power + reach * sqrtf(self.power * self.energy);
-        2.0 * square * square * self.remainder + 4e-7 * rounding
+    /// A bound on the second derivative of the change over the phase, at amplitude a.
+    #[inline(always)]
+    pub(crate) fn curvature(&self, a: f32) -> f32 {
+        let size = |k: usize| sqrtf(self.0[k] * self.0[k] + self.0[k + 1] * self.0[k + 1]);
+        let cubic = 9.0 * size(4) + size(6);
+        a * (size(0) + a * (4.0 * size(2) + a * cubic))
     }
+
+    /// A bound on g2 + (1 + a) g3 for a up to 1, where the change is a g1 + a^2 g2 + a^3 g3 at any phase.
+    #[inline(always)]
+    pub(crate) fn bow(&self) -> f32 {
+        let size = |k: usize| sqrtf(self.0[k] * self.0[k] + self.0[k + 1] * self.0[k + 1]);
+        self.0[8] + size(2) + 2.0 * (size(4) + size(6))
+    }
+
+    /// See [`slack`].
+    #[inline(always)]
+    pub(crate) fn slack(&self, reach: f32) -> f32 {
+        slack(self.power(), self.remainder(), self.0[ENERGY], reach)
+    }
+
+    /// See [`rounding`].
+    #[inline(always)]
+    pub(crate) fn rounding(&self, reach: f32) -> f32 {
+        rounding(self.power(), self.0[ENERGY], reach)
+    }
+
+    /// The remainder to the fourth order: |u| is below [`FAR`].
+    #[inline(always)]
+    pub(crate) fn fine_remainder(&self) -> f32 {
+        FAR * self.remainder()
+    }
+
+    /// A bound on the fine remainder of the difference between two drives of modulus up to 1, for each unit that
+    /// they are apart.
+    #[inline(always)]
+    pub(crate) fn steepness(&self) -> f32 {
+        35.0 / 8.0 * FAR * self.remainder()
+    }
+}
+
+/// What the remainder, the tolerance of ties and the rounding of the sums leave open between two drives of modulus up
+/// to `reach`.
+#[inline(always)]
+pub(super) fn slack(power: f32, remainder: f32, energy: f32, reach: f32) -> f32 {
+    let square = reach * reach;
+    2.0 * square * square * remainder + rounding(power, energy, reach)
+}
+
+/// What the tolerance of ties and the rounding of the sums leave open. By Cauchy `sum w |G| |t - |P||` is at most the
+/// root of power times energy.
+#[inline(always)]
+fn rounding(power: f32, energy: f32, reach: f32) -> f32 {
+    4e-7 * (reach * reach * power + reach * sqrtf(power * energy))
 }

@@ -3,8 +3,8 @@
 //! Sixteen candidates lie in the lanes and the points pass by one after another, so nothing is padded in the
 //! points and no sum runs across lanes.
 
-use super::moments::Sixteen;
 use super::simd::{Simd, TINY};
+use super::sixteen::Sixteen;
 use super::{LANES, Lanes, groups};
 use crate::math::{cos, sin};
 use alloc::vec::Vec;
@@ -73,9 +73,11 @@ pub(crate) const fn table(phases: usize) -> usize {
 
 /// Candidate drives a e^{j phi}: amplitudes outer, phases inner.
 pub(crate) struct Candidates {
-    /// cos and sin of the phases, and the last one again up to [`table`]: a copy never wins against its original.
+    /// cos and sin of the phases, and the first ones again up to [`table`]: a copy never wins against its original.
     cos: Vec<f32>,
     sin: Vec<f32>,
+    /// The same of the even and of the odd thirty-seconds of a turn.
+    coarse: [[Lanes; 2]; 2],
     /// The amplitudes.
     levels: Vec<f32>,
     pub(crate) phases: usize,
@@ -115,12 +117,17 @@ impl Candidates {
         for (buffer, part) in [(&mut cosines, cos as fn(f64) -> f64), (&mut sines, sin)] {
             buffer.clear();
             buffer.extend((0..table(phases)).map(|l| {
-                let angle = core::f64::consts::TAU * turns(l.min(phases - 1));
+                let angle = core::f64::consts::TAU * turns(l % phases);
                 part(angle) as f32
             }));
         }
         let amplitudes = levels.len();
-        Self { cos: cosines, sin: sines, levels, phases, amplitudes }
+        let every = |odd: usize| {
+            [&cosines, &sines]
+                .map(|part| core::array::from_fn(|c| part[(2 * c + odd) * phases / (2 * LANES)]))
+        };
+        let coarse = [every(0), every(1)];
+        Self { cos: cosines, sin: sines, coarse, levels, phases, amplitudes }
     }
 
     /// How many there are.
@@ -155,6 +162,18 @@ impl Candidates {
         [&self.cos, &self.sin].map(|part| part[l..].first_chunk().unwrap_or(&[0.0; LANES]))
     }
 
+    /// The phase where a thirty-second of a turn starts.
+    #[inline(always)]
+    pub(crate) fn start(&self, place: usize) -> usize {
+        place * self.phases / (2 * LANES)
+    }
+
+    /// cos and sin there, at the even and at the odd ones.
+    #[inline(always)]
+    pub(crate) fn coarse(&self) -> [[&Lanes; 2]; 2] {
+        [self.coarse[0].each_ref(), self.coarse[1].each_ref()]
+    }
+
     /// Gives the buffers back.
     pub(crate) fn into_buffers(self) -> [Vec<f32>; 3] {
         [self.cos, self.sin, self.levels]
@@ -183,58 +202,34 @@ pub(super) fn largest<S: Simd, T: Term>(s: S, kept: &[Sixteen], gain: [&[f32]; 2
     most
 }
 
-/// A point as [`add_change`] sees it, or one of several problems.
-#[derive(Clone, Copy)]
-pub(super) struct Spot<V> {
-    pub(super) gain: [V; 2],
-    pub(super) pressure: [V; 2],
-    pub(super) modulus: V,
-    pub(super) target: V,
-    pub(super) weight: V,
-}
-
-/// Adds the change of a point's term under the drives (re, im) to `total`.
-#[inline(always)]
-pub(super) fn add_change<S: Simd, T: Term>(
-    s: S,
-    spot: &Spot<S::V>,
-    [re, im]: [S::V; 2],
-    total: S::V,
-) -> S::V {
-    let ([gr, gi], [pr, pi]) = (spot.gain, spot.pressure);
-    let er = s.fnma(gi, im, s.mul(gr, re));
-    let ei = s.fma(gi, re, s.mul(gr, im));
-    let (x, y) = (s.add(pr, er), s.add(pi, ei));
-    // |P + e|^2 - |P|^2 without the cancellation of its two large parts, and so |P + e| - |P|.
-    let square = s.fma(er, s.add(pr, x), s.mul(ei, s.add(pi, y)));
-    let least = s.splat(TINY);
-    let new = s.roots(s.max(s.fma(x, x, s.mul(y, y)), least)).0;
-    let old = s.add(spot.modulus, s.splat(SMALLEST));
-    let rise = s.mul(square, reciprocal(s, s.add(new, old)));
-    s.fma(spot.weight, T::change(s, rise, s.sub(spot.target, spot.modulus)), total)
-}
-
 /// Adds the change of some points' terms under the candidates (re, im) to `total`.
 #[inline(always)]
 pub(crate) fn add_changes<S: Simd, T: Term>(
     s: S,
     points: Points<'_>,
     some: impl Iterator<Item = usize>,
-    drives: [S::V; 2],
+    [re, im]: [S::V; 2],
     mut total: S::V,
 ) -> S::V {
     for j in some {
+        let (gr, gi) = (s.splat(points.gain[0][j]), s.splat(points.gain[1][j]));
         let (kept, lane) = (&points.kept[j / LANES], j % LANES);
-        let spot = Spot {
-            gain: [s.splat(points.gain[0][j]), s.splat(points.gain[1][j])],
-            pressure: [s.splat(kept.re[lane]), s.splat(kept.im[lane])],
-            modulus: s.splat(kept.modulus[lane]),
-            target: s.splat(kept.target[lane]),
-            weight: s.splat(kept.weight[lane]),
-        };
-        total = add_change::<S, T>(s, &spot, drives, total);
+        let old = [kept.re[lane], kept.im[lane], kept.modulus[lane]].map(|x| s.splat(x));
+        let e = [s.fnma(gi, im, s.mul(gr, re)), s.fma(gi, re, s.mul(gr, im))];
+        let gap = s.splat(kept.target[lane] - kept.modulus[lane]);
+        total = s.fma(s.splat(kept.weight[lane]), T::change(s, rise(s, old, e), gap), total);
     }
     total
+}
+
+/// |P + e| - |P|, from P (re, im, modulus) and e.
+#[inline(always)]
+pub(crate) fn rise<S: Simd>(s: S, [pr, pi, old]: [S::V; 3], [er, ei]: [S::V; 2]) -> S::V {
+    let (x, y) = (s.add(pr, er), s.add(pi, ei));
+    // |P + e|^2 - |P|^2 without the cancellation of its two large parts.
+    let square = s.fma(er, s.add(pr, x), s.mul(ei, s.add(pi, y)));
+    let new = s.roots(s.max(s.fma(x, x, s.mul(y, y)), s.splat(TINY))).0;
+    s.mul(square, reciprocal(s, s.add(new, s.add(old, s.splat(SMALLEST)))))
 }
 
 /// 1/a of normal a > 0, by the inverse root and one step of Newton.

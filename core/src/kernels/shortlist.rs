@@ -1,8 +1,6 @@
 //! Which candidates may be the best, as far as the moments tell.
 //!
-//! Small grids are met whole. Of a large one every sixteenth of the phases is met first, at all amplitudes; the
-//! energy's second derivative is bounded, so between two phases it cannot fall far below both, and only stretches
-//! that may hold the best are met in full.
+//! Small grids are met whole; for large ones see [`super::fine`].
 
 use super::moments::Moments;
 use super::search::{self, Candidates, L2, Points};
@@ -26,32 +24,12 @@ impl Shortlist {
     pub(crate) const MOST: usize = 256;
 }
 
-/// Numbers of working memory for [`shortlist`].
-pub(crate) fn floats(candidates: &Candidates) -> usize {
-    Shortlist::MOST + SEEN * candidates.amplitudes
-}
-
-/// Phases met first of a large grid.
-const COARSE: usize = LANES;
-
-/// Room for what these give at one amplitude, and for the first of them once more.
-const SEEN: usize = 2 * LANES;
-
-/// From this many phases on it is worth looking twice.
-const LARGE: usize = 64;
-
-/// Whether every candidate of so many phases is met.
-pub(crate) fn met_whole(phases: usize) -> bool {
-    phases < LARGE
-}
-
 /// The energies' changes by the moments, and by eq. (7) at the points that these leave out.
 struct Energies<'a, S: Simd> {
     s: S,
     points: Points<'a>,
     moments: &'a Moments,
     near: &'a [u32],
-    candidates: &'a Candidates,
 }
 
 impl<S: Simd> Energies<'_, S> {
@@ -68,33 +46,21 @@ impl<S: Simd> Energies<'_, S> {
         let some = self.near.iter().map(|&j| j as usize);
         search::add_changes::<S, L2>(s, self.points, some, [re, im], change)
     }
-
-    /// A bound on the second derivative over the phase. A point left out has the term |P + e|^2 - 2 t |P + e|: the
-    /// first part's is at most 2 a |P| |G|; the second is concave in |P + e|, which on an arc of length h is at most
-    /// its chord plus a |G| h^2/8.
-    fn curvature(&self, a: f32) -> f32 {
-        let left_out = |&j: &u32| {
-            let (kept, lane) = (&self.points.kept[j as usize / LANES], j as usize % LANES);
-            let gain = self.points.gain[0][j as usize].abs() + self.points.gain[1][j as usize].abs();
-            2.0 * a * kept.weight[lane] * gain * (kept.modulus[lane] + kept.target[lane])
-        };
-        self.moments.curvature(a) + self.near.iter().map(left_out).sum::<f32>()
-    }
 }
 
 /// The candidates met so far that may be the best, in rising order.
-struct List<'a> {
-    slack: f32,
-    least: f32,
-    indices: &'a mut [u32],
-    values: &'a mut [f32],
-    count: usize,
+pub(super) struct List<'a> {
+    pub(super) slack: f32,
+    pub(super) least: f32,
+    pub(super) indices: &'a mut [u32],
+    pub(super) values: &'a mut [f32],
+    pub(super) count: usize,
 }
 
 impl List<'_> {
     /// Meets 16 candidates, of which the first `used` are listed, as numbers from `index` on.
     #[inline(always)]
-    fn meet<S: Simd>(&mut self, s: S, changes: S::V, index: usize, used: usize) {
+    pub(super) fn meet<S: Simd>(&mut self, s: S, changes: S::V, index: usize, used: usize) {
         // Lanes beyond are copies of a candidate, or candidates of another stretch.
         self.least = self.least.min(-s.greatest(s.sub(s.splat(0.0), changes)));
         let mut bits = !s.less(s.splat(self.least + self.slack), changes) & (0xffff >> (LANES - used));
@@ -106,22 +72,25 @@ impl List<'_> {
         while bits != 0 {
             let lane = bits.trailing_zeros() as usize;
             bits &= bits - 1;
-            if self.count == Shortlist::MOST {
+            if self.count == self.indices.len() {
                 self.sift();
             }
-            if self.count < Shortlist::MOST {
+            if self.count < self.indices.len() {
                 self.indices[self.count] = (index + lane) as u32;
                 self.values[self.count] = lanes[lane];
             }
             // Beyond the list's end they are only counted.
-            self.count = (self.count + 1).min(Shortlist::MOST + 1);
+            self.count = (self.count + 1).min(self.indices.len() + 1);
         }
     }
 
-    /// Drops what the least found since has ruled out.
-    fn sift(&mut self) {
+    /// Drops what the least found since has ruled out, unless some were only counted.
+    pub(super) fn sift(&mut self) {
+        if self.count > self.indices.len() {
+            return;
+        }
         let mut left = 0;
-        for k in 0..self.count.min(Shortlist::MOST) {
+        for k in 0..self.count {
             // Whatever cannot be compared stays.
             if self.values[k].partial_cmp(&(self.least + self.slack)) != Some(core::cmp::Ordering::Greater) {
                 (self.indices[left], self.values[left]) = (self.indices[k], self.values[k]);
@@ -156,20 +125,15 @@ pub(crate) fn shortlist<S: Simd>(
     floats: &mut [f32],
     close: &mut [u32],
 ) -> Shortlist {
-    let energies = Energies { s, points, moments, near, candidates };
-    let (values, seen) = floats.split_at_mut(Shortlist::MOST);
-    let mut list = List { slack, least: f32::INFINITY, indices: close, values, count: 0 };
+    let energies = Energies { s, points, moments, near };
+    let mut list = List { slack, least: f32::INFINITY, indices: close, values: floats, count: 0 };
     let phases = candidates.phases;
-    if met_whole(phases) {
-        for k in 0..candidates.amplitudes {
-            let amplitude = candidates.amplitude(k);
-            for first in (0..phases).step_by(LANES) {
-                let changes = energies.meet(amplitude, candidates.sixteen(first));
-                list.meet(s, changes, k * phases + first, LANES.min(phases - first));
-            }
+    for k in 0..candidates.amplitudes {
+        let amplitude = candidates.amplitude(k);
+        for first in (0..phases).step_by(LANES) {
+            let changes = energies.meet(amplitude, candidates.sixteen(first));
+            list.meet(s, changes, k * phases + first, LANES.min(phases - first));
         }
-    } else {
-        twice(&energies, &mut list, seen);
     }
     if list.count > 1 {
         list.sift();
@@ -187,59 +151,4 @@ pub(crate) fn shortlist<S: Simd>(
     };
     let reach = if list.count > 1 { indices.iter().map(distance).fold(0.0, f32::max) } else { 0.0 };
     Shortlist { best, count: list.count, reach }
-}
-
-/// A large grid: coarse, and then fine where it matters.
-#[inline(always)]
-fn twice<S: Simd>(energies: &Energies<'_, S>, list: &mut List<'_>, seen: &mut [f32]) {
-    let (s, candidates) = (energies.s, energies.candidates);
-    let phases = candidates.phases;
-    let start = |c: usize| c * phases / COARSE;
-    let (mut cos, mut sin): (Lanes, Lanes) = ([0.0; LANES], [0.0; LANES]);
-    for c in 0..COARSE {
-        [cos[c], sin[c]] = candidates.phasor(start(c));
-    }
-    let mut lowest = s.splat(f32::INFINITY);
-    for (k, seen) in seen.chunks_exact_mut(SEEN).enumerate() {
-        let changes = energies.meet(candidates.amplitude(k), [&cos, &sin]);
-        lowest = s.min(changes, lowest);
-        let [first, again] = seen.as_chunks_mut().0 else { continue };
-        s.store(changes, first);
-        s.store(changes, again);
-    }
-    list.least = -s.greatest(s.sub(s.splat(0.0), lowest));
-    // The best of all is near the best of these: met first, it rules out most others.
-    let least = s.splat(list.least);
-    let best = seen.chunks_exact(SEEN).enumerate().find_map(|(k, seen)| {
-        let here = !s.less(least, s.load(window(seen, 0))) & 0xffff;
-        (here != 0).then(|| (k, here.trailing_zeros() as usize))
-    });
-    if let Some((k, c)) = best {
-        let around = (start(c) + phases - LANES / 2) % phases;
-        let changes = energies.meet(candidates.amplitude(k), candidates.sixteen(around));
-        list.least = list.least.min(-s.greatest(s.sub(s.splat(0.0), changes)));
-    }
-    let width = core::f32::consts::TAU * phases.div_ceil(COARSE) as f32 / phases as f32;
-    let bend = energies.curvature(1.0) * width * width / 8.0;
-    for (k, seen) in seen.chunks_exact(SEEN).enumerate() {
-        let amplitude = candidates.amplitude(k);
-        let lower = s.min(s.load(window(seen, 0)), s.load(window(seen, 1)));
-        let limit = s.splat(list.least + list.slack + amplitude * bend);
-        let mut stretches = !s.less(limit, lower) & 0xffff;
-        while stretches != 0 {
-            let c = stretches.trailing_zeros() as usize;
-            stretches &= stretches - 1;
-            let (first, end) = (start(c), start(c + 1));
-            for l in (first..end).step_by(LANES) {
-                let changes = energies.meet(amplitude, candidates.sixteen(l));
-                list.meet(s, changes, k * phases + l, LANES.min(end - l));
-            }
-        }
-    }
-}
-
-/// Sixteen numbers from a place on.
-#[inline(always)]
-fn window(list: &[f32], at: usize) -> &Lanes {
-    list[at..].first_chunk().unwrap_or(&[0.0; LANES])
 }

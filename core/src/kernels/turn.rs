@@ -1,8 +1,8 @@
 //! One transducer turned to where it serves its points best, all others as they are.
 
 use super::level::{Level, dispatch};
-use super::moments::Sixteen;
 use super::search::{self, Candidates, L2, Points};
+use super::sixteen::Sixteen;
 use super::{groups, groups_mut};
 
 /// Takes up the points of a field: targets, weights and pressures, padded alike.

@@ -13,7 +13,7 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::gains::Gains;
 use crate::kernels::greedy::{self, Pass};
-use crate::kernels::{self, Candidates, L1, L2, LANES, Sixteen, greedy_abreast, shortlist, table};
+use crate::kernels::{self, Candidates, L1, L2, LANES, Sixteen, greedy_abreast, table};
 use crate::levels::Levels;
 use crate::linalg::Planar;
 use crate::options::{OptionValue, Options, Value, spell, word};
@@ -225,8 +225,8 @@ impl Solve for Greedy {
         let (count, lanes) = (gains.transducers(), gains.lanes());
         let order = self.turns(gains, work)?;
         let candidates = self.candidates(problem, work)?;
-        let mut floats = work.floats.take(shortlist::floats(&candidates));
-        let mut indices = work.indices.take(greedy::indices(lanes));
+        let mut floats = work.floats.take(greedy::floats(candidates.phases));
+        let mut indices = work.indices.take(greedy::indices(lanes, candidates.phases));
         let mut kept = work.points.take(2 * lanes / kernels::LANES);
         let mut rows = [(); 4].map(|()| work.floats.take(lanes));
         let mut drive = work.complexes.take(count);
@@ -279,7 +279,7 @@ impl Solve for Greedy {
         let lanes = together.target.len();
         let mut floats = work.floats.take(greedy_abreast::floats(lanes, &candidates));
         let mut kept = work.points.take(greedy_abreast::kept(lanes));
-        let mut indices = work.indices.take(greedy::indices(LANES));
+        let mut indices = work.indices.take(greedy::indices(LANES, self.phases as usize));
         let pass = greedy_abreast::Pass {
             rows: together.abreast.rows(),
             target: &together.target,

@@ -65,7 +65,7 @@ fn assert_regrets(greedy: &Greedy, scene: &Scene) {
 #[test]
 fn fine_grids_of_phases_and_amplitudes_are_searched_as_well() {
     for (phases, amplitudes, points) in
-        [(256, 16, 1), (256, 16, 4), (256, 16, 32), (1000, 3, 16), (64, 256, 8)]
+        [(256, 16, 1), (256, 16, 4), (256, 16, 32), (256, 16, 64), (1000, 3, 16), (64, 256, 8)]
     {
         let greedy = Greedy { phases, amplitudes, seed: 5, ..Greedy::default() };
         let scene = scene(preset("paper20"), random_points(points, 0.1, 11 + points as u64), None);
