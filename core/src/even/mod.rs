@@ -142,6 +142,17 @@ impl Wave {
         }
     }
 
+    /// What the directions of another `drive` make.
+    fn play(&mut self, rows: &Rows, drive: &[Complex32], work: &mut Workspace) {
+        let size = self.drive[0].len();
+        let [mut re, mut im, still] = [(); 3].map(|()| work.floats.take(size));
+        for ((re, im), q) in re.iter_mut().zip(&mut im).zip(drive) {
+            (*re, *im) = (q.re, q.im);
+        }
+        self.set(|wave| tiles::turn(rows.level, rows.tiles(), [&re, &im], &still, 0.0, wave));
+        work.floats.give_all([re, im, still]);
+    }
+
     fn copy(&mut self, other: &Self) {
         let own = self.drive.iter_mut().chain(&mut self.field).chain([&mut self.moduli]);
         let others = other.drive.iter().chain(&other.field).chain([&other.moduli]);
@@ -240,24 +251,26 @@ pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &mut Workspace, contro
             core::mem::swap(&mut best, &mut wave);
         }
     }
-    let loudest = best.moduli[..rows.loud].iter().copied().fold(0.0, f32::max);
-    let factor = if wanted && loudest > rows.target { rows.target / loudest } else { 1.0 };
     let mut drive = work.complexes.take(problem.gains().transducers());
     for (i, q) in drive.iter_mut().enumerate() {
         *q = Complex32::new(best.drive[0][i], best.drive[1][i]);
     }
-    let device = problem.gains().levels().is_some();
-    if device {
-        // At full drive: the entry point brings what is below it to the device's amplitudes.
+    let levels = problem.gains().levels();
+    if levels.is_some() {
+        // At full drive, where the grid is finest; what it makes at the points is heard anew.
         refine(problem, &mut drive, work);
+        best.play(&rows, &drive, work);
     }
+    let loudest = best.moduli[..rows.loud].iter().copied().fold(0.0, f32::max);
+    let factor = if wanted && loudest > rows.target { f64::from(rows.target / loudest) } else { 1.0 };
+    let (amplitude, scale) = levels.map_or((factor, 1.0), |levels| levels.lowered(factor));
     for q in &mut drive {
-        *q *= factor;
+        *q *= amplitude as f32;
     }
     let mut field = Planar::zeros(1, problem.gains().lanes(), work);
     for (field, own) in [&mut field.re, &mut field.im].into_iter().zip(&best.field) {
         for (k, &j) in rows.order.iter().enumerate() {
-            field[j as usize] = own[k] / rows.scale[k] * factor;
+            field[j as usize] = own[k] / rows.scale[k] * amplitude as f32;
         }
     }
     let status = match (watch.stopped, reached.0) {
@@ -271,12 +284,7 @@ pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &mut Workspace, contro
     wave.give(work);
     starts.give(work);
     rows.give(work);
-    let mut solution = if device {
-        field.give(work);
-        Solution::new(problem, drive, status, step, work)
-    } else {
-        Solution::of_field(problem, drive, field, status, step, work)
-    };
+    let mut solution = Solution::of_field(problem, drive, field, status, step, work).scaled(scale);
     solution.tell(problem, steps, control);
     solution
 }
