@@ -77,17 +77,8 @@ impl Rows {
         }
         let size = kernels::padded(gains.transducers()) * count;
         let mut planes = [(); 2].map(|()| work.floats.take(size));
-        let mut memory = work.floats.take(2 * LANES * gains.lanes());
         let [re, im] = &mut planes;
-        tiles::pack(
-            gains.level(),
-            gains.rows(),
-            gains.transducers(),
-            (&order, &scale),
-            &mut memory,
-            [re, im],
-        );
-        work.floats.give(memory);
+        tiles::pack(gains.level(), gains.rows(), gains.transducers(), (&order, &scale), [re, im]);
         let loud = (0..points as u32).filter(heard).count();
         Self { order, loud, count, scale, target, planes, level: gains.level() }
     }

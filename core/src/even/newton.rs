@@ -7,7 +7,7 @@
 use alloc::vec::Vec;
 
 use super::{Rows, Watch, Wave};
-use crate::kernels::{padded, tiles};
+use crate::kernels::{padded, products, tiles};
 use crate::linalg::Cholesky;
 use crate::problem::Problem;
 use crate::workspace::Workspace;
@@ -89,7 +89,7 @@ struct Newton {
     count: usize,
     /// J, tile by tile.
     slopes: Vec<f32>,
-    /// J J^T, its lower half.
+    /// J J^T, its upper half.
     matrix: Vec<f32>,
     /// 1 / weight of each equation.
     ease: Vec<f32>,
@@ -113,7 +113,7 @@ impl Newton {
             size,
             count,
             slopes: work.floats.take(transducers * count),
-            matrix: work.floats.take(size * size),
+            matrix: work.floats.take(size * padded(size)),
             ease,
             factors: [(); 2].map(|()| work.floats.take(count)),
             turns: work.floats.take(transducers),
@@ -137,7 +137,7 @@ impl Newton {
         (points..self.size).for_each(|k| (f[k], g[k]) = (1.0, 0.0));
         let (tiles, level) = (rows.tiles(), rows.level);
         tiles::slopes(level, tiles, wave.drive(), [&*f, &*g], (points, loud), &mut self.slopes);
-        tiles::products(level, &self.slopes, self.count, self.size, &mut self.matrix);
+        products::products(level, &self.slopes, self.count, self.size, &mut self.matrix);
     }
 
     /// Writes the wave after a step into `trial`; `false` if f32 cannot factor the system.
@@ -151,29 +151,30 @@ impl Newton {
         work: &mut Workspace,
     ) -> bool {
         let size = self.size;
-        let mut matrix = work.floats.take(size * size);
+        let lanes = padded(size);
+        let mut matrix = work.floats.take(size * lanes);
         matrix.copy_from_slice(&self.matrix);
-        let mean = (0..size).map(|k| matrix[k * size + k]).sum::<f32>() / size as f32;
+        let mean = (0..size).map(|k| matrix[k * lanes + k]).sum::<f32>() / size as f32;
         for k in 0..size {
-            matrix[k * size + k] += damping * mean * self.ease[k];
+            matrix[k * lanes + k] += damping * mean * self.ease[k];
         }
         let Some(cholesky) = Cholesky::new(rows.level, matrix, size, work) else {
             return false;
         };
         // From the mean level, since s times one solution less another would cancel most digits.
         let middle = wave.level(rows);
-        let [mut dual, mut rise] = [(); 2].map(|()| work.floats.take(self.count));
+        let [mut dual, mut rise] = [(); 2].map(|()| work.floats.take(lanes.max(self.count)));
         for k in 0..size {
             rise[k] = if k < rows.loud { 1.0 } else { 0.0 };
             dual[k] = middle * rise[k] - heard(rows, wave, k);
         }
-        cholesky.solve(&mut dual[..size]);
-        cholesky.solve(&mut rise[..size]);
+        cholesky.solve(&mut dual[..lanes]);
+        cholesky.solve(&mut rise[..lanes]);
         cholesky.give(work);
         let sum = |values: &[f32]| values[..rows.loud].iter().map(|&x| f64::from(x)).sum::<f64>();
         let shift = level.map_or_else(|| (-sum(&dual) / sum(&rise)) as f32, |level| level - middle);
         dual.iter_mut().zip(&rise).for_each(|(dual, rise)| *dual += shift * rise);
-        let most = tiles::combine(rows.level, &self.slopes, &dual, &mut self.turns);
+        let most = tiles::combine(rows.level, &self.slopes, &dual[..self.count], &mut self.turns);
         work.floats.give_all([dual, rise]);
         let factor = if most > MOST_TURN { MOST_TURN / most } else { 1.0 };
         if !most.is_finite() {

@@ -7,7 +7,7 @@
 use alloc::vec::Vec;
 
 use super::{Plan, Rows};
-use crate::kernels::{LANES, Level, tiles};
+use crate::kernels::{LANES, Level, phases, products};
 use crate::math::sqrtf;
 use crate::problem::Problem;
 use crate::projection::start_phasors;
@@ -81,10 +81,10 @@ impl Couplings {
         let mut matrix = [(); 2].map(|()| work.floats.take(points * points));
         let mut norms = work.floats.take(points);
         let [re, im] = &mut matrix;
-        tiles::couplings(rows.level, rows.tiles(), points, [re, im]);
+        products::couplings(rows.level, rows.tiles(), points, [re, im]);
         for k in 0..points {
             for l in 0..k {
-                (re[l * points + k], im[l * points + k]) = (re[k * points + l], -im[k * points + l]);
+                (re[k * points + l], im[k * points + l]) = (re[l * points + k], -im[l * points + k]);
             }
         }
         for (k, norm) in norms.iter_mut().enumerate() {
@@ -158,8 +158,8 @@ impl Couplings {
                 turns[own].fill_with(|| rng.uniform() as f32);
             }
             let [re, im] = vectors;
-            tiles::phasors(self.level, &turns, &shares, [&mut *re, &mut *im]);
-            let energy = tiles::align(self.level, self.planes(), &shares, &visits, ROUNDS, [re, im]);
+            phases::phasors(self.level, &turns, &shares, [&mut *re, &mut *im]);
+            let energy = phases::align(self.level, self.planes(), &shares, &visits, ROUNDS, [re, im]);
             energies[group * LANES..][..LANES].copy_from_slice(&energy);
         }
         energies[plan.starts..].fill(-1.0);

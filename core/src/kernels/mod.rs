@@ -4,13 +4,16 @@
 //! is written once over [`simd::Simd`], 16 lanes and a fixed order of sums, and compiled for every [`Level`].
 
 pub(crate) mod abreast;
+pub(crate) mod cholesky;
 pub(crate) mod fast;
 pub(crate) mod greedy;
 pub(crate) mod level;
 mod matrix;
 mod moments;
 pub(crate) use moments::Sixteen;
+pub(crate) mod phases;
 mod pressure;
+pub(crate) mod products;
 mod row;
 mod rows;
 mod search;

@@ -6,18 +6,16 @@
 use super::level::{Level, dispatch};
 use super::rows::Rows;
 use super::simd::{Simd, TINY};
-use super::turns::wave as phasor;
 use super::{LANES, Lanes, groups, groups_mut};
 
-/// Rows met at once: four meet two in [`couplings`] and [`products`], and their sums fill the registers.
-const LEFT: usize = 4;
-const RIGHT: usize = 2;
+/// Rows met at once by [`super::products`].
+pub(super) const BLOCK: usize = 4;
 
 /// Rows of a tile that holds `count`: padded to whole blocks, and past a multiple of 32 rows, at which a row of each
 /// tile would want the same place in the nearest cache.
 pub(crate) const fn height(count: usize) -> usize {
-    let rows = count.next_multiple_of(LEFT);
-    if rows.is_multiple_of(32) { rows + LEFT } else { rows }
+    let rows = count.next_multiple_of(BLOCK);
+    if rows.is_multiple_of(32) { rows + BLOCK } else { rows }
 }
 
 /// G, `count` rows of lanes a tile.
@@ -43,35 +41,24 @@ pub(crate) struct Wave<'a> {
     pub(crate) lanes: [&'a mut [f32]; 2],
 }
 
-/// Writes G as tiles: row `k` of each is point `order[k]` times `scale[k]`. `memory` holds 32 rows of `rows`.
+/// Writes G as tiles: row `k` of each is point `order[k]` times `scale[k]`, zeros beyond the last point.
 pub(crate) fn pack(
     level: Level,
     rows: Rows<'_>,
     transducers: usize,
     points: (&[u32], &[f32]),
-    memory: &mut [f32],
     out: [&mut [f32]; 2],
 ) {
     dispatch!(level, s => {
         let (order, scale) = points;
-        let lanes = memory.len() / (2 * LANES);
-        let count = scale.len();
-        let [re, im] = out;
-        for first in (0..transducers).step_by(LANES) {
-            let (res, ims) = memory.split_at_mut(LANES * lanes);
-            let members = LANES.min(transducers - first);
-            for m in 0..members {
-                let own = m * lanes..(m + 1) * lanes;
-                rows.write(s, first + m, &mut res[own.clone()], &mut ims[own]);
-            }
-            for (part, all) in [(&*res, &mut *re), (&*ims, &mut *im)] {
-                let tile = groups_mut(&mut all[first * count..(first + LANES) * count]);
-                for ((to, &j), &scale) in tile.iter_mut().zip(order).zip(scale) {
-                    for m in 0..members {
-                        to[m] = part[m * lanes + j as usize] * scale;
-                    }
-                }
-            }
+        let [re, im] = out.map(groups_mut);
+        let tiles = re.chunks_exact_mut(scale.len()).zip(im.chunks_exact_mut(scale.len()));
+        for (t, (re, im)) in tiles.enumerate() {
+            let (re, re_padding) = re.split_at_mut(order.len());
+            let (im, im_padding) = im.split_at_mut(order.len());
+            rows.write_tile(s, (t * LANES, transducers), (order, scale), [re, im]);
+            re_padding.fill([0.0; LANES]);
+            im_padding.fill([0.0; LANES]);
         }
     });
 }
@@ -188,111 +175,4 @@ pub(crate) fn combine(level: Level, tiles: &[f32], factors: &[f32], out: &mut [f
         }
         s.greatest(most)
     })
-}
-
-/// The lower half of J J^T, J given in tiles of `rows` rows: a matrix of `size` x `size`.
-pub(crate) fn products(level: Level, tiles: &[f32], rows: usize, size: usize, matrix: &mut [f32]) {
-    dispatch!(level, s => {
-        let all = groups(tiles);
-        for k in (0..size).step_by(LEFT) {
-            for l in (0..(k + LEFT).min(size)).step_by(RIGHT) {
-                let mut sums = [[s.splat(0.0); RIGHT]; LEFT];
-                for tile in all.chunks_exact(rows) {
-                    let right = [s.load(&tile[l]), s.load(&tile[l + 1])];
-                    for (sums, row) in sums.iter_mut().zip(&tile[k..k + LEFT]) {
-                        let row = s.load(row);
-                        *sums = [s.fma(row, right[0], sums[0]), s.fma(row, right[1], sums[1])];
-                    }
-                }
-                for (k, sums) in (k..size).zip(sums) {
-                    for (l, sum) in (l..size).zip(sums) {
-                        matrix[k * size + l] = s.sum(sum);
-                    }
-                }
-            }
-        }
-    });
-}
-
-/// The lower half of G G^H over the first `size` points.
-pub(crate) fn couplings(level: Level, tiles: Tiles<'_>, size: usize, matrix: [&mut [f32]; 2]) {
-    dispatch!(level, s => {
-        let [all_re, all_im] = tiles.planes.map(groups);
-        let [to_re, to_im] = matrix;
-        for k in (0..size).step_by(LEFT) {
-            for l in (0..(k + LEFT).min(size)).step_by(RIGHT) {
-                let mut sums = [[[s.splat(0.0); 2]; RIGHT]; LEFT];
-                for (re, im) in all_re.chunks_exact(tiles.count).zip(all_im.chunks_exact(tiles.count)) {
-                    let right = [l, l + 1].map(|l| [s.load(&re[l]), s.load(&im[l])]);
-                    for (sums, (re, im)) in sums.iter_mut().zip(re[k..k + LEFT].iter().zip(&im[k..k + LEFT])) {
-                        let (re, im) = (s.load(re), s.load(im));
-                        for ([real, imag], [other_re, other_im]) in sums.iter_mut().zip(right) {
-                            *real = s.fma(re, other_re, s.fma(im, other_im, *real));
-                            *imag = s.fma(im, other_re, s.fnma(re, other_im, *imag));
-                        }
-                    }
-                }
-                for (k, sums) in (k..size).zip(sums) {
-                    for (l, [real, imag]) in (l..size).zip(sums) {
-                        (to_re[k * size + l], to_im[k * size + l]) = (s.sum(real), s.sum(imag));
-                    }
-                }
-            }
-        }
-    });
-}
-
-/// Vectors v of the moduli `shares` and the phases `turns`, sixteen side by side, brought into line: `rounds` times
-/// each v_k gets the phase of sum_l C_kl v_l, in the order of `visits`. The sum of |v_k| |sum_l C_kl v_l|.
-///
-/// Where the sum is silent v_k stays.
-pub(crate) fn align(
-    level: Level,
-    matrix: [&[f32]; 2],
-    shares: &[f32],
-    visits: &[u32],
-    rounds: usize,
-    vectors: [&mut [f32]; 2],
-) -> Lanes {
-    dispatch!(level, s => {
-        let [re, im] = vectors.map(groups_mut);
-        let size = shares.len();
-        let tiny = s.splat(TINY);
-        let mut energy = s.splat(0.0);
-        for _ in 0..rounds {
-            energy = s.splat(0.0);
-            for &k in visits {
-                let k = k as usize;
-                let row = matrix.map(|plane| &plane[k * size..(k + 1) * size]);
-                let mut sums = [s.splat(0.0); 4];
-                for ((&cr, &ci), (re, im)) in row[0].iter().zip(row[1]).zip(re.iter().zip(im.iter())) {
-                    let (cr, ci, re, im) = (s.splat(cr), s.splat(ci), s.load(re), s.load(im));
-                    sums = [s.fma(cr, re, sums[0]), s.fma(ci, im, sums[1]), s.fma(cr, im, sums[2]), s.fma(ci, re, sums[3])];
-                }
-                let (x, y) = (s.sub(sums[0], sums[1]), s.add(sums[2], sums[3]));
-                let square = s.fma(x, x, s.mul(y, y));
-                let (root, inverse) = s.roots(s.max(square, tiny));
-                let share = s.splat(shares[k]);
-                energy = s.fma(share, root, energy);
-                let scale = s.mul(share, inverse);
-                s.store(s.select_less(square, tiny, s.load(&re[k]), s.mul(scale, x)), &mut re[k]);
-                s.store(s.select_less(square, tiny, s.load(&im[k]), s.mul(scale, y)), &mut im[k]);
-            }
-        }
-        let mut lanes = [0.0; LANES];
-        s.store(energy, &mut lanes);
-        lanes
-    })
-}
-
-/// v = share e^{2 pi j x}, sixteen numbers of each share.
-pub(crate) fn phasors(level: Level, turns: &[f32], shares: &[f32], out: [&mut [f32]; 2]) {
-    dispatch!(level, s => {
-        let [re, im] = out.map(groups_mut);
-        for ((turns, &share), (re, im)) in groups(turns).iter().zip(shares).zip(re.iter_mut().zip(im)) {
-            let [x, y] = phasor(s, s.load(turns), s.splat(share));
-            s.store(x, re);
-            s.store(y, im);
-        }
-    });
 }

@@ -8,6 +8,7 @@ use num_complex::Complex64;
 
 use super::super::tiles::{self, Tiles, Wave, height};
 use super::super::{LANES, Level, Rows, padded};
+use super::super::{phases, products};
 use super::{LENGTHS, ROUNDING, assert_near, numbers, wide};
 use crate::rng::Rng;
 
@@ -33,13 +34,11 @@ impl Scene {
         let order: Vec<u32> = (0..points as u32).rev().collect();
         let mut scale = vec![0.0; height(points)];
         (0..points).for_each(|k| scale[k] = if k % 2 == 0 { 1.0 } else { 2.0 });
-        // The buffers of a workspace are zeros; the memory for rows need not be.
         let size = padded(transducers) * height(points);
-        let mut planes = [(); 2].map(|()| vec![0.0; size]);
+        let mut planes = [(); 2].map(|()| vec![f32::NAN; size]);
         let [re, im] = &mut planes;
         let rows = Rows::Stored { re: &stored[0], im: &stored[1] };
-        let mut memory = vec![f32::NAN; 2 * LANES * lanes];
-        tiles::pack(level, rows, transducers, (&order, &scale), &mut memory, [re, im]);
+        tiles::pack(level, rows, transducers, (&order, &scale), [re, im]);
         let entry = |k: usize, i: usize| {
             let at = i * lanes + points - 1 - k;
             Complex64::new(wide(stored[0][at]), wide(stored[1][at])) * wide(scale[k])
@@ -160,14 +159,14 @@ fn slopes_their_products_and_sums_are_those_of_j() {
                 assert_near(got, j(e, i), 32.0 * ROUNDING, "slope");
             }
         }
-        let mut matrix = vec![f32::NAN; size * size];
-        tiles::products(level, &slopes, rows, size, &mut matrix);
+        let mut matrix = vec![f32::NAN; size * padded(size)];
+        products::products(level, &slopes, rows, size, &mut matrix);
         // Terms of at most 4 squared, each of two factors with the error above.
         let allowed = 300.0 * ROUNDING * transducers as f64;
         for k in 0..size {
-            for l in 0..=k {
+            for l in k..size {
                 let want = (0..transducers).map(|i| j(k, i) * j(l, i)).sum();
-                assert_near(matrix[k * size + l], want, allowed, "product");
+                assert_near(matrix[k * padded(size) + l], want, allowed, "product");
             }
         }
         let mut sums = vec![f32::NAN; padded(transducers)];
@@ -186,9 +185,9 @@ fn couplings_are_products_of_rows() {
         let scene = Scene::new(count, 37, level);
         let mut matrix = [(); 2].map(|()| vec![f32::NAN; count * count]);
         let [re, im] = &mut matrix;
-        tiles::couplings(level, scene.tiles(), count, [re, im]);
+        products::couplings(level, scene.tiles(), count, [re, im]);
         for k in 0..count {
-            for l in 0..=k {
+            for l in k..count {
                 let pairs = scene.gains[k].iter().zip(&scene.gains[l]);
                 let want: Complex64 = pairs.map(|(a, b)| a * b.conj()).sum();
                 // 37 products of two numbers below 2 sqrt 2.
@@ -217,7 +216,7 @@ fn aligning_raises_the_energy_and_keeps_the_moduli() {
         let turns = numbers(rng, count * LANES, -1.0, 1.0);
         let mut vectors = [(); 2].map(|()| vec![f32::NAN; count * LANES]);
         let [re, im] = &mut vectors;
-        tiles::phasors(level, &turns, &shares, [re, im]);
+        phases::phasors(level, &turns, &shares, [re, im]);
         let energy = |[re, im]: &[Vec<f32>; 2], s: usize| -> f64 {
             let v = |k: usize| Complex64::new(wide(re[k * LANES + s]), wide(im[k * LANES + s]));
             let pairs = (0..count).flat_map(|k| (0..count).filter(move |&l| l != k).map(move |l| (k, l)));
@@ -229,7 +228,7 @@ fn aligning_raises_the_energy_and_keeps_the_moduli() {
         let mut told = [0.0; LANES];
         for _ in 0..40 {
             let [re, im] = &mut vectors;
-            told = tiles::align(level, planes, &shares, &visits, 1, [re, im]);
+            told = phases::align(level, planes, &shares, &visits, 1, [re, im]);
         }
         let scale = coupling(0, 0).re * (count * count) as f64;
         for s in 0..LANES {
