@@ -16,14 +16,25 @@ pub struct Pool<T> {
 impl<T: Clone + Default> Pool<T> {
     /// A buffer of `len` defaults: the smallest free one that holds them, else a new one.
     pub fn take(&mut self, len: usize) -> Vec<T> {
-        let fits = (0..self.free.len()).filter(|&k| self.free[k].capacity() >= len);
-        let mut buffer = match fits.min_by_key(|&k| self.free[k].capacity()) {
-            Some(k) => self.free.swap_remove(k),
-            None => Vec::with_capacity(len),
-        };
+        let mut buffer = self.fitting(len);
         buffer.clear();
         buffer.resize(len, T::default());
         buffer
+    }
+
+    /// The same for what is written as a whole before it is read: it may hold anything.
+    pub(crate) fn take_any(&mut self, len: usize) -> Vec<T> {
+        let mut buffer = self.fitting(len);
+        buffer.resize(len, T::default());
+        buffer
+    }
+
+    fn fitting(&mut self, len: usize) -> Vec<T> {
+        let fits = (0..self.free.len()).filter(|&k| self.free[k].capacity() >= len);
+        match fits.min_by_key(|&k| self.free[k].capacity()) {
+            Some(k) => self.free.swap_remove(k),
+            None => Vec::with_capacity(len),
+        }
     }
 
     /// Gives a buffer back.

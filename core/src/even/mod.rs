@@ -6,6 +6,7 @@
 //!
 //! Rows of G are divided by their targets, so that all points ask for the same; the quiet ones come last.
 
+mod merge;
 mod newton;
 mod starts;
 mod sweeps;
@@ -16,7 +17,7 @@ use num_complex::Complex32;
 
 use crate::control::Control;
 use crate::kernels::tiles::{self, Tiles};
-use crate::kernels::{self, LANES, Level};
+use crate::kernels::{LANES, Level};
 use crate::linalg::Planar;
 use crate::math::sqrtf;
 use crate::problem::{Aim, Problem};
@@ -48,8 +49,10 @@ struct Rows {
     order: Vec<u32>,
     /// Rows of points with a target: the first ones.
     loud: usize,
-    /// Rows in a tile: the points, and zeros.
+    /// Rows of G: the points, and zeros.
     count: usize,
+    /// Length of a vector over the transducers.
+    lanes: usize,
     /// Factor of each row.
     scale: Vec<f32>,
     /// What every loud row asks for.
@@ -75,28 +78,25 @@ impl Rows {
             let own = targets[j as usize];
             *scale = if own > 0.0 { (target / own).min(MOST_RAISED) } else { 1.0 };
         }
-        let size = kernels::padded(gains.transducers()) * count;
-        let mut planes = [(); 2].map(|()| work.floats.take(size));
+        let lanes = tiles::lanes(gains.transducers());
+        let mut planes = [(); 2].map(|()| work.floats.take_any(tiles::size(count, lanes)));
         let [re, im] = &mut planes;
         tiles::pack(gains.level(), gains.rows(), gains.transducers(), (&order, &scale), [re, im]);
         let loud = (0..points as u32).filter(heard).count();
-        Self { order, loud, count, scale, target, planes, level: gains.level() }
+        Self { order, loud, count, lanes, scale, target, planes, level: gains.level() }
     }
 
     /// Multiplies row `k` by `factor`.
     fn rescale(&mut self, k: usize, factor: f32) {
         self.scale[k] *= factor;
-        let count = self.count * LANES;
         for plane in &mut self.planes {
-            for tile in plane.chunks_exact_mut(count) {
-                tile[k * LANES..(k + 1) * LANES].iter_mut().for_each(|x| *x *= factor);
-            }
+            tiles::rescale(plane, self.lanes, k, factor);
         }
     }
 
     fn tiles(&self) -> Tiles<'_> {
         let [re, im] = &self.planes;
-        Tiles { planes: [re, im], count: self.count }
+        Tiles { planes: [re, im], lanes: self.lanes }
     }
 
     fn give(self, work: &mut Workspace) {
@@ -117,9 +117,8 @@ struct Wave {
 
 impl Wave {
     fn new(rows: &Rows, work: &mut Workspace) -> Self {
-        let transducers = rows.planes[0].len() / rows.count;
-        let mut pair = |size: usize| [(); 2].map(|()| work.floats.take(size));
-        let (drive, field, lanes) = (pair(transducers), pair(rows.count), pair(rows.count * LANES));
+        let mut pair = |size: usize| [(); 2].map(|()| work.floats.take_any(size));
+        let (drive, field, lanes) = (pair(rows.lanes), pair(rows.count), pair(rows.count * LANES));
         Self { drive, field, moduli: work.floats.take(rows.count), lanes }
     }
 

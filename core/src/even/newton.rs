@@ -45,7 +45,7 @@ pub(super) fn polish(
     begun.copy(wave);
     let mut damping = DAMPING;
     let mut even = false;
-    let (mut renew, mut fresh) = (true, true);
+    let (mut renew, mut fresh) = (true, false);
     for step in 0..=MOST_STEPS {
         let level_here = |wave: &Wave| level.unwrap_or_else(|| wave.level(rows));
         even = wave.unevenness(rows, level_here(wave)) <= tolerance;
@@ -55,7 +55,7 @@ pub(super) fn polish(
         if renew {
             newton.forget(work);
             newton.update(rows, wave);
-            (renew, fresh) = (false, true);
+            fresh = true;
         }
         let before = newton.cost(rows, wave, level_here(wave));
         let tried = newton.step(rows, wave, level, damping, &mut trial, work);
@@ -96,9 +96,9 @@ fn heard(rows: &Rows, wave: &Wave, equation: usize) -> f32 {
 struct Newton {
     /// Equations: the loud points, then the quiet ones' real and imaginary parts.
     size: usize,
-    /// Rows of J in a tile: the equations, and zeros.
+    /// Rows of J: the equations, and zeros.
     count: usize,
-    /// J, tile by tile.
+    /// J.
     slopes: Vec<f32>,
     /// J J^T, its upper half.
     matrix: Vec<f32>,
@@ -116,7 +116,6 @@ impl Newton {
         let quiet = rows.order.len() - rows.loud;
         let size = rows.loud + 2 * quiet;
         let count = tiles::height(size);
-        let transducers = padded(problem.gains().transducers());
         let mut ease = work.floats.take(size);
         let points = rows.order.iter().chain(&rows.order[rows.loud..]);
         for (ease, &j) in ease.iter_mut().zip(points) {
@@ -125,12 +124,12 @@ impl Newton {
         Self {
             size,
             count,
-            slopes: work.floats.take(transducers * count),
-            matrix: work.floats.take(size * padded(size)),
+            slopes: work.floats.take_any(tiles::size(count, rows.lanes)),
+            matrix: work.floats.take_any(size * padded(size)),
             factor: None,
             ease,
             factors: [(); 2].map(|()| work.floats.take(count)),
-            turns: work.floats.take(transducers),
+            turns: work.floats.take_any(rows.lanes),
         }
     }
 
@@ -150,14 +149,15 @@ impl Newton {
         (loud..points).for_each(|k| (f[k], g[k]) = (0.0, -1.0));
         (points..self.size).for_each(|k| (f[k], g[k]) = (1.0, 0.0));
         let (tiles, level) = (rows.tiles(), rows.level);
-        tiles::slopes(level, tiles, wave.drive(), [&*f, &*g], (points, loud), &mut self.slopes);
-        products::products(level, &self.slopes, self.count, self.size, &mut self.matrix);
+        let equations = (0..points).chain(loud..points);
+        tiles::slopes(level, tiles, wave.drive(), [&*f, &*g], equations, &mut self.slopes);
+        products::products(level, &self.slopes, rows.lanes, self.size, &mut self.matrix);
     }
 
     /// The factor of the damped matrix and the solution for a rise of the level; `None` if f32 cannot factor it.
     fn factored(&self, rows: &Rows, damping: f32, work: &mut Workspace) -> Option<(Cholesky, Vec<f32>)> {
         let (size, lanes) = (self.size, padded(self.size));
-        let mut matrix = work.floats.take(size * lanes);
+        let mut matrix = work.floats.take_any(size * lanes);
         matrix.copy_from_slice(&self.matrix);
         let mean = (0..size).map(|k| matrix[k * lanes + k]).sum::<f32>() / size as f32;
         for k in 0..size {

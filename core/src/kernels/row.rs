@@ -3,6 +3,7 @@
 use super::level::{Level, dispatch};
 use super::simd::Simd;
 use super::table::Table;
+use super::tiles::{BLOCK, Block};
 use super::turns::{power_of_two, wave};
 use super::{LANES, Lanes, groups, groups_mut};
 
@@ -77,12 +78,12 @@ impl<V: Copy> Emitter<V> {
         }
     }
 
-    /// At most sixteen; the other lanes are silent where the first one is.
+    /// At least one and at most sixteen; the other lanes are silent where the last one is.
     #[inline(always)]
     fn sixteen<S: Simd<V = V>>(s: S, sources: &[Source]) -> Self {
         let mut lanes = [[0.0; LANES]; 8];
         for l in 0..LANES {
-            let source = sources.get(l).unwrap_or(&sources[0]);
+            let source = sources[l.min(sources.len() - 1)];
             let [[x, y, z], [nx, ny, nz]] = [source.position, source.normal];
             let gain = if l < sources.len() { source.gain } else { 0.0 };
             for (lanes, x) in lanes.iter_mut().zip([x, y, z, nx, ny, nz, gain, source.turns]) {
@@ -132,7 +133,8 @@ fn gain<S: Simd>(s: S, form: Form, law: &Law, emitter: &Emitter<S::V>, point: [S
     wave(s, distance, amplitude)
 }
 
-/// Writes a tile: at most sixteen `sources` in the lanes, a row each of the `points` (their index, and a factor).
+/// Writes sixteen `sources`, or fewer, against points (their index, and a factor): row k of [`super::tiles`] in the blocks
+/// from `first` on, `stride` apart.
 #[inline(always)]
 pub(super) fn write_tile<S: Simd>(
     s: S,
@@ -140,12 +142,12 @@ pub(super) fn write_tile<S: Simd>(
     sources: &[Source],
     spots: Spots<'_>,
     (order, scale): (&[u32], &[f32]),
-    [re, im]: [&mut [Lanes]; 2],
+    (first, stride): (usize, usize),
+    [re, im]: [&mut [Block]; 2],
 ) {
     let emitter = Emitter::sixteen(s, sources);
     let plain = sources.iter().all(|source| law.form(source.turns) == Form::Plain);
-    let rows = order.iter().zip(scale).zip(re.iter_mut().zip(im));
-    for ((&j, &scale), (re, im)) in rows {
+    for (k, (&j, &scale)) in order.iter().zip(scale).enumerate() {
         let [x, y, z] = spots.coordinates;
         let place = [s.splat(x[j as usize]), s.splat(y[j as usize]), s.splat(z[j as usize])];
         let [real, imaginary] = if plain {
@@ -153,8 +155,9 @@ pub(super) fn write_tile<S: Simd>(
         } else {
             gain(s, Form::Full, law, &emitter, place)
         };
-        s.store(s.mul(real, s.splat(scale)), re);
-        s.store(s.mul(imaginary, s.splat(scale)), im);
+        let block = first + k / BLOCK * stride;
+        s.store(s.mul(real, s.splat(scale)), &mut re[block][k % BLOCK]);
+        s.store(s.mul(imaginary, s.splat(scale)), &mut im[block][k % BLOCK]);
     }
 }
 

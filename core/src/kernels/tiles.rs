@@ -1,35 +1,73 @@
-//! Transducers in the lanes: G as tiles, a tile the gains of 16 transducers at every point, 16 numbers a point.
+//! Transducers in the lanes: G in tiles, a tile the gains of 16 transducers at every point, 16 numbers a point.
 //!
-//! A tile stays in the nearest cache while a wave goes from the points to its transducers and back; no sum runs
-//! across lanes before the last tile, and 4 points are not padded to 16.
+//! No sum runs across lanes before the last tile, and 4 points are not padded to 16. Four points' rows lie together,
+//! tile after tile, then the next four's: a sweep takes two tiles at a time, which stay in the nearest cache while a
+//! wave goes from the points to the transducers and back, and products of rows run over memory in its order.
 
 use super::level::{Level, dispatch};
 use super::rows::Rows;
 use super::simd::{Simd, TINY};
 use super::{LANES, Lanes, groups, groups_mut};
 
-/// Rows met at once by [`super::products`].
+/// Rows that lie together.
 pub(super) const BLOCK: usize = 4;
 
-/// Rows of a tile that holds `count`: padded to whole blocks, and past a multiple of 32 rows, at which a row of each
-/// tile would want the same place in the nearest cache.
-pub(crate) const fn height(count: usize) -> usize {
-    let rows = count.next_multiple_of(BLOCK);
-    if rows.is_multiple_of(32) { rows + BLOCK } else { rows }
+/// Four rows of a tile.
+pub(super) type Block = [Lanes; BLOCK];
+
+/// Length of a vector over the transducers: whole pairs of tiles.
+pub(crate) const fn lanes(transducers: usize) -> usize {
+    transducers.next_multiple_of(2 * LANES)
 }
 
-/// G, `count` rows of lanes a tile.
+/// Rows for `count` points: whole blocks.
+pub(crate) const fn height(count: usize) -> usize {
+    count.next_multiple_of(BLOCK)
+}
+
+/// Blocks from four rows to the next four: one more than there are, since at an even number the rows of a tile would
+/// want the same place in the nearest cache.
+pub(super) const fn stride(lanes: usize) -> usize {
+    lanes / LANES + 1
+}
+
+/// Numbers of `rows` (whole blocks) over `lanes`.
+pub(crate) const fn size(rows: usize, lanes: usize) -> usize {
+    rows * LANES * stride(lanes)
+}
+
+pub(super) fn blocks(plane: &[f32]) -> &[Block] {
+    groups(plane).as_chunks().0
+}
+
+fn blocks_mut(plane: &mut [f32]) -> &mut [Block] {
+    groups_mut(plane).as_chunks_mut().0
+}
+
+/// G over [`lanes`].
 #[derive(Clone, Copy)]
 pub(crate) struct Tiles<'a> {
     pub(crate) planes: [&'a [f32]; 2],
-    pub(crate) count: usize,
+    pub(crate) lanes: usize,
 }
 
-impl Tiles<'_> {
+impl<'a> Tiles<'a> {
+    /// Re and im of four rows, tile after tile.
     #[inline(always)]
-    fn tile(&self, tile: usize) -> [&[Lanes]; 2] {
-        let size = self.count * LANES;
-        self.planes.map(|plane| groups(&plane[tile * size..(tile + 1) * size]))
+    pub(super) fn rows(&self, block: usize) -> [&'a [Block]; 2] {
+        let first = block * stride(self.lanes);
+        self.planes.map(|plane| &blocks(plane)[first..first + self.lanes / LANES])
+    }
+
+    /// Re and im of a tile and the next, four rows after four.
+    #[inline(always)]
+    fn pair(&self, tile: usize) -> impl Iterator<Item = [&'a [Block]; 2]> + Clone + use<'a> {
+        let stride = stride(self.lanes);
+        let [re, im] = self.planes.map(|plane| blocks(plane).chunks_exact(stride));
+        re.zip(im).map(
+            #[inline(always)]
+            move |(re, im)| [&re[tile..tile + 2], &im[tile..tile + 2]],
+        )
     }
 }
 
@@ -41,7 +79,7 @@ pub(crate) struct Wave<'a> {
     pub(crate) lanes: [&'a mut [f32]; 2],
 }
 
-/// Writes G as tiles: row `k` of each is point `order[k]` times `scale[k]`, zeros beyond the last point.
+/// Writes G as tiles: row `k` is point `order[k]` times `scale[k]`, zeros beyond the last point and transducer.
 pub(crate) fn pack(
     level: Level,
     rows: Rows<'_>,
@@ -50,17 +88,24 @@ pub(crate) fn pack(
     out: [&mut [f32]; 2],
 ) {
     dispatch!(level, s => {
-        let (order, scale) = points;
-        let [re, im] = out.map(groups_mut);
-        let tiles = re.chunks_exact_mut(scale.len()).zip(im.chunks_exact_mut(scale.len()));
-        for (t, (re, im)) in tiles.enumerate() {
-            let (re, re_padding) = re.split_at_mut(order.len());
-            let (im, im_padding) = im.split_at_mut(order.len());
-            rows.write_tile(s, (t * LANES, transducers), (order, scale), [re, im]);
-            re_padding.fill([0.0; LANES]);
-            im_padding.fill([0.0; LANES]);
+        let lanes = lanes(transducers);
+        let [re, im] = out.map(blocks_mut);
+        let last = points.0.len() / BLOCK * stride(lanes);
+        for plane in [&mut *re, &mut *im] {
+            plane[last..].as_flattened_mut().fill([0.0; LANES]);
+        }
+        for tile in 0..lanes / LANES {
+            rows.write_tile(s, (tile, stride(lanes)), transducers, points, [&mut *re, &mut *im]);
         }
     });
+}
+
+/// Multiplies row `k` of a plane over `lanes` by `factor`.
+pub(crate) fn rescale(plane: &mut [f32], lanes: usize, k: usize, factor: f32) {
+    let first = k / BLOCK * stride(lanes);
+    for block in &mut blocks_mut(plane)[first..first + lanes / LANES] {
+        block[k % BLOCK].iter_mut().for_each(|x| *x *= factor);
+    }
 }
 
 /// z/|z|, 0 where |z|^2 is below [`TINY`].
@@ -72,32 +117,33 @@ fn unit<S: Simd>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
     [s.mul(re, inverse), s.mul(im, inverse)]
 }
 
-/// Drives the array tile by tile and hears it.
+/// Drives the array two tiles at a time and hears it.
 #[inline(always)]
-fn play<S: Simd>(
-    s: S,
-    tiles: Tiles<'_>,
-    wave: Wave<'_>,
-    mut drive: impl FnMut(usize, [&[Lanes]; 2]) -> [S::V; 2],
-) {
+fn play<S: Simd>(s: S, tiles: Tiles<'_>, wave: Wave<'_>, mut drive: impl FnMut(usize) -> [[S::V; 2]; 2]) {
     let Wave { drive: [qr, qi], field, lanes } = wave;
-    let [re, im] = lanes;
-    let (re, im) = (groups_mut(re), groups_mut(im));
-    re.fill([0.0; LANES]);
-    im.fill([0.0; LANES]);
-    for (t, (to_re, to_im)) in groups_mut(qr).iter_mut().zip(groups_mut(qi)).enumerate() {
-        let [gr, gi] = tiles.tile(t);
-        let [qr, qi] = drive(t, [gr, gi]);
-        s.store(qr, to_re);
-        s.store(qi, to_im);
-        for ((gr, gi), (re, im)) in gr.iter().zip(gi).zip(re.iter_mut().zip(im.iter_mut())) {
-            let (gr, gi) = (s.load(gr), s.load(gi));
-            s.store(s.fma(gr, qr, s.fnma(gi, qi, s.load(re))), re);
-            s.store(s.fma(gr, qi, s.fma(gi, qr, s.load(im))), im);
+    let [re, im] = lanes.map(blocks_mut);
+    re.as_flattened_mut().fill([0.0; LANES]);
+    im.as_flattened_mut().fill([0.0; LANES]);
+    let (qr, qi) = (groups_mut(qr), groups_mut(qi));
+    for t in (0..qr.len()).step_by(2) {
+        let [[ar, ai], [br, bi]] = drive(t);
+        s.store(ar, &mut qr[t]);
+        s.store(ai, &mut qi[t]);
+        s.store(br, &mut qr[t + 1]);
+        s.store(bi, &mut qi[t + 1]);
+        for ([gr, gi], (re, im)) in tiles.pair(t).zip(re.iter_mut().zip(im.iter_mut())) {
+            for row in 0..BLOCK {
+                let (xr, xi) = (s.load(&gr[0][row]), s.load(&gi[0][row]));
+                let (yr, yi) = (s.load(&gr[1][row]), s.load(&gi[1][row]));
+                let real = s.fma(xr, ar, s.fnma(xi, ai, s.load(&re[row])));
+                let imag = s.fma(xr, ai, s.fma(xi, ar, s.load(&im[row])));
+                s.store(s.fma(yr, br, s.fnma(yi, bi, real)), &mut re[row]);
+                s.store(s.fma(yr, bi, s.fma(yi, br, imag)), &mut im[row]);
+            }
         }
     }
     for (field, lanes) in field.into_iter().zip([re, im]) {
-        for (field, lanes) in field.iter_mut().zip(lanes) {
+        for (field, lanes) in field.iter_mut().zip(lanes.as_flattened()) {
             *field = s.sum(s.load(lanes));
         }
     }
@@ -105,15 +151,24 @@ fn play<S: Simd>(
 
 /// q = b/|b| with b = sum_j conj(G_j) p_j, 0 where b is, and P = G q.
 pub(crate) fn sweep(level: Level, tiles: Tiles<'_>, wanted: [&[f32]; 2], wave: Wave<'_>) {
-    dispatch!(level, s => play(s, tiles, wave, #[inline(always)] |_, [gr, gi]| {
-        // Four sums that do not wait for one another.
-        let mut sums = [s.splat(0.0); 4];
-        for ((gr, gi), (&pr, &pi)) in gr.iter().zip(gi).zip(wanted[0].iter().zip(wanted[1])) {
-            let (gr, gi, pr, pi) = (s.load(gr), s.load(gi), s.splat(pr), s.splat(pi));
-            sums = [s.fma(gr, pr, sums[0]), s.fma(gi, pi, sums[1]), s.fma(gr, pi, sums[2]), s.fma(gi, pr, sums[3])];
-        }
-        unit(s, [s.add(sums[0], sums[1]), s.sub(sums[2], sums[3])])
-    }));
+    dispatch!(level, s => {
+        let [pr, pi] = wanted.map(|plane| plane.as_chunks::<BLOCK>().0);
+        play(s, tiles, wave, #[inline(always)] |t| {
+            // Sums that do not wait for one another.
+            let mut sums = [[s.splat(0.0); 4]; 2];
+            for ([gr, gi], (pr, pi)) in tiles.pair(t).zip(pr.iter().zip(pi)) {
+                for row in 0..BLOCK {
+                    let (pr, pi) = (s.splat(pr[row]), s.splat(pi[row]));
+                    for (tile, sums) in sums.iter_mut().enumerate() {
+                        let (gr, gi) = (s.load(&gr[tile][row]), s.load(&gi[tile][row]));
+                        *sums = [s.fma(gr, pr, sums[0]), s.fma(gi, pi, sums[1]), s.fma(gr, pi, sums[2]), s.fma(gi, pr, sums[3])];
+                    }
+                }
+            }
+            let [a, b] = sums;
+            [unit(s, [s.add(a[0], a[1]), s.sub(a[2], a[3])]), unit(s, [s.add(b[0], b[1]), s.sub(b[2], b[3])])]
+        });
+    });
 }
 
 /// q = (r + j f d r) / |.| of another drive r and turns d, and P = G q: e^{jfd} r but for (f d)^3/3.
@@ -125,51 +180,70 @@ pub(crate) fn turn(
     factor: f32,
     wave: Wave<'_>,
 ) {
+    #[inline(always)]
+    fn turned<S: Simd>(s: S, re: &Lanes, im: &Lanes, turn: &Lanes, factor: f32) -> [S::V; 2] {
+        let (re, im) = (s.load(re), s.load(im));
+        let turn = s.mul(s.splat(factor), s.load(turn));
+        unit(s, [s.fnma(turn, im, re), s.fma(turn, re, im)])
+    }
     dispatch!(level, s => {
         let ([re, im], turns) = (from.map(groups), groups(turns));
-        play(s, tiles, wave, #[inline(always)] |t, _| {
-            let (re, im) = (s.load(&re[t]), s.load(&im[t]));
-            let turn = s.mul(s.splat(factor), s.load(&turns[t]));
-            unit(s, [s.fnma(turn, im, re), s.fma(turn, re, im)])
-        });
+        play(s, tiles, wave, #[inline(always)] |t| [
+            turned(s, &re[t], &im[t], &turns[t], factor),
+            turned(s, &re[t + 1], &im[t + 1], &turns[t + 1], factor),
+        ]);
     });
 }
 
-/// The slopes of the equations, row after row: f Re(G q) + g Im(G q) of the first rows of each tile, then of the rows
-/// from `again` on once more, with as many factors as there are rows in all.
+/// The slopes of the equations as the rows of a plane: f Re(G q) + g Im(G q) of the points `points`, in their order.
 pub(crate) fn slopes(
     level: Level,
     tiles: Tiles<'_>,
     drive: [&[f32]; 2],
     factors: [&[f32]; 2],
-    points: (usize, usize),
+    points: impl Iterator<Item = usize>,
     out: &mut [f32],
 ) {
     dispatch!(level, s => {
-        let (count, again) = points;
-        let rows = factors[0].len();
         let [qr, qi] = drive.map(groups);
-        for (t, out) in groups_mut(out).chunks_exact_mut(rows).enumerate() {
-            let [gr, gi] = tiles.tile(t);
-            let (qr, qi) = (s.load(&qr[t]), s.load(&qi[t]));
-            for (point, (out, (&f, &g))) in (0..count).chain(again..count).zip(out.iter_mut().zip(factors[0].iter().zip(factors[1]))) {
-                let (gr, gi) = (s.load(&gr[point]), s.load(&gi[point]));
+        let out = blocks_mut(out);
+        let stride = stride(tiles.lanes);
+        let mut rows = 0;
+        for ((k, point), (&f, &g)) in points.enumerate().zip(factors[0].iter().zip(factors[1])) {
+            let [gr, gi] = tiles.rows(point / BLOCK);
+            let (f, g) = (s.splat(f), s.splat(g));
+            let to = &mut out[k / BLOCK * stride..][..gr.len()];
+            for (((gr, gi), (qr, qi)), to) in gr.iter().zip(gi).zip(qr.iter().zip(qi)).zip(to) {
+                let (gr, gi) = (s.load(&gr[point % BLOCK]), s.load(&gi[point % BLOCK]));
+                let (qr, qi) = (s.load(qr), s.load(qi));
                 let (re, im) = (s.fnma(gi, qi, s.mul(gr, qr)), s.fma(gi, qr, s.mul(gr, qi)));
-                s.store(s.fma(s.splat(f), re, s.mul(s.splat(g), im)), out);
+                s.store(s.fma(f, re, s.mul(g, im)), &mut to[k % BLOCK]);
+            }
+            rows = k + 1;
+        }
+        // Zeros below the last equation.
+        if let Some(last) = out.chunks_exact_mut(stride).nth(rows / BLOCK) {
+            for block in last {
+                block[rows % BLOCK..].fill([0.0; LANES]);
             }
         }
     });
 }
 
-/// out = sum_k factor_k row_k over each tile of real rows; the largest modulus.
-pub(crate) fn combine(level: Level, tiles: &[f32], factors: &[f32], out: &mut [f32]) -> f32 {
+/// out = sum_k factor_k row_k over the rows of a plane; the largest modulus.
+pub(crate) fn combine(level: Level, plane: &[f32], factors: &[f32], out: &mut [f32]) -> f32 {
     dispatch!(level, s => {
         let mut most = s.splat(0.0);
-        for (tile, out) in groups(tiles).chunks_exact(factors.len()).zip(groups_mut(out)) {
-            let mut total = s.splat(0.0);
-            for (row, &factor) in tile.iter().zip(factors) {
-                total = s.fma(s.splat(factor), s.load(row), total);
+        let stride = stride(out.len());
+        for (t, out) in groups_mut(out).iter_mut().enumerate() {
+            let mut sums = [s.splat(0.0); BLOCK];
+            let column = blocks(plane).chunks_exact(stride);
+            for (rows, factors) in column.zip(factors.as_chunks::<BLOCK>().0) {
+                for (sum, (row, &factor)) in sums.iter_mut().zip(rows[t].iter().zip(factors)) {
+                    *sum = s.fma(s.splat(factor), s.load(row), *sum);
+                }
             }
+            let total = s.add(s.add(sums[0], sums[1]), s.add(sums[2], sums[3]));
             s.store(total, out);
             most = s.max(s.abs(total), most);
         }

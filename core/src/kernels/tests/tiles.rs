@@ -6,7 +6,7 @@ use core::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use super::super::tiles::{self, Tiles, Wave, height};
+use super::super::tiles::{self, Tiles, Wave, height, lanes, size};
 use super::super::{LANES, Level, Rows, padded};
 use super::super::{phases, products};
 use super::{LENGTHS, ROUNDING, assert_near, numbers, wide};
@@ -24,7 +24,7 @@ struct Scene {
 impl Scene {
     fn new(points: usize, transducers: usize, level: Level) -> Self {
         let mut rng = Rng::new((1000 * points + transducers) as u64);
-        let lanes = padded(points);
+        let wide_row = padded(points);
         let mut stored = [(); 2].map(|()| Vec::new());
         for plane in &mut stored {
             for _ in 0..transducers {
@@ -34,13 +34,12 @@ impl Scene {
         let order: Vec<u32> = (0..points as u32).rev().collect();
         let mut scale = vec![0.0; height(points)];
         (0..points).for_each(|k| scale[k] = if k % 2 == 0 { 1.0 } else { 2.0 });
-        let size = padded(transducers) * height(points);
-        let mut planes = [(); 2].map(|()| vec![f32::NAN; size]);
+        let mut planes = [(); 2].map(|()| vec![f32::NAN; size(height(points), lanes(transducers))]);
         let [re, im] = &mut planes;
         let rows = Rows::Stored { re: &stored[0], im: &stored[1] };
         tiles::pack(level, rows, transducers, (&order, &scale), [re, im]);
         let entry = |k: usize, i: usize| {
-            let at = i * lanes + points - 1 - k;
+            let at = i * wide_row + points - 1 - k;
             Complex64::new(wide(stored[0][at]), wide(stored[1][at])) * wide(scale[k])
         };
         let gains = (0..points).map(|k| (0..transducers).map(|i| entry(k, i)).collect()).collect();
@@ -48,13 +47,13 @@ impl Scene {
     }
 
     fn tiles(&self) -> Tiles<'_> {
-        Tiles { planes: [&self.planes[0], &self.planes[1]], count: height(self.points) }
+        Tiles { planes: [&self.planes[0], &self.planes[1]], lanes: lanes(self.transducers) }
     }
 
     /// Lets a kernel play; the drive and the field, whose padding must be silent.
     fn play(&self, kernel: impl FnOnce(Wave<'_>)) -> [Vec<Complex64>; 2] {
         let dirty = |size: usize| [(); 2].map(|()| vec![f32::NAN; size]);
-        let (mut drive, mut field) = (dirty(padded(self.transducers)), dirty(height(self.points)));
+        let (mut drive, mut field) = (dirty(lanes(self.transducers)), dirty(height(self.points)));
         let mut lanes = dirty(height(self.points) * LANES);
         let [drive_, field_, lanes_] =
             [&mut drive, &mut field, &mut lanes].map(|pair| pair.each_mut().map(Vec::as_mut_slice));
@@ -76,6 +75,13 @@ impl Scene {
 
 fn complex(rng: &mut Rng, count: usize) -> [Vec<f32>; 2] {
     [(); 2].map(|()| numbers(rng, count, -1.0, 1.0))
+}
+
+/// Numbers over the transducers, zeros beyond.
+fn over(rng: &mut Rng, transducers: usize) -> Vec<f32> {
+    let mut list = numbers(rng, transducers, -1.0, 1.0);
+    list.resize(lanes(transducers), 0.0);
+    list
 }
 
 fn each(test: impl Fn(Level, usize, &mut Rng)) {
@@ -115,13 +121,13 @@ fn a_turn_is_a_change_of_phase() {
     each(|level, count, rng| {
         let transducers = 5 + count;
         let scene = Scene::new(count, transducers, level);
-        let mut from = [(); 2].map(|()| vec![0.0; padded(transducers)]);
+        let mut from = [(); 2].map(|()| vec![0.0; lanes(transducers)]);
         // The first one is off, and stays so.
         for i in 1..transducers {
             let phase = TAU * rng.uniform();
             (from[0][i], from[1][i]) = (libm::cos(phase) as f32, libm::sin(phase) as f32);
         }
-        let turns = numbers(rng, transducers, -1.0, 1.0);
+        let turns = over(rng, transducers);
         let [drive, _] =
             scene.play(|wave| tiles::turn(level, scene.tiles(), [&from[0], &from[1]], &turns, 0.5, wave));
         assert_eq!(drive[0], Complex64::ZERO);
@@ -139,15 +145,17 @@ fn slopes_their_products_and_sums_are_those_of_j() {
         let (transducers, loud) = (37, count / 2);
         let size = 2 * count - loud;
         let scene = Scene::new(count, transducers, level);
-        let drive = complex(rng, transducers);
+        let drive = [(); 2].map(|()| over(rng, transducers));
         let rows = height(size);
         let mut factors = [(); 2].map(|()| vec![0.0; rows]);
         for f in &mut factors {
             f[..size].copy_from_slice(&numbers(rng, size, -1.0, 1.0)[..size]);
         }
-        let mut slopes = vec![0.0; rows * padded(transducers)];
+        let across = lanes(transducers);
+        let mut slopes = vec![f32::NAN; tiles::size(rows, across)];
         let split = [&factors[0][..], &factors[1]];
-        tiles::slopes(level, scene.tiles(), [&drive[0], &drive[1]], split, (count, loud), &mut slopes);
+        let equations = (0..count).chain(loud..count);
+        tiles::slopes(level, scene.tiles(), [&drive[0], &drive[1]], split, equations, &mut slopes);
         let j = |e: usize, i: usize| {
             let point = if e < count { e } else { e - count + loud };
             let wave = scene.gains[point][i] * Complex64::new(wide(drive[0][i]), wide(drive[1][i]));
@@ -155,12 +163,13 @@ fn slopes_their_products_and_sums_are_those_of_j() {
         };
         for e in 0..size {
             for i in 0..transducers {
-                let got = slopes[(i / LANES * rows + e) * LANES + i % LANES];
+                let block = e / 4 * (across / LANES + 1) + i / LANES;
+                let got = slopes[(4 * block + e % 4) * LANES + i % LANES];
                 assert_near(got, j(e, i), 32.0 * ROUNDING, "slope");
             }
         }
         let mut matrix = vec![f32::NAN; size * padded(size)];
-        products::products(level, &slopes, rows, size, &mut matrix);
+        products::products(level, &slopes, across, size, &mut matrix);
         // Terms of at most 4 squared, each of two factors with the error above.
         let allowed = 300.0 * ROUNDING * transducers as f64;
         for k in 0..size {
@@ -169,7 +178,7 @@ fn slopes_their_products_and_sums_are_those_of_j() {
                 assert_near(matrix[k * padded(size) + l], want, allowed, "product");
             }
         }
-        let mut sums = vec![f32::NAN; padded(transducers)];
+        let mut sums = vec![f32::NAN; across];
         let most = tiles::combine(level, &slopes, &factors[0], &mut sums);
         for i in 0..transducers {
             let want = (0..size).map(|e| wide(factors[0][e]) * j(e, i)).sum();
@@ -185,7 +194,7 @@ fn couplings_are_products_of_rows() {
         let scene = Scene::new(count, 37, level);
         let mut matrix = [(); 2].map(|()| vec![f32::NAN; count * count]);
         let [re, im] = &mut matrix;
-        products::couplings(level, scene.tiles(), count, [re, im]);
+        products::couplings(level, scene.tiles(), 0..lanes(37) / LANES, count, [re, im]);
         for k in 0..count {
             for l in k..count {
                 let pairs = scene.gains[k].iter().zip(&scene.gains[l]);
