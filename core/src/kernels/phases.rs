@@ -7,11 +7,14 @@ use super::turns::wave;
 use super::{LANES, Lanes, groups, groups_mut};
 use crate::math::sqrtf;
 
+/// What is left beside a point's own echo is nothing but rounding below this part of it.
+const SILENT: f32 = 1e-5;
+
 /// A vector v of the moduli `weights`, brought into line: in the order of `visits` v_k gets the phase of what the other
 /// points' waves make at its point, row_k b - |row_k|^2 v_k of b = G^H v. At first v is 0, so that the first of the
 /// `rounds` adds one point after another. The sum of |v_k| times the moduli of the last round.
 ///
-/// `powers` are those of the rows; `wave` is memory for b.
+/// Where there is no other wave v_k stays. `powers` are those of the rows; `wave` is memory for b.
 pub(crate) fn align_rows(
     level: Level,
     tiles: Tiles<'_>,
@@ -52,10 +55,9 @@ pub(crate) fn align_rows(
                 let old = [re[k], im[k]];
                 let x = s.sum(s.sub(sums[0], sums[1])) - powers[k] * old[0];
                 let y = s.sum(s.add(sums[2], sums[3])) - powers[k] * old[1];
-                let square = x * x + y * y;
-                let modulus = sqrtf(square);
+                let modulus = sqrtf(x * x + y * y);
                 energy += weights[k] * modulus;
-                if square > TINY {
+                if modulus > SILENT * powers[k] * weights[k] {
                     (re[k], im[k]) = (weights[k] * x / modulus, weights[k] * y / modulus);
                 } else if old == [0.0; 2] {
                     re[k] = weights[k];

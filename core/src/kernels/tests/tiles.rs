@@ -191,19 +191,70 @@ fn slopes_their_products_and_sums_are_those_of_j() {
 #[test]
 fn couplings_are_products_of_rows() {
     each(|level, count, _| {
-        let scene = Scene::new(count, 37, level);
-        let mut matrix = [(); 2].map(|()| vec![f32::NAN; count * count]);
-        let [re, im] = &mut matrix;
-        products::couplings(level, scene.tiles(), 0..lanes(37) / LANES, count, [re, im]);
-        for k in 0..count {
-            for l in k..count {
-                let pairs = scene.gains[k].iter().zip(&scene.gains[l]);
-                let want: Complex64 = pairs.map(|(a, b)| a * b.conj()).sum();
-                // 37 products of two numbers below 2 sqrt 2.
-                assert_near(re[k * count + l], want.re, 40.0 * 8.0 * ROUNDING * 4.0, "re");
-                assert_near(im[k * count + l], want.im, 40.0 * 8.0 * ROUNDING * 4.0, "im");
+        // More tiles than a run has, by one.
+        for transducers in [37, 33 * LANES] {
+            let scene = Scene::new(count, transducers, level);
+            let mut matrix = [(); 2].map(|()| vec![f32::NAN; count * count]);
+            let [re, im] = &mut matrix;
+            let all = 0..lanes(transducers) / LANES;
+            products::couplings(level, scene.tiles(), all, count, [re, im]);
+            let mut powers = vec![f32::NAN; count];
+            products::powers(level, scene.tiles(), &mut powers);
+            // Some 40 additions in a row, each rounded as a sum of at most 8 a transducer.
+            let allowed = 40.0 * ROUNDING * 8.0 * transducers as f64;
+            for k in 0..count {
+                for l in k..count {
+                    let pairs = scene.gains[k].iter().zip(&scene.gains[l]);
+                    let want: Complex64 = pairs.map(|(a, b)| a * b.conj()).sum();
+                    let alone = products::coupling(level, scene.tiles(), k, l);
+                    for [real, imag] in [[re[k * count + l], im[k * count + l]], alone] {
+                        assert_near(real, want.re, allowed, "re");
+                        assert_near(imag, want.im, allowed, "im");
+                    }
+                }
+                let want = scene.gains[k].iter().map(Complex64::norm_sqr).sum();
+                assert_near(powers[k], want, allowed, "power");
             }
         }
+    });
+}
+
+#[test]
+fn phases_set_on_the_rows_are_those_set_on_their_products() {
+    each(|level, count, rng| {
+        let scene = Scene::new(count, 37, level);
+        let weights = numbers(rng, count, 0.5, 1.0)[..count].to_vec();
+        let mut powers = vec![0.0; count];
+        products::powers(level, scene.tiles(), &mut powers);
+        let visits: Vec<u32> = (0..count as u32).rev().collect();
+        let dirty = |size: usize| [(); 2].map(|()| vec![f32::NAN; size]);
+        let (mut vector, mut wave) = (dirty(count), dirty(lanes(37)));
+        let [[re, im], [wave_re, wave_im]] = [&mut vector, &mut wave];
+        let lists = (&weights[..], &powers[..]);
+        let told = phases::align_rows(level, scene.tiles(), lists, &visits, 2, [re, im], [wave_re, wave_im]);
+        let mut want = vec![Complex64::ZERO; count];
+        let mut energy = 0.0;
+        for round in 0..2 {
+            for k in (0..count).rev() {
+                let coupling = |l: usize| -> Complex64 {
+                    scene.gains[k].iter().zip(&scene.gains[l]).map(|(a, b)| a * b.conj()).sum()
+                };
+                let sum: Complex64 = (0..count).filter(|&l| l != k).map(|l| coupling(l) * want[l]).sum();
+                let share = wide(weights[k]);
+                want[k] = if sum.norm() > 0.0 { sum / sum.norm() * share } else { share.into() };
+                energy += if round == 1 { share * sum.norm() } else { 0.0 };
+            }
+        }
+        // Rounding turns a phase by its part of the sum, which is never far below the root of the terms' number; a turn
+        // passes on to the points after it.
+        for (k, want) in want.iter().enumerate() {
+            let miss = (Complex64::new(wide(re[k]), wide(im[k])) - want).norm();
+            assert!(miss <= 1e-3, "{level} {count}: point {k} by {miss}");
+        }
+        assert!(
+            (wide(told) - energy).abs() <= 1e-4 * energy.max(1.0),
+            "{level} {count}: {told} for {energy}"
+        );
     });
 }
 
