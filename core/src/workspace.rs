@@ -1,11 +1,15 @@
 //! The memory of solves: taken, given back, taken again.
 
 use alloc::vec::Vec;
+use core::ops::{Deref, DerefMut};
 
 use num_complex::Complex32;
 
 use crate::kernels::Sixteen;
 use crate::solution::Solution;
+
+/// Numbers in a line of the cache.
+const LINE: usize = 16;
 
 /// Buffers of one kind that wait to be used again.
 #[derive(Debug, Default)]
@@ -47,6 +51,41 @@ impl<T: Clone + Default> Pool<T> {
     /// Gives several back.
     pub fn give_all(&mut self, buffers: impl IntoIterator<Item = Vec<T>>) {
         buffers.into_iter().for_each(|buffer| self.give(buffer));
+    }
+}
+
+/// Numbers that begin where a line of the cache does: of others, each group of lanes would lie across two.
+#[derive(Debug)]
+pub(crate) struct Aligned {
+    memory: Vec<f32>,
+    start: usize,
+    len: usize,
+}
+
+impl Aligned {
+    /// `len` numbers that may be anything.
+    pub(crate) fn take(len: usize, work: &mut Workspace) -> Self {
+        let memory = work.floats.take_any(len + LINE);
+        let start = memory.as_ptr().align_offset(LINE * size_of::<f32>()).min(LINE);
+        Self { memory, start, len }
+    }
+
+    pub(crate) fn give(self, work: &mut Workspace) {
+        work.floats.give(self.memory);
+    }
+}
+
+impl Deref for Aligned {
+    type Target = [f32];
+
+    fn deref(&self) -> &[f32] {
+        &self.memory[self.start..self.start + self.len]
+    }
+}
+
+impl DerefMut for Aligned {
+    fn deref_mut(&mut self) -> &mut [f32] {
+        &mut self.memory[self.start..self.start + self.len]
     }
 }
 

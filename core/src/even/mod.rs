@@ -16,14 +16,14 @@ use alloc::vec::Vec;
 use num_complex::Complex32;
 
 use crate::control::Control;
+use crate::kernels::Level;
 use crate::kernels::tiles::{self, Tiles};
-use crate::kernels::{LANES, Level};
 use crate::linalg::Planar;
 use crate::math::sqrtf;
 use crate::problem::{Aim, Problem};
 use crate::solution::{Solution, Status};
 use crate::solvers::refine;
-use crate::workspace::Workspace;
+use crate::workspace::{Aligned, Workspace};
 use starts::Starts;
 
 /// The most that a target may be raised to the largest one's size: squares stay within f32.
@@ -57,7 +57,7 @@ struct Rows {
     scale: Vec<f32>,
     /// What every loud row asks for.
     target: f32,
-    planes: [Vec<f32>; 2],
+    planes: [Aligned; 2],
     level: Level,
 }
 
@@ -79,7 +79,7 @@ impl Rows {
             *scale = if own > 0.0 { (target / own).min(MOST_RAISED) } else { 1.0 };
         }
         let lanes = tiles::lanes(gains.transducers());
-        let mut planes = [(); 2].map(|()| work.floats.take_any(tiles::size(count, lanes)));
+        let mut planes = [(); 2].map(|()| Aligned::take(tiles::size(count, lanes), work));
         let [re, im] = &mut planes;
         tiles::pack(gains.level(), gains.rows(), gains.transducers(), (&order, &scale), [re, im]);
         let loud = (0..points as u32).filter(heard).count();
@@ -102,7 +102,7 @@ impl Rows {
     fn give(self, work: &mut Workspace) {
         work.indices.give(self.order);
         work.floats.give(self.scale);
-        work.floats.give_all(self.planes);
+        self.planes.into_iter().for_each(|plane| plane.give(work));
     }
 }
 
@@ -111,22 +111,20 @@ struct Wave {
     drive: [Vec<f32>; 2],
     field: [Vec<f32>; 2],
     moduli: Vec<f32>,
-    /// The field's lanes, before they are added up.
-    lanes: [Vec<f32>; 2],
 }
 
 impl Wave {
     fn new(rows: &Rows, work: &mut Workspace) -> Self {
         let mut pair = |size: usize| [(); 2].map(|()| work.floats.take_any(size));
-        let (drive, field, lanes) = (pair(rows.lanes), pair(rows.count), pair(rows.count * LANES));
-        Self { drive, field, moduli: work.floats.take(rows.count), lanes }
+        let (drive, field) = (pair(rows.lanes), pair(rows.count));
+        Self { drive, field, moduli: work.floats.take(rows.count) }
     }
 
     /// What `play` of a kernel makes of it, and the moduli.
     fn set(&mut self, play: impl FnOnce(tiles::Wave<'_>)) {
-        let [drive, field, lanes] = [&mut self.drive, &mut self.field, &mut self.lanes]
-            .map(|pair| pair.each_mut().map(Vec::as_mut_slice));
-        play(tiles::Wave { drive, field, lanes });
+        let [drive, field] =
+            [&mut self.drive, &mut self.field].map(|pair| pair.each_mut().map(Vec::as_mut_slice));
+        play(tiles::Wave { drive, field });
         for (modulus, (re, im)) in self.moduli.iter_mut().zip(self.field[0].iter().zip(&self.field[1])) {
             *modulus = sqrtf(re * re + im * im);
         }
@@ -176,7 +174,6 @@ impl Wave {
     fn give(self, work: &mut Workspace) {
         work.floats.give_all(self.drive);
         work.floats.give_all(self.field);
-        work.floats.give_all(self.lanes);
         work.floats.give(self.moduli);
     }
 }

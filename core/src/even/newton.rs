@@ -10,7 +10,7 @@ use super::{Rows, Watch, Wave};
 use crate::kernels::{padded, products, tiles};
 use crate::linalg::Cholesky;
 use crate::problem::Problem;
-use crate::workspace::Workspace;
+use crate::workspace::{Aligned, Workspace};
 
 /// Steps at most: four are enough where the points are fewer than a quarter of the transducers, ten where they are
 /// half as many.
@@ -99,7 +99,7 @@ struct Newton {
     /// Rows of J: the equations, and zeros.
     count: usize,
     /// J.
-    slopes: Vec<f32>,
+    slopes: Aligned,
     /// J J^T, its upper half.
     matrix: Vec<f32>,
     /// Its factor, damped, and the solution for a rise of the level.
@@ -124,7 +124,7 @@ impl Newton {
         Self {
             size,
             count,
-            slopes: work.floats.take_any(tiles::size(count, rows.lanes)),
+            slopes: Aligned::take(tiles::size(count, rows.lanes), work),
             matrix: work.floats.take_any(size * padded(size)),
             factor: None,
             ease,
@@ -213,7 +213,8 @@ impl Newton {
 
     fn give(mut self, work: &mut Workspace) {
         self.forget(work);
-        work.floats.give_all([self.slopes, self.matrix, self.ease, self.turns]);
+        self.slopes.give(work);
+        work.floats.give_all([self.matrix, self.ease, self.turns]);
         work.floats.give_all(self.factors);
     }
 }

@@ -19,8 +19,8 @@ use crate::workspace::Workspace;
 /// Rounds over the points on the matrix: in trials eight reach all but a thousandth of the energy.
 const ROUNDS: usize = 8;
 
-/// Rounds on G itself, each as long as a sweep: in trials two more raise the level at 64 points by a thousandth.
-const ROUNDS_ALONE: usize = 6;
+/// Rounds on G itself, each as long as a sweep: in trials two fewer or more are a thousandth of the level at 64 points.
+const ROUNDS_ALONE: usize = 8;
 
 /// Starts whose energies agree to this part are one start.
 const ALIKE: f32 = 1e-5;
@@ -43,7 +43,9 @@ impl Starts {
         let mut powers = work.floats.take(rows.loud);
         products::powers(rows.level, rows.tiles(), &mut powers);
         merge(rows, &mut powers, work);
-        powers.iter_mut().for_each(|power| *power = power.max(f32::MIN_POSITIVE));
+        for power in &mut powers {
+            *power = power.max(f32::MIN_POSITIVE);
+        }
         let weakest = sqrtf(powers.iter().copied().fold(f32::INFINITY, f32::min));
         let mut weights = work.floats.take(rows.loud);
         weights.iter_mut().zip(&powers).for_each(|(weight, power)| *weight = weakest / power);

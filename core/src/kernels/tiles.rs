@@ -1,8 +1,7 @@
 //! Transducers in the lanes: G in tiles, a tile the gains of 16 transducers at every point, 16 numbers a point.
 //!
 //! No sum runs across lanes before the last tile, and 4 points are not padded to 16. Four points' rows lie together,
-//! tile after tile, then the next four's: a sweep takes two tiles at a time, which stay in the nearest cache while a
-//! wave goes from the points to the transducers and back, and products of rows run over memory in its order.
+//! tile after tile, then the next four's: whatever takes rows runs over memory in its order.
 
 use super::level::{Level, dispatch};
 use super::rows::Rows;
@@ -75,8 +74,6 @@ impl<'a> Tiles<'a> {
 pub(crate) struct Wave<'a> {
     pub(crate) drive: [&'a mut [f32]; 2],
     pub(crate) field: [&'a mut [f32]; 2],
-    /// Room for 16 numbers a point.
-    pub(crate) lanes: [&'a mut [f32]; 2],
 }
 
 /// Writes G as tiles: row `k` is point `order[k]` times `scale[k]`, zeros beyond the last point and transducer.
@@ -117,13 +114,10 @@ fn unit<S: Simd>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
     [s.mul(re, inverse), s.mul(im, inverse)]
 }
 
-/// Drives the array two tiles at a time and hears it.
+/// Drives the array two tiles at a time, then hears it, four rows at a time.
 #[inline(always)]
 fn play<S: Simd>(s: S, tiles: Tiles<'_>, wave: Wave<'_>, mut drive: impl FnMut(usize) -> [[S::V; 2]; 2]) {
-    let Wave { drive: [qr, qi], field, lanes } = wave;
-    let [re, im] = lanes.map(blocks_mut);
-    re.as_flattened_mut().fill([0.0; LANES]);
-    im.as_flattened_mut().fill([0.0; LANES]);
+    let Wave { drive: [qr, qi], field: [re, im] } = wave;
     let (qr, qi) = (groups_mut(qr), groups_mut(qi));
     for t in (0..qr.len()).step_by(2) {
         let [[ar, ai], [br, bi]] = drive(t);
@@ -131,20 +125,21 @@ fn play<S: Simd>(s: S, tiles: Tiles<'_>, wave: Wave<'_>, mut drive: impl FnMut(u
         s.store(ai, &mut qi[t]);
         s.store(br, &mut qr[t + 1]);
         s.store(bi, &mut qi[t + 1]);
-        for ([gr, gi], (re, im)) in tiles.pair(t).zip(re.iter_mut().zip(im.iter_mut())) {
-            for row in 0..BLOCK {
-                let (xr, xi) = (s.load(&gr[0][row]), s.load(&gi[0][row]));
-                let (yr, yi) = (s.load(&gr[1][row]), s.load(&gi[1][row]));
-                let real = s.fma(xr, ar, s.fnma(xi, ai, s.load(&re[row])));
-                let imag = s.fma(xr, ai, s.fma(xi, ar, s.load(&im[row])));
-                s.store(s.fma(yr, br, s.fnma(yi, bi, real)), &mut re[row]);
-                s.store(s.fma(yr, bi, s.fma(yi, br, imag)), &mut im[row]);
+    }
+    let field = re.as_chunks_mut::<BLOCK>().0.iter_mut().zip(im.as_chunks_mut::<BLOCK>().0);
+    for (block, (re, im)) in field.enumerate() {
+        let [gr, gi] = tiles.rows(block);
+        let mut sums = [[s.splat(0.0); 2]; BLOCK];
+        for ((gr, gi), (qr, qi)) in gr.iter().zip(gi).zip(qr.iter().zip(&*qi)) {
+            let (qr, qi) = (s.load(qr), s.load(qi));
+            for ([real, imag], (gr, gi)) in sums.iter_mut().zip(gr.iter().zip(gi)) {
+                let (gr, gi) = (s.load(gr), s.load(gi));
+                *real = s.fma(gr, qr, s.fnma(gi, qi, *real));
+                *imag = s.fma(gr, qi, s.fma(gi, qr, *imag));
             }
         }
-    }
-    for (field, lanes) in field.into_iter().zip([re, im]) {
-        for (field, lanes) in field.iter_mut().zip(lanes.as_flattened()) {
-            *field = s.sum(s.load(lanes));
+        for ([real, imag], (re, im)) in sums.into_iter().zip(re.iter_mut().zip(im)) {
+            (*re, *im) = (s.sum(real), s.sum(imag));
         }
     }
 }

@@ -54,10 +54,8 @@ impl Scene {
     fn play(&self, kernel: impl FnOnce(Wave<'_>)) -> [Vec<Complex64>; 2] {
         let dirty = |size: usize| [(); 2].map(|()| vec![f32::NAN; size]);
         let (mut drive, mut field) = (dirty(lanes(self.transducers)), dirty(height(self.points)));
-        let mut lanes = dirty(height(self.points) * LANES);
-        let [drive_, field_, lanes_] =
-            [&mut drive, &mut field, &mut lanes].map(|pair| pair.each_mut().map(Vec::as_mut_slice));
-        kernel(Wave { drive: drive_, field: field_, lanes: lanes_ });
+        let [drive_, field_] = [&mut drive, &mut field].map(|pair| pair.each_mut().map(Vec::as_mut_slice));
+        kernel(Wave { drive: drive_, field: field_ });
         let join = |[re, im]: &[Vec<f32>; 2]| -> Vec<Complex64> {
             re.iter().zip(im).map(|(&re, &im)| Complex64::new(wide(re), wide(im))).collect()
         };
