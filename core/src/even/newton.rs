@@ -19,8 +19,8 @@ pub(super) const MOST_STEPS: usize = 20;
 /// Damping mu of the first step, relative to the mean diagonal entry of J J^T.
 const DAMPING: f32 = 1e-6;
 
-/// Derivatives serve once more while a step leaves less than this part of the squares: two thirds of a step's time go
-/// into them.
+/// Derivatives serve once more while a step leaves less than this part of the squares: most of a step's time goes into
+/// them.
 const SLOW: f64 = 0.01;
 
 /// The largest change of a phase in rad: beyond it |P| is no longer near its tangent.
