@@ -7,8 +7,8 @@ use crate::math::sqrtf;
 use crate::workspace::Workspace;
 
 /// How much of a point's own echo is taken from its field before its phase is read: the echo says what the phase
-/// was, only the rest what it should be. In trials 0.9 is best or near it from 4 to 64 points, and all of it is too much.
-const RELAXATION: f32 = 0.9;
+/// was, only the rest what it should be. In trials 0.8 is best or near it from 4 to 64 points.
+const RELAXATION: f32 = 0.8;
 
 /// The most that a weight may change in a sweep: without it two or three points take turns.
 const MOST_CHANGE: f32 = 2.0;
