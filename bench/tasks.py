@@ -12,7 +12,7 @@ import midair
 HEIGHT = 0.15  # m
 HALF = 0.1  # m, half the side of the square of points
 
-METHODS = ("greedy", "fast", "uniform", "best", "gspat", "gs", "wgs", "naive")
+METHODS = ("greedy", "fast", "uniform", "best", "lm", "gspat", "gs", "wgs", "naive")
 SEARCHES = ("greedy", "fast")
 
 

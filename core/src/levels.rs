@@ -17,6 +17,12 @@ const MOST_AMPLITUDES: usize = 1 << 16;
 /// Above this modulus a drive is at full power but for its rounding to f32.
 const FULL: f64 = 1.0 - 1e-6;
 
+/// What is above a target by less is not too loud: half of what `level` = "target" allows.
+const SLACK: f64 = 5e-5;
+
+/// The part of a pressure that an amplitude of the table has to keep to be taken for it.
+const KEPT: f64 = 0.9;
+
 /// What the channels of a device can do: L phases 2 pi l/L and a table of amplitudes, each of which may be left
 /// out for a device that is continuous in it.
 ///
@@ -119,6 +125,17 @@ impl Levels {
             _ => 1.0,
         }
     }
+
+    /// Full drive brought down to `factor` (at most 1) and no louder: the amplitude to drive at and the scale that is
+    /// left to supply or modulation. The highest amplitude that is not too loud; where more than a tenth would be lost
+    /// with it, the next one and a scale.
+    pub(crate) fn lowered(&self, factor: f64) -> (f64, f64) {
+        let Some(table) = self.amplitudes() else { return (factor, 1.0) };
+        // The last amplitude is 1.
+        let above = table.partition_point(|&amplitude| amplitude <= factor * (1.0 + SLACK));
+        let below = above.checked_sub(1).map_or(0.0, |k| table[k]);
+        if below >= KEPT * factor { (below, 1.0) } else { (table[above], factor / table[above]) }
+    }
 }
 
 /// The angle of re + j im in turns, from -1/2 to 1/2, error below 4e-9: Abramowitz and Stegun 4.4.49. Every drive comes
@@ -208,6 +225,24 @@ mod tests {
         assert_eq!(scale(&[0.0, 0.5, 1.0], 0.125), 0.25);
         assert_eq!(scale(&[0.0, 0.5, 1.0], 0.0), 1.0);
         assert_eq!(Levels::new(Some(16), None).unwrap().scale(0.1), 1.0);
+    }
+
+    #[test]
+    fn full_drive_is_lowered_by_the_table_and_what_it_cannot_by_the_scale() {
+        let lowered =
+            |table: &[f64], factor| Levels::new(None, Some(table.to_vec())).unwrap().lowered(factor);
+        let table = [0.0, 0.15, 0.4, 0.76, 0.8, 1.0];
+        assert_eq!(lowered(&table, 1.0), (1.0, 1.0));
+        assert_eq!(lowered(&table, 0.42), (0.4, 1.0));
+        assert_eq!(lowered(&table, 0.79), (0.76, 1.0));
+        assert_eq!(lowered(&table, 0.8 / (1.0 + 4e-5)), (0.8, 1.0));
+        // The one below is far off.
+        assert_eq!(lowered(&table, 0.5), (0.76, 0.5 / 0.76));
+        assert_eq!(lowered(&table, 0.95), (1.0, 0.95));
+        assert_eq!(lowered(&table, 0.1), (0.15, 0.1 / 0.15));
+        assert_eq!(lowered(&[1.0], 0.25), (1.0, 0.25));
+        assert_eq!(lowered(&[0.0, 1.0], 0.01), (1.0, 0.01));
+        assert_eq!(Levels::new(Some(16), None).unwrap().lowered(0.1), (0.1, 1.0));
     }
 
     #[test]

@@ -6,8 +6,7 @@
 use alloc::vec::Vec;
 
 use crate::gains::Gains;
-use crate::kernels::{self, Level};
-use crate::math::sqrtf;
+use crate::kernels::{self, Level, cholesky};
 use crate::workspace::Workspace;
 
 /// A complex vector or matrix of padded rows, planar.
@@ -70,63 +69,32 @@ pub(crate) fn times(level: Level, matrix: &Planar, vector: &Planar, out: &mut Pl
     });
 }
 
-/// A Cholesky factor L of a real symmetric matrix A = L L^T, and solves with it. Time O(n^3/6) each multiply-add.
+/// A Cholesky factor U of a real symmetric matrix A = U^T U, and solves with it. Time O(n^3/6) each multiply-add.
 #[derive(Debug)]
 pub(crate) struct Cholesky {
     factor: Vec<f32>,
-    size: usize,
     level: Level,
 }
 
 impl Cholesky {
-    /// Factors the `size` x `size` matrix in `matrix`, of which the lower half is read; `None` (and the buffer
+    /// Factors the matrix of `size` padded rows in `matrix`, of which the upper half is read; `None` (and the buffer
     /// back in `work`) if it is not positive definite in f32.
     pub(crate) fn new(level: Level, mut matrix: Vec<f32>, size: usize, work: &mut Workspace) -> Option<Self> {
-        for i in 0..size {
-            let (above, rest) = matrix.split_at_mut(i * size);
-            let row = &mut rest[..size];
-            row[i + 1..].fill(0.0);
-            for j in 0..i {
-                let other = &above[j * size..(j + 1) * size];
-                row[j] = (row[j] - partial_dot(level, row, other, j)) / other[j];
-            }
-            let pivot = row[i] - partial_dot(level, row, row, i);
-            if pivot.is_nan() || pivot <= 0.0 {
-                work.floats.give(matrix);
-                return None;
-            }
-            row[i] = sqrtf(pivot);
+        if cholesky::factor(level, &mut matrix, size) {
+            return Some(Self { factor: matrix, level });
         }
-        Some(Self { factor: matrix, size, level })
+        work.floats.give(matrix);
+        None
     }
 
-    /// Replaces b by A^-1 b.
+    /// Replaces b (padded) by A^-1 b.
     pub(crate) fn solve(&self, b: &mut [f32]) {
-        let n = self.size;
-        for i in 0..n {
-            let row = &self.factor[i * n..(i + 1) * n];
-            b[i] = (b[i] - partial_dot(self.level, row, b, i)) / row[i];
-        }
-        for i in (0..n).rev() {
-            let row = &self.factor[i * n..=i * n + i];
-            b[i] /= row[i];
-            let x = b[i];
-            for (b, l) in b[..i].iter_mut().zip(row) {
-                *b -= l * x;
-            }
-        }
+        cholesky::solve(self.level, &self.factor, b);
     }
 
     pub(crate) fn give(self, work: &mut Workspace) {
         work.floats.give(self.factor);
     }
-}
-
-/// The dot product of the first `count` numbers of two slices.
-fn partial_dot(level: Level, a: &[f32], b: &[f32], count: usize) -> f32 {
-    let whole = count - count % kernels::LANES;
-    let tail: f32 = a[whole..count].iter().zip(&b[whole..count]).map(|(a, b)| a * b).sum();
-    kernels::dot(level, &a[..whole], &b[..whole]) + tail
 }
 
 /// A Hermitian positive definite system (A + jB) x = b, solved as the real one [[A, -B], [B, A]].
@@ -155,7 +123,7 @@ impl Hermitian {
                 for l in 0..lanes {
                     real[upper + l] = re[l];
                     // The stored matrix is conjugated: its im is -B.
-                    real[lower + l] = -im[l];
+                    real[upper + lanes + l] = im[l];
                     real[lower + lanes + l] = re[l];
                 }
             }

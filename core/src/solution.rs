@@ -59,8 +59,8 @@ pub struct Solution {
     pub status: Status,
     /// Steps taken.
     pub steps: usize,
-    /// What supply or modulation have to multiply all drives by, at most 1: below 1 where the answer asks for less than
-    /// the device's least amplitude above 0. The pressures count it in, the drives do not.
+    /// What supply or modulation have to multiply all drives by, at most 1: below 1 where the device has
+    /// no amplitude for the answer. The pressures count it in, the drives do not.
     pub scale: f64,
     asked: Arc<Asked>,
 }
@@ -129,6 +129,13 @@ impl Solution {
         }
         field.give(work);
         Self { drive, pressures, status, steps, scale: 1.0, asked }
+    }
+
+    /// The same with `scale` of it left to supply or modulation.
+    pub(crate) fn scaled(mut self, scale: f64) -> Self {
+        self.scale *= scale;
+        self.pressures.iter_mut().for_each(|p| *p = divided(*p, 1.0 / scale));
+        self
     }
 
     /// Computes the pressures that the drive gives.

@@ -125,8 +125,8 @@ impl Solution {
         self.inner.steps
     }
 
-    /// What supply or modulation have to multiply all drives by, at most 1: below 1 where the answer asks for less than
-    /// the device's least amplitude above 0. The pressures count it in, the drives do not.
+    /// What supply or modulation have to multiply all drives by, at most 1: below 1 where the device has
+    /// no amplitude for the answer. The pressures count it in, the drives do not.
     #[getter]
     fn scale(&self) -> f64 {
         self.inner.scale
@@ -305,7 +305,7 @@ pub(crate) fn solve(
     if inner.scale < 1.0 {
         let scale = inner.scale;
         let text = format!(
-            "the device has no amplitude this low: scale all drives by {scale:.4} by supply or modulation (solution.scale)"
+            "the device has no such amplitude: scale all drives by {scale:.4} by supply or modulation (solution.scale)"
         );
         warn(py, text)?;
     }

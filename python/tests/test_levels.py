@@ -153,7 +153,7 @@ def test_the_command_line_tells_of_the_scale_and_records_it(
         cli.main(["solve", str(tmp_path / "scene.toml"), "--solver", "wgs", "-o", str(drive)])
     out, err = capsys.readouterr()
     assert left.value.code == 0
-    assert err.startswith("warning: the device has no amplitude this low: scale all drives by 0.")
+    assert err.startswith("warning: the device has no such amplitude: scale all drives by 0.")
     assert err.count("\n") == 1
     assert "done, scale 0." in out
     with np.load(drive, allow_pickle=False) as record:

@@ -6,6 +6,7 @@
 //!
 //! Rows of G are divided by their targets, so that all points ask for the same; the quiet ones come last.
 
+mod merge;
 mod newton;
 mod starts;
 mod sweeps;
@@ -15,14 +16,14 @@ use alloc::vec::Vec;
 use num_complex::Complex32;
 
 use crate::control::Control;
+use crate::kernels::Level;
 use crate::kernels::tiles::{self, Tiles};
-use crate::kernels::{self, LANES, Level};
 use crate::linalg::Planar;
 use crate::math::sqrtf;
 use crate::problem::{Aim, Problem};
 use crate::solution::{Solution, Status};
 use crate::solvers::refine;
-use crate::workspace::Workspace;
+use crate::workspace::{Aligned, Workspace};
 use starts::Starts;
 
 /// The most that a target may be raised to the largest one's size: squares stay within f32.
@@ -48,13 +49,15 @@ struct Rows {
     order: Vec<u32>,
     /// Rows of points with a target: the first ones.
     loud: usize,
-    /// Rows in a tile: the points, and zeros.
+    /// Rows of G: the points, and zeros.
     count: usize,
+    /// Length of a vector over the transducers.
+    lanes: usize,
     /// Factor of each row.
     scale: Vec<f32>,
     /// What every loud row asks for.
     target: f32,
-    planes: [Vec<f32>; 2],
+    planes: [Aligned; 2],
     level: Level,
 }
 
@@ -75,43 +78,31 @@ impl Rows {
             let own = targets[j as usize];
             *scale = if own > 0.0 { (target / own).min(MOST_RAISED) } else { 1.0 };
         }
-        let size = kernels::padded(gains.transducers()) * count;
-        let mut planes = [(); 2].map(|()| work.floats.take(size));
-        let mut memory = work.floats.take(2 * LANES * gains.lanes());
+        let lanes = tiles::lanes(gains.transducers());
+        let mut planes = [(); 2].map(|()| Aligned::take(tiles::size(count, lanes), work));
         let [re, im] = &mut planes;
-        tiles::pack(
-            gains.level(),
-            gains.rows(),
-            gains.transducers(),
-            (&order, &scale),
-            &mut memory,
-            [re, im],
-        );
-        work.floats.give(memory);
+        tiles::pack(gains.level(), gains.rows(), gains.transducers(), (&order, &scale), [re, im]);
         let loud = (0..points as u32).filter(heard).count();
-        Self { order, loud, count, scale, target, planes, level: gains.level() }
+        Self { order, loud, count, lanes, scale, target, planes, level: gains.level() }
     }
 
     /// Multiplies row `k` by `factor`.
     fn rescale(&mut self, k: usize, factor: f32) {
         self.scale[k] *= factor;
-        let count = self.count * LANES;
         for plane in &mut self.planes {
-            for tile in plane.chunks_exact_mut(count) {
-                tile[k * LANES..(k + 1) * LANES].iter_mut().for_each(|x| *x *= factor);
-            }
+            tiles::rescale(plane, self.lanes, k, factor);
         }
     }
 
     fn tiles(&self) -> Tiles<'_> {
         let [re, im] = &self.planes;
-        Tiles { planes: [re, im], count: self.count }
+        Tiles { planes: [re, im], lanes: self.lanes }
     }
 
     fn give(self, work: &mut Workspace) {
         work.indices.give(self.order);
         work.floats.give(self.scale);
-        work.floats.give_all(self.planes);
+        self.planes.into_iter().for_each(|plane| plane.give(work));
     }
 }
 
@@ -120,26 +111,34 @@ struct Wave {
     drive: [Vec<f32>; 2],
     field: [Vec<f32>; 2],
     moduli: Vec<f32>,
-    /// The field's lanes, before they are added up.
-    lanes: [Vec<f32>; 2],
 }
 
 impl Wave {
     fn new(rows: &Rows, work: &mut Workspace) -> Self {
-        let transducers = rows.planes[0].len() / rows.count;
-        let mut pair = |size: usize| [(); 2].map(|()| work.floats.take(size));
-        let (drive, field, lanes) = (pair(transducers), pair(rows.count), pair(rows.count * LANES));
-        Self { drive, field, moduli: work.floats.take(rows.count), lanes }
+        let mut pair = |size: usize| [(); 2].map(|()| work.floats.take_any(size));
+        let (drive, field) = (pair(rows.lanes), pair(rows.count));
+        Self { drive, field, moduli: work.floats.take(rows.count) }
     }
 
     /// What `play` of a kernel makes of it, and the moduli.
     fn set(&mut self, play: impl FnOnce(tiles::Wave<'_>)) {
-        let [drive, field, lanes] = [&mut self.drive, &mut self.field, &mut self.lanes]
-            .map(|pair| pair.each_mut().map(Vec::as_mut_slice));
-        play(tiles::Wave { drive, field, lanes });
+        let [drive, field] =
+            [&mut self.drive, &mut self.field].map(|pair| pair.each_mut().map(Vec::as_mut_slice));
+        play(tiles::Wave { drive, field });
         for (modulus, (re, im)) in self.moduli.iter_mut().zip(self.field[0].iter().zip(&self.field[1])) {
             *modulus = sqrtf(re * re + im * im);
         }
+    }
+
+    /// What the directions of another `drive` make.
+    fn play(&mut self, rows: &Rows, drive: &[Complex32], work: &mut Workspace) {
+        let size = self.drive[0].len();
+        let [mut re, mut im, still] = [(); 3].map(|()| work.floats.take(size));
+        for ((re, im), q) in re.iter_mut().zip(&mut im).zip(drive) {
+            (*re, *im) = (q.re, q.im);
+        }
+        self.set(|wave| tiles::turn(rows.level, rows.tiles(), [&re, &im], &still, 0.0, wave));
+        work.floats.give_all([re, im, still]);
     }
 
     fn copy(&mut self, other: &Self) {
@@ -175,7 +174,6 @@ impl Wave {
     fn give(self, work: &mut Workspace) {
         work.floats.give_all(self.drive);
         work.floats.give_all(self.field);
-        work.floats.give_all(self.lanes);
         work.floats.give(self.moduli);
     }
 }
@@ -240,24 +238,26 @@ pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &mut Workspace, contro
             core::mem::swap(&mut best, &mut wave);
         }
     }
-    let loudest = best.moduli[..rows.loud].iter().copied().fold(0.0, f32::max);
-    let factor = if wanted && loudest > rows.target { rows.target / loudest } else { 1.0 };
     let mut drive = work.complexes.take(problem.gains().transducers());
     for (i, q) in drive.iter_mut().enumerate() {
         *q = Complex32::new(best.drive[0][i], best.drive[1][i]);
     }
-    let device = problem.gains().levels().is_some();
-    if device {
-        // At full drive: the entry point brings what is below it to the device's amplitudes.
+    let levels = problem.gains().levels();
+    if levels.is_some() {
+        // At full drive, where the grid is finest; what it makes at the points is heard anew.
         refine(problem, &mut drive, work);
+        best.play(&rows, &drive, work);
     }
+    let loudest = best.moduli[..rows.loud].iter().copied().fold(0.0, f32::max);
+    let factor = if wanted && loudest > rows.target { f64::from(rows.target / loudest) } else { 1.0 };
+    let (amplitude, scale) = levels.map_or((factor, 1.0), |levels| levels.lowered(factor));
     for q in &mut drive {
-        *q *= factor;
+        *q *= amplitude as f32;
     }
     let mut field = Planar::zeros(1, problem.gains().lanes(), work);
     for (field, own) in [&mut field.re, &mut field.im].into_iter().zip(&best.field) {
         for (k, &j) in rows.order.iter().enumerate() {
-            field[j as usize] = own[k] / rows.scale[k] * factor;
+            field[j as usize] = own[k] / rows.scale[k] * amplitude as f32;
         }
     }
     let status = match (watch.stopped, reached.0) {
@@ -271,12 +271,7 @@ pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &mut Workspace, contro
     wave.give(work);
     starts.give(work);
     rows.give(work);
-    let mut solution = if device {
-        field.give(work);
-        Solution::new(problem, drive, status, step, work)
-    } else {
-        Solution::of_field(problem, drive, field, status, step, work)
-    };
+    let mut solution = Solution::of_field(problem, drive, field, status, step, work).scaled(scale);
     solution.tell(problem, steps, control);
     solution
 }

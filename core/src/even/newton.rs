@@ -7,10 +7,10 @@
 use alloc::vec::Vec;
 
 use super::{Rows, Watch, Wave};
-use crate::kernels::{padded, tiles};
+use crate::kernels::{padded, products, tiles};
 use crate::linalg::Cholesky;
 use crate::problem::Problem;
-use crate::workspace::Workspace;
+use crate::workspace::{Aligned, Workspace};
 
 /// Steps at most: four are enough where the points are fewer than a quarter of the transducers, ten where they are
 /// half as many.
@@ -18,6 +18,10 @@ pub(super) const MOST_STEPS: usize = 20;
 
 /// Damping mu of the first step, relative to the mean diagonal entry of J J^T.
 const DAMPING: f32 = 1e-6;
+
+/// Derivatives serve once more while a step leaves less than this part of the squares: most of a step's time goes into
+/// them.
+const SLOW: f64 = 0.01;
 
 /// The largest change of a phase in rad: beyond it |P| is no longer near its tangent.
 const MOST_TURN: f32 = 1.0;
@@ -41,23 +45,30 @@ pub(super) fn polish(
     begun.copy(wave);
     let mut damping = DAMPING;
     let mut even = false;
-    let mut moved = true;
+    let (mut renew, mut fresh) = (true, false);
     for step in 0..=MOST_STEPS {
         let level_here = |wave: &Wave| level.unwrap_or_else(|| wave.level(rows));
         even = wave.unevenness(rows, level_here(wave)) <= tolerance;
         if even || watch.stopped || step == MOST_STEPS {
             break;
         }
-        if moved {
+        if renew {
+            newton.forget(work);
             newton.update(rows, wave);
+            fresh = true;
         }
-        moved = newton.step(rows, wave, level, damping, &mut trial, work)
-            && newton.cost(rows, &trial, level_here(&trial)) < newton.cost(rows, wave, level_here(wave));
-        if moved {
+        let before = newton.cost(rows, wave, level_here(wave));
+        let tried = newton.step(rows, wave, level, damping, &mut trial, work);
+        let after = if tried { newton.cost(rows, &trial, level_here(&trial)) } else { f64::INFINITY };
+        if after < before {
             core::mem::swap(wave, &mut trial);
             damping *= 0.1;
+            renew = after > SLOW * before;
+            fresh = false;
         } else {
-            damping *= 10.0;
+            // Of old derivatives nothing is concluded.
+            (renew, damping) = if fresh { (false, 10.0 * damping) } else { (true, damping) };
+            newton.forget(work);
         }
         watch.told(rows, wave);
     }
@@ -85,12 +96,14 @@ fn heard(rows: &Rows, wave: &Wave, equation: usize) -> f32 {
 struct Newton {
     /// Equations: the loud points, then the quiet ones' real and imaginary parts.
     size: usize,
-    /// Rows of J in a tile: the equations, and zeros.
+    /// Rows of J: the equations, and zeros.
     count: usize,
-    /// J, tile by tile.
-    slopes: Vec<f32>,
-    /// J J^T, its lower half.
+    /// J.
+    slopes: Aligned,
+    /// J J^T, its upper half.
     matrix: Vec<f32>,
+    /// Its factor, damped, and the solution for a rise of the level.
+    factor: Option<(Cholesky, Vec<f32>)>,
     /// 1 / weight of each equation.
     ease: Vec<f32>,
     /// J d = f Re(dP) + g Im(dP).
@@ -103,7 +116,6 @@ impl Newton {
         let quiet = rows.order.len() - rows.loud;
         let size = rows.loud + 2 * quiet;
         let count = tiles::height(size);
-        let transducers = padded(problem.gains().transducers());
         let mut ease = work.floats.take(size);
         let points = rows.order.iter().chain(&rows.order[rows.loud..]);
         for (ease, &j) in ease.iter_mut().zip(points) {
@@ -112,11 +124,12 @@ impl Newton {
         Self {
             size,
             count,
-            slopes: work.floats.take(transducers * count),
-            matrix: work.floats.take(size * size),
+            slopes: Aligned::take(tiles::size(count, rows.lanes), work),
+            matrix: work.floats.take_any(size * padded(size)),
+            factor: None,
             ease,
             factors: [(); 2].map(|()| work.floats.take(count)),
-            turns: work.floats.take(transducers),
+            turns: work.floats.take_any(rows.lanes),
         }
     }
 
@@ -136,8 +149,33 @@ impl Newton {
         (loud..points).for_each(|k| (f[k], g[k]) = (0.0, -1.0));
         (points..self.size).for_each(|k| (f[k], g[k]) = (1.0, 0.0));
         let (tiles, level) = (rows.tiles(), rows.level);
-        tiles::slopes(level, tiles, wave.drive(), [&*f, &*g], (points, loud), &mut self.slopes);
-        tiles::products(level, &self.slopes, self.count, self.size, &mut self.matrix);
+        let equations = (0..points).chain(loud..points);
+        tiles::slopes(level, tiles, wave.drive(), [&*f, &*g], equations, &mut self.slopes);
+        products::products(level, &self.slopes, rows.lanes, self.size, &mut self.matrix);
+    }
+
+    /// The factor of the damped matrix and the solution for a rise of the level; `None` if f32 cannot factor it.
+    fn factored(&self, rows: &Rows, damping: f32, work: &mut Workspace) -> Option<(Cholesky, Vec<f32>)> {
+        let (size, lanes) = (self.size, padded(self.size));
+        let mut matrix = work.floats.take_any(size * lanes);
+        matrix.copy_from_slice(&self.matrix);
+        let mean = (0..size).map(|k| matrix[k * lanes + k]).sum::<f32>() / size as f32;
+        for k in 0..size {
+            matrix[k * lanes + k] += damping * mean * self.ease[k];
+        }
+        let cholesky = Cholesky::new(rows.level, matrix, size, work)?;
+        let mut rise = work.floats.take(lanes.max(self.count));
+        rise[..rows.loud].fill(1.0);
+        cholesky.solve(&mut rise[..lanes]);
+        Some((cholesky, rise))
+    }
+
+    /// Drops the factor.
+    fn forget(&mut self, work: &mut Workspace) {
+        if let Some((cholesky, rise)) = self.factor.take() {
+            cholesky.give(work);
+            work.floats.give(rise);
+        }
     }
 
     /// Writes the wave after a step into `trial`; `false` if f32 cannot factor the system.
@@ -150,31 +188,21 @@ impl Newton {
         trial: &mut Wave,
         work: &mut Workspace,
     ) -> bool {
-        let size = self.size;
-        let mut matrix = work.floats.take(size * size);
-        matrix.copy_from_slice(&self.matrix);
-        let mean = (0..size).map(|k| matrix[k * size + k]).sum::<f32>() / size as f32;
-        for k in 0..size {
-            matrix[k * size + k] += damping * mean * self.ease[k];
-        }
-        let Some(cholesky) = Cholesky::new(rows.level, matrix, size, work) else {
-            return false;
-        };
+        let factor = self.factor.take().or_else(|| self.factored(rows, damping, work));
+        let Some((cholesky, rise)) = factor else { return false };
         // From the mean level, since s times one solution less another would cancel most digits.
         let middle = wave.level(rows);
-        let [mut dual, mut rise] = [(); 2].map(|()| work.floats.take(self.count));
-        for k in 0..size {
-            rise[k] = if k < rows.loud { 1.0 } else { 0.0 };
-            dual[k] = middle * rise[k] - heard(rows, wave, k);
+        let mut dual = work.floats.take(rise.len());
+        for (k, dual) in dual.iter_mut().enumerate().take(self.size) {
+            *dual = if k < rows.loud { middle } else { 0.0 } - heard(rows, wave, k);
         }
-        cholesky.solve(&mut dual[..size]);
-        cholesky.solve(&mut rise[..size]);
-        cholesky.give(work);
+        cholesky.solve(&mut dual[..padded(self.size)]);
         let sum = |values: &[f32]| values[..rows.loud].iter().map(|&x| f64::from(x)).sum::<f64>();
         let shift = level.map_or_else(|| (-sum(&dual) / sum(&rise)) as f32, |level| level - middle);
         dual.iter_mut().zip(&rise).for_each(|(dual, rise)| *dual += shift * rise);
-        let most = tiles::combine(rows.level, &self.slopes, &dual, &mut self.turns);
-        work.floats.give_all([dual, rise]);
+        let most = tiles::combine(rows.level, &self.slopes, &dual[..self.count], &mut self.turns);
+        work.floats.give(dual);
+        self.factor = Some((cholesky, rise));
         let factor = if most > MOST_TURN { MOST_TURN / most } else { 1.0 };
         if !most.is_finite() {
             return false;
@@ -183,8 +211,10 @@ impl Newton {
         true
     }
 
-    fn give(self, work: &mut Workspace) {
-        work.floats.give_all([self.slopes, self.matrix, self.ease, self.turns]);
+    fn give(mut self, work: &mut Workspace) {
+        self.forget(work);
+        self.slopes.give(work);
+        work.floats.give_all([self.matrix, self.ease, self.turns]);
         work.floats.give_all(self.factors);
     }
 }

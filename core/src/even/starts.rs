@@ -1,24 +1,26 @@
-//! Point phases that reinforce one another, found on the M x M matrix of couplings alone.
+//! Point phases that reinforce one another.
 //!
 //! The drive b = G^H v has the energy v^H (G G^H) v. With the moduli of v fixed, each phase in turn is set to what
-//! the other points' waves make at its point: Gerchberg-Saxton as GS-PAT runs it on the matrix, but point after
-//! point and without a point's own echo, which would only hold its phase back. Sixteen starts run side by side.
+//! the other points' waves make at its point: Gerchberg-Saxton as GS-PAT runs it, but point after point and without a
+//! point's own echo, which would only hold its phase back. One start goes over G itself; many share the M x M matrix of
+//! couplings, sixteen side by side.
 
 use alloc::vec::Vec;
 
+use super::merge::merge;
 use super::{Plan, Rows};
-use crate::kernels::{LANES, Level, tiles};
+use crate::kernels::{LANES, Level, phases, products};
 use crate::math::sqrtf;
 use crate::problem::Problem;
 use crate::projection::start_phasors;
 use crate::rng::Rng;
 use crate::workspace::Workspace;
 
-/// Rounds over the points: in trials eight reach all but a thousandth of the energy.
+/// Rounds over the points on the matrix: in trials eight reach all but a thousandth of the energy.
 const ROUNDS: usize = 8;
 
-/// Points coincide whose rows are parallel to this part: they are about lambda/1000 apart.
-const COINCIDENT: f32 = 1e-5;
+/// Rounds on G itself, each as long as a sweep: in trials two fewer or more are a thousandth of the level at 64 points.
+const ROUNDS_ALONE: usize = 8;
 
 /// Starts whose energies agree to this part are one start.
 const ALIKE: f32 = 1e-5;
@@ -38,26 +40,71 @@ pub(super) struct Starts {
 impl Starts {
     /// The problem's own start, else the best that a search finds.
     pub(super) fn new(problem: &Problem, rows: &mut Rows, plan: &Plan, work: &mut Workspace) -> Self {
-        let couplings = Couplings::new(rows, work);
-        let mut weights = work.floats.take(rows.loud);
-        let weakest = couplings.norms.iter().copied().fold(f32::INFINITY, f32::min);
-        for (weight, norm) in weights.iter_mut().zip(&couplings.norms) {
-            *weight = weakest / norm / norm;
+        let mut powers = work.floats.take(rows.loud);
+        products::powers(rows.level, rows.tiles(), &mut powers);
+        merge(rows, &mut powers, work);
+        for power in &mut powers {
+            *power = power.max(f32::MIN_POSITIVE);
         }
-        let given = problem.start_drive().is_some() || problem.start_phases().is_some();
-        let starts = if given {
-            let phasors = start_phasors(problem, work);
-            let mut own = [(); 2].map(|()| work.floats.take(rows.loud));
-            for (own, phasors) in own.iter_mut().zip([&phasors.re, &phasors.im]) {
-                own.iter_mut().zip(&rows.order).for_each(|(own, &j)| *own = phasors[j as usize]);
-            }
-            phasors.give(work);
-            Self { count: 1, weights, phasors: own, echoes: work.floats.take(1) }
+        let weakest = sqrtf(powers.iter().copied().fold(f32::INFINITY, f32::min));
+        let mut weights = work.floats.take(rows.loud);
+        weights.iter_mut().zip(&powers).for_each(|(weight, power)| *weight = weakest / power);
+        let starts = if problem.start_drive().is_some() || problem.start_phases().is_some() {
+            Self::given(problem, rows, weights, work)
         } else {
-            couplings.search(weights, plan, work)
+            // From the strongest point on: an order that does not hang on how the scene is told.
+            let mut visits = work.indices.take(rows.loud);
+            visits.iter_mut().zip(0..).for_each(|(visit, k)| *visit = k);
+            visits.sort_unstable_by(|&a, &b| powers[b as usize].total_cmp(&powers[a as usize]));
+            let starts = if plan.starts == 1 {
+                Self::alone(rows, weights, &powers, &visits, work)
+            } else {
+                let couplings = Couplings::new(rows, &powers, work);
+                let starts = couplings.search(weights, &visits, plan, work);
+                couplings.give(work);
+                starts
+            };
+            work.indices.give(visits);
+            starts
         };
-        couplings.give(work);
+        work.floats.give(powers);
         starts
+    }
+
+    fn given(problem: &Problem, rows: &Rows, weights: Vec<f32>, work: &mut Workspace) -> Self {
+        let phasors = start_phasors(problem, work);
+        let mut own = [(); 2].map(|()| work.floats.take(rows.loud));
+        for (own, phasors) in own.iter_mut().zip([&phasors.re, &phasors.im]) {
+            own.iter_mut().zip(&rows.order).for_each(|(own, &j)| *own = phasors[j as usize]);
+        }
+        phasors.give(work);
+        Self { count: 1, weights, phasors: own, echoes: work.floats.take(1) }
+    }
+
+    /// One point added after another, on G itself: with one start that takes less time than the matrix.
+    fn alone(rows: &Rows, weights: Vec<f32>, powers: &[f32], visits: &[u32], work: &mut Workspace) -> Self {
+        let mut phasors = [(); 2].map(|()| work.floats.take(rows.loud));
+        let mut wave = [(); 2].map(|()| work.floats.take(rows.lanes));
+        let [re, im] = &mut phasors;
+        let [wave_re, wave_im] = &mut wave;
+        let lists = (&weights[..], powers);
+        let energy = phases::align_rows(
+            rows.level,
+            rows.tiles(),
+            lists,
+            visits,
+            ROUNDS_ALONE,
+            [re, im],
+            [wave_re, wave_im],
+        );
+        for plane in &mut phasors {
+            plane.iter_mut().zip(&weights).for_each(|(part, weight)| *part /= weight);
+        }
+        let own = weights.iter().zip(powers).map(|(weight, power)| weight * weight * power).sum::<f32>();
+        let mut echoes = work.floats.take(1);
+        echoes[0] = own / (own + energy);
+        work.floats.give_all(wave);
+        Self { count: 1, weights, phasors, echoes }
     }
 
     pub(super) fn give(self, work: &mut Workspace) {
@@ -76,51 +123,24 @@ struct Couplings {
 }
 
 impl Couplings {
-    fn new(rows: &mut Rows, work: &mut Workspace) -> Self {
+    fn new(rows: &Rows, powers: &[f32], work: &mut Workspace) -> Self {
         let points = rows.loud;
         let mut matrix = [(); 2].map(|()| work.floats.take(points * points));
         let mut norms = work.floats.take(points);
+        norms.iter_mut().zip(powers).for_each(|(norm, &power)| *norm = sqrtf(power));
         let [re, im] = &mut matrix;
-        tiles::couplings(rows.level, rows.tiles(), points, [re, im]);
+        products::couplings(rows.level, rows.tiles(), 0..rows.lanes / LANES, points, [re, im]);
         for k in 0..points {
-            for l in 0..k {
-                (re[l * points + k], im[l * points + k]) = (re[k * points + l], -im[k * points + l]);
+            // Without a point's own echo.
+            re[k * points + k] = 0.0;
+            for l in k + 1..points {
+                let (real, imag) =
+                    (re[k * points + l] / norms[k] / norms[l], im[k * points + l] / norms[k] / norms[l]);
+                (re[k * points + l], im[k * points + l]) = (real, imag);
+                (re[l * points + k], im[l * points + k]) = (real, -imag);
             }
         }
-        for (k, norm) in norms.iter_mut().enumerate() {
-            *norm = sqrtf(matrix[0][k * points + k].max(f32::MIN_POSITIVE));
-        }
-        for plane in &mut matrix {
-            for (row, own) in plane.chunks_exact_mut(points).zip(&norms) {
-                row.iter_mut().zip(&norms).for_each(|(entry, other)| *entry = *entry / own / other);
-            }
-        }
-        let mut couplings = Self { level: rows.level, points, matrix, norms };
-        couplings.merge(rows);
-        // Without a point's own echo.
-        (0..points).for_each(|k| couplings.matrix[0][k * points + k] = 0.0);
-        couplings
-    }
-
-    /// Gives points in the same place the mean of their targets: they cannot have two pressures.
-    fn merge(&mut self, rows: &mut Rows) {
-        let Self { points, matrix: [re, im], norms, .. } = self;
-        for first in 0..*points {
-            let own = first * *points..(first + 1) * *points;
-            let (re, im) = (&re[own.clone()], &im[own]);
-            let coincide = |k: &usize| re[*k] * re[*k] + im[*k] * im[*k] >= 1.0 - 2.0 * COINCIDENT;
-            // A group is seen to by its first point.
-            if (0..first).any(|k| coincide(&k)) || !(first + 1..*points).any(|k| coincide(&k)) {
-                continue;
-            }
-            let group = || core::iter::once(first).chain((first + 1..*points).filter(coincide));
-            let mean = group().map(|k| 1.0 / rows.scale[k]).sum::<f32>() / group().count() as f32;
-            for k in group() {
-                let factor = 1.0 / (mean * rows.scale[k]);
-                rows.rescale(k, factor);
-                norms[k] *= factor;
-            }
-        }
+        Self { level: rows.level, points, matrix, norms }
     }
 
     fn give(self, work: &mut Workspace) {
@@ -133,7 +153,7 @@ impl Couplings {
     }
 
     /// The phases of the greatest energies that any of the plan's starts ends in.
-    fn search(&self, weights: Vec<f32>, plan: &Plan, work: &mut Workspace) -> Starts {
+    fn search(&self, weights: Vec<f32>, visits: &[u32], plan: &Plan, work: &mut Workspace) -> Starts {
         let points = self.points;
         let groups = plan.starts.div_ceil(LANES);
         // v_k times the norm of row k.
@@ -141,10 +161,6 @@ impl Couplings {
         for ((share, weight), norm) in shares.iter_mut().zip(&weights).zip(&self.norms) {
             *share = weight * norm;
         }
-        // From the strongest point on: an order that does not hang on how the scene is told.
-        let mut visits = work.indices.take(points);
-        visits.iter_mut().zip(0..).for_each(|(visit, k)| *visit = k);
-        visits.sort_unstable_by(|&a, &b| self.norms[b as usize].total_cmp(&self.norms[a as usize]));
         let mut energies = work.floats.take(groups * LANES);
         let mut found = [(); 2].map(|()| work.floats.take(groups * points * LANES));
         let mut turns = work.floats.take(points * LANES);
@@ -153,13 +169,13 @@ impl Couplings {
             let range = group * points * LANES..(group + 1) * points * LANES;
             let [re, im] = &mut found;
             let vectors = [&mut re[range.clone()], &mut im[range]];
-            for &k in &visits {
+            for &k in visits {
                 let own = k as usize * LANES..(k as usize + 1) * LANES;
                 turns[own].fill_with(|| rng.uniform() as f32);
             }
             let [re, im] = vectors;
-            tiles::phasors(self.level, &turns, &shares, [&mut *re, &mut *im]);
-            let energy = tiles::align(self.level, self.planes(), &shares, &visits, ROUNDS, [re, im]);
+            phases::phasors(self.level, &turns, &shares, [&mut *re, &mut *im]);
+            let energy = phases::align(self.level, self.planes(), &shares, visits, ROUNDS, [re, im]);
             energies[group * LANES..][..LANES].copy_from_slice(&energy);
         }
         energies[plan.starts..].fill(-1.0);
@@ -195,7 +211,6 @@ impl Couplings {
         }
         work.floats.give_all(found);
         work.floats.give_all([shares, energies, turns]);
-        work.indices.give(visits);
         starts
     }
 }

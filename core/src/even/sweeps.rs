@@ -37,12 +37,7 @@ pub(super) fn raise(
     let mut trial = Wave::new(rows, work);
     let given = watch.problem.start_drive();
     if let Some(drive) = given {
-        for (i, q) in drive.iter().enumerate() {
-            (trial.drive[0][i], trial.drive[1][i]) = (q.re, q.im);
-        }
-        let still = work.floats.take(trial.drive[0].len());
-        wave.set(|wave| tiles::turn(rows.level, rows.tiles(), trial.drive(), &still, 0.0, wave));
-        work.floats.give(still);
+        wave.play(rows, drive, work);
     }
     for sweep in 0..=sweeps {
         for (wanted, phasors) in wanted.iter_mut().zip(&phasors) {

@@ -4,6 +4,7 @@
 //! is written once over [`simd::Simd`], 16 lanes and a fixed order of sums, and compiled for every [`Level`].
 
 pub(crate) mod abreast;
+pub(crate) mod cholesky;
 mod energies;
 pub(crate) mod fast;
 mod fine;
@@ -12,7 +13,9 @@ pub(crate) mod greedy_abreast;
 pub(crate) mod level;
 mod matrix;
 mod moments;
+pub(crate) mod phases;
 mod pressure;
+pub(crate) mod products;
 mod row;
 mod rows;
 mod search;

@@ -82,7 +82,7 @@ pub(crate) fn dot(level: Level, a: &[f32], b: &[f32]) -> f32 {
     })
 }
 
-/// matrix += `sum_b v_b v_b^T` for four vectors, the rows up to the diagonal's group of lanes.
+/// matrix += `sum_b v_b v_b^T` for four vectors, the rows from the diagonal's group of lanes on.
 pub(crate) fn add_outer(level: Level, vectors: [&[f32]; 4], matrix: &mut [f32]) {
     dispatch!(level, s => {
         let size = vectors[0].len();
@@ -90,7 +90,7 @@ pub(crate) fn add_outer(level: Level, vectors: [&[f32]; 4], matrix: &mut [f32]) 
         for (k, row) in matrix.chunks_exact_mut(size).enumerate() {
             let [fa, fb, fc, fd] = vectors;
             let factors = [s.splat(fa[k]), s.splat(fb[k]), s.splat(fc[k]), s.splat(fd[k])];
-            for (g, out) in groups_mut(row).iter_mut().enumerate().take(k / LANES + 1) {
+            for (g, out) in groups_mut(row).iter_mut().enumerate().skip(k / LANES) {
                 let sum = s.fma(factors[0], s.load(&a[g]), s.fma(factors[1], s.load(&b[g]), s.load(out)));
                 s.store(s.fma(factors[2], s.load(&c[g]), s.fma(factors[3], s.load(&d[g]), sum)), out);
             }

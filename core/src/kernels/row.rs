@@ -3,6 +3,7 @@
 use super::level::{Level, dispatch};
 use super::simd::Simd;
 use super::table::Table;
+use super::tiles::{BLOCK, Block};
 use super::turns::{power_of_two, wave};
 use super::{LANES, Lanes, groups, groups_mut};
 
@@ -57,29 +58,107 @@ impl Law {
     }
 }
 
+/// A transducer in all lanes, or sixteen of them.
+struct Emitter<V> {
+    position: [V; 3],
+    normal: [V; 3],
+    gain: V,
+    turns: V,
+}
+
+impl<V: Copy> Emitter<V> {
+    #[inline(always)]
+    fn one<S: Simd<V = V>>(s: S, source: &Source) -> Self {
+        let [[x, y, z], [nx, ny, nz]] = [source.position, source.normal];
+        Self {
+            position: [s.splat(x), s.splat(y), s.splat(z)],
+            normal: [s.splat(nx), s.splat(ny), s.splat(nz)],
+            gain: s.splat(source.gain),
+            turns: s.splat(source.turns),
+        }
+    }
+
+    /// At least one and at most sixteen; the other lanes are silent where the last one is.
+    #[inline(always)]
+    fn sixteen<S: Simd<V = V>>(s: S, sources: &[Source]) -> Self {
+        let mut lanes = [[0.0; LANES]; 8];
+        for l in 0..LANES {
+            let source = sources[l.min(sources.len() - 1)];
+            let [[x, y, z], [nx, ny, nz]] = [source.position, source.normal];
+            let gain = if l < sources.len() { source.gain } else { 0.0 };
+            for (lanes, x) in lanes.iter_mut().zip([x, y, z, nx, ny, nz, gain, source.turns]) {
+                lanes[l] = x;
+            }
+        }
+        let [x, y, z, nx, ny, nz, gain, turns] = &lanes;
+        Self {
+            position: [s.load(x), s.load(y), s.load(z)],
+            normal: [s.load(nx), s.load(ny), s.load(nz)],
+            gain: s.load(gain),
+            turns: s.load(turns),
+        }
+    }
+}
+
 /// Square distance and, held at [`NEAREST`], distance and |c| D e^{-alpha r}/r; distances in wavelengths.
 #[inline(always)]
-fn spread<S: Simd>(s: S, form: Form, law: &Law, source: &Source, point: [&Lanes; 3]) -> [S::V; 3] {
-    let [x, y, z] = source.position;
-    let dx = s.sub(s.load(point[0]), s.splat(x));
-    let dy = s.sub(s.load(point[1]), s.splat(y));
-    let dz = s.sub(s.load(point[2]), s.splat(z));
+fn spread<S: Simd>(s: S, form: Form, law: &Law, emitter: &Emitter<S::V>, point: [S::V; 3]) -> [S::V; 3] {
+    let [x, y, z] = emitter.position;
+    let (dx, dy, dz) = (s.sub(point[0], x), s.sub(point[1], y), s.sub(point[2], z));
     let square = s.fma(dx, dx, s.fma(dy, dy, s.mul(dz, dz)));
     let held = s.max(square, s.splat(NEAREST * NEAREST));
     // The distance is the phase: an error in its last place is one of 2e-5 rad at a metre's tenth.
     let (distance, inverse) = s.roots(held);
-    let mut amplitude = s.mul(s.splat(source.gain), inverse);
+    let mut amplitude = s.mul(emitter.gain, inverse);
     if form == Form::Full {
         if law.decay < 0.0 {
             amplitude = s.mul(amplitude, power_of_two(s, s.mul(distance, s.splat(law.decay))));
         }
         if let Some(table) = &law.table {
-            let [nx, ny, nz] = source.normal;
-            let along = s.fma(s.splat(nx), dx, s.fma(s.splat(ny), dy, s.mul(s.splat(nz), dz)));
+            let [nx, ny, nz] = emitter.normal;
+            let along = s.fma(nx, dx, s.fma(ny, dy, s.mul(nz, dz)));
             amplitude = s.mul(amplitude, table.directivity(s, s.mul(along, inverse)));
         }
     }
     [square, distance, amplitude]
+}
+
+/// G of an emitter at a point.
+#[inline(always)]
+fn gain<S: Simd>(s: S, form: Form, law: &Law, emitter: &Emitter<S::V>, point: [S::V; 3]) -> [S::V; 2] {
+    let [_, mut distance, amplitude] = spread(s, form, law, emitter, point);
+    if form == Form::Full {
+        distance = s.add(distance, emitter.turns);
+    }
+    wave(s, distance, amplitude)
+}
+
+/// Writes sixteen `sources`, or fewer, against points (their index, and a factor): row k of [`super::tiles`] in the blocks
+/// from `first` on, `stride` apart.
+#[inline(always)]
+pub(super) fn write_tile<S: Simd>(
+    s: S,
+    law: &Law,
+    sources: &[Source],
+    spots: Spots<'_>,
+    (order, scale): (&[u32], &[f32]),
+    (first, stride): (usize, usize),
+    [re, im]: [&mut [Block]; 2],
+) {
+    let emitter = Emitter::sixteen(s, sources);
+    let plain = sources.iter().all(|source| law.form(source.turns) == Form::Plain);
+    for (k, (&j, &scale)) in order.iter().zip(scale).enumerate() {
+        let [x, y, z] = spots.coordinates;
+        let place = [s.splat(x[j as usize]), s.splat(y[j as usize]), s.splat(z[j as usize])];
+        let [real, imaginary] = if plain {
+            gain(s, Form::Plain, law, &emitter, place)
+        } else {
+            gain(s, Form::Full, law, &emitter, place)
+        };
+        let block = first + k / BLOCK * stride;
+        s.store(s.mul(real, s.splat(scale)), &mut re[block][k % BLOCK]);
+        s.store(s.mul(imaginary, s.splat(scale)), &mut im[block][k % BLOCK]);
+    }
 }
 
 /// Writes the row of `source` over its target's whole length, zeros in the padding.
@@ -109,14 +188,11 @@ fn write_form<S: Simd>(
     spots: Spots<'_>,
     [re, im]: [&mut [f32]; 2],
 ) {
+    let emitter = Emitter::one(s, source);
     let [x, y, z] = spots.coordinates;
     let points = groups(x).iter().zip(groups(y)).zip(groups(z));
     for (((x, y), z), (re, im)) in points.zip(groups_mut(re).iter_mut().zip(groups_mut(im))) {
-        let [_, mut distance, amplitude] = spread(s, form, law, source, [x, y, z]);
-        if form == Form::Full {
-            distance = s.add(distance, s.splat(source.turns));
-        }
-        let [real, imaginary] = wave(s, distance, amplitude);
+        let [real, imaginary] = gain(s, form, law, &emitter, [s.load(x), s.load(y), s.load(z)]);
         s.store(real, re);
         s.store(imaginary, im);
     }
@@ -159,8 +235,9 @@ fn moduli_of_form<S: Simd>(
     for (((x, y), z), out) in points.zip(groups_mut(out)) {
         let mut closest = s.splat(f32::INFINITY);
         let mut sum = s.load(out);
+        let place = [s.load(x), s.load(y), s.load(z)];
         for source in sources {
-            let [square, _, amplitude] = spread(s, form, law, source, [x, y, z]);
+            let [square, _, amplitude] = spread(s, form, law, &Emitter::one(s, source), place);
             closest = s.min(square, closest);
             // A piston's side lobes have D < 0.
             sum = s.add(sum, if form == Form::Plain { amplitude } else { s.abs(amplitude) });

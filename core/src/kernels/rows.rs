@@ -1,7 +1,9 @@
 //! Where a kernel that passes over all transducers takes its rows from.
 
-use super::row::{Law, Source, Spots, write_row};
+use super::LANES;
+use super::row::{Law, Source, Spots, write_row, write_tile};
 use super::simd::Simd;
+use super::tiles::{BLOCK, Block};
 
 /// Rows of G, one a transducer, each a whole number of lane groups long.
 #[derive(Clone, Copy)]
@@ -22,6 +24,43 @@ impl Rows<'_> {
                 let range = i * re.len()..(i + 1) * re.len();
                 re.copy_from_slice(&all_re[range.clone()]);
                 im.copy_from_slice(&all_im[range]);
+            }
+        }
+    }
+
+    /// Writes a tile of [`super::tiles`]: 16 of the `count` transducers in the lanes, row after row the points (their
+    /// index, and a factor), zeros in the lanes of transducers that there are not.
+    #[inline(always)]
+    pub(crate) fn write_tile<S: Simd>(
+        &self,
+        s: S,
+        (tile, stride): (usize, usize),
+        count: usize,
+        points: (&[u32], &[f32]),
+        out: [&mut [Block]; 2],
+    ) {
+        let members = count.min(tile * LANES)..count.min((tile + 1) * LANES);
+        match *self {
+            Self::Computed { law, sources, spots } if !members.is_empty() => {
+                write_tile(s, law, &sources[members], spots, points, (tile, stride), out);
+            }
+            Self::Stored { re, im } => {
+                let lanes = re.len() / count;
+                for (all, out) in [re, im].into_iter().zip(out) {
+                    for (k, (&j, &scale)) in points.0.iter().zip(points.1).enumerate() {
+                        let to = &mut out[tile + k / BLOCK * stride][k % BLOCK];
+                        *to = [0.0; LANES];
+                        for (to, i) in to.iter_mut().zip(members.clone()) {
+                            *to = all[i * lanes + j as usize] * scale;
+                        }
+                    }
+                }
+            }
+            Self::Computed { .. } => {
+                for out in out {
+                    (0..points.0.len())
+                        .for_each(|k| out[tile + k / BLOCK * stride][k % BLOCK] = [0.0; LANES]);
+                }
             }
         }
     }

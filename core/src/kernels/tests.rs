@@ -1,6 +1,7 @@
 //! Every kernel against plain f64 loops, at every length up to four whole groups of lanes and a remainder, over
 //! dirty memory.
 
+mod cholesky;
 mod fine;
 mod matrix;
 mod search;
@@ -12,7 +13,8 @@ use alloc::vec::Vec;
 use core::f64::consts::{LOG2_E, TAU};
 use core::ops::RangeInclusive;
 
-use super::{Law, Level, Row, Source, Spots, padded};
+use super::tiles::{height, lanes, pack, size};
+use super::{LANES, Law, Level, Row, Rows, Source, Spots, padded};
 use crate::directivity::Directivity;
 use crate::rng::Rng;
 
@@ -123,8 +125,29 @@ impl Shot {
             assert_near(im[j], gain * amplitude * sin, flat + phase, what);
             assert_near(moduli[j], 1.0 + gain * amplitude.abs(), flat + ROUNDING * (1.0 + unit), what);
         }
+        self.check_tile(level, [&re, &im]);
         for list in [&re, &im, &moduli] {
             assert!(list[self.count..].iter().all(|&x| x == 0.0), "padding of {} is not silent", self.count);
+        }
+    }
+}
+
+impl Shot {
+    /// The tile of this transducer and a second, in phase, is made of their rows to the bit, and silent beyond.
+    fn check_tile(&self, level: Level, row: [&[f32]; 2]) {
+        let sources = [self.source, Source { turns: 0.0, ..self.source }];
+        let order: Vec<u32> = (0..self.count as u32).collect();
+        let whole = size(height(self.count), lanes(2));
+        let [mut re, mut im] = [(); 2].map(|()| vec![f32::NAN; whole]);
+        let rows = Rows::Computed { law: &self.law, sources: &sources, spots: self.spots() };
+        pack(level, rows, 2, (&order, &vec![1.0; self.count]), [&mut re, &mut im]);
+        // Two tiles and a spare one to four points.
+        for (plane, row) in [re, im].iter().zip(row) {
+            for j in 0..self.count {
+                let first = (j / 4 * 3 * 4 + j % 4) * LANES;
+                assert_eq!(plane[first], row[j], "{level}: point {j} of {}", self.count);
+                assert!(plane[first + 2..first + LANES].iter().all(|&x| x == 0.0), "{level}: no transducer");
+            }
         }
     }
 }

@@ -303,7 +303,7 @@ impl Normal {
             let pull = sqrtf(problem.weights()[j]) * problem.targets()[j];
             let (re, im) = (pull * state.phasor.im[j], -pull * state.phasor.re[j]);
             self.matrix[j * size + j] += re * re;
-            self.matrix[(lanes + j) * size + j] += re * im;
+            self.matrix[j * size + lanes + j] += re * im;
             self.matrix[(lanes + j) * size + lanes + j] += im * im;
             let slope = re * state.residual.re[j] + im * state.residual.im[j];
             self.point_gradient[j] = slope;

@@ -18,14 +18,11 @@ crate::options! {
     }
 }
 
-/// Starts of the point phases, which run side by side: as many as cost no more than one.
-const STARTS: usize = 16;
-
 impl Method for Uniform {
     const INFO: Info = Info {
         name: "uniform",
         summary: "even points at the highest common level, |q| alike",
-        source: "coupled phases, weighted Gerchberg-Saxton, Gauss-Newton on |P| = s p",
+        source: "point phases in line, weighted Gerchberg-Saxton, Gauss-Newton on |P| = s p",
         balance: true,
         tolerance: 1e-4,
         uses_start: true,
@@ -45,7 +42,7 @@ impl Solve for Uniform {
         control: &mut Control,
     ) -> Result<Solution, Error> {
         let plan = Plan {
-            starts: STARTS,
+            starts: 1,
             finalists: 1,
             seed: 0,
             sweeps: self.steps as usize,

@@ -291,3 +291,43 @@ fn the_sweep_keeps_zeros_amplitudes_and_unequal_targets() {
     let (before, after) = (problem.judge(&plain).expect("ok"), problem.judge(&drive).expect("ok"));
     assert!(after.sigma < before.sigma && after.leak < before.leak, "{before:?} {after:?}");
 }
+
+#[test]
+fn a_device_plays_no_point_louder_than_asked_and_keeps_nine_tenths() {
+    let sixteen: Vec<f64> = (0..16).map(|k| f64::from(k) / 15.0).collect();
+    let devices = [
+        preset("autd3").levels().expect("levels").clone(),
+        levels(256, &sixteen),
+        levels(256, &[0.15, 1.0]),
+        levels(10, &[0.0, 1.0]),
+        levels(256, &[1.0]),
+        levels(256, &[]),
+        Levels::new(None, Some(sixteen)).expect("levels"),
+    ];
+    for device in devices {
+        for (count, seed) in [(1, 0), (2, 1), (3, 2), (8, 3), (16, 4), (64, 5)] {
+            let array = preset("autd3").with_levels(Some(device.clone()));
+            let points = random_points(count, 0.08, 300 + seed);
+            let balanced = problem(&scene(array.clone(), points.clone(), None)).pressures()[0];
+            for part in [0.03, 0.4, 0.61, 0.77, 1.0, 1.5] {
+                let pressures = (0..count).map(|j| part * balanced * [1.0, 0.8][j % 2]).collect();
+                let scene = scene(array.clone(), points.clone(), Some(pressures));
+                for name in ["uniform", "best"] {
+                    let solution = solved(solvers::find(name).expect("a solver"), &problem(&scene), true);
+                    let pairs = solution.pressures.iter().zip(solution.targets());
+                    let loudest = pairs.map(|(p, target)| f64::from(p.norm()) / target).fold(0.0, f64::max);
+                    let scale = solution.scale;
+                    let told = format!("{name}, M = {count}, {part} on {device:?}: {loudest}, {scale}");
+                    assert!(loudest <= 1.0 + 1e-4, "{told}");
+                    // As loud as asked to a tenth, or all that the array has.
+                    let full = scale == 1.0 && solution.drive.iter().all(|q| q.norm() > 0.9999);
+                    assert!(full || loudest >= 0.9 - 1e-4, "{told}");
+                    // A fine table does without the supply.
+                    let fine = device.amplitudes().is_none_or(|table| table.len() == 256);
+                    assert!(!fine || part < 0.1 || scale == 1.0, "{told}");
+                    assert_on_grid(name, &solution.drive, &device);
+                }
+            }
+        }
+    }
+}

@@ -6,8 +6,9 @@ use core::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use super::super::tiles::{self, Tiles, Wave, height};
+use super::super::tiles::{self, Tiles, Wave, height, lanes, size};
 use super::super::{LANES, Level, Rows, padded};
+use super::super::{phases, products};
 use super::{LENGTHS, ROUNDING, assert_near, numbers, wide};
 use crate::rng::Rng;
 
@@ -23,7 +24,7 @@ struct Scene {
 impl Scene {
     fn new(points: usize, transducers: usize, level: Level) -> Self {
         let mut rng = Rng::new((1000 * points + transducers) as u64);
-        let lanes = padded(points);
+        let wide_row = padded(points);
         let mut stored = [(); 2].map(|()| Vec::new());
         for plane in &mut stored {
             for _ in 0..transducers {
@@ -33,15 +34,12 @@ impl Scene {
         let order: Vec<u32> = (0..points as u32).rev().collect();
         let mut scale = vec![0.0; height(points)];
         (0..points).for_each(|k| scale[k] = if k % 2 == 0 { 1.0 } else { 2.0 });
-        // The buffers of a workspace are zeros; the memory for rows need not be.
-        let size = padded(transducers) * height(points);
-        let mut planes = [(); 2].map(|()| vec![0.0; size]);
+        let mut planes = [(); 2].map(|()| vec![f32::NAN; size(height(points), lanes(transducers))]);
         let [re, im] = &mut planes;
         let rows = Rows::Stored { re: &stored[0], im: &stored[1] };
-        let mut memory = vec![f32::NAN; 2 * LANES * lanes];
-        tiles::pack(level, rows, transducers, (&order, &scale), &mut memory, [re, im]);
+        tiles::pack(level, rows, transducers, (&order, &scale), [re, im]);
         let entry = |k: usize, i: usize| {
-            let at = i * lanes + points - 1 - k;
+            let at = i * wide_row + points - 1 - k;
             Complex64::new(wide(stored[0][at]), wide(stored[1][at])) * wide(scale[k])
         };
         let gains = (0..points).map(|k| (0..transducers).map(|i| entry(k, i)).collect()).collect();
@@ -49,17 +47,15 @@ impl Scene {
     }
 
     fn tiles(&self) -> Tiles<'_> {
-        Tiles { planes: [&self.planes[0], &self.planes[1]], count: height(self.points) }
+        Tiles { planes: [&self.planes[0], &self.planes[1]], lanes: lanes(self.transducers) }
     }
 
     /// Lets a kernel play; the drive and the field, whose padding must be silent.
     fn play(&self, kernel: impl FnOnce(Wave<'_>)) -> [Vec<Complex64>; 2] {
         let dirty = |size: usize| [(); 2].map(|()| vec![f32::NAN; size]);
-        let (mut drive, mut field) = (dirty(padded(self.transducers)), dirty(height(self.points)));
-        let mut lanes = dirty(height(self.points) * LANES);
-        let [drive_, field_, lanes_] =
-            [&mut drive, &mut field, &mut lanes].map(|pair| pair.each_mut().map(Vec::as_mut_slice));
-        kernel(Wave { drive: drive_, field: field_, lanes: lanes_ });
+        let (mut drive, mut field) = (dirty(lanes(self.transducers)), dirty(height(self.points)));
+        let [drive_, field_] = [&mut drive, &mut field].map(|pair| pair.each_mut().map(Vec::as_mut_slice));
+        kernel(Wave { drive: drive_, field: field_ });
         let join = |[re, im]: &[Vec<f32>; 2]| -> Vec<Complex64> {
             re.iter().zip(im).map(|(&re, &im)| Complex64::new(wide(re), wide(im))).collect()
         };
@@ -77,6 +73,13 @@ impl Scene {
 
 fn complex(rng: &mut Rng, count: usize) -> [Vec<f32>; 2] {
     [(); 2].map(|()| numbers(rng, count, -1.0, 1.0))
+}
+
+/// Numbers over the transducers, zeros beyond.
+fn over(rng: &mut Rng, transducers: usize) -> Vec<f32> {
+    let mut list = numbers(rng, transducers, -1.0, 1.0);
+    list.resize(lanes(transducers), 0.0);
+    list
 }
 
 fn each(test: impl Fn(Level, usize, &mut Rng)) {
@@ -116,13 +119,13 @@ fn a_turn_is_a_change_of_phase() {
     each(|level, count, rng| {
         let transducers = 5 + count;
         let scene = Scene::new(count, transducers, level);
-        let mut from = [(); 2].map(|()| vec![0.0; padded(transducers)]);
+        let mut from = [(); 2].map(|()| vec![0.0; lanes(transducers)]);
         // The first one is off, and stays so.
         for i in 1..transducers {
             let phase = TAU * rng.uniform();
             (from[0][i], from[1][i]) = (libm::cos(phase) as f32, libm::sin(phase) as f32);
         }
-        let turns = numbers(rng, transducers, -1.0, 1.0);
+        let turns = over(rng, transducers);
         let [drive, _] =
             scene.play(|wave| tiles::turn(level, scene.tiles(), [&from[0], &from[1]], &turns, 0.5, wave));
         assert_eq!(drive[0], Complex64::ZERO);
@@ -140,15 +143,17 @@ fn slopes_their_products_and_sums_are_those_of_j() {
         let (transducers, loud) = (37, count / 2);
         let size = 2 * count - loud;
         let scene = Scene::new(count, transducers, level);
-        let drive = complex(rng, transducers);
+        let drive = [(); 2].map(|()| over(rng, transducers));
         let rows = height(size);
         let mut factors = [(); 2].map(|()| vec![0.0; rows]);
         for f in &mut factors {
             f[..size].copy_from_slice(&numbers(rng, size, -1.0, 1.0)[..size]);
         }
-        let mut slopes = vec![0.0; rows * padded(transducers)];
+        let across = lanes(transducers);
+        let mut slopes = vec![f32::NAN; tiles::size(rows, across)];
         let split = [&factors[0][..], &factors[1]];
-        tiles::slopes(level, scene.tiles(), [&drive[0], &drive[1]], split, (count, loud), &mut slopes);
+        let equations = (0..count).chain(loud..count);
+        tiles::slopes(level, scene.tiles(), [&drive[0], &drive[1]], split, equations, &mut slopes);
         let j = |e: usize, i: usize| {
             let point = if e < count { e } else { e - count + loud };
             let wave = scene.gains[point][i] * Complex64::new(wide(drive[0][i]), wide(drive[1][i]));
@@ -156,21 +161,22 @@ fn slopes_their_products_and_sums_are_those_of_j() {
         };
         for e in 0..size {
             for i in 0..transducers {
-                let got = slopes[(i / LANES * rows + e) * LANES + i % LANES];
+                let block = e / 4 * (across / LANES + 1) + i / LANES;
+                let got = slopes[(4 * block + e % 4) * LANES + i % LANES];
                 assert_near(got, j(e, i), 32.0 * ROUNDING, "slope");
             }
         }
-        let mut matrix = vec![f32::NAN; size * size];
-        tiles::products(level, &slopes, rows, size, &mut matrix);
+        let mut matrix = vec![f32::NAN; size * padded(size)];
+        products::products(level, &slopes, across, size, &mut matrix);
         // Terms of at most 4 squared, each of two factors with the error above.
         let allowed = 300.0 * ROUNDING * transducers as f64;
         for k in 0..size {
-            for l in 0..=k {
+            for l in k..size {
                 let want = (0..transducers).map(|i| j(k, i) * j(l, i)).sum();
-                assert_near(matrix[k * size + l], want, allowed, "product");
+                assert_near(matrix[k * padded(size) + l], want, allowed, "product");
             }
         }
-        let mut sums = vec![f32::NAN; padded(transducers)];
+        let mut sums = vec![f32::NAN; across];
         let most = tiles::combine(level, &slopes, &factors[0], &mut sums);
         for i in 0..transducers {
             let want = (0..size).map(|e| wide(factors[0][e]) * j(e, i)).sum();
@@ -183,19 +189,70 @@ fn slopes_their_products_and_sums_are_those_of_j() {
 #[test]
 fn couplings_are_products_of_rows() {
     each(|level, count, _| {
-        let scene = Scene::new(count, 37, level);
-        let mut matrix = [(); 2].map(|()| vec![f32::NAN; count * count]);
-        let [re, im] = &mut matrix;
-        tiles::couplings(level, scene.tiles(), count, [re, im]);
-        for k in 0..count {
-            for l in 0..=k {
-                let pairs = scene.gains[k].iter().zip(&scene.gains[l]);
-                let want: Complex64 = pairs.map(|(a, b)| a * b.conj()).sum();
-                // 37 products of two numbers below 2 sqrt 2.
-                assert_near(re[k * count + l], want.re, 40.0 * 8.0 * ROUNDING * 4.0, "re");
-                assert_near(im[k * count + l], want.im, 40.0 * 8.0 * ROUNDING * 4.0, "im");
+        // More tiles than a run has, by one.
+        for transducers in [37, 33 * LANES] {
+            let scene = Scene::new(count, transducers, level);
+            let mut matrix = [(); 2].map(|()| vec![f32::NAN; count * count]);
+            let [re, im] = &mut matrix;
+            let all = 0..lanes(transducers) / LANES;
+            products::couplings(level, scene.tiles(), all, count, [re, im]);
+            let mut powers = vec![f32::NAN; count];
+            products::powers(level, scene.tiles(), &mut powers);
+            // Some 40 additions in a row, each rounded as a sum of at most 8 a transducer.
+            let allowed = 40.0 * ROUNDING * 8.0 * transducers as f64;
+            for k in 0..count {
+                for l in k..count {
+                    let pairs = scene.gains[k].iter().zip(&scene.gains[l]);
+                    let want: Complex64 = pairs.map(|(a, b)| a * b.conj()).sum();
+                    let alone = products::coupling(level, scene.tiles(), k, l);
+                    for [real, imag] in [[re[k * count + l], im[k * count + l]], alone] {
+                        assert_near(real, want.re, allowed, "re");
+                        assert_near(imag, want.im, allowed, "im");
+                    }
+                }
+                let want = scene.gains[k].iter().map(Complex64::norm_sqr).sum();
+                assert_near(powers[k], want, allowed, "power");
             }
         }
+    });
+}
+
+#[test]
+fn phases_set_on_the_rows_are_those_set_on_their_products() {
+    each(|level, count, rng| {
+        let scene = Scene::new(count, 37, level);
+        let weights = numbers(rng, count, 0.5, 1.0)[..count].to_vec();
+        let mut powers = vec![0.0; count];
+        products::powers(level, scene.tiles(), &mut powers);
+        let visits: Vec<u32> = (0..count as u32).rev().collect();
+        let dirty = |size: usize| [(); 2].map(|()| vec![f32::NAN; size]);
+        let (mut vector, mut wave) = (dirty(count), dirty(lanes(37)));
+        let [[re, im], [wave_re, wave_im]] = [&mut vector, &mut wave];
+        let lists = (&weights[..], &powers[..]);
+        let told = phases::align_rows(level, scene.tiles(), lists, &visits, 2, [re, im], [wave_re, wave_im]);
+        let mut want = vec![Complex64::ZERO; count];
+        let mut energy = 0.0;
+        for round in 0..2 {
+            for k in (0..count).rev() {
+                let coupling = |l: usize| -> Complex64 {
+                    scene.gains[k].iter().zip(&scene.gains[l]).map(|(a, b)| a * b.conj()).sum()
+                };
+                let sum: Complex64 = (0..count).filter(|&l| l != k).map(|l| coupling(l) * want[l]).sum();
+                let share = wide(weights[k]);
+                want[k] = if sum.norm() > 0.0 { sum / sum.norm() * share } else { share.into() };
+                energy += if round == 1 { share * sum.norm() } else { 0.0 };
+            }
+        }
+        // Rounding turns a phase by its part of the sum, which is never far below the root of the terms' number; a turn
+        // passes on to the points after it.
+        for (k, want) in want.iter().enumerate() {
+            let miss = (Complex64::new(wide(re[k]), wide(im[k])) - want).norm();
+            assert!(miss <= 1e-3, "{level} {count}: point {k} by {miss}");
+        }
+        assert!(
+            (wide(told) - energy).abs() <= 1e-4 * energy.max(1.0),
+            "{level} {count}: {told} for {energy}"
+        );
     });
 }
 
@@ -217,7 +274,7 @@ fn aligning_raises_the_energy_and_keeps_the_moduli() {
         let turns = numbers(rng, count * LANES, -1.0, 1.0);
         let mut vectors = [(); 2].map(|()| vec![f32::NAN; count * LANES]);
         let [re, im] = &mut vectors;
-        tiles::phasors(level, &turns, &shares, [re, im]);
+        phases::phasors(level, &turns, &shares, [re, im]);
         let energy = |[re, im]: &[Vec<f32>; 2], s: usize| -> f64 {
             let v = |k: usize| Complex64::new(wide(re[k * LANES + s]), wide(im[k * LANES + s]));
             let pairs = (0..count).flat_map(|k| (0..count).filter(move |&l| l != k).map(move |l| (k, l)));
@@ -229,7 +286,7 @@ fn aligning_raises_the_energy_and_keeps_the_moduli() {
         let mut told = [0.0; LANES];
         for _ in 0..40 {
             let [re, im] = &mut vectors;
-            told = tiles::align(level, planes, &shares, &visits, 1, [re, im]);
+            told = phases::align(level, planes, &shares, &visits, 1, [re, im]);
         }
         let scale = coupling(0, 0).re * (count * count) as f64;
         for s in 0..LANES {

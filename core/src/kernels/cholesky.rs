@@ -1,0 +1,83 @@
+//! A = U^T U of padded rows, and solves with it.
+
+use super::level::{Level, dispatch};
+use super::simd::Simd;
+use super::{LANES, groups, groups_mut, padded};
+use crate::math::sqrtf;
+
+/// Groups of a row that stay in registers while the rows above are taken from it.
+const WIDE: usize = 4;
+
+/// row -= `sum_k above_ki above_k` over the rows above, N groups from group `at` on.
+#[inline(always)]
+fn reduce<S: Simd, const N: usize>(s: S, above: &[f32], row: &mut [f32], i: usize, at: usize) {
+    let lanes = row.len();
+    let own = &mut groups_mut(row)[at..at + N];
+    let mut rest = [s.splat(0.0); N];
+    for (rest, own) in rest.iter_mut().zip(&*own) {
+        *rest = s.load(own);
+    }
+    for other in above.chunks_exact(lanes) {
+        let factor = s.splat(other[i]);
+        for (rest, other) in rest.iter_mut().zip(&groups(other)[at..at + N]) {
+            *rest = s.fnma(factor, s.load(other), *rest);
+        }
+    }
+    for (rest, own) in rest.into_iter().zip(own) {
+        s.store(rest, own);
+    }
+}
+
+/// Replaces the upper half of a symmetric matrix of `size` rows by its factor U, with zeros in the lanes before a row's
+/// diagonal; `false` if it is not positive definite in f32.
+pub(crate) fn factor(level: Level, matrix: &mut [f32], size: usize) -> bool {
+    dispatch!(level, s => {
+        let lanes = padded(size);
+        for i in 0..size {
+            let (above, rest) = matrix.split_at_mut(i * lanes);
+            let row = &mut rest[..lanes];
+            let mut at = i / LANES;
+            while at + WIDE <= lanes / LANES {
+                reduce::<_, WIDE>(s, above, row, i, at);
+                at += WIDE;
+            }
+            while at < lanes / LANES {
+                reduce::<_, 1>(s, above, row, i, at);
+                at += 1;
+            }
+            let pivot = row[i];
+            if pivot.is_nan() || pivot <= 0.0 {
+                return false;
+            }
+            let inverse = s.splat(1.0 / sqrtf(pivot));
+            for own in &mut groups_mut(row)[i / LANES..] {
+                s.store(s.mul(inverse, s.load(own)), own);
+            }
+            row[i / LANES * LANES..i].fill(0.0);
+        }
+        true
+    })
+}
+
+/// Replaces b (padded) by A^-1 b.
+pub(crate) fn solve(level: Level, factor: &[f32], b: &mut [f32]) {
+    dispatch!(level, s => {
+        let lanes = b.len();
+        for (i, row) in factor.chunks_exact(lanes).enumerate() {
+            let x = b[i] / row[i];
+            let value = s.splat(x);
+            for (b, row) in groups_mut(b).iter_mut().zip(groups(row)).skip(i / LANES) {
+                s.store(s.fnma(value, s.load(row), s.load(b)), b);
+            }
+            b[i] = x;
+        }
+        for (i, row) in factor.chunks_exact(lanes).enumerate().rev() {
+            let rest = core::mem::take(&mut b[i]);
+            let mut sum = s.splat(0.0);
+            for (b, row) in groups(b).iter().zip(groups(row)).skip(i / LANES) {
+                sum = s.fma(s.load(row), s.load(b), sum);
+            }
+            b[i] = (rest - s.sum(sum)) / row[i];
+        }
+    });
+}

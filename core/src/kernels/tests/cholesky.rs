@@ -1,0 +1,53 @@
+//! The factor and its solves against the matrix they come from, at every level and size.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use super::super::{LANES, Level, cholesky, padded};
+use super::{LENGTHS, numbers, wide};
+use crate::rng::Rng;
+
+#[test]
+fn a_system_is_solved_at_every_size() {
+    for level in Level::all() {
+        for size in LENGTHS {
+            let mut rng = Rng::new(size as u64);
+            let lanes = padded(size);
+            // A = B B^T + 1: eigenvalues from 1 to some 4 size / 3.
+            let rows: Vec<Vec<f32>> = (0..size).map(|_| numbers(&mut rng, size, -1.0, 1.0)).collect();
+            let entry = |k: usize, l: usize| {
+                let product: f64 = rows[k].iter().zip(&rows[l]).map(|(a, b)| wide(*a) * wide(*b)).sum();
+                product + if k == l { 1.0 } else { 0.0 }
+            };
+            // Nothing below the diagonal is read.
+            let mut matrix = vec![f32::NAN; size * lanes];
+            for k in 0..size {
+                (k..lanes)
+                    .for_each(|l| matrix[k * lanes + l] = if l < size { entry(k, l) as f32 } else { 0.0 });
+            }
+            assert!(cholesky::factor(level, &mut matrix, size), "{level} {size}");
+            let wanted = numbers(&mut rng, size, -1.0, 1.0);
+            let mut x = wanted.clone();
+            cholesky::solve(level, &matrix, &mut x);
+            for k in 0..size {
+                let got: f64 = (0..size).map(|l| entry(k, l) * wide(x[l])).sum();
+                // Backward stable: f32 rounding times the size of the matrix, some size^2 at most, and of x, at most 1.
+                let allowed = 1e-6 * (size * size + 10) as f64;
+                assert!((got - wide(wanted[k])).abs() <= allowed, "{level} {size}: {got} for {}", wanted[k]);
+            }
+            assert!(x[size..].iter().all(|&x| x == 0.0), "{level} {size}: the padding");
+        }
+    }
+}
+
+#[test]
+fn what_is_not_positive_definite_is_refused() {
+    for level in Level::all() {
+        // 1 on the diagonal and 1 beside it.
+        let mut matrix = vec![0.0; 20 * padded(20)];
+        (0..20).for_each(|k| matrix[k * padded(20) + k] = 1.0);
+        assert!(cholesky::factor(level, &mut matrix.clone(), 20));
+        matrix[18 * padded(20) + 19] = 1.0;
+        assert!(!cholesky::factor(level, &mut matrix, 20), "{level}: {LANES}");
+    }
+}
