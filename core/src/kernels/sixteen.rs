@@ -6,6 +6,7 @@ use super::{LANES, Lanes};
 
 /// What is kept of 16 points, refreshed when their pressures change.
 #[derive(Clone, Copy, Debug, Default)]
+#[repr(align(64))]
 pub(crate) struct Sixteen {
     /// The pressures P.
     pub(crate) re: Lanes,

@@ -26,7 +26,7 @@ use crate::problem::Problem;
 use crate::rng::Rng;
 use crate::solution::{Solution, Status};
 use crate::solvers::{Info, Method, Solve};
-use crate::workspace::Workspace;
+use crate::workspace::{Aligned, Workspace};
 
 /// How much of its old wave a transducer keeps out of d in a further sweep: 0.3 to 0.5 settle fastest in trials.
 const OWN: f32 = 0.4;
@@ -78,7 +78,7 @@ impl Solve for Fast {
         let (count, lanes) = (gains.transducers(), gains.lanes());
         let mut drive = work.complexes.take(count);
         let mut field = Planar::zeros(1, lanes, work);
-        let mut memory = work.floats.take(fast::floats(lanes));
+        let mut memory = Aligned::take(fast::floats(lanes), work);
         let block = self.block as usize;
         let sweeps = 1 + self.sweeps as usize;
         let steps = count.div_ceil(block) * sweeps;
@@ -103,7 +103,7 @@ impl Solve for Fast {
                 break;
             }
         }
-        work.floats.give(memory);
+        memory.give(work);
         Ok(Solution::of_field(problem, drive, field, status, step, work))
     }
 
