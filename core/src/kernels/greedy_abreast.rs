@@ -82,7 +82,8 @@ fn run<S: Simd>(s: S, pass: Pass<'_>, drive: &mut [f32], [re, im]: [&mut [f32]; 
     }
     for (turn, &i) in order.iter().enumerate() {
         let gain = [&row[..lanes], &row[lanes..]];
-        let (m, near) = moments(s, kept, gain, energies);
+        let all = Turn { kept, gain, energies };
+        let (m, near) = moments(s, &all);
         // The next row depends on nothing here: it fills the wait for the sums.
         if let Some(&following) = order.get(turn + 1) {
             let (re, im) = next.split_at_mut(lanes);
@@ -91,7 +92,6 @@ fn run<S: Simd>(s: S, pass: Pass<'_>, drive: &mut [f32], [re, im]: [&mut [f32]; 
         let (mut q, clear) = winners(s, &m, table);
         let [_, _, _, _, _, _, _, _, _, power, ..] = m;
         let decided = clear & sounding & !near & s.less(s.splat(0.0), power);
-        let all = Turn { kept, gain, energies };
         let mut left = used & !decided;
         let nearby = near & sounding & left;
         // A search in every lane takes as long as some lone turns.
@@ -135,47 +135,45 @@ fn run<S: Simd>(s: S, pass: Pass<'_>, drive: &mut [f32], [re, im]: [&mut [f32]; 
     }
 }
 
-/// The moments of each problem, and in which lanes they leave a point out.
+/// The moments of each problem, and in which lanes they leave a point out: points added in the tree of [`Simd::sum`], as
+/// if +0 stood in the places of those that are not there.
 #[inline(always)]
-fn moments<S: Simd>(s: S, kept: &[Sixteen], row: [&[f32]; 2], energies: &[f32]) -> ([S::V; THIRD], u32) {
+fn moments<S: Simd>(s: S, turn: &Turn<'_>) -> ([S::V; THIRD], u32) {
+    const HALF: usize = LANES / 2;
     let zero = s.splat(0.0);
-    let mut parts = [[zero; THIRD]; LANES];
+    let count = turn.kept.len();
+    let mut sums = [[zero; THIRD]; HALF];
     let mut near = 0;
-    let rows = groups(row[0]).iter().zip(groups(row[1])).zip(groups(energies));
-    for ((kept, ((gr, gi), energy)), parts) in kept.iter().zip(rows).zip(&mut parts) {
-        let mut own = [zero; PARTS];
-        near |= add_parts::<S, false>(s, &mut own, kept, [s.load(gr), s.load(gi)]);
-        parts.copy_from_slice(&own[..THIRD]);
-        parts[ENERGY] = s.load(energy);
+    for (j, sum) in sums.iter_mut().enumerate().take(count) {
+        *sum = turn.parts(s, j, &mut near);
+        if j + HALF < count {
+            add(s, sum, &turn.parts(s, j + HALF, &mut near));
+        }
     }
-    let mut m = trees(s, &mut parts, kept.len());
+    let mut left = count.min(HALF);
+    for half in [4, 2, 1] {
+        let (low, high) = sums[..left].split_at_mut(half.min(left));
+        for (low, high) in low.iter_mut().zip(high) {
+            add(s, low, high);
+        }
+        left = left.min(half);
+    }
+    let mut m = sums[0];
+    if count < LANES {
+        // One +0 among the summands and the sum is not -0.
+        add(s, &mut m, &[zero; THIRD]);
+    }
     for (m, factor) in m.iter_mut().zip(FACTORS) {
         *m = s.mul(*m, s.splat(factor));
     }
     (m, near)
 }
 
-/// The sums of the first `count` lists in the tree of [`Simd::sum`], as if +0 stood in the others' places.
 #[inline(always)]
-fn trees<S: Simd, const N: usize>(s: S, lists: &mut [[S::V; N]; LANES], count: usize) -> [S::V; N] {
-    let mut left = count;
-    for half in [8, 4, 2, 1] {
-        let (low, high) = lists[..left].split_at_mut(half.min(left));
-        for (low, high) in low.iter_mut().zip(high) {
-            for (low, high) in low.iter_mut().zip(high) {
-                *low = s.add(*low, *high);
-            }
-        }
-        left = left.min(half);
+fn add<S: Simd>(s: S, sums: &mut [S::V; THIRD], others: &[S::V; THIRD]) {
+    for (sum, other) in sums.iter_mut().zip(others) {
+        *sum = s.add(*sum, *other);
     }
-    let mut sums = lists[0];
-    if count < LANES {
-        // One +0 among the summands and the sum is not -0.
-        for sum in &mut sums {
-            *sum = s.add(*sum, s.splat(0.0));
-        }
-    }
-    sums
 }
 
 /// Each problem's best candidate by the moments, and in which lanes no other is as good within their slack.
@@ -245,6 +243,18 @@ struct Turn<'a> {
 }
 
 impl Turn<'_> {
+    /// What point j adds to the moments, and to `near` the lanes where they leave it out.
+    #[inline(always)]
+    fn parts<S: Simd>(&self, s: S, j: usize, near: &mut u32) -> [S::V; THIRD] {
+        let gain = [s.load(&groups(self.gain[0])[j]), s.load(&groups(self.gain[1])[j])];
+        let mut all = [s.splat(0.0); PARTS];
+        *near |= add_parts::<S, false>(s, &mut all, &self.kept[j], gain);
+        let mut parts = [s.splat(0.0); THIRD];
+        parts.copy_from_slice(&all[..THIRD]);
+        parts[ENERGY] = s.load(&groups(self.energies)[j]);
+        parts
+    }
+
     /// What [`search_all`] finds for each problem among up to 16 phases.
     #[inline(always)]
     fn search<S: Simd>(&self, s: S, table: &[f32]) -> [S::V; 2] {
