@@ -176,8 +176,8 @@ fn many_candidates(array: &Array, points: usize, rounds: usize) {
     );
 }
 
-/// A batch of `fast` on one thread against a loop of lone solves, each problem made anew on both sides.
-fn batch(array: &Array, points: usize, count: usize, rounds: usize) {
+/// A batch on one thread against a loop of lone solves, each problem made anew on both sides.
+fn batch(array: &Array, name: &str, points: usize, count: usize, rounds: usize) {
     let transmitter =
         Transmitter::new(array, Medium::default(), Level::best()).expect("an array with a medium");
     let mut rng = Rng::new(points as u64);
@@ -185,12 +185,13 @@ fn batch(array: &Array, points: usize, count: usize, rounds: usize) {
     let places: Vec<Vec<[f64; 3]>> =
         (0..count).map(|_| (0..points).map(|_| [coordinate(), coordinate(), 0.15]).collect()).collect();
     let problem = |k: usize| Problem::with_gains(transmitter.gains(&places[k])?, &Request::default());
-    let solver = solvers::find("fast").and_then(|entry| entry.configure(&Options::new())).expect("a method");
+    let solver = solvers::find(name).and_then(|entry| entry.configure(&Options::new())).expect("a method");
+    let balance = solver.info.balance;
     let mut work = Workspace::new();
     let mut lone = |out: &mut [Complex32]| {
         for (k, out) in out.chunks_mut(array.len()).enumerate() {
             let problem = problem(k).expect("a problem");
-            let solution = midair::solve(&problem, &*solver.solver, true, &mut work, &mut Control::none())
+            let solution = midair::solve(&problem, &*solver.solver, balance, &mut work, &mut Control::none())
                 .expect("a solution");
             out.copy_from_slice(&solution.drive);
             black_box(solution.metrics());
@@ -203,7 +204,7 @@ fn batch(array: &Array, points: usize, count: usize, rounds: usize) {
     };
     let together = |out: &mut [Complex32]| {
         let (ask, none) = (&ask, &mut Control::none());
-        midair::solve_batch(&transmitter, count, points, ask, &*solver.solver, true, out, none)
+        midair::solve_batch(&transmitter, count, points, ask, &*solver.solver, balance, out, none)
             .expect("answers")
     };
     let mut drives = [(); 2].map(|()| vec![Complex32::ZERO; count * array.len()]);
@@ -218,7 +219,7 @@ fn batch(array: &Array, points: usize, count: usize, rounds: usize) {
     }
     let [made, lone, together] = times.map(|times| median(times) / count as u32);
     println!(
-        "batch of {count}, fast, N={} M={points}, one problem: alone {lone:.2?}, together {together:.2?} ({:.2} times); \
+        "batch of {count}, {name}, N={} M={points}, one problem: alone {lone:.2?}, together {together:.2?} ({:.2} times); \
          making it is {made:.2?} of both",
         array.len(),
         lone.as_secs_f64() / together.as_secs_f64()
@@ -251,13 +252,14 @@ fn main() {
         {
             many_candidates(array, points, 31);
         }
-        for points in [4, 16] {
-            batch(&grid(20), points, 1024, 9);
+        for (name, points) in [("greedy", 4), ("greedy", 16), ("fast", 4), ("fast", 16)] {
+            batch(&grid(20), name, points, 1024, 9);
         }
         field();
     } else {
         against_the_textbook(&grid(4), 2, 1);
         many_candidates(&grid(4), 2, 1);
-        batch(&grid(4), 2, 20, 1);
+        batch(&grid(4), "greedy", 2, 20, 1);
+        batch(&grid(4), "fast", 2, 20, 1);
     }
 }
