@@ -62,11 +62,11 @@ impl Pulse {
     /// third of that, so the clock is left alone for as many steps as fill a tenth of the interval.
     fn due(&mut self) -> bool {
         let now = Instant::now();
-        let steps = f64::from(self.stride) * Self::INTERVAL.as_secs_f64() / 10.0;
-        let pace = (now - self.clock).as_secs_f64().max(1e-9);
+        let pace = (now - self.clock) / self.stride;
         self.clock = now;
+        let fill = (Self::INTERVAL / 10).as_nanos() / pace.as_nanos().max(1);
         // Later steps may be slower: the stride grows slowly.
-        self.stride = ((steps / pace) as u32).clamp(1, 2 * self.stride);
+        self.stride = u32::try_from(fill).unwrap_or(u32::MAX).clamp(1, self.stride.saturating_mul(2));
         self.left = self.stride - 1;
         now - self.last >= Self::INTERVAL
     }
