@@ -148,6 +148,7 @@ pub fn solve_batch(
         done = end;
         let mean = || batch.metrics[..done].iter().map(|metrics| metrics.residual).sum::<f64>() / done as f64;
         if control.step(done, count, mean).is_break() {
+            drives[done * transducers..].fill(Complex32::ZERO);
             break;
         }
     }

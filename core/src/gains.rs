@@ -191,6 +191,14 @@ impl Gains {
         }
     }
 
+    /// The points (M, 3) in m, where these are known.
+    pub(crate) fn places(&self) -> Option<&[[f64; 3]]> {
+        match &self.rows {
+            Rows::Computed { points, .. } => Some(points),
+            Rows::Stored { .. } => None,
+        }
+    }
+
     /// The grid of the scene's device; a user's own G has none.
     #[must_use]
     pub fn levels(&self) -> Option<&Levels> {

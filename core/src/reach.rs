@@ -6,6 +6,7 @@ use alloc::vec::Vec;
 use core::fmt;
 
 use crate::bound::{MOST_POINTS, rough_bound};
+use crate::emitters::distance;
 use crate::problem::Problem;
 
 /// The paper's own p1/sqrt(M) is out of reach by 14 % in the mean and by a quarter in single scenes of few points. What is
@@ -25,7 +26,7 @@ pub struct Reach {
 
 /// A request that no drive can fulfil.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::exhaustive_enums, reason = "the two ways to ask for too much")]
+#[allow(clippy::exhaustive_enums, reason = "the three ways to ask for too much")]
 pub enum Beyond {
     /// A target above what all transducers together give at that point.
     Alone {
@@ -35,6 +36,13 @@ pub enum Beyond {
         target: f64,
         /// The strongest pressure there in Pa.
         alone: f64,
+    },
+    /// Two targets for one place.
+    Contrary {
+        /// Indices of the points.
+        points: [usize; 2],
+        /// Their targets in Pa.
+        targets: [f64; 2],
     },
     /// Targets that cannot be had at the same time.
     Together {
@@ -51,6 +59,12 @@ impl fmt::Display for Beyond {
                 "points[{point}].pressure is {} Pa, beyond reach: the array gives at most {} Pa there",
                 pascals(*target),
                 pascals(*alone)
+            ),
+            Self::Contrary { points: [j, k], targets: [one, other] } => write!(
+                f,
+                "points[{j}] and points[{k}] lie in one place, for which {} and {} Pa are asked: give them one pressure",
+                pascals(*one),
+                pascals(*other)
             ),
             Self::Together { most } => write!(
                 f,
@@ -81,7 +95,8 @@ impl Problem {
         }
     }
 
-    /// What is asked for and provably cannot be had: a target above its point's own reach, or targets of which no drive
+    /// What is asked for and provably cannot be had: a target above its point's own reach, two targets for points less than a
+    /// thousandth of a wavelength apart, or targets of which no drive
     /// gives more than three quarters at the same time, as the quick form of [`crate::bound()`] proves (up to 64 points; from
     /// about 1.4 times the balanced level on at a few points, from 2 to 2.5 times at 64).
     #[must_use]
@@ -89,10 +104,28 @@ impl Problem {
         if let Some((point, alone)) = self.overasked() {
             return Some(Beyond::Alone { point, target: self.pressures()[point], alone });
         }
+        if let Some(contrary) = self.contrary() {
+            return Some(contrary);
+        }
         if self.balance() >= EVERYDAY || self.heard().len() > MOST_POINTS {
             return None;
         }
         let most = rough_bound(self);
         (most < EVERYDAY).then_some(Beyond::Together { most })
+    }
+
+    fn contrary(&self) -> Option<Beyond> {
+        let (places, targets) = (self.all_gains().places()?, self.pressures());
+        let heard = self.heard();
+        // Mostly all ask for the same.
+        if heard.iter().all(|&j| targets[j] == targets[heard[0]]) {
+            return None;
+        }
+        let near = self.all_gains().medium().wavelength() / 1000.0;
+        let pairs = heard.iter().enumerate().flat_map(|(n, &j)| heard[n + 1..].iter().map(move |&k| [j, k]));
+        let contrary =
+            |[j, k]: &[usize; 2]| targets[*j] != targets[*k] && distance(places[*j], places[*k]) < near;
+        let points = pairs.into_iter().find(contrary)?;
+        Some(Beyond::Contrary { points, targets: points.map(|j| targets[j]) })
     }
 }

@@ -1,5 +1,6 @@
 //! `midair.solve_batch`.
 
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 use midair::{Ask, Complex32, Control, Progress, Start};
@@ -208,10 +209,14 @@ pub(crate) fn solve_batch(
         return Err(invalid("progress", &callback.to_string(), cure));
     }
     let pool = threads
-        .map(|threads| read::count("threads", threads))
+        .map(|value| {
+            let threads = read::count("threads", value)?;
+            let refusal = || invalid("threads", "0", "give a whole number, 1 or above");
+            (threads > 0).then_some(threads).ok_or_else(refusal)
+        })
         .transpose()?
         .map(|threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.clamp(1, 1024)).build();
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.min(1024)).build();
             pool.map_err(|error| invalid("threads", &threads.to_string(), &error.to_string()))
         })
         .transpose()?;
@@ -239,15 +244,14 @@ pub(crate) fn solve_batch(
     let slice = writable.as_slice_mut()?;
     let inner = py.detach(|| {
         let (solver, balance) = (&*setting.configured.solver, setting.balance);
-        let mut run = || {
-            let mut observer = |progress: Progress<'_>| pulse.beat(&progress);
-            let mut control = Control::watched(&mut observer);
+        let mut run = |observer: &mut dyn FnMut(Progress<'_>) -> ControlFlow<()>| {
+            let mut control = Control::watched(observer);
             let transmitter = &setting.transmitter;
             midair::solve_batch(transmitter, count, size, &ask, solver, balance, slice, &mut control)
         };
         match &pool {
-            Some(pool) => pool.install(run),
-            None => run(),
+            Some(pool) => pulse.beside(|beat| pool.install(|| run(beat))),
+            None => run(&mut |progress| pulse.beat(&progress)),
         }
     });
     drop(writable);

@@ -1,10 +1,17 @@
 //! What a running solve or field tells Python, and hears from it.
 
 use std::ops::ControlFlow;
+use std::panic::resume_unwind;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use midair::Progress;
 use pyo3::prelude::*;
+
+/// What a solve calls after each step.
+pub(crate) type Beat<'a> = dyn FnMut(Progress<'_>) -> ControlFlow<()> + Send + 'a;
 
 /// A running solve's contact with Python: signals are looked at now and then, progress is told every step.
 pub(crate) struct Pulse {
@@ -69,6 +76,37 @@ impl Pulse {
         self.stride = u32::try_from(fill).unwrap_or(u32::MAX).clamp(1, self.stride.saturating_mul(2));
         self.left = self.stride - 1;
         now - self.last >= Self::INTERVAL
+    }
+
+    /// Runs `work`, whose steps call what it is given, on another thread, and looks at signals meanwhile: those a program's
+    /// first thread alone hears. Called without the GIL.
+    pub(crate) fn beside<R: Send>(&mut self, work: impl FnOnce(&mut Beat<'_>) -> R + Send) -> R {
+        let (done, waiting) = mpsc::channel::<()>();
+        let stop = AtomicBool::new(false);
+        let mut heard = None;
+        let pulse = &mut *self;
+        let result = thread::scope(|scope| {
+            let stopped = &stop;
+            let worker = scope.spawn(move || {
+                let _done = done;
+                work(&mut |progress| {
+                    if stopped.load(Ordering::Relaxed) {
+                        ControlFlow::Break(())
+                    } else {
+                        pulse.beat(&progress)
+                    }
+                })
+            });
+            while waiting.recv_timeout(Self::INTERVAL) == Err(RecvTimeoutError::Timeout) {
+                if let Some(error) = Python::attach(|py| py.check_signals().err()) {
+                    heard = Some(error);
+                    stop.store(true, Ordering::Relaxed);
+                }
+            }
+            worker.join()
+        });
+        self.raised = heard.or(self.raised.take());
+        result.unwrap_or_else(|panic| resume_unwind(panic))
     }
 
     /// The exception of a callback or signal, if there was one.

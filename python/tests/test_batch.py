@@ -78,7 +78,8 @@ def test_progress_and_stop() -> None:
     assert told[-1][:2] == (B, B)
     assert 0 <= told[-1][2] < 1
     many = np.tile(POINTS, (60, 1, 1))
-    stopped = midair.solve_batch(ARRAY, many, 0.5, "fast", threads=1, progress=lambda *now: False)
+    out = np.full((60 * B, 400), 7, np.complex64)
+    stopped = midair.solve_batch(ARRAY, many, 0.5, "fast", threads=1, out=out, progress=lambda *now: False)
     done = stopped.status.count("done")
     assert 0 < done < 60 * B
     assert not stopped.drives[done:].any()
@@ -97,7 +98,8 @@ BAD = {
     "an option of another": ({"steps": 3}, 'unknown option of fast "steps"'),
     "a start unused": ({"start": np.zeros((B, M))}, "start is given to"),
     "out of another type": ({"out": np.zeros((B, 400))}, "out is"),
-    "no threads": ({"threads": -1}, "threads is -1"),
+    "no threads": ({"threads": 0}, "threads is 0"),
+    "less than no threads": ({"threads": -1}, "threads is -1"),
     "a level unused": ({"level": "max"}, "level is given to"),
 }
 

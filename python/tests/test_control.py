@@ -31,6 +31,19 @@ else:
     print("finished", flush=True)
 """
 
+BATCH = """
+import signal, midair, numpy as np
+signal.signal(signal.SIGINT, signal.default_int_handler)
+points = np.random.default_rng(0).uniform(-0.1, 0.1, (20_000, 64, 3)) + [0, 0, 0.3]
+try:
+    print("ready", flush=True)
+    midair.solve_batch(midair.Array.preset("autd3", (2, 2)), points, solver="lm", threads=2)
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+else:
+    print("finished", flush=True)
+"""
+
 PICTURE = """
 import hashlib, midair, numpy as np
 rng = np.random.default_rng(0)
@@ -129,9 +142,10 @@ def test_results_have_the_same_bits_on_any_number_of_threads() -> None:
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGINT") or os.name == "nt", reason="signals of POSIX")
-def test_interrupt_ends_a_long_solve() -> None:
-    # A step takes milliseconds, and there are 40,000: what ends within HANG was interrupted between steps.
-    child = subprocess.Popen([sys.executable, "-c", SEARCH], stdout=subprocess.PIPE, text=True)
+@pytest.mark.parametrize("program", [SEARCH, BATCH], ids=["solve", "solve_batch"])
+def test_interrupt_ends_a_long_solve(program: str) -> None:
+    # A step takes milliseconds, and there are 40,000 or 20,000: what ends within HANG was interrupted between steps.
+    child = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)
     try:
         assert child.stdout.readline() == "ready\n"
         child.send_signal(signal.SIGINT)

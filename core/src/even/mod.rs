@@ -1,6 +1,6 @@
 //! Even fields at the highest common level: every |p_j| the same multiple of its target.
 //!
-//! Point phases that reinforce one another are found on the matrix of couplings ([`starts`]); weighted
+//! Point phases that reinforce one another are found on G, or several on the matrix of couplings ([`starts`]); weighted
 //! Gerchberg-Saxton sweeps with |q| = 1 raise the weakest points ([`sweeps`]); Gauss-Newton steps on
 //! |P_j| = s p_j, the level s free, make all alike ([`newton`]).
 //!
@@ -31,7 +31,7 @@ const MOST_RAISED: f32 = 1e12;
 
 /// How much work to spend.
 pub(crate) struct Plan {
-    /// Point phases tried on the matrix of couplings.
+    /// Point phases tried: one on G, several on the matrix of couplings.
     pub(crate) starts: usize,
     /// How many of the best of them are carried on to drives.
     pub(crate) finalists: usize,

@@ -132,7 +132,7 @@ impl Couplings {
         products::couplings(rows.level, rows.tiles(), 0..rows.lanes / LANES, points, [re, im]);
         for k in 0..points {
             // Without a point's own echo.
-            re[k * points + k] = 0.0;
+            (re[k * points + k], im[k * points + k]) = (0.0, 0.0);
             for l in k + 1..points {
                 let (real, imag) =
                     (re[k * points + l] / norms[k] / norms[l], im[k * points + l] / norms[k] / norms[l]);

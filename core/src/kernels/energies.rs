@@ -31,7 +31,7 @@ impl<S: Simd> Energies<'_, S> {
         self.add_left_out([re, im], self.moments.change(self.s, re, im))
     }
 
-    /// Adds the terms left out to the `total` of the drives z: w (|P + G z|^2 - |P|^2 - 2 t (|P + G z| - |P|)).
+    /// Adds the terms left out, in fewer instructions and with more rounding than [`super::search::add_changes`], to the `total` of the drives z: w (|P + G z|^2 - |P|^2 - 2 t (|P + G z| - |P|)).
     #[inline(always)]
     fn add_left_out(&self, [re, im]: [S::V; 2], mut total: S::V) -> S::V {
         let s = self.s;

@@ -66,8 +66,8 @@ pub(super) const FACTORS: [f32; PARTS] = [
     1.0 / 8.0,
 ];
 
-/// Adds the parts of 16 points, energies apart, and A4 and D if `FOURTH`. Bit l is set where the polynomial does not hold: such points add
-/// their power alone.
+/// Adds the parts of 16 points, energies apart, and A4 and D if `FOURTH`. Bit l is set where the polynomial does not
+/// hold: such points add their power alone.
 #[inline(always)]
 pub(super) fn add_parts<S: Simd, const FOURTH: bool>(
     s: S,

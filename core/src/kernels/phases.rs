@@ -50,7 +50,12 @@ pub(crate) fn align_rows(
                     s.store(real, br);
                     s.store(imag, bi);
                     let (gr, gi) = (s.load(&gr[k % BLOCK]), s.load(&gi[k % BLOCK]));
-                    sums = [s.fma(gr, real, sums[0]), s.fma(gi, imag, sums[1]), s.fma(gr, imag, sums[2]), s.fma(gi, real, sums[3])];
+                    sums = [
+                        s.fma(gr, real, sums[0]),
+                        s.fma(gi, imag, sums[1]),
+                        s.fma(gr, imag, sums[2]),
+                        s.fma(gi, real, sums[3]),
+                    ];
                 }
                 let old = [re[k], im[k]];
                 let x = s.sum(s.sub(sums[0], sums[1])) - powers[k] * old[0];

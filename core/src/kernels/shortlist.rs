@@ -24,15 +24,15 @@ impl Shortlist {
     pub(crate) const MOST: usize = 256;
 }
 
-/// The energies' changes by the moments, and by eq. (7) at the points that these leave out.
-struct Energies<'a, S: Simd> {
+/// The energies' changes to the third order by the moments, and by eq. (7) at the points that these leave out.
+struct Changes<'a, S: Simd> {
     s: S,
     points: Points<'a>,
     moments: &'a Moments,
     near: &'a [u32],
 }
 
-impl<S: Simd> Energies<'_, S> {
+impl<S: Simd> Changes<'_, S> {
     /// The changes for 16 candidates.
     #[inline(always)]
     fn meet(&self, amplitude: f32, [cos, sin]: [&Lanes; 2]) -> S::V {
@@ -125,7 +125,7 @@ pub(crate) fn shortlist<S: Simd>(
     floats: &mut [f32],
     close: &mut [u32],
 ) -> Shortlist {
-    let energies = Energies { s, points, moments, near };
+    let energies = Changes { s, points, moments, near };
     let mut list = List { slack, least: f32::INFINITY, indices: close, values: floats, count: 0 };
     let phases = candidates.phases;
     for k in 0..candidates.amplitudes {

@@ -13,7 +13,8 @@ pub(crate) struct Sixteen {
     pub(crate) im: Lanes,
     /// |P|.
     pub(crate) modulus: Lanes,
-    /// 1/|P|^2, so large for silence that |u| is above [`super::moments::FAR`]; 0 for a quiet point, whose term has no remainder.
+    /// 1/|P|^2, so large for silence that |u| is above [`super::moments::FAR`]; 0 for a quiet point, whose term has no
+    /// remainder.
     pub(super) inverse: Lanes,
     /// w (1 - t/|P|).
     pub(super) pull: Lanes,

@@ -156,7 +156,12 @@ pub(crate) fn sweep(level: Level, tiles: Tiles<'_>, wanted: [&[f32]; 2], wave: W
                     let (pr, pi) = (s.splat(pr[row]), s.splat(pi[row]));
                     for (tile, sums) in sums.iter_mut().enumerate() {
                         let (gr, gi) = (s.load(&gr[tile][row]), s.load(&gi[tile][row]));
-                        *sums = [s.fma(gr, pr, sums[0]), s.fma(gi, pi, sums[1]), s.fma(gr, pi, sums[2]), s.fma(gi, pr, sums[3])];
+                        *sums = [
+                            s.fma(gr, pr, sums[0]),
+                            s.fma(gi, pi, sums[1]),
+                            s.fma(gr, pi, sums[2]),
+                            s.fma(gi, pr, sums[3]),
+                        ];
                     }
                 }
             }

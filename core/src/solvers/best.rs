@@ -11,7 +11,7 @@ use crate::workspace::Workspace;
 crate::options! {
     /// Even fields from many starts. Time O(N M^2 + M^3), memory O(N M + M^2).
     pub struct Best {
-        /// Point phases tried on the M x M matrix, at least 1.
+        /// Point phases tried on the M x M matrix, at least 1: one alone is found as by `uniform`, without the seed.
         pub starts: u32 = 32,
         /// Weighted Gerchberg-Saxton sweeps from each of the four best.
         pub steps: u32 = 12,

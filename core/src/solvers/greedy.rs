@@ -273,9 +273,9 @@ impl Solve for Greedy {
         if self.objective != Objective::L2 || !fits {
             return None;
         }
+        let mut together = Together::of(problems, work)?;
         let candidates = self.candidates(first, work).ok()?;
         let order = self.turns(first.gains(), work).ok()?;
-        let mut together = Together::of(problems, work)?;
         let lanes = together.target.len();
         let mut floats = work.floats.take(greedy_abreast::floats(lanes, &candidates));
         let mut kept = work.points.take(greedy_abreast::kept(lanes));
