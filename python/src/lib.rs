@@ -42,6 +42,9 @@ fn invalid(item: &str, value: &str, cure: &str) -> PyErr {
 /// The compiled core of midair; import `midair` instead.
 #[pymodule]
 mod _midair {
+    use numpy::PyArray1;
+    use pyo3::prelude::*;
+
     #[pymodule_export]
     use super::array::{Array, PresetInfo, presets};
     #[pymodule_export]
@@ -56,4 +59,13 @@ mod _midair {
     use super::solver::Solver;
     #[pymodule_export]
     use super::{SceneError, SceneWarning};
+
+    /// The first array makes the numpy crate look for NumPy; were Ctrl-C to come in between, it would panic. Imports
+    /// may be interrupted.
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.py().import("numpy")?;
+        PyArray1::<f64>::zeros(module.py(), 0, false);
+        Ok(())
+    }
 }
