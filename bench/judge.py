@@ -10,7 +10,7 @@ SOUND_SPEED = 340.0  # m/s
 WAVENUMBER = 2 * np.pi * 40e3 / SOUND_SPEED  # rad/m
 
 
-def gains(positions: ArrayLike, points: ArrayLike, source_pressure: float) -> Complex:
+def propagation(positions: ArrayLike, points: ArrayLike, source_pressure: float) -> Complex:
     """G (M, N) in Pa: P0/r e^{jkr} from positions (N, 3) to points (M, 3), both in m."""
     r = np.linalg.norm(np.asarray(points, float)[:, None] - np.asarray(positions, float), axis=2)
     G: Complex = source_pressure / r * np.exp(1j * WAVENUMBER * r)

@@ -31,8 +31,8 @@ class Task:
         # Any drive: what the rivals' boards round to is no part of the methods.
         return midair.Array.preset(self.preset, self.tiles, levels={})
 
-    def gains(self, points: judge.Real) -> judge.Complex:
-        return judge.gains(self.array.positions, points, self.array.source_pressure)
+    def propagation(self, points: judge.Real) -> judge.Complex:
+        return judge.propagation(self.array.positions, points, self.array.source_pressure)
 
     def points(self, scene: int) -> judge.Real:
         """(M, 3) in m, the same for the same scene number."""
@@ -43,7 +43,7 @@ class Task:
     @cached_property
     def targets(self) -> judge.Real:
         """(M,) in Pa."""
-        p1 = np.abs(self.gains(np.array([[0, 0, HEIGHT]]))).sum()
+        p1 = np.abs(self.propagation(np.array([[0, 0, HEIGHT]]))).sum()
         return np.full(self.count, p1 / np.sqrt(self.count))
 
     def request(self, scene: int) -> dict[str, Any]:

@@ -5,15 +5,15 @@
 
 use std::time::Instant;
 
-use midair::{Array, Control, Level, Medium, Options, Request, Rng, Session, Transmitter, solvers};
+use midair::{Array, Control, InstructionSet, Medium, Model, Options, Request, Rng, Session, solvers};
 
 /// Nanoseconds of each of `calls` solves.
 fn measured(tiles: [usize; 2], points: usize, name: &str, calls: usize) -> Vec<u64> {
-    let array = Array::preset("autd3", tiles).expect("boards").with_levels(None);
-    let transmitter = Transmitter::new(&array, Medium::default(), Level::best()).expect("an array");
+    let array = Array::preset("autd3", tiles).expect("boards").with_quantization(None);
+    let model = Model::new(&array, Medium::default(), InstructionSet::best()).expect("an array");
     let configured =
         solvers::find(name).and_then(|entry| entry.configure(&Options::new())).expect("a method");
-    let mut session = Session::new(transmitter, configured);
+    let mut session = Session::new(model, configured);
     let request = Request { pressures: Some(vec![500.0; points]), weights: None };
     let mut rng = Rng::new(points as u64);
     let mut places: Vec<[f64; 3]> =

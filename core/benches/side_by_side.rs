@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 
 use midair::solvers;
 use midair::{
-    Array, Ask, Complex32, Complex64, Control, Gains, Level, Medium, Metrics, Options, Plane, Problem,
-    Request, Rng, Scene, Transmitter, Value, Workspace,
+    Array, Ask, Complex32, Complex64, Control, InstructionSet, Medium, Metrics, Model, Options, Plane,
+    Problem, Propagation, Request, Rng, Scene, Value, Workspace,
 };
 
 /// Algorithm 2, by the book.
@@ -68,28 +68,34 @@ fn scene(array: Array, count: usize) -> Scene {
     Scene::new(array, Medium::default(), points, Request { pressures, weights: None }).expect("a scene")
 }
 
-/// One of ours: a method and its options at a level.
+/// One of ours: a method and its options at a set.
 struct Entrant {
     name: String,
-    level: Level,
+    instruction_set: InstructionSet,
     configured: solvers::Configured,
 }
 
 impl Entrant {
-    fn new(label: &str, name: &str, options: &[(&str, i128)], order: &[u32], level: Level) -> Self {
+    fn new(
+        label: &str,
+        name: &str,
+        options: &[(&str, i128)],
+        order: &[u32],
+        instruction_set: InstructionSet,
+    ) -> Self {
         let mut table: Options =
             options.iter().map(|&(name, value)| (name.into(), Value::Integer(value))).collect();
         if name == "greedy" {
             table.insert("order".into(), Value::Integers(order.iter().map(|&i| i.into()).collect()));
         }
         let configured = solvers::find(name).and_then(|entry| entry.configure(&table)).expect("a method");
-        Self { name: format!("{label} at {level}"), level, configured }
+        Self { name: format!("{label} at {set}"), set, configured }
     }
 
     /// Everything from the scene on.
     fn solve(&self, scene: &Scene, work: &mut Workspace) -> Metrics {
-        let gains = Gains::of(scene).with_level(self.level);
-        let problem = Problem::with_gains(gains, scene.request()).expect("a problem");
+        let propagation = Propagation::of(scene).with_instruction_set(self.instruction_set);
+        let problem = Problem::with_propagation(propagation, scene.request()).expect("a problem");
         let solution = midair::solve(&problem, &*self.configured.solver, false, work, &mut Control::none())
             .expect("a solution");
         let metrics = solution.metrics();
@@ -98,20 +104,20 @@ impl Entrant {
     }
 }
 
-/// Greedy and `fast` at every level against the textbook.
+/// Greedy and `fast` at every set against the textbook.
 fn against_the_textbook(array: &Array, points: usize, rounds: usize) {
     let scene = scene(array.clone(), points);
     let count = array.len();
     let order = Rng::new(0).permutation(count as u32);
     let targets = Problem::new(&scene).expect("a problem").pressures().to_vec();
     let mut entrants = Vec::new();
-    for level in Level::all() {
+    for set in InstructionSet::all() {
         let plain = [("phases", 16), ("amplitudes", 1)];
-        entrants.push(Entrant::new("greedy K=1 L=16", "greedy", &plain, &order, level));
+        entrants.push(Entrant::new("greedy K=1 L=16", "greedy", &plain, &order, set));
         let fine = [("phases", 256), ("amplitudes", 16)];
-        entrants.push(Entrant::new("greedy K=16 L=256", "greedy", &fine, &order, level));
-        entrants.push(Entrant::new("fast", "fast", &[], &order, level));
-        entrants.push(Entrant::new("uniform", "uniform", &[], &order, level));
+        entrants.push(Entrant::new("greedy K=16 L=256", "greedy", &fine, &order, set));
+        entrants.push(Entrant::new("fast", "fast", &[], &order, set));
+        entrants.push(Entrant::new("uniform", "uniform", &[], &order, set));
     }
     let book = || textbook(&scene, &targets, 16, &order);
     let drive: Vec<Complex32> = book().iter().map(|q| Complex32::new(q.re as f32, q.im as f32)).collect();
@@ -156,7 +162,13 @@ fn many_candidates(array: &Array, points: usize, rounds: usize) {
     let scene = scene(array.clone(), points);
     let order = Rng::new(0).permutation(array.len() as u32);
     let greedy = |phases, amplitudes| {
-        Entrant::new("", "greedy", &[("phases", phases), ("amplitudes", amplitudes)], &order, Level::best())
+        Entrant::new(
+            "",
+            "greedy",
+            &[("phases", phases), ("amplitudes", amplitudes)],
+            &order,
+            InstructionSet::best(),
+        )
     };
     let entrants = [greedy(16, 1), greedy(256, 16)];
     let mut work = Workspace::new();
@@ -178,13 +190,12 @@ fn many_candidates(array: &Array, points: usize, rounds: usize) {
 
 /// A batch on one thread against a loop of lone solves, each problem made anew on both sides.
 fn batch(array: &Array, name: &str, points: usize, count: usize, rounds: usize) {
-    let transmitter =
-        Transmitter::new(array, Medium::default(), Level::best()).expect("an array with a medium");
+    let model = Model::new(array, Medium::default(), InstructionSet::best()).expect("an array with a medium");
     let mut rng = Rng::new(points as u64);
     let mut coordinate = || (2.0 * rng.uniform() - 1.0) * 0.1;
     let places: Vec<Vec<[f64; 3]>> =
         (0..count).map(|_| (0..points).map(|_| [coordinate(), coordinate(), 0.15]).collect()).collect();
-    let problem = |k: usize| Problem::with_gains(transmitter.gains(&places[k])?, &Request::default());
+    let problem = |k: usize| Problem::with_propagation(model.propagation(&places[k])?, &Request::default());
     let solver = solvers::find(name).and_then(|entry| entry.configure(&Options::new())).expect("a method");
     let balance = solver.info.balance;
     let mut work = Workspace::new();
@@ -204,8 +215,7 @@ fn batch(array: &Array, name: &str, points: usize, count: usize, rounds: usize) 
     };
     let together = |out: &mut [Complex32]| {
         let (ask, none) = (&ask, &mut Control::none());
-        midair::solve_batch(&transmitter, count, points, ask, &*solver.solver, balance, out, none)
-            .expect("answers")
+        midair::solve_batch(&model, count, points, ask, &*solver.solver, balance, out, none).expect("answers")
     };
     let mut drives = [(); 2].map(|()| vec![Complex32::ZERO; count * array.len()]);
     lone(&mut drives[0]);
@@ -244,7 +254,7 @@ fn main() {
         for points in [4, 16, 64] {
             against_the_textbook(&grid(20), points, 15);
         }
-        let boards = Array::preset("autd3", [2, 2]).expect("boards").with_levels(None);
+        let boards = Array::preset("autd3", [2, 2]).expect("boards").with_quantization(None);
         against_the_textbook(&boards, 64, 9);
         against_the_textbook(&grid(36), 38, 9);
         for (array, points) in

@@ -14,7 +14,7 @@
 //! Two numbers judge it: accuracy `sum |p_j| / sum t_j` (eq. 12) and sigma, the spread of |p_j|/t_j (eq. 13).
 //!
 //! # One way through
-//! points -> [`Scene`] (checked once) -> [`Gains`] -> [`Problem`] -> [`Solve::solve`] -> [`Solution`] -> [`field()`].
+//! points -> [`Scene`] (checked once) -> [`Propagation`] -> [`Problem`] -> [`Solve::solve`] -> [`Solution`] -> [`field()`].
 //!
 //! ```
 //! use midair::{Array, Control, Medium, Problem, Request, Scene, Workspace, solvers::Greedy};
@@ -39,59 +39,43 @@
 
 extern crate alloc;
 
-mod abreast;
-mod array;
-mod asked;
-mod batch;
-mod bound;
 mod control;
-mod directivity;
-mod eigen;
-mod emitters;
+mod device;
 mod error;
-mod even;
-mod field;
 #[cfg(feature = "scene-file")]
-pub mod file;
-mod gains;
+pub mod files;
 mod kernels;
-mod levels;
 mod linalg;
 mod math;
-mod medium;
-mod metrics;
-mod options;
-pub mod presets;
 mod problem;
-mod projection;
-mod reach;
+mod propagation;
 mod rng;
 mod scene;
 mod session;
-mod solution;
 pub mod solvers;
 mod workspace;
 
-pub use array::{Array, Origin};
-pub use batch::{Ask, Batch, solve_batch};
-pub use bound::bound;
 pub use control::{Control, Progress};
-pub use directivity::{Directivity, Transducer};
+pub use device::quantization::Quantization;
 pub use error::Error;
-pub use field::field;
-pub use gains::{Gains, Transmitter};
-pub use kernels::Level;
-pub use levels::Levels;
-pub use medium::Medium;
-pub use metrics::Metrics;
+pub use kernels::simd::instruction_set::InstructionSet;
 pub use num_complex::{Complex32, Complex64};
-pub use options::{Choice, Configure, OptionInfo, OptionValue, Options, Value, spell, word};
+pub use problem::feasibility::{Beyond, Reach};
+pub use problem::metrics::Metrics;
+pub use problem::solution::{Solution, Status};
+pub use problem::upper_bound::bound;
 pub use problem::{Aim, Problem, Start};
-pub use reach::{Beyond, Reach};
+pub use propagation::field::field;
+pub use propagation::{Model, Propagation};
 pub use rng::Rng;
+pub use scene::array::{Array, Origin};
+pub use scene::medium::Medium;
+pub use scene::presets;
+pub use scene::transducer::{Directivity, Transducer};
 pub use scene::{Plane, Request, Scene};
 pub use session::Session;
-pub use solution::{Solution, Status};
+pub use session::batch::{Ask, Batch, solve_batch};
+pub use solvers::options::{Choice, Configure, OptionInfo, OptionValue, Options, Value, spell, word};
 pub use solvers::{Solve, solve};
 pub use workspace::{Pool, Workspace};
 

@@ -5,8 +5,8 @@ use core::ops::{Deref, DerefMut};
 
 use num_complex::Complex32;
 
-use crate::kernels::Sixteen;
-use crate::solution::Solution;
+use crate::kernels::greedy::point_group::PointGroup;
+use crate::problem::solution::Solution;
 
 /// Numbers in a line of the cache.
 const LINE: usize = 16;
@@ -107,7 +107,7 @@ pub struct Workspace {
     /// Indices of transducers.
     pub indices: Pool<u32>,
     /// What the greedy search keeps of its points.
-    pub(crate) points: Pool<Sixteen>,
+    pub(crate) points: Pool<PointGroup>,
 }
 
 impl Workspace {

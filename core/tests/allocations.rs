@@ -4,8 +4,8 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use midair::{
-    Array, Ask, Complex32, Control, Level, Levels, Medium, Problem, Request, Rng, Scene, Session,
-    Transmitter, Workspace, solve_batch, solvers,
+    Array, Ask, Complex32, Control, InstructionSet, Medium, Model, Problem, Quantization, Request, Rng,
+    Scene, Session, Workspace, solve_batch, solvers,
 };
 
 struct Counting;
@@ -32,10 +32,10 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-fn problem(seed: u64, pressure: Option<f64>, levels: Option<&Levels>) -> Problem {
+fn problem(seed: u64, pressure: Option<f64>, quantization: Option<&Quantization>) -> Problem {
     let mut rng = Rng::new(seed);
     let points = (0..11).map(|_| [0.1 * rng.uniform(), 0.1 * rng.uniform(), 0.15]).collect();
-    let array = Array::grid(9, 7, 10e-3).expect("a grid").with_levels(levels.cloned());
+    let array = Array::grid(9, 7, 10e-3).expect("a grid").with_quantization(quantization.cloned());
     let request = Request { pressures: pressure.map(|pressure| vec![pressure; 11]), weights: None };
     Problem::new(&Scene::new(array, Medium::default(), points, request).expect("a scene")).expect("a problem")
 }
@@ -43,15 +43,15 @@ fn problem(seed: u64, pressure: Option<f64>, levels: Option<&Levels>) -> Problem
 #[test]
 fn the_second_solve_of_a_size_allocates_nothing() {
     // The balanced level; far below it with and without balancing, another path through `solve`.
-    let board = Levels::new(Some(32), Some(vec![0.0, 0.25, 1.0])).expect("levels");
-    for (pressure, balance, levels) in [
+    let board = Quantization::new(Some(32), Some(vec![0.0, 0.25, 1.0])).expect("quantization");
+    for (pressure, balance, quantization) in [
         (None, false, None),
         (Some(1.0), true, None),
         (Some(1.0), false, None),
         (None, false, Some(&board)),
         (Some(1.0), true, Some(&board)),
     ] {
-        let (first, second) = (problem(1, pressure, levels), problem(2, pressure, levels));
+        let (first, second) = (problem(1, pressure, quantization), problem(2, pressure, quantization));
         for entry in solvers::SOLVERS {
             let made = entry.configure(&midair::Options::new()).expect("defaults");
             let mut work = Workspace::new();
@@ -73,9 +73,8 @@ fn a_session_allocates_nothing_from_its_second_call_on() {
     let array = Array::grid(9, 7, 10e-3).expect("a grid");
     let mut rng = Rng::new(3);
     for entry in solvers::SOLVERS {
-        let transmitter = Transmitter::new(&array, Medium::default(), Level::best()).expect("an array");
-        let mut session =
-            Session::new(transmitter, entry.configure(&midair::Options::new()).expect("defaults"));
+        let model = Model::new(&array, Medium::default(), InstructionSet::best()).expect("an array");
+        let mut session = Session::new(model, entry.configure(&midair::Options::new()).expect("defaults"));
         let mut request = Request { pressures: Some(vec![0.0; 11]), weights: None };
         for call in 0..4 {
             let points: [[f64; 3]; 11] =
@@ -96,7 +95,7 @@ fn a_session_allocates_nothing_from_its_second_call_on() {
 #[test]
 fn a_batch_allocates_nothing_for_a_further_problem() {
     let array = Array::grid(9, 7, 10e-3).expect("a grid");
-    let transmitter = Transmitter::new(&array, Medium::default(), Level::best()).expect("an array");
+    let model = Model::new(&array, Medium::default(), InstructionSet::best()).expect("an array");
     for (entry, points) in solvers::SOLVERS.iter().flat_map(|entry| [(entry, 5), (entry, 17)]) {
         let ask = |k: usize, ask: &mut Ask| {
             let mut rng = Rng::new(k as u64);
@@ -108,11 +107,10 @@ fn a_batch_allocates_nothing_for_a_further_problem() {
         let allocations = |count: usize| {
             let (mut drives, none) = (vec![Complex32::ZERO; 63 * count], &mut Control::none());
             let before = COUNT.get();
-            solve_batch(&transmitter, count, points, &ask, &*solver, true, &mut drives, none)
-                .expect("answers");
+            solve_batch(&model, count, points, &ask, &*solver, true, &mut drives, none).expect("answers");
             COUNT.get() - before
         };
-        // All in one stretch, which this thread solves. Sixteen solved together come in one vector.
+        // All in one stretch, which this thread solves. PointGroup solved together come in one vector.
         let (few, many) = (allocations(64), allocations(96));
         let name = entry.info.name;
         assert!(few > 0 && many <= few + 2, "{name}, M = {points}: {few} for 64 problems, {many} for 96");

@@ -12,7 +12,7 @@ __all__ = [
     "Batch",
     "BatchMetrics",
     "Field",
-    "Gains",
+    "Propagation",
     "Metrics",
     "OptionInfo",
     "Plane",
@@ -128,7 +128,7 @@ class Scene:
     def load(path: str | PathLike[str]) -> Scene: ...
     def save(self, path: str | PathLike[str]) -> None: ...
     def json(self, solution: Solution | None = None) -> str: ...
-    def gains(self) -> NDArray[np.complex64]: ...
+    def propagation(self) -> NDArray[np.complex64]: ...
     def reach(self) -> Reach: ...
     @property
     def array(self) -> Array: ...
@@ -163,8 +163,8 @@ class Reach:
     def level(self) -> NDArray[np.float64]: ...
 
 @final
-class Gains:
-    def __new__(cls, matrix: ArrayLike) -> Gains: ...
+class Propagation:
+    def __new__(cls, matrix: ArrayLike) -> Propagation: ...
     @property
     def shape(self) -> tuple[int, int]: ...
 
@@ -363,7 +363,7 @@ class Solver:
     def options(self) -> dict[str, _Option]: ...
 
 def solve(
-    scene: Scene | Gains,
+    scene: Scene | Propagation,
     solver: str | None = None,
     *,
     pressures: ArrayLike | None = None,
@@ -376,11 +376,11 @@ def solve(
     **options: _Option,
 ) -> Solution: ...
 def bound(
-    scene: Scene | Gains, *, pressures: ArrayLike | None = None, weights: ArrayLike | None = None
+    scene: Scene | Propagation, *, pressures: ArrayLike | None = None, weights: ArrayLike | None = None
 ) -> float: ...
 def field(scene: Scene, drive: ArrayLike, plane: Plane | ArrayLike | None = None) -> Field: ...
 def judge(
-    scene: Scene | Gains,
+    scene: Scene | Propagation,
     drive: ArrayLike,
     *,
     pressures: ArrayLike | None = None,

@@ -178,7 +178,7 @@ pub(crate) fn solve_batch(
         value.map(|value| read::batch_of_numbers(item, value, [count, size])).transpose()
     };
     let (pressures, weights) = (list("pressures", pressures)?, list("weights", weights)?);
-    let transducers = setting.transmitter.array().len();
+    let transducers = setting.model.array().len();
     if start.is_some() && !setting.configured.info.uses_start {
         let name = setting.configured.info.name;
         return Err(refused(midair::solvers::unused("start", name, |info| info.uses_start)));
@@ -246,8 +246,8 @@ pub(crate) fn solve_batch(
         let (solver, balance) = (&*setting.configured.solver, setting.balance);
         let mut run = |observer: &mut dyn FnMut(Progress<'_>) -> ControlFlow<()>| {
             let mut control = Control::watched(observer);
-            let transmitter = &setting.transmitter;
-            midair::solve_batch(transmitter, count, size, &ask, solver, balance, slice, &mut control)
+            let model = &setting.model;
+            midair::solve_batch(model, count, size, &ask, solver, balance, slice, &mut control)
         };
         match &pool {
             Some(pool) => pulse.beside(|beat| pool.install(|| run(beat))),

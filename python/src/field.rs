@@ -220,7 +220,7 @@ pub(crate) fn field(
 /// An upper bound on the level min |p| / target over the points with a pressure: no drive, quantised or not, exceeds it.
 ///
 /// It is the value of a semidefinite relaxation and lies some 8 to 9 % above the best field known. At most 64 points.
-/// Pressures and weights go with Gains only.
+/// Pressures and weights go with Propagation only.
 ///
 /// >>> import midair
 /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
@@ -240,7 +240,7 @@ pub(crate) fn bound(
     py.detach(|| midair::bound(&task.problem(level)?)).map_err(refused)
 }
 
-/// The metrics of a drive (N,), wholly in double precision. Pressures and weights go with Gains only.
+/// The metrics of a drive (N,), wholly in double precision. Pressures and weights go with Propagation only.
 #[pyfunction]
 #[pyo3(signature = (scene, drive, *, pressures=None, weights=None))]
 pub(crate) fn judge(

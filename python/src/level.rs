@@ -2,19 +2,19 @@
 
 use std::sync::OnceLock;
 
-use midair::Level;
+use midair::InstructionSet;
 use pyo3::prelude::*;
 
 use crate::invalid;
 
-/// The level that `MIDAIR_LEVEL` names, else the best of this machine. The environment is read once.
-pub(crate) fn level() -> PyResult<Level> {
+/// The level that `MIDAIR_SIMD` names, else the best of this machine. The environment is read once.
+pub(crate) fn level() -> PyResult<InstructionSet> {
     static ASKED: OnceLock<Option<String>> = OnceLock::new();
-    let Some(name) = ASKED.get_or_init(|| std::env::var("MIDAIR_LEVEL").ok()) else {
-        return Ok(Level::best());
+    let Some(name) = ASKED.get_or_init(|| std::env::var("MIDAIR_SIMD").ok()) else {
+        return Ok(InstructionSet::best());
     };
-    Level::named(name).ok_or_else(|| {
-        let known: Vec<&str> = Level::all().map(Level::name).collect();
-        invalid("MIDAIR_LEVEL", name, &format!("this machine has {}", known.join(", ")))
+    InstructionSet::named(name).ok_or_else(|| {
+        let known: Vec<&str> = InstructionSet::all().map(InstructionSet::name).collect();
+        invalid("MIDAIR_SIMD", name, &format!("this machine has {}", known.join(", ")))
     })
 }

@@ -1,6 +1,6 @@
-//! A device's levels and a mask of transducers, from Python and back.
+//! A device's quantization and a mask of transducers, from Python and back.
 
-use midair::Levels;
+use midair::Quantization;
 use numpy::{IntoPyArray, PyArray1, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -9,15 +9,15 @@ use crate::{invalid, read, refused};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// The array with what is given of mask and levels; what is left out stays as it is.
+/// The array with what is given of mask and quantization; what is left out stays as it is.
 pub(crate) fn on_device(
     array: midair::Array,
     mask: Argument<'_, '_>,
-    levels: Argument<'_, '_>,
+    quantization: Argument<'_, '_>,
 ) -> PyResult<midair::Array> {
-    let array = match levels {
+    let array = match quantization {
         None => array,
-        Some(levels) => array.with_levels(Some(read_levels(levels)?)),
+        Some(quantization) => array.with_quantization(Some(read_quantization(quantization)?)),
     };
     match mask {
         None => Ok(array),
@@ -26,35 +26,39 @@ pub(crate) fn on_device(
 }
 
 /// `{"phases": 256, "amplitudes": [0, 0.5, 1]}`; what is left out or None is continuous.
-fn read_levels(value: &Bound<'_, PyAny>) -> PyResult<Levels> {
+fn read_quantization(value: &Bound<'_, PyAny>) -> PyResult<Quantization> {
     let Ok(table) = value.cast::<PyDict>() else {
         let cure = "give a dictionary such as {\"phases\": 256, \"amplitudes\": [0, 0.5, 1]}";
-        return Err(invalid("levels", &read::quoted(value), cure));
+        return Err(invalid("quantization", &read::quoted(value), cure));
     };
     let (mut phases, mut amplitudes) = (None, None);
     for (key, value) in table {
         match key.extract::<String>().as_deref() {
             Ok("phases" | "amplitudes") if value.is_none() => {}
             Ok("phases") => {
-                let count = read::count("array.levels.phases", &value)?;
+                let count = read::count("array.quantization.phases", &value)?;
                 phases = Some(u32::try_from(count).unwrap_or(u32::MAX));
             }
-            Ok("amplitudes") => amplitudes = Some(read::reals("array.levels.amplitudes", &value)?),
+            Ok("amplitudes") => amplitudes = Some(read::reals("array.quantization.amplitudes", &value)?),
             _ => {
                 let name = key.to_string();
-                return Err(refused(midair::Error::unknown("key of levels", name, ["phases", "amplitudes"])));
+                return Err(refused(midair::Error::unknown(
+                    "key of quantization",
+                    name,
+                    ["phases", "amplitudes"],
+                )));
             }
         }
     }
-    Levels::new(phases, amplitudes).map_err(refused)
+    Quantization::new(phases, amplitudes).map_err(refused)
 }
 
 /// The same as a dictionary of Python's, or None where any drive can be had.
 pub(crate) fn shown<'py>(py: Python<'py>, array: &midair::Array) -> PyResult<Option<Bound<'py, PyDict>>> {
-    let Some(levels) = array.levels() else { return Ok(None) };
+    let Some(quantization) = array.quantization() else { return Ok(None) };
     let table = PyDict::new(py);
-    table.set_item("phases", levels.phases())?;
-    table.set_item("amplitudes", levels.amplitudes().map(|table| table.to_pyarray(py)))?;
+    table.set_item("phases", quantization.phases())?;
+    table.set_item("amplitudes", quantization.amplitudes().map(|table| table.to_pyarray(py)))?;
     Ok(Some(table))
 }
 

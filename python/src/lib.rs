@@ -52,7 +52,7 @@ mod _midair {
     #[pymodule_export]
     use super::field::{Field, Plane, bound, field, judge};
     #[pymodule_export]
-    use super::scene::{Gains, Reach, Scene};
+    use super::scene::{Propagation, Reach, Scene};
     #[pymodule_export]
     use super::solve::{Metrics, OptionInfo, Solution, SolverInfo, solve, solvers};
     #[pymodule_export]

@@ -1,10 +1,10 @@
-//! `midair.Scene` and `midair.Gains`.
+//! `midair.Scene` and `midair.Propagation`.
 
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use midair::file::{self, Format, Provenance};
+use midair::files::{self, Format, Provenance};
 use midair::{Complex32, Medium, Request};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, ToPyArray};
 use pyo3::exceptions::PyOSError;
@@ -27,7 +27,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 ///
 /// >>> import midair
 /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]])
-/// >>> round(float(abs(scene.gains()).sum()), 5)
+/// >>> round(float(abs(scene.propagation()).sum()), 5)
 /// 2.36066
 #[pyclass(frozen, module = "midair")]
 pub(crate) struct Scene {
@@ -208,9 +208,9 @@ impl Scene {
     }
 
     /// G (M, N) in Pa, complex64: the pressure at point j of transducer i at full drive, eq. (5).
-    fn gains<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
+    fn propagation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
         let scene = Arc::clone(&self.inner);
-        let matrix = py.detach(move || midair::Gains::of(&scene).matrix()).map_err(refused)?;
+        let matrix = py.detach(move || midair::Propagation::of(&scene).matrix()).map_err(refused)?;
         matrix.into_pyarray(py).reshape([self.inner.points().len(), self.inner.array().len()])
     }
 
@@ -259,20 +259,20 @@ impl Reach {
 /// Pressures and weights then go to `solve` and `judge`.
 ///
 /// >>> import midair, numpy as np
-/// >>> solution = midair.solve(midair.Gains(np.ones((1, 4))), pressures=4.0)
+/// >>> solution = midair.solve(midair.Propagation(np.ones((1, 4))), pressures=4.0)
 /// >>> round(solution.metrics.accuracy, 6)
 /// 1.0
 #[pyclass(frozen, module = "midair")]
-pub(crate) struct Gains {
-    pub(crate) inner: midair::Gains,
+pub(crate) struct Propagation {
+    pub(crate) inner: midair::Propagation,
 }
 
 #[pymethods]
-impl Gains {
+impl Propagation {
     #[new]
     fn new(matrix: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let (entries, points) = read::matrix("gains", matrix)?;
-        Ok(Self { inner: midair::Gains::from_matrix(&entries, points).map_err(refused)? })
+        let (entries, points) = read::matrix("propagation", matrix)?;
+        Ok(Self { inner: midair::Propagation::from_matrix(&entries, points).map_err(refused)? })
     }
 
     /// (M, N): points and transducers.
@@ -283,6 +283,6 @@ impl Gains {
 
     fn __repr__(&self) -> String {
         let (m, n) = self.shape();
-        format!("<midair.Gains of {n} transducers at {m} points>")
+        format!("<midair.Propagation of {n} transducers at {m} points>")
     }
 }

@@ -1,7 +1,7 @@
 //! What `midair.solve_batch` and `midair.Solver` share: an array in a medium, and a solver, from keywords.
 
 use midair::solvers::Configured;
-use midair::{Choice, Medium, Transmitter};
+use midair::{Choice, Medium, Model};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyDictMethods};
@@ -16,7 +16,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// An array made ready, and how its problems are solved.
 pub(crate) struct Setting {
-    pub(crate) transmitter: Transmitter,
+    pub(crate) model: Model,
     pub(crate) choice: Choice,
     pub(crate) configured: Configured,
     pub(crate) balance: bool,
@@ -89,11 +89,11 @@ impl Setting {
             balance: balance.map(|value| flag("balance", &value)).transpose()?,
             level: aimed.map(|value| aim(&value)).transpose()?,
         };
-        let configured = choice.configured(array.levels()).map_err(refused)?;
+        let configured = choice.configured(array.quantization()).map_err(refused)?;
         let balance = choice.balance.unwrap_or(configured.info.balance);
         choice.balance = Some(balance);
         choice.options = configured.options.clone();
-        let transmitter = Transmitter::new(&array, medium, level()?).map_err(refused)?;
-        Ok(Self { transmitter, choice, configured, balance })
+        let model = Model::new(&array, medium, level()?).map_err(refused)?;
+        Ok(Self { model, choice, configured, balance })
     }
 }

@@ -214,7 +214,7 @@ pub(crate) fn begin(start: &Bound<'_, PyAny>) -> PyResult<midair::Start> {
     read::reals("start", start).map(midair::Start::Phases)
 }
 
-/// Finds a drive for a scene, or for gains with pressures and weights.
+/// Finds a drive for a scene, or for propagation with pressures and weights.
 ///
 /// solver is a name of `solvers()`; left out it is the scene file's, else the default. Its options are keywords.
 /// balance=True solves at the level the array can reach and reduces the drives afterwards; None is the method's
@@ -256,7 +256,7 @@ pub(crate) fn solve(
     if let Some(level) = level {
         choice.level = Some(aim(level)?);
     }
-    let configured = choice.configured(task.levels()).map_err(refused)?;
+    let configured = choice.configured(task.quantization()).map_err(refused)?;
     if start.is_some() && !configured.info.uses_start {
         return Err(refused(registry::unused("start", configured.info.name, |info| info.uses_start)));
     }
@@ -277,7 +277,7 @@ pub(crate) fn solve(
     if let Some(level) = choice.level {
         problem = problem.with_aim(level);
     }
-    if configured.info.uses_level {
+    if configured.info.uses_aim {
         choice.level = Some(problem.aim());
     } else if problem.is_weak() && !balance {
         let part = 1.0 / problem.balance();

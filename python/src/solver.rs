@@ -81,9 +81,9 @@ impl Solver {
         if points == 0 {
             return Err(invalid("points", "0", "give a whole number, 1 or above"));
         }
-        let Setting { transmitter, choice, configured, balance } = Setting::read(scene, solver, options)?;
-        let transducers = transmitter.array().len();
-        let mut session = Session::new(transmitter, configured);
+        let Setting { model, choice, configured, balance } = Setting::read(scene, solver, options)?;
+        let transducers = model.array().len();
+        let mut session = Session::new(model, configured);
         (session.balance, session.aim) = (balance, choice.level);
         Ok(Self { session, choice, points, transducers, request: Request::default(), elapsed: 0.0 })
     }

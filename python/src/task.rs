@@ -2,19 +2,19 @@
 
 use std::sync::Arc;
 
-use midair::{Level, Problem};
+use midair::{InstructionSet, Problem};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
 use crate::invalid;
-use crate::scene::{Gains, Scene, request};
+use crate::scene::{Propagation, Scene, request};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// What `solve` and `judge` take first: a scene, or gains with what is asked of them.
+/// What `solve` and `judge` take first: a scene, or propagation with what is asked of them.
 pub(crate) enum Task {
     Scene(Arc<midair::Scene>),
-    Gains(midair::Gains, midair::Request),
+    Propagation(midair::Propagation, midair::Request),
 }
 
 impl Task {
@@ -29,34 +29,34 @@ impl Task {
                     return Err(invalid(
                         item,
                         "given beside a Scene",
-                        "give them to the Scene; here they go with Gains",
+                        "give them to the Scene; here they go with Propagation",
                     ));
                 }
             }
             return Ok(Self::Scene(Arc::clone(&scene.get().inner)));
         }
-        if let Ok(gains) = object.cast::<Gains>() {
-            let gains = gains.get().inner.clone();
-            let request = request(gains.points(), pressures, weights)?;
-            return Ok(Self::Gains(gains, request));
+        if let Ok(propagation) = object.cast::<Propagation>() {
+            let propagation = propagation.get().inner.clone();
+            let request = request(propagation.points(), pressures, weights)?;
+            return Ok(Self::Propagation(propagation, request));
         }
         let kind = object.get_type().qualname()?;
-        Err(PyTypeError::new_err(format!("expected a midair.Scene or midair.Gains first, not {kind}")))
+        Err(PyTypeError::new_err(format!("expected a midair.Scene or midair.Propagation first, not {kind}")))
     }
 
-    pub(crate) fn problem(&self, level: Level) -> Result<Problem, midair::Error> {
-        let (gains, request) = match self {
-            Self::Scene(scene) => (midair::Gains::of(scene), scene.request()),
-            Self::Gains(gains, request) => (gains.clone(), request),
+    pub(crate) fn problem(&self, instruction_set: InstructionSet) -> Result<Problem, midair::Error> {
+        let (propagation, request) = match self {
+            Self::Scene(scene) => (midair::Propagation::of(scene), scene.request()),
+            Self::Propagation(propagation, request) => (propagation.clone(), request),
         };
-        Problem::with_gains(gains.with_level(level), request)
+        Problem::with_propagation(propagation.with_instruction_set(level), request)
     }
 
     /// The levels of the scene's device.
-    pub(crate) fn levels(&self) -> Option<&midair::Levels> {
+    pub(crate) fn levels(&self) -> Option<&midair::Quantization> {
         match self {
-            Self::Scene(scene) => scene.array().levels(),
-            Self::Gains(..) => None,
+            Self::Scene(scene) => scene.array().quantization(),
+            Self::Propagation(..) => None,
         }
     }
 
@@ -64,7 +64,7 @@ impl Task {
     pub(crate) fn choice(&self) -> Option<&midair::Choice> {
         match self {
             Self::Scene(scene) => scene.solver.as_ref(),
-            Self::Gains(..) => None,
+            Self::Propagation(..) => None,
         }
     }
 }

@@ -41,7 +41,7 @@ def pattern(directivity: Directivity, k: float, theta: Real) -> Real:
     return np.where(theta <= np.pi / 2, d, 0.0)
 
 
-def gains(
+def propagation(
     positions: ArrayLike,
     points: ArrayLike,
     *,

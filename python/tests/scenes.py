@@ -24,7 +24,7 @@ def small(**scene) -> midair.Scene:
 def exact(scene: midair.Scene) -> oracle.Complex:
     """G (M, N) of a scene in double precision."""
     array, directivity = scene.array, scene.array.directivity
-    return oracle.gains(
+    return oracle.propagation(
         array.positions,
         scene.points,
         normals=array.normals,

@@ -135,9 +135,9 @@ def test_units_at_the_ends_of_f32_are_refused_or_answered(size: float, solver: s
         assert whole(lambda: midair.solve(two(source_pressure=size), solver))
         strong = {"source_pressure": size, "pressures": 20 * size}
         assert whole(lambda: midair.solve(two(**strong), solver, balance=True))
-        gains = np.full((1, 4), size)
-        assert whole(lambda: midair.solve(midair.Gains(gains), solver))
-        assert whole(lambda: midair.solve(midair.Gains(gains), solver, pressures=size, balance=True))
+        propagation = np.full((1, 4), size)
+        assert whole(lambda: midair.solve(midair.Propagation(propagation), solver))
+        assert whole(lambda: midair.solve(midair.Propagation(propagation), solver, pressures=size, balance=True))
 
 
 def test_field_where_no_drive_goes_is_refused_or_finite() -> None:

@@ -51,7 +51,7 @@ scene = midair.Scene(midair.Array.grid(9, 7, pitch=0.01), [[0, 0, 0.1], [0.02, 0
 drive = rng.uniform(0, 1, 63) * np.exp(1j * rng.uniform(0, 6, 63))
 field = midair.field(scene, drive, midair.Plane(0.1, 0.1, pixels=151))
 solution = midair.solve(scene, "greedy", amplitudes=2)
-for array in (field.pressure, scene.gains(), solution.drive, solution.pressures):
+for array in (field.pressure, scene.propagation(), solution.drive, solution.pressures):
     print(hashlib.sha256(array.tobytes()).hexdigest())
 """
 

@@ -20,7 +20,7 @@ def figures_are_closed():
 def reference(scene: midair.Scene, drive: np.ndarray, points: np.ndarray) -> np.ndarray:
     """The field at points in double precision, of point sources looking along +z."""
     model = {"source_pressure": scene.array.source_pressure, "absorption": scene.absorption}
-    return oracle.gains(scene.array.positions, points, **model) @ drive
+    return oracle.propagation(scene.array.positions, points, **model) @ drive
 
 
 def test_field_is_indexed_y_x_and_its_plane_includes_both_ends() -> None:
@@ -51,7 +51,7 @@ def test_field_takes_points_anywhere() -> None:
     assert field.pressure.shape == field.radiation.shape == (1500,)
     far = np.linalg.norm(points[:, None] - scene.array.positions, axis=2).min(axis=1) > 1e-3
     expected = reference(scene, drive, points)
-    bound = GAIN * np.abs(oracle.gains(scene.array.positions, points)).sum(axis=1)
+    bound = GAIN * np.abs(oracle.propagation(scene.array.positions, points)).sum(axis=1)
     assert (np.abs(field.pressure - expected)[far] <= bound[far]).all()
     assert far.sum() > 1400
     assert (field.x, field.y, field.plane) == (None, None, None)

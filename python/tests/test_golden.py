@@ -34,7 +34,7 @@ def test_there_are_golden_vectors() -> None:
 
 
 def test_golden_vectors_come_out_bit_for_bit_at_the_scalar_level(tmp_path: Path) -> None:
-    environment = {**os.environ, "MIDAIR_LEVEL": "scalar"}
+    environment = {**os.environ, "MIDAIR_SIMD": "scalar"}
     command = [sys.executable, "-c", PROGRAM, *map(str, GOLDEN)]
     done = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, check=True)
     drives = np.frombuffer(done.stdout, dtype=np.float32)
@@ -61,7 +61,7 @@ def test_golden_vectors_are_as_good_at_the_best_level(path: Path, tmp_path: Path
 
 def test_an_unknown_level_is_refused_in_one_line() -> None:
     program = "import midair; midair.solve(midair.Scene(midair.Array.grid(2, 2, 0.01), [[0, 0, 0.1]]))"
-    environment = {**os.environ, "MIDAIR_LEVEL": "avx9"}
+    environment = {**os.environ, "MIDAIR_SIMD": "avx9"}
     done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
     assert done.returncode == 1
-    assert "MIDAIR_LEVEL is avx9: this machine has scalar" in done.stderr.splitlines()[-1]
+    assert "MIDAIR_SIMD is avx9: this machine has scalar" in done.stderr.splitlines()[-1]

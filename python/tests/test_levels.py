@@ -35,7 +35,7 @@ def test_every_solver_answers_on_the_grid(solver: str) -> None:
 def test_pressures_and_metrics_are_those_of_the_rounded_drive() -> None:
     scene = midair.Scene(board(levels={"phases": 4}), POINTS)
     solution = midair.solve(scene, "wgs")
-    field = scene.gains() @ solution.drive
+    field = scene.propagation() @ solution.drive
     # complex64 sums over 144 transducers.
     assert np.abs(field - solution.pressures).max() < 1e-4 * np.abs(field).max()
     judged = midair.judge(scene, solution.drive)
@@ -72,7 +72,7 @@ def test_what_the_device_cannot_reduce_is_left_to_the_supply_and_told() -> None:
     assert solution.amplitudes.min() > 0.999
     assert solution.metrics.level == pytest.approx(1, abs=0.1)
     assert f"scaled by {solution.scale:.4}"[:14] in repr(solution)
-    field = solution.scale * (scene.gains() @ solution.drive)
+    field = solution.scale * (scene.propagation() @ solution.drive)
     assert np.abs(field - solution.pressures).max() < 1e-4 * np.abs(field).max()
 
 
@@ -83,7 +83,7 @@ def test_masked_transducers_are_off() -> None:
     assert (array.mask == mask).all()
     assert board().mask.all()
     scene = midair.Scene(array, POINTS)
-    assert (scene.gains()[:, ~mask] == 0).all()
+    assert (scene.propagation()[:, ~mask] == 0).all()
     solution = midair.solve(scene, "gs")
     assert ((solution.drive == 0) == ~mask).all()
 

@@ -1,4 +1,4 @@
-"""Arrays, scenes and gains: what is asked for, and eq. (5) against the reference."""
+"""Arrays, scenes and propagation: what is asked for, and eq. (5) against the reference."""
 
 import inspect
 
@@ -11,8 +11,8 @@ from scenes import GAIN, POINTS, exact, same_bits, small
 
 NAMES = """
     Array Array.grid Array.preset Array.presets Array.positions Array.normals
-    Scene Scene.load Scene.save Scene.gains Scene.solver Scene.plane Scene.pressures Scene.weights
-    Gains Plane Plane.x Plane.y field Field.pressure Field.radiation Field.x Field.y
+    Scene Scene.load Scene.save Scene.propagation Scene.solver Scene.plane Scene.pressures Scene.weights
+    Propagation Plane Plane.x Plane.y field Field.pressure Field.radiation Field.x Field.y
     solve Solution.drive Solution.phases Solution.amplitudes Solution.pressures Solution.radiation
     Solution.metrics Solution.status Solution.steps Solution.elapsed Solution.trace
     Metrics.accuracy Metrics.sigma Metrics.uniformity Metrics.level Metrics.residual Metrics.leak
@@ -72,7 +72,7 @@ def test_shapes_and_types_are_those_of_the_conventions() -> None:
         (scene.points, (m, 3), np.float64),
         (scene.pressures, (m,), np.float64),
         (scene.weights, (m,), np.float64),
-        (scene.gains(), (m, n), np.complex64),
+        (scene.propagation(), (m, n), np.complex64),
         (solution.drive, (n,), np.complex64),
         (solution.phases, (n,), np.float64),
         (solution.amplitudes, (n,), np.float64),
@@ -103,8 +103,8 @@ def test_normals_are_normalised_once_and_then_stay() -> None:
 @pytest.mark.parametrize(("preset", "p1"), [("paper20", 2.36066), ("paper36", 6.40341)])
 def test_preset_reaches_the_pressure_of_the_paper(preset: str, p1: float) -> None:
     scene = midair.Scene(midair.Array.preset(preset), [[0, 0, 0.15]])
-    # The last digit printed; f32 gains are sums of hundreds of equal signs, good to 1e-6.
-    assert np.abs(scene.gains()).sum(dtype=float) == pytest.approx(p1, abs=8e-6)
+    # The last digit printed; f32 propagation are sums of hundreds of equal signs, good to 1e-6.
+    assert np.abs(scene.propagation()).sum(dtype=float) == pytest.approx(p1, abs=8e-6)
     assert scene.in_paper_unit
     assert scene.array.source_pressure == 1e-3
 
@@ -183,11 +183,11 @@ def test_gains_are_eq_5_for_tilted_transducers_of_any_response(
     else:
         pattern = bare.get(directivity, directivity)
     unit = normals / np.linalg.norm(normals, axis=1, keepdims=True)
-    expected = oracle.gains(
+    expected = oracle.propagation(
         positions, points, normals=unit, source_pressure=2.0, directivity=pattern, **model
     )
-    scale = np.abs(oracle.gains(positions, points, source_pressure=2.0, **model))
-    found = scene.gains()
+    scale = np.abs(oracle.propagation(positions, points, source_pressure=2.0, **model))
+    found = scene.propagation()
     assert (np.abs(found - expected) <= GAIN * scale).all()
     assert np.array_equal(found == 0, expected == 0)
     behind = (np.einsum("jik,ik->ji", points[:, None] - positions, normals) < 0) & (response != 0)
@@ -214,11 +214,11 @@ def test_gains_are_accurate_at_every_angle_or_refused(directivity: dict, frequen
     points = 0.1 * np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=1)
     try:
         array = midair.Array([[0, 0, 0]], directivity=directivity)
-        found = midair.Scene(array, points, frequency=frequency).gains()
+        found = midair.Scene(array, points, frequency=frequency).propagation()
     except midair.SceneError:
         assert directivity != {"piston": 0.05}, "ten times a real transducer is no slip of the pen"
         return
-    expected = oracle.gains(
+    expected = oracle.propagation(
         [[0, 0, 0]], points, directivity=next(iter(directivity.items())), frequency=frequency
     )
     # Moduli: at 4 MHz a tenth of a metre is as long, in wavelengths, as 10 m at 40 kHz.
@@ -231,8 +231,8 @@ def test_gains_reach_two_metres_wherever_the_origin_is(offset: float) -> None:
     positions, points = rng.uniform(-0.1, 0.1, (50, 3)), rng.uniform(-0.7, 0.7, (50, 3))
     points[:, 2] += 1.2
     # Coordinates 1 km away are themselves rounded to 1e-13 m, 1e-10 rad.
-    expected = oracle.gains(positions + offset, points + offset)
-    found = midair.Scene(midair.Array(positions + offset), points + offset).gains()
+    expected = oracle.propagation(positions + offset, points + offset)
+    found = midair.Scene(midair.Array(positions + offset), points + offset).propagation()
     far = np.linalg.norm(points[:, None] - positions, axis=2).max()
     assert 1.9 < far < 2.2
     # Twice the distance, twice the spacing of f32.

@@ -29,7 +29,7 @@ def scene(count: int, seed: int) -> midair.Scene:
 def exact(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
     """G in the paper's unit and the targets, in double precision."""
     where = scene(count, seed)
-    return oracle.gains(ARRAY.positions, where.points, source_pressure=1e-3), where.pressures
+    return oracle.propagation(ARRAY.positions, where.points, source_pressure=1e-3), where.pressures
 
 
 def judged(count: int, seed: int, drive: np.ndarray) -> np.ndarray:

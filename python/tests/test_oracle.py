@@ -15,7 +15,7 @@ def grid(n: int) -> np.ndarray:
 
 @pytest.mark.parametrize(("n", "expected"), [(20, 2.36066), (36, 6.40341)])
 def test_reach_of_known_arrays(n: int, expected: float) -> None:
-    G = oracle.gains(grid(n), [[0, 0, 0.15]], source_pressure=1e-3)
+    G = oracle.propagation(grid(n), [[0, 0, 0.15]], source_pressure=1e-3)
     assert oracle.reach(G)[0] == pytest.approx(expected, abs=6e-6)
 
 
@@ -28,7 +28,7 @@ def test_patterns_have_known_values() -> None:
 
 
 def test_single_focus() -> None:
-    G = oracle.gains(grid(20), [[0.013, -0.008, 0.15]], source_pressure=1e-3)
+    G = oracle.propagation(grid(20), [[0.013, -0.008, 0.15]], source_pressure=1e-3)
     search = {"phases": 16, "amplitudes": 2, "order": np.random.default_rng(1).permutation(400)}
     found = oracle.greedy(G, [9.0], **search)
     waves = found * G[0]

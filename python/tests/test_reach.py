@@ -47,7 +47,7 @@ def test_bound_is_the_value_of_the_relaxation(seed: int) -> None:
     G = rng.normal(size=(M, 8)) + 1j * rng.normal(size=(M, 8))
     targets = rng.uniform(0.5, 2, M)
     best = relaxation(G, targets)
-    found = midair.bound(midair.Gains(G), pressures=targets)
+    found = midair.bound(midair.Propagation(G), pressures=targets)
     # Never below it, but for the conic solver's own digits; a first-order method ends within half a per cent.
     assert best * (1 - 1e-5) < found < best * 1.005
 

@@ -87,10 +87,10 @@ def test_pressures_and_weights_are_refused_by_name(item: str, bad: str) -> None:
     two = [[0, 0, 0.1], [0.01, 0, 0.1]]
     word = f"points[{int(bad != 'infinite')}].{item[:-1]}" if bad in [*NOT_FINITE, "negative"] else item
     refused(lambda: scene(points=two, **{item: value}), word)
-    # And the same where they go with gains.
-    refused(lambda: midair.solve(midair.Gains(np.ones((2, 3))), **{item: value}), word)
+    # And the same where they go with propagation.
+    refused(lambda: midair.solve(midair.Propagation(np.ones((2, 3))), **{item: value}), word)
     judged = {"pressures": 1, item: value}
-    refused(lambda: midair.judge(midair.Gains(np.ones((2, 3))), np.ones(3), **judged), word)
+    refused(lambda: midair.judge(midair.Propagation(np.ones((2, 3))), np.ones(3), **judged), word)
 
 
 @pytest.mark.parametrize("mixed", [[True, 2.0], [2, False], [np.True_, 1.5]], ids=repr)
@@ -255,7 +255,7 @@ def test_options_at_the_ends_of_their_ranges_are_taken() -> None:
 
 def test_columns_are_refused_for_gains() -> None:
     refused(
-        lambda: midair.solve(midair.Gains(np.ones((1, 4))), "greedy", order="columns"), "order", "columns"
+        lambda: midair.solve(midair.Propagation(np.ones((1, 4))), "greedy", order="columns"), "order", "columns"
     )
 
 
@@ -279,7 +279,7 @@ def test_requests_beside_a_scene_are_refused() -> None:
 
 def test_point_on_a_transducer_names_both_and_their_distance() -> None:
     on = scene(points=[[0, 0, 0.1], [0.005, 0.005, 6e-5]])
-    for call in (lambda: midair.solve(on), on.gains, lambda: midair.judge(on, np.ones(16))):
+    for call in (lambda: midair.solve(on), on.propagation, lambda: midair.judge(on, np.ones(16))):
         text = refused(call, "points[1]", "transducer 10", "8.5")
         assert "6.000e-5 m" in text
     # The first distance that is not too near.
@@ -319,14 +319,14 @@ NO_MATRIX = ["x", None, object(), True, [[True]], [["1"]], [[None]], [1, 2], 1.0
 
 @pytest.mark.parametrize("bad", NO_MATRIX, ids=repr)
 def test_gains_are_a_matrix_of_numbers(bad: object) -> None:
-    refused(lambda: midair.Gains(bad), "gains")
+    refused(lambda: midair.Propagation(bad), "propagation")
 
 
 @pytest.mark.parametrize("bad", [NAN, INF, complex(0, NAN), complex(1, -INF)])
 def test_entry_of_gains_that_is_not_finite_is_named_by_row_and_column(bad: complex) -> None:
     matrix = np.ones((3, 5), dtype=complex)
     matrix[2, 1] = bad
-    refused(lambda: midair.Gains(matrix), "gains[2, 1]")
+    refused(lambda: midair.Propagation(matrix), "propagation[2, 1]")
 
 
 @pytest.mark.parametrize("bad", [*NO_NUMBER, *NOT_FINITE])
@@ -360,7 +360,7 @@ def test_first_argument_of_the_wrong_class_is_a_type_error(bad: object) -> None:
 
 def test_field_of_gains_is_a_type_error() -> None:
     with pytest.raises(TypeError, match="Scene"):
-        midair.field(midair.Gains(np.ones((1, 2))), [1, 1])
+        midair.field(midair.Propagation(np.ones((1, 2))), [1, 1])
 
 
 def test_file_that_cannot_be_read_or_written_is_its_os_error(tmp_path) -> None:

@@ -151,7 +151,7 @@ def test_the_reference_lies_within_the_interval_of_fig_3(method: Any, count: int
     array, rng = midair.Array.preset("paper20"), np.random.default_rng(count)
     means = []
     for points, targets in zip(ours["points"], ours["targets"], strict=True):
-        G = oracle.gains(array.positions, points, source_pressure=1e-3)
+        G = oracle.propagation(array.positions, points, source_pressure=1e-3)
         drive = reference(method.key, G, targets, rng)
         means.append(oracle.metrics(np.abs(G @ drive), targets)["accuracy"])
     assert interval["low"] <= np.mean(means) <= interval["high"], (np.mean(means), interval)

@@ -1,4 +1,4 @@
-"""Solving: every choice of the search, metrics, levels, the scene file's solver and a user's own gains."""
+"""Solving: every choice of the search, metrics, levels, the scene file's solver and a user's own propagation."""
 
 import warnings
 
@@ -114,7 +114,7 @@ def test_naive_is_the_sum_of_the_single_foci(limit: str) -> None:
     scene = small(pressures=[3e3, 2e3, 0, 1e3])
     expected = oracle.naive(exact(scene), scene.pressures, limit)
     found = midair.solve(scene, "naive", limit=limit).drive
-    # A drive adds four gains; where they nearly cancel ("full") its phase loses some digits.
+    # A drive adds four propagation; where they nearly cancel ("full") its phase loses some digits.
     assert np.abs(found - expected).max() < (1e-2 if limit == "full" else 4 * GAIN)
     assert (np.abs(expected) > 0.999).any()
 
@@ -124,7 +124,7 @@ def test_solution_is_consistent_with_the_reference(solver: str) -> None:
     scene = scaled(0.8, absorption=0.15)
     solution = midair.solve(scene, solver, trace=True)
     G, drive = exact(scene), solution.drive.astype(complex)
-    # Each of the gains summed is within GAIN.
+    # Each of the propagation summed is within GAIN.
     assert (np.abs(solution.pressures - G @ drive) <= GAIN * (np.abs(G) @ np.abs(drive))).all()
     assert solution.amplitudes == pytest.approx(np.minimum(np.abs(drive), 1), rel=1e-12)
     assert solution.amplitudes * np.exp(1j * solution.phases) == pytest.approx(drive, abs=1e-7)
@@ -242,11 +242,11 @@ def test_gains_of_the_users_own_are_solved_like_a_scene(solver: str) -> None:
     pressures, weights = [1e3, 2e3, 0, 500], [1, 2, 1, 0]
     scene = small(pressures=pressures, weights=weights)
     G = exact(scene)
-    gains, asked = midair.Gains(G), {"pressures": pressures, "weights": weights}
-    assert gains.shape == (4, 64)
-    solution = midair.solve(gains, solver, balance=False, **asked)
+    propagation, asked = midair.Propagation(G), {"pressures": pressures, "weights": weights}
+    assert propagation.shape == (4, 64)
+    solution = midair.solve(propagation, solver, balance=False, **asked)
     assert (np.abs(solution.pressures - G @ solution.drive) <= GAIN * np.abs(G).sum(axis=1)).all()
-    judged = midair.judge(gains, solution.drive, **asked)
+    judged = midair.judge(propagation, solution.drive, **asked)
     expected = oracle.metrics(np.abs(G @ solution.drive), pressures, weights)
     assert numbers(judged) == pytest.approx(expected, rel=1e-9)
     p_abs = np.abs(solution.pressures.astype(complex))
@@ -255,7 +255,7 @@ def test_gains_of_the_users_own_are_solved_like_a_scene(solver: str) -> None:
     known = midair.solve(scene, solver, balance=False).metrics
     assert solution.metrics.accuracy == pytest.approx(known.accuracy, abs=0.05)
     level = oracle.balanced_factor(G, np.ones(4))
-    assert midair.solve(gains, solver).targets == pytest.approx(np.full(4, level), rel=1e-5)
+    assert midair.solve(propagation, solver).targets == pytest.approx(np.full(4, level), rel=1e-5)
 
 
 def test_greedy_on_gains_takes_the_best_candidate_at_every_step() -> None:
@@ -263,7 +263,7 @@ def test_greedy_on_gains_takes_the_best_candidate_at_every_step() -> None:
     G = rng.normal(size=(6, 80)) + 1j * rng.normal(size=(6, 80))
     G[:, 11] = 0
     targets = np.full(6, oracle.balanced_factor(G, np.ones(6)))
-    drive = midair.solve(midair.Gains(G), "greedy", pressures=targets, order="rows", amplitudes=2).drive
+    drive = midair.solve(midair.Propagation(G), "greedy", pressures=targets, order="rows", amplitudes=2).drive
     assert drive[11] == 0
     assert oracle.regrets(G, targets, drive, order=range(80), amplitudes=2).max() < REGRET
 

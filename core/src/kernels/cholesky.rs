@@ -1,8 +1,8 @@
 //! A = U^T U of padded rows, and solves with it.
 
-use super::level::{Level, dispatch};
-use super::simd::Simd;
-use super::{LANES, groups, groups_mut, padded};
+use crate::kernels::lanes::{LANES, groups, groups_mut, padded};
+use crate::kernels::simd::Simd;
+use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::math::sqrtf;
 
 /// Groups of a row that stay in registers while the rows above are taken from it.
@@ -30,8 +30,8 @@ fn reduce<S: Simd, const N: usize>(s: S, above: &[f32], row: &mut [f32], i: usiz
 
 /// Replaces the upper half of a symmetric matrix of `size` rows by its factor U, with zeros in the lanes before a row's
 /// diagonal; `false` if it is not positive definite in f32.
-pub(crate) fn factor(level: Level, matrix: &mut [f32], size: usize) -> bool {
-    dispatch!(level, s => {
+pub(crate) fn factor(set: InstructionSet, matrix: &mut [f32], size: usize) -> bool {
+    dispatch!(set, s => {
         let lanes = padded(size);
         for i in 0..size {
             let (above, rest) = matrix.split_at_mut(i * lanes);
@@ -60,8 +60,8 @@ pub(crate) fn factor(level: Level, matrix: &mut [f32], size: usize) -> bool {
 }
 
 /// Replaces b (padded) by A^-1 b.
-pub(crate) fn solve(level: Level, factor: &[f32], b: &mut [f32]) {
-    dispatch!(level, s => {
+pub(crate) fn solve(set: InstructionSet, factor: &[f32], b: &mut [f32]) {
+    dispatch!(set, s => {
         let lanes = b.len();
         for (i, row) in factor.chunks_exact(lanes).enumerate() {
             let x = b[i] / row[i];
@@ -77,7 +77,7 @@ pub(crate) fn solve(level: Level, factor: &[f32], b: &mut [f32]) {
             for (b, row) in groups(b).iter().zip(groups(row)).skip(i / LANES) {
                 sum = s.fma(s.load(row), s.load(b), sum);
             }
-            b[i] = (rest - s.sum(sum)) / row[i];
+            b[i] = (rest - s.reduce_add(sum)) / row[i];
         }
     });
 }

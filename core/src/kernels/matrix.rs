@@ -2,23 +2,23 @@
 
 use num_complex::Complex32;
 
-use super::level::{Level, dispatch};
-use super::pressure::{add_wave, correlation};
-use super::rows::Rows;
-use super::simd::Simd;
-use super::{LANES, Lanes, groups, groups_mut};
+use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
+use crate::kernels::propagate::rows::Rows;
+use crate::kernels::simd::Simd;
+use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::vector::{add_wave, correlation};
 
 /// Rows met together by one pass over a vector: their sums fill a register.
 const TOGETHER: usize = LANES / 2;
 
 /// out_k = `sum_j conj(row_kj) vector_j` for every row of a planar matrix.
 pub(crate) fn correlate_rows(
-    level: Level,
+    set: InstructionSet,
     rows: [&[f32]; 2],
     vector: [&[f32]; 2],
     mut out: impl FnMut(usize, Complex32),
 ) {
-    dispatch!(level, s => {
+    dispatch!(set, s => {
         let lanes = vector[0].len();
         let row = |k: usize| rows.map(|part| &part[k * lanes..(k + 1) * lanes]);
         let count = rows[0].len() / lanes;
@@ -30,7 +30,7 @@ pub(crate) fn correlate_rows(
                 parts[k + TOGETHER] = im;
             }
             let mut sums: Lanes = [0.0; LANES];
-            s.store(s.sums(&parts), &mut sums);
+            s.store(s.reduce_add_each(&parts), &mut sums);
             for k in 0..TOGETHER.min(count - first) {
                 out(first + k, Complex32::new(sums[k], sums[k + TOGETHER]));
             }
@@ -39,7 +39,12 @@ pub(crate) fn correlate_rows(
 }
 
 /// out = `sum_k row_k factor_k`: the field of a drive, G stored.
-pub(crate) fn combine_rows(level: Level, rows: [&[f32]; 2], factors: &[Complex32], out: [&mut [f32]; 2]) {
+pub(crate) fn combine_rows(
+    set: InstructionSet,
+    rows: [&[f32]; 2],
+    factors: &[Complex32],
+    out: [&mut [f32]; 2],
+) {
     /// Groups of the sum that stay in registers.
     const WIDE: usize = 4;
     #[inline(always)]
@@ -68,7 +73,7 @@ pub(crate) fn combine_rows(level: Level, rows: [&[f32]; 2], factors: &[Complex32
             }
         }
     }
-    dispatch!(level, s => {
+    dispatch!(set, s => {
         let mut out = out;
         let count = out[0].len() / LANES;
         let whole = count - count % WIDE;
@@ -83,13 +88,13 @@ pub(crate) fn combine_rows(level: Level, rows: [&[f32]; 2], factors: &[Complex32
 
 /// P += G q for every transducer that is driven; `row` is memory for one row.
 pub(crate) fn add_waves(
-    level: Level,
+    set: InstructionSet,
     rows: Rows<'_>,
     drive: &[Complex32],
     row: [&mut [f32]; 2],
     field: [&mut [f32]; 2],
 ) {
-    dispatch!(level, s => {
+    dispatch!(set, s => {
         let ([row_re, row_im], [re, im]) = (row, field);
         for (i, q) in drive.iter().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
             rows.write(s, i, row_re, row_im);
@@ -98,7 +103,7 @@ pub(crate) fn add_waves(
     });
 }
 
-/// Transducers whose rows wait together for [`gram`]: they stay in the second-level cache.
+/// Transducers whose rows wait together for [`gram`]: they stay in the second-set cache.
 const PANEL: usize = 32;
 
 /// Numbers of working memory for [`gram`] with rows of `lanes`.
@@ -111,7 +116,7 @@ pub(crate) const fn gram_floats(lanes: usize) -> usize {
 /// A tile of 4 rows and 2 groups is summed over a panel of transducers in registers; what lies left of the
 /// diagonal's group is mirrored at the end.
 pub(crate) fn gram(
-    level: Level,
+    set: InstructionSet,
     rows: Rows<'_>,
     factors: impl Fn(usize) -> f32,
     transducers: usize,
@@ -119,7 +124,7 @@ pub(crate) fn gram(
     memory: &mut [f32],
     out: [&mut [f32]; 2],
 ) {
-    dispatch!(level, s => {
+    dispatch!(set, s => {
         let [re, im] = out;
         let lanes = memory.len() / (4 * PANEL);
         let (right, left) = memory.split_at_mut(2 * PANEL * lanes);

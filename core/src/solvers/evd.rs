@@ -7,15 +7,16 @@
 //! row of the eigenvectors' matrix and rescale q by a mean below 1; this is the eigenvector, unscaled.
 
 use crate::control::Control;
-use crate::eigen::leading_eigenvector;
 use crate::error::{Error, real};
 use crate::kernels;
+use crate::linalg::leading_eigenvector::leading_eigenvector;
 use crate::linalg::{Hermitian, Planar, gram};
 use crate::math::{pow, sqrtf};
 use crate::problem::Problem;
-use crate::projection::back_project;
-use crate::solution::{Solution, Status};
-use crate::solvers::{Info, Limit, Method, Solve};
+use crate::problem::solution::{Solution, Status};
+use crate::solvers::amplitude_limit::AmplitudeLimit;
+use crate::solvers::common::alternating_projection::back_project;
+use crate::solvers::{Info, Method, Solve};
 use crate::workspace::Workspace;
 
 crate::options! {
@@ -24,7 +25,7 @@ crate::options! {
         /// Exponent of Long's regularising weights, 0 to 10.
         pub gamma: f64 = 1.0,
         /// How a drive above 1 is brought back: "clamp", "normalize" or "full".
-        pub limit: Limit = Limit::Clamp,
+        pub limit: AmplitudeLimit = AmplitudeLimit::Clamp,
     }
 }
 
@@ -36,7 +37,7 @@ impl Method for Evd {
         balance: false,
         tolerance: 1e-2,
         uses_start: false,
-        uses_level: false,
+        uses_aim: false,
     };
 
     fn check(&self) -> Result<(), Error> {
@@ -55,29 +56,30 @@ impl Solve for Evd {
         work: &mut Workspace,
         control: &mut Control,
     ) -> Result<Solution, Error> {
-        let gains = problem.gains();
-        let (count, targets) = (gains.points(), problem.targets());
+        let propagation = problem.propagation();
+        let (count, targets) = (propagation.points(), problem.targets());
         let mut phasors = phases(problem, work);
         for (j, &target) in targets.iter().enumerate() {
             phasors.re[j] *= target;
             phasors.im[j] *= target;
         }
         // 1 / w_i^2 = (mean_j t_j |G_ji|)^-gamma; 0 for a transducer without effect.
-        let mut inverse = work.floats.take(gains.transducers());
-        let [mut row, mut moduli] = [(); 2].map(|()| Planar::zeros(1, gains.lanes(), work));
+        let mut inverse = work.floats.take(propagation.transducers());
+        let [mut row, mut moduli] = [(); 2].map(|()| Planar::zeros(1, propagation.lanes(), work));
         for (i, inverse) in inverse.iter_mut().enumerate() {
-            gains.row(i, &mut row.re, &mut row.im);
-            kernels::modulus(gains.level(), &row.re, &row.im, &mut moduli.re);
-            let mean = f64::from(kernels::dot(gains.level(), &moduli.re, targets)) / count as f64;
+            propagation.row(i, &mut row.re, &mut row.im);
+            kernels::modulus(propagation.instruction_set(), &row.re, &row.im, &mut moduli.re);
+            let mean =
+                f64::from(kernels::dot(propagation.instruction_set(), &moduli.re, targets)) / count as f64;
             *inverse = if mean > 0.0 { pow(mean, -self.gamma) as f32 } else { 0.0 };
         }
-        let matrix = gram(gains, |i| inverse[i], work);
+        let matrix = gram(propagation, |i| inverse[i], work);
         // In f32 the matrix resolves no more than this part of its diagonal.
         let largest = (0..count).map(|j| matrix.row(j)[0][j]).fold(0.0, f32::max);
         let shift = f32::max(1.0, 1e-6 * largest);
-        let solver = Hermitian::damped(gains.level(), &matrix, count, shift, work);
+        let solver = Hermitian::damped(propagation.instruction_set(), &matrix, count, shift, work);
         solver.solve(&mut phasors, work);
-        let mut drive = back_project(gains, &phasors, |i| inverse[i], work);
+        let mut drive = back_project(propagation, &phasors, |i| inverse[i], work);
         self.limit.apply(&mut drive);
         solver.give(work);
         work.floats.give(inverse);
@@ -95,10 +97,10 @@ impl Solve for Evd {
 /// R = G G^H D with D = diag(t_j / sum_i |G_ji|^2), similar to the Hermitian D^1/2 G G^H D^1/2, whose eigenvectors
 /// have the same phases.
 fn phases(problem: &Problem, work: &mut Workspace) -> Planar {
-    let gains = problem.gains();
-    let count = gains.points();
-    let mut matrix = gram(gains, |_| 1.0, work);
-    let mut root = work.floats.take(gains.lanes());
+    let propagation = problem.propagation();
+    let count = propagation.points();
+    let mut matrix = gram(propagation, |_| 1.0, work);
+    let mut root = work.floats.take(propagation.lanes());
     for j in 0..count {
         let power = matrix.row(j)[0][j];
         root[j] = if power > 0.0 { sqrtf(problem.targets()[j] / power) } else { 0.0 };
@@ -110,11 +112,11 @@ fn phases(problem: &Problem, work: &mut Workspace) -> Planar {
             im[l] *= root[k] * root[l];
         }
     }
-    let mut vector = Planar::zeros(1, gains.lanes(), work);
+    let mut vector = Planar::zeros(1, propagation.lanes(), work);
     for j in 0..count {
         vector.re[j] = if root[j] > 0.0 { 1.0 } else { 0.0 };
     }
-    leading_eigenvector(gains.level(), &matrix, &mut vector, count, work);
+    leading_eigenvector(propagation.instruction_set(), &matrix, &mut vector, count, work);
     for j in 0..count {
         let (re, im) = (vector.re[j], vector.im[j]);
         let modulus = sqrtf(re * re + im * im);

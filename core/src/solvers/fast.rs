@@ -16,15 +16,16 @@
 
 use alloc::vec::Vec;
 
-use crate::abreast::Together;
 use crate::control::Control;
 use crate::error::Error;
-use crate::kernels::abreast;
-use crate::kernels::fast::{self, Sweep};
+use crate::kernels::closed_form;
+use crate::kernels::closed_form::Sweep;
+use crate::kernels::closed_form::interleaved;
 use crate::linalg::Planar;
 use crate::problem::Problem;
+use crate::problem::solution::{Solution, Status};
 use crate::rng::Rng;
-use crate::solution::{Solution, Status};
+use crate::solvers::common::interleaved::Together;
 use crate::solvers::{Info, Method, Solve};
 use crate::workspace::{Aligned, Workspace};
 
@@ -51,11 +52,11 @@ impl Method for Fast {
         balance: true,
         tolerance: 0.02,
         uses_start: false,
-        uses_level: false,
+        uses_aim: false,
     };
 
     fn check(&self) -> Result<(), Error> {
-        let most = fast::MOST as u32;
+        let most = closed_form::MOST as u32;
         if !(1..=most).contains(&self.block) {
             return Err(Error::invalid("block", self.block, "give 1 to 8"));
         }
@@ -74,18 +75,18 @@ impl Solve for Fast {
         control: &mut Control,
     ) -> Result<Solution, Error> {
         self.check()?;
-        let gains = problem.gains();
-        let (count, lanes) = (gains.transducers(), gains.lanes());
+        let propagation = problem.propagation();
+        let (count, lanes) = (propagation.transducers(), propagation.lanes());
         let mut drive = work.complexes.take(count);
         let mut field = Planar::zeros(1, lanes, work);
-        let mut memory = Aligned::take(fast::floats(lanes), work);
+        let mut memory = Aligned::take(closed_form::floats(lanes), work);
         let block = self.block as usize;
         let sweeps = 1 + self.sweeps as usize;
         let steps = count.div_ceil(block) * sweeps;
         let (mut status, mut step) = (Status::Done, 0);
         for sweep in 0..sweeps {
             let task = Sweep {
-                rows: gains.rows(),
+                rows: propagation.rows(),
                 target: problem.targets(),
                 weight: problem.weights(),
                 block,
@@ -98,7 +99,14 @@ impl Solve for Fast {
                 control.step(step, steps, residual).is_continue()
             };
             let pressures = [&mut field.re[..], &mut field.im[..]];
-            if !fast::sweep(gains.level(), task, stride(count, self.seed), &mut drive, pressures, turn) {
+            if !closed_form::sweep(
+                propagation.instruction_set(),
+                task,
+                stride(count, self.seed),
+                &mut drive,
+                pressures,
+                turn,
+            ) {
                 status = Status::Stopped;
                 break;
             }
@@ -110,8 +118,8 @@ impl Solve for Fast {
     fn solve_together(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
         self.check().ok()?;
         let mut together = Together::of(problems, work)?;
-        let (count, lanes) = (problems.first()?.gains().transducers(), together.target.len());
-        let mut memory = work.floats.take(fast::floats(lanes));
+        let (count, lanes) = (problems.first()?.propagation().transducers(), together.target.len());
+        let mut memory = work.floats.take(closed_form::floats(lanes));
         for sweep in 0..=self.sweeps {
             let task = Sweep {
                 rows: together.abreast.rows(),
@@ -123,7 +131,7 @@ impl Solve for Fast {
             };
             let [re, im] = &mut together.pressures;
             let order = stride(count, self.seed);
-            abreast::sweep(together.abreast.level, task, order, &mut together.drives, [re, im]);
+            interleaved::sweep(together.abreast.set, task, order, &mut together.drives, [re, im]);
         }
         work.floats.give(memory);
         let steps = count.div_ceil(self.block as usize) * (1 + self.sweeps as usize);

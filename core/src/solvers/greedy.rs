@@ -8,18 +8,23 @@
 use alloc::format;
 use alloc::vec::Vec;
 
-use crate::abreast::Together;
 use crate::control::Control;
+use crate::device::quantization::Quantization;
 use crate::error::Error;
-use crate::gains::Gains;
-use crate::kernels::greedy::{self, Pass};
-use crate::kernels::{self, Candidates, L1, L2, LANES, Sixteen, greedy_abreast, table};
-use crate::levels::Levels;
+use crate::kernels;
+use crate::kernels::greedy;
+use crate::kernels::greedy::Pass;
+use crate::kernels::greedy::interleaved;
+use crate::kernels::greedy::point_group::PointGroup;
+use crate::kernels::greedy::search::{Candidates, L1, L2, table};
+use crate::kernels::lanes::LANES;
 use crate::linalg::Planar;
-use crate::options::{OptionValue, Options, Value, spell, word};
 use crate::problem::Problem;
+use crate::problem::solution::{Solution, Status};
+use crate::propagation::Propagation;
 use crate::rng::Rng;
-use crate::solution::{Solution, Status};
+use crate::solvers::common::interleaved::Together;
+use crate::solvers::options::{OptionValue, Options, Value, spell, word};
 use crate::solvers::{Info, Method, Solve};
 use crate::workspace::Workspace;
 
@@ -50,9 +55,9 @@ pub enum Order {
 crate::options! {
     /// Greedy search. Time O(K L M N), memory O(N + M + K L).
     pub struct Greedy {
-        /// Phase levels L, 2 to 65536, or a divisor of the device's: phases are 2 pi l/L.
+        /// Phase quantization L, 2 to 65536, or a divisor of the device's: phases are 2 pi l/L.
         pub phases: u32 = 16,
-        /// Amplitude levels K, 1 to 256: amplitudes are (k+1)/K or as many of the device's, never off.
+        /// Amplitude quantization K, 1 to 256: amplitudes are (k+1)/K or as many of the device's, never off.
         pub amplitudes: u32 = 1,
         /// What is minimised: "l2" (squared errors, the paper's text) or "l1" (its authors' code).
         pub objective: Objective = Objective::L2,
@@ -107,16 +112,16 @@ fn not_a_permutation(value: &Value) -> Error {
 
 impl Order {
     /// Writes the order of all transducers into `out`, which holds 0..N.
-    fn write(&self, seed: u64, gains: &Gains, out: &mut [u32]) -> Result<(), Error> {
+    fn write(&self, seed: u64, propagation: &Propagation, out: &mut [u32]) -> Result<(), Error> {
         match self {
             Self::Rows => {}
             Self::Random => Rng::new(seed).shuffle(out),
             Self::Columns => {
-                let positions = gains.positions().ok_or_else(|| {
+                let positions = propagation.positions().ok_or_else(|| {
                     Error::invalid(
                         "order",
                         "\"columns\"",
-                        "gains have no positions: give \"rows\", \"random\" or a permutation",
+                        "propagation have no positions: give \"rows\", \"random\" or a permutation",
                     )
                 })?;
                 // Rounded by the cast: positions lie well within 2^63 um, and this is asked some N log N times.
@@ -155,12 +160,12 @@ impl Method for Greedy {
         balance: false,
         tolerance: 0.02,
         uses_start: false,
-        uses_level: false,
+        uses_aim: false,
     };
 
-    fn device_defaults(levels: &Levels) -> Options {
-        let phases = levels.phases().map(|count| ("phases".into(), count.show()));
-        let on = levels.on().len().min(AMPLITUDES) as u32;
+    fn device_defaults(quantization: &Quantization) -> Options {
+        let phases = quantization.phases().map(|count| ("phases".into(), count.show()));
+        let on = quantization.on().len().min(AMPLITUDES) as u32;
         let amplitudes = (on > 0).then(|| ("amplitudes".into(), on.show()));
         phases.into_iter().chain(amplitudes).collect()
     }
@@ -180,20 +185,20 @@ impl Method for Greedy {
 
 impl Greedy {
     /// The transducers in the order of their turns.
-    fn turns(&self, gains: &Gains, work: &mut Workspace) -> Result<Vec<u32>, Error> {
-        let mut order = work.indices.take(gains.transducers());
+    fn turns(&self, propagation: &Propagation, work: &mut Workspace) -> Result<Vec<u32>, Error> {
+        let mut order = work.indices.take(propagation.transducers());
         for (k, i) in order.iter_mut().enumerate() {
             *i = k as u32;
         }
-        self.order.write(self.seed, gains, &mut order)?;
+        self.order.write(self.seed, propagation, &mut order)?;
         Ok(order)
     }
 
     /// Candidates on this problem's device.
     fn candidates(&self, problem: &Problem, work: &mut Workspace) -> Result<Candidates, Error> {
         let (phases, amplitudes) = (self.phases as usize, self.amplitudes as usize);
-        let on = problem.gains().levels().map(Levels::on).unwrap_or_default();
-        if let Some(known) = problem.gains().levels().and_then(Levels::phases)
+        let on = problem.propagation().quantization().map(Quantization::on).unwrap_or_default();
+        if let Some(known) = problem.propagation().quantization().and_then(Quantization::phases)
             && !known.is_multiple_of(self.phases)
         {
             let cure = format!("the device has {known} phases: give a number that divides it");
@@ -221,19 +226,19 @@ impl Solve for Greedy {
         control: &mut Control,
     ) -> Result<Solution, Error> {
         self.check()?;
-        let gains = problem.gains();
-        let (count, lanes) = (gains.transducers(), gains.lanes());
-        let order = self.turns(gains, work)?;
+        let propagation = problem.propagation();
+        let (count, lanes) = (propagation.transducers(), propagation.lanes());
+        let order = self.turns(propagation, work)?;
         let candidates = self.candidates(problem, work)?;
         let mut floats = work.floats.take(greedy::floats(candidates.phases));
         let mut indices = work.indices.take(greedy::indices(lanes, candidates.phases));
-        let mut kept = work.points.take(2 * lanes / kernels::LANES);
+        let mut kept = work.points.take(2 * lanes / crate::kernels::lanes::LANES);
         let mut rows = [(); 4].map(|()| work.floats.take(lanes));
         let mut drive = work.complexes.take(count);
         let mut field = Planar::zeros(1, lanes, work);
         let pass = Pass {
-            rows: gains.rows(),
-            count: gains.points(),
+            rows: propagation.rows(),
+            count: propagation.points(),
             target: problem.targets(),
             weight: problem.weights(),
             candidates: &candidates,
@@ -244,7 +249,7 @@ impl Solve for Greedy {
             indices: &mut indices,
         };
         let mut status = Status::Done;
-        let mut step = |turn: usize, points: &[Sixteen]| {
+        let mut step = |turn: usize, points: &[PointGroup]| {
             let pressures = points.iter().flat_map(|kept| kept.re.into_iter().zip(kept.im));
             let go = control.step(turn, count, || problem.residual_of(pressures.clone())).is_continue();
             if !go {
@@ -253,10 +258,10 @@ impl Solve for Greedy {
             go
         };
         let pressures = [&mut field.re[..], &mut field.im[..]];
-        let (level, drives) = (gains.level(), &mut drive[..]);
+        let (set, drives) = (propagation.instruction_set(), &mut drive[..]);
         let steps = match self.objective {
-            Objective::L2 => greedy::pass::<L2>(level, pass, drives, pressures, &mut step),
-            Objective::L1 => greedy::pass::<L1>(level, pass, drives, pressures, &mut step),
+            Objective::L2 => greedy::pass::<L2>(set, pass, drives, pressures, &mut step),
+            Objective::L1 => greedy::pass::<L1>(set, pass, drives, pressures, &mut step),
         };
         work.floats.give_all(candidates.into_buffers());
         work.floats.give(floats);
@@ -269,18 +274,18 @@ impl Solve for Greedy {
     fn solve_together(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
         self.check().ok()?;
         let first = problems.first()?;
-        let fits = greedy_abreast::fits(self.phases as usize, self.amplitudes as usize);
+        let fits = interleaved::fits(self.phases as usize, self.amplitudes as usize);
         if self.objective != Objective::L2 || !fits {
             return None;
         }
         let mut together = Together::of(problems, work)?;
         let candidates = self.candidates(first, work).ok()?;
-        let order = self.turns(first.gains(), work).ok()?;
+        let order = self.turns(first.propagation(), work).ok()?;
         let lanes = together.target.len();
-        let mut floats = work.floats.take(greedy_abreast::floats(lanes, &candidates));
-        let mut kept = work.points.take(greedy_abreast::kept(lanes));
+        let mut floats = work.floats.take(interleaved::floats(lanes, &candidates));
+        let mut kept = work.points.take(interleaved::kept(lanes));
         let mut indices = work.indices.take(greedy::indices(LANES, self.phases as usize));
-        let pass = greedy_abreast::Pass {
+        let pass = interleaved::Pass {
             rows: together.abreast.rows(),
             target: &together.target,
             weight: &together.weight,
@@ -292,7 +297,7 @@ impl Solve for Greedy {
             indices: &mut indices,
         };
         let [re, im] = &mut together.pressures;
-        greedy_abreast::pass(together.abreast.level, pass, &mut together.drives, [re, im]);
+        interleaved::pass(together.abreast.set, pass, &mut together.drives, [re, im]);
         work.floats.give_all(candidates.into_buffers());
         work.floats.give(floats);
         work.points.give(kept);

@@ -8,8 +8,8 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::linalg::Planar;
 use crate::problem::Problem;
-use crate::projection::Projector;
-use crate::solution::{Solution, Status};
+use crate::problem::solution::{Solution, Status};
+use crate::solvers::common::alternating_projection::Projector;
 use crate::solvers::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
@@ -31,7 +31,7 @@ impl Method for Gs {
         balance: false,
         tolerance: 1e-3,
         uses_start: true,
-        uses_level: false,
+        uses_aim: false,
     };
 
     fn check(&self) -> Result<(), Error> {
@@ -47,7 +47,7 @@ impl Solve for Gs {
         control: &mut Control,
     ) -> Result<Solution, Error> {
         let mut projector = Projector::new(problem, work);
-        let mut wanted = Planar::zeros(1, problem.gains().lanes(), work);
+        let mut wanted = Planar::zeros(1, problem.propagation().lanes(), work);
         let steps = self.steps as usize;
         let (mut status, mut step) =
             (if self.tolerance > 0.0 { Status::OutOfSteps } else { Status::Done }, 0);

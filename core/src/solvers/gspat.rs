@@ -10,9 +10,10 @@ use crate::error::Error;
 use crate::kernels;
 use crate::linalg::{Planar, gram, times};
 use crate::problem::Problem;
-use crate::projection::{back_project, start_phasors};
-use crate::solution::{Solution, Status};
-use crate::solvers::{Info, Limit, Method, Solve, check_iteration};
+use crate::problem::solution::{Solution, Status};
+use crate::solvers::amplitude_limit::AmplitudeLimit;
+use crate::solvers::common::alternating_projection::{back_project, start_phasors};
+use crate::solvers::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
 crate::options! {
@@ -23,7 +24,7 @@ crate::options! {
         /// Ends when no |p| changes by more than this part of its target in a step; 0 takes all steps.
         pub tolerance: f64 = 0.0,
         /// How a drive above 1 is brought back: "clamp", "normalize" or "full".
-        pub limit: Limit = Limit::Clamp,
+        pub limit: AmplitudeLimit = AmplitudeLimit::Clamp,
     }
 }
 
@@ -35,7 +36,7 @@ impl Method for Gspat {
         balance: false,
         tolerance: 1e-3,
         uses_start: true,
-        uses_level: false,
+        uses_aim: false,
     };
 
     fn check(&self) -> Result<(), Error> {
@@ -50,9 +51,9 @@ impl Solve for Gspat {
         work: &mut Workspace,
         control: &mut Control,
     ) -> Result<Solution, Error> {
-        let gains = problem.gains();
-        let (count, lanes, targets) = (gains.points(), gains.lanes(), problem.targets());
-        let matrix = gram(gains, |_| 1.0, work);
+        let propagation = problem.propagation();
+        let (count, lanes, targets) = (propagation.points(), propagation.lanes(), problem.targets());
+        let matrix = gram(propagation, |_| 1.0, work);
         // 1 / sum_i |G_ji|^2, 0 for a quiet point that nothing reaches.
         let share = |j: usize| {
             let power = matrix.row(j)[0][j];
@@ -71,8 +72,8 @@ impl Solve for Gspat {
                 wanted.re[j] *= share(j);
                 wanted.im[j] *= share(j);
             }
-            times(gains.level(), &matrix, wanted, field);
-            kernels::modulus(gains.level(), &field.re, &field.im, moduli);
+            times(propagation.instruction_set(), &matrix, wanted, field);
+            kernels::modulus(propagation.instruction_set(), &field.re, &field.im, moduli);
         };
         let steps = self.steps as usize;
         let (mut status, mut step) =
@@ -105,7 +106,7 @@ impl Solve for Gspat {
             wanted.re[j] = field.re[j] * scale * scale * share(j);
             wanted.im[j] = field.im[j] * scale * scale * share(j);
         }
-        let mut drive = back_project(gains, &wanted, |_| 1.0, work);
+        let mut drive = back_project(propagation, &wanted, |_| 1.0, work);
         self.limit.apply(&mut drive);
         work.floats.give_all([moduli, before]);
         for planar in [matrix, wanted, field] {

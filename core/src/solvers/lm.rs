@@ -11,11 +11,12 @@ use crate::control::Control;
 use crate::error::{Error, real};
 use crate::kernels;
 use crate::linalg::{Cholesky, Planar};
-use crate::math::{self, sqrt, sqrtf};
+use crate::math;
+use crate::math::{sqrt, sqrtf};
 use crate::problem::Problem;
-use crate::projection::start_phasors;
+use crate::problem::solution::{Solution, Status};
 use crate::rng::Rng;
-use crate::solution::{Solution, Status};
+use crate::solvers::common::alternating_projection::start_phasors;
 use crate::solvers::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
@@ -43,7 +44,7 @@ impl Method for Lm {
         balance: false,
         tolerance: 0.02,
         uses_start: true,
-        uses_level: false,
+        uses_aim: false,
     };
 
     fn check(&self) -> Result<(), Error> {
@@ -83,7 +84,7 @@ impl Solve for Lm {
             let finished = match normal.step(problem, &state, damping, &mut trial, work) {
                 Some((length, _)) if length <= self.eps * (state.length() + self.eps) => true,
                 Some((_, predicted)) => {
-                    trial.refresh(problem, &normal.gains);
+                    trial.refresh(problem, &normal.propagation);
                     let ratio = (state.cost - trial.cost) / predicted;
                     moved = ratio > 0.0;
                     if moved {
@@ -114,10 +115,10 @@ impl Solve for Lm {
                 break;
             }
         }
-        let mut drive = work.complexes.take(problem.gains().transducers());
+        let mut drive = work.complexes.take(problem.propagation().transducers());
         drive.copy_from_slice(&state.drive);
         for (i, q) in drive.iter_mut().enumerate() {
-            if normal.gains.row(i).iter().all(|part| part.iter().all(|&x| x == 0.0)) {
+            if normal.propagation.row(i).iter().all(|part| part.iter().all(|&x| x == 0.0)) {
                 *q = Complex32::ZERO;
             }
         }
@@ -144,33 +145,33 @@ struct State {
 
 impl State {
     fn new(problem: &Problem, seed: u64, work: &mut Workspace) -> Self {
-        let gains = problem.gains();
+        let propagation = problem.propagation();
         let mut state = Self {
-            phi: work.floats.take(gains.transducers()),
-            theta: work.floats.take(gains.lanes()),
-            drive: work.complexes.take(gains.transducers()),
-            field: Planar::zeros(1, gains.lanes(), work),
-            modulus: work.floats.take(gains.lanes()),
-            phasor: Planar::zeros(1, gains.lanes(), work),
-            residual: Planar::zeros(1, gains.lanes(), work),
+            phi: work.floats.take(propagation.transducers()),
+            theta: work.floats.take(propagation.lanes()),
+            drive: work.complexes.take(propagation.transducers()),
+            field: Planar::zeros(1, propagation.lanes(), work),
+            modulus: work.floats.take(propagation.lanes()),
+            phasor: Planar::zeros(1, propagation.lanes(), work),
+            residual: Planar::zeros(1, propagation.lanes(), work),
             cost: 0.0,
         };
         let mut rng = Rng::new(seed);
         let mut random = || (core::f64::consts::TAU * rng.uniform()) as f32;
         state.phi.fill_with(&mut random);
-        state.theta[..gains.points()].fill_with(&mut random);
+        state.theta[..propagation.points()].fill_with(&mut random);
         let angle = |re: f32, im: f32| math::atan2(f64::from(im), f64::from(re)) as f32;
         let given = problem.start_drive().is_some() || problem.start_phases().is_some();
-        let rows = Planar::stored(gains, work);
+        let rows = Planar::stored(propagation, work);
         if given {
             let phasors = start_phasors(problem, work);
-            for j in 0..gains.points() {
+            for j in 0..propagation.points() {
                 state.theta[j] = angle(phasors.re[j], phasors.im[j]);
             }
-            for i in 0..gains.transducers() {
+            for i in 0..propagation.transducers() {
                 let [re, im] = match problem.start_drive() {
                     Some(drive) => [drive[i].re, drive[i].im],
-                    None => kernels::correlate(gains.level(), rows.row(i), phasors.row(0)),
+                    None => kernels::correlate(propagation.instruction_set(), rows.row(i), phasors.row(0)),
                 };
                 state.phi[i] = angle(re, im);
             }
@@ -196,7 +197,7 @@ impl State {
     }
 
     /// Everything that follows from the phases.
-    fn refresh(&mut self, problem: &Problem, gains: &Planar) {
+    fn refresh(&mut self, problem: &Problem, propagation: &Planar) {
         let cis = |angle: f32| {
             let angle = f64::from(angle);
             (math::cos(angle) as f32, math::sin(angle) as f32)
@@ -205,12 +206,12 @@ impl State {
             let (re, im) = cis(phi);
             *q = Complex32::new(re, im);
         }
-        let level = problem.gains().level();
+        let set = problem.propagation().instruction_set();
         let Planar { re, im, .. } = &mut self.field;
-        kernels::combine_rows(level, [&gains.re, &gains.im], &self.drive, [re, im]);
-        kernels::modulus(level, &self.field.re, &self.field.im, &mut self.modulus);
+        kernels::combine_rows(set, [&propagation.re, &propagation.im], &self.drive, [re, im]);
+        kernels::modulus(set, &self.field.re, &self.field.im, &mut self.modulus);
         self.cost = 0.0;
-        for j in 0..problem.gains().points() {
+        for j in 0..problem.propagation().points() {
             let (re, im) = cis(self.theta[j]);
             (self.phasor.re[j], self.phasor.im[j]) = (re, im);
             let (target, root) = (problem.targets()[j], sqrtf(problem.weights()[j]));
@@ -237,7 +238,7 @@ impl State {
 
 /// The dual normal equations at a state.
 struct Normal {
-    gains: Planar,
+    propagation: Planar,
     /// J J^T, of 2 lanes: real parts, then imaginary ones.
     matrix: Vec<f32>,
     /// Four rows of J's transducer columns at a time.
@@ -252,34 +253,34 @@ struct Normal {
 
 impl Normal {
     fn new(problem: &Problem, work: &mut Workspace) -> Self {
-        let gains = problem.gains();
-        let size = 2 * gains.lanes();
+        let propagation = problem.propagation();
+        let size = 2 * propagation.lanes();
         Self {
-            gains: Planar::stored(gains, work),
+            propagation: Planar::stored(propagation, work),
             matrix: work.floats.take(size * size),
             columns: [(); 4].map(|()| work.floats.take(size)),
-            gradient: work.floats.take(gains.transducers()),
-            point_gradient: work.floats.take(gains.lanes()),
+            gradient: work.floats.take(propagation.transducers()),
+            point_gradient: work.floats.take(propagation.lanes()),
             steepest: 0.0,
             largest: 0.0,
         }
     }
 
     fn update(&mut self, problem: &Problem, state: &State) {
-        let gains = problem.gains();
-        let (lanes, count) = (gains.lanes(), gains.points());
+        let propagation = problem.propagation();
+        let (lanes, count) = (propagation.lanes(), propagation.points());
         let size = 2 * lanes;
         self.matrix.fill(0.0);
         (self.steepest, self.largest) = (0.0, 0.0);
-        for first in (0..gains.transducers()).step_by(4) {
+        for first in (0..propagation.transducers()).step_by(4) {
             for (b, column) in self.columns.iter_mut().enumerate() {
                 column.fill(0.0);
                 let i = first + b;
-                if i >= gains.transducers() {
+                if i >= propagation.transducers() {
                     continue;
                 }
                 // d r_j / d phi_i = j sqrt(w_j) G_ji q_i.
-                let ([re, im], q) = (self.gains.row(i), state.drive[i]);
+                let ([re, im], q) = (self.propagation.row(i), state.drive[i]);
                 let (mut slope, mut square) = (0.0, 0.0);
                 for j in 0..count {
                     let root = sqrtf(problem.weights()[j]);
@@ -293,7 +294,7 @@ impl Normal {
                 self.largest = self.largest.max(f64::from(square));
             }
             kernels::add_outer(
-                problem.gains().level(),
+                problem.propagation().instruction_set(),
                 self.columns.each_ref().map(Vec::as_slice),
                 &mut self.matrix,
             );
@@ -322,15 +323,15 @@ impl Normal {
         trial: &mut State,
         work: &mut Workspace,
     ) -> Option<(f64, f64)> {
-        let gains = problem.gains();
-        let (lanes, count) = (gains.lanes(), gains.points());
+        let propagation = problem.propagation();
+        let (lanes, count) = (propagation.lanes(), propagation.points());
         let size = 2 * lanes;
         let mut matrix = work.floats.take(size * size);
         matrix.copy_from_slice(&self.matrix);
         for k in 0..size {
             matrix[k * size + k] += damping as f32;
         }
-        let cholesky = Cholesky::new(gains.level(), matrix, size, work)?;
+        let cholesky = Cholesky::new(propagation.instruction_set(), matrix, size, work)?;
         let mut both = work.floats.take(size);
         both[..lanes].copy_from_slice(&state.residual.re);
         both[lanes..].copy_from_slice(&state.residual.im);
@@ -347,13 +348,18 @@ impl Normal {
             square += d * d;
             predicted += 0.5 * d * (damping * d - slope);
         };
-        kernels::correlate_rows(gains.level(), [&self.gains.re, &self.gains.im], dual.row(0), |i, sum| {
-            // -Re(conj(j q) sum_j conj(G_ji) y_j) = -Im(conj(q) sum)
-            let q = state.drive[i];
-            let d = -(q.re * sum.im - q.im * sum.re);
-            trial.phi[i] = state.phi[i] + d;
-            took(d, self.gradient[i]);
-        });
+        kernels::correlate_rows(
+            propagation.instruction_set(),
+            [&self.propagation.re, &self.propagation.im],
+            dual.row(0),
+            |i, sum| {
+                // -Re(conj(j q) sum_j conj(G_ji) y_j) = -Im(conj(q) sum)
+                let q = state.drive[i];
+                let d = -(q.re * sum.im - q.im * sum.re);
+                trial.phi[i] = state.phi[i] + d;
+                took(d, self.gradient[i]);
+            },
+        );
         for j in 0..count {
             let d =
                 problem.targets()[j] * (state.phasor.re[j] * dual.im[j] - state.phasor.im[j] * dual.re[j]);
@@ -366,7 +372,7 @@ impl Normal {
     }
 
     fn give(self, work: &mut Workspace) {
-        self.gains.give(work);
+        self.propagation.give(work);
         work.floats.give_all([self.matrix, self.gradient, self.point_gradient]);
         work.floats.give_all(self.columns);
     }

@@ -1,46 +1,48 @@
 //! The methods: one file each, one line each in the registry.
 
-mod best;
-mod evd;
-mod fast;
-mod greedy;
-mod gs;
-mod gspat;
-mod limit;
-mod lm;
-mod naive;
-mod refine;
-mod sdp;
-mod tikhonov;
-mod uniform;
-mod wgs;
+pub(crate) mod amplitude_limit;
+pub(crate) mod best;
+pub(crate) mod common;
+pub(crate) mod evd;
+pub(crate) mod even_field;
+pub(crate) mod fast;
+pub(crate) mod greedy;
+pub(crate) mod gs;
+pub(crate) mod gspat;
+pub(crate) mod lm;
+pub(crate) mod naive;
+pub(crate) mod options;
+pub(crate) mod sdp;
+pub(crate) mod tikhonov;
+pub(crate) mod uniform;
+pub(crate) mod wgs;
 
 use alloc::boxed::Box;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-pub use best::Best;
-pub use evd::Evd;
-pub use fast::Fast;
-pub use greedy::{Greedy, Objective, Order};
-pub use gs::Gs;
-pub use gspat::Gspat;
-pub use limit::Limit;
-pub use lm::Lm;
-pub use naive::Naive;
-pub use refine::refine;
-pub use sdp::{Moduli, Sdp};
-pub use tikhonov::Tikhonov;
-pub use uniform::Uniform;
-pub use wgs::Wgs;
+pub use crate::solvers::amplitude_limit::AmplitudeLimit;
+pub use crate::solvers::best::Best;
+pub use crate::solvers::common::refinement::refine;
+pub use crate::solvers::evd::Evd;
+pub use crate::solvers::fast::Fast;
+pub use crate::solvers::greedy::{Greedy, Objective, Order};
+pub use crate::solvers::gs::Gs;
+pub use crate::solvers::gspat::Gspat;
+pub use crate::solvers::lm::Lm;
+pub use crate::solvers::naive::Naive;
+pub use crate::solvers::sdp::{Moduli, Sdp};
+pub use crate::solvers::tikhonov::Tikhonov;
+pub use crate::solvers::uniform::Uniform;
+pub use crate::solvers::wgs::Wgs;
 
 use crate::control::Control;
+use crate::device::quantization::Quantization;
 use crate::error::{Error, real};
-use crate::levels::Levels;
-use crate::options::{Configure, OptionInfo, Options};
 use crate::problem::Problem;
-use crate::solution::Solution;
+use crate::problem::solution::Solution;
+use crate::solvers::options::{Configure, OptionInfo, Options};
 use crate::workspace::Workspace;
 
 /// Declares [`SOLVERS`]; one line adds a solver.
@@ -83,7 +85,7 @@ pub trait Solve {
         control: &mut Control,
     ) -> Result<Solution, Error>;
 
-    /// Solves several problems of one transmitter at once, each bit for bit as [`Solve::solve`] does without a control,
+    /// Solves several problems of one model at once, each bit for bit as [`Solve::solve`] does without a control,
     /// where it knows how to share the work.
     #[doc(hidden)]
     fn solve_together(&self, _problems: &[Problem], _work: &mut Workspace) -> Option<Vec<Solution>> {
@@ -91,7 +93,7 @@ pub trait Solve {
     }
 
     /// Whether it brings its answer to the problem's level by itself, so that there is nothing to balance.
-    fn levels(&self) -> bool {
+    fn finds_level(&self) -> bool {
         false
     }
 }
@@ -113,7 +115,7 @@ pub struct Info {
     /// Whether it uses a start (a drive or point phases).
     pub uses_start: bool,
     /// Whether it uses a level ("target" or "max").
-    pub uses_level: bool,
+    pub uses_aim: bool,
 }
 
 /// A registered method: options, what is known of it, and [`Solve`].
@@ -121,9 +123,9 @@ pub trait Method: Configure + Solve + Send + Sync + 'static {
     /// What is known of it.
     const INFO: Info;
 
-    /// Defaults that follow from a device's levels.
+    /// Defaults that follow from a device's quantization.
     #[must_use]
-    fn device_defaults(_levels: &Levels) -> Options {
+    fn device_defaults(_quantization: &Quantization) -> Options {
         Options::new()
     }
 
@@ -141,7 +143,7 @@ pub struct Entry {
     pub info: &'static Info,
     list: fn() -> Vec<OptionInfo>,
     make: fn(&Options) -> Result<Configured, Error>,
-    device: fn(&Levels) -> Options,
+    device: fn(&Quantization) -> Options,
 }
 
 /// A solver with its options, all of them in full.
@@ -176,12 +178,16 @@ impl Entry {
         (self.make)(options)
     }
 
-    /// The same for an array that may have levels: they give the defaults of options that choose a grid.
+    /// The same for an array that may have quantization: they give the defaults of options that choose a grid.
     ///
     /// # Errors
     /// As [`Entry::configure`].
-    pub fn configure_for(&self, options: &Options, levels: Option<&Levels>) -> Result<Configured, Error> {
-        let mut all = levels.map(self.device).unwrap_or_default();
+    pub fn configure_for(
+        &self,
+        options: &Options,
+        quantization: Option<&Quantization>,
+    ) -> Result<Configured, Error> {
+        let mut all = quantization.map(self.device).unwrap_or_default();
         all.extend(options.clone());
         self.configure(&all)
     }
@@ -239,7 +245,7 @@ pub fn unused(argument: &str, name: &str, uses: fn(&Info) -> bool) -> Error {
 /// afterwards: the cure of the paper's section V, where foci much weaker than the array can make come out
 /// smeared. Metrics, trace and progress speak of the final drive and the caller's targets.
 ///
-/// Where the array has [`crate::Levels`], every drive of the answer lies on them, rounded to the nearest phase and
+/// Where the array has [`crate::Quantization`], every drive of the answer lies on them, rounded to the nearest phase and
 /// amplitude. Balancing then reduces to the nearest amplitude; where that would be below the least one above 0, the
 /// drives are brought there and [`Solution::scale`] says what is left to supply or modulation.
 ///
@@ -266,7 +272,7 @@ pub fn solve(
 ) -> Result<Solution, Error> {
     let factor = factor(problem, solver, balance);
     let mut solution = if factor > 1.0 {
-        let targets = work.floats.take(problem.gains().lanes());
+        let targets = work.floats.take(problem.propagation().lanes());
         let balanced = problem.rescaled(factor, targets);
         let solution = solver.solve(&balanced, work, control);
         work.floats.give(balanced.into_targets());
@@ -296,7 +302,7 @@ pub(crate) fn solve_together(
         return solutions;
     }
     let rescaled = |problem: &Problem| {
-        let targets = work.floats.take(problem.gains().lanes());
+        let targets = work.floats.take(problem.propagation().lanes());
         problem.rescaled(factor(problem), targets)
     };
     let balanced: Vec<Problem> = problems.iter().map(rescaled).collect();
@@ -310,5 +316,5 @@ pub(crate) fn solve_together(
 
 /// What the targets are multiplied by before solving, and the answer divided by afterwards.
 fn factor(problem: &Problem, solver: &dyn Solve, balance: bool) -> f64 {
-    if balance && !solver.levels() { problem.balance().max(1.0) } else { 1.0 }
+    if balance && !solver.finds_level() { problem.balance().max(1.0) } else { 1.0 }
 }

@@ -7,19 +7,19 @@
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels;
-use crate::options;
 use crate::problem::Problem;
-use crate::solution::{Solution, Status};
-use crate::solvers::{Info, Limit, Method, Solve};
+use crate::problem::solution::{Solution, Status};
+use crate::solvers::amplitude_limit::AmplitudeLimit;
+use crate::solvers::{Info, Method, Solve};
 use crate::workspace::Workspace;
 
 use num_complex::Complex32;
 
-options! {
+crate::options! {
     /// The sum of single foci. Time O(N M), memory O(N + M).
     pub struct Naive {
         /// How a sum above full drive is brought back: "clamp", "normalize" or "full".
-        pub limit: Limit = Limit::Clamp,
+        pub limit: AmplitudeLimit = AmplitudeLimit::Clamp,
     }
 }
 
@@ -31,7 +31,7 @@ impl Method for Naive {
         balance: false,
         tolerance: 1e-4,
         uses_start: false,
-        uses_level: false,
+        uses_aim: false,
     };
 
     fn check(&self) -> Result<(), Error> {
@@ -46,21 +46,21 @@ impl Solve for Naive {
         work: &mut Workspace,
         control: &mut Control,
     ) -> Result<Solution, Error> {
-        let gains = problem.gains();
-        let mut buffers = [(); 3].map(|()| work.floats.take(gains.lanes()));
+        let propagation = problem.propagation();
+        let mut buffers = [(); 3].map(|()| work.floats.take(propagation.lanes()));
         let [re, im, share] = &mut buffers;
-        for i in 0..gains.transducers() {
-            gains.row(i, re, im);
-            kernels::squares(gains.level(), [re, im], share);
+        for i in 0..propagation.transducers() {
+            propagation.row(i, re, im);
+            kernels::squares(propagation.instruction_set(), [re, im], share);
         }
         for (share, target) in share.iter_mut().zip(problem.targets()) {
             // A quiet point and one out of reach have no focus.
             *share = if *share > 0.0 { target / *share } else { 0.0 };
         }
-        let mut drive = work.complexes.take(gains.transducers());
+        let mut drive = work.complexes.take(propagation.transducers());
         for (i, q) in drive.iter_mut().enumerate() {
-            gains.row(i, re, im);
-            let [sum_re, sum_im] = kernels::project(gains.level(), [re, im], share);
+            propagation.row(i, re, im);
+            let [sum_re, sum_im] = kernels::project(propagation.instruction_set(), [re, im], share);
             *q = Complex32::new(sum_re, sum_im);
         }
         self.limit.apply(&mut drive);

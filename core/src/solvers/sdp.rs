@@ -8,17 +8,19 @@
 //! with its raw moduli (the paper's, which loses points) or made 1.
 
 use crate::control::Control;
-use crate::eigen::leading_eigenvector;
 use crate::error::{Error, real};
-use crate::kernels::{self, Level};
+use crate::kernels;
+use crate::kernels::simd::instruction_set::InstructionSet;
+use crate::linalg::leading_eigenvector::leading_eigenvector;
 use crate::linalg::{Hermitian, Planar, gram, times};
 use crate::math::{sqrt, sqrtf};
-use crate::options::{OptionValue, Value, spell, word};
 use crate::problem::Problem;
-use crate::projection::{back_project, start_phasors};
+use crate::problem::solution::{Solution, Status};
 use crate::rng::Rng;
-use crate::solution::{Solution, Status};
-use crate::solvers::{Info, Limit, Method, Solve, check_iteration};
+use crate::solvers::amplitude_limit::AmplitudeLimit;
+use crate::solvers::common::alternating_projection::{back_project, start_phasors};
+use crate::solvers::options::{OptionValue, Value, spell, word};
+use crate::solvers::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
 /// What becomes of the moduli of the relaxation's eigenvector.
@@ -60,7 +62,7 @@ crate::options! {
         /// Seed of the columns' order, 0 to 2^64 - 1.
         pub seed: u64 = 0,
         /// How a drive above 1 is brought back: "clamp", "normalize" or "full".
-        pub limit: Limit = Limit::Normalize,
+        pub limit: AmplitudeLimit = AmplitudeLimit::Normalize,
     }
 }
 
@@ -72,7 +74,7 @@ impl Method for Sdp {
         balance: false,
         tolerance: 0.02,
         uses_start: true,
-        uses_level: false,
+        uses_aim: false,
     };
 
     fn check(&self) -> Result<(), Error> {
@@ -93,13 +95,13 @@ impl Solve for Sdp {
         work: &mut Workspace,
         control: &mut Control,
     ) -> Result<Solution, Error> {
-        let gains = problem.gains();
-        let (count, lanes) = (gains.points(), gains.lanes());
-        let product = gram(gains, |_| 1.0, work);
+        let propagation = problem.propagation();
+        let (count, lanes) = (propagation.points(), propagation.lanes());
+        let product = gram(propagation, |_| 1.0, work);
         let largest = (0..count).map(|j| product.row(j)[0][j]).fold(0.0, f32::max);
         // In f32 the matrix resolves no more than this part of its diagonal.
         let shift = (self.alpha as f32).max(1e-6 * largest);
-        let inverse = Hermitian::damped(gains.level(), &product, count, shift, work);
+        let inverse = Hermitian::damped(propagation.instruction_set(), &product, count, shift, work);
         let quality = quality(problem, &inverse, work);
         let mut relaxed = begin(problem, work);
         let [mut column, mut image] = [(); 2].map(|()| Planar::zeros(1, lanes, work));
@@ -117,8 +119,8 @@ impl Solve for Sdp {
             column.re.copy_from_slice(re);
             column.im.copy_from_slice(im);
             (column.re[chosen], column.im[chosen]) = (0.0, 0.0);
-            times(gains.level(), &relaxed, &column, &mut image);
-            let [gain, _] = kernels::correlate(gains.level(), image.row(0), column.row(0));
+            times(propagation.instruction_set(), &relaxed, &column, &mut image);
+            let [gain, _] = kernels::correlate(propagation.instruction_set(), image.row(0), column.row(0));
             let scale = if gain > 0.0 { -sqrt(self.lambda / f64::from(gain)) as f32 } else { 0.0 };
             let change = replace(&mut relaxed, chosen, &image, scale, count);
             if change > self.tolerance as f32 {
@@ -130,7 +132,9 @@ impl Solve for Sdp {
             if step < steps
                 && !quiet
                 && control
-                    .step(step, steps, || relaxation(gains.level(), &relaxed, &quality, count))
+                    .step(step, steps, || {
+                        relaxation(propagation.instruction_set(), &relaxed, &quality, count)
+                    })
                     .is_break()
             {
                 status = Status::Stopped;
@@ -142,7 +146,7 @@ impl Solve for Sdp {
         }
         let mut phasors = Planar::zeros(1, lanes, work);
         phasors.re[..count].fill(1.0);
-        leading_eigenvector(gains.level(), &relaxed, &mut phasors, count, work);
+        leading_eigenvector(propagation.instruction_set(), &relaxed, &mut phasors, count, work);
         for (j, &target) in problem.targets().iter().enumerate().take(count) {
             let modulus = sqrtf(phasors.re[j] * phasors.re[j] + phasors.im[j] * phasors.im[j]);
             let factor = match self.moduli {
@@ -154,7 +158,7 @@ impl Solve for Sdp {
             phasors.im[j] *= factor;
         }
         inverse.solve(&mut phasors, work);
-        let mut drive = back_project(gains, &phasors, |_| 1.0, work);
+        let mut drive = back_project(propagation, &phasors, |_| 1.0, work);
         self.limit.apply(&mut drive);
         inverse.give(work);
         work.floats.give(still);
@@ -169,7 +173,7 @@ impl Solve for Sdp {
 
 /// conj(Q)/alpha = conj(T (G G^H + alpha I)^-1 T), one column of the inverse after another.
 fn quality(problem: &Problem, inverse: &Hermitian, work: &mut Workspace) -> Planar {
-    let (count, lanes) = (problem.gains().points(), problem.gains().lanes());
+    let (count, lanes) = (problem.propagation().points(), problem.propagation().lanes());
     let mut matrix = Planar::zeros(count, lanes, work);
     let mut column = Planar::zeros(1, lanes, work);
     let targets = problem.targets();
@@ -191,7 +195,7 @@ fn quality(problem: &Problem, inverse: &Hermitian, work: &mut Workspace) -> Plan
 
 /// X = I, or half way from I to u u^H of the start's phasors u.
 fn begin(problem: &Problem, work: &mut Workspace) -> Planar {
-    let (count, lanes) = (problem.gains().points(), problem.gains().lanes());
+    let (count, lanes) = (problem.propagation().points(), problem.propagation().lanes());
     let mut matrix = Planar::zeros(count, lanes, work);
     let given = problem.start_drive().is_some() || problem.start_phases().is_some();
     let phasors = start_phasors(problem, work);
@@ -225,10 +229,10 @@ fn replace(matrix: &mut Planar, chosen: usize, image: &Planar, scale: f32, count
 }
 
 /// trace(Q X) relative to trace(Q): what the descent lowers, told as its residual.
-fn relaxation(level: Level, relaxed: &Planar, quality: &Planar, count: usize) -> f64 {
+fn relaxation(set: InstructionSet, relaxed: &Planar, quality: &Planar, count: usize) -> f64 {
     let (mut sum, mut trace) = (0.0, 0.0);
     for k in 0..count {
-        let [re, _] = kernels::correlate(level, quality.row(k), relaxed.row(k));
+        let [re, _] = kernels::correlate(set, quality.row(k), relaxed.row(k));
         sum += f64::from(re);
         trace += f64::from(quality.row(k)[0][k]);
     }

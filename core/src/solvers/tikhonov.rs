@@ -9,9 +9,10 @@ use crate::error::{Error, real};
 use crate::linalg::{Hermitian, Planar, gram};
 use crate::math::sqrtf;
 use crate::problem::Problem;
-use crate::projection::back_project;
-use crate::solution::{Solution, Status};
-use crate::solvers::{Info, Limit, Method, Solve};
+use crate::problem::solution::{Solution, Status};
+use crate::solvers::amplitude_limit::AmplitudeLimit;
+use crate::solvers::common::alternating_projection::back_project;
+use crate::solvers::{Info, Method, Solve};
 use crate::workspace::Workspace;
 
 crate::options! {
@@ -20,7 +21,7 @@ crate::options! {
         /// Damping relative to the mean of diag(G G^H), above 0.
         pub regularization: f64 = 0.07,
         /// How a drive above 1 is brought back: "clamp", "normalize" or "full".
-        pub limit: Limit = Limit::Clamp,
+        pub limit: AmplitudeLimit = AmplitudeLimit::Clamp,
     }
 }
 
@@ -32,7 +33,7 @@ impl Method for Tikhonov {
         balance: false,
         tolerance: 1e-3,
         uses_start: false,
-        uses_level: false,
+        uses_aim: false,
     };
 
     fn check(&self) -> Result<(), Error> {
@@ -47,9 +48,9 @@ impl Solve for Tikhonov {
         work: &mut Workspace,
         control: &mut Control,
     ) -> Result<Solution, Error> {
-        let gains = problem.gains();
-        let count = gains.points();
-        let mut matrix = gram(gains, |_| 1.0, work);
+        let propagation = problem.propagation();
+        let count = propagation.points();
+        let mut matrix = gram(propagation, |_| 1.0, work);
         // Weighted least squares: rows of G and p times the square root of the weight.
         let mut trace = 0.0;
         for k in 0..count {
@@ -63,8 +64,8 @@ impl Solve for Tikhonov {
         }
         // Rounding of G G^H in f32 bounds the damping from below.
         let shift = (self.regularization as f32).max(1e-6) * trace / count as f32;
-        let solver = Hermitian::damped(gains.level(), &matrix, count, shift, work);
-        let mut phasors = Planar::zeros(1, gains.lanes(), work);
+        let solver = Hermitian::damped(propagation.instruction_set(), &matrix, count, shift, work);
+        let mut phasors = Planar::zeros(1, propagation.lanes(), work);
         for k in 0..count {
             phasors.re[k] = sqrtf(problem.weights()[k]) * problem.targets()[k];
         }
@@ -74,7 +75,7 @@ impl Solve for Tikhonov {
             phasors.re[k] *= weight;
             phasors.im[k] *= weight;
         }
-        let mut drive = back_project(gains, &phasors, |_| 1.0, work);
+        let mut drive = back_project(propagation, &phasors, |_| 1.0, work);
         self.limit.apply(&mut drive);
         solver.give(work);
         matrix.give(work);

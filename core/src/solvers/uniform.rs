@@ -2,9 +2,10 @@
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::even::{self, Plan};
 use crate::problem::Problem;
-use crate::solution::Solution;
+use crate::problem::solution::Solution;
+use crate::solvers::even_field;
+use crate::solvers::even_field::Plan;
 use crate::solvers::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
@@ -26,7 +27,7 @@ impl Method for Uniform {
         balance: true,
         tolerance: 1e-4,
         uses_start: true,
-        uses_level: true,
+        uses_aim: true,
     };
 
     fn check(&self) -> Result<(), Error> {
@@ -48,10 +49,10 @@ impl Solve for Uniform {
             sweeps: self.steps as usize,
             tolerance: self.tolerance as f32,
         };
-        Ok(even::solve(problem, &plan, work, control))
+        Ok(even_field::solve(problem, &plan, work, control))
     }
 
-    fn levels(&self) -> bool {
+    fn finds_level(&self) -> bool {
         true
     }
 }

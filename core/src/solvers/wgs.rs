@@ -8,8 +8,8 @@ use crate::error::Error;
 use crate::linalg::Planar;
 use crate::math::sqrtf;
 use crate::problem::Problem;
-use crate::projection::Projector;
-use crate::solution::{Solution, Status};
+use crate::problem::solution::{Solution, Status};
+use crate::solvers::common::alternating_projection::Projector;
 use crate::solvers::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
@@ -31,7 +31,7 @@ impl Method for Wgs {
         balance: true,
         tolerance: 5e-3,
         uses_start: true,
-        uses_level: false,
+        uses_aim: false,
     };
 
     fn check(&self) -> Result<(), Error> {
@@ -57,11 +57,11 @@ impl Solve for Wgs {
         control: &mut Control,
     ) -> Result<Solution, Error> {
         let mut projector = Projector::new(problem, work);
-        let lanes = problem.gains().lanes();
+        let lanes = problem.propagation().lanes();
         let mut wanted = Planar::zeros(1, lanes, work);
         let mut raised = work.floats.take(lanes);
         raised.copy_from_slice(problem.targets());
-        let mut best = work.complexes.take(problem.gains().transducers());
+        let mut best = work.complexes.take(problem.propagation().transducers());
         let mut best_moduli = work.floats.take(lanes);
         // The start is the first candidate: an answer is never worse than what it began with.
         let mut worst = spread(projector.modulus(), problem.targets()).0;

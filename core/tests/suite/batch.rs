@@ -1,8 +1,8 @@
 //! Batches and sessions: every answer bit for bit that of a lone solve.
 
 use midair::{
-    Aim, Array, Ask, Batch, Complex32, Complex64, Control, Directivity, Error, Level, Medium, Problem,
-    Request, Rng, Session, Solution, Solve, Start, Status, Transducer, Transmitter, Workspace, solve_batch,
+    Aim, Array, Ask, Batch, Complex32, Complex64, Control, Directivity, Error, InstructionSet, Medium, Model,
+    Problem, Request, Rng, Session, Solution, Solve, Start, Status, Transducer, Workspace, solve_batch,
     solvers,
 };
 
@@ -11,8 +11,8 @@ use crate::scenes::{preset, random_points};
 const B: usize = 37;
 const M: usize = 5;
 
-fn transmitter() -> Transmitter {
-    Transmitter::new(&preset("paper20"), Medium::default(), Level::best()).expect("an array")
+fn model() -> Model {
+    Model::new(&preset("paper20"), Medium::default(), InstructionSet::best()).expect("an array")
 }
 
 /// Problem k: its points, and every third with a point of weight 0.
@@ -25,9 +25,9 @@ fn asked(k: usize) -> Ask {
 }
 
 /// The problem that one asks for, made alone.
-fn problem(transmitter: &Transmitter, ask: &Ask) -> Problem {
-    let gains = transmitter.gains(&ask.points).expect("gains");
-    let mut problem = Problem::with_gains(gains, &ask.request).expect("a problem");
+fn problem(model: &Model, ask: &Ask) -> Problem {
+    let propagation = model.propagation(&ask.points).expect("propagation");
+    let mut problem = Problem::with_propagation(propagation, &ask.request).expect("a problem");
     if let Some(start) = &ask.start {
         problem = problem.with_start(start.clone()).expect("a start");
     }
@@ -40,34 +40,34 @@ fn alone(problem: &Problem, solver: &dyn Solve, balance: bool) -> Solution {
 
 /// A batch of these, the drives first.
 fn batch_of(
-    transmitter: &Transmitter,
+    model: &Model,
     asks: &[Ask],
     solver: &(dyn Solve + Sync),
     balance: bool,
 ) -> Result<(Vec<Complex32>, Batch), Error> {
-    let mut drives = vec![Complex32::ZERO; asks.len() * transmitter.array().len()];
+    let mut drives = vec![Complex32::ZERO; asks.len() * model.array().len()];
     let ask = |k: usize, ask: &mut Ask| {
         ask.clone_from(&asks[k]);
         Ok(())
     };
     let points = asks[0].points.len();
     let none = &mut Control::none();
-    let batch = solve_batch(transmitter, asks.len(), points, &ask, solver, balance, &mut drives, none)?;
+    let batch = solve_batch(model, asks.len(), points, &ask, solver, balance, &mut drives, none)?;
     Ok((drives, batch))
 }
 
 #[test]
 fn a_batch_and_a_session_are_lone_solves_bit_for_bit() {
-    let transmitter = transmitter();
+    let model = model();
     for entry in solvers::SOLVERS {
         let made = || entry.configure(&midair::Options::new()).expect("defaults");
         let solver = made().solver;
         let balance = entry.info.balance;
         let asks: Vec<Ask> = (0..B).map(asked).collect();
-        let (drives, batch) = batch_of(&transmitter, &asks, &*solver, balance).expect("answers");
-        let mut session = Session::new(transmitter.clone(), made());
+        let (drives, batch) = batch_of(&model, &asks, &*solver, balance).expect("answers");
+        let mut session = Session::new(model.clone(), made());
         for (k, Ask { points, request, .. }) in asks.iter().enumerate() {
-            let lone = alone(&problem(&transmitter, &asks[k]), &*solver, balance);
+            let lone = alone(&problem(&model, &asks[k]), &*solver, balance);
             let name = entry.info.name;
             assert_eq!(lone.drive, drives[k * 400..(k + 1) * 400], "{name}: drive of problem {k}");
             assert_eq!(lone.pressures, batch.pressures[k * M..(k + 1) * M], "{name}: pressures of {k}");
@@ -87,7 +87,7 @@ fn a_batch_and_a_session_are_lone_solves_bit_for_bit() {
 
 #[test]
 fn a_bad_problem_is_named_and_a_stop_keeps_what_is_done() {
-    let transmitter = transmitter();
+    let model = model();
     let solver = solvers::find("fast")
         .expect("registered")
         .configure(&midair::Options::new())
@@ -96,11 +96,11 @@ fn a_bad_problem_is_named_and_a_stop_keeps_what_is_done() {
     let refused = |spoil: &dyn Fn(usize, &mut Ask)| {
         let mut asks: Vec<Ask> = (0..B).map(asked).collect();
         asks.iter_mut().enumerate().for_each(|(k, ask)| spoil(k, ask));
-        batch_of(&transmitter, &asks, &*solver, false).expect_err("refused").to_string()
+        batch_of(&model, &asks, &*solver, false).expect_err("refused").to_string()
     };
     // Found when placed, when measured, when held to the reach: the first by index is named.
     let far = |ask: &mut Ask| ask.points[0][1] = f64::NAN;
-    let near = |ask: &mut Ask| ask.points[2] = transmitter.array().positions()[0];
+    let near = |ask: &mut Ask| ask.points[2] = model.array().positions()[0];
     let loud = |ask: &mut Ask| ask.request.pressures.as_mut().expect("pressures")[1] = 1e200;
     let told = refused(&|k, ask| {
         if k == 7 || k == 30 {
@@ -139,7 +139,7 @@ fn a_bad_problem_is_named_and_a_stop_keeps_what_is_done() {
     // More than any machine solves before it asks whether to go on.
     let count = 1000 * std::thread::available_parallelism().map_or(1, usize::from);
     let batch = solve_batch(
-        &transmitter,
+        &model,
         count,
         M,
         &ask,
@@ -155,18 +155,18 @@ fn a_bad_problem_is_named_and_a_stop_keeps_what_is_done() {
     assert!(batch.pressures[done * M..].iter().all(|p| p.norm() == 0.0));
 }
 
-/// A 7 x 5 array, so that the last block is not whole; its options and its air at a level.
-fn small(full: bool, level: Level) -> Transmitter {
+/// A 7 x 5 array, so that the last block is not whole; its options and its air at a set.
+fn small(full: bool, set: InstructionSet) -> Model {
     let array = Array::grid(7, 5, 10e-3).expect("a grid");
     if !full {
-        return Transmitter::new(&array, Medium::default(), level).expect("an array");
+        return Model::new(&array, Medium::default(), set).expect("an array");
     }
     let response =
         (0..35).map(|i| if i == 11 { Complex64::ZERO } else { Complex64::cis(f64::from(i % 4)) }).collect();
     let transducer = Transducer { directivity: Directivity::Piston(4.5e-3), ..Transducer::default() };
     let array = array.with_transducer(transducer).and_then(|array| array.with_response(Some(response)));
     let medium = Medium { absorption: 0.15, ..Medium::default() };
-    Transmitter::new(&array.expect("an array"), medium, level).expect("an array")
+    Model::new(&array.expect("an array"), medium, set).expect("an array")
 }
 
 /// The bits of complex numbers, which tell -0 from +0.
@@ -175,12 +175,11 @@ fn bits(list: &[Complex32]) -> Vec<[u32; 2]> {
 }
 
 /// Holds batches of every size up to the number of problems to lone solves, in bits.
-fn hold(transmitter: &Transmitter, asks: &[Ask], solver: &(dyn Solve + Sync), balance: bool, what: &str) {
-    let lone: Vec<Solution> =
-        asks.iter().map(|ask| alone(&problem(transmitter, ask), solver, balance)).collect();
+fn hold(model: &Model, asks: &[Ask], solver: &(dyn Solve + Sync), balance: bool, what: &str) {
+    let lone: Vec<Solution> = asks.iter().map(|ask| alone(&problem(model, ask), solver, balance)).collect();
     let points = asks[0].points.len();
     for count in 1..=asks.len() {
-        let (drives, batch) = batch_of(transmitter, &asks[..count], solver, balance).expect("answers");
+        let (drives, batch) = batch_of(model, &asks[..count], solver, balance).expect("answers");
         for (k, lone) in lone[..count].iter().enumerate() {
             let drive = &drives[k * lone.drive.len()..(k + 1) * lone.drive.len()];
             assert_eq!(bits(&lone.drive), bits(drive), "{what}: drive {k} of {count}");
@@ -225,13 +224,13 @@ fn with_options() -> Vec<(String, Box<dyn Solve + Send + Sync>)> {
 #[test]
 fn problems_in_lanes_are_lone_solves_bit_for_bit() {
     for (name, solver) in with_options() {
-        for level in Level::all() {
+        for set in InstructionSet::all() {
             for full in [false, true] {
-                let transmitter = small(full, level);
+                let model = small(full, set);
                 for points in [1, 2, 3, 4, 7, 8, 15, 16] {
                     for (given, balance) in [(true, false), (true, true), (false, true)] {
-                        let what = format!("{name} {level} {full} M={points} {given} {balance}");
-                        hold(&transmitter, &some(points, 33, given), &*solver, balance, &what);
+                        let what = format!("{name} {set} {full} M={points} {given} {balance}");
+                        hold(&model, &some(points, 33, given), &*solver, balance, &what);
                     }
                 }
             }
@@ -248,7 +247,7 @@ fn problems_of_unlike_sizes_are_lone_solves_bit_for_bit() {
     };
     let asks: Vec<Ask> = (0..16).map(ask).collect();
     for (name, solver) in with_options() {
-        hold(&small(false, Level::best()), &asks, &*solver, true, &format!("{name}, weights of 0"));
+        hold(&small(false, InstructionSet::best()), &asks, &*solver, true, &format!("{name}, weights of 0"));
     }
 }
 
@@ -263,19 +262,19 @@ fn a_problem_keeps_nothing_of_the_one_before() {
             ask.request.pressures = None;
         }
     }
-    let transmitter = small(true, Level::best());
+    let model = small(true, InstructionSet::best());
     for name in ["fast", "gs", "uniform"] {
         let made = solvers::find(name).and_then(|entry| entry.configure(&midair::Options::new()));
-        hold(&transmitter, &asks, &*made.expect("a method").solver, true, name);
+        hold(&model, &asks, &*made.expect("a method").solver, true, name);
     }
 }
 
 #[test]
 fn the_device_s_levels_hold_in_a_batch() {
     let array = preset("autd3");
-    let transmitter = Transmitter::new(&array, Medium::default(), Level::best()).expect("an array");
-    assert!(array.levels().is_some());
+    let model = Model::new(&array, Medium::default(), InstructionSet::best()).expect("an array");
+    assert!(array.quantization().is_some());
     let coarse = solvers::Greedy { phases: 16, amplitudes: 3, ..solvers::Greedy::default() };
-    hold(&transmitter, &some(3, 17, true), &solvers::Fast::default(), true, "fast");
-    hold(&transmitter, &some(3, 17, true), &coarse, false, "greedy");
+    hold(&model, &some(3, 17, true), &solvers::Fast::default(), true, "fast");
+    hold(&model, &some(3, 17, true), &coarse, false, "greedy");
 }

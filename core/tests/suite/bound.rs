@@ -4,7 +4,7 @@ use midair::solvers::SOLVERS;
 use midair::{Beyond, Control, Medium, Options, Problem, Request, Scene, Workspace, bound};
 
 use crate::oracle;
-use crate::scenes::{gains, preset, problem, random_points, scene, widen};
+use crate::scenes::{preset, problem, propagation, random_points, scene, widen};
 
 /// The least |p_j| / target_j of each solver's drive, in double precision.
 fn levels(scene: &Scene, problem: &Problem) -> Vec<(&'static str, f64)> {
@@ -12,7 +12,7 @@ fn levels(scene: &Scene, problem: &Problem) -> Vec<(&'static str, f64)> {
         let solver = entry.configure(&Options::new()).expect("defaults").solver;
         let solution = midair::solve(problem, &*solver, false, &mut Workspace::new(), &mut Control::none())
             .expect("an answer");
-        let field = oracle::field(&gains(scene), &widen(&solution.drive));
+        let field = oracle::field(&propagation(scene), &widen(&solution.drive));
         let parts = field.iter().zip(problem.pressures()).map(|(p, target)| p.norm() / target);
         (entry.info.name, parts.fold(f64::INFINITY, f64::min))
     };
@@ -85,7 +85,7 @@ fn reach_is_the_sum_of_the_moduli_and_the_balanced_level() {
     let scene = Scene::new(array, Medium::default(), random_points(3, 0.08, 33), request).expect("a scene");
     let reach = problem(&scene).reach();
     for (j, alone) in reach.alone.iter().enumerate() {
-        let sum: f64 = gains(&scene).iter().map(|row| row[j].norm()).sum();
+        let sum: f64 = propagation(&scene).iter().map(|row| row[j].norm()).sum();
         assert!((alone / sum - 1.0).abs() < 1e-12, "{alone} for {sum}");
     }
     let load: f64 = reach.level.iter().zip(&reach.alone).map(|(level, alone)| (level / alone).powi(2)).sum();

@@ -36,10 +36,10 @@ fn real() -> Scene {
 
 fn assert_field(scene: &Scene, points: &[[f64; 3]]) {
     let drive = random_drive(scene.array().len(), 1);
-    let gains = oracle::gains(&model(scene), points);
-    let exact = oracle::field(&gains, &widen(&drive));
+    let propagation = oracle::propagation(&model(scene), points);
+    let exact = oracle::field(&propagation, &widen(&drive));
     for ((found, exact), reach) in
-        widen(&field(scene, &drive, points)).iter().zip(exact).zip(oracle::reach(&gains))
+        widen(&field(scene, &drive, points)).iter().zip(exact).zip(oracle::reach(&propagation))
     {
         // Within 0.3 m an entry is good to 3e-5 of its modulus, and so is the sum to that part of all moduli.
         assert!((found - exact).norm() < 3e-5 * reach, "{found} for {exact} where {reach} is the most");

@@ -1,6 +1,6 @@
 //! The scene file: what it says, and what it refuses in one line.
 
-use midair::file::{Format, MOST_BYTES, Provenance, read, write};
+use midair::files::{Format, MOST_BYTES, Provenance, read, write};
 use midair::{Directivity, Error, Plane, Scene, Value};
 
 const WHOLE: &str = r#"

@@ -6,8 +6,8 @@ use std::fmt::Write;
 use std::fs;
 use std::path::PathBuf;
 
-use midair::file::{Format, Provenance, read, write};
-use midair::{Complex32, Control, Gains, Level, Metrics, Problem, Scene, Solution, Workspace};
+use midair::files::{Format, Provenance, read, write};
+use midair::{Complex32, Control, InstructionSet, Metrics, Problem, Propagation, Scene, Solution, Workspace};
 use serde_json::{Value, json};
 
 /// Name, array, points (x, y, z in mm, pressure in Pa, weight), solver table, balance.
@@ -158,11 +158,11 @@ fn scene((_, array, points, solver, _): &(&str, &str, &str, &str, bool)) -> Scen
     scene
 }
 
-fn solved(scene: &Scene, balance: bool, level: Level) -> Solution {
+fn solved(scene: &Scene, balance: bool, set: InstructionSet) -> Solution {
     let choice = scene.solver.as_ref().expect("a solver");
-    let made = choice.configured(scene.array().levels()).expect("options");
-    let gains = Gains::of(scene).with_level(level);
-    let mut problem = Problem::with_gains(gains, scene.request()).expect("a problem");
+    let made = choice.configured(scene.array().quantization()).expect("options");
+    let propagation = Propagation::of(scene).with_instruction_set(set);
+    let mut problem = Problem::with_propagation(propagation, scene.request()).expect("a problem");
     if let Some(level) = choice.level {
         problem = problem.with_aim(level);
     }
@@ -179,7 +179,7 @@ fn write_anew() {
     fs::create_dir_all(folder()).expect("golden/");
     for case in &SCENES {
         let scene = scene(case);
-        let solution = solved(&scene, case.4, Level::SCALAR);
+        let solution = solved(&scene, case.4, InstructionSet::SCALAR);
         let text = write(&scene, Format::Json, &Provenance::default()).expect("text");
         let record = json!({
             "scene": serde_json::from_str::<Value>(&text).expect("JSON"),
@@ -203,7 +203,7 @@ fn golden_vectors_come_out_bit_for_bit_at_the_scalar_level() {
         let text = record["scene"].to_string();
         let scene = read(text.as_bytes(), Format::Json).expect("a scene");
         let balance = record["balance"].as_bool().expect("yes or no");
-        for level in Level::all() {
+        for level in InstructionSet::all() {
             // Greedy meets near-ties, which rounding decides.
             let metrics = solved(&scene, balance, level).metrics();
             let near = |name: &str, ours: f64, within: f64| {
@@ -213,7 +213,7 @@ fn golden_vectors_come_out_bit_for_bit_at_the_scalar_level() {
             near("accuracy", metrics.accuracy, 2e-3);
             near("sigma", metrics.sigma, 5e-3);
         }
-        let solution = solved(&scene, balance, Level::SCALAR);
+        let solution = solved(&scene, balance, InstructionSet::SCALAR);
         let number = |value: &Value| value.as_f64().expect("a number") as f32;
         let drive = record["drive"].as_array().expect("a list");
         assert_eq!(drive.len(), solution.drive.len());

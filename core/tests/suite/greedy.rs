@@ -2,12 +2,12 @@
 
 use midair::solvers::{Greedy, Objective, Order};
 use midair::{
-    Array, Control, Directivity, Gains, Level, Medium, Problem, Request, Rng, Scene, Solution, Solve,
-    Transducer, Workspace,
+    Array, Control, Directivity, InstructionSet, Medium, Problem, Propagation, Request, Rng, Scene, Solution,
+    Solve, Transducer, Workspace,
 };
 
 use crate::oracle::{self, Search};
-use crate::scenes::{gains, preset, problem, random_points, scene, smiley, widen};
+use crate::scenes::{preset, problem, propagation, random_points, scene, smiley, widen};
 
 /// The regret allowed: 1e-6 of E(0), the rule of docs/conventions.md.
 const REGRET: f64 = 1e-6;
@@ -35,7 +35,7 @@ fn solved(greedy: &Greedy, scene: &Scene) -> Solution {
 fn with_oracle(greedy: &Greedy, scene: &Scene, check: impl FnOnce(&Search)) {
     let problem = problem(scene);
     check(&Search {
-        gains: &gains(scene),
+        propagation: &propagation(scene),
         targets: problem.pressures(),
         weights: problem.point_weights(),
         phases: greedy.phases as usize,
@@ -50,14 +50,14 @@ fn with_oracle(greedy: &Greedy, scene: &Scene, check: impl FnOnce(&Search)) {
 }
 
 fn assert_regrets(greedy: &Greedy, scene: &Scene) {
-    for level in Level::all() {
-        let gains = Gains::of(scene).with_level(level);
-        let problem = Problem::with_gains(gains, scene.request()).expect("a problem");
+    for set in InstructionSet::all() {
+        let propagation = Propagation::of(scene).with_instruction_set(set);
+        let problem = Problem::with_propagation(propagation, scene.request()).expect("a problem");
         let solution = greedy.solve(&problem, &mut Workspace::new(), &mut Control::none()).expect("solvable");
         let drive = widen(&solution.drive);
         with_oracle(greedy, scene, |search| {
             let worst = search.regrets(&drive).into_iter().fold(0.0, f64::max);
-            assert!(worst < REGRET, "{level}: regret {worst:e} with {greedy:?}");
+            assert!(worst < REGRET, "{set}: regret {worst:e} with {greedy:?}");
         });
     }
 }

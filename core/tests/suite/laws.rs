@@ -10,7 +10,7 @@ use midair::{
 };
 
 use crate::oracle;
-use crate::scenes::{gains, preset, problem, random_points, scene, widen};
+use crate::scenes::{preset, problem, propagation, random_points, scene, widen};
 
 fn made(entry: &Entry) -> Configured {
     entry.configure(&Options::new()).expect("defaults")
@@ -128,11 +128,12 @@ fn one_strong_focus_gets_the_conjugate_phases() {
     for entry in SOLVERS {
         let solution = raw(entry, &scene);
         // Modulo one global phase: every q_i G_i turned by the field's own phase.
-        let total: Complex64 = gains(&scene).iter().zip(widen(&solution.drive)).map(|(g, q)| g[0] * q).sum();
+        let total: Complex64 =
+            propagation(&scene).iter().zip(widen(&solution.drive)).map(|(g, q)| g[0] * q).sum();
         // A whole step of the coarsest default grid, else the methods' own convergence.
         let gridded = entry.options().iter().any(|option| option.name == "phases");
         let allowed = if gridded { TAU / 16.0 } else { 0.01 };
-        for (i, (g, q)) in gains(&scene).iter().zip(widen(&solution.drive)).enumerate() {
+        for (i, (g, q)) in propagation(&scene).iter().zip(widen(&solution.drive)).enumerate() {
             let off = (g[0] * q / total).arg().abs();
             // A silent transducer has no phase to be wrong.
             assert!(q.norm() > 0.0, "{}: transducer {i} is left off", entry.info.name);
@@ -147,7 +148,7 @@ fn reported_pressures_are_the_field_of_the_drive() {
     for entry in SOLVERS {
         for balance in [false, true] {
             let solution = solved(entry, &problem(&crooked), balance);
-            let field = oracle::field(&gains(&crooked), &widen(&solution.drive));
+            let field = oracle::field(&propagation(&crooked), &widen(&solution.drive));
             let loudest = field.iter().map(|p| p.norm()).fold(0.0, f64::max);
             for (ours, theirs) in widen(&solution.pressures).iter().zip(&field) {
                 // 249 rows with phases good to 1e-4 rad, of random sign.
@@ -229,7 +230,7 @@ fn balancing_keeps_weak_foci_as_good_as_strong_ones() {
         let (strong, weak) = (raw(entry, &strong).metrics(), solved(entry, &problem(&weak), true).metrics());
         // The same drive divided by 100: f32 rounding is all that differs, but a rounded target may turn a tie. A
         // method that finds its own level makes the strong foci as loud as it can, the weak ones as asked.
-        let wanted = if entry.info.uses_level { 1.0 } else { strong.accuracy };
+        let wanted = if entry.info.uses_aim { 1.0 } else { strong.accuracy };
         assert!((wanted - weak.accuracy).abs() < 0.02, "{}: {strong:?} {weak:?}", entry.info.name);
         assert!((strong.sigma - weak.sigma).abs() < 0.02, "{}: {strong:?} {weak:?}", entry.info.name);
     }

@@ -4,38 +4,38 @@ use std::f64::consts::TAU;
 
 use midair::solvers::{self, Entry, Lm, SOLVERS, Wgs, refine};
 use midair::{
-    Array, Complex32, Control, Levels, Medium, Metrics, Options, Problem, Request, Scene, Solution, Solve,
-    Start, Value, Workspace,
+    Array, Complex32, Control, Medium, Metrics, Options, Problem, Quantization, Request, Scene, Solution,
+    Solve, Start, Value, Workspace,
 };
 
 use crate::oracle;
-use crate::scenes::{gains, preset, problem, random_points, scene, widen};
+use crate::scenes::{preset, problem, propagation, random_points, scene, widen};
 
-fn levels(phases: u32, amplitudes: &[f64]) -> Levels {
+fn quantization(phases: u32, amplitudes: &[f64]) -> Quantization {
     let table = (!amplitudes.is_empty()).then(|| amplitudes.to_vec());
-    Levels::new(Some(phases), table).expect("levels")
+    Quantization::new(Some(phases), table).expect("quantization")
 }
 
-/// The paper's array behind a device of such levels.
-fn device(levels: Levels) -> Array {
-    preset("paper20").with_levels(Some(levels))
+/// The paper's array behind a device of such quantization.
+fn device(quantization: Quantization) -> Array {
+    preset("paper20").with_quantization(Some(quantization))
 }
 
 fn solved(entry: &Entry, problem: &Problem, balance: bool) -> Solution {
-    let made = entry.configure_for(&Options::new(), problem.gains().levels()).expect("defaults");
+    let made = entry.configure_for(&Options::new(), problem.propagation().quantization()).expect("defaults");
     midair::solve(problem, &*made.solver, balance, &mut Workspace::new(), &mut Control::none())
         .unwrap_or_else(|error| panic!("{}: {error}", entry.info.name))
 }
 
-fn assert_on_grid(name: &str, drive: &[Complex32], levels: &Levels) {
+fn assert_on_grid(name: &str, drive: &[Complex32], quantization: &Quantization) {
     for (i, q) in widen(drive).into_iter().enumerate().filter(|(_, q)| q.norm() > 0.0) {
         let near = |x: f64| (x - x.round()).abs();
-        if let Some(phases) = levels.phases() {
+        if let Some(phases) = quantization.phases() {
             let steps = q.arg() / TAU * f64::from(phases);
             // One rounding to f32, in steps.
             assert!(near(steps) < 1e-6 * f64::from(phases), "{name}: drive[{i}] = {q} is {steps} steps");
         }
-        if let Some(table) = levels.amplitudes() {
+        if let Some(table) = quantization.amplitudes() {
             let off = table.iter().map(|a| (a - q.norm()).abs()).fold(1.0, f64::min);
             assert!(off < 1e-6, "{name}: drive[{i}] = {q} is no amplitude of {table:?}");
         }
@@ -45,22 +45,23 @@ fn assert_on_grid(name: &str, drive: &[Complex32], levels: &Levels) {
 #[test]
 fn every_answer_lies_on_the_grid_and_reports_its_own_field() {
     let points = random_points(6, 0.08, 21);
-    for (levels, pressure) in [
-        (levels(256, &[]), None),
-        (levels(10, &[1.0]), Some(0.3)),
-        (levels(16, &[0.0, 0.1, 0.4, 1.0]), Some(0.1)),
-        (levels(2, &[0.0, 1.0]), Some(3.0)),
-        (Levels::new(None, Some(vec![0.5, 1.0])).expect("levels"), Some(0.2)),
+    for (quantization, pressure) in [
+        (quantization(256, &[]), None),
+        (quantization(10, &[1.0]), Some(0.3)),
+        (quantization(16, &[0.0, 0.1, 0.4, 1.0]), Some(0.1)),
+        (quantization(2, &[0.0, 1.0]), Some(3.0)),
+        (Quantization::new(None, Some(vec![0.5, 1.0])).expect("quantization"), Some(0.2)),
     ] {
-        let scene = scene(device(levels.clone()), points.clone(), pressure.map(|pressure| vec![pressure; 6]));
+        let scene =
+            scene(device(quantization.clone()), points.clone(), pressure.map(|pressure| vec![pressure; 6]));
         for entry in SOLVERS {
             for balance in [false, true] {
                 let name = entry.info.name;
                 let solution = solved(entry, &problem(&scene), balance);
-                assert_on_grid(name, &solution.drive, &levels);
+                assert_on_grid(name, &solution.drive, &quantization);
                 assert!(solution.scale > 0.0 && solution.scale <= 1.0, "{name}: {}", solution.scale);
                 assert!(solution.drive.iter().any(|q| q.norm() > 0.0), "{name} is silent");
-                let field = oracle::field(&gains(&scene), &widen(&solution.drive));
+                let field = oracle::field(&propagation(&scene), &widen(&solution.drive));
                 let loudest = field.iter().map(|p| p.norm()).fold(0.0, f64::max);
                 for (ours, theirs) in widen(&solution.pressures).iter().zip(&field) {
                     let theirs = theirs * solution.scale;
@@ -76,7 +77,7 @@ fn every_answer_lies_on_the_grid_and_reports_its_own_field() {
 fn rounding_goes_to_the_nearest_and_moves_no_drive_further_than_half_a_step() {
     let points = random_points(5, 0.08, 22);
     let free = problem(&scene(preset("paper20"), points.clone(), None));
-    let bound = problem(&scene(device(levels(12, &[])), points, None));
+    let bound = problem(&scene(device(quantization(12, &[])), points, None));
     for name in ["gs", "evd", "tikhonov", "naive"] {
         let entry = solvers::find(name).expect("a solver");
         let (free, bound) = (solved(entry, &free, false), solved(entry, &bound, false));
@@ -100,7 +101,7 @@ fn a_solver_of_ones_own_is_brought_to_the_grid_too() {
             work: &mut Workspace,
             control: &mut Control,
         ) -> Result<Solution, midair::Error> {
-            let mut drive = work.complexes.take(problem.gains().transducers());
+            let mut drive = work.complexes.take(problem.propagation().transducers());
             for (i, q) in drive.iter_mut().enumerate() {
                 *q = Complex32::from_polar(0.7, i as f32);
             }
@@ -109,12 +110,12 @@ fn a_solver_of_ones_own_is_brought_to_the_grid_too() {
             Ok(solution)
         }
     }
-    let levels = levels(8, &[0.0, 0.5, 1.0]);
-    let problem = problem(&scene(device(levels.clone()), random_points(3, 0.05, 23), None));
+    let quantization = quantization(8, &[0.0, 0.5, 1.0]);
+    let problem = problem(&scene(device(quantization.clone()), random_points(3, 0.05, 23), None));
     let mut control = Control::none().traced();
     let solution = midair::solve(&problem, &Crooked, false, &mut Workspace::new(), &mut control);
     let solution = solution.expect("an answer");
-    assert_on_grid("crooked", &solution.drive, &levels);
+    assert_on_grid("crooked", &solution.drive, &quantization);
     assert!(solution.drive.iter().all(|q| (q.norm() - 0.5).abs() < 1e-6), "0.7 is nearer to 0.5");
     let trace = control.into_trace().expect("a trace");
     assert!((trace[0] - solution.metrics().residual).abs() < 1e-12, "the trace tells of the rounded answer");
@@ -125,8 +126,8 @@ fn balancing_reduces_by_the_table_and_below_it_by_the_scale() {
     let points = random_points(4, 0.08, 24);
     let level = problem(&scene(preset("paper20"), points.clone(), None)).pressures()[0];
     let wgs = solvers::find("wgs").expect("a solver");
-    let at = |part: f64, levels: Option<Levels>| {
-        let array = preset("paper20").with_levels(levels);
+    let at = |part: f64, quantization: Option<Quantization>| {
+        let array = preset("paper20").with_quantization(quantization);
         solved(wgs, &problem(&scene(array, points.clone(), Some(vec![part * level; 4]))), true)
     };
     let free = at(0.2, None);
@@ -137,19 +138,19 @@ fn balancing_reduces_by_the_table_and_below_it_by_the_scale() {
     };
     // No amplitude at all, and on/off: all of it is left to the supply.
     for table in [&[1.0][..], &[0.0, 1.0]] {
-        let solution = at(0.2, Some(levels(65_536, table)));
+        let solution = at(0.2, Some(quantization(65_536, table)));
         assert!((solution.scale - 0.2).abs() < 1e-6 && solution.amplitude(7) > 0.999, "{}", solution.scale);
         same(solution.metrics());
     }
     // The table has it; the table has nothing so small.
-    let within = at(0.2, Some(levels(65_536, &[0.0, 0.1, 0.2, 1.0])));
+    let within = at(0.2, Some(quantization(65_536, &[0.0, 0.1, 0.2, 1.0])));
     assert!(within.scale == 1.0 && (within.amplitude(7) - 0.2).abs() < 1e-6);
     same(within.metrics());
-    let below = at(0.2, Some(levels(65_536, &[0.0, 0.4, 1.0])));
+    let below = at(0.2, Some(quantization(65_536, &[0.0, 0.4, 1.0])));
     assert!((below.scale - 0.5).abs() < 1e-6 && (below.amplitude(7) - 0.4).abs() < 1e-6, "{}", below.scale);
     same(below.metrics());
     // Between two values the nearest one is taken, and the metrics say what that costs.
-    let between = at(0.2, Some(levels(65_536, &[0.15, 1.0])));
+    let between = at(0.2, Some(quantization(65_536, &[0.15, 1.0])));
     assert!(between.scale == 1.0 && (between.amplitude(7) - 0.15).abs() < 1e-6);
     let expected = 0.75 * free.metrics().accuracy;
     assert!((between.metrics().accuracy - expected).abs() < 1e-3, "{:?}", between.metrics());
@@ -173,15 +174,15 @@ fn masked_transducers_are_off_and_count_for_nothing() {
 #[test]
 fn levels_that_no_device_has_are_refused() {
     let refused = |phases: Option<u32>, table: Option<&[f64]>, text: &str| {
-        let error = Levels::new(phases, table.map(<[f64]>::to_vec)).expect_err(text).to_string();
+        let error = Quantization::new(phases, table.map(<[f64]>::to_vec)).expect_err(text).to_string();
         assert!(error.contains(text) && !error.contains('\n'), "{error}");
     };
-    refused(Some(1), None, "array.levels.phases is 1");
-    refused(Some(65_537), None, "array.levels.phases is 65537");
-    refused(None, Some(&[]), "array.levels.amplitudes is 0 values");
-    refused(None, Some(&[0.5, f64::NAN, 1.0]), "array.levels.amplitudes[1] is NaN");
-    refused(None, Some(&[-0.5, 1.0]), "array.levels.amplitudes[0] is -0.5");
-    refused(None, Some(&[0.5, 0.5, 1.0]), "array.levels.amplitudes[1] is 0.5");
+    refused(Some(1), None, "array.quantization.phases is 1");
+    refused(Some(65_537), None, "array.quantization.phases is 65537");
+    refused(None, Some(&[]), "array.quantization.amplitudes is 0 values");
+    refused(None, Some(&[0.5, f64::NAN, 1.0]), "array.quantization.amplitudes[1] is NaN");
+    refused(None, Some(&[-0.5, 1.0]), "array.quantization.amplitudes[0] is -0.5");
+    refused(None, Some(&[0.5, 0.5, 1.0]), "array.quantization.amplitudes[1] is 0.5");
     refused(None, Some(&[0.0, 0.5]), "end the table in 1");
 }
 
@@ -190,10 +191,10 @@ fn greedy_takes_the_devices_grid_and_refuses_another() {
     let points = random_points(5, 0.08, 26);
     let entry = solvers::find("greedy").expect("greedy");
     let with = |table: &[f64], options: &[(&str, i128)]| {
-        let problem = problem(&scene(device(levels(24, table)), points.clone(), Some(vec![0.4; 5])));
+        let problem = problem(&scene(device(quantization(24, table)), points.clone(), Some(vec![0.4; 5])));
         let options =
             options.iter().map(|(name, value)| ((*name).to_owned(), Value::Integer(*value))).collect();
-        let made = entry.configure_for(&options, problem.gains().levels()).expect("options");
+        let made = entry.configure_for(&options, problem.propagation().quantization()).expect("options");
         let solution =
             midair::solve(&problem, &*made.solver, false, &mut Workspace::new(), &mut Control::none());
         solution.map(|solution| (solution, made.options))
@@ -208,7 +209,7 @@ fn greedy_takes_the_devices_grid_and_refuses_another() {
     assert!(amplitudes.iter().all(|a| *a > 0.1), "greedy has no off");
     let (coarse, options) = with(&table, &[("phases", 8), ("amplitudes", 1)]).expect("an answer");
     assert_eq!(options["phases"], Value::Integer(8));
-    assert_on_grid("greedy", &coarse.drive, &levels(8, &[1.0]));
+    assert_on_grid("greedy", &coarse.drive, &quantization(8, &[1.0]));
     let refused = |options: &[(&str, i128)], text: &str| {
         let error = with(&table, options).map(|_| ()).expect_err(text).to_string();
         assert!(error.contains(text), "{error}");
@@ -225,7 +226,7 @@ fn greedy_takes_the_devices_grid_and_refuses_another() {
 fn even(scene: &Scene) -> Vec<Complex32> {
     let free = |pressures: Option<Vec<f64>>| {
         let request = Request { pressures, ..scene.request().clone() };
-        let array = scene.array().clone().with_levels(None);
+        let array = scene.array().clone().with_quantization(None);
         problem(&Scene::new(array, Medium::default(), scene.points().to_vec(), request).expect("a scene"))
     };
     let (work, control) = (&mut Workspace::new(), &mut Control::none());
@@ -252,14 +253,17 @@ fn the_sweep_takes_most_of_what_rounding_costs_and_keeps_within_the_quantised_ta
     ] {
         let (mut rounded, mut swept) = (0.0, 0.0);
         for seed in 0..10 {
-            let scene = scene(device(levels(phases, &[])), random_points(points, 0.1, 100 + seed), None);
+            let scene =
+                scene(device(quantization(phases, &[])), random_points(points, 0.1, 100 + seed), None);
             let problem = problem(&scene);
             let sigma = |drive: &[Complex32]| problem.judge(drive).expect("a drive").sigma;
             let mut drive = even(&scene);
-            let plain: Vec<Complex32> =
-                drive.iter().map(|q| problem.gains().levels().expect("levels").nearest(*q)).collect();
+            let plain: Vec<Complex32> = drive
+                .iter()
+                .map(|q| problem.propagation().quantization().expect("quantization").nearest(*q))
+                .collect();
             refine(&problem, &mut drive, &mut Workspace::new());
-            assert_on_grid("refine", &drive, problem.gains().levels().expect("levels"));
+            assert_on_grid("refine", &drive, problem.propagation().quantization().expect("quantization"));
             let (before, after) = (sigma(&plain), sigma(&drive));
             assert!(after < before, "M = {points}, L = {phases}: {after} from {before}");
             (rounded, swept) = (rounded + before / 10.0, swept + after / 10.0);
@@ -272,7 +276,7 @@ fn the_sweep_takes_most_of_what_rounding_costs_and_keeps_within_the_quantised_ta
 #[test]
 fn the_sweep_keeps_zeros_amplitudes_and_unequal_targets() {
     let mask: Vec<bool> = (0..400).map(|i| i % 5 != 0).collect();
-    let array = device(levels(16, &[0.0, 0.5, 1.0])).with_mask(Some(mask)).expect("a mask");
+    let array = device(quantization(16, &[0.0, 0.5, 1.0])).with_mask(Some(mask)).expect("a mask");
     let request = Request {
         pressures: Some(vec![1.0, 0.5, 0.0, 0.8, 0.6]),
         weights: Some(vec![1.0, 2.0, 1.0, 0.0, 1.0]),
@@ -283,7 +287,10 @@ fn the_sweep_keeps_zeros_amplitudes_and_unequal_targets() {
     for q in drive.iter_mut().take(200) {
         *q *= 0.6;
     }
-    let plain: Vec<_> = drive.iter().map(|q| problem.gains().levels().expect("levels").nearest(*q)).collect();
+    let plain: Vec<_> = drive
+        .iter()
+        .map(|q| problem.propagation().quantization().expect("quantization").nearest(*q))
+        .collect();
     refine(&problem, &mut drive, &mut Workspace::new());
     for (a, b) in plain.iter().zip(&drive) {
         assert!((a.norm() - b.norm()).abs() < 1e-6, "{a} became {b}");
@@ -296,17 +303,17 @@ fn the_sweep_keeps_zeros_amplitudes_and_unequal_targets() {
 fn a_device_plays_no_point_louder_than_asked_and_keeps_nine_tenths() {
     let sixteen: Vec<f64> = (0..16).map(|k| f64::from(k) / 15.0).collect();
     let devices = [
-        preset("autd3").levels().expect("levels").clone(),
-        levels(256, &sixteen),
-        levels(256, &[0.15, 1.0]),
-        levels(10, &[0.0, 1.0]),
-        levels(256, &[1.0]),
-        levels(256, &[]),
-        Levels::new(None, Some(sixteen)).expect("levels"),
+        preset("autd3").quantization().expect("quantization").clone(),
+        quantization(256, &sixteen),
+        quantization(256, &[0.15, 1.0]),
+        quantization(10, &[0.0, 1.0]),
+        quantization(256, &[1.0]),
+        quantization(256, &[]),
+        Quantization::new(None, Some(sixteen)).expect("quantization"),
     ];
     for device in devices {
         for (count, seed) in [(1, 0), (2, 1), (3, 2), (8, 3), (16, 4), (64, 5)] {
-            let array = preset("autd3").with_levels(Some(device.clone()));
+            let array = preset("autd3").with_quantization(Some(device.clone()));
             let points = random_points(count, 0.08, 300 + seed);
             let balanced = problem(&scene(array.clone(), points.clone(), None)).pressures()[0];
             for part in [0.03, 0.4, 0.61, 0.77, 1.0, 1.5] {

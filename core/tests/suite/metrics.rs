@@ -9,7 +9,7 @@ use midair::{
 };
 
 use crate::oracle;
-use crate::scenes::{gains, preset, problem, random_points, scene, widen};
+use crate::scenes::{preset, problem, propagation, random_points, scene, widen};
 
 fn fields(metrics: Metrics) -> [(&'static str, f64); 6] {
     let Metrics { accuracy, sigma, uniformity, level, residual, leak } = metrics;
@@ -124,7 +124,8 @@ fn judge_gives_the_metrics_of_the_exact_field() {
     let scene = uneven();
     let problem = problem(&scene);
     let drive = solved(&Greedy::default(), &problem).drive;
-    let moduli: Vec<f64> = oracle::field(&gains(&scene), &widen(&drive)).iter().map(|p| p.norm()).collect();
+    let moduli: Vec<f64> =
+        oracle::field(&propagation(&scene), &widen(&drive)).iter().map(|p| p.norm()).collect();
     let wanted = oracle::metrics(&moduli, problem.pressures(), problem.point_weights());
     // Both in f64; 249 phases of 200 rad.
     assert_metrics(problem.judge(&drive).expect("its own drive"), wanted, 1e-11);
@@ -159,7 +160,7 @@ fn amplitude_and_phase_are_the_drives_polar_form() {
 fn balance_is_the_factor_to_the_balanced_level() {
     let scene = uneven();
     let problem = problem(&scene);
-    let reach = oracle::reach(&gains(&scene));
+    let reach = oracle::reach(&propagation(&scene));
     let wanted = oracle::balanced_factor(&reach, problem.pressures(), problem.point_weights());
     // f32 moduli, good to 2e-6 of each.
     assert!((problem.balance() / wanted - 1.0).abs() < 1e-6, "{} for {wanted}", problem.balance());

@@ -1,7 +1,7 @@
 //! Double-precision reference for the kernels: plain loops that follow the definitions.
 //!
-//! SI units, time factor e^{-jwt}: an outgoing wave runs as e^{+jkr}. Gains are stored
-//! transducer-major, `gains[i][j]` being transducer i at point j.
+//! SI units, time factor e^{-jwt}: an outgoing wave runs as e^{+jkr}. Propagation are stored
+//! transducer-major, `propagation[i][j]` being transducer i at point j.
 
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
@@ -99,7 +99,7 @@ fn pattern(directivity: Directivity, wavenumber: f64, cos: f64, sin: f64) -> f64
 }
 
 /// Pressure at each point per unit of drive, `[i][j]`. No point may sit on a transducer.
-pub fn gains(model: &Model, points: &[[f64; 3]]) -> Vec<Vec<Complex64>> {
+pub fn propagation(model: &Model, points: &[[f64; 3]]) -> Vec<Vec<Complex64>> {
     let wavenumber = TAU * model.frequency / model.sound_speed;
     let mut rows = Vec::new();
     for (i, at) in model.positions.iter().enumerate() {
@@ -123,15 +123,15 @@ pub fn gains(model: &Model, points: &[[f64; 3]]) -> Vec<Vec<Complex64>> {
 }
 
 /// Pressure at each point under the drive.
-pub fn field(gains: &[Vec<Complex64>], drive: &[Complex64]) -> Vec<Complex64> {
-    let at = |j: usize| gains.iter().zip(drive).map(|(row, q)| row[j] * q).sum();
-    (0..gains[0].len()).map(at).collect()
+pub fn field(propagation: &[Vec<Complex64>], drive: &[Complex64]) -> Vec<Complex64> {
+    let at = |j: usize| propagation.iter().zip(drive).map(|(row, q)| row[j] * q).sum();
+    (0..propagation[0].len()).map(at).collect()
 }
 
 /// Most pressure that drives of at most 1 can give at each point on its own.
-pub fn reach(gains: &[Vec<Complex64>]) -> Vec<f64> {
-    let at = |j: usize| gains.iter().map(|row| row[j].norm()).sum();
-    (0..gains[0].len()).map(at).collect()
+pub fn reach(propagation: &[Vec<Complex64>]) -> Vec<f64> {
+    let at = |j: usize| propagation.iter().map(|row| row[j].norm()).sum();
+    (0..propagation[0].len()).map(at).collect()
 }
 
 /// Factor s for which the sum of `(s t / p1)^2` over points of weight > 0 is 1.
@@ -156,7 +156,7 @@ pub enum Objective {
 /// are `phases` per turn and `amplitudes` evenly spaced up to 1; `order` is a permutation.
 #[derive(Clone, Copy, Debug)]
 pub struct Search<'a> {
-    pub gains: &'a [Vec<Complex64>],
+    pub propagation: &'a [Vec<Complex64>],
     pub targets: &'a [f64],
     pub weights: &'a [f64],
     pub phases: usize,
@@ -169,7 +169,7 @@ impl Search<'_> {
     /// Drive found by walking along the order once.
     pub fn greedy(&self) -> Vec<Complex64> {
         let tie = TIE * self.silent_energy();
-        let mut drive = vec![ZERO; self.gains.len()];
+        let mut drive = vec![ZERO; self.propagation.len()];
         let mut field = vec![ZERO; self.targets.len()];
         for &i in self.order {
             let mut best = f64::INFINITY;
@@ -206,7 +206,7 @@ impl Search<'_> {
 
     fn add(&self, field: &mut [Complex64], i: usize, q: Complex64) {
         for j in self.live() {
-            field[j] += self.gains[i][j] * q;
+            field[j] += self.propagation[i][j] * q;
         }
     }
 
@@ -214,7 +214,7 @@ impl Search<'_> {
     /// transducer reaches no point; phase 0 alone in silence, where all phases are equal.
     fn candidates(&self, field: &[Complex64], i: usize) -> Vec<(Complex64, f64)> {
         let mut all = Vec::new();
-        if self.live().all(|j| self.gains[i][j] == ZERO) {
+        if self.live().all(|j| self.propagation[i][j] == ZERO) {
             return all;
         }
         let silent = self.live().all(|j| field[j] == ZERO);
@@ -242,7 +242,7 @@ impl Search<'_> {
     fn change(&self, field: &[Complex64], i: usize, q: Complex64) -> f64 {
         let mut total = 0.0;
         for j in self.live() {
-            let step = self.gains[i][j] * q;
+            let step = self.propagation[i][j] * q;
             let both = field[j].norm() + (field[j] + step).norm();
             // |P + s|^2 - |P|^2 = Re(conj(s) (2 P + s)), over the sum of both magnitudes.
             let squares = (step.conj() * (2.0 * field[j] + step)).re;
@@ -260,7 +260,7 @@ impl Search<'_> {
 
 /// How a drive is brought to what the transducers can do.
 #[derive(Clone, Copy, Debug)]
-pub enum Limit {
+pub enum AmplitudeLimit {
     /// Magnitudes above 1 become 1.
     Clamp,
     /// The largest magnitude becomes 1, the ratios stay.
@@ -270,11 +270,11 @@ pub enum Limit {
 }
 
 /// Sum of the back-propagated single foci, then limited. Points out of reach add nothing.
-pub fn naive(gains: &[Vec<Complex64>], targets: &[f64], limit: Limit) -> Vec<Complex64> {
-    let mut drive = vec![ZERO; gains.len()];
+pub fn naive(propagation: &[Vec<Complex64>], targets: &[f64], limit: AmplitudeLimit) -> Vec<Complex64> {
+    let mut drive = vec![ZERO; propagation.len()];
     for (j, &target) in targets.iter().enumerate() {
-        let power: f64 = gains.iter().map(|row| row[j].norm_sqr()).sum();
-        for (q, row) in drive.iter_mut().zip(gains) {
+        let power: f64 = propagation.iter().map(|row| row[j].norm_sqr()).sum();
+        for (q, row) in drive.iter_mut().zip(propagation) {
             if power > 0.0 {
                 *q += row[j].conj() * target / power;
             }
@@ -283,9 +283,9 @@ pub fn naive(gains: &[Vec<Complex64>], targets: &[f64], limit: Limit) -> Vec<Com
     let largest = drive.iter().map(|q| q.norm()).fold(0.0, f64::max);
     for q in drive.iter_mut().filter(|q| **q != ZERO) {
         *q /= match limit {
-            Limit::Clamp => q.norm().max(1.0),
-            Limit::Normalize => largest,
-            Limit::Full => q.norm(),
+            AmplitudeLimit::Clamp => q.norm().max(1.0),
+            AmplitudeLimit::Normalize => largest,
+            AmplitudeLimit::Full => q.norm(),
         };
     }
     drive
@@ -345,7 +345,7 @@ fn grid(n: usize) -> Model {
 #[test]
 fn reach_of_known_arrays() {
     for (n, expected) in [(20, 2.36066), (36, 6.40341)] {
-        assert!((reach(&gains(&grid(n), &[[0.0, 0.0, 0.15]]))[0] - expected).abs() < 6e-6);
+        assert!((reach(&propagation(&grid(n), &[[0.0, 0.0, 0.15]]))[0] - expected).abs() < 6e-6);
     }
 }
 
@@ -364,10 +364,10 @@ fn patterns_have_known_values() {
 
 #[test]
 fn single_focus() {
-    let gains = gains(&grid(20), &[[0.013, -0.008, 0.15]]);
+    let propagation = propagation(&grid(20), &[[0.013, -0.008, 0.15]]);
     let order: Vec<usize> = (0..400).rev().collect();
     let search = Search {
-        gains: &gains,
+        propagation: &propagation,
         targets: &[9.0],
         weights: &[1.0],
         phases: 16,
@@ -375,9 +375,9 @@ fn single_focus() {
         objective: Objective::L2,
         order: &order,
     };
-    let (found, wanted) = (search.greedy(), naive(&gains, &[9e3], Limit::Clamp));
-    for (i, row) in gains.iter().enumerate() {
-        let turn = (found[i] * row[0]) * (found[399] * gains[399][0]).conj();
+    let (found, wanted) = (search.greedy(), naive(&propagation, &[9e3], AmplitudeLimit::Clamp));
+    for (i, row) in propagation.iter().enumerate() {
+        let turn = (found[i] * row[0]) * (found[399] * propagation[399][0]).conj();
         assert!(turn.arg().abs() <= TAU / 16.0 + 1e-9);
         assert!((wanted[i] - row[0].conj() / row[0].norm()).norm() < 1e-12);
     }

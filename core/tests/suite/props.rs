@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 use crate::oracle::{self, Search};
-use crate::scenes::{gains, widen};
+use crate::scenes::{propagation, widen};
 
 /// The same cases in every run: a failure is a failure for everybody.
 fn config(cases: u32) -> ProptestConfig {
@@ -87,9 +87,9 @@ proptest! {
         let Some(scene) = scene else { return Ok(()) };
         let Ok(problem) = Problem::new(&scene) else { return Ok(()) };
         // Where one transducer far exceeds the target, or a directivity is all but 0, E(0) is too small a measure for
-        // gains in f32: 1e-6 of it is less than their rounding.
-        let strong = gains(&scene).iter().flatten().map(|g| g.norm()).fold(0.0, f64::max);
-        let faint = gains(&scene).iter().flatten().any(|g| g.norm() > 0.0 && g.norm() < 0.01 * strong);
+        // propagation in f32: 1e-6 of it is less than their rounding.
+        let strong = propagation(&scene).iter().flatten().map(|g| g.norm()).fold(0.0, f64::max);
+        let faint = propagation(&scene).iter().flatten().any(|g| g.norm() > 0.0 && g.norm() < 0.01 * strong);
         let least = problem.pressures().iter().copied().filter(|&target| target > 0.0).fold(f64::MAX, f64::min);
         if faint || least < 0.5 * strong {
             return Ok(());
@@ -100,7 +100,7 @@ proptest! {
         let count = u32::try_from(scene.array().len()).expect("small");
         let order: Vec<usize> = Rng::new(seed).permutation(count).into_iter().map(|i| i as usize).collect();
         let search = Search {
-            gains: &gains(&scene),
+            propagation: &propagation(&scene),
             targets: problem.pressures(),
             weights: problem.point_weights(),
             phases: phases as usize,
@@ -116,7 +116,7 @@ proptest! {
 #[cfg(feature = "scene-file")]
 mod files {
     use super::*;
-    use midair::file::{Format, Provenance, read, write};
+    use midair::files::{Format, Provenance, read, write};
 
     const TOML: &str = "[medium]\nfrequency = 40e3\n[array]\ngrid = { nx = 2, ny = 3, pitch = 1e-2 }\ndirectivity = \"point\"\n[[points]]\nposition = [0.0, 0.0, 0.15]\npressure = 500.0\n[solver]\nname = \"greedy\"\nphases = 16\n";
     const JSON: &str = r#"{ "medium": { "frequency": 4e4 }, "array": { "grid": { "nx": 2, "ny": 3, "pitch": 0.01 },

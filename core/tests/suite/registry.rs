@@ -78,7 +78,7 @@ fn what_is_no_option_or_no_value_of_it_is_refused_by_name() {
 
 #[test]
 fn phases_and_amplitudes_lie_on_the_grid_asked_for() {
-    let problem = problem(&scene(preset("autd3").with_levels(None), random_points(6, 0.08, 1), None));
+    let problem = problem(&scene(preset("autd3").with_quantization(None), random_points(6, 0.08, 1), None));
     let mut checked = 0;
     for entry in SOLVERS {
         let options = entry.options();

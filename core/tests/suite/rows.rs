@@ -2,12 +2,12 @@
 
 use midair::solvers::{Greedy, Order};
 use midair::{
-    Array, Complex64, Control, Directivity, Gains, Medium, Problem, Request, Rng, Scene, Solve, Transducer,
-    Workspace,
+    Array, Complex64, Control, Directivity, Medium, Problem, Propagation, Request, Rng, Scene, Solve,
+    Transducer, Workspace,
 };
 
 use crate::oracle;
-use crate::scenes::{gains, preset, problem, random_points, scene};
+use crate::scenes::{preset, problem, propagation, random_points, scene};
 
 const PATTERNS: [Directivity; 7] = [
     Directivity::Point,
@@ -45,18 +45,18 @@ fn crooked(directivity: Directivity, absorption: f64, middle: [f64; 3], far: f64
 }
 
 /// Every row in Pa, each written over memory full of NaN.
-fn rows(gains: &Gains) -> Vec<Vec<Complex64>> {
+fn rows(propagation: &Propagation) -> Vec<Vec<Complex64>> {
     let row = |i: usize| {
-        let [mut re, mut im] = [(); 2].map(|()| vec![f32::NAN; gains.lanes()]);
-        gains.row(i, &mut re, &mut im);
+        let [mut re, mut im] = [(); 2].map(|()| vec![f32::NAN; propagation.lanes()]);
+        propagation.row(i, &mut re, &mut im);
         assert!(
-            re[gains.points()..].iter().chain(&im[gains.points()..]).all(|&x| x == 0.0),
+            re[propagation.points()..].iter().chain(&im[propagation.points()..]).all(|&x| x == 0.0),
             "sound in the padding"
         );
-        let entry = |j: usize| Complex64::new(f64::from(re[j]), f64::from(im[j])) * gains.reference();
-        (0..gains.points()).map(entry).collect()
+        let entry = |j: usize| Complex64::new(f64::from(re[j]), f64::from(im[j])) * propagation.reference();
+        (0..propagation.points()).map(entry).collect()
     };
-    (0..gains.transducers()).map(row).collect()
+    (0..propagation.transducers()).map(row).collect()
 }
 
 /// Distance and error of each entry of G of a transducer that is not dead. The error is relative to the modulus
@@ -65,7 +65,7 @@ fn rows(gains: &Gains) -> Vec<Vec<Complex64>> {
 fn errors(scene: &Scene, found: &[Vec<Complex64>]) -> Vec<(f64, f64)> {
     let array = scene.array();
     let mut errors = Vec::new();
-    for (i, (found, exact)) in found.iter().zip(gains(scene)).enumerate() {
+    for (i, (found, exact)) in found.iter().zip(propagation(scene)).enumerate() {
         let response = array.response().map_or(1.0, |list| list[i].norm());
         for ((found, exact), point) in found.iter().zip(exact).zip(scene.points()) {
             let square = |axis: usize| (point[axis] - array.positions()[i][axis]).powi(2);
@@ -82,7 +82,7 @@ fn errors(scene: &Scene, found: &[Vec<Complex64>]) -> Vec<(f64, f64)> {
     errors
 }
 
-/// Asserts the promise of [`Gains::row`]. A metre is 118 wavelengths, where neighbouring f32 numbers lie 7.6e-6
+/// Asserts the promise of [`Propagation::row`]. A metre is 118 wavelengths, where neighbouring f32 numbers lie 7.6e-6
 /// turns or 4.8e-5 rad apart; coordinates, their differences, squares, sum and root each round by half of that
 /// at most, and 2e-4 holds eight of them. The error grows with the distance.
 fn assert_errors(scene: &Scene, found: &[Vec<Complex64>]) {
@@ -100,7 +100,7 @@ fn rows_are_eq_5_for_every_directivity_absorption_response_and_normal() {
     for directivity in PATTERNS {
         for absorption in [0.0, 0.15] {
             let scene = crooked(directivity, absorption, [0.0; 3], 1.9, 300);
-            assert_errors(&scene, &rows(&Gains::of(&scene)));
+            assert_errors(&scene, &rows(&Propagation::of(&scene)));
         }
     }
 }
@@ -113,7 +113,7 @@ fn rows_of_the_papers_array_are_eq_5_and_better_than_promised_in_the_median() {
         point[2] = 0.05 + 1.3 * rng.uniform();
     }
     let scene = scene(preset("paper36"), points, None);
-    let found = rows(&Gains::of(&scene));
+    let found = rows(&Propagation::of(&scene));
     assert_errors(&scene, &found);
     let errors = errors(&scene, &found).into_iter().filter(|(r, _)| (0.9..1.1).contains(r));
     let mut errors: Vec<f64> = errors.map(|(_, error)| error).collect();
@@ -131,14 +131,14 @@ fn rows_of_the_papers_array_are_eq_5_and_better_than_promised_in_the_median() {
 fn an_array_five_metres_off_loses_no_digit() {
     for directivity in PATTERNS {
         let scene = crooked(directivity, 0.15, [5.0, -5.0, 5.0], 0.9, 100);
-        assert_errors(&scene, &rows(&Gains::of(&scene)));
+        assert_errors(&scene, &rows(&Propagation::of(&scene)));
     }
 }
 
 #[test]
 fn matrix_has_the_rows_in_pascals_point_by_point() {
     let scene = crooked(Directivity::T4010a1, 0.15, [0.0; 3], 0.9, 21);
-    let matrix = Gains::of(&scene).matrix().expect("no point on a transducer");
+    let matrix = Propagation::of(&scene).matrix().expect("no point on a transducer");
     assert_eq!(matrix.len(), 36 * 21);
     let entry =
         |i: usize, j: usize| Complex64::new(matrix[j * 36 + i].re.into(), matrix[j * 36 + i].im.into());
@@ -147,7 +147,7 @@ fn matrix_has_the_rows_in_pascals_point_by_point() {
     let touched = vec![[0.0, 0.0, 0.1], scene.array().positions()[5]];
     let touched =
         Scene::new(scene.array().clone(), scene.medium(), touched, Request::default()).expect("a scene");
-    let error = Gains::of(&touched).matrix().expect_err("a point on a transducer").to_string();
+    let error = Propagation::of(&touched).matrix().expect_err("a point on a transducer").to_string();
     assert!(error.starts_with("points[1] is 0.000e0 m from transducer 5"), "{error}");
 }
 
@@ -156,7 +156,7 @@ fn exact_is_the_oracle() {
     for directivity in PATTERNS {
         for middle in [[0.0; 3], [5.0, -5.0, 5.0]] {
             let scene = crooked(directivity, 0.15, middle, 1.9, 20);
-            let found = Gains::of(&scene);
+            let found = Propagation::of(&scene);
             let exact: Vec<Vec<_>> = (0..36).map(|i| (0..20).map(|j| found.exact(j, i)).collect()).collect();
             for (r, error) in errors(&scene, &exact) {
                 // Both are f64; two metres are 1500 rad, known to 2e-13 each.
@@ -171,7 +171,7 @@ fn p1_of_the_papers_arrays_has_its_six_digits() {
     for (name, p1) in [("paper20", 2.36066), ("paper36", 6.40341)] {
         let scene = scene(preset(name), vec![[0.0, 0.0, 0.15]], None);
         let balanced = problem(&scene).pressures()[0];
-        let reach: f64 = rows(&Gains::of(&scene)).iter().map(|row| row[0].norm()).sum();
+        let reach: f64 = rows(&Propagation::of(&scene)).iter().map(|row| row[0].norm()).sum();
         // Half a unit of the sixth digit.
         assert!((balanced - p1).abs() < 5e-6 && (reach - p1).abs() < 5e-6, "{balanced} or {reach} for {p1}");
     }
@@ -181,7 +181,7 @@ fn p1_of_the_papers_arrays_has_its_six_digits() {
 fn targets_left_out_are_the_balanced_level() {
     for directivity in PATTERNS {
         let scene = crooked(directivity, 0.0, [0.0; 3], 0.9, 30);
-        let reach = oracle::reach(&gains(&scene));
+        let reach = oracle::reach(&propagation(&scene));
         let level = oracle::balanced_factor(&reach, &[1.0; 30], &[1.0; 30]);
         for &target in problem(&scene).pressures() {
             // f32 moduli are good to 2e-6 of the one straight ahead, their errors of random sign.
@@ -199,9 +199,9 @@ fn behind_a_baffle_all_is_silent() {
     for directivity in PATTERNS {
         let transducer = Transducer { directivity, ..Transducer::default() };
         let array = preset("paper20").with_transducer(transducer).expect("a transducer");
-        let gains = Gains::of(&scene(array, points.clone(), None));
-        let silent = rows(&gains).iter().flatten().all(|g| *g == Complex64::ZERO);
-        let exactly = (0..50).all(|j| gains.exact(j, 21) == Complex64::ZERO);
+        let propagation = Propagation::of(&scene(array, points.clone(), None));
+        let silent = rows(&propagation).iter().flatten().all(|g| *g == Complex64::ZERO);
+        let exactly = (0..50).all(|j| propagation.exact(j, 21) == Complex64::ZERO);
         let open = directivity == Directivity::Point;
         assert_eq!((silent, exactly), (!open, !open), "{directivity:?}");
     }
@@ -210,35 +210,40 @@ fn behind_a_baffle_all_is_silent() {
 #[test]
 fn an_entry_has_the_same_bits_whatever_the_number_of_points_and_the_memory() {
     let whole = crooked(Directivity::T4010a1, 0.15, [0.0; 3], 0.9, 67);
-    let all = rows(&Gains::of(&whole));
+    let all = rows(&Propagation::of(&whole));
     for count in 1..=67 {
         let points = whole.points()[..count].to_vec();
         let part =
             Scene::new(whole.array().clone(), whole.medium(), points, Request::default()).expect("a scene");
-        for (part, all) in rows(&Gains::of(&part)).iter().zip(&all) {
+        for (part, all) in rows(&Propagation::of(&part)).iter().zip(&all) {
             assert_eq!(part[..], all[..count], "M = {count}");
         }
     }
 }
 
 /// The exact matrix of a scene, as a user would hand it over.
-fn stored(scene: &Scene) -> Gains {
-    let gains = gains(scene);
+fn stored(scene: &Scene) -> Propagation {
+    let propagation = propagation(scene);
     let points = scene.points().len();
-    let entry = |k: usize| gains[k % gains.len()][k / gains.len()];
-    let matrix: Vec<Complex64> = (0..gains.len() * points).map(entry).collect();
-    Gains::from_matrix(&matrix, points).expect("a matrix")
+    let entry = |k: usize| propagation[k % propagation.len()][k / propagation.len()];
+    let matrix: Vec<Complex64> = (0..propagation.len() * points).map(entry).collect();
+    Propagation::from_matrix(&matrix, points).expect("a matrix")
 }
 
 #[test]
 fn stored_rows_are_the_users_matrix_at_every_count() {
     for count in 1..=67 {
         let scene = crooked(Directivity::Cos(1.0), 0.0, [0.0; 3], 0.9, count);
-        let gains = stored(&scene);
-        assert_eq!((gains.transducers(), gains.points(), gains.positions()), (36, count, None));
-        for (i, (found, exact)) in rows(&gains).iter().zip(crate::scenes::gains(&scene)).enumerate() {
+        let propagation = stored(&scene);
+        assert_eq!(
+            (propagation.transducers(), propagation.points(), propagation.positions()),
+            (36, count, None)
+        );
+        for (i, (found, exact)) in
+            rows(&propagation).iter().zip(crate::scenes::propagation(&scene)).enumerate()
+        {
             for (j, (found, exact)) in found.iter().zip(exact).enumerate() {
-                assert_eq!(gains.exact(j, i), exact);
+                assert_eq!(propagation.exact(j, i), exact);
                 // Each part is rounded to f32 once.
                 assert!((found - exact).norm() <= 1e-7 * exact.norm(), "{found} for {exact}");
             }
@@ -252,7 +257,7 @@ fn a_stored_matrix_gets_the_answer_of_the_computed_one() {
         let scene = scene(preset("paper20"), random_points(count, 0.1, seed), None);
         let computed = problem(&scene);
         let request = Request { pressures: Some(computed.pressures().to_vec()), weights: None };
-        let stored = Problem::with_gains(stored(&scene), &request).expect("a problem");
+        let stored = Problem::with_propagation(stored(&scene), &request).expect("a problem");
         let order = Order::Given(Rng::new(seed).permutation(400));
         let greedy = Greedy { order, ..Greedy::default() };
         let solve = |problem: &Problem| {
@@ -271,20 +276,21 @@ fn a_stored_matrix_gets_the_answer_of_the_computed_one() {
 #[test]
 fn a_matrix_that_is_none_is_refused_by_name() {
     let one = Complex64::ONE;
-    let message =
-        |matrix: &[Complex64], points| Gains::from_matrix(matrix, points).expect_err("refused").to_string();
+    let message = |matrix: &[Complex64], points| {
+        Propagation::from_matrix(matrix, points).expect_err("refused").to_string()
+    };
     for (matrix, points) in [(&[][..], 1), (&[one; 4][..], 0), (&[one; 4][..], 3)] {
-        assert!(message(matrix, points).starts_with("gains is"), "{}", message(matrix, points));
+        assert!(message(matrix, points).starts_with("propagation is"), "{}", message(matrix, points));
     }
     for bad in [Complex64::new(f64::NAN, 0.0), Complex64::new(0.0, f64::INFINITY)] {
         let text = message(&[one, one, one, one, one, bad], 2);
-        assert!(text.starts_with("gains[1, 2] is"), "{text}");
+        assert!(text.starts_with("propagation[1, 2] is"), "{text}");
     }
 }
 
 #[test]
 #[should_panic(expected = "a row is M padded to 16 long")]
 fn a_row_of_another_length_is_refused() {
-    let gains = Gains::of(&scene(preset("paper20"), random_points(3, 0.1, 1), None));
-    gains.row(0, &mut [0.0; 3], &mut [0.0; 3]);
+    let propagation = Propagation::of(&scene(preset("paper20"), random_points(3, 0.1, 1), None));
+    propagation.row(0, &mut [0.0; 3], &mut [0.0; 3]);
 }

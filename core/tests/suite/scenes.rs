@@ -61,9 +61,9 @@ pub(crate) fn model(scene: &Scene) -> oracle::Model {
     }
 }
 
-/// The oracle's gains of a scene, transducer-major.
-pub(crate) fn gains(scene: &Scene) -> Vec<Vec<Complex64>> {
-    oracle::gains(&model(scene), scene.points())
+/// The oracle's propagation of a scene, transducer-major.
+pub(crate) fn propagation(scene: &Scene) -> Vec<Vec<Complex64>> {
+    oracle::propagation(&model(scene), scene.points())
 }
 
 /// A problem's targets in Pa.

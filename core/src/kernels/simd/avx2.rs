@@ -9,7 +9,8 @@ use core::arch::x86_64::{
     _mm256_set1_epi32, _mm256_set1_ps, _mm256_slli_epi32, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_sub_ps,
 };
 
-use super::{Lanes, Simd};
+use crate::kernels::lanes::Lanes;
+use crate::kernels::simd::Simd;
 
 /// AVX2 and FMA are there.
 #[derive(Clone, Copy, Debug)]
@@ -88,20 +89,20 @@ impl Simd for Avx2 {
         min(a, b) = _mm256_min_ps(a, b);
         max(a, b) = _mm256_max_ps(a, b);
         abs(a) = _mm256_and_ps(a, _mm256_castsi256_ps(_mm256_set1_epi32(0x7fff_ffff)));
-        whole(a) = _mm256_round_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(a);
-        power(a) = {
+        round(a) = _mm256_round_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(a);
+        exp2(a) = {
             let exponent = _mm256_add_epi32(_mm256_cvtps_epi32(a), _mm256_set1_epi32(127));
             _mm256_castsi256_ps(_mm256_slli_epi32::<23>(exponent))
         };
         // The estimate of AVX differs between makers; root and quotient do not, and measure faster than the
         // exponent's bits with steps of Newton.
-        guess(a) = _mm256_div_ps(_mm256_set1_ps(1.0), _mm256_sqrt_ps(a));
+        rsqrt_estimate(a) = _mm256_div_ps(_mm256_set1_ps(1.0), _mm256_sqrt_ps(a));
         select_less(a, b, x, y) =
             _mm256_blendv_ps(y, x, _mm256_cmp_ps::<_CMP_LT_OQ>(a, b));
     }
 
     #[inline(always)]
-    fn roots(self, a: Pair) -> (Pair, Pair) {
+    fn sqrt_rsqrt(self, a: Pair) -> (Pair, Pair) {
         // SAFETY: the token proves that the CPU has AVX.
         unsafe {
             let (first, second) = (_mm256_sqrt_ps(a[0]), _mm256_sqrt_ps(a[1]));
@@ -111,8 +112,8 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn inverse_root(self, a: Pair) -> Pair {
-        self.guess(a)
+    fn rsqrt(self, a: Pair) -> Pair {
+        self.rsqrt_estimate(a)
     }
 
     #[inline(always)]
@@ -131,7 +132,7 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn sum(self, [low, high]: Pair) -> f32 {
+    fn reduce_add(self, [low, high]: Pair) -> f32 {
         // SAFETY: the token proves that the CPU has AVX.
         unsafe {
             let eight = _mm256_add_ps(low, high);
@@ -142,7 +143,7 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn greatest(self, [low, high]: Pair) -> f32 {
+    fn reduce_max(self, [low, high]: Pair) -> f32 {
         // SAFETY: the token proves that the CPU has AVX.
         unsafe {
             let eight = _mm256_max_ps(low, high);
@@ -153,7 +154,7 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn look_up(self, table: &Lanes, index: Pair) -> Pair {
+    fn gather(self, table: &Lanes, index: Pair) -> Pair {
         let [first, second] = self.load(table);
         macro_rules! look {
             ($index:expr) => {{

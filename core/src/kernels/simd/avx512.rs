@@ -9,7 +9,8 @@ use core::arch::x86_64::{
     _mm512_unpackhi_ps, _mm512_unpacklo_ps,
 };
 
-use super::{LANES, Lanes, Simd};
+use crate::kernels::lanes::{LANES, Lanes};
+use crate::kernels::simd::Simd;
 
 /// AVX-512F and DQ are there.
 #[derive(Clone, Copy, Debug)]
@@ -59,39 +60,39 @@ impl Simd for Avx512 {
         min(a: __m512, b: __m512) -> __m512 = _mm512_min_ps(a, b);
         max(a: __m512, b: __m512) -> __m512 = _mm512_max_ps(a, b);
         abs(a: __m512) -> __m512 = _mm512_abs_ps(a);
-        whole(a: __m512) -> __m512 = _mm512_roundscale_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(a);
-        fraction(a: __m512) -> __m512 = _mm512_reduce_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(a);
-        power(a: __m512) -> __m512 = _mm512_scalef_ps(_mm512_set1_ps(1.0), a);
-        guess(a: __m512) -> __m512 = _mm512_rsqrt14_ps(a);
+        round(a: __m512) -> __m512 = _mm512_roundscale_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(a);
+        fract(a: __m512) -> __m512 = _mm512_reduce_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(a);
+        exp2(a: __m512) -> __m512 = _mm512_scalef_ps(_mm512_set1_ps(1.0), a);
+        rsqrt_estimate(a: __m512) -> __m512 = _mm512_rsqrt14_ps(a);
         select_less(a: __m512, b: __m512, x: __m512, y: __m512) -> __m512 =
             _mm512_mask_blend_ps(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b), y, x);
         less(a: __m512, b: __m512) -> u32 = u32::from(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b));
         swap_halves(a: __m512) -> __m512 = _mm512_shuffle_f32x4::<0b01_00_11_10>(a, a);
-        sum(a: __m512) -> f32 = {
+        reduce_add(a: __m512) -> f32 = {
             let eight = _mm512_add_ps(a, _mm512_shuffle_f32x4::<0b01_00_11_10>(a, a));
             let four = _mm512_add_ps(eight, _mm512_shuffle_f32x4::<0b10_11_00_01>(eight, eight));
             let two = _mm512_add_ps(four, _mm512_shuffle_ps::<0b01_00_11_10>(four, four));
             let one = _mm512_add_ps(two, _mm512_shuffle_ps::<0b10_11_00_01>(two, two));
             _mm512_cvtss_f32(one)
         };
-        least(a: __m512) -> __m512 = {
+        reduce_min(a: __m512) -> __m512 = {
             let eight = _mm512_min_ps(a, _mm512_shuffle_f32x4::<0b01_00_11_10>(a, a));
             let four = _mm512_min_ps(eight, _mm512_shuffle_f32x4::<0b10_11_00_01>(eight, eight));
             let two = _mm512_min_ps(four, _mm512_shuffle_ps::<0b01_00_11_10>(four, four));
             _mm512_min_ps(two, _mm512_shuffle_ps::<0b10_11_00_01>(two, two))
         };
-        greatest(a: __m512) -> f32 = {
+        reduce_max(a: __m512) -> f32 = {
             let eight = _mm512_max_ps(a, _mm512_shuffle_f32x4::<0b01_00_11_10>(a, a));
             let four = _mm512_max_ps(eight, _mm512_shuffle_f32x4::<0b10_11_00_01>(eight, eight));
             let two = _mm512_max_ps(four, _mm512_shuffle_ps::<0b01_00_11_10>(four, four));
             _mm512_cvtss_f32(_mm512_max_ps(two, _mm512_shuffle_ps::<0b10_11_00_01>(two, two)))
         };
-        look_up(table: &Lanes, index: __m512) -> __m512 =
+        gather(table: &Lanes, index: __m512) -> __m512 =
             _mm512_permutexvar_ps(_mm512_cvtps_epi32(index), _mm512_loadu_ps(table.as_ptr()));
     }
 
     #[inline(always)]
-    fn sums(self, vectors: &[__m512; LANES]) -> __m512 {
+    fn reduce_add_each(self, vectors: &[__m512; LANES]) -> __m512 {
         // Each fold adds the halves of two vectors, then quarters, pairs and neighbours, until 16 vectors are one.
         // The folds deal the vectors out, neighbouring bits of their number swapped. (Closures would not be
         // compiled for AVX-512.)

@@ -1,4 +1,4 @@
-//! Sixteen numbers at once, whatever the machine's registers hold.
+//! PointGroup numbers at once, whatever the machine's registers hold.
 //!
 //! [`Simd`] is the whole vocabulary of the kernels: each is written once over it. A value that implements it is a
 //! token: it exists only where its instructions do, which is what makes the `unsafe` blocks of these files sound.
@@ -10,14 +10,15 @@
 pub(crate) mod avx2;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod avx512;
+pub(crate) mod instruction_set;
 #[cfg(target_arch = "aarch64")]
 pub(crate) mod neon;
-mod scalar;
+pub(crate) mod scalar;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 pub(crate) mod simd128;
 
-use super::{LANES, Lanes};
-pub(crate) use scalar::Scalar;
+use crate::kernels::lanes::{LANES, Lanes};
+pub(crate) use crate::kernels::simd::scalar::Scalar;
 
 /// Squares below it count as 0: the remainders of their roots would be denormal, at a hundred cycles each on some
 /// machines.
@@ -25,7 +26,7 @@ pub(crate) const TINY: f32 = 1e-28;
 
 /// Operations on 16 lanes.
 pub(crate) trait Simd: Copy {
-    /// Sixteen f32.
+    /// PointGroup f32.
     type V: Copy;
 
     /// Runs `f` compiled for this token's instructions; `f` must be `#[inline(always)]`.
@@ -47,16 +48,16 @@ pub(crate) trait Simd: Copy {
     fn max(self, a: Self::V, b: Self::V) -> Self::V;
     fn abs(self, a: Self::V) -> Self::V;
     /// The nearest integer of |a| < 2^22, ties to even.
-    fn whole(self, a: Self::V) -> Self::V;
+    fn round(self, a: Self::V) -> Self::V;
     /// a less its nearest integer, for |a| < 2^22.
     #[inline(always)]
-    fn fraction(self, a: Self::V) -> Self::V {
-        self.sub(a, self.whole(a))
+    fn fract(self, a: Self::V) -> Self::V {
+        self.sub(a, self.round(a))
     }
     /// 2^a of integers a in -126..=127.
-    fn power(self, a: Self::V) -> Self::V;
+    fn exp2(self, a: Self::V) -> Self::V;
     /// 1/sqrt(a) with a relative error below 7e-5, of normal a > 0.
-    fn guess(self, a: Self::V) -> Self::V;
+    fn rsqrt_estimate(self, a: Self::V) -> Self::V;
     /// x where a < b, else y.
     fn select_less(self, a: Self::V, b: Self::V, x: Self::V, y: Self::V) -> Self::V;
     /// Bit l is set where a < b.
@@ -66,15 +67,15 @@ pub(crate) trait Simd: Copy {
 
     /// The sum over lanes: halves upon halves.
     #[inline(always)]
-    fn sum(self, a: Self::V) -> f32 {
+    fn reduce_add(self, a: Self::V) -> f32 {
         let mut lanes = [0.0; LANES];
         self.store(a, &mut lanes);
-        sum(&lanes)
+        reduce_add(&lanes)
     }
 
     /// The greatest lane, if none is NaN.
     #[inline(always)]
-    fn greatest(self, a: Self::V) -> f32 {
+    fn reduce_max(self, a: Self::V) -> f32 {
         let mut lanes = [0.0; LANES];
         self.store(a, &mut lanes);
         lanes.into_iter().fold(f32::NEG_INFINITY, |a, b| if a > b { a } else { b })
@@ -82,16 +83,16 @@ pub(crate) trait Simd: Copy {
 
     /// The least lane, in all lanes, if none is NaN.
     #[inline(always)]
-    fn least(self, a: Self::V) -> Self::V {
-        self.splat(-self.greatest(self.sub(self.splat(0.0), a)))
+    fn reduce_min(self, a: Self::V) -> Self::V {
+        self.splat(-self.reduce_max(self.sub(self.splat(0.0), a)))
     }
 
-    /// Lane k is the sum over the lanes of vector k, the same tree as [`Simd::sum`].
+    /// Lane k is the sum over the lanes of vector k, the same tree as [`Simd::reduce_add`].
     #[inline(always)]
-    fn sums(self, vectors: &[Self::V; LANES]) -> Self::V {
+    fn reduce_add_each(self, vectors: &[Self::V; LANES]) -> Self::V {
         let mut lanes = [0.0; LANES];
         for (lane, vector) in lanes.iter_mut().zip(vectors) {
-            *lane = self.sum(*vector);
+            *lane = self.reduce_add(*vector);
         }
         self.load(&lanes)
     }
@@ -108,7 +109,7 @@ pub(crate) trait Simd: Copy {
 
     /// `table[index]`, for indices that are whole numbers in 0..16.
     #[inline(always)]
-    fn look_up(self, table: &Lanes, index: Self::V) -> Self::V {
+    fn gather(self, table: &Lanes, index: Self::V) -> Self::V {
         let mut lanes = [0.0; LANES];
         self.store(index, &mut lanes);
         self.load(&lanes.map(|index| table[index as usize % LANES]))
@@ -117,8 +118,8 @@ pub(crate) trait Simd: Copy {
     /// sqrt(a) and 1/sqrt(a) of a >= [`TINY`], each within two roundings: one step of Newton from the guess for
     /// each, with their own remainders.
     #[inline(always)]
-    fn roots(self, a: Self::V) -> (Self::V, Self::V) {
-        let guess = self.guess(a);
+    fn sqrt_rsqrt(self, a: Self::V) -> (Self::V, Self::V) {
+        let guess = self.rsqrt_estimate(a);
         let root = self.mul(a, guess);
         let half = self.mul(guess, self.splat(0.5));
         let (miss, other) = (self.fnma(root, root, a), self.fnma(root, guess, self.splat(1.0)));
@@ -127,8 +128,8 @@ pub(crate) trait Simd: Copy {
 
     /// 1/sqrt(a) alone.
     #[inline(always)]
-    fn inverse_root(self, a: Self::V) -> Self::V {
-        let guess = self.guess(a);
+    fn rsqrt(self, a: Self::V) -> Self::V {
+        let guess = self.rsqrt_estimate(a);
         let (root, half) = (self.mul(a, guess), self.mul(guess, self.splat(0.5)));
         self.fma(half, self.fnma(root, guess, self.splat(1.0)), guess)
     }
@@ -136,7 +137,7 @@ pub(crate) trait Simd: Copy {
 
 /// The sum over lanes, halves upon halves: a fixed tree, so that its rounding is part of the contract.
 #[inline(always)]
-pub(crate) fn sum(lanes: &Lanes) -> f32 {
+pub(crate) fn reduce_add(lanes: &Lanes) -> f32 {
     let eight: [f32; 8] = core::array::from_fn(|l| lanes[l] + lanes[l + 8]);
     let four: [f32; 4] = core::array::from_fn(|l| eight[l] + eight[l + 4]);
     (four[0] + four[2]) + (four[1] + four[3])
@@ -145,7 +146,7 @@ pub(crate) fn sum(lanes: &Lanes) -> f32 {
 /// 1/sqrt(x) by the exponent's bits, relative error below 3.5e-2, made 5e-6 by two steps of Newton: the same bits
 /// on every machine, unlike the estimates of SSE. `x` and the subtraction of integers are all it needs.
 #[inline(always)]
-pub(crate) fn guess(x: f32) -> f32 {
+pub(crate) fn rsqrt_estimate(x: f32) -> f32 {
     let half = 0.5 * x;
     let y = f32::from_bits(0x5f37_5a86_u32.wrapping_sub(x.to_bits() >> 1));
     let y = y * (1.5 - half * y * y);

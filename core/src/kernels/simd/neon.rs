@@ -6,7 +6,8 @@ use core::arch::aarch64::{
     vrndnq_f32, vrsqrteq_f32, vrsqrtsq_f32, vshlq_n_s32, vst1q_f32, vsubq_f32,
 };
 
-use super::{Lanes, Simd};
+use crate::kernels::lanes::Lanes;
+use crate::kernels::simd::Simd;
 
 /// NEON is there.
 #[derive(Clone, Copy, Debug)]
@@ -75,10 +76,10 @@ impl Simd for Neon {
         min(a, b) = vbslq_f32(vcltq_f32(a, b), a, b);
         max(a, b) = vbslq_f32(vcltq_f32(b, a), a, b);
         abs(a) = vabsq_f32(a);
-        whole(a) = vrndnq_f32(a);
-        power(a) = vreinterpretq_f32_s32(vshlq_n_s32::<23>(vaddq_s32(vcvtq_s32_f32(a), vdupq_n_s32(127))));
+        round(a) = vrndnq_f32(a);
+        exp2(a) = vreinterpretq_f32_s32(vshlq_n_s32::<23>(vaddq_s32(vcvtq_s32_f32(a), vdupq_n_s32(127))));
         // Eight bits, whose rounding ARM prescribes, and a step of Newton.
-        guess(a) = {
+        rsqrt_estimate(a) = {
             let y = vrsqrteq_f32(a);
             vmulq_f32(y, vrsqrtsq_f32(vmulq_f32(a, y), y))
         };

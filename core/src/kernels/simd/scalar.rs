@@ -2,9 +2,10 @@
 
 use core::array::from_fn;
 
-use super::{Lanes, Simd, guess};
+use crate::kernels::lanes::Lanes;
+use crate::kernels::simd::{Simd, rsqrt_estimate};
 
-/// The level that is always there. Products and sums are rounded apart.
+/// The set that is always there. Products and sums are rounded apart.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scalar;
 
@@ -75,19 +76,19 @@ impl Simd for Scalar {
     }
 
     #[inline(always)]
-    fn whole(self, a: Lanes) -> Lanes {
+    fn round(self, a: Lanes) -> Lanes {
         from_fn(|l| (a[l] + ROUND) - ROUND)
     }
 
     #[inline(always)]
-    fn power(self, a: Lanes) -> Lanes {
+    fn exp2(self, a: Lanes) -> Lanes {
         // The exponent's bits.
         from_fn(|l| f32::from_bits(((a[l] as i32 + 127) as u32) << 23))
     }
 
     #[inline(always)]
-    fn guess(self, a: Lanes) -> Lanes {
-        a.map(guess)
+    fn rsqrt_estimate(self, a: Lanes) -> Lanes {
+        a.map(rsqrt_estimate)
     }
 
     #[inline(always)]

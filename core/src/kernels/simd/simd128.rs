@@ -1,6 +1,6 @@
 //! Four registers of WebAssembly's fixed-width SIMD, where the whole program is compiled for it.
 //!
-//! Nothing is fused and the guess is the scalar one, so the bits are those of the scalar level.
+//! Nothing is fused and the guess is the scalar one, so the bits are those of the scalar set.
 
 use core::arch::wasm32::{
     f32x4_abs, f32x4_add, f32x4_lt, f32x4_mul, f32x4_nearest, f32x4_pmax, f32x4_pmin, f32x4_splat, f32x4_sub,
@@ -8,7 +8,8 @@ use core::arch::wasm32::{
     v128_bitselect, v128_load, v128_store,
 };
 
-use super::{Lanes, Simd};
+use crate::kernels::lanes::Lanes;
+use crate::kernels::simd::Simd;
 
 /// simd128 is there.
 #[derive(Clone, Copy, Debug)]
@@ -73,9 +74,9 @@ impl Simd for Simd128 {
         min(a, b) = f32x4_pmin(b, a);
         max(a, b) = f32x4_pmax(b, a);
         abs(a) = f32x4_abs(a);
-        whole(a) = f32x4_nearest(a);
-        power(a) = i32x4_shl(i32x4_add(i32x4_trunc_sat_f32x4(a), i32x4_splat(127)), 23);
-        guess(a) = {
+        round(a) = f32x4_nearest(a);
+        exp2(a) = i32x4_shl(i32x4_add(i32x4_trunc_sat_f32x4(a), i32x4_splat(127)), 23);
+        rsqrt_estimate(a) = {
             let half = f32x4_mul(a, f32x4_splat(0.5));
             let y = i32x4_sub(i32x4_splat(0x5f37_5a86), u32x4_shr(a, 1));
             let three_halves = f32x4_splat(1.5);
@@ -107,16 +108,26 @@ mod tests {
     use alloc::vec;
     use alloc::vec::Vec;
 
+    use crate::Complex32;
+    use crate::control::Control;
+    use crate::kernels::simd::instruction_set::InstructionSet;
+    use crate::problem::Problem;
+    use crate::propagation::Propagation;
+    use crate::scene::array::Array;
+    use crate::scene::medium::Medium;
+    use crate::scene::transducer::Directivity;
+    use crate::scene::transducer::Transducer;
+    use crate::scene::{Request, Scene};
     use crate::solvers::{Entry, SOLVERS};
-    use crate::{Array, Complex32, Control, Directivity, Gains, Level, Medium};
-    use crate::{Problem, Request, Scene, Transducer, Workspace};
+    use crate::workspace::Workspace;
 
     /// Drive and pressures of a method with its defaults.
-    fn answer(entry: &Entry, scene: &Scene, level: Level) -> Vec<[u32; 2]> {
-        let gains = Gains::of(scene).with_level(level);
-        let problem = Problem::with_gains(gains, scene.request()).expect("a problem");
+    fn answer(entry: &Entry, scene: &Scene, set: InstructionSet) -> Vec<[u32; 2]> {
+        let propagation = Propagation::of(scene).with_level(set);
+        let problem = Problem::with_propagation(propagation, scene.request()).expect("a problem");
         let solver = entry.configure(&BTreeMap::new()).expect("defaults").solver;
-        let solution = crate::solve(&problem, &*solver, true, &mut Workspace::new(), &mut Control::none());
+        let solution =
+            crate::solvers::solve(&problem, &*solver, true, &mut Workspace::new(), &mut Control::none());
         let solution = solution.expect("an answer");
         let bits = |z: &Complex32| [z.re.to_bits(), z.im.to_bits()];
         solution.drive.iter().chain(&solution.pressures).map(bits).collect()
@@ -137,8 +148,9 @@ mod tests {
             let scene = Scene::new(array.expect("an array"), medium, points, request).expect("a scene");
             for entry in SOLVERS {
                 let name = entry.info.name;
-                let [simd, scalar] = [Level::best(), Level::SCALAR].map(|level| answer(entry, &scene, level));
-                assert!(simd == scalar, "{name}, {directivity:?}: not the bits of the scalar level");
+                let [simd, scalar] =
+                    [InstructionSet::best(), InstructionSet::SCALAR].map(|set| answer(entry, &scene, set));
+                assert!(simd == scalar, "{name}, {directivity:?}: not the bits of the scalar set");
             }
         }
     }

@@ -1,15 +1,17 @@
-//! The factor and its solves against the matrix they come from, at every level and size.
+//! The factor and its solves against the matrix they come from, at every set and size.
 
 use alloc::vec;
 use alloc::vec::Vec;
 
-use super::super::{LANES, Level, cholesky, padded};
-use super::{LENGTHS, numbers, wide};
+use crate::kernels::cholesky;
+use crate::kernels::lanes::{LANES, padded};
+use crate::kernels::simd::instruction_set::InstructionSet;
+use crate::kernels::tests::{LENGTHS, numbers, wide};
 use crate::rng::Rng;
 
 #[test]
 fn a_system_is_solved_at_every_size() {
-    for level in Level::all() {
+    for set in InstructionSet::all() {
         for size in LENGTHS {
             let mut rng = Rng::new(size as u64);
             let lanes = padded(size);
@@ -25,29 +27,29 @@ fn a_system_is_solved_at_every_size() {
                 (k..lanes)
                     .for_each(|l| matrix[k * lanes + l] = if l < size { entry(k, l) as f32 } else { 0.0 });
             }
-            assert!(cholesky::factor(level, &mut matrix, size), "{level} {size}");
+            assert!(cholesky::factor(set, &mut matrix, size), "{set} {size}");
             let wanted = numbers(&mut rng, size, -1.0, 1.0);
             let mut x = wanted.clone();
-            cholesky::solve(level, &matrix, &mut x);
+            cholesky::solve(set, &matrix, &mut x);
             for k in 0..size {
                 let got: f64 = (0..size).map(|l| entry(k, l) * wide(x[l])).sum();
                 // Backward stable: f32 rounding times the size of the matrix, some size^2 at most, and of x, at most 1.
                 let allowed = 1e-6 * (size * size + 10) as f64;
-                assert!((got - wide(wanted[k])).abs() <= allowed, "{level} {size}: {got} for {}", wanted[k]);
+                assert!((got - wide(wanted[k])).abs() <= allowed, "{set} {size}: {got} for {}", wanted[k]);
             }
-            assert!(x[size..].iter().all(|&x| x == 0.0), "{level} {size}: the padding");
+            assert!(x[size..].iter().all(|&x| x == 0.0), "{set} {size}: the padding");
         }
     }
 }
 
 #[test]
 fn what_is_not_positive_definite_is_refused() {
-    for level in Level::all() {
+    for set in InstructionSet::all() {
         // 1 on the diagonal and 1 beside it.
         let mut matrix = vec![0.0; 20 * padded(20)];
         (0..20).for_each(|k| matrix[k * padded(20) + k] = 1.0);
-        assert!(cholesky::factor(level, &mut matrix.clone(), 20));
+        assert!(cholesky::factor(set, &mut matrix.clone(), 20));
         matrix[18 * padded(20) + 19] = 1.0;
-        assert!(!cholesky::factor(level, &mut matrix, 20), "{level}: {LANES}");
+        assert!(!cholesky::factor(set, &mut matrix, 20), "{set}: {LANES}");
     }
 }

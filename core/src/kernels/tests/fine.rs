@@ -6,14 +6,14 @@ use core::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use super::super::energies::Energies;
-use super::super::fine;
-use super::super::level::{Level, dispatch};
-use super::super::moments::Moments;
-use super::super::search::{Candidates, L2};
-use super::super::{LANES, padded};
-use super::search::{Scene, least, tolerance};
-use super::{ROUNDING, assert_near, wide};
+use crate::kernels::greedy::energies::Energies;
+use crate::kernels::greedy::large_grid;
+use crate::kernels::greedy::moments::Moments;
+use crate::kernels::greedy::search::{Candidates, L2};
+use crate::kernels::lanes::{LANES, padded};
+use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::tests::search::{Scene, least, tolerance};
+use crate::kernels::tests::{ROUNDING, assert_near, wide};
 use crate::rng::Rng;
 
 /// Amplitudes as uneven as a device's table may be.
@@ -34,11 +34,11 @@ fn scene(seed: u64, count: usize, loud: f64) -> Scene {
 
 /// Calls `check` with the energies of a turn.
 macro_rules! with_energies {
-    ($level:expr, $scene:expr, $candidates:expr, |$s:ident, $energies:ident| $check:expr) => {{
-        let (kept, energy) = $scene.kept($level);
+    ($set:expr, $scene:expr, $candidates:expr, |$s:ident, $energies:ident| $check:expr) => {{
+        let (kept, energy) = $scene.kept($set);
         let points = $scene.points(&kept);
         let mut near = vec![0; padded($scene.count)];
-        dispatch!($level, s => {
+        dispatch!($set, s => {
             let mut lane = [0.0; LANES];
             lane[0] = energy;
             let (moments, nearby) = Moments::new::<_, true>(s, &kept, points.gain, s.load(&lane), &mut near);
@@ -63,14 +63,14 @@ fn drives(seed: u64) -> [[f32; LANES]; 2] {
 #[test]
 fn the_fourth_order_misses_by_its_remainder_and_differences_by_their_distance() {
     let candidates = grid(64, 1);
-    for level in Level::all() {
+    for set in InstructionSet::all() {
         for count in [1, 2, 5, 16, 17, 40, 67, 300] {
             for loud in [0.5, 3.0, 10.0, 100.0] {
                 let scene = scene(count as u64, count, loud);
                 let [re, im] = drives(7);
                 let mut found = [0.0; LANES];
                 let (remainder, steep, rounding, near) =
-                    with_energies!(level, scene, &candidates, |s, energies| {
+                    with_energies!(set, scene, &candidates, |s, energies| {
                         s.store(energies.moments.fine_change(s, s.load(&re), s.load(&im)), &mut found);
                         let moments = energies.moments;
                         (
@@ -90,14 +90,14 @@ fn the_fourth_order_misses_by_its_remainder_and_differences_by_their_distance() 
                 for a in 0..LANES {
                     assert!(
                         miss[a].abs() <= wide(remainder + rounding),
-                        "{level}: M = {count}, loud {loud}: {miss:?}"
+                        "{set}: M = {count}, loud {loud}: {miss:?}"
                     );
                     for b in 0..a {
                         let apart = f64::hypot(wide(re[a] - re[b]), wide(im[a] - im[b]));
                         let allowed = wide(steep) * apart + wide(rounding);
                         assert!(
                             (miss[a] - miss[b]).abs() <= allowed,
-                            "{level}: M = {count}, loud {loud}: {miss:?}"
+                            "{set}: M = {count}, loud {loud}: {miss:?}"
                         );
                     }
                 }
@@ -126,13 +126,13 @@ fn truncated(scene: &Scene, j: usize, q: Complex64) -> f64 {
 #[test]
 fn the_fourth_order_is_the_series() {
     let candidates = grid(64, 1);
-    for level in Level::all() {
+    for set in InstructionSet::all() {
         for count in [1, 2, 5, 16, 17, 40, 67] {
             for loud in [1.0, 3.0, 10.0] {
                 let scene = scene(count as u64, count, loud);
                 let [re, im] = drives(8);
                 let mut found = [0.0; LANES];
-                let (rounding, near) = with_energies!(level, scene, &candidates, |s, energies| {
+                let (rounding, near) = with_energies!(set, scene, &candidates, |s, energies| {
                     s.store(energies.moments.fine_change(s, s.load(&re), s.load(&im)), &mut found);
                     (energies.moments.rounding(1.0), energies.near.to_vec())
                 });
@@ -151,12 +151,12 @@ fn the_fourth_order_is_the_series() {
 fn lower_amplitudes_and_the_second_derivative_are_bounded() {
     const STEPS: usize = 256;
     let candidates = grid(64, 1);
-    for level in Level::all() {
+    for set in InstructionSet::all() {
         for count in [1, 2, 5, 17, 67] {
             for loud in [0.05, 0.5, 3.0, 30.0] {
                 let scene = scene(count as u64, count, loud);
                 let change = |a: f64| -> (Vec<f64>, [f64; 3]) {
-                    with_energies!(level, scene, &candidates, |s, energies| {
+                    with_energies!(set, scene, &candidates, |s, energies| {
                         let at = |step: usize| (TAU * step as f64 / STEPS as f64).sin_cos();
                         let mut found = Vec::new();
                         for step in 0..STEPS {
@@ -177,7 +177,7 @@ fn lower_amplitudes_and_the_second_derivative_are_bounded() {
                         let middle = full[(step + half) % STEPS];
                         assert!(
                             middle >= 0.5 * (v + w) - dip - 2.0 * rounding,
-                            "{level}: M = {count}, loud {loud}"
+                            "{set}: M = {count}, loud {loud}"
                         );
                     }
                 }
@@ -187,7 +187,7 @@ fn lower_amplitudes_and_the_second_derivative_are_bounded() {
                         let bound = a * full - a * (1.0 - a) * bow - 2.0 * rounding;
                         assert!(
                             lower >= bound,
-                            "{level}: M = {count}, loud {loud}, a = {a}: {lower} < {bound}"
+                            "{set}: M = {count}, loud {loud}, a = {a}: {lower} < {bound}"
                         );
                     }
                 }
@@ -197,12 +197,12 @@ fn lower_amplitudes_and_the_second_derivative_are_bounded() {
 }
 
 /// The candidate that a search of the grid finds, and what rounding leaves open.
-fn best(level: Level, scene: &Scene, candidates: &Candidates, matters: f32) -> (Option<usize>, f32) {
-    with_energies!(level, scene, candidates, |s, energies| {
-        let mut floats = vec![f32::NAN; fine::floats(candidates.phases)];
-        let mut close = vec![u32::MAX; fine::list(candidates.phases)];
+fn best(set: InstructionSet, scene: &Scene, candidates: &Candidates, matters: f32) -> (Option<usize>, f32) {
+    with_energies!(set, scene, candidates, |s, energies| {
+        let mut floats = vec![f32::NAN; large_grid::floats(candidates.phases)];
+        let mut close = vec![u32::MAX; large_grid::list(candidates.phases)];
         let Energies { points, moments, near, .. } = energies;
-        let found = fine::best(s, points, moments, near, candidates, matters, &mut floats, &mut close);
+        let found = large_grid::best(s, points, moments, near, candidates, matters, &mut floats, &mut close);
         (found, energies.rounding())
     })
 }
@@ -211,19 +211,19 @@ fn assert_best(scene: &Scene, phases: usize, amplitudes: usize) {
     let candidates = grid(phases, amplitudes);
     let least = least::<L2>(scene, &candidates, false);
     let silence: f64 = scene.count as f64;
-    for level in Level::all() {
+    for set in InstructionSet::all() {
         for matters in [0.0, 1e-4 * silence] {
-            let (index, rounding) = best(level, scene, &candidates, matters as f32);
+            let (index, rounding) = best(set, scene, &candidates, matters as f32);
             let bounds: f64 = (0..scene.count).map(|j| scene.bound::<L2>(j)).sum();
             // What need not be told, the tolerance of ties and a term's few roundings as in the exact search, and
             // the rounding of the polynomial.
-            let exact = wide(tolerance::<L2>(level, scene)) + 12.0 * ROUNDING * bounds;
+            let exact = wide(tolerance::<L2>(set, scene)) + 12.0 * ROUNDING * bounds;
             let index = index.expect("a transducer that has an effect");
             let regret = scene.total::<L2>(candidates.drive(index)) - least;
             let allowed = matters + exact + 3.0 * wide(rounding);
             assert!(
                 regret <= allowed,
-                "{level}: M = {}, L = {phases}, K = {amplitudes}: {regret:e} > {allowed:e}",
+                "{set}: M = {}, L = {phases}, K = {amplitudes}: {regret:e} > {allowed:e}",
                 scene.count
             );
         }
@@ -267,23 +267,23 @@ fn where_every_point_has_its_target_the_first_moment_tells_nothing() {
 fn more_rivals_than_a_list_holds_are_decided_all_the_same() {
     // A point that the transducer hardly moves: every candidate is within rounding of every other, and of 16 rings
     // of 256 phases none is passed over.
-    for level in Level::all() {
+    for set in InstructionSet::all() {
         let mut scene = scene(3, 2, 1e4);
         scene.target.fill(1e4);
         let candidates = grid(256, 16);
-        let (index, rounding) = best(level, &scene, &candidates, 0.0);
+        let (index, rounding) = best(set, &scene, &candidates, 0.0);
         let index = index.expect("a transducer that has an effect");
         let regret = scene.total::<L2>(candidates.drive(index)) - least::<L2>(&scene, &candidates, false);
-        assert!(regret <= 3.0 * wide(rounding), "{level}: {regret:e}");
+        assert!(regret <= 3.0 * wide(rounding), "{set}: {regret:e}");
     }
 }
 
 #[test]
 fn a_transducer_that_reaches_no_point_has_no_best() {
-    for level in Level::all() {
+    for set in InstructionSet::all() {
         let mut scene = scene(3, 20, 1.0);
         scene.gain.iter_mut().for_each(|part| part.fill(0.0));
-        assert_eq!(best(level, &scene, &grid(256, 16), 0.0).0, None);
-        assert_eq!(best(level, &scene, &grid(256, 16), 1.0).0, None);
+        assert_eq!(best(set, &scene, &grid(256, 16), 0.0).0, None);
+        assert_eq!(best(set, &scene, &grid(256, 16), 1.0).0, None);
     }
 }

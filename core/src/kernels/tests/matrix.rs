@@ -5,9 +5,13 @@ use alloc::vec::Vec;
 
 use num_complex::{Complex32, Complex64};
 
-use super::super::fast::{self, Sweep};
-use super::super::{Level, Rows, add_waves, combine_rows, correlate_rows, gram, gram_floats, padded};
-use super::{LENGTHS, ROUNDING, numbers, wide};
+use crate::kernels::closed_form;
+use crate::kernels::closed_form::Sweep;
+use crate::kernels::lanes::padded;
+use crate::kernels::matrix::{add_waves, combine_rows, correlate_rows, gram, gram_floats};
+use crate::kernels::propagate::rows::Rows;
+use crate::kernels::simd::instruction_set::InstructionSet;
+use crate::kernels::tests::{LENGTHS, ROUNDING, numbers, wide};
 use crate::rng::Rng;
 
 /// A matrix of padded rows, planar, and its entries.
@@ -47,12 +51,12 @@ fn assert_close(got: Complex64, want: Complex64, terms: usize, what: &str) {
 
 #[test]
 fn products_with_rows_are_their_sums() {
-    for level in Level::all() {
+    for set in InstructionSet::all() {
         for count in LENGTHS {
             let matrix = Matrix::new(68 - count, count);
             let lanes = padded(count);
             let vector = Matrix::new(1, count);
-            correlate_rows(level, [&matrix.re, &matrix.im], [&vector.re, &vector.im], |k, got| {
+            correlate_rows(set, [&matrix.re, &matrix.im], [&vector.re, &vector.im], |k, got| {
                 let want = (0..count).map(|j| matrix.at(k, j).conj() * vector.at(0, j)).sum();
                 assert_close(exact(got), want, count, "correlate_rows");
             });
@@ -61,11 +65,11 @@ fn products_with_rows_are_their_sums() {
                 .collect();
             let want = |j: usize| (0..matrix.rows).map(|k| matrix.at(k, j) * exact(factors[k])).sum();
             let (mut re, mut im) = (vec![f32::NAN; lanes], vec![f32::NAN; lanes]);
-            combine_rows(level, [&matrix.re, &matrix.im], &factors, [&mut re, &mut im]);
+            combine_rows(set, [&matrix.re, &matrix.im], &factors, [&mut re, &mut im]);
             let (mut also_re, mut also_im) = (vec![0.0; lanes], vec![0.0; lanes]);
             let (mut row_re, mut row_im) = (vec![f32::NAN; lanes], vec![f32::NAN; lanes]);
             let row = [&mut row_re[..], &mut row_im[..]];
-            add_waves(level, matrix.rows(), &factors, row, [&mut also_re, &mut also_im]);
+            add_waves(set, matrix.rows(), &factors, row, [&mut also_re, &mut also_im]);
             for j in 0..count {
                 assert_close(Complex64::new(wide(re[j]), wide(im[j])), want(j), matrix.rows, "combine_rows");
                 assert_close(
@@ -82,7 +86,7 @@ fn products_with_rows_are_their_sums() {
 
 #[test]
 fn gram_is_the_weighted_conjugate_product() {
-    for level in Level::all() {
+    for set in InstructionSet::all() {
         for count in LENGTHS {
             // One panel, and two with a rest.
             for transducers in [1, 7, 75] {
@@ -91,7 +95,7 @@ fn gram_is_the_weighted_conjugate_product() {
                 let (mut re, mut im) = (vec![0.0; count * lanes], vec![0.0; count * lanes]);
                 let mut memory = vec![f32::NAN; gram_floats(lanes)];
                 let factor = |i: usize| 0.25 + (i % 3) as f32;
-                gram(level, matrix.rows(), factor, transducers, count, &mut memory, [&mut re, &mut im]);
+                gram(set, matrix.rows(), factor, transducers, count, &mut memory, [&mut re, &mut im]);
                 for k in 0..count {
                     for l in 0..lanes {
                         let got = Complex64::new(wide(re[k * lanes + l]), wide(im[k * lanes + l]));
@@ -134,7 +138,7 @@ fn block(
 #[test]
 fn the_sweep_of_fast_is_its_formula() {
     const N: usize = 21;
-    for level in Level::all() {
+    for set in InstructionSet::all() {
         for count in LENGTHS {
             let mut matrix = Matrix::new(N, count);
             let lanes = padded(count);
@@ -147,7 +151,7 @@ fn the_sweep_of_fast_is_its_formula() {
             for size in [1, 3, 8] {
                 let mut drive = vec![Complex32::ZERO; N];
                 let (mut re, mut im) = (vec![0.0; lanes], vec![0.0; lanes]);
-                let mut memory = vec![f32::NAN; fast::floats(lanes)];
+                let mut memory = vec![f32::NAN; closed_form::floats(lanes)];
                 for own in [0.0, 0.4] {
                     let old = drive.clone();
                     let task = Sweep {
@@ -167,14 +171,14 @@ fn the_sweep_of_fast_is_its_formula() {
                         fields.push(field(pressures));
                         true
                     };
-                    assert!(fast::sweep(level, task, 0..N, &mut drive, [&mut re, &mut im], step));
+                    assert!(closed_form::sweep(set, task, 0..N, &mut drive, [&mut re, &mut im], step));
                     assert_eq!(fields.len(), 1 + N.div_ceil(size));
                     for (step, fields) in fields.windows(2).enumerate() {
                         let rows = size * step..N.min(size * (step + 1));
                         let wanted = block(&matrix, asked, wide(own), &old, &fields[0], rows.clone());
                         for (i, want) in rows.clone().zip(&wanted) {
                             // A sum of terms up to 5 that nearly cancel has few digits left: 1e-4 at the worst.
-                            assert!((exact(drive[i]) - want).norm() < 1e-4, "{level}: q of {i}, M = {count}");
+                            assert!((exact(drive[i]) - want).norm() < 1e-4, "{set}: q of {i}, M = {count}");
                         }
                         for j in 0..count {
                             let moved = |i: usize| matrix.at(i, j) * (exact(drive[i]) - exact(old[i]));

@@ -4,13 +4,15 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
-use super::super::level::{Level, dispatch};
-use super::super::moments::Moments;
-use super::super::search::{self, Candidates, L1, L2, Points, Term};
-use super::super::shortlist::{self, Shortlist};
-use super::super::sixteen::Sixteen;
-use super::super::{LANES, groups, padded};
-use super::{LENGTHS, ROUNDING, assert_near, numbers, wide};
+use crate::kernels::greedy::moments::Moments;
+use crate::kernels::greedy::point_group::PointGroup;
+use crate::kernels::greedy::search;
+use crate::kernels::greedy::search::{Candidates, L1, L2, Points, Term};
+use crate::kernels::greedy::shortlist;
+use crate::kernels::greedy::shortlist::Shortlist;
+use crate::kernels::lanes::{LANES, groups, padded};
+use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::tests::{LENGTHS, ROUNDING, assert_near, numbers, wide};
 use crate::rng::Rng;
 
 /// The terms of eq. (7) in f64.
@@ -40,7 +42,7 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    /// `loud` is how large the pressures are beside the gains and targets.
+    /// `loud` is how large the pressures are beside the propagation and targets.
     pub(super) fn new(seed: u64, count: usize, loud: f64) -> Self {
         let mut rng = Rng::new(seed);
         let mut list = |low: f64, high: f64| numbers(&mut rng, count, low, high);
@@ -50,21 +52,21 @@ impl Scene {
     }
 
     /// The points as a pass keeps them: silence, to which the pressures were added.
-    pub(super) fn kept(&self, level: Level) -> (Vec<Sixteen>, f32) {
+    pub(super) fn kept(&self, set: InstructionSet) -> (Vec<PointGroup>, f32) {
         let [re, im] = [0, 1].map(|part| groups(&self.pressure[part]));
         let asked = groups(&self.target).iter().zip(groups(&self.weight));
         let mut energy = 0.0;
         let kept = asked.zip(re.iter().zip(im)).map(|((target, weight), (re, im))| {
-            dispatch!(level, s => {
-                let mut kept = Sixteen::silent(s, target, weight);
-                energy += s.sum(kept.add(s, [re, im], [s.splat(1.0), s.splat(0.0)]));
+            dispatch!(set, s => {
+                let mut kept = PointGroup::silent(s, target, weight);
+                energy += s.reduce_add(kept.add(s, [re, im], [s.splat(1.0), s.splat(0.0)]));
                 kept
             })
         });
         (kept.collect(), energy)
     }
 
-    pub(super) fn points<'a>(&'a self, kept: &'a [Sixteen]) -> Points<'a> {
+    pub(super) fn points<'a>(&'a self, kept: &'a [PointGroup]) -> Points<'a> {
         Points { kept, gain: [&self.gain[0], &self.gain[1]], count: self.count }
     }
 
@@ -97,20 +99,20 @@ fn candidates(phases: usize, amplitudes: usize) -> Candidates {
     Candidates::new(phases, amplitudes, [const { Vec::new() }; 3])
 }
 
-pub(super) fn tolerance<T: Term>(level: Level, scene: &Scene) -> f32 {
-    let (kept, _) = scene.kept(level);
-    dispatch!(level, s => search::tolerance::<_, T>(s, scene.points(&kept)))
+pub(super) fn tolerance<T: Term>(set: InstructionSet, scene: &Scene) -> f32 {
+    let (kept, _) = scene.kept(set);
+    dispatch!(set, s => search::tolerance::<_, T>(s, scene.points(&kept)))
 }
 
 fn best<T: Term>(
-    level: Level,
+    set: InstructionSet,
     scene: &Scene,
     candidates: &Candidates,
     silent: bool,
     tolerance: f32,
 ) -> usize {
-    let (kept, _) = scene.kept(level);
-    dispatch!(level, s => search::best::<_, T>(s, scene.points(&kept), candidates, silent, tolerance))
+    let (kept, _) = scene.kept(set);
+    dispatch!(set, s => search::best::<_, T>(s, scene.points(&kept), candidates, silent, tolerance))
 }
 
 /// The least energy that f64 finds, at phase 0 alone if `silent`.
@@ -122,10 +124,10 @@ pub(super) fn least<T: Reference>(scene: &Scene, candidates: &Candidates, silent
 
 #[test]
 fn tolerance_is_1e_7_of_a_true_bound() {
-    fn check<T: Reference>(level: Level, scene: &Scene) {
+    fn check<T: Reference>(set: InstructionSet, scene: &Scene) {
         let most = (0..scene.count).map(|j| scene.bound::<T>(j)).fold(0.0, f64::max);
         // Nine roundings on the way to a bound and its share, the modulus' four among them.
-        assert_near(tolerance::<T>(level, scene), 1e-7 * most, 9.0 * ROUNDING * 1e-7 * most, "tolerance");
+        assert_near(tolerance::<T>(set, scene), 1e-7 * most, 9.0 * ROUNDING * 1e-7 * most, "tolerance");
         for j in 0..scene.count {
             for step in 0..32 {
                 let (sin, cos) = (TAU * f64::from(step) / 32.0).sin_cos();
@@ -134,16 +136,16 @@ fn tolerance_is_1e_7_of_a_true_bound() {
             }
         }
     }
-    for level in Level::all() {
+    for set in InstructionSet::all() {
         for count in LENGTHS {
             for loud in [0.0, 1e-3, 1.0, 30.0] {
-                check::<L2>(level, &Scene::new(count as u64, count, loud));
-                check::<L1>(level, &Scene::new(count as u64, count, loud));
+                check::<L2>(set, &Scene::new(count as u64, count, loud));
+                check::<L1>(set, &Scene::new(count as u64, count, loud));
             }
         }
         let mut deaf = Scene::new(1, 20, 1.0);
         deaf.gain.iter_mut().for_each(|part| part.fill(0.0));
-        assert!(tolerance::<L2>(level, &deaf) == 0.0 && tolerance::<L1>(level, &deaf) == 0.0);
+        assert!(tolerance::<L2>(set, &deaf) == 0.0 && tolerance::<L1>(set, &deaf) == 0.0);
     }
 }
 
@@ -173,36 +175,36 @@ fn candidates_are_amplitudes_times_phases_whatever_the_buffers_held() {
 
 /// What `best` finds is within rounding of the least energy that f64 finds.
 fn assert_best<T: Reference>(
-    level: Level,
+    set: InstructionSet,
     scene: &mut Scene,
     phases: usize,
     amplitudes: usize,
     silent: bool,
 ) {
     let candidates = candidates(phases, amplitudes);
-    let tolerance = tolerance::<T>(level, scene);
+    let tolerance = tolerance::<T>(set, scene);
     // The tolerance itself, and a term's few roundings in the winner and in what it should have lost to.
     let bounds: f64 = (0..scene.count).map(|j| scene.bound::<T>(j)).sum();
     let allowed = wide(tolerance) + 12.0 * ROUNDING * bounds;
     let count = scene.count;
-    let index = best::<T>(level, scene, &candidates, silent, tolerance);
+    let index = best::<T>(set, scene, &candidates, silent, tolerance);
     assert!(!silent || index.is_multiple_of(phases), "a phase was searched");
     let regret = scene.total::<T>(candidates.drive(index)) - least::<T>(scene, &candidates, silent);
     assert!(
         regret <= allowed,
-        "{level}: M = {count}, L = {phases}, K = {amplitudes}: {regret:e} > {allowed:e}"
+        "{set}: M = {count}, L = {phases}, K = {amplitudes}: {regret:e} > {allowed:e}"
     );
 }
 
 #[test]
 fn best_finds_the_least_energy() {
-    for level in Level::all() {
+    for set in InstructionSet::all() {
         for count in LENGTHS {
             for loud in [0.0, 1e-3, 1.0, 30.0] {
                 for (phases, amplitudes) in [(count + 1, 1), (16, 1), (5, 7), (2, 33)] {
                     let scene = &mut Scene::new((100 * count + phases) as u64, count, loud);
-                    assert_best::<L2>(level, scene, phases, amplitudes, loud == 0.0);
-                    assert_best::<L1>(level, scene, phases, amplitudes, loud == 0.0);
+                    assert_best::<L2>(set, scene, phases, amplitudes, loud == 0.0);
+                    assert_best::<L1>(set, scene, phases, amplitudes, loud == 0.0);
                 }
             }
         }
@@ -227,9 +229,9 @@ fn plain(old: f32, target: f32) -> Scene {
 
 #[test]
 fn of_equal_candidates_the_first_wins() {
-    fn check<T: Reference>(level: Level) {
+    fn check<T: Reference>(set: InstructionSet) {
         let find = |scene: &Scene, phases, amplitudes, silent| {
-            best::<T>(level, scene, &candidates(phases, amplitudes), silent, tolerance::<T>(level, scene))
+            best::<T>(set, scene, &candidates(phases, amplitudes), silent, tolerance::<T>(set, scene))
         };
         // A loud point stays nearest to its target if the new wave comes from either side: of phases l and
         // L - l, which lie in different groups of lanes for most L, the first is taken.
@@ -249,33 +251,33 @@ fn of_equal_candidates_the_first_wins() {
         deaf.gain[0].fill(0.0);
         assert_eq!((find(&deaf, 50, 2, false), find(&deaf, 50, 2, true)), (0, 0));
     }
-    for level in Level::all() {
-        check::<L2>(level);
-        check::<L1>(level);
+    for set in InstructionSet::all() {
+        check::<L2>(set);
+        check::<L1>(set);
     }
 }
 
 #[test]
 fn a_later_candidate_wins_only_by_more_than_the_tolerance() {
-    for level in Level::all() {
+    for set in InstructionSet::all() {
         // Half a turn lowers |P| from 3 by 1, which saves 9 - 4 = 5 of (0 - |P|)^2; phase 0 costs 16 - 9 = 7.
         let scene = plain(3.0, 0.0);
         for (phases, half) in [(2, 1), (40, 20)] {
-            let find = |tolerance| best::<L2>(level, &scene, &candidates(phases, 1), false, tolerance);
+            let find = |tolerance| best::<L2>(set, &scene, &candidates(phases, 1), false, tolerance);
             assert_eq!(find(0.0), half);
             assert_eq!(find(12.1), 0);
         }
-        assert_eq!(best::<L2>(level, &scene, &candidates(2, 1), false, 11.9), 1);
+        assert_eq!(best::<L2>(set, &scene, &candidates(2, 1), false, 11.9), 1);
     }
 }
 
 #[test]
 fn moments_are_the_energy_within_their_remainder() {
-    for level in Level::all() {
+    for set in InstructionSet::all() {
         for count in LENGTHS {
             for loud in [0.5, 3.0, 10.0, 100.0] {
                 let scene = Scene::new(count as u64, count, loud);
-                let (kept, energy) = scene.kept(level);
+                let (kept, energy) = scene.kept(set);
                 let mut near = vec![u32::MAX; padded(count)];
                 let (mut changes, mut re, mut im) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
                 let mut rng = Rng::new(7);
@@ -284,7 +286,7 @@ fn moments_are_the_energy_within_their_remainder() {
                     let size = rng.uniform();
                     (re[lane], im[lane]) = ((size * cos) as f32, (size * sin) as f32);
                 }
-                let (moments, nearby) = dispatch!(level, s => {
+                let (moments, nearby) = dispatch!(set, s => {
                     let mut lane = [0.0; LANES];
                     lane[0] = energy;
                     let found = Moments::new::<_, false>(s, &kept, scene.points(&kept).gain, s.load(&lane), &mut near);
@@ -298,7 +300,7 @@ fn moments_are_the_energy_within_their_remainder() {
                 };
                 // The bound itself is 1/4.
                 for j in 0..count {
-                    assert_eq!(near.contains(&(j as u32)), size(j) > 0.25, "{level}: point {j} of {count}");
+                    assert_eq!(near.contains(&(j as u32)), size(j) > 0.25, "{set}: point {j} of {count}");
                 }
                 for lane in 0..LANES {
                     let q = [re[lane], im[lane]].map(wide);
@@ -307,7 +309,7 @@ fn moments_are_the_energy_within_their_remainder() {
                     let reach = q[0].hypot(q[1]) as f32;
                     let allowed = wide(moments.slack(reach.max(1e-3)));
                     let miss = (wide(changes[lane]) - exact).abs();
-                    assert!(miss <= allowed, "{level}: M = {count}, loud {loud}: {miss:e} > {allowed:e}");
+                    assert!(miss <= allowed, "{set}: M = {count}, loud {loud}: {miss:e} > {allowed:e}");
                 }
             }
         }
@@ -316,18 +318,18 @@ fn moments_are_the_energy_within_their_remainder() {
 
 #[test]
 fn the_shortlist_holds_the_best() {
-    for level in Level::all() {
+    for set in InstructionSet::all() {
         for count in [1, 2, 5, 16, 17, 40, 67] {
             for loud in [0.3, 3.0, 30.0] {
                 for (phases, amplitudes) in [(16, 1), (7, 3), (60, 2)] {
                     let scene = Scene::new((count + phases) as u64, count, loud);
                     let candidates = candidates(phases, amplitudes);
-                    let (kept, energy) = scene.kept(level);
+                    let (kept, energy) = scene.kept(set);
                     let points = scene.points(&kept);
                     let mut near = vec![0; padded(count)];
                     let mut close = vec![0; Shortlist::MOST];
                     let mut floats = vec![f32::NAN; Shortlist::MOST];
-                    let (slack, list) = dispatch!(level, s => {
+                    let (slack, list) = dispatch!(set, s => {
                         let mut lane = [0.0; LANES];
                         lane[0] = energy;
                         let (moments, nearby) = Moments::new::<_, false>(s, &kept, points.gain, s.load(&lane), &mut near);
@@ -347,7 +349,7 @@ fn the_shortlist_holds_the_best() {
                     let lost = found - least::<L2>(&scene, &candidates, false);
                     assert!(
                         lost <= 0.1 * wide(slack),
-                        "{level}: M = {count}, L = {phases}: {lost:e} of {slack:e}"
+                        "{set}: M = {count}, L = {phases}: {lost:e} of {slack:e}"
                     );
                 }
             }

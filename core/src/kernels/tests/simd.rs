@@ -1,10 +1,10 @@
-//! The vocabulary of the kernels, operation by operation, at every level.
+//! The vocabulary of the kernels, operation by operation, at every set.
 
 use core::array::from_fn;
 
-use super::super::level::{Level, dispatch};
-use super::super::{LANES, Lanes};
-use super::ROUNDING;
+use crate::kernels::lanes::{LANES, Lanes};
+use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::tests::ROUNDING;
 use crate::rng::Rng;
 
 fn lanes(rng: &mut Rng, low: f64, high: f64) -> Lanes {
@@ -13,8 +13,8 @@ fn lanes(rng: &mut Rng, low: f64, high: f64) -> Lanes {
 
 /// What a body stores.
 macro_rules! stored {
-    ($level:expr, $s:ident => $body:expr) => {
-        dispatch!($level, $s => {
+    ($set:expr, $s:ident => $body:expr) => {
+        dispatch!($set, $s => {
             let mut out: Lanes = [f32::NAN; LANES];
             $s.store($body, &mut out);
             out
@@ -24,26 +24,26 @@ macro_rules! stored {
 
 #[test]
 fn operations_are_those_of_each_lane() {
-    for level in Level::all() {
+    for set in InstructionSet::all() {
         let mut rng = Rng::new(1);
         for _ in 0..200 {
             let [a, b, c] = [(); 3].map(|()| lanes(&mut rng, -3.0, 3.0));
             let each = |f: &dyn Fn(usize) -> f32| -> Lanes { from_fn(f) };
-            assert_eq!(stored!(level, s => s.add(s.load(&a), s.load(&b))), each(&|l| a[l] + b[l]));
-            assert_eq!(stored!(level, s => s.sub(s.load(&a), s.load(&b))), each(&|l| a[l] - b[l]));
-            assert_eq!(stored!(level, s => s.mul(s.load(&a), s.load(&b))), each(&|l| a[l] * b[l]));
-            assert_eq!(stored!(level, s => s.min(s.load(&a), s.load(&b))), each(&|l| a[l].min(b[l])));
-            assert_eq!(stored!(level, s => s.max(s.load(&a), s.load(&b))), each(&|l| a[l].max(b[l])));
-            assert_eq!(stored!(level, s => s.abs(s.load(&a))), each(&|l| a[l].abs()));
-            assert_eq!(stored!(level, s => s.whole(s.load(&a))), each(&|l| a[l].round_ties_even()));
-            assert_eq!(stored!(level, s => s.fraction(s.load(&a))), each(&|l| a[l] - a[l].round_ties_even()));
-            assert_eq!(stored!(level, s => s.swap_halves(s.load(&a))), each(&|l| a[(l + 8) % 16]));
-            let select = stored!(level, s => s.select_less(s.load(&a), s.load(&b), s.load(&c), s.load(&a)));
+            assert_eq!(stored!(set, s => s.add(s.load(&a), s.load(&b))), each(&|l| a[l] + b[l]));
+            assert_eq!(stored!(set, s => s.sub(s.load(&a), s.load(&b))), each(&|l| a[l] - b[l]));
+            assert_eq!(stored!(set, s => s.mul(s.load(&a), s.load(&b))), each(&|l| a[l] * b[l]));
+            assert_eq!(stored!(set, s => s.min(s.load(&a), s.load(&b))), each(&|l| a[l].min(b[l])));
+            assert_eq!(stored!(set, s => s.max(s.load(&a), s.load(&b))), each(&|l| a[l].max(b[l])));
+            assert_eq!(stored!(set, s => s.abs(s.load(&a))), each(&|l| a[l].abs()));
+            assert_eq!(stored!(set, s => s.round(s.load(&a))), each(&|l| a[l].round_ties_even()));
+            assert_eq!(stored!(set, s => s.fract(s.load(&a))), each(&|l| a[l] - a[l].round_ties_even()));
+            assert_eq!(stored!(set, s => s.swap_halves(s.load(&a))), each(&|l| a[(l + 8) % 16]));
+            let select = stored!(set, s => s.select_less(s.load(&a), s.load(&b), s.load(&c), s.load(&a)));
             assert_eq!(select, each(&|l| if a[l] < b[l] { c[l] } else { a[l] }));
             let bits = (0..LANES).fold(0, |bits, l| bits | u32::from(a[l] < b[l]) << l);
-            assert_eq!(dispatch!(level, s => s.less(s.load(&a), s.load(&b))), bits);
-            let fused = stored!(level, s => s.fma(s.load(&a), s.load(&b), s.load(&c)));
-            let minus = stored!(level, s => s.fnma(s.load(&a), s.load(&b), s.load(&c)));
+            assert_eq!(dispatch!(set, s => s.less(s.load(&a), s.load(&b))), bits);
+            let fused = stored!(set, s => s.fma(s.load(&a), s.load(&b), s.load(&c)));
+            let minus = stored!(set, s => s.fnma(s.load(&a), s.load(&b), s.load(&c)));
             for l in 0..LANES {
                 let [a, b, c] = [a[l], b[l], c[l]].map(f64::from);
                 assert!((f64::from(fused[l]) - (a * b + c)).abs() <= 2.0 * ROUNDING * 12.0);
@@ -56,8 +56,8 @@ fn operations_are_those_of_each_lane() {
 #[test]
 fn a_transpose_swaps_lanes_and_vectors() {
     let lists: [Lanes; LANES] = from_fn(|k| from_fn(|l| (k * LANES + l) as f32));
-    for level in Level::all() {
-        let turned = dispatch!(level, s => {
+    for set in InstructionSet::all() {
+        let turned = dispatch!(set, s => {
             let mut vectors = [s.splat(0.0); LANES];
             for (vector, list) in vectors.iter_mut().zip(&lists) {
                 *vector = s.load(list);
@@ -68,7 +68,7 @@ fn a_transpose_swaps_lanes_and_vectors() {
             }
             turned
         });
-        assert_eq!(turned, from_fn(|k| from_fn(|l| lists[l][k])), "{level}");
+        assert_eq!(turned, from_fn(|k| from_fn(|l| lists[l][k])), "{set}");
     }
 }
 
@@ -77,36 +77,36 @@ fn sums_follow_one_tree_at_every_level() {
     let mut rng = Rng::new(2);
     for _ in 0..200 {
         let vectors: [Lanes; LANES] = from_fn(|_| lanes(&mut rng, -1.0, 1.0));
-        let tree: Lanes = from_fn(|k| super::super::simd::sum(&vectors[k]));
+        let tree: Lanes = from_fn(|k| crate::kernels::simd::reduce_add(&vectors[k]));
         let greatest = vectors[0].into_iter().fold(f32::MIN, f32::max);
-        for level in Level::all() {
-            assert_eq!(from_fn(|k| dispatch!(level, s => s.sum(s.load(&vectors[k])))), tree, "{level}");
+        for set in InstructionSet::all() {
+            assert_eq!(from_fn(|k| dispatch!(set, s => s.reduce_add(s.load(&vectors[k])))), tree, "{set}");
             assert_eq!(
-                stored!(level, s => s.sums(&core::array::from_fn(|k| s.load(&vectors[k])))),
+                stored!(set, s => s.reduce_add_each(&core::array::from_fn(|k| s.load(&vectors[k])))),
                 tree,
-                "{level}"
+                "{set}"
             );
-            assert_eq!(dispatch!(level, s => s.greatest(s.load(&vectors[0]))), greatest, "{level}");
+            assert_eq!(dispatch!(set, s => s.reduce_max(s.load(&vectors[0]))), greatest, "{set}");
         }
     }
 }
 
 #[test]
 fn roots_are_within_two_roundings() {
-    for level in Level::all() {
+    for set in InstructionSet::all() {
         for exponent in -92..=126 {
             let x: Lanes = from_fn(|l| 2.0_f32.powi(exponent) * (1.0 + l as f32 / 16.0));
-            let root = stored!(level, s => s.roots(s.load(&x)).0);
-            let inverse = stored!(level, s => s.roots(s.load(&x)).1);
-            let alone = stored!(level, s => s.inverse_root(s.load(&x)));
-            let guess = stored!(level, s => s.guess(s.load(&x)));
+            let root = stored!(set, s => s.sqrt_rsqrt(s.load(&x)).0);
+            let inverse = stored!(set, s => s.sqrt_rsqrt(s.load(&x)).1);
+            let alone = stored!(set, s => s.rsqrt(s.load(&x)));
+            let guess = stored!(set, s => s.rsqrt_estimate(s.load(&x)));
             for l in 0..LANES {
                 let exact = f64::from(x[l]).sqrt();
                 // Without fused products the remainder itself is rounded.
-                assert!((f64::from(root[l]) / exact - 1.0).abs() <= 3.0 * ROUNDING, "{level}: sqrt {}", x[l]);
-                assert!((f64::from(inverse[l]) * exact - 1.0).abs() <= 3.0 * ROUNDING, "{level}: {}", x[l]);
-                assert!((f64::from(alone[l]) * exact - 1.0).abs() <= 3.0 * ROUNDING, "{level}: {}", x[l]);
-                assert!((f64::from(guess[l]) * exact - 1.0).abs() <= 7e-5, "{level}: guess of {}", x[l]);
+                assert!((f64::from(root[l]) / exact - 1.0).abs() <= 3.0 * ROUNDING, "{set}: sqrt {}", x[l]);
+                assert!((f64::from(inverse[l]) * exact - 1.0).abs() <= 3.0 * ROUNDING, "{set}: {}", x[l]);
+                assert!((f64::from(alone[l]) * exact - 1.0).abs() <= 3.0 * ROUNDING, "{set}: {}", x[l]);
+                assert!((f64::from(guess[l]) * exact - 1.0).abs() <= 7e-5, "{set}: guess of {}", x[l]);
             }
         }
     }
@@ -114,15 +114,15 @@ fn roots_are_within_two_roundings() {
 
 #[test]
 fn powers_and_tables() {
-    for level in Level::all() {
+    for set in InstructionSet::all() {
         for start in (-126..=96).step_by(16) {
             let whole: Lanes = from_fn(|l| start as f32 + l as f32);
-            assert_eq!(stored!(level, s => s.power(s.load(&whole))), whole.map(|x| 2.0_f32.powi(x as i32)));
+            assert_eq!(stored!(set, s => s.exp2(s.load(&whole))), whole.map(|x| 2.0_f32.powi(x as i32)));
         }
         let table: Lanes = from_fn(|l| 100.0 + l as f32);
         for turn in 0..LANES {
             let index: Lanes = from_fn(|l| ((5 * l + turn) % 16) as f32);
-            assert_eq!(stored!(level, s => s.look_up(&table, s.load(&index))), index.map(|x| 100.0 + x));
+            assert_eq!(stored!(set, s => s.gather(&table, s.load(&index))), index.map(|x| 100.0 + x));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Tiles against plain f64 loops, at every level.
+//! Tiles against plain f64 loops, at every set.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -6,10 +6,13 @@ use core::f64::consts::TAU;
 
 use num_complex::Complex64;
 
-use super::super::tiles::{self, Tiles, Wave, height, lanes, size};
-use super::super::{LANES, Level, Rows, padded};
-use super::super::{phases, products};
-use super::{LENGTHS, ROUNDING, assert_near, numbers, wide};
+use crate::kernels::lanes::{LANES, padded};
+use crate::kernels::propagate::rows::Rows;
+use crate::kernels::simd::instruction_set::InstructionSet;
+use crate::kernels::tests::{LENGTHS, ROUNDING, assert_near, numbers, wide};
+use crate::kernels::tiles;
+use crate::kernels::tiles::{Tiles, Wave, height, lanes, size};
+use crate::kernels::tiles::{phases, products};
 use crate::rng::Rng;
 
 /// Rows of G and the same as tiles, every second point doubled and the points in turn from the last.
@@ -18,11 +21,11 @@ struct Scene {
     transducers: usize,
     planes: [Vec<f32>; 2],
     /// G as the tiles hold it, point by point.
-    gains: Vec<Vec<Complex64>>,
+    propagation: Vec<Vec<Complex64>>,
 }
 
 impl Scene {
-    fn new(points: usize, transducers: usize, level: Level) -> Self {
+    fn new(points: usize, transducers: usize, set: InstructionSet) -> Self {
         let mut rng = Rng::new((1000 * points + transducers) as u64);
         let wide_row = padded(points);
         let mut stored = [(); 2].map(|()| Vec::new());
@@ -37,13 +40,13 @@ impl Scene {
         let mut planes = [(); 2].map(|()| vec![f32::NAN; size(height(points), lanes(transducers))]);
         let [re, im] = &mut planes;
         let rows = Rows::Stored { re: &stored[0], im: &stored[1] };
-        tiles::pack(level, rows, transducers, (&order, &scale), [re, im]);
+        tiles::pack(set, rows, transducers, (&order, &scale), [re, im]);
         let entry = |k: usize, i: usize| {
             let at = i * wide_row + points - 1 - k;
             Complex64::new(wide(stored[0][at]), wide(stored[1][at])) * wide(scale[k])
         };
-        let gains = (0..points).map(|k| (0..transducers).map(|i| entry(k, i)).collect()).collect();
-        Self { points, transducers, planes, gains }
+        let propagation = (0..points).map(|k| (0..transducers).map(|i| entry(k, i)).collect()).collect();
+        Self { points, transducers, planes, propagation }
     }
 
     fn tiles(&self) -> Tiles<'_> {
@@ -63,7 +66,7 @@ impl Scene {
         assert!(drive[self.transducers..].iter().chain(&field[self.points..]).all(|z| z.norm() == 0.0));
         // The field is that of the drive: sums of terms of at most 2 sqrt 2.
         let allowed = 4.0 * ROUNDING * 3.0 * self.transducers as f64;
-        for (heard, row) in field.iter().zip(&self.gains) {
+        for (heard, row) in field.iter().zip(&self.propagation) {
             let want: Complex64 = row.iter().zip(&drive).map(|(g, q)| g * q).sum();
             assert!((heard - want).norm() <= allowed, "{heard} for {want}");
         }
@@ -82,33 +85,33 @@ fn over(rng: &mut Rng, transducers: usize) -> Vec<f32> {
     list
 }
 
-fn each(test: impl Fn(Level, usize, &mut Rng)) {
-    for level in Level::all() {
+fn each(test: impl Fn(InstructionSet, usize, &mut Rng)) {
+    for set in InstructionSet::all() {
         for count in LENGTHS {
-            test(level, count, &mut Rng::new(count as u64));
+            test(set, count, &mut Rng::new(count as u64));
         }
     }
 }
 
 #[test]
 fn a_sweep_aims_every_transducer_and_hears_it() {
-    each(|level, count, rng| {
+    each(|set, count, rng| {
         for transducers in [1, 16, 37] {
-            let scene = Scene::new(count, transducers, level);
+            let scene = Scene::new(count, transducers, set);
             let mut wanted = complex(rng, count);
             for plane in &mut wanted {
                 plane.resize(height(count).max(plane.len()), 0.0);
             }
             let [drive, _] =
-                scene.play(|wave| tiles::sweep(level, scene.tiles(), [&wanted[0], &wanted[1]], wave));
+                scene.play(|wave| tiles::sweep(set, scene.tiles(), [&wanted[0], &wanted[1]], wave));
             for i in 0..transducers {
                 let part = |k: usize| {
-                    scene.gains[k][i].conj() * Complex64::new(wide(wanted[0][k]), wide(wanted[1][k]))
+                    scene.propagation[k][i].conj() * Complex64::new(wide(wanted[0][k]), wide(wanted[1][k]))
                 };
                 let want: Complex64 = (0..count).map(part).sum();
                 // Sums of terms below 4, their error beside their modulus; the root within a few roundings.
                 let allowed = 8.0 * ROUNDING + 4.0 * ROUNDING * 4.0 * count as f64 / want.norm();
-                assert!((drive[i] - want / want.norm()).norm() <= allowed, "{level} {count}: {}", drive[i]);
+                assert!((drive[i] - want / want.norm()).norm() <= allowed, "{set} {count}: {}", drive[i]);
             }
         }
     });
@@ -116,9 +119,9 @@ fn a_sweep_aims_every_transducer_and_hears_it() {
 
 #[test]
 fn a_turn_is_a_change_of_phase() {
-    each(|level, count, rng| {
+    each(|set, count, rng| {
         let transducers = 5 + count;
-        let scene = Scene::new(count, transducers, level);
+        let scene = Scene::new(count, transducers, set);
         let mut from = [(); 2].map(|()| vec![0.0; lanes(transducers)]);
         // The first one is off, and stays so.
         for i in 1..transducers {
@@ -127,22 +130,22 @@ fn a_turn_is_a_change_of_phase() {
         }
         let turns = over(rng, transducers);
         let [drive, _] =
-            scene.play(|wave| tiles::turn(level, scene.tiles(), [&from[0], &from[1]], &turns, 0.5, wave));
+            scene.play(|wave| tiles::turn(set, scene.tiles(), [&from[0], &from[1]], &turns, 0.5, wave));
         assert_eq!(drive[0], Complex64::ZERO);
         for i in 1..transducers {
             let angle = libm::atan(0.5 * wide(turns[i]));
             let want = Complex64::new(wide(from[0][i]), wide(from[1][i])) * Complex64::from_polar(1.0, angle);
-            assert!((drive[i] - want).norm() <= 8.0 * ROUNDING, "{level} {count}: {} for {want}", drive[i]);
+            assert!((drive[i] - want).norm() <= 8.0 * ROUNDING, "{set} {count}: {} for {want}", drive[i]);
         }
     });
 }
 
 #[test]
 fn slopes_their_products_and_sums_are_those_of_j() {
-    each(|level, count, rng| {
+    each(|set, count, rng| {
         let (transducers, loud) = (37, count / 2);
         let size = 2 * count - loud;
-        let scene = Scene::new(count, transducers, level);
+        let scene = Scene::new(count, transducers, set);
         let drive = [(); 2].map(|()| over(rng, transducers));
         let rows = height(size);
         let mut factors = [(); 2].map(|()| vec![0.0; rows]);
@@ -153,10 +156,10 @@ fn slopes_their_products_and_sums_are_those_of_j() {
         let mut slopes = vec![f32::NAN; tiles::size(rows, across)];
         let split = [&factors[0][..], &factors[1]];
         let equations = (0..count).chain(loud..count);
-        tiles::slopes(level, scene.tiles(), [&drive[0], &drive[1]], split, equations, &mut slopes);
+        tiles::slopes(set, scene.tiles(), [&drive[0], &drive[1]], split, equations, &mut slopes);
         let j = |e: usize, i: usize| {
             let point = if e < count { e } else { e - count + loud };
-            let wave = scene.gains[point][i] * Complex64::new(wide(drive[0][i]), wide(drive[1][i]));
+            let wave = scene.propagation[point][i] * Complex64::new(wide(drive[0][i]), wide(drive[1][i]));
             wide(factors[0][e]) * wave.re + wide(factors[1][e]) * wave.im
         };
         for e in 0..size {
@@ -167,7 +170,7 @@ fn slopes_their_products_and_sums_are_those_of_j() {
             }
         }
         let mut matrix = vec![f32::NAN; size * padded(size)];
-        products::products(level, &slopes, across, size, &mut matrix);
+        products::products(set, &slopes, across, size, &mut matrix);
         // Terms of at most 4 squared, each of two factors with the error above.
         let allowed = 300.0 * ROUNDING * transducers as f64;
         for k in 0..size {
@@ -177,7 +180,7 @@ fn slopes_their_products_and_sums_are_those_of_j() {
             }
         }
         let mut sums = vec![f32::NAN; across];
-        let most = tiles::combine(level, &slopes, &factors[0], &mut sums);
+        let most = tiles::combine(set, &slopes, &factors[0], &mut sums);
         for i in 0..transducers {
             let want = (0..size).map(|e| wide(factors[0][e]) * j(e, i)).sum();
             assert_near(sums[i], want, 100.0 * ROUNDING * size as f64, "sum");
@@ -188,29 +191,29 @@ fn slopes_their_products_and_sums_are_those_of_j() {
 
 #[test]
 fn couplings_are_products_of_rows() {
-    each(|level, count, _| {
+    each(|set, count, _| {
         // More tiles than a run has, by one.
         for transducers in [37, 33 * LANES] {
-            let scene = Scene::new(count, transducers, level);
+            let scene = Scene::new(count, transducers, set);
             let mut matrix = [(); 2].map(|()| vec![f32::NAN; count * count]);
             let [re, im] = &mut matrix;
             let all = 0..lanes(transducers) / LANES;
-            products::couplings(level, scene.tiles(), all, count, [re, im]);
+            products::couplings(set, scene.tiles(), all, count, [re, im]);
             let mut powers = vec![f32::NAN; count];
-            products::powers(level, scene.tiles(), &mut powers);
+            products::powers(set, scene.tiles(), &mut powers);
             // A product of two numbers below 2 sqrt 2 for each transducer, and some four roundings of it.
             let allowed = 4.0 * ROUNDING * 8.0 * transducers as f64;
             for k in 0..count {
                 for l in k..count {
-                    let pairs = scene.gains[k].iter().zip(&scene.gains[l]);
+                    let pairs = scene.propagation[k].iter().zip(&scene.propagation[l]);
                     let want: Complex64 = pairs.map(|(a, b)| a * b.conj()).sum();
-                    let alone = products::coupling(level, scene.tiles(), k, l);
+                    let alone = products::coupling(set, scene.tiles(), k, l);
                     for [real, imag] in [[re[k * count + l], im[k * count + l]], alone] {
                         assert_near(real, want.re, allowed, "re");
                         assert_near(imag, want.im, allowed, "im");
                     }
                 }
-                let want = scene.gains[k].iter().map(Complex64::norm_sqr).sum();
+                let want = scene.propagation[k].iter().map(Complex64::norm_sqr).sum();
                 assert_near(powers[k], want, allowed, "power");
             }
         }
@@ -219,23 +222,23 @@ fn couplings_are_products_of_rows() {
 
 #[test]
 fn phases_set_on_the_rows_are_those_set_on_their_products() {
-    each(|level, count, rng| {
-        let scene = Scene::new(count, 37, level);
+    each(|set, count, rng| {
+        let scene = Scene::new(count, 37, set);
         let weights = numbers(rng, count, 0.5, 1.0)[..count].to_vec();
         let mut powers = vec![0.0; count];
-        products::powers(level, scene.tiles(), &mut powers);
+        products::powers(set, scene.tiles(), &mut powers);
         let visits: Vec<u32> = (0..count as u32).rev().collect();
         let dirty = |size: usize| [(); 2].map(|()| vec![f32::NAN; size]);
         let (mut vector, mut wave) = (dirty(count), dirty(lanes(37)));
         let [[re, im], [wave_re, wave_im]] = [&mut vector, &mut wave];
         let lists = (&weights[..], &powers[..]);
-        let told = phases::align_rows(level, scene.tiles(), lists, &visits, 2, [re, im], [wave_re, wave_im]);
+        let told = phases::align_rows(set, scene.tiles(), lists, &visits, 2, [re, im], [wave_re, wave_im]);
         let mut want = vec![Complex64::ZERO; count];
         let mut energy = 0.0;
         for round in 0..2 {
             for k in (0..count).rev() {
                 let coupling = |l: usize| -> Complex64 {
-                    scene.gains[k].iter().zip(&scene.gains[l]).map(|(a, b)| a * b.conj()).sum()
+                    scene.propagation[k].iter().zip(&scene.propagation[l]).map(|(a, b)| a * b.conj()).sum()
                 };
                 let sum: Complex64 = (0..count).filter(|&l| l != k).map(|l| coupling(l) * want[l]).sum();
                 let share = wide(weights[k]);
@@ -247,22 +250,19 @@ fn phases_set_on_the_rows_are_those_set_on_their_products() {
         // passes on to the points after it.
         for (k, want) in want.iter().enumerate() {
             let miss = (Complex64::new(wide(re[k]), wide(im[k])) - want).norm();
-            assert!(miss <= 1e-3, "{level} {count}: point {k} by {miss}");
+            assert!(miss <= 1e-3, "{set} {count}: point {k} by {miss}");
         }
-        assert!(
-            (wide(told) - energy).abs() <= 1e-4 * energy.max(1.0),
-            "{level} {count}: {told} for {energy}"
-        );
+        assert!((wide(told) - energy).abs() <= 1e-4 * energy.max(1.0), "{set} {count}: {told} for {energy}");
     });
 }
 
 #[test]
 fn aligning_raises_the_energy_and_keeps_the_moduli() {
-    each(|level, count, rng| {
-        let scene = Scene::new(count, 37, level);
+    each(|set, count, rng| {
+        let scene = Scene::new(count, 37, set);
         let mut matrix = [(); 2].map(|()| vec![0.0; count * count]);
         let coupling = |k: usize, l: usize| -> Complex64 {
-            scene.gains[k].iter().zip(&scene.gains[l]).map(|(a, b)| a * b.conj()).sum()
+            scene.propagation[k].iter().zip(&scene.propagation[l]).map(|(a, b)| a * b.conj()).sum()
         };
         for k in 0..count {
             for l in (0..count).filter(|&l| l != k) {
@@ -274,7 +274,7 @@ fn aligning_raises_the_energy_and_keeps_the_moduli() {
         let turns = numbers(rng, count * LANES, -1.0, 1.0);
         let mut vectors = [(); 2].map(|()| vec![f32::NAN; count * LANES]);
         let [re, im] = &mut vectors;
-        phases::phasors(level, &turns, &shares, [re, im]);
+        phases::phasors(set, &turns, &shares, [re, im]);
         let energy = |[re, im]: &[Vec<f32>; 2], s: usize| -> f64 {
             let v = |k: usize| Complex64::new(wide(re[k * LANES + s]), wide(im[k * LANES + s]));
             let pairs = (0..count).flat_map(|k| (0..count).filter(move |&l| l != k).map(move |l| (k, l)));
@@ -286,21 +286,21 @@ fn aligning_raises_the_energy_and_keeps_the_moduli() {
         let mut told = [0.0; LANES];
         for _ in 0..40 {
             let [re, im] = &mut vectors;
-            told = phases::align(level, planes, &shares, &visits, 1, [re, im]);
+            told = phases::align(set, planes, &shares, &visits, 1, [re, im]);
         }
         let scale = coupling(0, 0).re * (count * count) as f64;
         for s in 0..LANES {
             let after = energy(&vectors, s);
-            assert!(after >= before[s] - 1e-5 * scale, "{level} {count}: {after} from {}", before[s]);
+            assert!(after >= before[s] - 1e-5 * scale, "{set} {count}: {after} from {}", before[s]);
             // Summed while the vectors still move, and they hardly do.
             assert!(
                 (wide(told[s]) - after).abs() <= 1e-2 * scale,
-                "{level} {count}: told {}, is {after}",
+                "{set} {count}: told {}, is {after}",
                 told[s]
             );
             for k in 0..count {
                 let modulus = libm::hypot(wide(vectors[0][k * LANES + s]), wide(vectors[1][k * LANES + s]));
-                assert!((modulus - wide(shares[k])).abs() < 1e-6, "{level} {count}: {modulus}");
+                assert!((modulus - wide(shares[k])).abs() < 1e-6, "{set} {count}: {modulus}");
             }
         }
     });

@@ -1,0 +1,3 @@
+//! What a board can play.
+
+pub(crate) mod quantization;

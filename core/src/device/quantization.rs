@@ -1,0 +1,267 @@
+//! The grid of a device: the phases and amplitudes that its channels know.
+
+use alloc::format;
+use alloc::vec::Vec;
+
+use num_complex::{Complex32, Complex64};
+
+use crate::error::Error;
+use crate::math;
+
+/// Phase counts that make sense: fewer than 2 are none, more than 2^16 are finer than f32 drives.
+const PHASES: core::ops::RangeInclusive<u32> = 2..=1 << 16;
+
+/// The most amplitudes of a table.
+const MOST_AMPLITUDES: usize = 1 << 16;
+
+/// Above this modulus a drive is at full power but for its rounding to f32.
+const FULL: f64 = 1.0 - 1e-6;
+
+/// What is above a target by less is not too loud: half of what `level` = "target" allows.
+const SLACK: f64 = 5e-5;
+
+/// The part of a pressure that an amplitude of the table has to keep to be taken for it.
+const KEPT: f64 = 0.9;
+
+/// What the channels of a device can do: L phases 2 pi l/L and a table of amplitudes, each of which may be left
+/// out for a device that is continuous in it.
+///
+/// ```
+/// use midair::{Complex32, Quantization};
+///
+/// let board = Quantization::new(Some(4), Some(vec![0.0, 0.5, 1.0]))?;
+/// assert_eq!(board.nearest(Complex32::from_polar(0.6, 0.7)), Complex32::new(0.5, 0.0));
+/// # Ok::<(), midair::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quantization {
+    amplitudes: Option<Vec<f64>>,
+    /// e^{2 pi j l/L}.
+    phasors: Option<Vec<Complex64>>,
+}
+
+impl Quantization {
+    /// A device of `phases` phases (2 to 65536) and the amplitudes of a table, ascending from 0 or above to 1.
+    ///
+    /// # Errors
+    /// A phase count out of range; a table that is empty, too long, not ascending, outside 0 to 1, or that does not
+    /// end in 1.
+    pub fn new(phases: Option<u32>, amplitudes: Option<Vec<f64>>) -> Result<Self, Error> {
+        if let Some(count) = phases
+            && !PHASES.contains(&count)
+        {
+            let cure = format!("give {} to {}, or leave it out", PHASES.start(), PHASES.end());
+            return Err(Error::invalid("array.quantization.phases", count, cure));
+        }
+        if let Some(table) = &amplitudes {
+            check_table(table)?;
+        }
+        let phasor = |l: u32, count: u32| {
+            let angle = core::f64::consts::TAU * f64::from(l) / f64::from(count);
+            Complex64::new(math::cos(angle), math::sin(angle))
+        };
+        let phasors = phases.map(|count| (0..count).map(|l| phasor(l, count)).collect());
+        Ok(Self { amplitudes, phasors })
+    }
+
+    /// `phases` phases and `amplitudes` amplitudes evenly spaced from 0 to 1, as most boards have them.
+    pub(crate) fn evenly(phases: u32, amplitudes: u32) -> Result<Self, Error> {
+        let steps = f64::from(amplitudes) - 1.0;
+        Self::new(Some(phases), Some((0..amplitudes).map(|k| f64::from(k) / steps).collect()))
+    }
+
+    /// Number of phases L, `None` where any phase can be had.
+    #[must_use]
+    pub fn phases(&self) -> Option<u32> {
+        self.phasors.as_ref().map(|phasors| phasors.len() as u32)
+    }
+
+    /// The amplitudes, ascending, the last 1; `None` where any amplitude can be had.
+    #[must_use]
+    pub fn amplitudes(&self) -> Option<&[f64]> {
+        self.amplitudes.as_deref()
+    }
+
+    /// The amplitudes above 0, empty where any amplitude can be had.
+    pub(crate) fn on(&self) -> &[f64] {
+        let table = self.amplitudes().unwrap_or_default();
+        &table[usize::from(table.first() == Some(&0.0))..]
+    }
+
+    /// Whether they bind nothing.
+    pub(crate) fn are_continuous(&self) -> bool {
+        self.phasors.is_none() && self.amplitudes.is_none()
+    }
+
+    /// The drive of the nearest phase and the nearest amplitude. 0 (dead, masked, not driven) stays 0.
+    #[must_use]
+    pub fn nearest(&self, drive: Complex32) -> Complex32 {
+        if drive == Complex32::ZERO {
+            return drive;
+        }
+        let (re, im) = (f64::from(drive.re), f64::from(drive.im));
+        // Squares of f32 numbers neither over- nor underflow in f64.
+        let modulus = math::sqrt(re * re + im * im);
+        let amplitude = match self.amplitudes() {
+            Some(table) => nearest_of(table, modulus),
+            None if modulus > FULL => 1.0,
+            None => modulus,
+        };
+        let direction = match &self.phasors {
+            Some(phasors) => {
+                let steps = libm::round(turns(re, im) * phasors.len() as f64) as i64;
+                phasors[steps.rem_euclid(phasors.len() as i64) as usize]
+            }
+            None => Complex64::new(re / modulus, im / modulus),
+        };
+        Complex32::new((amplitude * direction.re) as f32, (amplitude * direction.im) as f32)
+    }
+
+    /// What supply or modulation have to do where the largest drive asked for is below the least amplitude above 0,
+    /// at which there would only be silence: the drives divided by this factor (at most 1) reach that amplitude.
+    pub(crate) fn scale(&self, largest: f64) -> f64 {
+        match self.on().first() {
+            Some(&least) if largest > 0.0 && largest < FULL * least => largest / least,
+            _ => 1.0,
+        }
+    }
+
+    /// Full drive brought down to `factor` (at most 1) and no louder: the amplitude to drive at and the scale that is
+    /// left to supply or modulation. The highest amplitude that is not too loud; where more than a tenth would be lost
+    /// with it, the next one and a scale.
+    pub(crate) fn lowered(&self, factor: f64) -> (f64, f64) {
+        let Some(table) = self.amplitudes() else { return (factor, 1.0) };
+        // The last amplitude is 1.
+        let above = table.partition_point(|&amplitude| amplitude <= factor * (1.0 + SLACK));
+        let below = above.checked_sub(1).map_or(0.0, |k| table[k]);
+        if below >= KEPT * factor { (below, 1.0) } else { (table[above], factor / table[above]) }
+    }
+}
+
+/// The angle of re + j im in turns, from -1/2 to 1/2, error below 4e-9: Abramowitz and Stegun 4.4.49. Every drive comes
+/// by here, and an arc tangent to the last digit would take as long as solving.
+fn turns(re: f64, im: f64) -> f64 {
+    const C: [f64; 9] = [
+        1.0,
+        -0.333_331_452_8,
+        0.199_935_508_5,
+        -0.142_088_994_4,
+        0.106_562_639_3,
+        -0.075_289_640_0,
+        0.042_909_613_8,
+        -0.016_165_736_7,
+        0.002_866_225_7,
+    ];
+    let (along, across) = (re.abs(), im.abs());
+    let ratio = along.min(across) / along.max(across);
+    let square = ratio * ratio;
+    let first = ratio * C.iter().rev().fold(0.0, |sum, c| sum * square + c) / core::f64::consts::TAU;
+    let quarter = if across > along { 0.25 - first } else { first };
+    (if re < 0.0 { 0.5 - quarter } else { quarter }).copysign(im)
+}
+
+fn check_table(table: &[f64]) -> Result<(), Error> {
+    let item = "array.quantization.amplitudes";
+    if table.is_empty() || table.len() > MOST_AMPLITUDES {
+        let cure = format!("give 1 to {MOST_AMPLITUDES}, or leave them out");
+        return Err(Error::invalid(item, format!("{} values", table.len()), cure));
+    }
+    for (k, &amplitude) in table.iter().enumerate() {
+        let fault = |cure: &str| Error::invalid(format!("{item}[{k}]"), format!("{amplitude:?}"), cure);
+        if !(0.0..=1.0).contains(&amplitude) {
+            return Err(fault("give amplitudes from 0 to 1"));
+        }
+        if k > 0 && amplitude <= table[k - 1] {
+            return Err(fault("give each amplitude once, ascending"));
+        }
+        if k + 1 == table.len() && amplitude != 1.0 {
+            return Err(fault("the last amplitude is full drive: end the table in 1"));
+        }
+    }
+    Ok(())
+}
+
+/// The value of an ascending table nearest to `wanted`, the upper one of two as near.
+fn nearest_of(table: &[f64], wanted: f64) -> f64 {
+    let above = table.partition_point(|&value| value < wanted).min(table.len() - 1);
+    let below = above.saturating_sub(1);
+    if wanted - table[below] < table[above] - wanted { table[below] } else { table[above] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::vec;
+
+    #[test]
+    fn turns_are_those_of_the_arc_tangent() {
+        for step in -1000..=1000 {
+            let angle = core::f64::consts::PI * f64::from(step) / 1000.0;
+            let (sin, cos) = angle.sin_cos();
+            let exact = sin.atan2(cos) / core::f64::consts::TAU;
+            // Half a turn is one either way.
+            let miss = (turns(3.0 * cos, 3.0 * sin) - exact).abs();
+            assert!(miss.min((miss - 1.0).abs()) < 4e-9, "{angle}");
+        }
+    }
+
+    #[test]
+    fn a_table_gives_the_nearest_value_and_the_upper_of_two() {
+        let table = [0.0, 0.25, 1.0];
+        for (wanted, nearest) in
+            [(0.0, 0.0), (0.1, 0.0), (0.125, 0.25), (0.3, 0.25), (0.62, 0.25), (0.625, 1.0), (1.1, 1.0)]
+        {
+            assert_eq!(nearest_of(&table, wanted), nearest, "{wanted}");
+        }
+        assert_eq!(nearest_of(&[1.0], 0.01), 1.0);
+    }
+
+    #[test]
+    fn what_lies_below_the_least_amplitude_is_left_to_the_supply() {
+        let scale =
+            |table: &[f64], largest| Quantization::new(None, Some(table.to_vec())).unwrap().scale(largest);
+        assert_eq!(scale(&[0.0, 1.0], 0.25), 0.25);
+        assert_eq!(scale(&[1.0], 1.0 - 1e-7), 1.0);
+        assert_eq!(scale(&[0.0, 0.5, 1.0], 0.6), 1.0);
+        assert_eq!(scale(&[0.0, 0.5, 1.0], 0.125), 0.25);
+        assert_eq!(scale(&[0.0, 0.5, 1.0], 0.0), 1.0);
+        assert_eq!(Quantization::new(Some(16), None).unwrap().scale(0.1), 1.0);
+    }
+
+    #[test]
+    fn full_drive_is_lowered_by_the_table_and_what_it_cannot_by_the_scale() {
+        let lowered =
+            |table: &[f64], factor| Quantization::new(None, Some(table.to_vec())).unwrap().lowered(factor);
+        let table = [0.0, 0.15, 0.4, 0.76, 0.8, 1.0];
+        assert_eq!(lowered(&table, 1.0), (1.0, 1.0));
+        assert_eq!(lowered(&table, 0.42), (0.4, 1.0));
+        assert_eq!(lowered(&table, 0.79), (0.76, 1.0));
+        assert_eq!(lowered(&table, 0.8 / (1.0 + 4e-5)), (0.8, 1.0));
+        // The one below is far off.
+        assert_eq!(lowered(&table, 0.5), (0.76, 0.5 / 0.76));
+        assert_eq!(lowered(&table, 0.95), (1.0, 0.95));
+        assert_eq!(lowered(&table, 0.1), (0.15, 0.1 / 0.15));
+        assert_eq!(lowered(&[1.0], 0.25), (1.0, 0.25));
+        assert_eq!(lowered(&[0.0, 1.0], 0.01), (1.0, 0.01));
+        assert_eq!(Quantization::new(Some(16), None).unwrap().lowered(0.1), (0.1, 1.0));
+    }
+
+    #[test]
+    fn what_lies_on_the_grid_stays_to_the_bit() {
+        for (phases, table) in [
+            (Some(10), None),
+            (Some(256), Some(vec![0.0, 0.3, 1.0])),
+            (None, Some(vec![0.5, 1.0])),
+            (Some(65_536), Some(vec![1.0])),
+        ] {
+            let quantization = Quantization::new(phases, table).unwrap();
+            for k in 0..1000 {
+                let drive = quantization.nearest(Complex32::from_polar(1.0, 0.01 * k as f32));
+                if quantization.phases().is_some() {
+                    assert_eq!(quantization.nearest(drive), drive);
+                }
+                assert!((quantization.nearest(drive) - drive).norm() < 1e-7);
+            }
+        }
+    }
+}

@@ -1,0 +1,191 @@
+//! The closed-form greedy pass over up to 16 problems of few points at once: problem b in lane b.
+//!
+//! A list of points has a group of lanes a point, a lane a problem. What [`crate::kernels::closed_form`] does to the lanes of one
+//! problem's points is done here in the same order, and points are added in the tree of [`Simd::reduce_add`], so that every
+//! problem's bits are those of its lone pass. Points that a problem has not have target and weight 0 and so add +0.
+
+use alloc::vec::Vec;
+use core::array;
+
+use num_complex::Complex32;
+
+use crate::kernels::closed_form::{Block, MOST, Sweep, add_block, shortfall};
+use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
+use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::simd::{Simd, TINY};
+
+/// As [`crate::kernels::closed_form::sweep`] for up to 16 points in each lane; `drive` has two groups of lanes a transducer, re and im.
+pub(crate) fn sweep(
+    set: InstructionSet,
+    sweep: Sweep<'_>,
+    order: impl Iterator<Item = usize>,
+    drive: &mut [f32],
+    pressures: [&mut [f32]; 2],
+) {
+    dispatch!(set, s => run(s, sweep, order, drive, pressures));
+}
+
+/// Transducers whose drives are dealt out at a time: re and im of them are a group of lanes.
+pub(crate) const EIGHT: usize = LANES / 2;
+
+/// Deals drives, two groups of lanes a transducer, out to their problems, [`EIGHT`] at a time.
+pub(crate) fn deal_out(set: InstructionSet, drive: &[f32], out: &mut [Vec<Complex32>; LANES]) {
+    dispatch!(set, s => {
+        for eight in groups(drive).as_chunks::<LANES>().0 {
+            let mut vectors = [s.splat(0.0); LANES];
+            for (vector, lanes) in vectors.iter_mut().zip(eight) {
+                *vector = s.load(lanes);
+            }
+            for (vector, out) in s.transpose(vectors).into_iter().zip(&mut *out) {
+                let mut lanes: Lanes = [0.0; LANES];
+                s.store(vector, &mut lanes);
+                let own: [_; EIGHT] = array::from_fn(|k| Complex32::new(lanes[2 * k], lanes[2 * k + 1]));
+                out.extend_from_slice(&own);
+            }
+        }
+    });
+}
+
+#[inline(always)]
+fn run<S: Simd>(
+    s: S,
+    sweep: Sweep<'_>,
+    mut order: impl Iterator<Item = usize>,
+    drive: &mut [f32],
+    [re, im]: [&mut [f32]; 2],
+) {
+    let Sweep { rows, target, weight, block: most, own, memory } = sweep;
+    let lanes = target.len();
+    let (short, kept) = memory.split_at_mut(2 * lanes);
+    let (short_re, short_im) = short.split_at_mut(lanes);
+    let (first, second) = kept.split_at_mut(2 * MOST * lanes);
+    let mut block = Block::new(first, lanes);
+    let mut next = Block::new(second, lanes);
+    block.take(most, &mut order);
+    block.write(s, rows, 0..MOST);
+    shortfall(s, target, weight, [&*re, &*im], [&mut *short_re, &mut *short_im]);
+    while block.count > 0 {
+        let mut sums = [[s.splat(0.0); 2]; MOST];
+        let pairs = block.rows.chunks_exact(4 * lanes).zip(sums.as_chunks_mut().0);
+        for (k, (pair, sums)) in (0..block.count).step_by(2).zip(pairs) {
+            let own = (own > 0.0).then(|| [k, k + 1].map(|k| drive_of(s, drive, block.members[k], own)));
+            *sums = Terms::new(s, pair, [&*short_re, &*short_im], weight, own).sum();
+        }
+        sums[block.count..].fill([s.splat(0.0); 2]);
+        let unit = unit(s, &sums);
+        for (z, &i) in sums.iter_mut().zip(&block.members).take(block.count) {
+            let (q, old) = (direction(s, *z, unit), drive_of(s, drive, i, 1.0));
+            let own = &mut groups_mut(drive)[2 * i..2 * i + 2];
+            s.store(q[0], &mut own[0]);
+            s.store(q[1], &mut own[1]);
+            *z = [s.sub(q[0], old[0]), s.sub(q[1], old[1])];
+        }
+        // The next rows depend on nothing here, see `fast`.
+        next.take(most, &mut order);
+        next.write(s, rows, 0..MOST / 2);
+        add_block(s, block.rows, &sums[..block.count], [&mut *re, &mut *im]);
+        shortfall(s, target, weight, [&*re, &*im], [&mut *short_re, &mut *short_im]);
+        next.write(s, rows, MOST / 2..MOST);
+        core::mem::swap(&mut block, &mut next);
+    }
+}
+
+/// `factor` q of a transducer.
+#[inline(always)]
+fn drive_of<S: Simd>(s: S, drive: &[f32], i: usize, factor: f32) -> [S::V; 2] {
+    let (drive, factor) = (groups(drive), s.splat(factor));
+    [s.mul(factor, s.load(&drive[2 * i])), s.mul(factor, s.load(&drive[2 * i + 1]))]
+}
+
+/// What the sums of two transducers are made of, a group of lanes a point.
+struct Terms<'a, S: Simd> {
+    s: S,
+    /// Re and im of each.
+    rows: [[&'a [Lanes]; 2]; 2],
+    short: [&'a [Lanes]; 2],
+    weight: &'a [Lanes],
+    /// What is to be left of the wave of each.
+    own: Option<[[S::V; 2]; 2]>,
+}
+
+impl<'a, S: Simd> Terms<'a, S> {
+    #[inline(always)]
+    fn new(
+        s: S,
+        pair: &'a [f32],
+        short: [&'a [f32]; 2],
+        weight: &'a [f32],
+        own: Option<[[S::V; 2]; 2]>,
+    ) -> Self {
+        let (weight, pair) = (groups(weight), groups(pair));
+        let count = weight.len();
+        let row = |k: usize| &pair[k * count..(k + 1) * count];
+        let short = short.map(|list| &groups(list)[..count]);
+        Self { s, rows: [[row(0), row(1)], [row(2), row(3)]], short, weight, own }
+    }
+
+    /// conj(G) d, and w |G|^2 q of the old drive.
+    #[inline(always)]
+    fn term(&self, l: usize) -> [[S::V; 2]; 2] {
+        let (s, zero) = (self.s, self.s.splat(0.0));
+        let (dr, di) = (s.load(&self.short[0][l]), s.load(&self.short[1][l]));
+        let mut terms = [[zero; 2]; 2];
+        for (k, ([re, im], term)) in self.rows.iter().zip(&mut terms).enumerate() {
+            let (gr, gi) = (s.load(&re[l]), s.load(&im[l]));
+            *term = [s.fma(gr, dr, s.fma(gi, di, zero)), s.fma(gr, di, s.fnma(gi, dr, zero))];
+            if let Some(own) = &self.own {
+                let power = s.fma(s.load(&self.weight[l]), s.fma(gr, gr, s.mul(gi, gi)), zero);
+                *term = [s.fma(power, own[k][0], term[0]), s.fma(power, own[k][1], term[1])];
+            }
+        }
+        terms
+    }
+
+    /// The sum in the tree of [`Simd::reduce_add`], as if +0 stood in the places of the points that are not there.
+    #[inline(always)]
+    fn sum(&self) -> [[S::V; 2]; 2] {
+        let (s, count) = (self.s, self.weight.len());
+        // Every other point and the rest, and so on down to the term of point l.
+        macro_rules! tree {
+            ($l:expr;) => {
+                self.term($l)
+            };
+            ($l:expr; $step:literal $($finer:literal)*) => {{
+                let low = tree!($l; $($finer)*);
+                if $l + $step < count { add(s, low, tree!($l + $step; $($finer)*)) } else { low }
+            }};
+        }
+        let sum = tree!(0; 1 2 4 8);
+        // One +0 among the summands and the sum is not -0.
+        if count < LANES { add(s, sum, [[s.splat(0.0); 2]; 2]) } else { sum }
+    }
+}
+
+#[inline(always)]
+fn add<S: Simd>(s: S, a: [[S::V; 2]; 2], b: [[S::V; 2]; 2]) -> [[S::V; 2]; 2] {
+    [[s.add(a[0][0], b[0][0]), s.add(a[0][1], b[0][1])], [s.add(a[1][0], b[1][0]), s.add(a[1][1], b[1][1])]]
+}
+
+/// One over the largest part of 8 complex sums in each lane: only directions matter, and relative to the largest no square
+/// under- or overflows.
+#[inline(always)]
+fn unit<S: Simd>(s: S, sums: &[[S::V; 2]; MOST]) -> S::V {
+    let mut largest = s.splat(f32::MIN_POSITIVE);
+    for &[re, im] in sums {
+        largest = s.max(largest, s.max(s.abs(re), s.abs(im)));
+    }
+    let mut lanes: Lanes = [0.0; LANES];
+    s.store(largest, &mut lanes);
+    s.load(&lanes.map(|x| 1.0 / x))
+}
+
+/// z/|z|; 0 for what is far below the lane's largest, one over `unit`.
+#[inline(always)]
+fn direction<S: Simd>(s: S, z: [S::V; 2], unit: S::V) -> [S::V; 2] {
+    let (least, zero) = (s.splat(TINY), s.splat(0.0));
+    let [re, im] = [s.mul(z[0], unit), s.mul(z[1], unit)];
+    let square = s.add(s.mul(re, re), s.mul(im, im));
+    let inverse = s.rsqrt(s.max(square, least));
+    let part = |x| s.select_less(square, least, zero, s.mul(x, inverse));
+    [part(re), part(im)]
+}

@@ -1,0 +1,294 @@
+//! Eq. (7) as a polynomial of one transducer's drive.
+//!
+//! With u_j = G_j / P_j and z = a e^{j phi}, |P_j + G_j z| = |P_j| |1 + u_j z|, and
+//!
+//! ```text
+//! |1 + w| = 1 + Re w + (|w|^2 - Re w^2)/4 - (|w|^2 Re w - Re w^3)/8 + r,   |r| <= |w|^4 / (8 (1 - |w|))
+//! ```
+//!
+//! (Gegenbauer polynomials: the coefficients of |w|^n are at most 1/8 from n = 4 on). So the energy changes by
+//!
+//! ```text
+//! a^2 B + 2 Re(z A1) + Re(z^2 A2)/2 - Re(z^3 A3)/4 + a^2 Re(z C)/4,
+//! B  = sum w |G|^2 (1 - t/(2|P|))     A1 = sum w conj(P) G (1 - t/|P|)
+//! A2 = sum w t |P| u^2                A3 = sum w t |P| u^3             C = sum w t |P| |u|^2 u
+//! ```
+//!
+//! within R = sum w t |P| |u|^4 / (4 (1 - |u|)): moments that cost O(M) once, and then nothing of M for any
+//! number of candidates. Points with |u| above [`FAR`] (at the first transducers) are left out and named, to be
+//! evaluated exactly.
+//!
+//! A large grid, whose candidates lie close together, takes the terms of the fourth order too,
+//!
+//! ```text
+//! 5 Re(z^4 A4)/32 - a^2 Re(z^2 D)/8 - a^4 F/32,
+//! A4 = sum w t |P| u^4                D  = sum w t |P| |u|^2 u^2       F = sum w t |P| |u|^4
+//! ```
+//!
+//! and is within FAR R. Of a difference less is left. |1 + w| = sum b_p b_q w^p conj(w)^q with sqrt(1 + x) =
+//! sum b_n x^n, and sum |b_n| x^n = 2 - sqrt(1 - x) has the square 5 - x - 4 sqrt(1 - x). So the terms of degree n have
+//! a slope of at most 4 n |b_n| |w|^(n-1), which from n = 5 on is at most 35/64 |w|^(n-1), and two drives d apart differ
+//! by the polynomial's difference within 35/32 d sum w t |P| |u|^5/(1 - |u|) < 35/8 FAR R d.
+
+use crate::kernels::greedy::point_group::PointGroup;
+use crate::kernels::lanes::{LANES, Lanes, groups};
+use crate::kernels::simd::Simd;
+use crate::math::sqrtf;
+
+/// The largest |u| that the polynomial is used for.
+pub(crate) const FAR: f32 = 0.25;
+
+/// What a lane adds to the moments, in this order: A1, A2, A3 and C (re before im), 2 B, the power, 4 R (1 - [`FAR`]),
+/// the energy, A4 and D.
+pub(crate) const PARTS: usize = LANES;
+
+/// How many of them the third order needs, and which is the energy.
+pub(crate) const THIRD: usize = 12;
+pub(crate) const ENERGY: usize = 11;
+
+/// By what the sums of the parts are multiplied: the terms of the polynomial become fused products with no sign left.
+pub(crate) const FACTORS: [f32; PARTS] = [
+    2.0,
+    -2.0,
+    0.5,
+    -0.5,
+    -0.25,
+    0.25,
+    0.25,
+    -0.25,
+    0.5,
+    1.0,
+    0.25 / (1.0 - FAR),
+    1.0,
+    5.0 / 32.0,
+    -5.0 / 32.0,
+    -1.0 / 8.0,
+    1.0 / 8.0,
+];
+
+/// Adds the parts of 16 points, energies apart, and A4 and D if `FOURTH`. Bit l is set where the polynomial does not
+/// hold: such points add their power alone.
+#[inline(always)]
+pub(crate) fn add_parts<S: Simd, const FOURTH: bool>(
+    s: S,
+    parts: &mut [S::V; PARTS],
+    point: &PointGroup,
+    [mut gr, mut gi]: [S::V; 2],
+) -> u32 {
+    let zero = s.splat(0.0);
+    let [a1r, a1i, a2r, a2i, a3r, a3i, cr, ci, bow, power, rest, _, a4r, a4i, dr, di] = parts;
+    let (weight, inverse) = (s.load(&point.weight), s.load(&point.inverse));
+    let (pull, product) = (s.load(&point.pull), s.load(&point.product));
+    let mut square = s.fma(gr, gr, s.mul(gi, gi));
+    *power = s.fma(weight, square, *power);
+    let mut size = s.mul(square, inverse);
+    let far = s.splat(FAR * FAR);
+    let beyond = s.less(far, size);
+    if beyond != 0 {
+        gr = s.select_less(far, size, zero, gr);
+        gi = s.select_less(far, size, zero, gi);
+        square = s.select_less(far, size, zero, square);
+        size = s.select_less(far, size, zero, size);
+    }
+    let (pr, pi) = (s.load(&point.re), s.load(&point.im));
+    let er = s.fma(pr, gr, s.mul(pi, gi));
+    let ei = s.fnma(pi, gr, s.mul(pr, gi));
+    *a1r = s.fma(pull, er, *a1r);
+    *a1i = s.fma(pull, ei, *a1i);
+    *bow = s.fma(s.add(weight, pull), square, *bow);
+    let (ur, ui) = (s.mul(er, inverse), s.mul(ei, inverse));
+    let (tr, ti) = (s.mul(product, ur), s.mul(product, ui));
+    // w t |P| u^2, and from it u^3 and |u|^2 u.
+    let (sr, si) = (s.fnma(ti, ui, s.mul(tr, ur)), s.fma(ti, ur, s.mul(tr, ui)));
+    *a2r = s.add(*a2r, sr);
+    *a2i = s.add(*a2i, si);
+    *a3r = s.fma(sr, ur, s.fnma(si, ui, *a3r));
+    *a3i = s.fma(sr, ui, s.fma(si, ur, *a3i));
+    *cr = s.fma(size, tr, *cr);
+    *ci = s.fma(size, ti, *ci);
+    *rest = s.fma(s.mul(product, size), size, *rest);
+    if FOURTH {
+        let (vr, vi) = (s.fnma(ui, ui, s.mul(ur, ur)), s.mul(s.add(ur, ur), ui));
+        *a4r = s.fma(sr, vr, s.fnma(si, vi, *a4r));
+        *a4i = s.fma(sr, vi, s.fma(si, vr, *a4i));
+        *dr = s.fma(size, sr, *dr);
+        *di = s.fma(size, si, *di);
+    }
+    beyond
+}
+
+/// What the polynomial takes of a drive z.
+#[derive(Clone, Copy)]
+pub(crate) struct Powers<V> {
+    /// |z|^2.
+    pub(crate) square: V,
+    /// z, z^2, z^3 and |z|^2 z.
+    pub(crate) first: [V; 2],
+    pub(crate) second: [V; 2],
+    pub(crate) third: [V; 2],
+    pub(crate) crossed: [V; 2],
+}
+
+/// The powers of the drives (re, im).
+#[inline(always)]
+pub(crate) fn powers<S: Simd>(s: S, re: S::V, im: S::V) -> Powers<S::V> {
+    let (re_re, re_im) = (s.mul(re, re), s.mul(re, im));
+    let (square, re2) = (s.fma(im, im, re_re), s.fnma(im, im, re_re));
+    let im2 = s.add(re_im, re_im);
+    let (re3, im3) = (s.fnma(im, im2, s.mul(re, re2)), s.fma(im, re2, s.mul(re, im2)));
+    let crossed = [s.mul(square, re), s.mul(square, im)];
+    Powers { square, first: [re, im], second: [re2, im2], third: [re3, im3], crossed }
+}
+
+/// The change of the energy to the third order, from moments in the order of [`PARTS`].
+#[inline(always)]
+pub(crate) fn change<S: Simd>(s: S, m: &[S::V; 9], z: &Powers<S::V>) -> S::V {
+    // Two sums, that neither waits long.
+    let low = part(s, [m[0], m[1]], z.first, part(s, [m[2], m[3]], z.second, s.mul(m[8], z.square)));
+    let high = s.fma(m[5], z.third[1], s.mul(m[4], z.third[0]));
+    s.add(low, part(s, [m[6], m[7]], z.crossed, high))
+}
+
+/// re c + im d + sum.
+#[inline(always)]
+fn part<S: Simd>(s: S, [re, im]: [S::V; 2], [c, d]: [S::V; 2], sum: S::V) -> S::V {
+    s.fma(re, c, s.fma(im, d, sum))
+}
+
+/// The moments of one transducer, times [`FACTORS`].
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Moments(pub(crate) Lanes);
+
+impl Moments {
+    /// The moments of a row over the points where the polynomial holds, A4 and D if `FOURTH`; the others are put into
+    /// `near`, from its start, and counted. `energy` comes from [`PointGroup::add`].
+    #[inline(always)]
+    pub(crate) fn new<S: Simd, const FOURTH: bool>(
+        s: S,
+        points: &[PointGroup],
+        row: [&[f32]; 2],
+        energy: S::V,
+        near: &mut [u32],
+    ) -> (Self, usize) {
+        let mut parts = [s.splat(0.0); PARTS];
+        let mut count = 0;
+        let rows = groups(row[0]).iter().zip(groups(row[1]));
+        for (group, (point, (gr, gi))) in points.iter().zip(rows).enumerate() {
+            let mut bits = add_parts::<S, FOURTH>(s, &mut parts, point, [s.load(gr), s.load(gi)]);
+            while bits != 0 {
+                near[count] = (group * LANES) as u32 + bits.trailing_zeros();
+                count += 1;
+                bits &= bits - 1;
+            }
+        }
+        parts[ENERGY] = energy;
+        let mut moments = Self(FACTORS);
+        s.store(s.mul(s.reduce_add_each(&parts), s.load(&FACTORS)), &mut moments.0);
+        (moments, count)
+    }
+
+    /// sum w |G|^2.
+    #[inline(always)]
+    pub(crate) fn power(&self) -> f32 {
+        self.0[9]
+    }
+
+    /// R, for drives of modulus 1.
+    #[inline(always)]
+    pub(crate) fn remainder(&self) -> f32 {
+        self.0[10]
+    }
+
+    /// 2 A1.
+    #[inline(always)]
+    pub(crate) fn first(&self) -> [f32; 2] {
+        [self.0[0], -self.0[1]]
+    }
+
+    /// The change of the energy under the drives z = (re, im).
+    #[inline(always)]
+    pub(crate) fn change<S: Simd>(&self, s: S, re: S::V, im: S::V) -> S::V {
+        let [a, b, c, d, e, f, g, h, bow, ..] = self.0;
+        let m = [
+            s.splat(a),
+            s.splat(b),
+            s.splat(c),
+            s.splat(d),
+            s.splat(e),
+            s.splat(f),
+            s.splat(g),
+            s.splat(h),
+            s.splat(bow),
+        ];
+        change(s, &m, &powers(s, re, im))
+    }
+
+    /// The change to the fourth order.
+    #[inline(always)]
+    pub(crate) fn fine_change<S: Simd>(&self, s: S, re: S::V, im: S::V) -> S::V {
+        let square = s.fma(re, re, s.mul(im, im));
+        let (re2, im2) = (s.fnma(im, im, s.mul(re, re)), s.mul(s.add(re, re), im));
+        let (re4, im4) = (s.fnma(im2, im2, s.mul(re2, re2)), s.mul(s.add(re2, re2), im2));
+        let [fourth_re, fourth_im, turning_re, turning_im] =
+            [s.splat(self.0[12]), s.splat(self.0[13]), s.splat(self.0[14]), s.splat(self.0[15])];
+        // F is in the remainder.
+        let set = s.splat(-(1.0 - FAR) / 8.0 * self.remainder());
+        let even = part(s, [turning_re, turning_im], [re2, im2], s.mul(square, set));
+        part(s, [fourth_re, fourth_im], [re4, im4], s.fma(square, even, self.change(s, re, im)))
+    }
+
+    /// A bound on the second derivative of the change over the phase, at amplitude a.
+    #[inline(always)]
+    pub(crate) fn curvature(&self, a: f32) -> f32 {
+        let size = |k: usize| sqrtf(self.0[k] * self.0[k] + self.0[k + 1] * self.0[k + 1]);
+        let cubic = 9.0 * size(4) + size(6);
+        a * (size(0) + a * (4.0 * size(2) + a * cubic))
+    }
+
+    /// A bound on g2 + (1 + a) g3 for a up to 1, where the change is a g1 + a^2 g2 + a^3 g3 at any phase.
+    #[inline(always)]
+    pub(crate) fn bow(&self) -> f32 {
+        let size = |k: usize| sqrtf(self.0[k] * self.0[k] + self.0[k + 1] * self.0[k + 1]);
+        self.0[8] + size(2) + 2.0 * (size(4) + size(6))
+    }
+
+    /// See [`slack`].
+    #[inline(always)]
+    pub(crate) fn slack(&self, reach: f32) -> f32 {
+        slack(self.power(), self.remainder(), self.0[ENERGY], reach)
+    }
+
+    /// See [`rounding`].
+    #[inline(always)]
+    pub(crate) fn rounding(&self, reach: f32) -> f32 {
+        rounding(self.power(), self.0[ENERGY], reach)
+    }
+
+    /// The remainder to the fourth order: |u| is below [`FAR`].
+    #[inline(always)]
+    pub(crate) fn fine_remainder(&self) -> f32 {
+        FAR * self.remainder()
+    }
+
+    /// A bound on the fine remainder of the difference between two drives of modulus up to 1, for each unit that
+    /// they are apart.
+    #[inline(always)]
+    pub(crate) fn steepness(&self) -> f32 {
+        35.0 / 8.0 * FAR * self.remainder()
+    }
+}
+
+/// What the remainder, the tolerance of ties and the rounding of the sums leave open between two drives of modulus up
+/// to `reach`.
+#[inline(always)]
+pub(crate) fn slack(power: f32, remainder: f32, energy: f32, reach: f32) -> f32 {
+    let square = reach * reach;
+    2.0 * square * square * remainder + rounding(power, energy, reach)
+}
+
+/// What the tolerance of ties and the rounding of the sums leave open. By Cauchy `sum w |G| |t - |P||` is at most the
+/// root of power times energy.
+#[inline(always)]
+fn rounding(power: f32, energy: f32, reach: f32) -> f32 {
+    4e-7 * (reach * reach * power + reach * sqrtf(power * energy))
+}

@@ -1,0 +1,108 @@
+//! What the greedy search keeps of its points.
+
+use crate::kernels::greedy::search;
+use crate::kernels::greedy::search::{L2, Term};
+use crate::kernels::lanes::{LANES, Lanes};
+use crate::kernels::simd::{Simd, TINY};
+
+/// What is kept of 16 points, refreshed when their pressures change.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(64))]
+pub(crate) struct PointGroup {
+    /// The pressures P.
+    pub(crate) re: Lanes,
+    pub(crate) im: Lanes,
+    /// |P|.
+    pub(crate) modulus: Lanes,
+    /// 1/|P|^2, so large for silence that |u| is above [`crate::kernels::greedy::moments::FAR`]; 0 for a quiet point, whose term has no
+    /// remainder.
+    pub(crate) inverse: Lanes,
+    /// w (1 - t/|P|).
+    pub(crate) pull: Lanes,
+    /// w t |P|.
+    pub(crate) product: Lanes,
+    pub(crate) target: Lanes,
+    pub(crate) weight: Lanes,
+}
+
+impl PointGroup {
+    /// Silence where pressures t are wanted, with weights w.
+    #[inline(always)]
+    pub(crate) fn silent<S: Simd>(s: S, target: &Lanes, weight: &Lanes) -> Self {
+        let none = [0.0; LANES];
+        let mut sixteen = Self {
+            re: none,
+            im: none,
+            modulus: none,
+            inverse: none,
+            pull: none,
+            product: none,
+            target: *target,
+            weight: *weight,
+        };
+        sixteen.refresh(s, s.splat(0.0), s.splat(0.0));
+        sixteen
+    }
+
+    /// The points of the problem in a lane, where each of `points` is one point of several problems.
+    #[inline(always)]
+    pub(crate) fn of_lane<S: Simd>(s: S, points: &[Self], lane: usize) -> Self {
+        let mut own = Self::silent(s, &[0.0; LANES], &[0.0; LANES]);
+        for (j, point) in points.iter().enumerate() {
+            own.re[j] = point.re[lane];
+            own.im[j] = point.im[lane];
+            own.modulus[j] = point.modulus[lane];
+            own.inverse[j] = point.inverse[lane];
+            own.pull[j] = point.pull[lane];
+            own.product[j] = point.product[lane];
+            own.target[j] = point.target[lane];
+            own.weight[j] = point.weight[lane];
+        }
+        own
+    }
+
+    /// Sets the pressures; returns the energies w (t - |P|)^2.
+    #[inline(always)]
+    fn refresh<S: Simd>(&mut self, s: S, re: S::V, im: S::V) -> S::V {
+        let (target, weight) = (s.load(&self.target), s.load(&self.weight));
+        let square = s.fma(re, re, s.mul(im, im));
+        let (root, inverse) = s.sqrt_rsqrt(s.max(square, s.splat(TINY)));
+        let zero = s.splat(0.0);
+        let modulus = s.select_less(square, s.splat(TINY), zero, root);
+        let weighted = s.mul(weight, target);
+        s.store(re, &mut self.re);
+        s.store(im, &mut self.im);
+        s.store(modulus, &mut self.modulus);
+        s.store(s.select_less(zero, target, s.mul(inverse, inverse), zero), &mut self.inverse);
+        s.store(s.fnma(weighted, inverse, weight), &mut self.pull);
+        s.store(s.mul(weighted, modulus), &mut self.product);
+        let gap = s.sub(target, modulus);
+        s.mul(s.mul(weight, gap), gap)
+    }
+
+    /// P += G q; returns the energies.
+    #[inline(always)]
+    pub(crate) fn add<S: Simd>(&mut self, s: S, [gr, gi]: [&Lanes; 2], [qr, qi]: [S::V; 2]) -> S::V {
+        let (gr, gi) = (s.load(gr), s.load(gi));
+        let re = s.fma(gr, qr, s.fnma(gi, qi, s.load(&self.re)));
+        let im = s.fma(gr, qi, s.fma(gi, qr, s.load(&self.im)));
+        self.refresh(s, re, im)
+    }
+
+    /// Adds the changes of the terms under the drive q to `total`, as [`search::add_changes`] does.
+    #[inline(always)]
+    pub(crate) fn add_change<S: Simd>(
+        &self,
+        s: S,
+        [gr, gi]: [&Lanes; 2],
+        [qr, qi]: [S::V; 2],
+        total: S::V,
+    ) -> S::V {
+        let (gr, gi) = (s.load(gr), s.load(gi));
+        let e = [s.fnma(gi, qi, s.mul(gr, qr)), s.fma(gi, qr, s.mul(gr, qi))];
+        let old = [&self.re, &self.im, &self.modulus].map(|x| s.load(x));
+        let gap = s.sub(s.load(&self.target), old[2]);
+        let change = L2::change(s, search::rise(s, old, e), gap);
+        s.fma(s.load(&self.weight), change, total)
+    }
+}

@@ -1,0 +1,118 @@
+//! Waves of phases counted in turns, and decay: polynomials without branches.
+
+use crate::kernels::simd::Simd;
+
+/// sqrt(2) sin(pi x)/x in powers of x^2, least maximal error on |x| <= 1/2 (2e-8 before rounding).
+#[allow(clippy::approx_constant, reason = "fitted coefficients that lie near a constant")]
+const SINE: [f32; 5] = [4.442_883, -7.308_245_7, 3.606_354_5, -0.846_112_9, 0.109_826_99];
+
+/// sqrt(2) cos(pi x) in powers of x^2, least maximal error on |x| <= 1/2 (7e-8).
+#[allow(clippy::approx_constant, reason = "fitted coefficients that lie near a constant")]
+const COSINE: [f32; 5] = [1.414_213_5, -6.978_851, 5.739_461, -1.883_563, 0.310_698_18];
+
+/// 2^x in powers of x, least relative error on |x| <= 1/2 (2e-9).
+#[allow(clippy::approx_constant, reason = "fitted coefficients that lie near a constant")]
+const POWER: [f32; 7] =
+    [1.0, 0.693_147_2, 0.240_226_47, 0.055_503_29, 0.009_618_489, 0.001_339_993_1, 0.000_153_458_12];
+
+/// The polynomial at x by Horner's rule.
+#[inline(always)]
+fn polynomial<S: Simd, const N: usize>(s: S, coefficients: &[f32; N], x: S::V) -> S::V {
+    let mut sum = s.splat(coefficients[N - 1]);
+    for &coefficient in coefficients[..N - 1].iter().rev() {
+        sum = s.fma(sum, x, s.splat(coefficient));
+    }
+    sum
+}
+
+/// `amplitude` times (cos 2 pi x, sin 2 pi x) of |x| < 2^22 turns; absolute error below 7e-7 of the amplitude
+/// (sigma^2 is up to 2, and rounded three times where products are not fused).
+///
+/// By the half angle: with sigma = sqrt(2) sin(pi x) and gamma = sqrt(2) cos(pi x) the two are 1 - sigma^2 and
+/// sigma gamma, and |x| <= 1/2 needs no quadrants.
+#[inline(always)]
+pub(crate) fn wave<S: Simd>(s: S, turns: S::V, amplitude: S::V) -> [S::V; 2] {
+    let x = s.fract(turns);
+    let square = s.mul(x, x);
+    let sine = s.mul(polynomial(s, &SINE, square), x);
+    let cosine = polynomial(s, &COSINE, square);
+    let part = s.mul(amplitude, sine);
+    [s.fnma(part, sine, amplitude), s.mul(part, cosine)]
+}
+
+/// 2^x for x <= 0; what would be below 2^-126 is 2^-126 times a number near 1.
+#[inline(always)]
+pub(crate) fn power_of_two<S: Simd>(s: S, x: S::V) -> S::V {
+    let x = s.max(x, s.splat(-126.0));
+    let whole = s.round(x);
+    s.mul(polynomial(s, &POWER, s.sub(x, whole)), s.exp2(whole))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{InstructionSet, LANES, Lanes};
+    use super::*;
+    use crate::kernels::simd::instruction_set::dispatch;
+    use core::array::from_fn;
+
+    fn cis(set: InstructionSet, turns: &Lanes) -> [Lanes; 2] {
+        dispatch!(set, s => {
+            let mut out = [[f32::NAN; LANES]; 2];
+            for (v, lanes) in wave(s, s.load(turns), s.splat(1.0)).into_iter().zip(&mut out) {
+                s.store(v, lanes);
+            }
+            out
+        })
+    }
+
+    fn power(set: InstructionSet, x: &Lanes) -> Lanes {
+        dispatch!(set, s => {
+            let mut out = [f32::NAN; LANES];
+            s.store(power_of_two(s, s.load(x)), &mut out);
+            out
+        })
+    }
+
+    #[test]
+    fn waves_are_accurate_over_the_whole_range() {
+        for set in InstructionSet::all() {
+            // sigma^2 is up to 2: without fused products it is rounded once more.
+            let allowed = if ["scalar", "simd128"].contains(&set.name()) { 7e-7 } else { 6e-7 };
+            for scale in [1e-7_f32, 1e-3, 0.3, 1.0, 7.7, 117.6, 1e4, 4e6] {
+                for step in -4000..4000_i16 {
+                    let turns: Lanes = from_fn(|l| scale * (f32::from(step) + l as f32 / 16.0) / 4000.0);
+                    let [cos, sin] = cis(set, &turns);
+                    for l in 0..LANES {
+                        let angle = core::f64::consts::TAU * f64::from(turns[l]).fract();
+                        assert!((f64::from(cos[l]) - angle.cos()).abs() < allowed, "{set}: cos {}", turns[l]);
+                        assert!((f64::from(sin[l]) - angle.sin()).abs() < allowed, "{set}: sin {}", turns[l]);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn waves_at_quarter_turns() {
+        for set in InstructionSet::all() {
+            let [cos, sin] = cis(set, &from_fn(|l| l as f32 / 4.0));
+            for l in 0..LANES {
+                let (c, s) = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][l % 4];
+                assert!((cos[l] - c).abs() < 3e-7 && (sin[l] - s).abs() < 3e-7, "{set}");
+            }
+        }
+    }
+
+    #[test]
+    fn power_of_two_is_within_2e_7() {
+        for set in InstructionSet::all() {
+            for step in 0..4000_i16 {
+                let x: Lanes = from_fn(|l| -126.0 * (f32::from(step) + l as f32 / 16.0) / 4000.0);
+                for (power, x) in power(set, &x).into_iter().zip(x) {
+                    assert!((f64::from(power) / f64::from(x).exp2() - 1.0).abs() < 2e-7, "{set}: 2^{x}");
+                }
+            }
+            assert!(power(set, &[-1e9; LANES])[0] <= 2.0_f32.powi(-125));
+        }
+    }
+}

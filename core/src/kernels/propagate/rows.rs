@@ -1,0 +1,69 @@
+//! Where a kernel that passes over all transducers takes its rows from.
+
+use crate::kernels::lanes::LANES;
+use crate::kernels::propagate::row::{ControlPoints, Law, Source, write_row, write_tile};
+use crate::kernels::simd::Simd;
+use crate::kernels::tiles::{BLOCK, Block};
+
+/// Rows of G, one a transducer, each a whole number of lane groups long.
+#[derive(Clone, Copy)]
+pub(crate) enum Rows<'a> {
+    /// Made from positions when asked for.
+    Computed { law: &'a Law, sources: &'a [Source], control_points: ControlPoints<'a> },
+    /// Kept: re and im, row after row.
+    Stored { re: &'a [f32], im: &'a [f32] },
+}
+
+impl Rows<'_> {
+    /// Writes row `i` over the whole of `re` and `im`.
+    #[inline(always)]
+    pub(crate) fn write<S: Simd>(&self, s: S, i: usize, re: &mut [f32], im: &mut [f32]) {
+        match *self {
+            Self::Computed { law, sources, control_points } => {
+                write_row(s, law, &sources[i], control_points, re, im)
+            }
+            Self::Stored { re: all_re, im: all_im } => {
+                let range = i * re.len()..(i + 1) * re.len();
+                re.copy_from_slice(&all_re[range.clone()]);
+                im.copy_from_slice(&all_im[range]);
+            }
+        }
+    }
+
+    /// Writes a tile of [`crate::kernels::tiles`]: 16 of the `count` transducers in the lanes, row after row the points (their
+    /// index, and a factor), zeros in the lanes of transducers that there are not.
+    #[inline(always)]
+    pub(crate) fn write_tile<S: Simd>(
+        &self,
+        s: S,
+        (tile, stride): (usize, usize),
+        count: usize,
+        points: (&[u32], &[f32]),
+        out: [&mut [Block]; 2],
+    ) {
+        let members = count.min(tile * LANES)..count.min((tile + 1) * LANES);
+        match *self {
+            Self::Computed { law, sources, control_points } if !members.is_empty() => {
+                write_tile(s, law, &sources[members], control_points, points, (tile, stride), out);
+            }
+            Self::Stored { re, im } => {
+                let lanes = re.len() / count;
+                for (all, out) in [re, im].into_iter().zip(out) {
+                    for (k, (&j, &scale)) in points.0.iter().zip(points.1).enumerate() {
+                        let to = &mut out[tile + k / BLOCK * stride][k % BLOCK];
+                        *to = [0.0; LANES];
+                        for (to, i) in to.iter_mut().zip(members.clone()) {
+                            *to = all[i * lanes + j as usize] * scale;
+                        }
+                    }
+                }
+            }
+            Self::Computed { .. } => {
+                for out in out {
+                    (0..points.0.len())
+                        .for_each(|k| out[tile + k / BLOCK * stride][k % BLOCK] = [0.0; LANES]);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! Which instructions the kernels use.
+
+use core::fmt;
+
+#[cfg(target_arch = "x86_64")]
+use crate::kernels::simd::avx2::Avx2;
+use crate::kernels::simd::avx512::Avx512;
+#[cfg(target_arch = "aarch64")]
+use crate::kernels::simd::neon::Neon;
+use crate::kernels::simd::scalar::Scalar;
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+use crate::kernels::simd::simd128::Simd128;
+
+/// The instructions that the kernels use: a value that exists only for what this machine can do.
+///
+/// One set gives the same bits on every machine that has it. Between levels numbers agree to f32 rounding.
+///
+/// ```
+/// use midair::InstructionSet;
+///
+/// assert!(InstructionSet::all().any(|set| set == InstructionSet::SCALAR));
+/// assert_eq!(InstructionSet::named("scalar"), Some(InstructionSet::SCALAR));
+/// assert!(InstructionSet::all().any(|set| set == InstructionSet::best()));
+/// ```
+#[derive(Clone, Copy)]
+pub struct InstructionSet(pub(crate) Kind);
+
+/// The tokens of the levels.
+#[derive(Clone, Copy)]
+pub(crate) enum Kind {
+    Scalar(Scalar),
+    #[cfg(target_arch = "x86_64")]
+    Avx2(Avx2),
+    #[cfg(target_arch = "x86_64")]
+    Avx512(Avx512),
+    #[cfg(target_arch = "aarch64")]
+    Neon(Neon),
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    Simd128(Simd128),
+}
+
+/// Whether the machine has some instructions: asked at run time with `std`, known when compiling without.
+#[cfg(target_arch = "x86_64")]
+macro_rules! has {
+    ($($feature:tt),*) => {{
+        #[cfg(feature = "std")]
+        let has = true $(&& std::arch::is_x86_feature_detected!($feature))*;
+        #[cfg(not(feature = "std"))]
+        let has = true $(&& cfg!(target_feature = $feature))*;
+        has
+    }};
+}
+
+impl InstructionSet {
+    /// No instructions but those that every machine of the kind has.
+    pub const SCALAR: Self = Self(Kind::Scalar(Scalar));
+
+    /// Every set this machine has, from the slowest.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let levels = [
+            Some(Self::SCALAR),
+            #[cfg(target_arch = "x86_64")]
+            Self::avx2(),
+            #[cfg(target_arch = "x86_64")]
+            Self::avx512(),
+            #[cfg(target_arch = "aarch64")]
+            // Every 64-bit ARM has it.
+            Some(Self(Kind::Neon(Neon))),
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            Some(Self(Kind::Simd128(Simd128))),
+        ];
+        levels.into_iter().flatten()
+    }
+
+    /// The fastest set of this machine.
+    #[must_use]
+    pub fn best() -> Self {
+        Self::all().last().unwrap_or(Self::SCALAR)
+    }
+
+    /// The set of that name, if this machine has it.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::all().find(|set| set.name() == name)
+    }
+
+    /// "scalar", "avx2", "avx512", "neon" or "simd128".
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self.0 {
+            Kind::Scalar(_) => "scalar",
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2(_) => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512(_) => "avx512",
+            #[cfg(target_arch = "aarch64")]
+            Kind::Neon(_) => "neon",
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            Kind::Simd128(_) => "simd128",
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[allow(unsafe_code, reason = "the one place where a token comes into being")]
+    fn avx2() -> Option<Self> {
+        // SAFETY: what the token promises has just been asked for.
+        has!("avx2", "fma").then(|| Self(Kind::Avx2(unsafe { Avx2::assume() })))
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[allow(unsafe_code, reason = "the one place where a token comes into being")]
+    fn avx512() -> Option<Self> {
+        // SAFETY: what the token promises has just been asked for.
+        has!("avx512f", "avx512dq", "avx2", "fma").then(|| Self(Kind::Avx512(unsafe { Avx512::assume() })))
+    }
+}
+
+impl PartialEq for InstructionSet {
+    fn eq(&self, other: &Self) -> bool {
+        self.name() == other.name()
+    }
+}
+
+impl Eq for InstructionSet {}
+
+impl fmt::Debug for InstructionSet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl fmt::Display for InstructionSet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Runs an expression of a token compiled for a set: `dispatch!(set, simd => body)`.
+macro_rules! dispatch {
+    ($set:expr, $simd:ident => $body:expr) => {{
+        use crate::kernels::simd::Simd;
+        use crate::kernels::simd::instruction_set::Kind;
+        match $set.0 {
+            Kind::Scalar($simd) => $simd.vectorize(
+                #[inline(always)]
+                || $body,
+            ),
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2($simd) => $simd.vectorize(
+                #[inline(always)]
+                || $body,
+            ),
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512($simd) => $simd.vectorize(
+                #[inline(always)]
+                || $body,
+            ),
+            #[cfg(target_arch = "aarch64")]
+            Kind::Neon($simd) => $simd.vectorize(
+                #[inline(always)]
+                || $body,
+            ),
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            Kind::Simd128($simd) => $simd.vectorize(
+                #[inline(always)]
+                || $body,
+            ),
+        }
+    }};
+}
+pub(crate) use dispatch;

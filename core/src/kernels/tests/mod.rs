@@ -1,0 +1,317 @@
+//! Every kernel against plain f64 loops, at every length up to four whole groups of lanes and a remainder, over
+//! dirty memory.
+
+mod cholesky;
+mod fine;
+mod matrix;
+mod search;
+mod simd;
+mod tiles;
+
+use alloc::vec;
+use alloc::vec::Vec;
+use core::f64::consts::{LOG2_E, TAU};
+use core::ops::RangeInclusive;
+
+use crate::kernels::lanes::{LANES, padded};
+use crate::kernels::propagate::row::{ControlPoints, Law, Row, Source};
+use crate::kernels::propagate::rows::Rows;
+use crate::kernels::simd::instruction_set::InstructionSet;
+use crate::kernels::tiles::{height, lanes, pack, size};
+use crate::rng::Rng;
+use crate::scene::transducer::Directivity;
+
+const LENGTHS: RangeInclusive<usize> = 1..=67;
+
+/// One rounding to f32, relative.
+const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
+
+/// rad/m at 40 kHz and 340 m/s.
+const WAVENUMBER: f64 = TAU / 8.5e-3;
+
+/// `count` numbers from `low` to `high`, padded with zeros.
+fn numbers(rng: &mut Rng, count: usize, low: f64, high: f64) -> Vec<f32> {
+    let mut list = vec![0.0; padded(count)];
+    list[..count].fill_with(|| (low + (high - low) * rng.uniform()) as f32);
+    list
+}
+
+fn wide(x: f32) -> f64 {
+    f64::from(x)
+}
+
+fn assert_near(got: f32, want: f64, allowed: f64, what: &str) {
+    assert!((wide(got) - want).abs() <= allowed && got.is_finite(), "{what}: {got:e} for {want:e}");
+}
+
+/// One transducer and some points, the way `Sources` hands them over.
+struct Shot {
+    directivity: Directivity,
+    /// A bound on the slope of D over the cosine.
+    steepness: f64,
+    law: Law,
+    source: Source,
+    coordinates: [Vec<f32>; 3],
+    count: usize,
+}
+
+impl Shot {
+    fn new(rng: &mut Rng, directivity: Directivity, decay: f32, count: usize) -> Self {
+        let mut number = |low: f64, high: f64| (low + (high - low) * rng.uniform()) as f32;
+        let mut normal = [number(-0.5, 0.5), number(-0.5, 0.5), 1.0];
+        let length = normal.iter().map(|x| x * x).sum::<f32>().sqrt();
+        normal = normal.map(|x| x / length);
+        let position = [number(-12.0, 12.0), number(-12.0, 12.0), number(-1.0, 1.0)];
+        let (gain, turns) = (number(0.1, 2.0), if count.is_multiple_of(2) { 0.0 } else { number(-0.5, 0.5) });
+        // Padding may lie anywhere.
+        let mut coordinates = [(); 3].map(|()| vec![4e6; padded(count)]);
+        for j in 0..count {
+            for (axis, (low, high)) in [(-20.0, 20.0), (-20.0, 20.0), (-5.0, 60.0)].into_iter().enumerate() {
+                coordinates[axis][j] = number(low, high);
+            }
+        }
+        let law = Law { decay, table: directivity.table(WAVENUMBER) };
+        Self {
+            directivity,
+            steepness: 10.0,
+            law,
+            source: Source { position, normal, gain, turns },
+            coordinates,
+            count,
+        }
+    }
+
+    fn control_points(&self) -> ControlPoints<'_> {
+        let [x, y, z] = &self.coordinates;
+        ControlPoints { coordinates: [x, y, z], count: self.count }
+    }
+
+    /// Distance of point j, held at a hundredth of a wavelength, and the real factor of eq. (5).
+    fn spread(&self, j: usize) -> (f64, f64) {
+        let ray = [0, 1, 2].map(|axis| wide(self.coordinates[axis][j]) - wide(self.source.position[axis]));
+        let r = self.square(j).sqrt().max(wide(crate::kernels::propagate::row::NEAREST));
+        let cos = (0..3).map(|axis| ray[axis] * wide(self.source.normal[axis])).sum::<f64>() / r;
+        (r, self.directivity.value(cos, WAVENUMBER) * (wide(self.law.decay) * r).exp2() / r)
+    }
+
+    fn square(&self, j: usize) -> f64 {
+        let part = |axis: usize| wide(self.coordinates[axis][j]) - wide(self.source.position[axis]);
+        (0..3).map(|axis| part(axis).powi(2)).sum()
+    }
+
+    /// What each kernel must give, over memory full of NaN.
+    fn check(&self, set: InstructionSet) {
+        let [mut re, mut im] = [(); 2].map(|()| vec![f32::NAN; padded(self.count)]);
+        let mut moduli = vec![1.0; padded(self.count)];
+        crate::kernels::propagate::row(
+            set,
+            &self.law,
+            &self.source,
+            self.control_points(),
+            &mut Row { re: &mut re, im: &mut im },
+        );
+        let nearest = (0..self.count).map(|j| self.square(j)).fold(f64::INFINITY, f64::min);
+        // Well beside it on either side: the kernel's square has five roundings.
+        for (factor, near) in [(1.0 + 1e-6, true), (1.0 - 1e-6, false)] {
+            moduli.fill(1.0);
+            let limit = (nearest * factor) as f32;
+            let sources = [self.source; 1];
+            let told = super::add_moduli(set, &self.law, &sources, self.control_points(), limit, &mut moduli);
+            assert!(told == near || nearest == 0.0, "{set}: nearest point of {}", self.count);
+        }
+        for j in 0..self.count {
+            let (r, amplitude) = self.spread(j);
+            let (sin, cos) = (TAU * (r + wide(self.source.turns))).sin_cos();
+            let gain = wide(self.source.gain);
+            // Relative to the modulus straight ahead (D has zeros): the amplitude's own few roundings, the
+            // polynomials' 7e-7 and 3e-7, the table's and what D makes of two roundings of the cosine; and in
+            // the phase four roundings of the distance.
+            let unit = gain / r;
+            let (flat, phase) =
+                ((2e-6 + 2.0 * ROUNDING * self.steepness) * unit, 4.0 * ROUNDING * TAU * (r + 0.5) * unit);
+            let what = self.directivity.name().0;
+            assert_near(re[j], gain * amplitude * cos, flat + phase, what);
+            assert_near(im[j], gain * amplitude * sin, flat + phase, what);
+            assert_near(moduli[j], 1.0 + gain * amplitude.abs(), flat + ROUNDING * (1.0 + unit), what);
+        }
+        self.check_tile(set, [&re, &im]);
+        for list in [&re, &im, &moduli] {
+            assert!(list[self.count..].iter().all(|&x| x == 0.0), "padding of {} is not silent", self.count);
+        }
+    }
+}
+
+impl Shot {
+    /// The tile of this transducer and a second, in phase, is made of their rows to the bit, and silent beyond.
+    fn check_tile(&self, set: InstructionSet, row: [&[f32]; 2]) {
+        let sources = [self.source, Source { turns: 0.0, ..self.source }];
+        let order: Vec<u32> = (0..self.count as u32).collect();
+        let whole = size(height(self.count), lanes(2));
+        let [mut re, mut im] = [(); 2].map(|()| vec![f32::NAN; whole]);
+        let rows =
+            Rows::Computed { law: &self.law, sources: &sources, control_points: self.control_points() };
+        pack(set, rows, 2, (&order, &vec![1.0; self.count]), [&mut re, &mut im]);
+        // Two tiles and a spare one to four points.
+        for (plane, row) in [re, im].iter().zip(row) {
+            for j in 0..self.count {
+                let first = (j / 4 * 3 * 4 + j % 4) * LANES;
+                assert_eq!(plane[first], row[j], "{set}: point {j} of {}", self.count);
+                assert!(plane[first + 2..first + LANES].iter().all(|&x| x == 0.0), "{set}: no transducer");
+            }
+        }
+    }
+}
+
+/// Every directivity, without absorption and with 1.3 dB/m.
+fn shots(seed: u64, count: usize) -> Vec<Shot> {
+    let mut rng = Rng::new(seed);
+    let patterns = ["point", "piston", "sinc", "cos", "t4010a1"].map(|name| Directivity::named(name, None));
+    let mut list = Vec::new();
+    for pattern in patterns {
+        for decay in [0.0, (-0.15 * 8.5e-3 * LOG2_E) as f32] {
+            list.push(Shot::new(&mut rng, pattern.clone().expect("a known name"), decay, count));
+        }
+    }
+    list
+}
+
+#[test]
+fn row_and_moduli_are_eq_5() {
+    for set in InstructionSet::all() {
+        for count in LENGTHS {
+            for shot in shots(count as u64, count) {
+                shot.check(set);
+            }
+        }
+    }
+}
+
+#[test]
+fn sharp_and_steep_directivities_are_followed() {
+    for set in InstructionSet::all() {
+        let sharp =
+            [("piston", 0.1), ("piston", 0.02), ("sinc", 0.2), ("cos", 0.5), ("cos", 2.5), ("cos", 70.0)];
+        for (name, parameter) in sharp {
+            let pattern = Directivity::named(name, Some(parameter)).expect("a directivity");
+            // D = 1 - x^2/6 with x = (k d/2) sin(theta) at its steepest, twice that for a piston; n for cos^n.
+            let steepness =
+                if name == "cos" { parameter.max(10.0) } else { (WAVENUMBER * parameter).powi(2) / 2.0 };
+            let shot = Shot::new(&mut Rng::new(3), pattern, 0.0, 67);
+            Shot { steepness, ..shot }.check(set);
+        }
+    }
+}
+
+#[test]
+fn nearer_than_a_hundredth_of_a_wavelength_r_is_held_there() {
+    for mut shot in shots(1, 20) {
+        for (j, step) in [(3, 0.0), (7, 0.004), (17, 0.02)] {
+            for axis in 0..3 {
+                shot.coordinates[axis][j] = shot.source.position[axis];
+            }
+            // Exact in f32: the source is put where it is 0.
+            shot.source.position[2] = 0.0;
+            shot.coordinates[2][j] = step;
+        }
+        InstructionSet::all().for_each(|set| shot.check(set));
+    }
+}
+
+#[test]
+fn accumulate_adds_g_q() {
+    for set in InstructionSet::all() {
+        for count in LENGTHS {
+            let mut rng = Rng::new(count as u64);
+            let [gr, gi, pr, pi] = [(); 4].map(|()| numbers(&mut rng, count, -1.0, 1.0));
+            let [qr, qi] = [0.6_f32, -0.7];
+            let (mut re, mut im) = (pr.clone(), pi.clone());
+            super::accumulate(set, [&gr, &gi], [qr, qi], &mut re, &mut im);
+            for j in 0..padded(count) {
+                // Two products, their difference and the sum: four roundings of numbers below 1, 1, 2 and 3.
+                let allowed = 7.0 * ROUNDING;
+                assert_near(
+                    re[j],
+                    wide(pr[j]) + wide(gr[j]) * wide(qr) - wide(gi[j]) * wide(qi),
+                    allowed,
+                    "re",
+                );
+                assert_near(
+                    im[j],
+                    wide(pi[j]) + wide(gr[j]) * wide(qi) + wide(gi[j]) * wide(qr),
+                    allowed,
+                    "im",
+                );
+            }
+            assert!(
+                re[count..].iter().chain(&im[count..]).all(|&x| x == 0.0),
+                "silent padding was given sound"
+            );
+        }
+    }
+}
+
+#[test]
+fn modulus_and_squares_are_those_of_complex_numbers() {
+    for set in InstructionSet::all() {
+        for count in LENGTHS {
+            let mut rng = Rng::new(count as u64);
+            let [re, im] = [(); 2].map(|()| numbers(&mut rng, count, -1.0, 1.0));
+            let start = numbers(&mut rng, count, 0.0, 1.0);
+            let (mut moduli, mut sums) = (vec![f32::NAN; padded(count)], start.clone());
+            super::modulus(set, &re, &im, &mut moduli);
+            super::squares(set, [&re, &im], &mut sums);
+            for j in 0..padded(count) {
+                let (modulus, sum) = (wide(re[j]).hypot(wide(im[j])), wide(start[j]));
+                // Squares and sum round twice, which the root halves, and the root's own two steps.
+                assert_near(moduli[j], modulus, 2.0 * ROUNDING * modulus, "modulus");
+                // The squares, their sum, and theirs with what was there.
+                assert_near(
+                    sums[j],
+                    sum + modulus * modulus,
+                    3.0 * ROUNDING * (sum + modulus * modulus),
+                    "square",
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn project_is_the_conjugate_sum() {
+    for set in InstructionSet::all() {
+        for count in LENGTHS {
+            let mut rng = Rng::new(count as u64);
+            let [re, im] = [(); 2].map(|()| numbers(&mut rng, count, -1.0, 1.0));
+            let targets = numbers(&mut rng, count, 0.0, 2.0);
+            let sum = |part: &dyn Fn(usize) -> f64| (0..count).map(part).sum::<f64>();
+            let got = super::project(set, [&re, &im], &targets);
+            for (got, list, sign) in [(got[0], &re, 1.0), (got[1], &im, -1.0)] {
+                // A product, at most five sums in a lane and four across: ten roundings.
+                let most = sum(&|j| (wide(list[j]) * wide(targets[j])).abs());
+                assert_near(
+                    got,
+                    sign * sum(&|j| wide(list[j]) * wide(targets[j])),
+                    10.0 * ROUNDING * most,
+                    "sum",
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn correlate_and_dot_are_their_sums() {
+    for set in InstructionSet::all() {
+        for count in LENGTHS {
+            let mut rng = Rng::new(count as u64);
+            let [a, b, c, d] = [(); 4].map(|()| numbers(&mut rng, count, -1.0, 1.0));
+            let sum = |part: &dyn Fn(usize) -> f64| (0..count).map(part).sum::<f64>();
+            // Two products and their sum, at most five sums in a lane and four across, of terms below 2.
+            let allowed = 12.0 * ROUNDING * 2.0 * count as f64;
+            let [re, im] = super::correlate(set, [&a, &b], [&c, &d]);
+            assert_near(re, sum(&|j| wide(a[j]) * wide(c[j]) + wide(b[j]) * wide(d[j])), allowed, "re");
+            assert_near(im, sum(&|j| wide(a[j]) * wide(d[j]) - wide(b[j]) * wide(c[j])), allowed, "im");
+            assert_near(super::dot(set, &a, &b), sum(&|j| wide(a[j]) * wide(b[j])), allowed, "dot");
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! The pressures at the points: adding a transducer, moduli, projections, squares.
+
+use crate::kernels::lanes::{LANES, groups, groups_mut};
+use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::simd::{Simd, TINY};
+
+/// P += G q, q = (re, im).
+#[inline(always)]
+pub(crate) fn add_wave<S: Simd>(s: S, row: [&[f32]; 2], drive: [f32; 2], re: &mut [f32], im: &mut [f32]) {
+    let (qr, qi) = (s.splat(drive[0]), s.splat(drive[1]));
+    let rows = groups(row[0]).iter().zip(groups(row[1]));
+    for ((gr, gi), (pr, pi)) in rows.zip(groups_mut(re).iter_mut().zip(groups_mut(im))) {
+        let (r, i) = (s.load(gr), s.load(gi));
+        s.store(s.fma(r, qr, s.fnma(i, qi, s.load(pr))), pr);
+        s.store(s.fma(r, qi, s.fma(i, qr, s.load(pi))), pi);
+    }
+}
+
+/// P += G q, q = (re, im).
+pub(crate) fn accumulate(
+    set: InstructionSet,
+    row: [&[f32]; 2],
+    drive: [f32; 2],
+    re: &mut [f32],
+    im: &mut [f32],
+) {
+    dispatch!(set, s => add_wave(s, row, drive, re, im));
+}
+
+/// out = |P|; 0 where |P|^2 is below the smallest normal number.
+pub(crate) fn modulus(set: InstructionSet, re: &[f32], im: &[f32], out: &mut [f32]) {
+    dispatch!(set, s => {
+        for ((re, im), out) in groups(re).iter().zip(groups(im)).zip(groups_mut(out)) {
+            let (re, im) = (s.load(re), s.load(im));
+            s.store(root(s, s.fma(re, re, s.mul(im, im))), out);
+        }
+    });
+}
+
+/// sqrt(a) of a >= 0; 0 below the smallest normal number.
+#[inline(always)]
+pub(crate) fn root<S: Simd>(s: S, a: S::V) -> S::V {
+    let least = s.splat(TINY);
+    s.select_less(a, least, s.splat(0.0), s.sqrt_rsqrt(s.max(a, least)).0)
+}
+
+/// sum_j conj(G_j) t_j for real t: (re, im).
+pub(crate) fn project(set: InstructionSet, row: [&[f32]; 2], targets: &[f32]) -> [f32; 2] {
+    dispatch!(set, s => {
+        let (mut re, mut im) = (s.splat(0.0), s.splat(0.0));
+        for ((gr, gi), t) in groups(row[0]).iter().zip(groups(row[1])).zip(groups(targets)) {
+            re = s.fma(s.load(gr), s.load(t), re);
+            im = s.fnma(s.load(gi), s.load(t), im);
+        }
+        [s.reduce_add(re), s.reduce_add(im)]
+    })
+}
+
+/// sum_j conj(G_j) p_j for complex p: (re, im), lanes apart.
+#[inline(always)]
+pub(crate) fn correlation<S: Simd>(s: S, row: [&[f32]; 2], pressure: [&[f32]; 2]) -> [S::V; 2] {
+    let (mut re, mut im) = (s.splat(0.0), s.splat(0.0));
+    let pressures = groups(pressure[0]).iter().zip(groups(pressure[1]));
+    for ((gr, gi), (pr, pi)) in groups(row[0]).iter().zip(groups(row[1])).zip(pressures) {
+        let (gr, gi, pr, pi) = (s.load(gr), s.load(gi), s.load(pr), s.load(pi));
+        re = s.fma(gr, pr, s.fma(gi, pi, re));
+        im = s.fma(gr, pi, s.fnma(gi, pr, im));
+    }
+    [re, im]
+}
+
+/// sum_j conj(G_j) p_j for complex p: (re, im).
+pub(crate) fn correlate(set: InstructionSet, row: [&[f32]; 2], pressure: [&[f32]; 2]) -> [f32; 2] {
+    dispatch!(set, s => {
+        let [re, im] = correlation(s, row, pressure);
+        [s.reduce_add(re), s.reduce_add(im)]
+    })
+}
+
+/// sum_j a_j b_j.
+pub(crate) fn dot(set: InstructionSet, a: &[f32], b: &[f32]) -> f32 {
+    dispatch!(set, s => {
+        let mut total = s.splat(0.0);
+        for (a, b) in groups(a).iter().zip(groups(b)) {
+            total = s.fma(s.load(a), s.load(b), total);
+        }
+        s.reduce_add(total)
+    })
+}
+
+/// matrix += `sum_b v_b v_b^T` for four vectors, the rows from the diagonal's group of lanes on.
+pub(crate) fn add_outer(set: InstructionSet, vectors: [&[f32]; 4], matrix: &mut [f32]) {
+    dispatch!(set, s => {
+        let size = vectors[0].len();
+        let [a, b, c, d] = vectors.map(groups);
+        for (k, row) in matrix.chunks_exact_mut(size).enumerate() {
+            let [fa, fb, fc, fd] = vectors;
+            let factors = [s.splat(fa[k]), s.splat(fb[k]), s.splat(fc[k]), s.splat(fd[k])];
+            for (g, out) in groups_mut(row).iter_mut().enumerate().skip(k / LANES) {
+                let sum = s.fma(factors[0], s.load(&a[g]), s.fma(factors[1], s.load(&b[g]), s.load(out)));
+                s.store(s.fma(factors[2], s.load(&c[g]), s.fma(factors[3], s.load(&d[g]), sum)), out);
+            }
+        }
+    });
+}
+
+/// out += |G|^2.
+pub(crate) fn squares(set: InstructionSet, row: [&[f32]; 2], out: &mut [f32]) {
+    dispatch!(set, s => {
+        for ((re, im), out) in groups(row[0]).iter().zip(groups(row[1])).zip(groups_mut(out)) {
+            let (re, im) = (s.load(re), s.load(im));
+            s.store(s.fma(re, re, s.fma(im, im, s.load(out))), out);
+        }
+    });
+}

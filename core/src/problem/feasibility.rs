@@ -1,0 +1,131 @@
+//! What an array can do at the points of a problem, and whether more is asked for.
+
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use core::fmt;
+
+use crate::problem::Problem;
+use crate::problem::upper_bound::{MOST_POINTS, rough_bound};
+use crate::propagation::model::distance;
+
+/// The paper's own p1/sqrt(M) is out of reach by 14 % in the mean and by a quarter in single scenes of few points. What is
+/// proven to be further away is a slip.
+const EVERYDAY: f64 = 0.75;
+
+/// What an array can do.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Reach {
+    /// The strongest pressure at each point alone (M,) in Pa: `sum_i |G_ji|`.
+    pub alone: Vec<f64>,
+    /// The pressures (M,) in Pa, in the ratios of the targets, that the array can make at all points together if they are
+    /// a focal width apart: the balanced level, `sum_j (s target_j/alone_j)^2 = 1`. Closer points can have more.
+    pub level: Vec<f64>,
+}
+
+/// A request that no drive can fulfil.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::exhaustive_enums, reason = "the three ways to ask for too much")]
+pub enum Beyond {
+    /// A target above what all transducers together give at that point.
+    Alone {
+        /// Index of the point.
+        point: usize,
+        /// Its target in Pa.
+        target: f64,
+        /// The strongest pressure there in Pa.
+        alone: f64,
+    },
+    /// Two targets for one place.
+    Contrary {
+        /// Indices of the points.
+        points: [usize; 2],
+        /// Their targets in Pa.
+        targets: [f64; 2],
+    },
+    /// Targets that cannot be had at the same time.
+    Together {
+        /// No drive reaches more than this part of every target, proven as [`crate::problem::upper_bound()`] proves it.
+        most: f64,
+    },
+}
+
+impl fmt::Display for Beyond {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Alone { point, target, alone } => write!(
+                f,
+                "points[{point}].pressure is {} Pa, beyond reach: the array gives at most {} Pa there",
+                pascals(*target),
+                pascals(*alone)
+            ),
+            Self::Contrary { points: [j, k], targets: [one, other] } => write!(
+                f,
+                "points[{j}] and points[{k}] lie in one place, for which {} and {} Pa are asked: give them one pressure",
+                pascals(*one),
+                pascals(*other)
+            ),
+            Self::Together { most } => write!(
+                f,
+                "the pressures are beyond reach: no drive gives more than {most:.2} of all of them at the same time"
+            ),
+        }
+    }
+}
+
+/// About four digits of a pressure, whatever its unit.
+fn pascals(pressure: f64) -> String {
+    match pressure {
+        1e3..1e9 => format!("{pressure:.0}"),
+        1e-2..1e3 => format!("{pressure:.3}"),
+        _ => format!("{pressure:.3e}"),
+    }
+}
+
+impl Problem {
+    /// What the array can do at the points.
+    #[must_use]
+    pub fn reach(&self) -> Reach {
+        let propagation = self.all_propagation();
+        let alone = |j: usize| (0..propagation.transducers()).map(|i| propagation.exact(j, i).norm()).sum();
+        Reach {
+            alone: (0..propagation.points()).map(alone).collect(),
+            level: self.pressures().iter().map(|target| self.balance() * target).collect(),
+        }
+    }
+
+    /// What is asked for and provably cannot be had: a target above its point's own reach, two targets for points less than a
+    /// thousandth of a wavelength apart, or targets of which no drive
+    /// gives more than three quarters at the same time, as the quick form of [`crate::problem::upper_bound()`] proves (up to 64 points; from
+    /// about 1.4 times the balanced level on at a few points, from 2 to 2.5 times at 64).
+    #[must_use]
+    pub fn beyond(&self) -> Option<Beyond> {
+        if let Some((point, alone)) = self.overasked() {
+            return Some(Beyond::Alone { point, target: self.pressures()[point], alone });
+        }
+        if let Some(contrary) = self.contrary() {
+            return Some(contrary);
+        }
+        if self.balance() >= EVERYDAY || self.heard().len() > MOST_POINTS {
+            return None;
+        }
+        let most = rough_bound(self);
+        (most < EVERYDAY).then_some(Beyond::Together { most })
+    }
+
+    fn contrary(&self) -> Option<Beyond> {
+        let (places, targets) = (self.all_propagation().places()?, self.pressures());
+        let heard = self.heard();
+        // Mostly all ask for the same.
+        if heard.iter().all(|&j| targets[j] == targets[heard[0]]) {
+            return None;
+        }
+        let near = self.all_propagation().medium().wavelength() / 1000.0;
+        let pairs = heard.iter().enumerate().flat_map(|(n, &j)| heard[n + 1..].iter().map(move |&k| [j, k]));
+        let contrary =
+            |[j, k]: &[usize; 2]| targets[*j] != targets[*k] && distance(places[*j], places[*k]) < near;
+        let points = pairs.into_iter().find(contrary)?;
+        Some(Beyond::Contrary { points, targets: points.map(|j| targets[j]) })
+    }
+}

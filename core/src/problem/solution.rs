@@ -1,0 +1,246 @@
+//! What comes out of a solve.
+
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+use core::fmt;
+
+use num_complex::Complex32;
+
+use crate::control::Control;
+use crate::kernels;
+use crate::linalg::Planar;
+use crate::math;
+use crate::problem::Problem;
+use crate::problem::metrics::Metrics;
+use crate::problem::targets::Asked;
+use crate::propagation::Propagation;
+use crate::workspace::Workspace;
+
+/// How a solve ended. Outcome is data, never an error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Status {
+    /// The method ran to its end.
+    Done,
+    /// The method's steps ran out before its tolerance was met.
+    OutOfSteps,
+    /// The caller asked to stop; the answer is the best so far.
+    Stopped,
+    /// The arithmetic broke down; the answer is the best before.
+    Breakdown,
+}
+
+/// z / factor, rounded once.
+fn divided(z: Complex32, factor: f64) -> Complex32 {
+    let part = |x: f32| (f64::from(x) / factor) as f32;
+    Complex32::new(part(z.re), part(z.im))
+}
+
+impl fmt::Display for Status {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Done => "done",
+            Self::OutOfSteps => "out_of_steps",
+            Self::Stopped => "stopped",
+            Self::Breakdown => "breakdown",
+        })
+    }
+}
+
+/// A drive and what it does at the points.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Solution {
+    /// Drives q (N,), |q| <= 1.
+    pub drive: Vec<Complex32>,
+    /// Complex pressures (M,) in Pa (peak) at all of the caller's points, by one f32 pass over the rows.
+    pub pressures: Vec<Complex32>,
+    /// How the solve ended.
+    pub status: Status,
+    /// Steps taken.
+    pub steps: usize,
+    /// What supply or modulation have to multiply all drives by, at most 1: below 1 where the device has
+    /// no amplitude for the answer. The pressures count it in, the drives do not.
+    pub scale: f64,
+    asked: Arc<Asked>,
+}
+
+impl Solution {
+    /// The solution that `drive` is: a solver's last line. Its pressures are computed here.
+    #[must_use]
+    pub fn new(
+        problem: &Problem,
+        drive: Vec<Complex32>,
+        status: Status,
+        steps: usize,
+        work: &mut Workspace,
+    ) -> Self {
+        let asked = problem.asked();
+        let field = Self::field_of(&asked.propagation, &drive, work);
+        Self::with_pressures(asked, drive, field, status, steps, work)
+    }
+
+    /// The field of a drive at some points: one padded row, in units of the reference.
+    fn field_of(propagation: &Propagation, drive: &[Complex32], work: &mut Workspace) -> Planar {
+        let mut field = Planar::zeros(1, propagation.lanes(), work);
+        let mut row = Planar::zeros(1, propagation.lanes(), work);
+        let (row_parts, into) = ([&mut row.re[..], &mut row.im[..]], [&mut field.re[..], &mut field.im[..]]);
+        kernels::add_waves(propagation.instruction_set(), propagation.rows(), drive, row_parts, into);
+        row.give(work);
+        field
+    }
+
+    /// As [`Solution::new`], from the field that a solver has kept: P (one padded row) at the problem's points.
+    pub(crate) fn of_field(
+        problem: &Problem,
+        drive: Vec<Complex32>,
+        field: Planar,
+        status: Status,
+        steps: usize,
+        work: &mut Workspace,
+    ) -> Self {
+        let asked = problem.asked();
+        if asked.active.len() == asked.targets.len() {
+            return Self::with_pressures(asked, drive, field, status, steps, work);
+        }
+        // The points of weight 0 were not in it.
+        let mut solution = Self::new(problem, drive, status, steps, work);
+        let reference = problem.propagation().reference();
+        for (k, &j) in solution.asked.active.iter().enumerate() {
+            solution.pressures[j] = pascals(field.re[k], field.im[k], reference);
+        }
+        field.give(work);
+        solution
+    }
+
+    fn with_pressures(
+        asked: Arc<Asked>,
+        drive: Vec<Complex32>,
+        field: Planar,
+        status: Status,
+        steps: usize,
+        work: &mut Workspace,
+    ) -> Self {
+        let propagation = &asked.propagation;
+        let mut pressures = work.complexes.take(propagation.points());
+        let reference = propagation.reference();
+        for ((pressure, re), im) in pressures.iter_mut().zip(&field.re).zip(&field.im) {
+            *pressure = pascals(*re, *im, reference);
+        }
+        field.give(work);
+        Self { drive, pressures, status, steps, scale: 1.0, asked }
+    }
+
+    /// The same with `scale` of it left to supply or modulation.
+    pub(crate) fn scaled(mut self, scale: f64) -> Self {
+        self.scale *= scale;
+        self.pressures.iter_mut().for_each(|p| *p = divided(*p, 1.0 / scale));
+        self
+    }
+
+    /// Computes the pressures that the drive gives.
+    fn measure(&mut self, work: &mut Workspace) {
+        let field = Self::field_of(&self.asked.propagation, &self.drive, work);
+        let reference = self.asked.propagation.reference() * self.scale;
+        for ((pressure, re), im) in self.pressures.iter_mut().zip(&field.re).zip(&field.im) {
+            *pressure = pascals(*re, *im, reference);
+        }
+        field.give(work);
+    }
+
+    /// Divides drives and pressures by `factor`, at least 1, and brings every drive to the device's nearest level.
+    /// Whether that moved a drive.
+    pub(crate) fn settle(&mut self, factor: f64, work: &mut Workspace) -> bool {
+        let Some(quantization) = self.asked.propagation.quantization() else {
+            if factor > 1.0 {
+                self.drive.iter_mut().chain(&mut self.pressures).for_each(|z| *z = divided(*z, factor));
+            }
+            return false;
+        };
+        let largest = self.drive.iter().map(|&q| math::modulus(q)).fold(0.0, f64::max);
+        let scale = quantization.scale(largest / factor);
+        let mut moved = false;
+        for q in &mut self.drive {
+            let settled = quantization.nearest(divided(*q, factor * scale));
+            moved |= settled != *q;
+            *q = settled;
+        }
+        self.scale *= scale;
+        if moved || scale < 1.0 {
+            self.measure(work);
+        }
+        moved
+    }
+
+    /// Metrics of the pressures against the caller's targets; f64 arithmetic over the M values.
+    #[must_use]
+    pub fn metrics(&self) -> Metrics {
+        self.asked.metrics(self.pressures.iter().map(|&p| math::modulus(p)))
+    }
+
+    /// Tells `control` of the last of `steps` steps, with the answer's own residual, for a solver whose steps (if it
+    /// has any) know only an estimate of it. A stop request now still counts as one.
+    pub fn tell(&mut self, problem: &Problem, steps: usize, control: &mut Control) {
+        if self.status == Status::Stopped {
+            control.correct(|| self.residual_for(problem));
+        } else if control.step(self.steps, steps, || self.residual_for(problem)).is_break() {
+            self.status = Status::Stopped;
+        }
+    }
+
+    /// The residual against the targets of `problem`, before balancing is undone.
+    fn residual_for(&self, problem: &Problem) -> f64 {
+        let unit = self.asked.propagation.reference();
+        let modulus = |p: Complex32| math::modulus(p) / unit;
+        let points = self.asked.active.iter().zip(problem.targets()).zip(problem.weights());
+        let heard =
+            |((&j, &t), &w): ((&usize, &f32), &f32)| (modulus(self.pressures[j]), f64::from(t), f64::from(w));
+        Metrics::of(points.map(heard)).residual
+    }
+
+    /// The targets (M,) in Pa that the metrics refer to.
+    #[must_use]
+    pub fn targets(&self) -> &[f64] {
+        &self.asked.targets
+    }
+
+    /// Radiation pressure in Pa at point `j`, |p|^2/(rho c^2).
+    ///
+    /// # Panics
+    /// If there is no such point.
+    #[must_use]
+    pub fn radiation(&self, j: usize) -> f64 {
+        self.asked.propagation.medium().radiation(math::modulus(self.pressures[j]))
+    }
+
+    /// |q_i|, 0 to 1.
+    ///
+    /// # Panics
+    /// If there is no such transducer.
+    #[must_use]
+    pub fn amplitude(&self, i: usize) -> f64 {
+        math::modulus(self.drive[i]).min(1.0)
+    }
+
+    /// The phase of q_i in rad in [0, 2 pi); 0 where q_i = 0.
+    ///
+    /// # Panics
+    /// If there is no such transducer.
+    #[must_use]
+    pub fn phase(&self, i: usize) -> f64 {
+        use core::f64::consts::TAU;
+        let q = self.drive[i];
+        if q == Complex32::ZERO {
+            return 0.0;
+        }
+        let angle = math::atan2(f64::from(q.im), f64::from(q.re));
+        let turned = if angle < 0.0 { angle + TAU } else { angle };
+        // A tiny negative angle rounds up to a whole turn.
+        if turned < TAU { turned.abs() } else { 0.0 }
+    }
+}
+
+/// A pressure in units of the reference, in Pa.
+fn pascals(re: f32, im: f32, reference: f64) -> Complex32 {
+    Complex32::new((f64::from(re) * reference) as f32, (f64::from(im) * reference) as f32)
+}

@@ -1,0 +1,365 @@
+//! G, row by row: computed when asked for, or a matrix of the user's own.
+
+pub(crate) mod field;
+pub(crate) mod model;
+
+use alloc::format;
+use alloc::sync::Arc;
+use alloc::vec;
+use alloc::vec::Vec;
+
+use num_complex::{Complex32, Complex64};
+
+use crate::device::quantization::Quantization;
+use crate::error::Error;
+use crate::kernels;
+use crate::kernels::lanes::padded;
+use crate::kernels::propagate::row::{ControlPoints, Row};
+use crate::kernels::simd::instruction_set::InstructionSet;
+use crate::math;
+use crate::propagation::model::Sources;
+use crate::scene::array::{Array, UNITS};
+use crate::scene::medium::Medium;
+use crate::scene::{Scene, check_array};
+
+/// Rows whose moduli are summed in f32 before f64 takes over.
+pub(crate) const TOGETHER: usize = 64;
+
+/// Square wavelengths, a little more than a hundredth squared: f32 decides where f64 is to look.
+pub(crate) const NEAR: f32 = 1.01e-4;
+
+/// An array in a medium, made ready once for points that change: what a scene is for points that do not.
+///
+/// ```
+/// use midair::{Array, InstructionSet, Medium, Problem, Request, Model};
+///
+/// let model = Model::new(&Array::grid(8, 8, 10e-3)?, Medium::default(), InstructionSet::best())?;
+/// let problem = Problem::with_propagation(model.propagation(&[[0.0, 0.0, 0.1]])?, &Request::default())?;
+/// assert_eq!(problem.propagation().transducers(), 64);
+/// # Ok::<(), midair::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Model {
+    prepared: Arc<Sources>,
+    set: InstructionSet,
+}
+
+impl Model {
+    /// Makes an array ready.
+    ///
+    /// # Errors
+    /// As [`Scene::new`]: a medium out of range, a beam too narrow or a transducer too far away for f32 phases.
+    pub fn new(array: &Array, medium: Medium, set: InstructionSet) -> Result<Self, Error> {
+        check_array(array, medium)?;
+        Ok(Self { prepared: Arc::new(Sources::new(array, medium)), set })
+    }
+
+    /// G at some points (M, 3) in m.
+    ///
+    /// # Errors
+    /// No point, a coordinate that is not finite or too far away.
+    pub fn propagation(&self, points: &[[f64; 3]]) -> Result<Propagation, Error> {
+        self.prepared.check_points(points)?;
+        Ok(Propagation::at(Arc::clone(&self.prepared), points.into()).with_instruction_set(self.set))
+    }
+
+    /// The array.
+    #[must_use]
+    pub fn array(&self) -> &Array {
+        &self.prepared.array
+    }
+}
+
+/// A source of rows of G, one row a transducer: computed from positions when asked, or a matrix of the user's
+/// own (measured, scattered by obstacles). A solver cannot tell which.
+///
+/// Rows are planar f32 in units of [`Propagation::reference`], padded with zeros to [`Propagation::lanes`].
+#[derive(Clone, Debug)]
+pub struct Propagation {
+    rows: Rows,
+    count: usize,
+    set: InstructionSet,
+}
+
+#[derive(Clone, Debug)]
+enum Rows {
+    Computed {
+        prepared: Arc<Sources>,
+        frame: Arc<[Vec<f32>; 3]>,
+        points: Arc<[[f64; 3]]>,
+    },
+    /// The user's numbers, transducer by transducer, and the padded f32 rows made of them.
+    Stored {
+        matrix: Arc<[Complex64]>,
+        planar: Arc<[Vec<f32>; 2]>,
+        reference: f64,
+    },
+}
+
+impl Propagation {
+    /// G of a scene's array at its points.
+    #[must_use]
+    pub fn of(scene: &Scene) -> Self {
+        Self::at(Arc::new(Sources::new(scene.array(), scene.medium())), scene.points().into())
+    }
+
+    fn at(prepared: Arc<Sources>, points: Arc<[[f64; 3]]>) -> Self {
+        let frame = Arc::new(prepared.frame(&points));
+        let count = points.len();
+        Self { count, rows: Rows::Computed { prepared, frame, points }, set: InstructionSet::best() }
+    }
+
+    /// The same with the kernels of another set than the best, for comparisons.
+    #[must_use]
+    pub fn with_instruction_set(self, set: InstructionSet) -> Self {
+        Self { set, ..self }
+    }
+
+    /// The set of the kernels.
+    #[must_use]
+    pub fn instruction_set(&self) -> InstructionSet {
+        self.set
+    }
+
+    /// A user's own G (M, N) in Pa, point by point, as the matrix reads.
+    ///
+    /// # Errors
+    /// No entries, a length that is no multiple of `points`, an entry that is not finite (named by [j, i]).
+    pub fn from_matrix(matrix: &[Complex64], points: usize) -> Result<Self, Error> {
+        if matrix.is_empty() || points == 0 || !matrix.len().is_multiple_of(points) {
+            let value = format!("{} entries for {points} points", matrix.len());
+            return Err(Error::invalid(
+                "propagation",
+                value,
+                "give an (M, N) matrix with M and N at least 1",
+            ));
+        }
+        let transducers = matrix.len() / points;
+        if let Some(at) = matrix.iter().position(|g| !g.re.is_finite() || !g.im.is_finite()) {
+            let item = format!("propagation[{}, {}]", at / transducers, at % transducers);
+            return Err(Error::invalid(item, matrix[at], "give finite numbers"));
+        }
+        // Divided first: the sum of finite numbers need not be finite, their mean is.
+        let mean = matrix.iter().map(|g| math::hypot(g.re, g.im) / matrix.len() as f64).sum::<f64>();
+        if mean > 0.0 && !UNITS.contains(&mean) {
+            return Err(Error::invalid(
+                "propagation",
+                format!("{mean:e} in the mean"),
+                "give Pa: 1e-15 to 1e15",
+            ));
+        }
+        let turned = (0..matrix.len()).map(|k| matrix[(k % points) * transducers + k / points]).collect();
+        let reference = if mean > 0.0 { mean } else { 1.0 };
+        Ok(Self::stored(turned, points, reference, InstructionSet::best()))
+    }
+
+    fn stored(matrix: Arc<[Complex64]>, count: usize, reference: f64, set: InstructionSet) -> Self {
+        let lanes = padded(count);
+        let unit = 1.0 / reference;
+        let mut planar = [(); 2].map(|()| vec![0.0; matrix.len() / count * lanes]);
+        for (i, row) in matrix.chunks(count).enumerate() {
+            for (j, g) in row.iter().enumerate() {
+                planar[0][i * lanes + j] = (g.re * unit) as f32;
+                planar[1][i * lanes + j] = (g.im * unit) as f32;
+            }
+        }
+        Self { count, rows: Rows::Stored { matrix, planar: Arc::new(planar), reference }, set }
+    }
+
+    /// Number of transducers N.
+    #[must_use]
+    pub fn transducers(&self) -> usize {
+        match &self.rows {
+            Rows::Computed { prepared, .. } => prepared.sources.len(),
+            Rows::Stored { matrix, .. } => matrix.len() / self.count,
+        }
+    }
+
+    /// Number of points M.
+    #[must_use]
+    pub fn points(&self) -> usize {
+        self.count
+    }
+
+    /// Length of a row: M padded to 16.
+    #[must_use]
+    pub fn lanes(&self) -> usize {
+        padded(self.count)
+    }
+
+    /// Pa of one unit: 1000 P0, or the mean modulus of a user's own G.
+    #[must_use]
+    pub fn reference(&self) -> f64 {
+        match &self.rows {
+            Rows::Computed { prepared, .. } => prepared.reference(),
+            Rows::Stored { reference, .. } => *reference,
+        }
+    }
+
+    /// The transducers' positions (N, 3) in m, where there are any.
+    #[must_use]
+    pub fn positions(&self) -> Option<&[[f64; 3]]> {
+        match &self.rows {
+            Rows::Computed { prepared, .. } => Some(prepared.array.positions()),
+            Rows::Stored { .. } => None,
+        }
+    }
+
+    /// The points (M, 3) in m, where these are known.
+    pub(crate) fn places(&self) -> Option<&[[f64; 3]]> {
+        match &self.rows {
+            Rows::Computed { points, .. } => Some(points),
+            Rows::Stored { .. } => None,
+        }
+    }
+
+    /// The grid of the scene's device; a user's own G has none.
+    #[must_use]
+    pub fn quantization(&self) -> Option<&Quantization> {
+        match &self.rows {
+            Rows::Computed { prepared, .. } => prepared.array.quantization(),
+            Rows::Stored { .. } => None,
+        }
+    }
+
+    /// The scene's medium; the default one for a user's own G, which says nothing of the air.
+    pub(crate) fn medium(&self) -> Medium {
+        match &self.rows {
+            Rows::Computed { prepared, .. } => prepared.medium,
+            Rows::Stored { .. } => Medium::default(),
+        }
+    }
+
+    /// Writes row `i`: `re` and `im` of length [`Propagation::lanes`], zeros in the padding. Relative error of an
+    /// entry against eq. (5) in f64: below 2e-4 up to 1 m at 40 kHz, growing with the distance.
+    ///
+    /// # Panics
+    /// If `i` is no transducer or a slice has another length.
+    pub fn row(&self, i: usize, re: &mut [f32], im: &mut [f32]) {
+        assert!(re.len() == self.lanes() && im.len() == self.lanes(), "a row is M padded to 16 long");
+        match &self.rows {
+            Rows::Computed { prepared, frame, .. } => {
+                prepared.row(self.set, i, self.control_points(frame), &mut Row { re, im });
+            }
+            Rows::Stored { planar, .. } => {
+                let range = i * self.lanes()..(i + 1) * self.lanes();
+                re.copy_from_slice(&planar[0][range.clone()]);
+                im.copy_from_slice(&planar[1][range]);
+            }
+        }
+    }
+
+    /// The rows as the kernels read them.
+    pub(crate) fn rows(&self) -> kernels::Rows<'_> {
+        match &self.rows {
+            Rows::Computed { prepared, frame, .. } => kernels::Rows::Computed {
+                law: &prepared.law,
+                sources: &prepared.sources,
+                control_points: self.control_points(frame),
+            },
+            Rows::Stored { planar, .. } => kernels::Rows::Stored { re: &planar[0], im: &planar[1] },
+        }
+    }
+
+    /// What rows are computed from, unless they are kept.
+    pub(crate) fn computed(&self) -> Option<(&Arc<Sources>, ControlPoints<'_>)> {
+        match &self.rows {
+            Rows::Computed { prepared, frame, .. } => Some((prepared, self.control_points(frame))),
+            Rows::Stored { .. } => None,
+        }
+    }
+
+    /// p1_j = `sum_i |G_ji|` in units of the reference, refusing a point on a transducer; `sums` is memory.
+    pub(crate) fn reach(&self, reach: &mut Vec<f64>, sums: &mut Vec<f32>) -> Result<(), Error> {
+        reach.clear();
+        reach.resize(self.count, 0.0);
+        match &self.rows {
+            Rows::Computed { prepared, frame, points } => {
+                for (step, sources) in prepared.sources.chunks(TOGETHER).enumerate() {
+                    sums.clear();
+                    sums.resize(self.lanes(), 0.0);
+                    let (law, control_points) = (&prepared.law, self.control_points(frame));
+                    if kernels::add_moduli(self.set, law, sources, control_points, NEAR, sums) {
+                        for i in step * TOGETHER..step * TOGETHER + sources.len() {
+                            prepared.check_distances(i, points)?;
+                        }
+                    }
+                    for (reach, sum) in reach.iter_mut().zip(&*sums) {
+                        *reach += f64::from(*sum);
+                    }
+                }
+            }
+            Rows::Stored { matrix, reference, .. } => {
+                for row in matrix.chunks(self.count) {
+                    for (reach, g) in reach.iter_mut().zip(row) {
+                        *reach += math::hypot(g.re, g.im) / reference;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The same transducers at other points, in the same memory where nobody else holds it.
+    pub(crate) fn carry(&mut self, points: &[[f64; 3]]) -> Result<(), Error> {
+        let Rows::Computed { prepared, frame, points: old } = &mut self.rows else {
+            return Err(Error::invalid("points", "given", "a matrix of your own belongs to its points"));
+        };
+        prepared.check_points(points)?;
+        match (Arc::get_mut(frame), Arc::get_mut(old)) {
+            (Some(frame), Some(old)) if old.len() == points.len() => {
+                prepared.write_frame(points, frame);
+                old.copy_from_slice(points);
+            }
+            _ => *self = Self::at(Arc::clone(prepared), points.into()).with_instruction_set(self.set),
+        }
+        Ok(())
+    }
+
+    /// Entry (j, i) in double precision, in Pa: eq. (5) itself.
+    #[must_use]
+    pub fn exact(&self, j: usize, i: usize) -> Complex64 {
+        match &self.rows {
+            Rows::Computed { prepared, points, .. } => prepared.exact(i, points[j]),
+            Rows::Stored { matrix, .. } => matrix[i * self.count + j],
+        }
+    }
+
+    /// G (M, N) in Pa, point by point, from the same rows that the solvers see.
+    ///
+    /// # Errors
+    /// A point on a transducer.
+    pub fn matrix(&self) -> Result<Vec<Complex32>, Error> {
+        let n = self.transducers();
+        self.reach(&mut Vec::new(), &mut Vec::new())?;
+        let (mut re, mut im) = (vec![0.0; self.lanes()], vec![0.0; self.lanes()]);
+        let mut matrix = vec![Complex32::ZERO; n * self.count];
+        for i in 0..n {
+            self.row(i, &mut re, &mut im);
+            for j in 0..self.count {
+                let g = Complex64::new(f64::from(re[j]), f64::from(im[j])) * self.reference();
+                matrix[j * n + i] = Complex32::new(g.re as f32, g.im as f32);
+            }
+        }
+        Ok(matrix)
+    }
+
+    /// The same transducers at some of the points.
+    pub(crate) fn select(&self, chosen: &[usize]) -> Self {
+        match &self.rows {
+            Rows::Computed { prepared, points, .. } => {
+                let points = chosen.iter().map(|&j| points[j]).collect();
+                Self::at(Arc::clone(prepared), points).with_instruction_set(self.set)
+            }
+            Rows::Stored { matrix, reference, .. } => {
+                let rows = matrix.chunks(self.count);
+                let picked = rows.flat_map(|row| chosen.iter().map(move |&j| row[j])).collect();
+                Self::stored(picked, chosen.len(), *reference, self.set)
+            }
+        }
+    }
+
+    fn control_points<'a>(&self, frame: &'a [Vec<f32>; 3]) -> ControlPoints<'a> {
+        ControlPoints { coordinates: [&frame[0], &frame[1], &frame[2]], count: self.count }
+    }
+}

@@ -1,0 +1,328 @@
+//! The array: where its transducers are, where they look and how they radiate.
+
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec;
+use alloc::vec::Vec;
+
+use num_complex::Complex64;
+
+use crate::device::quantization::Quantization;
+use crate::error::{Error, real};
+use crate::math;
+use crate::scene::presets;
+use crate::scene::transducer::Transducer;
+
+/// The most transducers an array may have: far above any built, low enough to refuse a slip of the pen.
+const MOST_TRANSDUCERS: usize = 1 << 20;
+
+/// Pressures far outside any unit's would leave f32's range somewhere.
+pub(crate) const UNITS: core::ops::RangeInclusive<f64> = 1e-15..=1e15;
+
+/// How an array came about, so that a scene file can say it as briefly as it was said.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Origin {
+    /// Positions and normals one by one.
+    Positions,
+    /// [`Array::grid`].
+    Grid {
+        /// Transducers along x.
+        nx: usize,
+        /// Transducers along y.
+        ny: usize,
+        /// Their distance in m.
+        pitch: f64,
+    },
+    /// [`Array::preset`].
+    Preset {
+        /// Name of the preset.
+        name: String,
+        /// Boards along x and y.
+        tiles: [usize; 2],
+    },
+}
+
+/// N transducers.
+///
+/// ```text
+///        z   theta = angle to the normal
+///        |  .* point
+///        | /
+///  --o-o-o-o-o--> x        flat arrays lie in z = 0 and radiate to +z
+/// ```
+///
+/// ```
+/// let array = midair::Array::grid(20, 20, 10e-3)?;
+/// assert_eq!(array.len(), 400);
+/// assert_eq!(array.positions()[0], [-0.095, -0.095, 0.0]);
+/// # Ok::<(), midair::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Array {
+    positions: Vec<[f64; 3]>,
+    normals: Vec<[f64; 3]>,
+    transducer: Transducer,
+    response: Option<Vec<Complex64>>,
+    mask: Option<Vec<bool>>,
+    quantization: Option<Quantization>,
+    origin: Origin,
+}
+
+impl Array {
+    /// Transducers at `positions` (N, 3) in m looking along `normals` (N, 3), which are normalised; left out
+    /// they are +z.
+    ///
+    /// # Errors
+    /// No position, more than 2^20, a coordinate that is not finite, another number of normals, a zero normal.
+    pub fn new(positions: Vec<[f64; 3]>, normals: Option<Vec<[f64; 3]>>) -> Result<Self, Error> {
+        if positions.is_empty() {
+            return Err(Error::invalid("array.positions", "empty", "give at least one transducer"));
+        }
+        count("array.positions", positions.len())?;
+        for (i, position) in positions.iter().enumerate() {
+            vector(&format!("array.positions[{i}]"), position)?;
+        }
+        let mut normals = normals.unwrap_or_else(|| vec![[0.0, 0.0, 1.0]; positions.len()]);
+        if normals.len() != positions.len() {
+            return Err(Error::invalid(
+                "array.normals",
+                format!("{} normals", normals.len()),
+                format!("give one for each of the {} positions", positions.len()),
+            ));
+        }
+        for (i, normal) in normals.iter_mut().enumerate() {
+            vector(&format!("array.normals[{i}]"), normal)?;
+            // Scaled by the largest component first, so that no finite normal over- or underflows.
+            let largest = normal.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            if largest == 0.0 {
+                return Err(Error::invalid(
+                    format!("array.normals[{i}]"),
+                    format!("{normal:?}"),
+                    "give the direction the transducer looks",
+                ));
+            }
+            let scaled = normal.map(|x| x / largest);
+            let length = math::sqrt(scaled.iter().map(|x| x * x).sum());
+            // One that is a unit vector to rounding stays as it is, or saving and loading would wear it down.
+            if (largest * length - 1.0).abs() > 1e-15 {
+                *normal = scaled.map(|x| x / length);
+            }
+        }
+        Ok(Self {
+            positions,
+            normals,
+            transducer: Transducer::default(),
+            response: None,
+            mask: None,
+            quantization: None,
+            origin: Origin::Positions,
+        })
+    }
+
+    /// A flat grid of `nx` x `ny` transducers `pitch` metres apart, centred, x fastest.
+    ///
+    /// # Errors
+    /// A count of 0, more than 2^20 transducers, a pitch that is not above 0.
+    pub fn grid(nx: usize, ny: usize, pitch: f64) -> Result<Self, Error> {
+        for (item, value) in [("array.grid.nx", nx), ("array.grid.ny", ny)] {
+            if value == 0 {
+                return Err(Error::invalid(item, value, "give at least 1 transducer"));
+            }
+        }
+        count("array.grid nx * ny", nx.saturating_mul(ny))?;
+        real("array.grid.pitch", pitch, 0.0, true)?;
+        let centred = |i: usize, n: usize| (i as f64 - (n as f64 - 1.0) / 2.0) * pitch;
+        let positions = (0..nx * ny).map(|i| [centred(i % nx, nx), centred(i / nx, ny), 0.0]).collect();
+        Ok(Self { origin: Origin::Grid { nx, ny, pitch }, ..Self::new(positions, None)? })
+    }
+
+    /// A real board, or the paper's array; see [`crate::scene::presets`].
+    ///
+    /// # Errors
+    /// An unknown name, tiles of 0, tiles for a preset that is no board.
+    pub fn preset(name: &str, tiles: [usize; 2]) -> Result<Self, Error> {
+        let preset = presets::find(name)?;
+        for (axis, &value) in tiles.iter().enumerate() {
+            if value == 0 || (value != 1 && !preset.tiles) {
+                let cure = if preset.tiles {
+                    "give at least 1 board"
+                } else {
+                    "this preset is one piece: leave tiles out"
+                };
+                return Err(Error::invalid(format!("array.tiles[{axis}]"), value, cure));
+            }
+        }
+        count("array.tiles", tiles[0].saturating_mul(tiles[1]).saturating_mul(preset.count))?;
+        let origin = Origin::Preset { name: name.to_string(), tiles };
+        let array = Self::new((preset.positions)(tiles), None)?;
+        Ok(Self { origin, transducer: preset.transducer, quantization: preset.quantization()?, ..array })
+    }
+
+    /// The same array with other transducers.
+    ///
+    /// # Errors
+    /// A source pressure or directivity parameter out of range.
+    pub fn with_transducer(mut self, transducer: Transducer) -> Result<Self, Error> {
+        let pressure = real("array.source_pressure", transducer.source_pressure, 0.0, true)?;
+        if !UNITS.contains(&pressure) {
+            return Err(Error::invalid(
+                "array.source_pressure",
+                format!("{pressure:?}"),
+                "give Pa m: 1e-15 to 1e15",
+            ));
+        }
+        transducer.directivity.checked()?;
+        self.transducer = transducer;
+        Ok(self)
+    }
+
+    /// The same array with a complex response c_i (N,) of each transducer: gain and phase offset, 0 for a dead
+    /// one, which then gets drive 0. `None` stands for 1 everywhere.
+    ///
+    /// # Errors
+    /// Another number of responses than transducers, a value that is not finite.
+    pub fn with_response(mut self, response: Option<Vec<Complex64>>) -> Result<Self, Error> {
+        if let Some(response) = &response {
+            if response.len() != self.len() {
+                return Err(Error::invalid(
+                    "array.response",
+                    format!("{} values", response.len()),
+                    format!("give one for each of the {} transducers", self.len()),
+                ));
+            }
+            if let Some((i, c)) =
+                response.iter().enumerate().find(|(_, c)| !c.re.is_finite() || !c.im.is_finite())
+            {
+                return Err(Error::invalid(format!("array.response[{i}]"), c, "give finite numbers"));
+            }
+            if let Some((i, c)) = response.iter().enumerate().find(|(_, c)| c.norm_sqr() > 1e6 * 1e6) {
+                return Err(Error::invalid(
+                    format!("array.response[{i}]"),
+                    c,
+                    "a response is relative to source_pressure: give at most 1e6 in modulus",
+                ));
+            }
+        }
+        self.response = response;
+        Ok(self)
+    }
+
+    /// The same array with some transducers switched off: those whose entry in the mask (N,) is false get drive 0.
+    /// `None` leaves all on.
+    ///
+    /// # Errors
+    /// Another number of entries than transducers.
+    pub fn with_mask(mut self, mask: Option<Vec<bool>>) -> Result<Self, Error> {
+        if let Some(mask) = &mask
+            && mask.len() != self.len()
+        {
+            let cure = format!("give one for each of the {} transducers", self.len());
+            return Err(Error::invalid("array.mask", format!("{} values", mask.len()), cure));
+        }
+        self.mask = mask;
+        Ok(self)
+    }
+
+    /// The same array behind a device that knows only some phases and amplitudes: every answer then lies on that
+    /// grid. `None` (and quantization that bind nothing) stands for any drive.
+    #[must_use]
+    pub fn with_quantization(mut self, quantization: Option<Quantization>) -> Self {
+        self.quantization = quantization.filter(|quantization| !quantization.are_continuous());
+        self
+    }
+
+    /// Number of transducers N.
+    #[must_use]
+    #[allow(clippy::len_without_is_empty, reason = "an array is never empty")]
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Positions (N, 3) in m.
+    #[must_use]
+    pub fn positions(&self) -> &[[f64; 3]] {
+        &self.positions
+    }
+
+    /// Unit normals (N, 3).
+    #[must_use]
+    pub fn normals(&self) -> &[[f64; 3]] {
+        &self.normals
+    }
+
+    /// Source pressure and directivity of every transducer.
+    #[must_use]
+    pub fn transducer(&self) -> Transducer {
+        self.transducer
+    }
+
+    /// Responses (N,), or `None` where all are 1.
+    #[must_use]
+    pub fn response(&self) -> Option<&[Complex64]> {
+        self.response.as_deref()
+    }
+
+    /// Which transducers are on (N,), or `None` where all are.
+    #[must_use]
+    pub fn mask(&self) -> Option<&[bool]> {
+        self.mask.as_deref()
+    }
+
+    /// The grid of the device, or `None` where any drive can be had.
+    #[must_use]
+    pub fn quantization(&self) -> Option<&Quantization> {
+        self.quantization.as_ref()
+    }
+
+    /// What transducer i radiates for a drive of 1, relative to the source pressure: its response, 0 if it is off.
+    pub(crate) fn effect(&self, i: usize) -> Complex64 {
+        if self.mask.as_ref().is_some_and(|mask| !mask[i]) {
+            return Complex64::ZERO;
+        }
+        self.response.as_ref().map_or(Complex64::ONE, |response| response[i])
+    }
+
+    /// How the array came about.
+    #[must_use]
+    pub fn origin(&self) -> &Origin {
+        &self.origin
+    }
+
+    /// Whether pressures are in the paper's unit: eq. (5) in millimetres, which P0 = 1e-3 Pa m reproduces.
+    #[must_use]
+    pub fn in_paper_unit(&self) -> bool {
+        self.transducer.source_pressure == 1e-3
+    }
+
+    /// The middle of the positions' bounding box: the origin of everything rounded to f32.
+    pub(crate) fn centre(&self) -> [f64; 3] {
+        bounds(&self.positions).map(|[low, high]| 0.5 * low + 0.5 * high)
+    }
+}
+
+/// Refuses a coordinate that is not finite.
+pub(crate) fn vector(item: &str, vector: &[f64; 3]) -> Result<(), Error> {
+    if vector.iter().all(|x| x.is_finite()) {
+        return Ok(());
+    }
+    Err(Error::invalid(item, format!("{vector:?}"), "give three finite numbers"))
+}
+
+fn count(item: &str, transducers: usize) -> Result<(), Error> {
+    if transducers > MOST_TRANSDUCERS {
+        let cure = format!("give at most {MOST_TRANSDUCERS} transducers");
+        return Err(Error::invalid(item, transducers, cure));
+    }
+    Ok(())
+}
+
+/// Lowest and highest coordinate along each axis, [0, 0] where there are no points.
+pub(crate) fn bounds(points: &[[f64; 3]]) -> [[f64; 2]; 3] {
+    let Some(first) = points.first() else { return [[0.0; 2]; 3] };
+    points.iter().fold(first.map(|x| [x, x]), |mut bounds, point| {
+        for (bound, &x) in bounds.iter_mut().zip(point) {
+            *bound = [bound[0].min(x), bound[1].max(x)];
+        }
+        bounds
+    })
+}

@@ -1,0 +1,258 @@
+//! How a transducer radiates: P0 on its axis, and D(theta) to the side, 1 straight ahead.
+
+use alloc::format;
+use core::f64::consts::{FRAC_PI_2, PI};
+
+use crate::error::{Error, real};
+use crate::kernels::lanes::LANES;
+use crate::kernels::propagate::directivity::Table;
+use crate::math;
+
+/// What all transducers of an array have in common.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transducer {
+    /// P0 in Pa m: on-axis pressure (peak) times distance at full drive.
+    pub source_pressure: f64,
+    /// D(theta).
+    pub directivity: Directivity,
+}
+
+impl Default for Transducer {
+    /// 4.386 Pa m, the AUTD3's transducer (its software: 275.574 * 0.2 / 4 pi), as a point source.
+    fn default() -> Self {
+        Self { source_pressure: 4.386, directivity: Directivity::Point }
+    }
+}
+
+/// Directivity of a transducer. All but `Point` are baffled: D = 0 behind, where theta is above 90 degrees.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Directivity {
+    /// D = 1 everywhere, also behind: the paper's model.
+    #[default]
+    Point,
+    /// D = 2 `J1(x)/x`, x = k a sin theta: a circular piston of radius a (m) in a baffle.
+    Piston(f64),
+    /// D = sin(x)/x, x = (k d/2) sin theta: an aperture of width d (m); Ultraino's model.
+    Sinc(f64),
+    /// D = cos(theta)^n; `HandyBeam`'s model with n = 3.376.
+    Cos(f64),
+    /// The Nicera T4010A1 as measured every 10 degrees (the AUTD3's transducer), by monotone cubics (PCHIP).
+    T4010a1,
+}
+
+/// D of the T4010A1 at 0, 10, ..., 90 degrees (values of the AUTD3 software's transducer table).
+const T4010A1: [f64; 10] = [1.0, 1.0, 1.0, 0.8913, 0.7079, 0.5012, 0.3548, 0.2512, 0.1995, 0.1778];
+
+/// The names a scene file knows, with the parameter a bare name stands for.
+const NAMES: [(&str, Option<f64>); 5] = [
+    ("point", None),
+    ("piston", Some(4.5e-3)),
+    ("sinc", Some(9e-3)),
+    ("cos", Some(3.376)),
+    ("t4010a1", None),
+];
+
+impl Directivity {
+    /// The directivity of a name (`point`, `piston`, `sinc`, `cos`, `t4010a1`) and its parameter: radius in m,
+    /// width in m, exponent; left out it is 4.5e-3, 9e-3, 3.376.
+    ///
+    /// # Errors
+    /// A name not listed, a parameter where none belongs, a radius or width that is not above 0, an exponent
+    /// below 0.
+    pub fn named(name: &str, parameter: Option<f64>) -> Result<Self, Error> {
+        let Some((_, default)) = NAMES.iter().find(|(known, _)| *known == name) else {
+            return Err(Error::unknown("directivity", name, NAMES.iter().map(|(known, _)| *known)));
+        };
+        if let (None, Some(value)) = (default, parameter) {
+            return Err(Error::invalid(format!("directivity.{name}"), value, "it takes no parameter"));
+        }
+        let value = parameter.or(*default).unwrap_or_default();
+        match name {
+            "piston" => Self::Piston(value),
+            "sinc" => Self::Sinc(value),
+            "cos" => Self::Cos(value),
+            "t4010a1" => Self::T4010a1,
+            _ => Self::Point,
+        }
+        .checked()
+    }
+
+    /// The name and parameter that [`Directivity::named`] takes.
+    #[must_use]
+    pub fn name(&self) -> (&'static str, Option<f64>) {
+        match *self {
+            Self::Point => ("point", None),
+            Self::Piston(radius) => ("piston", Some(radius)),
+            Self::Sinc(width) => ("sinc", Some(width)),
+            Self::Cos(exponent) => ("cos", Some(exponent)),
+            Self::T4010a1 => ("t4010a1", None),
+        }
+    }
+
+    pub(crate) fn checked(self) -> Result<Self, Error> {
+        if let (name, Some(parameter)) = self.name() {
+            let item = format!("directivity.{name}");
+            real(&item, parameter, 0.0, !matches!(self, Self::Cos(_)))?;
+            if parameter > 1.0 && !matches!(self, Self::Cos(_)) {
+                return Err(Error::invalid(item, parameter, "give metres: no transducer is wider than 1 m"));
+            }
+        }
+        Ok(self)
+    }
+
+    /// Refuses beams so narrow that an angle in f32 no longer resolves them, for wavenumber k (1/m).
+    pub(crate) fn check_beam(&self, k: f64) -> Result<(), Error> {
+        let (name, sharpness) = self.sharpness(k);
+        // An error of 6e-8 in cos(theta) then changes D by 2e-4 at most.
+        if sharpness <= 80.0 {
+            return Ok(());
+        }
+        let value = self.name().1.unwrap_or_default();
+        Err(Error::invalid(
+            name,
+            value,
+            "give metres, at most some 13 wavelengths (an exponent: at most 6400)",
+        ))
+    }
+
+    /// How fast D varies with the angle, and what says so.
+    fn sharpness(&self, k: f64) -> (&'static str, f64) {
+        match *self {
+            Self::Point | Self::T4010a1 => ("directivity", 0.0),
+            Self::Piston(radius) => ("directivity.piston", k * radius),
+            Self::Sinc(width) => ("directivity.sinc", k * width / 2.0),
+            Self::Cos(exponent) => ("directivity.cos", math::sqrt(exponent)),
+        }
+    }
+
+    /// D at an angle given by its cosine, for wavenumber k (1/m), in double precision.
+    #[must_use]
+    pub fn value(&self, cos_theta: f64, k: f64) -> f64 {
+        if matches!(self, Self::Point) {
+            return 1.0;
+        }
+        if cos_theta < 0.0 {
+            return 0.0;
+        }
+        let sin_theta = math::sqrt((1.0 - cos_theta * cos_theta).max(0.0));
+        match *self {
+            Self::Point => 1.0,
+            Self::Piston(radius) => jinc(k * radius * sin_theta),
+            Self::Sinc(width) => {
+                let x = 0.5 * k * width * sin_theta;
+                if x < 1e-4 { 1.0 - x * x / 6.0 } else { math::sin(x) / x }
+            }
+            Self::Cos(exponent) => math::pow(cos_theta, exponent),
+            Self::T4010a1 => pchip(&T4010A1, math::acos(cos_theta.min(1.0)).to_degrees() / 10.0),
+        }
+    }
+}
+
+/// 2 `J1(x)/x`.
+fn jinc(x: f64) -> f64 {
+    if x < 1e-4 { 1.0 - x * x / 8.0 } else { 2.0 * math::j1(x) / x }
+}
+
+/// The monotone cubic through `values` at 0, 1, 2, ... (Fritsch and Butland 1984: harmonic-mean slopes, so that
+/// no overshoot is invented between measured values; one-sided three-point slopes at the ends).
+fn pchip(values: &[f64; 10], x: f64) -> f64 {
+    let step = |i: usize| values[i + 1] - values[i];
+    let slope = |i: usize| -> f64 {
+        let end = |first: f64, second: f64| {
+            let slope = 1.5 * first - 0.5 * second;
+            if slope * first <= 0.0 {
+                0.0
+            } else if first * second < 0.0 && slope.abs() > 3.0 * first.abs() {
+                3.0 * first
+            } else {
+                slope
+            }
+        };
+        match i {
+            0 => end(step(0), step(1)),
+            9 => end(step(8), step(7)),
+            _ if step(i - 1) * step(i) <= 0.0 => 0.0,
+            _ => 2.0 * step(i - 1) * step(i) / (step(i - 1) + step(i)),
+        }
+    };
+    let i = (x as usize).min(8);
+    let u = x - i as f64;
+    let [c0, c1, c2, c3] = hermite(values[i], values[i + 1], slope(i), slope(i + 1));
+    ((c3 * u + c2) * u + c1) * u + c0
+}
+
+/// The cubic c0 + c1 u + c2 u^2 + c3 u^3 with the given values and slopes at u = 0 and u = 1.
+fn hermite(left: f64, right: f64, left_slope: f64, right_slope: f64) -> [f64; 4] {
+    let rise = right - left;
+    [left, left_slope, 3.0 * rise - 2.0 * left_slope - right_slope, left_slope + right_slope - 2.0 * rise]
+}
+
+impl Directivity {
+    /// What the f32 rows read, for wavenumber k (1/m); none for a point source.
+    pub(crate) fn table(&self, k: f64) -> Option<Table> {
+        let width = match *self {
+            Self::Point => return None,
+            Self::Cos(exponent) if exponent < 3.0 && exponent != libm::round(exponent) => {
+                return Some(Table::Power(exponent as f32));
+            }
+            // The measured angles are the pieces' ends.
+            Self::T4010a1 => PI / 18.0,
+            _ if self.sharpness(k).1 <= FEW => FRAC_PI_2 / LANES as f64,
+            _ => return Some(self.many(k)),
+        };
+        let mut coefficients = [[0.0; LANES]; 6];
+        for piece in 0..LANES {
+            let value = |place: f64| self.at_angle((piece as f64 + place) * width, k);
+            // The highest power first, as Horner's rule reads them.
+            for (list, coefficient) in coefficients.iter_mut().zip(quintic(value).into_iter().rev()) {
+                list[piece] = coefficient as f32;
+            }
+        }
+        Some(Table::Few { scale: (1.0 / width) as f32, coefficients })
+    }
+
+    /// D at an angle; beyond 90 degrees what it is at 90.
+    fn at_angle(&self, theta: f64, k: f64) -> f64 {
+        self.value(math::sin((FRAC_PI_2 - theta).max(0.0)), k)
+    }
+
+    /// Eight cubics a degree keep the error far below f32 rounding (h^4/384 of the fourth derivative).
+    fn many(&self, k: f64) -> Table {
+        const PIECES: usize = 720;
+        let width = FRAC_PI_2 / PIECES as f64;
+        let cubic = |piece: usize| {
+            let at = |third: f64| self.at_angle((piece as f64 + third / 3.0) * width, k);
+            let (a, b, c, d) = (at(0.0), at(1.0), at(2.0), at(3.0));
+            let c1 = -5.5 * a + 9.0 * b - 4.5 * c + d;
+            let c2 = 9.0 * a - 22.5 * b + 18.0 * c - 4.5 * d;
+            let c3 = -4.5 * a + 13.5 * b - 13.5 * c + 4.5 * d;
+            [a as f32, c1 as f32, c2 as f32, c3 as f32]
+        };
+        Table::Many { scale: (1.0 / width) as f32, pieces: (0..PIECES).map(cubic).collect() }
+    }
+}
+
+/// Up to this sharpness 16 quintics follow D within 1e-6: h^6/(2^11 6!) of the sixth derivative.
+const FEW: f64 = 8.0;
+
+/// The polynomial through the values at 0, 1/5, ..., 1: coefficients from the lowest power, by Newton's divided
+/// differences.
+fn quintic(value: impl Fn(f64) -> f64) -> [f64; 6] {
+    let node = |i: usize| i as f64 / 5.0;
+    let mut differences: [f64; 6] = core::array::from_fn(|i| value(node(i)));
+    for order in 1..6 {
+        for i in (order..6).rev() {
+            differences[i] = (differences[i] - differences[i - 1]) / (node(i) - node(i - order));
+        }
+    }
+    let mut coefficients = [0.0; 6];
+    for i in (0..6).rev() {
+        // Horner with polynomials: times (x - node), plus the next difference.
+        for power in (0..6).rev() {
+            let lower = if power > 0 { coefficients[power - 1] } else { 0.0 };
+            coefficients[power] = lower - node(i) * coefficients[power];
+        }
+        coefficients[0] += differences[i];
+    }
+    coefficients
+}

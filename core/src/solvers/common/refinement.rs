@@ -1,0 +1,100 @@
+//! The last step of a solver that cares for evenness on a device of few phases: a brute-force search on its grid.
+//!
+//! Plain rounding leaves errors that add up at random at the points. Turning one transducer after another to the
+//! phase that best undoes them takes most of that back within a few rounds.
+
+use num_complex::Complex32;
+
+use crate::kernels;
+use crate::kernels::greedy::search::{Candidates, table};
+use crate::linalg::Planar;
+use crate::problem::Problem;
+use crate::workspace::Workspace;
+
+/// Phases tried a transducer, around the present one: one group of lanes. All of a coarse device, and on a fine one
+/// more than any rounding error asks for.
+const WIDTH: usize = 16;
+
+/// Rounds at most. In trials (N = 400, M = 16 and 64) the fifth took less than 3 % off sigma.
+const ROUNDS: usize = 4;
+
+/// Brings `drive` (N,) to the device's quantization and turns one transducer after another to the phase of the grid that
+/// lowers `sum w (s t - |P|)^2` most, the common level s estimated anew each round. Without phase quantization it rounds
+/// (or, without any, does nothing). A drive of 0 stays 0, amplitudes stay.
+///
+/// Time O(16 N M) a round and at most four rounds, memory O(M).
+///
+/// # Panics
+/// If `drive` has another length than the problem has transducers.
+pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &mut Workspace) {
+    let propagation = problem.propagation();
+    assert_eq!(drive.len(), propagation.transducers(), "one drive a transducer");
+    let Some(quantization) = propagation.quantization() else { return };
+    for q in drive.iter_mut() {
+        *q = quantization.nearest(*q);
+    }
+    let Some(phases) = quantization.phases() else { return };
+    let buffers = [table(WIDTH), table(WIDTH), 1].map(|len| work.floats.take(len));
+    let candidates = Candidates::turns(phases as usize, WIDTH, buffers);
+    let lanes = propagation.lanes();
+    let [mut row, mut wave, mut field] = [(); 3].map(|()| Planar::zeros(1, lanes, work));
+    let [mut modulus, mut targets] = [(); 2].map(|()| work.floats.take(lanes));
+    let mut kept = work.points.take(lanes / crate::kernels::lanes::LANES);
+    for _ in 0..ROUNDS {
+        field.re.fill(0.0);
+        field.im.fill(0.0);
+        let into = [&mut field.re[..], &mut field.im[..]];
+        kernels::add_waves(
+            propagation.instruction_set(),
+            propagation.rows(),
+            drive,
+            [&mut row.re, &mut row.im],
+            into,
+        );
+        kernels::modulus(propagation.instruction_set(), &field.re, &field.im, &mut modulus);
+        let level = common_level(problem, &modulus);
+        for (target, asked) in targets.iter_mut().zip(problem.targets()) {
+            *target = level * asked;
+        }
+        kernels::keep(propagation.instruction_set(), [&targets, problem.weights()], field.row(0), &mut kept);
+        let mut moved = false;
+        for (i, q) in drive.iter_mut().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
+            propagation.row(i, &mut row.re, &mut row.im);
+            let memory = [&mut wave.re[..], &mut wave.im[..]];
+            let (own, count) = ([q.re, q.im], propagation.points());
+            let choice = kernels::turn(
+                propagation.instruction_set(),
+                row.row(0),
+                own,
+                &candidates,
+                count,
+                &mut kept,
+                memory,
+            );
+            if choice > 0 {
+                let [re, im] = candidates.drive(choice);
+                *q = quantization.nearest(*q * Complex32::new(re, im));
+                moved = true;
+            }
+        }
+        if !moved {
+            break;
+        }
+    }
+    for planar in [row, wave, field] {
+        planar.give(work);
+    }
+    work.floats.give_all([modulus, targets]);
+    work.floats.give_all(candidates.into_buffers());
+    work.points.give(kept);
+}
+
+/// s = `sum w t |P| / sum w t^2`: the level at which targets in these ratios fit the moduli best.
+fn common_level(problem: &Problem, modulus: &[f32]) -> f32 {
+    let points = modulus.iter().zip(problem.targets()).zip(problem.weights());
+    let (met, asked) = points.fold((0.0_f64, 0.0_f64), |(met, asked), ((&p, &t), &w)| {
+        let [p, t, w] = [p, t, w].map(f64::from);
+        (met + w * t * p, asked + w * t * t)
+    });
+    (met / asked) as f32
+}

@@ -1,0 +1,59 @@
+//! Points in the same place: they cannot have two pressures.
+
+use crate::kernels::lanes::LANES;
+use crate::kernels::tiles::products;
+use crate::solvers::even_field::Rows;
+use crate::workspace::Workspace;
+
+/// Points coincide whose rows are parallel to this part: they are about lambda/1000 apart.
+const COINCIDENT: f64 = 1e-5;
+
+/// Gives points in the same place the mean of their targets. `powers` are those of the rows.
+///
+/// One tile in the middle tells most points apart; only rows that look parallel there are compared as a whole.
+pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &mut Workspace) {
+    let points = rows.loud;
+    let middle = rows.lanes / LANES / 2;
+    let mut matrix = [(); 2].map(|()| work.floats.take_any(points * points));
+    let [re, im] = &mut matrix;
+    products::couplings(rows.set, rows.tiles(), middle..middle + 1, points, [&mut *re, &mut *im]);
+    let entry = |k: usize, l: usize| [&*re, &*im].map(|plane| f64::from(plane[k * points + l]));
+    let own = |k: usize| entry(k, k)[0].max(f64::from(f32::MIN_POSITIVE));
+    // However much of a row the tile hears: what is not parallel of the row is no more than this part of that.
+    let slack = |k: usize| 4.0 * COINCIDENT * (f64::from(powers[k]) / own(k)).max(1.0);
+    let mut homes = work.indices.take(points);
+    homes.iter_mut().zip(0..).for_each(|(home, k)| *home = k);
+    let mut apart = true;
+    for first in 0..points {
+        if homes[first] != first as u32 {
+            continue;
+        }
+        let (power, slack_here) = (own(first), slack(first));
+        for k in first + 1..points {
+            let [re, im] = entry(first, k);
+            let looks = re * re + im * im >= (1.0 - slack_here.min(slack(k))) * power * own(k);
+            if looks && parallel(rows, powers, first, k) {
+                (homes[k], apart) = (first as u32, false);
+            }
+        }
+    }
+    if !apart {
+        for first in 0..points as u32 {
+            let group = || (0..points).filter(|&k| homes[k] == first);
+            let mean = group().map(|k| 1.0 / rows.scale[k]).sum::<f32>() / group().count() as f32;
+            for k in group() {
+                let factor = 1.0 / (mean * rows.scale[k]);
+                rows.rescale(k, factor);
+                powers[k] *= factor * factor;
+            }
+        }
+    }
+    work.floats.give_all(matrix);
+    work.indices.give(homes);
+}
+
+/// Whether two whole rows are.
+fn parallel(rows: &Rows, powers: &[f32], k: usize, l: usize) -> bool {
+    let [re, im] = products::coupling(rows.set, rows.tiles(), k, l).map(f64::from);
+    re * re + im * im >= (1.0 - 2.0 * COINCIDENT) * f64::from(powers[k]) * f64::from(powers[l])
+}

@@ -1,0 +1,218 @@
+//! Point phases that reinforce one another.
+//!
+//! The drive b = G^H v has the energy v^H (G G^H) v. With the moduli of v fixed, each phase in turn is set to what
+//! the other points' waves make at its point: Gerchberg-Saxton as GS-PAT runs it, but point after point and without a
+//! point's own echo, which would only hold its phase back. One start goes over G itself; many share the M x M matrix of
+//! couplings, sixteen side by side.
+
+use alloc::vec::Vec;
+
+use crate::kernels::lanes::LANES;
+use crate::kernels::simd::instruction_set::InstructionSet;
+use crate::kernels::tiles::{phases, products};
+use crate::math::sqrtf;
+use crate::problem::Problem;
+use crate::rng::Rng;
+use crate::solvers::common::alternating_projection::start_phasors;
+use crate::solvers::even_field::coincident::merge;
+use crate::solvers::even_field::{Plan, Rows};
+use crate::workspace::Workspace;
+
+/// Rounds over the points on the matrix: in trials eight reach all but a thousandth of the energy.
+const ROUNDS: usize = 8;
+
+/// Rounds on G itself, each as long as a sweep: in trials two fewer or more are a thousandth of the level at 64 points.
+const ROUNDS_ALONE: usize = 8;
+
+/// Starts whose energies agree to this part are one start.
+const ALIKE: f32 = 1e-5;
+
+/// Point phases to go on from, the best first.
+pub(super) struct Starts {
+    /// How many.
+    pub(super) count: usize,
+    /// Moduli of v at which each point's own wave makes the same |P|.
+    pub(super) weights: Vec<f32>,
+    /// Phasors, start by start.
+    pub(super) phasors: [Vec<f32>; 2],
+    /// The part of |P| that is a point's own echo, start by start; 0 where it is not known.
+    pub(super) echoes: Vec<f32>,
+}
+
+impl Starts {
+    /// The problem's own start, else the best that a search finds.
+    pub(super) fn new(problem: &Problem, rows: &mut Rows, plan: &Plan, work: &mut Workspace) -> Self {
+        let mut powers = work.floats.take(rows.loud);
+        products::powers(rows.set, rows.tiles(), &mut powers);
+        merge(rows, &mut powers, work);
+        for power in &mut powers {
+            *power = power.max(f32::MIN_POSITIVE);
+        }
+        let weakest = sqrtf(powers.iter().copied().fold(f32::INFINITY, f32::min));
+        let mut weights = work.floats.take(rows.loud);
+        weights.iter_mut().zip(&powers).for_each(|(weight, power)| *weight = weakest / power);
+        let starts = if problem.start_drive().is_some() || problem.start_phases().is_some() {
+            Self::given(problem, rows, weights, work)
+        } else {
+            // From the strongest point on: an order that does not hang on how the scene is told.
+            let mut visits = work.indices.take(rows.loud);
+            visits.iter_mut().zip(0..).for_each(|(visit, k)| *visit = k);
+            visits.sort_unstable_by(|&a, &b| powers[b as usize].total_cmp(&powers[a as usize]));
+            let starts = if plan.starts == 1 {
+                Self::alone(rows, weights, &powers, &visits, work)
+            } else {
+                let couplings = Couplings::new(rows, &powers, work);
+                let starts = couplings.search(weights, &visits, plan, work);
+                couplings.give(work);
+                starts
+            };
+            work.indices.give(visits);
+            starts
+        };
+        work.floats.give(powers);
+        starts
+    }
+
+    fn given(problem: &Problem, rows: &Rows, weights: Vec<f32>, work: &mut Workspace) -> Self {
+        let phasors = start_phasors(problem, work);
+        let mut own = [(); 2].map(|()| work.floats.take(rows.loud));
+        for (own, phasors) in own.iter_mut().zip([&phasors.re, &phasors.im]) {
+            own.iter_mut().zip(&rows.order).for_each(|(own, &j)| *own = phasors[j as usize]);
+        }
+        phasors.give(work);
+        Self { count: 1, weights, phasors: own, echoes: work.floats.take(1) }
+    }
+
+    /// One point added after another, on G itself: with one start that takes less time than the matrix.
+    fn alone(rows: &Rows, weights: Vec<f32>, powers: &[f32], visits: &[u32], work: &mut Workspace) -> Self {
+        let mut phasors = [(); 2].map(|()| work.floats.take(rows.loud));
+        let mut wave = [(); 2].map(|()| work.floats.take(rows.lanes));
+        let [re, im] = &mut phasors;
+        let [wave_re, wave_im] = &mut wave;
+        let lists = (&weights[..], powers);
+        let energy = phases::align_rows(
+            rows.set,
+            rows.tiles(),
+            lists,
+            visits,
+            ROUNDS_ALONE,
+            [re, im],
+            [wave_re, wave_im],
+        );
+        for plane in &mut phasors {
+            plane.iter_mut().zip(&weights).for_each(|(part, weight)| *part /= weight);
+        }
+        let own = weights.iter().zip(powers).map(|(weight, power)| weight * weight * power).sum::<f32>();
+        let mut echoes = work.floats.take(1);
+        echoes[0] = own / (own + energy);
+        work.floats.give_all(wave);
+        Self { count: 1, weights, phasors, echoes }
+    }
+
+    pub(super) fn give(self, work: &mut Workspace) {
+        work.floats.give_all(self.phasors);
+        work.floats.give_all([self.weights, self.echoes]);
+    }
+}
+
+/// G G^H of the loud rows, each divided by its norm.
+struct Couplings {
+    set: InstructionSet,
+    points: usize,
+    matrix: [Vec<f32>; 2],
+    /// The norms of the rows.
+    norms: Vec<f32>,
+}
+
+impl Couplings {
+    fn new(rows: &Rows, powers: &[f32], work: &mut Workspace) -> Self {
+        let points = rows.loud;
+        let mut matrix = [(); 2].map(|()| work.floats.take(points * points));
+        let mut norms = work.floats.take(points);
+        norms.iter_mut().zip(powers).for_each(|(norm, &power)| *norm = sqrtf(power));
+        let [re, im] = &mut matrix;
+        products::couplings(rows.set, rows.tiles(), 0..rows.lanes / LANES, points, [re, im]);
+        for k in 0..points {
+            // Without a point's own echo.
+            (re[k * points + k], im[k * points + k]) = (0.0, 0.0);
+            for l in k + 1..points {
+                let (real, imag) =
+                    (re[k * points + l] / norms[k] / norms[l], im[k * points + l] / norms[k] / norms[l]);
+                (re[k * points + l], im[k * points + l]) = (real, imag);
+                (re[l * points + k], im[l * points + k]) = (real, -imag);
+            }
+        }
+        Self { set: rows.set, points, matrix, norms }
+    }
+
+    fn give(self, work: &mut Workspace) {
+        work.floats.give_all(self.matrix);
+        work.floats.give(self.norms);
+    }
+
+    fn planes(&self) -> [&[f32]; 2] {
+        [&self.matrix[0], &self.matrix[1]]
+    }
+
+    /// The phases of the greatest energies that any of the plan's starts ends in.
+    fn search(&self, weights: Vec<f32>, visits: &[u32], plan: &Plan, work: &mut Workspace) -> Starts {
+        let points = self.points;
+        let groups = plan.starts.div_ceil(LANES);
+        // v_k times the norm of row k.
+        let mut shares = work.floats.take(points);
+        for ((share, weight), norm) in shares.iter_mut().zip(&weights).zip(&self.norms) {
+            *share = weight * norm;
+        }
+        let mut energies = work.floats.take(groups * LANES);
+        let mut found = [(); 2].map(|()| work.floats.take(groups * points * LANES));
+        let mut turns = work.floats.take(points * LANES);
+        let mut rng = Rng::new(plan.seed);
+        for group in 0..groups {
+            let range = group * points * LANES..(group + 1) * points * LANES;
+            let [re, im] = &mut found;
+            let vectors = [&mut re[range.clone()], &mut im[range]];
+            for &k in visits {
+                let own = k as usize * LANES..(k as usize + 1) * LANES;
+                turns[own].fill_with(|| rng.uniform() as f32);
+            }
+            let [re, im] = vectors;
+            phases::phasors(self.set, &turns, &shares, [&mut *re, &mut *im]);
+            let energy = phases::align(self.set, self.planes(), &shares, visits, ROUNDS, [re, im]);
+            energies[group * LANES..][..LANES].copy_from_slice(&energy);
+        }
+        energies[plan.starts..].fill(-1.0);
+        let count = plan.finalists.min(plan.starts);
+        let mut starts = Starts {
+            count: 0,
+            weights,
+            phasors: [(); 2].map(|()| work.floats.take(count * points)),
+            echoes: work.floats.take(count),
+        };
+        let own = shares.iter().map(|share| share * share).sum::<f32>();
+        let mut last = f32::INFINITY;
+        while starts.count < count {
+            let best =
+                (0..plan.starts).fold(0, |best, s| if energies[s] > energies[best] { s } else { best });
+            let energy = core::mem::replace(&mut energies[best], -1.0);
+            if energy < 0.0 {
+                break;
+            }
+            if energy >= last * (1.0 - ALIKE) {
+                continue;
+            }
+            last = energy;
+            let first = best / LANES * points * LANES + best % LANES;
+            for (phasors, found) in starts.phasors.iter_mut().zip(&found) {
+                for k in 0..points {
+                    // The vectors hold v; its phase is wanted.
+                    phasors[starts.count * points + k] = found[first + k * LANES] / shares[k];
+                }
+            }
+            starts.echoes[starts.count] = own / (own + energy);
+            starts.count += 1;
+        }
+        work.floats.give_all(found);
+        work.floats.give_all([shares, energies, turns]);
+        starts
+    }
+}
