@@ -5,7 +5,7 @@
 
 use std::time::Instant;
 
-use midair::{Array, Control, InstructionSet, Medium, Model, Options, Request, Rng, Session, solvers};
+use midair::{Array, Ask, Control, InstructionSet, Medium, Model, Options, Request, Rng, Session, solvers};
 
 /// Nanoseconds of each of `calls` solves.
 fn measured(tiles: [usize; 2], points: usize, name: &str, calls: usize) -> Vec<u64> {
@@ -13,19 +13,20 @@ fn measured(tiles: [usize; 2], points: usize, name: &str, calls: usize) -> Vec<u
     let model = Model::new(&array, Medium::default(), InstructionSet::best()).expect("an array");
     let configured =
         solvers::find(name).and_then(|entry| entry.configure(&Options::new())).expect("a method");
-    let mut session = Session::new(model, configured);
+    let mut session = Session::new(model, configured.solver, configured.info.balance);
     let request = Request { pressures: Some(vec![500.0; points]), weights: None };
     let mut rng = Rng::new(points as u64);
-    let mut places: Vec<[f64; 3]> =
+    let points =
         (0..points).map(|_| [0.1 * rng.uniform() - 0.05, 0.1 * rng.uniform() - 0.05, 0.15]).collect();
+    let mut ask = Ask { points, request, ..Ask::default() };
     let mut times = Vec::with_capacity(calls);
     for call in 0..calls + 100 {
-        for place in &mut places {
+        for point in &mut ask.points {
             // Half a millimetre a call: a hand at 0.5 m/s, 1000 times a second.
-            place[0] += 1e-3 * (rng.uniform() - 0.5);
+            point[0] += 1e-3 * (rng.uniform() - 0.5);
         }
         let start = Instant::now();
-        let solution = session.solve(&places, &request, None, &mut Control::none()).expect("an answer");
+        let solution = session.solve(&ask, &mut Control::none()).expect("an answer");
         let took = start.elapsed().as_nanos() as u64;
         assert!(solution.drive.iter().all(|q| q.norm() < 1.0 + 1e-6));
         if call >= 100 {

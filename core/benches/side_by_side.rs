@@ -5,12 +5,13 @@
 //! complex modulus, energies summed anew for each candidate, G of eq. (5) computed by libm as ours computes its own.
 
 use std::hint::black_box;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use midair::solvers;
 use midair::{
     Array, Ask, Complex32, Complex64, Control, InstructionSet, Medium, Metrics, Model, Options, Plane,
-    Problem, Propagation, Request, Rng, Scene, Value, Workspace,
+    Problem, Propagation, Request, Rng, Scene, Session, Setup, Value, Workspace,
 };
 
 /// Algorithm 2, by the book.
@@ -63,7 +64,7 @@ fn scene(array: Array, count: usize) -> Scene {
     let mut coordinate = || (2.0 * rng.uniform() - 1.0) * 0.1;
     let points = (0..count).map(|_| [coordinate(), coordinate(), 0.15]).collect();
     let focus = Scene::new(array.clone(), Medium::default(), vec![[0.0, 0.0, 0.15]], Request::default());
-    let p1 = Problem::new(&focus.expect("a focus")).expect("a problem").pressures()[0];
+    let p1 = Problem::new(&focus.expect("a focus")).expect("a problem").targets_in_pascals()[0];
     let pressures = Some(vec![p1 / (count as f64).sqrt(); count]);
     Scene::new(array, Medium::default(), points, Request { pressures, weights: None }).expect("a scene")
 }
@@ -71,18 +72,12 @@ fn scene(array: Array, count: usize) -> Scene {
 /// One of ours: a method and its options at a set.
 struct Entrant {
     name: String,
-    instruction_set: InstructionSet,
+    set: InstructionSet,
     configured: solvers::Configured,
 }
 
 impl Entrant {
-    fn new(
-        label: &str,
-        name: &str,
-        options: &[(&str, i128)],
-        order: &[u32],
-        instruction_set: InstructionSet,
-    ) -> Self {
+    fn new(label: &str, name: &str, options: &[(&str, i128)], order: &[u32], set: InstructionSet) -> Self {
         let mut table: Options =
             options.iter().map(|&(name, value)| (name.into(), Value::Integer(value))).collect();
         if name == "greedy" {
@@ -94,12 +89,14 @@ impl Entrant {
 
     /// Everything from the scene on.
     fn solve(&self, scene: &Scene, work: &mut Workspace) -> Metrics {
-        let propagation = Propagation::of(scene).with_instruction_set(self.instruction_set);
-        let problem = Problem::with_propagation(propagation, scene.request()).expect("a problem");
+        let propagation = Propagation::of(scene).with_instruction_set(self.set);
+        let problem =
+            Problem::with_propagation(propagation, Setup::of(scene.array(), scene.medium()), scene.request())
+                .expect("a problem");
         let solution = midair::solve(&problem, &*self.configured.solver, false, work, &mut Control::none())
             .expect("a solution");
         let metrics = solution.metrics();
-        work.recycle(solution);
+        solution.recycle(work);
         metrics
     }
 }
@@ -109,7 +106,7 @@ fn against_the_textbook(array: &Array, points: usize, rounds: usize) {
     let scene = scene(array.clone(), points);
     let count = array.len();
     let order = Rng::new(0).permutation(count as u32);
-    let targets = Problem::new(&scene).expect("a problem").pressures().to_vec();
+    let targets = Problem::new(&scene).expect("a problem").targets_in_pascals().to_vec();
     let mut entrants = Vec::new();
     for set in InstructionSet::all() {
         let plain = [("phases", 16), ("amplitudes", 1)];
@@ -195,7 +192,10 @@ fn batch(array: &Array, name: &str, points: usize, count: usize, rounds: usize) 
     let mut coordinate = || (2.0 * rng.uniform() - 1.0) * 0.1;
     let places: Vec<Vec<[f64; 3]>> =
         (0..count).map(|_| (0..points).map(|_| [coordinate(), coordinate(), 0.15]).collect()).collect();
-    let problem = |k: usize| Problem::with_propagation(model.propagation(&places[k])?, &Request::default());
+    let setup = Arc::new(Setup::of(array, Medium::default()));
+    let problem = |k: usize| {
+        Problem::with_propagation(model.propagation(&places[k])?, Arc::clone(&setup), &Request::default())
+    };
     let solver = solvers::find(name).and_then(|entry| entry.configure(&Options::new())).expect("a method");
     let balance = solver.info.balance;
     let mut work = Workspace::new();
@@ -206,16 +206,17 @@ fn batch(array: &Array, name: &str, points: usize, count: usize, rounds: usize) 
                 .expect("a solution");
             out.copy_from_slice(&solution.drive);
             black_box(solution.metrics());
-            work.recycle(solution);
+            solution.recycle(&mut work);
         }
     };
     let ask = |k: usize, ask: &mut Ask| {
         ask.points.clone_from(&places[k]);
         Ok(())
     };
-    let together = |out: &mut [Complex32]| {
-        let (ask, none) = (&ask, &mut Control::none());
-        midair::solve_batch(&model, count, points, ask, &*solver.solver, balance, out, none).expect("answers")
+    let same = solvers::find(name).and_then(|entry| entry.configure(&Options::new())).expect("a method");
+    let mut session = Session::new(model.clone(), same.solver, balance);
+    let mut together = |out: &mut [Complex32]| {
+        session.solve_batch(count, points, &ask, out, &mut Control::none()).expect("answers")
     };
     let mut drives = [(); 2].map(|()| vec![Complex32::ZERO; count * array.len()]);
     lone(&mut drives[0]);
@@ -241,7 +242,10 @@ fn field() {
     let scene = scene(Array::grid(36, 36, 10e-3).expect("a grid"), 38);
     let drive = vec![Complex32::ONE; scene.array().len()];
     let pixels = Plane::new(0.15, 0.1, 500, [0.0, 0.0]).expect("a plane").points();
-    let draw = || midair::field(&scene, &drive, &pixels, &mut Control::none()).expect("a field");
+    let draw = || {
+        midair::field(&Model::of(&scene, InstructionSet::best()), &drive, &pixels, &mut Control::none())
+            .expect("a field")
+    };
     let time = median((0..3).map(|_| timed(draw)).collect());
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     println!("field 500 x 500 from 1296 transducers on {threads} threads: {time:.2?}");

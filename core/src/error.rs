@@ -74,6 +74,11 @@ impl Error {
         Self::Invalid { item: one_line(&item.into()), value: one_line(&value.to_string()), cure: cure.into() }
     }
 
+    /// Points for a given G, which belongs to its own.
+    pub(crate) fn given_points() -> Self {
+        Self::invalid("points", "given", "a matrix of your own belongs to its points: leave them out")
+    }
+
     /// An [`Error::Unknown`] that lists the names known.
     pub fn unknown<'a>(
         kind: impl Into<String>,

@@ -6,7 +6,6 @@ use core::ops::{Deref, DerefMut};
 use num_complex::Complex32;
 
 use crate::kernels::greedy::point_group::PointGroup;
-use crate::problem::solution::Solution;
 
 /// Numbers in a line of the cache.
 const LINE: usize = 16;
@@ -115,11 +114,5 @@ impl Workspace {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
-    }
-
-    /// Takes a solution's vectors back for the next solve.
-    pub fn recycle(&mut self, solution: Solution) {
-        self.complexes.give(solution.drive);
-        self.complexes.give(solution.pressures);
     }
 }

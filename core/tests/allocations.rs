@@ -2,10 +2,11 @@
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use std::sync::Arc;
 
 use midair::{
     Array, Ask, Complex32, Control, InstructionSet, Medium, Model, Problem, Quantization, Request, Rng,
-    Scene, Session, Workspace, solve_batch, solvers,
+    Scene, Session, Solve, Workspace, solvers,
 };
 
 struct Counting;
@@ -57,7 +58,7 @@ fn the_second_solve_of_a_size_allocates_nothing() {
             let mut work = Workspace::new();
             let before = COUNT.get();
             let solution = midair::solve(&first, &*made.solver, balance, &mut work, &mut Control::none());
-            work.recycle(solution.expect("an answer"));
+            solution.expect("an answer").recycle(&mut work);
             assert!(COUNT.get() > before, "the first solve must allocate, or nothing is counted");
             let before = COUNT.get();
             let solution = midair::solve(&second, &*made.solver, balance, &mut work, &mut Control::none());
@@ -74,16 +75,20 @@ fn a_session_allocates_nothing_from_its_second_call_on() {
     let mut rng = Rng::new(3);
     for entry in solvers::SOLVERS {
         let model = Model::new(&array, Medium::default(), InstructionSet::best()).expect("an array");
-        let mut session = Session::new(model, entry.configure(&midair::Options::new()).expect("defaults"));
-        let mut request = Request { pressures: Some(vec![0.0; 11]), weights: None };
+        let solver = entry.configure(&midair::Options::new()).expect("defaults").solver;
+        let mut session = Session::new(model, solver, entry.info.balance);
+        let request = Request { pressures: Some(vec![0.0; 11]), weights: None };
+        let mut ask = Ask { request, ..Ask::default() };
         for call in 0..4 {
             let points: [[f64; 3]; 11] =
                 std::array::from_fn(|_| [0.1 * rng.uniform(), 0.1 * rng.uniform(), 0.15]);
-            if let Some(pressures) = &mut request.pressures {
+            ask.points.clear();
+            ask.points.extend(points);
+            if let Some(pressures) = &mut ask.request.pressures {
                 pressures.fill(100.0 + f64::from(call));
             }
             let before = COUNT.get();
-            let solution = session.solve(&points, &request, None, &mut Control::none()).expect("an answer");
+            let solution = session.solve(&ask, &mut Control::none()).expect("an answer");
             assert!(solution.drive.iter().any(|q| q.norm() > 0.0));
             let allocations = COUNT.get() - before;
             // Two calls take all the buffers that a method swaps about.
@@ -103,14 +108,16 @@ fn a_batch_allocates_nothing_for_a_further_problem() {
             ask.points.extend((0..points).map(|_| [0.1 * rng.uniform(), 0.1 * rng.uniform(), 0.15]));
             Ok(())
         };
-        let solver = entry.configure(&midair::Options::new()).expect("defaults").solver;
+        let solver: Arc<dyn Solve + Send + Sync> =
+            entry.configure(&midair::Options::new()).expect("defaults").solver.into();
         let allocations = |count: usize| {
+            let mut session = Session::new(model.clone(), Arc::clone(&solver), true);
             let (mut drives, none) = (vec![Complex32::ZERO; 63 * count], &mut Control::none());
             let before = COUNT.get();
-            solve_batch(&model, count, points, &ask, &*solver, true, &mut drives, none).expect("answers");
+            session.solve_batch(count, points, &ask, &mut drives, none).expect("answers");
             COUNT.get() - before
         };
-        // All in one stretch, which this thread solves. PointGroup solved together come in one vector.
+        // All in one stretch, which this thread solves. Sixteen solved together come in one vector.
         let (few, many) = (allocations(64), allocations(96));
         let name = entry.info.name;
         assert!(few > 0 && many <= few + 2, "{name}, M = {points}: {few} for 64 problems, {many} for 96");

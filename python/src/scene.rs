@@ -96,15 +96,15 @@ impl Scene {
         let mut bytes = Vec::new();
         // One byte more than allowed is enough to see that a file is too large.
         std::fs::File::open(&path)
-            .and_then(|file| file.take(file::MOST_BYTES as u64 + 1).read_to_end(&mut bytes))
+            .and_then(|file| file.take(files::MOST_BYTES as u64 + 1).read_to_end(&mut bytes))
             .map_err(|error| os_error(&error, &path))?;
-        let scene = file::read(&bytes, Format::of(&path.to_string_lossy())).map_err(refused)?;
+        let scene = files::read(&bytes, Format::of(&path.to_string_lossy())).map_err(refused)?;
         Ok(Self { inner: Arc::new(scene) })
     }
 
     /// Writes the scene as TOML or (by the ending .json) JSON, whole or not at all.
     fn save(&self, path: PathBuf) -> PyResult<()> {
-        let text = file::write(&self.inner, Format::of(&path.to_string_lossy()), &Provenance::default());
+        let text = files::write(&self.inner, Format::of(&path.to_string_lossy()), &Provenance::default());
         let mut name = path.file_name().unwrap_or_default().to_os_string();
         name.push(format!(".{}.part", std::process::id()));
         let part = path.with_file_name(name);
@@ -123,7 +123,7 @@ impl Scene {
     #[pyo3(signature = (solution=None))]
     fn json(&self, solution: Option<&Bound<'_, Solution>>) -> PyResult<String> {
         let Some(solution) = solution else {
-            return file::write(&self.inner, Format::Json, &Provenance::default()).map_err(refused);
+            return files::write(&self.inner, Format::Json, &Provenance::default()).map_err(refused);
         };
         let mut scene = (*self.inner).clone();
         scene.solver = Some(solution.get().choice.clone());
@@ -131,7 +131,7 @@ impl Scene {
             version: Some(env!("CARGO_PKG_VERSION").into()),
             status: Some(solution.get().inner.status.to_string()),
         };
-        file::write(&scene, Format::Json, &provenance).map_err(refused)
+        files::write(&scene, Format::Json, &provenance).map_err(refused)
     }
 
     /// The array.

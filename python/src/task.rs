@@ -44,16 +44,16 @@ impl Task {
         Err(PyTypeError::new_err(format!("expected a midair.Scene or midair.Propagation first, not {kind}")))
     }
 
-    pub(crate) fn problem(&self, instruction_set: InstructionSet) -> Result<Problem, midair::Error> {
+    pub(crate) fn problem(&self, set: InstructionSet) -> Result<Problem, midair::Error> {
         let (propagation, request) = match self {
             Self::Scene(scene) => (midair::Propagation::of(scene), scene.request()),
             Self::Propagation(propagation, request) => (propagation.clone(), request),
         };
-        Problem::with_propagation(propagation.with_instruction_set(level), request)
+        Problem::with_propagation(propagation.with_instruction_set(set), request)
     }
 
     /// The levels of the scene's device.
-    pub(crate) fn levels(&self) -> Option<&midair::Quantization> {
+    pub(crate) fn quantization(&self) -> Option<&midair::Quantization> {
         match self {
             Self::Scene(scene) => scene.array().quantization(),
             Self::Propagation(..) => None,

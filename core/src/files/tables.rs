@@ -11,11 +11,15 @@ use serde::{Deserialize, Serialize};
 use crate::error::Error;
 use crate::files::Provenance;
 use crate::files::quantization::QuantizationTable;
+use crate::scene::Scene;
 use crate::scene::array::{Array, Origin};
+use crate::scene::choice::Choice;
 use crate::scene::medium::Medium;
+use crate::scene::plane::Plane;
+use crate::scene::request::Request;
 use crate::scene::transducer::{Directivity, Transducer};
-use crate::scene::{Plane, Request, Scene};
-use crate::solvers::options::{Choice, Options, Value};
+use crate::scene::value::{Options, Value};
+use crate::solvers::registry::configure;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -267,7 +271,7 @@ impl SceneTable {
             let options: Options =
                 table.options.into_iter().map(|(name, value)| (name, value.into())).collect();
             let choice = Choice::new(table.name, options)?;
-            choice.configured(scene.array().quantization())?;
+            configure(&choice, scene.array().quantization())?;
             scene.solver = Some(choice);
         }
         Ok(scene)

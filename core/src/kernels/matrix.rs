@@ -103,7 +103,7 @@ pub(crate) fn add_waves(
     });
 }
 
-/// Transducers whose rows wait together for [`gram`]: they stay in the second-set cache.
+/// Transducers whose rows wait together for [`gram`]: they stay in the second-level cache.
 const PANEL: usize = 32;
 
 /// Numbers of working memory for [`gram`] with rows of `lanes`.

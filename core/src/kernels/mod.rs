@@ -16,12 +16,7 @@ mod tests;
 pub(crate) mod tiles;
 pub(crate) mod vector;
 
-pub(crate) use crate::kernels::greedy::point_group::PointGroup;
-pub(crate) use crate::kernels::greedy::rotate::{keep, turn};
-pub(crate) use crate::kernels::greedy::search::{Candidates, L1, L2, table};
-pub(crate) use crate::kernels::matrix::{add_waves, combine_rows, correlate_rows, gram, gram_floats};
-pub(crate) use crate::kernels::propagate::directivity::Table;
-pub(crate) use crate::kernels::propagate::row::{ControlPoints, Law, Row, Source, add_moduli, row};
-pub(crate) use crate::kernels::propagate::rows::Rows;
-pub use crate::kernels::simd::instruction_set::InstructionSet;
-pub(crate) use crate::kernels::vector::{accumulate, add_outer, correlate, dot, modulus, project, squares};
+pub(crate) use greedy::rotate::{keep, turn};
+pub(crate) use matrix::{add_waves, combine_rows, correlate_rows, gram, gram_floats};
+pub(crate) use propagate::row::{add_moduli, row};
+pub(crate) use vector::{accumulate, add_outer, correlate, dot, modulus, project, squares};

@@ -50,8 +50,9 @@ pub(crate) fn power_of_two<S: Simd>(s: S, x: S::V) -> S::V {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{InstructionSet, LANES, Lanes};
     use super::*;
+    use crate::kernels::lanes::{LANES, Lanes};
+    use crate::kernels::simd::instruction_set::InstructionSet;
     use crate::kernels::simd::instruction_set::dispatch;
     use core::array::from_fn;
 

@@ -1,7 +1,8 @@
-//! What a solver sees: propagation, targets and weights of the points that take part, in units of the reference.
+//! A problem: G, targets and weights of the points that take part, in units of the reference.
 
 pub(crate) mod feasibility;
 pub(crate) mod metrics;
+pub(crate) mod setup;
 pub(crate) mod solution;
 pub(crate) mod targets;
 pub(crate) mod upper_bound;
@@ -12,57 +13,31 @@ use alloc::vec::Vec;
 
 use num_complex::{Complex32, Complex64};
 
+use crate::device::quantization::Quantization;
 use crate::error::Error;
 use crate::math;
 use crate::problem::metrics::Metrics;
-use crate::problem::targets::Asked;
+use crate::problem::setup::Setup;
+use crate::problem::targets::Targets;
 use crate::propagation::Propagation;
-use crate::scene::{Request, Scene};
-use crate::solvers::options::{OptionValue, Value, spell, word};
-
-/// Where an iterative method begins.
-#[derive(Clone, Debug, PartialEq)]
-#[allow(clippy::exhaustive_enums, reason = "the two sides of p = G q")]
-pub enum Start {
-    /// A drive (N,), |q| <= 1.
-    Drive(Vec<Complex32>),
-    /// Phases (M,) in rad of the pressures at the points.
-    Phases(Vec<f64>),
-}
-
-/// How loud `uniform` and `best` make the points.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(clippy::exhaustive_enums, reason = "the two quantization of docs/conventions.md")]
-pub enum Aim {
-    /// As loud as asked, and no louder.
-    Target,
-    /// As loud as the array can make them, the ratios kept.
-    Max,
-}
-
-const AIMS: [(&str, Aim); 2] = [("target", Aim::Target), ("max", Aim::Max)];
-
-impl OptionValue for Aim {
-    fn read(item: &str, value: &Value) -> Result<Self, Error> {
-        word(item, value, &AIMS)
-    }
-
-    fn show(&self) -> Value {
-        spell(*self, &AIMS)
-    }
-}
+use crate::scene::Scene;
+use crate::scene::aim::Aim;
+use crate::scene::request::Request;
+use crate::scene::start::{Start, check_drive};
 
 /// A checked problem: it can be solved.
 ///
 /// Cloning is cheap but for the targets: all else is shared.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// The propagation of the points of weight above 0, unless those are all.
+    /// G at the points of weight above 0, unless those are all.
     selected: Option<Propagation>,
-    asked: Arc<Asked>,
+    /// What was asked of all points, in Pa.
+    targets: Arc<Targets>,
     start: Option<Arc<Start>>,
     aim: Option<Aim>,
-    targets: Vec<f32>,
+    /// Targets of the points of weight above 0 in units of the reference, padded with zeros.
+    scaled: Vec<f32>,
     /// p1_j of the points of weight above 0 in units of the reference, and memory for summing it.
     reach: Vec<f64>,
     sums: Vec<f32>,
@@ -74,64 +49,75 @@ impl Problem {
     /// # Errors
     /// A point on a transducer, or one with a pressure above 0 that no transducer reaches.
     pub fn new(scene: &Scene) -> Result<Self, Error> {
-        Self::with_propagation(Propagation::of(scene), scene.request())
+        let setup = Setup::of(scene.array(), scene.medium());
+        Self::with_propagation(Propagation::of(scene), setup, scene.request())
     }
 
-    /// The problem of a user's own propagation.
+    /// The problem of any G, computed or given, and the array behind it.
     ///
     /// # Errors
-    /// As [`Problem::new`] and [`Request::check`].
-    pub fn with_propagation(all: Propagation, request: &Request) -> Result<Self, Error> {
-        let mut problem = Self::of(all);
-        problem.selected = Arc::make_mut(&mut problem.asked).take(request)?;
+    /// As [`Problem::new`] and [`Request::check`]; another number of positions than transducers, a medium out of range.
+    pub fn with_propagation(
+        propagation: Propagation,
+        setup: impl Into<Arc<Setup>>,
+        request: &Request,
+    ) -> Result<Self, Error> {
+        let setup = setup.into();
+        setup.check(&propagation)?;
+        let mut problem = Self::unasked(propagation, setup);
+        problem.selected = Arc::make_mut(&mut problem.targets).read(request)?;
         problem.measured()
     }
 
     /// The problem of other points and requests with the same array, in the memory of this one: if no solution of it
-    /// is left, the number of points is the same and all have a weight, nothing is allocated.
+    /// is left, the number of points is the same and all have a weight, nothing is allocated. Without points G stays
+    /// as it is.
     ///
     /// # Errors
-    /// As [`crate::Model::propagation`] and [`Problem::with_propagation`]; the problem is then lost.
-    pub fn renewed(mut self, points: &[[f64; 3]], request: &Request) -> Result<Self, Error> {
-        self.place(points, request)?;
+    /// As [`crate::Model::propagation`] and [`Problem::with_propagation`], and points for a given G; the problem is then
+    /// lost.
+    pub fn renewed(mut self, points: Option<&[[f64; 3]]>, request: &Request) -> Result<Self, Error> {
+        self.replace(points, request)?;
         self.measured()
     }
 
     /// A problem of which nothing is asked yet.
-    pub(crate) fn of(propagation: Propagation) -> Self {
+    pub(crate) fn unasked(propagation: Propagation, setup: Arc<Setup>) -> Self {
         Self {
             selected: None,
-            asked: Arc::new(Asked::of(propagation)),
+            targets: Arc::new(Targets::new(propagation, setup)),
             start: None,
             aim: None,
-            targets: Vec::new(),
+            scaled: Vec::new(),
             reach: Vec::new(),
             sums: Vec::new(),
         }
     }
 
-    /// Takes other points and another request up: [`Problem::measure`] and [`Problem::level`] are still to come.
-    pub(crate) fn place(&mut self, points: &[[f64; 3]], request: &Request) -> Result<(), Error> {
-        let asked = Arc::make_mut(&mut self.asked);
-        asked.propagation.carry(points)?;
-        self.selected = asked.take(request)?;
+    /// Reads other points and another request: [`Problem::sum_moduli`] and [`Problem::balance_targets`] come next.
+    pub(crate) fn replace(&mut self, points: Option<&[[f64; 3]]>, request: &Request) -> Result<(), Error> {
+        let targets = Arc::make_mut(&mut self.targets);
+        if let Some(points) = points {
+            targets.propagation.carry(points)?;
+        }
+        self.selected = targets.read(request)?;
         (self.start, self.aim) = (None, None);
         Ok(())
     }
 
     fn measured(mut self) -> Result<Self, Error> {
-        self.measure()?;
-        self.level()?;
+        self.sum_moduli()?;
+        self.balance_targets()?;
         Ok(self)
     }
 
     /// Sums |G| at the points of weight above 0.
-    pub(crate) fn measure(&mut self) -> Result<(), Error> {
-        let propagation = self.selected.as_ref().unwrap_or(&self.asked.propagation);
+    pub(crate) fn sum_moduli(&mut self) -> Result<(), Error> {
+        let propagation = self.selected.as_ref().unwrap_or(&self.targets.propagation);
         propagation.reach(&mut self.reach, &mut self.sums).map_err(|error| match error {
             // The selection renumbered the points.
             Error::TooNear { point, transducer, distance, least } => {
-                Error::TooNear { point: self.asked.active[point], transducer, distance, least }
+                Error::TooNear { point: self.targets.active[point], transducer, distance, least }
             }
             other => other,
         })
@@ -144,24 +130,24 @@ impl Problem {
         &mut self.reach
     }
 
-    /// Holds the request to what the array can do.
-    pub(crate) fn level(&mut self) -> Result<(), Error> {
-        Arc::make_mut(&mut self.asked).level(&self.reach)?;
-        self.targets.clear();
-        self.targets.resize(self.propagation().lanes(), 0.0);
-        self.asked.scaled_targets(1.0, &mut self.targets);
+    /// Computes the balanced level from the sums of |G|, and the targets in units of the reference.
+    pub(crate) fn balance_targets(&mut self) -> Result<(), Error> {
+        Arc::make_mut(&mut self.targets).balance(&self.reach)?;
+        self.scaled.clear();
+        self.scaled.resize(self.propagation().lanes(), 0.0);
+        self.targets.scaled(1.0, &mut self.scaled);
         Ok(())
     }
 
     /// The same problem at `factor` times the caller's targets, in a buffer of [`Propagation::lanes`] numbers.
-    pub(crate) fn rescaled(&self, factor: f64, mut targets: Vec<f32>) -> Self {
-        self.asked.scaled_targets(factor, &mut targets);
+    pub(crate) fn rescaled(&self, factor: f64, mut scaled: Vec<f32>) -> Self {
+        self.targets.scaled(factor, &mut scaled);
         Self {
             selected: self.selected.clone(),
-            asked: self.asked(),
+            targets: Arc::clone(&self.targets),
             start: self.start.clone(),
             aim: self.aim,
-            targets,
+            scaled,
             reach: Vec::new(),
             sums: Vec::new(),
         }
@@ -181,7 +167,7 @@ impl Problem {
         match &start {
             Start::Drive(drive) => check_drive(drive, self.propagation().transducers())?,
             Start::Phases(phases) => {
-                let count = self.asked.targets.len();
+                let count = self.targets.pascals.len();
                 if phases.len() != count {
                     let value = format!("{} phases", phases.len());
                     return Err(Error::invalid(
@@ -215,7 +201,7 @@ impl Problem {
     /// the array can make them.
     #[must_use]
     pub fn aim(&self) -> Aim {
-        self.aim.unwrap_or(if self.asked.given { Aim::Target } else { Aim::Max })
+        self.aim.unwrap_or(if self.targets.given { Aim::Target } else { Aim::Max })
     }
 
     /// The drive to start from, if one was given.
@@ -231,89 +217,102 @@ impl Problem {
     #[must_use]
     pub fn start_phases(&self) -> Option<impl Iterator<Item = f64> + '_> {
         match self.start.as_deref() {
-            Some(Start::Phases(phases)) => Some(self.asked.active.iter().map(|&j| phases[j])),
+            Some(Start::Phases(phases)) => Some(self.targets.active.iter().map(|&j| phases[j])),
             _ => None,
         }
     }
 
-    pub(crate) fn into_targets(self) -> Vec<f32> {
-        self.targets
+    pub(crate) fn into_scaled(self) -> Vec<f32> {
+        self.scaled
     }
 
-    pub(crate) fn asked(&self) -> Arc<Asked> {
-        Arc::clone(&self.asked)
+    /// What was asked of all points.
+    pub(crate) fn asked(&self) -> Arc<Targets> {
+        Arc::clone(&self.targets)
     }
 
     /// Rows of G over the points of weight above 0.
     #[must_use]
     pub fn propagation(&self) -> &Propagation {
-        self.selected.as_ref().unwrap_or(&self.asked.propagation)
+        self.selected.as_ref().unwrap_or(&self.targets.propagation)
     }
 
     /// Targets |p_j| in units of the reference, padded with zeros.
     #[must_use]
     pub fn targets(&self) -> &[f32] {
-        &self.targets
+        &self.scaled
     }
 
     /// Weights, the largest 1, padded with zeros.
     #[must_use]
     pub fn weights(&self) -> &[f32] {
-        &self.asked.shares
+        &self.targets.relative_weights
+    }
+
+    /// The array behind G: medium, quantization, positions.
+    #[must_use]
+    pub fn setup(&self) -> &Setup {
+        &self.targets.setup
+    }
+
+    /// What the board can play; `None` for any drive.
+    #[must_use]
+    pub fn quantization(&self) -> Option<&Quantization> {
+        self.targets.setup.quantization.as_ref()
     }
 
     /// Targets (M,) of all points in Pa, as the caller gave them or at the balanced level.
     #[must_use]
-    pub fn pressures(&self) -> &[f64] {
-        &self.asked.targets
+    pub fn targets_in_pascals(&self) -> &[f64] {
+        &self.targets.pascals
     }
 
     /// Weights (M,) of all points, as the caller gave them.
     #[must_use]
     pub fn point_weights(&self) -> &[f64] {
-        &self.asked.weights
+        &self.targets.weights
     }
 
     /// The factor s that brings the targets to the balanced level: `sum_j (s target_j / p1_j)^2 = 1` with
     /// `p1_j = sum_i |G_ji|`. 1 where pressures were left out.
     #[must_use]
     pub fn balance(&self) -> f64 {
-        self.asked.balance
+        self.targets.balance
     }
 
     /// Propagation of all points.
-    pub(crate) fn all_propagation(&self) -> &Propagation {
-        &self.asked.propagation
+    pub(crate) fn propagation_of_all(&self) -> &Propagation {
+        &self.targets.propagation
     }
 
     /// The points with a pressure and a weight above 0.
-    pub(crate) fn heard(&self) -> Vec<usize> {
-        self.asked.active.iter().copied().filter(|&j| self.asked.targets[j] > 0.0).collect()
+    pub(crate) fn targeted(&self) -> Vec<usize> {
+        self.targets.active.iter().copied().filter(|&j| self.targets.pascals[j] > 0.0).collect()
     }
 
     /// The first point asked for more than its own reach, and that reach in Pa.
     pub(crate) fn overasked(&self) -> Option<(usize, f64)> {
-        self.asked.overasked
+        self.targets.overasked
     }
 
     /// Whether every given target is below half the balanced level: solved without balancing, greedy drives
     /// every transducer all the same and smears such foci (the paper's section V).
     #[must_use]
     pub fn is_weak(&self) -> bool {
-        self.asked.given && self.asked.balance > 2.0
+        self.targets.given && self.targets.balance > 2.0
     }
 
     /// The residual of a field given by its moduli in units of the reference, against this problem's targets.
     #[must_use]
     pub fn residual(&self, moduli: &[f32]) -> f64 {
-        let points = moduli.iter().zip(&self.targets).zip(self.asked.shares.iter());
+        let points = moduli.iter().zip(&self.scaled).zip(self.targets.relative_weights.iter());
         Metrics::of(points.map(|((&p, &t), &w)| (f64::from(p), f64::from(t), f64::from(w)))).residual
     }
 
     /// The same of the pressures' real and imaginary parts.
     pub(crate) fn residual_of(&self, pressures: impl Iterator<Item = (f32, f32)> + Clone) -> f64 {
         let moduli = pressures.map(|(re, im)| math::modulus(Complex32::new(re, im)));
-        let asked = self.targets.iter().zip(self.asked.shares.iter());
+        let asked = self.scaled.iter().zip(self.targets.relative_weights.iter());
         Metrics::of(moduli.zip(asked).map(|(p, (&t, &w))| (p, f64::from(t), f64::from(w)))).residual
     }
 
@@ -322,7 +321,7 @@ impl Problem {
     /// # Errors
     /// A drive of another length, a value that is not finite, |q| above 1 + 1e-6.
     pub fn judge(&self, drive: &[Complex32]) -> Result<Metrics, Error> {
-        let all = &self.asked.propagation;
+        let all = &self.targets.propagation;
         check_drive(drive, all.transducers())?;
         let pressures: Vec<f64> = (0..all.points())
             .map(|j| {
@@ -335,28 +334,6 @@ impl Problem {
                 sum.norm()
             })
             .collect();
-        Ok(self.asked.metrics(pressures.iter().copied()))
+        Ok(self.targets.metrics(pressures.iter().copied()))
     }
-}
-
-/// Refuses a drive that no array of `transducers` could be given.
-pub(crate) fn check_drive(drive: &[Complex32], transducers: usize) -> Result<(), Error> {
-    if drive.len() != transducers {
-        let value = format!("{} values", drive.len());
-        return Err(Error::invalid(
-            "drive",
-            value,
-            format!("give one for each of the {transducers} transducers"),
-        ));
-    }
-    for (i, q) in drive.iter().enumerate() {
-        let modulus = math::modulus(*q);
-        if !modulus.is_finite() {
-            return Err(Error::invalid(format!("drive[{i}]"), q, "give finite numbers"));
-        }
-        if modulus > 1.0 + 1e-6 {
-            return Err(Error::invalid(format!("drive[{i}]"), q, "a drive's modulus is at most 1"));
-        }
-    }
-    Ok(())
 }

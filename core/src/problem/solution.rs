@@ -12,7 +12,7 @@ use crate::linalg::Planar;
 use crate::math;
 use crate::problem::Problem;
 use crate::problem::metrics::Metrics;
-use crate::problem::targets::Asked;
+use crate::problem::targets::Targets;
 use crate::propagation::Propagation;
 use crate::workspace::Workspace;
 
@@ -62,7 +62,7 @@ pub struct Solution {
     /// What supply or modulation have to multiply all drives by, at most 1: below 1 where the device has
     /// no amplitude for the answer. The pressures count it in, the drives do not.
     pub scale: f64,
-    asked: Arc<Asked>,
+    asked: Arc<Targets>,
 }
 
 impl Solution {
@@ -100,7 +100,7 @@ impl Solution {
         work: &mut Workspace,
     ) -> Self {
         let asked = problem.asked();
-        if asked.active.len() == asked.targets.len() {
+        if asked.active.len() == asked.pascals.len() {
             return Self::with_pressures(asked, drive, field, status, steps, work);
         }
         // The points of weight 0 were not in it.
@@ -114,7 +114,7 @@ impl Solution {
     }
 
     fn with_pressures(
-        asked: Arc<Asked>,
+        asked: Arc<Targets>,
         drive: Vec<Complex32>,
         field: Planar,
         status: Status,
@@ -148,10 +148,10 @@ impl Solution {
         field.give(work);
     }
 
-    /// Divides drives and pressures by `factor`, at least 1, and brings every drive to the device's nearest level.
-    /// Whether that moved a drive.
-    pub(crate) fn settle(&mut self, factor: f64, work: &mut Workspace) -> bool {
-        let Some(quantization) = self.asked.propagation.quantization() else {
+    /// Divides drives and pressures by `factor`, at least 1, and rounds every drive to what the board can play.
+    /// Whether that changed a drive.
+    pub(crate) fn quantize(&mut self, factor: f64, work: &mut Workspace) -> bool {
+        let Some(quantization) = self.asked.setup.quantization.as_ref() else {
             if factor > 1.0 {
                 self.drive.iter_mut().chain(&mut self.pressures).for_each(|z| *z = divided(*z, factor));
             }
@@ -161,9 +161,9 @@ impl Solution {
         let scale = quantization.scale(largest / factor);
         let mut moved = false;
         for q in &mut self.drive {
-            let settled = quantization.nearest(divided(*q, factor * scale));
-            moved |= settled != *q;
-            *q = settled;
+            let rounded = quantization.nearest(divided(*q, factor * scale));
+            moved |= rounded != *q;
+            *q = rounded;
         }
         self.scale *= scale;
         if moved || scale < 1.0 {
@@ -188,6 +188,11 @@ impl Solution {
         }
     }
 
+    /// Gives the vectors back to the workspace for the next solve.
+    pub fn recycle(self, work: &mut Workspace) {
+        work.complexes.give_all([self.drive, self.pressures]);
+    }
+
     /// The residual against the targets of `problem`, before balancing is undone.
     fn residual_for(&self, problem: &Problem) -> f64 {
         let unit = self.asked.propagation.reference();
@@ -201,7 +206,7 @@ impl Solution {
     /// The targets (M,) in Pa that the metrics refer to.
     #[must_use]
     pub fn targets(&self) -> &[f64] {
-        &self.asked.targets
+        &self.asked.pascals
     }
 
     /// Radiation pressure in Pa at point `j`, |p|^2/(rho c^2).
@@ -210,7 +215,7 @@ impl Solution {
     /// If there is no such point.
     #[must_use]
     pub fn radiation(&self, j: usize) -> f64 {
-        self.asked.propagation.medium().radiation(math::modulus(self.pressures[j]))
+        self.asked.setup.medium.radiation(math::modulus(self.pressures[j]))
     }
 
     /// |q_i|, 0 to 1.

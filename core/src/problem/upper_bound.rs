@@ -54,7 +54,7 @@ type Lanes = [Complex64; RANK];
 /// # Errors
 /// More than 64 points with a pressure above 0.
 pub fn bound(problem: &Problem) -> Result<f64, Error> {
-    let points = problem.heard();
+    let points = problem.targeted();
     if points.len() > MOST_POINTS {
         let value = format!("{} with a pressure", points.len());
         return Err(Error::invalid("points", value, format!("a bound takes at most {MOST_POINTS}")));
@@ -130,17 +130,17 @@ struct Rows {
 
 impl Rows {
     fn new(problem: &Problem) -> Self {
-        let (propagation, heard) = (problem.all_propagation(), problem.heard());
+        let (propagation, targeted) = (problem.propagation_of_all(), problem.targeted());
         let mut entries = Vec::new();
         for i in 0..propagation.transducers() {
-            let row = heard.iter().map(|&j| propagation.exact(j, i) / problem.pressures()[j]);
+            let row = targeted.iter().map(|&j| propagation.exact(j, i) / problem.targets_in_pascals()[j]);
             let begin = entries.len();
             entries.extend(row);
             if entries[begin..].iter().all(|h: &Complex64| h.norm_sqr() == 0.0) {
                 entries.truncate(begin);
             }
         }
-        Self { entries, points: heard.len() }
+        Self { entries, points: targeted.len() }
     }
 
     fn count(&self) -> usize {

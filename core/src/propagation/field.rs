@@ -1,6 +1,5 @@
 //! The field of a drive, anywhere.
 
-use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::ControlFlow;
@@ -12,12 +11,11 @@ use crate::error::Error;
 use crate::kernels;
 use crate::kernels::lanes::padded;
 use crate::kernels::propagate::row::{ControlPoints, Row};
-use crate::kernels::simd::instruction_set::InstructionSet;
-use crate::problem::check_drive;
-use crate::propagation::model::Sources;
-use crate::scene::Scene;
+use crate::propagation::model::Model;
+use crate::scene::extent::check_places;
+use crate::scene::start::check_drive;
 
-/// Points worked on by one thread at once: their rows stay in the first-set cache.
+/// Points worked on by one thread at once: their rows stay in the first-level cache.
 const CHUNK: usize = 256;
 
 /// Chunks between two calls of the control.
@@ -33,33 +31,31 @@ const CHUNKS_A_STEP: usize = 32;
 /// A drive that does not fit the array, no points, a coordinate that is not finite or too far away.
 ///
 /// ```
-/// use midair::{Array, Control, Medium, Plane, Request, Scene};
-/// use num_complex::Complex32;
+/// use midair::{Array, Complex32, Control, InstructionSet, Medium, Model, Plane};
 ///
-/// let scene = Scene::new(Array::grid(1, 1, 10e-3)?, Medium::default(), vec![[0.0, 0.0, 0.1]], Request::default())?;
+/// let model = Model::new(&Array::grid(1, 1, 10e-3)?, Medium::default(), InstructionSet::best())?;
 /// let plane = Plane::new(0.1, 0.04, 3, [0.0, 0.0])?;
-/// let pressure = midair::field(&scene, &[Complex32::ONE], &plane.points(), &mut Control::none())?.unwrap();
+/// let pressure = midair::field(&model, &[Complex32::ONE], &plane.points(), &mut Control::none())?.unwrap();
 /// assert!((pressure[4].norm() - 4.386 / 0.1).abs() < 1e-4);
 /// # Ok::<(), midair::Error>(())
 /// ```
 pub fn field(
-    scene: &Scene,
+    model: &Model,
     drive: &[Complex32],
     points: &[[f64; 3]],
     control: &mut Control,
 ) -> Result<Option<Vec<Complex32>>, Error> {
-    check_drive(drive, scene.array().len())?;
+    let (array, medium) = (model.array(), model.medium());
+    check_drive(drive, array.len())?;
     if points.is_empty() {
         return Err(Error::invalid("field points", "empty", "give at least one point"));
     }
-    scene.check_places("field points", "", points)?;
-    let set = InstructionSet::best();
-    let prepared = Arc::new(Sources::new(scene.array(), scene.medium()));
+    check_places(array.centre(), medium, "field points", "", points)?;
     let mut pressures = vec![Complex32::ZERO; points.len()];
     let stretch = CHUNK * CHUNKS_A_STEP;
     let steps = points.len().div_ceil(stretch);
     for (step, (out, points)) in pressures.chunks_mut(stretch).zip(points.chunks(stretch)).enumerate() {
-        each_chunk(out, points, &|out, points| chunk(set, &prepared, drive, points, out));
+        each_chunk(out, points, &|out, points| chunk(model, drive, points, out));
         if let ControlFlow::Break(()) = control.step(step + 1, steps, || 0.0) {
             return Ok(None);
         }
@@ -81,22 +77,16 @@ fn each_chunk(out: &mut [Complex32], points: &[[f64; 3]], work: Work<'_>) {
 }
 
 /// One chunk: every transducer's row over it, added up.
-fn chunk(
-    set: InstructionSet,
-    prepared: &Sources,
-    drive: &[Complex32],
-    points: &[[f64; 3]],
-    out: &mut [Complex32],
-) {
-    let frame = prepared.frame(points);
-    let control_points =
-        ControlPoints { coordinates: [&frame[0], &frame[1], &frame[2]], count: points.len() };
+fn chunk(model: &Model, drive: &[Complex32], points: &[[f64; 3]], out: &mut [Complex32]) {
+    let sources = &model.sources;
+    let [x, y, z] = &sources.frame(points);
+    let places = ControlPoints { coordinates: [x, y, z], count: points.len() };
     let [mut row_re, mut row_im, mut re, mut im] = [(); 4].map(|()| vec![0.0; padded(points.len())]);
     for (i, q) in drive.iter().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
-        prepared.row(set, i, control_points, &mut Row { re: &mut row_re, im: &mut row_im });
-        kernels::accumulate(set, [&row_re, &row_im], [q.re, q.im], &mut re, &mut im);
+        model.row(i, places, &mut Row { re: &mut row_re, im: &mut row_im });
+        kernels::accumulate(model.set, [&row_re, &row_im], [q.re, q.im], &mut re, &mut im);
     }
-    let scale = |x: f32| (f64::from(x) * prepared.reference()) as f32;
+    let scale = |x: f32| (f64::from(x) * sources.reference()) as f32;
     for (out, (re, im)) in out.iter_mut().zip(re.iter().zip(&im)) {
         *out = Complex32::new(scale(*re), scale(*im));
     }

@@ -2,6 +2,7 @@
 
 pub(crate) mod field;
 pub(crate) mod model;
+pub(crate) mod sources;
 
 use alloc::format;
 use alloc::sync::Arc;
@@ -10,65 +11,22 @@ use alloc::vec::Vec;
 
 use num_complex::{Complex32, Complex64};
 
-use crate::device::quantization::Quantization;
 use crate::error::Error;
 use crate::kernels;
 use crate::kernels::lanes::padded;
 use crate::kernels::propagate::row::{ControlPoints, Row};
+use crate::kernels::propagate::rows;
 use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::math;
-use crate::propagation::model::Sources;
-use crate::scene::array::{Array, UNITS};
-use crate::scene::medium::Medium;
-use crate::scene::{Scene, check_array};
+use crate::propagation::sources::Sources;
+use crate::scene::Scene;
+use crate::scene::array::UNITS;
 
 /// Rows whose moduli are summed in f32 before f64 takes over.
 pub(crate) const TOGETHER: usize = 64;
 
 /// Square wavelengths, a little more than a hundredth squared: f32 decides where f64 is to look.
 pub(crate) const NEAR: f32 = 1.01e-4;
-
-/// An array in a medium, made ready once for points that change: what a scene is for points that do not.
-///
-/// ```
-/// use midair::{Array, InstructionSet, Medium, Problem, Request, Model};
-///
-/// let model = Model::new(&Array::grid(8, 8, 10e-3)?, Medium::default(), InstructionSet::best())?;
-/// let problem = Problem::with_propagation(model.propagation(&[[0.0, 0.0, 0.1]])?, &Request::default())?;
-/// assert_eq!(problem.propagation().transducers(), 64);
-/// # Ok::<(), midair::Error>(())
-/// ```
-#[derive(Clone, Debug)]
-pub struct Model {
-    prepared: Arc<Sources>,
-    set: InstructionSet,
-}
-
-impl Model {
-    /// Makes an array ready.
-    ///
-    /// # Errors
-    /// As [`Scene::new`]: a medium out of range, a beam too narrow or a transducer too far away for f32 phases.
-    pub fn new(array: &Array, medium: Medium, set: InstructionSet) -> Result<Self, Error> {
-        check_array(array, medium)?;
-        Ok(Self { prepared: Arc::new(Sources::new(array, medium)), set })
-    }
-
-    /// G at some points (M, 3) in m.
-    ///
-    /// # Errors
-    /// No point, a coordinate that is not finite or too far away.
-    pub fn propagation(&self, points: &[[f64; 3]]) -> Result<Propagation, Error> {
-        self.prepared.check_points(points)?;
-        Ok(Propagation::at(Arc::clone(&self.prepared), points.into()).with_instruction_set(self.set))
-    }
-
-    /// The array.
-    #[must_use]
-    pub fn array(&self) -> &Array {
-        &self.prepared.array
-    }
-}
 
 /// A source of rows of G, one row a transducer: computed from positions when asked, or a matrix of the user's
 /// own (measured, scattered by obstacles). A solver cannot tell which.
@@ -84,7 +42,7 @@ pub struct Propagation {
 #[derive(Clone, Debug)]
 enum Rows {
     Computed {
-        prepared: Arc<Sources>,
+        sources: Arc<Sources>,
         frame: Arc<[Vec<f32>; 3]>,
         points: Arc<[[f64; 3]]>,
     },
@@ -100,22 +58,27 @@ impl Propagation {
     /// G of a scene's array at its points.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
-        Self::at(Arc::new(Sources::new(scene.array(), scene.medium())), scene.points().into())
+        Self::at(
+            Arc::new(Sources::new(scene.array(), scene.medium())),
+            scene.points().into(),
+            InstructionSet::best(),
+        )
     }
 
-    fn at(prepared: Arc<Sources>, points: Arc<[[f64; 3]]>) -> Self {
-        let frame = Arc::new(prepared.frame(&points));
+    /// G of some sources at points that have been checked.
+    pub(crate) fn at(sources: Arc<Sources>, points: Arc<[[f64; 3]]>, set: InstructionSet) -> Self {
+        let frame = Arc::new(sources.frame(&points));
         let count = points.len();
-        Self { count, rows: Rows::Computed { prepared, frame, points }, set: InstructionSet::best() }
+        Self { count, rows: Rows::Computed { sources, frame, points }, set }
     }
 
-    /// The same with the kernels of another set than the best, for comparisons.
+    /// The same by the kernels of another instruction set than the machine's best.
     #[must_use]
     pub fn with_instruction_set(self, set: InstructionSet) -> Self {
         Self { set, ..self }
     }
 
-    /// The set of the kernels.
+    /// The instruction set of the kernels.
     #[must_use]
     pub fn instruction_set(&self) -> InstructionSet {
         self.set
@@ -170,7 +133,7 @@ impl Propagation {
     #[must_use]
     pub fn transducers(&self) -> usize {
         match &self.rows {
-            Rows::Computed { prepared, .. } => prepared.sources.len(),
+            Rows::Computed { sources, .. } => sources.sources.len(),
             Rows::Stored { matrix, .. } => matrix.len() / self.count,
         }
     }
@@ -191,42 +154,16 @@ impl Propagation {
     #[must_use]
     pub fn reference(&self) -> f64 {
         match &self.rows {
-            Rows::Computed { prepared, .. } => prepared.reference(),
+            Rows::Computed { sources, .. } => sources.reference(),
             Rows::Stored { reference, .. } => *reference,
         }
     }
 
-    /// The transducers' positions (N, 3) in m, where there are any.
-    #[must_use]
-    pub fn positions(&self) -> Option<&[[f64; 3]]> {
-        match &self.rows {
-            Rows::Computed { prepared, .. } => Some(prepared.array.positions()),
-            Rows::Stored { .. } => None,
-        }
-    }
-
     /// The points (M, 3) in m, where these are known.
-    pub(crate) fn places(&self) -> Option<&[[f64; 3]]> {
+    pub(crate) fn control_points(&self) -> Option<&[[f64; 3]]> {
         match &self.rows {
             Rows::Computed { points, .. } => Some(points),
             Rows::Stored { .. } => None,
-        }
-    }
-
-    /// The grid of the scene's device; a user's own G has none.
-    #[must_use]
-    pub fn quantization(&self) -> Option<&Quantization> {
-        match &self.rows {
-            Rows::Computed { prepared, .. } => prepared.array.quantization(),
-            Rows::Stored { .. } => None,
-        }
-    }
-
-    /// The scene's medium; the default one for a user's own G, which says nothing of the air.
-    pub(crate) fn medium(&self) -> Medium {
-        match &self.rows {
-            Rows::Computed { prepared, .. } => prepared.medium,
-            Rows::Stored { .. } => Medium::default(),
         }
     }
 
@@ -238,8 +175,14 @@ impl Propagation {
     pub fn row(&self, i: usize, re: &mut [f32], im: &mut [f32]) {
         assert!(re.len() == self.lanes() && im.len() == self.lanes(), "a row is M padded to 16 long");
         match &self.rows {
-            Rows::Computed { prepared, frame, .. } => {
-                prepared.row(self.set, i, self.control_points(frame), &mut Row { re, im });
+            Rows::Computed { sources, frame, .. } => {
+                kernels::row(
+                    self.set,
+                    &sources.law,
+                    &sources.sources[i],
+                    self.padded_points(frame),
+                    &mut Row { re, im },
+                );
             }
             Rows::Stored { planar, .. } => {
                 let range = i * self.lanes()..(i + 1) * self.lanes();
@@ -250,21 +193,21 @@ impl Propagation {
     }
 
     /// The rows as the kernels read them.
-    pub(crate) fn rows(&self) -> kernels::Rows<'_> {
+    pub(crate) fn rows(&self) -> rows::Rows<'_> {
         match &self.rows {
-            Rows::Computed { prepared, frame, .. } => kernels::Rows::Computed {
-                law: &prepared.law,
-                sources: &prepared.sources,
-                control_points: self.control_points(frame),
+            Rows::Computed { sources, frame, .. } => rows::Rows::Computed {
+                law: &sources.law,
+                sources: &sources.sources,
+                control_points: self.padded_points(frame),
             },
-            Rows::Stored { planar, .. } => kernels::Rows::Stored { re: &planar[0], im: &planar[1] },
+            Rows::Stored { planar, .. } => rows::Rows::Stored { re: &planar[0], im: &planar[1] },
         }
     }
 
     /// What rows are computed from, unless they are kept.
     pub(crate) fn computed(&self) -> Option<(&Arc<Sources>, ControlPoints<'_>)> {
         match &self.rows {
-            Rows::Computed { prepared, frame, .. } => Some((prepared, self.control_points(frame))),
+            Rows::Computed { sources, frame, .. } => Some((sources, self.padded_points(frame))),
             Rows::Stored { .. } => None,
         }
     }
@@ -274,14 +217,14 @@ impl Propagation {
         reach.clear();
         reach.resize(self.count, 0.0);
         match &self.rows {
-            Rows::Computed { prepared, frame, points } => {
-                for (step, sources) in prepared.sources.chunks(TOGETHER).enumerate() {
+            Rows::Computed { sources, frame, points } => {
+                for (step, some) in sources.sources.chunks(TOGETHER).enumerate() {
                     sums.clear();
                     sums.resize(self.lanes(), 0.0);
-                    let (law, control_points) = (&prepared.law, self.control_points(frame));
-                    if kernels::add_moduli(self.set, law, sources, control_points, NEAR, sums) {
-                        for i in step * TOGETHER..step * TOGETHER + sources.len() {
-                            prepared.check_distances(i, points)?;
+                    let (law, points_here) = (&sources.law, self.padded_points(frame));
+                    if kernels::add_moduli(self.set, law, some, points_here, NEAR, sums) {
+                        for i in step * TOGETHER..step * TOGETHER + some.len() {
+                            sources.check_distances(i, points)?;
                         }
                     }
                     for (reach, sum) in reach.iter_mut().zip(&*sums) {
@@ -302,16 +245,16 @@ impl Propagation {
 
     /// The same transducers at other points, in the same memory where nobody else holds it.
     pub(crate) fn carry(&mut self, points: &[[f64; 3]]) -> Result<(), Error> {
-        let Rows::Computed { prepared, frame, points: old } = &mut self.rows else {
-            return Err(Error::invalid("points", "given", "a matrix of your own belongs to its points"));
+        let Rows::Computed { sources, frame, points: old } = &mut self.rows else {
+            return Err(Error::given_points());
         };
-        prepared.check_points(points)?;
+        sources.check_points(points)?;
         match (Arc::get_mut(frame), Arc::get_mut(old)) {
             (Some(frame), Some(old)) if old.len() == points.len() => {
-                prepared.write_frame(points, frame);
+                sources.write_frame(points, frame);
                 old.copy_from_slice(points);
             }
-            _ => *self = Self::at(Arc::clone(prepared), points.into()).with_instruction_set(self.set),
+            _ => *self = Self::at(Arc::clone(sources), points.into(), self.set),
         }
         Ok(())
     }
@@ -320,7 +263,7 @@ impl Propagation {
     #[must_use]
     pub fn exact(&self, j: usize, i: usize) -> Complex64 {
         match &self.rows {
-            Rows::Computed { prepared, points, .. } => prepared.exact(i, points[j]),
+            Rows::Computed { sources, points, .. } => sources.exact(i, points[j]),
             Rows::Stored { matrix, .. } => matrix[i * self.count + j],
         }
     }
@@ -347,9 +290,9 @@ impl Propagation {
     /// The same transducers at some of the points.
     pub(crate) fn select(&self, chosen: &[usize]) -> Self {
         match &self.rows {
-            Rows::Computed { prepared, points, .. } => {
+            Rows::Computed { sources, points, .. } => {
                 let points = chosen.iter().map(|&j| points[j]).collect();
-                Self::at(Arc::clone(prepared), points).with_instruction_set(self.set)
+                Self::at(Arc::clone(sources), points, self.set)
             }
             Rows::Stored { matrix, reference, .. } => {
                 let rows = matrix.chunks(self.count);
@@ -359,7 +302,7 @@ impl Propagation {
         }
     }
 
-    fn control_points<'a>(&self, frame: &'a [Vec<f32>; 3]) -> ControlPoints<'a> {
+    fn padded_points<'a>(&self, frame: &'a [Vec<f32>; 3]) -> ControlPoints<'a> {
         ControlPoints { coordinates: [&frame[0], &frame[1], &frame[2]], count: self.count }
     }
 }

@@ -1,162 +1,73 @@
-//! The transducers as the kernels see them: the one place that knows eq. (5), directivity, absorption and response.
+//! The model of G: an array in a medium, prepared once for control points that change.
 
-use alloc::vec;
-use alloc::vec::Vec;
-
-use num_complex::Complex64;
+use alloc::sync::Arc;
 
 use crate::error::Error;
 use crate::kernels;
-use crate::kernels::lanes::padded;
-use crate::kernels::propagate::row::{ControlPoints, Law, Row, Source};
+use crate::kernels::propagate::row::{ControlPoints, Row};
 use crate::kernels::simd::instruction_set::InstructionSet;
-use crate::math;
+use crate::propagation::Propagation;
+use crate::propagation::sources::Sources;
+use crate::scene::Scene;
 use crate::scene::array::Array;
-use crate::scene::check_places;
+use crate::scene::extent::check_array;
 use crate::scene::medium::Medium;
 
-/// An array in a medium, prepared for computing rows: positions in wavelengths from the array's middle.
+/// An array in a medium, made ready once for points that change: what a scene is for points that do not.
 ///
-/// Distances in wavelengths *are* phases in turns, so the f32 rows need no multiplication between distance and
-/// phase, and lose no digits to one.
+/// ```
+/// use midair::{Array, InstructionSet, Medium, Model};
+///
+/// let model = Model::new(&Array::grid(8, 8, 10e-3)?, Medium::default(), InstructionSet::best())?;
+/// let propagation = model.propagation(&[[0.0, 0.0, 0.1]])?;
+/// assert_eq!((propagation.points(), propagation.transducers()), (1, 64));
+/// # Ok::<(), midair::Error>(())
+/// ```
 #[derive(Clone, Debug)]
-pub(crate) struct Sources {
-    pub(crate) array: Array,
-    pub(crate) medium: Medium,
-    centre: [f64; 3],
-    pub(crate) sources: Vec<Source>,
-    pub(crate) law: Law,
+pub struct Model {
+    pub(crate) sources: Arc<Sources>,
+    pub(crate) set: InstructionSet,
 }
 
-impl Sources {
-    pub(crate) fn new(array: &Array, medium: Medium) -> Self {
-        let centre = array.centre();
-        let wavelength = medium.wavelength();
-        // P0 cancels: the reference is 1000 P0.
-        let unit = 1.0 / (1000.0 * wavelength);
-        let sources = (0..array.len())
-            .map(|i| {
-                let Complex64 { re, im } = array.effect(i);
-                let (gain, turns) = if im == 0.0 && re >= 0.0 {
-                    (unit * re, 0.0)
-                } else {
-                    (unit * math::hypot(re, im), math::atan2(im, re) / core::f64::consts::TAU)
-                };
-                Source {
-                    position: wavelengths(array.positions()[i], centre, wavelength),
-                    normal: array.normals()[i].map(|x| x as f32),
-                    gain: gain as f32,
-                    turns: turns as f32,
-                }
-            })
-            .collect();
-        let law = Law {
-            decay: (-medium.absorption * wavelength * core::f64::consts::LOG2_E) as f32,
-            table: array.transducer().directivity.table(medium.wavenumber()),
-        };
-        Self { array: array.clone(), medium, centre, sources, law }
+impl Model {
+    /// Makes an array ready.
+    ///
+    /// # Errors
+    /// As [`Scene::new`]: a medium out of range, a beam too narrow or a transducer too far away for f32 phases.
+    pub fn new(array: &Array, medium: Medium, set: InstructionSet) -> Result<Self, Error> {
+        check_array(array, medium)?;
+        Ok(Self { sources: Arc::new(Sources::new(array, medium)), set })
     }
 
-    /// Points in this frame, padded with the last one: x, y and z.
-    pub(crate) fn frame(&self, points: &[[f64; 3]]) -> [Vec<f32>; 3] {
-        let mut frame = [(); 3].map(|()| vec![0.0; padded(points.len())]);
-        self.write_frame(points, &mut frame);
-        frame
+    /// That of a scene, which has been checked.
+    #[must_use]
+    pub fn of(scene: &Scene, set: InstructionSet) -> Self {
+        Self { sources: Arc::new(Sources::new(scene.array(), scene.medium())), set }
     }
 
-    /// Writes the points into a frame of their number.
-    pub(crate) fn write_frame(&self, points: &[[f64; 3]], frame: &mut [Vec<f32>; 3]) {
-        for (j, point) in points.iter().enumerate() {
-            let place = wavelengths(*point, self.centre, self.medium.wavelength());
-            for (axis, x) in frame.iter_mut().zip(place) {
-                axis[j] = x;
-            }
-        }
-        // Padding is computed with the rest, and far away, with absorption, it would be denormal: a hundred cycles each.
-        for axis in frame {
-            let (places, padding) = axis.split_at_mut(points.len());
-            if let Some(&last) = places.last() {
-                padding.fill(last);
-            }
-        }
+    /// G at some points (M, 3) in m.
+    ///
+    /// # Errors
+    /// No point, a coordinate that is not finite or too far away.
+    pub fn propagation(&self, points: &[[f64; 3]]) -> Result<Propagation, Error> {
+        self.sources.check_points(points)?;
+        Ok(Propagation::at(Arc::clone(&self.sources), points.into(), self.set))
     }
 
-    /// Refuses points that are none, not finite or too far away for phases in f32.
-    pub(crate) fn check_points(&self, points: &[[f64; 3]]) -> Result<(), Error> {
-        if points.is_empty() {
-            return Err(Error::invalid("points", "empty", "give at least one point"));
-        }
-        check_places(self.centre, self.medium, "points", ".position", points)
+    /// The array.
+    #[must_use]
+    pub fn array(&self) -> &Array {
+        &self.sources.array
     }
 
-    /// The row of transducer `i` in units of the reference.
-    pub(crate) fn row(
-        &self,
-        set: InstructionSet,
-        i: usize,
-        control_points: ControlPoints<'_>,
-        out: &mut Row<'_>,
-    ) {
-        kernels::row(set, &self.law, &self.sources[i], control_points, out);
+    /// The medium.
+    #[must_use]
+    pub fn medium(&self) -> Medium {
+        self.sources.medium
     }
 
-    /// Pa of one unit of the rows.
-    pub(crate) fn reference(&self) -> f64 {
-        1000.0 * self.array.transducer().source_pressure
-    }
-
-    /// Eq. (5) in double precision, in Pa.
-    pub(crate) fn exact(&self, i: usize, point: [f64; 3]) -> Complex64 {
-        let transducer = self.array.transducer();
-        let from = self.array.positions()[i];
-        let ray = [0, 1, 2].map(|axis| point[axis] - from[axis]);
-        let r = distance(from, point).max(self.medium.wavelength() / 100.0);
-        let normal = self.array.normals()[i];
-        let cos_theta = (0..3).map(|axis| ray[axis] * normal[axis]).sum::<f64>() / r;
-        let k = self.medium.wavenumber();
-        let amplitude = transducer.source_pressure / r
-            * transducer.directivity.value(cos_theta, k)
-            * math::exp(-self.medium.absorption * r);
-        self.array.effect(i) * Complex64::new(amplitude * math::cos(k * r), amplitude * math::sin(k * r))
-    }
-}
-
-/// A position in wavelengths from `centre`, rounded to f32 only now.
-fn wavelengths(position: [f64; 3], centre: [f64; 3], wavelength: f64) -> [f32; 3] {
-    [0, 1, 2].map(|axis| ((position[axis] - centre[axis]) / wavelength) as f32)
-}
-
-pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    math::sqrt((0..3).map(|axis| (a[axis] - b[axis]) * (a[axis] - b[axis])).sum())
-}
-
-impl Sources {
-    pub(crate) fn check_distances(&self, i: usize, points: &[[f64; 3]]) -> Result<(), Error> {
-        let least = self.medium.wavelength() / 100.0;
-        let position = self.array.positions()[i];
-        for (point, place) in points.iter().enumerate() {
-            let distance = distance(position, *place);
-            if distance < least {
-                return Err(Error::TooNear { point, transducer: i, distance, least });
-            }
-        }
-        Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn padding_is_a_point_also_when_the_points_change() {
-        let array = Array::preset("paper20", [1, 1]).expect("a preset");
-        let prepared = Sources::new(&array, Medium::default());
-        let (near, other) = ([[0.0, 0.01, 0.15]; 3], [[0.02, 0.0, 0.1]; 3]);
-        let mut frame = prepared.frame(&near);
-        assert!(frame.iter().all(|axis| axis.len() == 16 && axis.iter().all(|x| *x == axis[0])));
-        prepared.write_frame(&other, &mut frame);
-        assert_eq!(frame, prepared.frame(&other));
-        assert!(prepared.frame(&[]).iter().all(Vec::is_empty));
+    /// Row i over some padded points, in units of the reference.
+    pub(crate) fn row(&self, i: usize, points: ControlPoints<'_>, out: &mut Row<'_>) {
+        kernels::row(self.set, &self.sources.law, &self.sources.sources[i], points, out);
     }
 }

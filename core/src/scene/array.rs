@@ -300,6 +300,15 @@ impl Array {
     }
 }
 
+/// Refuses positions of another number than the transducers, or not finite.
+pub(crate) fn check_positions(positions: &[[f64; 3]], transducers: usize) -> Result<(), Error> {
+    if positions.len() != transducers {
+        let cure = format!("give one for each of the {transducers} transducers");
+        return Err(Error::invalid("positions", format!("{} of them", positions.len()), cure));
+    }
+    positions.iter().enumerate().try_for_each(|(i, position)| vector(&format!("positions[{i}]"), position))
+}
+
 /// Refuses a coordinate that is not finite.
 pub(crate) fn vector(item: &str, vector: &[f64; 3]) -> Result<(), Error> {
     if vector.iter().all(|x| x.is_finite()) {

@@ -1,83 +1,173 @@
-//! One array, one method, many requests: everything kept between them.
+//! A session: one array and one method, many requests, and all memory kept between them.
 
 pub(crate) mod batch;
+pub(crate) mod parts;
+pub(crate) mod worker;
+
+use alloc::format;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+use num_complex::Complex32;
 
 use crate::control::Control;
 use crate::error::Error;
+use crate::problem::Problem;
+use crate::problem::setup::Setup;
 use crate::problem::solution::Solution;
-use crate::problem::{Aim, Problem, Start};
-use crate::propagation::Model;
-use crate::scene::Request;
-use crate::solvers::{Configured, solve};
-use crate::workspace::Workspace;
+use crate::propagation::Propagation;
+use crate::propagation::model::Model;
+use crate::session::batch::Batch;
+use crate::session::parts::{each, parts, threads};
+use crate::session::worker::{Ask, Requests, TOGETHER, Task, Transducers, Worker};
+use crate::solvers::method::Solve;
+use crate::solvers::solve::solve;
+
+/// Entries of G that a thread goes through between two calls of the control: some 100 us of `fast`, many times what it
+/// costs to wake a thread.
+const STRETCH: usize = 1 << 17;
 
 /// A solver with its array, its memory and its last solution: what a loop that follows a hand calls.
 ///
 /// From the second call of a size on (all weights above 0) nothing is allocated.
 ///
 /// ```
-/// use midair::{Array, Control, InstructionSet, Medium, Request, Session, Model, solvers};
+/// use midair::{Array, Ask, Control, InstructionSet, Medium, Model, Session, solvers};
 ///
 /// let model = Model::new(&Array::preset("paper20", [1, 1])?, Medium::default(), InstructionSet::best())?;
-/// let mut session = Session::new(model, solvers::find("fast")?.configure(&[].into())?);
+/// let mut session = Session::new(model, solvers::find("fast")?.configure(&[].into())?.solver, true);
+/// let mut ask = Ask::default();
 /// for step in 0..10 {
-///     let points = [[1e-3 * f64::from(step), 0.0, 0.15]];
-///     let solution = session.solve(&points, &Request::default(), None, &mut Control::none())?;
+///     ask.points = vec![[1e-3 * f64::from(step), 0.0, 0.15]];
+///     let solution = session.solve(&ask, &mut Control::none())?;
 ///     assert!(solution.metrics().accuracy > 0.99);
 /// }
 /// # Ok::<(), midair::Error>(())
 /// ```
 #[allow(missing_debug_implementations, reason = "a solver of a user's own need not have one")]
 pub struct Session {
-    model: Model,
-    configured: Configured,
-    /// Whether to balance: the method's own habit unless set.
-    pub balance: bool,
-    /// The level that a method that uses one aims at.
-    pub aim: Option<Aim>,
-    work: Workspace,
-    problem: Option<Problem>,
+    task: Task,
+    workers: Vec<Worker>,
     solution: Option<Solution>,
 }
 
 impl Session {
-    /// A session of an array and a method.
+    /// A session of an array and a solver, which balances or not.
     #[must_use]
-    pub fn new(model: Model, configured: Configured) -> Self {
-        let balance = configured.info.balance;
-        let work = Workspace::new();
-        Self { model, configured, balance, aim: None, work, problem: None, solution: None }
+    pub fn new(model: Model, solver: impl Into<Arc<dyn Solve + Send + Sync>>, balance: bool) -> Self {
+        let setup = Arc::new(Setup::of(model.array(), model.medium()));
+        let transducers = Transducers::Model(model);
+        let task = Task { transducers, setup, solver: solver.into(), balance };
+        Self { task, workers: Vec::new(), solution: None }
     }
 
-    /// Solves for points (M, 3) in m. The solution stays readable until the next call.
+    /// A session of a given G, the array behind it, and a solver: points are left out of what it is asked.
     ///
     /// # Errors
-    /// As [`Model::propagation`], [`Problem::with_propagation`], [`Problem::with_start`] and the method's own.
-    pub fn solve(
-        &mut self,
-        points: &[[f64; 3]],
-        request: &Request,
-        start: Option<Start>,
-        control: &mut Control,
-    ) -> Result<&Solution, Error> {
-        if let Some(solution) = self.solution.take() {
-            self.work.recycle(solution);
+    /// Another number of positions than transducers, a medium out of range.
+    pub fn with_propagation(
+        propagation: Propagation,
+        setup: Setup,
+        solver: impl Into<Arc<dyn Solve + Send + Sync>>,
+        balance: bool,
+    ) -> Result<Self, Error> {
+        setup.check(&propagation)?;
+        let transducers = Transducers::Given(propagation);
+        let task = Task { transducers, setup: Arc::new(setup), solver: solver.into(), balance };
+        Ok(Self { task, workers: Vec::new(), solution: None })
+    }
+
+    /// Solves one request. The solution stays readable until the next call.
+    ///
+    /// # Errors
+    /// As [`Model::propagation`], [`Problem::with_propagation`], [`Problem::with_start`] and the method's own; points
+    /// for a given G.
+    pub fn solve(&mut self, ask: &Ask, control: &mut Control) -> Result<&Solution, Error> {
+        if self.workers.is_empty() {
+            self.workers.push(Worker::default());
         }
-        let problem = match self.problem.take() {
-            Some(problem) => problem.renewed(points, request)?,
-            None => Problem::with_propagation(self.model.propagation(points)?, request)?,
-        };
-        let problem = match start {
-            Some(start) => problem.with_start(start)?,
-            None => problem,
-        };
-        let problem = match self.aim {
-            Some(aim) => problem.with_aim(aim),
-            None => problem,
-        };
-        let solution = solve(&problem, &*self.configured.solver, self.balance, &mut self.work, control)?;
-        self.problem = Some(problem);
+        let Worker { problems, work, .. } = &mut self.workers[0];
+        if let Some(solution) = self.solution.take() {
+            solution.recycle(work);
+        }
+        self.task.read(problems, 0, ask)?;
+        let problem = &mut problems[0];
+        problem.sum_moduli()?;
+        problem.balance_targets()?;
+        let solution = solve(problem, &*self.task.solver, self.task.balance, work, control)?;
         Ok(self.solution.insert(solution))
+    }
+
+    /// Solves B = `count` requests of M = `points` points each. `ask` is called with a problem's index and writes down
+    /// what that problem asks for, over what an earlier one did; its drive is then written into its row of `drives`
+    /// (B, N). Each is bit for bit what [`Session::solve`] makes of it alone, whatever the number of threads. Memory:
+    /// the output, and a workspace and 16 problems a thread; where all weights are above 0 and `ask` writes into the
+    /// memory it is given, a further problem allocates nothing.
+    ///
+    /// `control` is called after every few problems (its residual is the mean so far); once it says stop, the
+    /// problems not yet begun keep a drive of 0 and the status [`crate::Status::Stopped`].
+    ///
+    /// # Errors
+    /// `drives` of another length; the first problem that is refused or asks for another number of points, named by
+    /// its index.
+    ///
+    /// ```
+    /// use midair::{Array, Ask, Complex32, Control, InstructionSet, Medium, Model, Session, solvers};
+    ///
+    /// let model = Model::new(&Array::preset("paper20", [1, 1])?, Medium::default(), InstructionSet::best())?;
+    /// let mut session = Session::new(model, solvers::find("fast")?.configure(&[].into())?.solver, true);
+    /// let mut drives = vec![Complex32::ZERO; 100 * 400];
+    /// let ask = |k: usize, ask: &mut Ask| {
+    ///     ask.points.clear();
+    ///     ask.points.extend([[0.0, 0.0, 0.15], [1e-3 * k as f64, 0.05, 0.15]]);
+    ///     Ok(())
+    /// };
+    /// let batch = session.solve_batch(100, 2, &ask, &mut drives, &mut Control::none())?;
+    /// assert!(batch.metrics.iter().all(|metrics| metrics.accuracy > 0.8));
+    /// # Ok::<(), midair::Error>(())
+    /// ```
+    pub fn solve_batch(
+        &mut self,
+        count: usize,
+        points: usize,
+        ask: &(dyn Fn(usize, &mut Ask) -> Result<(), Error> + Sync),
+        drives: &mut [Complex32],
+        control: &mut Control,
+    ) -> Result<Batch, Error> {
+        if count == 0 || points == 0 {
+            return Err(Error::invalid("batch", count, "give at least one problem and one point"));
+        }
+        let transducers = self.transducers();
+        if drives.len() != count * transducers {
+            let cure = format!("give {count} times {transducers}");
+            return Err(Error::invalid("drives", format!("{} values", drives.len()), cure));
+        }
+        let threads = threads();
+        if self.workers.len() < threads {
+            self.workers.resize_with(threads, Worker::default);
+        }
+        let (task, requests) = (&self.task, Requests { points, ask });
+        let workers = &mut self.workers[..threads];
+        let mut batch = Batch::unsolved(count, points);
+        let share = TOGETHER * (STRETCH / (TOGETHER * transducers * points)).max(1);
+        let mut done = 0;
+        while done < count {
+            let end = count.min(done + share * threads);
+            let parts = parts(&mut batch, drives, done..end, share);
+            each(parts, workers, &|part, worker| worker.run(part, task, requests))?;
+            done = end;
+            if control.step(done, count, || batch.mean_residual(done)).is_break() {
+                drives[done * transducers..].fill(Complex32::ZERO);
+                break;
+            }
+        }
+        Ok(batch)
+    }
+
+    /// The problem of the last request that was read.
+    #[must_use]
+    pub fn problem(&self) -> Option<&Problem> {
+        self.workers.first()?.problems.first()
     }
 
     /// The last solution, if the last call had one.
@@ -91,9 +181,15 @@ impl Session {
         self.solution.take()
     }
 
-    /// The method.
+    /// Number of transducers N.
     #[must_use]
-    pub fn configured(&self) -> &Configured {
-        &self.configured
+    pub fn transducers(&self) -> usize {
+        self.task.transducers.count()
+    }
+
+    /// Number of points M where G is given, and with it the points.
+    #[must_use]
+    pub fn given_points(&self) -> Option<usize> {
+        self.task.transducers.points()
     }
 }

@@ -26,7 +26,7 @@ use crate::problem::Problem;
 use crate::problem::solution::{Solution, Status};
 use crate::rng::Rng;
 use crate::solvers::common::interleaved::Together;
-use crate::solvers::{Info, Method, Solve};
+use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::{Aligned, Workspace};
 
 /// How much of its old wave a transducer keeps out of d in a further sweep: 0.3 to 0.5 settle fastest in trials.
@@ -115,7 +115,7 @@ impl Solve for Fast {
         Ok(Solution::of_field(problem, drive, field, status, step, work))
     }
 
-    fn solve_together(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
+    fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
         self.check().ok()?;
         let mut together = Together::of(problems, work)?;
         let (count, lanes) = (problems.first()?.propagation().transducers(), together.target.len());

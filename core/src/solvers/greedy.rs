@@ -11,7 +11,6 @@ use alloc::vec::Vec;
 use crate::control::Control;
 use crate::device::quantization::Quantization;
 use crate::error::Error;
-use crate::kernels;
 use crate::kernels::greedy;
 use crate::kernels::greedy::Pass;
 use crate::kernels::greedy::interleaved;
@@ -21,11 +20,10 @@ use crate::kernels::lanes::LANES;
 use crate::linalg::Planar;
 use crate::problem::Problem;
 use crate::problem::solution::{Solution, Status};
-use crate::propagation::Propagation;
 use crate::rng::Rng;
+use crate::scene::value::{OptionValue, Options, Value, spell, word};
 use crate::solvers::common::interleaved::Together;
-use crate::solvers::options::{OptionValue, Options, Value, spell, word};
-use crate::solvers::{Info, Method, Solve};
+use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::Workspace;
 
 /// Whether the errors are squared.
@@ -112,16 +110,16 @@ fn not_a_permutation(value: &Value) -> Error {
 
 impl Order {
     /// Writes the order of all transducers into `out`, which holds 0..N.
-    fn write(&self, seed: u64, propagation: &Propagation, out: &mut [u32]) -> Result<(), Error> {
+    fn write(&self, seed: u64, positions: Option<&[[f64; 3]]>, out: &mut [u32]) -> Result<(), Error> {
         match self {
             Self::Rows => {}
             Self::Random => Rng::new(seed).shuffle(out),
             Self::Columns => {
-                let positions = propagation.positions().ok_or_else(|| {
+                let positions = positions.ok_or_else(|| {
                     Error::invalid(
                         "order",
                         "\"columns\"",
-                        "propagation have no positions: give \"rows\", \"random\" or a permutation",
+                        "a matrix has no positions: give them, or \"rows\", \"random\" or a permutation",
                     )
                 })?;
                 // Rounded by the cast: positions lie well within 2^63 um, and this is asked some N log N times.
@@ -185,20 +183,20 @@ impl Method for Greedy {
 
 impl Greedy {
     /// The transducers in the order of their turns.
-    fn turns(&self, propagation: &Propagation, work: &mut Workspace) -> Result<Vec<u32>, Error> {
-        let mut order = work.indices.take(propagation.transducers());
+    fn turns(&self, problem: &Problem, work: &mut Workspace) -> Result<Vec<u32>, Error> {
+        let mut order = work.indices.take(problem.propagation().transducers());
         for (k, i) in order.iter_mut().enumerate() {
             *i = k as u32;
         }
-        self.order.write(self.seed, propagation, &mut order)?;
+        self.order.write(self.seed, problem.setup().positions.as_deref(), &mut order)?;
         Ok(order)
     }
 
     /// Candidates on this problem's device.
     fn candidates(&self, problem: &Problem, work: &mut Workspace) -> Result<Candidates, Error> {
         let (phases, amplitudes) = (self.phases as usize, self.amplitudes as usize);
-        let on = problem.propagation().quantization().map(Quantization::on).unwrap_or_default();
-        if let Some(known) = problem.propagation().quantization().and_then(Quantization::phases)
+        let on = problem.quantization().map(Quantization::on).unwrap_or_default();
+        if let Some(known) = problem.quantization().and_then(Quantization::phases)
             && !known.is_multiple_of(self.phases)
         {
             let cure = format!("the device has {known} phases: give a number that divides it");
@@ -228,7 +226,7 @@ impl Solve for Greedy {
         self.check()?;
         let propagation = problem.propagation();
         let (count, lanes) = (propagation.transducers(), propagation.lanes());
-        let order = self.turns(propagation, work)?;
+        let order = self.turns(problem, work)?;
         let candidates = self.candidates(problem, work)?;
         let mut floats = work.floats.take(greedy::floats(candidates.phases));
         let mut indices = work.indices.take(greedy::indices(lanes, candidates.phases));
@@ -271,7 +269,7 @@ impl Solve for Greedy {
         Ok(Solution::of_field(problem, drive, field, status, steps, work))
     }
 
-    fn solve_together(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
+    fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
         self.check().ok()?;
         let first = problems.first()?;
         let fits = interleaved::fits(self.phases as usize, self.amplitudes as usize);
@@ -280,7 +278,7 @@ impl Solve for Greedy {
         }
         let mut together = Together::of(problems, work)?;
         let candidates = self.candidates(first, work).ok()?;
-        let order = self.turns(first.propagation(), work).ok()?;
+        let order = self.turns(first, work).ok()?;
         let lanes = together.target.len();
         let mut floats = work.floats.take(interleaved::floats(lanes, &candidates));
         let mut kept = work.points.take(interleaved::kept(lanes));

@@ -10,7 +10,7 @@ use crate::linalg::Planar;
 use crate::problem::Problem;
 use crate::problem::solution::{Solution, Status};
 use crate::solvers::common::alternating_projection::Projector;
-use crate::solvers::{Info, Method, Solve, check_iteration};
+use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
 crate::options! {

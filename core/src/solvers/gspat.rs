@@ -13,7 +13,7 @@ use crate::problem::Problem;
 use crate::problem::solution::{Solution, Status};
 use crate::solvers::amplitude_limit::AmplitudeLimit;
 use crate::solvers::common::alternating_projection::{back_project, start_phasors};
-use crate::solvers::{Info, Method, Solve, check_iteration};
+use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
 crate::options! {

@@ -17,7 +17,7 @@ use crate::problem::Problem;
 use crate::problem::solution::{Solution, Status};
 use crate::rng::Rng;
 use crate::solvers::common::alternating_projection::start_phasors;
-use crate::solvers::{Info, Method, Solve, check_iteration};
+use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
 use alloc::vec::Vec;

@@ -10,7 +10,7 @@ use crate::kernels;
 use crate::problem::Problem;
 use crate::problem::solution::{Solution, Status};
 use crate::solvers::amplitude_limit::AmplitudeLimit;
-use crate::solvers::{Info, Method, Solve};
+use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::Workspace;
 
 use num_complex::Complex32;

@@ -17,10 +17,10 @@ use crate::math::{sqrt, sqrtf};
 use crate::problem::Problem;
 use crate::problem::solution::{Solution, Status};
 use crate::rng::Rng;
+use crate::scene::value::{OptionValue, Value, spell, word};
 use crate::solvers::amplitude_limit::AmplitudeLimit;
 use crate::solvers::common::alternating_projection::{back_project, start_phasors};
-use crate::solvers::options::{OptionValue, Value, spell, word};
-use crate::solvers::{Info, Method, Solve, check_iteration};
+use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
 /// What becomes of the moduli of the relaxation's eigenvector.

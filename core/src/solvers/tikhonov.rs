@@ -12,7 +12,7 @@ use crate::problem::Problem;
 use crate::problem::solution::{Solution, Status};
 use crate::solvers::amplitude_limit::AmplitudeLimit;
 use crate::solvers::common::alternating_projection::back_project;
-use crate::solvers::{Info, Method, Solve};
+use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::Workspace;
 
 crate::options! {

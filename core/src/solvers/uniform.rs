@@ -6,7 +6,7 @@ use crate::problem::Problem;
 use crate::problem::solution::Solution;
 use crate::solvers::even_field;
 use crate::solvers::even_field::Plan;
-use crate::solvers::{Info, Method, Solve, check_iteration};
+use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
 crate::options! {

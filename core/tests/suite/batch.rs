@@ -1,12 +1,15 @@
 //! Batches and sessions: every answer bit for bit that of a lone solve.
 
+use std::sync::Arc;
+
 use midair::{
     Aim, Array, Ask, Batch, Complex32, Complex64, Control, Directivity, Error, InstructionSet, Medium, Model,
-    Problem, Request, Rng, Session, Solution, Solve, Start, Status, Transducer, Workspace, solve_batch,
-    solvers,
+    Problem, Request, Rng, Session, Setup, Solution, Solve, Start, Status, Transducer, Workspace, solvers,
 };
 
 use crate::scenes::{preset, random_points};
+
+type Solver = Arc<dyn Solve + Send + Sync>;
 
 const B: usize = 37;
 const M: usize = 5;
@@ -27,7 +30,8 @@ fn asked(k: usize) -> Ask {
 /// The problem that one asks for, made alone.
 fn problem(model: &Model, ask: &Ask) -> Problem {
     let propagation = model.propagation(&ask.points).expect("propagation");
-    let mut problem = Problem::with_propagation(propagation, &ask.request).expect("a problem");
+    let setup = Setup::of(model.array(), model.medium());
+    let mut problem = Problem::with_propagation(propagation, setup, &ask.request).expect("a problem");
     if let Some(start) = &ask.start {
         problem = problem.with_start(start.clone()).expect("a start");
     }
@@ -42,7 +46,7 @@ fn alone(problem: &Problem, solver: &dyn Solve, balance: bool) -> Solution {
 fn batch_of(
     model: &Model,
     asks: &[Ask],
-    solver: &(dyn Solve + Sync),
+    solver: &Solver,
     balance: bool,
 ) -> Result<(Vec<Complex32>, Batch), Error> {
     let mut drives = vec![Complex32::ZERO; asks.len() * model.array().len()];
@@ -52,7 +56,8 @@ fn batch_of(
     };
     let points = asks[0].points.len();
     let none = &mut Control::none();
-    let batch = solve_batch(model, asks.len(), points, &ask, solver, balance, &mut drives, none)?;
+    let mut session = Session::new(model.clone(), Arc::clone(solver), balance);
+    let batch = session.solve_batch(asks.len(), points, &ask, &mut drives, none)?;
     Ok((drives, batch))
 }
 
@@ -60,14 +65,13 @@ fn batch_of(
 fn a_batch_and_a_session_are_lone_solves_bit_for_bit() {
     let model = model();
     for entry in solvers::SOLVERS {
-        let made = || entry.configure(&midair::Options::new()).expect("defaults");
-        let solver = made().solver;
+        let solver: Solver = entry.configure(&midair::Options::new()).expect("defaults").solver.into();
         let balance = entry.info.balance;
         let asks: Vec<Ask> = (0..B).map(asked).collect();
-        let (drives, batch) = batch_of(&model, &asks, &*solver, balance).expect("answers");
-        let mut session = Session::new(model.clone(), made());
-        for (k, Ask { points, request, .. }) in asks.iter().enumerate() {
-            let lone = alone(&problem(&model, &asks[k]), &*solver, balance);
+        let (drives, batch) = batch_of(&model, &asks, &solver, balance).expect("answers");
+        let mut session = Session::new(model.clone(), Arc::clone(&solver), balance);
+        for (k, ask) in asks.iter().enumerate() {
+            let lone = alone(&problem(&model, ask), &*solver, balance);
             let name = entry.info.name;
             assert_eq!(lone.drive, drives[k * 400..(k + 1) * 400], "{name}: drive of problem {k}");
             assert_eq!(lone.pressures, batch.pressures[k * M..(k + 1) * M], "{name}: pressures of {k}");
@@ -75,7 +79,7 @@ fn a_batch_and_a_session_are_lone_solves_bit_for_bit() {
                 (lone.metrics(), lone.status, lone.steps),
                 (batch.metrics[k], batch.status[k], batch.steps[k])
             );
-            let again = session.solve(points, request, None, &mut Control::none()).expect("an answer");
+            let again = session.solve(ask, &mut Control::none()).expect("an answer");
             assert_eq!(
                 (&lone.drive, &lone.pressures),
                 (&again.drive, &again.pressures),
@@ -88,15 +92,11 @@ fn a_batch_and_a_session_are_lone_solves_bit_for_bit() {
 #[test]
 fn a_bad_problem_is_named_and_a_stop_keeps_what_is_done() {
     let model = model();
-    let solver = solvers::find("fast")
-        .expect("registered")
-        .configure(&midair::Options::new())
-        .expect("defaults")
-        .solver;
+    let solver: Solver = Arc::new(solvers::Fast::default());
     let refused = |spoil: &dyn Fn(usize, &mut Ask)| {
         let mut asks: Vec<Ask> = (0..B).map(asked).collect();
         asks.iter_mut().enumerate().for_each(|(k, ask)| spoil(k, ask));
-        batch_of(&model, &asks, &*solver, false).expect_err("refused").to_string()
+        batch_of(&model, &asks, &solver, false).expect_err("refused").to_string()
     };
     // Found when placed, when measured, when held to the reach: the first by index is named.
     let far = |ask: &mut Ask| ask.points[0][1] = f64::NAN;
@@ -138,13 +138,10 @@ fn a_bad_problem_is_named_and_a_stop_keeps_what_is_done() {
     };
     // More than any machine solves before it asks whether to go on.
     let count = 1000 * std::thread::available_parallelism().map_or(1, usize::from);
-    let batch = solve_batch(
-        &model,
+    let batch = Session::new(model, solver, false).solve_batch(
         count,
         M,
         &ask,
-        &*solver,
-        false,
         &mut vec![Complex32::ZERO; 400 * count],
         &mut Control::watched(&mut stop),
     );
@@ -155,7 +152,7 @@ fn a_bad_problem_is_named_and_a_stop_keeps_what_is_done() {
     assert!(batch.pressures[done * M..].iter().all(|p| p.norm() == 0.0));
 }
 
-/// A 7 x 5 array, so that the last block is not whole; its options and its air at a set.
+/// A 7 x 5 array, so that the last block is not whole; its options and its air, for an instruction set.
 fn small(full: bool, set: InstructionSet) -> Model {
     let array = Array::grid(7, 5, 10e-3).expect("a grid");
     if !full {
@@ -175,8 +172,9 @@ fn bits(list: &[Complex32]) -> Vec<[u32; 2]> {
 }
 
 /// Holds batches of every size up to the number of problems to lone solves, in bits.
-fn hold(model: &Model, asks: &[Ask], solver: &(dyn Solve + Sync), balance: bool, what: &str) {
-    let lone: Vec<Solution> = asks.iter().map(|ask| alone(&problem(model, ask), solver, balance)).collect();
+fn hold(model: &Model, asks: &[Ask], solver: &Solver, balance: bool, what: &str) {
+    let lone: Vec<Solution> =
+        asks.iter().map(|ask| alone(&problem(model, ask), &**solver, balance)).collect();
     let points = asks[0].points.len();
     for count in 1..=asks.len() {
         let (drives, batch) = batch_of(model, &asks[..count], solver, balance).expect("answers");
@@ -208,16 +206,16 @@ fn some(points: usize, count: usize, given: bool) -> Vec<Ask> {
 }
 
 /// Options that problems in lanes are solved with, and some that go one by one.
-fn with_options() -> Vec<(String, Box<dyn Solve + Send + Sync>)> {
+fn with_options() -> Vec<(String, Solver)> {
     use solvers::{Fast, Greedy, Objective, Order};
     let coarse = Greedy { phases: 10, amplitudes: 3, order: Order::Columns, ..Greedy::default() };
     let most = Greedy { phases: 51, amplitudes: 5, seed: 3, ..Greedy::default() };
     let fine = Greedy { phases: 64, ..Greedy::default() };
     let absolute = Greedy { objective: Objective::L1, ..Greedy::default() };
     let swept = Fast { block: 3, sweeps: 2, seed: 5 };
-    let named = |solver: Greedy| (format!("{solver:?}"), Box::new(solver) as Box<dyn Solve + Send + Sync>);
+    let named = |solver: Greedy| (format!("{solver:?}"), Arc::new(solver) as Solver);
     let mut list: Vec<_> = [Greedy::default(), coarse, most, fine, absolute].map(named).into();
-    list.extend([Fast::default(), swept].map(|solver| (format!("{solver:?}"), Box::new(solver) as _)));
+    list.extend([Fast::default(), swept].map(|solver| (format!("{solver:?}"), Arc::new(solver) as Solver)));
     list
 }
 
@@ -230,7 +228,7 @@ fn problems_in_lanes_are_lone_solves_bit_for_bit() {
                 for points in [1, 2, 3, 4, 7, 8, 15, 16] {
                     for (given, balance) in [(true, false), (true, true), (false, true)] {
                         let what = format!("{name} {set} {full} M={points} {given} {balance}");
-                        hold(&model, &some(points, 33, given), &*solver, balance, &what);
+                        hold(&model, &some(points, 33, given), &solver, balance, &what);
                     }
                 }
             }
@@ -247,7 +245,7 @@ fn problems_of_unlike_sizes_are_lone_solves_bit_for_bit() {
     };
     let asks: Vec<Ask> = (0..16).map(ask).collect();
     for (name, solver) in with_options() {
-        hold(&small(false, InstructionSet::best()), &asks, &*solver, true, &format!("{name}, weights of 0"));
+        hold(&small(false, InstructionSet::best()), &asks, &solver, true, &format!("{name}, weights of 0"));
     }
 }
 
@@ -265,16 +263,16 @@ fn a_problem_keeps_nothing_of_the_one_before() {
     let model = small(true, InstructionSet::best());
     for name in ["fast", "gs", "uniform"] {
         let made = solvers::find(name).and_then(|entry| entry.configure(&midair::Options::new()));
-        hold(&model, &asks, &*made.expect("a method").solver, true, name);
+        hold(&model, &asks, &made.expect("a method").solver.into(), true, name);
     }
 }
 
 #[test]
-fn the_device_s_levels_hold_in_a_batch() {
+fn the_board_s_quantization_holds_in_a_batch() {
     let array = preset("autd3");
     let model = Model::new(&array, Medium::default(), InstructionSet::best()).expect("an array");
     assert!(array.quantization().is_some());
     let coarse = solvers::Greedy { phases: 16, amplitudes: 3, ..solvers::Greedy::default() };
-    hold(&model, &some(3, 17, true), &solvers::Fast::default(), true, "fast");
-    hold(&model, &some(3, 17, true), &coarse, false, "greedy");
+    hold(&model, &some(3, 17, true), &(Arc::new(solvers::Fast::default()) as Solver), true, "fast");
+    hold(&model, &some(3, 17, true), &(Arc::new(coarse) as Solver), false, "greedy");
 }

@@ -13,7 +13,7 @@ fn levels(scene: &Scene, problem: &Problem) -> Vec<(&'static str, f64)> {
         let solution = midair::solve(problem, &*solver, false, &mut Workspace::new(), &mut Control::none())
             .expect("an answer");
         let field = oracle::field(&propagation(scene), &widen(&solution.drive));
-        let parts = field.iter().zip(problem.pressures()).map(|(p, target)| p.norm() / target);
+        let parts = field.iter().zip(problem.targets_in_pascals()).map(|(p, target)| p.norm() / target);
         (entry.info.name, parts.fold(f64::INFINITY, f64::min))
     };
     SOLVERS.iter().map(level).collect()

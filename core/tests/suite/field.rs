@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use midair::{
-    Array, Complex32, Complex64, Control, Directivity, Medium, Plane, Progress, Request, Rng, Scene,
-    Transducer,
+    Array, Complex32, Complex64, Control, Directivity, InstructionSet, Medium, Model, Plane, Progress,
+    Request, Rng, Scene, Transducer,
 };
 
 use crate::oracle;
@@ -20,7 +20,9 @@ fn random_drive(count: usize, seed: u64) -> Vec<Complex32> {
 }
 
 fn field(scene: &Scene, drive: &[Complex32], points: &[[f64; 3]]) -> Vec<Complex32> {
-    midair::field(scene, drive, points, &mut Control::none()).expect("a field").expect("nobody stops it")
+    midair::field(&Model::of(scene, InstructionSet::best()), drive, points, &mut Control::none())
+        .expect("a field")
+        .expect("nobody stops it")
 }
 
 /// Real air and transducers.
@@ -147,8 +149,13 @@ fn a_stop_gives_nothing_and_each_step_is_announced_once() {
             seen.push((progress.step, progress.steps));
             if progress.step == last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        let found =
-            midair::field(&scene, &drive, &points, &mut Control::watched(&mut observer)).expect("a field");
+        let found = midair::field(
+            &Model::of(&scene, InstructionSet::best()),
+            &drive,
+            &points,
+            &mut Control::watched(&mut observer),
+        )
+        .expect("a field");
         (found.is_none(), seen)
     };
     assert_eq!(watched(1), (true, vec![(1, 2)]));
@@ -159,7 +166,9 @@ fn a_stop_gives_nothing_and_each_step_is_announced_once() {
 fn what_has_no_field_is_refused_by_name() {
     let scene = scene(Array::grid(2, 1, 1e-2).expect("a grid"), vec![[0.0, 0.0, 0.1]], None);
     let message = |drive: &[Complex32], points: &[[f64; 3]]| {
-        midair::field(&scene, drive, points, &mut Control::none()).expect_err("refused").to_string()
+        midair::field(&Model::of(&scene, InstructionSet::best()), drive, points, &mut Control::none())
+            .expect_err("refused")
+            .to_string()
     };
     let (on, spot) = ([Complex32::ONE; 2], [[0.0, 0.0, 0.1]]);
     let with = |re: f32| [Complex32::ONE, Complex32::new(re, 0.0)];

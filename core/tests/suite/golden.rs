@@ -7,7 +7,10 @@ use std::fs;
 use std::path::PathBuf;
 
 use midair::files::{Format, Provenance, read, write};
-use midair::{Complex32, Control, InstructionSet, Metrics, Problem, Propagation, Scene, Solution, Workspace};
+use midair::{
+    Complex32, Control, InstructionSet, Metrics, Problem, Propagation, Scene, Setup, Solution, Workspace,
+    solvers,
+};
 use serde_json::{Value, json};
 
 /// Name, array, points (x, y, z in mm, pressure in Pa, weight), solver table, balance.
@@ -122,12 +125,12 @@ const SCENES: [(&str, &str, &str, &str, bool); 18] = [
         "best",
         "grid = { nx = 7, ny = 6, pitch = 0.01 }\ndirectivity = \"t4010a1\"",
         "-20 5 120 400 1,20 0 130 300 2,0 -18 110 350 1",
-        "name = \"best\"\nstarts = 40\nseed = 5\nlevel = \"max\"",
+        "name = \"best\"\nstarts = 40\nseed = 5\naim = \"max\"",
         true,
     ),
     (
         "device",
-        "grid = { nx = 4, ny = 3, pitch = 0.01 }\nlevels = { phases = 10, amplitudes = [0, 0.25, 1] }\nmask = [true, true, true, true, false, true, true, true, true, true, true, false]",
+        "grid = { nx = 4, ny = 3, pitch = 0.01 }\nquantization = { phases = 10, amplitudes = [0, 0.25, 1] }\nmask = [true, true, true, true, false, true, true, true, true, true, true, false]",
         "-20 5 120 100 1,20 0 130 80 1",
         "name = \"wgs\"\nsteps = 20",
         true,
@@ -160,11 +163,13 @@ fn scene((_, array, points, solver, _): &(&str, &str, &str, &str, bool)) -> Scen
 
 fn solved(scene: &Scene, balance: bool, set: InstructionSet) -> Solution {
     let choice = scene.solver.as_ref().expect("a solver");
-    let made = choice.configured(scene.array().quantization()).expect("options");
+    let made = solvers::configure(&choice, scene.array().quantization()).expect("options");
     let propagation = Propagation::of(scene).with_instruction_set(set);
-    let mut problem = Problem::with_propagation(propagation, scene.request()).expect("a problem");
-    if let Some(level) = choice.level {
-        problem = problem.with_aim(level);
+    let mut problem =
+        Problem::with_propagation(propagation, Setup::of(scene.array(), scene.medium()), scene.request())
+            .expect("a problem");
+    if let Some(aim) = choice.aim {
+        problem = problem.with_aim(aim);
     }
     midair::solve(&problem, &*made.solver, balance, &mut Workspace::new(), &mut Control::none())
         .expect("an answer")

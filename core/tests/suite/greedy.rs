@@ -2,8 +2,8 @@
 
 use midair::solvers::{Greedy, Objective, Order};
 use midair::{
-    Array, Control, Directivity, InstructionSet, Medium, Problem, Propagation, Request, Rng, Scene, Solution,
-    Solve, Transducer, Workspace,
+    Array, Control, Directivity, InstructionSet, Medium, Problem, Propagation, Request, Rng, Scene, Setup,
+    Solution, Solve, Transducer, Workspace,
 };
 
 use crate::oracle::{self, Search};
@@ -36,7 +36,7 @@ fn with_oracle(greedy: &Greedy, scene: &Scene, check: impl FnOnce(&Search)) {
     let problem = problem(scene);
     check(&Search {
         propagation: &propagation(scene),
-        targets: problem.pressures(),
+        targets: problem.targets_in_pascals(),
         weights: problem.point_weights(),
         phases: greedy.phases as usize,
         amplitudes: greedy.amplitudes as usize,
@@ -52,7 +52,9 @@ fn with_oracle(greedy: &Greedy, scene: &Scene, check: impl FnOnce(&Search)) {
 fn assert_regrets(greedy: &Greedy, scene: &Scene) {
     for set in InstructionSet::all() {
         let propagation = Propagation::of(scene).with_instruction_set(set);
-        let problem = Problem::with_propagation(propagation, scene.request()).expect("a problem");
+        let problem =
+            Problem::with_propagation(propagation, Setup::of(scene.array(), scene.medium()), scene.request())
+                .expect("a problem");
         let solution = greedy.solve(&problem, &mut Workspace::new(), &mut Control::none()).expect("solvable");
         let drive = widen(&solution.drive);
         with_oracle(greedy, scene, |search| {

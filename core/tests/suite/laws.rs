@@ -223,7 +223,7 @@ fn a_trace_ends_in_the_residual_of_the_answer() {
 fn balancing_keeps_weak_foci_as_good_as_strong_ones() {
     let points = apart(6, 9);
     let strong = scene(preset("paper20"), points.clone(), None);
-    let level = problem(&strong).pressures()[0];
+    let level = problem(&strong).targets_in_pascals()[0];
     let weak = scene(preset("paper20"), points, Some(vec![0.01 * level; 6]));
     assert!(problem(&weak).is_weak() && !problem(&strong).is_weak());
     for entry in SOLVERS {

@@ -22,7 +22,7 @@ fn device(quantization: Quantization) -> Array {
 }
 
 fn solved(entry: &Entry, problem: &Problem, balance: bool) -> Solution {
-    let made = entry.configure_for(&Options::new(), problem.propagation().quantization()).expect("defaults");
+    let made = entry.configure_for(&Options::new(), problem.quantization()).expect("defaults");
     midair::solve(problem, &*made.solver, balance, &mut Workspace::new(), &mut Control::none())
         .unwrap_or_else(|error| panic!("{}: {error}", entry.info.name))
 }
@@ -124,7 +124,7 @@ fn a_solver_of_ones_own_is_brought_to_the_grid_too() {
 #[test]
 fn balancing_reduces_by_the_table_and_below_it_by_the_scale() {
     let points = random_points(4, 0.08, 24);
-    let level = problem(&scene(preset("paper20"), points.clone(), None)).pressures()[0];
+    let level = problem(&scene(preset("paper20"), points.clone(), None)).targets_in_pascals()[0];
     let wgs = solvers::find("wgs").expect("a solver");
     let at = |part: f64, quantization: Option<Quantization>| {
         let array = preset("paper20").with_quantization(quantization);
@@ -194,7 +194,7 @@ fn greedy_takes_the_devices_grid_and_refuses_another() {
         let problem = problem(&scene(device(quantization(24, table)), points.clone(), Some(vec![0.4; 5])));
         let options =
             options.iter().map(|(name, value)| ((*name).to_owned(), Value::Integer(*value))).collect();
-        let made = entry.configure_for(&options, problem.propagation().quantization()).expect("options");
+        let made = entry.configure_for(&options, problem.quantization()).expect("options");
         let solution =
             midair::solve(&problem, &*made.solver, false, &mut Workspace::new(), &mut Control::none());
         solution.map(|solution| (solution, made.options))
@@ -233,7 +233,7 @@ fn even(scene: &Scene) -> Vec<Complex32> {
     let asked = free(scene.request().pressures.clone());
     let start = Wgs { steps: 100, tolerance: 0.0 }.solve(&asked, work, control).expect("an answer");
     let level = 0.9 * start.metrics().level;
-    let lower = free(Some(asked.pressures().iter().map(|pressure| level * pressure).collect()));
+    let lower = free(Some(asked.targets_in_pascals().iter().map(|pressure| level * pressure).collect()));
     let lower = lower.with_start(Start::Drive(start.drive)).expect("a start");
     Lm { steps: 100, ..Lm::default() }.solve(&lower, work, control).expect("an answer").drive
 }
@@ -258,12 +258,10 @@ fn the_sweep_takes_most_of_what_rounding_costs_and_keeps_within_the_quantised_ta
             let problem = problem(&scene);
             let sigma = |drive: &[Complex32]| problem.judge(drive).expect("a drive").sigma;
             let mut drive = even(&scene);
-            let plain: Vec<Complex32> = drive
-                .iter()
-                .map(|q| problem.propagation().quantization().expect("quantization").nearest(*q))
-                .collect();
+            let plain: Vec<Complex32> =
+                drive.iter().map(|q| problem.quantization().expect("quantization").nearest(*q)).collect();
             refine(&problem, &mut drive, &mut Workspace::new());
-            assert_on_grid("refine", &drive, problem.propagation().quantization().expect("quantization"));
+            assert_on_grid("refine", &drive, problem.quantization().expect("quantization"));
             let (before, after) = (sigma(&plain), sigma(&drive));
             assert!(after < before, "M = {points}, L = {phases}: {after} from {before}");
             (rounded, swept) = (rounded + before / 10.0, swept + after / 10.0);
@@ -287,10 +285,8 @@ fn the_sweep_keeps_zeros_amplitudes_and_unequal_targets() {
     for q in drive.iter_mut().take(200) {
         *q *= 0.6;
     }
-    let plain: Vec<_> = drive
-        .iter()
-        .map(|q| problem.propagation().quantization().expect("quantization").nearest(*q))
-        .collect();
+    let plain: Vec<_> =
+        drive.iter().map(|q| problem.quantization().expect("quantization").nearest(*q)).collect();
     refine(&problem, &mut drive, &mut Workspace::new());
     for (a, b) in plain.iter().zip(&drive) {
         assert!((a.norm() - b.norm()).abs() < 1e-6, "{a} became {b}");
@@ -315,7 +311,7 @@ fn a_device_plays_no_point_louder_than_asked_and_keeps_nine_tenths() {
         for (count, seed) in [(1, 0), (2, 1), (3, 2), (8, 3), (16, 4), (64, 5)] {
             let array = preset("autd3").with_quantization(Some(device.clone()));
             let points = random_points(count, 0.08, 300 + seed);
-            let balanced = problem(&scene(array.clone(), points.clone(), None)).pressures()[0];
+            let balanced = problem(&scene(array.clone(), points.clone(), None)).targets_in_pascals()[0];
             for part in [0.03, 0.4, 0.61, 0.77, 1.0, 1.5] {
                 let pressures = (0..count).map(|j| part * balanced * [1.0, 0.8][j % 2]).collect();
                 let scene = scene(array.clone(), points.clone(), Some(pressures));

@@ -108,14 +108,14 @@ fn an_answer_reports_the_metrics_and_radiation_of_its_pressures() {
     for solver in [&Greedy::default() as &dyn Solve, &Naive::default()] {
         let solution = solved(solver, &problem);
         let moduli: Vec<f64> = widen(&solution.pressures).iter().map(|p| p.norm()).collect();
-        let wanted = oracle::metrics(&moduli, problem.pressures(), problem.point_weights());
+        let wanted = oracle::metrics(&moduli, problem.targets_in_pascals(), problem.point_weights());
         assert_metrics(solution.metrics(), wanted, 1e-12);
         assert!(solution.metrics().leak > 0.0, "the quiet point must be heard, or its metric is not tested");
         for (j, modulus) in moduli.iter().enumerate() {
             let radiation = modulus * modulus / (1.2 * 346.0 * 346.0);
             assert!((solution.radiation(j) - radiation).abs() <= 1e-12 * radiation);
         }
-        assert_eq!(solution.targets(), problem.pressures());
+        assert_eq!(solution.targets(), problem.targets_in_pascals());
     }
 }
 
@@ -126,7 +126,7 @@ fn judge_gives_the_metrics_of_the_exact_field() {
     let drive = solved(&Greedy::default(), &problem).drive;
     let moduli: Vec<f64> =
         oracle::field(&propagation(&scene), &widen(&drive)).iter().map(|p| p.norm()).collect();
-    let wanted = oracle::metrics(&moduli, problem.pressures(), problem.point_weights());
+    let wanted = oracle::metrics(&moduli, problem.targets_in_pascals(), problem.point_weights());
     // Both in f64; 249 phases of 200 rad.
     assert_metrics(problem.judge(&drive).expect("its own drive"), wanted, 1e-11);
     for (bad, start) in [
@@ -161,7 +161,7 @@ fn balance_is_the_factor_to_the_balanced_level() {
     let scene = uneven();
     let problem = problem(&scene);
     let reach = oracle::reach(&propagation(&scene));
-    let wanted = oracle::balanced_factor(&reach, problem.pressures(), problem.point_weights());
+    let wanted = oracle::balanced_factor(&reach, problem.targets_in_pascals(), problem.point_weights());
     // f32 moduli, good to 2e-6 of each.
     assert!((problem.balance() / wanted - 1.0).abs() < 1e-6, "{} for {wanted}", problem.balance());
 }
@@ -169,7 +169,7 @@ fn balance_is_the_factor_to_the_balanced_level() {
 #[test]
 fn targets_below_half_the_balanced_level_are_weak() {
     let points = random_points(4, 0.08, 5);
-    let level = problem(&scene(preset("autd3"), points.clone(), None)).pressures()[0];
+    let level = problem(&scene(preset("autd3"), points.clone(), None)).targets_in_pascals()[0];
     for (share, weak) in [(0.01, true), (0.499, true), (0.501, false), (1.0, false), (100.0, false)] {
         let asked = problem(&scene(preset("autd3"), points.clone(), Some(vec![share * level; 4])));
         assert_eq!(asked.is_weak(), weak, "{share} of the balanced level");

@@ -1,7 +1,7 @@
 //! What the paper shows, in numbers: fig. 2's smiley, fig. 3's accuracies, fig. 7's widths.
 
 use midair::solvers::{Greedy, Order};
-use midair::{Control, Metrics, Scene, Solution, Workspace};
+use midair::{Control, InstructionSet, Metrics, Model, Scene, Solution, Workspace};
 
 use crate::scenes::{preset, problem, random_points, scene, smiley};
 
@@ -67,7 +67,9 @@ fn width(axis: usize, greedy: &Greedy, target: f64, balance: bool) -> f64 {
     };
     let line: Vec<_> = (-600..=600).map(place).collect();
     let field =
-        midair::field(&scene, &drive, &line, &mut Control::none()).expect("a field").expect("not stopped");
+        midair::field(&Model::of(&scene, InstructionSet::best()), &drive, &line, &mut Control::none())
+            .expect("a field")
+            .expect("not stopped");
     let half = field.iter().map(|p| p.norm()).fold(0.0, f32::max) / 2.0;
     let loud = |k: &usize| field[*k].norm() > half;
     let ends = [(0..line.len()).find(loud), (0..line.len()).rfind(loud)].map(|end| end.expect("a maximum"));

@@ -90,7 +90,7 @@ proptest! {
         // propagation in f32: 1e-6 of it is less than their rounding.
         let strong = propagation(&scene).iter().flatten().map(|g| g.norm()).fold(0.0, f64::max);
         let faint = propagation(&scene).iter().flatten().any(|g| g.norm() > 0.0 && g.norm() < 0.01 * strong);
-        let least = problem.pressures().iter().copied().filter(|&target| target > 0.0).fold(f64::MAX, f64::min);
+        let least = problem.targets_in_pascals().iter().copied().filter(|&target| target > 0.0).fold(f64::MAX, f64::min);
         if faint || least < 0.5 * strong {
             return Ok(());
         }
@@ -101,7 +101,7 @@ proptest! {
         let order: Vec<usize> = Rng::new(seed).permutation(count).into_iter().map(|i| i as usize).collect();
         let search = Search {
             propagation: &propagation(&scene),
-            targets: problem.pressures(),
+            targets: problem.targets_in_pascals(),
             weights: problem.point_weights(),
             phases: phases as usize,
             amplitudes: amplitudes as usize,

@@ -134,7 +134,7 @@ fn what_a_workspace_was_used_for_before_changes_no_bit() {
             let solution =
                 midair::solve(&problem, &*solver, false, &mut work, &mut control).expect("an answer");
             assert_eq!(solution.drive, fresh(&problem), "{}", entry.info.name);
-            work.recycle(solution);
+            solution.recycle(&mut work);
         }
     }
 }

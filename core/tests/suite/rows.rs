@@ -2,7 +2,7 @@
 
 use midair::solvers::{Greedy, Order};
 use midair::{
-    Array, Complex64, Control, Directivity, Medium, Problem, Propagation, Request, Rng, Scene, Solve,
+    Array, Complex64, Control, Directivity, Medium, Problem, Propagation, Request, Rng, Scene, Setup, Solve,
     Transducer, Workspace,
 };
 
@@ -170,7 +170,7 @@ fn exact_is_the_oracle() {
 fn p1_of_the_papers_arrays_has_its_six_digits() {
     for (name, p1) in [("paper20", 2.36066), ("paper36", 6.40341)] {
         let scene = scene(preset(name), vec![[0.0, 0.0, 0.15]], None);
-        let balanced = problem(&scene).pressures()[0];
+        let balanced = problem(&scene).targets_in_pascals()[0];
         let reach: f64 = rows(&Propagation::of(&scene)).iter().map(|row| row[0].norm()).sum();
         // Half a unit of the sixth digit.
         assert!((balanced - p1).abs() < 5e-6 && (reach - p1).abs() < 5e-6, "{balanced} or {reach} for {p1}");
@@ -183,7 +183,7 @@ fn targets_left_out_are_the_balanced_level() {
         let scene = crooked(directivity, 0.0, [0.0; 3], 0.9, 30);
         let reach = oracle::reach(&propagation(&scene));
         let level = oracle::balanced_factor(&reach, &[1.0; 30], &[1.0; 30]);
-        for &target in problem(&scene).pressures() {
+        for &target in problem(&scene).targets_in_pascals() {
             // f32 moduli are good to 2e-6 of the one straight ahead, their errors of random sign.
             assert!((target / level - 1.0).abs() < 1e-6, "{target} for {level} with {directivity:?}");
         }
@@ -235,10 +235,7 @@ fn stored_rows_are_the_users_matrix_at_every_count() {
     for count in 1..=67 {
         let scene = crooked(Directivity::Cos(1.0), 0.0, [0.0; 3], 0.9, count);
         let propagation = stored(&scene);
-        assert_eq!(
-            (propagation.transducers(), propagation.points(), propagation.positions()),
-            (36, count, None)
-        );
+        assert_eq!((propagation.transducers(), propagation.points()), (36, count));
         for (i, (found, exact)) in
             rows(&propagation).iter().zip(crate::scenes::propagation(&scene)).enumerate()
         {
@@ -256,8 +253,9 @@ fn a_stored_matrix_gets_the_answer_of_the_computed_one() {
     for (count, seed) in [(1, 1), (8, 2), (38, 3), (64, 4)] {
         let scene = scene(preset("paper20"), random_points(count, 0.1, seed), None);
         let computed = problem(&scene);
-        let request = Request { pressures: Some(computed.pressures().to_vec()), weights: None };
-        let stored = Problem::with_propagation(stored(&scene), &request).expect("a problem");
+        let request = Request { pressures: Some(computed.targets_in_pascals().to_vec()), weights: None };
+        let stored =
+            Problem::with_propagation(stored(&scene), Setup::default(), &request).expect("a problem");
         let order = Order::Given(Rng::new(seed).permutation(400));
         let greedy = Greedy { order, ..Greedy::default() };
         let solve = |problem: &Problem| {

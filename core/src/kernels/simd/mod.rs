@@ -18,7 +18,6 @@ pub(crate) mod scalar;
 pub(crate) mod simd128;
 
 use crate::kernels::lanes::{LANES, Lanes};
-pub(crate) use crate::kernels::simd::scalar::Scalar;
 
 /// Squares below it count as 0: the remainders of their roots would be denormal, at a hundred cycles each on some
 /// machines.

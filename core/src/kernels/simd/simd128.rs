@@ -113,11 +113,12 @@ mod tests {
     use crate::kernels::simd::instruction_set::InstructionSet;
     use crate::problem::Problem;
     use crate::propagation::Propagation;
+    use crate::scene::Scene;
     use crate::scene::array::Array;
     use crate::scene::medium::Medium;
+    use crate::scene::request::Request;
     use crate::scene::transducer::Directivity;
     use crate::scene::transducer::Transducer;
-    use crate::scene::{Request, Scene};
     use crate::solvers::{Entry, SOLVERS};
     use crate::workspace::Workspace;
 

@@ -103,7 +103,7 @@ impl Shot {
     fn check(&self, set: InstructionSet) {
         let [mut re, mut im] = [(); 2].map(|()| vec![f32::NAN; padded(self.count)]);
         let mut moduli = vec![1.0; padded(self.count)];
-        crate::kernels::propagate::row(
+        crate::kernels::row(
             set,
             &self.law,
             &self.source,

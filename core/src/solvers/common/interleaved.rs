@@ -12,7 +12,7 @@ use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::linalg::Planar;
 use crate::problem::Problem;
 use crate::problem::solution::{Solution, Status};
-use crate::propagation::model::Sources;
+use crate::propagation::sources::Sources;
 use crate::propagation::{NEAR, TOGETHER};
 use crate::workspace::Workspace;
 
@@ -121,9 +121,9 @@ impl Together {
     }
 }
 
-/// Sums |G| at the points of some problems, each bit for bit as [`Problem::measure`] does. Whether that was possible: it
+/// Sums |G| at the points of some problems, each bit for bit as [`Problem::sum_moduli`] does. Whether that was possible: it
 /// is not where a point may lie on a transducer, which is then to be looked at more closely.
-pub(crate) fn measure(problems: &mut [Problem], work: &mut Workspace) -> bool {
+pub(crate) fn sum_moduli(problems: &mut [Problem], work: &mut Workspace) -> bool {
     let Some(abreast) = Abreast::of(problems, work) else { return false };
     let mut others = problems.iter_mut();
     let mut reaches: [Option<&mut Vec<f64>>; LANES] =

@@ -29,7 +29,7 @@ const ROUNDS: usize = 4;
 pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &mut Workspace) {
     let propagation = problem.propagation();
     assert_eq!(drive.len(), propagation.transducers(), "one drive a transducer");
-    let Some(quantization) = propagation.quantization() else { return };
+    let Some(quantization) = problem.quantization() else { return };
     for q in drive.iter_mut() {
         *q = quantization.nearest(*q);
     }

@@ -21,8 +21,9 @@ use crate::kernels::tiles;
 use crate::kernels::tiles::Tiles;
 use crate::linalg::Planar;
 use crate::math::sqrtf;
+use crate::problem::Problem;
 use crate::problem::solution::{Solution, Status};
-use crate::problem::{Aim, Problem};
+use crate::scene::aim::Aim;
 use crate::solvers::common::refinement::refine;
 use crate::solvers::even_field::point_phases::Starts;
 use crate::workspace::{Aligned, Workspace};
@@ -253,7 +254,7 @@ pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &mut Workspace, contro
     for (i, q) in drive.iter_mut().enumerate() {
         *q = Complex32::new(best.drive[0][i], best.drive[1][i]);
     }
-    let quantization = problem.propagation().quantization();
+    let quantization = problem.quantization();
     if quantization.is_some() {
         // At full drive, where the grid is finest; what it makes at the points is heard anew.
         refine(problem, &mut drive, work);

@@ -62,7 +62,7 @@ fn focus() -> Result<bool, Error> {
     let solution =
         midair::solve(&problem, &Greedy::default(), false, &mut Workspace::new(), &mut Control::none())?;
     // With one point the balanced level is p1; 16 phases lose sinc(1/16), half a percent.
-    let p1_is_right = (problem.pressures()[0] - 2.36066).abs() < 1e-5;
+    let p1_is_right = (problem.targets_in_pascals()[0] - 2.36066).abs() < 1e-5;
     let accuracy = solution.metrics().accuracy;
     Ok(p1_is_right && accuracy > 0.985 && accuracy < 1.0)
 }

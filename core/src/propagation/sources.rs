@@ -1,0 +1,148 @@
+//! The transducers as the kernels see them: the one place that knows eq. (5), directivity, absorption and response.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use num_complex::Complex64;
+
+use crate::error::Error;
+use crate::kernels::lanes::padded;
+use crate::kernels::propagate::row::{Law, Source};
+use crate::math;
+use crate::scene::array::Array;
+use crate::scene::extent::check_places;
+use crate::scene::medium::Medium;
+
+/// An array in a medium, prepared for computing rows: positions in wavelengths from the array's middle.
+///
+/// Distances in wavelengths *are* phases in turns, so the f32 rows need no multiplication between distance and
+/// phase, and lose no digits to one.
+#[derive(Clone, Debug)]
+pub(crate) struct Sources {
+    pub(crate) array: Array,
+    pub(crate) medium: Medium,
+    centre: [f64; 3],
+    pub(crate) sources: Vec<Source>,
+    pub(crate) law: Law,
+}
+
+impl Sources {
+    pub(crate) fn new(array: &Array, medium: Medium) -> Self {
+        let centre = array.centre();
+        let wavelength = medium.wavelength();
+        // P0 cancels: the reference is 1000 P0.
+        let unit = 1.0 / (1000.0 * wavelength);
+        let sources = (0..array.len())
+            .map(|i| {
+                let Complex64 { re, im } = array.effect(i);
+                let (gain, turns) = if im == 0.0 && re >= 0.0 {
+                    (unit * re, 0.0)
+                } else {
+                    (unit * math::hypot(re, im), math::atan2(im, re) / core::f64::consts::TAU)
+                };
+                Source {
+                    position: wavelengths(array.positions()[i], centre, wavelength),
+                    normal: array.normals()[i].map(|x| x as f32),
+                    gain: gain as f32,
+                    turns: turns as f32,
+                }
+            })
+            .collect();
+        let law = Law {
+            decay: (-medium.absorption * wavelength * core::f64::consts::LOG2_E) as f32,
+            table: array.transducer().directivity.table(medium.wavenumber()),
+        };
+        Self { array: array.clone(), medium, centre, sources, law }
+    }
+
+    /// Points in this frame, padded with the last one: x, y and z.
+    pub(crate) fn frame(&self, points: &[[f64; 3]]) -> [Vec<f32>; 3] {
+        let mut frame = [(); 3].map(|()| vec![0.0; padded(points.len())]);
+        self.write_frame(points, &mut frame);
+        frame
+    }
+
+    /// Writes the points into a frame of their number.
+    pub(crate) fn write_frame(&self, points: &[[f64; 3]], frame: &mut [Vec<f32>; 3]) {
+        for (j, point) in points.iter().enumerate() {
+            let place = wavelengths(*point, self.centre, self.medium.wavelength());
+            for (axis, x) in frame.iter_mut().zip(place) {
+                axis[j] = x;
+            }
+        }
+        // Padding is computed with the rest, and far away, with absorption, it would be denormal: a hundred cycles each.
+        for axis in frame {
+            let (places, padding) = axis.split_at_mut(points.len());
+            if let Some(&last) = places.last() {
+                padding.fill(last);
+            }
+        }
+    }
+
+    /// Refuses points that are none, not finite or too far away for phases in f32.
+    pub(crate) fn check_points(&self, points: &[[f64; 3]]) -> Result<(), Error> {
+        if points.is_empty() {
+            return Err(Error::invalid("points", "empty", "give at least one point"));
+        }
+        check_places(self.centre, self.medium, "points", ".position", points)
+    }
+
+    /// Pa of one unit of the rows.
+    pub(crate) fn reference(&self) -> f64 {
+        1000.0 * self.array.transducer().source_pressure
+    }
+
+    /// Eq. (5) in double precision, in Pa.
+    pub(crate) fn exact(&self, i: usize, point: [f64; 3]) -> Complex64 {
+        let transducer = self.array.transducer();
+        let from = self.array.positions()[i];
+        let ray = [0, 1, 2].map(|axis| point[axis] - from[axis]);
+        let r = distance(from, point).max(self.medium.wavelength() / 100.0);
+        let normal = self.array.normals()[i];
+        let cos_theta = (0..3).map(|axis| ray[axis] * normal[axis]).sum::<f64>() / r;
+        let k = self.medium.wavenumber();
+        let amplitude = transducer.source_pressure / r
+            * transducer.directivity.value(cos_theta, k)
+            * math::exp(-self.medium.absorption * r);
+        self.array.effect(i) * Complex64::new(amplitude * math::cos(k * r), amplitude * math::sin(k * r))
+    }
+
+    /// Refuses points nearer to transducer `i` than a hundredth of the wavelength.
+    pub(crate) fn check_distances(&self, i: usize, points: &[[f64; 3]]) -> Result<(), Error> {
+        let least = self.medium.wavelength() / 100.0;
+        let position = self.array.positions()[i];
+        for (point, place) in points.iter().enumerate() {
+            let distance = distance(position, *place);
+            if distance < least {
+                return Err(Error::TooNear { point, transducer: i, distance, least });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A position in wavelengths from `centre`, rounded to f32 only now.
+fn wavelengths(position: [f64; 3], centre: [f64; 3], wavelength: f64) -> [f32; 3] {
+    [0, 1, 2].map(|axis| ((position[axis] - centre[axis]) / wavelength) as f32)
+}
+
+pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    math::sqrt((0..3).map(|axis| (a[axis] - b[axis]) * (a[axis] - b[axis])).sum())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn padding_is_a_point_also_when_the_points_change() {
+        let array = Array::preset("paper20", [1, 1]).expect("a preset");
+        let prepared = Sources::new(&array, Medium::default());
+        let (near, other) = ([[0.0, 0.01, 0.15]; 3], [[0.02, 0.0, 0.1]; 3]);
+        let mut frame = prepared.frame(&near);
+        assert!(frame.iter().all(|axis| axis.len() == 16 && axis.iter().all(|x| *x == axis[0])));
+        prepared.write_frame(&other, &mut frame);
+        assert_eq!(frame, prepared.frame(&other));
+        assert!(prepared.frame(&[]).iter().all(Vec::is_empty));
+    }
+}

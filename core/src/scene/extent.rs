@@ -1,0 +1,40 @@
+//! How far from the array's middle phases in f32 still mean something.
+
+use alloc::format;
+
+use crate::error::Error;
+use crate::scene::array::{Array, vector};
+use crate::scene::medium::Medium;
+
+/// Beyond this many wavelengths from the array's middle f32 can no longer tell one phase from another (2^20
+/// wavelengths are 9 km at 40 kHz).
+const MOST_WAVELENGTHS: f64 = (1 << 20) as f64;
+
+/// Refuses a medium, and an array that cannot be computed with in it.
+pub(crate) fn check_array(array: &Array, medium: Medium) -> Result<(), Error> {
+    medium.check()?;
+    array.transducer().directivity.check_beam(medium.wavenumber())?;
+    check_places(array.centre(), medium, "array.positions", "", array.positions())
+}
+
+/// Refuses places that are not finite or too far away from the array's middle for phases in f32.
+pub(crate) fn check_places(
+    centre: [f64; 3],
+    medium: Medium,
+    item: &str,
+    part: &str,
+    places: &[[f64; 3]],
+) -> Result<(), Error> {
+    let reach = MOST_WAVELENGTHS * medium.wavelength();
+    for (k, place) in places.iter().enumerate() {
+        let far = (0..3).any(|axis| (place[axis] - centre[axis]).abs() > reach);
+        if far || !place.iter().all(|x| x.is_finite()) {
+            let item = format!("{item}[{k}]{part}");
+            vector(&item, place)?;
+            let cure =
+                format!("bring it within {reach:.3e} m of the array's middle (coordinates are in metres)");
+            return Err(Error::invalid(item, format!("{place:?}"), cure));
+        }
+    }
+    Ok(())
+}

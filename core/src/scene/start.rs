@@ -1,0 +1,41 @@
+//! The start of an iterative method: a drive or point phases; and what a drive must be.
+
+use alloc::format;
+use alloc::vec::Vec;
+
+use num_complex::Complex32;
+
+use crate::error::Error;
+use crate::math;
+
+/// Where an iterative method begins.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::exhaustive_enums, reason = "the two sides of p = G q")]
+pub enum Start {
+    /// A drive (N,), |q| <= 1.
+    Drive(Vec<Complex32>),
+    /// Phases (M,) in rad of the pressures at the points.
+    Phases(Vec<f64>),
+}
+
+/// Refuses a drive that no array of `transducers` could be given.
+pub(crate) fn check_drive(drive: &[Complex32], transducers: usize) -> Result<(), Error> {
+    if drive.len() != transducers {
+        let value = format!("{} values", drive.len());
+        return Err(Error::invalid(
+            "drive",
+            value,
+            format!("give one for each of the {transducers} transducers"),
+        ));
+    }
+    for (i, q) in drive.iter().enumerate() {
+        let modulus = math::modulus(*q);
+        if !modulus.is_finite() {
+            return Err(Error::invalid(format!("drive[{i}]"), q, "give finite numbers"));
+        }
+        if modulus > 1.0 + 1e-6 {
+            return Err(Error::invalid(format!("drive[{i}]"), q, "a drive's modulus is at most 1"));
+        }
+    }
+    Ok(())
+}

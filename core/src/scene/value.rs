@@ -1,0 +1,115 @@
+//! Values of options as doors hand them over, and how they are read as a type.
+
+use alloc::collections::BTreeMap;
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+use core::fmt;
+
+use crate::error::Error;
+
+/// The value of an option, as a door hands it over.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::exhaustive_enums, reason = "the kinds a scene file can hold")]
+pub enum Value {
+    /// true or false.
+    Bool(bool),
+    /// An integer; wide enough for a seed of 64 bits and for its negative.
+    Integer(i128),
+    /// A real number.
+    Real(f64),
+    /// A word.
+    Text(String),
+    /// A list of integers.
+    Integers(Vec<i64>),
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Bool(value) => write!(f, "{value}"),
+            Self::Integer(value) => write!(f, "{value}"),
+            Self::Real(value) => write!(f, "{value}"),
+            Self::Text(value) => write!(f, "\"{value}\""),
+            Self::Integers(values) if values.len() <= 8 => write!(f, "{values:?}"),
+            Self::Integers(values) => write!(f, "a list of {} integers", values.len()),
+        }
+    }
+}
+
+/// Options by name.
+pub type Options = BTreeMap<String, Value>;
+
+/// A type that an option can have.
+pub trait OptionValue: Sized {
+    /// Reads it from what a door handed over; `item` names the option in the error.
+    ///
+    /// # Errors
+    /// A value of another kind or out of range.
+    fn read(item: &str, value: &Value) -> Result<Self, Error>;
+    /// The same as a value.
+    fn show(&self) -> Value;
+}
+
+impl OptionValue for u64 {
+    fn read(item: &str, value: &Value) -> Result<Self, Error> {
+        match value {
+            Value::Integer(number) => Self::try_from(*number).ok(),
+            _ => None,
+        }
+        .ok_or_else(|| Error::invalid(item, value, "give a whole number from 0 to 2^64 - 1"))
+    }
+
+    fn show(&self) -> Value {
+        Value::Integer(i128::from(*self))
+    }
+}
+
+impl OptionValue for u32 {
+    fn read(item: &str, value: &Value) -> Result<Self, Error> {
+        match value {
+            Value::Integer(number) => Self::try_from(*number).ok(),
+            _ => None,
+        }
+        .ok_or_else(|| Error::invalid(item, value, "give a whole number, 0 or above"))
+    }
+
+    fn show(&self) -> Value {
+        Value::Integer(i128::from(*self))
+    }
+}
+
+impl OptionValue for f64 {
+    fn read(item: &str, value: &Value) -> Result<Self, Error> {
+        match value {
+            Value::Integer(number) => Ok(*number as Self),
+            Value::Real(number) if number.is_finite() => Ok(*number),
+            _ => Err(Error::invalid(item, value, "give a finite number")),
+        }
+    }
+
+    fn show(&self) -> Value {
+        Value::Real(*self)
+    }
+}
+
+/// Reads a value that is one of a few words.
+///
+/// # Errors
+/// Any other value; the error lists the words.
+pub fn word<T: Copy>(item: &str, value: &Value, words: &[(&'static str, T)]) -> Result<T, Error> {
+    let found = match value {
+        Value::Text(text) => words.iter().find(|(word, _)| word == text),
+        _ => None,
+    };
+    found.map(|(_, meaning)| *meaning).ok_or_else(|| {
+        let known: Vec<String> = words.iter().map(|(word, _)| format!("\"{word}\"")).collect();
+        Error::invalid(item, value, format!("give {}", known.join(" or ")))
+    })
+}
+
+/// The word for a value that is one of a few words.
+pub fn spell<T: Copy + PartialEq>(value: T, words: &[(&'static str, T)]) -> Value {
+    let found = words.iter().find(|(_, meaning)| *meaning == value);
+    Value::Text(found.map_or_else(String::new, |(word, _)| (*word).to_string()))
+}

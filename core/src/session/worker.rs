@@ -1,0 +1,183 @@
+//! What a session's requests share, and the memory in which one thread reads and solves them.
+
+use alloc::boxed::Box;
+use alloc::format;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+use core::ops::Range;
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::problem::Problem;
+use crate::problem::setup::Setup;
+use crate::propagation::Propagation;
+use crate::propagation::model::Model;
+use crate::scene::aim::Aim;
+use crate::scene::request::Request;
+use crate::scene::start::Start;
+use crate::session::parts::Part;
+use crate::solvers::common::interleaved;
+use crate::solvers::method::Solve;
+use crate::solvers::solve::{solve, solve_interleaved};
+use crate::workspace::Workspace;
+
+/// Problems that a thread reads and solves together: one a lane.
+pub(super) const TOGETHER: usize = 16;
+
+/// One request to a session.
+#[derive(Clone, Debug, Default)]
+#[allow(clippy::exhaustive_structs, reason = "what a session is asked, in one piece")]
+pub struct Ask {
+    /// Points (M, 3) in m; empty where G is given.
+    pub points: Vec<[f64; 3]>,
+    /// Pressures and weights.
+    pub request: Request,
+    /// Where an iterative method begins.
+    pub start: Option<Start>,
+    /// The aim, for a method that uses one; left out it is the problem's own.
+    pub aim: Option<Aim>,
+}
+
+/// Where a session's G comes from.
+pub(super) enum Transducers {
+    /// Computed at the points of each request.
+    Model(Model),
+    /// The same for all requests.
+    Given(Propagation),
+}
+
+impl Transducers {
+    pub(super) fn count(&self) -> usize {
+        match self {
+            Self::Model(model) => model.array().len(),
+            Self::Given(propagation) => propagation.transducers(),
+        }
+    }
+
+    pub(super) fn points(&self) -> Option<usize> {
+        match self {
+            Self::Model(_) => None,
+            Self::Given(propagation) => Some(propagation.points()),
+        }
+    }
+}
+
+/// What all requests of a session share.
+pub(super) struct Task {
+    pub(super) transducers: Transducers,
+    pub(super) setup: Arc<Setup>,
+    pub(super) solver: Arc<dyn Solve + Send + Sync>,
+    pub(super) balance: bool,
+}
+
+impl Task {
+    /// Writes what is asked over problem `k`, or makes that one: the sums of |G| and the targets come next.
+    pub(super) fn read(&self, problems: &mut Vec<Problem>, k: usize, ask: &Ask) -> Result<(), Error> {
+        let points = match &self.transducers {
+            Transducers::Model(_) => Some(&ask.points[..]),
+            Transducers::Given(_) if ask.points.is_empty() => None,
+            Transducers::Given(_) => return Err(Error::given_points()),
+        };
+        if k == problems.len() {
+            let propagation = match &self.transducers {
+                Transducers::Model(model) => model.propagation(&ask.points)?,
+                Transducers::Given(propagation) => propagation.clone(),
+            };
+            problems.push(Problem::unasked(propagation, Arc::clone(&self.setup)));
+        }
+        let problem = &mut problems[k];
+        problem.replace(points, &ask.request)?;
+        problem.aim_at(ask.aim);
+        ask.start.clone().map_or(Ok(()), |start| problem.begin(start))
+    }
+}
+
+/// What a thread keeps from problem to problem.
+#[derive(Default)]
+pub(super) struct Worker {
+    pub(super) problems: Vec<Problem>,
+    pub(super) work: Workspace,
+    ask: Ask,
+}
+
+/// How many points all problems of a batch have, and who says what each asks.
+#[derive(Clone, Copy)]
+pub(super) struct Requests<'a> {
+    pub(super) points: usize,
+    pub(super) ask: &'a (dyn Fn(usize, &mut Ask) -> Result<(), Error> + Sync),
+}
+
+impl Worker {
+    /// Reads and solves the problems of a part.
+    pub(super) fn run(
+        &mut self,
+        mut part: Part<'_>,
+        task: &Task,
+        requests: Requests<'_>,
+    ) -> Result<(), Error> {
+        let first = part.first;
+        let mut done = 0;
+        while done < part.len() {
+            let end = part.len().min(done + TOGETHER);
+            self.some(&mut part, done..end, task, requests)
+                .map_err(|(index, error)| Error::InBatch { index: first + index, error: Box::new(error) })?;
+            done = end;
+        }
+        Ok(())
+    }
+
+    /// Reads and solves problems `range` of a part; the error has the number of the problem in the part.
+    fn some(
+        &mut self,
+        part: &mut Part<'_>,
+        range: Range<usize>,
+        task: &Task,
+        requests: Requests<'_>,
+    ) -> Result<(), (usize, Error)> {
+        let start = range.start;
+        // Those before one that is refused here may be refused later on, and are the first then.
+        let (mut count, mut refused) = (range.len(), Ok(()));
+        for k in 0..range.len() {
+            if let Err(error) = self.read(k, part.first + start + k, task, requests) {
+                (count, refused) = (k, Err((start + k, error)));
+                break;
+            }
+        }
+        let summed = interleaved::sum_moduli(&mut self.problems[..count], &mut self.work);
+        for (k, problem) in self.problems[..count].iter_mut().enumerate() {
+            let measured = if summed { Ok(()) } else { problem.sum_moduli() };
+            if let Err(error) = measured.and_then(|()| problem.balance_targets()) {
+                (count, refused) = (k, Err((start + k, error)));
+                break;
+            }
+        }
+        let problems = &self.problems[..count];
+        let (solver, balance, work) = (&*task.solver, task.balance, &mut self.work);
+        if let Some(solutions) = solve_interleaved(problems, solver, balance, work) {
+            for (k, solution) in solutions.into_iter().enumerate() {
+                part.keep(start + k, &solution);
+                solution.recycle(work);
+            }
+            return refused;
+        }
+        for (k, problem) in problems.iter().enumerate() {
+            let solution = solve(problem, solver, balance, work, &mut Control::none())
+                .map_err(|error| (start + k, error))?;
+            part.keep(start + k, &solution);
+            solution.recycle(work);
+        }
+        refused
+    }
+
+    /// Asks what problem `index` is and writes it over the worker's problem `k`.
+    fn read(&mut self, k: usize, index: usize, task: &Task, requests: Requests<'_>) -> Result<(), Error> {
+        (self.ask.start, self.ask.aim) = (None, None);
+        (requests.ask)(index, &mut self.ask)?;
+        let points = task.transducers.points().unwrap_or(self.ask.points.len());
+        if points != requests.points {
+            let cure = format!("give {} as all problems of the batch have", requests.points);
+            return Err(Error::invalid("points", format!("{points} of them"), cure));
+        }
+        task.read(&mut self.problems, k, &self.ask)
+    }
+}

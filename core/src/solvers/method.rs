@@ -1,0 +1,85 @@
+//! What a solver is: the trait [`Solve`], and what the registry knows of it.
+
+use alloc::vec::Vec;
+
+use crate::control::Control;
+use crate::device::quantization::Quantization;
+use crate::error::{Error, real};
+use crate::problem::Problem;
+use crate::problem::solution::Solution;
+use crate::scene::value::Options;
+use crate::solvers::options::Configure;
+use crate::workspace::Workspace;
+
+/// A method that finds a drive.
+pub trait Solve {
+    /// Solves `problem` as it stands: its targets are met or missed, no drive exceeds 1. Buffers come from
+    /// `work` and go back there; `control` is called once a step. A solver does not balance: [`solve`] does.
+    ///
+    /// # Errors
+    /// Options that this problem cannot be solved with.
+    fn solve(
+        &self,
+        problem: &Problem,
+        work: &mut Workspace,
+        control: &mut Control,
+    ) -> Result<Solution, Error>;
+
+    /// Solves several problems of one model at once, each bit for bit as [`Solve::solve`] does without a control,
+    /// where it knows how to share the work.
+    #[doc(hidden)]
+    fn solve_interleaved(&self, _problems: &[Problem], _work: &mut Workspace) -> Option<Vec<Solution>> {
+        None
+    }
+
+    /// Whether it brings its answer to the problem's level by itself, so that there is nothing to balance.
+    fn finds_level(&self) -> bool {
+        false
+    }
+}
+
+/// What the registry knows of a method beside its options.
+#[derive(Clone, Copy, Debug)]
+#[allow(clippy::exhaustive_structs, reason = "each solver writes one out in full")]
+pub struct Info {
+    /// Its name.
+    pub name: &'static str,
+    /// What it does, in one line.
+    pub summary: &'static str,
+    /// Paper and equation.
+    pub source: &'static str,
+    /// Whether [`solve`] balances the targets unless told otherwise.
+    pub balance: bool,
+    /// By how much permuting, moving or mirroring a scene may change a metric (in the mean over 20 scenes).
+    pub tolerance: f64,
+    /// Whether it uses a start (a drive or point phases).
+    pub uses_start: bool,
+    /// Whether it uses a level ("target" or "max").
+    pub uses_aim: bool,
+}
+
+/// A registered method: options, what is known of it, and [`Solve`].
+pub trait Method: Configure + Solve + Send + Sync + 'static {
+    /// What is known of it.
+    const INFO: Info;
+
+    /// Defaults that follow from a device's quantization.
+    #[must_use]
+    fn device_defaults(_quantization: &Quantization) -> Options {
+        Options::new()
+    }
+
+    /// Checks the options against each other and their ranges.
+    ///
+    /// # Errors
+    /// A value out of range.
+    fn check(&self) -> Result<(), Error>;
+}
+
+/// Refuses an iterative method's steps and tolerance out of range.
+pub(crate) fn check_iteration(steps: u32, tolerance: f64) -> Result<(), Error> {
+    if steps == 0 {
+        return Err(Error::invalid("steps", steps, "give at least 1"));
+    }
+    real("tolerance", tolerance, 0.0, false).map(|_| ())
+}

@@ -1,0 +1,158 @@
+//! The registry: every solver by name, one line each.
+
+use alloc::boxed::Box;
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+
+use crate::device::quantization::Quantization;
+use crate::error::Error;
+use crate::scene::choice::Choice;
+use crate::scene::value::Options;
+use crate::solvers::best::Best;
+use crate::solvers::evd::Evd;
+use crate::solvers::fast::Fast;
+use crate::solvers::greedy::Greedy;
+use crate::solvers::gs::Gs;
+use crate::solvers::gspat::Gspat;
+use crate::solvers::lm::Lm;
+use crate::solvers::method::{Info, Method, Solve};
+use crate::solvers::naive::Naive;
+use crate::solvers::options::OptionInfo;
+use crate::solvers::sdp::Sdp;
+use crate::solvers::tikhonov::Tikhonov;
+use crate::solvers::uniform::Uniform;
+use crate::solvers::wgs::Wgs;
+
+/// Declares [`SOLVERS`]; one line adds a solver.
+macro_rules! registry {
+    ($($method:path,)*) => {
+        /// Every solver, in the order of tables.
+        pub static SOLVERS: &[Entry] = &[$(Entry::of::<$method>()),*];
+    };
+}
+
+registry! {
+    Uniform,
+    Best,
+    Greedy,
+    Fast,
+    Lm,
+    Gspat,
+    Gs,
+    Wgs,
+    Evd,
+    Sdp,
+    Tikhonov,
+    Naive,
+}
+
+/// The solver used where none is named.
+pub const DEFAULT: &str = "uniform";
+
+/// A line of the registry.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// What is known of the method.
+    pub info: &'static Info,
+    list: fn() -> Vec<OptionInfo>,
+    make: fn(&Options) -> Result<Configured, Error>,
+    device: fn(&Quantization) -> Options,
+}
+
+/// A solver with its options, all of them in full.
+#[allow(missing_debug_implementations, reason = "a solver of a user's own need not have one")]
+pub struct Configured {
+    /// The registry's line.
+    pub info: &'static Info,
+    /// The value of every option.
+    pub options: Options,
+    /// The solver itself.
+    pub solver: Box<dyn Solve + Send + Sync>,
+}
+
+impl Entry {
+    /// The registry's line for a method.
+    #[must_use]
+    pub const fn of<M: Method>() -> Self {
+        Self { info: &M::INFO, list: M::list, make: make::<M>, device: M::device_defaults }
+    }
+
+    /// Every option with its default.
+    #[must_use]
+    pub fn options(&self) -> Vec<OptionInfo> {
+        (self.list)()
+    }
+
+    /// The method with some options set.
+    ///
+    /// # Errors
+    /// An unknown option or a value that does not fit.
+    pub fn configure(&self, options: &Options) -> Result<Configured, Error> {
+        (self.make)(options)
+    }
+
+    /// The same for an array that may have quantization: they give the defaults of options that choose a grid.
+    ///
+    /// # Errors
+    /// As [`Entry::configure`].
+    pub fn configure_for(
+        &self,
+        options: &Options,
+        quantization: Option<&Quantization>,
+    ) -> Result<Configured, Error> {
+        let mut all = quantization.map(self.device).unwrap_or_default();
+        all.extend(options.clone());
+        self.configure(&all)
+    }
+}
+
+fn make<M: Method>(options: &Options) -> Result<Configured, Error> {
+    let mut solver = M::default();
+    for (name, value) in options {
+        solver.set(name, value).map_err(|error| match error {
+            Error::Unknown { name, known, .. } => {
+                Error::Unknown { kind: format!("option of {}", M::INFO.name), name, known }
+            }
+            other => other,
+        })?;
+    }
+    solver.check()?;
+    Ok(Configured { info: &M::INFO, options: solver.options(), solver: Box::new(solver) })
+}
+
+/// The registry's line of that name.
+///
+/// # Errors
+/// An unknown name; the error lists the known ones.
+pub fn find(name: &str) -> Result<&'static Entry, Error> {
+    SOLVERS
+        .iter()
+        .find(|entry| entry.info.name == name)
+        .ok_or_else(|| Error::unknown("solver", name, SOLVERS.iter().map(|entry| entry.info.name)))
+}
+
+/// The error for an argument that `name` does not use, listing the solvers that do.
+#[must_use]
+pub fn unused(argument: &str, name: &str, uses: fn(&Info) -> bool) -> Error {
+    let users: Vec<&str> =
+        SOLVERS.iter().map(|entry| entry.info).filter(|info| uses(info)).map(|i| i.name).collect();
+    let cure = if users.is_empty() {
+        String::from("leave it out, no solver here uses it")
+    } else {
+        format!("leave it out, or take one that uses it: {}", users.join(", "))
+    };
+    Error::invalid(argument, format!("given to \"{name}\""), cure)
+}
+
+/// The solver of a choice, for an array of some quantization, which may give options their defaults.
+///
+/// # Errors
+/// An unknown name or option, a value out of range, an aim for a solver that uses none.
+pub fn configure(choice: &Choice, quantization: Option<&Quantization>) -> Result<Configured, Error> {
+    let made = find(&choice.name)?.configure_for(&choice.options, quantization)?;
+    if choice.aim.is_some() && !made.info.uses_aim {
+        return Err(unused("aim", made.info.name, |info| info.uses_aim));
+    }
+    Ok(made)
+}

@@ -1,0 +1,90 @@
+//! The entry point: balance, solve, round to what the board can play, report.
+
+use alloc::vec::Vec;
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::problem::Problem;
+use crate::problem::solution::Solution;
+use crate::solvers::method::Solve;
+use crate::workspace::Workspace;
+
+/// Solves a problem, balancing it first if asked to.
+///
+/// Balancing multiplies the targets by [`Problem::balance`] when that is above 1, and divides the drives by it
+/// afterwards: the cure of the paper's section V, where foci much weaker than the array can make come out
+/// smeared. Metrics, trace and progress speak of the final drive and the caller's targets.
+///
+/// Where the array has [`crate::Quantization`], every drive of the answer lies on them, rounded to the nearest phase and
+/// amplitude. Balancing then reduces to the nearest amplitude; where that would be below the least one above 0, the
+/// drives are brought there and [`Solution::scale`] says what is left to supply or modulation.
+///
+/// # Errors
+/// What the solver refuses.
+///
+/// ```
+/// use midair::{Array, Control, Medium, Problem, Request, Scene, Workspace, solvers};
+///
+/// let points = vec![[-0.02, 0.0, 0.15], [0.02, 0.0, 0.15]];
+/// let scene = Scene::new(Array::grid(20, 20, 10e-3)?, Medium::default(), points, Request::default())?;
+/// let greedy = solvers::find("greedy")?.configure(&[("seed".into(), midair::Value::Integer(1))].into())?;
+/// let problem = Problem::new(&scene)?;
+/// let solution = midair::solve(&problem, &*greedy.solver, false, &mut Workspace::new(), &mut Control::none())?;
+/// assert!(solution.metrics().accuracy > 0.8);
+/// # Ok::<(), midair::Error>(())
+/// ```
+pub fn solve(
+    problem: &Problem,
+    solver: &dyn Solve,
+    balance: bool,
+    work: &mut Workspace,
+    control: &mut Control,
+) -> Result<Solution, Error> {
+    let factor = factor(problem, solver, balance);
+    let mut solution = if factor > 1.0 {
+        let targets = work.floats.take(problem.propagation().lanes());
+        let balanced = problem.rescaled(factor, targets);
+        let solution = solver.solve(&balanced, work, control);
+        work.floats.give(balanced.into_scaled());
+        solution?
+    } else {
+        solver.solve(problem, work, control)?
+    };
+    if solution.quantize(factor, work) {
+        control.correct(|| solution.metrics().residual);
+    }
+    Ok(solution)
+}
+
+/// As [`solve`], several problems at once, where the solver knows how.
+pub(crate) fn solve_interleaved(
+    problems: &[Problem],
+    solver: &dyn Solve,
+    balance: bool,
+    work: &mut Workspace,
+) -> Option<Vec<Solution>> {
+    let factor = |problem: &Problem| factor(problem, solver, balance);
+    if problems.iter().all(|problem| factor(problem) <= 1.0) {
+        let mut solutions = solver.solve_interleaved(problems, work);
+        for solution in solutions.iter_mut().flatten() {
+            solution.quantize(1.0, work);
+        }
+        return solutions;
+    }
+    let rescaled = |problem: &Problem| {
+        let targets = work.floats.take(problem.propagation().lanes());
+        problem.rescaled(factor(problem), targets)
+    };
+    let balanced: Vec<Problem> = problems.iter().map(rescaled).collect();
+    let mut solutions = solver.solve_interleaved(&balanced, work);
+    for (solution, problem) in solutions.iter_mut().flatten().zip(problems) {
+        solution.quantize(factor(problem), work);
+    }
+    work.floats.give_all(balanced.into_iter().map(Problem::into_scaled));
+    solutions
+}
+
+/// What the targets are multiplied by before solving, and the answer divided by afterwards.
+fn factor(problem: &Problem, solver: &dyn Solve, balance: bool) -> f64 {
+    if balance && !solver.finds_level() { problem.balance().max(1.0) } else { 1.0 }
+}
