@@ -32,7 +32,7 @@ LEAST = 5e-3
 LABELS = {"accuracy": "accuracy (higher is louder)", "sigma": "sigma (lower is more even)"}
 
 #: Options beyond the defaults.
-OPTIONS = {"uniform": {"level": "max"}, "best": {"level": "max"}}
+OPTIONS = {"uniform": {"aim": "max"}, "best": {"aim": "max"}}
 FINE = methods.Method(
     "greedy 256 x 16", "greedy 256 x 16", "greedy", {"phases": 256, "amplitudes": 16}, "#7f0000"
 )

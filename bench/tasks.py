@@ -29,7 +29,7 @@ class Task:
     @cached_property
     def array(self) -> midair.Array:
         # Any drive: what the rivals' boards round to is no part of the methods.
-        return midair.Array.preset(self.preset, self.tiles, levels={})
+        return midair.Array.preset(self.preset, self.tiles, quantization={})
 
     def propagation(self, points: judge.Real) -> judge.Complex:
         return judge.propagation(self.array.positions, points, self.array.source_pressure)

@@ -12,7 +12,7 @@ FORMS = ("solve", "Solver") if hasattr(midair, "Solver") else ("solve",)
 
 
 def prepare(task: dict[str, Any]) -> Prepared:
-    array = midair.Array.preset(task["preset"], task["tiles"] and tuple(task["tiles"]), levels={})
+    array = midair.Array.preset(task["preset"], task["tiles"] and tuple(task["tiles"]), quantization={})
     method, points, pressures = task["method"], task["points"], task["pressures"]
     seeded = "seed" in midair.solvers()[method].options
     options = {"seed": task["seed"]} if seeded else {}

@@ -34,7 +34,7 @@ __all__ = [
 ]
 
 _Directivity: TypeAlias = str | dict[str, float]
-_Levels: TypeAlias = dict[str, int | ArrayLike | None]
+_Quantization: TypeAlias = dict[str, int | ArrayLike | None]
 _Option: TypeAlias = bool | int | float | str | Sequence[int] | NDArray[np.integer] | None
 
 class SceneError(ValueError): ...
@@ -51,7 +51,7 @@ class Array:
         directivity: _Directivity | None = None,
         response: ArrayLike | None = None,
         mask: ArrayLike | None = None,
-        levels: _Levels | None = None,
+        quantization: _Quantization | None = None,
     ) -> Array: ...
     @staticmethod
     def grid(
@@ -63,7 +63,7 @@ class Array:
         directivity: _Directivity | None = None,
         response: ArrayLike | None = None,
         mask: ArrayLike | None = None,
-        levels: _Levels | None = None,
+        quantization: _Quantization | None = None,
     ) -> Array: ...
     @staticmethod
     def preset(
@@ -74,7 +74,7 @@ class Array:
         directivity: _Directivity | None = None,
         response: ArrayLike | None = None,
         mask: ArrayLike | None = None,
-        levels: _Levels | None = None,
+        quantization: _Quantization | None = None,
     ) -> Array: ...
     @staticmethod
     def presets() -> list[str]: ...
@@ -87,7 +87,7 @@ class Array:
     @property
     def mask(self) -> NDArray[np.bool_]: ...
     @property
-    def levels(self) -> dict[str, int | NDArray[np.float64] | None] | None: ...
+    def quantization(self) -> dict[str, int | NDArray[np.float64] | None] | None: ...
     @property
     def source_pressure(self) -> float: ...
     @property
@@ -305,8 +305,8 @@ class Batch:
     def __len__(self) -> int: ...
 
 def solve_batch(
-    scene: Scene | Array,
-    points: ArrayLike,
+    scene: Scene | Array | Propagation,
+    points: ArrayLike | None = None,
     pressures: ArrayLike | None = None,
     solver: str | None = None,
     *,
@@ -321,12 +321,12 @@ def solve_batch(
 @final
 class Solver:
     def __new__(
-        cls, scene: Scene | Array, solver: str | None = None, *, points: int, **options: Any
+        cls, scene: Scene | Array | Propagation, solver: str | None = None, *, points: int | None = None, **options: Any
     ) -> Solver: ...
     @overload
     def __call__(
         self,
-        points: ArrayLike,
+        points: ArrayLike | None = None,
         pressures: ArrayLike | None = None,
         *,
         weights: ArrayLike | None = None,
@@ -336,7 +336,7 @@ class Solver:
     @overload
     def __call__(
         self,
-        points: ArrayLike,
+        points: ArrayLike | None = None,
         pressures: ArrayLike | None = None,
         *,
         weights: ArrayLike | None = None,
@@ -368,15 +368,22 @@ def solve(
     *,
     pressures: ArrayLike | None = None,
     weights: ArrayLike | None = None,
+    quantization: _Quantization | None = None,
+    mask: ArrayLike | None = None,
+    positions: ArrayLike | None = None,
     balance: bool | None = None,
-    level: Literal["target", "max"] | None = None,
+    aim: Literal["target", "max"] | None = None,
     start: ArrayLike | Solution | None = None,
     progress: Callable[[int, int, float], object] | None = None,
     trace: bool = False,
     **options: _Option,
 ) -> Solution: ...
 def bound(
-    scene: Scene | Propagation, *, pressures: ArrayLike | None = None, weights: ArrayLike | None = None
+    scene: Scene | Propagation,
+    *,
+    pressures: ArrayLike | None = None,
+    weights: ArrayLike | None = None,
+    mask: ArrayLike | None = None,
 ) -> float: ...
 def field(scene: Scene, drive: ArrayLike, plane: Plane | ArrayLike | None = None) -> Field: ...
 def judge(
@@ -385,6 +392,7 @@ def judge(
     *,
     pressures: ArrayLike | None = None,
     weights: ArrayLike | None = None,
+    mask: ArrayLike | None = None,
 ) -> Metrics: ...
 def solvers() -> dict[str, SolverInfo]: ...
 def presets() -> dict[str, PresetInfo]: ...

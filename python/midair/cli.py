@@ -39,7 +39,7 @@ from . import (
     solve,
     solvers,
 )
-from .interruption import interruptible
+from .ctrl_c import interruptible
 from .plot import contact_sheet, picture
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ def solve_command(
     output_file: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
     image: Path | None = None,
     balance: bool | None = None,
-    level: Literal["target", "max"] | None = None,
+    aim: Literal["target", "max"] | None = None,
     **options: str,
 ) -> int:
     """Find a drive for a scene file, judge it, and write what is asked for.
@@ -90,7 +90,7 @@ def solve_command(
         Where a picture of the field goes: .png, .svg, .pdf or .jpg.
     balance
         Solve at the level the array can reach and reduce the drives afterwards.
-    level
+    aim
         "target" for as loud as asked, "max" for as loud as the array can, for the solvers that use one.
     options
         Options of the solver, as --name value.
@@ -106,7 +106,7 @@ def solve_command(
             tell(step, steps)
             return not interrupted()
 
-        solution = solve(request, solver, balance=balance, level=level, progress=watch, **_values(options))
+        solution = solve(request, solver, balance=balance, aim=aim, progress=watch, **_values(options))
     _print_table([solution])
     if output_file is not None:
         output.write_drive(output_file, request, solution)

@@ -1,12 +1,13 @@
 //! `midair.Array` and the presets.
 
 use midair::{Complex64, Directivity, Transducer};
-use numpy::{PyArray1, PyArray2, PyArrayMethods, ToPyArray};
+use numpy::{PyArray1, PyArray2, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 
-use crate::levels::{self, on_device};
-use crate::{invalid, read, refused};
+use crate::error::{invalid, refused};
+use crate::quantization::{self, on_board};
+use crate::read::{self, rows};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
@@ -15,8 +16,8 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// Normals are normalised and +z where left out. source_pressure (Pa m) is the on-axis pressure times distance
 /// at full drive, directivity a name ("point", "piston", "sinc", "cos", "t4010a1") or {name: parameter},
 /// response (N,) a complex factor of each transducer, 0 for a dead one; mask (N,) is False where one is off.
-/// levels are what the device's channels know, {"phases": 256, "amplitudes": [0, 0.5, 1]}: every answer then lies on
-/// them. What is left out there, or None, is continuous.
+/// quantization is what its board can play, {"phases": 256, "amplitudes": [0, 0.5, 1]}: every answer then lies on
+/// that grid. What is left out there, or None, is continuous.
 ///
 /// >>> import midair
 /// >>> midair.Array([[0, 0, 0], [0.01, 0, 0]]).positions.shape
@@ -46,16 +47,11 @@ pub(crate) fn adjusted(
     }
 }
 
-/// Vectors as a numpy array (K, 3).
-pub(crate) fn rows<'py>(py: Python<'py>, vectors: &[[f64; 3]]) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    vectors.as_flattened().to_pyarray(py).reshape([vectors.len(), 3])
-}
-
 #[pymethods]
 impl Array {
     #[new]
     #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
-    #[pyo3(signature = (positions, normals=None, *, source_pressure=None, directivity=None, response=None, mask=None, levels=None))]
+    #[pyo3(signature = (positions, normals=None, *, source_pressure=None, directivity=None, response=None, mask=None, quantization=None))]
     fn new(
         positions: &Bound<'_, PyAny>,
         normals: Argument<'_, '_>,
@@ -63,18 +59,18 @@ impl Array {
         directivity: Argument<'_, '_>,
         response: Argument<'_, '_>,
         mask: Argument<'_, '_>,
-        levels: Argument<'_, '_>,
+        quantization: Argument<'_, '_>,
     ) -> PyResult<Self> {
         let normals = normals.map(|normals| read::vectors("normals", normals)).transpose()?;
         let array = midair::Array::new(read::vectors("positions", positions)?, normals).map_err(refused)?;
         let array = adjusted(array, source_pressure, directivity, response)?;
-        Ok(Self { inner: on_device(array, mask, levels)? })
+        Ok(Self { inner: on_board(array, mask, quantization)? })
     }
 
     /// A flat grid of nx x ny transducers, pitch metres apart, centred in z = 0, x fastest.
     #[staticmethod]
     #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
-    #[pyo3(signature = (nx, ny, pitch, *, source_pressure=None, directivity=None, response=None, mask=None, levels=None))]
+    #[pyo3(signature = (nx, ny, pitch, *, source_pressure=None, directivity=None, response=None, mask=None, quantization=None))]
     fn grid(
         nx: &Bound<'_, PyAny>,
         ny: &Bound<'_, PyAny>,
@@ -83,18 +79,18 @@ impl Array {
         directivity: Argument<'_, '_>,
         response: Argument<'_, '_>,
         mask: Argument<'_, '_>,
-        levels: Argument<'_, '_>,
+        quantization: Argument<'_, '_>,
     ) -> PyResult<Self> {
         let (nx, ny) = (read::count("nx", nx)?, read::count("ny", ny)?);
         let array = midair::Array::grid(nx, ny, read::real("pitch", pitch)?).map_err(refused)?;
         let array = adjusted(array, source_pressure, directivity, response)?;
-        Ok(Self { inner: on_device(array, mask, levels)? })
+        Ok(Self { inner: on_board(array, mask, quantization)? })
     }
 
     /// A known board or the paper's array; tiles = (x, y) boards. Keywords override the preset's values.
     #[staticmethod]
     #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
-    #[pyo3(signature = (name, tiles=None, *, source_pressure=None, directivity=None, response=None, mask=None, levels=None))]
+    #[pyo3(signature = (name, tiles=None, *, source_pressure=None, directivity=None, response=None, mask=None, quantization=None))]
     fn preset(
         name: &Bound<'_, PyAny>,
         tiles: Argument<'_, '_>,
@@ -102,7 +98,7 @@ impl Array {
         directivity: Argument<'_, '_>,
         response: Argument<'_, '_>,
         mask: Argument<'_, '_>,
-        levels: Argument<'_, '_>,
+        quantization: Argument<'_, '_>,
     ) -> PyResult<Self> {
         let Ok(name) = name.extract::<String>() else {
             return Err(invalid("preset", &name.to_string(), "give a name as text"));
@@ -124,7 +120,7 @@ impl Array {
         };
         let array = midair::Array::preset(&name, tiles).map_err(refused)?;
         let array = adjusted(array, source_pressure, directivity, response)?;
-        Ok(Self { inner: on_device(array, mask, levels)? })
+        Ok(Self { inner: on_board(array, mask, quantization)? })
     }
 
     /// The names of the presets; `midair.presets()` tells more.
@@ -154,13 +150,13 @@ impl Array {
     /// Which transducers are on (N,), bool.
     #[getter]
     fn mask<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
-        levels::mask(py, &self.inner)
+        quantization::mask(py, &self.inner)
     }
 
-    /// The device's levels as {"phases": L or None, "amplitudes": (K,) or None}, or None where any drive can be had.
+    /// What the board can play, as {"phases": L or None, "amplitudes": (K,) or None}, or None where any drive can be had.
     #[getter]
-    fn levels<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        levels::shown(py, &self.inner)
+    fn quantization<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        quantization::shown(py, &self.inner)
     }
 
     /// P0 in Pa m.

@@ -8,9 +8,10 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMetho
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::pulse::Pulse;
+use crate::ctrl_c::Watch;
+use crate::error::{invalid, refused};
+use crate::read;
 use crate::setting::Setting;
-use crate::{invalid, read, refused};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
@@ -100,7 +101,7 @@ impl Batch {
         self.inner.scale.to_pyarray(py)
     }
 
-    /// How each ended (B,): "done", "out_of_steps", "stopped" or "breakdown".
+    /// How each ended (B,): "done", "out_of_steps" or "stopped".
     #[getter]
     fn status(&self) -> Vec<String> {
         self.inner.status.iter().map(ToString::to_string).collect()
@@ -142,8 +143,9 @@ enum Starts {
 /// Solves B problems at once, each bit for bit as `solve` would alone.
 ///
 /// The first argument gives array and medium: a Scene, or an Array with a Scene's keywords (frequency, sound_speed,
-/// ...). points are (B, M, 3) in m; pressures and weights a number, (M,) or (B, M): a weight of 0 pads problems
-/// with fewer points. start is complex drives (B, N) or real point phases (B, M). The drives are written into out
+/// ...), or a Propagation, a matrix for B targets. quantization and mask replace the array's. points are (B, M, 3) in
+/// m, left out for a matrix, whose pressures are then (B, M); else pressures and weights are a number, (M,) or (B, M): a
+/// weight of 0 pads problems with fewer points. start is complex drives (B, N) or real point phases (B, M). The drives are written into out
 /// (B, N), complex64 and C-contiguous, if that is given. threads is how many at most; the answers do not depend on
 /// it. progress(done, problems, mean residual) stops the batch by returning False: what is not yet solved has the
 /// status "stopped" and a drive of 0.
@@ -155,14 +157,14 @@ enum Starts {
 /// ((10, 400), (10,))
 #[pyfunction]
 #[pyo3(signature = (
-    scene, points, pressures=None, solver=None, *, weights=None, start=None, out=None, threads=None,
+    scene, points=None, pressures=None, solver=None, *, weights=None, start=None, out=None, threads=None,
     progress=None, **options
 ))]
 #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
 pub(crate) fn solve_batch(
     py: Python<'_>,
     scene: &Bound<'_, PyAny>,
-    points: &Bound<'_, PyAny>,
+    points: Argument<'_, '_>,
     pressures: Argument<'_, '_>,
     solver: Argument<'_, '_>,
     weights: Argument<'_, '_>,
@@ -172,16 +174,24 @@ pub(crate) fn solve_batch(
     progress: Option<Py<PyAny>>,
     options: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Batch> {
-    let setting = Setting::read(scene, solver, options)?;
-    let (points, [count, size]) = read::batch_of_points("points", points)?;
+    let Setting { mut session, choice, info } = Setting::read(scene, solver, options)?;
+    let (points, [count, size]) = match (session.given_points(), points) {
+        (None, Some(points)) => read::batch_of_points("points", points)?,
+        (Some(size), None) => (Vec::new(), [read::batch_size("pressures", pressures, size)?, size]),
+        (Some(_), Some(_)) => {
+            return Err(invalid("points", "given", "a matrix has its own points: leave them out"));
+        }
+        (None, None) => {
+            return Err(invalid("points", "left out", "give them, of shape (B, M, 3), in metres"));
+        }
+    };
     let list = |item, value: Argument<'_, '_>| {
         value.map(|value| read::batch_of_numbers(item, value, [count, size])).transpose()
     };
     let (pressures, weights) = (list("pressures", pressures)?, list("weights", weights)?);
-    let transducers = setting.model.array().len();
-    if start.is_some() && !setting.configured.info.uses_start {
-        let name = setting.configured.info.name;
-        return Err(refused(midair::solvers::unused("start", name, |info| info.uses_start)));
+    let transducers = session.transducers();
+    if start.is_some() && !info.uses_start {
+        return Err(refused(midair::solvers::unused("start", info.name, |info| info.uses_start)));
     }
     let starts = match start {
         None => Starts::None,
@@ -202,12 +212,7 @@ pub(crate) fn solve_batch(
             array.filter(fits).ok_or_else(|| invalid("out", &read::quoted(out), &cure))?
         }
     };
-    if let Some(callback) = progress.as_ref().map(|callback| callback.bind(py))
-        && !callback.is_callable()
-    {
-        let cure = "give a function of (done, problems, residual)";
-        return Err(invalid("progress", &callback.to_string(), cure));
-    }
+    read::callback(progress.as_ref().map(|callback| callback.bind(py)), "done, problems, residual")?;
     let pool = threads
         .map(|value| {
             let threads = read::count("threads", value)?;
@@ -223,12 +228,12 @@ pub(crate) fn solve_batch(
     let mut writable = drives
         .try_readwrite()
         .map_err(|_| invalid("out", "in use or read-only", "give an array that can be written"))?;
-    let mut pulse = Pulse::new(progress);
+    let mut watch = Watch::new(progress);
     let clock = Instant::now();
     let ask = |k: usize, ask: &mut Ask| -> Result<(), midair::Error> {
         let own = k * size..(k + 1) * size;
         ask.points.clear();
-        ask.points.extend_from_slice(&points[own.clone()]);
+        ask.points.extend_from_slice(points.get(own.clone()).unwrap_or_default());
         rewrite(&mut ask.request.pressures, pressures.as_ref().map(|list| &list[own.clone()]));
         rewrite(&mut ask.request.weights, weights.as_ref().map(|list| &list[own.clone()]));
         ask.start = match &starts {
@@ -238,24 +243,21 @@ pub(crate) fn solve_batch(
             }
             Starts::Phases(phases) => Some(Start::Phases(phases[own].to_vec())),
         };
-        ask.aim = setting.choice.level;
+        ask.aim = choice.aim;
         Ok(())
     };
     let slice = writable.as_slice_mut()?;
     let inner = py.detach(|| {
-        let (solver, balance) = (&*setting.configured.solver, setting.balance);
         let mut run = |observer: &mut dyn FnMut(Progress<'_>) -> ControlFlow<()>| {
-            let mut control = Control::watched(observer);
-            let model = &setting.model;
-            midair::solve_batch(model, count, size, &ask, solver, balance, slice, &mut control)
+            session.solve_batch(count, size, &ask, slice, &mut Control::watched(observer))
         };
         match &pool {
-            Some(pool) => pulse.beside(|beat| pool.install(|| run(beat))),
-            None => run(&mut |progress| pulse.beat(&progress)),
+            Some(pool) => watch.beside(|step| pool.install(|| run(step))),
+            None => run(&mut |progress| watch.step(&progress)),
         }
     });
     drop(writable);
-    pulse.raised()?;
+    watch.raised()?;
     let inner = inner.map_err(refused)?;
     Ok(Batch { drives: drives.unbind(), inner, points: size, elapsed: clock.elapsed().as_secs_f64() })
 }

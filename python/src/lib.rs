@@ -3,41 +3,25 @@
 
 mod array;
 mod batch;
+mod ctrl_c;
+mod error;
 mod field;
-mod level;
-mod levels;
-mod pulse;
+mod instruction_set;
+mod judge;
+mod metrics;
+mod plane;
+mod propagation;
+mod quantization;
 mod read;
 mod scene;
 mod setting;
+mod solution;
 mod solve;
 mod solver;
-mod task;
+mod solvers;
+mod subject;
 
 use pyo3::prelude::*;
-
-pyo3::create_exception!(
-    midair,
-    SceneError,
-    pyo3::exceptions::PyValueError,
-    "A request that cannot be answered: one line that names the item, its value and what to change."
-);
-pyo3::create_exception!(
-    midair,
-    SceneWarning,
-    pyo3::exceptions::PyUserWarning,
-    "A request that is answered, but hardly meant that way."
-);
-
-/// A core error as the exception that users see.
-fn refused(error: midair::Error) -> PyErr {
-    SceneError::new_err(error.to_string())
-}
-
-/// A [`SceneError`] of this door's own: an argument that never reaches the core.
-fn invalid(item: &str, value: &str, cure: &str) -> PyErr {
-    refused(midair::Error::invalid(item, value, cure))
-}
 
 /// The compiled core of midair; import `midair` instead.
 #[pymodule]
@@ -50,15 +34,27 @@ mod _midair {
     #[pymodule_export]
     use super::batch::{Batch, BatchMetrics, solve_batch};
     #[pymodule_export]
-    use super::field::{Field, Plane, bound, field, judge};
+    use super::error::{SceneError, SceneWarning};
     #[pymodule_export]
-    use super::scene::{Propagation, Reach, Scene};
+    use super::field::{Field, field};
     #[pymodule_export]
-    use super::solve::{Metrics, OptionInfo, Solution, SolverInfo, solve, solvers};
+    use super::judge::{bound, judge};
+    #[pymodule_export]
+    use super::metrics::Metrics;
+    #[pymodule_export]
+    use super::plane::Plane;
+    #[pymodule_export]
+    use super::propagation::Propagation;
+    #[pymodule_export]
+    use super::scene::{Reach, Scene};
+    #[pymodule_export]
+    use super::solution::Solution;
+    #[pymodule_export]
+    use super::solve::solve;
     #[pymodule_export]
     use super::solver::Solver;
     #[pymodule_export]
-    use super::{SceneError, SceneWarning};
+    use super::solvers::{OptionInfo, SolverInfo, solvers};
 
     /// The first array makes the numpy crate look for NumPy; were Ctrl-C to come in between, it would panic. Imports
     /// may be interrupted.

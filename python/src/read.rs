@@ -1,11 +1,11 @@
 //! Arguments from Python: real integers and floats are taken, everything else is refused by name.
 
-use midair::{Complex32, Complex64, Directivity, Options, Value};
-use numpy::{PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use midair::{Aim, Complex32, Complex64, Directivity, OptionValue, Options, Request, Value};
+use numpy::{PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 
-use crate::{invalid, refused};
+use crate::error::{invalid, refused};
 
 /// How a value reads in an error: short, on one line.
 pub(crate) fn quoted(value: &Bound<'_, PyAny>) -> String {
@@ -127,6 +127,17 @@ pub(crate) fn batch_of_points(item: &str, value: &Bound<'_, PyAny>) -> PyResult<
             Ok((array.as_slice()?.as_chunks().0.to_vec(), [count, size]))
         }
         _ => Err(invalid(item, &shape_of(&array), cure)),
+    }
+}
+
+/// B of numbers (B, M).
+pub(crate) fn batch_size(item: &str, value: Option<&Bound<'_, PyAny>>, size: usize) -> PyResult<usize> {
+    let cure = format!("give real numbers of shape (B, {size}), one row a problem");
+    let Some(value) = value else { return Err(invalid(item, "left out", &cure)) };
+    let array = numbers::<f64>(item, value, "iuf", "float64", &cure)?;
+    match array.shape() {
+        &[count, columns] if columns == size && count > 0 => Ok(count),
+        _ => Err(invalid(item, &shape_of(&array), &cure)),
     }
 }
 
@@ -293,4 +304,48 @@ pub(crate) fn option_object<'py>(py: Python<'py>, value: &Value) -> PyResult<Bou
         Value::Text(text) => text.into_pyobject(py)?.into_any(),
         Value::Integers(list) => list.into_pyobject(py)?.into_any(),
     })
+}
+
+/// Pressures and weights of `count` points as the core takes them.
+pub(crate) fn request(
+    count: usize,
+    pressures: Option<&Bound<'_, PyAny>>,
+    weights: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Request> {
+    let read =
+        |item, value: Option<&Bound<'_, PyAny>>| value.map(|value| list(item, value, count)).transpose();
+    Ok(Request { pressures: read("pressures", pressures)?, weights: read("weights", weights)? })
+}
+
+/// An aim by its name.
+pub(crate) fn aim(aim: &Bound<'_, PyAny>) -> PyResult<Aim> {
+    match aim.extract::<String>() {
+        Ok(name) => Aim::read("aim", &Value::Text(name)).map_err(refused),
+        Err(_) => Err(invalid("aim", &aim.to_string(), "give \"target\" or \"max\"")),
+    }
+}
+
+/// True or False.
+pub(crate) fn flag(item: &str, value: &Bound<'_, PyAny>) -> PyResult<bool> {
+    value.extract().map_err(|_| invalid(item, &value.to_string(), "give True, False or None"))
+}
+
+/// A solver's name.
+pub(crate) fn name(value: &Bound<'_, PyAny>) -> PyResult<String> {
+    value.extract().map_err(|_| invalid("solver", &value.to_string(), "give a name as text"))
+}
+
+/// A callback, called with `arguments`.
+pub(crate) fn callback(value: Option<&Bound<'_, PyAny>>, arguments: &str) -> PyResult<()> {
+    match value {
+        Some(callback) if !callback.is_callable() => {
+            Err(invalid("progress", &callback.to_string(), &format!("give a function of ({arguments})")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Vectors as a numpy array (K, 3).
+pub(crate) fn rows<'py>(py: Python<'py>, vectors: &[[f64; 3]]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    vectors.as_flattened().to_pyarray(py).reshape([vectors.len(), 3])
 }

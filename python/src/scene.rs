@@ -1,4 +1,4 @@
-//! `midair.Scene` and `midair.Propagation`.
+//! `midair.Scene` and `midair.Reach`.
 
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -11,10 +11,12 @@ use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::array::{Array, adjusted, rows};
-use crate::field::Plane;
-use crate::solve::Solution;
-use crate::{read, refused};
+use crate::array::{Array, adjusted};
+use crate::error::refused;
+use crate::instruction_set::instruction_set;
+use crate::plane::Plane;
+use crate::read::{self, rows};
+use crate::solution::Solution;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
@@ -32,16 +34,6 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 #[pyclass(frozen, module = "midair")]
 pub(crate) struct Scene {
     pub(crate) inner: Arc<midair::Scene>,
-}
-
-/// Pressures and weights as the core takes them.
-pub(crate) fn request(
-    count: usize,
-    pressures: Argument<'_, '_>,
-    weights: Argument<'_, '_>,
-) -> PyResult<Request> {
-    let list = |item, value: Argument<'_, '_>| value.map(|value| read::list(item, value, count)).transpose();
-    Ok(Request { pressures: list("pressures", pressures)?, weights: list("weights", weights)? })
 }
 
 /// An error of the file system, as Python's own file functions raise it.
@@ -84,8 +76,11 @@ impl Scene {
         let array = adjusted(array.get().inner.clone(), source_pressure, directivity, None)?;
         let points = read::vectors("points", points)?;
         // Without points there is nothing to compare lengths with; the core says so.
-        let request =
-            if points.is_empty() { Request::default() } else { request(points.len(), pressures, weights)? };
+        let request = if points.is_empty() {
+            Request::default()
+        } else {
+            read::request(points.len(), pressures, weights)?
+        };
         let scene = midair::Scene::new(array, medium, points, request).map_err(refused)?;
         Ok(Self { inner: Arc::new(scene) })
     }
@@ -209,8 +204,8 @@ impl Scene {
 
     /// G (M, N) in Pa, complex64: the pressure at point j of transducer i at full drive, eq. (5).
     fn propagation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
-        let scene = Arc::clone(&self.inner);
-        let matrix = py.detach(move || midair::Propagation::of(&scene).matrix()).map_err(refused)?;
+        let propagation = midair::Propagation::of(&self.inner).with_instruction_set(instruction_set()?);
+        let matrix = py.detach(|| propagation.matrix()).map_err(refused)?;
         matrix.into_pyarray(py).reshape([self.inner.points().len(), self.inner.array().len()])
     }
 
@@ -251,38 +246,5 @@ impl Reach {
         let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
         let (alone, level) = (most(&self.inner.alone), most(&self.inner.level));
         format!("<midair.Reach: up to {alone:.4} Pa alone, {level:.4} Pa together>")
-    }
-}
-
-/// A user's own G (M, N) in Pa: measured, or computed with obstacles.
-///
-/// Pressures and weights then go to `solve` and `judge`.
-///
-/// >>> import midair, numpy as np
-/// >>> solution = midair.solve(midair.Propagation(np.ones((1, 4))), pressures=4.0)
-/// >>> round(solution.metrics.accuracy, 6)
-/// 1.0
-#[pyclass(frozen, module = "midair")]
-pub(crate) struct Propagation {
-    pub(crate) inner: midair::Propagation,
-}
-
-#[pymethods]
-impl Propagation {
-    #[new]
-    fn new(matrix: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let (entries, points) = read::matrix("propagation", matrix)?;
-        Ok(Self { inner: midair::Propagation::from_matrix(&entries, points).map_err(refused)? })
-    }
-
-    /// (M, N): points and transducers.
-    #[getter]
-    fn shape(&self) -> (usize, usize) {
-        (self.inner.points(), self.inner.transducers())
-    }
-
-    fn __repr__(&self) -> String {
-        let (m, n) = self.shape();
-        format!("<midair.Propagation of {n} transducers at {m} points>")
     }
 }

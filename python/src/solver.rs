@@ -2,26 +2,30 @@
 
 use std::time::Instant;
 
-use midair::{Complex32, Control, Progress, Request, Session};
+use midair::solvers::{Info, unused};
+use midair::{Ask, Complex32, Control, Progress, Session};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::pulse::Pulse;
+use crate::ctrl_c::Watch;
+use crate::error::{invalid, refused};
+use crate::metrics::Metrics;
+use crate::read;
 use crate::setting::Setting;
-use crate::solve::{Metrics, Solution, begin};
-use crate::{invalid, read, refused};
+use crate::solution::{Solution, begin};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// One array, one method, many requests: it owns its memory, so that from its second call on nothing is allocated
 /// if `out` is given.
 ///
-/// scene gives array and medium: a Scene, or an Array with a Scene's keywords (frequency, sound_speed, ...). points
-/// is the largest number of points it will be asked for.
+/// scene gives array and medium: a Scene, or an Array with a Scene's keywords (frequency, sound_speed, ...), or a
+/// Propagation, a matrix for many targets. quantization and mask replace the array's. points is the largest number of
+/// points that it may be asked for, if there is to be one.
 ///
 /// >>> import midair, numpy
-/// >>> solver = midair.Solver(midair.Array.preset("paper20"), "fast", points=2)
+/// >>> solver = midair.Solver(midair.Array.preset("paper20"), "fast")
 /// >>> drive = numpy.empty(400, numpy.complex64)
 /// >>> for x in (0.00, 0.01, 0.02):
 /// ...     answer = solver([[x, 0, 0.15], [-x, 0.01, 0.15]], out=drive)
@@ -31,9 +35,9 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 pub(crate) struct Solver {
     session: Session,
     choice: midair::Choice,
-    points: usize,
-    transducers: usize,
-    request: Request,
+    info: &'static Info,
+    points: Option<usize>,
+    ask: Ask,
     elapsed: f64,
 }
 
@@ -47,6 +51,21 @@ impl Solver {
             )
         })
     }
+}
+
+/// Copies points into a list that is kept: an array that is already float64 and C-contiguous without another copy.
+fn copy_points(value: &Bound<'_, PyAny>, kept: &mut Vec<[f64; 3]>) -> PyResult<()> {
+    kept.clear();
+    if let Ok(array) = value.extract::<PyReadonlyArray2<'_, f64>>()
+        && array.shape()[1] == 3
+        && array.is_c_contiguous()
+        && let Ok(slice) = array.as_slice()
+    {
+        kept.extend_from_slice(slice.as_chunks().0);
+        return Ok(());
+    }
+    kept.extend(read::vectors("points", value)?);
+    Ok(())
 }
 
 /// Copies numbers into a list that is kept: one for every point, or one for all.
@@ -70,90 +89,86 @@ fn copy(item: &str, value: Argument<'_, '_>, count: usize, kept: &mut Option<Vec
 #[pymethods]
 impl Solver {
     #[new]
-    #[pyo3(signature = (scene, solver=None, *, points, **options))]
+    #[pyo3(signature = (scene, solver=None, *, points=None, **options))]
     fn new(
         scene: &Bound<'_, PyAny>,
         solver: Argument<'_, '_>,
-        points: &Bound<'_, PyAny>,
+        points: Argument<'_, '_>,
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        let points = read::count("points", points)?;
-        if points == 0 {
+        let points = points.map(|points| read::count("points", points)).transpose()?;
+        if points == Some(0) {
             return Err(invalid("points", "0", "give a whole number, 1 or above"));
         }
-        let Setting { model, choice, configured, balance } = Setting::read(scene, solver, options)?;
-        let transducers = model.array().len();
-        let mut session = Session::new(model, configured);
-        (session.balance, session.aim) = (balance, choice.level);
-        Ok(Self { session, choice, points, transducers, request: Request::default(), elapsed: 0.0 })
+        let Setting { session, choice, info } = Setting::read(scene, solver, options)?;
+        let ask = Ask { aim: choice.aim, ..Ask::default() };
+        Ok(Self { session, choice, info, points, ask, elapsed: 0.0 })
     }
 
-    /// Finds a drive for points (M, 3) in m, as `solve` would. Without out the answer is a new Solution. With out, a
-    /// complex64 array (N,), the drive is written there and the solver itself is returned: its drive, pressures,
-    /// metrics and status are those of the last call.
-    #[pyo3(signature = (points, pressures=None, *, weights=None, start=None, out=None))]
+    /// Finds a drive for points (M, 3) in m, as `solve` would; a matrix has its own, and they are left out. Without out the
+    /// answer is a new Solution. With out, a complex64 array (N,), the drive is written there and the solver itself is
+    /// returned: its drive, pressures, metrics and status are those of the last call.
+    #[pyo3(signature = (points=None, pressures=None, *, weights=None, start=None, out=None))]
     fn __call__<'py>(
         mut slf: PyRefMut<'py, Self>,
         py: Python<'py>,
-        points: &Bound<'py, PyAny>,
+        points: Argument<'_, 'py>,
         pressures: Argument<'_, 'py>,
         weights: Argument<'_, 'py>,
         start: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
     ) -> PyResult<Py<PyAny>> {
         let clock = Instant::now();
-        let this = &mut *slf;
-        let info = this.session.configured().info;
+        let Self { session, choice, info, points: most, ask, elapsed } = &mut *slf;
         if start.is_some() && !info.uses_start {
-            return Err(refused(midair::solvers::unused("start", info.name, |info| info.uses_start)));
+            return Err(refused(unused("start", info.name, |info| info.uses_start)));
         }
-        // What is already a float64 array is read in place.
-        let array = points.extract::<PyReadonlyArray2<'py, f64>>().ok();
-        let in_place =
-            array.as_ref().filter(|array| array.shape()[1] == 3).and_then(|array| array.as_slice().ok());
-        let copied;
-        let places = if let Some(slice) = in_place {
-            slice.as_chunks().0
-        } else {
-            copied = read::vectors("points", points)?;
-            &copied
+        let count = match (session.given_points(), points) {
+            (Some(count), None) => count,
+            (None, Some(points)) => {
+                copy_points(points, &mut ask.points)?;
+                ask.points.len()
+            }
+            (Some(_), Some(_)) => {
+                return Err(invalid("points", "given", "a matrix has its own points: leave them out"));
+            }
+            (None, None) => {
+                return Err(invalid("points", "left out", "give them, of shape (M, 3), in metres"));
+            }
         };
-        if places.len() > this.points {
-            let cure =
-                format!("this solver was made for {}: make one with points={}", this.points, places.len());
-            return Err(invalid("points", &format!("{} of them", places.len()), &cure));
+        if let Some(most) = most.filter(|&most| count > most) {
+            let cure = format!("this solver was made for {most}: make one with points={count}");
+            return Err(invalid("points", &format!("{count} of them"), &cure));
         }
-        copy("pressures", pressures, places.len(), &mut this.request.pressures)?;
-        copy("weights", weights, places.len(), &mut this.request.weights)?;
+        copy("pressures", pressures, count, &mut ask.request.pressures)?;
+        copy("weights", weights, count, &mut ask.request.weights)?;
+        let transducers = session.transducers();
         let out = out
             .map(|out| {
-                let array =
-                    out.cast::<PyArray1<Complex32>>().ok().filter(|array| array.len() == this.transducers);
+                let array = out.cast::<PyArray1<Complex32>>().ok().filter(|array| array.len() == transducers);
                 let array = array.and_then(|array| array.try_readwrite().ok());
-                let cure = format!("give a writable complex64 array of shape ({},)", this.transducers);
+                let cure = format!("give a writable complex64 array of shape ({transducers},)");
                 array.ok_or_else(|| invalid("out", &read::quoted(out), &cure))
             })
             .transpose()?;
-        let start = start.map(begin).transpose()?;
-        let mut pulse = Pulse::new(None);
-        let (session, request) = (&mut this.session, &this.request);
+        ask.start = start.map(begin).transpose()?;
+        let mut watch = Watch::new(None);
         let solved = py.detach(|| {
-            let mut observer = |progress: Progress<'_>| pulse.beat(&progress);
-            session.solve(places, request, start, &mut Control::watched(&mut observer)).map(|_| ())
+            let mut observer = |progress: Progress<'_>| watch.step(&progress);
+            session.solve(ask, &mut Control::watched(&mut observer)).map(|_| ())
         });
-        pulse.raised()?;
+        watch.raised()?;
         solved.map_err(refused)?;
-        this.elapsed = clock.elapsed().as_secs_f64();
+        *elapsed = clock.elapsed().as_secs_f64();
         if let Some(mut out) = out {
-            let drive = &this.last()?.drive;
+            let drive = &slf.last()?.drive;
             for (out, q) in out.as_array_mut().iter_mut().zip(drive) {
                 *out = *q;
             }
             return Ok(slf.into_pyobject(py)?.into_any().unbind());
         }
-        let elapsed = this.elapsed;
-        let inner = this.session.take().ok_or_else(|| invalid("solution", "none", "report this"))?;
-        let solution = Solution::new(inner, this.choice.clone(), None, elapsed);
+        let inner = session.take().ok_or_else(|| invalid("solution", "none", "report this"))?;
+        let solution = Solution::new(inner, choice.clone(), None, *elapsed);
         Ok(Bound::new(py, solution)?.into_any().unbind())
     }
 
@@ -212,7 +227,7 @@ impl Solver {
     }
 
     fn __repr__(&self) -> String {
-        let (name, points) = (&self.choice.name, self.points);
-        format!("<midair.Solver by {name}: {} transducers, up to {points} points>", self.transducers)
+        let points = self.points.map_or_else(String::new, |points| format!(", up to {points} points"));
+        format!("<midair.Solver by {}: {} transducers{points}>", self.choice.name, self.session.transducers())
     }
 }

@@ -100,7 +100,7 @@ BAD = {
     "out of another type": ({"out": np.zeros((B, 400))}, "out is"),
     "no threads": ({"threads": 0}, "threads is 0"),
     "less than no threads": ({"threads": -1}, "threads is -1"),
-    "a level unused": ({"level": "max"}, "level is given to"),
+    "a level unused": ({"aim": "max"}, "aim is given to"),
 }
 
 

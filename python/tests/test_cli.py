@@ -93,7 +93,7 @@ def test_help_names_every_option(run: Run, command: str) -> None:
     status, out, err = run(*command.split(), "--help")
     words = {
         "": ["solve", "compare", "solvers", "presets"],
-        "solve": ["--solver", "--output", "-o", "--image", "--balance", "--level"],
+        "solve": ["--solver", "--output", "-o", "--image", "--balance", "--aim"],
         "compare": ["--solvers", "--image", "--balance"],
     }
     assert (status, err) == (0, "")

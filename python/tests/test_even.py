@@ -19,15 +19,15 @@ def ratios(solution: midair.Solution) -> np.ndarray:
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_pressures_mean_as_loud_as_asked_and_none_mean_as_loud_as_can_be(solver: str) -> None:
     weak = midair.Scene(ARRAY, POINTS, [0.05, 0.1, 0.07])
-    asked, loud = midair.solve(weak, solver), midair.solve(weak, solver, level="max")
-    assert asked.options["level"] == "target"
+    asked, loud = midair.solve(weak, solver), midair.solve(weak, solver, aim="max")
+    assert asked.options["aim"] == "target"
     assert ratios(asked) == pytest.approx(np.ones(3), abs=1e-4)
     # The same field, brought down by one factor.
     assert loud.metrics.sigma < 1e-5
     assert np.abs(loud.drive) == pytest.approx(np.ones(400), abs=1e-5)
     assert asked.drive * loud.metrics.level == pytest.approx(loud.drive, abs=1e-4)
     left_out = midair.solve(midair.Scene(ARRAY, POINTS), solver)
-    assert left_out.options["level"] == "max"
+    assert left_out.options["aim"] == "max"
     assert np.abs(left_out.drive).max() == pytest.approx(1, abs=1e-5)
 
 
@@ -43,30 +43,30 @@ def test_balancing_changes_nothing(solver: str) -> None:
 def test_a_level_is_one_of_two_words(solver: str, bad: object) -> None:
     scene = midair.Scene(ARRAY, POINTS)
     if bad is None:
-        assert midair.solve(scene, solver, level=None).status == "done"
+        assert midair.solve(scene, solver, aim=None).status == "done"
         return
-    with pytest.raises(midair.SceneError, match=r"^level .*\"target\" or \"max\""):
-        midair.solve(scene, solver, level=bad)
+    with pytest.raises(midair.SceneError, match=r"^aim .*\"target\" or \"max\""):
+        midair.solve(scene, solver, aim=bad)
 
 
 def test_a_level_in_the_scene_file_is_used_saved_and_won_over(tmp_path) -> None:
     path = tmp_path / "scene.toml"
     midair.Scene(ARRAY, POINTS, 0.5).save(path)
-    path.write_text(path.read_text() + '\n[solver]\nname = "uniform"\nlevel = "max"\n')
+    path.write_text(path.read_text() + '\n[solver]\nname = "uniform"\naim = "max"\n')
     scene = midair.Scene.load(path)
-    assert scene.solver == ("uniform", {"level": "max"})
+    assert scene.solver == ("uniform", {"aim": "max"})
     assert midair.solve(scene).metrics.level > 1.1
-    assert midair.solve(scene, level="target").metrics.level == pytest.approx(1, abs=1e-4)
+    assert midair.solve(scene, aim="target").metrics.level == pytest.approx(1, abs=1e-4)
     again = tmp_path / "again.json"
     scene.save(again)
-    assert json.loads(again.read_text())["solver"] == {"name": "uniform", "level": "max"}
+    assert json.loads(again.read_text())["solver"] == {"name": "uniform", "aim": "max"}
     # Another solver drops the file's options, the level among them.
     assert midair.solve(scene, "wgs").status == "done"
 
 
 @pytest.mark.parametrize(
     ("table", "item"),
-    [('name = "naive"\nlevel = "max"', "level"), ('name = "uniform"\nlevel = "most"', "solver.level")],
+    [('name = "naive"\naim = "max"', "aim"), ('name = "uniform"\naim = "most"', "solver.aim")],
 )
 def test_a_level_that_makes_no_sense_in_a_file_is_refused(tmp_path, table: str, item: str) -> None:
     path = tmp_path / "scene.toml"

@@ -24,7 +24,7 @@ def steps(phases: np.ndarray, count: int) -> np.ndarray:
 
 @pytest.mark.parametrize("solver", sorted(midair.solvers()))
 def test_every_solver_answers_on_the_grid(solver: str) -> None:
-    array = board(levels={"phases": 24, "amplitudes": [0, 0.5, 1]})
+    array = board(quantization={"phases": 24, "amplitudes": [0, 0.5, 1]})
     solution = midair.solve(midair.Scene(array, POINTS), solver)
     # One rounding to f32 of the drive, in steps of the grid.
     assert steps(solution.phases, 24).max() < 1e-5
@@ -33,7 +33,7 @@ def test_every_solver_answers_on_the_grid(solver: str) -> None:
 
 
 def test_pressures_and_metrics_are_those_of_the_rounded_drive() -> None:
-    scene = midair.Scene(board(levels={"phases": 4}), POINTS)
+    scene = midair.Scene(board(quantization={"phases": 4}), POINTS)
     solution = midair.solve(scene, "wgs")
     field = scene.propagation() @ solution.drive
     # complex64 sums over 144 transducers.
@@ -43,7 +43,7 @@ def test_pressures_and_metrics_are_those_of_the_rounded_drive() -> None:
 
 
 def test_greedy_takes_the_grid_of_the_device() -> None:
-    scene = midair.Scene(board(levels={"phases": 24, "amplitudes": [0, 0.5, 1]}), POINTS)
+    scene = midair.Scene(board(quantization={"phases": 24, "amplitudes": [0, 0.5, 1]}), POINTS)
     options = midair.solve(scene, "greedy").options
     assert (options["phases"], options["amplitudes"]) == (24, 2)
     assert midair.solve(scene, "greedy", phases=8, amplitudes=1).options["phases"] == 8
@@ -55,17 +55,17 @@ def test_greedy_takes_the_grid_of_the_device() -> None:
 
 
 def test_presets_carry_the_levels_of_their_boards() -> None:
-    levels = midair.Array.preset("autd3").levels
+    levels = midair.Array.preset("autd3").quantization
     assert levels is not None
     assert levels["phases"] == 256
     np.testing.assert_allclose(levels["amplitudes"], np.arange(256) / 255, atol=1e-15)
-    assert midair.Array.preset("paper20").levels is None
-    assert midair.Array.preset("autd3", levels={}).levels is None
-    assert midair.Array.preset("autd3", levels={"phases": 32}).levels == {"phases": 32, "amplitudes": None}
+    assert midair.Array.preset("paper20").quantization is None
+    assert midair.Array.preset("autd3", quantization={}).quantization is None
+    assert midair.Array.preset("autd3", quantization={"phases": 32}).quantization == {"phases": 32, "amplitudes": None}
 
 
 def test_what_the_device_cannot_reduce_is_left_to_the_supply_and_told() -> None:
-    scene = midair.Scene(board(levels={"phases": 256, "amplitudes": [0, 1]}), POINTS, 100.0)
+    scene = midair.Scene(board(quantization={"phases": 256, "amplitudes": [0, 1]}), POINTS, 100.0)
     with pytest.warns(midair.SceneWarning, match=r"scale all drives by 0\.\d+ by supply or modulation"):
         solution = midair.solve(scene, "wgs")
     assert 0 < solution.scale < 1
@@ -92,10 +92,10 @@ def test_masked_transducers_are_off() -> None:
 def test_files_hold_levels_and_masks(tmp_path: Path, ending: str) -> None:
     mask = [i % 3 != 0 for i in range(144)]
     for array in (
-        board(levels={"phases": 10, "amplitudes": [0, 0.1, 1]}, mask=mask),
-        board(levels={"amplitudes": [1]}),
+        board(quantization={"phases": 10, "amplitudes": [0, 0.1, 1]}, mask=mask),
+        board(quantization={"amplitudes": [1]}),
         midair.Array.preset("autd3"),
-        midair.Array.preset("autd3", levels={}),
+        midair.Array.preset("autd3", quantization={}),
     ):
         path = tmp_path / f"scene.{ending}"
         scene = midair.Scene(array, POINTS)
@@ -103,7 +103,7 @@ def test_files_hold_levels_and_masks(tmp_path: Path, ending: str) -> None:
         again = midair.Scene.load(path)
         assert again.json() == scene.json()
         assert (again.array.mask == array.mask).all()
-        one, other = again.array.levels, array.levels
+        one, other = again.array.quantization, array.quantization
         assert (one is None) == (other is None)
         if one is not None and other is not None:
             assert one["phases"] == other["phases"]
@@ -113,23 +113,23 @@ def test_files_hold_levels_and_masks(tmp_path: Path, ending: str) -> None:
 
 def test_a_preset_says_nothing_of_its_own_levels() -> None:
     scene = midair.Scene(midair.Array.preset("autd3"), POINTS)
-    assert "levels" not in scene.json()
+    assert "quantization" not in scene.json()
     assert "mask" not in scene.json()
 
 
 @pytest.mark.parametrize(
     ("keywords", "said"),
     [
-        ({"levels": {"phases": 1}}, "array.levels.phases is 1"),
-        ({"levels": {"phases": 2**40}}, "array.levels.phases is "),
-        ({"levels": {"phases": 2.5}}, "array.levels.phases is 2.5"),
-        ({"levels": {"phases": True}}, "array.levels.phases is True"),
-        ({"levels": {"amplitudes": [0, 0.5]}}, "end the table in 1"),
-        ({"levels": {"amplitudes": [1, 0.5, 1]}}, "array.levels.amplitudes[1] is 0.5"),
-        ({"levels": {"amplitudes": []}}, "array.levels.amplitudes is 0 values"),
-        ({"levels": {"amplitudes": ["0", "1"]}}, "array.levels.amplitudes is "),
-        ({"levels": {"phase": 16}}, "unknown key of levels"),
-        ({"levels": 256}, "levels is 256: give a dictionary"),
+        ({"quantization": {"phases": 1}}, "array.quantization.phases is 1"),
+        ({"quantization": {"phases": 2**40}}, "array.quantization.phases is "),
+        ({"quantization": {"phases": 2.5}}, "array.quantization.phases is 2.5"),
+        ({"quantization": {"phases": True}}, "array.quantization.phases is True"),
+        ({"quantization": {"amplitudes": [0, 0.5]}}, "end the table in 1"),
+        ({"quantization": {"amplitudes": [1, 0.5, 1]}}, "array.quantization.amplitudes[1] is 0.5"),
+        ({"quantization": {"amplitudes": []}}, "array.quantization.amplitudes is 0 values"),
+        ({"quantization": {"amplitudes": ["0", "1"]}}, "array.quantization.amplitudes is "),
+        ({"quantization": {"phase": 16}}, "unknown key of quantization"),
+        ({"quantization": 256}, "quantization is 256: give a dictionary"),
         ({"mask": [True] * 3}, "array.mask is 3 values: give one for each of the 144 transducers"),
         ({"mask": [1] * 144}, "mask is "),
         ({"mask": True}, "mask is of shape ()"),
@@ -146,7 +146,7 @@ def test_what_no_device_has_is_refused_in_one_line(keywords: dict[str, Any], sai
 def test_the_command_line_tells_of_the_scale_and_records_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    scene = midair.Scene(board(levels={"phases": 256, "amplitudes": [0, 1]}), POINTS, 100.0)
+    scene = midair.Scene(board(quantization={"phases": 256, "amplitudes": [0, 1]}), POINTS, 100.0)
     scene.save(tmp_path / "scene.toml")
     drive = tmp_path / "drive.npz"
     with pytest.raises(SystemExit) as left:

@@ -38,9 +38,9 @@ def test_keywords_have_the_names_and_order_of_the_design() -> None:
     parameters = {
         midair.Scene: "array points pressures weights frequency sound_speed temperature absorption density "
         "source_pressure directivity",
-        midair.Array: "positions normals source_pressure directivity response mask levels",
+        midair.Array: "positions normals source_pressure directivity response mask quantization",
         midair.Plane: "z size pixels center",
-        midair.solve: "scene solver pressures weights balance level start progress trace options",
+        midair.solve: "scene solver pressures weights quantization mask positions balance aim start progress trace options",
         midair.judge: "scene drive pressures weights",
         midair.field: "scene drive plane",
         midair.plot: "field ax quantity vmax",

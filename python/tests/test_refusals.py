@@ -263,7 +263,7 @@ def test_columns_are_refused_for_gains() -> None:
 def test_keywords_that_a_solver_does_not_use_are_refused(solver: str) -> None:
     refused(lambda: midair.solve(scene(), solver, start=np.ones(16)), "start", solver)
     refused(lambda: midair.solve(scene(), solver, start=midair.solve(scene())), "start", solver)
-    refused(lambda: midair.solve(scene(), solver, level="max"), "level", solver)
+    refused(lambda: midair.solve(scene(), solver, aim="max"), "aim", solver)
 
 
 @pytest.mark.parametrize("bad", [1, 0, "yes", np.ones((3, 3)), object()], ids=repr)

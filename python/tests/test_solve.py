@@ -45,8 +45,8 @@ def test_solvers_tell_their_options_and_defaults() -> None:
         options = {option: about.default for option, about in info.options.items()}
         solution = midair.solve(small(), name)
         assert solution.solver == name
-        level = {"level": "max"} if name in LEVELLED else {}
-        assert solution.options == {**options, "balance": info.balance, **level}
+        aim = {"aim": "max"} if name in LEVELLED else {}
+        assert solution.options == {**options, "balance": info.balance, **aim}
         assert same_bits(midair.solve(small(), name, **options).drive, solution.drive)
     greedy = {name: about.default for name, about in solvers["greedy"].options.items()}
     assert greedy == {"phases": 16, "amplitudes": 1, "objective": "l2", "order": "random", "seed": 0}

@@ -88,8 +88,9 @@ impl Quantization {
         &table[usize::from(table.first() == Some(&0.0))..]
     }
 
-    /// Whether they bind nothing.
-    pub(crate) fn are_continuous(&self) -> bool {
+    /// Whether every drive can be played.
+    #[must_use]
+    pub fn is_continuous(&self) -> bool {
         self.phasors.is_none() && self.amplitudes.is_none()
     }
 

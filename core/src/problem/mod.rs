@@ -258,7 +258,7 @@ impl Problem {
     /// What the board can play; `None` for any drive.
     #[must_use]
     pub fn quantization(&self) -> Option<&Quantization> {
-        self.targets.setup.quantization.as_ref()
+        self.targets.setup.quantization.as_deref()
     }
 
     /// Targets (M,) of all points in Pa, as the caller gave them or at the balanced level.

@@ -1,6 +1,6 @@
 //! The array behind G, as far as a problem needs it.
 
-use alloc::vec::Vec;
+use alloc::sync::Arc;
 
 use crate::device::quantization::Quantization;
 use crate::error::Error;
@@ -16,7 +16,7 @@ use crate::scene::medium::Medium;
 ///
 /// // A measured matrix of 2 points and 3 transducers, played by a board of 8 phases.
 /// let matrix = [1.0, 2.0, 3.0, 3.0, 2.0, 1.0].map(|re| Complex64::new(re, 0.0));
-/// let setup = Setup { quantization: Some(Quantization::new(Some(8), None)?), ..Setup::default() };
+/// let setup = Setup { quantization: Some(Quantization::new(Some(8), None)?.into()), ..Setup::default() };
 /// let problem = Problem::with_propagation(Propagation::from_matrix(&matrix, 2)?, setup, &Request::default())?;
 /// let greedy = Greedy { phases: 8, ..Greedy::default() };
 /// let solution = midair::solve(&problem, &greedy, false, &mut Workspace::new(), &mut Control::none())?;
@@ -29,17 +29,17 @@ pub struct Setup {
     /// The air: density and sound speed give radiation pressures.
     pub medium: Medium,
     /// What the board can play; `None` for any drive.
-    pub quantization: Option<Quantization>,
+    pub quantization: Option<Arc<Quantization>>,
     /// The transducers' positions (N, 3) in m, where they are known: for an order of columns.
-    pub positions: Option<Vec<[f64; 3]>>,
+    pub positions: Option<Arc<[[f64; 3]]>>,
 }
 
 impl Setup {
     /// That of an array in a medium.
     #[must_use]
     pub fn of(array: &Array, medium: Medium) -> Self {
-        let positions = Some(array.positions().to_vec());
-        Self { medium, quantization: array.quantization().cloned(), positions }
+        let (positions, quantization) = array.shared();
+        Self { medium, quantization, positions: Some(positions) }
     }
 
     /// Refuses what does not fit G.

@@ -151,7 +151,7 @@ impl Solution {
     /// Divides drives and pressures by `factor`, at least 1, and rounds every drive to what the board can play.
     /// Whether that changed a drive.
     pub(crate) fn quantize(&mut self, factor: f64, work: &mut Workspace) -> bool {
-        let Some(quantization) = self.asked.setup.quantization.as_ref() else {
+        let Some(quantization) = self.asked.setup.quantization.as_deref() else {
             if factor > 1.0 {
                 self.drive.iter_mut().chain(&mut self.pressures).for_each(|z| *z = divided(*z, factor));
             }

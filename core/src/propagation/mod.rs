@@ -129,6 +129,31 @@ impl Propagation {
         Self { count, rows: Rows::Stored { matrix, planar: Arc::new(planar), reference }, set }
     }
 
+    /// The same with some transducers of a given matrix switched off: where the mask (N,) is false, G is 0, and so is then
+    /// the drive. An array that G is computed from has a mask of its own.
+    ///
+    /// # Errors
+    /// Another number of entries than transducers, a computed G.
+    pub fn with_mask(mut self, mask: &[bool]) -> Result<Self, Error> {
+        let Rows::Stored { matrix, planar, .. } = &mut self.rows else {
+            return Err(Error::invalid("mask", "given", "an array has its own: give it there"));
+        };
+        let transducers = matrix.len() / self.count;
+        if mask.len() != transducers {
+            let cure = format!("give one for each of the {transducers} transducers");
+            return Err(Error::invalid("mask", format!("{} values", mask.len()), cure));
+        }
+        let off = |i: &usize| !mask[*i];
+        let lanes = padded(self.count);
+        for i in (0..transducers).filter(off) {
+            Arc::make_mut(matrix)[i * self.count..(i + 1) * self.count].fill(Complex64::ZERO);
+            for plane in Arc::make_mut(planar) {
+                plane[i * lanes..(i + 1) * lanes].fill(0.0);
+            }
+        }
+        Ok(self)
+    }
+
     /// Number of transducers N.
     #[must_use]
     pub fn transducers(&self) -> usize {

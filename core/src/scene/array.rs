@@ -2,6 +2,7 @@
 
 use alloc::format;
 use alloc::string::{String, ToString};
+use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -59,12 +60,12 @@ pub enum Origin {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Array {
-    positions: Vec<[f64; 3]>,
+    positions: Arc<[[f64; 3]]>,
     normals: Vec<[f64; 3]>,
     transducer: Transducer,
     response: Option<Vec<Complex64>>,
     mask: Option<Vec<bool>>,
-    quantization: Option<Quantization>,
+    quantization: Option<Arc<Quantization>>,
     origin: Origin,
 }
 
@@ -109,7 +110,7 @@ impl Array {
             }
         }
         Ok(Self {
-            positions,
+            positions: positions.into(),
             normals,
             transducer: Transducer::default(),
             response: None,
@@ -155,7 +156,7 @@ impl Array {
         count("array.tiles", tiles[0].saturating_mul(tiles[1]).saturating_mul(preset.count))?;
         let origin = Origin::Preset { name: name.to_string(), tiles };
         let array = Self::new((preset.positions)(tiles), None)?;
-        Ok(Self { origin, transducer: preset.transducer, quantization: preset.quantization()?, ..array })
+        Ok(Self { origin, transducer: preset.transducer, ..array }.with_quantization(preset.quantization()?))
     }
 
     /// The same array with other transducers.
@@ -227,7 +228,7 @@ impl Array {
     /// grid. `None` (and quantization that bind nothing) stands for any drive.
     #[must_use]
     pub fn with_quantization(mut self, quantization: Option<Quantization>) -> Self {
-        self.quantization = quantization.filter(|quantization| !quantization.are_continuous());
+        self.quantization = quantization.filter(|quantization| !quantization.is_continuous()).map(Arc::new);
         self
     }
 
@@ -271,7 +272,12 @@ impl Array {
     /// The grid of the device, or `None` where any drive can be had.
     #[must_use]
     pub fn quantization(&self) -> Option<&Quantization> {
-        self.quantization.as_ref()
+        self.quantization.as_deref()
+    }
+
+    /// Positions and quantization, shared.
+    pub(crate) fn shared(&self) -> (Arc<[[f64; 3]]>, Option<Arc<Quantization>>) {
+        (Arc::clone(&self.positions), self.quantization.clone())
     }
 
     /// What transducer i radiates for a drive of 1, relative to the source pressure: its response, 0 if it is off.

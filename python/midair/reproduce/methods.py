@@ -58,8 +58,8 @@ L1 = Method(
 def even() -> tuple[Method, ...]:
     """Our methods for even fields at the highest level, as far as this build has them."""
     ours = (
-        Method("uniform", "uniform, |q|≤1", "uniform", {"level": "max"}, "black", False),
-        Method("best", "best, |q|≤1", "best", {"level": "max"}, "dimgray", False),
+        Method("uniform", "uniform, |q|≤1", "uniform", {"aim": "max"}, "black", False),
+        Method("best", "best, |q|≤1", "best", {"aim": "max"}, "dimgray", False),
     )
     return tuple(method for method in ours if method.solver in solvers())
 

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from .. import _midair, output
 from .._midair import SceneError, SceneWarning
-from ..interruption import interruptible
+from ..ctrl_c import interruptible
 
 Arrays = dict[str, NDArray[Any]]
 Settings = Mapping[str, Any]

@@ -1,4 +1,4 @@
-//! What a running solve or field tells Python, and hears from it.
+//! Ctrl-C and progress callbacks while the core computes.
 
 use std::ops::ControlFlow;
 use std::panic::resume_unwind;
@@ -11,10 +11,10 @@ use midair::Progress;
 use pyo3::prelude::*;
 
 /// What a solve calls after each step.
-pub(crate) type Beat<'a> = dyn FnMut(Progress<'_>) -> ControlFlow<()> + Send + 'a;
+pub(crate) type Step<'a> = dyn FnMut(Progress<'_>) -> ControlFlow<()> + Send + 'a;
 
-/// A running solve's contact with Python: signals are looked at now and then, progress is told every step.
-pub(crate) struct Pulse {
+/// Watches a running solve for Python: signals are checked every 50 ms, the progress callback is called every step.
+pub(crate) struct Watch {
     progress: Option<Py<PyAny>>,
     /// When signals were last looked at.
     last: Instant,
@@ -25,7 +25,7 @@ pub(crate) struct Pulse {
     raised: Option<PyErr>,
 }
 
-impl Pulse {
+impl Watch {
     /// Often enough that Ctrl-C feels immediate, seldom enough that taking the GIL costs nothing.
     const INTERVAL: Duration = Duration::from_millis(50);
 
@@ -35,7 +35,7 @@ impl Pulse {
     }
 
     /// Called once a step, without the GIL.
-    pub(crate) fn beat(&mut self, progress: &Progress<'_>) -> ControlFlow<()> {
+    pub(crate) fn step(&mut self, progress: &Progress<'_>) -> ControlFlow<()> {
         if self.progress.is_none() {
             if self.left > 0 {
                 self.left -= 1;
@@ -45,7 +45,7 @@ impl Pulse {
                 return ControlFlow::Continue(());
             }
         }
-        let told = Python::attach(|py| -> PyResult<bool> {
+        let go_on = Python::attach(|py| -> PyResult<bool> {
             if self.last.elapsed() >= Self::INTERVAL {
                 py.check_signals()?;
                 self.last = Instant::now();
@@ -55,7 +55,7 @@ impl Pulse {
             // Only False stops: a callback that returns nothing goes on.
             Ok(answer.extract::<bool>(py).unwrap_or(true))
         });
-        match told {
+        match go_on {
             Ok(true) => ControlFlow::Continue(()),
             Ok(false) => ControlFlow::Break(()),
             Err(error) => {
@@ -80,11 +80,11 @@ impl Pulse {
 
     /// Runs `work`, whose steps call what it is given, on another thread, and looks at signals meanwhile: those a program's
     /// first thread alone hears. Called without the GIL.
-    pub(crate) fn beside<R: Send>(&mut self, work: impl FnOnce(&mut Beat<'_>) -> R + Send) -> R {
+    pub(crate) fn beside<R: Send>(&mut self, work: impl FnOnce(&mut Step<'_>) -> R + Send) -> R {
         let (done, waiting) = mpsc::channel::<()>();
         let stop = AtomicBool::new(false);
         let mut heard = None;
-        let pulse = &mut *self;
+        let watch = &mut *self;
         let result = thread::scope(|scope| {
             let stopped = &stop;
             let worker = scope.spawn(move || {
@@ -93,7 +93,7 @@ impl Pulse {
                     if stopped.load(Ordering::Relaxed) {
                         ControlFlow::Break(())
                     } else {
-                        pulse.beat(&progress)
+                        watch.step(&progress)
                     }
                 })
             });

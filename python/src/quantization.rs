@@ -1,16 +1,17 @@
-//! A device's quantization and a mask of transducers, from Python and back.
+//! A board's quantization and a mask of transducers, from Python and back.
 
 use midair::Quantization;
 use numpy::{IntoPyArray, PyArray1, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::{invalid, read, refused};
+use crate::error::{invalid, refused};
+use crate::read;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// The array with what is given of mask and quantization; what is left out stays as it is.
-pub(crate) fn on_device(
+pub(crate) fn on_board(
     array: midair::Array,
     mask: Argument<'_, '_>,
     quantization: Argument<'_, '_>,
@@ -26,7 +27,7 @@ pub(crate) fn on_device(
 }
 
 /// `{"phases": 256, "amplitudes": [0, 0.5, 1]}`; what is left out or None is continuous.
-fn read_quantization(value: &Bound<'_, PyAny>) -> PyResult<Quantization> {
+pub(crate) fn read_quantization(value: &Bound<'_, PyAny>) -> PyResult<Quantization> {
     let Ok(table) = value.cast::<PyDict>() else {
         let cure = "give a dictionary such as {\"phases\": 256, \"amplitudes\": [0, 0.5, 1]}";
         return Err(invalid("quantization", &read::quoted(value), cure));

@@ -1,14 +1,14 @@
-//! The level of the kernels: the best, unless the environment names another.
+//! The instruction set of the kernels: the best of this machine, unless MIDAIR_SIMD names another.
 
 use std::sync::OnceLock;
 
 use midair::InstructionSet;
 use pyo3::prelude::*;
 
-use crate::invalid;
+use crate::error::invalid;
 
-/// The level that `MIDAIR_SIMD` names, else the best of this machine. The environment is read once.
-pub(crate) fn level() -> PyResult<InstructionSet> {
+/// The instruction set that `MIDAIR_SIMD` names, else the best of this machine. The environment is read once.
+pub(crate) fn instruction_set() -> PyResult<InstructionSet> {
     static ASKED: OnceLock<Option<String>> = OnceLock::new();
     let Some(name) = ASKED.get_or_init(|| std::env::var("MIDAIR_SIMD").ok()) else {
         return Ok(InstructionSet::best());

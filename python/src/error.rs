@@ -1,0 +1,33 @@
+//! Refusals and warnings as Python sees them.
+
+use std::ffi::CString;
+
+use pyo3::prelude::*;
+
+pyo3::create_exception!(
+    midair,
+    SceneError,
+    pyo3::exceptions::PyValueError,
+    "A request that cannot be answered: one line that names the item, its value and what to change."
+);
+pyo3::create_exception!(
+    midair,
+    SceneWarning,
+    pyo3::exceptions::PyUserWarning,
+    "A request that is answered, but hardly meant that way."
+);
+
+/// A core error as the exception that users see.
+pub(crate) fn refused(error: midair::Error) -> PyErr {
+    SceneError::new_err(error.to_string())
+}
+
+/// A [`SceneError`] of this door's own: an argument that never reaches the core.
+pub(crate) fn invalid(item: &str, value: &str, cure: &str) -> PyErr {
+    refused(midair::Error::invalid(item, value, cure))
+}
+
+/// Warns by a [`SceneWarning`].
+pub(crate) fn warn(py: Python<'_>, text: String) -> PyResult<()> {
+    PyErr::warn(py, &py.get_type::<SceneWarning>(), &CString::new(text).unwrap_or_default(), 1)
+}

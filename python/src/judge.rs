@@ -1,0 +1,53 @@
+//! `midair.judge` and `midair.bound`: how good a drive is, and how good any drive can be.
+
+use pyo3::prelude::*;
+
+use crate::error::refused;
+use crate::instruction_set::instruction_set;
+use crate::metrics::Metrics;
+use crate::read;
+use crate::subject::{Beside, Subject};
+
+type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+
+/// An upper bound on the level min |p| / target over the points with a pressure: no drive, quantised or not, exceeds it.
+///
+/// It is the value of a semidefinite relaxation and lies some 8 to 9 % above the best field known. At most 64 points.
+/// Pressures, weights and mask go with Propagation only.
+///
+/// >>> import midair
+/// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
+/// >>> level = midair.solve(scene, "wgs").metrics.level
+/// >>> level < midair.bound(scene) < 1.12 * level
+/// True
+#[pyfunction]
+#[pyo3(signature = (scene, *, pressures=None, weights=None, mask=None))]
+pub(crate) fn bound(
+    py: Python<'_>,
+    scene: &Bound<'_, PyAny>,
+    pressures: Argument<'_, '_>,
+    weights: Argument<'_, '_>,
+    mask: Argument<'_, '_>,
+) -> PyResult<f64> {
+    let subject = Subject::read(scene, Beside { pressures, weights, mask, ..Beside::default() })?;
+    let set = instruction_set()?;
+    py.detach(|| midair::bound(&subject.problem(set)?)).map_err(refused)
+}
+
+/// The metrics of a drive (N,), wholly in double precision. Pressures, weights and mask go with Propagation only.
+#[pyfunction]
+#[pyo3(signature = (scene, drive, *, pressures=None, weights=None, mask=None))]
+pub(crate) fn judge(
+    py: Python<'_>,
+    scene: &Bound<'_, PyAny>,
+    drive: &Bound<'_, PyAny>,
+    pressures: Argument<'_, '_>,
+    weights: Argument<'_, '_>,
+    mask: Argument<'_, '_>,
+) -> PyResult<Metrics> {
+    let subject = Subject::read(scene, Beside { pressures, weights, mask, ..Beside::default() })?;
+    let drive = read::drive("drive", drive)?;
+    let set = instruction_set()?;
+    let metrics = py.detach(|| subject.problem(set)?.judge(&drive)).map_err(refused)?;
+    Ok(metrics.into())
+}

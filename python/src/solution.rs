@@ -1,0 +1,137 @@
+//! `midair.Solution`.
+
+use midair::Complex32;
+use numpy::{IntoPyArray, PyArray1, ToPyArray};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::metrics::Metrics;
+use crate::read;
+
+/// A drive and what it does at the points.
+#[pyclass(frozen, module = "midair")]
+pub(crate) struct Solution {
+    pub(crate) inner: midair::Solution,
+    pub(crate) choice: midair::Choice,
+    trace: Option<Vec<f64>>,
+    elapsed: f64,
+}
+
+impl Solution {
+    pub(crate) fn new(
+        inner: midair::Solution,
+        choice: midair::Choice,
+        trace: Option<Vec<f64>>,
+        elapsed: f64,
+    ) -> Self {
+        Self { inner, choice, trace, elapsed }
+    }
+}
+
+#[pymethods]
+impl Solution {
+    /// Drives q (N,), complex64, |q| <= 1.
+    #[getter]
+    fn drive<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Complex32>> {
+        self.inner.drive.to_pyarray(py)
+    }
+
+    /// Phases (N,) in rad in [0, 2 pi); 0 where the drive is 0.
+    #[getter]
+    fn phases<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        (0..self.inner.drive.len()).map(|i| self.inner.phase(i)).collect::<Vec<_>>().into_pyarray(py)
+    }
+
+    /// Amplitudes (N,), 0 to 1.
+    #[getter]
+    fn amplitudes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        (0..self.inner.drive.len()).map(|i| self.inner.amplitude(i)).collect::<Vec<_>>().into_pyarray(py)
+    }
+
+    /// Complex pressures (M,) in Pa (peak), complex64.
+    #[getter]
+    fn pressures<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Complex32>> {
+        self.inner.pressures.to_pyarray(py)
+    }
+
+    /// Radiation pressures (M,) in Pa, |p|^2/(rho c^2).
+    #[getter]
+    fn radiation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        (0..self.inner.pressures.len()).map(|j| self.inner.radiation(j)).collect::<Vec<_>>().into_pyarray(py)
+    }
+
+    /// Targets (M,) in Pa that the metrics refer to.
+    #[getter]
+    fn targets<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.inner.targets().to_pyarray(py)
+    }
+
+    /// How good it is.
+    #[getter]
+    fn metrics(&self) -> Metrics {
+        self.inner.metrics().into()
+    }
+
+    /// How the solve ended: "done", "out_of_steps" or "stopped".
+    #[getter]
+    fn status(&self) -> String {
+        self.inner.status.to_string()
+    }
+
+    /// Steps taken.
+    #[getter]
+    fn steps(&self) -> usize {
+        self.inner.steps
+    }
+
+    /// What supply or modulation have to multiply all drives by, at most 1: below 1 where the device has
+    /// no amplitude for the answer. The pressures count it in, the drives do not.
+    #[getter]
+    fn scale(&self) -> f64 {
+        self.inner.scale
+    }
+
+    /// Seconds from the checked scene to the answer.
+    #[getter]
+    fn elapsed(&self) -> f64 {
+        self.elapsed
+    }
+
+    /// The residual after each step (steps,), or None where no trace was asked for.
+    #[getter]
+    fn trace<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        self.trace.as_ref().map(|trace| trace.to_pyarray(py))
+    }
+
+    /// The solver's name.
+    #[getter]
+    fn solver(&self) -> &str {
+        &self.choice.name
+    }
+
+    /// Every option in full, whether the targets were balanced, and the aim where the method uses one.
+    #[getter]
+    fn options<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        read::option_dict(py, &self.choice.table())
+    }
+
+    fn __repr__(&self) -> String {
+        let metrics = self.inner.metrics();
+        let (name, status) = (&self.choice.name, self.inner.status);
+        let (accuracy, sigma) = (metrics.accuracy, metrics.sigma);
+        let scale = self.inner.scale;
+        let supply = if scale < 1.0 { format!(", drives to be scaled by {scale:.4}") } else { String::new() };
+        format!("<midair.Solution by {name}: {status}, accuracy {accuracy:.4}, sigma {sigma:.4}{supply}>")
+    }
+}
+
+/// A start: a Solution or complex numbers are a drive (N,), real numbers are point phases (M,).
+pub(crate) fn begin(start: &Bound<'_, PyAny>) -> PyResult<midair::Start> {
+    if let Ok(solution) = start.cast::<Solution>() {
+        return Ok(midair::Start::Drive(solution.get().inner.drive.clone()));
+    }
+    if read::is_complex(start) {
+        return read::drive("start", start).map(midair::Start::Drive);
+    }
+    read::reals("start", start).map(midair::Start::Phases)
+}

@@ -1,0 +1,106 @@
+//! The first argument of `midair.solve`, `judge` and `bound`: a scene, or a matrix with what goes beside it.
+
+use std::sync::Arc;
+
+use midair::{InstructionSet, Problem, Quantization, Setup};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+
+use crate::error::{invalid, refused};
+use crate::propagation::Propagation;
+use crate::quantization::read_quantization;
+use crate::read;
+use crate::scene::Scene;
+
+type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+
+/// Keywords that a scene has of its own, and a matrix has not.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Beside<'a, 'py> {
+    pub(crate) pressures: Argument<'a, 'py>,
+    pub(crate) weights: Argument<'a, 'py>,
+    pub(crate) quantization: Argument<'a, 'py>,
+    pub(crate) mask: Argument<'a, 'py>,
+    pub(crate) positions: Argument<'a, 'py>,
+}
+
+/// What `solve`, `judge` and `bound` are about.
+pub(crate) enum Subject {
+    Scene(Arc<midair::Scene>),
+    Given(midair::Propagation, Arc<Setup>, midair::Request),
+}
+
+/// A matrix under its mask, and the array behind it.
+pub(crate) fn given(
+    propagation: &midair::Propagation,
+    Beside { quantization, mask, positions, .. }: Beside<'_, '_>,
+) -> PyResult<(midair::Propagation, Setup)> {
+    let quantization =
+        quantization.map(read_quantization).transpose()?.filter(|board| !board.is_continuous());
+    let positions = positions.map(|value| read::vectors("positions", value)).transpose()?;
+    let propagation = match mask {
+        None => propagation.clone(),
+        Some(mask) => propagation.clone().with_mask(&read::flags("mask", mask)?).map_err(refused)?,
+    };
+    let setup = Setup {
+        quantization: quantization.map(Arc::new),
+        positions: positions.map(Into::into),
+        ..Setup::default()
+    };
+    Ok((propagation, setup))
+}
+
+impl Subject {
+    pub(crate) fn read(object: &Bound<'_, PyAny>, beside: Beside<'_, '_>) -> PyResult<Self> {
+        if let Ok(scene) = object.cast::<Scene>() {
+            for (item, value, owner) in [
+                ("pressures", beside.pressures, "Scene"),
+                ("weights", beside.weights, "Scene"),
+                ("quantization", beside.quantization, "Array"),
+                ("mask", beside.mask, "Array"),
+                ("positions", beside.positions, "Array"),
+            ] {
+                if value.is_some() {
+                    let cure = format!("give them to the {owner}; here they go with Propagation");
+                    return Err(invalid(item, "given beside a Scene", &cure));
+                }
+            }
+            return Ok(Self::Scene(Arc::clone(&scene.get().inner)));
+        }
+        if let Ok(matrix) = object.cast::<Propagation>() {
+            let matrix = &matrix.get().inner;
+            let request = read::request(matrix.points(), beside.pressures, beside.weights)?;
+            let (propagation, setup) = given(matrix, beside)?;
+            return Ok(Self::Given(propagation, Arc::new(setup), request));
+        }
+        let kind = object.get_type().qualname()?;
+        Err(PyTypeError::new_err(format!("expected a midair.Scene or midair.Propagation first, not {kind}")))
+    }
+
+    pub(crate) fn problem(&self, set: InstructionSet) -> Result<Problem, midair::Error> {
+        let (propagation, setup, request) = match self {
+            Self::Scene(scene) => {
+                let setup = Arc::new(Setup::of(scene.array(), scene.medium()));
+                (midair::Propagation::of(scene), setup, scene.request())
+            }
+            Self::Given(propagation, setup, request) => (propagation.clone(), Arc::clone(setup), request),
+        };
+        Problem::with_propagation(propagation.with_instruction_set(set), setup, request)
+    }
+
+    /// What the board can play.
+    pub(crate) fn quantization(&self) -> Option<&Quantization> {
+        match self {
+            Self::Scene(scene) => scene.array().quantization(),
+            Self::Given(_, setup, _) => setup.quantization.as_deref(),
+        }
+    }
+
+    /// The solver the scene file names.
+    pub(crate) fn choice(&self) -> Option<&midair::Choice> {
+        match self {
+            Self::Scene(scene) => scene.solver.as_ref(),
+            Self::Given(..) => None,
+        }
+    }
+}
