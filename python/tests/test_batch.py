@@ -114,9 +114,9 @@ def test_bad_batches_are_refused_in_one_line(case: str) -> None:
 
 
 def test_a_first_argument_of_another_class() -> None:
-    with pytest.raises(TypeError, match=r"midair\.Scene or midair\.Array"):
+    with pytest.raises(TypeError, match=r"midair\.Scene, midair\.Array or midair\.Propagation"):
         midair.solve_batch(POINTS, POINTS)
-    with pytest.raises(TypeError, match=r"midair\.Scene or midair\.Array"):
+    with pytest.raises(TypeError, match=r"midair\.Scene, midair\.Array or midair\.Propagation"):
         midair.Solver("paper20", points=2)
 
 

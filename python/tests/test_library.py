@@ -41,7 +41,7 @@ def test_keywords_have_the_names_and_order_of_the_design() -> None:
         midair.Array: "positions normals source_pressure directivity response mask quantization",
         midair.Plane: "z size pixels center",
         midair.solve: "scene solver pressures weights quantization mask positions balance aim start progress trace options",
-        midair.judge: "scene drive pressures weights",
+        midair.judge: "scene drive pressures weights mask",
         midair.field: "scene drive plane",
         midair.plot: "field ax quantity vmax",
     }

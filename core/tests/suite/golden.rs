@@ -24,7 +24,7 @@ const SCENES: [(&str, &str, &str, &str, bool); 18] = [
         false,
     ),
     (
-        "quantization",
+        "grid",
         "grid = { nx = 6, ny = 6, pitch = 0.0105 }\ndirectivity = \"t4010a1\"",
         "-20 5 120 300 1,20 0 130 100 1,0 -18 110 200 2",
         "name = \"greedy\"\nphases = 10\namplitudes = 4\norder = \"columns\"",
