@@ -10,7 +10,7 @@ export VIRTUAL_ENV := $(CURDIR)/.venv
 CARGO := cargo
 TRIALS := 1000
 
-.PHONY: help setup demo test test-rust test-python test-portable lint bench bench-peers figures paper golden pins clean
+.PHONY: help setup demo test test-rust test-python test-portable lint bench bench-peers figures paper golden map pins clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -35,7 +35,7 @@ test: lint test-rust test-python ## Every test of every language
 
 test-rust: ## The core: tests, doctests, each feature set, no_std
 	$(CARGO) test --quiet -p midair --features scene-file,parallel
-	for features in "" std serde parallel; do $(CARGO) check --quiet -p midair --no-default-features --features "$$features"; done
+	for features in "" std parallel; do $(CARGO) check --quiet -p midair --no-default-features --features "$$features"; done
 	$(CARGO) run --quiet --release --manifest-path core/tests/no_std/Cargo.toml
 
 test-python: setup ## The package: tests, stubs, types
@@ -80,6 +80,9 @@ figures: setup ## Draw docs/quality-time.png
 paper: setup ## Make the paper's figures anew (TRIALS=1000) and docs/paper.md from their tables
 	OPENBLAS_NUM_THREADS=1 $(BIN)/midair reproduce all --trials $(TRIALS) --output out/paper
 	$(PYTHON) -m midair.reproduce.page out/paper docs
+
+map: ## Write the map in CONTRIBUTING.md anew
+	MIDAIR_MAP=write $(CARGO) test --quiet -p midair --features scene-file,parallel --test suite map
 
 golden: ## Write golden/ anew (a breaking change: say so in CHANGELOG.md)
 	MIDAIR_GOLDEN=write $(CARGO) test --quiet -p midair --features scene-file,parallel --test suite golden

@@ -33,7 +33,7 @@
 //! SI units, time factor e^{-jwt}, |p| is the peak amplitude; all conventions are in `docs/conventions.md`.
 //!
 //! # Features
-//! `std` (default; without it the crate is `no_std` + alloc), `parallel` (fields over all threads), `serde`,
+//! `std` (default; without it the crate is `no_std` + alloc), `parallel` (batches and fields over all threads),
 //! `scene-file` (scenes as TOML or JSON text).
 #![cfg_attr(not(feature = "std"), no_std)]
 

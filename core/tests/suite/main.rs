@@ -7,11 +7,13 @@ mod even;
 mod field;
 #[cfg(feature = "scene-file")]
 mod files;
+mod floors;
 #[cfg(feature = "scene-file")]
 mod golden;
 mod greedy;
 mod laws;
 mod levels;
+mod map;
 mod metrics;
 mod motions;
 #[allow(dead_code, unreachable_pub, reason = "an independent reference, also for tests to come")]

@@ -1,0 +1,56 @@
+//! The map in CONTRIBUTING.md: every source file with its first line. `make map` writes it anew.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const BEGIN: &str = "<!-- map:begin -->\n";
+const END: &str = "<!-- map:end -->";
+
+/// A file's first line, which says what is in it.
+fn first_line(path: &Path) -> String {
+    let text = fs::read_to_string(path).expect("text");
+    let line = text.lines().next().unwrap_or_default();
+    line.trim_start_matches("//!").trim_start_matches("\"\"\"").trim_end_matches("\"\"\"").trim().to_owned()
+}
+
+/// A folder and those in it, files first: a line a file.
+fn draw(root: &Path, folder: &str, map: &mut String) {
+    let mut paths: Vec<PathBuf> = fs::read_dir(root.join(folder))
+        .expect("a folder")
+        .map(|entry| entry.expect("an entry").path())
+        .collect();
+    paths.sort();
+    writeln!(map, "{folder}/").expect("text");
+    let name = |path: &Path| path.file_name().expect("a name").to_string_lossy().into_owned();
+    for path in paths.iter().filter(|path| path.extension().is_some_and(|kind| kind == "rs" || kind == "py"))
+    {
+        let line = first_line(path);
+        let known = line.len() > 10 && line.ends_with(['.', ':']) || name(path) == "__init__.py";
+        assert!(known, "{}: begin with a line that says what is in it", path.display());
+        writeln!(map, "  {:24} {line}", name(path)).expect("text");
+    }
+    for path in paths.iter().filter(|path| path.is_dir() && !["tests", "__pycache__"].contains(&&*name(path)))
+    {
+        draw(root, &format!("{folder}/{}", name(path)), map);
+    }
+}
+
+#[test]
+fn the_map_names_every_file_and_what_is_in_it() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a folder");
+    let mut map = String::from("```text\n");
+    for folder in ["core/src", "python/src", "python/midair"] {
+        draw(root, folder, &mut map);
+    }
+    map.push_str("```\n");
+    let page = root.join("CONTRIBUTING.md");
+    let text = fs::read_to_string(&page).expect("the page");
+    let (before, rest) = text.split_once(BEGIN).expect("the map begins");
+    let (found, after) = rest.split_once(END).expect("the map ends");
+    if std::env::var("MIDAIR_MAP").is_ok_and(|what| what == "write") {
+        fs::write(&page, format!("{before}{BEGIN}{map}{END}{after}")).expect("written");
+    } else {
+        assert!(found == map, "CONTRIBUTING.md does not show the tree as it is: run `make map`");
+    }
+}
