@@ -100,7 +100,7 @@ impl Batch {
         self.inner.scale.to_pyarray(py)
     }
 
-    /// How each ended (B,): "done", "out_of_steps", "stopped" or "breakdown".
+    /// How each ended (B,): "done", "out_of_steps" or "stopped".
     #[getter]
     fn status(&self) -> Vec<String> {
         self.inner.status.iter().map(ToString::to_string).collect()

@@ -113,7 +113,7 @@ impl Solution {
         self.inner.metrics().into()
     }
 
-    /// How the solve ended: "done", "out_of_steps", "stopped" or "breakdown".
+    /// How the solve ended: "done", "out_of_steps" or "stopped".
     #[getter]
     fn status(&self) -> String {
         self.inner.status.to_string()

@@ -1,4 +1,4 @@
-//! What the methods need of linear algebra and no more: G stored, G G^H, a Cholesky solve.
+//! What the methods need of linear algebra and no more: G G^H, a Cholesky solve.
 //!
 //! All in f32 over padded rows, so that the kernels' lanes do the work. The matrices solved are regularised
 //! (condition below 1e5), which f32 bears; `docs/design.md` has the measurements against a library.
@@ -9,9 +9,14 @@ use alloc::vec::Vec;
 
 use crate::kernels;
 use crate::kernels::cholesky;
+use crate::kernels::lanes::LANES;
 use crate::kernels::simd::instruction_set::InstructionSet;
+use crate::kernels::tiles;
+use crate::kernels::tiles::Tiles;
+use crate::kernels::tiles::products;
+use crate::math::sqrtf;
 use crate::propagation::Propagation;
-use crate::workspace::Workspace;
+use crate::workspace::{Aligned, Workspace};
 
 /// A complex vector or matrix of padded rows, planar.
 #[derive(Debug)]
@@ -25,16 +30,6 @@ impl Planar {
     /// `rows` rows of zeros.
     pub(crate) fn zeros(rows: usize, lanes: usize, work: &mut Workspace) -> Self {
         Self { re: work.floats.take(rows * lanes), im: work.floats.take(rows * lanes), lanes }
-    }
-
-    /// G itself, a row a transducer.
-    pub(crate) fn stored(propagation: &Propagation, work: &mut Workspace) -> Self {
-        let mut rows = Self::zeros(propagation.transducers(), propagation.lanes(), work);
-        for i in 0..propagation.transducers() {
-            let [re, im] = rows.row_mut(i);
-            propagation.row(i, re, im);
-        }
-        rows
     }
 
     pub(crate) fn row(&self, k: usize) -> [&[f32]; 2] {
@@ -52,24 +47,47 @@ impl Planar {
     }
 }
 
-/// conj(G G^H), row k padded: entry l is `conj(sum_i G_ki conj(G_li))`. Time O(N M^2), memory O(M^2).
+/// conj(G diag(f) G^H), row k padded: entry l is `conj(sum_i f_i G_ki conj(G_li))`, f_i >= 0, 1 where left out. Time
+/// O(N M^2), memory O(M^2).
 ///
-/// Conjugated so that `correlate` with row k is row k of G G^H times a vector. `factor` weighs transducer i.
-pub(crate) fn gram(propagation: &Propagation, factor: impl Fn(usize) -> f32, work: &mut Workspace) -> Planar {
-    let (count, lanes) = (propagation.points(), propagation.lanes());
+/// Conjugated so that `correlate` with row k is row k of G G^H times a vector.
+pub(crate) fn gram(propagation: &Propagation, factors: Option<&[f32]>, work: &mut Workspace) -> Planar {
+    const TOGETHER: usize = products::RUN * LANES;
+    let (set, count, lanes) = (propagation.instruction_set(), propagation.points(), propagation.lanes());
     let mut product = Planar::zeros(count, lanes, work);
-    let mut memory = work.floats.take(kernels::gram_floats(lanes));
-    let Planar { re, im, .. } = &mut product;
-    kernels::gram(
-        propagation.instruction_set(),
-        propagation.rows(),
-        factor,
-        propagation.transducers(),
-        count,
-        &mut memory,
-        [re, im],
-    );
-    work.floats.give(memory);
+    let mut order = work.indices.take(count);
+    order.iter_mut().zip(0..).for_each(|(row, j)| *row = j);
+    let mut roots = work.floats.take(TOGETHER);
+    let most = tiles::size(tiles::height(count), tiles::lanes(propagation.transducers().min(TOGETHER)));
+    let mut planes = [(); 2].map(|()| Aligned::take(most, work));
+    for first in (0..propagation.transducers()).step_by(TOGETHER) {
+        let members = first..propagation.transducers().min(first + TOGETHER);
+        let across = tiles::lanes(members.len());
+        let size = tiles::size(tiles::height(count), across);
+        let [re, im] = planes.each_mut().map(|plane| &mut plane[..size]);
+        tiles::pack(set, propagation.rows(), members.clone(), &order, [&mut *re, &mut *im]);
+        if let Some(factors) = factors {
+            roots.iter_mut().zip(&factors[members]).for_each(|(root, factor)| *root = sqrtf(*factor));
+            tiles::weigh(set, re, &roots[..across]);
+            tiles::weigh(set, im, &roots[..across]);
+        }
+        let to = [&mut product.re[..], &mut product.im[..]];
+        let tiles = Tiles { planes: [re, im], lanes: across };
+        products::couplings(set, tiles, 0..across / LANES, count, to);
+    }
+    for k in 0..count {
+        for l in k..count {
+            let (upper, lower) = (k * lanes + l, l * lanes + k);
+            let (re, im) = (product.re[upper], product.im[upper]);
+            (product.re[lower], product.im[lower]) = (re, im);
+            product.im[upper] = -im;
+        }
+    }
+    for plane in planes {
+        plane.give(work);
+    }
+    work.floats.give(roots);
+    work.indices.give(order);
     product
 }
 
@@ -237,6 +255,46 @@ pub(crate) mod tests {
                 assert!((got - wanted).norm() < 1e-3 * count as f64, "{count}: {got} for {wanted}");
             }
             assert!(x.re[count..].iter().all(|&x| x == 0.0));
+        }
+    }
+
+    #[test]
+    fn gram_is_the_weighted_conjugate_product() {
+        let mut work = Workspace::new();
+        let mut rng = Rng::new(1);
+        for (set, count) in InstructionSet::all().flat_map(|set| (1..=67).map(move |count| (set, count))) {
+            // One run of tiles, and two with a rest.
+            for transducers in [1, 37, 530] {
+                let mut number = || 2.0 * rng.uniform() - 1.0;
+                let matrix: Vec<Complex64> =
+                    (0..count * transducers).map(|_| Complex64::new(number(), number())).collect();
+                let propagation =
+                    Propagation::from_matrix(&matrix, count).expect("propagation").with_instruction_set(set);
+                let unit = 1.0 / propagation.reference();
+                let factors: Vec<f32> = (0..transducers).map(|i| 0.25 + (i % 3) as f32).collect();
+                for factors in [None, Some(&factors[..])] {
+                    // Twice, over dirty memory.
+                    gram(&propagation, factors, &mut work).give(&mut work);
+                    let product = gram(&propagation, factors, &mut work);
+                    for k in (0..count).step_by(1 + count / 9) {
+                        for l in 0..count {
+                            let factor = |i: usize| factors.map_or(1.0, |factors| f64::from(factors[i]));
+                            let at = |k: usize, i: usize| matrix[k * transducers + i] * unit;
+                            let want: Complex64 =
+                                (0..transducers).map(|i| at(k, i).conj() * at(l, i) * factor(i)).sum();
+                            let [re, im] = product.row(k).map(|row| f64::from(row[l]));
+                            // Terms below 8, some two roundings each.
+                            let allowed = 15.0 * f64::from(f32::EPSILON) * (transducers + 8) as f64;
+                            assert!(
+                                (Complex64::new(re, im) - want).norm() <= allowed,
+                                "{set} {count} {k} {l}"
+                            );
+                        }
+                        assert!(product.row(k).iter().all(|row| row[count..].iter().all(|&x| x == 0.0)));
+                    }
+                    product.give(&mut work);
+                }
+            }
         }
     }
 

@@ -50,7 +50,7 @@ impl Solve for Tikhonov {
     ) -> Result<Solution, Error> {
         let propagation = problem.propagation();
         let count = propagation.points();
-        let mut matrix = gram(propagation, |_| 1.0, work);
+        let mut matrix = gram(propagation, None, work);
         // Weighted least squares: rows of G and p times the square root of the weight.
         let mut trace = 0.0;
         for k in 0..count {
@@ -80,8 +80,6 @@ impl Solve for Tikhonov {
         solver.give(work);
         matrix.give(work);
         phasors.give(work);
-        let mut solution = Solution::new(problem, drive, Status::Done, 1, work);
-        solution.tell(problem, 1, control);
-        Ok(solution)
+        Ok(Solution::told(problem, drive, (Status::Done, 1), 1, work, control))
     }
 }
