@@ -17,6 +17,6 @@ pub(crate) mod tiles;
 pub(crate) mod vector;
 
 pub(crate) use greedy::rotate::{keep, turn};
-pub(crate) use matrix::{add_waves, combine_rows, correlate_rows, gram, gram_floats};
+pub(crate) use matrix::{add_waves, correlate_rows};
 pub(crate) use propagate::row::{add_moduli, row};
-pub(crate) use vector::{accumulate, add_outer, correlate, dot, modulus, project, squares};
+pub(crate) use vector::{accumulate, correlate, dot, modulus, project, squares};

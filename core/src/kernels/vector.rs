@@ -1,6 +1,6 @@
 //! The pressures at the points: adding a transducer, moduli, projections, squares.
 
-use crate::kernels::lanes::{LANES, groups, groups_mut};
+use crate::kernels::lanes::{groups, groups_mut};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Simd, TINY};
 
@@ -86,22 +86,6 @@ pub(crate) fn dot(set: InstructionSet, a: &[f32], b: &[f32]) -> f32 {
         }
         s.reduce_add(total)
     })
-}
-
-/// matrix += `sum_b v_b v_b^T` for four vectors, the rows from the diagonal's group of lanes on.
-pub(crate) fn add_outer(set: InstructionSet, vectors: [&[f32]; 4], matrix: &mut [f32]) {
-    dispatch!(set, s => {
-        let size = vectors[0].len();
-        let [a, b, c, d] = vectors.map(groups);
-        for (k, row) in matrix.chunks_exact_mut(size).enumerate() {
-            let [fa, fb, fc, fd] = vectors;
-            let factors = [s.splat(fa[k]), s.splat(fb[k]), s.splat(fc[k]), s.splat(fd[k])];
-            for (g, out) in groups_mut(row).iter_mut().enumerate().skip(k / LANES) {
-                let sum = s.fma(factors[0], s.load(&a[g]), s.fma(factors[1], s.load(&b[g]), s.load(out)));
-                s.store(s.fma(factors[2], s.load(&c[g]), s.fma(factors[3], s.load(&d[g]), sum)), out);
-            }
-        }
-    });
 }
 
 /// out += |G|^2.

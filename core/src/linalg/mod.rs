@@ -1,4 +1,4 @@
-//! What the methods need of linear algebra and no more: G stored, G G^H, a Cholesky solve.
+//! What the methods need of linear algebra and no more: G G^H, a Cholesky solve.
 //!
 //! All in f32 over padded rows, so that the kernels' lanes do the work. The matrices solved are regularised
 //! (condition below 1e5), which f32 bears; `docs/design.md` has the measurements against a library.
@@ -10,7 +10,6 @@ use alloc::vec::Vec;
 use crate::kernels;
 use crate::kernels::cholesky;
 use crate::kernels::simd::instruction_set::InstructionSet;
-use crate::propagation::Propagation;
 use crate::workspace::Workspace;
 
 /// A complex vector or matrix of padded rows, planar.
@@ -27,16 +26,6 @@ impl Planar {
         Self { re: work.floats.take(rows * lanes), im: work.floats.take(rows * lanes), lanes }
     }
 
-    /// G itself, a row a transducer.
-    pub(crate) fn stored(propagation: &Propagation, work: &mut Workspace) -> Self {
-        let mut rows = Self::zeros(propagation.transducers(), propagation.lanes(), work);
-        for i in 0..propagation.transducers() {
-            let [re, im] = rows.row_mut(i);
-            propagation.row(i, re, im);
-        }
-        rows
-    }
-
     pub(crate) fn row(&self, k: usize) -> [&[f32]; 2] {
         let range = k * self.lanes..(k + 1) * self.lanes;
         [&self.re[range.clone()], &self.im[range]]
@@ -50,27 +39,6 @@ impl Planar {
     pub(crate) fn give(self, work: &mut Workspace) {
         work.floats.give_all([self.re, self.im]);
     }
-}
-
-/// conj(G G^H), row k padded: entry l is `conj(sum_i G_ki conj(G_li))`. Time O(N M^2), memory O(M^2).
-///
-/// Conjugated so that `correlate` with row k is row k of G G^H times a vector. `factor` weighs transducer i.
-pub(crate) fn gram(propagation: &Propagation, factor: impl Fn(usize) -> f32, work: &mut Workspace) -> Planar {
-    let (count, lanes) = (propagation.points(), propagation.lanes());
-    let mut product = Planar::zeros(count, lanes, work);
-    let mut memory = work.floats.take(kernels::gram_floats(lanes));
-    let Planar { re, im, .. } = &mut product;
-    kernels::gram(
-        propagation.instruction_set(),
-        propagation.rows(),
-        factor,
-        propagation.transducers(),
-        count,
-        &mut memory,
-        [re, im],
-    );
-    work.floats.give(memory);
-    product
 }
 
 /// The matrix that [`gram`] conjugates, times `vector`.
@@ -186,65 +154,5 @@ impl Hermitian {
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
-    use super::*;
-    use crate::rng::Rng;
-    use num_complex::Complex64;
-
-    /// A random Hermitian positive semidefinite matrix of rank at most `rank`, and the same stored conjugated.
-    pub(crate) fn random(count: usize, rank: usize, work: &mut Workspace) -> (Vec<Vec<Complex64>>, Planar) {
-        let mut rng = Rng::new((count * 1000 + rank) as u64);
-        let mut number = || 2.0 * rng.uniform() - 1.0;
-        let columns: Vec<Vec<Complex64>> =
-            (0..rank).map(|_| (0..count).map(|_| Complex64::new(number(), number())).collect()).collect();
-        let entry = |k: usize, l: usize| columns.iter().map(|g| g[k] * g[l].conj()).sum::<Complex64>();
-        let matrix: Vec<Vec<Complex64>> =
-            (0..count).map(|k| (0..count).map(|l| entry(k, l)).collect()).collect();
-        let mut stored = Planar::zeros(count, crate::kernels::lanes::padded(count), work);
-        for k in 0..count {
-            let [re, im] = stored.row_mut(k);
-            for l in 0..count {
-                (re[l], im[l]) = (matrix[k][l].re as f32, -matrix[k][l].im as f32);
-            }
-        }
-        (matrix, stored)
-    }
-
-    pub(crate) fn entry(vector: &Planar, j: usize) -> Complex64 {
-        Complex64::new(f64::from(vector.re[j]), f64::from(vector.im[j]))
-    }
-
-    pub(crate) fn apply(matrix: &[Vec<Complex64>], vector: &Planar, k: usize) -> Complex64 {
-        matrix[k].iter().enumerate().map(|(l, entry_)| entry_ * entry(vector, l)).sum()
-    }
-
-    #[test]
-    fn a_hermitian_system_is_solved_at_every_size() {
-        let mut work = Workspace::new();
-        for count in 1..=40 {
-            let (matrix, stored) = random(count, 2 * count, &mut work);
-            let solver = Hermitian::new(InstructionSet::best(), &stored, count, 0.5, &mut work)
-                .expect("positive definite");
-            let mut x = Planar::zeros(1, crate::kernels::lanes::padded(count), &mut work);
-            for j in 0..count {
-                (x.re[j], x.im[j]) = (1.0 + j as f32, 2.0 - j as f32);
-            }
-            solver.solve(&mut x, &mut work);
-            for k in 0..count {
-                let wanted = Complex64::new(1.0 + k as f64, 2.0 - k as f64);
-                let got = apply(&matrix, &x, k) + 0.5 * entry(&x, k);
-                // Backward stable: rounding times the size of matrix and solution, which stay below 1e3 here.
-                assert!((got - wanted).norm() < 1e-3 * count as f64, "{count}: {got} for {wanted}");
-            }
-            assert!(x.re[count..].iter().all(|&x| x == 0.0));
-        }
-    }
-
-    #[test]
-    fn what_is_not_positive_definite_is_refused() {
-        let mut work = Workspace::new();
-        let (_, stored) = random(8, 2, &mut work);
-        assert!(Hermitian::new(InstructionSet::best(), &stored, 8, -1.0, &mut work).is_none());
-        assert!(Cholesky::new(InstructionSet::best(), alloc::vec![0.0; 256], 16, &mut work).is_none());
-    }
-}
+#[path = "tests/linalg.rs"]
+pub(crate) mod tests;

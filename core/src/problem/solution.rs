@@ -7,13 +7,12 @@ use core::fmt;
 use num_complex::Complex32;
 
 use crate::control::Control;
-use crate::kernels;
 use crate::linalg::Planar;
 use crate::math;
 use crate::problem::Problem;
 use crate::problem::metrics::Metrics;
 use crate::problem::targets::Targets;
-use crate::propagation::Propagation;
+use crate::propagation::products::field_of;
 use crate::workspace::Workspace;
 
 /// How a solve ended. Outcome is data, never an error.
@@ -26,8 +25,6 @@ pub enum Status {
     OutOfSteps,
     /// The caller asked to stop; the answer is the best so far.
     Stopped,
-    /// The arithmetic broke down; the answer is the best before.
-    Breakdown,
 }
 
 /// z / factor, rounded once.
@@ -42,7 +39,6 @@ impl fmt::Display for Status {
             Self::Done => "done",
             Self::OutOfSteps => "out_of_steps",
             Self::Stopped => "stopped",
-            Self::Breakdown => "breakdown",
         })
     }
 }
@@ -76,18 +72,22 @@ impl Solution {
         work: &mut Workspace,
     ) -> Self {
         let asked = problem.asked();
-        let field = Self::field_of(&asked.propagation, &drive, work);
+        let field = field_of(&asked.propagation, &drive, work);
         Self::with_pressures(asked, drive, field, status, steps, work)
     }
 
-    /// The field of a drive at some points: one padded row, in units of the reference.
-    fn field_of(propagation: &Propagation, drive: &[Complex32], work: &mut Workspace) -> Planar {
-        let mut field = Planar::zeros(1, propagation.lanes(), work);
-        let mut row = Planar::zeros(1, propagation.lanes(), work);
-        let (row_parts, into) = ([&mut row.re[..], &mut row.im[..]], [&mut field.re[..], &mut field.im[..]]);
-        kernels::add_waves(propagation.instruction_set(), propagation.rows(), drive, row_parts, into);
-        row.give(work);
-        field
+    /// As [`Solution::new`], and [`Solution::tell`] of it: how the steps ended and how many they were, of `steps`.
+    pub(crate) fn told(
+        problem: &Problem,
+        drive: Vec<Complex32>,
+        (status, step): (Status, usize),
+        steps: usize,
+        work: &mut Workspace,
+        control: &mut Control,
+    ) -> Self {
+        let mut solution = Self::new(problem, drive, status, step, work);
+        solution.tell(problem, steps, control);
+        solution
     }
 
     /// As [`Solution::new`], from the field that a solver has kept: P (one padded row) at the problem's points.
@@ -140,7 +140,7 @@ impl Solution {
 
     /// Computes the pressures that the drive gives.
     fn measure(&mut self, work: &mut Workspace) {
-        let field = Self::field_of(&self.asked.propagation, &self.drive, work);
+        let field = field_of(&self.asked.propagation, &self.drive, work);
         let reference = self.asked.propagation.reference() * self.scale;
         for ((pressure, re), im) in self.pressures.iter_mut().zip(&field.re).zip(&field.im) {
             *pressure = pascals(*re, *im, reference);
@@ -179,11 +179,12 @@ impl Solution {
     }
 
     /// Tells `control` of the last of `steps` steps, with the answer's own residual, for a solver whose steps (if it
-    /// has any) know only an estimate of it. A stop request now still counts as one.
+    /// has any) know only an estimate of it. A stop request now still counts as one. No steps, nothing to tell.
     pub fn tell(&mut self, problem: &Problem, steps: usize, control: &mut Control) {
         if self.status == Status::Stopped {
             control.correct(|| self.residual_for(problem));
-        } else if control.step(self.steps, steps, || self.residual_for(problem)).is_break() {
+        } else if self.steps > 0 && control.step(self.steps, steps, || self.residual_for(problem)).is_break()
+        {
             self.status = Status::Stopped;
         }
     }

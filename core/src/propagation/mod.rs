@@ -2,6 +2,7 @@
 
 pub(crate) mod field;
 pub(crate) mod model;
+pub(crate) mod products;
 pub(crate) mod sources;
 
 use alloc::format;

@@ -10,12 +10,13 @@ use crate::control::Control;
 use crate::error::{Error, real};
 use crate::kernels;
 use crate::linalg::leading_eigenvector::leading_eigenvector;
-use crate::linalg::{Hermitian, Planar, gram};
+use crate::linalg::{Hermitian, Planar};
 use crate::math::{pow, sqrtf};
 use crate::problem::Problem;
 use crate::problem::solution::{Solution, Status};
+use crate::propagation::products::back_project;
+use crate::propagation::products::gram;
 use crate::solvers::amplitude_limit::AmplitudeLimit;
-use crate::solvers::common::alternating_projection::back_project;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::Workspace;
 
@@ -73,7 +74,7 @@ impl Solve for Evd {
                 f64::from(kernels::dot(propagation.instruction_set(), &moduli.re, targets)) / count as f64;
             *inverse = if mean > 0.0 { pow(mean, -self.gamma) as f32 } else { 0.0 };
         }
-        let matrix = gram(propagation, |i| inverse[i], work);
+        let matrix = gram(propagation, Some(&inverse), work);
         // In f32 the matrix resolves no more than this part of its diagonal.
         let largest = (0..count).map(|j| matrix.row(j)[0][j]).fold(0.0, f32::max);
         let shift = f32::max(1.0, 1e-6 * largest);
@@ -86,9 +87,7 @@ impl Solve for Evd {
         for planar in [phasors, row, moduli, matrix] {
             planar.give(work);
         }
-        let mut solution = Solution::new(problem, drive, Status::Done, 1, work);
-        solution.tell(problem, 1, control);
-        Ok(solution)
+        Ok(Solution::told(problem, drive, (Status::Done, 1), 1, work, control))
     }
 }
 
@@ -99,7 +98,7 @@ impl Solve for Evd {
 fn phases(problem: &Problem, work: &mut Workspace) -> Planar {
     let propagation = problem.propagation();
     let count = propagation.points();
-    let mut matrix = gram(propagation, |_| 1.0, work);
+    let mut matrix = gram(propagation, None, work);
     let mut root = work.floats.take(propagation.lanes());
     for j in 0..count {
         let power = matrix.row(j)[0][j];

@@ -6,10 +6,11 @@
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::linalg::Planar;
 use crate::problem::Problem;
-use crate::problem::solution::{Solution, Status};
+use crate::problem::solution::Solution;
 use crate::solvers::common::alternating_projection::Projector;
+use crate::solvers::common::tiled::Rows;
+use crate::solvers::iterate::{iterate, largest_change};
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
@@ -46,27 +47,30 @@ impl Solve for Gs {
         work: &mut Workspace,
         control: &mut Control,
     ) -> Result<Solution, Error> {
-        let mut projector = Projector::new(problem, work);
-        let mut wanted = Planar::zeros(1, problem.propagation().lanes(), work);
-        let steps = self.steps as usize;
-        let (mut status, mut step) =
-            (if self.tolerance > 0.0 { Status::OutOfSteps } else { Status::Done }, 0);
-        while step < steps {
-            projector.wanted(problem.targets(), &mut wanted);
-            projector.back(&wanted);
-            let change = projector.forward(problem.targets());
-            step += 1;
-            if control.step(step, steps, || problem.residual(projector.modulus())).is_break() {
-                status = Status::Stopped;
-                break;
-            }
-            if self.tolerance > 0.0 && f64::from(change) <= self.tolerance {
-                status = Status::Done;
-                break;
-            }
-        }
-        wanted.give(work);
-        let drive = projector.end(work);
-        Ok(Solution::new(problem, drive, status, step, work))
+        let rows = Rows::new(problem, work);
+        let mut projector = Projector::new(&rows, work);
+        let (targets, count) = (problem.targets(), problem.propagation().transducers());
+        let mut wave = projector.begin(problem, &rows, work);
+        let [mut moduli, mut before] = [(); 2].map(|()| work.floats.take(rows.count));
+        // Only ratios matter: in units of the largest no square under- or overflows.
+        moduli.iter_mut().zip(targets).for_each(|(modulus, target)| *modulus = target / rows.target);
+        let ended = iterate(
+            (self.steps, self.tolerance),
+            &mut wave,
+            control,
+            |wave| {
+                projector.want(wave, &moduli);
+                before.copy_from_slice(&wave.moduli);
+                projector.project(&rows, wave);
+                self.tolerance > 0.0 && largest_change(&wave.moduli, &before, targets) <= self.tolerance
+            },
+            |wave| problem.residual(&wave.moduli),
+        );
+        let drive = wave.drives(count, work);
+        work.floats.give_all([moduli, before]);
+        projector.give(work);
+        wave.give(work);
+        rows.give(work);
+        Ok(Solution::told(problem, drive, ended, self.steps as usize, work, control))
     }
 }

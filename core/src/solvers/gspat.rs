@@ -8,11 +8,14 @@
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels;
-use crate::linalg::{Planar, gram, times};
+use crate::linalg::{Planar, times};
 use crate::problem::Problem;
-use crate::problem::solution::{Solution, Status};
+use crate::problem::solution::Solution;
+use crate::propagation::products::back_project;
+use crate::propagation::products::gram;
 use crate::solvers::amplitude_limit::AmplitudeLimit;
-use crate::solvers::common::alternating_projection::{back_project, start_phasors};
+use crate::solvers::common::alternating_projection::start_phasors;
+use crate::solvers::iterate::{iterate, largest_change};
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
@@ -53,7 +56,7 @@ impl Solve for Gspat {
     ) -> Result<Solution, Error> {
         let propagation = problem.propagation();
         let (count, lanes, targets) = (propagation.points(), propagation.lanes(), problem.targets());
-        let matrix = gram(propagation, |_| 1.0, work);
+        let matrix = gram(propagation, None, work);
         // 1 / sum_i |G_ji|^2, 0 for a quiet point that nothing reaches.
         let share = |j: usize| {
             let power = matrix.row(j)[0][j];
@@ -75,31 +78,23 @@ impl Solve for Gspat {
             times(propagation.instruction_set(), &matrix, wanted, field);
             kernels::modulus(propagation.instruction_set(), &field.re, &field.im, moduli);
         };
-        let steps = self.steps as usize;
-        let (mut status, mut step) =
-            (if self.tolerance > 0.0 { Status::OutOfSteps } else { Status::Done }, 0);
-        while step < steps {
-            propagate(&mut wanted, &mut field, &mut moduli);
-            for j in 0..count {
-                let scale = if moduli[j] > 0.0 { targets[j] / moduli[j] } else { 0.0 };
-                wanted.re[j] = if scale > 0.0 { field.re[j] * scale } else { targets[j] };
-                wanted.im[j] = field.im[j] * scale;
-            }
-            step += 1;
-            let change = moduli.iter().zip(&before).zip(targets).filter(|(_, target)| **target > 0.0);
-            let change =
-                change.fold(0.0, |most, ((now, was), target)| f32::max(most, (now - was).abs() / target));
-            before.copy_from_slice(&moduli);
-            if self.tolerance > 0.0 && f64::from(change) <= self.tolerance {
-                status = Status::Done;
-                break;
-            }
-            // The field before the limit; the last step tells the answer's own.
-            if step < steps && control.step(step, steps, || problem.residual(&moduli)).is_break() {
-                status = Status::Stopped;
-                break;
-            }
-        }
+        let ended = iterate(
+            (self.steps, self.tolerance),
+            &mut moduli,
+            control,
+            |moduli| {
+                before.copy_from_slice(moduli);
+                propagate(&mut wanted, &mut field, moduli);
+                for j in 0..count {
+                    let scale = if moduli[j] > 0.0 { targets[j] / moduli[j] } else { 0.0 };
+                    wanted.re[j] = if scale > 0.0 { field.re[j] * scale } else { targets[j] };
+                    wanted.im[j] = field.im[j] * scale;
+                }
+                self.tolerance > 0.0 && largest_change(moduli, &before, targets) <= self.tolerance
+            },
+            // The field before the limit.
+            |moduli| problem.residual(moduli),
+        );
         propagate(&mut wanted, &mut field, &mut moduli);
         for j in 0..count {
             let scale = if moduli[j] > 0.0 { targets[j] / moduli[j] } else { 0.0 };
@@ -112,8 +107,6 @@ impl Solve for Gspat {
         for planar in [matrix, wanted, field] {
             planar.give(work);
         }
-        let mut solution = Solution::new(problem, drive, status, step, work);
-        solution.tell(problem, steps, control);
-        Ok(solution)
+        Ok(Solution::told(problem, drive, ended, self.steps as usize, work, control))
     }
 }

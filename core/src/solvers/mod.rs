@@ -9,6 +9,7 @@ pub(crate) mod fast;
 pub(crate) mod greedy;
 pub(crate) mod gs;
 pub(crate) mod gspat;
+pub(crate) mod iterate;
 pub(crate) mod lm;
 pub(crate) mod method;
 pub(crate) mod naive;

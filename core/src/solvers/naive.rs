@@ -65,8 +65,6 @@ impl Solve for Naive {
         }
         self.limit.apply(&mut drive);
         work.floats.give_all(buffers);
-        let mut solution = Solution::new(problem, drive, Status::Done, 1, work);
-        solution.tell(problem, 1, control);
-        Ok(solution)
+        Ok(Solution::told(problem, drive, (Status::Done, 1), 1, work, control))
     }
 }

@@ -12,14 +12,17 @@ use crate::error::{Error, real};
 use crate::kernels;
 use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::linalg::leading_eigenvector::leading_eigenvector;
-use crate::linalg::{Hermitian, Planar, gram, times};
+use crate::linalg::{Hermitian, Planar, times};
 use crate::math::{sqrt, sqrtf};
 use crate::problem::Problem;
-use crate::problem::solution::{Solution, Status};
+use crate::problem::solution::Solution;
+use crate::propagation::products::back_project;
+use crate::propagation::products::gram;
 use crate::rng::Rng;
 use crate::scene::value::{OptionValue, Value, spell, word};
 use crate::solvers::amplitude_limit::AmplitudeLimit;
-use crate::solvers::common::alternating_projection::{back_project, start_phasors};
+use crate::solvers::common::alternating_projection::start_phasors;
+use crate::solvers::iterate::iterate;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
@@ -97,7 +100,7 @@ impl Solve for Sdp {
     ) -> Result<Solution, Error> {
         let propagation = problem.propagation();
         let (count, lanes) = (propagation.points(), propagation.lanes());
-        let product = gram(propagation, |_| 1.0, work);
+        let product = gram(propagation, None, work);
         let largest = (0..count).map(|j| product.row(j)[0][j]).fold(0.0, f32::max);
         // In f32 the matrix resolves no more than this part of its diagonal.
         let shift = (self.alpha as f32).max(1e-6 * largest);
@@ -106,44 +109,32 @@ impl Solve for Sdp {
         let mut relaxed = begin(problem, work);
         let [mut column, mut image] = [(); 2].map(|()| Planar::zeros(1, lanes, work));
         let mut rng = Rng::new(self.seed);
-        let steps = self.steps as usize;
-        let (mut status, mut step) =
-            (if self.tolerance > 0.0 { Status::OutOfSteps } else { Status::Done }, 0);
         // Columns whose last visit changed nothing since anything changed.
         let mut still = work.floats.take(count);
-        let mut quiet = false;
-        while step < steps && !quiet {
-            let chosen = rng.below(count as u64) as usize;
-            let [re, im] = quality.row(chosen);
-            // Rows are stored conjugated, so a row reads as the column.
-            column.re.copy_from_slice(re);
-            column.im.copy_from_slice(im);
-            (column.re[chosen], column.im[chosen]) = (0.0, 0.0);
-            times(propagation.instruction_set(), &relaxed, &column, &mut image);
-            let [gain, _] = kernels::correlate(propagation.instruction_set(), image.row(0), column.row(0));
-            let scale = if gain > 0.0 { -sqrt(self.lambda / f64::from(gain)) as f32 } else { 0.0 };
-            let change = replace(&mut relaxed, chosen, &image, scale, count);
-            if change > self.tolerance as f32 {
-                still.fill(0.0);
-            }
-            still[chosen] = 1.0;
-            quiet = self.tolerance > 0.0 && still.iter().all(|&mark| mark > 0.0);
-            step += 1;
-            if step < steps
-                && !quiet
-                && control
-                    .step(step, steps, || {
-                        relaxation(propagation.instruction_set(), &relaxed, &quality, count)
-                    })
-                    .is_break()
-            {
-                status = Status::Stopped;
-                break;
-            }
-        }
-        if quiet {
-            status = Status::Done;
-        }
+        let ended = iterate(
+            (self.steps, self.tolerance),
+            &mut relaxed,
+            control,
+            |relaxed| {
+                let chosen = rng.below(count as u64) as usize;
+                let [re, im] = quality.row(chosen);
+                // Rows are stored conjugated, so a row reads as the column.
+                column.re.copy_from_slice(re);
+                column.im.copy_from_slice(im);
+                (column.re[chosen], column.im[chosen]) = (0.0, 0.0);
+                times(propagation.instruction_set(), relaxed, &column, &mut image);
+                let [gain, _] =
+                    kernels::correlate(propagation.instruction_set(), image.row(0), column.row(0));
+                let scale = if gain > 0.0 { -sqrt(self.lambda / f64::from(gain)) as f32 } else { 0.0 };
+                let change = replace(relaxed, chosen, &image, scale, count);
+                if change > self.tolerance as f32 {
+                    still.fill(0.0);
+                }
+                still[chosen] = 1.0;
+                self.tolerance > 0.0 && still.iter().all(|&mark| mark > 0.0)
+            },
+            |relaxed| relaxation(propagation.instruction_set(), relaxed, &quality, count),
+        );
         let mut phasors = Planar::zeros(1, lanes, work);
         phasors.re[..count].fill(1.0);
         leading_eigenvector(propagation.instruction_set(), &relaxed, &mut phasors, count, work);
@@ -165,9 +156,7 @@ impl Solve for Sdp {
         for planar in [product, quality, relaxed, column, image, phasors] {
             planar.give(work);
         }
-        let mut solution = Solution::new(problem, drive, status, step, work);
-        solution.tell(problem, steps, control);
-        Ok(solution)
+        Ok(Solution::told(problem, drive, ended, self.steps as usize, work, control))
     }
 }
 

@@ -6,12 +6,13 @@
 
 use crate::control::Control;
 use crate::error::{Error, real};
-use crate::linalg::{Hermitian, Planar, gram};
+use crate::linalg::{Hermitian, Planar};
 use crate::math::sqrtf;
 use crate::problem::Problem;
 use crate::problem::solution::{Solution, Status};
+use crate::propagation::products::back_project;
+use crate::propagation::products::gram;
 use crate::solvers::amplitude_limit::AmplitudeLimit;
-use crate::solvers::common::alternating_projection::back_project;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::Workspace;
 
@@ -50,7 +51,7 @@ impl Solve for Tikhonov {
     ) -> Result<Solution, Error> {
         let propagation = problem.propagation();
         let count = propagation.points();
-        let mut matrix = gram(propagation, |_| 1.0, work);
+        let mut matrix = gram(propagation, None, work);
         // Weighted least squares: rows of G and p times the square root of the weight.
         let mut trace = 0.0;
         for k in 0..count {
@@ -80,8 +81,6 @@ impl Solve for Tikhonov {
         solver.give(work);
         matrix.give(work);
         phasors.give(work);
-        let mut solution = Solution::new(problem, drive, Status::Done, 1, work);
-        solution.tell(problem, 1, control);
-        Ok(solution)
+        Ok(Solution::told(problem, drive, (Status::Done, 1), 1, work, control))
     }
 }

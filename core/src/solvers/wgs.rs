@@ -5,11 +5,12 @@
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::linalg::Planar;
 use crate::math::sqrtf;
 use crate::problem::Problem;
-use crate::problem::solution::{Solution, Status};
+use crate::problem::solution::Solution;
 use crate::solvers::common::alternating_projection::Projector;
+use crate::solvers::common::tiled::{Rows, Wave};
+use crate::solvers::iterate::iterate;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
@@ -49,6 +50,21 @@ fn spread(moduli: &[f32], targets: &[f32]) -> (f32, f32, f32) {
     (low, sum / count, high)
 }
 
+/// Multiplies each point's wanted modulus by the square root of (mean |p|/target) over its own |p|/target, at most 2.
+fn raise(raised: &mut [f32], moduli: &[f32], targets: &[f32], mean: f32) {
+    if mean > 0.0 {
+        for ((raised, &modulus), &target) in raised.iter_mut().zip(moduli).zip(targets) {
+            // A quiet point stays at 0.
+            *raised *= sqrtf((mean * target / modulus.max(f32::MIN_POSITIVE)).min(4.0));
+        }
+    }
+    // Only ratios matter: the largest is brought back to 1.
+    let largest = raised.iter().copied().fold(0.0, f32::max);
+    for x in raised {
+        *x /= largest;
+    }
+}
+
 impl Solve for Wgs {
     fn solve(
         &self,
@@ -56,58 +72,39 @@ impl Solve for Wgs {
         work: &mut Workspace,
         control: &mut Control,
     ) -> Result<Solution, Error> {
-        let mut projector = Projector::new(problem, work);
-        let lanes = problem.propagation().lanes();
-        let mut wanted = Planar::zeros(1, lanes, work);
-        let mut raised = work.floats.take(lanes);
-        raised.copy_from_slice(problem.targets());
-        let mut best = work.complexes.take(problem.propagation().transducers());
-        let mut best_moduli = work.floats.take(lanes);
+        let rows = Rows::new(problem, work);
+        let mut projector = Projector::new(&rows, work);
+        let (targets, count) = (problem.targets(), problem.propagation().transducers());
+        let mut wave = projector.begin(problem, &rows, work);
+        let mut raised = work.floats.take(rows.count);
+        raised.iter_mut().zip(targets).for_each(|(raised, target)| *raised = target / rows.target);
         // The start is the first candidate: an answer is never worse than what it began with.
-        let mut worst = spread(projector.modulus(), problem.targets()).0;
-        best.copy_from_slice(projector.drive());
-        best_moduli.copy_from_slice(projector.modulus());
-        let steps = self.steps as usize;
-        let (mut status, mut step) =
-            (if self.tolerance > 0.0 { Status::OutOfSteps } else { Status::Done }, 0);
-        while step < steps {
-            projector.wanted(&raised, &mut wanted);
-            projector.back(&wanted);
-            projector.forward(problem.targets());
-            step += 1;
-            let (low, mean, high) = spread(projector.modulus(), problem.targets());
-            if low > worst {
-                worst = low;
-                best.copy_from_slice(projector.drive());
-                best_moduli.copy_from_slice(projector.modulus());
-            }
-            if control.step(step, steps, || problem.residual(&best_moduli)).is_break() {
-                status = Status::Stopped;
-                break;
-            }
-            if self.tolerance > 0.0 && f64::from(1.0 - low / high) <= self.tolerance {
-                status = Status::Done;
-                break;
-            }
-            for ((raised, &modulus), &target) in
-                raised.iter_mut().zip(projector.modulus()).zip(problem.targets())
-            {
-                if target > 0.0 && mean > 0.0 {
-                    // The damped exponent 1/2; a silent point may at most double.
-                    let lag = (mean * target / modulus).min(4.0);
-                    *raised *= sqrtf(lag);
+        let mut best = Wave::new(&rows, work);
+        best.copy(&wave);
+        let mut worst = spread(&best.moduli, targets).0;
+        let ended = iterate(
+            (self.steps, self.tolerance),
+            &mut best,
+            control,
+            |best| {
+                projector.want(&wave, &raised);
+                projector.project(&rows, &mut wave);
+                let (low, mean, high) = spread(&wave.moduli, targets);
+                if low > worst {
+                    worst = low;
+                    best.copy(&wave);
                 }
-            }
-            // Only ratios matter: the largest is brought back to 1.
-            let largest = raised.iter().copied().fold(0.0, f32::max);
-            for x in &mut raised {
-                *x /= largest;
-            }
-        }
-        work.floats.give_all([raised, best_moduli]);
-        wanted.give(work);
-        let last = projector.end(work);
-        work.complexes.give(last);
-        Ok(Solution::new(problem, best, status, step, work))
+                raise(&mut raised, &wave.moduli, targets, mean);
+                self.tolerance > 0.0 && f64::from(1.0 - low / high) <= self.tolerance
+            },
+            |best| problem.residual(&best.moduli),
+        );
+        let drive = best.drives(count, work);
+        work.floats.give(raised);
+        projector.give(work);
+        best.give(work);
+        wave.give(work);
+        rows.give(work);
+        Ok(Solution::told(problem, drive, ended, self.steps as usize, work, control))
     }
 }

@@ -248,3 +248,36 @@ fn golden_vectors_come_out_bit_for_bit_at_the_scalar_level() {
         }
     }
 }
+
+/// simd128 has the bits of the scalar set: plain loops of it are what the scalar set is compiled to.
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+#[test]
+fn every_method_has_the_bits_of_the_scalar_set() {
+    use midair::{Array, Directivity, Medium, Options, Request, Transducer};
+    for directivity in [Directivity::Point, Directivity::T4010a1] {
+        let transducer = Transducer { directivity, ..Transducer::default() };
+        let array = Array::grid(9, 7, 10e-3).and_then(|array| array.with_transducer(transducer));
+        let medium = Medium { absorption: 0.15, ..Medium::default() };
+        // More points than lanes, and no multiple of them.
+        let points: Vec<[f64; 3]> = (0..19)
+            .map(|j| [f64::from(j % 5) * 0.012 - 0.02, f64::from(j / 5) * 0.013 - 0.02, 0.12])
+            .collect();
+        let request = Request { pressures: None, weights: Some(vec![1.5; points.len()]) };
+        let scene = Scene::new(array.expect("an array"), medium, points, request).expect("a scene");
+        for entry in solvers::SOLVERS {
+            let [simd, scalar] = [InstructionSet::best(), InstructionSet::SCALAR].map(|set| {
+                let propagation = Propagation::of(&scene).with_instruction_set(set);
+                let setup = Setup::of(scene.array(), scene.medium());
+                let problem =
+                    Problem::with_propagation(propagation, setup, scene.request()).expect("a problem");
+                let solver = entry.configure(&Options::new()).expect("defaults").solver;
+                let none = &mut Control::none();
+                let solution =
+                    midair::solve(&problem, &*solver, true, &mut Workspace::new(), none).expect("an answer");
+                let bits = |z: &Complex32| [z.re.to_bits(), z.im.to_bits()];
+                solution.drive.iter().chain(&solution.pressures).map(bits).collect::<Vec<_>>()
+            });
+            assert!(simd == scalar, "{}, {directivity:?}: not the bits of the scalar set", entry.info.name);
+        }
+    }
+}

@@ -133,21 +133,21 @@ fn gain<S: Simd>(s: S, form: Form, law: &Law, emitter: &Emitter<S::V>, point: [S
     wave(s, distance, amplitude)
 }
 
-/// Writes sixteen `sources`, or fewer, against points (their index, and a factor): row k of [`crate::kernels::tiles`] in the blocks
-/// from `first` on, `stride` apart.
+/// Writes sixteen `sources`, or fewer, against the points of `order`: row k of [`crate::kernels::tiles`] in the blocks from `first`
+/// on, `stride` apart.
 #[inline(always)]
 pub(crate) fn write_tile<S: Simd>(
     s: S,
     law: &Law,
     sources: &[Source],
     control_points: ControlPoints<'_>,
-    (order, scale): (&[u32], &[f32]),
+    order: &[u32],
     (first, stride): (usize, usize),
     [re, im]: [&mut [Block]; 2],
 ) {
     let emitter = Emitter::sixteen(s, sources);
     let plain = sources.iter().all(|source| law.form(source.turns) == Form::Plain);
-    for (k, (&j, &scale)) in order.iter().zip(scale).enumerate() {
+    for (k, &j) in order.iter().enumerate() {
         let [x, y, z] = control_points.coordinates;
         let place = [s.splat(x[j as usize]), s.splat(y[j as usize]), s.splat(z[j as usize])];
         let [real, imaginary] = if plain {
@@ -156,8 +156,8 @@ pub(crate) fn write_tile<S: Simd>(
             gain(s, Form::Full, law, &emitter, place)
         };
         let block = first + k / BLOCK * stride;
-        s.store(s.mul(real, s.splat(scale)), &mut re[block][k % BLOCK]);
-        s.store(s.mul(imaginary, s.splat(scale)), &mut im[block][k % BLOCK]);
+        s.store(real, &mut re[block][k % BLOCK]);
+        s.store(imaginary, &mut im[block][k % BLOCK]);
     }
 }
 

@@ -1,6 +1,8 @@
 //! Where a kernel that passes over all transducers takes its rows from.
 
-use crate::kernels::lanes::LANES;
+use core::ops::Range;
+
+use crate::kernels::lanes::{LANES, padded};
 use crate::kernels::propagate::row::{ControlPoints, Law, Source, write_row, write_tile};
 use crate::kernels::simd::Simd;
 use crate::kernels::tiles::{BLOCK, Block};
@@ -30,38 +32,36 @@ impl Rows<'_> {
         }
     }
 
-    /// Writes a tile of [`crate::kernels::tiles`]: 16 of the `count` transducers in the lanes, row after row the points (their
-    /// index, and a factor), zeros in the lanes of transducers that there are not.
+    /// Writes a tile of [`crate::kernels::tiles`]: 16 transducers or fewer in the lanes, row after row all the points in
+    /// their `order`, zeros in the lanes of transducers that there are not.
     #[inline(always)]
     pub(crate) fn write_tile<S: Simd>(
         &self,
         s: S,
         (tile, stride): (usize, usize),
-        count: usize,
-        points: (&[u32], &[f32]),
+        members: Range<usize>,
+        order: &[u32],
         out: [&mut [Block]; 2],
     ) {
-        let members = count.min(tile * LANES)..count.min((tile + 1) * LANES);
         match *self {
             Self::Computed { law, sources, control_points } if !members.is_empty() => {
-                write_tile(s, law, &sources[members], control_points, points, (tile, stride), out);
+                write_tile(s, law, &sources[members], control_points, order, (tile, stride), out);
             }
             Self::Stored { re, im } => {
-                let lanes = re.len() / count;
+                let lanes = padded(order.len());
                 for (all, out) in [re, im].into_iter().zip(out) {
-                    for (k, (&j, &scale)) in points.0.iter().zip(points.1).enumerate() {
+                    for (k, &j) in order.iter().enumerate() {
                         let to = &mut out[tile + k / BLOCK * stride][k % BLOCK];
                         *to = [0.0; LANES];
                         for (to, i) in to.iter_mut().zip(members.clone()) {
-                            *to = all[i * lanes + j as usize] * scale;
+                            *to = all[i * lanes + j as usize];
                         }
                     }
                 }
             }
             Self::Computed { .. } => {
                 for out in out {
-                    (0..points.0.len())
-                        .for_each(|k| out[tile + k / BLOCK * stride][k % BLOCK] = [0.0; LANES]);
+                    (0..order.len()).for_each(|k| out[tile + k / BLOCK * stride][k % BLOCK] = [0.0; LANES]);
                 }
             }
         }

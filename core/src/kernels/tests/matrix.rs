@@ -8,7 +8,7 @@ use num_complex::{Complex32, Complex64};
 use crate::kernels::closed_form;
 use crate::kernels::closed_form::Sweep;
 use crate::kernels::lanes::padded;
-use crate::kernels::matrix::{add_waves, combine_rows, correlate_rows, gram, gram_floats};
+use crate::kernels::matrix::{add_waves, correlate_rows};
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::kernels::tests::{LENGTHS, ROUNDING, numbers, wide};
@@ -64,48 +64,14 @@ fn products_with_rows_are_their_sums() {
                 .map(|k| Complex32::cis(k as f32) * if k % 5 == 4 { 0.0 } else { 0.5 })
                 .collect();
             let want = |j: usize| (0..matrix.rows).map(|k| matrix.at(k, j) * exact(factors[k])).sum();
-            let (mut re, mut im) = (vec![f32::NAN; lanes], vec![f32::NAN; lanes]);
-            combine_rows(set, [&matrix.re, &matrix.im], &factors, [&mut re, &mut im]);
-            let (mut also_re, mut also_im) = (vec![0.0; lanes], vec![0.0; lanes]);
+            let (mut re, mut im) = (vec![0.0; lanes], vec![0.0; lanes]);
             let (mut row_re, mut row_im) = (vec![f32::NAN; lanes], vec![f32::NAN; lanes]);
             let row = [&mut row_re[..], &mut row_im[..]];
-            add_waves(set, matrix.rows(), &factors, row, [&mut also_re, &mut also_im]);
+            add_waves(set, matrix.rows(), &factors, row, [&mut re, &mut im]);
             for j in 0..count {
-                assert_close(Complex64::new(wide(re[j]), wide(im[j])), want(j), matrix.rows, "combine_rows");
-                assert_close(
-                    Complex64::new(wide(also_re[j]), wide(also_im[j])),
-                    want(j),
-                    matrix.rows,
-                    "add_waves",
-                );
+                assert_close(Complex64::new(wide(re[j]), wide(im[j])), want(j), matrix.rows, "add_waves");
             }
             assert!(re[count..].iter().chain(&im[count..]).all(|&x| x == 0.0), "padding was given sound");
-        }
-    }
-}
-
-#[test]
-fn gram_is_the_weighted_conjugate_product() {
-    for set in InstructionSet::all() {
-        for count in LENGTHS {
-            // One panel, and two with a rest.
-            for transducers in [1, 7, 75] {
-                let matrix = Matrix::new(transducers, count);
-                let lanes = padded(count);
-                let (mut re, mut im) = (vec![0.0; count * lanes], vec![0.0; count * lanes]);
-                let mut memory = vec![f32::NAN; gram_floats(lanes)];
-                let factor = |i: usize| 0.25 + (i % 3) as f32;
-                gram(set, matrix.rows(), factor, transducers, count, &mut memory, [&mut re, &mut im]);
-                for k in 0..count {
-                    for l in 0..lanes {
-                        let got = Complex64::new(wide(re[k * lanes + l]), wide(im[k * lanes + l]));
-                        let entry = |i: usize| matrix.at(i, k).conj() * matrix.at(i, l) * wide(factor(i));
-                        let want =
-                            if l < count { (0..transducers).map(entry).sum() } else { Complex64::ZERO };
-                        assert_close(got, want, 4 * transducers, "gram");
-                    }
-                }
-            }
         }
     }
 }

@@ -150,7 +150,7 @@ impl Shot {
         let [mut re, mut im] = [(); 2].map(|()| vec![f32::NAN; whole]);
         let rows =
             Rows::Computed { law: &self.law, sources: &sources, control_points: self.control_points() };
-        pack(set, rows, 2, (&order, &vec![1.0; self.count]), [&mut re, &mut im]);
+        pack(set, rows, 0..2, &order, [&mut re, &mut im]);
         // Two tiles and a spare one to four points.
         for (plane, row) in [re, im].iter().zip(row) {
             for j in 0..self.count {

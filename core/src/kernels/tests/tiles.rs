@@ -35,12 +35,14 @@ impl Scene {
             }
         }
         let order: Vec<u32> = (0..points as u32).rev().collect();
-        let mut scale = vec![0.0; height(points)];
-        (0..points).for_each(|k| scale[k] = if k % 2 == 0 { 1.0 } else { 2.0 });
+        let scale: Vec<f32> = (0..points).map(|k| if k % 2 == 0 { 1.0 } else { 2.0 }).collect();
         let mut planes = [(); 2].map(|()| vec![f32::NAN; size(height(points), lanes(transducers))]);
         let [re, im] = &mut planes;
         let rows = Rows::Stored { re: &stored[0], im: &stored[1] };
-        tiles::pack(set, rows, transducers, (&order, &scale), [re, im]);
+        tiles::pack(set, rows, 0..transducers, &order, [re, im]);
+        for plane in [re, im] {
+            (0..points).for_each(|k| tiles::rescale(plane, lanes(transducers), k, scale[k]));
+        }
         let entry = |k: usize, i: usize| {
             let at = i * wide_row + points - 1 - k;
             Complex64::new(wide(stored[0][at]), wide(stored[1][at])) * wide(scale[k])
@@ -102,8 +104,10 @@ fn a_sweep_aims_every_transducer_and_hears_it() {
             for plane in &mut wanted {
                 plane.resize(height(count).max(plane.len()), 0.0);
             }
-            let [drive, _] =
-                scene.play(|wave| tiles::sweep(set, scene.tiles(), [&wanted[0], &wanted[1]], wave));
+            let mut memory = vec![f32::NAN; tiles::sweep_floats(height(count))];
+            let [drive, _] = scene.play(|wave| {
+                tiles::sweep(set, scene.tiles(), [&wanted[0], &wanted[1]], wave, &mut memory);
+            });
             for i in 0..transducers {
                 let part = |k: usize| {
                     scene.propagation[k][i].conj() * Complex64::new(wide(wanted[0][k]), wide(wanted[1][k]))
@@ -114,6 +118,47 @@ fn a_sweep_aims_every_transducer_and_hears_it() {
                 assert!((drive[i] - want / want.norm()).norm() <= allowed, "{set} {count}: {}", drive[i]);
             }
         }
+    });
+}
+
+#[test]
+fn a_drive_is_played_as_it_is_and_made_full() {
+    each(|set, count, rng| {
+        let scene = Scene::new(count, 37, set);
+        let own = [(); 2].map(|()| over(rng, 37));
+        let copy = |wave: &mut Wave<'_>| {
+            wave.drive.iter_mut().zip(&own).for_each(|(part, own)| part.copy_from_slice(own));
+        };
+        let [plain, _] = scene.play(|mut wave| {
+            copy(&mut wave);
+            tiles::play(set, scene.tiles(), wave);
+        });
+        let [full, _] = scene.play(|mut wave| {
+            copy(&mut wave);
+            let [re, im] = &mut wave.drive;
+            tiles::normalise(set, [re, im]);
+            tiles::play(set, scene.tiles(), wave);
+        });
+        for i in 0..37 {
+            let q = Complex64::new(wide(own[0][i]), wide(own[1][i]));
+            assert_eq!(plain[i], q);
+            assert!((full[i] - q / q.norm()).norm() <= 8.0 * ROUNDING, "{set} {count}: {}", full[i]);
+        }
+    });
+}
+
+#[test]
+fn a_transducer_reaches_what_is_not_all_zeros() {
+    each(|set, count, _| {
+        let mut scene = Scene::new(count, 37, set);
+        assert!((0..37).all(|i| scene.tiles().reaches(i)));
+        // Transducer 20 lies in the second tile, its fifth lane.
+        for plane in &mut scene.planes {
+            for block in plane.chunks_exact_mut(4 * LANES).skip(1).step_by(lanes(37) / LANES + 1) {
+                block.chunks_exact_mut(LANES).for_each(|row| row[4] = 0.0);
+            }
+        }
+        assert!((0..37).all(|i| scene.tiles().reaches(i) == (i != 20)), "{set} {count}");
     });
 }
 
@@ -190,12 +235,30 @@ fn slopes_their_products_and_sums_are_those_of_j() {
 }
 
 #[test]
+fn transducers_are_weighed() {
+    each(|set, count, rng| {
+        let mut scene = Scene::new(count, 37, set);
+        let factors = over(rng, 37);
+        let before = scene.planes[0].clone();
+        tiles::weigh(set, &mut scene.planes[0], &factors);
+        // Tile after tile, four rows of each together.
+        for (k, block) in before.chunks_exact(4 * LANES).enumerate() {
+            let tile = k % (lanes(37) / LANES + 1);
+            for (at, x) in block.iter().enumerate().filter(|_| tile < lanes(37) / LANES) {
+                let want = wide(*x) * wide(factors[tile * LANES + at % LANES]);
+                assert_near(scene.planes[0][4 * LANES * k + at], want, 4.0 * ROUNDING, "weighed");
+            }
+        }
+    });
+}
+
+#[test]
 fn couplings_are_products_of_rows() {
     each(|set, count, _| {
         // More tiles than a run has, by one.
         for transducers in [37, 33 * LANES] {
             let scene = Scene::new(count, transducers, set);
-            let mut matrix = [(); 2].map(|()| vec![f32::NAN; count * count]);
+            let mut matrix = [(); 2].map(|()| vec![0.0; count * count]);
             let [re, im] = &mut matrix;
             let all = 0..lanes(transducers) / LANES;
             products::couplings(set, scene.tiles(), all, count, [re, im]);

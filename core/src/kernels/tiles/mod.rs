@@ -6,6 +6,8 @@
 pub(crate) mod phases;
 pub(crate) mod products;
 
+use core::ops::Range;
+
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
@@ -54,6 +56,14 @@ pub(crate) struct Tiles<'a> {
 }
 
 impl<'a> Tiles<'a> {
+    /// Whether a transducer reaches any point.
+    pub(crate) fn reaches(&self, transducer: usize) -> bool {
+        let (tile, lane) = (transducer / LANES, transducer % LANES);
+        let mut tiles =
+            self.planes.into_iter().flat_map(|plane| blocks(plane).chunks_exact(stride(self.lanes)));
+        tiles.any(|rows| rows[tile].iter().any(|row| row[lane] != 0.0))
+    }
+
     /// Re and im of four rows, tile after tile.
     #[inline(always)]
     pub(crate) fn rows(&self, block: usize) -> [&'a [Block]; 2] {
@@ -79,23 +89,40 @@ pub(crate) struct Wave<'a> {
     pub(crate) field: [&'a mut [f32]; 2],
 }
 
-/// Writes G as tiles: row `k` is point `order[k]` times `scale[k]`, zeros beyond the last point and transducer.
+/// Writes G of the transducers `members` as tiles: row `k` is point `order[k]`, zeros beyond the last point and
+/// transducer.
 pub(crate) fn pack(
     set: InstructionSet,
     rows: Rows<'_>,
-    transducers: usize,
-    points: (&[u32], &[f32]),
+    members: Range<usize>,
+    order: &[u32],
     out: [&mut [f32]; 2],
 ) {
     dispatch!(set, s => {
-        let lanes = lanes(transducers);
+        let lanes = lanes(members.len());
         let [re, im] = out.map(blocks_mut);
-        let last = points.0.len() / BLOCK * stride(lanes);
+        let last = order.len() / BLOCK * stride(lanes);
         for plane in [&mut *re, &mut *im] {
             plane[last..].as_flattened_mut().fill([0.0; LANES]);
         }
         for tile in 0..lanes / LANES {
-            rows.write_tile(s, (tile, stride(lanes)), transducers, points, [&mut *re, &mut *im]);
+            let first = members.start + tile * LANES;
+            let own = first.min(members.end)..(first + LANES).min(members.end);
+            rows.write_tile(s, (tile, stride(lanes)), own, order, [&mut *re, &mut *im]);
+        }
+    });
+}
+
+/// Multiplies G of each transducer by its factor.
+pub(crate) fn weigh(set: InstructionSet, plane: &mut [f32], factors: &[f32]) {
+    dispatch!(set, s => {
+        for rows in blocks_mut(plane).chunks_exact_mut(stride(factors.len())) {
+            for (block, factor) in rows.iter_mut().zip(groups(factors)) {
+                let factor = s.load(factor);
+                for row in block {
+                    s.store(s.mul(factor, s.load(row)), row);
+                }
+            }
         }
     });
 }
@@ -117,41 +144,78 @@ fn unit<S: Simd>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
     [s.mul(re, inverse), s.mul(im, inverse)]
 }
 
-/// Drives the array two tiles at a time, then hears it, four rows at a time.
+/// P = G q, four rows at a time.
 #[inline(always)]
-fn play<S: Simd>(s: S, tiles: Tiles<'_>, wave: Wave<'_>, mut drive: impl FnMut(usize) -> [[S::V; 2]; 2]) {
-    let Wave { drive: [qr, qi], field: [re, im] } = wave;
-    let (qr, qi) = (groups_mut(qr), groups_mut(qi));
-    for t in (0..qr.len()).step_by(2) {
-        let [[ar, ai], [br, bi]] = drive(t);
-        s.store(ar, &mut qr[t]);
-        s.store(ai, &mut qi[t]);
-        s.store(br, &mut qr[t + 1]);
-        s.store(bi, &mut qi[t + 1]);
-    }
+fn sound<S: Simd>(s: S, tiles: Tiles<'_>, [qr, qi]: [&[Lanes]; 2], [re, im]: [&mut [f32]; 2]) {
     let field = re.as_chunks_mut::<BLOCK>().0.iter_mut().zip(im.as_chunks_mut::<BLOCK>().0);
     for (block, (re, im)) in field.enumerate() {
         let [gr, gi] = tiles.rows(block);
         let mut sums = [[s.splat(0.0); 2]; BLOCK];
-        for ((gr, gi), (qr, qi)) in gr.iter().zip(gi).zip(qr.iter().zip(&*qi)) {
-            let (qr, qi) = (s.load(qr), s.load(qi));
-            for ([real, imag], (gr, gi)) in sums.iter_mut().zip(gr.iter().zip(gi)) {
-                let (gr, gi) = (s.load(gr), s.load(gi));
-                *real = s.fma(gr, qr, s.fnma(gi, qi, *real));
-                *imag = s.fma(gr, qi, s.fma(gi, qr, *imag));
+        for ((gr, gi), (qr, qi)) in gr.iter().zip(gi).zip(qr.iter().zip(qi)) {
+            let q = [s.load(qr), s.load(qi)];
+            for (sum, (gr, gi)) in sums.iter_mut().zip(gr.iter().zip(gi)) {
+                *sum = add_wave(s, [s.load(gr), s.load(gi)], q, *sum);
             }
         }
-        for ([real, imag], (re, im)) in sums.into_iter().zip(re.iter_mut().zip(im)) {
-            (*re, *im) = (s.reduce_add(real), s.reduce_add(imag));
-        }
+        hear(s, sums, re, im);
     }
 }
 
-/// q = b/|b| with b = sum_j conj(G_j) p_j, 0 where b is, and P = G q.
-pub(crate) fn sweep(set: InstructionSet, tiles: Tiles<'_>, wanted: [&[f32]; 2], wave: Wave<'_>) {
+/// P + G q.
+#[inline(always)]
+fn add_wave<S: Simd>(s: S, [gr, gi]: [S::V; 2], [qr, qi]: [S::V; 2], [re, im]: [S::V; 2]) -> [S::V; 2] {
+    [s.fma(gr, qr, s.fnma(gi, qi, re)), s.fma(gr, qi, s.fma(gi, qr, im))]
+}
+
+/// The pressures of four rows: their sums over the lanes.
+#[inline(always)]
+fn hear<S: Simd>(s: S, sums: [[S::V; 2]; BLOCK], re: &mut [f32; BLOCK], im: &mut [f32; BLOCK]) {
+    for ([real, imag], (re, im)) in sums.into_iter().zip(re.iter_mut().zip(im)) {
+        (*re, *im) = (s.reduce_add(real), s.reduce_add(imag));
+    }
+}
+
+/// Makes every |q| 1, 0 staying 0.
+pub(crate) fn normalise(set: InstructionSet, drive: [&mut [f32]; 2]) {
     dispatch!(set, s => {
+        let [qr, qi] = drive.map(groups_mut);
+        for (qr, qi) in qr.iter_mut().zip(qi) {
+            let [re, im] = unit(s, [s.load(qr), s.load(qi)]);
+            s.store(re, qr);
+            s.store(im, qi);
+        }
+    });
+}
+
+/// P = G q of the wave's own drive.
+pub(crate) fn play(set: InstructionSet, tiles: Tiles<'_>, wave: Wave<'_>) {
+    dispatch!(set, s => {
+        let [qr, qi] = wave.drive;
+        sound(s, tiles, [groups(qr), groups(qi)], wave.field);
+    });
+}
+
+/// Numbers of memory that [`sweep`] needs for `rows` (whole blocks).
+pub(crate) const fn sweep_floats(rows: usize) -> usize {
+    2 * rows * LANES
+}
+
+/// q = b/|b| with b = sum_j conj(G_j) p_j, 0 where b is, and P = G q, in one pass over G: two tiles are still in the nearest
+/// cache when they are heard. `memory` holds the lanes of P meanwhile.
+pub(crate) fn sweep(
+    set: InstructionSet,
+    tiles: Tiles<'_>,
+    wanted: [&[f32]; 2],
+    wave: Wave<'_>,
+    memory: &mut [f32],
+) {
+    dispatch!(set, s => {
+        let Wave { drive: [qr, qi], field: [re, im] } = wave;
+        let (qr, qi) = (groups_mut(qr), groups_mut(qi));
         let [pr, pi] = wanted.map(|plane| plane.as_chunks::<BLOCK>().0);
-        play(s, tiles, wave, #[inline(always)] |t| {
+        memory.fill(0.0);
+        let parts = blocks_mut(memory).as_chunks_mut::<2>().0;
+        for t in (0..qr.len()).step_by(2) {
             // Sums that do not wait for one another.
             let mut sums = [[s.splat(0.0); 4]; 2];
             for ([gr, gi], (pr, pi)) in tiles.pair(t).zip(pr.iter().zip(pi)) {
@@ -168,9 +232,27 @@ pub(crate) fn sweep(set: InstructionSet, tiles: Tiles<'_>, wanted: [&[f32]; 2], 
                     }
                 }
             }
-            let [a, b] = sums;
-            [unit(s, [s.add(a[0], a[1]), s.sub(a[2], a[3])]), unit(s, [s.add(b[0], b[1]), s.sub(b[2], b[3])])]
-        });
+            let q = sums.map(#[inline(always)] |[a, b, c, d]| unit(s, [s.add(a, b), s.sub(c, d)]));
+            for (tile, [real, imag]) in q.into_iter().enumerate() {
+                s.store(real, &mut qr[t + tile]);
+                s.store(imag, &mut qi[t + tile]);
+            }
+            for ([gr, gi], [re, im]) in tiles.pair(t).zip(&mut *parts) {
+                for row in 0..BLOCK {
+                    let mut sum = [s.load(&re[row]), s.load(&im[row])];
+                    for (tile, q) in q.into_iter().enumerate() {
+                        sum = add_wave(s, [s.load(&gr[tile][row]), s.load(&gi[tile][row])], q, sum);
+                    }
+                    s.store(sum[0], &mut re[row]);
+                    s.store(sum[1], &mut im[row]);
+                }
+            }
+        }
+        let field = re.as_chunks_mut().0.iter_mut().zip(im.as_chunks_mut().0);
+        for ([real, imag], (re, im)) in parts.iter().zip(field) {
+            let sum = |row: usize| [s.load(&real[row]), s.load(&imag[row])];
+            hear(s, [sum(0), sum(1), sum(2), sum(3)], re, im);
+        }
     });
 }
 
@@ -183,18 +265,17 @@ pub(crate) fn turn(
     factor: f32,
     wave: Wave<'_>,
 ) {
-    #[inline(always)]
-    fn turned<S: Simd>(s: S, re: &Lanes, im: &Lanes, turn: &Lanes, factor: f32) -> [S::V; 2] {
-        let (re, im) = (s.load(re), s.load(im));
-        let turn = s.mul(s.splat(factor), s.load(turn));
-        unit(s, [s.fnma(turn, im, re), s.fma(turn, re, im)])
-    }
     dispatch!(set, s => {
         let ([re, im], turns) = (from.map(groups), groups(turns));
-        play(s, tiles, wave, #[inline(always)] |t| [
-            turned(s, &re[t], &im[t], &turns[t], factor),
-            turned(s, &re[t + 1], &im[t + 1], &turns[t + 1], factor),
-        ]);
+        let [qr, qi] = wave.drive.map(groups_mut);
+        for (((re, im), turn), (qr, qi)) in re.iter().zip(im).zip(turns).zip(qr.iter_mut().zip(&mut *qi)) {
+            let (re, im) = (s.load(re), s.load(im));
+            let turn = s.mul(s.splat(factor), s.load(turn));
+            let [real, imag] = unit(s, [s.fnma(turn, im, re), s.fma(turn, re, im)]);
+            s.store(real, qr);
+            s.store(imag, qi);
+        }
+        sound(s, tiles, [qr, qi], wave.field);
     });
 }
 

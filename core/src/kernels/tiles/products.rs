@@ -3,12 +3,14 @@
 //! Four rows meet four (two, if complex) over a run of tiles short enough for the nearest cache, their 16 sums in
 //! registers.
 
+use core::ops::Range;
+
 use crate::kernels::lanes::{LANES, Lanes, padded};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tiles::{BLOCK, Tiles, blocks, stride};
 
 /// Tiles that rows meet over before the next rows are fetched: eight planes of them are 16 KB.
-const RUN: usize = 32;
+pub(crate) const RUN: usize = 32;
 
 /// The upper half of J J^T, J the rows of a plane over `lanes`: a matrix of `size` padded rows.
 pub(crate) fn products(set: InstructionSet, plane: &[f32], lanes: usize, size: usize, matrix: &mut [f32]) {
@@ -48,11 +50,11 @@ pub(crate) fn products(set: InstructionSet, plane: &[f32], lanes: usize, size: u
     });
 }
 
-/// The upper half of G G^H over the first `size` points and the tiles of `over`.
+/// Adds the upper half of G G^H over the first `size` points and the tiles of `over`.
 pub(crate) fn couplings(
     set: InstructionSet,
     tiles: Tiles<'_>,
-    over: core::ops::Range<usize>,
+    over: Range<usize>,
     size: usize,
     matrix: [&mut [f32]; 2],
 ) {
@@ -60,8 +62,7 @@ pub(crate) fn couplings(
     const PAIR: usize = 2;
     dispatch!(set, s => {
         let [to_re, to_im] = matrix;
-        to_re.fill(0.0);
-        to_im.fill(0.0);
+        let wide = to_re.len() / size;
         for first in over.clone().step_by(RUN) {
             let run = first..(first + RUN).min(over.end);
             for l in (0..size).step_by(BLOCK) {
@@ -93,7 +94,7 @@ pub(crate) fn couplings(
                     for (to, parts) in [(&mut *to_re, re), (&mut *to_im, im)] {
                         for (l, parts) in (l..size).zip(parts.chunks_exact(PAIR)) {
                             for (k, part) in (k..size).zip(parts) {
-                                to[k * size + l] += part;
+                                to[k * wide + l] += part;
                             }
                         }
                     }

@@ -1,135 +1,84 @@
-//! Between transducers and points: back, forward, and the two in turn as Gerchberg-Saxton's methods do it.
+//! Between transducers and points: back-projection, and the alternating projections of Gerchberg and Saxton.
 
 use alloc::vec::Vec;
 
 use num_complex::Complex32;
 
-use crate::kernels;
-use crate::kernels::simd::instruction_set::InstructionSet;
+use crate::kernels::tiles;
 use crate::linalg::Planar;
 use crate::math;
 use crate::math::sqrtf;
 use crate::problem::Problem;
-use crate::propagation::Propagation;
-use crate::workspace::Workspace;
+use crate::propagation::products::field_of;
+use crate::solvers::common::tiled::{Rows, Wave};
+use crate::workspace::{Aligned, Workspace};
 
-/// G stored, a drive of |q| = 1, and its field.
+/// Alternating projections on the tiles of G: from the pressures wanted at the points to |q| = 1 and the field.
 pub(crate) struct Projector {
-    set: InstructionSet,
-    propagation: Planar,
-    count: usize,
-    drive: Vec<Complex32>,
-    field: Planar,
-    modulus: Vec<f32>,
-    before: Vec<f32>,
+    /// The pressures wanted at the rows, in any unit.
+    pub(crate) wanted: [Vec<f32>; 2],
+    /// Memory of the sweep.
+    memory: Aligned,
 }
 
 impl Projector {
-    /// Starts from the problem's start, else from q = 1.
-    pub(crate) fn new(problem: &Problem, work: &mut Workspace) -> Self {
-        let propagation = problem.propagation();
-        let lanes = propagation.lanes();
-        let mut projector = Self {
-            set: propagation.instruction_set(),
-            propagation: Planar::stored(propagation, work),
-            count: propagation.points(),
-            drive: work.complexes.take(propagation.transducers()),
-            field: Planar::zeros(1, lanes, work),
-            modulus: work.floats.take(lanes),
-            before: work.floats.take(lanes),
-        };
-        match problem.start_drive() {
-            Some(drive) => projector.drive.copy_from_slice(drive),
-            None => projector.drive.fill(Complex32::ONE),
+    pub(crate) fn new(rows: &Rows, work: &mut Workspace) -> Self {
+        let wanted = [(); 2].map(|()| work.floats.take(rows.count));
+        Self { wanted, memory: Aligned::take(tiles::sweep_floats(rows.count), work) }
+    }
+
+    /// Wants p_j = a_j P_j/|P_j|: the phases of a wave's field with other moduli a; phase 0 where there is silence.
+    pub(crate) fn want(&mut self, wave: &Wave, moduli: &[f32]) {
+        let [re, im] = &mut self.wanted;
+        let field = wave.field[0].iter().zip(&wave.field[1]).zip(&wave.moduli);
+        for (((re, im), ((x, y), length)), &modulus) in re.iter_mut().zip(im).zip(field).zip(moduli) {
+            let scale = if *length > 0.0 { modulus / length } else { 0.0 };
+            *re = if scale > 0.0 { x * scale } else { modulus };
+            *im = y * scale;
         }
-        projector.forward(problem.targets());
-        if problem.start_phases().is_some() {
-            let mut wanted = start_phasors(problem, work);
-            for (j, &target) in problem.targets().iter().enumerate() {
-                wanted.re[j] *= target;
-                wanted.im[j] *= target;
+    }
+
+    /// q_i = b_i/|b_i| with b = G^H p of the pressures wanted, 0 where b_i is, and P = G q.
+    pub(crate) fn project(&mut self, rows: &Rows, wave: &mut Wave) {
+        let Self { wanted: [re, im], memory } = self;
+        wave.set(|wave| tiles::sweep(rows.set, rows.tiles(), [re, im], wave, memory));
+    }
+
+    /// The wave of the problem's start, else of q = 1.
+    pub(crate) fn begin(&mut self, problem: &Problem, rows: &Rows, work: &mut Workspace) -> Wave {
+        self.start(problem, rows, work).unwrap_or_else(|| {
+            let mut wave = Wave::new(rows, work);
+            wave.play(rows, core::iter::repeat_n(Complex32::ONE, problem.propagation().transducers()));
+            wave
+        })
+    }
+
+    /// The wave of the problem's start: its drive as it is, or the projection of its phases with the moduli of the
+    /// targets. `None` without a start. The rows are in the problem's order.
+    pub(crate) fn start(&mut self, problem: &Problem, rows: &Rows, work: &mut Workspace) -> Option<Wave> {
+        if problem.start_drive().is_none() && problem.start_phases().is_none() {
+            return None;
+        }
+        let mut wave = Wave::new(rows, work);
+        if let Some(drive) = problem.start_drive() {
+            wave.play(rows, drive.iter().copied());
+            return Some(wave);
+        }
+        let phasors = start_phasors(problem, work);
+        for (wanted, phasors) in self.wanted.iter_mut().zip([&phasors.re, &phasors.im]) {
+            for ((wanted, phasor), target) in wanted.iter_mut().zip(phasors).zip(problem.targets()) {
+                *wanted = phasor * target / rows.target;
             }
-            projector.back(&wanted);
-            projector.forward(problem.targets());
-            wanted.give(work);
         }
-        projector
+        phasors.give(work);
+        self.project(rows, &mut wave);
+        Some(wave)
     }
 
-    pub(crate) fn drive(&self) -> &[Complex32] {
-        &self.drive
+    pub(crate) fn give(self, work: &mut Workspace) {
+        work.floats.give_all(self.wanted);
+        self.memory.give(work);
     }
-
-    /// |p| of the present drive.
-    pub(crate) fn modulus(&self) -> &[f32] {
-        &self.modulus
-    }
-
-    /// The present phases at the points with other moduli; phase 0 where there is silence.
-    pub(crate) fn wanted(&self, moduli: &[f32], out: &mut Planar) {
-        for j in 0..self.count {
-            let scale = if self.modulus[j] > 0.0 { moduli[j] / self.modulus[j] } else { 0.0 };
-            out.re[j] = if scale > 0.0 { self.field.re[j] * scale } else { moduli[j] };
-            out.im[j] = self.field.im[j] * scale;
-        }
-    }
-
-    /// q = G^H p, every |q| made 1; a transducer without effect gets 0.
-    pub(crate) fn back(&mut self, wanted: &Planar) {
-        let Self { propagation, drive, .. } = self;
-        kernels::correlate_rows(self.set, [&propagation.re, &propagation.im], wanted.row(0), |i, q| {
-            drive[i] = unit(q)
-        });
-    }
-
-    /// p = G q. Returns the largest change of a |p| relative to its target.
-    pub(crate) fn forward(&mut self, targets: &[f32]) -> f32 {
-        core::mem::swap(&mut self.modulus, &mut self.before);
-        let Planar { re, im, .. } = &mut self.field;
-        kernels::combine_rows(self.set, [&self.propagation.re, &self.propagation.im], &self.drive, [re, im]);
-        kernels::modulus(self.set, &self.field.re, &self.field.im, &mut self.modulus);
-        let changes = self.modulus.iter().zip(&self.before).zip(targets);
-        changes
-            .filter(|(_, target)| **target > 0.0)
-            .fold(0.0, |most, ((now, before), target)| f32::max(most, (now - before).abs() / target))
-    }
-
-    /// Gives the memory back and the drive away.
-    pub(crate) fn end(self, work: &mut Workspace) -> Vec<Complex32> {
-        let Self { propagation, drive, field, modulus, before, .. } = self;
-        propagation.give(work);
-        field.give(work);
-        work.floats.give_all([modulus, before]);
-        drive
-    }
-}
-
-/// z/|z|, 0 for 0. By the larger part first, so that no square under- or overflows.
-pub(crate) fn unit(z: Complex32) -> Complex32 {
-    let larger = f32::max(z.re.abs(), z.im.abs());
-    if larger == 0.0 {
-        return Complex32::ZERO;
-    }
-    let z = Complex32::new(z.re / larger, z.im / larger);
-    z / sqrtf(z.re * z.re + z.im * z.im)
-}
-
-/// q_i = factor_i sum_j conj(G_ji) p_j, rows computed on the way.
-pub(crate) fn back_project(
-    propagation: &Propagation,
-    phasors: &Planar,
-    factor: impl Fn(usize) -> f32,
-    work: &mut Workspace,
-) -> Vec<Complex32> {
-    let mut drive = work.complexes.take(propagation.transducers());
-    let mut row = Planar::zeros(1, propagation.lanes(), work);
-    for (i, q) in drive.iter_mut().enumerate() {
-        propagation.row(i, &mut row.re, &mut row.im);
-        let [re, im] = kernels::correlate(propagation.instruction_set(), row.row(0), phasors.row(0));
-        *q = Complex32::new(re, im) * factor(i);
-    }
-    row.give(work);
-    drive
 }
 
 /// The unit phasors at the points that a problem's start gives; 1 where there is none, or silence.
@@ -143,25 +92,18 @@ pub(crate) fn start_phasors(problem: &Problem, work: &mut Workspace) -> Planar {
         }
     }
     if let Some(drive) = problem.start_drive() {
-        let [mut row, mut field] = [(); 2].map(|()| Planar::zeros(1, propagation.lanes(), work));
-        for (i, q) in drive.iter().enumerate() {
-            propagation.row(i, &mut row.re, &mut row.im);
-            kernels::accumulate(
-                propagation.instruction_set(),
-                row.row(0),
-                [q.re, q.im],
-                &mut field.re,
-                &mut field.im,
-            );
-        }
+        let field = field_of(propagation, drive, work);
         for j in 0..propagation.points() {
             let modulus = sqrtf(field.re[j] * field.re[j] + field.im[j] * field.im[j]);
             if modulus > 0.0 {
                 (phasors.re[j], phasors.im[j]) = (field.re[j] / modulus, field.im[j] / modulus);
             }
         }
-        row.give(work);
         field.give(work);
     }
     phasors
 }
+
+#[cfg(test)]
+#[path = "tests/alternating_projection.rs"]
+mod tests;

@@ -1,5 +1,7 @@
 //! What several solvers share.
 
 pub(crate) mod alternating_projection;
+pub(crate) mod gauss_newton;
 pub(crate) mod interleaved;
 pub(crate) mod refinement;
+pub(crate) mod tiled;

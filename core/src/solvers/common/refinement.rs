@@ -9,6 +9,7 @@ use crate::kernels;
 use crate::kernels::greedy::search::{Candidates, table};
 use crate::linalg::Planar;
 use crate::problem::Problem;
+use crate::propagation::products::field_of;
 use crate::workspace::Workspace;
 
 /// Phases tried a transducer, around the present one: one group of lanes. All of a coarse device, and on a fine one
@@ -37,26 +38,18 @@ pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &mut Workspace) 
     let buffers = [table(WIDTH), table(WIDTH), 1].map(|len| work.floats.take(len));
     let candidates = Candidates::turns(phases as usize, WIDTH, buffers);
     let lanes = propagation.lanes();
-    let [mut row, mut wave, mut field] = [(); 3].map(|()| Planar::zeros(1, lanes, work));
+    let [mut row, mut wave] = [(); 2].map(|()| Planar::zeros(1, lanes, work));
     let [mut modulus, mut targets] = [(); 2].map(|()| work.floats.take(lanes));
     let mut kept = work.points.take(lanes / crate::kernels::lanes::LANES);
     for _ in 0..ROUNDS {
-        field.re.fill(0.0);
-        field.im.fill(0.0);
-        let into = [&mut field.re[..], &mut field.im[..]];
-        kernels::add_waves(
-            propagation.instruction_set(),
-            propagation.rows(),
-            drive,
-            [&mut row.re, &mut row.im],
-            into,
-        );
+        let field = field_of(propagation, drive, work);
         kernels::modulus(propagation.instruction_set(), &field.re, &field.im, &mut modulus);
         let level = common_level(problem, &modulus);
         for (target, asked) in targets.iter_mut().zip(problem.targets()) {
             *target = level * asked;
         }
         kernels::keep(propagation.instruction_set(), [&targets, problem.weights()], field.row(0), &mut kept);
+        field.give(work);
         let mut moved = false;
         for (i, q) in drive.iter_mut().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
             propagation.row(i, &mut row.re, &mut row.im);
@@ -81,7 +74,7 @@ pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &mut Workspace) 
             break;
         }
     }
-    for planar in [row, wave, field] {
+    for planar in [row, wave] {
         planar.give(work);
     }
     work.floats.give_all([modulus, targets]);

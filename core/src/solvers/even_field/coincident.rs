@@ -2,7 +2,7 @@
 
 use crate::kernels::lanes::LANES;
 use crate::kernels::tiles::products;
-use crate::solvers::even_field::Rows;
+use crate::solvers::common::tiled::Rows;
 use crate::workspace::Workspace;
 
 /// Points coincide whose rows are parallel to this part: they are about lambda/1000 apart.
@@ -14,7 +14,7 @@ const COINCIDENT: f64 = 1e-5;
 pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &mut Workspace) {
     let points = rows.loud;
     let middle = rows.lanes / LANES / 2;
-    let mut matrix = [(); 2].map(|()| work.floats.take_any(points * points));
+    let mut matrix = [(); 2].map(|()| work.floats.take(points * points));
     let [re, im] = &mut matrix;
     products::couplings(rows.set, rows.tiles(), middle..middle + 1, points, [&mut *re, &mut *im]);
     let entry = |k: usize, l: usize| [&*re, &*im].map(|plane| f64::from(plane[k * points + l]));

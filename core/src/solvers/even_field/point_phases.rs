@@ -14,8 +14,9 @@ use crate::math::sqrtf;
 use crate::problem::Problem;
 use crate::rng::Rng;
 use crate::solvers::common::alternating_projection::start_phasors;
+use crate::solvers::common::tiled::Rows;
+use crate::solvers::even_field::Plan;
 use crate::solvers::even_field::coincident::merge;
-use crate::solvers::even_field::{Plan, Rows};
 use crate::workspace::Workspace;
 
 /// Rounds over the points on the matrix: in trials eight reach all but a thousandth of the energy.

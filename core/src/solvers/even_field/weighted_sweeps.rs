@@ -1,9 +1,10 @@
 //! Weighted Gerchberg-Saxton (Di Leonardo et al. 2007) with |q| = 1 and the points' phases over-relaxed.
 
-use crate::kernels::tiles;
 use crate::math::sqrtf;
+use crate::solvers::common::alternating_projection::Projector;
+use crate::solvers::common::tiled::{Rows, Wave};
+use crate::solvers::even_field::Watch;
 use crate::solvers::even_field::point_phases::Starts;
-use crate::solvers::even_field::{Rows, Watch, Wave};
 use crate::workspace::Workspace;
 
 /// How much of a point's own echo is taken from its field before its phase is read: the echo says what the phase
@@ -32,20 +33,20 @@ pub(super) fn raise(
         own.copy_from_slice(&starts.phasors[plane][start * loud..(start + 1) * loud]);
         own
     });
-    let mut wanted = [(); 2].map(|()| work.floats.take(rows.count));
+    let mut projector = Projector::new(rows, work);
     let echo = RELAXATION * starts.echoes[start];
     let mut trial = Wave::new(rows, work);
     let given = watch.problem.start_drive();
     if let Some(drive) = given {
-        wave.play(rows, drive, work);
+        wave.play_at_full(rows, drive.iter().copied());
     }
     for sweep in 0..=sweeps {
-        for (wanted, phasors) in wanted.iter_mut().zip(&phasors) {
+        for (wanted, phasors) in projector.wanted.iter_mut().zip(&phasors) {
             for ((wanted, phasor), weight) in wanted.iter_mut().zip(phasors).zip(&weights) {
                 *wanted = weight * phasor;
             }
         }
-        trial.set(|wave| tiles::sweep(rows.set, rows.tiles(), [&wanted[0], &wanted[1]], wave));
+        projector.project(rows, &mut trial);
         let level = trial.level(rows);
         let mut largest = 0.0_f32;
         for k in 0..loud {
@@ -74,6 +75,6 @@ pub(super) fn raise(
     }
     work.floats.give(weights);
     work.floats.give_all(phasors);
-    work.floats.give_all(wanted);
+    projector.give(work);
     trial.give(work);
 }

@@ -6,13 +6,12 @@
 
 use alloc::vec::Vec;
 
-use crate::kernels::lanes::padded;
-use crate::kernels::tiles;
-use crate::kernels::tiles::products;
 use crate::linalg::Cholesky;
 use crate::problem::Problem;
-use crate::solvers::even_field::{Rows, Watch, Wave};
-use crate::workspace::{Aligned, Workspace};
+use crate::solvers::common::gauss_newton::Dual;
+use crate::solvers::common::tiled::{Rows, Wave};
+use crate::solvers::even_field::Watch;
+use crate::workspace::Workspace;
 
 /// Steps at most: four are enough where the points are fewer than a quarter of the transducers, ten where they are
 /// half as many.
@@ -94,81 +93,55 @@ fn heard(rows: &Rows, wave: &Wave, equation: usize) -> f32 {
     }
 }
 
-/// The linear system at a wave.
+/// The linear system at a wave: the loud points' moduli, then the quiet ones' real and imaginary parts.
 struct Newton {
-    /// Equations: the loud points, then the quiet ones' real and imaginary parts.
-    size: usize,
-    /// Rows of J: the equations, and zeros.
-    count: usize,
-    /// J.
-    slopes: Aligned,
-    /// J J^T, its upper half.
-    matrix: Vec<f32>,
-    /// Its factor, damped, and the solution for a rise of the level.
+    dual: Dual,
+    /// The factor of J J^T, damped, and the solution for a rise of the level.
     factor: Option<(Cholesky, Vec<f32>)>,
     /// 1 / weight of each equation.
     ease: Vec<f32>,
-    /// J d = f Re(dP) + g Im(dP).
-    factors: [Vec<f32>; 2],
     turns: Vec<f32>,
 }
 
 impl Newton {
     fn new(problem: &Problem, rows: &Rows, work: &mut Workspace) -> Self {
-        let quiet = rows.order.len() - rows.loud;
-        let size = rows.loud + 2 * quiet;
-        let count = tiles::height(size);
-        let mut ease = work.floats.take(size);
-        let points = rows.order.iter().chain(&rows.order[rows.loud..]);
+        let (loud, all) = (rows.loud, rows.order.len());
+        let mut dual = Dual::new(rows, 2 * all - loud, work);
+        let [f, g] = &mut dual.factors;
+        g[loud..all].fill(-1.0);
+        f[all..].fill(1.0);
+        let mut ease = work.floats.take(dual.size);
+        let points = rows.order.iter().chain(&rows.order[loud..]);
         for (ease, &j) in ease.iter_mut().zip(points) {
             *ease = 1.0 / problem.weights()[j as usize].max(LEAST_WEIGHT);
         }
-        Self {
-            size,
-            count,
-            slopes: Aligned::take(tiles::size(count, rows.lanes), work),
-            matrix: work.floats.take_any(size * padded(size)),
-            factor: None,
-            ease,
-            factors: [(); 2].map(|()| work.floats.take(count)),
-            turns: work.floats.take_any(rows.lanes),
-        }
+        Self { dual, factor: None, ease, turns: work.floats.take_any(rows.lanes) }
     }
 
     /// The weighted squares of what is missing from `level`, relative to it.
     fn cost(&self, rows: &Rows, wave: &Wave, level: f32) -> f64 {
         let missing = |k: usize| heard(rows, wave, k) / level - if k < rows.loud { 1.0 } else { 0.0 };
-        (0..self.size).map(|k| f64::from(missing(k) * missing(k) / self.ease[k])).sum()
+        (0..self.dual.size).map(|k| f64::from(missing(k) * missing(k) / self.ease[k])).sum()
     }
 
     fn update(&mut self, rows: &Rows, wave: &Wave) {
         let (loud, points) = (rows.loud, rows.order.len());
-        let [f, g] = &mut self.factors;
-        // dP = j G q d, so that Re dP is -Im(G q) d and Im dP is Re(G q) d.
+        let [f, g] = &mut self.dual.factors;
+        // d|P| = Re(conj(P) dP)/|P| with dP = j G q d.
         for k in 0..loud {
             (f[k], g[k]) = (wave.field[1][k] / wave.moduli[k], -wave.field[0][k] / wave.moduli[k]);
         }
-        (loud..points).for_each(|k| (f[k], g[k]) = (0.0, -1.0));
-        (points..self.size).for_each(|k| (f[k], g[k]) = (1.0, 0.0));
-        let (tiles, set) = (rows.tiles(), rows.set);
-        let equations = (0..points).chain(loud..points);
-        tiles::slopes(set, tiles, wave.drive(), [&*f, &*g], equations, &mut self.slopes);
-        products::products(set, &self.slopes, rows.lanes, self.size, &mut self.matrix);
+        self.dual.derive(rows, wave, (0..points).chain(loud..points));
     }
 
     /// The factor of the damped matrix and the solution for a rise of the level; `None` if f32 cannot factor it.
     fn factored(&self, rows: &Rows, damping: f32, work: &mut Workspace) -> Option<(Cholesky, Vec<f32>)> {
-        let (size, lanes) = (self.size, padded(self.size));
-        let mut matrix = work.floats.take_any(size * lanes);
-        matrix.copy_from_slice(&self.matrix);
-        let mean = (0..size).map(|k| matrix[k * lanes + k]).sum::<f32>() / size as f32;
-        for k in 0..size {
-            matrix[k * lanes + k] += damping * mean * self.ease[k];
-        }
-        let cholesky = Cholesky::new(rows.set, matrix, size, work)?;
-        let mut rise = work.floats.take(lanes.max(self.count));
+        let (size, lanes) = (self.dual.size, self.dual.lanes());
+        let mean = (0..size).map(|k| self.dual.matrix[k * lanes + k]).sum::<f32>() / size as f32;
+        let cholesky = self.dual.factor(|k| damping * mean * self.ease[k], work)?;
+        let mut rise = work.floats.take(lanes);
         rise[..rows.loud].fill(1.0);
-        cholesky.solve(&mut rise[..lanes]);
+        cholesky.solve(&mut rise);
         Some((cholesky, rise))
     }
 
@@ -195,28 +168,27 @@ impl Newton {
         // From the mean level, since s times one solution less another would cancel most digits.
         let middle = wave.level(rows);
         let mut dual = work.floats.take(rise.len());
-        for (k, dual) in dual.iter_mut().enumerate().take(self.size) {
+        for (k, dual) in dual.iter_mut().enumerate().take(self.dual.size) {
             *dual = if k < rows.loud { middle } else { 0.0 } - heard(rows, wave, k);
         }
-        cholesky.solve(&mut dual[..padded(self.size)]);
+        cholesky.solve(&mut dual);
         let sum = |values: &[f32]| values[..rows.loud].iter().map(|&x| f64::from(x)).sum::<f64>();
         let shift = level.map_or_else(|| (-sum(&dual) / sum(&rise)) as f32, |level| level - middle);
         dual.iter_mut().zip(&rise).for_each(|(dual, rise)| *dual += shift * rise);
-        let most = tiles::combine(rows.set, &self.slopes, &dual[..self.count], &mut self.turns);
+        let most = self.dual.back(&dual, &mut self.turns);
         work.floats.give(dual);
         self.factor = Some((cholesky, rise));
         let factor = if most > MOST_TURN { MOST_TURN / most } else { 1.0 };
         if !most.is_finite() {
             return false;
         }
-        trial.set(|to| tiles::turn(rows.set, rows.tiles(), wave.drive(), &self.turns, factor, to));
+        trial.turn(rows, wave, &self.turns, factor);
         true
     }
 
     fn give(mut self, work: &mut Workspace) {
         self.forget(work);
-        self.slopes.give(work);
-        work.floats.give_all([self.matrix, self.ease, self.turns]);
-        work.floats.give_all(self.factors);
+        self.dual.give(work);
+        work.floats.give_all([self.ease, self.turns]);
     }
 }

@@ -1,0 +1,89 @@
+//! Products with G whose rows are computed on the way: G^H p, G q and G G^H.
+
+use alloc::vec::Vec;
+
+use num_complex::Complex32;
+
+use crate::kernels;
+use crate::kernels::lanes::LANES;
+use crate::kernels::tiles::products;
+use crate::kernels::tiles::{self, Tiles};
+use crate::linalg::Planar;
+use crate::math::sqrtf;
+use crate::propagation::Propagation;
+use crate::workspace::{Aligned, Workspace};
+
+/// q_i = factor_i sum_j conj(G_ji) p_j, rows computed on the way.
+pub(crate) fn back_project(
+    propagation: &Propagation,
+    phasors: &Planar,
+    factor: impl Fn(usize) -> f32,
+    work: &mut Workspace,
+) -> Vec<Complex32> {
+    let mut drive = work.complexes.take(propagation.transducers());
+    let mut row = Planar::zeros(1, propagation.lanes(), work);
+    for (i, q) in drive.iter_mut().enumerate() {
+        propagation.row(i, &mut row.re, &mut row.im);
+        let [re, im] = kernels::correlate(propagation.instruction_set(), row.row(0), phasors.row(0));
+        *q = Complex32::new(re, im) * factor(i);
+    }
+    row.give(work);
+    drive
+}
+
+/// P = G q of a drive, rows computed on the way: one padded row, in units of the reference.
+pub(crate) fn field_of(propagation: &Propagation, drive: &[Complex32], work: &mut Workspace) -> Planar {
+    let [mut row, mut field] = [(); 2].map(|()| Planar::zeros(1, propagation.lanes(), work));
+    let (memory, into) = ([&mut row.re[..], &mut row.im[..]], [&mut field.re[..], &mut field.im[..]]);
+    kernels::add_waves(propagation.instruction_set(), propagation.rows(), drive, memory, into);
+    row.give(work);
+    field
+}
+
+/// conj(G diag(f) G^H), row k padded: entry l is `conj(sum_i f_i G_ki conj(G_li))`, f_i >= 0, 1 where left out. Time
+/// O(N M^2), memory O(M^2).
+///
+/// Conjugated so that `correlate` with row k is row k of G G^H times a vector.
+pub(crate) fn gram(propagation: &Propagation, factors: Option<&[f32]>, work: &mut Workspace) -> Planar {
+    const TOGETHER: usize = products::RUN * LANES;
+    let (set, count, lanes) = (propagation.instruction_set(), propagation.points(), propagation.lanes());
+    let mut product = Planar::zeros(count, lanes, work);
+    let mut order = work.indices.take(count);
+    order.iter_mut().zip(0..).for_each(|(row, j)| *row = j);
+    let mut roots = work.floats.take(TOGETHER);
+    let most = tiles::size(tiles::height(count), tiles::lanes(propagation.transducers().min(TOGETHER)));
+    let mut planes = [(); 2].map(|()| Aligned::take(most, work));
+    for first in (0..propagation.transducers()).step_by(TOGETHER) {
+        let members = first..propagation.transducers().min(first + TOGETHER);
+        let across = tiles::lanes(members.len());
+        let size = tiles::size(tiles::height(count), across);
+        let [re, im] = planes.each_mut().map(|plane| &mut plane[..size]);
+        tiles::pack(set, propagation.rows(), members.clone(), &order, [&mut *re, &mut *im]);
+        if let Some(factors) = factors {
+            roots.iter_mut().zip(&factors[members]).for_each(|(root, factor)| *root = sqrtf(*factor));
+            tiles::weigh(set, re, &roots[..across]);
+            tiles::weigh(set, im, &roots[..across]);
+        }
+        let to = [&mut product.re[..], &mut product.im[..]];
+        let tiles = Tiles { planes: [re, im], lanes: across };
+        products::couplings(set, tiles, 0..across / LANES, count, to);
+    }
+    for k in 0..count {
+        for l in k..count {
+            let (upper, lower) = (k * lanes + l, l * lanes + k);
+            let (re, im) = (product.re[upper], product.im[upper]);
+            (product.re[lower], product.im[lower]) = (re, im);
+            product.im[upper] = -im;
+        }
+    }
+    for plane in planes {
+        plane.give(work);
+    }
+    work.floats.give(roots);
+    work.indices.give(order);
+    product
+}
+
+#[cfg(test)]
+#[path = "tests/products.rs"]
+mod tests;

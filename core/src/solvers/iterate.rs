@@ -1,0 +1,38 @@
+//! The loop of the iterative methods.
+
+use crate::control::Control;
+use crate::problem::solution::Status;
+
+/// Steps until a step says that the tolerance is met, somebody stops them, or they are `steps`: how they ended, and how
+/// many they were. A tolerance of 0 asks for all steps, which is then no shortage of them.
+///
+/// `control` is told `residual` after each step but the last: that one's is the answer's own, which
+/// [`crate::Solution::tell`] tells.
+pub(super) fn iterate<T>(
+    (steps, tolerance): (u32, f64),
+    state: &mut T,
+    control: &mut Control,
+    mut step: impl FnMut(&mut T) -> bool,
+    residual: impl Fn(&T) -> f64,
+) -> (Status, usize) {
+    let steps = steps as usize;
+    for done in 1..=steps {
+        if step(state) {
+            return (Status::Done, done);
+        }
+        if done < steps && control.step(done, steps, || residual(state)).is_break() {
+            return (Status::Stopped, done);
+        }
+    }
+    (if tolerance > 0.0 { Status::OutOfSteps } else { Status::Done }, steps)
+}
+
+/// The largest change of a |p| relative to its target.
+pub(super) fn largest_change(now: &[f32], before: &[f32], targets: &[f32]) -> f64 {
+    let changes = now.iter().zip(before).zip(targets).filter(|(_, target)| **target > 0.0);
+    f64::from(changes.fold(0.0, |most, ((now, was), target)| f32::max(most, (now - was).abs() / target)))
+}
+
+#[cfg(test)]
+#[path = "tests/iterate.rs"]
+mod tests;
