@@ -58,35 +58,18 @@ mod workspace;
 pub use control::{Control, Progress};
 pub use device::quantization::Quantization;
 pub use error::Error;
-pub use kernels::simd::instruction_set::InstructionSet;
+pub use kernels::InstructionSet;
 pub use num_complex::{Complex32, Complex64};
-pub use problem::Problem;
-pub use problem::feasibility::{Beyond, Reach};
-pub use problem::metrics::Metrics;
-pub use problem::setup::Setup;
-pub use problem::solution::{Solution, Status};
-pub use problem::upper_bound::bound;
-pub use propagation::Propagation;
-pub use propagation::field::field;
-pub use propagation::model::Model;
+pub use problem::{Beyond, Metrics, Problem, Reach, Setup, Solution, Status, bound};
+pub use propagation::{Model, Propagation, field};
 pub use rng::Rng;
-pub use scene::Scene;
-pub use scene::aim::Aim;
-pub use scene::array::{Array, Origin};
-pub use scene::choice::Choice;
-pub use scene::medium::Medium;
-pub use scene::plane::Plane;
-pub use scene::presets;
-pub use scene::request::Request;
-pub use scene::start::Start;
-pub use scene::transducer::{Directivity, Transducer};
-pub use scene::value::{OptionValue, Options, Value, spell, word};
-pub use session::Session;
-pub use session::batch::Batch;
-pub use session::worker::Ask;
-pub use solvers::method::Solve;
+pub use scene::{
+    Aim, Array, Choice, Directivity, Medium, OptionValue, Options, Origin, Plane, Request, Scene, Start,
+    Transducer, Value, presets, spell, word,
+};
+pub use session::{Ask, Batch, Session};
 pub use solvers::options::{Configure, OptionInfo};
-pub use solvers::solve::solve;
+pub use solvers::{Solve, solve::solve};
 pub use workspace::{Pool, Workspace};
 
 /// What [`options!`] needs where it is used.

@@ -5,7 +5,7 @@ use core::ops::{Deref, DerefMut};
 
 use num_complex::Complex32;
 
-use crate::kernels::greedy::point_group::PointGroup;
+use crate::kernels::PointGroup;
 
 /// Numbers in a line of the cache.
 const LINE: usize = 16;

@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::device::quantization::Quantization;
 use crate::error::Error;
-use crate::scene::array::{Array, Origin};
 use crate::scene::presets;
 use crate::scene::presets::Preset;
+use crate::scene::{Array, Origin};
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

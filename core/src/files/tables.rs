@@ -11,14 +11,9 @@ use serde::{Deserialize, Serialize};
 use crate::error::Error;
 use crate::files::Provenance;
 use crate::files::quantization::QuantizationTable;
-use crate::scene::Scene;
-use crate::scene::array::{Array, Origin};
-use crate::scene::choice::Choice;
-use crate::scene::medium::Medium;
-use crate::scene::plane::Plane;
-use crate::scene::request::Request;
-use crate::scene::transducer::{Directivity, Transducer};
-use crate::scene::value::{Options, Value};
+use crate::scene::{
+    Array, Choice, Directivity, Medium, Options, Origin, Plane, Request, Scene, Transducer, Value,
+};
 use crate::solvers::registry::configure;
 
 #[derive(Serialize, Deserialize)]

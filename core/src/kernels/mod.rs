@@ -16,7 +16,13 @@ mod tests;
 pub(crate) mod tiles;
 pub(crate) mod vector;
 
+pub(crate) use greedy::point_group::PointGroup;
 pub(crate) use greedy::rotate::{keep, turn};
+pub(crate) use greedy::search::{Candidates, L1, L2, table};
+pub(crate) use lanes::{LANES, padded};
 pub(crate) use matrix::{add_waves, correlate_rows};
-pub(crate) use propagate::row::{add_moduli, row};
+pub(crate) use propagate::directivity::Table;
+pub(crate) use propagate::row::{ControlPoints, Law, Row, Source, add_moduli, row};
+pub(crate) use propagate::rows::Rows;
+pub use simd::instruction_set::InstructionSet;
 pub(crate) use vector::{accumulate, correlate, dot, modulus, project, squares};

@@ -1,7 +1,7 @@
 //! The leading eigenvector of a Hermitian matrix.
 
 use crate::kernels;
-use crate::kernels::simd::instruction_set::InstructionSet;
+use crate::kernels::InstructionSet;
 use crate::linalg::{Planar, times};
 use crate::math::{sqrt, sqrtf};
 use crate::workspace::Workspace;

@@ -5,11 +5,13 @@
 
 pub(crate) mod leading_eigenvector;
 
+pub(crate) use leading_eigenvector::leading_eigenvector;
+
 use alloc::vec::Vec;
 
 use crate::kernels;
+use crate::kernels::InstructionSet;
 use crate::kernels::cholesky;
-use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::workspace::Workspace;
 
 /// A complex vector or matrix of padded rows, planar.

@@ -7,7 +7,7 @@ use core::fmt;
 
 use crate::problem::Problem;
 use crate::problem::upper_bound::{MOST_POINTS, rough_bound};
-use crate::propagation::sources::distance;
+use crate::propagation::distance;
 
 /// The paper's own p1/sqrt(M) is out of reach by 14 % in the mean and by a quarter in single scenes of few points. What is
 /// proven to be further away is a slip.

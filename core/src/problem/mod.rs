@@ -7,6 +7,12 @@ pub(crate) mod solution;
 pub(crate) mod targets;
 pub(crate) mod upper_bound;
 
+pub use feasibility::{Beyond, Reach};
+pub use metrics::Metrics;
+pub use setup::Setup;
+pub use solution::{Solution, Status};
+pub use upper_bound::bound;
+
 use alloc::format;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -16,14 +22,9 @@ use num_complex::{Complex32, Complex64};
 use crate::device::quantization::Quantization;
 use crate::error::Error;
 use crate::math;
-use crate::problem::metrics::Metrics;
-use crate::problem::setup::Setup;
 use crate::problem::targets::Targets;
 use crate::propagation::Propagation;
-use crate::scene::Scene;
-use crate::scene::aim::Aim;
-use crate::scene::request::Request;
-use crate::scene::start::{Start, check_drive};
+use crate::scene::{Aim, Request, Scene, Start, check_drive};
 
 /// A checked problem: it can be solved.
 ///

@@ -5,8 +5,7 @@ use alloc::sync::Arc;
 use crate::device::quantization::Quantization;
 use crate::error::Error;
 use crate::propagation::Propagation;
-use crate::scene::array::{Array, check_positions};
-use crate::scene::medium::Medium;
+use crate::scene::{Array, Medium, check_positions};
 
 /// What a problem takes beside G and the request. Whatever array G was computed or measured from, it can have a
 /// board's quantization, positions for an order of its transducers, and a medium for radiation pressures.

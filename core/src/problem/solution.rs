@@ -12,7 +12,7 @@ use crate::math;
 use crate::problem::Problem;
 use crate::problem::metrics::Metrics;
 use crate::problem::targets::Targets;
-use crate::propagation::products::field_of;
+use crate::propagation::field_of;
 use crate::workspace::Workspace;
 
 /// How a solve ended. Outcome is data, never an error.

@@ -5,12 +5,12 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use crate::error::Error;
-use crate::kernels::lanes::padded;
+use crate::kernels::padded;
 use crate::math;
 use crate::problem::metrics::Metrics;
 use crate::problem::setup::Setup;
 use crate::propagation::Propagation;
-use crate::scene::request::Request;
+use crate::scene::Request;
 
 /// Targets outside these many reference pressures are a slip of the unit, and near the ends of f32.
 const MOST_TARGET: f64 = 1e15;

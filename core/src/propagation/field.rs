@@ -9,11 +9,9 @@ use num_complex::Complex32;
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels;
-use crate::kernels::lanes::padded;
-use crate::kernels::propagate::row::{ControlPoints, Row};
+use crate::kernels::{ControlPoints, Row, padded};
 use crate::propagation::model::Model;
-use crate::scene::extent::check_places;
-use crate::scene::start::check_drive;
+use crate::scene::{check_drive, check_places};
 
 /// Points worked on by one thread at once: their rows stay in the first-level cache.
 const CHUNK: usize = 256;

@@ -5,6 +5,11 @@ pub(crate) mod model;
 pub(crate) mod products;
 pub(crate) mod sources;
 
+pub use field::field;
+pub use model::Model;
+pub(crate) use products::{back_project, field_of, gram};
+pub(crate) use sources::{Sources, distance};
+
 use alloc::format;
 use alloc::sync::Arc;
 use alloc::vec;
@@ -14,14 +19,10 @@ use num_complex::{Complex32, Complex64};
 
 use crate::error::Error;
 use crate::kernels;
-use crate::kernels::lanes::padded;
-use crate::kernels::propagate::row::{ControlPoints, Row};
 use crate::kernels::propagate::rows;
-use crate::kernels::simd::instruction_set::InstructionSet;
+use crate::kernels::{ControlPoints, InstructionSet, Row, padded};
 use crate::math;
-use crate::propagation::sources::Sources;
-use crate::scene::Scene;
-use crate::scene::array::UNITS;
+use crate::scene::{Scene, UNITS};
 
 /// Rows whose moduli are summed in f32 before f64 takes over.
 pub(crate) const TOGETHER: usize = 64;

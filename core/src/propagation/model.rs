@@ -4,14 +4,10 @@ use alloc::sync::Arc;
 
 use crate::error::Error;
 use crate::kernels;
-use crate::kernels::propagate::row::{ControlPoints, Row};
-use crate::kernels::simd::instruction_set::InstructionSet;
+use crate::kernels::{ControlPoints, InstructionSet, Row};
 use crate::propagation::Propagation;
 use crate::propagation::sources::Sources;
-use crate::scene::Scene;
-use crate::scene::array::Array;
-use crate::scene::extent::check_array;
-use crate::scene::medium::Medium;
+use crate::scene::{Array, Medium, Scene, check_array};
 
 /// An array in a medium, made ready once for points that change: what a scene is for points that do not.
 ///

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use num_complex::Complex32;
 
 use crate::kernels;
-use crate::kernels::lanes::LANES;
+use crate::kernels::LANES;
 use crate::kernels::tiles::products;
 use crate::kernels::tiles::{self, Tiles};
 use crate::linalg::Planar;

@@ -6,12 +6,9 @@ use alloc::vec::Vec;
 use num_complex::Complex64;
 
 use crate::error::Error;
-use crate::kernels::lanes::padded;
-use crate::kernels::propagate::row::{Law, Source};
+use crate::kernels::{Law, Source, padded};
 use crate::math;
-use crate::scene::array::Array;
-use crate::scene::extent::check_places;
-use crate::scene::medium::Medium;
+use crate::scene::{Array, Medium, check_places};
 
 /// An array in a medium, prepared for computing rows: positions in wavelengths from the array's middle.
 ///

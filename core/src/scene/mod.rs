@@ -12,15 +12,22 @@ pub(crate) mod start;
 pub(crate) mod transducer;
 pub(crate) mod value;
 
+pub use aim::Aim;
+pub use array::{Array, Origin};
+pub(crate) use array::{UNITS, check_positions};
+pub use choice::Choice;
+pub(crate) use extent::{check_array, check_places};
+pub use medium::Medium;
+pub use plane::Plane;
+pub use request::Request;
+pub use start::Start;
+pub(crate) use start::check_drive;
+pub use transducer::{Directivity, Transducer};
+pub use value::{OptionValue, Options, Value, spell, word};
+
 use alloc::vec::Vec;
 
 use crate::error::Error;
-use crate::scene::array::Array;
-use crate::scene::choice::Choice;
-use crate::scene::extent::{check_array, check_places};
-use crate::scene::medium::Medium;
-use crate::scene::plane::Plane;
-use crate::scene::request::Request;
 
 /// A request: checked when made, and unchanged from then on.
 ///

@@ -4,8 +4,7 @@ use alloc::format;
 use core::f64::consts::{FRAC_PI_2, PI};
 
 use crate::error::{Error, real};
-use crate::kernels::lanes::LANES;
-use crate::kernels::propagate::directivity::Table;
+use crate::kernels::{LANES, Table};
 use crate::math;
 
 /// What all transducers of an array have in common.

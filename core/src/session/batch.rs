@@ -5,8 +5,7 @@ use alloc::vec::Vec;
 
 use num_complex::Complex32;
 
-use crate::problem::metrics::Metrics;
-use crate::problem::solution::Status;
+use crate::problem::{Metrics, Status};
 
 /// What comes out of [`crate::Session::solve_batch`] beside the drives, for B problems of M points.
 #[derive(Clone, Debug)]

@@ -4,6 +4,9 @@ pub(crate) mod batch;
 pub(crate) mod parts;
 pub(crate) mod worker;
 
+pub use batch::Batch;
+pub use worker::Ask;
+
 use alloc::format;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -12,14 +15,10 @@ use num_complex::Complex32;
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::problem::Problem;
-use crate::problem::setup::Setup;
-use crate::problem::solution::Solution;
-use crate::propagation::Propagation;
-use crate::propagation::model::Model;
-use crate::session::batch::Batch;
+use crate::problem::{Problem, Setup, Solution};
+use crate::propagation::{Model, Propagation};
 use crate::session::parts::{each, parts, threads};
-use crate::session::worker::{Ask, Requests, TOGETHER, Task, Transducers, Worker};
+use crate::session::worker::{Requests, TOGETHER, Task, Transducers, Worker};
 use crate::solvers::method::Solve;
 use crate::solvers::solve::solve;
 

@@ -6,8 +6,7 @@ use core::ops::Range;
 use num_complex::Complex32;
 
 use crate::error::Error;
-use crate::problem::metrics::Metrics;
-use crate::problem::solution::{Solution, Status};
+use crate::problem::{Metrics, Solution, Status};
 use crate::session::batch::Batch;
 
 /// Some problems' places in the output.

@@ -8,13 +8,9 @@ use core::ops::Range;
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::problem::Problem;
-use crate::problem::setup::Setup;
-use crate::propagation::Propagation;
-use crate::propagation::model::Model;
-use crate::scene::aim::Aim;
-use crate::scene::request::Request;
-use crate::scene::start::Start;
+use crate::problem::{Problem, Setup};
+use crate::propagation::{Model, Propagation};
+use crate::scene::{Aim, Request, Start};
 use crate::session::parts::Part;
 use crate::solvers::common::interleaved;
 use crate::solvers::method::Solve;

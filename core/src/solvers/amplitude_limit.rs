@@ -4,7 +4,7 @@ use num_complex::Complex32;
 
 use crate::error::Error;
 use crate::math::sqrtf;
-use crate::scene::value::{OptionValue, Value, spell, word};
+use crate::scene::{OptionValue, Value, spell, word};
 
 /// How a drive that may exceed |q| = 1 is brought back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,13 +9,11 @@
 use crate::control::Control;
 use crate::error::{Error, real};
 use crate::kernels;
-use crate::linalg::leading_eigenvector::leading_eigenvector;
+use crate::linalg::leading_eigenvector;
 use crate::linalg::{Hermitian, Planar};
 use crate::math::{pow, sqrtf};
-use crate::problem::Problem;
-use crate::problem::solution::{Solution, Status};
-use crate::propagation::products::back_project;
-use crate::propagation::products::gram;
+use crate::problem::{Problem, Solution, Status};
+use crate::propagation::{back_project, gram};
 use crate::solvers::amplitude_limit::AmplitudeLimit;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::Workspace;

@@ -6,8 +6,7 @@
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::problem::Problem;
-use crate::problem::solution::Solution;
+use crate::problem::{Problem, Solution};
 use crate::solvers::common::alternating_projection::Projector;
 use crate::solvers::common::tiled::Rows;
 use crate::solvers::iterate::{iterate, largest_change};

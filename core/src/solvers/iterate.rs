@@ -1,7 +1,7 @@
 //! The loop of the iterative methods.
 
 use crate::control::Control;
-use crate::problem::solution::Status;
+use crate::problem::Status;
 
 /// Steps until a step says that the tolerance is met, somebody stops them, or they are `steps`: how they ended, and how
 /// many they were. A tolerance of 0 asks for all steps, which is then no shortage of them.

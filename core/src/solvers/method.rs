@@ -5,9 +5,8 @@ use alloc::vec::Vec;
 use crate::control::Control;
 use crate::device::quantization::Quantization;
 use crate::error::{Error, real};
-use crate::problem::Problem;
-use crate::problem::solution::Solution;
-use crate::scene::value::Options;
+use crate::problem::{Problem, Solution};
+use crate::scene::Options;
 use crate::solvers::options::Configure;
 use crate::workspace::Workspace;
 

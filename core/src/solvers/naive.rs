@@ -7,8 +7,7 @@
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels;
-use crate::problem::Problem;
-use crate::problem::solution::{Solution, Status};
+use crate::problem::{Problem, Solution, Status};
 use crate::solvers::amplitude_limit::AmplitudeLimit;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::Workspace;

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use crate::error::Error;
-use crate::scene::value::{Options, Value};
+use crate::scene::{Options, Value};
 
 /// One documented option.
 #[derive(Clone, Debug, PartialEq)]

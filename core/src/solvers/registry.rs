@@ -7,8 +7,7 @@ use alloc::vec::Vec;
 
 use crate::device::quantization::Quantization;
 use crate::error::Error;
-use crate::scene::choice::Choice;
-use crate::scene::value::Options;
+use crate::scene::{Choice, Options};
 use crate::solvers::best::Best;
 use crate::solvers::evd::Evd;
 use crate::solvers::fast::Fast;

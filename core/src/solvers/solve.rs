@@ -4,8 +4,7 @@ use alloc::vec::Vec;
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::problem::Problem;
-use crate::problem::solution::Solution;
+use crate::problem::{Problem, Solution};
 use crate::solvers::method::Solve;
 use crate::workspace::Workspace;
 

@@ -2,8 +2,7 @@
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::problem::Problem;
-use crate::problem::solution::Solution;
+use crate::problem::{Problem, Solution};
 use crate::solvers::even_field;
 use crate::solvers::even_field::Plan;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};

@@ -19,7 +19,7 @@ use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::kernels::tiles::{height, lanes, pack, size};
 use crate::rng::Rng;
-use crate::scene::transducer::Directivity;
+use crate::scene::Directivity;
 
 const LENGTHS: RangeInclusive<usize> = 1..=67;
 

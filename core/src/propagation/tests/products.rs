@@ -1,7 +1,7 @@
 //! Tests of `products`.
 
 use super::*;
-use crate::kernels::simd::instruction_set::InstructionSet;
+use crate::kernels::InstructionSet;
 use crate::rng::Rng;
 use num_complex::Complex64;
 

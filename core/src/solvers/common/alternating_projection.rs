@@ -9,7 +9,7 @@ use crate::linalg::Planar;
 use crate::math;
 use crate::math::sqrtf;
 use crate::problem::Problem;
-use crate::propagation::products::field_of;
+use crate::propagation::field_of;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::{Aligned, Workspace};
 

@@ -6,10 +6,9 @@
 
 use alloc::vec::Vec;
 
-use crate::kernels::lanes::padded;
-use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::kernels::tiles;
 use crate::kernels::tiles::products;
+use crate::kernels::{InstructionSet, padded};
 use crate::linalg::Cholesky;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::{Aligned, Workspace};

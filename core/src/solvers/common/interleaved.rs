@@ -5,14 +5,10 @@ use alloc::vec::Vec;
 use core::{array, mem};
 
 use crate::kernels::closed_form::interleaved::{EIGHT, deal_out};
-use crate::kernels::lanes::LANES;
-use crate::kernels::propagate::row::{ControlPoints, add_moduli};
-use crate::kernels::propagate::rows::Rows;
-use crate::kernels::simd::instruction_set::InstructionSet;
+use crate::kernels::{ControlPoints, InstructionSet, LANES, Rows, add_moduli};
 use crate::linalg::Planar;
-use crate::problem::Problem;
-use crate::problem::solution::{Solution, Status};
-use crate::propagation::sources::Sources;
+use crate::problem::{Problem, Solution, Status};
+use crate::propagation::Sources;
 use crate::propagation::{NEAR, TOGETHER};
 use crate::workspace::Workspace;
 

@@ -6,10 +6,10 @@
 use num_complex::Complex32;
 
 use crate::kernels;
-use crate::kernels::greedy::search::{Candidates, table};
+use crate::kernels::{Candidates, table};
 use crate::linalg::Planar;
 use crate::problem::Problem;
-use crate::propagation::products::field_of;
+use crate::propagation::field_of;
 use crate::workspace::Workspace;
 
 /// Phases tried a transducer, around the present one: one group of lanes. All of a coarse device, and on a fine one

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use num_complex::Complex32;
 
-use crate::kernels::simd::instruction_set::InstructionSet;
+use crate::kernels::InstructionSet;
 use crate::kernels::tiles;
 use crate::kernels::tiles::Tiles;
 use crate::math::sqrtf;

@@ -1,6 +1,6 @@
 //! Points in the same place: they cannot have two pressures.
 
-use crate::kernels::lanes::LANES;
+use crate::kernels::LANES;
 use crate::kernels::tiles::products;
 use crate::solvers::common::tiled::Rows;
 use crate::workspace::Workspace;

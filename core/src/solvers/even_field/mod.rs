@@ -15,9 +15,8 @@ use alloc::vec::Vec;
 
 use crate::control::Control;
 use crate::linalg::Planar;
-use crate::problem::Problem;
-use crate::problem::solution::{Solution, Status};
-use crate::scene::aim::Aim;
+use crate::problem::{Problem, Solution, Status};
+use crate::scene::Aim;
 use crate::solvers::common::refinement::refine;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::point_phases::Starts;

@@ -7,9 +7,8 @@
 
 use alloc::vec::Vec;
 
-use crate::kernels::lanes::LANES;
-use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::kernels::tiles::{phases, products};
+use crate::kernels::{InstructionSet, LANES};
 use crate::math::sqrtf;
 use crate::problem::Problem;
 use crate::rng::Rng;

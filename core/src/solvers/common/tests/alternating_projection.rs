@@ -1,7 +1,7 @@
 //! Tests of `alternating_projection`.
 
 use super::*;
-use crate::scene::start::Start;
+use crate::scene::Start;
 use crate::solvers::common::tiled::tests::{Exact, random, wide};
 use num_complex::Complex64;
 

@@ -1,10 +1,10 @@
 //! Tests of `tiled`.
 
 use super::*;
-use crate::problem::setup::Setup;
+use crate::problem::Setup;
 use crate::propagation::Propagation;
 use crate::rng::Rng;
-use crate::scene::request::Request;
+use crate::scene::Request;
 use num_complex::Complex64;
 
 /// A random matrix of propagation with targets that differ, its rows as they are, and a random wave.
