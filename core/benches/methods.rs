@@ -52,8 +52,7 @@ fn measured(entry: &Entry, problem: &Problem) -> (Duration, usize, usize) {
     let mut work = Workspace::new();
     let mut solved = || {
         let start = Instant::now();
-        let solution =
-            midair::solve(problem, &*solver, false, &mut work, &mut Control::none()).expect("an answer");
+        let solution = midair::solve(problem, &*solver, false, &mut work, &mut Control::none()).expect("an answer");
         let (time, steps) = (start.elapsed(), solution.steps);
         assert!(solution.metrics().accuracy > 0.05, "{} gives no answer", entry.info.name);
         solution.recycle(&mut work);

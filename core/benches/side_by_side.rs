@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 
 use midair::solvers;
 use midair::{
-    Array, Ask, Complex32, Complex64, Control, InstructionSet, Medium, Metrics, Model, Options, Plane,
-    Problem, Propagation, Request, Rng, Scene, Session, Setup, Value, Workspace,
+    Array, Ask, Complex32, Complex64, Control, InstructionSet, Medium, Metrics, Model, Options, Plane, Problem,
+    Propagation, Request, Rng, Scene, Session, Setup, Value, Workspace,
 };
 
 /// Algorithm 2, by the book.
@@ -78,8 +78,7 @@ struct Entrant {
 
 impl Entrant {
     fn new(label: &str, name: &str, options: &[(&str, i128)], order: &[u32], set: InstructionSet) -> Self {
-        let mut table: Options =
-            options.iter().map(|&(name, value)| (name.into(), Value::Integer(value))).collect();
+        let mut table: Options = options.iter().map(|&(name, value)| (name.into(), Value::Integer(value))).collect();
         if name == "greedy" {
             table.insert("order".into(), Value::Integers(order.iter().map(|&i| i.into()).collect()));
         }
@@ -90,11 +89,10 @@ impl Entrant {
     /// Everything from the scene on.
     fn solve(&self, scene: &Scene, work: &mut Workspace) -> Metrics {
         let propagation = Propagation::of(scene).with_instruction_set(self.set);
-        let problem =
-            Problem::with_propagation(propagation, Setup::of(scene.array(), scene.medium()), scene.request())
-                .expect("a problem");
-        let solution = midair::solve(&problem, &*self.configured.solver, false, work, &mut Control::none())
-            .expect("a solution");
+        let problem = Problem::with_propagation(propagation, Setup::of(scene.array(), scene.medium()), scene.request())
+            .expect("a problem");
+        let solution =
+            midair::solve(&problem, &*self.configured.solver, false, work, &mut Control::none()).expect("a solution");
         let metrics = solution.metrics();
         solution.recycle(work);
         metrics
@@ -125,20 +123,14 @@ fn against_the_textbook(array: &Array, points: usize, rounds: usize) {
         // The same choices but for near-ties; the other methods must be no worse than a few points.
         let same = entrant.name.starts_with("greedy K=1 ");
         let apart = ours.accuracy - theirs.accuracy;
-        assert!(
-            if same { apart.abs() < 1e-2 } else { apart > -0.08 },
-            "{}: {ours:?} for {theirs:?}",
-            entrant.name
-        );
+        assert!(if same { apart.abs() < 1e-2 } else { apart > -0.08 }, "{}: {ours:?} for {theirs:?}", entrant.name);
     }
     let mut times = vec![Vec::new(); entrants.len() + 1];
     for _ in 0..rounds {
         times[0].push(timed(book));
         for (entrant, times) in entrants.iter().zip(&mut times[1..]) {
             let many = 5;
-            times.push(
-                timed(|| (0..many).map(|_| entrant.solve(&scene, &mut work).accuracy).sum::<f64>()) / many,
-            );
+            times.push(timed(|| (0..many).map(|_| entrant.solve(&scene, &mut work).accuracy).sum::<f64>()) / many);
         }
     }
     let mut medians = times.into_iter().map(median);
@@ -147,10 +139,7 @@ fn against_the_textbook(array: &Array, points: usize, rounds: usize) {
     for (entrant, time) in entrants.iter().zip(medians) {
         let each = time.as_secs_f64() * 1e9 / (count * points) as f64;
         let ratio = book.as_secs_f64() / time.as_secs_f64();
-        println!(
-            "  {:28} {time:>9.2?}  {each:7.3} ns a transducer and point  {ratio:6.1} times",
-            entrant.name
-        );
+        println!("  {:28} {time:>9.2?}  {each:7.3} ns a transducer and point  {ratio:6.1} times", entrant.name);
     }
 }
 
@@ -159,13 +148,7 @@ fn many_candidates(array: &Array, points: usize, rounds: usize) {
     let scene = scene(array.clone(), points);
     let order = Rng::new(0).permutation(array.len() as u32);
     let greedy = |phases, amplitudes| {
-        Entrant::new(
-            "",
-            "greedy",
-            &[("phases", phases), ("amplitudes", amplitudes)],
-            &order,
-            InstructionSet::best(),
-        )
+        Entrant::new("", "greedy", &[("phases", phases), ("amplitudes", amplitudes)], &order, InstructionSet::best())
     };
     let entrants = [greedy(16, 1), greedy(256, 16)];
     let mut work = Workspace::new();
@@ -179,10 +162,7 @@ fn many_candidates(array: &Array, points: usize, rounds: usize) {
     }
     let [few, many] = times.map(median);
     let ratio = many.as_secs_f64() / few.as_secs_f64();
-    println!(
-        "greedy N={} M={points}: K=16 L=256 {many:.2?}, {ratio:.2} times K=1 L=16, {few:.2?}",
-        array.len()
-    );
+    println!("greedy N={} M={points}: K=16 L=256 {many:.2?}, {ratio:.2} times K=1 L=16, {few:.2?}", array.len());
 }
 
 /// A batch on one thread against a loop of lone solves, each problem made anew on both sides.
@@ -193,17 +173,16 @@ fn batch(array: &Array, name: &str, points: usize, count: usize, rounds: usize) 
     let places: Vec<Vec<[f64; 3]>> =
         (0..count).map(|_| (0..points).map(|_| [coordinate(), coordinate(), 0.15]).collect()).collect();
     let setup = Arc::new(Setup::of(array, Medium::default()));
-    let problem = |k: usize| {
-        Problem::with_propagation(model.propagation(&places[k])?, Arc::clone(&setup), &Request::default())
-    };
+    let problem =
+        |k: usize| Problem::with_propagation(model.propagation(&places[k])?, Arc::clone(&setup), &Request::default());
     let solver = solvers::find(name).and_then(|entry| entry.configure(&Options::new())).expect("a method");
     let balance = solver.info.balance;
     let mut work = Workspace::new();
     let mut lone = |out: &mut [Complex32]| {
         for (k, out) in out.chunks_mut(array.len()).enumerate() {
             let problem = problem(k).expect("a problem");
-            let solution = midair::solve(&problem, &*solver.solver, balance, &mut work, &mut Control::none())
-                .expect("a solution");
+            let solution =
+                midair::solve(&problem, &*solver.solver, balance, &mut work, &mut Control::none()).expect("a solution");
             out.copy_from_slice(&solution.drive);
             black_box(solution.metrics());
             solution.recycle(&mut work);
@@ -215,9 +194,8 @@ fn batch(array: &Array, name: &str, points: usize, count: usize, rounds: usize) 
     };
     let same = solvers::find(name).and_then(|entry| entry.configure(&Options::new())).expect("a method");
     let mut session = Session::new(model.clone(), same.solver, balance);
-    let mut together = |out: &mut [Complex32]| {
-        session.solve_batch(count, points, &ask, out, &mut Control::none()).expect("answers")
-    };
+    let mut together =
+        |out: &mut [Complex32]| session.solve_batch(count, points, &ask, out, &mut Control::none()).expect("answers");
     let mut drives = [(); 2].map(|()| vec![Complex32::ZERO; count * array.len()]);
     lone(&mut drives[0]);
     together(&mut drives[1]);
@@ -261,9 +239,7 @@ fn main() {
         let boards = Array::preset("autd3", [2, 2]).expect("boards").with_quantization(None);
         against_the_textbook(&boards, 64, 9);
         against_the_textbook(&grid(36), 38, 9);
-        for (array, points) in
-            [&grid(20), &boards].into_iter().flat_map(|a| [32, 64, 128, 256].map(|m| (a, m)))
-        {
+        for (array, points) in [&grid(20), &boards].into_iter().flat_map(|a| [32, 64, 128, 256].map(|m| (a, m))) {
             many_candidates(array, points, 31);
         }
         for (name, points) in [("greedy", 4), ("greedy", 16), ("fast", 4), ("fast", 16)] {

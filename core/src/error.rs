@@ -115,11 +115,7 @@ pub(crate) fn real(item: &str, value: f64, least: f64, strict: bool) -> Result<f
     }
     if value < least || (strict && value == least) {
         let bound = if strict { "above" } else { "of at least" };
-        return Err(Error::invalid(
-            item,
-            format_args!("{value:?}"),
-            alloc::format!("give a number {bound} {least}"),
-        ));
+        return Err(Error::invalid(item, format_args!("{value:?}"), alloc::format!("give a number {bound} {least}")));
     }
     Ok(value)
 }

@@ -5,8 +5,8 @@ use std::cell::Cell;
 use std::sync::Arc;
 
 use midair::{
-    Array, Ask, Complex32, Control, InstructionSet, Medium, Model, Problem, Quantization, Request, Rng,
-    Scene, Session, Solve, Workspace, solvers,
+    Array, Ask, Complex32, Control, InstructionSet, Medium, Model, Problem, Quantization, Request, Rng, Scene, Session,
+    Solve, Workspace, solvers,
 };
 
 struct Counting;
@@ -80,8 +80,7 @@ fn a_session_allocates_nothing_from_its_second_call_on() {
         let request = Request { pressures: Some(vec![0.0; 11]), weights: None };
         let mut ask = Ask { request, ..Ask::default() };
         for call in 0..4 {
-            let points: [[f64; 3]; 11] =
-                std::array::from_fn(|_| [0.1 * rng.uniform(), 0.1 * rng.uniform(), 0.15]);
+            let points: [[f64; 3]; 11] = std::array::from_fn(|_| [0.1 * rng.uniform(), 0.1 * rng.uniform(), 0.15]);
             ask.points.clear();
             ask.points.extend(points);
             if let Some(pressures) = &mut ask.request.pressures {

@@ -106,14 +106,9 @@ impl Array {
         let tiles = match tiles {
             None => [1, 1],
             Some(tiles) => {
-                let pair: Vec<Bound<'_, PyAny>> =
-                    tiles.try_iter().and_then(Iterator::collect).unwrap_or_default();
+                let pair: Vec<Bound<'_, PyAny>> = tiles.try_iter().and_then(Iterator::collect).unwrap_or_default();
                 let [x, y] = &pair[..] else {
-                    return Err(invalid(
-                        "tiles",
-                        &tiles.to_string(),
-                        "give two whole numbers, boards along x and y",
-                    ));
+                    return Err(invalid("tiles", &tiles.to_string(), "give two whole numbers, boards along x and y"));
                 };
                 [read::count("tiles[0]", x)?, read::count("tiles[1]", y)?]
             }

@@ -203,8 +203,7 @@ pub(crate) fn solve_batch(
     let drives = match out {
         None => PyArray2::<Complex32>::zeros(py, [count, transducers], false),
         Some(out) => {
-            let cure =
-                format!("give a writable C-contiguous complex64 array of shape ({count}, {transducers})");
+            let cure = format!("give a writable C-contiguous complex64 array of shape ({count}, {transducers})");
             let array = out.cast::<PyArray2<Complex32>>().ok().cloned();
             let fits = |array: &Bound<'_, PyArray2<Complex32>>| {
                 array.shape() == [count, transducers] && array.is_c_contiguous()
@@ -238,9 +237,7 @@ pub(crate) fn solve_batch(
         rewrite(&mut ask.request.weights, weights.as_ref().map(|list| &list[own.clone()]));
         ask.start = match &starts {
             Starts::None => None,
-            Starts::Drives(drives) => {
-                Some(Start::Drive(drives[k * transducers..(k + 1) * transducers].to_vec()))
-            }
+            Starts::Drives(drives) => Some(Start::Drive(drives[k * transducers..(k + 1) * transducers].to_vec())),
             Starts::Phases(phases) => Some(Start::Phases(phases[own].to_vec())),
         };
         ask.aim = choice.aim;

@@ -90,11 +90,7 @@ impl Watch {
             let worker = scope.spawn(move || {
                 let _done = done;
                 work(&mut |progress| {
-                    if stopped.load(Ordering::Relaxed) {
-                        ControlFlow::Break(())
-                    } else {
-                        watch.step(&progress)
-                    }
+                    if stopped.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { watch.step(&progress) }
                 })
             });
             while waiting.recv_timeout(Self::INTERVAL) == Err(RecvTimeoutError::Timeout) {

@@ -33,14 +33,9 @@ impl Plane {
         let center = match center {
             None => [0.0, 0.0],
             Some(center) => {
-                let pair: Vec<Bound<'_, PyAny>> =
-                    center.try_iter().and_then(Iterator::collect).unwrap_or_default();
+                let pair: Vec<Bound<'_, PyAny>> = center.try_iter().and_then(Iterator::collect).unwrap_or_default();
                 let [x, y] = &pair[..] else {
-                    return Err(invalid(
-                        "plane.center",
-                        &center.to_string(),
-                        "give two real numbers, x and y",
-                    ));
+                    return Err(invalid("plane.center", &center.to_string(), "give two real numbers, x and y"));
                 };
                 [read::real("plane.center[0]", x)?, read::real("plane.center[1]", y)?]
             }

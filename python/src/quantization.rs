@@ -43,11 +43,7 @@ pub(crate) fn read_quantization(value: &Bound<'_, PyAny>) -> PyResult<Quantizati
             Ok("amplitudes") => amplitudes = Some(read::reals("array.quantization.amplitudes", &value)?),
             _ => {
                 let name = key.to_string();
-                return Err(refused(midair::Error::unknown(
-                    "key of quantization",
-                    name,
-                    ["phases", "amplitudes"],
-                )));
+                return Err(refused(midair::Error::unknown("key of quantization", name, ["phases", "amplitudes"])));
             }
         }
     }

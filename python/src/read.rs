@@ -46,9 +46,7 @@ fn numbers<'py, T: numpy::Element>(
 /// Whether a bool hides in a list, where numpy would make a number of it.
 fn has_bool(value: &Bound<'_, PyAny>) -> bool {
     if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
-        return value
-            .try_iter()
-            .is_ok_and(|mut items| items.any(|item| item.is_ok_and(|item| has_bool(&item))));
+        return value.try_iter().is_ok_and(|mut items| items.any(|item| item.is_ok_and(|item| has_bool(&item))));
     }
     let name = value.get_type().name();
     value.is_instance_of::<PyBool>() || name.is_ok_and(|name| name == "bool" || name == "bool_")
@@ -123,9 +121,7 @@ pub(crate) fn batch_of_points(item: &str, value: &Bound<'_, PyAny>) -> PyResult<
     let cure = "give real numbers of shape (B, M, 3), in metres, B and M at least 1";
     let array = numbers::<f64>(item, value, "iuf", "float64", cure)?;
     match array.shape() {
-        &[count, size, 3] if count * size > 0 => {
-            Ok((array.as_slice()?.as_chunks().0.to_vec(), [count, size]))
-        }
+        &[count, size, 3] if count * size > 0 => Ok((array.as_slice()?.as_chunks().0.to_vec(), [count, size])),
         _ => Err(invalid(item, &shape_of(&array), cure)),
     }
 }
@@ -154,11 +150,7 @@ pub(crate) fn flags(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<bool>>
 }
 
 /// Numbers (B, M) of a batch; (M,) stand for every problem, one number for every point.
-pub(crate) fn batch_of_numbers(
-    item: &str,
-    value: &Bound<'_, PyAny>,
-    shape: [usize; 2],
-) -> PyResult<Vec<f64>> {
+pub(crate) fn batch_of_numbers(item: &str, value: &Bound<'_, PyAny>, shape: [usize; 2]) -> PyResult<Vec<f64>> {
     let [count, size] = shape;
     let cure = format!("give one real number, {size} of them, or an array of shape ({count}, {size})");
     let array = numbers::<f64>(item, value, "iuf", "float64", &cure)?;
@@ -171,11 +163,7 @@ pub(crate) fn batch_of_numbers(
 }
 
 /// Drives (B, N) of a batch.
-pub(crate) fn batch_of_drives(
-    item: &str,
-    value: &Bound<'_, PyAny>,
-    shape: [usize; 2],
-) -> PyResult<Vec<Complex32>> {
+pub(crate) fn batch_of_drives(item: &str, value: &Bound<'_, PyAny>, shape: [usize; 2]) -> PyResult<Vec<Complex32>> {
     let cure = format!("give complex drives of shape ({}, {}) or real point phases", shape[0], shape[1]);
     let array = numbers::<Complex64>(item, value, "c", "complex128", &cure)?;
     if array.shape() != shape {
@@ -312,8 +300,7 @@ pub(crate) fn request(
     pressures: Option<&Bound<'_, PyAny>>,
     weights: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Request> {
-    let read =
-        |item, value: Option<&Bound<'_, PyAny>>| value.map(|value| list(item, value, count)).transpose();
+    let read = |item, value: Option<&Bound<'_, PyAny>>| value.map(|value| list(item, value, count)).transpose();
     Ok(Request { pressures: read("pressures", pressures)?, weights: read("weights", weights)? })
 }
 

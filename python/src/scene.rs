@@ -76,11 +76,8 @@ impl Scene {
         let array = adjusted(array.get().inner.clone(), source_pressure, directivity, None)?;
         let points = read::vectors("points", points)?;
         // Without points there is nothing to compare lengths with; the core says so.
-        let request = if points.is_empty() {
-            Request::default()
-        } else {
-            read::request(points.len(), pressures, weights)?
-        };
+        let request =
+            if points.is_empty() { Request::default() } else { read::request(points.len(), pressures, weights)? };
         let scene = midair::Scene::new(array, medium, points, request).map_err(refused)?;
         Ok(Self { inner: Arc::new(scene) })
     }

@@ -39,9 +39,8 @@ impl<'py> Keywords<'py> {
     /// The array and medium of a Scene or an Array, as the keywords change them.
     fn model(&self, array: midair::Array, own: Medium, beside: Beside<'_, '_>) -> PyResult<Model> {
         let take = |name: &str| self.take(name);
-        let [speed, temperature] =
-            [("sound_speed", take("sound_speed")?), ("temperature", take("temperature")?)]
-                .map(|(name, value)| value.map(|value| read::real(name, &value)).transpose());
+        let [speed, temperature] = [("sound_speed", take("sound_speed")?), ("temperature", take("temperature")?)]
+            .map(|(name, value)| value.map(|value| read::real(name, &value)).transpose());
         let sound_speed = match (speed?, temperature?) {
             (None, None) => own.sound_speed,
             (speed, temperature) => Medium::sound_speed(speed, temperature).map_err(refused)?,
@@ -73,8 +72,7 @@ impl Setting {
         });
         let [balance, aim, quantization, mask, positions] =
             ["balance", "aim", "quantization", "mask", "positions"].map(|name| keywords.take(name));
-        let (balance, aim, quantization, mask, positions) =
-            (balance?, aim?, quantization?, mask?, positions?);
+        let (balance, aim, quantization, mask, positions) = (balance?, aim?, quantization?, mask?, positions?);
         let beside = Beside {
             quantization: quantization.as_ref(),
             mask: mask.as_ref(),

@@ -18,12 +18,7 @@ pub(crate) struct Solution {
 }
 
 impl Solution {
-    pub(crate) fn new(
-        inner: midair::Solution,
-        choice: midair::Choice,
-        trace: Option<Vec<f64>>,
-        elapsed: f64,
-    ) -> Self {
+    pub(crate) fn new(inner: midair::Solution, choice: midair::Choice, trace: Option<Vec<f64>>, elapsed: f64) -> Self {
         Self { inner, choice, trace, elapsed }
     }
 }

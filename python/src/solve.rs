@@ -25,8 +25,7 @@ fn chosen(
     let given = read::options(keywords)?;
     // Another solver's options in the file do not fit; the same one's do, and keywords win over them.
     let file = subject.choice().filter(|choice| name.as_ref().is_none_or(|name| *name == choice.name));
-    let name =
-        name.or_else(|| file.map(|choice| choice.name.clone())).unwrap_or_else(|| registry::DEFAULT.into());
+    let name = name.or_else(|| file.map(|choice| choice.name.clone())).unwrap_or_else(|| registry::DEFAULT.into());
     let mut options = file.map(|choice| choice.options.clone()).unwrap_or_default();
     options.extend(given);
     let (balance, aim) = file.map_or((None, None), |choice| (choice.balance, choice.aim));
@@ -101,9 +100,8 @@ pub(crate) fn solve(
     } else if problem.is_weak() && !balance {
         let part = 1.0 / problem.balance();
         let part = if part < 0.01 { format!("{part:.1e}") } else { format!("{part:.2}") };
-        let text = format!(
-            "targets are {part} of the balanced level: foci this weak come out smeared, balance=True cures it"
-        );
+        let text =
+            format!("targets are {part} of the balanced level: foci this weak come out smeared, balance=True cures it");
         warn(py, text)?;
     }
     let mut watch = Watch::new(progress);
@@ -111,8 +109,7 @@ pub(crate) fn solve(
         let mut observer = |progress: Progress<'_>| watch.step(&progress);
         let control = Control::watched(&mut observer);
         let mut control = if trace { control.traced() } else { control };
-        let solution =
-            midair::solve(&problem, &*configured.solver, balance, &mut Workspace::new(), &mut control);
+        let solution = midair::solve(&problem, &*configured.solver, balance, &mut Workspace::new(), &mut control);
         (solution, control.into_trace())
     });
     let elapsed = clock.elapsed().as_secs_f64();

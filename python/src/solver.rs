@@ -44,11 +44,7 @@ pub(crate) struct Solver {
 impl Solver {
     fn last(&self) -> PyResult<&midair::Solution> {
         self.session.solution().ok_or_else(|| {
-            invalid(
-                "solution",
-                "none yet",
-                "call the solver with out= first; without out= the answer is returned",
-            )
+            invalid("solution", "none yet", "call the solver with out= first; without out= the answer is returned")
         })
     }
 }

@@ -35,18 +35,14 @@ pub(crate) fn given(
     propagation: &midair::Propagation,
     Beside { quantization, mask, positions, .. }: Beside<'_, '_>,
 ) -> PyResult<(midair::Propagation, Setup)> {
-    let quantization =
-        quantization.map(read_quantization).transpose()?.filter(|board| !board.is_continuous());
+    let quantization = quantization.map(read_quantization).transpose()?.filter(|board| !board.is_continuous());
     let positions = positions.map(|value| read::vectors("positions", value)).transpose()?;
     let propagation = match mask {
         None => propagation.clone(),
         Some(mask) => propagation.clone().with_mask(&read::flags("mask", mask)?).map_err(refused)?,
     };
-    let setup = Setup {
-        quantization: quantization.map(Arc::new),
-        positions: positions.map(Into::into),
-        ..Setup::default()
-    };
+    let setup =
+        Setup { quantization: quantization.map(Arc::new), positions: positions.map(Into::into), ..Setup::default() };
     Ok((propagation, setup))
 }
 

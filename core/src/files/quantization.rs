@@ -36,8 +36,7 @@ impl QuantizationTable {
     /// The quantization; those of an empty table bind nothing.
     pub(super) fn quantization(self) -> Result<Quantization, Error> {
         let count = |phases| {
-            u32::try_from(phases)
-                .map_err(|_| Error::invalid("array.quantization.phases", phases, "give 2 to 65536"))
+            u32::try_from(phases).map_err(|_| Error::invalid("array.quantization.phases", phases, "give 2 to 65536"))
         };
         Quantization::new(self.phases.map(count).transpose()?, self.amplitudes)
     }

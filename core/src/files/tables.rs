@@ -11,9 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::Error;
 use crate::files::Provenance;
 use crate::files::quantization::QuantizationTable;
-use crate::scene::{
-    Array, Choice, Directivity, Medium, Options, Origin, Plane, Request, Scene, Transducer, Value,
-};
+use crate::scene::{Array, Choice, Directivity, Medium, Options, Origin, Plane, Request, Scene, Transducer, Value};
 use crate::solvers::registry::configure;
 
 #[derive(Serialize, Deserialize)]
@@ -205,8 +203,7 @@ impl SceneTable {
             (name, None) => DirectivityTable::Name(name.to_string()),
             (name, Some(parameter)) => DirectivityTable::Parameter([(name.to_string(), parameter)].into()),
         });
-        place.response =
-            array.response().map(|response| response.iter().map(|c| Numbers([c.re, c.im])).collect());
+        place.response = array.response().map(|response| response.iter().map(|c| Numbers([c.re, c.im])).collect());
         place.mask = array.mask().map(<[_]>::to_vec);
         place.quantization = QuantizationTable::of(array);
         let points = scene.points().iter().enumerate().map(|(j, &position)| PointTable {
@@ -251,20 +248,14 @@ impl SceneTable {
         }
         let weighted = self.points.iter().any(|point| point.weight.is_some());
         let request = Request {
-            pressures: self
-                .points
-                .iter()
-                .map(|point| point.pressure)
-                .collect::<Option<Vec<_>>>()
-                .filter(|_| given > 0),
+            pressures: self.points.iter().map(|point| point.pressure).collect::<Option<Vec<_>>>().filter(|_| given > 0),
             weights: weighted.then(|| self.points.iter().map(|point| point.weight.unwrap_or(1.0)).collect()),
         };
         let points: Vec<_> = self.points.iter().map(|point| point.position.0).collect();
         let mut scene = Scene::new(self.array.array()?, self.medium.medium()?, points, request)?;
         scene.plane = self.plane.map(|plane| plane.plane(scene.points())).transpose()?;
         if let Some(table) = self.solver {
-            let options: Options =
-                table.options.into_iter().map(|(name, value)| (name, value.into())).collect();
+            let options: Options = table.options.into_iter().map(|(name, value)| (name, value.into())).collect();
             let choice = Choice::new(table.name, options)?;
             configure(&choice, scene.array().quantization())?;
             scene.solver = Some(choice);
@@ -311,11 +302,7 @@ impl ArrayTable {
                 let tiles = self.tiles.unwrap_or_else(|| [1, 1].to_vec());
                 let [x, y] = tiles[..] else {
                     let value = format!("{tiles:?}");
-                    return Err(Error::invalid(
-                        "array.tiles",
-                        value,
-                        "give two numbers, boards along x and y",
-                    ));
+                    return Err(Error::invalid("array.tiles", value, "give two numbers, boards along x and y"));
                 };
                 Array::preset(&preset, [whole("array.tiles[0]", x)?, whole("array.tiles[1]", y)?])?
             }
@@ -326,9 +313,8 @@ impl ArrayTable {
             source_pressure: self.source_pressure.unwrap_or(default.source_pressure),
             directivity: self.directivity.map_or(Ok(default.directivity), |table| table.directivity())?,
         })?;
-        let response = self
-            .response
-            .map(|list| plain(list).into_iter().map(|[re, im]| Complex64::new(re, im)).collect());
+        let response =
+            self.response.map(|list| plain(list).into_iter().map(|[re, im]| Complex64::new(re, im)).collect());
         let quantization = self
             .quantization
             .map_or_else(|| Ok(array.quantization().cloned()), |table| table.quantization().map(Some))?;

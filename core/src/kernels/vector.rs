@@ -17,13 +17,7 @@ pub(crate) fn add_wave<S: Simd>(s: S, row: [&[f32]; 2], drive: [f32; 2], re: &mu
 }
 
 /// P += G q, q = (re, im).
-pub(crate) fn accumulate(
-    set: InstructionSet,
-    row: [&[f32]; 2],
-    drive: [f32; 2],
-    re: &mut [f32],
-    im: &mut [f32],
-) {
+pub(crate) fn accumulate(set: InstructionSet, row: [&[f32]; 2], drive: [f32; 2], re: &mut [f32], im: &mut [f32]) {
     dispatch!(set, s => add_wave(s, row, drive, re, im));
 }
 

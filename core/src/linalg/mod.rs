@@ -61,12 +61,7 @@ pub(crate) struct Cholesky {
 impl Cholesky {
     /// Factors the matrix of `size` padded rows in `matrix`, of which the upper half is read; `None` (and the buffer
     /// back in `work`) if it is not positive definite in f32.
-    pub(crate) fn new(
-        set: InstructionSet,
-        mut matrix: Vec<f32>,
-        size: usize,
-        work: &mut Workspace,
-    ) -> Option<Self> {
+    pub(crate) fn new(set: InstructionSet, mut matrix: Vec<f32>, size: usize, work: &mut Workspace) -> Option<Self> {
         if cholesky::factor(set, &mut matrix, size) {
             return Some(Self { factor: matrix, set });
         }

@@ -122,10 +122,8 @@ impl Problem {
             return None;
         }
         let near = self.setup().medium.wavelength() / 1000.0;
-        let pairs =
-            targeted.iter().enumerate().flat_map(|(n, &j)| targeted[n + 1..].iter().map(move |&k| [j, k]));
-        let contrary =
-            |[j, k]: &[usize; 2]| targets[*j] != targets[*k] && distance(points[*j], points[*k]) < near;
+        let pairs = targeted.iter().enumerate().flat_map(|(n, &j)| targeted[n + 1..].iter().map(move |&k| [j, k]));
+        let contrary = |[j, k]: &[usize; 2]| targets[*j] != targets[*k] && distance(points[*j], points[*k]) < near;
         let pair = pairs.into_iter().find(contrary)?;
         Some(Beyond::Contrary { points: pair, targets: pair.map(|j| targets[j]) })
     }

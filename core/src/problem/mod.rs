@@ -171,11 +171,7 @@ impl Problem {
                 let count = self.targets.pascals.len();
                 if phases.len() != count {
                     let value = format!("{} phases", phases.len());
-                    return Err(Error::invalid(
-                        "start",
-                        value,
-                        format!("give one for each of the {count} points"),
-                    ));
+                    return Err(Error::invalid("start", value, format!("give one for each of the {count} points")));
                 }
                 if let Some(j) = phases.iter().position(|phase| !phase.is_finite()) {
                     return Err(Error::invalid(format!("start[{j}]"), phases[j], "give finite numbers"));

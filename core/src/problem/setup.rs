@@ -44,8 +44,6 @@ impl Setup {
     /// Refuses what does not fit G.
     pub(crate) fn check(&self, propagation: &Propagation) -> Result<(), Error> {
         self.medium.check()?;
-        self.positions
-            .as_ref()
-            .map_or(Ok(()), |positions| check_positions(positions, propagation.transducers()))
+        self.positions.as_ref().map_or(Ok(()), |positions| check_positions(positions, propagation.transducers()))
     }
 }

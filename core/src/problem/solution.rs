@@ -64,13 +64,7 @@ pub struct Solution {
 impl Solution {
     /// The solution that `drive` is: a solver's last line. Its pressures are computed here.
     #[must_use]
-    pub fn new(
-        problem: &Problem,
-        drive: Vec<Complex32>,
-        status: Status,
-        steps: usize,
-        work: &mut Workspace,
-    ) -> Self {
+    pub fn new(problem: &Problem, drive: Vec<Complex32>, status: Status, steps: usize, work: &mut Workspace) -> Self {
         let asked = problem.asked();
         let field = field_of(&asked.propagation, &drive, work);
         Self::with_pressures(asked, drive, field, status, steps, work)
@@ -183,8 +177,7 @@ impl Solution {
     pub fn tell(&mut self, problem: &Problem, steps: usize, control: &mut Control) {
         if self.status == Status::Stopped {
             control.correct(|| self.residual_for(problem));
-        } else if self.steps > 0 && control.step(self.steps, steps, || self.residual_for(problem)).is_break()
-        {
+        } else if self.steps > 0 && control.step(self.steps, steps, || self.residual_for(problem)).is_break() {
             self.status = Status::Stopped;
         }
     }
@@ -199,8 +192,7 @@ impl Solution {
         let unit = self.asked.propagation.reference();
         let modulus = |p: Complex32| math::modulus(p) / unit;
         let points = self.asked.active.iter().zip(problem.targets()).zip(problem.weights());
-        let heard =
-            |((&j, &t), &w): ((&usize, &f32), &f32)| (modulus(self.pressures[j]), f64::from(t), f64::from(w));
+        let heard = |((&j, &t), &w): ((&usize, &f32), &f32)| (modulus(self.pressures[j]), f64::from(t), f64::from(w));
         Metrics::of(points.map(heard)).residual
     }
 

@@ -101,8 +101,7 @@ impl Targets {
         }
         // Loads relative to the heaviest, so that no square over- or underflows.
         let pairs = self.active.iter().zip(reach);
-        let loads =
-            pairs.map(|(&j, &reach)| self.pascals[j] / (reach * reference)).filter(|load| *load > 0.0);
+        let loads = pairs.map(|(&j, &reach)| self.pascals[j] / (reach * reference)).filter(|load| *load > 0.0);
         let load = loads.clone().fold(0.0, f64::max);
         self.balance = 1.0 / (load * math::sqrt(loads.map(|own| (own / load) * (own / load)).sum()));
         if !self.given {

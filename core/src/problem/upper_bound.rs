@@ -94,8 +94,7 @@ pub fn bound(problem: &Problem) -> Result<f64, Error> {
 /// A quick bound, up to half above the best one: equal weights, and each transducer's share that of its propagation.
 pub(crate) fn rough_bound(problem: &Problem) -> f64 {
     let rows = Rows::new(problem);
-    let share: Vec<f64> =
-        rows.iter().map(|row| sqrt(row.iter().map(Complex64::norm_sqr).sum::<f64>())).collect();
+    let share: Vec<f64> = rows.iter().map(|row| sqrt(row.iter().map(Complex64::norm_sqr).sum::<f64>())).collect();
     rows.certificate(&vec![1.0 / rows.points as f64; rows.points], &share)
 }
 
@@ -103,8 +102,7 @@ pub(crate) fn rough_bound(problem: &Problem) -> f64 {
 fn start(count: usize) -> Vec<Lanes> {
     let mut rng = Rng::new(0);
     let mut number = || 2.0 * rng.uniform() - 1.0;
-    let mut units: Vec<Lanes> =
-        (0..count).map(|_| [(); RANK].map(|()| Complex64::new(number(), number()))).collect();
+    let mut units: Vec<Lanes> = (0..count).map(|_| [(); RANK].map(|()| Complex64::new(number(), number()))).collect();
     for unit in &mut units {
         let length = norm(unit);
         *unit = unit.map(|x| x / length);

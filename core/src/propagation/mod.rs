@@ -60,11 +60,7 @@ impl Propagation {
     /// G of a scene's array at its points.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
-        Self::at(
-            Arc::new(Sources::new(scene.array(), scene.medium())),
-            scene.points().into(),
-            InstructionSet::best(),
-        )
+        Self::at(Arc::new(Sources::new(scene.array(), scene.medium())), scene.points().into(), InstructionSet::best())
     }
 
     /// G of some sources at points that have been checked.
@@ -93,11 +89,7 @@ impl Propagation {
     pub fn from_matrix(matrix: &[Complex64], points: usize) -> Result<Self, Error> {
         if matrix.is_empty() || points == 0 || !matrix.len().is_multiple_of(points) {
             let value = format!("{} entries for {points} points", matrix.len());
-            return Err(Error::invalid(
-                "propagation",
-                value,
-                "give an (M, N) matrix with M and N at least 1",
-            ));
+            return Err(Error::invalid("propagation", value, "give an (M, N) matrix with M and N at least 1"));
         }
         let transducers = matrix.len() / points;
         if let Some(at) = matrix.iter().position(|g| !g.re.is_finite() || !g.im.is_finite()) {
@@ -107,11 +99,7 @@ impl Propagation {
         // Divided first: the sum of finite numbers need not be finite, their mean is.
         let mean = matrix.iter().map(|g| math::hypot(g.re, g.im) / matrix.len() as f64).sum::<f64>();
         if mean > 0.0 && !UNITS.contains(&mean) {
-            return Err(Error::invalid(
-                "propagation",
-                format!("{mean:e} in the mean"),
-                "give Pa: 1e-15 to 1e15",
-            ));
+            return Err(Error::invalid("propagation", format!("{mean:e} in the mean"), "give Pa: 1e-15 to 1e15"));
         }
         let turned = (0..matrix.len()).map(|k| matrix[(k % points) * transducers + k / points]).collect();
         let reference = if mean > 0.0 { mean } else { 1.0 };

@@ -145,11 +145,8 @@ impl Array {
         let preset = presets::find(name)?;
         for (axis, &value) in tiles.iter().enumerate() {
             if value == 0 || (value != 1 && !preset.tiles) {
-                let cure = if preset.tiles {
-                    "give at least 1 board"
-                } else {
-                    "this preset is one piece: leave tiles out"
-                };
+                let cure =
+                    if preset.tiles { "give at least 1 board" } else { "this preset is one piece: leave tiles out" };
                 return Err(Error::invalid(format!("array.tiles[{axis}]"), value, cure));
             }
         }
@@ -166,11 +163,7 @@ impl Array {
     pub fn with_transducer(mut self, transducer: Transducer) -> Result<Self, Error> {
         let pressure = real("array.source_pressure", transducer.source_pressure, 0.0, true)?;
         if !UNITS.contains(&pressure) {
-            return Err(Error::invalid(
-                "array.source_pressure",
-                format!("{pressure:?}"),
-                "give Pa m: 1e-15 to 1e15",
-            ));
+            return Err(Error::invalid("array.source_pressure", format!("{pressure:?}"), "give Pa m: 1e-15 to 1e15"));
         }
         transducer.directivity.checked()?;
         self.transducer = transducer;
@@ -191,9 +184,7 @@ impl Array {
                     format!("give one for each of the {} transducers", self.len()),
                 ));
             }
-            if let Some((i, c)) =
-                response.iter().enumerate().find(|(_, c)| !c.re.is_finite() || !c.im.is_finite())
-            {
+            if let Some((i, c)) = response.iter().enumerate().find(|(_, c)| !c.re.is_finite() || !c.im.is_finite()) {
                 return Err(Error::invalid(format!("array.response[{i}]"), c, "give finite numbers"));
             }
             if let Some((i, c)) = response.iter().enumerate().find(|(_, c)| c.norm_sqr() > 1e6 * 1e6) {

@@ -31,8 +31,7 @@ pub(crate) fn check_places(
         if far || !place.iter().all(|x| x.is_finite()) {
             let item = format!("{item}[{k}]{part}");
             vector(&item, place)?;
-            let cure =
-                format!("bring it within {reach:.3e} m of the array's middle (coordinates are in metres)");
+            let cure = format!("bring it within {reach:.3e} m of the array's middle (coordinates are in metres)");
             return Err(Error::invalid(item, format!("{place:?}"), cure));
         }
     }

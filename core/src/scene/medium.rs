@@ -40,11 +40,9 @@ impl Medium {
     /// Both given, or what [`Medium::sound_speed_at`] refuses.
     pub fn sound_speed(speed: Option<f64>, temperature: Option<f64>) -> Result<f64, Error> {
         match (speed, temperature) {
-            (Some(_), Some(temperature)) => Err(Error::invalid(
-                "medium.temperature",
-                temperature,
-                "sound_speed is given too: keep one of them",
-            )),
+            (Some(_), Some(temperature)) => {
+                Err(Error::invalid("medium.temperature", temperature, "sound_speed is given too: keep one of them"))
+            }
             (Some(speed), None) => Ok(speed),
             (None, Some(temperature)) => Self::sound_speed_at(temperature),
             (None, None) => Ok(Self::default().sound_speed),

@@ -22,11 +22,7 @@ pub enum Start {
 pub(crate) fn check_drive(drive: &[Complex32], transducers: usize) -> Result<(), Error> {
     if drive.len() != transducers {
         let value = format!("{} values", drive.len());
-        return Err(Error::invalid(
-            "drive",
-            value,
-            format!("give one for each of the {transducers} transducers"),
-        ));
+        return Err(Error::invalid("drive", value, format!("give one for each of the {transducers} transducers")));
     }
     for (i, q) in drive.iter().enumerate() {
         let modulus = math::modulus(*q);

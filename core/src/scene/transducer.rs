@@ -43,13 +43,8 @@ pub enum Directivity {
 const T4010A1: [f64; 10] = [1.0, 1.0, 1.0, 0.8913, 0.7079, 0.5012, 0.3548, 0.2512, 0.1995, 0.1778];
 
 /// The names a scene file knows, with the parameter a bare name stands for.
-const NAMES: [(&str, Option<f64>); 5] = [
-    ("point", None),
-    ("piston", Some(4.5e-3)),
-    ("sinc", Some(9e-3)),
-    ("cos", Some(3.376)),
-    ("t4010a1", None),
-];
+const NAMES: [(&str, Option<f64>); 5] =
+    [("point", None), ("piston", Some(4.5e-3)), ("sinc", Some(9e-3)), ("cos", Some(3.376)), ("t4010a1", None)];
 
 impl Directivity {
     /// The directivity of a name (`point`, `piston`, `sinc`, `cos`, `t4010a1`) and its parameter: radius in m,
@@ -107,11 +102,7 @@ impl Directivity {
             return Ok(());
         }
         let value = self.name().1.unwrap_or_default();
-        Err(Error::invalid(
-            name,
-            value,
-            "give metres, at most some 13 wavelengths (an exponent: at most 6400)",
-        ))
+        Err(Error::invalid(name, value, "give metres, at most some 13 wavelengths (an exponent: at most 6400)"))
     }
 
     /// How fast D varies with the angle, and what says so.

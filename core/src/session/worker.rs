@@ -105,12 +105,7 @@ pub(super) struct Requests<'a> {
 
 impl Worker {
     /// Reads and solves the problems of a part.
-    pub(super) fn run(
-        &mut self,
-        mut part: Part<'_>,
-        task: &Task,
-        requests: Requests<'_>,
-    ) -> Result<(), Error> {
+    pub(super) fn run(&mut self, mut part: Part<'_>, task: &Task, requests: Requests<'_>) -> Result<(), Error> {
         let first = part.first;
         let mut done = 0;
         while done < part.len() {
@@ -157,8 +152,8 @@ impl Worker {
             return refused;
         }
         for (k, problem) in problems.iter().enumerate() {
-            let solution = solve(problem, solver, balance, work, &mut Control::none())
-                .map_err(|error| (start + k, error))?;
+            let solution =
+                solve(problem, solver, balance, work, &mut Control::none()).map_err(|error| (start + k, error))?;
             part.keep(start + k, &solution);
             solution.recycle(work);
         }

@@ -18,11 +18,8 @@ pub enum AmplitudeLimit {
     Full,
 }
 
-const WORDS: [(&str, AmplitudeLimit); 3] = [
-    ("clamp", AmplitudeLimit::Clamp),
-    ("normalize", AmplitudeLimit::Normalize),
-    ("full", AmplitudeLimit::Full),
-];
+const WORDS: [(&str, AmplitudeLimit); 3] =
+    [("clamp", AmplitudeLimit::Clamp), ("normalize", AmplitudeLimit::Normalize), ("full", AmplitudeLimit::Full)];
 
 impl OptionValue for AmplitudeLimit {
     fn read(item: &str, value: &Value) -> Result<Self, Error> {

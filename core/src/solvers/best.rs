@@ -45,12 +45,7 @@ impl Method for Best {
 }
 
 impl Solve for Best {
-    fn solve(
-        &self,
-        problem: &Problem,
-        work: &mut Workspace,
-        control: &mut Control,
-    ) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let plan = Plan {
             starts: self.starts as usize,
             finalists: FINALISTS,

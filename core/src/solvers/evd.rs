@@ -49,12 +49,7 @@ impl Method for Evd {
 }
 
 impl Solve for Evd {
-    fn solve(
-        &self,
-        problem: &Problem,
-        work: &mut Workspace,
-        control: &mut Control,
-    ) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let propagation = problem.propagation();
         let (count, targets) = (propagation.points(), problem.targets());
         let mut phasors = phases(problem, work);
@@ -68,8 +63,7 @@ impl Solve for Evd {
         for (i, inverse) in inverse.iter_mut().enumerate() {
             propagation.row(i, &mut row.re, &mut row.im);
             kernels::modulus(propagation.instruction_set(), &row.re, &row.im, &mut moduli.re);
-            let mean =
-                f64::from(kernels::dot(propagation.instruction_set(), &moduli.re, targets)) / count as f64;
+            let mean = f64::from(kernels::dot(propagation.instruction_set(), &moduli.re, targets)) / count as f64;
             *inverse = if mean > 0.0 { pow(mean, -self.gamma) as f32 } else { 0.0 };
         }
         let matrix = gram(propagation, Some(&inverse), work);

@@ -67,12 +67,7 @@ impl Method for Fast {
 }
 
 impl Solve for Fast {
-    fn solve(
-        &self,
-        problem: &Problem,
-        work: &mut Workspace,
-        control: &mut Control,
-    ) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         self.check()?;
         let propagation = problem.propagation();
         let (count, lanes) = (propagation.transducers(), propagation.lanes());
@@ -142,8 +137,7 @@ impl Solve for Fast {
 /// apart on the board, which does what a shuffle does and costs nothing.
 fn stride(count: usize, seed: u64) -> impl Iterator<Item = usize> {
     let golden = (count as f64 * 0.618_033_988_749_895) as usize;
-    let step =
-        (golden.max(1)..=golden.max(1) + count).find(|&step| coprime(step, count)).unwrap_or(1) % count;
+    let step = (golden.max(1)..=golden.max(1) + count).find(|&step| coprime(step, count)).unwrap_or(1) % count;
     let start = (Rng::new(seed).uniform() * count as f64) as usize;
     (0..count).scan(start, move |at, _| {
         let i = *at;

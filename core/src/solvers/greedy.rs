@@ -86,9 +86,7 @@ impl OptionValue for Order {
         }
         word(item, value, &[("random", 0), ("rows", 1), ("columns", 2)])
             .map(|k| [Self::Random, Self::Rows, Self::Columns][k].clone())
-            .map_err(|_| {
-                Error::invalid(item, value, "give \"random\", \"rows\", \"columns\" or a permutation of 0..N")
-            })
+            .map_err(|_| Error::invalid(item, value, "give \"random\", \"rows\", \"columns\" or a permutation of 0..N"))
     }
 
     fn show(&self) -> Value {
@@ -166,9 +164,7 @@ impl Method for Greedy {
     }
 
     fn check(&self) -> Result<(), Error> {
-        for (item, value, range) in
-            [("phases", self.phases, 2..=65_536), ("amplitudes", self.amplitudes, 1..=256)]
-        {
+        for (item, value, range) in [("phases", self.phases, 2..=65_536), ("amplitudes", self.amplitudes, 1..=256)] {
             if !range.contains(&value) {
                 let cure = format!("give {} to {}", range.start(), range.end());
                 return Err(Error::invalid(item, value, cure));
@@ -214,12 +210,7 @@ impl Greedy {
 }
 
 impl Solve for Greedy {
-    fn solve(
-        &self,
-        problem: &Problem,
-        work: &mut Workspace,
-        control: &mut Control,
-    ) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         self.check()?;
         let propagation = problem.propagation();
         let (count, lanes) = (propagation.transducers(), propagation.lanes());

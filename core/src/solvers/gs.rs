@@ -40,12 +40,7 @@ impl Method for Gs {
 }
 
 impl Solve for Gs {
-    fn solve(
-        &self,
-        problem: &Problem,
-        work: &mut Workspace,
-        control: &mut Control,
-    ) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let rows = Rows::new(problem, work);
         let mut projector = Projector::new(&rows, work);
         let (targets, count) = (problem.targets(), problem.propagation().transducers());

@@ -46,12 +46,7 @@ impl Method for Gspat {
 }
 
 impl Solve for Gspat {
-    fn solve(
-        &self,
-        problem: &Problem,
-        work: &mut Workspace,
-        control: &mut Control,
-    ) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let propagation = problem.propagation();
         let (count, lanes, targets) = (propagation.points(), propagation.lanes(), problem.targets());
         let matrix = gram(propagation, None, work);

@@ -59,12 +59,7 @@ impl Method for Lm {
 }
 
 impl Solve for Lm {
-    fn solve(
-        &self,
-        problem: &Problem,
-        work: &mut Workspace,
-        control: &mut Control,
-    ) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let rows = Rows::new(problem, work);
         let mut state = State::new(problem, &rows, self.seed, work);
         let mut trial = State::empty(&rows, work);
@@ -73,9 +68,8 @@ impl Solve for Lm {
         let begun_at_rest = normal.steepest <= self.eps;
         let (mut damping, mut growth) = (self.tau * largest(problem, work), 2.0);
         // The root mean square of a step in turns, as the norm of all steps in rad.
-        let least = self.eps
-            * TAU
-            * sqrt((problem.propagation().transducers() + problem.propagation().points()) as f64);
+        let least =
+            self.eps * TAU * sqrt((problem.propagation().transducers() + problem.propagation().points()) as f64);
         let step = |state: &mut State| {
             let Some((length, predicted)) = normal.step(&rows, state, damping, &mut trial, work) else {
                 // Not positive definite in f32: more damping makes it so.

@@ -17,12 +17,7 @@ pub trait Solve {
     ///
     /// # Errors
     /// Options that this problem cannot be solved with.
-    fn solve(
-        &self,
-        problem: &Problem,
-        work: &mut Workspace,
-        control: &mut Control,
-    ) -> Result<Solution, Error>;
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error>;
 
     /// Solves several problems of one model at once, each bit for bit as [`Solve::solve`] does without a control,
     /// where it knows how to share the work.

@@ -39,12 +39,7 @@ impl Method for Naive {
 }
 
 impl Solve for Naive {
-    fn solve(
-        &self,
-        problem: &Problem,
-        work: &mut Workspace,
-        control: &mut Control,
-    ) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let propagation = problem.propagation();
         let mut buffers = [(); 3].map(|()| work.floats.take(propagation.lanes()));
         let [re, im, share] = &mut buffers;

@@ -95,11 +95,7 @@ impl Entry {
     ///
     /// # Errors
     /// As [`Entry::configure`].
-    pub fn configure_for(
-        &self,
-        options: &Options,
-        quantization: Option<&Quantization>,
-    ) -> Result<Configured, Error> {
+    pub fn configure_for(&self, options: &Options, quantization: Option<&Quantization>) -> Result<Configured, Error> {
         let mut all = quantization.map(self.device).unwrap_or_default();
         all.extend(options.clone());
         self.configure(&all)
@@ -134,8 +130,7 @@ pub fn find(name: &str) -> Result<&'static Entry, Error> {
 /// The error for an argument that `name` does not use, listing the solvers that do.
 #[must_use]
 pub fn unused(argument: &str, name: &str, uses: fn(&Info) -> bool) -> Error {
-    let users: Vec<&str> =
-        SOLVERS.iter().map(|entry| entry.info).filter(|info| uses(info)).map(|i| i.name).collect();
+    let users: Vec<&str> = SOLVERS.iter().map(|entry| entry.info).filter(|info| uses(info)).map(|i| i.name).collect();
     let cure = if users.is_empty() {
         String::from("leave it out, no solver here uses it")
     } else {

@@ -90,12 +90,7 @@ impl Method for Sdp {
 }
 
 impl Solve for Sdp {
-    fn solve(
-        &self,
-        problem: &Problem,
-        work: &mut Workspace,
-        control: &mut Control,
-    ) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let propagation = problem.propagation();
         let (count, lanes) = (propagation.points(), propagation.lanes());
         let product = gram(propagation, None, work);
@@ -121,8 +116,7 @@ impl Solve for Sdp {
                 column.im.copy_from_slice(im);
                 (column.re[chosen], column.im[chosen]) = (0.0, 0.0);
                 times(propagation.instruction_set(), relaxed, &column, &mut image);
-                let [gain, _] =
-                    kernels::correlate(propagation.instruction_set(), image.row(0), column.row(0));
+                let [gain, _] = kernels::correlate(propagation.instruction_set(), image.row(0), column.row(0));
                 let scale = if gain > 0.0 { -sqrt(self.lambda / f64::from(gain)) as f32 } else { 0.0 };
                 let change = replace(relaxed, chosen, &image, scale, count);
                 if change > self.tolerance as f32 {

@@ -41,12 +41,7 @@ impl Method for Tikhonov {
 }
 
 impl Solve for Tikhonov {
-    fn solve(
-        &self,
-        problem: &Problem,
-        work: &mut Workspace,
-        control: &mut Control,
-    ) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let propagation = problem.propagation();
         let count = propagation.points();
         let mut matrix = gram(propagation, None, work);

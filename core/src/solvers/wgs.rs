@@ -65,12 +65,7 @@ fn raise(raised: &mut [f32], moduli: &[f32], targets: &[f32], mean: f32) {
 }
 
 impl Solve for Wgs {
-    fn solve(
-        &self,
-        problem: &Problem,
-        work: &mut Workspace,
-        control: &mut Control,
-    ) -> Result<Solution, Error> {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let rows = Rows::new(problem, work);
         let mut projector = Projector::new(&rows, work);
         let (targets, count) = (problem.targets(), problem.propagation().transducers());

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use midair::{
-    Aim, Array, Ask, Batch, Complex32, Complex64, Control, Directivity, Error, InstructionSet, Medium, Model,
-    Problem, Request, Rng, Session, Setup, Solution, Solve, Start, Status, Transducer, Workspace, solvers,
+    Aim, Array, Ask, Batch, Complex32, Complex64, Control, Directivity, Error, InstructionSet, Medium, Model, Problem,
+    Request, Rng, Session, Setup, Solution, Solve, Start, Status, Transducer, Workspace, solvers,
 };
 
 use crate::scenes::{preset, random_points};
@@ -43,12 +43,7 @@ fn alone(problem: &Problem, solver: &dyn Solve, balance: bool) -> Solution {
 }
 
 /// A batch of these, the drives first.
-fn batch_of(
-    model: &Model,
-    asks: &[Ask],
-    solver: &Solver,
-    balance: bool,
-) -> Result<(Vec<Complex32>, Batch), Error> {
+fn batch_of(model: &Model, asks: &[Ask], solver: &Solver, balance: bool) -> Result<(Vec<Complex32>, Batch), Error> {
     let mut drives = vec![Complex32::ZERO; asks.len() * model.array().len()];
     let ask = |k: usize, ask: &mut Ask| {
         ask.clone_from(&asks[k]);
@@ -75,16 +70,9 @@ fn a_batch_and_a_session_are_lone_solves_bit_for_bit() {
             let name = entry.info.name;
             assert_eq!(lone.drive, drives[k * 400..(k + 1) * 400], "{name}: drive of problem {k}");
             assert_eq!(lone.pressures, batch.pressures[k * M..(k + 1) * M], "{name}: pressures of {k}");
-            assert_eq!(
-                (lone.metrics(), lone.status, lone.steps),
-                (batch.metrics[k], batch.status[k], batch.steps[k])
-            );
+            assert_eq!((lone.metrics(), lone.status, lone.steps), (batch.metrics[k], batch.status[k], batch.steps[k]));
             let again = session.solve(ask, &mut Control::none()).expect("an answer");
-            assert_eq!(
-                (&lone.drive, &lone.pressures),
-                (&again.drive, &again.pressures),
-                "{name}: session at {k}"
-            );
+            assert_eq!((&lone.drive, &lone.pressures), (&again.drive, &again.pressures), "{name}: session at {k}");
         }
     }
 }
@@ -158,8 +146,7 @@ fn small(full: bool, set: InstructionSet) -> Model {
     if !full {
         return Model::new(&array, Medium::default(), set).expect("an array");
     }
-    let response =
-        (0..35).map(|i| if i == 11 { Complex64::ZERO } else { Complex64::cis(f64::from(i % 4)) }).collect();
+    let response = (0..35).map(|i| if i == 11 { Complex64::ZERO } else { Complex64::cis(f64::from(i % 4)) }).collect();
     let transducer = Transducer { directivity: Directivity::Piston(4.5e-3), ..Transducer::default() };
     let array = array.with_transducer(transducer).and_then(|array| array.with_response(Some(response)));
     let medium = Medium { absorption: 0.15, ..Medium::default() };
@@ -173,8 +160,7 @@ fn bits(list: &[Complex32]) -> Vec<[u32; 2]> {
 
 /// Holds batches of every size up to the number of problems to lone solves, in bits.
 fn hold(model: &Model, asks: &[Ask], solver: &Solver, balance: bool, what: &str) {
-    let lone: Vec<Solution> =
-        asks.iter().map(|ask| alone(&problem(model, ask), &**solver, balance)).collect();
+    let lone: Vec<Solution> = asks.iter().map(|ask| alone(&problem(model, ask), &**solver, balance)).collect();
     let points = asks[0].points.len();
     for count in 1..=asks.len() {
         let (drives, batch) = batch_of(model, &asks[..count], solver, balance).expect("answers");
@@ -197,8 +183,7 @@ fn some(points: usize, count: usize, given: bool) -> Vec<Ask> {
     let ask = |k: usize| {
         let mut rng = Rng::new((100 * points + k) as u64);
         // From 0, a quiet point, to more than the array can give.
-        let pressures =
-            given.then(|| (0..points).map(|j| 2e3 * ((j + 1) % 3) as f64 * rng.uniform()).collect());
+        let pressures = given.then(|| (0..points).map(|j| 2e3 * ((j + 1) % 3) as f64 * rng.uniform()).collect());
         let request = Request { pressures, weights: None };
         Ask { points: random_points(points, 0.05, k as u64), request, start: None, aim: None }
     };

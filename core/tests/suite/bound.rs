@@ -10,8 +10,8 @@ use crate::scenes::{preset, problem, propagation, random_points, scene, widen};
 fn levels(scene: &Scene, problem: &Problem) -> Vec<(&'static str, f64)> {
     let level = |entry: &midair::solvers::Entry| {
         let solver = entry.configure(&Options::new()).expect("defaults").solver;
-        let solution = midair::solve(problem, &*solver, false, &mut Workspace::new(), &mut Control::none())
-            .expect("an answer");
+        let solution =
+            midair::solve(problem, &*solver, false, &mut Workspace::new(), &mut Control::none()).expect("an answer");
         let field = oracle::field(&propagation(scene), &widen(&solution.drive));
         let parts = field.iter().zip(problem.targets_in_pascals()).map(|(p, target)| p.norm() / target);
         (entry.info.name, parts.fold(f64::INFINITY, f64::min))
@@ -29,10 +29,7 @@ fn no_solver_exceeds_the_bound_and_the_best_comes_near() {
             let mut best = 0.0_f64;
             for (name, level) in levels(&scene, &problem) {
                 // |q| is 1 but for its rounding to f32.
-                assert!(
-                    level <= most * (1.0 + 1e-6),
-                    "M = {count}: {name} reaches {level}, the bound is {most}"
-                );
+                assert!(level <= most * (1.0 + 1e-6), "M = {count}: {name} reaches {level}, the bound is {most}");
                 best = best.max(level);
             }
             // The relaxation is loose by 6 to 10 %; wgs is not the best field there is (at 64 points, .013 uneven).
@@ -59,8 +56,7 @@ fn quiet_and_weightless_points_do_not_bind_and_units_cancel() {
     let points = random_points(5, 0.08, 31);
     let with = |pressures: Vec<f64>, weights: Option<Vec<f64>>| {
         let request = Request { pressures: Some(pressures), weights };
-        let scene =
-            Scene::new(preset("paper20"), Medium::default(), points.clone(), request).expect("a scene");
+        let scene = Scene::new(preset("paper20"), Medium::default(), points.clone(), request).expect("a scene");
         bound(&problem(&scene)).expect("a bound")
     };
     let three = with(vec![0.5, 1.0, 0.7, 0.0, 0.9], Some(vec![1.0, 1.0, 2.0, 1.0, 0.0]));
@@ -117,10 +113,7 @@ fn only_what_provably_cannot_be_had_is_beyond_reach() {
     };
     assert!(point == 1 && target == 5.0 && alone < 2.4, "{point} {target} {alone}");
     let text = Beyond::Alone { point, target, alone }.to_string();
-    assert!(
-        text.starts_with("points[1].pressure is 5.000 Pa, beyond reach: ") && !text.contains('\n'),
-        "{text}"
-    );
+    assert!(text.starts_with("points[1].pressure is 5.000 Pa, beyond reach: ") && !text.contains('\n'), "{text}");
     // Two points in one place can both have nearly what one can: far above the balanced level, and no mistake.
     assert_eq!(beyond(&[points[0], points[0], points[0]], vec![1.7; 3]), None);
     // Unless they ask for different pressures there.

@@ -91,16 +91,10 @@ fn every_preset_makes_the_array_it_describes() {
         assert_eq!(array.len(), entry.count, "{}", entry.name);
         assert_eq!(array.transducer(), entry.transducer, "{}", entry.name);
         assert!(!entry.summary.is_empty() && !entry.source.is_empty(), "{} has no source", entry.name);
-        let flat =
-            array.positions().iter().all(|p| p[2] == 0.0) && array.normals().iter().all(|n| n[2] == 1.0);
+        let flat = array.positions().iter().all(|p| p[2] == 0.0) && array.normals().iter().all(|n| n[2] == 1.0);
         assert!(flat, "{} does not lie in z = 0 and radiate to +z", entry.name);
         let tiled = Array::preset(entry.name, [2, 3]);
-        assert_eq!(
-            tiled.map(|array| array.len()).ok(),
-            entry.tiles.then_some(6 * entry.count),
-            "{}",
-            entry.name
-        );
+        assert_eq!(tiled.map(|array| array.len()).ok(), entry.tiles.then_some(6 * entry.count), "{}", entry.name);
         assert!(Array::preset(entry.name, [1, 0]).is_err(), "{} of no boards", entry.name);
     }
 }

@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use midair::{
-    Array, Complex32, Complex64, Control, Directivity, InstructionSet, Medium, Model, Plane, Progress,
-    Request, Rng, Scene, Transducer,
+    Array, Complex32, Complex64, Control, Directivity, InstructionSet, Medium, Model, Plane, Progress, Request, Rng,
+    Scene, Transducer,
 };
 
 use crate::oracle;
@@ -29,8 +29,7 @@ fn field(scene: &Scene, drive: &[Complex32], points: &[[f64; 3]]) -> Vec<Complex
 fn real() -> Scene {
     let transducer = Transducer { directivity: Directivity::T4010a1, ..Transducer::default() };
     let array = preset("autd3").with_transducer(transducer).expect("a transducer");
-    let response =
-        (0..array.len()).map(|i| Complex64::from_polar(1.0 - 1e-3 * i as f64, 0.1 * i as f64)).collect();
+    let response = (0..array.len()).map(|i| Complex64::from_polar(1.0 - 1e-3 * i as f64, 0.1 * i as f64)).collect();
     let array = array.with_response(Some(response)).expect("responses");
     let medium = Medium { absorption: 0.15, sound_speed: 346.0, ..Medium::default() };
     Scene::new(array, medium, vec![[0.0, 0.0, 0.15]], Request::default()).expect("a scene")
@@ -75,8 +74,7 @@ fn a_plane_is_sampled_from_end_to_end_x_fastest() {
 fn a_picture_without_a_plane_is_taken_around_the_points() {
     let plane = |points: &[[f64; 3]]| Plane::around(points);
     let wide = plane(&[[0.0, 0.1, 0.2], [0.08, 0.0, 0.3], [0.02, 0.05, 0.1]]);
-    for (value, wanted) in [(wide.z, 0.2), (wide.size, 0.125), (wide.center[0], 0.04), (wide.center[1], 0.05)]
-    {
+    for (value, wanted) in [(wide.z, 0.2), (wide.size, 0.125), (wide.center[0], 0.04), (wide.center[1], 0.05)] {
         assert!((value - wanted).abs() < 1e-15, "{value} for {wanted}");
     }
     let narrow = plane(&[[0.0, 0.0, 0.15], [0.01, 0.0, 0.150_000_9]]);
@@ -102,9 +100,7 @@ fn on_a_transducer_r_is_a_hundredth_of_the_wavelength() {
     // From 4.386 Pa m; a hundredth of a wavelength is a hundredth of a turn.
     let wanted = Complex64::from_polar(4.386 / (wavelength / 100.0), std::f64::consts::TAU / 100.0);
     for height in [0.0, 0.003 * wavelength, -0.009_99 * wavelength] {
-        let [found] = widen(&field(&lone, &[Complex32::ONE], &[[0.0, 0.0, height]]))[..] else {
-            panic!("one value")
-        };
+        let [found] = widen(&field(&lone, &[Complex32::ONE], &[[0.0, 0.0, height]]))[..] else { panic!("one value") };
         assert!((found - wanted).norm() < 1e-6 * wanted.norm(), "{found} at {height} for {wanted}");
     }
     let real = real();

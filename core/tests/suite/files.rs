@@ -51,10 +51,7 @@ fn every_key_of_the_schema_is_read() {
     assert_eq!((scene.array().len(), scene.points().len()), (12, 2));
     assert_eq!(scene.array().transducer().directivity, Directivity::Piston(4.5e-3));
     let medium = scene.medium();
-    assert_eq!(
-        [medium.frequency, medium.sound_speed, medium.absorption, medium.density],
-        [40e3, 340.0, 0.15, 1.2]
-    );
+    assert_eq!([medium.frequency, medium.sound_speed, medium.absorption, medium.density], [40e3, 340.0, 0.15, 1.2]);
     assert_eq!(scene.request().pressures, Some(vec![500.0, 250.0]));
     assert_eq!(scene.request().weights, Some(vec![1.0, 2.0]));
     let choice = scene.solver.as_ref().expect("a solver");
@@ -129,10 +126,7 @@ fn bad_files_are_refused_in_one_line_that_names_the_item() {
         (with("frequency = 40e3", "frequency = 0"), "medium.frequency is 0"),
         (with("sound_speed = 340", "sound_speed = -340"), "medium.sound_speed is -340"),
         (with("absorption = 0.15", "absorption = -0.1"), "medium.absorption is -0.1"),
-        (
-            with(grid, "preset = \"autd3\"\ngrid = { nx = 1, ny = 1, pitch = 1 }"),
-            "array is described 2 times",
-        ),
+        (with(grid, "preset = \"autd3\"\ngrid = { nx = 1, ny = 1, pitch = 1 }"), "array is described 2 times"),
         (with(grid, ""), "array is described 0 times"),
         (with("nx = 4", "nx = 0"), "array.grid.nx is 0"),
         (with("nx = 4", "nx = -3"), "array.grid.nx is -3"),
@@ -175,11 +169,9 @@ fn bad_files_are_refused_in_one_line_that_names_the_item() {
 fn an_order_that_is_no_permutation_of_this_array_is_refused_when_solving() {
     let scene = toml(&with("\"rows\"", "[0, 0]")).expect("two zeros may fit another array");
     let choice = scene.solver.as_ref().expect("a solver");
-    let made =
-        midair::solvers::find("greedy").and_then(|entry| entry.configure(&choice.options)).expect("options");
+    let made = midair::solvers::find("greedy").and_then(|entry| entry.configure(&choice.options)).expect("options");
     let problem = midair::Problem::new(&scene).expect("a problem");
-    let answer =
-        made.solver.solve(&problem, &mut midair::Workspace::new(), &mut midair::Control::none()).unwrap_err();
+    let answer = made.solver.solve(&problem, &mut midair::Workspace::new(), &mut midair::Control::none()).unwrap_err();
     assert!(answer.to_string().starts_with("order is"), "{answer}");
 }
 

@@ -43,8 +43,7 @@ fn sources(folder: &Path, module: &str, found: &mut BTreeMap<String, String>) {
 
 /// The modules that a file's `use crate::...` lines and paths name: the longest part of each that is a file.
 fn used(text: &str, files: &BTreeMap<String, String>) -> BTreeSet<String> {
-    let code: String =
-        text.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n");
+    let code: String = text.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n");
     let paths = code.split("crate::").skip(1).map(|rest| {
         let path: String = rest.chars().take_while(|c| c.is_alphanumeric() || "_:".contains(*c)).collect();
         let parts: Vec<&str> = path.split("::").collect();
@@ -75,10 +74,8 @@ fn rooms_use_only_what_stands_below_and_no_files_import_each_other() {
     }
     // What uses nothing that is left is taken away; a circle stays.
     let mut left = uses;
-    while let Some(free) = left
-        .iter()
-        .find(|(module, used)| !used.iter().any(|u| u != **module && left.contains_key(u)))
-        .map(|(m, _)| *m)
+    while let Some(free) =
+        left.iter().find(|(module, used)| !used.iter().any(|u| u != **module && left.contains_key(u))).map(|(m, _)| *m)
     {
         left.remove(free);
     }

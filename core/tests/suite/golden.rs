@@ -8,8 +8,7 @@ use std::path::PathBuf;
 
 use midair::files::{Format, Provenance, read, write};
 use midair::{
-    Complex32, Control, InstructionSet, Metrics, Problem, Propagation, Scene, Setup, Solution, Workspace,
-    solvers,
+    Complex32, Control, InstructionSet, Metrics, Problem, Propagation, Scene, Setup, Solution, Workspace, solvers,
 };
 use serde_json::{Value, json};
 
@@ -37,13 +36,7 @@ const SCENES: [(&str, &str, &str, &str, bool); 18] = [
         "name = \"greedy\"\nobjective = \"l1\"\nphases = 32\nseed = 18446744073709551615",
         false,
     ),
-    (
-        "weak",
-        "preset = \"autd3\"",
-        "-20 5 120 20 1,20 0 120 10 1",
-        "name = \"greedy\"\norder = \"rows\"",
-        true,
-    ),
+    ("weak", "preset = \"autd3\"", "-20 5 120 20 1,20 0 120 10 1", "name = \"greedy\"\norder = \"rows\"", true),
     (
         "response",
         "positions = [[0, 0, 0], [0.01, 0, 0], [0, 0.01, 0.002], [0.012, 0.011, 0]]\nnormals = [[0, 0, 1], [0.1, 0, 1], [0, 0.2, 1], [0, 0, 2]]\nresponse = [[1, 0], [0.5, 0.5], [0, 0], [-0.9, 0.1]]\ndirectivity = { cos = 3.376 }",
@@ -51,13 +44,7 @@ const SCENES: [(&str, &str, &str, &str, bool); 18] = [
         "name = \"greedy\"\nphases = 7\namplitudes = 2\norder = [3, 0, 2, 1]",
         false,
     ),
-    (
-        "clamp",
-        "grid = { nx = 7, ny = 7, pitch = 0.01 }",
-        "-20 5 120 2000 1,20 0 130 1500 1",
-        "name = \"naive\"",
-        false,
-    ),
+    ("clamp", "grid = { nx = 7, ny = 7, pitch = 0.01 }", "-20 5 120 2000 1,20 0 130 1500 1", "name = \"naive\"", false),
     (
         "normalize",
         "grid = { nx = 7, ny = 7, pitch = 0.01 }\ndirectivity = { sinc = 0.009 }",
@@ -165,14 +152,12 @@ fn solved(scene: &Scene, balance: bool, set: InstructionSet) -> Solution {
     let choice = scene.solver.as_ref().expect("a solver");
     let made = solvers::configure(&choice, scene.array().quantization()).expect("options");
     let propagation = Propagation::of(scene).with_instruction_set(set);
-    let mut problem =
-        Problem::with_propagation(propagation, Setup::of(scene.array(), scene.medium()), scene.request())
-            .expect("a problem");
+    let mut problem = Problem::with_propagation(propagation, Setup::of(scene.array(), scene.medium()), scene.request())
+        .expect("a problem");
     if let Some(aim) = choice.aim {
         problem = problem.with_aim(aim);
     }
-    midair::solve(&problem, &*made.solver, balance, &mut Workspace::new(), &mut Control::none())
-        .expect("an answer")
+    midair::solve(&problem, &*made.solver, balance, &mut Workspace::new(), &mut Control::none()).expect("an answer")
 }
 
 fn metrics(metrics: Metrics) -> Value {
@@ -224,27 +209,13 @@ fn golden_vectors_come_out_bit_for_bit_at_the_scalar_level() {
         assert_eq!(drive.len(), solution.drive.len());
         for (i, (theirs, ours)) in drive.iter().zip(&solution.drive).enumerate() {
             let theirs = Complex32::new(number(&theirs[0]), number(&theirs[1]));
-            assert_eq!(
-                theirs.re.to_bits(),
-                ours.re.to_bits(),
-                "{}: drive[{i}] is {ours}, was {theirs}",
-                case.0
-            );
-            assert_eq!(
-                theirs.im.to_bits(),
-                ours.im.to_bits(),
-                "{}: drive[{i}] is {ours}, was {theirs}",
-                case.0
-            );
+            assert_eq!(theirs.re.to_bits(), ours.re.to_bits(), "{}: drive[{i}] is {ours}, was {theirs}", case.0);
+            assert_eq!(theirs.im.to_bits(), ours.im.to_bits(), "{}: drive[{i}] is {ours}, was {theirs}", case.0);
         }
         for (name, theirs) in record["metrics"].as_object().expect("a table") {
             let ours = metrics(solution.metrics())[name].as_f64().expect("a number");
             // Written as decimal text and read back.
-            assert!(
-                (theirs.as_f64().expect("a number") - ours).abs() < 1e-12,
-                "{}: {name} is {ours}",
-                case.0
-            );
+            assert!((theirs.as_f64().expect("a number") - ours).abs() < 1e-12, "{}: {name} is {ours}", case.0);
         }
     }
 }
@@ -259,21 +230,18 @@ fn every_method_has_the_bits_of_the_scalar_set() {
         let array = Array::grid(9, 7, 10e-3).and_then(|array| array.with_transducer(transducer));
         let medium = Medium { absorption: 0.15, ..Medium::default() };
         // More points than lanes, and no multiple of them.
-        let points: Vec<[f64; 3]> = (0..19)
-            .map(|j| [f64::from(j % 5) * 0.012 - 0.02, f64::from(j / 5) * 0.013 - 0.02, 0.12])
-            .collect();
+        let points: Vec<[f64; 3]> =
+            (0..19).map(|j| [f64::from(j % 5) * 0.012 - 0.02, f64::from(j / 5) * 0.013 - 0.02, 0.12]).collect();
         let request = Request { pressures: None, weights: Some(vec![1.5; points.len()]) };
         let scene = Scene::new(array.expect("an array"), medium, points, request).expect("a scene");
         for entry in solvers::SOLVERS {
             let [simd, scalar] = [InstructionSet::best(), InstructionSet::SCALAR].map(|set| {
                 let propagation = Propagation::of(&scene).with_instruction_set(set);
                 let setup = Setup::of(scene.array(), scene.medium());
-                let problem =
-                    Problem::with_propagation(propagation, setup, scene.request()).expect("a problem");
+                let problem = Problem::with_propagation(propagation, setup, scene.request()).expect("a problem");
                 let solver = entry.configure(&Options::new()).expect("defaults").solver;
                 let none = &mut Control::none();
-                let solution =
-                    midair::solve(&problem, &*solver, true, &mut Workspace::new(), none).expect("an answer");
+                let solution = midair::solve(&problem, &*solver, true, &mut Workspace::new(), none).expect("an answer");
                 let bits = |z: &Complex32| [z.re.to_bits(), z.im.to_bits()];
                 solution.drive.iter().chain(&solution.pressures).map(bits).collect::<Vec<_>>()
             });

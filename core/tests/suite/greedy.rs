@@ -2,8 +2,8 @@
 
 use midair::solvers::{Greedy, Objective, Order};
 use midair::{
-    Array, Control, Directivity, InstructionSet, Medium, Problem, Propagation, Request, Rng, Scene, Setup,
-    Solution, Solve, Transducer, Workspace,
+    Array, Control, Directivity, InstructionSet, Medium, Problem, Propagation, Request, Rng, Scene, Setup, Solution,
+    Solve, Transducer, Workspace,
 };
 
 use crate::oracle::{self, Search};
@@ -40,11 +40,7 @@ fn with_oracle(greedy: &Greedy, scene: &Scene, check: impl FnOnce(&Search)) {
         weights: problem.point_weights(),
         phases: greedy.phases as usize,
         amplitudes: greedy.amplitudes as usize,
-        objective: if greedy.objective == Objective::L2 {
-            oracle::Objective::L2
-        } else {
-            oracle::Objective::L1
-        },
+        objective: if greedy.objective == Objective::L2 { oracle::Objective::L2 } else { oracle::Objective::L1 },
         order: &order(greedy, scene),
     });
 }
@@ -52,9 +48,8 @@ fn with_oracle(greedy: &Greedy, scene: &Scene, check: impl FnOnce(&Search)) {
 fn assert_regrets(greedy: &Greedy, scene: &Scene) {
     for set in InstructionSet::all() {
         let propagation = Propagation::of(scene).with_instruction_set(set);
-        let problem =
-            Problem::with_propagation(propagation, Setup::of(scene.array(), scene.medium()), scene.request())
-                .expect("a problem");
+        let problem = Problem::with_propagation(propagation, Setup::of(scene.array(), scene.medium()), scene.request())
+            .expect("a problem");
         let solution = greedy.solve(&problem, &mut Workspace::new(), &mut Control::none()).expect("solvable");
         let drive = widen(&solution.drive);
         with_oracle(greedy, scene, |search| {
@@ -80,8 +75,7 @@ fn every_choice_is_within_the_regret() {
     for points in [1_u32, 2, 4, 16, 38, 64] {
         for (phases, amplitudes) in [(2, 1), (3, 2), (16, 1), (16, 4), (100, 1)] {
             for objective in [Objective::L2, Objective::L1] {
-                let greedy =
-                    Greedy { phases, amplitudes, objective, seed: u64::from(points), ..Greedy::default() };
+                let greedy = Greedy { phases, amplitudes, objective, seed: u64::from(points), ..Greedy::default() };
                 let points = random_points(points as usize, 0.1, u64::from(points));
                 assert_regrets(&greedy, &scene(preset("paper20"), points, None));
             }
@@ -93,10 +87,7 @@ fn every_choice_is_within_the_regret() {
 fn every_choice_is_within_the_regret_on_the_smiley() {
     let pressures = Some(vec![1.0; 38]);
     for order in [Order::Random, Order::Rows, Order::Columns] {
-        assert_regrets(
-            &Greedy { order, ..Greedy::default() },
-            &scene(preset("paper36"), smiley(), pressures.clone()),
-        );
+        assert_regrets(&Greedy { order, ..Greedy::default() }, &scene(preset("paper36"), smiley(), pressures.clone()));
     }
 }
 

@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 
 use midair::solvers::{Configured, Entry, SOLVERS};
 use midair::{
-    Array, Complex32, Complex64, Control, Error, Medium, Metrics, Options, Problem, Progress, Request, Scene,
-    Solution, Status, Transducer, Workspace,
+    Array, Complex32, Complex64, Control, Error, Medium, Metrics, Options, Problem, Progress, Request, Scene, Solution,
+    Status, Transducer, Workspace,
 };
 
 use crate::oracle;
@@ -29,10 +29,7 @@ fn assert_usable(name: &str, solution: &Solution) {
     for (i, q) in solution.drive.iter().enumerate() {
         assert!(q.norm() <= 1.0 + 1e-6, "{name}: drive[{i}] is {q}");
         let (amplitude, phase) = (solution.amplitude(i), solution.phase(i));
-        assert!(
-            (0.0..=1.0).contains(&amplitude) && (0.0..TAU).contains(&phase),
-            "{name}: {amplitude} at {phase}"
-        );
+        assert!((0.0..=1.0).contains(&amplitude) && (0.0..TAU).contains(&phase), "{name}: {amplitude} at {phase}");
     }
     assert!(solution.pressures.iter().all(|p| p.norm().is_finite()), "{name}: {:?}", solution.pressures);
     let Metrics { accuracy, sigma, uniformity, level, residual, leak } = solution.metrics();
@@ -79,10 +76,7 @@ fn odd_scenes_get_finite_answers() {
         let scene = Scene::new(array, Medium::default(), points, request).expect("a scene");
         for entry in SOLVERS {
             for balance in [false, true] {
-                assert_usable(
-                    &format!("{}, {what}", entry.info.name),
-                    &solved(entry, &problem(&scene), balance),
-                );
+                assert_usable(&format!("{}, {what}", entry.info.name), &solved(entry, &problem(&scene), balance));
             }
         }
     }
@@ -95,8 +89,7 @@ fn the_same_seed_gives_the_same_bits() {
         let mut work = Workspace::new();
         let mut again = || {
             let solver = made(entry).solver;
-            midair::solve(&problem(&scene), &*solver, false, &mut work, &mut Control::none())
-                .expect("an answer")
+            midair::solve(&problem(&scene), &*solver, false, &mut work, &mut Control::none()).expect("an answer")
         };
         let first = again();
         assert_eq!(first.drive, again().drive, "{}", entry.info.name);
@@ -108,15 +101,13 @@ fn scaling_source_pressure_and_pressures_changes_no_drive() {
     let points = random_points(6, 0.1, 5);
     let scaled = |factor: f64| {
         let own = Transducer { source_pressure: 4.386 * factor, ..Transducer::default() };
-        let array =
-            Array::grid(12, 12, 10e-3).and_then(|array| array.with_transducer(own)).expect("an array");
+        let array = Array::grid(12, 12, 10e-3).and_then(|array| array.with_transducer(own)).expect("an array");
         let pressures = (0..6).map(|j| 100.0 * factor * f64::from(j)).collect();
         problem(&scene(array, points.clone(), Some(pressures)))
     };
     for entry in SOLVERS {
         for balance in [false, true] {
-            let (one, thousand) =
-                (solved(entry, &scaled(1.0), balance), solved(entry, &scaled(1000.0), balance));
+            let (one, thousand) = (solved(entry, &scaled(1.0), balance), solved(entry, &scaled(1000.0), balance));
             assert_eq!(one.drive, thousand.drive, "{}", entry.info.name);
         }
     }
@@ -128,8 +119,7 @@ fn one_strong_focus_gets_the_conjugate_phases() {
     for entry in SOLVERS {
         let solution = raw(entry, &scene);
         // Modulo one global phase: every q_i G_i turned by the field's own phase.
-        let total: Complex64 =
-            propagation(&scene).iter().zip(widen(&solution.drive)).map(|(g, q)| g[0] * q).sum();
+        let total: Complex64 = propagation(&scene).iter().zip(widen(&solution.drive)).map(|(g, q)| g[0] * q).sum();
         // A whole step of the coarsest default grid, else the methods' own convergence.
         let gridded = entry.options().iter().any(|option| option.name == "phases");
         let allowed = if gridded { TAU / 16.0 } else { 0.01 };
@@ -182,8 +172,7 @@ fn a_stop_request_gives_a_usable_answer() {
             };
             let mut control = Control::watched(&mut observer);
             let made = made(entry);
-            let solution =
-                midair::solve(&problem(&scene), &*made.solver, false, &mut Workspace::new(), &mut control);
+            let solution = midair::solve(&problem(&scene), &*made.solver, false, &mut Workspace::new(), &mut control);
             let solution = solution.expect("an answer");
             assert_usable(entry.info.name, &solution);
             assert!(calls > 0, "{} never asks", entry.info.name);
@@ -203,18 +192,13 @@ fn a_trace_ends_in_the_residual_of_the_answer() {
         for balance in [false, true] {
             let mut control = Control::none().traced();
             let made = made(entry);
-            let solution =
-                midair::solve(&problem(&weak), &*made.solver, balance, &mut Workspace::new(), &mut control);
+            let solution = midair::solve(&problem(&weak), &*made.solver, balance, &mut Workspace::new(), &mut control);
             let solution = solution.expect("an answer");
             let trace = control.into_trace().expect("a trace");
             assert_eq!(trace.len(), solution.steps, "{}", entry.info.name);
             let (last, residual) = (trace[trace.len() - 1], solution.metrics().residual);
             // The solver's own field against one more pass in f32.
-            assert!(
-                (last - residual).abs() < 1e-4 * residual.max(1.0),
-                "{}: {last} for {residual}",
-                entry.info.name
-            );
+            assert!((last - residual).abs() < 1e-4 * residual.max(1.0), "{}: {last} for {residual}", entry.info.name);
         }
     }
 }
@@ -267,12 +251,7 @@ fn dead_transducers_are_not_driven() {
     for entry in SOLVERS {
         let drive = raw(entry, &scene).drive;
         for (i, q) in drive.iter().enumerate() {
-            assert_eq!(
-                [0, 17, 399].contains(&i),
-                *q == Complex32::ZERO,
-                "{}: drive[{i}] = {q}",
-                entry.info.name
-            );
+            assert_eq!([0, 17, 399].contains(&i), *q == Complex32::ZERO, "{}: drive[{i}] = {q}", entry.info.name);
         }
     }
 }
@@ -280,8 +259,7 @@ fn dead_transducers_are_not_driven() {
 #[test]
 fn what_cannot_be_answered_is_refused_before_any_solver() {
     let refused = |array: Array, points: Vec<[f64; 3]>, item: &str| {
-        let error =
-            Scene::new(array, Medium::default(), points, Request::default()).and_then(|s| Problem::new(&s));
+        let error = Scene::new(array, Medium::default(), points, Request::default()).and_then(|s| Problem::new(&s));
         let error: Error = error.map(|_| ()).expect_err(item);
         let text = error.to_string();
         assert!(text.contains(item) && !text.contains('\n'), "{text}");
@@ -294,11 +272,7 @@ fn what_cannot_be_answered_is_refused_before_any_solver() {
     refused(grid(), vec![], "points");
     refused(grid(), vec![[0.0, 0.0, f64::NAN]], "points[0].position");
     refused(grid(), vec![[0.0, 0.0, 0.1], [0.0, f64::INFINITY, 0.1]], "points[1].position");
-    refused(
-        grid(),
-        vec![[0.0, 0.0, 0.1], [0.005, 0.005, 1e-6]],
-        "points[1] is 1.000e-6 m from transducer 10",
-    );
+    refused(grid(), vec![[0.0, 0.0, 0.1], [0.005, 0.005, 1e-6]], "points[1] is 1.000e-6 m from transducer 10");
     let dead = grid().with_response(Some(vec![Complex64::ZERO; 16])).expect("an array, if a useless one");
     refused(dead, vec![[0.0, 0.0, 0.1]], "points[0] is reached by no transducer");
     refused(baffled(), vec![[0.0, 0.0, 0.1], [0.0, 0.0, -0.1]], "points[1] is reached by no transducer");

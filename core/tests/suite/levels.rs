@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use midair::solvers::{self, Entry, Lm, SOLVERS, Wgs, refine};
 use midair::{
-    Array, Complex32, Control, Medium, Metrics, Options, Problem, Quantization, Request, Scene, Solution,
-    Solve, Start, Value, Workspace,
+    Array, Complex32, Control, Medium, Metrics, Options, Problem, Quantization, Request, Scene, Solution, Solve, Start,
+    Value, Workspace,
 };
 
 use crate::oracle;
@@ -52,8 +52,7 @@ fn every_answer_lies_on_the_grid_and_reports_its_own_field() {
         (quantization(2, &[0.0, 1.0]), Some(3.0)),
         (Quantization::new(None, Some(vec![0.5, 1.0])).expect("quantization"), Some(0.2)),
     ] {
-        let scene =
-            scene(device(quantization.clone()), points.clone(), pressure.map(|pressure| vec![pressure; 6]));
+        let scene = scene(device(quantization.clone()), points.clone(), pressure.map(|pressure| vec![pressure; 6]));
         for entry in SOLVERS {
             for balance in [false, true] {
                 let name = entry.info.name;
@@ -192,11 +191,9 @@ fn greedy_takes_the_devices_grid_and_refuses_another() {
     let entry = solvers::find("greedy").expect("greedy");
     let with = |table: &[f64], options: &[(&str, i128)]| {
         let problem = problem(&scene(device(quantization(24, table)), points.clone(), Some(vec![0.4; 5])));
-        let options =
-            options.iter().map(|(name, value)| ((*name).to_owned(), Value::Integer(*value))).collect();
+        let options = options.iter().map(|(name, value)| ((*name).to_owned(), Value::Integer(*value))).collect();
         let made = entry.configure_for(&options, problem.quantization()).expect("options");
-        let solution =
-            midair::solve(&problem, &*made.solver, false, &mut Workspace::new(), &mut Control::none());
+        let solution = midair::solve(&problem, &*made.solver, false, &mut Workspace::new(), &mut Control::none());
         solution.map(|solution| (solution, made.options))
     };
     let table = [0.0, 0.2, 0.5, 1.0];
@@ -253,8 +250,7 @@ fn the_sweep_takes_most_of_what_rounding_costs_and_keeps_within_the_quantised_ta
     ] {
         let (mut rounded, mut swept) = (0.0, 0.0);
         for seed in 0..10 {
-            let scene =
-                scene(device(quantization(phases, &[])), random_points(points, 0.1, 100 + seed), None);
+            let scene = scene(device(quantization(phases, &[])), random_points(points, 0.1, 100 + seed), None);
             let problem = problem(&scene);
             let sigma = |drive: &[Complex32]| problem.judge(drive).expect("a drive").sigma;
             let mut drive = even(&scene);
@@ -275,18 +271,15 @@ fn the_sweep_takes_most_of_what_rounding_costs_and_keeps_within_the_quantised_ta
 fn the_sweep_keeps_zeros_amplitudes_and_unequal_targets() {
     let mask: Vec<bool> = (0..400).map(|i| i % 5 != 0).collect();
     let array = device(quantization(16, &[0.0, 0.5, 1.0])).with_mask(Some(mask)).expect("a mask");
-    let request = Request {
-        pressures: Some(vec![1.0, 0.5, 0.0, 0.8, 0.6]),
-        weights: Some(vec![1.0, 2.0, 1.0, 0.0, 1.0]),
-    };
+    let request =
+        Request { pressures: Some(vec![1.0, 0.5, 0.0, 0.8, 0.6]), weights: Some(vec![1.0, 2.0, 1.0, 0.0, 1.0]) };
     let scene = Scene::new(array, Medium::default(), random_points(5, 0.08, 27), request).expect("a scene");
     let problem = problem(&scene);
     let mut drive = even(&scene);
     for q in drive.iter_mut().take(200) {
         *q *= 0.6;
     }
-    let plain: Vec<_> =
-        drive.iter().map(|q| problem.quantization().expect("quantization").nearest(*q)).collect();
+    let plain: Vec<_> = drive.iter().map(|q| problem.quantization().expect("quantization").nearest(*q)).collect();
     refine(&problem, &mut drive, &mut Workspace::new());
     for (a, b) in plain.iter().zip(&drive) {
         assert!((a.norm() - b.norm()).abs() < 1e-6, "{a} became {b}");

@@ -16,22 +16,18 @@ fn first_line(path: &Path) -> String {
 
 /// A folder and those in it, files first: a line a file.
 fn draw(root: &Path, folder: &str, map: &mut String) {
-    let mut paths: Vec<PathBuf> = fs::read_dir(root.join(folder))
-        .expect("a folder")
-        .map(|entry| entry.expect("an entry").path())
-        .collect();
+    let mut paths: Vec<PathBuf> =
+        fs::read_dir(root.join(folder)).expect("a folder").map(|entry| entry.expect("an entry").path()).collect();
     paths.sort();
     writeln!(map, "{folder}/").expect("text");
     let name = |path: &Path| path.file_name().expect("a name").to_string_lossy().into_owned();
-    for path in paths.iter().filter(|path| path.extension().is_some_and(|kind| kind == "rs" || kind == "py"))
-    {
+    for path in paths.iter().filter(|path| path.extension().is_some_and(|kind| kind == "rs" || kind == "py")) {
         let line = first_line(path);
         let known = line.len() > 10 && line.ends_with(['.', ':']) || name(path) == "__init__.py";
         assert!(known, "{}: begin with a line that says what is in it", path.display());
         writeln!(map, "  {:24} {line}", name(path)).expect("text");
     }
-    for path in paths.iter().filter(|path| path.is_dir() && !["tests", "__pycache__"].contains(&&*name(path)))
-    {
+    for path in paths.iter().filter(|path| path.is_dir() && !["tests", "__pycache__"].contains(&&*name(path))) {
         draw(root, &format!("{folder}/{}", name(path)), map);
     }
 }

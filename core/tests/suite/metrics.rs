@@ -4,8 +4,7 @@ use std::f64::consts::TAU;
 
 use midair::solvers::{Greedy, Naive};
 use midair::{
-    Array, Complex32, Complex64, Control, Medium, Metrics, Problem, Request, Rng, Scene, Solution, Solve,
-    Workspace,
+    Array, Complex32, Complex64, Control, Medium, Metrics, Problem, Request, Rng, Scene, Solution, Solve, Workspace,
 };
 
 use crate::oracle;
@@ -53,11 +52,7 @@ fn metrics_are_their_definitions_for_any_targets_and_weights() {
     for seed in 0..400 {
         let [pressures, targets, weights] = readings(1 + seed as usize % 40, seed);
         // Sums of at most 40 numbers in f64, in another order.
-        assert_metrics(
-            of(&pressures, &targets, &weights),
-            oracle::metrics(&pressures, &targets, &weights),
-            1e-12,
-        );
+        assert_metrics(of(&pressures, &targets, &weights), oracle::metrics(&pressures, &targets, &weights), 1e-12);
         quiet += targets.iter().filter(|&&target| target == 0.0).count();
         uncounted += weights.iter().filter(|&&weight| weight == 0.0).count();
     }
@@ -80,8 +75,7 @@ fn metrics_do_not_depend_on_the_unit() {
     // Squares of the first and the last do not fit in f64.
     for factor in [1e-200, 1e-3, 1e3, 1e200] {
         for (pascals, weight) in [(factor, 1.0), (1.0, factor), (factor, factor)] {
-            let other =
-                of(&scaled(&pressures, pascals), &scaled(&targets, pascals), &scaled(&weights, weight));
+            let other = of(&scaled(&pressures, pascals), &scaled(&targets, pascals), &scaled(&weights, weight));
             for ((name, plain), (_, other)) in plain.into_iter().zip(fields(other)) {
                 assert!((plain - other).abs() < 1e-12, "{name} by {factor:e}: {other} for {plain}");
             }
@@ -124,8 +118,7 @@ fn judge_gives_the_metrics_of_the_exact_field() {
     let scene = uneven();
     let problem = problem(&scene);
     let drive = solved(&Greedy::default(), &problem).drive;
-    let moduli: Vec<f64> =
-        oracle::field(&propagation(&scene), &widen(&drive)).iter().map(|p| p.norm()).collect();
+    let moduli: Vec<f64> = oracle::field(&propagation(&scene), &widen(&drive)).iter().map(|p| p.norm()).collect();
     let wanted = oracle::metrics(&moduli, problem.targets_in_pascals(), problem.point_weights());
     // Both in f64; 249 phases of 200 rad.
     assert_metrics(problem.judge(&drive).expect("its own drive"), wanted, 1e-11);
@@ -147,10 +140,7 @@ fn amplitude_and_phase_are_the_drives_polar_form() {
         let (amplitude, phase) = (solution.amplitude(i), solution.phase(i));
         assert!((0.0..=1.0).contains(&amplitude) && (0.0..TAU).contains(&phase));
         // A clamped modulus may exceed 1 by f32 rounding, and is then reported as 1.
-        assert!(
-            (Complex64::from_polar(amplitude, phase) - q).norm() < 2e-7,
-            "{amplitude} at {phase} for {q}"
-        );
+        assert!((Complex64::from_polar(amplitude, phase) - q).norm() < 2e-7, "{amplitude} at {phase} for {q}");
         off += usize::from(amplitude < 0.999);
     }
     assert!(off > 20, "all at full drive: the amplitude is not tested");

@@ -3,8 +3,7 @@
 
 use midair::solvers::{Entry, SOLVERS};
 use midair::{
-    Array, Complex64, Control, Directivity, Medium, Metrics, Options, Request, Rng, Scene, Transducer,
-    Workspace,
+    Array, Complex64, Control, Directivity, Medium, Metrics, Options, Request, Rng, Scene, Transducer, Workspace,
 };
 
 use crate::scenes::{problem, random_points};
@@ -36,9 +35,7 @@ impl Parts {
         let mut parts = Self {
             positions: grid.positions().to_vec(),
             normals: grid.positions().iter().map(|[x, y, _]| [-2.0 * x + 0.05, -y, 1.0]).collect(),
-            response: (0..196)
-                .map(|_| Complex64::from_polar(0.7 + 0.6 * rng.uniform(), 6.0 * rng.uniform()))
-                .collect(),
+            response: (0..196).map(|_| Complex64::from_polar(0.7 + 0.6 * rng.uniform(), 6.0 * rng.uniform())).collect(),
             points,
             pressures: vec![1.0, 0.8, 1.0, 0.6, 0.0],
             weights: vec![1.0, 1.0, 2.0, 1.0, 0.5],
@@ -54,16 +51,14 @@ impl Parts {
             .and_then(|array| array.with_transducer(transducer))
             .and_then(|array| array.with_response(Some(self.response.clone())))
             .expect("an array");
-        let request =
-            Request { pressures: Some(self.pressures.clone()), weights: Some(self.weights.clone()) };
+        let request = Request { pressures: Some(self.pressures.clone()), weights: Some(self.weights.clone()) };
         let medium = Medium { absorption: 0.15, ..Medium::default() };
         Scene::new(array, medium, self.points.clone(), request).expect("a scene")
     }
 
     /// Every place put elsewhere and every normal turned along.
     fn carried(&self, place: impl Fn([f64; 3]) -> [f64; 3], turn: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
-        let map =
-            |list: &[[f64; 3]], by: &dyn Fn([f64; 3]) -> [f64; 3]| list.iter().map(|&x| by(x)).collect();
+        let map = |list: &[[f64; 3]], by: &dyn Fn([f64; 3]) -> [f64; 3]| list.iter().map(|&x| by(x)).collect();
         Self {
             positions: map(&self.positions, &place),
             normals: map(&self.normals, &turn),
@@ -122,8 +117,7 @@ fn permuting_moving_or_mirroring_a_whole_scene_changes_no_metric() {
         for (what, change) in changes {
             let mut sums = [0.0; 6];
             for (parts, before) in parts.iter().zip(&before) {
-                for ((sum, after), before) in sums.iter_mut().zip(metrics(entry, &change(parts))).zip(before)
-                {
+                for ((sum, after), before) in sums.iter_mut().zip(metrics(entry, &change(parts))).zip(before) {
                     let by = after - before;
                     *sum += if drawn { by } else { by.abs() } / 20.0;
                 }

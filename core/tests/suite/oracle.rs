@@ -79,8 +79,7 @@ fn monotone_cubic(values: &[f64], x: f64) -> f64 {
     };
     let m = (1..last).filter(|&m| m as f64 <= x).count();
     let (u, v) = (x - m as f64, (m + 1) as f64 - x);
-    (values[m] * (1.0 + 2.0 * u) + slope(m) * u) * v * v
-        + (values[m + 1] * (1.0 + 2.0 * v) - slope(m + 1) * v) * u * u
+    (values[m] * (1.0 + 2.0 * u) + slope(m) * u) * v * v + (values[m + 1] * (1.0 + 2.0 * v) - slope(m + 1) * v) * u * u
 }
 
 /// Pattern towards an angle given by its cosine and sine, `wavenumber` in rad/m.

@@ -2,8 +2,7 @@
 
 use midair::solvers::{Greedy, Objective, SOLVERS};
 use midair::{
-    Array, Complex64, Control, Directivity, Medium, Problem, Request, Rng, Scene, Solve, Transducer,
-    Workspace,
+    Array, Complex64, Control, Directivity, Medium, Problem, Request, Rng, Scene, Solve, Transducer, Workspace,
 };
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -13,12 +12,7 @@ use crate::scenes::{propagation, widen};
 
 /// The same cases in every run: a failure is a failure for everybody.
 fn config(cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        cases,
-        failure_persistence: None,
-        rng_seed: RngSeed::Fixed(1),
-        ..ProptestConfig::default()
-    }
+    ProptestConfig { cases, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..ProptestConfig::default() }
 }
 
 fn place(half: f64, low: f64, high: f64) -> impl Strategy<Value = [f64; 3]> {

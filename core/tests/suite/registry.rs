@@ -18,11 +18,7 @@ fn every_name_is_listed_once_and_found() {
         assert_eq!(find(name).expect("a listed name").info.name, name);
         assert!(SOLVERS[..k].iter().all(|other| other.info.name != name), "{name} twice");
         assert!(!entry.info.summary.is_empty() && !entry.info.source.is_empty(), "{name} has no source");
-        assert!(
-            entry.info.tolerance > 0.0 && entry.info.tolerance <= 0.02,
-            "{name}: {}",
-            entry.info.tolerance
-        );
+        assert!(entry.info.tolerance > 0.0 && entry.info.tolerance <= 0.02, "{name}: {}", entry.info.tolerance);
     }
     assert!(find(DEFAULT).is_ok());
     let error = find("no such").map(|entry| entry.info.name).expect_err("unknown").to_string();
@@ -62,12 +58,8 @@ fn what_is_no_option_or_no_value_of_it_is_refused_by_name() {
         for option in entry.options() {
             assert!(unknown.contains(option.name), "{name} does not list {}: {unknown}", option.name);
             // No option of any kind is a negative number, a word nobody knows or not a number at all.
-            let wrong = [
-                Value::Integer(-1),
-                Value::Real(-1.0),
-                Value::Real(f64::NAN),
-                Value::Text("no such word".into()),
-            ];
+            let wrong =
+                [Value::Integer(-1), Value::Real(-1.0), Value::Real(f64::NAN), Value::Text("no such word".into())];
             for value in wrong {
                 let text = message(option.name, value.clone());
                 assert!(text.starts_with(&format!("{} is", option.name)), "{name}: {text}");
@@ -111,8 +103,7 @@ fn a_seed_is_another_answer_and_an_index_of_nothing_else() {
     let problem = problem(&scene(preset("autd3"), random_points(6, 0.08, 2), None));
     for entry in SOLVERS.iter().filter(|entry| entry.options().iter().any(|option| option.name == "seed")) {
         let with = |seed: u64| {
-            let made =
-                entry.configure(&[("seed".to_owned(), Value::Integer(seed.into()))].into()).expect("a seed");
+            let made = entry.configure(&[("seed".to_owned(), Value::Integer(seed.into()))].into()).expect("a seed");
             drive(&*made.solver, &problem, &mut Workspace::new())
         };
         let answers = [1, 2, u64::MAX].map(with);
@@ -131,8 +122,7 @@ fn what_a_workspace_was_used_for_before_changes_no_bit() {
         for scene in [&wide, &narrow, &wide, &narrow] {
             let problem = problem(scene);
             let mut control = Control::none();
-            let solution =
-                midair::solve(&problem, &*solver, false, &mut work, &mut control).expect("an answer");
+            let solution = midair::solve(&problem, &*solver, false, &mut work, &mut control).expect("an answer");
             assert_eq!(solution.drive, fresh(&problem), "{}", entry.info.name);
             solution.recycle(&mut work);
         }

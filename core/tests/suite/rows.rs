@@ -28,8 +28,7 @@ fn crooked(directivity: Directivity, absorption: f64, middle: [f64; 3], far: f64
     let mut near = |size: f64| middle.map(|x| x + random(-size, size));
     let positions: Vec<_> = (0..36).map(|_| near(0.1)).collect();
     let normals = (0..36).map(|_| [random(-0.6, 0.6), random(-0.6, 0.6), 1.0]).collect();
-    let mut response: Vec<_> =
-        (0..36).map(|_| Complex64::from_polar(random(0.1, 3.0), random(-3.0, 3.0))).collect();
+    let mut response: Vec<_> = (0..36).map(|_| Complex64::from_polar(random(0.1, 3.0), random(-3.0, 3.0))).collect();
     response[7] = Complex64::ZERO;
     let points = (0..count).map(|_| {
         let [x, y, z] = [random(-1.0, 1.0), random(-1.0, 1.0), random(0.2, 1.0)];
@@ -70,8 +69,7 @@ fn errors(scene: &Scene, found: &[Vec<Complex64>]) -> Vec<(f64, f64)> {
         for ((found, exact), point) in found.iter().zip(exact).zip(scene.points()) {
             let square = |axis: usize| (point[axis] - array.positions()[i][axis]).powi(2);
             let r = (square(0) + square(1) + square(2)).sqrt();
-            let unit =
-                array.transducer().source_pressure * response * (-scene.medium().absorption * r).exp() / r;
+            let unit = array.transducer().source_pressure * response * (-scene.medium().absorption * r).exp() / r;
             if unit == 0.0 {
                 assert_eq!(*found, Complex64::ZERO, "the dead transducer sounds");
             } else {
@@ -87,11 +85,7 @@ fn errors(scene: &Scene, found: &[Vec<Complex64>]) -> Vec<(f64, f64)> {
 /// at most, and 2e-4 holds eight of them. The error grows with the distance.
 fn assert_errors(scene: &Scene, found: &[Vec<Complex64>]) {
     for (r, error) in errors(scene, found) {
-        assert!(
-            error < if r <= 1.0 { 2e-4 } else { 4e-4 },
-            "{error:e} at {r} m from {:?}",
-            scene.array().transducer()
-        );
+        assert!(error < if r <= 1.0 { 2e-4 } else { 4e-4 }, "{error:e} at {r} m from {:?}", scene.array().transducer());
     }
 }
 
@@ -120,11 +114,7 @@ fn rows_of_the_papers_array_are_eq_5_and_better_than_promised_in_the_median() {
     errors.sort_by(f64::total_cmp);
     // Six or so roundings of random sign, each even over half of 4.8e-5 rad to either side: 3e-5 is their root
     // mean square, the median is two thirds of it.
-    assert!(
-        errors.len() > 10_000 && errors[errors.len() / 2] < 3e-5,
-        "median {:e}",
-        errors[errors.len() / 2]
-    );
+    assert!(errors.len() > 10_000 && errors[errors.len() / 2] < 3e-5, "median {:e}", errors[errors.len() / 2]);
 }
 
 #[test]
@@ -140,13 +130,11 @@ fn matrix_has_the_rows_in_pascals_point_by_point() {
     let scene = crooked(Directivity::T4010a1, 0.15, [0.0; 3], 0.9, 21);
     let matrix = Propagation::of(&scene).matrix().expect("no point on a transducer");
     assert_eq!(matrix.len(), 36 * 21);
-    let entry =
-        |i: usize, j: usize| Complex64::new(matrix[j * 36 + i].re.into(), matrix[j * 36 + i].im.into());
+    let entry = |i: usize, j: usize| Complex64::new(matrix[j * 36 + i].re.into(), matrix[j * 36 + i].im.into());
     let found: Vec<Vec<_>> = (0..36).map(|i| (0..21).map(|j| entry(i, j)).collect()).collect();
     assert_errors(&scene, &found);
     let touched = vec![[0.0, 0.0, 0.1], scene.array().positions()[5]];
-    let touched =
-        Scene::new(scene.array().clone(), scene.medium(), touched, Request::default()).expect("a scene");
+    let touched = Scene::new(scene.array().clone(), scene.medium(), touched, Request::default()).expect("a scene");
     let error = Propagation::of(&touched).matrix().expect_err("a point on a transducer").to_string();
     assert!(error.starts_with("points[1] is 0.000e0 m from transducer 5"), "{error}");
 }
@@ -213,8 +201,7 @@ fn an_entry_has_the_same_bits_whatever_the_number_of_points_and_the_memory() {
     let all = rows(&Propagation::of(&whole));
     for count in 1..=67 {
         let points = whole.points()[..count].to_vec();
-        let part =
-            Scene::new(whole.array().clone(), whole.medium(), points, Request::default()).expect("a scene");
+        let part = Scene::new(whole.array().clone(), whole.medium(), points, Request::default()).expect("a scene");
         for (part, all) in rows(&Propagation::of(&part)).iter().zip(&all) {
             assert_eq!(part[..], all[..count], "M = {count}");
         }
@@ -236,9 +223,7 @@ fn stored_rows_are_the_users_matrix_at_every_count() {
         let scene = crooked(Directivity::Cos(1.0), 0.0, [0.0; 3], 0.9, count);
         let propagation = stored(&scene);
         assert_eq!((propagation.transducers(), propagation.points()), (36, count));
-        for (i, (found, exact)) in
-            rows(&propagation).iter().zip(crate::scenes::propagation(&scene)).enumerate()
-        {
+        for (i, (found, exact)) in rows(&propagation).iter().zip(crate::scenes::propagation(&scene)).enumerate() {
             for (j, (found, exact)) in found.iter().zip(exact).enumerate() {
                 assert_eq!(propagation.exact(j, i), exact);
                 // Each part is rounded to f32 once.
@@ -254,17 +239,14 @@ fn a_stored_matrix_gets_the_answer_of_the_computed_one() {
         let scene = scene(preset("paper20"), random_points(count, 0.1, seed), None);
         let computed = problem(&scene);
         let request = Request { pressures: Some(computed.targets_in_pascals().to_vec()), weights: None };
-        let stored =
-            Problem::with_propagation(stored(&scene), Setup::default(), &request).expect("a problem");
+        let stored = Problem::with_propagation(stored(&scene), Setup::default(), &request).expect("a problem");
         let order = Order::Given(Rng::new(seed).permutation(400));
         let greedy = Greedy { order, ..Greedy::default() };
         let solve = |problem: &Problem| {
             greedy.solve(problem, &mut Workspace::new(), &mut Control::none()).expect("an answer").metrics()
         };
         let (a, b) = (solve(&computed), solve(&stored));
-        for (a, b) in
-            [(a.accuracy, b.accuracy), (a.sigma, b.sigma), (a.uniformity, b.uniformity), (a.level, b.level)]
-        {
+        for (a, b) in [(a.accuracy, b.accuracy), (a.sigma, b.sigma), (a.uniformity, b.uniformity), (a.level, b.level)] {
             // Rows that differ by 1e-5 let a near tie of one choice fall the other way now and then.
             assert!((a - b).abs() < 1e-3, "{a} and {b} at M = {count}");
         }
@@ -274,9 +256,8 @@ fn a_stored_matrix_gets_the_answer_of_the_computed_one() {
 #[test]
 fn a_matrix_that_is_none_is_refused_by_name() {
     let one = Complex64::ONE;
-    let message = |matrix: &[Complex64], points| {
-        Propagation::from_matrix(matrix, points).expect_err("refused").to_string()
-    };
+    let message =
+        |matrix: &[Complex64], points| Propagation::from_matrix(matrix, points).expect_err("refused").to_string();
     for (matrix, points) in [(&[][..], 1), (&[one; 4][..], 0), (&[one; 4][..], 3)] {
         assert!(message(matrix, points).starts_with("propagation is"), "{}", message(matrix, points));
     }

@@ -40,11 +40,7 @@ pub(crate) fn model(scene: &Scene) -> oracle::Model {
         response: (0..array.len())
             .map(|i| {
                 let on = array.mask().is_none_or(|mask| mask[i]);
-                if on {
-                    array.response().map_or(Complex64::ONE, |response| response[i])
-                } else {
-                    Complex64::ZERO
-                }
+                if on { array.response().map_or(Complex64::ONE, |response| response[i]) } else { Complex64::ZERO }
             })
             .collect(),
         source_pressure: array.transducer().source_pressure,

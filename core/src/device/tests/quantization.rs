@@ -28,8 +28,7 @@ fn a_table_gives_the_nearest_value_and_the_upper_of_two() {
 
 #[test]
 fn what_lies_below_the_least_amplitude_is_left_to_the_supply() {
-    let scale =
-        |table: &[f64], largest| Quantization::new(None, Some(table.to_vec())).unwrap().scale(largest);
+    let scale = |table: &[f64], largest| Quantization::new(None, Some(table.to_vec())).unwrap().scale(largest);
     assert_eq!(scale(&[0.0, 1.0], 0.25), 0.25);
     assert_eq!(scale(&[1.0], 1.0 - 1e-7), 1.0);
     assert_eq!(scale(&[0.0, 0.5, 1.0], 0.6), 1.0);
@@ -40,8 +39,7 @@ fn what_lies_below_the_least_amplitude_is_left_to_the_supply() {
 
 #[test]
 fn full_drive_is_lowered_by_the_table_and_what_it_cannot_by_the_scale() {
-    let lowered =
-        |table: &[f64], factor| Quantization::new(None, Some(table.to_vec())).unwrap().lowered(factor);
+    let lowered = |table: &[f64], factor| Quantization::new(None, Some(table.to_vec())).unwrap().lowered(factor);
     let table = [0.0, 0.15, 0.4, 0.76, 0.8, 1.0];
     assert_eq!(lowered(&table, 1.0), (1.0, 1.0));
     assert_eq!(lowered(&table, 0.42), (0.4, 1.0));

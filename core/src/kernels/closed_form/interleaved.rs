@@ -110,13 +110,7 @@ struct Terms<'a, S: Simd> {
 
 impl<'a, S: Simd> Terms<'a, S> {
     #[inline(always)]
-    fn new(
-        s: S,
-        pair: &'a [f32],
-        short: [&'a [f32]; 2],
-        weight: &'a [f32],
-        own: Option<[[S::V; 2]; 2]>,
-    ) -> Self {
+    fn new(s: S, pair: &'a [f32], short: [&'a [f32]; 2], weight: &'a [f32], own: Option<[[S::V; 2]; 2]>) -> Self {
         let (weight, pair) = (groups(weight), groups(pair));
         let count = weight.len();
         let row = |k: usize| &pair[k * count..(k + 1) * count];

@@ -172,13 +172,7 @@ pub(crate) fn add_block<S: Simd>(s: S, rows: &[f32], drives: &[[S::V; 2]], [re, 
 
 /// w (t P/|P| - P); the phase of a silent point is 0.
 #[inline(always)]
-pub(crate) fn shortfall<S: Simd>(
-    s: S,
-    target: &[f32],
-    weight: &[f32],
-    pressure: [&[f32]; 2],
-    out: [&mut [f32]; 2],
-) {
+pub(crate) fn shortfall<S: Simd>(s: S, target: &[f32], weight: &[f32], pressure: [&[f32]; 2], out: [&mut [f32]; 2]) {
     let [out_re, out_im] = out;
     let (zero, least) = (s.splat(0.0), s.splat(TINY));
     let asked = groups(target).iter().zip(groups(weight));

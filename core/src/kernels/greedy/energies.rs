@@ -36,8 +36,7 @@ impl<S: Simd> Energies<'_, S> {
     fn add_left_out(&self, [re, im]: [S::V; 2], mut total: S::V) -> S::V {
         let s = self.s;
         for &j in self.near {
-            let (gr, gi) =
-                (s.splat(self.points.gain[0][j as usize]), s.splat(self.points.gain[1][j as usize]));
+            let (gr, gi) = (s.splat(self.points.gain[0][j as usize]), s.splat(self.points.gain[1][j as usize]));
             let (kept, lane) = (&self.points.kept[j as usize / LANES], j as usize % LANES);
             let (old, target) = (kept.modulus[lane], kept.target[lane]);
             let x = s.fma(gr, re, s.fnma(gi, im, s.splat(kept.re[lane])));
@@ -46,8 +45,7 @@ impl<S: Simd> Energies<'_, S> {
             let guess = s.rsqrt_estimate(square);
             let root = s.mul(square, guess);
             let root = s.fma(s.mul(guess, s.splat(0.5)), s.fnma(root, root, square), root);
-            let term =
-                s.sub(s.fnma(s.splat(2.0 * target), root, square), s.splat(old * (old - 2.0 * target)));
+            let term = s.sub(s.fnma(s.splat(2.0 * target), root, square), s.splat(old * (old - 2.0 * target)));
             total = s.fma(s.splat(kept.weight[lane]), term, total);
         }
         total
@@ -58,8 +56,7 @@ impl<S: Simd> Energies<'_, S> {
     #[inline(always)]
     pub(crate) fn rounding(&self) -> f32 {
         let moments = self.moments;
-        let left_out =
-            if self.near.is_empty() { 0.0 } else { 4.0 * moments.rounding(1.0) + 1.1e-5 * moments.power() };
+        let left_out = if self.near.is_empty() { 0.0 } else { 4.0 * moments.rounding(1.0) + 1.1e-5 * moments.power() };
         moments.rounding(1.0) + left_out
     }
 

@@ -196,10 +196,7 @@ fn winners<S: Simd>(s: S, m: &[S::V; THIRD], table: &[f32]) -> ([S::V; 2], u32) 
         };
         let change = change(s, &m, &z);
         second = s.min(second, s.max(least, change));
-        best = [
-            s.select_less(change, least, z.first[0], best[0]),
-            s.select_less(change, least, z.first[1], best[1]),
-        ];
+        best = [s.select_less(change, least, z.first[0], best[0]), s.select_less(change, least, z.first[1], best[1])];
         least = s.min(change, least);
     }
     let mut lanes: [Lanes; 3] = [[0.0; LANES]; 3];
@@ -223,10 +220,7 @@ fn write_powers<S: Simd>(s: S, candidates: &Candidates, table: &mut [f32]) {
             let [cos, sin] = candidates.sixteen(chunk * LANES);
             let z = powers(s, s.mul(a, s.load(cos)), s.mul(a, s.load(sin)));
             let [first, second, third, crossed] = [z.first, z.second, z.third, z.crossed];
-            let list = [
-                first[0], first[1], z.square, second[0], second[1], third[0], third[1], crossed[0],
-                crossed[1],
-            ];
+            let list = [first[0], first[1], z.square, second[0], second[1], third[0], third[1], crossed[0], crossed[1]];
             for (n, part) in list.into_iter().enumerate() {
                 let mut lanes: Lanes = [0.0; LANES];
                 s.store(part, &mut lanes);
@@ -266,9 +260,7 @@ impl Turn<'_> {
         let mut changes = [zero; LANES];
         let candidates = table.as_chunks::<POWERS>().0;
         for (four, changes) in candidates.chunks(4).zip(changes.chunks_exact_mut(4)) {
-            for (kept, (gr, gi)) in
-                self.kept.iter().zip(groups(self.gain[0]).iter().zip(groups(self.gain[1])))
-            {
+            for (kept, (gr, gi)) in self.kept.iter().zip(groups(self.gain[0]).iter().zip(groups(self.gain[1]))) {
                 for (&[re, im, ..], change) in four.iter().zip(&mut *changes) {
                     *change = kept.add_change(s, [gr, gi], [s.splat(re), s.splat(im)], *change);
                 }

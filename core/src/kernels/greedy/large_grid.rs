@@ -104,20 +104,12 @@ pub(crate) fn best<S: Simd>(
 
 /// As [`search::best_of`] among up to 16, with the points in the lanes.
 #[inline(always)]
-fn among_few<S: Simd>(
-    s: S,
-    points: Points<'_>,
-    candidates: &Candidates,
-    some: &[u32],
-    tolerance: f32,
-) -> usize {
+fn among_few<S: Simd>(s: S, points: Points<'_>, candidates: &Candidates, some: &[u32], tolerance: f32) -> usize {
     let zero = s.splat(0.0);
     let mut changes = [zero; LANES];
     for (&index, change) in some.iter().zip(&mut changes) {
         let drive = candidates.drive(index as usize).map(|q| s.splat(q));
-        for (kept, (gr, gi)) in
-            points.kept.iter().zip(groups(points.gain[0]).iter().zip(groups(points.gain[1])))
-        {
+        for (kept, (gr, gi)) in points.kept.iter().zip(groups(points.gain[0]).iter().zip(groups(points.gain[1]))) {
             *change = kept.add_change(s, [gr, gi], drive, *change);
         }
     }
@@ -157,8 +149,7 @@ impl<V: Copy> Coarse<V> {
         s.store(even, &mut twice[0]);
         s.store(even, &mut twice[1]);
         let next = s.load(twice.as_flattened()[1..].first_chunk().unwrap_or(&[0.0; LANES]));
-        let width =
-            core::f32::consts::TAU * candidates.phases.div_ceil(COARSE) as f32 / candidates.phases as f32;
+        let width = core::f32::consts::TAU * candidates.phases.div_ceil(COARSE) as f32 / candidates.phases as f32;
         let dip = energies.curvature(amplitude) * width * width / 8.0;
         let lower = [below(s, even, odd, dip), below(s, odd, next, dip)];
         Self { least, place, lower }
@@ -247,13 +238,7 @@ impl<V: Copy> Coarse<V> {
 
     /// The best by eq. (7) of all that [`Self::meet_all`] meets and finds up to `limit`.
     #[inline(always)]
-    fn settle_all<S: Simd<V = V>>(
-        &self,
-        energies: &Energies<'_, S>,
-        slack: f32,
-        limit: f32,
-        tolerance: f32,
-    ) -> usize {
+    fn settle_all<S: Simd<V = V>>(&self, energies: &Energies<'_, S>, slack: f32, limit: f32, tolerance: f32) -> usize {
         let (s, candidates, points) = (energies.s, energies.candidates, energies.points);
         let mut winner = Winner::NONE;
         self.meet_all(energies, slack, |changes, index, used| {
@@ -263,8 +248,7 @@ impl<V: Copy> Coarse<V> {
                 let z = candidates.sixteen(l).map(|part| s.mul(a, s.load(part)));
                 let changes = search::add_changes::<S, L2>(s, points, 0..points.count, z, s.splat(0.0));
                 // Lanes beyond the last phase are copies of the first ones.
-                winner =
-                    winner.meet(s, changes, |lane| index - l + (l + lane) % candidates.phases, tolerance);
+                winner = winner.meet(s, changes, |lane| index - l + (l + lane) % candidates.phases, tolerance);
             }
             f32::INFINITY
         });
@@ -284,16 +268,8 @@ fn below<S: Simd>(s: S, v: S::V, w: S::V, dip: f32) -> S::V {
 #[inline(always)]
 fn direction([re, im]: [f32; 2]) -> usize {
     // Tangents of odd sixty-fourths of a turn.
-    const BETWEEN: [f32; COARSE / 4] = [
-        0.098_491_4,
-        0.303_346_7,
-        0.534_511_1,
-        0.820_678_8,
-        1.218_503_5,
-        1.870_868_4,
-        3.296_558_2,
-        10.153_17,
-    ];
+    const BETWEEN: [f32; COARSE / 4] =
+        [0.098_491_4, 0.303_346_7, 0.534_511_1, 0.820_678_8, 1.218_503_5, 1.870_868_4, 3.296_558_2, 10.153_17];
     let (x, y) = (re.abs(), im.abs());
     let up = BETWEEN.iter().map(|tangent| usize::from(y > tangent * x)).sum();
     let half = if re > 0.0 { COARSE / 2 - up } else { up };
@@ -334,8 +310,7 @@ impl Rivals {
         // None is found where nothing can be compared.
         let best = if best == usize::MAX { 0 } else { best % phases };
         let [cos, sin] = candidates.phasor(best).map(|x| s.splat(x));
-        let (steep, spare) =
-            (s.splat(self.steep * self.steep), s.splat(least + 2.0 * self.rounding - self.matters));
+        let (steep, spare) = (s.splat(self.steep * self.steep), s.splat(least + 2.0 * self.rounding - self.matters));
         let mut count = 0;
         for ((l, used), changes) in coarse.window(candidates).zip(met) {
             let [c, d] = candidates.sixteen(l);

@@ -123,8 +123,7 @@ impl Candidates {
         }
         let amplitudes = levels.len();
         let every = |odd: usize| {
-            [&cosines, &sines]
-                .map(|part| core::array::from_fn(|c| part[(2 * c + odd) * phases / (2 * LANES)]))
+            [&cosines, &sines].map(|part| core::array::from_fn(|c| part[(2 * c + odd) * phases / (2 * LANES)]))
         };
         let coarse = [every(0), every(1)];
         Self { cos: cosines, sin: sines, coarse, levels, phases, amplitudes }
@@ -253,13 +252,7 @@ impl Winner {
 
     /// Takes up to 16 further candidates: the first one that no other beats by more than `tolerance`.
     #[inline(always)]
-    pub(crate) fn meet<S: Simd>(
-        self,
-        s: S,
-        changes: S::V,
-        index: impl Fn(usize) -> usize,
-        tolerance: f32,
-    ) -> Self {
+    pub(crate) fn meet<S: Simd>(self, s: S, changes: S::V, index: impl Fn(usize) -> usize, tolerance: f32) -> Self {
         let least = -s.reduce_max(s.sub(s.splat(0.0), changes));
         // Not "at most": an infinite change stands against the first.
         if self.change - least <= tolerance {

@@ -47,9 +47,7 @@ impl Table {
                     ((c3 * u + c2) * u + c1) * u + c0
                 })
             }
-            Self::Power(exponent) => {
-                each_lane(s, s.max(cos_theta, s.splat(0.0)), |x| math::powf(x, *exponent))
-            }
+            Self::Power(exponent) => each_lane(s, s.max(cos_theta, s.splat(0.0)), |x| math::powf(x, *exponent)),
         };
         s.select_less(cos_theta, s.splat(0.0), s.splat(0.0), value)
     }

@@ -150,11 +150,8 @@ pub(crate) fn write_tile<S: Simd>(
     for (k, &j) in order.iter().enumerate() {
         let [x, y, z] = control_points.coordinates;
         let place = [s.splat(x[j as usize]), s.splat(y[j as usize]), s.splat(z[j as usize])];
-        let [real, imaginary] = if plain {
-            gain(s, Form::Plain, law, &emitter, place)
-        } else {
-            gain(s, Form::Full, law, &emitter, place)
-        };
+        let [real, imaginary] =
+            if plain { gain(s, Form::Plain, law, &emitter, place) } else { gain(s, Form::Full, law, &emitter, place) };
         let block = first + k / BLOCK * stride;
         s.store(real, &mut re[block][k % BLOCK]);
         s.store(imaginary, &mut im[block][k % BLOCK]);
@@ -258,8 +255,7 @@ fn moduli_of_form<S: Simd>(
 /// Zeros in the padding.
 #[inline(always)]
 fn silence<S: Simd>(s: S, list: &mut [f32], count: usize) {
-    const LANE: Lanes =
-        [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+    const LANE: Lanes = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
     if let Some(last) = groups_mut(list).last_mut()
         && !count.is_multiple_of(LANES)
     {

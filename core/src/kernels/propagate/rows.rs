@@ -21,9 +21,7 @@ impl Rows<'_> {
     #[inline(always)]
     pub(crate) fn write<S: Simd>(&self, s: S, i: usize, re: &mut [f32], im: &mut [f32]) {
         match *self {
-            Self::Computed { law, sources, control_points } => {
-                write_row(s, law, &sources[i], control_points, re, im)
-            }
+            Self::Computed { law, sources, control_points } => write_row(s, law, &sources[i], control_points, re, im),
             Self::Stored { re: all_re, im: all_im } => {
                 let range = i * re.len()..(i + 1) * re.len();
                 re.copy_from_slice(&all_re[range.clone()]);

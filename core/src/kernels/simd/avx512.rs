@@ -1,12 +1,11 @@
 //! One register of AVX-512 (foundation and DQ: Skylake-X and later).
 
 use core::arch::x86_64::{
-    __m512, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _mm512_abs_ps, _mm512_add_ps,
-    _mm512_cmp_ps_mask, _mm512_cvtps_epi32, _mm512_cvtss_f32, _mm512_fmadd_ps, _mm512_fnmadd_ps,
-    _mm512_loadu_ps, _mm512_mask_blend_ps, _mm512_max_ps, _mm512_min_ps, _mm512_mul_ps,
-    _mm512_permutexvar_ps, _mm512_reduce_ps, _mm512_roundscale_ps, _mm512_rsqrt14_ps, _mm512_scalef_ps,
-    _mm512_set1_ps, _mm512_shuffle_f32x4, _mm512_shuffle_ps, _mm512_storeu_ps, _mm512_sub_ps,
-    _mm512_unpackhi_ps, _mm512_unpacklo_ps,
+    __m512, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _mm512_abs_ps, _mm512_add_ps, _mm512_cmp_ps_mask,
+    _mm512_cvtps_epi32, _mm512_cvtss_f32, _mm512_fmadd_ps, _mm512_fnmadd_ps, _mm512_loadu_ps, _mm512_mask_blend_ps,
+    _mm512_max_ps, _mm512_min_ps, _mm512_mul_ps, _mm512_permutexvar_ps, _mm512_reduce_ps, _mm512_roundscale_ps,
+    _mm512_rsqrt14_ps, _mm512_scalef_ps, _mm512_set1_ps, _mm512_shuffle_f32x4, _mm512_shuffle_ps, _mm512_storeu_ps,
+    _mm512_sub_ps, _mm512_unpackhi_ps, _mm512_unpacklo_ps,
 };
 
 use crate::kernels::lanes::{LANES, Lanes};
@@ -110,13 +109,7 @@ impl Simd for Avx512 {
         }
         macro_rules! fours {
             ($a:expr) => {
-                fold!(
-                    _mm512_shuffle_f32x4,
-                    0b10_00_10_00,
-                    0b11_01_11_01,
-                    eights!($a, $a + 4),
-                    eights!($a + 8, $a + 12)
-                )
+                fold!(_mm512_shuffle_f32x4, 0b10_00_10_00, 0b11_01_11_01, eights!($a, $a + 4), eights!($a + 8, $a + 12))
             };
         }
         macro_rules! twos {
@@ -144,14 +137,10 @@ impl Simd for Avx512 {
             }
             for k in 0..4 {
                 let [a, b, c, d] = [fours[k], fours[k + 4], fours[k + 8], fours[k + 12]];
-                let (low, high) = (
-                    _mm512_shuffle_f32x4::<0b01_00_01_00>(a, b),
-                    _mm512_shuffle_f32x4::<0b11_10_11_10>(a, b),
-                );
-                let (also_low, also_high) = (
-                    _mm512_shuffle_f32x4::<0b01_00_01_00>(c, d),
-                    _mm512_shuffle_f32x4::<0b11_10_11_10>(c, d),
-                );
+                let (low, high) =
+                    (_mm512_shuffle_f32x4::<0b01_00_01_00>(a, b), _mm512_shuffle_f32x4::<0b11_10_11_10>(a, b));
+                let (also_low, also_high) =
+                    (_mm512_shuffle_f32x4::<0b01_00_01_00>(c, d), _mm512_shuffle_f32x4::<0b11_10_11_10>(c, d));
                 out[k] = _mm512_shuffle_f32x4::<0b10_00_10_00>(low, also_low);
                 out[k + 4] = _mm512_shuffle_f32x4::<0b11_01_11_01>(low, also_low);
                 out[k + 8] = _mm512_shuffle_f32x4::<0b10_00_10_00>(high, also_high);

@@ -2,8 +2,8 @@
 
 use core::arch::aarch64::{
     float32x4_t, vabsq_f32, vaddq_f32, vaddq_s32, vaddvq_u32, vandq_u32, vbslq_f32, vcltq_f32, vcvtq_s32_f32,
-    vdupq_n_f32, vdupq_n_s32, vfmaq_f32, vfmsq_f32, vld1q_f32, vld1q_u32, vmulq_f32, vreinterpretq_f32_s32,
-    vrndnq_f32, vrsqrteq_f32, vrsqrtsq_f32, vshlq_n_s32, vst1q_f32, vsubq_f32,
+    vdupq_n_f32, vdupq_n_s32, vfmaq_f32, vfmsq_f32, vld1q_f32, vld1q_u32, vmulq_f32, vreinterpretq_f32_s32, vrndnq_f32,
+    vrsqrteq_f32, vrsqrtsq_f32, vshlq_n_s32, vst1q_f32, vsubq_f32,
 };
 
 use crate::kernels::lanes::Lanes;
@@ -91,10 +91,7 @@ impl Simd for Neon {
         macro_rules! bits {
             ($h:literal) => {{
                 // SAFETY: four numbers are a register.
-                unsafe {
-                    vaddvq_u32(vandq_u32(vcltq_f32(a[$h], b[$h]), vld1q_u32([1, 2, 4, 8].as_ptr())))
-                        << (4 * $h)
-                }
+                unsafe { vaddvq_u32(vandq_u32(vcltq_f32(a[$h], b[$h]), vld1q_u32([1, 2, 4, 8].as_ptr()))) << (4 * $h) }
             }};
         }
         bits!(0) | bits!(1) | bits!(2) | bits!(3)

@@ -24,8 +24,7 @@ fn a_system_is_solved_at_every_size() {
             // Nothing below the diagonal is read.
             let mut matrix = vec![f32::NAN; size * lanes];
             for k in 0..size {
-                (k..lanes)
-                    .for_each(|l| matrix[k * lanes + l] = if l < size { entry(k, l) as f32 } else { 0.0 });
+                (k..lanes).for_each(|l| matrix[k * lanes + l] = if l < size { entry(k, l) as f32 } else { 0.0 });
             }
             assert!(cholesky::factor(set, &mut matrix, size), "{set} {size}");
             let wanted = numbers(&mut rng, size, -1.0, 1.0);

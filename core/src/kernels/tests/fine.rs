@@ -69,17 +69,11 @@ fn the_fourth_order_misses_by_its_remainder_and_differences_by_their_distance() 
                 let scene = scene(count as u64, count, loud);
                 let [re, im] = drives(7);
                 let mut found = [0.0; LANES];
-                let (remainder, steep, rounding, near) =
-                    with_energies!(set, scene, &candidates, |s, energies| {
-                        s.store(energies.moments.fine_change(s, s.load(&re), s.load(&im)), &mut found);
-                        let moments = energies.moments;
-                        (
-                            moments.fine_remainder(),
-                            moments.steepness(),
-                            moments.rounding(1.0),
-                            energies.near.to_vec(),
-                        )
-                    });
+                let (remainder, steep, rounding, near) = with_energies!(set, scene, &candidates, |s, energies| {
+                    s.store(energies.moments.fine_change(s, s.load(&re), s.load(&im)), &mut found);
+                    let moments = energies.moments;
+                    (moments.fine_remainder(), moments.steepness(), moments.rounding(1.0), energies.near.to_vec())
+                });
                 let miss: Vec<f64> = (0..LANES)
                     .map(|lane| {
                         let q = [wide(re[lane]), wide(im[lane])];
@@ -88,17 +82,11 @@ fn the_fourth_order_misses_by_its_remainder_and_differences_by_their_distance() 
                     })
                     .collect();
                 for a in 0..LANES {
-                    assert!(
-                        miss[a].abs() <= wide(remainder + rounding),
-                        "{set}: M = {count}, loud {loud}: {miss:?}"
-                    );
+                    assert!(miss[a].abs() <= wide(remainder + rounding), "{set}: M = {count}, loud {loud}: {miss:?}");
                     for b in 0..a {
                         let apart = f64::hypot(wide(re[a] - re[b]), wide(im[a] - im[b]));
                         let allowed = wide(steep) * apart + wide(rounding);
-                        assert!(
-                            (miss[a] - miss[b]).abs() <= allowed,
-                            "{set}: M = {count}, loud {loud}: {miss:?}"
-                        );
+                        assert!((miss[a] - miss[b]).abs() <= allowed, "{set}: M = {count}, loud {loud}: {miss:?}");
                     }
                 }
             }
@@ -175,20 +163,14 @@ fn lower_amplitudes_and_the_second_derivative_are_bounded() {
                     for step in 0..STEPS {
                         let (v, w) = (full[step], full[(step + 2 * half) % STEPS]);
                         let middle = full[(step + half) % STEPS];
-                        assert!(
-                            middle >= 0.5 * (v + w) - dip - 2.0 * rounding,
-                            "{set}: M = {count}, loud {loud}"
-                        );
+                        assert!(middle >= 0.5 * (v + w) - dip - 2.0 * rounding, "{set}: M = {count}, loud {loud}");
                     }
                 }
                 for a in [0.1, 0.5, 0.9] {
                     let (lower, _) = change(a);
                     for (lower, full) in lower.into_iter().zip(&full) {
                         let bound = a * full - a * (1.0 - a) * bow - 2.0 * rounding;
-                        assert!(
-                            lower >= bound,
-                            "{set}: M = {count}, loud {loud}, a = {a}: {lower} < {bound}"
-                        );
+                        assert!(lower >= bound, "{set}: M = {count}, loud {loud}, a = {a}: {lower} < {bound}");
                     }
                 }
             }

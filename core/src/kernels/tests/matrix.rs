@@ -60,9 +60,8 @@ fn products_with_rows_are_their_sums() {
                 let want = (0..count).map(|j| matrix.at(k, j).conj() * vector.at(0, j)).sum();
                 assert_close(exact(got), want, count, "correlate_rows");
             });
-            let factors: Vec<Complex32> = (0..matrix.rows)
-                .map(|k| Complex32::cis(k as f32) * if k % 5 == 4 { 0.0 } else { 0.5 })
-                .collect();
+            let factors: Vec<Complex32> =
+                (0..matrix.rows).map(|k| Complex32::cis(k as f32) * if k % 5 == 4 { 0.0 } else { 0.5 }).collect();
             let want = |j: usize| (0..matrix.rows).map(|k| matrix.at(k, j) * exact(factors[k])).sum();
             let (mut re, mut im) = (vec![0.0; lanes], vec![0.0; lanes]);
             let (mut row_re, mut row_im) = (vec![f32::NAN; lanes], vec![f32::NAN; lanes]);

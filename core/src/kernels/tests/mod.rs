@@ -71,14 +71,7 @@ impl Shot {
             }
         }
         let law = Law { decay, table: directivity.table(WAVENUMBER) };
-        Self {
-            directivity,
-            steepness: 10.0,
-            law,
-            source: Source { position, normal, gain, turns },
-            coordinates,
-            count,
-        }
+        Self { directivity, steepness: 10.0, law, source: Source { position, normal, gain, turns }, coordinates, count }
     }
 
     fn control_points(&self) -> ControlPoints<'_> {
@@ -103,13 +96,7 @@ impl Shot {
     fn check(&self, set: InstructionSet) {
         let [mut re, mut im] = [(); 2].map(|()| vec![f32::NAN; padded(self.count)]);
         let mut moduli = vec![1.0; padded(self.count)];
-        crate::kernels::row(
-            set,
-            &self.law,
-            &self.source,
-            self.control_points(),
-            &mut Row { re: &mut re, im: &mut im },
-        );
+        crate::kernels::row(set, &self.law, &self.source, self.control_points(), &mut Row { re: &mut re, im: &mut im });
         let nearest = (0..self.count).map(|j| self.square(j)).fold(f64::INFINITY, f64::min);
         // Well beside it on either side: the kernel's square has five roundings.
         for (factor, near) in [(1.0 + 1e-6, true), (1.0 - 1e-6, false)] {
@@ -148,8 +135,7 @@ impl Shot {
         let order: Vec<u32> = (0..self.count as u32).collect();
         let whole = size(height(self.count), lanes(2));
         let [mut re, mut im] = [(); 2].map(|()| vec![f32::NAN; whole]);
-        let rows =
-            Rows::Computed { law: &self.law, sources: &sources, control_points: self.control_points() };
+        let rows = Rows::Computed { law: &self.law, sources: &sources, control_points: self.control_points() };
         pack(set, rows, 0..2, &order, [&mut re, &mut im]);
         // Two tiles and a spare one to four points.
         for (plane, row) in [re, im].iter().zip(row) {
@@ -189,13 +175,11 @@ fn row_and_moduli_are_eq_5() {
 #[test]
 fn sharp_and_steep_directivities_are_followed() {
     for set in InstructionSet::all() {
-        let sharp =
-            [("piston", 0.1), ("piston", 0.02), ("sinc", 0.2), ("cos", 0.5), ("cos", 2.5), ("cos", 70.0)];
+        let sharp = [("piston", 0.1), ("piston", 0.02), ("sinc", 0.2), ("cos", 0.5), ("cos", 2.5), ("cos", 70.0)];
         for (name, parameter) in sharp {
             let pattern = Directivity::named(name, Some(parameter)).expect("a directivity");
             // D = 1 - x^2/6 with x = (k d/2) sin(theta) at its steepest, twice that for a piston; n for cos^n.
-            let steepness =
-                if name == "cos" { parameter.max(10.0) } else { (WAVENUMBER * parameter).powi(2) / 2.0 };
+            let steepness = if name == "cos" { parameter.max(10.0) } else { (WAVENUMBER * parameter).powi(2) / 2.0 };
             let shot = Shot::new(&mut Rng::new(3), pattern, 0.0, 67);
             Shot { steepness, ..shot }.check(set);
         }
@@ -229,23 +213,10 @@ fn accumulate_adds_g_q() {
             for j in 0..padded(count) {
                 // Two products, their difference and the sum: four roundings of numbers below 1, 1, 2 and 3.
                 let allowed = 7.0 * ROUNDING;
-                assert_near(
-                    re[j],
-                    wide(pr[j]) + wide(gr[j]) * wide(qr) - wide(gi[j]) * wide(qi),
-                    allowed,
-                    "re",
-                );
-                assert_near(
-                    im[j],
-                    wide(pi[j]) + wide(gr[j]) * wide(qi) + wide(gi[j]) * wide(qr),
-                    allowed,
-                    "im",
-                );
+                assert_near(re[j], wide(pr[j]) + wide(gr[j]) * wide(qr) - wide(gi[j]) * wide(qi), allowed, "re");
+                assert_near(im[j], wide(pi[j]) + wide(gr[j]) * wide(qi) + wide(gi[j]) * wide(qr), allowed, "im");
             }
-            assert!(
-                re[count..].iter().chain(&im[count..]).all(|&x| x == 0.0),
-                "silent padding was given sound"
-            );
+            assert!(re[count..].iter().chain(&im[count..]).all(|&x| x == 0.0), "silent padding was given sound");
         }
     }
 }
@@ -265,12 +236,7 @@ fn modulus_and_squares_are_those_of_complex_numbers() {
                 // Squares and sum round twice, which the root halves, and the root's own two steps.
                 assert_near(moduli[j], modulus, 2.0 * ROUNDING * modulus, "modulus");
                 // The squares, their sum, and theirs with what was there.
-                assert_near(
-                    sums[j],
-                    sum + modulus * modulus,
-                    3.0 * ROUNDING * (sum + modulus * modulus),
-                    "square",
-                );
+                assert_near(sums[j], sum + modulus * modulus, 3.0 * ROUNDING * (sum + modulus * modulus), "square");
             }
         }
     }
@@ -288,12 +254,7 @@ fn project_is_the_conjugate_sum() {
             for (got, list, sign) in [(got[0], &re, 1.0), (got[1], &im, -1.0)] {
                 // A product, at most five sums in a lane and four across: ten roundings.
                 let most = sum(&|j| (wide(list[j]) * wide(targets[j])).abs());
-                assert_near(
-                    got,
-                    sign * sum(&|j| wide(list[j]) * wide(targets[j])),
-                    10.0 * ROUNDING * most,
-                    "sum",
-                );
+                assert_near(got, sign * sum(&|j| wide(list[j]) * wide(targets[j])), 10.0 * ROUNDING * most, "sum");
             }
         }
     }

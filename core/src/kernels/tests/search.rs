@@ -104,13 +104,7 @@ pub(super) fn tolerance<T: Term>(set: InstructionSet, scene: &Scene) -> f32 {
     dispatch!(set, s => search::tolerance::<_, T>(s, scene.points(&kept)))
 }
 
-fn best<T: Term>(
-    set: InstructionSet,
-    scene: &Scene,
-    candidates: &Candidates,
-    silent: bool,
-    tolerance: f32,
-) -> usize {
+fn best<T: Term>(set: InstructionSet, scene: &Scene, candidates: &Candidates, silent: bool, tolerance: f32) -> usize {
     let (kept, _) = scene.kept(set);
     dispatch!(set, s => search::best::<_, T>(s, scene.points(&kept), candidates, silent, tolerance))
 }
@@ -174,13 +168,7 @@ fn candidates_are_amplitudes_times_phases_whatever_the_buffers_held() {
 }
 
 /// What `best` finds is within rounding of the least energy that f64 finds.
-fn assert_best<T: Reference>(
-    set: InstructionSet,
-    scene: &mut Scene,
-    phases: usize,
-    amplitudes: usize,
-    silent: bool,
-) {
+fn assert_best<T: Reference>(set: InstructionSet, scene: &mut Scene, phases: usize, amplitudes: usize, silent: bool) {
     let candidates = candidates(phases, amplitudes);
     let tolerance = tolerance::<T>(set, scene);
     // The tolerance itself, and a term's few roundings in the winner and in what it should have lost to.
@@ -190,10 +178,7 @@ fn assert_best<T: Reference>(
     let index = best::<T>(set, scene, &candidates, silent, tolerance);
     assert!(!silent || index.is_multiple_of(phases), "a phase was searched");
     let regret = scene.total::<T>(candidates.drive(index)) - least::<T>(scene, &candidates, silent);
-    assert!(
-        regret <= allowed,
-        "{set}: M = {count}, L = {phases}, K = {amplitudes}: {regret:e} > {allowed:e}"
-    );
+    assert!(regret <= allowed, "{set}: M = {count}, L = {phases}, K = {amplitudes}: {regret:e} > {allowed:e}");
 }
 
 #[test]
@@ -347,10 +332,7 @@ fn the_shortlist_holds_the_best() {
                     // The slack covers rounding with room to spare; what is lost beyond it would be a stretch
                     // that was passed over.
                     let lost = found - least::<L2>(&scene, &candidates, false);
-                    assert!(
-                        lost <= 0.1 * wide(slack),
-                        "{set}: M = {count}, L = {phases}: {lost:e} of {slack:e}"
-                    );
+                    assert!(lost <= 0.1 * wide(slack), "{set}: M = {count}, L = {phases}: {lost:e} of {slack:e}");
                 }
             }
         }

@@ -109,9 +109,8 @@ fn a_sweep_aims_every_transducer_and_hears_it() {
                 tiles::sweep(set, scene.tiles(), [&wanted[0], &wanted[1]], wave, &mut memory);
             });
             for i in 0..transducers {
-                let part = |k: usize| {
-                    scene.propagation[k][i].conj() * Complex64::new(wide(wanted[0][k]), wide(wanted[1][k]))
-                };
+                let part =
+                    |k: usize| scene.propagation[k][i].conj() * Complex64::new(wide(wanted[0][k]), wide(wanted[1][k]));
                 let want: Complex64 = (0..count).map(part).sum();
                 // Sums of terms below 4, their error beside their modulus; the root within a few roundings.
                 let allowed = 8.0 * ROUNDING + 4.0 * ROUNDING * 4.0 * count as f64 / want.norm();
@@ -174,8 +173,7 @@ fn a_turn_is_a_change_of_phase() {
             (from[0][i], from[1][i]) = (libm::cos(phase) as f32, libm::sin(phase) as f32);
         }
         let turns = over(rng, transducers);
-        let [drive, _] =
-            scene.play(|wave| tiles::turn(set, scene.tiles(), [&from[0], &from[1]], &turns, 0.5, wave));
+        let [drive, _] = scene.play(|wave| tiles::turn(set, scene.tiles(), [&from[0], &from[1]], &turns, 0.5, wave));
         assert_eq!(drive[0], Complex64::ZERO);
         for i in 1..transducers {
             let angle = libm::atan(0.5 * wide(turns[i]));
@@ -356,11 +354,7 @@ fn aligning_raises_the_energy_and_keeps_the_moduli() {
             let after = energy(&vectors, s);
             assert!(after >= before[s] - 1e-5 * scale, "{set} {count}: {after} from {}", before[s]);
             // Summed while the vectors still move, and they hardly do.
-            assert!(
-                (wide(told[s]) - after).abs() <= 1e-2 * scale,
-                "{set} {count}: told {}, is {after}",
-                told[s]
-            );
+            assert!((wide(told[s]) - after).abs() <= 1e-2 * scale, "{set} {count}: told {}, is {after}", told[s]);
             for k in 0..count {
                 let modulus = libm::hypot(wide(vectors[0][k * LANES + s]), wide(vectors[1][k * LANES + s]));
                 assert!((modulus - wide(shares[k])).abs() < 1e-6, "{set} {count}: {modulus}");

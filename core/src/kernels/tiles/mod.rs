@@ -59,8 +59,7 @@ impl<'a> Tiles<'a> {
     /// Whether a transducer reaches any point.
     pub(crate) fn reaches(&self, transducer: usize) -> bool {
         let (tile, lane) = (transducer / LANES, transducer % LANES);
-        let mut tiles =
-            self.planes.into_iter().flat_map(|plane| blocks(plane).chunks_exact(stride(self.lanes)));
+        let mut tiles = self.planes.into_iter().flat_map(|plane| blocks(plane).chunks_exact(stride(self.lanes)));
         tiles.any(|rows| rows[tile].iter().any(|row| row[lane] != 0.0))
     }
 
@@ -91,13 +90,7 @@ pub(crate) struct Wave<'a> {
 
 /// Writes G of the transducers `members` as tiles: row `k` is point `order[k]`, zeros beyond the last point and
 /// transducer.
-pub(crate) fn pack(
-    set: InstructionSet,
-    rows: Rows<'_>,
-    members: Range<usize>,
-    order: &[u32],
-    out: [&mut [f32]; 2],
-) {
+pub(crate) fn pack(set: InstructionSet, rows: Rows<'_>, members: Range<usize>, order: &[u32], out: [&mut [f32]; 2]) {
     dispatch!(set, s => {
         let lanes = lanes(members.len());
         let [re, im] = out.map(blocks_mut);
@@ -202,13 +195,7 @@ pub(crate) const fn sweep_floats(rows: usize) -> usize {
 
 /// q = b/|b| with b = sum_j conj(G_j) p_j, 0 where b is, and P = G q, in one pass over G: two tiles are still in the nearest
 /// cache when they are heard. `memory` holds the lanes of P meanwhile.
-pub(crate) fn sweep(
-    set: InstructionSet,
-    tiles: Tiles<'_>,
-    wanted: [&[f32]; 2],
-    wave: Wave<'_>,
-    memory: &mut [f32],
-) {
+pub(crate) fn sweep(set: InstructionSet, tiles: Tiles<'_>, wanted: [&[f32]; 2], wave: Wave<'_>, memory: &mut [f32]) {
     dispatch!(set, s => {
         let Wave { drive: [qr, qi], field: [re, im] } = wave;
         let (qr, qi) = (groups_mut(qr), groups_mut(qi));

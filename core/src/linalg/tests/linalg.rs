@@ -35,8 +35,7 @@ fn a_hermitian_system_is_solved_at_every_size() {
     let mut work = Workspace::new();
     for count in 1..=40 {
         let (matrix, stored) = random(count, 2 * count, &mut work);
-        let solver = Hermitian::new(InstructionSet::best(), &stored, count, 0.5, &mut work)
-            .expect("positive definite");
+        let solver = Hermitian::new(InstructionSet::best(), &stored, count, 0.5, &mut work).expect("positive definite");
         let mut x = Planar::zeros(1, crate::kernels::lanes::padded(count), &mut work);
         for j in 0..count {
             (x.re[j], x.im[j]) = (1.0 + j as f32, 2.0 - j as f32);

@@ -13,10 +13,8 @@ fn gram_is_the_weighted_conjugate_product() {
         // One run of tiles, and two with a rest.
         for transducers in [1, 37, 530] {
             let mut number = || 2.0 * rng.uniform() - 1.0;
-            let matrix: Vec<Complex64> =
-                (0..count * transducers).map(|_| Complex64::new(number(), number())).collect();
-            let propagation =
-                Propagation::from_matrix(&matrix, count).expect("propagation").with_instruction_set(set);
+            let matrix: Vec<Complex64> = (0..count * transducers).map(|_| Complex64::new(number(), number())).collect();
+            let propagation = Propagation::from_matrix(&matrix, count).expect("propagation").with_instruction_set(set);
             let unit = 1.0 / propagation.reference();
             let factors: Vec<f32> = (0..transducers).map(|i| 0.25 + (i % 3) as f32).collect();
             for factors in [None, Some(&factors[..])] {
@@ -27,8 +25,7 @@ fn gram_is_the_weighted_conjugate_product() {
                     for l in 0..count {
                         let factor = |i: usize| factors.map_or(1.0, |factors| f64::from(factors[i]));
                         let at = |k: usize, i: usize| matrix[k * transducers + i] * unit;
-                        let want: Complex64 =
-                            (0..transducers).map(|i| at(k, i).conj() * at(l, i) * factor(i)).sum();
+                        let want: Complex64 = (0..transducers).map(|i| at(k, i).conj() * at(l, i) * factor(i)).sum();
                         let [re, im] = product.row(k).map(|row| f64::from(row[l]));
                         // Terms below 8, some two roundings each.
                         let allowed = 15.0 * f64::from(f32::EPSILON) * (transducers + 8) as f64;

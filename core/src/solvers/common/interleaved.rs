@@ -122,20 +122,12 @@ impl Together {
 pub(crate) fn sum_moduli(problems: &mut [Problem], work: &mut Workspace) -> bool {
     let Some(abreast) = Abreast::of(problems, work) else { return false };
     let mut others = problems.iter_mut();
-    let mut reaches: [Option<&mut Vec<f64>>; LANES] =
-        array::from_fn(|_| others.next().map(Problem::cleared_reach));
+    let mut reaches: [Option<&mut Vec<f64>>; LANES] = array::from_fn(|_| others.next().map(Problem::cleared_reach));
     let mut sums = work.floats.take(abreast.lanes());
     let mut near = false;
     for sources in abreast.prepared.sources.chunks(TOGETHER) {
         sums.fill(0.0);
-        near |= add_moduli(
-            abreast.set,
-            &abreast.prepared.law,
-            sources,
-            abreast.control_points(),
-            NEAR,
-            &mut sums,
-        );
+        near |= add_moduli(abreast.set, &abreast.prepared.law, sources, abreast.control_points(), NEAR, &mut sums);
         for (lane, reach) in reaches.iter_mut().flatten().enumerate() {
             for (reach, sums) in reach.iter_mut().zip(sums.as_chunks::<LANES>().0) {
                 *reach += f64::from(sums[lane]);

@@ -55,15 +55,8 @@ pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &mut Workspace) 
             propagation.row(i, &mut row.re, &mut row.im);
             let memory = [&mut wave.re[..], &mut wave.im[..]];
             let (own, count) = ([q.re, q.im], propagation.points());
-            let choice = kernels::turn(
-                propagation.instruction_set(),
-                row.row(0),
-                own,
-                &candidates,
-                count,
-                &mut kept,
-                memory,
-            );
+            let choice =
+                kernels::turn(propagation.instruction_set(), row.row(0), own, &candidates, count, &mut kept, memory);
             if choice > 0 {
                 let [re, im] = candidates.drive(choice);
                 *q = quantization.nearest(*q * Complex32::new(re, im));

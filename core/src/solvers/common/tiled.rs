@@ -45,8 +45,7 @@ impl Rows {
         let targets = problem.targets();
         let heard = |j: &u32| targets[*j as usize] > 0.0;
         let all = 0..problem.propagation().points() as u32;
-        let mut rows =
-            Self::ordered(problem, all.clone().filter(heard).chain(all.filter(|j| !heard(j))), work);
+        let mut rows = Self::ordered(problem, all.clone().filter(heard).chain(all.filter(|j| !heard(j))), work);
         for k in 0..rows.loud {
             let own = targets[rows.order[k] as usize];
             if own < rows.target {
@@ -66,13 +65,7 @@ impl Rows {
         let (count, lanes) = (tiles::height(propagation.points()), tiles::lanes(propagation.transducers()));
         let mut planes = [(); 2].map(|()| Aligned::take(tiles::size(count, lanes), work));
         let [re, im] = &mut planes;
-        tiles::pack(
-            propagation.instruction_set(),
-            propagation.rows(),
-            0..propagation.transducers(),
-            &order,
-            [re, im],
-        );
+        tiles::pack(propagation.instruction_set(), propagation.rows(), 0..propagation.transducers(), &order, [re, im]);
         let loud = targets.iter().filter(|&&target| target > 0.0).count();
         let target = targets.iter().copied().fold(0.0, f32::max);
         Self { order, loud, count, lanes, scale, target, set: propagation.instruction_set(), planes }
@@ -116,8 +109,7 @@ impl Wave {
 
     /// What a kernel makes of it, and the moduli.
     pub(crate) fn set(&mut self, kernel: impl FnOnce(tiles::Wave<'_>)) {
-        let [drive, field] =
-            [&mut self.drive, &mut self.field].map(|pair| pair.each_mut().map(Vec::as_mut_slice));
+        let [drive, field] = [&mut self.drive, &mut self.field].map(|pair| pair.each_mut().map(Vec::as_mut_slice));
         kernel(tiles::Wave { drive, field });
         for (modulus, (re, im)) in self.moduli.iter_mut().zip(self.field[0].iter().zip(&self.field[1])) {
             *modulus = sqrtf(re * re + im * im);

@@ -110,11 +110,7 @@ pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &mut Workspace, contro
     }
     let wanted = problem.aim() == Aim::Target;
     // With many points the target may lie above the level where free steps end, and still be in reach.
-    if wanted
-        && !watch.stopped
-        && reached.1 < rows.target
-        && 4 * rows.loud >= problem.propagation().transducers()
-    {
+    if wanted && !watch.stopped && reached.1 < rows.target && 4 * rows.loud >= problem.propagation().transducers() {
         wave.copy(&best);
         let level = Some(rows.target);
         if common_level::polish(problem, &rows, level, plan.tolerance, &mut wave, &mut watch, work) {

@@ -90,15 +90,8 @@ impl Starts {
         let [re, im] = &mut phasors;
         let [wave_re, wave_im] = &mut wave;
         let lists = (&weights[..], powers);
-        let energy = phases::align_rows(
-            rows.set,
-            rows.tiles(),
-            lists,
-            visits,
-            ROUNDS_ALONE,
-            [re, im],
-            [wave_re, wave_im],
-        );
+        let energy =
+            phases::align_rows(rows.set, rows.tiles(), lists, visits, ROUNDS_ALONE, [re, im], [wave_re, wave_im]);
         for plane in &mut phasors {
             plane.iter_mut().zip(&weights).for_each(|(part, weight)| *part /= weight);
         }
@@ -136,8 +129,7 @@ impl Couplings {
             // Without a point's own echo.
             (re[k * points + k], im[k * points + k]) = (0.0, 0.0);
             for l in k + 1..points {
-                let (real, imag) =
-                    (re[k * points + l] / norms[k] / norms[l], im[k * points + l] / norms[k] / norms[l]);
+                let (real, imag) = (re[k * points + l] / norms[k] / norms[l], im[k * points + l] / norms[k] / norms[l]);
                 (re[k * points + l], im[k * points + l]) = (real, imag);
                 (re[l * points + k], im[l * points + k]) = (real, -imag);
             }
@@ -191,8 +183,7 @@ impl Couplings {
         let own = shares.iter().map(|share| share * share).sum::<f32>();
         let mut last = f32::INFINITY;
         while starts.count < count {
-            let best =
-                (0..plan.starts).fold(0, |best, s| if energies[s] > energies[best] { s } else { best });
+            let best = (0..plan.starts).fold(0, |best, s| if energies[s] > energies[best] { s } else { best });
             let energy = core::mem::replace(&mut energies[best], -1.0);
             if energy < 0.0 {
                 break;

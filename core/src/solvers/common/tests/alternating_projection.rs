@@ -20,8 +20,7 @@ fn a_projection_keeps_the_phases_and_takes_the_moduli() {
         let mut projector = Projector::new(&rows, &mut work);
         let moduli: Vec<f32> = (0..points).map(|j| j as f32).collect();
         let field = |j: usize| wide(Complex32::new(wave.field[0][j], wave.field[1][j]));
-        let wanted: Vec<Complex64> =
-            (0..points).map(|j| field(j) / field(j).norm() * f64::from(moduli[j])).collect();
+        let wanted: Vec<Complex64> = (0..points).map(|j| field(j) / field(j).norm() * f64::from(moduli[j])).collect();
         projector.want(&wave, &moduli);
         projector.project(&rows, &mut wave);
         assert!(exact.miss(&rows, &wave) < 1e-4, "{points}");

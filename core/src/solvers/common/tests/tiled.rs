@@ -14,9 +14,8 @@ pub(crate) fn random(points: usize, transducers: usize, work: &mut Workspace) ->
     let matrix: Vec<Complex64> = (0..points * transducers).map(|_| number()).collect();
     let pressures = Some((1..=points).map(|j| j as f64).collect());
     let propagation = Propagation::from_matrix(&matrix, points).expect("propagation");
-    let problem =
-        Problem::with_propagation(propagation, Setup::default(), &Request { pressures, weights: None })
-            .expect("a problem");
+    let problem = Problem::with_propagation(propagation, Setup::default(), &Request { pressures, weights: None })
+        .expect("a problem");
     let rows = Rows::new(&problem, work);
     let mut wave = Wave::new(&rows, work);
     let drive: Vec<Complex64> = (0..transducers).map(|_| number() * 0.7).collect();
