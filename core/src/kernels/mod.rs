@@ -17,7 +17,7 @@ pub(crate) mod tiles;
 pub(crate) mod vector;
 
 pub(crate) use crate::kernels::greedy::point_group::PointGroup;
-pub(crate) use crate::kernels::greedy::rotate::{keep, turn};
+pub(crate) use crate::kernels::greedy::rotate::{keep, rotate};
 pub(crate) use crate::kernels::greedy::search::{Candidates, L1, L2, table};
 pub(crate) use crate::kernels::matrix::{add_waves, combine_rows, correlate_rows, gram, gram_floats};
 pub(crate) use crate::kernels::propagate::directivity::Table;

@@ -1,209 +1,21 @@
 //! The search of large grids against energies in f64.
 
 use alloc::vec;
-use alloc::vec::Vec;
-use core::f64::consts::TAU;
 
-use num_complex::Complex64;
-
-use crate::kernels::greedy::energies::Energies;
 use crate::kernels::greedy::large_grid;
-use crate::kernels::greedy::moments::Moments;
 use crate::kernels::greedy::search::{Candidates, L2};
 use crate::kernels::lanes::{LANES, padded};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::tests::energies::{grid, scene, with_energies};
 use crate::kernels::tests::search::{Scene, least, tolerance};
-use crate::kernels::tests::{ROUNDING, assert_near, wide};
-use crate::rng::Rng;
-
-/// Amplitudes as uneven as a device's table may be.
-fn uneven(amplitudes: usize) -> impl Iterator<Item = f64> {
-    (1..=amplitudes).map(move |k| (k as f64 / amplitudes as f64).powf(1.7))
-}
-
-fn grid(phases: usize, amplitudes: usize) -> Candidates {
-    Candidates::grid(phases, uneven(amplitudes), [const { Vec::new() }; 3])
-}
-
-/// A scene of which every seventh point is to be quiet.
-fn scene(seed: u64, count: usize, loud: f64) -> Scene {
-    let mut scene = Scene::new(seed, count, loud);
-    scene.target.iter_mut().skip(3).step_by(7).for_each(|target| *target = 0.0);
-    scene
-}
-
-/// Calls `check` with the energies of a turn.
-macro_rules! with_energies {
-    ($set:expr, $scene:expr, $candidates:expr, |$s:ident, $energies:ident| $check:expr) => {{
-        let (kept, energy) = $scene.kept($set);
-        let points = $scene.points(&kept);
-        let mut near = vec![0; padded($scene.count)];
-        dispatch!($set, s => {
-            let mut lane = [0.0; LANES];
-            lane[0] = energy;
-            let (moments, nearby) = Moments::new::<_, true>(s, &kept, points.gain, s.load(&lane), &mut near);
-            let ($s, $energies) =
-                (s, Energies { s, points, moments: &moments, near: &near[..nearby], candidates: $candidates });
-            $check
-        })
-    }};
-}
-
-/// Random drives of modulus up to 1.
-fn drives(seed: u64) -> [[f32; LANES]; 2] {
-    let mut rng = Rng::new(seed);
-    let mut drives = [[0.0; LANES]; 2];
-    for lane in 0..LANES {
-        let ((sin, cos), size) = ((TAU * rng.uniform()).sin_cos(), rng.uniform());
-        (drives[0][lane], drives[1][lane]) = ((size * cos) as f32, (size * sin) as f32);
-    }
-    drives
-}
-
-#[test]
-fn the_fourth_order_misses_by_its_remainder_and_differences_by_their_distance() {
-    let candidates = grid(64, 1);
-    for set in InstructionSet::all() {
-        for count in [1, 2, 5, 16, 17, 40, 67, 300] {
-            for loud in [0.5, 3.0, 10.0, 100.0] {
-                let scene = scene(count as u64, count, loud);
-                let [re, im] = drives(7);
-                let mut found = [0.0; LANES];
-                let (remainder, steep, rounding, near) =
-                    with_energies!(set, scene, &candidates, |s, energies| {
-                        s.store(energies.moments.fine_change(s, s.load(&re), s.load(&im)), &mut found);
-                        let moments = energies.moments;
-                        (
-                            moments.fine_remainder(),
-                            moments.steepness(),
-                            moments.rounding(1.0),
-                            energies.near.to_vec(),
-                        )
-                    });
-                let miss: Vec<f64> = (0..LANES)
-                    .map(|lane| {
-                        let q = [wide(re[lane]), wide(im[lane])];
-                        let far = (0..count).filter(|&j| !near.contains(&(j as u32)));
-                        wide(found[lane]) - far.map(|j| scene.change::<L2>(j, q)).sum::<f64>()
-                    })
-                    .collect();
-                for a in 0..LANES {
-                    assert!(
-                        miss[a].abs() <= wide(remainder + rounding),
-                        "{set}: M = {count}, loud {loud}: {miss:?}"
-                    );
-                    for b in 0..a {
-                        let apart = f64::hypot(wide(re[a] - re[b]), wide(im[a] - im[b]));
-                        let allowed = wide(steep) * apart + wide(rounding);
-                        assert!(
-                            (miss[a] - miss[b]).abs() <= allowed,
-                            "{set}: M = {count}, loud {loud}: {miss:?}"
-                        );
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Point j's change under the drive q with |1 + w| to the fourth order: sum b_p b_q w^p conj(w)^q of p + q up to 4,
-/// where sqrt(1 + x) = sum b_n x^n.
-fn truncated(scene: &Scene, j: usize, q: Complex64) -> f64 {
-    const ROOT: [f64; 5] = [1.0, 0.5, -0.125, 0.0625, -5.0 / 128.0];
-    let [pr, pi, gr, gi] = scene.numbers(j);
-    let (p, e) = (Complex64::new(pr, pi), Complex64::new(gr, gi) * q);
-    let w = e / p;
-    let mut root = 0.0;
-    for m in 0..5 {
-        for n in 0..5 - m {
-            root += ROOT[m] * ROOT[n] * (w.powu(m as u32) * w.conj().powu(n as u32)).re;
-        }
-    }
-    let square = (p.conj() * e).re * 2.0 + e.norm_sqr();
-    wide(scene.weight[j]) * (square - 2.0 * wide(scene.target[j]) * p.norm() * (root - 1.0))
-}
-
-#[test]
-fn the_fourth_order_is_the_series() {
-    let candidates = grid(64, 1);
-    for set in InstructionSet::all() {
-        for count in [1, 2, 5, 16, 17, 40, 67] {
-            for loud in [1.0, 3.0, 10.0] {
-                let scene = scene(count as u64, count, loud);
-                let [re, im] = drives(8);
-                let mut found = [0.0; LANES];
-                let (rounding, near) = with_energies!(set, scene, &candidates, |s, energies| {
-                    s.store(energies.moments.fine_change(s, s.load(&re), s.load(&im)), &mut found);
-                    (energies.moments.rounding(1.0), energies.near.to_vec())
-                });
-                for lane in 0..LANES {
-                    let q = Complex64::new(wide(re[lane]), wide(im[lane]));
-                    let far = (0..count).filter(|&j| !near.contains(&(j as u32)));
-                    let want: f64 = far.map(|j| truncated(&scene, j, q)).sum();
-                    assert_near(found[lane], want, wide(rounding), "the fourth order");
-                }
-            }
-        }
-    }
-}
-
-#[test]
-fn lower_amplitudes_and_the_second_derivative_are_bounded() {
-    const STEPS: usize = 256;
-    let candidates = grid(64, 1);
-    for set in InstructionSet::all() {
-        for count in [1, 2, 5, 17, 67] {
-            for loud in [0.05, 0.5, 3.0, 30.0] {
-                let scene = scene(count as u64, count, loud);
-                let change = |a: f64| -> (Vec<f64>, [f64; 3]) {
-                    with_energies!(set, scene, &candidates, |s, energies| {
-                        let at = |step: usize| (TAU * step as f64 / STEPS as f64).sin_cos();
-                        let mut found = Vec::new();
-                        for step in 0..STEPS {
-                            let ((sin, cos), mut lanes) = (at(step), [0.0; LANES]);
-                            let z = [s.splat((a * cos) as f32), s.splat((a * sin) as f32)];
-                            s.store(energies.roughly(z), &mut lanes);
-                            found.push(wide(lanes[0]));
-                        }
-                        (found, [energies.rounding(), energies.curvature(a as f32), energies.bow()].map(wide))
-                    })
-                };
-                let (full, [rounding, curvature, bow]) = change(1.0);
-                // Whatever the stretch, the middle lies below its ends' mean by no more than c h^2/8.
-                for half in [1, 3, 8] {
-                    let dip = curvature * (TAU * 2.0 * half as f64 / STEPS as f64).powi(2) / 8.0;
-                    for step in 0..STEPS {
-                        let (v, w) = (full[step], full[(step + 2 * half) % STEPS]);
-                        let middle = full[(step + half) % STEPS];
-                        assert!(
-                            middle >= 0.5 * (v + w) - dip - 2.0 * rounding,
-                            "{set}: M = {count}, loud {loud}"
-                        );
-                    }
-                }
-                for a in [0.1, 0.5, 0.9] {
-                    let (lower, _) = change(a);
-                    for (lower, full) in lower.into_iter().zip(&full) {
-                        let bound = a * full - a * (1.0 - a) * bow - 2.0 * rounding;
-                        assert!(
-                            lower >= bound,
-                            "{set}: M = {count}, loud {loud}, a = {a}: {lower} < {bound}"
-                        );
-                    }
-                }
-            }
-        }
-    }
-}
+use crate::kernels::tests::{ROUNDING, wide};
 
 /// The candidate that a search of the grid finds, and what rounding leaves open.
 fn best(set: InstructionSet, scene: &Scene, candidates: &Candidates, matters: f32) -> (Option<usize>, f32) {
-    with_energies!(set, scene, candidates, |s, energies| {
+    with_energies!(set, scene, candidates, |_s, energies| {
         let mut floats = vec![f32::NAN; large_grid::floats(candidates.phases)];
         let mut close = vec![u32::MAX; large_grid::list(candidates.phases)];
-        let Energies { points, moments, near, .. } = energies;
-        let found = large_grid::best(s, points, moments, near, candidates, matters, &mut floats, &mut close);
-        (found, energies.rounding())
+        (large_grid::best(&energies, matters, &mut floats, &mut close), energies.rounding())
     })
 }
 

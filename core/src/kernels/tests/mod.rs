@@ -1,10 +1,18 @@
 //! Every kernel against plain f64 loops, at every length up to four whole groups of lanes and a remainder, over
 //! dirty memory.
 
+mod abreast;
+mod batch;
 mod cholesky;
+mod energies;
+mod fast;
 mod fine;
+mod greedy;
+mod greedy_abreast;
 mod matrix;
+mod moments;
 mod search;
+mod shortlist;
 mod simd;
 mod tiles;
 

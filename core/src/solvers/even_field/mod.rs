@@ -2,12 +2,12 @@
 //!
 //! Point phases that reinforce one another are found on G, or several on the matrix of couplings ([`point_phases`]); weighted
 //! Gerchberg-Saxton sweeps with |q| = 1 raise the weakest points ([`weighted_sweeps`]); Gauss-Newton steps on
-//! |P_j| = s p_j, the level s free, make all alike ([`gauss_newton`]).
+//! |P_j| = s p_j, the level s free, make all alike ([`common_level`]).
 //!
 //! Rows of G are divided by their targets, so that all points ask for the same; the quiet ones come last.
 
 pub(crate) mod coincident;
-pub(crate) mod gauss_newton;
+pub(crate) mod common_level;
 pub(crate) mod point_phases;
 pub(crate) mod weighted_sweeps;
 
@@ -219,14 +219,14 @@ pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &mut Workspace, contro
     let mut rows = Rows::new(problem, work);
     let starts = Starts::new(problem, &mut rows, plan, work);
     let moduli = work.floats.take(problem.propagation().lanes());
-    let steps = starts.count * (1 + plan.sweeps + gauss_newton::MOST_STEPS) + gauss_newton::MOST_STEPS;
+    let steps = starts.count * (1 + plan.sweeps + common_level::MOST_STEPS) + common_level::MOST_STEPS;
     let mut watch = Watch { problem, control, step: 0, steps, stopped: false, moduli };
     let mut best = Wave::new(&rows, work);
     let mut wave = Wave::new(&rows, work);
     let mut reached = (false, -1.0);
     for start in 0..starts.count {
         weighted_sweeps::raise(&rows, &starts, start, plan.sweeps, &mut wave, &mut watch, work);
-        let even = gauss_newton::polish(problem, &rows, None, plan.tolerance, &mut wave, &mut watch, work);
+        let even = common_level::polish(problem, &rows, None, plan.tolerance, &mut wave, &mut watch, work);
         if (even, wave.lowest(&rows)) > reached {
             reached = (even, wave.lowest(&rows));
             core::mem::swap(&mut best, &mut wave);
@@ -244,7 +244,7 @@ pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &mut Workspace, contro
     {
         wave.copy(&best);
         let level = Some(rows.target);
-        if gauss_newton::polish(problem, &rows, level, plan.tolerance, &mut wave, &mut watch, work) {
+        if common_level::polish(problem, &rows, level, plan.tolerance, &mut wave, &mut watch, work) {
             reached.0 = true;
             core::mem::swap(&mut best, &mut wave);
         }
