@@ -1,4 +1,4 @@
-//! Watching a solve and stopping it.
+//! Control of a running solve: progress observer, stop request, trace of the residual.
 
 use alloc::vec::Vec;
 use core::fmt;

@@ -1,4 +1,4 @@
-//! What can be wrong with a request, in one line that names the item, its value and the cure.
+//! Errors: one line that names the item, its value and the cure.
 
 use alloc::boxed::Box;
 use alloc::string::{String, ToString};

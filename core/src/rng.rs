@@ -1,4 +1,4 @@
-//! The small seeded generator behind every random choice.
+//! SplitMix64, the seeded generator behind every random choice.
 //!
 //! `SplitMix64` (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014):
 //! eight bytes of state, no bad seeds, the same numbers on every platform. A seed is part of a result, so

@@ -1,4 +1,4 @@
-//! The memory of solves: taken, given back, taken again.
+//! Workspace: the memory of solves, taken and given back.
 
 use alloc::vec::Vec;
 use core::ops::{Deref, DerefMut};

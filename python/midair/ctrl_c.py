@@ -1,4 +1,4 @@
-"""Ctrl-C as a question to ask: raised anywhere, it might be raised where nobody hears it."""
+"""Ctrl-C on the command line: a request to stop that a loop asks for."""
 
 from __future__ import annotations
 

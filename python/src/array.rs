@@ -1,4 +1,4 @@
-//! `midair.Array` and the presets.
+//! `midair.Array` and `midair.presets`.
 
 use midair::{Complex64, Directivity, Transducer};
 use numpy::{PyArray1, PyArray2, ToPyArray};

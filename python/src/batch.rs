@@ -1,4 +1,4 @@
-//! `midair.solve_batch`.
+//! `midair.solve_batch` and `midair.Batch`.
 
 use std::ops::ControlFlow;
 use std::time::Instant;

@@ -1,4 +1,4 @@
-//! Refusals and warnings as Python sees them.
+//! `midair.SceneError`, `midair.SceneWarning`: refusals and warnings.
 
 use std::ffi::CString;
 

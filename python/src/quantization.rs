@@ -1,4 +1,4 @@
-//! A board's quantization and a mask of transducers, from Python and back.
+//! `quantization` and `mask` arguments, from Python and back.
 
 use midair::Quantization;
 use numpy::{IntoPyArray, PyArray1, ToPyArray};

@@ -1,4 +1,4 @@
-//! Arguments from Python: real integers and floats are taken, everything else is refused by name.
+//! The argument reader: Python and NumPy values to the core's, everything else refused by name.
 
 use midair::{Aim, Complex32, Complex64, Directivity, OptionValue, Options, Request, Value};
 use numpy::{PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods, ToPyArray};

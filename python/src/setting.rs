@@ -1,4 +1,4 @@
-//! What `midair.solve_batch` and `midair.Solver` share: transducers and a solver, from keywords.
+//! What `midair.Solver` and `solve_batch` share: a session from transducers, a solver and keywords.
 
 use midair::solvers::{Info, configure};
 use midair::{Choice, Medium, Model, Session};

@@ -1,4 +1,4 @@
-//! The first argument of `midair.solve`, `judge` and `bound`: a scene, or a matrix with what goes beside it.
+//! First argument of `midair.solve`, `judge` and `bound`: a scene, or a matrix and what goes beside it.
 
 use std::sync::Arc;
 

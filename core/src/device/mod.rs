@@ -1,3 +1,3 @@
-//! What a board can play.
+//! What a board can play; no sockets.
 
 pub(crate) mod quantization;

@@ -1,4 +1,4 @@
-//! The grid of a device: the phases and amplitudes that its channels know.
+//! Quantization: a board's phases and amplitude table, and rounding a drive to them.
 
 use alloc::format;
 use alloc::vec::Vec;

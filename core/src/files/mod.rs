@@ -1,4 +1,4 @@
-//! The scene file: TOML or JSON, one schema, read and written here for every door.
+//! Scene files, TOML or JSON: read and written here for every door.
 
 mod quantization;
 mod tables;

@@ -1,4 +1,4 @@
-//! The quantization of a device in a scene file: `quantization = { phases = 256, amplitudes = [0.0, 0.5, 1.0] }`.
+//! The key `quantization` of a scene file's [array]: phases and amplitudes.
 
 use alloc::vec::Vec;
 

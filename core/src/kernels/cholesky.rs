@@ -1,4 +1,4 @@
-//! A = U^T U of padded rows, and solves with it.
+//! Cholesky factor A = U^T U of padded rows, and solves with it.
 
 use crate::kernels::lanes::{LANES, groups, groups_mut, padded};
 use crate::kernels::simd::Simd;

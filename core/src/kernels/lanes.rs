@@ -1,4 +1,4 @@
-//! PointGroup f32 at a time: lane groups of padded slices.
+//! Lane groups: padded slices, sixteen f32 at a time.
 
 /// Numbers worked on at once: one AVX-512 register, four of SSE2, NEON or wasm.
 pub(crate) const LANES: usize = 16;

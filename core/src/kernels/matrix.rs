@@ -1,4 +1,4 @@
-//! Products of matrices whose rows are kept, planar and padded.
+//! Products of stored planar matrices with vectors, and the field of a drive.
 
 use num_complex::Complex32;
 

@@ -1,4 +1,4 @@
-//! Every loop worth vectorising, behind safe functions of slices.
+//! Kernels: every loop worth vectorising, behind safe functions of slices.
 //!
 //! Numbers are f32, complex ones planar (re and im apart), slices padded to a multiple of [`LANES`]. Each loop
 //! is written once over [`simd::Simd`], 16 lanes and a fixed order of sums, and compiled for every [`InstructionSet`].
@@ -17,7 +17,7 @@ pub(crate) mod tiles;
 pub(crate) mod vector;
 
 pub(crate) use greedy::point_group::PointGroup;
-pub(crate) use greedy::rotate::{keep, turn};
+pub(crate) use greedy::rotate::{keep, rotate};
 pub(crate) use greedy::search::{Candidates, L1, L2, table};
 pub(crate) use lanes::{LANES, padded};
 pub(crate) use matrix::{add_waves, correlate_rows};

@@ -1,4 +1,4 @@
-//! Waves of phases counted in turns, and decay: polynomials without branches.
+//! Sine and cosine of phases in turns, and powers of two, as polynomials without branches.
 
 use crate::kernels::simd::Simd;
 

@@ -1,4 +1,4 @@
-//! The pressures at the points: adding a transducer, moduli, projections, squares.
+//! Vectors over the points: moduli, inner products, sums of squares, adding one source's field.
 
 use crate::kernels::lanes::{groups, groups_mut};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};

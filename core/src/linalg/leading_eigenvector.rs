@@ -1,4 +1,4 @@
-//! The leading eigenvector of a Hermitian matrix.
+//! The leading eigenvector of a Hermitian matrix, by Lanczos.
 
 use crate::kernels;
 use crate::kernels::InstructionSet;

@@ -1,4 +1,4 @@
-//! What the methods need of linear algebra and no more: G G^H, a Cholesky solve.
+//! Planar vectors, the Cholesky factor of a real matrix, and Hermitian systems.
 //!
 //! All in f32 over padded rows, so that the kernels' lanes do the work. The matrices solved are regularised
 //! (condition below 1e5), which f32 bears; `docs/performance.md` has the measurements against a library.

@@ -1,4 +1,4 @@
-//! What an array can do at the points of a problem, and whether more is asked for.
+//! Feasibility: what an array can do at the points, and requests provably beyond it.
 
 use alloc::format;
 use alloc::string::String;

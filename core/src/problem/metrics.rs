@@ -1,4 +1,4 @@
-//! How good an answer is: the numbers the methods are compared by.
+//! Metrics: accuracy (eq. 12), sigma (eq. 13), uniformity, level, residual (eq. 7), leak.
 
 use crate::math;
 

@@ -1,4 +1,4 @@
-//! A problem: G, targets and weights of the points that take part, in units of the reference.
+//! Problem: G, targets and weights of the points that take part, in units of the reference.
 
 pub(crate) mod feasibility;
 pub(crate) mod metrics;

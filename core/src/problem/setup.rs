@@ -1,4 +1,4 @@
-//! The array behind G, as far as a problem needs it.
+//! Setup: the array behind G, as far as a problem needs it (medium, quantization, positions).
 
 use alloc::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! What comes out of a solve.
+//! Solution: the drive rounded to the board, its pressures, status and metrics.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;

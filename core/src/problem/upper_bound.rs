@@ -1,4 +1,4 @@
-//! How high the level could be at most: an upper bound that no drive can exceed, from convex duality.
+//! Upper bound on the level that any drive can reach, from convex duality.
 //!
 //! With h_i = (G_ji/t_j)_j the level of a drive is s = `min_j |sum_i h_ji q_i|`, |q_i| <= 1. For any weights w_j >= 0 of
 //! sum 1 and any d_i > 0 with diag(d) >= `sum_j w_j h_j h_j^H` (as matrices over the transducers),

@@ -1,4 +1,4 @@
-//! The field of a drive, anywhere.
+//! Field p = G q of a drive on any points, over all threads.
 
 use alloc::vec;
 use alloc::vec::Vec;

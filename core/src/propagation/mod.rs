@@ -1,4 +1,4 @@
-//! G, row by row: computed when asked for, or a matrix of the user's own.
+//! Propagation matrix G, row by row: computed from positions when asked, or given.
 
 pub(crate) mod field;
 pub(crate) mod model;

@@ -1,4 +1,4 @@
-//! The model of G: an array in a medium, prepared once for control points that change.
+//! Model of G: an array in a medium, prepared once for control points that change.
 
 use alloc::sync::Arc;
 

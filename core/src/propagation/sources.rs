@@ -1,4 +1,4 @@
-//! The transducers as the kernels see them: the one place that knows eq. (5), directivity, absorption and response.
+//! Sources: the transducers prepared for the kernels, and eq. (5) in f64.
 
 use alloc::vec;
 use alloc::vec::Vec;

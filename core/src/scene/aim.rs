@@ -1,4 +1,4 @@
-//! The aim: as loud as asked, or as loud as the array can make it.
+//! Aim: as loud as asked ("target"), or as loud as the array can make it ("max").
 
 use crate::error::Error;
 use crate::scene::value::{OptionValue, Value, spell, word};

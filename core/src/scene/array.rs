@@ -1,4 +1,4 @@
-//! The array: where its transducers are, where they look and how they radiate.
+//! Array: positions, normals, transducer, response, mask and quantization.
 
 use alloc::format;
 use alloc::string::{String, ToString};

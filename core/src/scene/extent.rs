@@ -1,4 +1,4 @@
-//! How far from the array's middle phases in f32 still mean something.
+//! Coordinates are refused that are too far away for phases in f32.
 
 use alloc::format;
 

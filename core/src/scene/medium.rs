@@ -1,4 +1,4 @@
-//! The air between array and points.
+//! Medium: frequency, sound speed, absorption and density of the air.
 
 use crate::error::{Error, real};
 use crate::math;

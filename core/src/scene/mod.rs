@@ -1,4 +1,4 @@
-//! Scenes: an array, a medium, control points and what is asked of them. Checked once, here.
+//! Scene: an array, a medium, control points and what is asked of them, checked once.
 
 pub(crate) mod aim;
 pub(crate) mod array;

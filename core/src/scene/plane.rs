@@ -1,4 +1,4 @@
-//! A square of pixels in which a field is computed.
+//! Plane: a square of pixels in which a field is computed.
 
 use alloc::vec::Vec;
 

@@ -1,4 +1,4 @@
-//! Real boards and the paper's arrays, as data with their source.
+//! Presets: real boards and the paper's arrays, as data with their source.
 
 use alloc::vec::Vec;
 

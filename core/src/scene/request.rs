@@ -1,4 +1,4 @@
-//! Targets and weights of the control points, as a caller asks for them.
+//! Request: targets (as pressures) and weights of the control points, and their refusals.
 
 use alloc::format;
 use alloc::vec::Vec;

@@ -1,4 +1,4 @@
-//! The start of an iterative method: a drive or point phases; and what a drive must be.
+//! Start of an iterative method (a drive or point phases), and the check of a drive.
 
 use alloc::format;
 use alloc::vec::Vec;

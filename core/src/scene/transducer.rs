@@ -1,4 +1,4 @@
-//! How a transducer radiates: P0 on its axis, and D(theta) to the side, 1 straight ahead.
+//! Transducer: source pressure P0 and directivity D(theta), in f64 and as tables for the kernels.
 
 use alloc::format;
 use core::f64::consts::{FRAC_PI_2, PI};

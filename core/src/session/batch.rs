@@ -1,4 +1,4 @@
-//! Many requests at once: each solved as if it were alone, over all threads.
+//! What comes out of a batch: pressures, metrics, scale, status and steps of each problem.
 
 use alloc::vec;
 use alloc::vec::Vec;

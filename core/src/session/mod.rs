@@ -1,4 +1,4 @@
-//! A session: one array and one method, many requests, and all memory kept between them.
+//! Session: one array and one method, one request or many, all memory kept between them.
 
 pub(crate) mod batch;
 pub(crate) mod parts;

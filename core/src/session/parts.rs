@@ -1,4 +1,4 @@
-//! Parts of a batch's output, one after another over all threads.
+//! Parts of a batch's output, dealt out to the workers over all threads.
 
 use alloc::vec::Vec;
 use core::ops::Range;

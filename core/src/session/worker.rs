@@ -1,4 +1,4 @@
-//! What a session's requests share, and the memory in which one thread reads and solves them.
+//! Worker: the memory in which one thread reads and solves requests, 16 at a time.
 
 use alloc::boxed::Box;
 use alloc::format;

@@ -1,4 +1,4 @@
-//! Bringing a raw answer back to |q| <= 1. Which way decides more than many a method does.
+//! Amplitude limit: |q| above 1 brought back by clamp, normalize or full.
 
 use num_complex::Complex32;
 

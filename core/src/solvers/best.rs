@@ -1,4 +1,4 @@
-//! The most even and loudest of several: `uniform` from many more point phases, the best of them carried on.
+//! best: the loudest even field of many starts; `uniform` from many more point phases.
 
 use crate::control::Control;
 use crate::error::Error;

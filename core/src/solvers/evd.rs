@@ -1,4 +1,4 @@
-//! Eigenvector phases and a regularised solve: Long, Seah, Carter and Subramanian, ACM Trans. Graphics 33(6), 2014.
+//! evd: phases of the leading eigenvector and a regularised solve (Long et al., ACM Trans. Graphics 33(6), 2014).
 //!
 //! R, with R_kj the field at point k of a focus of target t_j at point j, has a leading eigenvector whose phases
 //! the points support mutually. With those phases p is set, and

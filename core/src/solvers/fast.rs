@@ -1,4 +1,4 @@
-//! Greedy in closed form: the phase that a search would look for, computed.
+//! fast: greedy in closed form, the phase that a search would look for computed (majorise-minimise).
 //!
 //! For a point of pressure P and target t, `(t - |P + G q|)^2 <= |t P/|P| - P - G q|^2` for every q, with equality
 //! at q = 0: the right side is the distance to the point of the circle |p| = t that is nearest to P. Summed over the

@@ -1,4 +1,4 @@
-//! The greedy algorithm with brute-force search: Suzuki et al., IEEE Trans. Haptics 14(4), 2021, Algorithm 2.
+//! greedy: brute-force search over K amplitudes x L phases (Suzuki et al. 2021, Algorithm 2).
 //!
 //! One transducer after another takes, of K amplitudes times L phases, the drive that lowers eq. (7) most; the
 //! field at the points is kept and updated (eq. 9), so that the whole costs O(K L M N). No matrix is stored: a
@@ -12,8 +12,8 @@ use crate::control::Control;
 use crate::device::quantization::Quantization;
 use crate::error::Error;
 use crate::kernels::greedy;
-use crate::kernels::greedy::Pass;
 use crate::kernels::greedy::interleaved;
+use crate::kernels::greedy::{Pass, Search};
 use crate::kernels::{Candidates, L1, L2, LANES, PointGroup, table};
 use crate::linalg::Planar;
 use crate::problem::{Problem, Solution, Status};
@@ -33,7 +33,7 @@ pub enum Objective {
     L1,
 }
 
-/// In which order the transducers have their turn.
+/// In which order the transducers are updated.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[allow(clippy::exhaustive_enums, reason = "the orders the paper compares, and the caller's own")]
 pub enum Order {
@@ -56,7 +56,7 @@ crate::options! {
         pub amplitudes: u32 = 1,
         /// What is minimised: "l2" (squared errors, the paper's text) or "l1" (its authors' code).
         pub objective: Objective = Objective::L2,
-        /// Whose turn comes when: "random", "rows", "columns" or a permutation of 0..N.
+        /// Order of the updates: "random", "rows", "columns" or a permutation of 0..N.
         pub order: Order = Order::Random,
         /// Seed of the random order, 0 to 2^64 - 1.
         pub seed: u64 = 0,
@@ -175,8 +175,8 @@ impl Method for Greedy {
 }
 
 impl Greedy {
-    /// The transducers in the order of their turns.
-    fn turns(&self, problem: &Problem, work: &mut Workspace) -> Result<Vec<u32>, Error> {
+    /// The transducers in the order of their updates.
+    fn order(&self, problem: &Problem, work: &mut Workspace) -> Result<Vec<u32>, Error> {
         let mut order = work.indices.take(problem.propagation().transducers());
         for (k, i) in order.iter_mut().enumerate() {
             *i = k as u32;
@@ -214,30 +214,28 @@ impl Solve for Greedy {
         self.check()?;
         let propagation = problem.propagation();
         let (count, lanes) = (propagation.transducers(), propagation.lanes());
-        let order = self.turns(problem, work)?;
+        let order = self.order(problem, work)?;
         let candidates = self.candidates(problem, work)?;
         let mut floats = work.floats.take(greedy::floats(candidates.phases));
         let mut indices = work.indices.take(greedy::indices(lanes, candidates.phases));
-        let mut kept = work.points.take(2 * lanes / crate::kernels::lanes::LANES);
-        let mut rows = [(); 4].map(|()| work.floats.take(lanes));
+        let mut groups = work.points.take(lanes / LANES);
+        let mut rows = work.floats.take(4 * lanes);
         let mut drive = work.complexes.take(count);
         let mut field = Planar::zeros(1, lanes, work);
         let pass = Pass {
             rows: propagation.rows(),
-            count: propagation.points(),
             target: problem.targets(),
             weight: problem.weights(),
-            candidates: &candidates,
+            count: propagation.points(),
             order: &order,
-            kept: &mut kept,
-            row: rows.each_mut().map(|row| &mut row[..]),
-            floats: &mut floats,
-            indices: &mut indices,
+            groups: &mut groups,
+            memory: &mut rows,
         };
+        let search = Search { candidates: &candidates, floats: &mut floats, indices: &mut indices };
         let mut status = Status::Done;
-        let mut step = |turn: usize, points: &[PointGroup]| {
-            let pressures = points.iter().flat_map(|kept| kept.re.into_iter().zip(kept.im));
-            let go = control.step(turn, count, || problem.residual_of(pressures.clone())).is_continue();
+        let mut report = |updates: usize, points: &[PointGroup]| {
+            let pressures = points.iter().flat_map(|group| group.re.into_iter().zip(group.im));
+            let go = control.step(updates, count, || problem.residual_of(pressures.clone())).is_continue();
             if !go {
                 status = Status::Stopped;
             }
@@ -246,13 +244,12 @@ impl Solve for Greedy {
         let pressures = [&mut field.re[..], &mut field.im[..]];
         let (set, drives) = (propagation.instruction_set(), &mut drive[..]);
         let steps = match self.objective {
-            Objective::L2 => greedy::pass::<L2>(set, pass, drives, pressures, &mut step),
-            Objective::L1 => greedy::pass::<L1>(set, pass, drives, pressures, &mut step),
+            Objective::L2 => greedy::pass::<L2>(set, pass, search, drives, pressures, &mut report),
+            Objective::L1 => greedy::pass::<L1>(set, pass, search, drives, pressures, &mut report),
         };
         work.floats.give_all(candidates.into_buffers());
-        work.floats.give(floats);
-        work.floats.give_all(rows);
-        work.points.give(kept);
+        work.floats.give_all([floats, rows]);
+        work.points.give(groups);
         work.indices.give_all([order, indices]);
         Ok(Solution::of_field(problem, drive, field, status, steps, work))
     }
@@ -266,27 +263,28 @@ impl Solve for Greedy {
         }
         let mut together = Together::of(problems, work)?;
         let candidates = self.candidates(first, work).ok()?;
-        let order = self.turns(first, work).ok()?;
+        let order = self.order(first, work).ok()?;
         let lanes = together.target.len();
         let mut floats = work.floats.take(interleaved::floats(lanes, &candidates));
-        let mut kept = work.points.take(interleaved::kept(lanes));
-        let mut indices = work.indices.take(greedy::indices(LANES, self.phases as usize));
-        let pass = interleaved::Pass {
+        let mut groups = work.points.take(lanes / LANES);
+        let mut rows = work.floats.take(4 * lanes);
+        let mut indices = work.indices.take(greedy::indices(LANES, candidates.phases));
+        let pass = Pass {
             rows: together.abreast.rows(),
             target: &together.target,
             weight: &together.weight,
-            problems: problems.len(),
-            candidates: &candidates,
+            count: lanes,
             order: &order,
-            kept: &mut kept,
-            floats: &mut floats,
-            indices: &mut indices,
+            groups: &mut groups,
+            memory: &mut rows,
         };
+        let search = Search { candidates: &candidates, floats: &mut floats, indices: &mut indices };
         let [re, im] = &mut together.pressures;
-        interleaved::pass(together.abreast.set, pass, &mut together.drives, [re, im]);
+        let level = together.abreast.set;
+        interleaved::pass(level, pass, search, problems.len(), &mut together.drives, [re, im]);
         work.floats.give_all(candidates.into_buffers());
-        work.floats.give(floats);
-        work.points.give(kept);
+        work.floats.give_all([floats, rows]);
+        work.points.give(groups);
         let steps = order.len();
         work.indices.give_all([order, indices]);
         Some(together.solutions(problems, steps, work))

@@ -1,4 +1,4 @@
-//! Gerchberg-Saxton, called iterative back-propagation in acoustics: Marzo and Drinkwater, PNAS 116(1), 2019.
+//! gs: Gerchberg-Saxton, iterative back-propagation (Marzo and Drinkwater, PNAS 116(1), 2019).
 //!
 //! q = 1; then p = G q keeps its phases and takes the target moduli, q = G^H p keeps its phases and takes the
 //! modulus 1, and again. Starting from q = 1 is what the paper's authors do; starting from the back-projection

@@ -1,4 +1,4 @@
-//! GS-PAT: Plasencia, Hirayama, Montano-Murillo and Subramanian, ACM Trans. Graphics 39(4), 2020.
+//! gspat: Gerchberg-Saxton on the M x M matrix (Plasencia et al., ACM Trans. Graphics 39(4), 2020).
 //!
 //! Gerchberg-Saxton without the transducers in the loop: with the back-propagation X = G^H / diag(G G^H) the
 //! field of X p is R p, R = G X of M x M, so that a step costs O(M^2). The last step corrects the amplitudes,

@@ -1,4 +1,4 @@
-//! The loop of the iterative methods.
+//! The iterative loop: step, tolerance, stop request, report.
 
 use crate::control::Control;
 use crate::problem::Status;

@@ -1,5 +1,4 @@
-//! Levenberg-Marquardt on the phases: Madsen, Nielsen and Tingleff, "Methods for non-linear least squares
-//! problems", 2004, algorithm 3.16, as the paper applies it.
+//! lm: Levenberg-Marquardt on all phases (Madsen et al. 2004, algorithm 3.16; Suzuki et al. 2021).
 //!
 //! Unknown are the phases phi_i of the transducers, |q_i| = 1, and theta_j of the points; the residuals are
 //! r_j = sqrt(w_j) (P_j - t_j e^{j theta_j}), complex. A step solves (J^T J + mu I) d = -J^T r in the dual

@@ -1,4 +1,4 @@
-//! What a solver is: the trait [`Solve`], and what the registry knows of it.
+//! The trait `Solve`, and what the registry knows of a method.
 
 use alloc::vec::Vec;
 

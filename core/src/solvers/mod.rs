@@ -1,4 +1,4 @@
-//! The methods: one file each, one line each in the registry.
+//! Solvers: one file a method, one line each in the registry.
 
 pub(crate) mod amplitude_limit;
 pub(crate) mod best;

@@ -1,4 +1,4 @@
-//! Superposed single foci: the drive of each point alone, added up.
+//! naive: superposed single foci.
 //!
 //! q_i = `sum_j conj(G_ji) p_j / sum_i |G_ji|^2`: every point is focused on as if it were the only one, at the
 //! amplitude that would give it its pressure; what the foci do to each other is left to chance. The baseline

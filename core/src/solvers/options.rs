@@ -1,4 +1,4 @@
-//! The options of a solver, declared once: struct, default, documentation and reading by name.
+//! Options of a solver, declared once: struct, defaults, documentation, reading by name.
 
 use alloc::vec::Vec;
 

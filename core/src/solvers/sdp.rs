@@ -1,4 +1,4 @@
-//! Semidefinite relaxation by block coordinate descent: Inoue, Makino and Shinoda, World Haptics 2015.
+//! sdp: semidefinite relaxation by block coordinate descent (Inoue et al., World Haptics 2015).
 //!
 //! The phases u at the points, |u_j| = 1, that the pseudo-inverse G^+ meets best minimise u^H Q u with
 //! Q = T (I - G G^+) T, T = diag(t). With G^+ = G^H (G G^H + alpha I)^-1 (singular values s/(s^2 + alpha)) that is

@@ -1,4 +1,4 @@
-//! The entry point: balance, solve, round to what the board can play, report.
+//! The entry point: balance, solve, round to the board, report.
 
 use alloc::vec::Vec;
 

@@ -1,4 +1,4 @@
-//! The regularised pseudo-inverse at zero target phases: the linear least-squares answer to G q = p.
+//! tikhonov: regularised pseudo-inverse at zero target phases.
 //!
 //! q = G^H (G G^H + mu I)^-1 p, the M x M dual of least squares damped by mu = regularization * mean diag(G G^H),
 //! with p the targets at phase 0. Weights multiply rows of G and p by their square roots. Where the phases at the

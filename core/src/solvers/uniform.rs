@@ -1,4 +1,4 @@
-//! Even fields at the highest common level: reinforcing point phases, weighted sweeps, Gauss-Newton steps.
+//! uniform: even points at the highest common level, or as loud as asked.
 
 use crate::control::Control;
 use crate::error::Error;

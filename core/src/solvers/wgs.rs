@@ -1,4 +1,4 @@
-//! Weighted Gerchberg-Saxton: each point's wanted modulus grows while the point lags behind, until all are even.
+//! wgs: weighted Gerchberg-Saxton, damped, best iterate kept (Di Leonardo et al. 2007).
 //!
 //! The weighting of Di Leonardo, Ianni and Ruocco (Optics Express 15(4), 2007), its exponent damped: with the
 //! full ratio two points take turns at winning. The iterate whose worst point is best is kept.

@@ -1,12 +1,11 @@
-//! The changes of eq. (7) under the drives of one transducer, as a large grid is searched by them: the polynomial,
-//! and eq. (7) at the points that this leaves out.
+//! Energies of candidates: the polynomial of the moments, and eq. (7) at the points that it leaves out.
 
 use crate::kernels::greedy::moments::Moments;
 use crate::kernels::greedy::search::{Candidates, Points};
-use crate::kernels::lanes::{LANES, Lanes};
+use crate::kernels::lanes::LANES;
 use crate::kernels::simd::{Simd, TINY};
 
-/// What the energies of one turn depend on.
+/// What the energies of one update depend on.
 pub(crate) struct Energies<'a, S: Simd> {
     pub(crate) s: S,
     pub(crate) points: Points<'a>,
@@ -17,12 +16,10 @@ pub(crate) struct Energies<'a, S: Simd> {
 }
 
 impl<S: Simd> Energies<'_, S> {
-    /// The changes of 16 drives of one amplitude, to the fourth order.
+    /// The changes of 16 drives, to the fourth order (of such moments).
     #[inline(always)]
-    pub(crate) fn meet(&self, amplitude: f32, phasors: [&Lanes; 2]) -> S::V {
-        let s = self.s;
-        let z = phasors.map(|part| s.mul(s.splat(amplitude), s.load(part)));
-        self.add_left_out(z, self.moments.fine_change(s, z[0], z[1]))
+    pub(crate) fn evaluate(&self, z: [S::V; 2]) -> S::V {
+        self.add_left_out(z, self.moments.fine_change(self.s, z[0], z[1]))
     }
 
     /// The changes of 16 drives, to the third order.
@@ -31,28 +28,29 @@ impl<S: Simd> Energies<'_, S> {
         self.add_left_out([re, im], self.moments.change(self.s, re, im))
     }
 
-    /// Adds the terms left out, in fewer instructions and with more rounding than [`crate::kernels::greedy::search::add_changes`], to the `total` of the drives z: w (|P + G z|^2 - |P|^2 - 2 t (|P + G z| - |P|)).
+    /// Adds to `total` the terms that the moments leave out, w (|P + G z|^2 - |P|^2 - 2 t (|P + G z| - |P|)): fewer
+    /// instructions than [`crate::kernels::greedy::search::add_changes`] and more rounding, see [`Self::rounding`].
     #[inline(always)]
     fn add_left_out(&self, [re, im]: [S::V; 2], mut total: S::V) -> S::V {
         let s = self.s;
         for &j in self.near {
             let (gr, gi) = (s.splat(self.points.gain[0][j as usize]), s.splat(self.points.gain[1][j as usize]));
-            let (kept, lane) = (&self.points.kept[j as usize / LANES], j as usize % LANES);
-            let (old, target) = (kept.modulus[lane], kept.target[lane]);
-            let x = s.fma(gr, re, s.fnma(gi, im, s.splat(kept.re[lane])));
-            let y = s.fma(gr, im, s.fma(gi, re, s.splat(kept.im[lane])));
+            let (group, lane) = (&self.points.groups[j as usize / LANES], j as usize % LANES);
+            let (old, target) = (group.modulus[lane], group.target[lane]);
+            let x = s.fma(gr, re, s.fnma(gi, im, s.splat(group.re[lane])));
+            let y = s.fma(gr, im, s.fma(gi, re, s.splat(group.im[lane])));
             let square = s.max(s.fma(x, x, s.mul(y, y)), s.splat(TINY));
             let guess = s.rsqrt_estimate(square);
             let root = s.mul(square, guess);
             let root = s.fma(s.mul(guess, s.splat(0.5)), s.fnma(root, root, square), root);
             let term = s.sub(s.fnma(s.splat(2.0 * target), root, square), s.splat(old * (old - 2.0 * target)));
-            total = s.fma(s.splat(kept.weight[lane]), term, total);
+            total = s.fma(s.splat(group.weight[lane]), term, total);
         }
         total
     }
 
-    /// What the tolerance of ties and the rounding of the changes leave open. At a point left out the square of up to
-    /// 5 |G| is rounded four times, and so is 2 t times its root, t being up to 4 |G| and the gap.
+    /// How far the tolerance of ties and the rounding of the changes leave a comparison open. At a point left out the
+    /// square of up to 5 |G| is rounded four times, and so is 2 t times its root, t being up to 4 |G| and the gap.
     #[inline(always)]
     pub(crate) fn rounding(&self) -> f32 {
         let moments = self.moments;
@@ -66,9 +64,9 @@ impl<S: Simd> Energies<'_, S> {
     #[inline(always)]
     pub(crate) fn curvature(&self, a: f32) -> f32 {
         let left_out = |&j: &u32| {
-            let (kept, lane) = (&self.points.kept[j as usize / LANES], j as usize % LANES);
+            let (group, lane) = (&self.points.groups[j as usize / LANES], j as usize % LANES);
             let gain = self.points.gain[0][j as usize].abs() + self.points.gain[1][j as usize].abs();
-            2.0 * a * kept.weight[lane] * gain * (kept.modulus[lane] + kept.target[lane])
+            2.0 * a * group.weight[lane] * gain * (group.modulus[lane] + group.target[lane])
         };
         self.moments.curvature(a) + self.near.iter().map(left_out).sum::<f32>()
     }
@@ -78,7 +76,7 @@ impl<S: Simd> Energies<'_, S> {
     pub(crate) fn bow(&self) -> f32 {
         let left_out = |&j: &u32| {
             let (re, im) = (self.points.gain[0][j as usize], self.points.gain[1][j as usize]);
-            self.points.kept[j as usize / LANES].weight[j as usize % LANES] * (re * re + im * im)
+            self.points.groups[j as usize / LANES].weight[j as usize % LANES] * (re * re + im * im)
         };
         self.moments.bow() + self.near.iter().map(left_out).sum::<f32>()
     }

@@ -1,9 +1,24 @@
-//! The pass of the greedy method over its transducers.
+//! Greedy pass: one transducer after another takes the candidate that lowers eq. (7) most.
 //!
-//! Most turns are decided by moments (see [`Moments`]), whatever the number of candidates. Where the best
-//! candidates lie closer than the moments' remainder they are expanded anew about the best of them, which makes
-//! the remainder smaller by the fourth power of their distance; and where that is not enough eq. (7) itself
-//! decides, as it does at the first transducers and for the absolute errors. Large grids are searched by [`fine`].
+//! ```text
+//! for each transducer i in order:
+//!     G = row of i
+//!     m = moments of P, targets, weights and G        O(M), see `moments`
+//!     q_i = argmin over the candidates z of the energy's change, by m alone where its remainder allows
+//!     P += G q_i
+//! ```
+//!
+//! The loop is written once over [`Layout`]: the lanes hold 16 points of one problem ([`PointsInLanes`]) or one point
+//! of 16 problems ([`crate::kernels::greedy::interleaved`]). Each update waits for the one before, so that the pass is bound by
+//! latency; what shortens it:
+//!
+//! 1. A candidate costs a polynomial and nothing of M: 4096 candidates take 1.8 to 2.8 times as long as 16. Only
+//!    candidates closer than the remainder are decided by eq. (7) itself ([`shortlist`], [`fine`]).
+//! 2. The next row depends on nothing here and is written while the loop waits for the sums over lanes.
+//! 3. What the moments need of a point (1/|P|^2, w (1 - t/|P|), w t |P|) is computed when its pressure is, see
+//!    [`PointGroup`].
+//! 4. Where no transducer has been driven yet, for absolute errors, and for up to 16 phases at up to 16 points of which
+//!    the moments leave some out, eq. (7) is evaluated for all candidates at once.
 
 pub(crate) mod energies;
 pub(crate) mod interleaved;
@@ -14,229 +29,213 @@ pub(crate) mod rotate;
 pub(crate) mod search;
 pub(crate) mod shortlist;
 
+use core::marker::PhantomData;
+
 use num_complex::Complex32;
 
+use crate::kernels::greedy::energies::Energies;
+
 use crate::kernels::greedy::moments::Moments;
-use crate::kernels::greedy::point_group::PointGroup;
-use crate::kernels::greedy::search::{Candidates, L2, Points, Term};
-use crate::kernels::greedy::shortlist::{Shortlist, shortlist};
-use crate::kernels::lanes::{LANES, Lanes, groups};
+use crate::kernels::greedy::search::{Candidates, Points, Term};
 use crate::kernels::propagate::rows::Rows;
-use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+
+use crate::kernels::greedy::point_group::PointGroup;
+use crate::kernels::lanes::{LANES, groups, groups_mut};
+use crate::kernels::simd::Simd;
 
 /// Differences of the energy that do not matter, beside the energy of silence: a fifth of the regret that
 /// docs/conventions.md allows, which leaves the rest to the rounding of G.
 const MATTERS: f32 = 2e-7;
 
-/// What a pass works on; all lists of points are padded alike.
+/// The problem and the memory of a pass; all lists of points are padded alike.
 pub(crate) struct Pass<'a> {
     pub(crate) rows: Rows<'a>,
-    /// How many of them are points; the rest is padding.
-    pub(crate) count: usize,
     pub(crate) target: &'a [f32],
     pub(crate) weight: &'a [f32],
-    pub(crate) candidates: &'a Candidates,
-    /// The transducers in the order of their turns.
+    /// How many points there are in the lanes; the rest is padding.
+    pub(crate) count: usize,
+    /// The transducers in the order of their updates.
     pub(crate) order: &'a [u32],
-    /// Memory: two for each 16 points,
-    pub(crate) kept: &'a mut [PointGroup],
-    /// two rows,
-    pub(crate) row: [&'a mut [f32]; 4],
-    /// [`floats`] numbers,
+    /// Working memory: a group for each 16 floats of a list of points,
+    pub(crate) groups: &'a mut [PointGroup],
+    /// and this and the next row, re and im.
+    pub(crate) memory: &'a mut [f32],
+}
+
+/// What a pass searches, and the memory of a search.
+pub(crate) struct Search<'a> {
+    pub(crate) candidates: &'a Candidates,
+    /// [`large_grid::floats`] numbers and, in an interleaved batch, [`crate::kernels::greedy::interleaved::floats`] before them.
     pub(crate) floats: &'a mut [f32],
-    /// and [`indices`] indices.
+    /// [`indices`] indices.
     pub(crate) indices: &'a mut [u32],
 }
 
-/// Numbers of working memory for a grid of `phases`.
+/// Numbers that a search of a grid of `phases` needs.
 pub(crate) fn floats(phases: usize) -> usize {
     large_grid::floats(phases)
 }
 
-/// Indices of working memory for a row of `lanes` and a grid of `phases`.
+/// Indices that a search needs for rows of `lanes` and a grid of `phases`.
 pub(crate) fn indices(lanes: usize, phases: usize) -> usize {
     lanes + large_grid::list(phases)
 }
 
-/// Gives every transducer in turn its best candidate. `step` is told the points after each turn and answers whether
-/// to go on; returns the number of turns taken. What has no effect keeps its drive of 0.
+/// Gives every transducer in order its best candidate. `report` is given the number of updates and the points after
+/// each and answers whether to go on; returns that number. A transducer without effect keeps its drive of 0.
 pub(crate) fn pass<T: Term>(
     set: InstructionSet,
     pass: Pass<'_>,
+    search: Search<'_>,
     drive: &mut [Complex32],
     pressures: [&mut [f32]; 2],
-    mut step: impl FnMut(usize, &[PointGroup]) -> bool,
+    report: impl FnMut(usize, &[PointGroup]) -> bool,
 ) -> usize {
-    dispatch!(set, s => run::<_, T>(s, pass, drive, pressures, &mut step))
+    dispatch!(set, s => {
+        let layout = PointsInLanes::<_, T>::new(s, [pass.target, pass.weight], search, drive);
+        run(s, pass, layout, pressures, report)
+    })
 }
 
+/// What the lanes hold: points or problems.
+pub(crate) trait Layout<S: Simd> {
+    /// Chooses and stores the drive of transducer `i`; none if it has no effect. `meanwhile` is called once, while the
+    /// sums over the points are waited for.
+    fn update(&mut self, s: S, points: Points<'_>, i: usize, meanwhile: impl FnOnce()) -> Option<[S::V; 2]>;
+
+    /// P += G q.
+    fn add(&mut self, s: S, groups: &mut [PointGroup], gain: [&[f32]; 2], q: [S::V; 2]);
+}
+
+/// The pass; returns the number of updates.
 #[inline(always)]
-fn run<S: Simd, T: Term>(
+pub(crate) fn run<S: Simd>(
     s: S,
     pass: Pass<'_>,
-    drive: &mut [Complex32],
+    mut layout: impl Layout<S>,
     [re, im]: [&mut [f32]; 2],
-    step: &mut impl FnMut(usize, &[PointGroup]) -> bool,
+    mut report: impl FnMut(usize, &[PointGroup]) -> bool,
 ) -> usize {
-    let Pass { rows, count, target, weight, candidates, order, kept, row, floats, indices } = pass;
-    let [mut row_re, mut row_im, mut next_re, mut next_im] = row;
-    let (near, close) = indices.split_at_mut(target.len());
-    let (kept, moved) = kept.split_at_mut(target.len() / LANES);
-    let mut energy = s.splat(0.0);
-    for (kept, (t, w)) in kept.iter_mut().zip(groups(target).iter().zip(groups(weight))) {
-        *kept = PointGroup::silent(s, t, w);
-        energy = s.fma(s.mul(s.load(w), s.load(t)), s.load(t), energy);
+    let Pass { rows, target, weight, count, order, groups: points, memory } = pass;
+    let lanes = target.len();
+    for (group, (t, w)) in points.iter_mut().zip(groups(target).iter().zip(groups(weight))) {
+        *group = PointGroup::silent(s, t, w);
     }
-    let matters = MATTERS * s.reduce_add(energy);
-    let large = candidates.phases >= large_grid::LARGE;
-    let mut silent = true;
-    let mut turns = 0;
-    if let Some(&first) = order.first() {
-        rows.write(s, first as usize, row_re, row_im);
-    }
-    for (turn, &i) in order.iter().enumerate() {
-        let points = Points { kept, gain: [&*row_re, &*row_im], count };
-        let moments = match (T::SQUARE && !silent, large) {
-            (true, true) => Some(Moments::new::<S, true>(s, kept, points.gain, energy, near)),
-            (true, false) => Some(Moments::new::<S, false>(s, kept, points.gain, energy, near)),
-            (false, _) => None,
-        };
-        // The next row depends on nothing here: it fills the wait for the sums.
-        if let Some(&next) = order.get(turn + 1) {
-            rows.write(s, next as usize, next_re, next_im);
+    let (mut row, mut next) = memory.split_at_mut(2 * lanes);
+    write(s, rows, order.first(), row);
+    let mut updates = 0;
+    for &i in order {
+        updates += 1;
+        let gain = [&row[..lanes], &row[lanes..]];
+        let before = Points { groups: points, gain, count };
+        let drive = layout.update(
+            s,
+            before,
+            i as usize,
+            #[inline(always)]
+            || write(s, rows, order.get(updates), next),
+        );
+        if let Some(q) = drive {
+            layout.add(s, points, gain, q);
         }
-        let choice = match moments {
-            Some((moments, nearby)) if large => {
-                large_grid::best(s, points, &moments, &near[..nearby], candidates, matters, floats, close)
-            }
-            // With few points eq. (7) alone is quicker than moments that leave some out.
-            Some((moments, nearby)) if nearby == 0 || points.kept.len() > 1 || !few(candidates) => {
-                choose(s, points, &moments, nearby, moved, candidates, floats, near, close)
-            }
-            _ => search_all::<S, T>(s, points, candidates, silent),
-        };
-        if let Some(index) = choice {
-            let [qr, qi] = candidates.drive(index);
-            drive[i as usize] = Complex32::new(qr, qi);
-            energy = s.splat(0.0);
-            let q = [s.splat(qr), s.splat(qi)];
-            for (kept, (gr, gi)) in kept.iter_mut().zip(groups(row_re).iter().zip(groups(row_im))) {
-                energy = s.add(energy, kept.add(s, [gr, gi], q));
-            }
-            silent = kept.iter().all(|kept| kept.modulus == [0.0; LANES]);
-        }
-        turns = turn + 1;
-        if !step(turns, kept) {
+        if !report(updates, points) {
             break;
         }
-        core::mem::swap(&mut row_re, &mut next_re);
-        core::mem::swap(&mut row_im, &mut next_im);
+        core::mem::swap(&mut row, &mut next);
     }
-    for (kept, group) in kept.iter().zip(0..) {
-        let range = group * LANES..(group + 1) * LANES;
-        re[range.clone()].copy_from_slice(&kept.re);
-        im[range].copy_from_slice(&kept.im);
+    for (group, (re, im)) in points.iter().zip(groups_mut(re).iter_mut().zip(groups_mut(im))) {
+        (*re, *im) = (group.re, group.im);
     }
-    turns
+    updates
 }
 
-/// Whether all candidates are up to 16 phases.
+/// Writes the row of a transducer, if there is one.
 #[inline(always)]
-pub(crate) fn few(candidates: &Candidates) -> bool {
-    candidates.amplitudes == 1 && candidates.phases <= LANES
+fn write<S: Simd>(s: S, rows: Rows<'_>, i: Option<&u32>, row: &mut [f32]) {
+    let (re, im) = row.split_at_mut(row.len() / 2);
+    if let Some(&i) = i {
+        rows.write(s, i as usize, re, im);
+    }
 }
 
-/// The best candidate by eq. (7) alone; none if the transducer has no effect.
-#[inline(always)]
-pub(crate) fn search_all<S: Simd, T: Term>(
-    s: S,
-    points: Points<'_>,
-    candidates: &Candidates,
-    silent: bool,
-) -> Option<usize> {
-    let tolerance = search::tolerance::<S, T>(s, points);
-    (tolerance > 0.0).then(|| search::best::<S, T>(s, points, candidates, silent, tolerance))
+/// One problem, its points in the lanes.
+pub(crate) struct PointsInLanes<'a, V, T> {
+    pub(crate) candidates: &'a Candidates,
+    pub(crate) drive: &'a mut [Complex32],
+    /// The energy, lanes apart; not yet summed while all points are silent.
+    pub(crate) energy: V,
+    pub(crate) silent: bool,
+    /// Differences of the energy that do not matter.
+    matters: f32,
+    floats: &'a mut [f32],
+    /// The points that the moments leave out,
+    near: &'a mut [u32],
+    /// and candidates.
+    close: &'a mut [u32],
+    term: PhantomData<T>,
 }
 
-/// The best candidate, `moments` leaving out the first `nearby` points of `near`; none if the transducer has no effect.
-#[inline(always)]
-#[allow(clippy::too_many_arguments, reason = "the state of one turn")]
-pub(crate) fn choose<S: Simd>(
-    s: S,
-    points: Points<'_>,
-    moments: &Moments,
-    nearby: usize,
-    moved: &mut [PointGroup],
-    candidates: &Candidates,
-    floats: &mut [f32],
-    near: &mut [u32],
-    close: &mut [u32],
-) -> Option<usize> {
-    if moments.power() == 0.0 {
-        return None;
-    }
-    if nearby == 0
-        && few(candidates)
-        && let Some(index) = shortlist::clear_winner(s, moments, candidates)
-    {
-        return Some(index);
-    }
-    let Shortlist { best, count, reach } =
-        shortlist(s, points, moments, &near[..nearby], candidates, moments.slack(1.0), floats, close);
-    if count == 1 {
-        return Some(best);
-    }
-    let tolerance = search::tolerance::<S, L2>(s, points);
-    if tolerance == 0.0 {
-        return None;
-    }
-    if count > Shortlist::MOST {
-        return Some(search::best::<S, L2>(s, points, candidates, false, tolerance));
-    }
-    let close = &close[..count];
-    Some(
-        settle(s, points, moved, candidates, best, close, near, reach, tolerance)
-            .unwrap_or_else(|| search::best_of(s, points, candidates, close, tolerance)),
-    )
-}
-
-/// The winner among some candidates by moments about `best` of them; none if these do not tell them apart either.
-#[inline(always)]
-#[allow(clippy::too_many_arguments, reason = "the state of one turn")]
-fn settle<S: Simd>(
-    s: S,
-    points: Points<'_>,
-    moved: &mut [PointGroup],
-    candidates: &Candidates,
-    best: usize,
-    close: &[u32],
-    near: &mut [u32],
-    reach: f32,
-    tolerance: f32,
-) -> Option<usize> {
-    let [qr, qi] = candidates.drive(best);
-    let q = [s.splat(qr), s.splat(qi)];
-    let rows = groups(points.gain[0]).iter().zip(groups(points.gain[1]));
-    let mut energy = s.splat(0.0);
-    for ((moved, kept), (gr, gi)) in moved.iter_mut().zip(points.kept).zip(rows) {
-        *moved = *kept;
-        energy = s.add(energy, moved.add(s, [gr, gi], q));
-    }
-    let (moments, nearby) = Moments::new::<S, false>(s, moved, points.gain, energy, near);
-    let square = reach * reach;
-    if nearby > 0 || 2.0 * square * square * moments.remainder() > tolerance {
-        return None;
-    }
-    let mut winner = search::Winner::NONE;
-    for chunk in close.chunks(LANES) {
-        let (mut re, mut im): (Lanes, Lanes) = ([0.0; LANES], [0.0; LANES]);
-        for lane in 0..LANES {
-            let [zr, zi] = candidates.drive(chunk[lane.min(chunk.len() - 1)] as usize);
-            (re[lane], im[lane]) = (zr - qr, zi - qi);
+impl<'a, V: Copy, T: Term> PointsInLanes<'a, V, T> {
+    /// Before any transducer is driven. `asked` are targets and weights.
+    #[inline(always)]
+    pub(crate) fn new<S: Simd<V = V>>(
+        s: S,
+        asked: [&[f32]; 2],
+        search: Search<'a>,
+        drive: &'a mut [Complex32],
+    ) -> Self {
+        let Search { candidates, floats, indices } = search;
+        let (near, close) = indices.split_at_mut(asked[0].len());
+        let mut energy = s.splat(0.0);
+        for (t, w) in groups(asked[0]).iter().zip(groups(asked[1])) {
+            energy = s.fma(s.mul(s.load(w), s.load(t)), s.load(t), energy);
         }
-        let changes = moments.change(s, s.load(&re), s.load(&im));
-        winner = winner.meet(s, changes, |lane| chunk[lane.min(chunk.len() - 1)] as usize, tolerance);
+        let matters = MATTERS * s.reduce_add(energy);
+        Self { candidates, drive, energy, silent: true, matters, floats, near, close, term: PhantomData }
     }
-    Some(winner.index)
+}
+
+impl<S: Simd, T: Term> Layout<S> for PointsInLanes<'_, S::V, T> {
+    #[inline(always)]
+    fn update(&mut self, s: S, points: Points<'_>, i: usize, meanwhile: impl FnOnce()) -> Option<[S::V; 2]> {
+        let candidates = self.candidates;
+        let Points { groups, gain, .. } = points;
+        let moments = match (T::SQUARE && !self.silent, large_grid::large(candidates)) {
+            (true, true) => Some(Moments::new::<S, true>(s, groups, gain, self.energy, self.near)),
+            (true, false) => Some(Moments::new::<S, false>(s, groups, gain, self.energy, self.near)),
+            (false, _) => None,
+        };
+        meanwhile();
+        let index = match moments {
+            Some((moments, nearby)) if nearby == 0 || groups.len() > 1 || !shortlist::few(candidates) => {
+                let near = &self.near[..nearby];
+                let energies = Energies { s, points, moments: &moments, near, candidates };
+                if large_grid::large(candidates) {
+                    large_grid::best(&energies, self.matters, self.floats, self.close)?
+                } else {
+                    shortlist::best(&energies, self.floats, self.close)?
+                }
+            }
+            _ => {
+                let tolerance = search::tolerance::<S, T>(s, points);
+                if tolerance == 0.0 {
+                    return None;
+                }
+                search::best::<S, T>(s, points, candidates, self.silent, tolerance)
+            }
+        };
+        let [re, im] = candidates.drive(index);
+        self.drive[i] = Complex32::new(re, im);
+        Some([s.splat(re), s.splat(im)])
+    }
+
+    #[inline(always)]
+    fn add(&mut self, s: S, points: &mut [PointGroup], gain: [&[f32]; 2], q: [S::V; 2]) {
+        self.energy = s.splat(0.0);
+        for (group, (gr, gi)) in points.iter_mut().zip(groups(gain[0]).iter().zip(groups(gain[1]))) {
+            self.energy = s.add(self.energy, group.add(s, [gr, gi], q));
+        }
+        self.silent = points.iter().all(|group| group.modulus == [0.0; LANES]);
+    }
 }

@@ -1,4 +1,16 @@
-//! Eq. (7) as a polynomial of one transducer's drive.
+//! Moments: eq. (7) as a polynomial of one transducer's drive, with a bound on what it leaves out.
+//!
+//! ```text
+//! for each group of 16 points: add its terms of A1, A2, A3, C, B, the power and R, lanes apart;
+//!                              name the points with |u| > 1/4, which add their power alone
+//! sums over the lanes of all 16 at once, times the polynomial's factors
+//! change(z) = B |z|^2 + ... for 16 candidates at a time
+//! ```
+//!
+//! 1. Up to 16 moments are one register: their sums over the lanes are one reduction.
+//! 2. The factors and signs of the polynomial are multiplied into the moments once ([`FACTORS`]), and it is summed in two
+//!    chains: with moments read as they were stored that was worth 15 % of a pass.
+//! 3. w (1 - t/|P|), w t |P| and 1/|P|^2 are kept with the points: 30 instructions a group are left.
 //!
 //! With u_j = G_j / P_j and z = a e^{j phi}, |P_j + G_j z| = |P_j| |1 + u_j z|, and
 //!
@@ -15,8 +27,8 @@
 //! ```
 //!
 //! within R = sum w t |P| |u|^4 / (4 (1 - |u|)): moments that cost O(M) once, and then nothing of M for any
-//! number of candidates. Points with |u| above [`FAR`] (at the first transducers) are left out and named, to be
-//! evaluated exactly.
+//! number of candidates. Points with |u| above [`FAR`] (at the first transducers) are left out and named: their terms are
+//! evaluated as they stand.
 //!
 //! A large grid, whose candidates lie close together, takes the terms of the fourth order too,
 //!
@@ -42,8 +54,9 @@ pub(crate) const FAR: f32 = 0.25;
 /// the energy, A4 and D.
 pub(crate) const PARTS: usize = LANES;
 
-/// How many of them the third order needs, and which is the energy.
+/// How many of them the third order needs, and which are the power (the remainder follows) and the energy.
 pub(crate) const THIRD: usize = 12;
+pub(crate) const POWER: usize = 9;
 pub(crate) const ENERGY: usize = 11;
 
 /// By what the sums of the parts are multiplied: the terms of the polynomial become fused products with no sign left.
@@ -117,42 +130,27 @@ pub(crate) fn add_parts<S: Simd, const FOURTH: bool>(
     beyond
 }
 
-/// What the polynomial takes of a drive z.
-#[derive(Clone, Copy)]
-pub(crate) struct Powers<V> {
-    /// |z|^2.
-    pub(crate) square: V,
-    /// z, z^2, z^3 and |z|^2 z.
-    pub(crate) first: [V; 2],
-    pub(crate) second: [V; 2],
-    pub(crate) third: [V; 2],
-    pub(crate) crossed: [V; 2],
-}
+/// How many numbers the polynomial takes of a drive z: re and im of z, z^2, z^3 and |z|^2 z, and |z|^2. Each meets the
+/// moment of its place in [`PARTS`].
+pub(crate) const POWERS: usize = 9;
 
-/// The powers of the drives (re, im).
+/// These numbers of the drives (re, im).
 #[inline(always)]
-pub(crate) fn powers<S: Simd>(s: S, re: S::V, im: S::V) -> Powers<S::V> {
+pub(crate) fn powers<S: Simd>(s: S, re: S::V, im: S::V) -> [S::V; POWERS] {
     let (re_re, re_im) = (s.mul(re, re), s.mul(re, im));
     let (square, re2) = (s.fma(im, im, re_re), s.fnma(im, im, re_re));
     let im2 = s.add(re_im, re_im);
     let (re3, im3) = (s.fnma(im, im2, s.mul(re, re2)), s.fma(im, re2, s.mul(re, im2)));
-    let crossed = [s.mul(square, re), s.mul(square, im)];
-    Powers { square, first: [re, im], second: [re2, im2], third: [re3, im3], crossed }
+    [re, im, re2, im2, re3, im3, s.mul(square, re), s.mul(square, im), square]
 }
 
-/// The change of the energy to the third order, from moments in the order of [`PARTS`].
+/// The change of the energy to the third order under drives of these powers.
 #[inline(always)]
-pub(crate) fn change<S: Simd>(s: S, m: &[S::V; 9], z: &Powers<S::V>) -> S::V {
+pub(crate) fn change<S: Simd>(s: S, m: &[S::V], z: &[S::V; POWERS]) -> S::V {
+    let pair = |k: usize, sum| s.fma(m[k], z[k], s.fma(m[k + 1], z[k + 1], sum));
     // Two sums, that neither waits long.
-    let low = part(s, [m[0], m[1]], z.first, part(s, [m[2], m[3]], z.second, s.mul(m[8], z.square)));
-    let high = s.fma(m[5], z.third[1], s.mul(m[4], z.third[0]));
-    s.add(low, part(s, [m[6], m[7]], z.crossed, high))
-}
-
-/// re c + im d + sum.
-#[inline(always)]
-fn part<S: Simd>(s: S, [re, im]: [S::V; 2], [c, d]: [S::V; 2], sum: S::V) -> S::V {
-    s.fma(re, c, s.fma(im, d, sum))
+    let low = pair(0, pair(2, s.mul(m[8], z[8])));
+    s.add(low, pair(6, s.fma(m[5], z[5], s.mul(m[4], z[4]))))
 }
 
 /// The moments of one transducer, times [`FACTORS`].
@@ -190,13 +188,13 @@ impl Moments {
     /// sum w |G|^2.
     #[inline(always)]
     pub(crate) fn power(&self) -> f32 {
-        self.0[9]
+        self.0[POWER]
     }
 
     /// R, for drives of modulus 1.
     #[inline(always)]
     pub(crate) fn remainder(&self) -> f32 {
-        self.0[10]
+        self.0[POWER + 1]
     }
 
     /// 2 A1.
@@ -208,18 +206,10 @@ impl Moments {
     /// The change of the energy under the drives z = (re, im).
     #[inline(always)]
     pub(crate) fn change<S: Simd>(&self, s: S, re: S::V, im: S::V) -> S::V {
-        let [a, b, c, d, e, f, g, h, bow, ..] = self.0;
-        let m = [
-            s.splat(a),
-            s.splat(b),
-            s.splat(c),
-            s.splat(d),
-            s.splat(e),
-            s.splat(f),
-            s.splat(g),
-            s.splat(h),
-            s.splat(bow),
-        ];
+        let mut m = [s.splat(0.0); POWERS];
+        for (m, x) in m.iter_mut().zip(self.0) {
+            *m = s.splat(x);
+        }
         change(s, &m, &powers(s, re, im))
     }
 
@@ -229,12 +219,12 @@ impl Moments {
         let square = s.fma(re, re, s.mul(im, im));
         let (re2, im2) = (s.fnma(im, im, s.mul(re, re)), s.mul(s.add(re, re), im));
         let (re4, im4) = (s.fnma(im2, im2, s.mul(re2, re2)), s.mul(s.add(re2, re2), im2));
-        let [fourth_re, fourth_im, turning_re, turning_im] =
-            [s.splat(self.0[12]), s.splat(self.0[13]), s.splat(self.0[14]), s.splat(self.0[15])];
+        let pair =
+            |k: usize, [c, d]: [S::V; 2], sum| s.fma(s.splat(self.0[k]), c, s.fma(s.splat(self.0[k + 1]), d, sum));
         // F is in the remainder.
         let set = s.splat(-(1.0 - FAR) / 8.0 * self.remainder());
-        let even = part(s, [turning_re, turning_im], [re2, im2], s.mul(square, set));
-        part(s, [fourth_re, fourth_im], [re4, im4], s.fma(square, even, self.change(s, re, im)))
+        let even = pair(14, [re2, im2], s.mul(square, set));
+        pair(12, [re4, im4], s.fma(square, even, self.change(s, re, im)))
     }
 
     /// A bound on the second derivative of the change over the phase, at amplitude a.

@@ -1,11 +1,11 @@
-//! What the greedy search keeps of its points.
+//! Point group: pressures, targets and weights of 16 points, and what the greedy search derives of them.
 
 use crate::kernels::greedy::search;
 use crate::kernels::greedy::search::{L2, Term};
-use crate::kernels::lanes::{LANES, Lanes};
+use crate::kernels::lanes::Lanes;
 use crate::kernels::simd::{Simd, TINY};
 
-/// What is kept of 16 points, refreshed when their pressures change.
+/// 16 points of one problem, or one point of 16 problems; refreshed when the pressures change.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 pub(crate) struct PointGroup {
@@ -29,36 +29,21 @@ impl PointGroup {
     /// Silence where pressures t are wanted, with weights w.
     #[inline(always)]
     pub(crate) fn silent<S: Simd>(s: S, target: &Lanes, weight: &Lanes) -> Self {
-        let none = [0.0; LANES];
-        let mut sixteen = Self {
-            re: none,
-            im: none,
-            modulus: none,
-            inverse: none,
-            pull: none,
-            product: none,
-            target: *target,
-            weight: *weight,
-        };
-        sixteen.refresh(s, s.splat(0.0), s.splat(0.0));
-        sixteen
+        let mut group = Self { target: *target, weight: *weight, ..Self::default() };
+        group.refresh(s, s.splat(0.0), s.splat(0.0));
+        group
     }
 
-    /// The points of the problem in a lane, where each of `points` is one point of several problems.
+    /// The points of the problem in one lane of an interleaved batch, and their energies.
     #[inline(always)]
-    pub(crate) fn of_lane<S: Simd>(s: S, points: &[Self], lane: usize) -> Self {
-        let mut own = Self::silent(s, &[0.0; LANES], &[0.0; LANES]);
+    pub(crate) fn of_lane<S: Simd>(s: S, points: &[Self], lane: usize) -> (Self, S::V) {
+        let mut group = Self::default();
         for (j, point) in points.iter().enumerate() {
-            own.re[j] = point.re[lane];
-            own.im[j] = point.im[lane];
-            own.modulus[j] = point.modulus[lane];
-            own.inverse[j] = point.inverse[lane];
-            own.pull[j] = point.pull[lane];
-            own.product[j] = point.product[lane];
-            own.target[j] = point.target[lane];
-            own.weight[j] = point.weight[lane];
+            (group.re[j], group.im[j]) = (point.re[lane], point.im[lane]);
+            (group.target[j], group.weight[j]) = (point.target[lane], point.weight[lane]);
         }
-        own
+        let energies = group.refresh(s, s.load(&group.re), s.load(&group.im));
+        (group, energies)
     }
 
     /// Sets the pressures; returns the energies w (t - |P|)^2.
@@ -94,7 +79,7 @@ impl PointGroup {
     pub(crate) fn add_change<S: Simd>(&self, s: S, [gr, gi]: [&Lanes; 2], [qr, qi]: [S::V; 2], total: S::V) -> S::V {
         let (gr, gi) = (s.load(gr), s.load(gi));
         let e = [s.fnma(gi, qi, s.mul(gr, qr)), s.fma(gi, qr, s.mul(gr, qi))];
-        let old = [&self.re, &self.im, &self.modulus].map(|x| s.load(x));
+        let old = [s.load(&self.re), s.load(&self.im), s.load(&self.modulus)];
         let gap = s.sub(s.load(&self.target), old[2]);
         let change = L2::change(s, search::rise(s, old, e), gap);
         s.fma(s.load(&self.weight), change, total)

@@ -9,7 +9,7 @@ use crate::kernels::simd::{Simd, TINY};
 use crate::math::{cos, sin};
 use alloc::vec::Vec;
 
-/// A point's term of eq. (7), by its change when |P| rises towards its target or past it.
+/// A point's term of the energy, by how it changes with |P|.
 pub(crate) trait Term {
     /// Whether it is (t - |P|)^2, whose moments are known.
     const SQUARE: bool;
@@ -57,7 +57,7 @@ impl Term for L1 {
 /// The points as the search sees them: their pressures and what is asked for, and this transducer's propagation.
 #[derive(Clone, Copy)]
 pub(crate) struct Points<'a> {
-    pub(crate) kept: &'a [PointGroup],
+    pub(crate) groups: &'a [PointGroup],
     pub(crate) gain: [&'a [f32]; 2],
     /// How many of them are points; the rest is padding.
     pub(crate) count: usize,
@@ -96,18 +96,18 @@ impl Candidates {
         Self::made(phases, |l| l as f64 / phases as f64, amplitudes, buffers)
     }
 
-    /// Turns by up to `width` steps of 1/`phases`, at full amplitude: 0 first, then 1, -1, 2, -2 and so on.
-    pub(crate) fn turns(phases: usize, width: usize, buffers: [Vec<f32>; 3]) -> Self {
-        let turns = |k: usize| {
+    /// Rotations by up to `width` steps of 1/`phases`, at full amplitude: 0 first, then 1, -1, 2, -2 and so on.
+    pub(crate) fn rotations(phases: usize, width: usize, buffers: [Vec<f32>; 3]) -> Self {
+        let rotation = |k: usize| {
             let step = k.div_ceil(2) as f64 * if k % 2 == 1 { 1.0 } else { -1.0 };
             step / phases as f64
         };
-        Self::made(width.min(phases), turns, core::iter::once(1.0), buffers)
+        Self::made(width.min(phases), rotation, core::iter::once(1.0), buffers)
     }
 
     fn made(
         phases: usize,
-        turns: impl Fn(usize) -> f64,
+        turns_of: impl Fn(usize) -> f64,
         amplitudes: impl Iterator<Item = f64>,
         buffers: [Vec<f32>; 3],
     ) -> Self {
@@ -117,7 +117,7 @@ impl Candidates {
         for (buffer, part) in [(&mut cosines, cos as fn(f64) -> f64), (&mut sines, sin)] {
             buffer.clear();
             buffer.extend((0..table(phases)).map(|l| {
-                let angle = core::f64::consts::TAU * turns(l % phases);
+                let angle = core::f64::consts::TAU * turns_of(l % phases);
                 part(angle) as f32
             }));
         }
@@ -143,7 +143,7 @@ impl Candidates {
     /// The drive (re, im) of candidate k L + l.
     #[inline(always)]
     pub(crate) fn drive(&self, index: usize) -> [f32; 2] {
-        // Most grids have one amplitude, and a division takes as long as meeting them all.
+        // Most grids have one amplitude, and a division takes as long as evaluating it.
         let k = if index < self.phases { 0 } else { index / self.phases };
         let (amplitude, l) = (self.amplitude(k), index - k * self.phases);
         [amplitude * self.cos[l], amplitude * self.sin[l]]
@@ -161,10 +161,16 @@ impl Candidates {
         [&self.cos, &self.sin].map(|part| part[l..].first_chunk().unwrap_or(&[0.0; LANES]))
     }
 
-    /// The phase where a thirty-second of a turn starts.
+    /// The drives of 16 phases from l on at amplitude a.
     #[inline(always)]
-    pub(crate) fn start(&self, place: usize) -> usize {
-        place * self.phases / (2 * LANES)
+    pub(crate) fn drives<S: Simd>(&self, s: S, a: f32, l: usize) -> [S::V; 2] {
+        scaled(s, a, self.sixteen(l))
+    }
+
+    /// The phase where the arc of some thirty-second of a turn begins.
+    #[inline(always)]
+    pub(crate) fn start(&self, arc: usize) -> usize {
+        arc * self.phases / (2 * LANES)
     }
 
     /// cos and sin there, at the even and at the odd ones.
@@ -179,10 +185,16 @@ impl Candidates {
     }
 }
 
+/// 16 drives of amplitude a.
+#[inline(always)]
+pub(crate) fn scaled<S: Simd>(s: S, a: f32, [cos, sin]: [&Lanes; 2]) -> [S::V; 2] {
+    [s.mul(s.splat(a), s.load(cos)), s.mul(s.splat(a), s.load(sin))]
+}
+
 /// Below this difference two energies are equal. 0 if the transducer cannot change any term.
 #[inline(always)]
 pub(crate) fn tolerance<S: Simd, T: Term>(s: S, points: Points<'_>) -> f32 {
-    EQUAL * s.reduce_max(largest::<S, T>(s, points.kept, points.gain))
+    EQUAL * s.reduce_max(largest::<S, T>(s, points))
 }
 
 /// Of the largest term summed, the part below which two energies are equal: the rounding of f32.
@@ -190,13 +202,13 @@ pub(crate) const EQUAL: f32 = 1e-7;
 
 /// A bound on the largest term summed, lanes apart.
 #[inline(always)]
-pub(crate) fn largest<S: Simd, T: Term>(s: S, kept: &[PointGroup], gain: [&[f32]; 2]) -> S::V {
-    let propagation = groups(gain[0]).iter().zip(groups(gain[1]));
+pub(crate) fn largest<S: Simd, T: Term>(s: S, points: Points<'_>) -> S::V {
+    let propagation = groups(points.gain[0]).iter().zip(groups(points.gain[1]));
     let mut most = s.splat(0.0);
-    for ((re, im), kept) in propagation.zip(kept) {
+    for ((re, im), group) in propagation.zip(points.groups) {
         let gain = s.add(s.abs(s.load(re)), s.abs(s.load(im)));
-        let gap = s.sub(s.load(&kept.target), s.load(&kept.modulus));
-        most = s.max(most, s.mul(s.load(&kept.weight), T::bound(s, gain, gap)));
+        let gap = s.sub(s.load(&group.target), s.load(&group.modulus));
+        most = s.max(most, s.mul(s.load(&group.weight), T::bound(s, gain, gap)));
     }
     most
 }
@@ -212,11 +224,11 @@ pub(crate) fn add_changes<S: Simd, T: Term>(
 ) -> S::V {
     for j in some {
         let (gr, gi) = (s.splat(points.gain[0][j]), s.splat(points.gain[1][j]));
-        let (kept, lane) = (&points.kept[j / LANES], j % LANES);
-        let old = [kept.re[lane], kept.im[lane], kept.modulus[lane]].map(|x| s.splat(x));
+        let (group, lane) = (&points.groups[j / LANES], j % LANES);
+        let old = [s.splat(group.re[lane]), s.splat(group.im[lane]), s.splat(group.modulus[lane])];
         let e = [s.fnma(gi, im, s.mul(gr, re)), s.fma(gi, re, s.mul(gr, im))];
-        let gap = s.splat(kept.target[lane] - kept.modulus[lane]);
-        total = s.fma(s.splat(kept.weight[lane]), T::change(s, rise(s, old, e), gap), total);
+        let gap = s.splat(group.target[lane] - group.modulus[lane]);
+        total = s.fma(s.splat(group.weight[lane]), T::change(s, rise(s, old, e), gap), total);
     }
     total
 }
@@ -250,9 +262,9 @@ impl Winner {
     /// Before any candidate is known.
     pub(crate) const NONE: Self = Self { index: 0, change: f32::INFINITY };
 
-    /// Takes up to 16 further candidates: the first one that no other beats by more than `tolerance`.
+    /// This or the best of 16 further candidates: the first one that no other beats by more than `tolerance`.
     #[inline(always)]
-    pub(crate) fn meet<S: Simd>(self, s: S, changes: S::V, index: impl Fn(usize) -> usize, tolerance: f32) -> Self {
+    pub(crate) fn or<S: Simd>(self, s: S, changes: S::V, index: impl Fn(usize) -> usize, tolerance: f32) -> Self {
         let least = -s.reduce_max(s.sub(s.splat(0.0), changes));
         // Not "at most": an infinite change stands against the first.
         if self.change - least <= tolerance {
@@ -284,23 +296,21 @@ pub(crate) fn best<S: Simd, T: Term>(
             let at = |lane: usize| (first + lane).min(amplitudes - 1);
             let re = s.load(&core::array::from_fn(|lane| candidates.amplitude(at(lane))));
             let changes = add_changes::<S, T>(s, points, 0..points.count, [re, zero], zero);
-            winner = winner.meet(s, changes, |lane| at(lane) * phases, tolerance);
+            winner = winner.or(s, changes, |lane| at(lane) * phases, tolerance);
         }
         return winner.index;
     }
     for k in 0..amplitudes {
-        let amplitude = s.splat(candidates.amplitude(k));
         for first in (0..phases).step_by(LANES) {
-            let [cos, sin] = candidates.sixteen(first);
-            let drives = [s.mul(amplitude, s.load(cos)), s.mul(amplitude, s.load(sin))];
+            let drives = candidates.drives(s, candidates.amplitude(k), first);
             let changes = add_changes::<S, T>(s, points, 0..points.count, drives, zero);
-            winner = winner.meet(s, changes, |lane| k * phases + first + lane, tolerance);
+            winner = winner.or(s, changes, |lane| k * phases + first + lane, tolerance);
         }
     }
     winner.index
 }
 
-/// As [`best`], among candidates given by their index in rising order.
+/// As [`best`], among candidates given by their index in rising order: here the points lie in the lanes.
 #[inline(always)]
 pub(crate) fn best_of<S: Simd>(
     s: S,
@@ -311,14 +321,20 @@ pub(crate) fn best_of<S: Simd>(
 ) -> usize {
     let mut winner = Winner::NONE;
     for chunk in some.chunks(LANES) {
-        let at = |lane: usize| chunk[lane.min(chunk.len() - 1)] as usize;
-        let mut drives = [[0.0; LANES]; 2];
-        for lane in 0..LANES {
-            [drives[0][lane], drives[1][lane]] = candidates.drive(at(lane));
+        let mut changes = [s.splat(0.0); LANES];
+        for (&index, change) in chunk.iter().zip(&mut changes) {
+            let [re, im] = candidates.drive(index as usize);
+            let q = [s.splat(re), s.splat(im)];
+            let propagation = groups(points.gain[0]).iter().zip(groups(points.gain[1]));
+            for (group, (re, im)) in points.groups.iter().zip(propagation) {
+                *change = group.add_change(s, [re, im], q, *change);
+            }
         }
-        let drives = [s.load(&drives[0]), s.load(&drives[1])];
-        let changes = add_changes::<S, L2>(s, points, 0..points.count, drives, s.splat(0.0));
-        winner = winner.meet(s, changes, at, tolerance);
+        let mut lanes = [f32::INFINITY; LANES];
+        s.store(s.reduce_add_each(&changes), &mut lanes);
+        lanes[chunk.len()..].fill(f32::INFINITY);
+        let at = |lane: usize| chunk[lane.min(chunk.len() - 1)] as usize;
+        winner = winner.or(s, s.load(&lanes), at, tolerance);
     }
     winner.index
 }

@@ -1,68 +1,101 @@
-//! Which candidates may be the best, as far as the moments tell.
+//! Shortlist: the candidates that the moments cannot tell from the best.
 //!
-//! Small grids are met whole; for large ones see [`crate::kernels::greedy::large_grid`].
+//! ```text
+//! f(z) = change of the energy under z, third order          16 candidates in the lanes
+//! slack = 2 R + rounding                                    what f leaves open between two candidates
+//! list = all z with f(z) <= min f + slack
+//! best = the one in the list, or the first of it by eq. (7)
+//! ```
+//!
+//! 1. Up to 16 phases are one vector: the least lane and a comparison tell whether it is alone ([`clear_winner`]: 8
+//!    to 14 % of a pass up to M = 16, and at N = 996, M = 64).
+//! 2. The candidates of a list are evaluated with the points in the lanes ([`search::best_of`]): most lists are short,
+//!    and with the candidates there a list of two took as long as one of 16 (5 to 15 % at N = 996, M = 64 and 256, a
+//!    third at N = 400, M = 256).
 
-use crate::kernels::greedy::moments::Moments;
+use crate::kernels::greedy::energies::Energies;
 use crate::kernels::greedy::search;
-use crate::kernels::greedy::search::{Candidates, L2, Points};
-use crate::kernels::lanes::{LANES, Lanes};
+use crate::kernels::greedy::search::{Candidates, L2};
+use crate::kernels::lanes::LANES;
+use crate::kernels::lanes::Lanes;
 use crate::kernels::simd::Simd;
-use crate::math::sqrtf;
 
-/// What is left to decide between.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Shortlist {
-    /// The best by the moments.
-    pub(crate) best: usize,
-    /// How many are as good within the slack; above [`Shortlist::MOST`] they are not listed.
-    pub(crate) count: usize,
-    /// The largest distance of one of them from the best.
-    pub(crate) reach: f32,
+/// The longest list kept.
+pub(crate) const MOST: usize = 256;
+
+/// Whether all candidates are up to 16 phases.
+#[inline(always)]
+pub(crate) fn few(candidates: &Candidates) -> bool {
+    candidates.amplitudes == 1 && candidates.phases <= LANES
 }
 
-impl Shortlist {
-    /// The longest list kept.
-    pub(crate) const MOST: usize = 256;
-}
-
-/// The energies' changes to the third order by the moments, and by eq. (7) at the points that these leave out.
-struct Changes<'a, S: Simd> {
-    s: S,
-    points: Points<'a>,
-    moments: &'a Moments,
-    near: &'a [u32],
-}
-
-impl<S: Simd> Changes<'_, S> {
-    /// The changes for 16 candidates.
-    #[inline(always)]
-    fn meet(&self, amplitude: f32, [cos, sin]: [&Lanes; 2]) -> S::V {
-        let s = self.s;
-        let a = s.splat(amplitude);
-        let (re, im) = (s.mul(a, s.load(cos)), s.mul(a, s.load(sin)));
-        let change = self.moments.change(s, re, im);
-        if self.near.is_empty() {
-            return change;
-        }
-        let some = self.near.iter().map(|&j| j as usize);
-        search::add_changes::<S, L2>(s, self.points, some, [re, im], change)
+/// The best candidate; none if the transducer has no effect. `floats` and `indices` have room for [`MOST`].
+#[inline(always)]
+pub(crate) fn best<S: Simd>(energies: &Energies<'_, S>, floats: &mut [f32], indices: &mut [u32]) -> Option<usize> {
+    if energies.moments.power() == 0.0 {
+        return None;
     }
+    if energies.near.is_empty()
+        && few(energies.candidates)
+        && let Some(index) = clear_winner(energies)
+    {
+        return Some(index);
+    }
+    shortlist(energies, floats, indices).best(energies)
 }
 
-/// The candidates met so far that may be the best, in rising order.
+/// The best of up to 16 phases, if the moments leave no point out and no other phase is as good within their slack.
+#[inline(always)]
+fn clear_winner<S: Simd>(energies: &Energies<'_, S>) -> Option<usize> {
+    let (s, moments, candidates) = (energies.s, energies.moments, energies.candidates);
+    let [cos, sin] = candidates.sixteen(0);
+    let changes = moments.change(s, s.load(cos), s.load(sin));
+    let limit = s.add(s.reduce_min(changes), s.splat(moments.slack(1.0)));
+    let bits = !s.less(limit, changes) & (0xffff >> (LANES - candidates.phases));
+    bits.is_power_of_two().then(|| bits.trailing_zeros() as usize)
+}
+
+/// The candidates that may be the best.
+#[inline(always)]
+pub(crate) fn shortlist<'a, S: Simd>(
+    energies: &Energies<'_, S>,
+    floats: &'a mut [f32],
+    indices: &'a mut [u32],
+) -> List<'a> {
+    let (s, candidates) = (energies.s, energies.candidates);
+    let slack = 2.0 * energies.moments.remainder() + energies.rounding();
+    let mut list = List::new(slack, floats, indices);
+    let phases = candidates.phases;
+    for k in 0..candidates.amplitudes {
+        for first in (0..phases).step_by(LANES) {
+            let z = candidates.drives(s, candidates.amplitude(k), first);
+            list.push(s, energies.roughly(z), k * phases + first, LANES.min(phases - first));
+        }
+    }
+    list.sift();
+    list
+}
+
+/// The candidates evaluated so far that may be the best, in rising order.
 pub(crate) struct List<'a> {
+    /// By how much more than the least change one may still be the best.
     pub(crate) slack: f32,
     pub(crate) least: f32,
-    pub(crate) indices: &'a mut [u32],
-    pub(crate) values: &'a mut [f32],
+    indices: &'a mut [u32],
+    values: &'a mut [f32],
+    /// One more than there is room for: some were dropped.
     pub(crate) count: usize,
 }
 
-impl List<'_> {
-    /// Meets 16 candidates, of which the first `used` are listed, as numbers from `index` on.
+impl<'a> List<'a> {
+    pub(crate) fn new(slack: f32, values: &'a mut [f32], indices: &'a mut [u32]) -> Self {
+        Self { slack, least: f32::INFINITY, indices, values, count: 0 }
+    }
+
+    /// Takes the changes of 16 candidates, of which the first `used` are listed, as numbers from `index` on. The others
+    /// are copies of candidates or belong to another arc.
     #[inline(always)]
-    pub(crate) fn meet<S: Simd>(&mut self, s: S, changes: S::V, index: usize, used: usize) {
-        // Lanes beyond are copies of a candidate, or candidates of another stretch.
+    pub(crate) fn push<S: Simd>(&mut self, s: S, changes: S::V, index: usize, used: usize) {
         self.least = self.least.min(-s.reduce_max(s.sub(s.splat(0.0), changes)));
         let mut bits = !s.less(s.splat(self.least + self.slack), changes) & (0xffff >> (LANES - used));
         if bits == 0 {
@@ -80,76 +113,77 @@ impl List<'_> {
                 self.indices[self.count] = (index + lane) as u32;
                 self.values[self.count] = lanes[lane];
             }
-            // Beyond the list's end they are only counted.
             self.count = (self.count + 1).min(self.indices.len() + 1);
         }
     }
 
-    /// Drops what the least found since has ruled out, unless some were only counted.
+    /// Lists a candidate whose change does not matter any more.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, index: usize) {
+        self.indices[self.count] = index as u32;
+        self.count += 1;
+    }
+
+    /// Drops what the least found since has ruled out, unless some were dropped before.
     pub(crate) fn sift(&mut self) {
-        if self.count > self.indices.len() {
-            return;
-        }
-        let mut left = 0;
-        for k in 0..self.count {
-            // Whatever cannot be compared stays.
-            if self.values[k].partial_cmp(&(self.least + self.slack)) != Some(core::cmp::Ordering::Greater) {
-                (self.indices[left], self.values[left]) = (self.indices[k], self.values[k]);
-                left += 1;
+        let limit = self.least + self.slack;
+        // Whatever cannot be compared stays.
+        self.retain(|_, value| value.partial_cmp(&limit) != Some(core::cmp::Ordering::Greater));
+    }
+
+    /// Keeps what is wanted by its index and change, unless some were dropped before.
+    #[inline(always)]
+    pub(crate) fn retain(&mut self, mut wanted: impl FnMut(usize, f32) -> bool) {
+        if !self.overflows() {
+            let mut left = 0;
+            for k in 0..self.count {
+                if wanted(self.indices[k] as usize, self.values[k]) {
+                    (self.indices[left], self.values[left]) = (self.indices[k], self.values[k]);
+                    left += 1;
+                }
             }
-        }
-        self.count = left;
-    }
-}
-
-/// The best of up to 16 phases, if the moments leave no point out and no other phase is as good within their slack.
-#[inline(always)]
-pub(crate) fn clear_winner<S: Simd>(s: S, moments: &Moments, candidates: &Candidates) -> Option<usize> {
-    let [cos, sin] = candidates.sixteen(0);
-    let changes = moments.change(s, s.load(cos), s.load(sin));
-    let limit = s.add(s.reduce_min(changes), s.splat(moments.slack(1.0)));
-    let bits = !s.less(limit, changes) & (0xffff >> (LANES - candidates.phases));
-    bits.is_power_of_two().then(|| bits.trailing_zeros() as usize)
-}
-
-/// The candidates within `slack` of the best, by the moments and by eq. (7) itself at the points `near`; their
-/// indices are written into `close` in rising order.
-#[inline(always)]
-#[allow(clippy::too_many_arguments, reason = "the state of one turn")]
-pub(crate) fn shortlist<S: Simd>(
-    s: S,
-    points: Points<'_>,
-    moments: &Moments,
-    near: &[u32],
-    candidates: &Candidates,
-    slack: f32,
-    floats: &mut [f32],
-    close: &mut [u32],
-) -> Shortlist {
-    let energies = Changes { s, points, moments, near };
-    let mut list = List { slack, least: f32::INFINITY, indices: close, values: floats, count: 0 };
-    let phases = candidates.phases;
-    for k in 0..candidates.amplitudes {
-        let amplitude = candidates.amplitude(k);
-        for first in (0..phases).step_by(LANES) {
-            let changes = energies.meet(amplitude, candidates.sixteen(first));
-            list.meet(s, changes, k * phases + first, LANES.min(phases - first));
+            self.count = left;
         }
     }
-    if list.count > 1 {
-        list.sift();
+
+    /// Whether there were more than there is room for.
+    pub(crate) fn overflows(&self) -> bool {
+        self.count > self.indices.len()
     }
-    if list.count > Shortlist::MOST {
-        return Shortlist { best: 0, count: list.count, reach: 1.0 };
+
+    /// The only candidate, or the first of all by eq. (7); none if the transducer has no effect.
+    #[inline(always)]
+    pub(crate) fn best<S: Simd>(&mut self, energies: &Energies<'_, S>) -> Option<usize> {
+        if self.count == 1 {
+            return Some(self.indices[0] as usize);
+        }
+        let (s, points, candidates) = (energies.s, energies.points, energies.candidates);
+        let tolerance = search::tolerance::<S, L2>(s, points);
+        if tolerance == 0.0 {
+            None
+        } else if self.overflows() {
+            Some(search::best::<S, L2>(s, points, candidates, false, tolerance))
+        } else {
+            Some(search::best_of(s, points, candidates, self.indices(), tolerance))
+        }
     }
-    let (indices, values) = (&list.indices[..list.count], &list.values[..list.count]);
-    let at = (0..list.count).reduce(|a, b| if values[b] < values[a] { b } else { a }).unwrap_or(0);
-    let best = indices.get(at).map_or(0, |&index| index as usize);
-    let [qr, qi] = candidates.drive(best);
-    let distance = |&index: &u32| {
-        let [zr, zi] = candidates.drive(index as usize);
-        sqrtf((zr - qr) * (zr - qr) + (zi - qi) * (zi - qi))
-    };
-    let reach = if list.count > 1 { indices.iter().map(distance).fold(0.0, f32::max) } else { 0.0 };
-    Shortlist { best, count: list.count, reach }
+
+    /// The first candidate whose change is at most `limit`, unless some were dropped.
+    #[inline(always)]
+    pub(crate) fn first_below(&self, limit: f32) -> Option<usize> {
+        let at = self.values.get(..self.count)?.iter().position(|&value| value <= limit)?;
+        Some(self.indices[at] as usize)
+    }
+
+    /// Restores the rising order.
+    pub(crate) fn sort(&mut self) {
+        if !self.overflows() {
+            self.indices().sort_unstable();
+        }
+    }
+
+    /// The indices listed.
+    pub(crate) fn indices(&mut self) -> &mut [u32] {
+        &mut self.indices[..self.count]
+    }
 }

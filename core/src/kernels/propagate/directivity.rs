@@ -1,4 +1,4 @@
-//! D(theta) from its cosine, by piecewise polynomials of the angle.
+//! Directivity D(theta) from its cosine, by piecewise polynomials.
 
 use alloc::vec::Vec;
 

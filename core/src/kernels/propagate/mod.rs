@@ -1,4 +1,4 @@
-//! Rows of G.
+//! Rows of G from positions, eq. (5).
 
 pub(crate) mod directivity;
 pub(crate) mod row;

@@ -1,4 +1,4 @@
-//! Rows of G: one transducer against every point, eq. (5).
+//! Elements of G, eq. (5), in f32: one source against every control point, or 16 sources at a point.
 
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::phasor::{power_of_two, wave};

@@ -1,4 +1,4 @@
-//! Where a kernel that passes over all transducers takes its rows from.
+//! Rows of G for a kernel, computed from positions or stored.
 
 use core::ops::Range;
 

@@ -1,4 +1,4 @@
-//! Two registers of AVX2 with fused multiply-adds (Haswell and Zen, and later).
+//! AVX2 and FMA: two registers (Haswell and Zen, and later).
 
 use core::arch::x86_64::{
     __m256, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _mm_add_ps, _mm_add_ss, _mm_cvtss_f32,

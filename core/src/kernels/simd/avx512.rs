@@ -1,4 +1,4 @@
-//! One register of AVX-512 (foundation and DQ: Skylake-X and later).
+//! AVX-512 F and DQ: one register (Skylake-X and later).
 
 use core::arch::x86_64::{
     __m512, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _mm512_abs_ps, _mm512_add_ps, _mm512_cmp_ps_mask,

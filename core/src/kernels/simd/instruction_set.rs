@@ -1,4 +1,4 @@
-//! Which instructions the kernels use.
+//! The instruction set: chosen at run time, handed down as a value.
 
 use core::fmt;
 

@@ -1,4 +1,4 @@
-//! PointGroup numbers at once, whatever the machine's registers hold.
+//! The vector trait: operations on 16 f32, whatever the machine's registers hold.
 //!
 //! [`Simd`] is the whole vocabulary of the kernels: each is written once over it. A value that implements it is a
 //! token: it exists only where its instructions do, which is what makes the `unsafe` blocks of these files sound.
@@ -25,7 +25,7 @@ pub(crate) const TINY: f32 = 1e-28;
 
 /// Operations on 16 lanes.
 pub(crate) trait Simd: Copy {
-    /// PointGroup f32.
+    /// Sixteen f32.
     type V: Copy;
 
     /// Runs `f` compiled for this token's instructions; `f` must be `#[inline(always)]`.

@@ -1,4 +1,4 @@
-//! Four registers of NEON, which every 64-bit ARM has.
+//! NEON: four registers, on every 64-bit ARM.
 
 use core::arch::aarch64::{
     float32x4_t, vabsq_f32, vaddq_f32, vaddq_s32, vaddvq_u32, vandq_u32, vbslq_f32, vcltq_f32, vcvtq_s32_f32,

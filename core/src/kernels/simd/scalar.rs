@@ -1,4 +1,4 @@
-//! No instructions named: arrays of 16, which the compiler vectorises for what every such machine has.
+//! Scalar: arrays of 16, which the compiler vectorises for what every such machine has.
 
 use core::array::from_fn;
 

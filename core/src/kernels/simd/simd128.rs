@@ -1,4 +1,4 @@
-//! Four registers of WebAssembly's fixed-width SIMD, where the whole program is compiled for it.
+//! WebAssembly simd128: four registers, where the whole program is compiled for it.
 //!
 //! Nothing is fused and the guess is the scalar one, so the bits are those of the scalar set.
 

@@ -1,10 +1,18 @@
 //! Every kernel against plain f64 loops, at every length up to four whole groups of lanes and a remainder, over
 //! dirty memory.
 
+mod batch;
 mod cholesky;
-mod fine;
+mod closed_form;
+mod closed_form_interleaved;
+mod energies;
+mod greedy;
+mod greedy_interleaved;
+mod large_grid;
 mod matrix;
+mod moments;
 mod search;
+mod shortlist;
 mod simd;
 mod tiles;
 

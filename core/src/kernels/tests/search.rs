@@ -4,12 +4,9 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
-use crate::kernels::greedy::moments::Moments;
 use crate::kernels::greedy::point_group::PointGroup;
 use crate::kernels::greedy::search;
 use crate::kernels::greedy::search::{Candidates, L1, L2, Points, Term};
-use crate::kernels::greedy::shortlist;
-use crate::kernels::greedy::shortlist::Shortlist;
 use crate::kernels::lanes::{LANES, groups, padded};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tests::{LENGTHS, ROUNDING, assert_near, numbers, wide};
@@ -67,7 +64,7 @@ impl Scene {
     }
 
     pub(super) fn points<'a>(&'a self, kept: &'a [PointGroup]) -> Points<'a> {
-        Points { kept, gain: [&self.gain[0], &self.gain[1]], count: self.count }
+        Points { groups: kept, gain: [&self.gain[0], &self.gain[1]], count: self.count }
     }
 
     /// P and G of point j.
@@ -95,7 +92,7 @@ impl Scene {
     }
 }
 
-fn candidates(phases: usize, amplitudes: usize) -> Candidates {
+pub(super) fn candidates(phases: usize, amplitudes: usize) -> Candidates {
     Candidates::new(phases, amplitudes, [const { Vec::new() }; 3])
 }
 
@@ -253,88 +250,5 @@ fn a_later_candidate_wins_only_by_more_than_the_tolerance() {
             assert_eq!(find(12.1), 0);
         }
         assert_eq!(best::<L2>(set, &scene, &candidates(2, 1), false, 11.9), 1);
-    }
-}
-
-#[test]
-fn moments_are_the_energy_within_their_remainder() {
-    for set in InstructionSet::all() {
-        for count in LENGTHS {
-            for loud in [0.5, 3.0, 10.0, 100.0] {
-                let scene = Scene::new(count as u64, count, loud);
-                let (kept, energy) = scene.kept(set);
-                let mut near = vec![u32::MAX; padded(count)];
-                let (mut changes, mut re, mut im) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-                let mut rng = Rng::new(7);
-                for lane in 0..LANES {
-                    let (sin, cos) = (TAU * rng.uniform()).sin_cos();
-                    let size = rng.uniform();
-                    (re[lane], im[lane]) = ((size * cos) as f32, (size * sin) as f32);
-                }
-                let (moments, nearby) = dispatch!(set, s => {
-                    let mut lane = [0.0; LANES];
-                    lane[0] = energy;
-                    let found = Moments::new::<_, false>(s, &kept, scene.points(&kept).gain, s.load(&lane), &mut near);
-                    s.store(found.0.change(s, s.load(&re), s.load(&im)), &mut changes);
-                    found
-                });
-                let near = &near[..nearby];
-                let size = |j: usize| {
-                    let [pr, pi, gr, gi] = scene.numbers(j);
-                    gr.hypot(gi) / pr.hypot(pi)
-                };
-                // The bound itself is 1/4.
-                for j in 0..count {
-                    assert_eq!(near.contains(&(j as u32)), size(j) > 0.25, "{set}: point {j} of {count}");
-                }
-                for lane in 0..LANES {
-                    let q = [re[lane], im[lane]].map(wide);
-                    let far = (0..count).filter(|&j| !near.contains(&(j as u32)));
-                    let exact: f64 = far.map(|j| scene.change::<L2>(j, q)).sum();
-                    let reach = q[0].hypot(q[1]) as f32;
-                    let allowed = wide(moments.slack(reach.max(1e-3)));
-                    let miss = (wide(changes[lane]) - exact).abs();
-                    assert!(miss <= allowed, "{set}: M = {count}, loud {loud}: {miss:e} > {allowed:e}");
-                }
-            }
-        }
-    }
-}
-
-#[test]
-fn the_shortlist_holds_the_best() {
-    for set in InstructionSet::all() {
-        for count in [1, 2, 5, 16, 17, 40, 67] {
-            for loud in [0.3, 3.0, 30.0] {
-                for (phases, amplitudes) in [(16, 1), (7, 3), (60, 2)] {
-                    let scene = Scene::new((count + phases) as u64, count, loud);
-                    let candidates = candidates(phases, amplitudes);
-                    let (kept, energy) = scene.kept(set);
-                    let points = scene.points(&kept);
-                    let mut near = vec![0; padded(count)];
-                    let mut close = vec![0; Shortlist::MOST];
-                    let mut floats = vec![f32::NAN; Shortlist::MOST];
-                    let (slack, list) = dispatch!(set, s => {
-                        let mut lane = [0.0; LANES];
-                        lane[0] = energy;
-                        let (moments, nearby) = Moments::new::<_, false>(s, &kept, points.gain, s.load(&lane), &mut near);
-                        let slack = moments.slack(1.0);
-                        let near = &near[..nearby];
-                        (slack, shortlist::shortlist(s, points, &moments, near, &candidates, slack, &mut floats, &mut close))
-                    });
-                    if list.count > Shortlist::MOST {
-                        continue;
-                    }
-                    let close = &close[..list.count];
-                    assert!(close.is_sorted() && close.contains(&(list.best as u32)));
-                    let reached = |index: &u32| scene.total::<L2>(candidates.drive(*index as usize));
-                    let found = close.iter().map(reached).fold(f64::INFINITY, f64::min);
-                    // The slack covers rounding with room to spare; what is lost beyond it would be a stretch
-                    // that was passed over.
-                    let lost = found - least::<L2>(&scene, &candidates, false);
-                    assert!(lost <= 0.1 * wide(slack), "{set}: M = {count}, L = {phases}: {lost:e} of {slack:e}");
-                }
-            }
-        }
     }
 }

@@ -1,4 +1,4 @@
-//! Transducers in the lanes: G in tiles, a tile the propagation of 16 transducers at every point, 16 numbers a point.
+//! G stored in tiles of 16 transducers (in the lanes) by 4 points: layout, sweeps, rotations, Jacobians.
 //!
 //! No sum runs across lanes before the last tile, and 4 points are not padded to 16. Four points' rows lie together,
 //! tile after tile, then the next four's: whatever takes rows runs over memory in its order.

@@ -1,4 +1,4 @@
-//! Point phases brought into line: on the rows of G, or, sixteen tries side by side, on their couplings.
+//! Point phases raised to a large energy v^H G G^H v, one after another: on G, or 16 starts on G G^H.
 
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::phasor::wave;

@@ -1,4 +1,4 @@
-//! Between transducers and points: back-projection, and the alternating projections of Gerchberg and Saxton.
+//! Alternating projection (Gerchberg-Saxton): back to |q| = 1 and forward to the points; starts.
 
 use alloc::vec::Vec;
 

@@ -1,4 +1,4 @@
-//! The dual of a damped Gauss-Newton step in the phases of the drives.
+//! Damped Gauss-Newton step in the dual: d = -J^T (J J^T + D)^-1 r.
 //!
 //! For real equations of the pressures with residuals r and derivatives J by the phases, the step
 //! d = -(J^T J + mu I)^-1 J^T r is also d = -J^T (J J^T + mu I)^-1 r: a system of as many unknowns as there are equations,

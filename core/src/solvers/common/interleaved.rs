@@ -1,4 +1,4 @@
-//! Problems of few points side by side: problem b in lane b, a group of lanes a point.
+//! Interleaved batch: up to 16 problems of one array, one per SIMD lane.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;

@@ -1,6 +1,6 @@
-//! The last step of a solver that cares for evenness on a device of few phases: a brute-force search on its grid.
+//! Refinement on a board of few phases: a search over the neighbouring codes, one transducer after another.
 //!
-//! Plain rounding leaves errors that add up at random at the points. Turning one transducer after another to the
+//! Plain rounding leaves errors that add up at random at the points. Rotating one transducer after another to the
 //! phase that best undoes them takes most of that back within a few rounds.
 
 use num_complex::Complex32;
@@ -19,7 +19,7 @@ const WIDTH: usize = 16;
 /// Rounds at most. In trials (N = 400, M = 16 and 64) the fifth took less than 3 % off sigma.
 const ROUNDS: usize = 4;
 
-/// Brings `drive` (N,) to the device's quantization and turns one transducer after another to the phase of the grid that
+/// Brings `drive` (N,) to the device's quantization and rotates one transducer after another to the phase of the grid that
 /// lowers `sum w (s t - |P|)^2` most, the common level s estimated anew each round. Without phase quantization it rounds
 /// (or, without any, does nothing). A drive of 0 stays 0, amplitudes stay.
 ///
@@ -36,7 +36,7 @@ pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &mut Workspace) 
     }
     let Some(phases) = quantization.phases() else { return };
     let buffers = [table(WIDTH), table(WIDTH), 1].map(|len| work.floats.take(len));
-    let candidates = Candidates::turns(phases as usize, WIDTH, buffers);
+    let candidates = Candidates::rotations(phases as usize, WIDTH, buffers);
     let lanes = propagation.lanes();
     let [mut row, mut wave] = [(); 2].map(|()| Planar::zeros(1, lanes, work));
     let [mut modulus, mut targets] = [(); 2].map(|()| work.floats.take(lanes));
@@ -54,9 +54,9 @@ pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &mut Workspace) 
         for (i, q) in drive.iter_mut().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
             propagation.row(i, &mut row.re, &mut row.im);
             let memory = [&mut wave.re[..], &mut wave.im[..]];
-            let (own, count) = ([q.re, q.im], propagation.points());
+            let points = (&mut kept[..], propagation.points());
             let choice =
-                kernels::turn(propagation.instruction_set(), row.row(0), own, &candidates, count, &mut kept, memory);
+                kernels::rotate(propagation.instruction_set(), row.row(0), [q.re, q.im], &candidates, points, memory);
             if choice > 0 {
                 let [re, im] = candidates.drive(choice);
                 *q = quantization.nearest(*q * Complex32::new(re, im));

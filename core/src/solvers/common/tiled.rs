@@ -1,5 +1,4 @@
-//! G stored as tiles, and a drive with what it makes at the points: what every method that passes over G again and again
-//! works on.
+//! G stored as tiles (`Rows`), and a drive with its field at the points (`Wave`).
 
 use alloc::vec::Vec;
 

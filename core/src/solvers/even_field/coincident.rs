@@ -1,4 +1,4 @@
-//! Points in the same place: they cannot have two pressures.
+//! Coincident points: those in one place get the mean of their targets.
 
 use crate::kernels::LANES;
 use crate::kernels::tiles::products;

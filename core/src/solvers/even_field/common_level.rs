@@ -1,4 +1,4 @@
-//! Damped Gauss-Newton steps on |P_j| = s p_j in the phases of the drives.
+//! Gauss-Newton steps on |P_j| = s t_j, the level s free or given, until every point is even enough.
 //!
 //! With J the derivatives of the moduli, the shortest step that meets a level s is d = J^T y,
 //! (J J^T + mu W^-1) y = s p - |P|: an M x M system however many transducers there are. The free level is the one

@@ -1,4 +1,4 @@
-//! Even fields at the highest common level: every |p_j| the same multiple of its target.
+//! Even fields at the highest common level: point phases, weighted sweeps, then Gauss-Newton until even enough.
 //!
 //! Point phases that reinforce one another are found on G, or several on the matrix of couplings ([`point_phases`]); weighted
 //! Gerchberg-Saxton sweeps with |q| = 1 raise the weakest points ([`weighted_sweeps`]); Gauss-Newton steps on

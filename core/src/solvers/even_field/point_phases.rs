@@ -1,4 +1,4 @@
-//! Point phases that reinforce one another.
+//! Point phases to start from: those whose foci reinforce one another.
 //!
 //! The drive b = G^H v has the energy v^H (G G^H) v. With the moduli of v fixed, each phase in turn is set to what
 //! the other points' waves make at its point: Gerchberg-Saxton as GS-PAT runs it, but point after point and without a

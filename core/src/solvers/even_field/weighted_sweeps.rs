@@ -1,4 +1,4 @@
-//! Weighted Gerchberg-Saxton (Di Leonardo et al. 2007) with |q| = 1 and the points' phases over-relaxed.
+//! Weighted Gerchberg-Saxton sweeps (Di Leonardo et al. 2007), |q| = 1, over-relaxed point phases.
 
 use crate::math::sqrtf;
 use crate::solvers::common::alternating_projection::Projector;
