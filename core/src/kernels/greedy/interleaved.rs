@@ -138,15 +138,17 @@ impl<V: Copy> ProblemsInLanes<'_, V> {
     #[inline(always)]
     fn update_alone<S: Simd<V = V>>(&mut self, s: S, all: Points<'_>, lane: usize) {
         let count = all.groups.iter().rposition(|group| group.weight[lane] > 0.0).map_or(0, |last| last + 1);
-        let (group, energies) = PointGroup::of_lane(s, &all.groups[..count], lane);
+        let group = PointGroup::of_lane(s, &all.groups[..count], lane);
+        let mut energy: Lanes = [0.0; LANES];
         self.row.fill(0.0);
         for j in 0..count {
             self.row[j] = all.gain[0][j * LANES + lane];
             self.row[LANES + j] = all.gain[1][j * LANES + lane];
+            energy[j] = self.energies[j * LANES + lane];
         }
         let (re, im) = self.row.split_at(LANES);
         self.alone.drive[0] = Complex32::ZERO;
-        self.alone.energy = energies;
+        self.alone.energy = s.load(&energy);
         self.alone.silent = group.modulus == [0.0; LANES];
         let groups = core::slice::from_ref(&group);
         self.alone.update(s, Points { groups, gain: [re, im], count }, 0, || ());
@@ -212,12 +214,15 @@ fn winners<S: Simd>(s: S, m: &[S::V; THIRD], table: &[f32]) -> ([S::V; 2], u32) 
     let mut best = [s.splat(0.0); 2];
     let (mut least, mut second) = (s.splat(f32::INFINITY), s.splat(f32::INFINITY));
     for numbers in table.as_chunks::<POWERS>().0 {
-        let mut z = [s.splat(0.0); POWERS];
-        for (z, &x) in z.iter_mut().zip(numbers) {
-            *z = s.splat(x);
-        }
-        let change = change(s, m, &z);
+        let change = change(
+            s,
+            #[inline(always)]
+            |k| m[k],
+            #[inline(always)]
+            |k| s.splat(numbers[k]),
+        );
         second = s.min(second, s.max(least, change));
+        let z = [s.splat(numbers[0]), s.splat(numbers[1])];
         best = [s.select_less(change, least, z[0], best[0]), s.select_less(change, least, z[1], best[1])];
         least = s.min(change, least);
     }

@@ -144,13 +144,14 @@ pub(crate) fn powers<S: Simd>(s: S, re: S::V, im: S::V) -> [S::V; POWERS] {
     [re, im, re2, im2, re3, im3, s.mul(square, re), s.mul(square, im), square]
 }
 
-/// The change of the energy to the third order under drives of these powers.
+/// The change of the energy to the third order, from [`POWERS`] moments and numbers of the drives.
 #[inline(always)]
-pub(crate) fn change<S: Simd>(s: S, m: &[S::V], z: &[S::V; POWERS]) -> S::V {
-    let pair = |k: usize, sum| s.fma(m[k], z[k], s.fma(m[k + 1], z[k + 1], sum));
+pub(crate) fn change<S: Simd>(s: S, m: impl Fn(usize) -> S::V, z: impl Fn(usize) -> S::V) -> S::V {
     // Two sums, that neither waits long.
-    let low = pair(0, pair(2, s.mul(m[8], z[8])));
-    s.add(low, pair(6, s.fma(m[5], z[5], s.mul(m[4], z[4]))))
+    let low = s.fma(m(2), z(2), s.fma(m(3), z(3), s.mul(m(8), z(8))));
+    let low = s.fma(m(0), z(0), s.fma(m(1), z(1), low));
+    let high = s.fma(m(5), z(5), s.mul(m(4), z(4)));
+    s.add(low, s.fma(m(6), z(6), s.fma(m(7), z(7), high)))
 }
 
 /// The moments of one transducer, times [`FACTORS`].
@@ -206,11 +207,14 @@ impl Moments {
     /// The change of the energy under the drives z = (re, im).
     #[inline(always)]
     pub(crate) fn change<S: Simd>(&self, s: S, re: S::V, im: S::V) -> S::V {
-        let mut m = [s.splat(0.0); POWERS];
-        for (m, x) in m.iter_mut().zip(self.0) {
-            *m = s.splat(x);
-        }
-        change(s, &m, &powers(s, re, im))
+        let z = powers(s, re, im);
+        change(
+            s,
+            #[inline(always)]
+            |k| s.splat(self.0[k]),
+            #[inline(always)]
+            |k| z[k],
+        )
     }
 
     /// The change to the fourth order.
@@ -219,12 +223,12 @@ impl Moments {
         let square = s.fma(re, re, s.mul(im, im));
         let (re2, im2) = (s.fnma(im, im, s.mul(re, re)), s.mul(s.add(re, re), im));
         let (re4, im4) = (s.fnma(im2, im2, s.mul(re2, re2)), s.mul(s.add(re2, re2), im2));
-        let pair =
-            |k: usize, [c, d]: [S::V; 2], sum| s.fma(s.splat(self.0[k]), c, s.fma(s.splat(self.0[k + 1]), d, sum));
+        let [a4r, a4i, dr, di] = [s.splat(self.0[12]), s.splat(self.0[13]), s.splat(self.0[14]), s.splat(self.0[15])];
         // F is in the remainder.
         let set = s.splat(-(1.0 - FAR) / 8.0 * self.remainder());
-        let even = pair(14, [re2, im2], s.mul(square, set));
-        pair(12, [re4, im4], s.fma(square, even, self.change(s, re, im)))
+        let even = s.fma(dr, re2, s.fma(di, im2, s.mul(square, set)));
+        let low = s.fma(square, even, self.change(s, re, im));
+        s.fma(a4r, re4, s.fma(a4i, im4, low))
     }
 
     /// A bound on the second derivative of the change over the phase, at amplitude a.

@@ -2,7 +2,7 @@
 
 use crate::kernels::greedy::search;
 use crate::kernels::greedy::search::{L2, Term};
-use crate::kernels::lanes::Lanes;
+use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::simd::{Simd, TINY};
 
 /// 16 points of one problem, or one point of 16 problems; refreshed when the pressures change.
@@ -34,16 +34,17 @@ impl PointGroup {
         group
     }
 
-    /// The points of the problem in one lane of an interleaved batch, and their energies.
+    /// The points of the problem in one lane of an interleaved batch.
     #[inline(always)]
-    pub(crate) fn of_lane<S: Simd>(s: S, points: &[Self], lane: usize) -> (Self, S::V) {
-        let mut group = Self::default();
+    pub(crate) fn of_lane<S: Simd>(s: S, points: &[Self], lane: usize) -> Self {
+        let mut group = Self::silent(s, &[0.0; LANES], &[0.0; LANES]);
         for (j, point) in points.iter().enumerate() {
             (group.re[j], group.im[j]) = (point.re[lane], point.im[lane]);
+            (group.modulus[j], group.inverse[j]) = (point.modulus[lane], point.inverse[lane]);
+            (group.pull[j], group.product[j]) = (point.pull[lane], point.product[lane]);
             (group.target[j], group.weight[j]) = (point.target[lane], point.weight[lane]);
         }
-        let energies = group.refresh(s, s.load(&group.re), s.load(&group.im));
-        (group, energies)
+        group
     }
 
     /// Sets the pressures; returns the energies w (t - |P|)^2.
