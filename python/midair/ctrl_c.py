@@ -1,4 +1,4 @@
-"""Ctrl-C as a question to ask: raised anywhere, it might be raised where nobody hears it."""
+"""Ctrl-C as a flag that work in progress asks for, so that it stops between two steps."""
 
 from __future__ import annotations
 

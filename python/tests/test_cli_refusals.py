@@ -131,8 +131,8 @@ ARGUMENTS: dict[str, tuple[str, str]] = {
     "order of half": ("solve scene.toml --order [1,0] -o out.csv", "order"),
     "order of a deep nest": ("solve scene.toml -o out.csv --order " + "[" * 100000, "order"),
     "balance of no sense": ("solve scene.toml --balance maybe", "maybe"),
-    "level of no sense": ("solve scene.toml --solver uniform --level loud -o out.csv", "level"),
-    "level nobody uses": ("solve scene.toml --solver naive --level max -o out.csv", "level"),
+    "aim of no sense": ("solve scene.toml --solver uniform --aim loud -o out.csv", "aim"),
+    "aim nobody uses": ("solve scene.toml --solver naive --aim max -o out.csv", "aim"),
     "pressures": ("solve scene.toml --pressures 5 -o out.csv", "pressures"),
     "start": ("solve scene.toml --start 5 -o out.csv", "start"),
     "unknown ending": ("solve scene.toml -o out.mat", ".npz, .csv or .json"),
@@ -241,7 +241,7 @@ def test_name_too_long_for_the_file_system_is_refused_before_the_solve(refuse: R
 
 
 def test_output_is_checked_before_the_solve(refuse: Refuse, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cli, "solve", lambda *_, **__: pytest.fail("solved in vain"))
+    monkeypatch.setattr(cli.solve, "solve", lambda *_, **__: pytest.fail("solved in vain"))
     for end in (["-o", "none/out.csv"], ["-o", "out.mat"], ["-o", "folder.csv"], ["--image", "none/out.png"]):
         refuse("solve", "scene.toml", *end)
 
