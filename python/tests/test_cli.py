@@ -1,4 +1,4 @@
-"""The command line: what it prints and writes."""
+"""The command line: what it prints and the files it writes."""
 
 import csv
 import json

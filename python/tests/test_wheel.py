@@ -1,4 +1,4 @@
-"""The wheel in a bare environment: nothing but NumPy beside it."""
+"""The wheel, in a bare environment with nothing but NumPy beside it."""
 
 import subprocess
 import sys
