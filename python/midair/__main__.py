@@ -1,4 +1,4 @@
-"""`python -m midair`."""
+"""The program, as `python -m midair`."""
 
 from .cli import main
 

@@ -12,11 +12,11 @@ __all__ = [
     "Batch",
     "BatchMetrics",
     "Field",
-    "Propagation",
     "Metrics",
     "OptionInfo",
     "Plane",
     "PresetInfo",
+    "Propagation",
     "Reach",
     "Scene",
     "SceneError",
@@ -321,7 +321,12 @@ def solve_batch(
 @final
 class Solver:
     def __new__(
-        cls, scene: Scene | Array | Propagation, solver: str | None = None, *, points: int | None = None, **options: Any
+        cls,
+        scene: Scene | Array | Propagation,
+        solver: str | None = None,
+        *,
+        points: int | None = None,
+        **options: Any,
     ) -> Solver: ...
     @overload
     def __call__(

@@ -1,4 +1,4 @@
-"""Ctrl-C on the command line: a request to stop that a loop asks for."""
+"""Ctrl-C as a flag that work in progress asks for, so that it stops between two steps."""
 
 from __future__ import annotations
 

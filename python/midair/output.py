@@ -1,4 +1,4 @@
-"""Files that results are written to: whole or not at all."""
+"""Result files: drives as .npz, .csv and .json, every file written whole or not at all."""
 
 from __future__ import annotations
 

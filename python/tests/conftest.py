@@ -1,4 +1,4 @@
-"""Set before NumPy is imported: BLAS threads that wait by spinning make busy machines crawl."""
+"""Settings of the test run: one BLAS thread, because BLAS threads that spin make busy machines crawl."""
 
 import os
 

@@ -1,4 +1,4 @@
-"""`solve_batch` and `Solver`: the answers of lone solves, in bits."""
+"""`solve_batch` and `Solver`: the bits of lone solves, arguments of every kind, refusals."""
 
 import numpy as np
 import pytest
@@ -17,21 +17,34 @@ def lone(k: int, solver: str, **options: object) -> midair.Solution:
     return midair.solve(scene, solver, **options)
 
 
+#: One whose problems are solved together, one problem by problem, and one with an aim.
+KINDS = ("fast", "gs", "uniform")
+
+
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
-@pytest.mark.parametrize("solver", midair.solvers())
+@pytest.mark.parametrize("solver", KINDS)
 def test_a_batch_is_its_problems_bit_for_bit(solver: str) -> None:
     batch = midair.solve_batch(ARRAY, POINTS, PRESSURES, solver)
-    assert (len(batch), batch.drives.shape, batch.pressures.shape) == (B, (B, 400), (B, M))
+    assert len(batch) == B
+    for array, shape, dtype in [
+        (batch.drives, (B, 400), np.complex64),
+        (batch.pressures, (B, M), np.complex64),
+        (batch.metrics.sigma, (B,), np.float64),
+        (batch.scale, (B,), np.float64),
+        (batch.steps, (B,), np.int64),
+    ]:
+        assert (array.shape, array.dtype) == (shape, dtype)
+    assert batch.elapsed > 0
     for k in range(B):
         alone = lone(k, solver)
         assert batch.drives[k].tobytes() == alone.drive.tobytes()
         assert batch.pressures[k].tobytes() == alone.pressures.tobytes()
-        assert batch.status[k] == alone.status
+        assert (batch.status[k], batch.steps[k], batch.scale[k]) == (alone.status, alone.steps, alone.scale)
         for name in ("accuracy", "sigma", "uniformity", "level", "residual", "leak"):
             assert getattr(batch.metrics, name)[k] == getattr(alone.metrics, name)
 
 
-@pytest.mark.parametrize("solver", ["greedy", "fast", "uniform"])
+@pytest.mark.parametrize("solver", ["greedy", *KINDS])
 def test_neither_threads_nor_out_change_a_bit(solver: str) -> None:
     alone = midair.solve_batch(ARRAY, POINTS, PRESSURES, solver, threads=1)
     out = np.full((B, 400), np.nan, np.complex64)
@@ -100,7 +113,7 @@ BAD = {
     "out of another type": ({"out": np.zeros((B, 400))}, "out is"),
     "no threads": ({"threads": 0}, "threads is 0"),
     "less than no threads": ({"threads": -1}, "threads is -1"),
-    "a level unused": ({"aim": "max"}, "aim is given to"),
+    "an aim unused": ({"aim": "max"}, "aim is given to"),
 }
 
 
@@ -121,7 +134,7 @@ def test_a_first_argument_of_another_class() -> None:
 
 
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
-@pytest.mark.parametrize("solver", midair.solvers())
+@pytest.mark.parametrize("solver", KINDS)
 def test_a_solver_gives_lone_answers_into_out(solver: str) -> None:
     fixed = midair.Solver(ARRAY, solver, points=M)
     out = np.empty(400, np.complex64)

@@ -1,4 +1,4 @@
-"""The side-by-side benchmark, which is not run here: its judge and its table."""
+"""The judge and the table of the side-by-side benchmark, which itself is not run here."""
 
 import runpy
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The command line: what it prints and writes."""
+"""The command line: what it prints and the files it writes."""
 
 import csv
 import json
@@ -15,6 +15,7 @@ import pytest
 
 import midair
 from midair import cli
+from midair.cli import progress
 from scenes import METRICS, numbers, same_bits
 
 SOLVERS = sorted(midair.solvers())
@@ -296,11 +297,11 @@ def test_progress_is_shown_only_of_what_takes_over_a_second(
     run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     drawn = []
-    monkeypatch.setattr(cli.Progress, "start", lambda self: drawn.append(self))
+    monkeypatch.setattr(progress.Progress, "start", lambda self: drawn.append(self))
     assert run("solve", "scene.toml")[0] == 0
     assert not drawn
     clock = iter(range(10**6))
-    monkeypatch.setattr(cli.time, "monotonic", lambda: float(next(clock)))
+    monkeypatch.setattr(progress.time, "monotonic", lambda: float(next(clock)))
     status, out, _ = run("solve", "scene.toml")
     assert (status, "greedy" in out) == (0, True)
     assert drawn
@@ -308,13 +309,13 @@ def test_progress_is_shown_only_of_what_takes_over_a_second(
 
 
 LONG = """
-import midair.cli
-solve = midair.cli.solve
+from midair.cli import main, solve as module
+solve = module.solve
 def told(*arguments, **options):
     print("ready", flush=True)
     return solve(*arguments, **options)
-midair.cli.solve = told
-midair.cli.main({arguments!r})
+module.solve = told
+main({arguments!r})
 """
 
 

@@ -1,4 +1,4 @@
-"""What the command line cannot do it says in one line, with exit status 2, and nothing is written."""
+"""Refusals of the command line: one line, exit status 2, and nothing is written."""
 
 import os
 import subprocess
@@ -35,57 +35,24 @@ def changed(old: str, new: str) -> bytes:
 
 GRID = "grid = { nx = 6, ny = 5, pitch = 0.01 }"
 
+#: One file a way of being refused, and what the core's own tests of files have not.
 FILES: dict[str, tuple[bytes, str]] = {
     "empty": (b"", "empty"),
-    "blank": (b" \n\n", "empty"),
     "binary": (bytes(range(256)) * 8, "text"),
     "no toml": (b"[array\n", "line 1"),
-    "json in a toml file": (b'{"array": {"preset": "paper20"}}', "line 1"),
-    "an image": (b"\x89PNG\r\n\x1a\n" + bytes(100), "text"),
     "unknown table": (SCENE.encode() + b"\n[aray]\n", "aray"),
-    "unknown key of the array": (changed("[array]", '[array]\nprest = "paper20"'), "prest"),
-    "unknown key of the medium": (SCENE.encode() + b"\n[medium]\nfrequncy = 4e4\n", "frequncy"),
-    "unknown key of a point": (changed("pressure =", "presure ="), "presure"),
-    "unknown key of the grid": (changed("nx = 6", "nx = 6, nz = 2"), "nz"),
-    "unknown key of the plane": (SCENE.encode() + b"\n[plane]\nwidth = 0.1\n", "width"),
     "unknown solver": (SCENE.encode() + b'\n[solver]\nname = "gredy"\n', "greedy, fast, lm"),
     "solver without a name": (SCENE.encode() + b"\n[solver]\nphases = 4\n", "name"),
     "unknown option": (SCENE.encode() + b'\n[solver]\nname = "greedy"\nphasse = 4\n', "phasse"),
-    "option out of range": (SCENE.encode() + b'\n[solver]\nname = "greedy"\nphases = 1\n', "phases"),
     "balance of no sense": (SCENE.encode() + b'\n[solver]\nname = "greedy"\nbalance = 1\n', "balance"),
-    "unknown preset": (changed(GRID, 'preset = "autd4"'), "autd3"),
-    "tiles of 0": (changed(GRID, 'preset = "autd3"\ntiles = [0, 1]'), "tiles"),
     "tiles of three": (changed(GRID, 'preset = "autd3"\ntiles = [1, 1, 1]'), "array.tiles"),
-    "two arrays": (changed("[array]", '[array]\npreset = "paper20"'), "exactly one"),
-    "no array": (changed(GRID, ""), "exactly one"),
-    "no array table": (b"[[points]]\nposition = [0.0, 0.0, 0.1]\n", "array"),
-    "no points": (b'[array]\npreset = "paper20"\n', "points"),
     "half a count": (changed("nx = 6", "nx = 2.5"), "line 3"),
-    "a negative count": (changed("nx = 6", "nx = -6"), "nx"),
-    "a count of 0": (changed("nx = 6", "nx = 0"), "nx"),
-    "too many transducers": (changed("nx = 6", "nx = 99999999"), "nx"),
-    "a pitch of 0": (changed("pitch = 0.01", "pitch = 0"), "pitch"),
-    "a pitch in words": (changed("pitch = 0.01", 'pitch = "1 cm"'), "line 3"),
-    "a position of two": (changed("-0.02, 0.0, 0.1", "-0.02, 0.0"), "line 6"),
     "a position of four": (changed("-0.02, 0.0, 0.1", "-0.02, 0.0, 0.1, 0.1"), "line 6"),
-    "a position that is none": (changed("-0.02, 0.0, 0.1", "nan, 0.0, 0.1"), "points[0].position"),
-    "an infinite position": (changed("0.015, 0.01, 0.1", "0.0, 0.0, inf"), "points[1].position"),
     "a point on a transducer": (changed("0.015, 0.01, 0.1", "0.005, 0.01, 0.0"), "points[1]"),
-    "pressure on some points only": (changed("pressure = 900.0\n", ""), "points[0].pressure"),
-    "all pressures 0": (SCENE.replace("900.0", "0.0").encode(), "all 0"),
     "a pressure that is none": (changed("900.0", "nan"), "points[0].pressure"),
-    "a pressure below 0": (changed("900.0", "-1.0"), "points[0].pressure"),
-    "a pressure in words": (changed("900.0", '"900"'), "line 7"),
-    "a pressure that is true": (changed("900.0", "true"), "line 7"),
     "all weights 0": (SCENE.replace("900.0", "900.0\nweight = 0").encode(), "weights"),
-    "a weight below 0": (changed("900.0", "900.0\nweight = -1"), "points[0].weight"),
-    "a frequency of 0": (SCENE.encode() + b"\n[medium]\nfrequency = 0.0\n", "frequency"),
-    "two sound speeds": (SCENE.encode() + b"\n[medium]\nsound_speed = 340\ntemperature = 20\n", "keep one"),
-    "an unknown directivity": (changed("[array]", '[array]\ndirectivity = "pistn"'), "pistn"),
-    "a directivity of two": (changed("[array]", "[array]\ndirectivity = { cos = 1, piston = 1 }"), "one"),
     "responses of three numbers": (changed("[array]", f"[array]\nresponse = {[[1, 0, 0]] * 30}"), "line 3"),
     "a center of three numbers": (SCENE.encode() + b"\n[plane]\ncenter = [0.0, 0.0, 0.0]\n", "line 14"),
-    "responses of another length": (changed("[array]", "[array]\nresponse = [[1.0, 0.0]]"), "response"),
     "a line break in a name": (SCENE.encode() + b'\n[solver]\nname = "gr\\needy"\n', "greedy, fast, lm"),
     "a line break in an option": (SCENE.encode() + b'\n[solver]\nname = "greedy"\nseed = "1\\n2"\n', "seed"),
 }  # fmt: skip
@@ -102,7 +69,6 @@ ARGUMENTS: dict[str, tuple[str, str]] = {
     "no scene": ("solve", "scene"),
     "no scene to compare": ("compare", "scene"),
     "unknown command": ("sovle scene.toml", "sovle"),
-    "unknown option of midair": ("--nosuch", "nosuch"),
     "unknown option of compare": ("compare scene.toml --nosuch 3", "nosuch"),
     "unknown option of solve": ("solve scene.toml --nosuch 3 -o out.csv", "nosuch"),
     "an option of another solver": ("solve scene.toml --limit clamp", "limit"),
@@ -112,27 +78,19 @@ ARGUMENTS: dict[str, tuple[str, str]] = {
     "option given twice": ("solve scene.toml --phases 4 --phases 8", "phases"),
     "output without its value": ("solve scene.toml -o", "-o"),
     "missing file": ("solve none.toml -o out.csv", "none.toml"),
-    "missing file to compare": ("compare none.toml --image out.png", "none.toml"),
     "folder for a file": ("solve folder.toml", "folder.toml"),
     "unknown solver": ("solve scene.toml --solver nosuch -o out.csv", "greedy, fast, lm"),
     "unknown solvers": ("compare scene.toml --solvers nosuch --image out.png", "greedy, fast, lm"),
-    "unknown solver among others": ("compare scene.toml --solvers naive,nosuch", "greedy, fast, lm"),
     "no solvers": ("compare scene.toml --solvers=", "greedy, fast, lm"),
     "phases 1": ("solve scene.toml --phases 1 -o out.csv --image out.png", "phases"),
     "phases x": ("solve scene.toml --phases x -o out.csv", "phases"),
-    "phases 2.5": ("solve scene.toml --phases 2.5 -o out.csv", "phases"),
     "phases true": ("solve scene.toml --phases true -o out.csv", "phases"),
-    "phases NaN": ("solve scene.toml --phases NaN -o out.csv", "phases"),
     "phases of a list": ("solve scene.toml --phases [16] -o out.csv", "phases"),
-    "phases of a table": ('solve scene.toml --phases {"a":1} -o out.csv', "phases"),
-    "seed -1": ("solve scene.toml --seed -1 -o out.csv", "seed"),
-    "amplitudes 257": ("solve scene.toml --amplitudes 257 -o out.csv", "amplitudes"),
     "order of no sense": ("solve scene.toml --order sideways -o out.csv", "order"),
-    "order of half": ("solve scene.toml --order [1,0] -o out.csv", "order"),
     "order of a deep nest": ("solve scene.toml -o out.csv --order " + "[" * 100000, "order"),
     "balance of no sense": ("solve scene.toml --balance maybe", "maybe"),
-    "level of no sense": ("solve scene.toml --solver uniform --level loud -o out.csv", "level"),
-    "level nobody uses": ("solve scene.toml --solver naive --level max -o out.csv", "level"),
+    "aim of no sense": ("solve scene.toml --solver uniform --aim loud -o out.csv", "aim"),
+    "aim nobody uses": ("solve scene.toml --solver naive --aim max -o out.csv", "aim"),
     "pressures": ("solve scene.toml --pressures 5 -o out.csv", "pressures"),
     "start": ("solve scene.toml --start 5 -o out.csv", "start"),
     "unknown ending": ("solve scene.toml -o out.mat", ".npz, .csv or .json"),
@@ -143,7 +101,6 @@ ARGUMENTS: dict[str, tuple[str, str]] = {
     "output is a folder": ("solve scene.toml -o folder.csv", "folder.csv"),
     "image is a folder": ("solve scene.toml --image folder.png", "folder.png"),
     "folder that is not there": ("solve scene.toml -o none/out.csv", "none"),
-    "folder that is not there for the image": ("solve scene.toml -o out.csv --image none/out.png", "none"),
     "folder that is not there for the sheet": ("compare scene.toml --image none/out.png", "none"),
     "folder that is a file": ("solve scene.toml -o scene.toml/out.csv", "scene.toml"),
     "name too long": (f"solve scene.toml -o {'a' * 300}.csv", "long"),
@@ -189,13 +146,12 @@ def test_bad_command_is_refused_in_one_line(refuse: Refuse, bad: str) -> None:
     assert word in refuse(*command.split(" "))
 
 
-@pytest.mark.parametrize("command", ["solve", "compare"])
 @pytest.mark.parametrize("bad", FILES)
-def test_bad_file_is_refused_in_one_line(refuse: Refuse, bad: str, command: str) -> None:
+def test_bad_file_is_refused_in_one_line(refuse: Refuse, bad: str) -> None:
     content, word = FILES[bad]
     Path("bad.toml").write_bytes(content)
-    to = {"solve": ["-o", "out.npz", "--image", "out.png"], "compare": ["--image", "out.png"]}
-    assert word in refuse(command, "bad.toml", *to[command])
+    assert word in refuse("solve", "bad.toml", "-o", "out.npz", "--image", "out.png")
+    assert word in refuse("compare", "bad.toml", "--image", "out.png")
     with pytest.raises(midair.SceneError) as caught:
         midair.solve(midair.Scene.load("bad.toml"))
     assert len(str(caught.value).splitlines()) == 1
@@ -241,7 +197,7 @@ def test_name_too_long_for_the_file_system_is_refused_before_the_solve(refuse: R
 
 
 def test_output_is_checked_before_the_solve(refuse: Refuse, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cli, "solve", lambda *_, **__: pytest.fail("solved in vain"))
+    monkeypatch.setattr(cli.solve, "solve", lambda *_, **__: pytest.fail("solved in vain"))
     for end in (["-o", "none/out.csv"], ["-o", "out.mat"], ["-o", "folder.csv"], ["--image", "none/out.png"]):
         refuse("solve", "scene.toml", *end)
 

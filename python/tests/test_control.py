@@ -1,4 +1,4 @@
-"""Watching a solve, stopping it, and the same bits however it is run."""
+"""Progress, stops and Ctrl-C, and the same bits on any number of threads."""
 
 import os
 import signal
@@ -11,7 +11,8 @@ import pytest
 import midair
 from scenes import same_bits, small, usable
 
-SOLVERS = sorted(midair.solvers())
+#: One step a transducer, and one step an iteration.
+SOLVERS = ("greedy", "gs")
 
 #: Nobody waits this long for Ctrl-C; it is there so that a hang is a failure and not a hung suite.
 HANG = 60
@@ -81,8 +82,7 @@ def test_progress_of_a_balanced_solve_speaks_of_the_final_drive() -> None:
     assert told[0] > 0.9
 
 
-@pytest.mark.parametrize("no", [False, np.False_])
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize(("solver", "no"), [("greedy", False), ("gs", np.False_)])
 def test_false_stops_and_leaves_a_usable_answer(solver: str, no: object) -> None:
     last = 5 if solver == "greedy" else 1
     solution = midair.solve(small(), solver, progress=lambda step, *_: no if step == last else None)
@@ -93,9 +93,9 @@ def test_false_stops_and_leaves_a_usable_answer(solver: str, no: object) -> None
         assert np.count_nonzero(solution.drive) == last
 
 
-@pytest.mark.parametrize("answer", [None, True, 0, "no", object()])
-def test_nothing_but_false_stops(answer: object) -> None:
-    assert midair.solve(small(), "greedy", progress=lambda *_: answer).status == "done"
+def test_nothing_but_false_stops() -> None:
+    for answer in (None, True, 0, "no", object()):
+        assert midair.solve(small(), "greedy", progress=lambda *_, answer=answer: answer).status == "done"
 
 
 def test_stop_at_the_last_step_leaves_the_whole_answer() -> None:

@@ -1,4 +1,4 @@
-"""The documentation is run: docstrings, every Python block, every scene file, every command line."""
+"""The documentation, run: docstrings, every Python block, every scene file, every command line."""
 
 import doctest
 import re

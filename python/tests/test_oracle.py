@@ -1,4 +1,4 @@
-"""Known answers for the reference that the kernels are tested against."""
+"""Known answers of the NumPy reference that midair is held to."""
 
 import numpy as np
 import pytest

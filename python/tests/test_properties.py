@@ -1,4 +1,4 @@
-"""What holds for any scene, tried on random ones."""
+"""Properties that hold for any scene, tried on random ones."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory

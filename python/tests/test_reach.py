@@ -1,4 +1,4 @@
-"""What an array can do: reach, warnings beyond it, and the upper bound on the level."""
+"""Reach and bound: what an array can do, warnings beyond it, and the bound against a conic solver."""
 
 from pathlib import Path
 
@@ -58,14 +58,6 @@ def test_bound_of_a_scene_is_the_value_of_the_relaxation() -> None:
     assert best * (1 - 1e-5) < midair.bound(scene) < best * 1.005
 
 
-@pytest.mark.parametrize("solver", sorted(midair.solvers()))
-def test_no_solver_exceeds_the_bound(solver: str) -> None:
-    scene = small()
-    solution = midair.solve(scene, solver)
-    # |q| = 1 but for its rounding to f32.
-    assert np.min(np.abs(solution.pressures) / solution.targets) <= midair.bound(scene) * (1 + 1e-6)
-
-
 def test_bound_refuses_more_points_than_it_takes() -> None:
     points = np.random.default_rng(1).uniform(0.05, 0.15, (65, 3))
     scene = midair.Scene(midair.Array.grid(8, 8, 10e-3), points)
@@ -96,9 +88,9 @@ def test_a_request_beyond_reach_is_warned_of_and_answered() -> None:
         midair.solve(small(pressures=0.8 * alone), "greedy")
 
 
-@pytest.mark.parametrize("part", [0.6, 1.0, 1.15])
-def test_requests_near_the_balanced_level_are_nobodys_mistake(part: float) -> None:
-    midair.solve(small(pressures=part * small().reach().level), "naive")
+def test_requests_near_the_balanced_level_are_nobodys_mistake() -> None:
+    for part in (0.6, 1.0, 1.15):
+        midair.solve(small(pressures=part * small().reach().level), "naive")
 
 
 def test_compare_shows_how_far_the_best_is_from_the_bound(

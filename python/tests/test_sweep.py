@@ -20,7 +20,7 @@ import zarr
 
 import midair
 from midair import cli, output
-from midair.sweep import work
+from midair.sweep import block, work
 from midair.sweep.engine import Job
 from midair.sweep.request import read
 from scenes import METRICS
@@ -165,10 +165,10 @@ def test_the_batch_solver_takes_what_shares_a_seed(scenes: bool, monkeypatch: py
         taken.append(solver)
         return batch(array, points, pressures, solver, **options)
 
-    monkeypatch.setattr(midair, "solve_batch", watched)
+    monkeypatch.setattr(block._midair, "solve_batch", watched)
     midair.sweep(request, threads=1)
-    blocks = read(request).blocks
-    assert taken == [block.settings["solver"] for block in blocks if block.settings["options"]]
+    settings = [part.settings for part in read(request).blocks]
+    assert taken == [setting["solver"] for setting in settings if setting["options"]]
 
 
 def test_csv_parquet_and_python_agree() -> None:
@@ -221,10 +221,9 @@ def test_a_stopped_sweep_goes_on_and_ends_the_same(monkeypatch: pytest.MonkeyPat
 
 def test_a_damaged_chunk_is_done_again(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = midair.sweep(ASKED)
-    block = read(ASKED).blocks[0]
     from midair.sweep.block import solve_block
 
-    path = ".table.csv.chunks" / Job(solve_block, block.settings, 0, 5).path
+    path = ".table.csv.chunks" / Job(solve_block, read(ASKED).blocks[0].settings, 0, 5).path
     path.parent.mkdir(parents=True)
     path.write_bytes(b"PK\x03\x04 and no more")
     assert equal(midair.sweep(ASKED, "table.csv"), whole)

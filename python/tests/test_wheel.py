@@ -1,4 +1,4 @@
-"""The wheel in a bare environment: nothing but NumPy beside it."""
+"""The wheel, in a bare environment with nothing but NumPy beside it."""
 
 import subprocess
 import sys
@@ -40,7 +40,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_wheel_holds_the_package_and_no_tests(wheel: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
     assert "abi3" in wheel.name
-    for name in ("midair/__init__.py", "midair/cli.py", "midair/py.typed", "midair/_midair.pyi"):
+    for name in ("midair/__init__.py", "midair/cli/app.py", "midair/py.typed", "midair/_midair.pyi"):
         assert name in names
     assert not [name for name in names if "test" in name or "oracle" in name or name.startswith("python/")]
 

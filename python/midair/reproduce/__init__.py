@@ -1,4 +1,4 @@
-"""Every figure of Suzuki et al. 2021 anew: pictures, their numbers, and what became of its statements."""
+"""The figures of Suzuki et al. 2021 made anew: pictures, tables, and verdicts on its statements."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pictures as files, byte for byte the same for the same numbers."""
+"""Figures as PNG and SVG files, byte for byte the same for the same numbers."""
 
 from __future__ import annotations
 

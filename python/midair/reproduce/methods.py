@@ -1,4 +1,4 @@
-"""The methods as the paper's authors set them, and ours beside them: solver, options, legend, line."""
+"""The methods compared: solver, options, legend and line of each, the paper's as its authors set them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a figure gets its numbers: through the sweeps' engine, kept below the output folder."""
+"""One run of a figure: what was asked for, and its jobs through the sweeps' engine."""
 
 from __future__ import annotations
 

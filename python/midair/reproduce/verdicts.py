@@ -1,4 +1,4 @@
-"""What became of a statement of the paper."""
+"""Verdicts on the paper's statements."""
 
 from __future__ import annotations
 

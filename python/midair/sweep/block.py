@@ -1,4 +1,4 @@
-"""Problems of one array, one number of points, one solver with one set of options: what a worker solves."""
+"""Solving of one block: problems of one array, one number of points and one solver with its options."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import midair
-
+from .. import _midair
 from .._midair import Array, Scene, SceneError, solvers
 from .engine import Arrays
 
@@ -22,7 +21,7 @@ METRICS = ("accuracy", "sigma", "uniformity", "level", "residual", "leak")
 #: Settings of a block, all that JSON can hold. "array", "medium": the tables of a scene file.
 #: "count", "region" [[x0, x1], [y0, y1], [z0, z1]] in m, "pressure" [low, high] in Pa or None: random points;
 #: or "points" [[x, y, z], ...], "pressures", "weights": fixed ones. "solver", "options": with balance and
-#: level. "seed": of all; "seeds": of each trial, None for 0, 1, ...; "drives": whether they are wanted.
+#: aim. "seed": of all; "seeds": of each trial, None for 0, 1, ...; "drives": whether they are wanted.
 Settings = Mapping[str, Any]
 
 
@@ -108,7 +107,7 @@ def _solve(
     if not fresh:
         shares = None if weights is None else np.broadcast_to(weights, points.shape[:2])
         # The jobs are spread over the processors already.
-        found = midair.solve_batch(
+        found = _midair.solve_batch(
             array, points, targets, solver, weights=shares, threads=1, **options, **medium
         )
         solved = {name: np.asarray(getattr(found.metrics, name)) for name in METRICS}
@@ -121,7 +120,7 @@ def _solve(
         if fresh:
             options["seed"] = solver_seed(settings, trial)
         try:
-            solutions.append(midair.solve(scene, solver, **options))
+            solutions.append(_midair.solve(scene, solver, **options))
         except SceneError as error:
             raise SceneError(f"seed {trial}, {len(points[index])} points: {error}") from error
     return {

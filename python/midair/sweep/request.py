@@ -1,4 +1,4 @@
-"""What a sweep file asks for, checked before anything is solved: blocks of problems in the table's order."""
+"""The sweep file, read and checked before anything is solved: blocks of problems in the table's order."""
 
 from __future__ import annotations
 

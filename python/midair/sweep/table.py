@@ -1,4 +1,4 @@
-"""Where rows go: a table as CSV or Parquet, drives as Zarr, each under a temporary name until it is whole."""
+"""The output of a sweep: a table as CSV or Parquet, drives as Zarr, under temporary names until whole."""
 
 from __future__ import annotations
 

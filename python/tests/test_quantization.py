@@ -1,4 +1,4 @@
-"""Device levels and masks: answers on the device's grid, in files, and told."""
+"""Quantization and masks: answers on the device's grid, in files, and refusals."""
 
 from pathlib import Path
 from typing import Any
@@ -22,10 +22,14 @@ def steps(phases: np.ndarray, count: int) -> np.ndarray:
     return np.abs(turns - np.round(turns))
 
 
-@pytest.mark.parametrize("solver", sorted(midair.solvers()))
-def test_every_solver_answers_on_the_grid(solver: str) -> None:
-    array = board(quantization={"phases": 24, "amplitudes": [0, 0.5, 1]})
-    solution = midair.solve(midair.Scene(array, POINTS), solver)
+@pytest.mark.parametrize(
+    "amplitudes",
+    [[0, 0.5, 1], np.array([0, 0.5, 1], dtype=np.float32), np.array([0, 9, 0.5, 9, 1])[::2]],
+    ids=["list", "float32", "strided"],
+)
+def test_answers_lie_on_the_grid(amplitudes: Any) -> None:
+    array = board(quantization={"phases": np.uint16(24), "amplitudes": amplitudes})
+    solution = midair.solve(midair.Scene(array, POINTS), "wgs")
     # One rounding to f32 of the drive, in steps of the grid.
     assert steps(solution.phases, 24).max() < 1e-5
     assert np.abs(solution.amplitudes[:, None] - [0, 0.5, 1]).min(axis=1).max() < 1e-6
@@ -54,14 +58,17 @@ def test_greedy_takes_the_grid_of_the_device() -> None:
     assert (options["phases"], options["amplitudes"]) == (256, 16)
 
 
-def test_presets_carry_the_levels_of_their_boards() -> None:
-    levels = midair.Array.preset("autd3").quantization
-    assert levels is not None
-    assert levels["phases"] == 256
-    np.testing.assert_allclose(levels["amplitudes"], np.arange(256) / 255, atol=1e-15)
+def test_presets_carry_the_quantization_of_their_boards() -> None:
+    quantization = midair.Array.preset("autd3").quantization
+    assert quantization is not None
+    assert quantization["phases"] == 256
+    np.testing.assert_allclose(quantization["amplitudes"], np.arange(256) / 255, atol=1e-15)
     assert midair.Array.preset("paper20").quantization is None
     assert midair.Array.preset("autd3", quantization={}).quantization is None
-    assert midair.Array.preset("autd3", quantization={"phases": 32}).quantization == {"phases": 32, "amplitudes": None}
+    assert midair.Array.preset("autd3", quantization={"phases": 32}).quantization == {
+        "phases": 32,
+        "amplitudes": None,
+    }
 
 
 def test_what_the_device_cannot_reduce_is_left_to_the_supply_and_told() -> None:
@@ -89,7 +96,7 @@ def test_masked_transducers_are_off() -> None:
 
 
 @pytest.mark.parametrize("ending", ["toml", "json"])
-def test_files_hold_levels_and_masks(tmp_path: Path, ending: str) -> None:
+def test_files_hold_quantization_and_masks(tmp_path: Path, ending: str) -> None:
     mask = [i % 3 != 0 for i in range(144)]
     for array in (
         board(quantization={"phases": 10, "amplitudes": [0, 0.1, 1]}, mask=mask),
@@ -111,7 +118,7 @@ def test_files_hold_levels_and_masks(tmp_path: Path, ending: str) -> None:
         assert (midair.solve(again, "gs").drive == midair.solve(scene, "gs").drive).all()
 
 
-def test_a_preset_says_nothing_of_its_own_levels() -> None:
+def test_a_preset_says_nothing_of_its_own_quantization() -> None:
     scene = midair.Scene(midair.Array.preset("autd3"), POINTS)
     assert "quantization" not in scene.json()
     assert "mask" not in scene.json()
@@ -124,9 +131,7 @@ def test_a_preset_says_nothing_of_its_own_levels() -> None:
         ({"quantization": {"phases": 2**40}}, "array.quantization.phases is "),
         ({"quantization": {"phases": 2.5}}, "array.quantization.phases is 2.5"),
         ({"quantization": {"phases": True}}, "array.quantization.phases is True"),
-        ({"quantization": {"amplitudes": [0, 0.5]}}, "end the table in 1"),
         ({"quantization": {"amplitudes": [1, 0.5, 1]}}, "array.quantization.amplitudes[1] is 0.5"),
-        ({"quantization": {"amplitudes": []}}, "array.quantization.amplitudes is 0 values"),
         ({"quantization": {"amplitudes": ["0", "1"]}}, "array.quantization.amplitudes is "),
         ({"quantization": {"phase": 16}}, "unknown key of quantization"),
         ({"quantization": 256}, "quantization is 256: give a dictionary"),
