@@ -6,6 +6,12 @@ pub(crate) const LANES: usize = 16;
 /// One lane group.
 pub(crate) type Lanes = [f32; LANES];
 
+/// Rows of tiles that lie together.
+pub(crate) const BLOCK: usize = 4;
+
+/// Four rows of a tile.
+pub(crate) type Block = [Lanes; BLOCK];
+
 /// The least multiple of [`LANES`] that holds `count`.
 pub(crate) const fn padded(count: usize) -> usize {
     count.next_multiple_of(LANES)

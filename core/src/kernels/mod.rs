@@ -16,9 +16,10 @@ mod tests;
 pub(crate) mod tiles;
 pub(crate) mod vector;
 
+pub(crate) use greedy::candidates::{Candidates, table};
+pub(crate) use greedy::objective::{L1, L2};
 pub(crate) use greedy::point_group::PointGroup;
 pub(crate) use greedy::rotate::{keep, rotate};
-pub(crate) use greedy::search::{Candidates, L1, L2, table};
 pub(crate) use lanes::{LANES, padded};
 pub(crate) use matrix::{add_waves, correlate_rows};
 pub(crate) use propagate::directivity::Table;

@@ -1,7 +1,8 @@
 //! Energies of candidates: the polynomial of the moments, and eq. (7) at the points that it leaves out.
 
+use crate::kernels::greedy::candidates::Candidates;
 use crate::kernels::greedy::moments::Moments;
-use crate::kernels::greedy::search::{Candidates, Points};
+use crate::kernels::greedy::search::Points;
 use crate::kernels::lanes::LANES;
 use crate::kernels::simd::{Simd, TINY};
 

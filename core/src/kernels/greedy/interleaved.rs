@@ -22,10 +22,12 @@
 use num_complex::Complex32;
 
 use crate::kernels::greedy;
+use crate::kernels::greedy::candidates::Candidates;
 use crate::kernels::greedy::large_grid;
 use crate::kernels::greedy::moments::{ENERGY, FACTORS, PARTS, POWER, POWERS, THIRD, add_parts, change, powers, slack};
+use crate::kernels::greedy::objective::L2;
 use crate::kernels::greedy::point_group::PointGroup;
-use crate::kernels::greedy::search::{Candidates, EQUAL, L2, Points, largest};
+use crate::kernels::greedy::search::{EQUAL, Points, largest};
 use crate::kernels::greedy::shortlist;
 use crate::kernels::greedy::shortlist::few;
 use crate::kernels::greedy::{Layout, Pass, PointsInLanes, Search, run};

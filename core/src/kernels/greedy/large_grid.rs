@@ -31,8 +31,9 @@
 //! 5. To tell candidates apart by the remainder of their difference, which shrinks with their distance, and not to tell
 //!    apart what does not matter: eq. (7) decides 2 of 996 updates at M = 64.
 
+use crate::kernels::greedy::candidates::Candidates;
+use crate::kernels::greedy::candidates::scaled;
 use crate::kernels::greedy::energies::Energies;
-use crate::kernels::greedy::search::{Candidates, scaled};
 use crate::kernels::greedy::shortlist;
 use crate::kernels::greedy::shortlist::List;
 use crate::kernels::lanes::{LANES, Lanes};

@@ -20,10 +20,12 @@
 //! 4. Where no transducer has been driven yet, for absolute errors, and for up to 16 phases at up to 16 points of which
 //!    the moments leave some out, eq. (7) is evaluated for all candidates at once.
 
+pub(crate) mod candidates;
 pub(crate) mod energies;
 pub(crate) mod interleaved;
 pub(crate) mod large_grid;
 pub(crate) mod moments;
+pub(crate) mod objective;
 pub(crate) mod point_group;
 pub(crate) mod rotate;
 pub(crate) mod search;
@@ -35,8 +37,10 @@ use num_complex::Complex32;
 
 use crate::kernels::greedy::energies::Energies;
 
+use crate::kernels::greedy::candidates::Candidates;
 use crate::kernels::greedy::moments::Moments;
-use crate::kernels::greedy::search::{Candidates, Points, Term};
+use crate::kernels::greedy::objective::Term;
+use crate::kernels::greedy::search::Points;
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 

@@ -1,7 +1,6 @@
 //! Point group: pressures, targets and weights of 16 points, and what the greedy search derives of them.
 
-use crate::kernels::greedy::search;
-use crate::kernels::greedy::search::{L2, Term};
+use crate::kernels::greedy::objective::{L2, Term, rise};
 use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::simd::{Simd, TINY};
 
@@ -82,7 +81,7 @@ impl PointGroup {
         let e = [s.fnma(gi, qi, s.mul(gr, qr)), s.fma(gi, qr, s.mul(gr, qi))];
         let old = [s.load(&self.re), s.load(&self.im), s.load(&self.modulus)];
         let gap = s.sub(s.load(&self.target), old[2]);
-        let change = L2::change(s, search::rise(s, old, e), gap);
+        let change = L2::change(s, rise(s, old, e), gap);
         s.fma(s.load(&self.weight), change, total)
     }
 }

@@ -1,8 +1,10 @@
 //! One transducer rotated to the phase that serves its points best, all others as they are.
 
+use crate::kernels::greedy::candidates::Candidates;
+use crate::kernels::greedy::objective::L2;
 use crate::kernels::greedy::point_group::PointGroup;
 use crate::kernels::greedy::search;
-use crate::kernels::greedy::search::{Candidates, L2, Points};
+use crate::kernels::greedy::search::Points;
 use crate::kernels::lanes::{groups, groups_mut};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 

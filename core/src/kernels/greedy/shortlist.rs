@@ -13,9 +13,10 @@
 //!    and with the candidates there a list of two took as long as one of 16 (5 to 15 % at N = 996, M = 64 and 256, a
 //!    third at N = 400, M = 256).
 
+use crate::kernels::greedy::candidates::Candidates;
 use crate::kernels::greedy::energies::Energies;
+use crate::kernels::greedy::objective::L2;
 use crate::kernels::greedy::search;
-use crate::kernels::greedy::search::{Candidates, L2};
 use crate::kernels::lanes::LANES;
 use crate::kernels::lanes::Lanes;
 use crate::kernels::simd::Simd;

@@ -1,11 +1,11 @@
 //! Elements of G, eq. (5), in f32: one source against every control point, or 16 sources at a point.
 
+use crate::kernels::lanes::{BLOCK, Block};
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::phasor::{power_of_two, wave};
 use crate::kernels::propagate::directivity::Table;
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::tiles::{BLOCK, Block};
 
 /// A hundredth of a wavelength: nearer than that r is held there, so that no field is infinite.
 pub(crate) const NEAREST: f32 = 0.01;

@@ -2,10 +2,10 @@
 
 use core::ops::Range;
 
+use crate::kernels::lanes::{BLOCK, Block};
 use crate::kernels::lanes::{LANES, padded};
 use crate::kernels::propagate::row::{ControlPoints, Law, Source, write_row, write_tile};
 use crate::kernels::simd::Simd;
-use crate::kernels::tiles::{BLOCK, Block};
 
 /// Rows of G, one a transducer, each a whole number of lane groups long.
 #[derive(Clone, Copy)]

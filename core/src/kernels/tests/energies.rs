@@ -4,7 +4,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
-use crate::kernels::greedy::search::Candidates;
+use crate::kernels::greedy::candidates::Candidates;
 use crate::kernels::lanes::{LANES, padded};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tests::search::Scene;

@@ -4,8 +4,8 @@ use alloc::vec;
 
 use crate::kernels::greedy::interleaved::{fits, floats, pass};
 use crate::kernels::greedy::large_grid;
+use crate::kernels::greedy::objective::L2;
 use crate::kernels::greedy::point_group::PointGroup;
-use crate::kernels::greedy::search::L2;
 use crate::kernels::greedy::{Pass, Search, indices};
 use crate::kernels::lanes::LANES;
 use crate::kernels::tests::batch::{TRANSDUCERS, each, widened};

@@ -4,9 +4,11 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
+use crate::kernels::greedy::candidates::Candidates;
+use crate::kernels::greedy::objective::{L1, L2, Term};
 use crate::kernels::greedy::point_group::PointGroup;
 use crate::kernels::greedy::search;
-use crate::kernels::greedy::search::{Candidates, L1, L2, Points, Term};
+use crate::kernels::greedy::search::Points;
 use crate::kernels::lanes::{LANES, groups, padded};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tests::{LENGTHS, ROUNDING, assert_near, numbers, wide};

@@ -4,7 +4,7 @@ use alloc::vec;
 
 use crate::kernels::greedy::energies::Energies;
 use crate::kernels::greedy::moments::Moments;
-use crate::kernels::greedy::search::L2;
+use crate::kernels::greedy::objective::L2;
 use crate::kernels::greedy::shortlist;
 use crate::kernels::lanes::{LANES, padded};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};

@@ -8,16 +8,10 @@ pub(crate) mod products;
 
 use core::ops::Range;
 
-use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
+use crate::kernels::lanes::{BLOCK, Block, LANES, Lanes, groups, groups_mut};
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Simd, TINY};
-
-/// Rows that lie together.
-pub(crate) const BLOCK: usize = 4;
-
-/// Four rows of a tile.
-pub(crate) type Block = [Lanes; BLOCK];
 
 /// Length of a vector over the transducers: whole pairs of tiles.
 pub(crate) const fn lanes(transducers: usize) -> usize {

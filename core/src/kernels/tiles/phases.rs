@@ -1,10 +1,11 @@
 //! Point phases raised to a large energy v^H G G^H v, one after another: on G, or 16 starts on G G^H.
 
+use crate::kernels::lanes::BLOCK;
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::phasor::wave;
 use crate::kernels::simd::TINY;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::tiles::{BLOCK, Tiles};
+use crate::kernels::tiles::Tiles;
 use crate::math::sqrtf;
 
 /// What is left beside a point's own echo is nothing but rounding below this part of it.

@@ -5,9 +5,10 @@
 
 use core::ops::Range;
 
+use crate::kernels::lanes::BLOCK;
 use crate::kernels::lanes::{LANES, Lanes, padded};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::tiles::{BLOCK, Tiles, blocks, stride};
+use crate::kernels::tiles::{Tiles, blocks, stride};
 
 /// Tiles that rows meet over before the next rows are fetched: eight planes of them are 16 KB.
 pub(crate) const RUN: usize = 32;

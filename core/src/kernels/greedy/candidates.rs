@@ -1,0 +1,132 @@
+//! Candidates: K amplitudes times L phases, as tables of cosines and sines.
+
+use alloc::vec::Vec;
+
+use crate::kernels::lanes::{LANES, Lanes};
+use crate::kernels::simd::Simd;
+use crate::math::{cos, sin};
+
+/// Length of a table of phases: any 16 of them can be read, from any phase on.
+pub(crate) const fn table(phases: usize) -> usize {
+    phases + LANES
+}
+
+/// Candidate drives a e^{j phi}: amplitudes outer, phases inner.
+pub(crate) struct Candidates {
+    /// cos and sin of the phases, and the first ones again up to [`table`]: a copy never wins against its original.
+    cos: Vec<f32>,
+    sin: Vec<f32>,
+    /// The same of the even and of the odd thirty-seconds of a turn.
+    coarse: [[Lanes; 2]; 2],
+    /// The amplitudes.
+    levels: Vec<f32>,
+    pub(crate) phases: usize,
+    pub(crate) amplitudes: usize,
+}
+
+impl Candidates {
+    /// K = `amplitudes` times L = `phases` candidates: a = (k+1)/K outer, phi = 2 pi l/L inner.
+    #[cfg(test)]
+    pub(crate) fn new(phases: usize, amplitudes: usize, buffers: [Vec<f32>; 3]) -> Self {
+        Self::grid(phases, (0..amplitudes).map(|k| (k as f64 + 1.0) / amplitudes as f64), buffers)
+    }
+
+    /// L = `phases` phases 2 pi l/L at each of some amplitudes, in buffers whose length is set here.
+    pub(crate) fn grid(phases: usize, amplitudes: impl Iterator<Item = f64>, buffers: [Vec<f32>; 3]) -> Self {
+        Self::made(phases, |l| l as f64 / phases as f64, amplitudes, buffers)
+    }
+
+    /// Rotations by up to `width` steps of 1/`phases`, at full amplitude: 0 first, then 1, -1, 2, -2 and so on.
+    pub(crate) fn rotations(phases: usize, width: usize, buffers: [Vec<f32>; 3]) -> Self {
+        let rotation = |k: usize| {
+            let step = k.div_ceil(2) as f64 * if k % 2 == 1 { 1.0 } else { -1.0 };
+            step / phases as f64
+        };
+        Self::made(width.min(phases), rotation, core::iter::once(1.0), buffers)
+    }
+
+    fn made(
+        phases: usize,
+        turns_of: impl Fn(usize) -> f64,
+        amplitudes: impl Iterator<Item = f64>,
+        buffers: [Vec<f32>; 3],
+    ) -> Self {
+        let [mut cosines, mut sines, mut levels] = buffers;
+        levels.clear();
+        levels.extend(amplitudes.map(|amplitude| amplitude as f32));
+        for (buffer, part) in [(&mut cosines, cos as fn(f64) -> f64), (&mut sines, sin)] {
+            buffer.clear();
+            buffer.extend((0..table(phases)).map(|l| {
+                let angle = core::f64::consts::TAU * turns_of(l % phases);
+                part(angle) as f32
+            }));
+        }
+        let amplitudes = levels.len();
+        let every = |odd: usize| {
+            [&cosines, &sines].map(|part| core::array::from_fn(|c| part[(2 * c + odd) * phases / (2 * LANES)]))
+        };
+        let coarse = [every(0), every(1)];
+        Self { cos: cosines, sin: sines, coarse, levels, phases, amplitudes }
+    }
+
+    /// How many there are.
+    pub(crate) fn count(&self) -> usize {
+        self.phases * self.amplitudes
+    }
+
+    /// Amplitude k.
+    #[inline(always)]
+    pub(crate) fn amplitude(&self, k: usize) -> f32 {
+        self.levels[k]
+    }
+
+    /// The drive (re, im) of candidate k L + l.
+    #[inline(always)]
+    pub(crate) fn drive(&self, index: usize) -> [f32; 2] {
+        // Most grids have one amplitude, and a division takes as long as evaluating it.
+        let k = if index < self.phases { 0 } else { index / self.phases };
+        let (amplitude, l) = (self.amplitude(k), index - k * self.phases);
+        [amplitude * self.cos[l], amplitude * self.sin[l]]
+    }
+
+    /// cos and sin of phase l.
+    #[inline(always)]
+    pub(crate) fn phasor(&self, l: usize) -> [f32; 2] {
+        [self.cos[l], self.sin[l]]
+    }
+
+    /// cos and sin of 16 phases from l on.
+    #[inline(always)]
+    pub(crate) fn sixteen(&self, l: usize) -> [&Lanes; 2] {
+        [&self.cos, &self.sin].map(|part| part[l..].first_chunk().unwrap_or(&[0.0; LANES]))
+    }
+
+    /// The drives of 16 phases from l on at amplitude a.
+    #[inline(always)]
+    pub(crate) fn drives<S: Simd>(&self, s: S, a: f32, l: usize) -> [S::V; 2] {
+        scaled(s, a, self.sixteen(l))
+    }
+
+    /// The phase where the arc of some thirty-second of a turn begins.
+    #[inline(always)]
+    pub(crate) fn start(&self, arc: usize) -> usize {
+        arc * self.phases / (2 * LANES)
+    }
+
+    /// cos and sin there, at the even and at the odd ones.
+    #[inline(always)]
+    pub(crate) fn coarse(&self) -> [[&Lanes; 2]; 2] {
+        [self.coarse[0].each_ref(), self.coarse[1].each_ref()]
+    }
+
+    /// Gives the buffers back.
+    pub(crate) fn into_buffers(self) -> [Vec<f32>; 3] {
+        [self.cos, self.sin, self.levels]
+    }
+}
+
+/// 16 drives of amplitude a.
+#[inline(always)]
+pub(crate) fn scaled<S: Simd>(s: S, a: f32, [cos, sin]: [&Lanes; 2]) -> [S::V; 2] {
+    [s.mul(s.splat(a), s.load(cos)), s.mul(s.splat(a), s.load(sin))]
+}
