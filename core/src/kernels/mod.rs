@@ -23,7 +23,7 @@ pub(crate) use greedy::rotate::{keep, rotate};
 pub(crate) use lanes::{LANES, padded};
 pub(crate) use matrix::{add_waves, correlate_rows};
 pub(crate) use propagate::directivity::Table;
-pub(crate) use propagate::row::{ControlPoints, Law, Row, Source, add_moduli, row};
+pub(crate) use propagate::row::{ControlPoints, Radiation, Row, Source, add_moduli, row};
 pub(crate) use propagate::rows::Rows;
 pub use simd::instruction_set::InstructionSet;
 pub(crate) use vector::{accumulate, correlate, dot, modulus, project, squares};

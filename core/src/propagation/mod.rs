@@ -193,7 +193,7 @@ impl Propagation {
             Rows::Computed { sources, frame, .. } => {
                 kernels::row(
                     self.set,
-                    &sources.law,
+                    &sources.radiation,
                     &sources.sources[i],
                     self.padded_points(frame),
                     &mut Row { re, im },
@@ -211,7 +211,7 @@ impl Propagation {
     pub(crate) fn rows(&self) -> rows::Rows<'_> {
         match &self.rows {
             Rows::Computed { sources, frame, .. } => rows::Rows::Computed {
-                law: &sources.law,
+                radiation: &sources.radiation,
                 sources: &sources.sources,
                 control_points: self.padded_points(frame),
             },
@@ -236,8 +236,8 @@ impl Propagation {
                 for (step, some) in sources.sources.chunks(TOGETHER).enumerate() {
                     sums.clear();
                     sums.resize(self.lanes(), 0.0);
-                    let (law, points_here) = (&sources.law, self.padded_points(frame));
-                    if kernels::add_moduli(self.set, law, some, points_here, NEAR, sums) {
+                    let (radiation, points_here) = (&sources.radiation, self.padded_points(frame));
+                    if kernels::add_moduli(self.set, radiation, some, points_here, NEAR, sums) {
                         for i in step * TOGETHER..step * TOGETHER + some.len() {
                             sources.check_distances(i, points)?;
                         }

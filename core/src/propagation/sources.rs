@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use num_complex::Complex64;
 
 use crate::error::Error;
-use crate::kernels::{Law, Source, padded};
+use crate::kernels::{Radiation, Source, padded};
 use crate::math;
 use crate::scene::{Array, Medium, check_places};
 
@@ -20,7 +20,7 @@ pub(crate) struct Sources {
     pub(crate) medium: Medium,
     centre: [f64; 3],
     pub(crate) sources: Vec<Source>,
-    pub(crate) law: Law,
+    pub(crate) radiation: Radiation,
 }
 
 impl Sources {
@@ -32,7 +32,7 @@ impl Sources {
         let sources = (0..array.len())
             .map(|i| {
                 let Complex64 { re, im } = array.effect(i);
-                let (gain, turns) = if im == 0.0 && re >= 0.0 {
+                let (amplitude, turns) = if im == 0.0 && re >= 0.0 {
                     (unit * re, 0.0)
                 } else {
                     (unit * math::hypot(re, im), math::atan2(im, re) / core::f64::consts::TAU)
@@ -40,16 +40,16 @@ impl Sources {
                 Source {
                     position: wavelengths(array.positions()[i], centre, wavelength),
                     normal: array.normals()[i].map(|x| x as f32),
-                    gain: gain as f32,
+                    amplitude: amplitude as f32,
                     turns: turns as f32,
                 }
             })
             .collect();
-        let law = Law {
+        let radiation = Radiation {
             decay: (-medium.absorption * wavelength * core::f64::consts::LOG2_E) as f32,
             table: array.transducer().directivity.table(medium.wavenumber()),
         };
-        Self { array: array.clone(), medium, centre, sources, law }
+        Self { array: array.clone(), medium, centre, sources, radiation }
     }
 
     /// Points in this frame, padded with the last one: x, y and z.

@@ -35,7 +35,7 @@ impl<S: Simd> Energies<'_, S> {
     fn add_left_out(&self, [re, im]: [S::V; 2], mut total: S::V) -> S::V {
         let s = self.s;
         for &j in self.near {
-            let (gr, gi) = (s.splat(self.points.gain[0][j as usize]), s.splat(self.points.gain[1][j as usize]));
+            let (gr, gi) = (s.splat(self.points.row[0][j as usize]), s.splat(self.points.row[1][j as usize]));
             let (group, lane) = (&self.points.groups[j as usize / LANES], j as usize % LANES);
             let (old, target) = (group.modulus[lane], group.target[lane]);
             let x = s.fma(gr, re, s.fnma(gi, im, s.splat(group.re[lane])));
@@ -66,7 +66,7 @@ impl<S: Simd> Energies<'_, S> {
     pub(crate) fn curvature(&self, a: f32) -> f32 {
         let left_out = |&j: &u32| {
             let (group, lane) = (&self.points.groups[j as usize / LANES], j as usize % LANES);
-            let gain = self.points.gain[0][j as usize].abs() + self.points.gain[1][j as usize].abs();
+            let gain = self.points.row[0][j as usize].abs() + self.points.row[1][j as usize].abs();
             2.0 * a * group.weight[lane] * gain * (group.modulus[lane] + group.target[lane])
         };
         self.moments.curvature(a) + self.near.iter().map(left_out).sum::<f32>()
@@ -76,7 +76,7 @@ impl<S: Simd> Energies<'_, S> {
     #[inline(always)]
     pub(crate) fn bow(&self) -> f32 {
         let left_out = |&j: &u32| {
-            let (re, im) = (self.points.gain[0][j as usize], self.points.gain[1][j as usize]);
+            let (re, im) = (self.points.row[0][j as usize], self.points.row[1][j as usize]);
             self.points.groups[j as usize / LANES].weight[j as usize % LANES] * (re * re + im * im)
         };
         self.moments.bow() + self.near.iter().map(left_out).sum::<f32>()

@@ -122,9 +122,9 @@ impl<S: Simd> Layout<S> for ProblemsInLanes<'_, S::V> {
     }
 
     #[inline(always)]
-    fn add(&mut self, s: S, points: &mut [PointGroup], gain: [&[f32]; 2], q: [S::V; 2]) {
+    fn add(&mut self, s: S, points: &mut [PointGroup], row: [&[f32]; 2], q: [S::V; 2]) {
         self.sounding = 0;
-        let rows = groups(gain[0]).iter().zip(groups(gain[1]));
+        let rows = groups(row[0]).iter().zip(groups(row[1]));
         for ((group, energy), (gr, gi)) in points.iter_mut().zip(groups_mut(self.energies)).zip(rows) {
             let energies = group.add(s, [gr, gi], q);
             s.store(energies, energy);
@@ -144,8 +144,8 @@ impl<V: Copy> ProblemsInLanes<'_, V> {
         let mut energy: Lanes = [0.0; LANES];
         self.row.fill(0.0);
         for j in 0..count {
-            self.row[j] = all.gain[0][j * LANES + lane];
-            self.row[LANES + j] = all.gain[1][j * LANES + lane];
+            self.row[j] = all.row[0][j * LANES + lane];
+            self.row[LANES + j] = all.row[1][j * LANES + lane];
             energy[j] = self.energies[j * LANES + lane];
         }
         let (re, im) = self.row.split_at(LANES);
@@ -153,7 +153,7 @@ impl<V: Copy> ProblemsInLanes<'_, V> {
         self.alone.energy = s.load(&energy);
         self.alone.silent = group.modulus == [0.0; LANES];
         let groups = core::slice::from_ref(&group);
-        self.alone.update(s, Points { groups, gain: [re, im], count }, 0, || ());
+        self.alone.update(s, Points { groups, row: [re, im], count }, 0, || ());
     }
 }
 
@@ -194,7 +194,7 @@ fn moments<S: Simd>(s: S, points: Points<'_>, energies: &[f32]) -> ([S::V; THIRD
 /// What point j adds to the moments, and to `near` the lanes where they leave it out.
 #[inline(always)]
 fn parts<S: Simd>(s: S, points: Points<'_>, energies: &[f32], j: usize, near: &mut u32) -> [S::V; THIRD] {
-    let gain = [s.load(&groups(points.gain[0])[j]), s.load(&groups(points.gain[1])[j])];
+    let gain = [s.load(&groups(points.row[0])[j]), s.load(&groups(points.row[1])[j])];
     let mut all = [s.splat(0.0); PARTS];
     *near |= add_parts::<S, false>(s, &mut all, &points.groups[j], gain);
     let mut parts = [s.splat(0.0); THIRD];
@@ -257,7 +257,7 @@ fn search<S: Simd>(s: S, points: Points<'_>, table: &[f32]) -> [S::V; 2] {
     let mut changes = [zero; LANES];
     let candidates = table.as_chunks::<POWERS>().0;
     for (four, changes) in candidates.chunks(4).zip(changes.chunks_exact_mut(4)) {
-        let propagation = groups(points.gain[0]).iter().zip(groups(points.gain[1]));
+        let propagation = groups(points.row[0]).iter().zip(groups(points.row[1]));
         for (group, (gr, gi)) in points.groups.iter().zip(propagation) {
             for (&[re, im, ..], change) in four.iter().zip(&mut *changes) {
                 *change = group.add_change(s, [gr, gi], [s.splat(re), s.splat(im)], *change);

@@ -109,7 +109,7 @@ pub(crate) trait Layout<S: Simd> {
     fn update(&mut self, s: S, points: Points<'_>, i: usize, meanwhile: impl FnOnce()) -> Option<[S::V; 2]>;
 
     /// P += G q.
-    fn add(&mut self, s: S, groups: &mut [PointGroup], gain: [&[f32]; 2], q: [S::V; 2]);
+    fn add(&mut self, s: S, groups: &mut [PointGroup], row: [&[f32]; 2], q: [S::V; 2]);
 }
 
 /// The pass; returns the number of updates.
@@ -131,8 +131,8 @@ pub(crate) fn run<S: Simd>(
     let mut updates = 0;
     for &i in order {
         updates += 1;
-        let gain = [&row[..lanes], &row[lanes..]];
-        let before = Points { groups: points, gain, count };
+        let parts = [&row[..lanes], &row[lanes..]];
+        let before = Points { groups: points, row: parts, count };
         let drive = layout.update(
             s,
             before,
@@ -141,7 +141,7 @@ pub(crate) fn run<S: Simd>(
             || write(s, rows, order.get(updates), next),
         );
         if let Some(q) = drive {
-            layout.add(s, points, gain, q);
+            layout.add(s, points, parts, q);
         }
         if !report(updates, points) {
             break;
@@ -204,10 +204,10 @@ impl<S: Simd, T: Term> Layout<S> for PointsInLanes<'_, S::V, T> {
     #[inline(always)]
     fn update(&mut self, s: S, points: Points<'_>, i: usize, meanwhile: impl FnOnce()) -> Option<[S::V; 2]> {
         let candidates = self.candidates;
-        let Points { groups, gain, .. } = points;
+        let Points { groups, row, .. } = points;
         let moments = match (T::SQUARE && !self.silent, large_grid::large(candidates)) {
-            (true, true) => Some(Moments::new::<S, true>(s, groups, gain, self.energy, self.near)),
-            (true, false) => Some(Moments::new::<S, false>(s, groups, gain, self.energy, self.near)),
+            (true, true) => Some(Moments::new::<S, true>(s, groups, row, self.energy, self.near)),
+            (true, false) => Some(Moments::new::<S, false>(s, groups, row, self.energy, self.near)),
             (false, _) => None,
         };
         meanwhile();
@@ -235,9 +235,9 @@ impl<S: Simd, T: Term> Layout<S> for PointsInLanes<'_, S::V, T> {
     }
 
     #[inline(always)]
-    fn add(&mut self, s: S, points: &mut [PointGroup], gain: [&[f32]; 2], q: [S::V; 2]) {
+    fn add(&mut self, s: S, points: &mut [PointGroup], row: [&[f32]; 2], q: [S::V; 2]) {
         self.energy = s.splat(0.0);
-        for (group, (gr, gi)) in points.iter_mut().zip(groups(gain[0]).iter().zip(groups(gain[1]))) {
+        for (group, (gr, gi)) in points.iter_mut().zip(groups(row[0]).iter().zip(groups(row[1]))) {
             self.energy = s.add(self.energy, group.add(s, [gr, gi], q));
         }
         self.silent = points.iter().all(|group| group.modulus == [0.0; LANES]);

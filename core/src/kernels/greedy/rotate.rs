@@ -41,7 +41,7 @@ pub(crate) fn rotate(
             s.store(s.fma(gi, qr, s.mul(gr, qi)), im);
             group.add(s, [re, im], out);
         }
-        let others = Points { groups: points, gain: [&*re, &*im], count };
+        let others = Points { groups: points, row: [&*re, &*im], count };
         let tolerance = search::tolerance::<_, L2>(s, others);
         let choice = search::best::<_, L2>(s, others, candidates, false, tolerance);
         let [qr, qi] = candidates.drive(choice);

@@ -13,7 +13,7 @@ use crate::kernels::simd::Simd;
 #[derive(Clone, Copy)]
 pub(crate) struct Points<'a> {
     pub(crate) groups: &'a [PointGroup],
-    pub(crate) gain: [&'a [f32]; 2],
+    pub(crate) row: [&'a [f32]; 2],
     /// How many of them are points; the rest is padding.
     pub(crate) count: usize,
 }
@@ -30,7 +30,7 @@ pub(crate) const EQUAL: f32 = 1e-7;
 /// A bound on the largest term summed, lanes apart.
 #[inline(always)]
 pub(crate) fn largest<S: Simd, T: Term>(s: S, points: Points<'_>) -> S::V {
-    let propagation = groups(points.gain[0]).iter().zip(groups(points.gain[1]));
+    let propagation = groups(points.row[0]).iter().zip(groups(points.row[1]));
     let mut most = s.splat(0.0);
     for ((re, im), group) in propagation.zip(points.groups) {
         let gain = s.add(s.abs(s.load(re)), s.abs(s.load(im)));
@@ -50,7 +50,7 @@ pub(crate) fn add_changes<S: Simd, T: Term>(
     mut total: S::V,
 ) -> S::V {
     for j in some {
-        let (gr, gi) = (s.splat(points.gain[0][j]), s.splat(points.gain[1][j]));
+        let (gr, gi) = (s.splat(points.row[0][j]), s.splat(points.row[1][j]));
         let (group, lane) = (&points.groups[j / LANES], j % LANES);
         let old = [s.splat(group.re[lane]), s.splat(group.im[lane]), s.splat(group.modulus[lane])];
         let e = [s.fnma(gi, im, s.mul(gr, re)), s.fma(gi, re, s.mul(gr, im))];
@@ -134,7 +134,7 @@ pub(crate) fn best_of<S: Simd>(
         for (&index, change) in chunk.iter().zip(&mut changes) {
             let [re, im] = candidates.drive(index as usize);
             let q = [s.splat(re), s.splat(im)];
-            let propagation = groups(points.gain[0]).iter().zip(groups(points.gain[1]));
+            let propagation = groups(points.row[0]).iter().zip(groups(points.row[1]));
             for (group, (re, im)) in points.groups.iter().zip(propagation) {
                 *change = group.add_change(s, [re, im], q, *change);
             }

@@ -25,14 +25,14 @@ pub(crate) struct Source {
     pub(crate) position: [f32; 3],
     pub(crate) normal: [f32; 3],
     /// |c_i| times P0 over the reference, per wavelength.
-    pub(crate) gain: f32,
+    pub(crate) amplitude: f32,
     /// The phase of c_i in turns.
     pub(crate) turns: f32,
 }
 
 /// What all transducers share: absorption as a power of two per wavelength (<= 0) and the directivity's table.
 #[derive(Clone, Debug)]
-pub(crate) struct Law {
+pub(crate) struct Radiation {
     pub(crate) decay: f32,
     pub(crate) table: Option<Table>,
 }
@@ -52,28 +52,28 @@ enum Form {
     Full,
 }
 
-impl Law {
+impl Radiation {
     fn form(&self, turns: f32) -> Form {
         if self.decay == 0.0 && self.table.is_none() && turns == 0.0 { Form::Plain } else { Form::Full }
     }
 }
 
 /// A transducer in all lanes, or sixteen of them.
-struct Emitter<V> {
+struct SourceLanes<V> {
     position: [V; 3],
     normal: [V; 3],
-    gain: V,
+    amplitude: V,
     turns: V,
 }
 
-impl<V: Copy> Emitter<V> {
+impl<V: Copy> SourceLanes<V> {
     #[inline(always)]
     fn one<S: Simd<V = V>>(s: S, source: &Source) -> Self {
         let [[x, y, z], [nx, ny, nz]] = [source.position, source.normal];
         Self {
             position: [s.splat(x), s.splat(y), s.splat(z)],
             normal: [s.splat(nx), s.splat(ny), s.splat(nz)],
-            gain: s.splat(source.gain),
+            amplitude: s.splat(source.amplitude),
             turns: s.splat(source.turns),
         }
     }
@@ -85,16 +85,16 @@ impl<V: Copy> Emitter<V> {
         for l in 0..LANES {
             let source = sources[l.min(sources.len() - 1)];
             let [[x, y, z], [nx, ny, nz]] = [source.position, source.normal];
-            let gain = if l < sources.len() { source.gain } else { 0.0 };
-            for (lanes, x) in lanes.iter_mut().zip([x, y, z, nx, ny, nz, gain, source.turns]) {
+            let amplitude = if l < sources.len() { source.amplitude } else { 0.0 };
+            for (lanes, x) in lanes.iter_mut().zip([x, y, z, nx, ny, nz, amplitude, source.turns]) {
                 lanes[l] = x;
             }
         }
-        let [x, y, z, nx, ny, nz, gain, turns] = &lanes;
+        let [x, y, z, nx, ny, nz, amplitude, turns] = &lanes;
         Self {
             position: [s.load(x), s.load(y), s.load(z)],
             normal: [s.load(nx), s.load(ny), s.load(nz)],
-            gain: s.load(gain),
+            amplitude: s.load(amplitude),
             turns: s.load(turns),
         }
     }
@@ -102,20 +102,20 @@ impl<V: Copy> Emitter<V> {
 
 /// Square distance and, held at [`NEAREST`], distance and |c| D e^{-alpha r}/r; distances in wavelengths.
 #[inline(always)]
-fn spread<S: Simd>(s: S, form: Form, law: &Law, emitter: &Emitter<S::V>, point: [S::V; 3]) -> [S::V; 3] {
-    let [x, y, z] = emitter.position;
+fn spread<S: Simd>(s: S, form: Form, radiation: &Radiation, from: &SourceLanes<S::V>, point: [S::V; 3]) -> [S::V; 3] {
+    let [x, y, z] = from.position;
     let (dx, dy, dz) = (s.sub(point[0], x), s.sub(point[1], y), s.sub(point[2], z));
     let square = s.fma(dx, dx, s.fma(dy, dy, s.mul(dz, dz)));
     let held = s.max(square, s.splat(NEAREST * NEAREST));
     // The distance is the phase: an error in its last place is one of 2e-5 rad at a metre's tenth.
     let (distance, inverse) = s.sqrt_rsqrt(held);
-    let mut amplitude = s.mul(emitter.gain, inverse);
+    let mut amplitude = s.mul(from.amplitude, inverse);
     if form == Form::Full {
-        if law.decay < 0.0 {
-            amplitude = s.mul(amplitude, power_of_two(s, s.mul(distance, s.splat(law.decay))));
+        if radiation.decay < 0.0 {
+            amplitude = s.mul(amplitude, power_of_two(s, s.mul(distance, s.splat(radiation.decay))));
         }
-        if let Some(table) = &law.table {
-            let [nx, ny, nz] = emitter.normal;
+        if let Some(table) = &radiation.table {
+            let [nx, ny, nz] = from.normal;
             let along = s.fma(nx, dx, s.fma(ny, dy, s.mul(nz, dz)));
             amplitude = s.mul(amplitude, table.directivity(s, s.mul(along, inverse)));
         }
@@ -123,12 +123,12 @@ fn spread<S: Simd>(s: S, form: Form, law: &Law, emitter: &Emitter<S::V>, point: 
     [square, distance, amplitude]
 }
 
-/// G of an emitter at a point.
+/// Element of G: one source, or sixteen, at a point.
 #[inline(always)]
-fn gain<S: Simd>(s: S, form: Form, law: &Law, emitter: &Emitter<S::V>, point: [S::V; 3]) -> [S::V; 2] {
-    let [_, mut distance, amplitude] = spread(s, form, law, emitter, point);
+fn element<S: Simd>(s: S, form: Form, radiation: &Radiation, from: &SourceLanes<S::V>, point: [S::V; 3]) -> [S::V; 2] {
+    let [_, mut distance, amplitude] = spread(s, form, radiation, from, point);
     if form == Form::Full {
-        distance = s.add(distance, emitter.turns);
+        distance = s.add(distance, from.turns);
     }
     wave(s, distance, amplitude)
 }
@@ -138,20 +138,23 @@ fn gain<S: Simd>(s: S, form: Form, law: &Law, emitter: &Emitter<S::V>, point: [S
 #[inline(always)]
 pub(crate) fn write_tile<S: Simd>(
     s: S,
-    law: &Law,
+    radiation: &Radiation,
     sources: &[Source],
     control_points: ControlPoints<'_>,
     order: &[u32],
     (first, stride): (usize, usize),
     [re, im]: [&mut [Block]; 2],
 ) {
-    let emitter = Emitter::sixteen(s, sources);
-    let plain = sources.iter().all(|source| law.form(source.turns) == Form::Plain);
+    let from = SourceLanes::sixteen(s, sources);
+    let plain = sources.iter().all(|source| radiation.form(source.turns) == Form::Plain);
     for (k, &j) in order.iter().enumerate() {
         let [x, y, z] = control_points.coordinates;
         let place = [s.splat(x[j as usize]), s.splat(y[j as usize]), s.splat(z[j as usize])];
-        let [real, imaginary] =
-            if plain { gain(s, Form::Plain, law, &emitter, place) } else { gain(s, Form::Full, law, &emitter, place) };
+        let [real, imaginary] = if plain {
+            element(s, Form::Plain, radiation, &from, place)
+        } else {
+            element(s, Form::Full, radiation, &from, place)
+        };
         let block = first + k / BLOCK * stride;
         s.store(real, &mut re[block][k % BLOCK]);
         s.store(imaginary, &mut im[block][k % BLOCK]);
@@ -162,15 +165,15 @@ pub(crate) fn write_tile<S: Simd>(
 #[inline(always)]
 pub(crate) fn write_row<S: Simd>(
     s: S,
-    law: &Law,
+    radiation: &Radiation,
     source: &Source,
     control_points: ControlPoints<'_>,
     re: &mut [f32],
     im: &mut [f32],
 ) {
-    match law.form(source.turns) {
-        Form::Plain => write_form(s, Form::Plain, law, source, control_points, [&mut *re, &mut *im]),
-        Form::Full => write_form(s, Form::Full, law, source, control_points, [&mut *re, &mut *im]),
+    match radiation.form(source.turns) {
+        Form::Plain => write_form(s, Form::Plain, radiation, source, control_points, [&mut *re, &mut *im]),
+        Form::Full => write_form(s, Form::Full, radiation, source, control_points, [&mut *re, &mut *im]),
     }
     silence(s, re, control_points.count);
     silence(s, im, control_points.count);
@@ -180,16 +183,16 @@ pub(crate) fn write_row<S: Simd>(
 fn write_form<S: Simd>(
     s: S,
     form: Form,
-    law: &Law,
+    radiation: &Radiation,
     source: &Source,
     control_points: ControlPoints<'_>,
     [re, im]: [&mut [f32]; 2],
 ) {
-    let emitter = Emitter::one(s, source);
+    let from = SourceLanes::one(s, source);
     let [x, y, z] = control_points.coordinates;
     let points = groups(x).iter().zip(groups(y)).zip(groups(z));
     for (((x, y), z), (re, im)) in points.zip(groups_mut(re).iter_mut().zip(groups_mut(im))) {
-        let [real, imaginary] = gain(s, form, law, &emitter, [s.load(x), s.load(y), s.load(z)]);
+        let [real, imaginary] = element(s, form, radiation, &from, [s.load(x), s.load(y), s.load(z)]);
         s.store(real, re);
         s.store(imaginary, im);
     }
@@ -198,27 +201,27 @@ fn write_form<S: Simd>(
 /// The row of one transducer, see [`write_row`].
 pub(crate) fn row(
     set: InstructionSet,
-    law: &Law,
+    radiation: &Radiation,
     source: &Source,
     control_points: ControlPoints<'_>,
     out: &mut Row<'_>,
 ) {
-    dispatch!(set, s => write_row(s, law, source, control_points, out.re, out.im));
+    dispatch!(set, s => write_row(s, radiation, source, control_points, out.re, out.im));
 }
 
 /// Adds the moduli |G| of several transducers up, one sum a point, and tells whether one of them is nearer to a
 /// point than the square root of `nearest` (square wavelengths).
 pub(crate) fn add_moduli(
     set: InstructionSet,
-    law: &Law,
+    radiation: &Radiation,
     sources: &[Source],
     control_points: ControlPoints<'_>,
     nearest: f32,
     out: &mut [f32],
 ) -> bool {
-    dispatch!(set, s => match law.form(0.0) {
-        Form::Plain => moduli_of_form(s, Form::Plain, law, sources, control_points, nearest, out),
-        Form::Full => moduli_of_form(s, Form::Full, law, sources, control_points, nearest, out),
+    dispatch!(set, s => match radiation.form(0.0) {
+        Form::Plain => moduli_of_form(s, Form::Plain, radiation, sources, control_points, nearest, out),
+        Form::Full => moduli_of_form(s, Form::Full, radiation, sources, control_points, nearest, out),
     })
 }
 
@@ -226,7 +229,7 @@ pub(crate) fn add_moduli(
 fn moduli_of_form<S: Simd>(
     s: S,
     form: Form,
-    law: &Law,
+    radiation: &Radiation,
     sources: &[Source],
     control_points: ControlPoints<'_>,
     nearest: f32,
@@ -240,7 +243,7 @@ fn moduli_of_form<S: Simd>(
         let mut sum = s.load(out);
         let place = [s.load(x), s.load(y), s.load(z)];
         for source in sources {
-            let [square, _, amplitude] = spread(s, form, law, &Emitter::one(s, source), place);
+            let [square, _, amplitude] = spread(s, form, radiation, &SourceLanes::one(s, source), place);
             closest = s.min(square, closest);
             // A piston's side lobes have D < 0.
             sum = s.add(sum, if form == Form::Plain { amplitude } else { s.abs(amplitude) });

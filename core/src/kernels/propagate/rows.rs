@@ -4,14 +4,14 @@ use core::ops::Range;
 
 use crate::kernels::lanes::{BLOCK, Block};
 use crate::kernels::lanes::{LANES, padded};
-use crate::kernels::propagate::row::{ControlPoints, Law, Source, write_row, write_tile};
+use crate::kernels::propagate::row::{ControlPoints, Radiation, Source, write_row, write_tile};
 use crate::kernels::simd::Simd;
 
 /// Rows of G, one a transducer, each a whole number of lane groups long.
 #[derive(Clone, Copy)]
 pub(crate) enum Rows<'a> {
     /// Made from positions when asked for.
-    Computed { law: &'a Law, sources: &'a [Source], control_points: ControlPoints<'a> },
+    Computed { radiation: &'a Radiation, sources: &'a [Source], control_points: ControlPoints<'a> },
     /// Kept: re and im, row after row.
     Stored { re: &'a [f32], im: &'a [f32] },
 }
@@ -21,7 +21,9 @@ impl Rows<'_> {
     #[inline(always)]
     pub(crate) fn write<S: Simd>(&self, s: S, i: usize, re: &mut [f32], im: &mut [f32]) {
         match *self {
-            Self::Computed { law, sources, control_points } => write_row(s, law, &sources[i], control_points, re, im),
+            Self::Computed { radiation, sources, control_points } => {
+                write_row(s, radiation, &sources[i], control_points, re, im)
+            }
             Self::Stored { re: all_re, im: all_im } => {
                 let range = i * re.len()..(i + 1) * re.len();
                 re.copy_from_slice(&all_re[range.clone()]);
@@ -42,8 +44,8 @@ impl Rows<'_> {
         out: [&mut [Block]; 2],
     ) {
         match *self {
-            Self::Computed { law, sources, control_points } if !members.is_empty() => {
-                write_tile(s, law, &sources[members], control_points, order, (tile, stride), out);
+            Self::Computed { radiation, sources, control_points } if !members.is_empty() => {
+                write_tile(s, radiation, &sources[members], control_points, order, (tile, stride), out);
             }
             Self::Stored { re, im } => {
                 let lanes = padded(order.len());

@@ -35,7 +35,7 @@ macro_rules! with_energies {
         dispatch!($set, s => {
             let mut lane = [0.0; LANES];
             lane[0] = energy;
-            let (moments, nearby) = $crate::kernels::greedy::moments::Moments::new::<_, true>(s, &kept, points.gain, s.load(&lane), &mut near);
+            let (moments, nearby) = $crate::kernels::greedy::moments::Moments::new::<_, true>(s, &kept, points.row, s.load(&lane), &mut near);
             let ($s, $energies) =
                 (s, $crate::kernels::greedy::energies::Energies { s, points, moments: &moments, near: &near[..nearby], candidates: $candidates });
             $check

@@ -22,7 +22,7 @@ use core::f64::consts::{LOG2_E, TAU};
 use core::ops::RangeInclusive;
 
 use crate::kernels::lanes::{LANES, padded};
-use crate::kernels::propagate::row::{ControlPoints, Law, Row, Source};
+use crate::kernels::propagate::row::{ControlPoints, Radiation, Row, Source};
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::kernels::tiles::{height, lanes, pack, size};
@@ -57,7 +57,7 @@ struct Shot {
     directivity: Directivity,
     /// A bound on the slope of D over the cosine.
     steepness: f64,
-    law: Law,
+    radiation: Radiation,
     source: Source,
     coordinates: [Vec<f32>; 3],
     count: usize,
@@ -78,8 +78,15 @@ impl Shot {
                 coordinates[axis][j] = number(low, high);
             }
         }
-        let law = Law { decay, table: directivity.table(WAVENUMBER) };
-        Self { directivity, steepness: 10.0, law, source: Source { position, normal, gain, turns }, coordinates, count }
+        let radiation = Radiation { decay, table: directivity.table(WAVENUMBER) };
+        Self {
+            directivity,
+            steepness: 10.0,
+            radiation,
+            source: Source { position, normal, amplitude: gain, turns },
+            coordinates,
+            count,
+        }
     }
 
     fn control_points(&self) -> ControlPoints<'_> {
@@ -92,7 +99,7 @@ impl Shot {
         let ray = [0, 1, 2].map(|axis| wide(self.coordinates[axis][j]) - wide(self.source.position[axis]));
         let r = self.square(j).sqrt().max(wide(crate::kernels::propagate::row::NEAREST));
         let cos = (0..3).map(|axis| ray[axis] * wide(self.source.normal[axis])).sum::<f64>() / r;
-        (r, self.directivity.value(cos, WAVENUMBER) * (wide(self.law.decay) * r).exp2() / r)
+        (r, self.directivity.value(cos, WAVENUMBER) * (wide(self.radiation.decay) * r).exp2() / r)
     }
 
     fn square(&self, j: usize) -> f64 {
@@ -104,20 +111,26 @@ impl Shot {
     fn check(&self, set: InstructionSet) {
         let [mut re, mut im] = [(); 2].map(|()| vec![f32::NAN; padded(self.count)]);
         let mut moduli = vec![1.0; padded(self.count)];
-        crate::kernels::row(set, &self.law, &self.source, self.control_points(), &mut Row { re: &mut re, im: &mut im });
+        crate::kernels::row(
+            set,
+            &self.radiation,
+            &self.source,
+            self.control_points(),
+            &mut Row { re: &mut re, im: &mut im },
+        );
         let nearest = (0..self.count).map(|j| self.square(j)).fold(f64::INFINITY, f64::min);
         // Well beside it on either side: the kernel's square has five roundings.
         for (factor, near) in [(1.0 + 1e-6, true), (1.0 - 1e-6, false)] {
             moduli.fill(1.0);
             let limit = (nearest * factor) as f32;
             let sources = [self.source; 1];
-            let told = super::add_moduli(set, &self.law, &sources, self.control_points(), limit, &mut moduli);
+            let told = super::add_moduli(set, &self.radiation, &sources, self.control_points(), limit, &mut moduli);
             assert!(told == near || nearest == 0.0, "{set}: nearest point of {}", self.count);
         }
         for j in 0..self.count {
             let (r, amplitude) = self.spread(j);
             let (sin, cos) = (TAU * (r + wide(self.source.turns))).sin_cos();
-            let gain = wide(self.source.gain);
+            let gain = wide(self.source.amplitude);
             // Relative to the modulus straight ahead (D has zeros): the amplitude's own few roundings, the
             // polynomials' 7e-7 and 3e-7, the table's and what D makes of two roundings of the cosine; and in
             // the phase four roundings of the distance.
@@ -143,7 +156,8 @@ impl Shot {
         let order: Vec<u32> = (0..self.count as u32).collect();
         let whole = size(height(self.count), lanes(2));
         let [mut re, mut im] = [(); 2].map(|()| vec![f32::NAN; whole]);
-        let rows = Rows::Computed { law: &self.law, sources: &sources, control_points: self.control_points() };
+        let rows =
+            Rows::Computed { radiation: &self.radiation, sources: &sources, control_points: self.control_points() };
         pack(set, rows, 0..2, &order, [&mut re, &mut im]);
         // Two tiles and a spare one to four points.
         for (plane, row) in [re, im].iter().zip(row) {

@@ -66,7 +66,7 @@ impl Scene {
     }
 
     pub(super) fn points<'a>(&'a self, kept: &'a [PointGroup]) -> Points<'a> {
-        Points { groups: kept, gain: [&self.gain[0], &self.gain[1]], count: self.count }
+        Points { groups: kept, row: [&self.gain[0], &self.gain[1]], count: self.count }
     }
 
     /// P and G of point j.

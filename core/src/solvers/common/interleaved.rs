@@ -47,7 +47,7 @@ impl Abreast {
     /// Rows of G at these points.
     pub(crate) fn rows(&self) -> Rows<'_> {
         Rows::Computed {
-            law: &self.prepared.law,
+            radiation: &self.prepared.radiation,
             sources: &self.prepared.sources,
             control_points: self.control_points(),
         }
@@ -127,7 +127,8 @@ pub(crate) fn sum_moduli(problems: &mut [Problem], work: &mut Workspace) -> bool
     let mut near = false;
     for sources in abreast.prepared.sources.chunks(TOGETHER) {
         sums.fill(0.0);
-        near |= add_moduli(abreast.set, &abreast.prepared.law, sources, abreast.control_points(), NEAR, &mut sums);
+        near |=
+            add_moduli(abreast.set, &abreast.prepared.radiation, sources, abreast.control_points(), NEAR, &mut sums);
         for (lane, reach) in reaches.iter_mut().flatten().enumerate() {
             for (reach, sums) in reach.iter_mut().zip(sums.as_chunks::<LANES>().0) {
                 *reach += f64::from(sums[lane]);
