@@ -19,7 +19,7 @@ pub(crate) struct Candidates {
     /// The same of the even and of the odd thirty-seconds of a turn.
     coarse: [[Lanes; 2]; 2],
     /// The amplitudes.
-    levels: Vec<f32>,
+    amplitude_table: Vec<f32>,
     pub(crate) phases: usize,
     pub(crate) amplitudes: usize,
 }
@@ -51,9 +51,9 @@ impl Candidates {
         amplitudes: impl Iterator<Item = f64>,
         buffers: [Vec<f32>; 3],
     ) -> Self {
-        let [mut cosines, mut sines, mut levels] = buffers;
-        levels.clear();
-        levels.extend(amplitudes.map(|amplitude| amplitude as f32));
+        let [mut cosines, mut sines, mut amplitude_table] = buffers;
+        amplitude_table.clear();
+        amplitude_table.extend(amplitudes.map(|amplitude| amplitude as f32));
         for (buffer, part) in [(&mut cosines, cos as fn(f64) -> f64), (&mut sines, sin)] {
             buffer.clear();
             buffer.extend((0..table(phases)).map(|l| {
@@ -61,12 +61,12 @@ impl Candidates {
                 part(angle) as f32
             }));
         }
-        let amplitudes = levels.len();
+        let amplitudes = amplitude_table.len();
         let every = |odd: usize| {
             [&cosines, &sines].map(|part| core::array::from_fn(|c| part[(2 * c + odd) * phases / (2 * LANES)]))
         };
         let coarse = [every(0), every(1)];
-        Self { cos: cosines, sin: sines, coarse, levels, phases, amplitudes }
+        Self { cos: cosines, sin: sines, coarse, amplitude_table, phases, amplitudes }
     }
 
     /// How many there are.
@@ -77,7 +77,7 @@ impl Candidates {
     /// Amplitude k.
     #[inline(always)]
     pub(crate) fn amplitude(&self, k: usize) -> f32 {
-        self.levels[k]
+        self.amplitude_table[k]
     }
 
     /// The drive (re, im) of candidate k L + l.
@@ -121,7 +121,7 @@ impl Candidates {
 
     /// Gives the buffers back.
     pub(crate) fn into_buffers(self) -> [Vec<f32>; 3] {
-        [self.cos, self.sin, self.levels]
+        [self.cos, self.sin, self.amplitude_table]
     }
 }
 

@@ -257,8 +257,8 @@ fn search<S: Simd>(s: S, points: Points<'_>, table: &[f32]) -> [S::V; 2] {
     let mut changes = [zero; LANES];
     let candidates = table.as_chunks::<POWERS>().0;
     for (four, changes) in candidates.chunks(4).zip(changes.chunks_exact_mut(4)) {
-        let propagation = groups(points.row[0]).iter().zip(groups(points.row[1]));
-        for (group, (gr, gi)) in points.groups.iter().zip(propagation) {
+        let row = groups(points.row[0]).iter().zip(groups(points.row[1]));
+        for (group, (gr, gi)) in points.groups.iter().zip(row) {
             for (&[re, im, ..], change) in four.iter().zip(&mut *changes) {
                 *change = group.add_change(s, [gr, gi], [s.splat(re), s.splat(im)], *change);
             }

@@ -188,11 +188,11 @@ impl<V: Copy> Arcs<V> {
         let [cos, sin] = candidates.phasor(candidates.start(self.center));
         let mut lowest = s.splat(f32::INFINITY);
         for first in (0..candidates.amplitudes).step_by(LANES) {
-            let mut levels = [0.0; LANES];
-            for (k, set) in levels.iter_mut().enumerate() {
-                *set = candidates.amplitude((first + k).min(candidates.amplitudes - 1));
+            let mut amplitudes = [0.0; LANES];
+            for (k, amplitude) in amplitudes.iter_mut().enumerate() {
+                *amplitude = candidates.amplitude((first + k).min(candidates.amplitudes - 1));
             }
-            let z = [s.mul(s.load(&levels), s.splat(cos)), s.mul(s.load(&levels), s.splat(sin))];
+            let z = [s.mul(s.load(&amplitudes), s.splat(cos)), s.mul(s.load(&amplitudes), s.splat(sin))];
             lowest = s.min(energies.roughly(z), lowest);
         }
         -s.reduce_max(s.sub(s.splat(0.0), lowest))

@@ -225,8 +225,8 @@ impl Moments {
         let (re4, im4) = (s.fnma(im2, im2, s.mul(re2, re2)), s.mul(s.add(re2, re2), im2));
         let [a4r, a4i, dr, di] = [s.splat(self.0[12]), s.splat(self.0[13]), s.splat(self.0[14]), s.splat(self.0[15])];
         // F is in the remainder.
-        let set = s.splat(-(1.0 - FAR) / 8.0 * self.remainder());
-        let even = s.fma(dr, re2, s.fma(di, im2, s.mul(square, set)));
+        let constant = s.splat(-(1.0 - FAR) / 8.0 * self.remainder());
+        let even = s.fma(dr, re2, s.fma(di, im2, s.mul(square, constant)));
         let low = s.fma(square, even, self.change(s, re, im));
         s.fma(a4r, re4, s.fma(a4i, im4, low))
     }

@@ -9,7 +9,7 @@ use crate::kernels::greedy::point_group::PointGroup;
 use crate::kernels::lanes::{LANES, Lanes, groups};
 use crate::kernels::simd::Simd;
 
-/// The points as the search sees them: their pressures and what is asked for, and this transducer's propagation.
+/// The points as the search sees them: their pressures and what is asked for, and this transducer's row of G.
 #[derive(Clone, Copy)]
 pub(crate) struct Points<'a> {
     pub(crate) groups: &'a [PointGroup],
@@ -30,9 +30,9 @@ pub(crate) const EQUAL: f32 = 1e-7;
 /// A bound on the largest term summed, lanes apart.
 #[inline(always)]
 pub(crate) fn largest<S: Simd, T: Term>(s: S, points: Points<'_>) -> S::V {
-    let propagation = groups(points.row[0]).iter().zip(groups(points.row[1]));
+    let row = groups(points.row[0]).iter().zip(groups(points.row[1]));
     let mut most = s.splat(0.0);
-    for ((re, im), group) in propagation.zip(points.groups) {
+    for ((re, im), group) in row.zip(points.groups) {
         let gain = s.add(s.abs(s.load(re)), s.abs(s.load(im)));
         let gap = s.sub(s.load(&group.target), s.load(&group.modulus));
         most = s.max(most, s.mul(s.load(&group.weight), T::bound(s, gain, gap)));
@@ -134,8 +134,8 @@ pub(crate) fn best_of<S: Simd>(
         for (&index, change) in chunk.iter().zip(&mut changes) {
             let [re, im] = candidates.drive(index as usize);
             let q = [s.splat(re), s.splat(im)];
-            let propagation = groups(points.row[0]).iter().zip(groups(points.row[1]));
-            for (group, (re, im)) in points.groups.iter().zip(propagation) {
+            let row = groups(points.row[0]).iter().zip(groups(points.row[1]));
+            for (group, (re, im)) in points.groups.iter().zip(row) {
                 *change = group.add_change(s, [re, im], q, *change);
             }
         }

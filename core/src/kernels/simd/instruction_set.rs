@@ -13,7 +13,7 @@ use crate::kernels::simd::simd128::Simd128;
 
 /// The instructions that the kernels use: a value that exists only for what this machine can do.
 ///
-/// One set gives the same bits on every machine that has it. Between levels numbers agree to f32 rounding.
+/// One set gives the same bits on every machine that has it. Between sets numbers agree to f32 rounding.
 ///
 /// ```
 /// use midair::InstructionSet;
@@ -25,7 +25,7 @@ use crate::kernels::simd::simd128::Simd128;
 #[derive(Clone, Copy)]
 pub struct InstructionSet(pub(crate) Kind);
 
-/// The tokens of the levels.
+/// The tokens of the sets.
 #[derive(Clone, Copy)]
 pub(crate) enum Kind {
     Scalar(Scalar),
@@ -57,7 +57,7 @@ impl InstructionSet {
 
     /// Every set this machine has, from the slowest.
     pub fn all() -> impl Iterator<Item = Self> {
-        let levels = [
+        let sets = [
             Some(Self::SCALAR),
             #[cfg(target_arch = "x86_64")]
             Self::avx2(),
@@ -69,7 +69,7 @@ impl InstructionSet {
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
             Some(Self(Kind::Simd128(Simd128))),
         ];
-        levels.into_iter().flatten()
+        sets.into_iter().flatten()
     }
 
     /// The fastest set of this machine.

@@ -2,7 +2,7 @@
 //!
 //! [`Simd`] is the whole vocabulary of the kernels: each is written once over it. A value that implements it is a
 //! token: it exists only where its instructions do, which is what makes the `unsafe` blocks of these files sound.
-//! Sums run over the lanes in one fixed tree, so that levels differ by fused multiply-adds and the first guess of
+//! Sums run over the lanes in one fixed tree, so that instruction sets differ by fused multiply-adds and the estimate of
 //! an inverse root alone.
 #![allow(unsafe_code, reason = "the one place that names instructions: a token proves that the CPU has them")]
 

@@ -41,7 +41,7 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    /// `loud` is how large the pressures are beside the propagation and targets.
+    /// `loud` is how large the pressures are beside G and the targets.
     pub(super) fn new(seed: u64, count: usize, loud: f64) -> Self {
         let mut rng = Rng::new(seed);
         let mut list = |low: f64, high: f64| numbers(&mut rng, count, low, high);

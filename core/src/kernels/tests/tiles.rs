@@ -21,7 +21,7 @@ struct Scene {
     transducers: usize,
     planes: [Vec<f32>; 2],
     /// G as the tiles hold it, point by point.
-    propagation: Vec<Vec<Complex64>>,
+    matrix: Vec<Vec<Complex64>>,
 }
 
 impl Scene {
@@ -47,8 +47,8 @@ impl Scene {
             let at = i * wide_row + points - 1 - k;
             Complex64::new(wide(stored[0][at]), wide(stored[1][at])) * wide(scale[k])
         };
-        let propagation = (0..points).map(|k| (0..transducers).map(|i| entry(k, i)).collect()).collect();
-        Self { points, transducers, planes, propagation }
+        let matrix = (0..points).map(|k| (0..transducers).map(|i| entry(k, i)).collect()).collect();
+        Self { points, transducers, planes, matrix }
     }
 
     fn tiles(&self) -> Tiles<'_> {
@@ -68,7 +68,7 @@ impl Scene {
         assert!(drive[self.transducers..].iter().chain(&field[self.points..]).all(|z| z.norm() == 0.0));
         // The field is that of the drive: sums of terms of at most 2 sqrt 2.
         let allowed = 4.0 * ROUNDING * 3.0 * self.transducers as f64;
-        for (heard, row) in field.iter().zip(&self.propagation) {
+        for (heard, row) in field.iter().zip(&self.matrix) {
             let want: Complex64 = row.iter().zip(&drive).map(|(g, q)| g * q).sum();
             assert!((heard - want).norm() <= allowed, "{heard} for {want}");
         }
@@ -110,7 +110,7 @@ fn a_sweep_aims_every_transducer_and_hears_it() {
             });
             for i in 0..transducers {
                 let part =
-                    |k: usize| scene.propagation[k][i].conj() * Complex64::new(wide(wanted[0][k]), wide(wanted[1][k]));
+                    |k: usize| scene.matrix[k][i].conj() * Complex64::new(wide(wanted[0][k]), wide(wanted[1][k]));
                 let want: Complex64 = (0..count).map(part).sum();
                 // Sums of terms below 4, their error beside their modulus; the root within a few roundings.
                 let allowed = 8.0 * ROUNDING + 4.0 * ROUNDING * 4.0 * count as f64 / want.norm();
@@ -202,7 +202,7 @@ fn slopes_their_products_and_sums_are_those_of_j() {
         tiles::slopes(set, scene.tiles(), [&drive[0], &drive[1]], split, equations, &mut slopes);
         let j = |e: usize, i: usize| {
             let point = if e < count { e } else { e - count + loud };
-            let wave = scene.propagation[point][i] * Complex64::new(wide(drive[0][i]), wide(drive[1][i]));
+            let wave = scene.matrix[point][i] * Complex64::new(wide(drive[0][i]), wide(drive[1][i]));
             wide(factors[0][e]) * wave.re + wide(factors[1][e]) * wave.im
         };
         for e in 0..size {
@@ -266,7 +266,7 @@ fn couplings_are_products_of_rows() {
             let allowed = 4.0 * ROUNDING * 8.0 * transducers as f64;
             for k in 0..count {
                 for l in k..count {
-                    let pairs = scene.propagation[k].iter().zip(&scene.propagation[l]);
+                    let pairs = scene.matrix[k].iter().zip(&scene.matrix[l]);
                     let want: Complex64 = pairs.map(|(a, b)| a * b.conj()).sum();
                     let alone = products::coupling(set, scene.tiles(), k, l);
                     for [real, imag] in [[re[k * count + l], im[k * count + l]], alone] {
@@ -274,7 +274,7 @@ fn couplings_are_products_of_rows() {
                         assert_near(imag, want.im, allowed, "im");
                     }
                 }
-                let want = scene.propagation[k].iter().map(Complex64::norm_sqr).sum();
+                let want = scene.matrix[k].iter().map(Complex64::norm_sqr).sum();
                 assert_near(powers[k], want, allowed, "power");
             }
         }
@@ -299,7 +299,7 @@ fn phases_set_on_the_rows_are_those_set_on_their_products() {
         for round in 0..2 {
             for k in (0..count).rev() {
                 let coupling = |l: usize| -> Complex64 {
-                    scene.propagation[k].iter().zip(&scene.propagation[l]).map(|(a, b)| a * b.conj()).sum()
+                    scene.matrix[k].iter().zip(&scene.matrix[l]).map(|(a, b)| a * b.conj()).sum()
                 };
                 let sum: Complex64 = (0..count).filter(|&l| l != k).map(|l| coupling(l) * want[l]).sum();
                 let share = wide(weights[k]);
@@ -323,7 +323,7 @@ fn aligning_raises_the_energy_and_keeps_the_moduli() {
         let scene = Scene::new(count, 37, set);
         let mut matrix = [(); 2].map(|()| vec![0.0; count * count]);
         let coupling = |k: usize, l: usize| -> Complex64 {
-            scene.propagation[k].iter().zip(&scene.propagation[l]).map(|(a, b)| a * b.conj()).sum()
+            scene.matrix[k].iter().zip(&scene.matrix[l]).map(|(a, b)| a * b.conj()).sum()
         };
         for k in 0..count {
             for l in (0..count).filter(|&l| l != k) {
