@@ -303,7 +303,11 @@ pub(crate) fn check_positions(positions: &[[f64; 3]], transducers: usize) -> Res
         let cure = format!("give one for each of the {transducers} transducers");
         return Err(Error::invalid("positions", format!("{} of them", positions.len()), cure));
     }
-    positions.iter().enumerate().try_for_each(|(i, position)| vector(&format!("positions[{i}]"), position))
+    // Named only when refused: this runs for every scene.
+    match positions.iter().position(|position| !position.iter().all(|x| x.is_finite())) {
+        Some(i) => vector(&format!("positions[{i}]"), &positions[i]),
+        None => Ok(()),
+    }
 }
 
 /// Refuses a coordinate that is not finite.
