@@ -183,7 +183,7 @@ fn write_anew() {
 }
 
 #[test]
-fn golden_vectors_come_out_bit_for_bit_at_the_scalar_level() {
+fn golden_vectors_come_out_bit_for_bit_under_the_scalar_set() {
     if std::env::var("MIDAIR_GOLDEN").is_ok_and(|wish| wish == "write") {
         write_anew();
     }

@@ -1,7 +1,5 @@
 //! The tests of the core, in one binary.
 
-mod batch;
-mod bound;
 mod constants;
 mod even;
 mod field;
@@ -12,14 +10,16 @@ mod floors;
 mod golden;
 mod greedy;
 mod laws;
-mod levels;
 mod map;
 mod metrics;
 mod motions;
 #[allow(dead_code, unreachable_pub, reason = "an independent reference, also for tests to come")]
 mod oracle;
 mod paper;
+mod propagation;
 mod props;
+mod quantization;
 mod registry;
-mod rows;
 mod scenes;
+mod session;
+mod upper_bound;

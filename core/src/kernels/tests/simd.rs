@@ -73,7 +73,7 @@ fn a_transpose_swaps_lanes_and_vectors() {
 }
 
 #[test]
-fn sums_follow_one_tree_at_every_level() {
+fn sums_follow_one_tree_in_every_set() {
     let mut rng = Rng::new(2);
     for _ in 0..200 {
         let vectors: [Lanes; LANES] = from_fn(|_| lanes(&mut rng, -1.0, 1.0));

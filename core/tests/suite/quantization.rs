@@ -171,7 +171,7 @@ fn masked_transducers_are_off_and_count_for_nothing() {
 }
 
 #[test]
-fn levels_that_no_device_has_are_refused() {
+fn a_quantization_that_no_board_has_is_refused() {
     let refused = |phases: Option<u32>, table: Option<&[f64]>, text: &str| {
         let error = Quantization::new(phases, table.map(<[f64]>::to_vec)).expect_err(text).to_string();
         assert!(error.contains(text) && !error.contains('\n'), "{error}");
