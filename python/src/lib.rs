@@ -1,5 +1,4 @@
-//! The Python door of `midair`: numpy in, numpy out, the GIL released. It reads arguments, calls the core once
-//! and hands over the answer; it decides nothing.
+//! The Python door: NumPy in, NumPy out, the GIL released; it reads arguments, calls the core once, decides nothing.
 
 mod array;
 mod batch;

@@ -24,7 +24,7 @@ fn draw(root: &Path, folder: &str, map: &mut String) {
     for path in paths.iter().filter(|path| path.extension().is_some_and(|kind| kind == "rs" || kind == "py")) {
         let line = first_line(path);
         let known = line.len() > 10 && line.ends_with(['.', ':']) || name(path) == "__init__.py";
-        assert!(known, "{}: begin with a line that says what is in it", path.display());
+        assert!(known, "{}: begin with a line that says what is in it, ended by a full stop", path.display());
         writeln!(map, "  {:24} {line}", name(path)).expect("text");
     }
     for path in paths.iter().filter(|path| path.is_dir() && !["tests", "__pycache__"].contains(&&*name(path))) {

@@ -1,4 +1,4 @@
-"""The page docs/paper.md, from the tables of `midair reproduce`: python -m midair.reproduce.page OUT DOCS"""
+"""The page docs/paper.md, from the tables of `midair reproduce`: python -m midair.reproduce.page OUT DOCS."""
 
 from __future__ import annotations
 
