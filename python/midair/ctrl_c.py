@@ -1,4 +1,4 @@
-"""Ctrl-C as a flag that work in progress asks for, so that it stops between two steps."""
+"""Ctrl-C on the command line: a flag that work in progress asks for, so that it stops between two steps."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ use crate::error::invalid;
 /// The instruction set that `MIDAIR_SIMD` names, else the best of this machine. The environment is read once.
 pub(crate) fn instruction_set() -> PyResult<InstructionSet> {
     static ASKED: OnceLock<Option<String>> = OnceLock::new();
-    let Some(name) = ASKED.get_or_init(|| std::env::var("MIDAIR_SIMD").ok()) else {
+    let Some(name) = ASKED.get_or_init(|| std::env::var("MIDAIR_SIMD").ok().filter(|name| !name.is_empty())) else {
         return Ok(InstructionSet::best());
     };
     InstructionSet::named(name).ok_or_else(|| {

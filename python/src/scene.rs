@@ -208,7 +208,10 @@ impl Scene {
 
     /// What the array can do at the points: the strongest pressure at each alone, and at all of them together.
     fn reach(&self, py: Python<'_>) -> PyResult<Reach> {
-        let reach = py.detach(|| Ok(midair::Problem::new(&self.inner)?.reach())).map_err(refused)?;
+        let set = instruction_set()?;
+        let reach =
+            py.detach(|| midair::Problem::with_instruction_set(&self.inner, set).map(|problem| problem.reach()));
+        let reach = reach.map_err(refused)?;
         Ok(Reach { inner: reach })
     }
 

@@ -97,6 +97,12 @@ impl Solver {
             return Err(invalid("points", "0", "give a whole number, 1 or above"));
         }
         let Setting { session, choice, info } = Setting::read(scene, solver, options)?;
+        if let (Some(count), Some(most)) = (session.given_points(), points)
+            && most < count
+        {
+            let cure = format!("the matrix has {count} points: give as many, or leave it out");
+            return Err(invalid("points", &most.to_string(), &cure));
+        }
         let ask = Ask { aim: choice.aim, ..Ask::default() };
         Ok(Self { session, choice, info, points, ask, elapsed: 0.0 })
     }

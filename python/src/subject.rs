@@ -74,14 +74,13 @@ impl Subject {
     }
 
     pub(crate) fn problem(&self, set: InstructionSet) -> Result<Problem, midair::Error> {
-        let (propagation, setup, request) = match self {
-            Self::Scene(scene) => {
-                let setup = Arc::new(Setup::of(scene.array(), scene.medium()));
-                (midair::Propagation::of(scene), setup, scene.request())
+        match self {
+            Self::Scene(scene) => Problem::with_instruction_set(scene, set),
+            Self::Given(propagation, setup, request) => {
+                let propagation = propagation.clone().with_instruction_set(set);
+                Problem::with_propagation(propagation, Arc::clone(setup), request)
             }
-            Self::Given(propagation, setup, request) => (propagation.clone(), Arc::clone(setup), request),
-        };
-        Problem::with_propagation(propagation.with_instruction_set(set), setup, request)
+        }
     }
 
     /// What the board can play.

@@ -15,7 +15,7 @@ points = [[-0.021, 0.004, 0.15], [0.019, 0.013, 0.12], [0.003, -0.022, 0.1]]
 scene = midair.Scene(array, points, absorption=0.15)
 drive = np.tile([1, 0.5j, -0.75, -0.25j, 0.5 + 0.5j], 6)
 field = midair.field(scene, drive, midair.Plane(0.12, 0.08, pixels=9))
-for part in (field.pressure, scene.propagation()):
+for part in (field.pressure, scene.propagation(), scene.reach().level):
     sys.stdout.buffer.write(part.tobytes())
 """
 

@@ -1,4 +1,4 @@
-//! The tables of a scene file ([medium], [array], [[points]], [solver], [plane]), to a scene and back.
+//! The tables of a scene file (`[medium]`, `[array]`, `[[points]]`, `[solver]`, `[plane]`), to a scene and back.
 
 use alloc::collections::BTreeMap;
 use alloc::format;

@@ -43,7 +43,7 @@ impl Planar {
     }
 }
 
-/// The matrix that [`gram`] conjugates, times `vector`.
+/// The matrix that [`crate::propagation::gram`] conjugates, times `vector`.
 pub(crate) fn times(set: InstructionSet, matrix: &Planar, vector: &Planar, out: &mut Planar) {
     let Planar { re, im, .. } = out;
     kernels::correlate_rows(set, [&matrix.re, &matrix.im], vector.row(0), |k, p| {
@@ -87,7 +87,7 @@ pub(crate) struct Hermitian {
 }
 
 impl Hermitian {
-    /// Factors `conj(matrix) + shift I`, `matrix` as [`gram`] makes it. `None` if not positive definite in f32.
+    /// Factors `conj(matrix) + shift I`, `matrix` as [`crate::propagation::gram`] makes it. `None` if not positive definite in f32.
     pub(crate) fn new(
         set: InstructionSet,
         matrix: &Planar,

@@ -46,7 +46,7 @@ pub enum Beyond {
     },
     /// Targets that cannot be had at the same time.
     Together {
-        /// No drive reaches more than this part of every target, proven as [`crate::problem::upper_bound()`] proves it.
+        /// No drive reaches more than this part of every target, proven as [`crate::bound()`] proves it.
         most: f64,
     },
 }
@@ -97,7 +97,7 @@ impl Problem {
 
     /// What is asked for and provably cannot be had: a target above its point's own reach, two targets for points less than a
     /// thousandth of a wavelength apart, or targets of which no drive
-    /// gives more than three quarters at the same time, as the quick form of [`crate::problem::upper_bound()`] proves (up to 64 points; from
+    /// gives more than three quarters at the same time, as the quick form of [`crate::bound()`] proves (up to 64 points; from
     /// about 1.4 times the balanced level on at a few points, from 2 to 2.5 times at 64).
     #[must_use]
     pub fn beyond(&self) -> Option<Beyond> {

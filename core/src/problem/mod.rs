@@ -21,6 +21,7 @@ use num_complex::{Complex32, Complex64};
 
 use crate::device::quantization::Quantization;
 use crate::error::Error;
+use crate::kernels::InstructionSet;
 use crate::math;
 use crate::problem::targets::Targets;
 use crate::propagation::Propagation;
@@ -50,8 +51,16 @@ impl Problem {
     /// # Errors
     /// A point on a transducer, or one with a pressure above 0 that no transducer reaches.
     pub fn new(scene: &Scene) -> Result<Self, Error> {
+        Self::with_instruction_set(scene, InstructionSet::best())
+    }
+
+    /// The problem of a scene, by the kernels of another instruction set than the machine's best.
+    ///
+    /// # Errors
+    /// As [`Problem::new`].
+    pub fn with_instruction_set(scene: &Scene, set: InstructionSet) -> Result<Self, Error> {
         let setup = Setup::of(scene.array(), scene.medium());
-        Self::with_propagation(Propagation::of(scene), setup, scene.request())
+        Self::with_propagation(Propagation::of(scene).with_instruction_set(set), setup, scene.request())
     }
 
     /// The problem of any G, computed or given, and the array behind it.

@@ -13,7 +13,7 @@
 //! latency; what shortens it:
 //!
 //! 1. A candidate costs a polynomial and nothing of M: 4096 candidates take 1.8 to 2.8 times as long as 16. Only
-//!    candidates closer than the remainder are decided by eq. (7) itself ([`shortlist`], [`fine`]).
+//!    candidates closer than the remainder are decided by eq. (7) itself ([`shortlist`], [`large_grid`]).
 //! 2. The next row depends on nothing here and is written while the loop waits for the sums over lanes.
 //! 3. What the moments need of a point (1/|P|^2, w (1 - t/|P|), w t |P|) is computed when its pressure is, see
 //!    [`PointGroup`].

@@ -74,7 +74,7 @@ impl PointGroup {
         self.refresh(s, re, im)
     }
 
-    /// Adds the changes of the terms under the drive q to `total`, as [`search::add_changes`] does.
+    /// Adds the changes of the terms under the drive q to `total`, as [`crate::kernels::greedy::search::add_changes`] does.
     #[inline(always)]
     pub(crate) fn add_change<S: Simd>(&self, s: S, [gr, gi]: [&Lanes; 2], [qr, qi]: [S::V; 2], total: S::V) -> S::V {
         let (gr, gi) = (s.load(gr), s.load(gi));
