@@ -19,8 +19,7 @@ for part in (field.pressure, scene.propagation(), scene.reach().level):
     sys.stdout.buffer.write(part.tobytes())
 """
 
-#: Bytes of the field and of the matrix, complex64, and of the balanced level, float64; the SHA-256 of all under the
-#: scalar set.
+#: Bytes of field and matrix, complex64, and of the balanced level, float64; the SHA-256 of all, scalar set.
 FIELD, MATRIX, LEVEL = 8 * 9 * 9, 8 * 3 * 30, 8 * 3
 SCALAR = "e792ad3d332a1044cc040fa4782dfd892759f910f84cd5a4fa88fa2a7ea12e2f"
 
@@ -55,5 +54,4 @@ def test_another_instruction_set_gives_other_bits_of_both() -> None:
     scalar, left_out, named = run(MIDAIR_SIMD="scalar"), run(), run(MIDAIR_SIMD=best)
     assert left_out.stdout[:FIELD] != scalar.stdout[:FIELD]
     assert left_out.stdout[FIELD:-LEVEL] != scalar.stdout[FIELD:-LEVEL]
-    assert left_out.stdout[-LEVEL:] != scalar.stdout[-LEVEL:]
     assert named.stdout == left_out.stdout

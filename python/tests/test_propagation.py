@@ -179,7 +179,7 @@ REFUSED: dict[str, tuple[Callable[[], object], tuple[str, ...]]] = {
     ),
     "the medium of a scene": (lambda: midair.Solver(MATRIX, frequency=4e4), ("frequency",)),
     "a drive of another length": (lambda: midair.judge(MATRIX, np.ones(63), pressures=1), ("drive",)),
-    "points for fewer than the matrix has": (lambda: midair.Solver(MATRIX, points=3), ("points is 3", "4 points")),
+    "points for fewer than there are": (lambda: midair.Solver(MATRIX, points=3), ("points is 3", "4 points")),
     "pressures of another length": (lambda: midair.Solver(MATRIX)(pressures=[1, 2]), ("pressures",)),
 }  # fmt: skip
 
