@@ -25,6 +25,7 @@ use crate::math;
 use crate::problem::targets::Targets;
 use crate::propagation::Propagation;
 use crate::scene::{Aim, Request, Scene, Start, check_drive};
+use crate::workspace::Workspace;
 
 /// A checked problem: it can be solved.
 ///
@@ -140,8 +141,9 @@ impl Problem {
         Ok(())
     }
 
-    /// The same problem at `factor` times the caller's targets, in a buffer of [`Propagation::lanes`] numbers.
-    pub(crate) fn rescaled(&self, factor: f64, mut scaled: Vec<f32>) -> Self {
+    /// The same problem at `factor` times the caller's targets; [`Problem::recycle`] gives the memory back.
+    pub(crate) fn rescaled(&self, factor: f64, work: &Workspace) -> Self {
+        let mut scaled = work.floats.take(self.propagation().lanes()).into_vec();
         self.targets.scaled(factor, &mut scaled);
         Self {
             selected: self.selected.clone(),
@@ -219,8 +221,9 @@ impl Problem {
         }
     }
 
-    pub(crate) fn into_scaled(self) -> Vec<f32> {
-        self.scaled
+    /// Gives the memory of a rescaled problem back.
+    pub(crate) fn recycle(self, work: &Workspace) {
+        work.floats.give(self.scaled);
     }
 
     /// What was asked of all points.

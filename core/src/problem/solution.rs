@@ -64,10 +64,10 @@ pub struct Solution {
 impl Solution {
     /// The solution that `drive` is: a solver's last line. Its pressures are computed here.
     #[must_use]
-    pub fn new(problem: &Problem, drive: Vec<Complex32>, status: Status, steps: usize, work: &mut Workspace) -> Self {
+    pub fn new(problem: &Problem, drive: Vec<Complex32>, status: Status, steps: usize, work: &Workspace) -> Self {
         let asked = problem.asked();
         let field = field_of(&asked.propagation, &drive, work);
-        Self::with_pressures(asked, drive, field, status, steps, work)
+        Self::with_pressures(asked, drive, &field, status, steps, work)
     }
 
     /// As [`Solution::new`], and [`Solution::tell`] of it: how the steps ended and how many they were, of `steps`.
@@ -76,7 +76,7 @@ impl Solution {
         drive: Vec<Complex32>,
         (status, step): (Status, usize),
         steps: usize,
-        work: &mut Workspace,
+        work: &Workspace,
         control: &mut Control,
     ) -> Self {
         let mut solution = Self::new(problem, drive, status, step, work);
@@ -88,10 +88,10 @@ impl Solution {
     pub(crate) fn of_field(
         problem: &Problem,
         drive: Vec<Complex32>,
-        field: Planar,
+        field: &Planar,
         status: Status,
         steps: usize,
-        work: &mut Workspace,
+        work: &Workspace,
     ) -> Self {
         let asked = problem.asked();
         if asked.active.len() == asked.pascals.len() {
@@ -103,17 +103,16 @@ impl Solution {
         for (k, &j) in solution.asked.active.iter().enumerate() {
             solution.pressures[j] = pascals(field.re[k], field.im[k], reference);
         }
-        field.give(work);
         solution
     }
 
     fn with_pressures(
         asked: Arc<Targets>,
         drive: Vec<Complex32>,
-        field: Planar,
+        field: &Planar,
         status: Status,
         steps: usize,
-        work: &mut Workspace,
+        work: &Workspace,
     ) -> Self {
         let propagation = &asked.propagation;
         let mut pressures = work.complexes.take(propagation.points());
@@ -121,8 +120,7 @@ impl Solution {
         for ((pressure, re), im) in pressures.iter_mut().zip(&field.re).zip(&field.im) {
             *pressure = pascals(*re, *im, reference);
         }
-        field.give(work);
-        Self { drive, pressures, status, steps, scale: 1.0, asked }
+        Self { drive, pressures: pressures.into_vec(), status, steps, scale: 1.0, asked }
     }
 
     /// The same with `scale` of it left to supply or modulation.
@@ -133,18 +131,17 @@ impl Solution {
     }
 
     /// Computes the pressures that the drive gives.
-    fn measure(&mut self, work: &mut Workspace) {
+    fn measure(&mut self, work: &Workspace) {
         let field = field_of(&self.asked.propagation, &self.drive, work);
         let reference = self.asked.propagation.reference() * self.scale;
         for ((pressure, re), im) in self.pressures.iter_mut().zip(&field.re).zip(&field.im) {
             *pressure = pascals(*re, *im, reference);
         }
-        field.give(work);
     }
 
     /// Divides drives and pressures by `factor`, at least 1, and rounds every drive to what the board can play.
     /// Whether that changed a drive.
-    pub(crate) fn quantize(&mut self, factor: f64, work: &mut Workspace) -> bool {
+    pub(crate) fn quantize(&mut self, factor: f64, work: &Workspace) -> bool {
         let Some(quantization) = self.asked.setup.quantization.as_deref() else {
             if factor > 1.0 {
                 self.drive.iter_mut().chain(&mut self.pressures).for_each(|z| *z = divided(*z, factor));
@@ -183,8 +180,9 @@ impl Solution {
     }
 
     /// Gives the vectors back to the workspace for the next solve.
-    pub fn recycle(self, work: &mut Workspace) {
-        work.complexes.give_all([self.drive, self.pressures]);
+    pub fn recycle(self, work: &Workspace) {
+        work.complexes.give(self.drive);
+        work.complexes.give(self.pressures);
     }
 
     /// The residual against the targets of `problem`, before balancing is undone.

@@ -18,7 +18,7 @@ pub(crate) fn back_project(
     propagation: &Propagation,
     phasors: &Planar,
     factor: impl Fn(usize) -> f32,
-    work: &mut Workspace,
+    work: &Workspace,
 ) -> Vec<Complex32> {
     let mut drive = work.complexes.take(propagation.transducers());
     let mut row = Planar::zeros(1, propagation.lanes(), work);
@@ -27,16 +27,14 @@ pub(crate) fn back_project(
         let [re, im] = kernels::correlate(propagation.instruction_set(), row.row(0), phasors.row(0));
         *q = Complex32::new(re, im) * factor(i);
     }
-    row.give(work);
-    drive
+    drive.into_vec()
 }
 
 /// P = G q of a drive, rows computed on the way: one padded row, in units of the reference.
-pub(crate) fn field_of(propagation: &Propagation, drive: &[Complex32], work: &mut Workspace) -> Planar {
+pub(crate) fn field_of<'w>(propagation: &Propagation, drive: &[Complex32], work: &'w Workspace) -> Planar<'w> {
     let [mut row, mut field] = [(); 2].map(|()| Planar::zeros(1, propagation.lanes(), work));
     let (memory, into) = ([&mut row.re[..], &mut row.im[..]], [&mut field.re[..], &mut field.im[..]]);
     kernels::add_waves(propagation.instruction_set(), propagation.rows(), drive, memory, into);
-    row.give(work);
     field
 }
 
@@ -44,7 +42,7 @@ pub(crate) fn field_of(propagation: &Propagation, drive: &[Complex32], work: &mu
 /// O(N M^2), memory O(M^2).
 ///
 /// Conjugated so that `correlate` with row k is row k of G G^H times a vector.
-pub(crate) fn gram(propagation: &Propagation, factors: Option<&[f32]>, work: &mut Workspace) -> Planar {
+pub(crate) fn gram<'w>(propagation: &Propagation, factors: Option<&[f32]>, work: &'w Workspace) -> Planar<'w> {
     const TOGETHER: usize = products::RUN * LANES;
     let (set, count, lanes) = (propagation.instruction_set(), propagation.points(), propagation.lanes());
     let mut product = Planar::zeros(count, lanes, work);
@@ -76,11 +74,6 @@ pub(crate) fn gram(propagation: &Propagation, factors: Option<&[f32]>, work: &mu
             product.im[upper] = -im;
         }
     }
-    for plane in planes {
-        plane.give(work);
-    }
-    work.floats.give(roots);
-    work.indices.give(order);
     product
 }
 

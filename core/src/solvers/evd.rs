@@ -71,14 +71,9 @@ impl Solve for Evd {
         let largest = (0..count).map(|j| matrix.row(j)[0][j]).fold(0.0, f32::max);
         let shift = f32::max(1.0, 1e-6 * largest);
         let solver = Hermitian::damped(propagation.instruction_set(), &matrix, count, shift, work);
-        solver.solve(&mut phasors, work);
+        solver.solve(&mut phasors);
         let mut drive = back_project(propagation, &phasors, |i| inverse[i], work);
         self.limit.apply(&mut drive);
-        solver.give(work);
-        work.floats.give(inverse);
-        for planar in [phasors, row, moduli, matrix] {
-            planar.give(work);
-        }
         Ok(Solution::told(problem, drive, (Status::Done, 1), 1, work, control))
     }
 }
@@ -87,7 +82,7 @@ impl Solve for Evd {
 ///
 /// R = G G^H D with D = diag(t_j / sum_i |G_ji|^2), similar to the Hermitian D^1/2 G G^H D^1/2, whose eigenvectors
 /// have the same phases.
-fn phases(problem: &Problem, work: &mut Workspace) -> Planar {
+fn phases<'w>(problem: &Problem, work: &'w Workspace) -> Planar<'w> {
     let propagation = problem.propagation();
     let count = propagation.points();
     let mut matrix = gram(propagation, None, work);
@@ -113,7 +108,5 @@ fn phases(problem: &Problem, work: &mut Workspace) -> Planar {
         let modulus = sqrtf(re * re + im * im);
         (vector.re[j], vector.im[j]) = if modulus > 0.0 { (re / modulus, im / modulus) } else { (1.0, 0.0) };
     }
-    work.floats.give(root);
-    matrix.give(work);
     vector
 }

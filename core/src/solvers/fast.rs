@@ -105,8 +105,7 @@ impl Solve for Fast {
                 break;
             }
         }
-        memory.give(work);
-        Ok(Solution::of_field(problem, drive, field, status, step, work))
+        Ok(Solution::of_field(problem, drive.into_vec(), &field, status, step, work))
     }
 
     fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
@@ -127,7 +126,6 @@ impl Solve for Fast {
             let order = stride(count, self.seed);
             interleaved::sweep(together.abreast.set, task, order, &mut together.drives, [re, im]);
         }
-        work.floats.give(memory);
         let steps = count.div_ceil(self.block as usize) * (1 + self.sweeps as usize);
         Some(together.solutions(problems, steps, work))
     }

@@ -21,7 +21,7 @@ use crate::rng::Rng;
 use crate::scene::{OptionValue, Options, Value, spell, word};
 use crate::solvers::common::interleaved::Together;
 use crate::solvers::method::{Info, Method, Solve};
-use crate::workspace::Workspace;
+use crate::workspace::{Buffer, Workspace};
 
 /// Whether the errors are squared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -176,7 +176,7 @@ impl Method for Greedy {
 
 impl Greedy {
     /// The transducers in the order of their updates.
-    fn order(&self, problem: &Problem, work: &mut Workspace) -> Result<Vec<u32>, Error> {
+    fn order<'w>(&self, problem: &Problem, work: &'w Workspace) -> Result<Buffer<'w, u32>, Error> {
         let mut order = work.indices.take(problem.propagation().transducers());
         for (k, i) in order.iter_mut().enumerate() {
             *i = k as u32;
@@ -186,7 +186,7 @@ impl Greedy {
     }
 
     /// Candidates on this problem's device.
-    fn candidates(&self, problem: &Problem, work: &mut Workspace) -> Result<Candidates, Error> {
+    fn candidates(&self, problem: &Problem, work: &Workspace) -> Result<Candidates, Error> {
         let (phases, amplitudes) = (self.phases as usize, self.amplitudes as usize);
         let on = problem.quantization().map(Quantization::on).unwrap_or_default();
         if let Some(known) = problem.quantization().and_then(Quantization::phases)
@@ -204,7 +204,7 @@ impl Greedy {
             [] => (k as f64 + 1.0) / amplitudes as f64,
             table => table[((k + 1) * table.len()).div_ceil(amplitudes) - 1],
         };
-        let buffers = [table(phases), table(phases), amplitudes].map(|len| work.floats.take(len));
+        let buffers = [table(phases), table(phases), amplitudes].map(|len| work.floats.take(len).into_vec());
         Ok(Candidates::grid(phases, (0..amplitudes).map(value), buffers))
     }
 }
@@ -247,11 +247,10 @@ impl Solve for Greedy {
             Objective::L2 => greedy::pass::<L2>(set, pass, search, drives, pressures, &mut report),
             Objective::L1 => greedy::pass::<L1>(set, pass, search, drives, pressures, &mut report),
         };
-        work.floats.give_all(candidates.into_buffers());
-        work.floats.give_all([floats, rows]);
-        work.points.give(groups);
-        work.indices.give_all([order, indices]);
-        Ok(Solution::of_field(problem, drive, field, status, steps, work))
+        for buffer in candidates.into_buffers() {
+            work.floats.give(buffer);
+        }
+        Ok(Solution::of_field(problem, drive.into_vec(), &field, status, steps, work))
     }
 
     fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
@@ -282,11 +281,10 @@ impl Solve for Greedy {
         let [re, im] = &mut together.pressures;
         let level = together.abreast.set;
         interleaved::pass(level, pass, search, problems.len(), &mut together.drives, [re, im]);
-        work.floats.give_all(candidates.into_buffers());
-        work.floats.give_all([floats, rows]);
-        work.points.give(groups);
+        for buffer in candidates.into_buffers() {
+            work.floats.give(buffer);
+        }
         let steps = order.len();
-        work.indices.give_all([order, indices]);
         Some(together.solutions(problems, steps, work))
     }
 }

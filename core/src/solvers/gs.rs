@@ -61,10 +61,6 @@ impl Solve for Gs {
             |wave| problem.residual(&wave.moduli),
         );
         let drive = wave.drives(count, work);
-        work.floats.give_all([moduli, before]);
-        projector.give(work);
-        wave.give(work);
-        rows.give(work);
         Ok(Solution::told(problem, drive, ended, self.steps as usize, work, control))
     }
 }

@@ -96,10 +96,6 @@ impl Solve for Gspat {
         }
         let mut drive = back_project(propagation, &wanted, |_| 1.0, work);
         self.limit.apply(&mut drive);
-        work.floats.give_all([moduli, before]);
-        for planar in [matrix, wanted, field] {
-            planar.give(work);
-        }
         Ok(Solution::told(problem, drive, ended, self.steps as usize, work, control))
     }
 }

@@ -58,7 +58,6 @@ impl Solve for Naive {
             *q = Complex32::new(sum_re, sum_im);
         }
         self.limit.apply(&mut drive);
-        work.floats.give_all(buffers);
-        Ok(Solution::told(problem, drive, (Status::Done, 1), 1, work, control))
+        Ok(Solution::told(problem, drive.into_vec(), (Status::Done, 1), 1, work, control))
     }
 }

@@ -140,20 +140,15 @@ impl Solve for Sdp {
             phasors.re[j] *= factor;
             phasors.im[j] *= factor;
         }
-        inverse.solve(&mut phasors, work);
+        inverse.solve(&mut phasors);
         let mut drive = back_project(propagation, &phasors, |_| 1.0, work);
         self.limit.apply(&mut drive);
-        inverse.give(work);
-        work.floats.give(still);
-        for planar in [product, quality, relaxed, column, image, phasors] {
-            planar.give(work);
-        }
         Ok(Solution::told(problem, drive, ended, self.steps as usize, work, control))
     }
 }
 
 /// conj(Q)/alpha = conj(T (G G^H + alpha I)^-1 T), one column of the inverse after another.
-fn quality(problem: &Problem, inverse: &Hermitian, work: &mut Workspace) -> Planar {
+fn quality<'w>(problem: &Problem, inverse: &Hermitian, work: &'w Workspace) -> Planar<'w> {
     let (count, lanes) = (problem.propagation().points(), problem.propagation().lanes());
     let mut matrix = Planar::zeros(count, lanes, work);
     let mut column = Planar::zeros(1, lanes, work);
@@ -162,7 +157,7 @@ fn quality(problem: &Problem, inverse: &Hermitian, work: &mut Workspace) -> Plan
         column.re.fill(0.0);
         column.im.fill(0.0);
         column.re[k] = targets[k];
-        inverse.solve(&mut column, work);
+        inverse.solve(&mut column);
         // Column k of a Hermitian matrix is its conjugated row k.
         let [re, im] = matrix.row_mut(k);
         for l in 0..count {
@@ -170,12 +165,11 @@ fn quality(problem: &Problem, inverse: &Hermitian, work: &mut Workspace) -> Plan
             im[l] = targets[l] * column.im[l];
         }
     }
-    column.give(work);
     matrix
 }
 
 /// X = I, or half way from I to u u^H of the start's phasors u.
-fn begin(problem: &Problem, work: &mut Workspace) -> Planar {
+fn begin<'w>(problem: &Problem, work: &'w Workspace) -> Planar<'w> {
     let (count, lanes) = (problem.propagation().points(), problem.propagation().lanes());
     let mut matrix = Planar::zeros(count, lanes, work);
     let given = problem.start_drive().is_some() || problem.start_phases().is_some();
@@ -191,7 +185,6 @@ fn begin(problem: &Problem, work: &mut Workspace) -> Planar {
         }
         (re[k], im[k]) = (1.0, 0.0);
     }
-    phasors.give(work);
     matrix
 }
 

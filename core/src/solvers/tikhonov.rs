@@ -63,7 +63,7 @@ impl Solve for Tikhonov {
         for k in 0..count {
             phasors.re[k] = sqrtf(problem.weights()[k]) * problem.targets()[k];
         }
-        solver.solve(&mut phasors, work);
+        solver.solve(&mut phasors);
         for k in 0..count {
             let weight = sqrtf(problem.weights()[k]);
             phasors.re[k] *= weight;
@@ -71,9 +71,6 @@ impl Solve for Tikhonov {
         }
         let mut drive = back_project(propagation, &phasors, |_| 1.0, work);
         self.limit.apply(&mut drive);
-        solver.give(work);
-        matrix.give(work);
-        phasors.give(work);
         Ok(Solution::told(problem, drive, (Status::Done, 1), 1, work, control))
     }
 }

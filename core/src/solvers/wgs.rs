@@ -94,11 +94,6 @@ impl Solve for Wgs {
             |best| problem.residual(&best.moduli),
         );
         let drive = best.drives(count, work);
-        work.floats.give(raised);
-        projector.give(work);
-        best.give(work);
-        wave.give(work);
-        rows.give(work);
         Ok(Solution::told(problem, drive, ended, self.steps as usize, work, control))
     }
 }

@@ -2,7 +2,7 @@
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use core::{array, mem};
+use core::array;
 
 use crate::kernels::closed_form::interleaved::{EIGHT, deal_out};
 use crate::kernels::{ControlPoints, InstructionSet, LANES, Rows, add_moduli};
@@ -10,19 +10,19 @@ use crate::linalg::Planar;
 use crate::problem::{Problem, Solution, Status};
 use crate::propagation::Sources;
 use crate::propagation::{NEAR, TOGETHER};
-use crate::workspace::Workspace;
+use crate::workspace::{Buffer, Workspace};
 
 /// The points of up to 16 problems of one model, point after point.
-pub(crate) struct Abreast {
+pub(crate) struct Abreast<'w> {
     prepared: Arc<Sources>,
     pub(crate) set: InstructionSet,
-    places: [Vec<f32>; 3],
+    places: [Buffer<'w, f32>; 3],
 }
 
-impl Abreast {
+impl<'w> Abreast<'w> {
     /// The points of weight above 0 of some problems, where that saves work: a point costs a group of lanes here, as a
     /// lone problem does.
-    fn of(problems: &[Problem], work: &mut Workspace) -> Option<Self> {
+    fn of(problems: &[Problem], work: &'w Workspace) -> Option<Self> {
         let first = problems.first()?.propagation();
         let (prepared, _) = first.computed()?;
         let points = problems.iter().map(|problem| problem.propagation().points()).max()?;
@@ -62,25 +62,20 @@ impl Abreast {
     fn lanes(&self) -> usize {
         self.places[0].len()
     }
-
-    /// Gives the memory back.
-    fn give(self, work: &mut Workspace) {
-        work.floats.give_all(self.places);
-    }
 }
 
 /// What solvers of problems abreast work on. Drives have two groups of lanes a transducer, re and im.
-pub(crate) struct Together {
-    pub(crate) abreast: Abreast,
-    pub(crate) target: Vec<f32>,
-    pub(crate) weight: Vec<f32>,
-    pub(crate) drives: Vec<f32>,
-    pub(crate) pressures: [Vec<f32>; 2],
+pub(crate) struct Together<'w> {
+    pub(crate) abreast: Abreast<'w>,
+    pub(crate) target: Buffer<'w, f32>,
+    pub(crate) weight: Buffer<'w, f32>,
+    pub(crate) drives: Buffer<'w, f32>,
+    pub(crate) pressures: [Buffer<'w, f32>; 2],
 }
 
-impl Together {
+impl<'w> Together<'w> {
     /// Some problems, silent, where [`Abreast::of`] has them.
-    pub(crate) fn of(problems: &[Problem], work: &mut Workspace) -> Option<Self> {
+    pub(crate) fn of(problems: &[Problem], work: &'w Workspace) -> Option<Self> {
         let abreast = Abreast::of(problems, work)?;
         let lanes = abreast.lanes();
         let [mut target, mut weight] = [(); 2].map(|()| work.floats.take(lanes));
@@ -95,31 +90,29 @@ impl Together {
     }
 
     /// Each problem's solution, all done; gives the memory back.
-    pub(crate) fn solutions(self, problems: &[Problem], steps: usize, work: &mut Workspace) -> Vec<Solution> {
-        let Self { abreast, target, weight, drives, pressures: [re, im] } = self;
+    pub(crate) fn solutions(self, problems: &[Problem], steps: usize, work: &Workspace) -> Vec<Solution> {
+        let Self { abreast, drives, pressures: [re, im], .. } = self;
         let count = abreast.prepared.sources.len();
         let mut own = array::from_fn(|_| work.complexes.empty(count.next_multiple_of(EIGHT)));
         deal_out(abreast.set, &drives, &mut own);
-        let drives_of = problems.iter().zip(own.iter_mut().map(mem::take)).enumerate();
-        let solutions = drives_of.map(|(lane, (problem, mut drive))| {
+        let mut own = own.into_iter();
+        let solutions = problems.iter().enumerate().zip(&mut own).map(|((lane, problem), mut drive)| {
             drive.truncate(count);
             let mut field = Planar::zeros(1, problem.propagation().lanes(), work);
             for (own, all) in [(&mut field.re, &re), (&mut field.im, &im)] {
                 own.iter_mut().zip(all.as_chunks::<LANES>().0).for_each(|(own, all)| *own = all[lane]);
             }
-            Solution::of_field(problem, drive, field, Status::Done, steps, work)
+            Solution::of_field(problem, drive, &field, Status::Done, steps, work)
         });
         let solutions = solutions.collect();
-        work.complexes.give_all(own);
-        work.floats.give_all([target, weight, drives, re, im]);
-        abreast.give(work);
+        own.for_each(|list| work.complexes.give(list));
         solutions
     }
 }
 
 /// Sums |G| at the points of some problems, each bit for bit as [`Problem::sum_moduli`] does. Whether that was possible: it
 /// is not where a point may lie on a transducer, which is then to be looked at more closely.
-pub(crate) fn sum_moduli(problems: &mut [Problem], work: &mut Workspace) -> bool {
+pub(crate) fn sum_moduli(problems: &mut [Problem], work: &Workspace) -> bool {
     let Some(abreast) = Abreast::of(problems, work) else { return false };
     let mut others = problems.iter_mut();
     let mut reaches: [Option<&mut Vec<f64>>; LANES] = array::from_fn(|_| others.next().map(Problem::cleared_reach));
@@ -134,8 +127,6 @@ pub(crate) fn sum_moduli(problems: &mut [Problem], work: &mut Workspace) -> bool
             }
         }
     }
-    work.floats.give(sums);
-    abreast.give(work);
     !near
 }
 

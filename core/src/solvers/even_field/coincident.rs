@@ -11,7 +11,7 @@ const COINCIDENT: f64 = 1e-5;
 /// Gives points in the same place the mean of their targets. `powers` are those of the rows.
 ///
 /// One tile in the middle tells most points apart; only rows that look parallel there are compared as a whole.
-pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &mut Workspace) {
+pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &Workspace) {
     let points = rows.loud;
     let middle = rows.lanes / LANES / 2;
     let mut matrix = [(); 2].map(|()| work.floats.take(points * points));
@@ -48,8 +48,6 @@ pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &mut Workspace) {
             }
         }
     }
-    work.floats.give_all(matrix);
-    work.indices.give(homes);
 }
 
 /// Whether two whole rows are.

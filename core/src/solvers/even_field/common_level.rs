@@ -4,14 +4,12 @@
 //! (J J^T + mu W^-1) y = s p - |P|: an M x M system however many transducers there are. The free level is the one
 //! of the shortest step. A quiet point enters with two rows, Re P = Im P = 0, and a heavy one is damped less.
 
-use alloc::vec::Vec;
-
 use crate::linalg::Cholesky;
 use crate::problem::Problem;
 use crate::solvers::common::gauss_newton::Dual;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::Watch;
-use crate::workspace::Workspace;
+use crate::workspace::{Buffer, Workspace};
 
 /// Steps at most: four are enough where the points are fewer than a quarter of the transducers, ten where they are
 /// half as many.
@@ -31,14 +29,14 @@ const MOST_TURN: f32 = 1.0;
 const LEAST_WEIGHT: f32 = 1e-6;
 
 /// Makes `wave` even at `level`, or at the level nearest by; whether it is, to `tolerance`.
-pub(super) fn polish(
+pub(super) fn polish<'w>(
     problem: &Problem,
     rows: &Rows,
     level: Option<f32>,
     tolerance: f32,
-    wave: &mut Wave,
+    wave: &mut Wave<'w>,
     watch: &mut Watch,
-    work: &mut Workspace,
+    work: &'w Workspace,
 ) -> bool {
     let mut newton = Newton::new(problem, rows, work);
     let mut trial = Wave::new(rows, work);
@@ -54,12 +52,12 @@ pub(super) fn polish(
             break;
         }
         if renew {
-            newton.forget(work);
+            newton.factor = None;
             newton.update(rows, wave);
             fresh = true;
         }
         let before = newton.cost(rows, wave, level_here(wave));
-        let tried = newton.step(rows, wave, level, damping, &mut trial, work);
+        let tried = newton.step(rows, wave, level, damping, &mut trial);
         let after = if tried { newton.cost(rows, &trial, level_here(&trial)) } else { f64::INFINITY };
         if after < before {
             core::mem::swap(wave, &mut trial);
@@ -69,7 +67,7 @@ pub(super) fn polish(
         } else {
             // Of old derivatives nothing is concluded.
             (renew, damping) = if fresh { (false, 10.0 * damping) } else { (true, damping) };
-            newton.forget(work);
+            newton.factor = None;
         }
         watch.told(rows, wave);
     }
@@ -77,9 +75,6 @@ pub(super) fn polish(
     if !even && rows.loud == rows.order.len() && wave.lowest(rows) < begun.lowest(rows) {
         core::mem::swap(wave, &mut begun);
     }
-    newton.give(work);
-    trial.give(work);
-    begun.give(work);
     even
 }
 
@@ -93,18 +88,20 @@ fn heard(rows: &Rows, wave: &Wave, equation: usize) -> f32 {
     }
 }
 
+/// The factor of J J^T, damped, and the solution for a rise of the level.
+type Factor<'w> = (Cholesky<'w>, Buffer<'w, f32>);
+
 /// The linear system at a wave: the loud points' moduli, then the quiet ones' real and imaginary parts.
-struct Newton {
-    dual: Dual,
-    /// The factor of J J^T, damped, and the solution for a rise of the level.
-    factor: Option<(Cholesky, Vec<f32>)>,
+struct Newton<'w> {
+    dual: Dual<'w>,
+    factor: Option<Factor<'w>>,
     /// 1 / weight of each equation.
-    ease: Vec<f32>,
-    turns: Vec<f32>,
+    ease: Buffer<'w, f32>,
+    turns: Buffer<'w, f32>,
 }
 
-impl Newton {
-    fn new(problem: &Problem, rows: &Rows, work: &mut Workspace) -> Self {
+impl<'w> Newton<'w> {
+    fn new(problem: &Problem, rows: &Rows, work: &'w Workspace) -> Self {
         let (loud, all) = (rows.loud, rows.order.len());
         let mut dual = Dual::new(rows, 2 * all - loud, work);
         let [f, g] = &mut dual.factors;
@@ -135,39 +132,23 @@ impl Newton {
     }
 
     /// The factor of the damped matrix and the solution for a rise of the level; `None` if f32 cannot factor it.
-    fn factored(&self, rows: &Rows, damping: f32, work: &mut Workspace) -> Option<(Cholesky, Vec<f32>)> {
+    fn factored(&self, rows: &Rows, damping: f32) -> Option<Factor<'w>> {
         let (size, lanes) = (self.dual.size, self.dual.lanes());
         let mean = (0..size).map(|k| self.dual.matrix[k * lanes + k]).sum::<f32>() / size as f32;
-        let cholesky = self.dual.factor(|k| damping * mean * self.ease[k], work)?;
-        let mut rise = work.floats.take(lanes);
+        let cholesky = self.dual.factor(|k| damping * mean * self.ease[k])?;
+        let mut rise = self.dual.work.floats.take(lanes);
         rise[..rows.loud].fill(1.0);
         cholesky.solve(&mut rise);
         Some((cholesky, rise))
     }
 
-    /// Drops the factor.
-    fn forget(&mut self, work: &mut Workspace) {
-        if let Some((cholesky, rise)) = self.factor.take() {
-            cholesky.give(work);
-            work.floats.give(rise);
-        }
-    }
-
     /// Writes the wave after a step into `trial`; `false` if f32 cannot factor the system.
-    fn step(
-        &mut self,
-        rows: &Rows,
-        wave: &Wave,
-        level: Option<f32>,
-        damping: f32,
-        trial: &mut Wave,
-        work: &mut Workspace,
-    ) -> bool {
-        let factor = self.factor.take().or_else(|| self.factored(rows, damping, work));
+    fn step(&mut self, rows: &Rows, wave: &Wave, level: Option<f32>, damping: f32, trial: &mut Wave) -> bool {
+        let factor = self.factor.take().or_else(|| self.factored(rows, damping));
         let Some((cholesky, rise)) = factor else { return false };
         // From the mean level, since s times one solution less another would cancel most digits.
         let middle = wave.level(rows);
-        let mut dual = work.floats.take(rise.len());
+        let mut dual = self.dual.work.floats.take(rise.len());
         for (k, dual) in dual.iter_mut().enumerate().take(self.dual.size) {
             *dual = if k < rows.loud { middle } else { 0.0 } - heard(rows, wave, k);
         }
@@ -176,7 +157,6 @@ impl Newton {
         let shift = level.map_or_else(|| (-sum(&dual) / sum(&rise)) as f32, |level| level - middle);
         dual.iter_mut().zip(&rise).for_each(|(dual, rise)| *dual += shift * rise);
         let most = self.dual.back(&dual, &mut self.turns);
-        work.floats.give(dual);
         self.factor = Some((cholesky, rise));
         let factor = if most > MOST_TURN { MOST_TURN / most } else { 1.0 };
         if !most.is_finite() {
@@ -184,11 +164,5 @@ impl Newton {
         }
         trial.turn(rows, wave, &self.turns, factor);
         true
-    }
-
-    fn give(mut self, work: &mut Workspace) {
-        self.forget(work);
-        self.dual.give(work);
-        work.floats.give_all([self.ease, self.turns]);
     }
 }

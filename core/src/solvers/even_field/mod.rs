@@ -11,8 +11,6 @@ pub(crate) mod common_level;
 pub(crate) mod point_phases;
 pub(crate) mod weighted_sweeps;
 
-use alloc::vec::Vec;
-
 use crate::control::Control;
 use crate::linalg::Planar;
 use crate::problem::{Problem, Solution, Status};
@@ -20,7 +18,7 @@ use crate::scene::Aim;
 use crate::solvers::common::refinement::refine;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::point_phases::Starts;
-use crate::workspace::Workspace;
+use crate::workspace::{Buffer, Workspace};
 
 /// How much work to spend.
 pub(crate) struct Plan {
@@ -36,7 +34,7 @@ pub(crate) struct Plan {
     pub(crate) tolerance: f32,
 }
 
-impl Wave {
+impl Wave<'_> {
     /// |P| of the weakest loud point.
     fn lowest(&self, rows: &Rows) -> f32 {
         self.moduli[..rows.loud].iter().copied().fold(f32::INFINITY, f32::min)
@@ -59,17 +57,17 @@ impl Wave {
 }
 
 /// The caller's hand on the solve: counts steps and tells each.
-struct Watch<'a, 'b> {
+struct Watch<'a, 'b, 'w> {
     problem: &'a Problem,
     control: &'a mut Control<'b>,
     step: usize,
     steps: usize,
     stopped: bool,
     /// Moduli in the problem's order and unit.
-    moduli: Vec<f32>,
+    moduli: Buffer<'w, f32>,
 }
 
-impl Watch<'_, '_> {
+impl Watch<'_, '_, '_> {
     /// Whether to go on after a step to `wave`. A step is told when the next one is done: the last one's residual is
     /// that of the answer, which is told when it is made.
     fn told(&mut self, rows: &Rows, wave: &Wave) -> bool {
@@ -88,7 +86,7 @@ impl Watch<'_, '_> {
 }
 
 /// An even drive, at the level that the problem aims at.
-pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &mut Workspace, control: &mut Control) -> Solution {
+pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &Workspace, control: &mut Control) -> Solution {
     let mut rows = Rows::alike(problem, work);
     let starts = Starts::new(problem, &mut rows, plan, work);
     let moduli = work.floats.take(problem.propagation().lanes());
@@ -143,12 +141,7 @@ pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &mut Workspace, contro
         _ => Status::OutOfSteps,
     };
     let step = watch.step;
-    work.floats.give(watch.moduli);
-    best.give(work);
-    wave.give(work);
-    starts.give(work);
-    rows.give(work);
-    let mut solution = Solution::of_field(problem, drive, field, status, step, work).scaled(scale);
+    let mut solution = Solution::of_field(problem, drive, &field, status, step, work).scaled(scale);
     solution.tell(problem, steps, control);
     solution
 }

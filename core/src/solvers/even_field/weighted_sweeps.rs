@@ -15,14 +15,14 @@ const RELAXATION: f32 = 0.8;
 const MOST_CHANGE: f32 = 2.0;
 
 /// Sweeps from a start; leaves in `wave` the iterate whose weakest point is strongest.
-pub(super) fn raise(
+pub(super) fn raise<'w>(
     rows: &Rows,
     starts: &Starts,
     start: usize,
     sweeps: usize,
-    wave: &mut Wave,
+    wave: &mut Wave<'w>,
     watch: &mut Watch,
-    work: &mut Workspace,
+    work: &'w Workspace,
 ) {
     let loud = rows.loud;
     let mut weights = work.floats.take(loud);
@@ -73,8 +73,4 @@ pub(super) fn raise(
             break;
         }
     }
-    work.floats.give(weights);
-    work.floats.give_all(phasors);
-    projector.give(work);
-    trial.give(work);
 }
