@@ -29,15 +29,12 @@ crate::options! {
 }
 
 impl Method for Evd {
-    const INFO: Info = Info {
-        name: "evd",
-        summary: "leading eigenvector's phases, then a regularised solve",
-        source: "Long et al., ACM Trans. Graphics 33(6), 2014",
-        balance: false,
-        tolerance: 1e-2,
-        uses_start: false,
-        uses_aim: false,
-    };
+    const INFO: Info = Info::new(
+        "evd",
+        "leading eigenvector's phases, then a regularised solve",
+        "Long et al., ACM Trans. Graphics 33(6), 2014",
+    )
+    .within(1e-2);
 
     fn check(&self) -> Result<(), Error> {
         real("gamma", self.gamma, 0.0, false)?;

@@ -44,15 +44,13 @@ crate::options! {
 }
 
 impl Method for Fast {
-    const INFO: Info = Info {
-        name: "fast",
-        summary: "greedy in closed form: one sum instead of a search",
-        source: "majorise-minimise on eq. (7) of Suzuki et al. 2021",
-        balance: true,
-        tolerance: 0.02,
-        uses_start: false,
-        uses_aim: false,
-    };
+    const INFO: Info = Info::new(
+        "fast",
+        "greedy in closed form: one sum instead of a search",
+        "majorise-minimise on eq. (7) of Suzuki et al. 2021",
+    )
+    .balanced()
+    .within(0.02);
 
     fn check(&self) -> Result<(), Error> {
         let most = closed_form::MOST as u32;

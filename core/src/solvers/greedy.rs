@@ -146,15 +146,12 @@ impl Order {
 }
 
 impl Method for Greedy {
-    const INFO: Info = Info {
-        name: "greedy",
-        summary: "greedy with brute-force search over phases and amplitudes",
-        source: "Suzuki et al., IEEE Trans. Haptics 14(4), 2021, Algorithm 2",
-        balance: false,
-        tolerance: 0.02,
-        uses_start: false,
-        uses_aim: false,
-    };
+    const INFO: Info = Info::new(
+        "greedy",
+        "greedy with brute-force search over phases and amplitudes",
+        "Suzuki et al., IEEE Trans. Haptics 14(4), 2021, Algorithm 2",
+    )
+    .within(0.02);
 
     fn device_defaults(quantization: &Quantization) -> Options {
         let phases = quantization.phases().map(|count| ("phases".into(), count.show()));

@@ -30,15 +30,13 @@ crate::options! {
 }
 
 impl Method for Gspat {
-    const INFO: Info = Info {
-        name: "gspat",
-        summary: "GS-PAT: Gerchberg-Saxton on the M x M matrix",
-        source: "Plasencia et al., ACM Trans. Graphics 39(4), 2020",
-        balance: false,
-        tolerance: 1e-3,
-        uses_start: true,
-        uses_aim: false,
-    };
+    const INFO: Info = Info::new(
+        "gspat",
+        "GS-PAT: Gerchberg-Saxton on the M x M matrix",
+        "Plasencia et al., ACM Trans. Graphics 39(4), 2020",
+    )
+    .with_start()
+    .within(1e-3);
 
     fn check(&self) -> Result<(), Error> {
         check_iteration(self.steps, self.tolerance)

@@ -39,15 +39,13 @@ crate::options! {
 }
 
 impl Method for Lm {
-    const INFO: Info = Info {
-        name: "lm",
-        summary: "Levenberg-Marquardt on all phases, |q| = 1",
-        source: "Madsen et al. 2004, algorithm 3.16; Suzuki et al. 2021",
-        balance: false,
-        tolerance: 0.02,
-        uses_start: true,
-        uses_aim: false,
-    };
+    const INFO: Info = Info::new(
+        "lm",
+        "Levenberg-Marquardt on all phases, |q| = 1",
+        "Madsen et al. 2004, algorithm 3.16; Suzuki et al. 2021",
+    )
+    .with_start()
+    .within(0.02);
 
     fn check(&self) -> Result<(), Error> {
         check_iteration(self.steps, 0.0)?;

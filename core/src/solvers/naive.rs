@@ -23,15 +23,7 @@ crate::options! {
 }
 
 impl Method for Naive {
-    const INFO: Info = Info {
-        name: "naive",
-        summary: "single foci, superposed",
-        source: "back-projection, e.g. Marzo et al., PNAS 2019",
-        balance: false,
-        tolerance: 1e-4,
-        uses_start: false,
-        uses_aim: false,
-    };
+    const INFO: Info = Info::new("naive", "single foci, superposed", "back-projection, e.g. Marzo et al., PNAS 2019");
 
     fn check(&self) -> Result<(), Error> {
         Ok(())

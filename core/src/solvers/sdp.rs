@@ -68,15 +68,13 @@ crate::options! {
 }
 
 impl Method for Sdp {
-    const INFO: Info = Info {
-        name: "sdp",
-        summary: "SDP relaxation of the point phases, then the pseudo-inverse",
-        source: "Inoue et al., World Haptics Conference 2015",
-        balance: false,
-        tolerance: 0.02,
-        uses_start: true,
-        uses_aim: false,
-    };
+    const INFO: Info = Info::new(
+        "sdp",
+        "SDP relaxation of the point phases, then the pseudo-inverse",
+        "Inoue et al., World Haptics Conference 2015",
+    )
+    .with_start()
+    .within(0.02);
 
     fn check(&self) -> Result<(), Error> {
         check_iteration(self.steps, self.tolerance)?;

@@ -25,15 +25,12 @@ crate::options! {
 }
 
 impl Method for Tikhonov {
-    const INFO: Info = Info {
-        name: "tikhonov",
-        summary: "regularised pseudo-inverse, all target phases 0",
-        source: "Tikhonov's regularisation of G q = p",
-        balance: false,
-        tolerance: 1e-3,
-        uses_start: false,
-        uses_aim: false,
-    };
+    const INFO: Info = Info::new(
+        "tikhonov",
+        "regularised pseudo-inverse, all target phases 0",
+        "Tikhonov's regularisation of G q = p",
+    )
+    .within(1e-3);
 
     fn check(&self) -> Result<(), Error> {
         real("regularization", self.regularization, 0.0, true).map(|_| ())
