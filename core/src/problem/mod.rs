@@ -20,7 +20,7 @@ use alloc::vec::Vec;
 use num_complex::{Complex32, Complex64};
 
 use crate::device::quantization::Quantization;
-use crate::error::Error;
+use crate::error::{Error, one_each};
 use crate::math;
 use crate::problem::targets::Targets;
 use crate::propagation::Propagation;
@@ -170,11 +170,7 @@ impl Problem {
         match &start {
             Start::Drive(drive) => check_drive(drive, self.propagation().transducers())?,
             Start::Phases(phases) => {
-                let count = self.targets.pascals.len();
-                if phases.len() != count {
-                    let value = format!("{} phases", phases.len());
-                    return Err(Error::invalid("start", value, format!("give one for each of the {count} points")));
-                }
+                one_each("start", phases.len(), "phases", self.targets.pascals.len(), "points")?;
                 if let Some(j) = phases.iter().position(|phase| !phase.is_finite()) {
                     return Err(Error::invalid(format!("start[{j}]"), phases[j], "give finite numbers"));
                 }

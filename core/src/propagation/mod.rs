@@ -17,7 +17,7 @@ use alloc::vec::Vec;
 
 use num_complex::{Complex32, Complex64};
 
-use crate::error::Error;
+use crate::error::{Error, one_each};
 use crate::kernels;
 use crate::kernels::propagate::rows;
 use crate::kernels::{ControlPoints, InstructionSet, Row, padded};
@@ -101,9 +101,9 @@ impl Propagation {
         if mean > 0.0 && !UNITS.contains(&mean) {
             return Err(Error::invalid("propagation", format!("{mean:e} in the mean"), "give Pa: 1e-15 to 1e15"));
         }
-        let turned = (0..matrix.len()).map(|k| matrix[(k % points) * transducers + k / points]).collect();
+        let transposed = (0..matrix.len()).map(|k| matrix[(k % points) * transducers + k / points]).collect();
         let reference = if mean > 0.0 { mean } else { 1.0 };
-        Ok(Self::stored(turned, points, reference, InstructionSet::best()))
+        Ok(Self::stored(transposed, points, reference, InstructionSet::best()))
     }
 
     fn stored(matrix: Arc<[Complex64]>, count: usize, reference: f64, set: InstructionSet) -> Self {
@@ -129,13 +129,9 @@ impl Propagation {
             return Err(Error::invalid("mask", "given", "an array has its own: give it there"));
         };
         let transducers = matrix.len() / self.count;
-        if mask.len() != transducers {
-            let cure = format!("give one for each of the {transducers} transducers");
-            return Err(Error::invalid("mask", format!("{} values", mask.len()), cure));
-        }
-        let off = |i: &usize| !mask[*i];
+        one_each("mask", mask.len(), "values", transducers, "transducers")?;
         let lanes = padded(self.count);
-        for i in (0..transducers).filter(off) {
+        for i in (0..transducers).filter(|&i| !mask[i]) {
             Arc::make_mut(matrix)[i * self.count..(i + 1) * self.count].fill(Complex64::ZERO);
             for plane in Arc::make_mut(planar) {
                 plane[i * lanes..(i + 1) * lanes].fill(0.0);

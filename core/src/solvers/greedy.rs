@@ -18,7 +18,7 @@ use crate::kernels::{Candidates, L1, L2, LANES, PointGroup, table};
 use crate::linalg::Planar;
 use crate::problem::{Problem, Solution, Status};
 use crate::rng::Rng;
-use crate::scene::{OptionValue, Options, Value, spell, word};
+use crate::scene::{OptionValue, Options, Value, word, words};
 use crate::solvers::common::interleaved::Together;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::{Buffer, Workspace};
@@ -66,17 +66,7 @@ crate::options! {
 /// A device's longer table is thinned to the paper's K = 16 unless told otherwise: K multiplies the time.
 const AMPLITUDES: usize = 16;
 
-const OBJECTIVES: [(&str, Objective); 2] = [("l2", Objective::L2), ("l1", Objective::L1)];
-
-impl OptionValue for Objective {
-    fn read(item: &str, value: &Value) -> Result<Self, Error> {
-        word(item, value, &OBJECTIVES)
-    }
-
-    fn show(&self) -> Value {
-        spell(*self, &OBJECTIVES)
-    }
-}
+words!(Objective: "l2" = Self::L2, "l1" = Self::L1);
 
 impl OptionValue for Order {
     fn read(item: &str, value: &Value) -> Result<Self, Error> {

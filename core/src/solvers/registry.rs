@@ -23,28 +23,21 @@ use crate::solvers::tikhonov::Tikhonov;
 use crate::solvers::uniform::Uniform;
 use crate::solvers::wgs::Wgs;
 
-/// Declares [`SOLVERS`]; one line adds a solver.
-macro_rules! registry {
-    ($($method:path,)*) => {
-        /// Every solver, in the order of tables.
-        pub static SOLVERS: &[Entry] = &[$(Entry::of::<$method>()),*];
-    };
-}
-
-registry! {
-    Uniform,
-    Best,
-    Greedy,
-    Fast,
-    Lm,
-    Gspat,
-    Gs,
-    Wgs,
-    Evd,
-    Sdp,
-    Tikhonov,
-    Naive,
-}
+/// Every solver, in the order of tables; one line adds a solver.
+pub static SOLVERS: &[Entry] = &[
+    Entry::of::<Uniform>(),
+    Entry::of::<Best>(),
+    Entry::of::<Greedy>(),
+    Entry::of::<Fast>(),
+    Entry::of::<Lm>(),
+    Entry::of::<Gspat>(),
+    Entry::of::<Gs>(),
+    Entry::of::<Wgs>(),
+    Entry::of::<Evd>(),
+    Entry::of::<Sdp>(),
+    Entry::of::<Tikhonov>(),
+    Entry::of::<Naive>(),
+];
 
 /// The solver used where none is named.
 pub const DEFAULT: &str = "uniform";
@@ -91,7 +84,7 @@ impl Entry {
         (self.make)(options)
     }
 
-    /// The same for an array that may have quantization: they give the defaults of options that choose a grid.
+    /// The same for an array that may have quantization, which gives the options that choose a grid their defaults.
     ///
     /// # Errors
     /// As [`Entry::configure`].

@@ -17,7 +17,7 @@ use crate::math::{sqrt, sqrtf};
 use crate::problem::{Problem, Solution};
 use crate::propagation::{back_project, gram};
 use crate::rng::Rng;
-use crate::scene::{OptionValue, Value, spell, word};
+use crate::scene::words;
 use crate::solvers::amplitude_limit::AmplitudeLimit;
 use crate::solvers::common::alternating_projection::start_phasors;
 use crate::solvers::iterate::iterate;
@@ -34,17 +34,7 @@ pub enum Moduli {
     Unit,
 }
 
-const MODULI: [(&str, Moduli); 2] = [("raw", Moduli::Raw), ("unit", Moduli::Unit)];
-
-impl OptionValue for Moduli {
-    fn read(item: &str, value: &Value) -> Result<Self, Error> {
-        word(item, value, &MODULI)
-    }
-
-    fn show(&self) -> Value {
-        spell(*self, &MODULI)
-    }
-}
+words!(Moduli: "raw" = Self::Raw, "unit" = Self::Unit);
 
 crate::options! {
     /// SDP relaxation by block coordinate descent. Time O(N M^2 + M^3) once and O(M^2) a step, memory O(N + M^2).
