@@ -24,6 +24,12 @@ pub(crate) fn modulus(z: Complex32) -> f64 {
     sqrt(re * re + im * im)
 }
 
+/// z/|z| of z = re + j im; 1 where it is 0.
+pub(crate) fn unit(re: f32, im: f32) -> (f32, f32) {
+    let modulus = sqrtf(re * re + im * im);
+    if modulus > 0.0 { (re / modulus, im / modulus) } else { (1.0, 0.0) }
+}
+
 /// Square root in single precision, vectorised by the compiler where `std` is there.
 #[inline(always)]
 pub(crate) fn sqrtf(x: f32) -> f32 {

@@ -164,4 +164,11 @@ impl Workspace {
     pub fn new() -> Self {
         Self::default()
     }
+
+    /// 0, 1, 2 and so on.
+    pub(crate) fn counting(&self, len: usize) -> Buffer<'_, u32> {
+        let mut indices = self.indices.take(len);
+        indices.iter_mut().zip(0..).for_each(|(index, k)| *index = k);
+        indices
+    }
 }

@@ -26,6 +26,19 @@ impl<'w> Planar<'w> {
         Self { re: work.floats.take(rows * lanes), im: work.floats.take(rows * lanes), lanes }
     }
 
+    /// Multiplies each entry of a vector by a factor of its own.
+    pub(crate) fn scale(&mut self, factors: impl Iterator<Item = f32>) {
+        for ((re, im), factor) in self.re.iter_mut().zip(&mut self.im).zip(factors) {
+            *re *= factor;
+            *im *= factor;
+        }
+    }
+
+    /// The diagonal of a Hermitian matrix.
+    pub(crate) fn diagonal(&self) -> impl Iterator<Item = f32> {
+        self.re.iter().step_by(self.lanes + 1).copied()
+    }
+
     pub(crate) fn row(&self, k: usize) -> [&[f32]; 2] {
         let range = k * self.lanes..(k + 1) * self.lanes;
         [&self.re[range.clone()], &self.im[range]]

@@ -65,7 +65,7 @@ impl Solution {
     /// The solution that `drive` is: a solver's last line. Its pressures are computed here.
     #[must_use]
     pub fn new(problem: &Problem, drive: Vec<Complex32>, status: Status, steps: usize, work: &Workspace) -> Self {
-        let asked = problem.asked();
+        let asked = Arc::clone(&problem.targets);
         let field = field_of(&asked.propagation, &drive, work);
         Self::with_pressures(asked, drive, &field, status, steps, work)
     }
@@ -93,7 +93,7 @@ impl Solution {
         steps: usize,
         work: &Workspace,
     ) -> Self {
-        let asked = problem.asked();
+        let asked = Arc::clone(&problem.targets);
         if asked.active.len() == asked.pascals.len() {
             return Self::with_pressures(asked, drive, field, status, steps, work);
         }
@@ -114,13 +114,18 @@ impl Solution {
         steps: usize,
         work: &Workspace,
     ) -> Self {
-        let propagation = &asked.propagation;
-        let mut pressures = work.complexes.take(propagation.points());
-        let reference = propagation.reference();
-        for ((pressure, re), im) in pressures.iter_mut().zip(&field.re).zip(&field.im) {
+        let pressures = work.complexes.take(asked.propagation.points()).into_vec();
+        let mut solution = Self { drive, pressures, status, steps, scale: 1.0, asked };
+        solution.set_pressures(field);
+        solution
+    }
+
+    /// Takes the pressures of a field in units of the reference.
+    fn set_pressures(&mut self, field: &Planar) {
+        let reference = self.asked.propagation.reference() * self.scale;
+        for ((pressure, re), im) in self.pressures.iter_mut().zip(&field.re).zip(&field.im) {
             *pressure = pascals(*re, *im, reference);
         }
-        Self { drive, pressures: pressures.into_vec(), status, steps, scale: 1.0, asked }
     }
 
     /// The same with `scale` of it left to supply or modulation.
@@ -128,15 +133,6 @@ impl Solution {
         self.scale *= scale;
         self.pressures.iter_mut().for_each(|p| *p = divided(*p, 1.0 / scale));
         self
-    }
-
-    /// Computes the pressures that the drive gives.
-    fn measure(&mut self, work: &Workspace) {
-        let field = field_of(&self.asked.propagation, &self.drive, work);
-        let reference = self.asked.propagation.reference() * self.scale;
-        for ((pressure, re), im) in self.pressures.iter_mut().zip(&field.re).zip(&field.im) {
-            *pressure = pascals(*re, *im, reference);
-        }
     }
 
     /// Divides drives and pressures by `factor`, at least 1, and rounds every drive to what the board can play.
@@ -158,7 +154,7 @@ impl Solution {
         }
         self.scale *= scale;
         if moved || scale < 1.0 {
-            self.measure(work);
+            self.set_pressures(&field_of(&self.asked.propagation, &self.drive, work));
         }
         moved
     }
@@ -188,10 +184,7 @@ impl Solution {
     /// The residual against the targets of `problem`, before balancing is undone.
     fn residual_for(&self, problem: &Problem) -> f64 {
         let unit = self.asked.propagation.reference();
-        let modulus = |p: Complex32| math::modulus(p) / unit;
-        let points = self.asked.active.iter().zip(problem.targets()).zip(problem.weights());
-        let heard = |((&j, &t), &w): ((&usize, &f32), &f32)| (modulus(self.pressures[j]), f64::from(t), f64::from(w));
-        Metrics::of(points.map(heard)).residual
+        problem.residual_of(self.asked.active.iter().map(|&j| math::modulus(self.pressures[j]) / unit))
     }
 
     /// The targets (M,) in Pa that the metrics refer to.

@@ -25,7 +25,7 @@ use crate::math;
 use crate::scene::{Scene, UNITS};
 
 /// Rows whose moduli are summed in f32 before f64 takes over.
-pub(crate) const TOGETHER: usize = 64;
+pub(crate) const ROWS_A_SUM: usize = 64;
 
 /// Square wavelengths, a little more than a hundredth squared: f32 decides where f64 is to look.
 pub(crate) const NEAR: f32 = 1.01e-4;
@@ -229,12 +229,12 @@ impl Propagation {
         reach.resize(self.count, 0.0);
         match &self.rows {
             Rows::Computed { sources, frame, points } => {
-                for (step, some) in sources.sources.chunks(TOGETHER).enumerate() {
+                for (step, some) in sources.sources.chunks(ROWS_A_SUM).enumerate() {
                     sums.clear();
                     sums.resize(self.lanes(), 0.0);
                     let (law, points_here) = (&sources.law, self.padded_points(frame));
                     if kernels::add_moduli(self.set, law, some, points_here, NEAR, sums) {
-                        for i in step * TOGETHER..step * TOGETHER + some.len() {
+                        for i in step * ROWS_A_SUM..step * ROWS_A_SUM + some.len() {
                             sources.check_distances(i, points)?;
                         }
                     }

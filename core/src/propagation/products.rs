@@ -43,16 +43,15 @@ pub(crate) fn field_of<'w>(propagation: &Propagation, drive: &[Complex32], work:
 ///
 /// Conjugated so that `correlate` with row k is row k of G G^H times a vector.
 pub(crate) fn gram<'w>(propagation: &Propagation, factors: Option<&[f32]>, work: &'w Workspace) -> Planar<'w> {
-    const TOGETHER: usize = products::RUN * LANES;
+    const TRANSDUCERS_A_RUN: usize = products::RUN * LANES;
     let (set, count, lanes) = (propagation.instruction_set(), propagation.points(), propagation.lanes());
     let mut product = Planar::zeros(count, lanes, work);
-    let mut order = work.indices.take(count);
-    order.iter_mut().zip(0..).for_each(|(row, j)| *row = j);
-    let mut roots = work.floats.take(TOGETHER);
-    let most = tiles::size(tiles::height(count), tiles::lanes(propagation.transducers().min(TOGETHER)));
+    let order = work.counting(count);
+    let mut roots = work.floats.take(TRANSDUCERS_A_RUN);
+    let most = tiles::size(tiles::height(count), tiles::lanes(propagation.transducers().min(TRANSDUCERS_A_RUN)));
     let mut planes = [(); 2].map(|()| Aligned::take(most, work));
-    for first in (0..propagation.transducers()).step_by(TOGETHER) {
-        let members = first..propagation.transducers().min(first + TOGETHER);
+    for first in (0..propagation.transducers()).step_by(TRANSDUCERS_A_RUN) {
+        let members = first..propagation.transducers().min(first + TRANSDUCERS_A_RUN);
         let across = tiles::lanes(members.len());
         let size = tiles::size(tiles::height(count), across);
         let [re, im] = planes.each_mut().map(|plane| &mut plane[..size]);

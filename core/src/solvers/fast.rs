@@ -16,15 +16,18 @@
 
 use alloc::vec::Vec;
 
+use num_complex::Complex32;
+
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::closed_form;
 use crate::kernels::closed_form::Sweep;
 use crate::kernels::closed_form::interleaved;
 use crate::linalg::Planar;
+use crate::math::modulus;
 use crate::problem::{Problem, Solution, Status};
 use crate::rng::Rng;
-use crate::solvers::common::interleaved::Together;
+use crate::solvers::common::interleaved::InterleavedBatch;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::{Aligned, Workspace};
 
@@ -87,8 +90,8 @@ impl Solve for Fast {
             };
             let turn = |[re, im]: [&[f32]; 2]| {
                 step += 1;
-                let residual = || problem.residual_of(re.iter().copied().zip(im.iter().copied()));
-                control.step(step, steps, residual).is_continue()
+                let moduli = re.iter().zip(im).map(|(&re, &im)| modulus(Complex32::new(re, im)));
+                control.step(step, steps, || problem.residual_of(moduli.clone())).is_continue()
             };
             let pressures = [&mut field.re[..], &mut field.im[..]];
             if !closed_form::sweep(
@@ -108,24 +111,24 @@ impl Solve for Fast {
 
     fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
         self.check().ok()?;
-        let mut together = Together::of(problems, work)?;
-        let (count, lanes) = (problems.first()?.propagation().transducers(), together.target.len());
+        let mut batch = InterleavedBatch::of(problems, work)?;
+        let (count, lanes) = (problems.first()?.propagation().transducers(), batch.target.len());
         let mut memory = work.floats.take(closed_form::floats(lanes));
         for sweep in 0..=self.sweeps {
             let task = Sweep {
-                rows: together.abreast.rows(),
-                target: &together.target,
-                weight: &together.weight,
+                rows: batch.points.rows(),
+                target: &batch.target,
+                weight: &batch.weight,
                 block: self.block as usize,
                 own: if sweep == 0 { 0.0 } else { OWN },
                 memory: &mut memory,
             };
-            let [re, im] = &mut together.pressures;
+            let [re, im] = &mut batch.pressures;
             let order = stride(count, self.seed);
-            interleaved::sweep(together.abreast.set, task, order, &mut together.drives, [re, im]);
+            interleaved::sweep(batch.points.set, task, order, &mut batch.drives, [re, im]);
         }
         let steps = count.div_ceil(self.block as usize) * (1 + self.sweeps as usize);
-        Some(together.solutions(problems, steps, work))
+        Some(batch.solutions(problems, steps, work))
     }
 }
 

@@ -8,6 +8,8 @@
 use alloc::format;
 use alloc::vec::Vec;
 
+use num_complex::Complex32;
+
 use crate::control::Control;
 use crate::device::quantization::Quantization;
 use crate::error::Error;
@@ -16,10 +18,11 @@ use crate::kernels::greedy::interleaved;
 use crate::kernels::greedy::{Pass, Search};
 use crate::kernels::{Candidates, L1, L2, LANES, PointGroup, table};
 use crate::linalg::Planar;
+use crate::math::modulus;
 use crate::problem::{Problem, Solution, Status};
 use crate::rng::Rng;
 use crate::scene::{OptionValue, Options, Value, word, words};
-use crate::solvers::common::interleaved::Together;
+use crate::solvers::common::interleaved::InterleavedBatch;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::{Buffer, Workspace};
 
@@ -164,10 +167,7 @@ impl Method for Greedy {
 impl Greedy {
     /// The transducers in the order of their updates.
     fn order<'w>(&self, problem: &Problem, work: &'w Workspace) -> Result<Buffer<'w, u32>, Error> {
-        let mut order = work.indices.take(problem.propagation().transducers());
-        for (k, i) in order.iter_mut().enumerate() {
-            *i = k as u32;
-        }
+        let mut order = work.counting(problem.propagation().transducers());
         self.order.write(self.seed, problem.setup().positions.as_deref(), &mut order)?;
         Ok(order)
     }
@@ -222,7 +222,8 @@ impl Solve for Greedy {
         let mut status = Status::Done;
         let mut report = |updates: usize, points: &[PointGroup]| {
             let pressures = points.iter().flat_map(|group| group.re.into_iter().zip(group.im));
-            let go = control.step(updates, count, || problem.residual_of(pressures.clone())).is_continue();
+            let moduli = pressures.map(|(re, im)| modulus(Complex32::new(re, im)));
+            let go = control.step(updates, count, || problem.residual_of(moduli.clone())).is_continue();
             if !go {
                 status = Status::Stopped;
             }
@@ -247,31 +248,30 @@ impl Solve for Greedy {
         if self.objective != Objective::L2 || !fits {
             return None;
         }
-        let mut together = Together::of(problems, work)?;
+        let mut batch = InterleavedBatch::of(problems, work)?;
         let candidates = self.candidates(first, work).ok()?;
         let order = self.order(first, work).ok()?;
-        let lanes = together.target.len();
+        let lanes = batch.target.len();
         let mut floats = work.floats.take(interleaved::floats(lanes, &candidates));
         let mut groups = work.points.take(lanes / LANES);
         let mut rows = work.floats.take(4 * lanes);
         let mut indices = work.indices.take(greedy::indices(LANES, candidates.phases));
         let pass = Pass {
-            rows: together.abreast.rows(),
-            target: &together.target,
-            weight: &together.weight,
+            rows: batch.points.rows(),
+            target: &batch.target,
+            weight: &batch.weight,
             count: lanes,
             order: &order,
             groups: &mut groups,
             memory: &mut rows,
         };
         let search = Search { candidates: &candidates, floats: &mut floats, indices: &mut indices };
-        let [re, im] = &mut together.pressures;
-        let level = together.abreast.set;
-        interleaved::pass(level, pass, search, problems.len(), &mut together.drives, [re, im]);
+        let [re, im] = &mut batch.pressures;
+        interleaved::pass(batch.points.set, pass, search, problems.len(), &mut batch.drives, [re, im]);
         for buffer in candidates.into_buffers() {
             work.floats.give(buffer);
         }
         let steps = order.len();
-        Some(together.solutions(problems, steps, work))
+        Some(batch.solutions(problems, steps, work))
     }
 }

@@ -55,17 +55,10 @@ impl Solve for Gspat {
         };
         let mut wanted = start_phasors(problem, work);
         let mut field = Planar::zeros(1, lanes, work);
-        let mut moduli = work.floats.take(lanes);
-        let mut before = work.floats.take(lanes);
-        for (j, &target) in targets.iter().enumerate() {
-            wanted.re[j] *= target;
-            wanted.im[j] *= target;
-        }
+        let [mut moduli, mut before] = [(); 2].map(|()| work.floats.take(lanes));
+        wanted.scale(targets.iter().copied());
         let propagate = |wanted: &mut Planar, field: &mut Planar, moduli: &mut [f32]| {
-            for j in 0..count {
-                wanted.re[j] *= share(j);
-                wanted.im[j] *= share(j);
-            }
+            wanted.scale((0..count).map(share));
             times(propagation.instruction_set(), &matrix, wanted, field);
             kernels::modulus(propagation.instruction_set(), &field.re, &field.im, moduli);
         };

@@ -82,7 +82,7 @@ impl Solve for Sdp {
         let propagation = problem.propagation();
         let (count, lanes) = (propagation.points(), propagation.lanes());
         let product = gram(propagation, None, work);
-        let largest = (0..count).map(|j| product.row(j)[0][j]).fold(0.0, f32::max);
+        let largest = product.diagonal().fold(0.0, f32::max);
         // In f32 the matrix resolves no more than this part of its diagonal.
         let shift = (self.alpha as f32).max(1e-6 * largest);
         let inverse = Hermitian::damped(propagation.instruction_set(), &product, count, shift, work);
@@ -160,7 +160,7 @@ fn quality<'w>(problem: &Problem, inverse: &Hermitian, work: &'w Workspace) -> P
 fn begin<'w>(problem: &Problem, work: &'w Workspace) -> Planar<'w> {
     let (count, lanes) = (problem.propagation().points(), problem.propagation().lanes());
     let mut matrix = Planar::zeros(count, lanes, work);
-    let given = problem.start_drive().is_some() || problem.start_phases().is_some();
+    let given = problem.has_start();
     let phasors = start_phasors(problem, work);
     for k in 0..count {
         let (uk, vk) = (phasors.re[k], phasors.im[k]);

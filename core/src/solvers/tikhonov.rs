@@ -61,11 +61,7 @@ impl Solve for Tikhonov {
             phasors.re[k] = sqrtf(problem.weights()[k]) * problem.targets()[k];
         }
         solver.solve(&mut phasors);
-        for k in 0..count {
-            let weight = sqrtf(problem.weights()[k]);
-            phasors.re[k] *= weight;
-            phasors.im[k] *= weight;
-        }
+        phasors.scale((0..count).map(|k| sqrtf(problem.weights()[k])));
         let mut drive = back_project(propagation, &phasors, |_| 1.0, work);
         self.limit.apply(&mut drive);
         Ok(Solution::told(problem, drive, (Status::Done, 1), 1, work, control))

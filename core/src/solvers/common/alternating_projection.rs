@@ -5,7 +5,6 @@ use num_complex::Complex32;
 use crate::kernels::tiles;
 use crate::linalg::Planar;
 use crate::math;
-use crate::math::sqrtf;
 use crate::problem::Problem;
 use crate::propagation::field_of;
 use crate::solvers::common::tiled::{Rows, Wave};
@@ -54,7 +53,7 @@ impl<'w> Projector<'w> {
     /// The wave of the problem's start: its drive as it is, or the projection of its phases with the moduli of the
     /// targets. `None` without a start. The rows are in the problem's order.
     pub(crate) fn start(&mut self, problem: &Problem, rows: &Rows, work: &'w Workspace) -> Option<Wave<'w>> {
-        if problem.start_drive().is_none() && problem.start_phases().is_none() {
+        if !problem.has_start() {
             return None;
         }
         let mut wave = Wave::new(rows, work);
@@ -86,10 +85,7 @@ pub(crate) fn start_phasors<'w>(problem: &Problem, work: &'w Workspace) -> Plana
     if let Some(drive) = problem.start_drive() {
         let field = field_of(propagation, drive, work);
         for j in 0..propagation.points() {
-            let modulus = sqrtf(field.re[j] * field.re[j] + field.im[j] * field.im[j]);
-            if modulus > 0.0 {
-                (phasors.re[j], phasors.im[j]) = (field.re[j] / modulus, field.im[j] / modulus);
-            }
+            (phasors.re[j], phasors.im[j]) = math::unit(field.re[j], field.im[j]);
         }
     }
     phasors

@@ -21,8 +21,7 @@ pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &Workspace) {
     let own = |k: usize| entry(k, k)[0].max(f64::from(f32::MIN_POSITIVE));
     // However much of a row the tile hears: what is not parallel of the row is no more than this part of that.
     let slack = |k: usize| 4.0 * COINCIDENT * (f64::from(powers[k]) / own(k)).max(1.0);
-    let mut homes = work.indices.take(points);
-    homes.iter_mut().zip(0..).for_each(|(home, k)| *home = k);
+    let mut homes = work.counting(points);
     let mut apart = true;
     for first in 0..points {
         if homes[first] != first as u32 {

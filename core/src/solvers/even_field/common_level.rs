@@ -8,7 +8,7 @@ use crate::linalg::Cholesky;
 use crate::problem::Problem;
 use crate::solvers::common::gauss_newton::Dual;
 use crate::solvers::common::tiled::{Rows, Wave};
-use crate::solvers::even_field::Watch;
+use crate::solvers::even_field::Run;
 use crate::workspace::{Buffer, Workspace};
 
 /// Steps at most: four are enough where the points are fewer than a quarter of the transducers, ten where they are
@@ -28,27 +28,19 @@ const MOST_TURN: f32 = 1.0;
 /// The least weight told apart from 0.
 const LEAST_WEIGHT: f32 = 1e-6;
 
-/// Makes `wave` even at `level`, or at the level nearest by; whether it is, to `tolerance`.
-pub(super) fn polish<'w>(
-    problem: &Problem,
-    rows: &Rows,
-    level: Option<f32>,
-    tolerance: f32,
-    wave: &mut Wave<'w>,
-    watch: &mut Watch,
-    work: &'w Workspace,
-) -> bool {
-    let mut newton = Newton::new(problem, rows, work);
-    let mut trial = Wave::new(rows, work);
-    let mut begun = Wave::new(rows, work);
+/// Makes `wave` even at `level`, or at the level nearest by; whether it is, to the plan's tolerance.
+pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, level: Option<f32>, wave: &mut Wave<'w>) -> bool {
+    let (rows, work) = (run.rows, run.work);
+    let mut newton = Newton::new(run.problem, rows, work);
+    let [mut trial, mut begun] = [(); 2].map(|()| Wave::new(rows, work));
     begun.copy(wave);
     let mut damping = DAMPING;
     let mut even = false;
     let (mut renew, mut fresh) = (true, false);
     for step in 0..=MOST_STEPS {
         let level_here = |wave: &Wave| level.unwrap_or_else(|| wave.level(rows));
-        even = wave.unevenness(rows, level_here(wave)) <= tolerance;
-        if even || watch.stopped || step == MOST_STEPS {
+        even = wave.unevenness(rows, level_here(wave)) <= run.plan.tolerance;
+        if even || run.stopped || step == MOST_STEPS {
             break;
         }
         if renew {
@@ -65,21 +57,21 @@ pub(super) fn polish<'w>(
             renew = after > SLOW * before;
             fresh = false;
         } else {
-            // Of old derivatives nothing is concluded.
+            // A failed step with a stale Jacobian: refresh it before changing the damping.
             (renew, damping) = if fresh { (false, 10.0 * damping) } else { (true, damping) };
             newton.factor = None;
         }
-        watch.told(rows, wave);
+        run.report(wave);
     }
-    // More points than the transducers can make alike: no weaker for having tried, but for the sake of quiet ones.
+    // More points than the transducers can make alike: the result is no weaker than the start, unless for quiet points.
     if !even && rows.loud == rows.order.len() && wave.lowest(rows) < begun.lowest(rows) {
         core::mem::swap(wave, &mut begun);
     }
     even
 }
 
-/// What an equation is about: |P|, Re P or Im P.
-fn heard(rows: &Rows, wave: &Wave, equation: usize) -> f32 {
+/// The left side of an equation: |P|, Re P or Im P.
+fn value(rows: &Rows, wave: &Wave, equation: usize) -> f32 {
     let points = rows.order.len();
     match equation {
         k if k < rows.loud => wave.moduli[k],
@@ -91,7 +83,7 @@ fn heard(rows: &Rows, wave: &Wave, equation: usize) -> f32 {
 /// The factor of J J^T, damped, and the solution for a rise of the level.
 type Factor<'w> = (Cholesky<'w>, Buffer<'w, f32>);
 
-/// The linear system at a wave: the loud points' moduli, then the quiet ones' real and imaginary parts.
+/// The linear system at a wave: the targeted points' moduli, then the quiet ones' real and imaginary parts.
 struct Newton<'w> {
     dual: Dual<'w>,
     factor: Option<Factor<'w>>,
@@ -117,7 +109,7 @@ impl<'w> Newton<'w> {
 
     /// The weighted squares of what is missing from `level`, relative to it.
     fn cost(&self, rows: &Rows, wave: &Wave, level: f32) -> f64 {
-        let missing = |k: usize| heard(rows, wave, k) / level - if k < rows.loud { 1.0 } else { 0.0 };
+        let missing = |k: usize| value(rows, wave, k) / level - if k < rows.loud { 1.0 } else { 0.0 };
         (0..self.dual.size).map(|k| f64::from(missing(k) * missing(k) / self.ease[k])).sum()
     }
 
@@ -150,7 +142,7 @@ impl<'w> Newton<'w> {
         let middle = wave.level(rows);
         let mut dual = self.dual.work.floats.take(rise.len());
         for (k, dual) in dual.iter_mut().enumerate().take(self.dual.size) {
-            *dual = if k < rows.loud { middle } else { 0.0 } - heard(rows, wave, k);
+            *dual = if k < rows.loud { middle } else { 0.0 } - value(rows, wave, k);
         }
         cholesky.solve(&mut dual);
         let sum = |values: &[f32]| values[..rows.loud].iter().map(|&x| f64::from(x)).sum::<f64>();

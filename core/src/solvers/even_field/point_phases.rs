@@ -49,12 +49,11 @@ impl<'w> Starts<'w> {
         let weakest = sqrtf(powers.iter().copied().fold(f32::INFINITY, f32::min));
         let mut weights = work.floats.take(rows.loud);
         weights.iter_mut().zip(&powers).for_each(|(weight, power)| *weight = weakest / power);
-        let starts = if problem.start_drive().is_some() || problem.start_phases().is_some() {
+        let starts = if problem.has_start() {
             Self::given(problem, rows, weights, work)
         } else {
             // From the strongest point on: an order that does not hang on how the scene is told.
-            let mut visits = work.indices.take(rows.loud);
-            visits.iter_mut().zip(0..).for_each(|(visit, k)| *visit = k);
+            let mut visits = work.counting(rows.loud);
             visits.sort_unstable_by(|&a, &b| powers[b as usize].total_cmp(&powers[a as usize]));
             let starts = if plan.starts == 1 {
                 Self::alone(rows, weights, &powers, &visits, work)
