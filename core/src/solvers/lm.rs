@@ -2,7 +2,7 @@
 //!
 //! Unknown are the phases phi_i of the transducers, |q_i| = 1, and theta_j of the points; the residuals are
 //! r_j = sqrt(w_j) (P_j - t_j e^{j theta_j}), complex. A step solves (J^T J + mu I) d = -J^T r in the dual
-//! ([`crate::solvers::common::gauss_newton`]) of 2M real equations, and turns the phasors: each phase by atan(d), no sine or cosine needed.
+//! ([`crate::solvers::common::gauss_newton`]) of 2M real equations, and rotates the phasors: each phase by atan(d), no sine or cosine needed.
 
 use core::f64::consts::TAU;
 
@@ -200,8 +200,8 @@ struct Normal<'w> {
     pulls: Buffer<'w, f32>,
     gradient: Buffer<'w, f32>,
     point_gradient: Buffer<'w, f32>,
-    /// J^T y of a step: the turns are its negative.
-    turns: Buffer<'w, f32>,
+    /// J^T y of a step: the rotations are its negative.
+    rotations: Buffer<'w, f32>,
     /// Largest |gradient|.
     steepest: f64,
 }
@@ -223,7 +223,7 @@ impl<'w> Normal<'w> {
             pulls,
             gradient: work.floats.take_any(rows.lanes),
             point_gradient: work.floats.take(count),
-            turns: work.floats.take_any(rows.lanes),
+            rotations: work.floats.take_any(rows.lanes),
             steepest: 0.0,
         }
     }
@@ -252,15 +252,15 @@ impl<'w> Normal<'w> {
         let mut dual = self.dual.work.floats.take_any(self.dual.lanes());
         dual.copy_from_slice(&state.residual);
         cholesky.solve(&mut dual);
-        self.dual.back(&dual, &mut self.turns);
+        self.dual.back(&dual, &mut self.rotations);
         let (mut square, mut predicted) = (0.0, 0.0);
         let mut took = |d: f32, slope: f32| {
             let (d, slope) = (f64::from(d), f64::from(slope));
             square += d * d;
             predicted += 0.5 * d * (damping * d - slope);
         };
-        self.turns.iter().zip(&self.gradient).for_each(|(&turn, &slope)| took(-turn, slope));
-        trial.wave.turn(rows, &state.wave, &self.turns, -1.0);
+        self.rotations.iter().zip(&self.gradient).for_each(|(&rotation, &slope)| took(-rotation, slope));
+        trial.wave.rotate(rows, &state.wave, &self.rotations, -1.0);
         for j in 0..count {
             let (re, im) = (state.phasors[0][j], state.phasors[1][j]);
             let d = self.pulls[j] * (re * dual[count + j] - im * dual[j]);

@@ -19,7 +19,7 @@ pub(crate) struct Rows<'w> {
     /// The problem's point of each row.
     pub(crate) order: Buffer<'w, u32>,
     /// Rows of points with a target, where these come first.
-    pub(crate) loud: usize,
+    pub(crate) targeted: usize,
     /// Rows of G: the points, and zeros.
     pub(crate) count: usize,
     /// Length of a vector over the transducers.
@@ -42,10 +42,10 @@ impl<'w> Rows<'w> {
     /// ones come last, as they are.
     pub(crate) fn alike(problem: &Problem, work: &'w Workspace) -> Self {
         let targets = problem.targets();
-        let heard = |j: &u32| targets[*j as usize] > 0.0;
+        let targeted = |j: &u32| targets[*j as usize] > 0.0;
         let all = 0..problem.propagation().points() as u32;
-        let mut rows = Self::ordered(problem, all.clone().filter(heard).chain(all.filter(|j| !heard(j))), work);
-        for k in 0..rows.loud {
+        let mut rows = Self::ordered(problem, all.clone().filter(targeted).chain(all.filter(|j| !targeted(j))), work);
+        for k in 0..rows.targeted {
             let own = targets[rows.order[k] as usize];
             if own < rows.target {
                 rows.rescale(k, (rows.target / own).min(MOST_RAISED));
@@ -65,9 +65,9 @@ impl<'w> Rows<'w> {
         let mut planes = [(); 2].map(|()| Aligned::take(tiles::size(count, lanes), work));
         let [re, im] = &mut planes;
         tiles::pack(propagation.instruction_set(), propagation.rows(), 0..propagation.transducers(), &order, [re, im]);
-        let loud = targets.iter().filter(|&&target| target > 0.0).count();
+        let targeted = targets.iter().filter(|&&target| target > 0.0).count();
         let target = targets.iter().copied().fold(0.0, f32::max);
-        Self { order, loud, count, lanes, scale, target, set: propagation.instruction_set(), planes }
+        Self { order, targeted, count, lanes, scale, target, set: propagation.instruction_set(), planes }
     }
 
     /// Multiplies row `k` by `factor`.
@@ -131,10 +131,10 @@ impl<'w> Wave<'w> {
         }
     }
 
-    /// Turns each q of the wave `from` by the phase atan(`factor` `turns`) at |q| = 1, 0 staying 0, and P = G q.
-    pub(crate) fn turn(&mut self, rows: &Rows, from: &Wave<'_>, turns: &[f32], factor: f32) {
+    /// Rotates each q of the wave `from` by the phase atan(`factor` `rotations`) at |q| = 1, 0 staying 0, and P = G q.
+    pub(crate) fn rotate(&mut self, rows: &Rows, from: &Wave<'_>, rotations: &[f32], factor: f32) {
         let [re, im] = &from.drive;
-        self.set(|wave| tiles::turn(rows.set, rows.tiles(), [re, im], turns, factor, wave));
+        self.set(|wave| tiles::turn(rows.set, rows.tiles(), [re, im], rotations, factor, wave));
     }
 
     pub(crate) fn copy(&mut self, other: &Wave<'_>) {

@@ -12,7 +12,7 @@ const COINCIDENT: f64 = 1e-5;
 ///
 /// One tile in the middle tells most points apart; only rows that look parallel there are compared as a whole.
 pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &Workspace) {
-    let points = rows.loud;
+    let points = rows.targeted;
     let middle = rows.lanes / LANES / 2;
     let mut matrix = [(); 2].map(|()| work.floats.take(points * points));
     let [re, im] = &mut matrix;

@@ -23,7 +23,7 @@ const DAMPING: f32 = 1e-6;
 const SLOW: f64 = 0.01;
 
 /// The largest change of a phase in rad: beyond it |P| is no longer near its tangent.
-const MOST_TURN: f32 = 1.0;
+const MOST_ROTATION: f32 = 1.0;
 
 /// The least weight told apart from 0.
 const LEAST_WEIGHT: f32 = 1e-6;
@@ -64,7 +64,7 @@ pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, level: Option<f32>, wave: &m
         run.report(wave);
     }
     // More points than the transducers can make alike: the result is no weaker than the start, unless for quiet points.
-    if !even && rows.loud == rows.order.len() && wave.lowest(rows) < begun.lowest(rows) {
+    if !even && rows.targeted == rows.order.len() && wave.lowest(rows) < begun.lowest(rows) {
         core::mem::swap(wave, &mut begun);
     }
     even
@@ -74,9 +74,9 @@ pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, level: Option<f32>, wave: &m
 fn value(rows: &Rows, wave: &Wave, equation: usize) -> f32 {
     let points = rows.order.len();
     match equation {
-        k if k < rows.loud => wave.moduli[k],
+        k if k < rows.targeted => wave.moduli[k],
         k if k < points => wave.field[0][k],
-        k => wave.field[1][k - points + rows.loud],
+        k => wave.field[1][k - points + rows.targeted],
     }
 }
 
@@ -89,38 +89,38 @@ struct Newton<'w> {
     factor: Option<Factor<'w>>,
     /// 1 / weight of each equation.
     ease: Buffer<'w, f32>,
-    turns: Buffer<'w, f32>,
+    rotations: Buffer<'w, f32>,
 }
 
 impl<'w> Newton<'w> {
     fn new(problem: &Problem, rows: &Rows, work: &'w Workspace) -> Self {
-        let (loud, all) = (rows.loud, rows.order.len());
-        let mut dual = Dual::new(rows, 2 * all - loud, work);
+        let (targeted, all) = (rows.targeted, rows.order.len());
+        let mut dual = Dual::new(rows, 2 * all - targeted, work);
         let [f, g] = &mut dual.factors;
-        g[loud..all].fill(-1.0);
+        g[targeted..all].fill(-1.0);
         f[all..].fill(1.0);
         let mut ease = work.floats.take(dual.size);
-        let points = rows.order.iter().chain(&rows.order[loud..]);
+        let points = rows.order.iter().chain(&rows.order[targeted..]);
         for (ease, &j) in ease.iter_mut().zip(points) {
             *ease = 1.0 / problem.weights()[j as usize].max(LEAST_WEIGHT);
         }
-        Self { dual, factor: None, ease, turns: work.floats.take_any(rows.lanes) }
+        Self { dual, factor: None, ease, rotations: work.floats.take_any(rows.lanes) }
     }
 
     /// The weighted squares of what is missing from `level`, relative to it.
     fn cost(&self, rows: &Rows, wave: &Wave, level: f32) -> f64 {
-        let missing = |k: usize| value(rows, wave, k) / level - if k < rows.loud { 1.0 } else { 0.0 };
+        let missing = |k: usize| value(rows, wave, k) / level - if k < rows.targeted { 1.0 } else { 0.0 };
         (0..self.dual.size).map(|k| f64::from(missing(k) * missing(k) / self.ease[k])).sum()
     }
 
     fn update(&mut self, rows: &Rows, wave: &Wave) {
-        let (loud, points) = (rows.loud, rows.order.len());
+        let (targeted, points) = (rows.targeted, rows.order.len());
         let [f, g] = &mut self.dual.factors;
         // d|P| = Re(conj(P) dP)/|P| with dP = j G q d.
-        for k in 0..loud {
+        for k in 0..targeted {
             (f[k], g[k]) = (wave.field[1][k] / wave.moduli[k], -wave.field[0][k] / wave.moduli[k]);
         }
-        self.dual.derive(rows, wave, (0..points).chain(loud..points));
+        self.dual.derive(rows, wave, (0..points).chain(targeted..points));
     }
 
     /// The factor of the damped matrix and the solution for a rise of the level; `None` if f32 cannot factor it.
@@ -129,7 +129,7 @@ impl<'w> Newton<'w> {
         let mean = (0..size).map(|k| self.dual.matrix[k * lanes + k]).sum::<f32>() / size as f32;
         let cholesky = self.dual.factor(|k| damping * mean * self.ease[k])?;
         let mut rise = self.dual.work.floats.take(lanes);
-        rise[..rows.loud].fill(1.0);
+        rise[..rows.targeted].fill(1.0);
         cholesky.solve(&mut rise);
         Some((cholesky, rise))
     }
@@ -142,19 +142,19 @@ impl<'w> Newton<'w> {
         let middle = wave.level(rows);
         let mut dual = self.dual.work.floats.take(rise.len());
         for (k, dual) in dual.iter_mut().enumerate().take(self.dual.size) {
-            *dual = if k < rows.loud { middle } else { 0.0 } - value(rows, wave, k);
+            *dual = if k < rows.targeted { middle } else { 0.0 } - value(rows, wave, k);
         }
         cholesky.solve(&mut dual);
-        let sum = |values: &[f32]| values[..rows.loud].iter().map(|&x| f64::from(x)).sum::<f64>();
+        let sum = |values: &[f32]| values[..rows.targeted].iter().map(|&x| f64::from(x)).sum::<f64>();
         let shift = level.map_or_else(|| (-sum(&dual) / sum(&rise)) as f32, |level| level - middle);
         dual.iter_mut().zip(&rise).for_each(|(dual, rise)| *dual += shift * rise);
-        let most = self.dual.back(&dual, &mut self.turns);
+        let most = self.dual.back(&dual, &mut self.rotations);
         self.factor = Some((cholesky, rise));
-        let factor = if most > MOST_TURN { MOST_TURN / most } else { 1.0 };
+        let factor = if most > MOST_ROTATION { MOST_ROTATION / most } else { 1.0 };
         if !most.is_finite() {
             return false;
         }
-        trial.turn(rows, wave, &self.turns, factor);
+        trial.rotate(rows, wave, &self.rotations, factor);
         true
     }
 }

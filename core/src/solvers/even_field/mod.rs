@@ -37,12 +37,12 @@ pub(crate) struct Plan {
 impl Wave<'_> {
     /// |P| of the weakest targeted point.
     fn lowest(&self, rows: &Rows) -> f32 {
-        self.moduli[..rows.loud].iter().copied().fold(f32::INFINITY, f32::min)
+        self.moduli[..rows.targeted].iter().copied().fold(f32::INFINITY, f32::min)
     }
 
     /// The mean |P| of the targeted points.
     fn level(&self, rows: &Rows) -> f32 {
-        self.moduli[..rows.loud].iter().sum::<f32>() / rows.loud as f32
+        self.moduli[..rows.targeted].iter().sum::<f32>() / rows.targeted as f32
     }
 
     /// The largest deviation from `level`, the quiet points' from silence, relative to it.
@@ -50,8 +50,8 @@ impl Wave<'_> {
         if level == 0.0 {
             return f32::INFINITY;
         }
-        let (loud, quiet) = self.moduli.split_at(rows.loud);
-        let deviations = loud.iter().map(|x| (x / level - 1.0).abs()).chain(quiet.iter().map(|x| x / level));
+        let (targeted, quiet) = self.moduli.split_at(rows.targeted);
+        let deviations = targeted.iter().map(|x| (x / level - 1.0).abs()).chain(quiet.iter().map(|x| x / level));
         deviations.fold(0.0, f32::max)
     }
 }
@@ -111,7 +111,7 @@ pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &Workspace, control: &
     }
     let wanted = problem.aim() == Aim::Target;
     // With many points the target may lie above the level where free steps end, and still be in reach.
-    if wanted && !run.stopped && reached.1 < rows.target && 4 * rows.loud >= problem.propagation().transducers() {
+    if wanted && !run.stopped && reached.1 < rows.target && 4 * rows.targeted >= problem.propagation().transducers() {
         wave.copy(&best);
         if common_level::polish(&mut run, Some(rows.target), &mut wave) {
             reached.0 = true;
@@ -125,7 +125,7 @@ pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &Workspace, control: &
         refine(problem, &mut drive, work);
         best.play_at_full(rows, drive.iter().copied());
     }
-    let loudest = best.moduli[..rows.loud].iter().copied().fold(0.0, f32::max);
+    let loudest = best.moduli[..rows.targeted].iter().copied().fold(0.0, f32::max);
     let factor = if wanted && loudest > rows.target { f64::from(rows.target / loudest) } else { 1.0 };
     let (amplitude, scale) = quantization.map_or((factor, 1.0), |quantization| quantization.lowered(factor));
     for q in &mut drive {

@@ -40,20 +40,20 @@ pub(super) struct Starts<'w> {
 impl<'w> Starts<'w> {
     /// The problem's own start, else the best that a search finds.
     pub(super) fn new(problem: &Problem, rows: &mut Rows, plan: &Plan, work: &'w Workspace) -> Self {
-        let mut powers = work.floats.take(rows.loud);
+        let mut powers = work.floats.take(rows.targeted);
         products::powers(rows.set, rows.tiles(), &mut powers);
         merge(rows, &mut powers, work);
         for power in &mut powers {
             *power = power.max(f32::MIN_POSITIVE);
         }
         let weakest = sqrtf(powers.iter().copied().fold(f32::INFINITY, f32::min));
-        let mut weights = work.floats.take(rows.loud);
+        let mut weights = work.floats.take(rows.targeted);
         weights.iter_mut().zip(&powers).for_each(|(weight, power)| *weight = weakest / power);
         let starts = if problem.has_start() {
             Self::given(problem, rows, weights, work)
         } else {
             // From the strongest point on: an order that does not hang on how the scene is told.
-            let mut visits = work.counting(rows.loud);
+            let mut visits = work.counting(rows.targeted);
             visits.sort_unstable_by(|&a, &b| powers[b as usize].total_cmp(&powers[a as usize]));
             let starts = if plan.starts == 1 {
                 Self::alone(rows, weights, &powers, &visits, work)
@@ -68,7 +68,7 @@ impl<'w> Starts<'w> {
 
     fn given(problem: &Problem, rows: &Rows, weights: Buffer<'w, f32>, work: &'w Workspace) -> Self {
         let phasors = start_phasors(problem, work);
-        let mut own = [(); 2].map(|()| work.floats.take(rows.loud));
+        let mut own = [(); 2].map(|()| work.floats.take(rows.targeted));
         for (own, phasors) in own.iter_mut().zip([&phasors.re, &phasors.im]) {
             own.iter_mut().zip(&rows.order).for_each(|(own, &j)| *own = phasors[j as usize]);
         }
@@ -77,7 +77,7 @@ impl<'w> Starts<'w> {
 
     /// One point added after another, on G itself: with one start that takes less time than the matrix.
     fn alone(rows: &Rows, weights: Buffer<'w, f32>, powers: &[f32], visits: &[u32], work: &'w Workspace) -> Self {
-        let mut phasors = [(); 2].map(|()| work.floats.take(rows.loud));
+        let mut phasors = [(); 2].map(|()| work.floats.take(rows.targeted));
         let mut wave = [(); 2].map(|()| work.floats.take(rows.lanes));
         let [re, im] = &mut phasors;
         let [wave_re, wave_im] = &mut wave;
@@ -94,7 +94,7 @@ impl<'w> Starts<'w> {
     }
 }
 
-/// G G^H of the loud rows, each divided by its norm.
+/// G G^H of the targeted rows, each divided by its norm.
 struct Couplings<'w> {
     set: InstructionSet,
     points: usize,
@@ -105,7 +105,7 @@ struct Couplings<'w> {
 
 impl<'w> Couplings<'w> {
     fn new(rows: &Rows, powers: &[f32], work: &'w Workspace) -> Self {
-        let points = rows.loud;
+        let points = rows.targeted;
         let mut matrix = [(); 2].map(|()| work.floats.take(points * points));
         let mut norms = work.floats.take(points);
         norms.iter_mut().zip(powers).for_each(|(norm, &power)| *norm = sqrtf(power));

@@ -15,13 +15,13 @@ const MOST_CHANGE: f32 = 2.0;
 
 /// Sweeps from a start; leaves in `wave` the iterate whose weakest point is strongest.
 pub(super) fn raise<'w>(run: &mut Run<'_, '_, 'w>, starts: &Starts, start: usize, wave: &mut Wave<'w>) {
-    let (rows, work, loud) = (run.rows, run.work, run.rows.loud);
-    let mut weights = work.floats.take(loud);
+    let (rows, work, targeted) = (run.rows, run.work, run.rows.targeted);
+    let mut weights = work.floats.take(targeted);
     weights.copy_from_slice(&starts.weights);
     let strongest = weights.iter().copied().fold(0.0, f32::max);
     let mut phasors = [0, 1].map(|plane| {
-        let mut own = work.floats.take(loud);
-        own.copy_from_slice(&starts.phasors[plane][start * loud..(start + 1) * loud]);
+        let mut own = work.floats.take(targeted);
+        own.copy_from_slice(&starts.phasors[plane][start * targeted..(start + 1) * targeted]);
         own
     });
     let mut projector = Projector::new(rows, work);
@@ -40,7 +40,7 @@ pub(super) fn raise<'w>(run: &mut Run<'_, '_, 'w>, starts: &Starts, start: usize
         projector.project(rows, &mut trial);
         let level = trial.level(rows);
         let mut largest = 0.0_f32;
-        for k in 0..loud {
+        for k in 0..targeted {
             let modulus = trial.moduli[k];
             let mut change = MOST_CHANGE;
             if modulus > 0.0 {

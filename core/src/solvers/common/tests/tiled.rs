@@ -64,7 +64,7 @@ fn a_wave_is_a_drive_and_its_field() {
         let exact = Exact::new(&problem);
         assert!(exact.miss(&rows, &wave) < 1e-4, "{points}: as it is");
         let mut other = Wave::new(&rows, &work);
-        other.turn(&rows, &wave, &alloc::vec![0.5; rows.lanes], -0.2);
+        other.rotate(&rows, &wave, &alloc::vec![0.5; rows.lanes], -0.2);
         assert!(exact.miss(&rows, &other) < 1e-4, "{points}: turned");
         for (q, before) in exact.drive(&other).into_iter().zip(exact.drive(&wave)) {
             let angle = (wide(q) / wide(before)).arg();
@@ -83,7 +83,7 @@ fn rows_made_alike_ask_for_one_modulus_and_end_with_the_quiet_ones() {
     let request = Request { pressures: Some(alloc::vec![2.0, 0.0, 4.0, 1.0, 0.0]), weights: None };
     let problem = Problem::with_propagation(propagation, Setup::default(), &request).expect("a problem");
     let rows = Rows::alike(&problem, &work);
-    assert_eq!((&rows.order[..], rows.loud), (&[0, 2, 3, 1, 4][..], 3));
+    assert_eq!((&rows.order[..], rows.targeted), (&[0, 2, 3, 1, 4][..], 3));
     assert_eq!(rows.scale[..], [2.0, 1.0, 4.0, 1.0, 1.0]);
     let mut wave = Wave::new(&rows, &work);
     wave.play(&rows, core::iter::repeat_n(Complex32::new(0.6, -0.8), 37));
