@@ -1,7 +1,7 @@
 //! Elementary functions with the same bits on every platform.
 //!
-//! A platform's own `sin` or `exp` may differ in the last bit from its neighbour's, and one such bit can
-//! turn a tie of the greedy search; so the pure-Rust `libm` is used with and without `std`. Square roots are
+//! A platform's own `sin` or `exp` may differ in the last bit from another's, and one such bit can
+//! decide a tie of the greedy search; so the pure-Rust `libm` is used with and without `std`. Square roots are
 //! exact by IEEE 754 and come from the hardware where `std` gives access to it.
 
 use num_complex::Complex32;

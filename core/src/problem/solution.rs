@@ -165,8 +165,8 @@ impl Solution {
         self.asked.metrics(self.pressures.iter().map(|&p| math::modulus(p)))
     }
 
-    /// Tells `control` of the last of `steps` steps, with the answer's own residual, for a solver whose steps (if it
-    /// has any) know only an estimate of it. A stop request now still counts as one. No steps, nothing to tell.
+    /// Reports the last of `steps` steps to `control`, with the answer's own residual, for a solver whose steps (if it
+    /// has any) know only an estimate of it. A stop request now still counts as one. No steps, nothing to report.
     pub fn tell(&mut self, problem: &Problem, steps: usize, control: &mut Control) {
         if self.status == Status::Stopped {
             control.correct(|| self.residual_for(problem));
@@ -223,9 +223,9 @@ impl Solution {
             return 0.0;
         }
         let angle = math::atan2(f64::from(q.im), f64::from(q.re));
-        let turned = if angle < 0.0 { angle + TAU } else { angle };
-        // A tiny negative angle rounds up to a whole turn.
-        if turned < TAU { turned.abs() } else { 0.0 }
+        let positive = if angle < 0.0 { angle + TAU } else { angle };
+        // A tiny negative angle rounds up to 2 pi.
+        if positive < TAU { positive.abs() } else { 0.0 }
     }
 }
 

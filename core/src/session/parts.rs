@@ -51,37 +51,23 @@ pub(super) fn parts<'a>(
 }
 
 /// Number of threads that parts are worked on by.
-#[cfg(feature = "parallel")]
 pub(super) fn threads() -> usize {
-    rayon::current_num_threads()
-}
-
-/// Number of threads that parts are worked on by.
-#[cfg(not(feature = "parallel"))]
-pub(super) fn threads() -> usize {
-    1
+    #[cfg(feature = "parallel")]
+    return rayon::current_num_threads();
+    #[cfg(not(feature = "parallel"))]
+    return 1;
 }
 
 type Run<'a, W> = &'a (dyn Fn(Part<'_>, &mut W) -> Result<(), Error> + Sync);
 
 /// Every part in the hands of a worker; the first error by index.
-#[cfg(feature = "parallel")]
 pub(super) fn each<W: Send>(parts: Vec<Part<'_>>, workers: &mut [W], run: Run<'_, W>) -> Result<(), Error> {
-    use rayon::prelude::*;
     // For one part no other thread need wake up.
-    if parts.len() == 1 {
-        return in_turn(parts, workers, run);
+    #[cfg(feature = "parallel")]
+    if parts.len() > 1 {
+        use rayon::prelude::*;
+        let pairs = parts.into_par_iter().zip(workers.par_iter_mut());
+        return pairs.map(|(part, worker)| run(part, worker)).collect::<Vec<_>>().into_iter().collect();
     }
-    let pairs = parts.into_par_iter().zip(workers.par_iter_mut());
-    pairs.map(|(part, worker)| run(part, worker)).collect::<Vec<_>>().into_iter().collect()
-}
-
-/// Every part in the hands of a worker; the first error by index.
-#[cfg(not(feature = "parallel"))]
-pub(super) fn each<W>(parts: Vec<Part<'_>>, workers: &mut [W], run: Run<'_, W>) -> Result<(), Error> {
-    in_turn(parts, workers, run)
-}
-
-fn in_turn<W>(parts: Vec<Part<'_>>, workers: &mut [W], run: Run<'_, W>) -> Result<(), Error> {
     parts.into_iter().zip(workers).try_for_each(|(part, worker)| run(part, worker))
 }

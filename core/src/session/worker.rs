@@ -108,7 +108,7 @@ impl Worker {
         let mut done = 0;
         while done < part.len() {
             let end = part.len().min(done + LANES);
-            self.some(&mut part, done..end, task, requests)
+            self.solve_range(&mut part, done..end, task, requests)
                 .map_err(|(index, error)| Error::InBatch { index: first + index, error: Box::new(error) })?;
             done = end;
         }
@@ -116,7 +116,7 @@ impl Worker {
     }
 
     /// Reads and solves problems `range` of a part; the error has the number of the problem in the part.
-    fn some(
+    fn solve_range(
         &mut self,
         part: &mut Part<'_>,
         range: Range<usize>,

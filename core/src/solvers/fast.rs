@@ -12,7 +12,7 @@
 //! (majorise-minimise, Hunter and Lange, Am. Statistician 58(1), 2004). While P_j = 0 its phase is taken as 0. One
 //! sum over the points replaces L candidates. A transducer moves P by one part in N, so a block of them may share
 //! the same d: it is the sums of a block that fill a register. A further sweep takes each transducer anew, with a
-//! part `OWN` of its own wave left in P so that the members of a block do not all turn at once.
+//! part `OWN` of its own wave left in P so that the members of a block do not all rotate at once.
 
 use alloc::vec::Vec;
 
@@ -31,7 +31,7 @@ use crate::solvers::common::interleaved::InterleavedBatch;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::{Aligned, Workspace};
 
-/// How much of its old wave a transducer keeps out of d in a further sweep: 0.3 to 0.5 settle fastest in trials.
+/// The part of its old wave that a transducer keeps out of d in a further sweep: 0.3 to 0.5 converge fastest in trials.
 const OWN: f32 = 0.4;
 
 crate::options! {
@@ -88,7 +88,7 @@ impl Solve for Fast {
                 own: if sweep == 0 { 0.0 } else { OWN },
                 memory: &mut memory,
             };
-            let turn = |[re, im]: [&[f32]; 2]| {
+            let report = |[re, im]: [&[f32]; 2]| {
                 step += 1;
                 let moduli = re.iter().zip(im).map(|(&re, &im)| modulus(Complex32::new(re, im)));
                 control.step(step, steps, || problem.residual_of(moduli.clone())).is_continue()
@@ -100,7 +100,7 @@ impl Solve for Fast {
                 stride(count, self.seed),
                 &mut drive,
                 pressures,
-                turn,
+                report,
             ) {
                 status = Status::Stopped;
                 break;
@@ -132,8 +132,8 @@ impl Solve for Fast {
     }
 }
 
-/// All of 0..count in strides near the golden section, from a place that the seed draws: neighbours in turn are far
-/// apart on the board, which does what a shuffle does and costs nothing.
+/// All of 0..count in strides near the golden section, from an index that the seed draws: successive transducers are far
+/// apart on the board, as after a shuffle, at no cost.
 fn stride(count: usize, seed: u64) -> impl Iterator<Item = usize> {
     let golden = (count as f64 * 0.618_033_988_749_895) as usize;
     let step = (golden.max(1)..=golden.max(1) + count).find(|&step| coprime(step, count)).unwrap_or(1) % count;

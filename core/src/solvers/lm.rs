@@ -167,8 +167,8 @@ impl<'w> State<'w> {
                 *q = if own == Complex32::ZERO { Complex32::ONE } else { own };
             }
             for (j, &modulus) in start.moduli.iter().enumerate().take(rows.order.len()) {
-                let heard = [start.field[0][j], start.field[1][j]].map(|part| part / modulus);
-                [state.phasors[0][j], state.phasors[1][j]] = if modulus > 0.0 { heard } else { [1.0, 0.0] };
+                let own = [start.field[0][j], start.field[1][j]].map(|part| part / modulus);
+                [state.phasors[0][j], state.phasors[1][j]] = if modulus > 0.0 { own } else { [1.0, 0.0] };
             }
         }
         let reached = |i: usize, q: Complex32| if rows.tiles().reaches(i) { q } else { Complex32::ZERO };
@@ -244,7 +244,7 @@ impl<'w> Normal<'w> {
         }
     }
 
-    /// Turns a state's phasors by a step of the given damping into `trial`; the step's norm and the decrease that the
+    /// Rotates a state's phasors by a step of the given damping into `trial`; the step's norm and the decrease that the
     /// linear model predicts. `None` if f32 cannot factor the matrix.
     fn step(&mut self, rows: &Rows, state: &State, damping: f64, trial: &mut State) -> Option<(f64, f64)> {
         let count = rows.order.len();

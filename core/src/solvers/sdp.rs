@@ -190,7 +190,7 @@ fn replace(matrix: &mut Planar, chosen: usize, image: &Planar, scale: f32, count
     change
 }
 
-/// trace(Q X) relative to trace(Q): what the descent lowers, told as its residual.
+/// trace(Q X) relative to trace(Q): what the descent lowers, reported as its residual.
 fn relaxation(set: InstructionSet, relaxed: &Planar, quality: &Planar, count: usize) -> f64 {
     let (mut sum, mut trace) = (0.0, 0.0);
     for k in 0..count {

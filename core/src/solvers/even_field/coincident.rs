@@ -8,7 +8,7 @@ use crate::workspace::Workspace;
 /// Points coincide whose rows are parallel to this part: they are about lambda/1000 apart.
 const COINCIDENT: f64 = 1e-5;
 
-/// Gives points in the same place the mean of their targets. `powers` are those of the rows.
+/// Gives coincident points the mean of their targets. `powers` are those of the rows.
 ///
 /// One tile in the middle tells most points apart; only rows that look parallel there are compared as a whole.
 pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &Workspace) {
@@ -19,7 +19,7 @@ pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &Workspace) {
     products::couplings(rows.set, rows.tiles(), middle..middle + 1, points, [&mut *re, &mut *im]);
     let entry = |k: usize, l: usize| [&*re, &*im].map(|plane| f64::from(plane[k * points + l]));
     let own = |k: usize| entry(k, k)[0].max(f64::from(f32::MIN_POSITIVE));
-    // However much of a row the tile hears: what is not parallel of the row is no more than this part of that.
+    // Of what the tile holds of a row, the part that is not parallel is at most this, given the part of the whole row.
     let slack = |k: usize| 4.0 * COINCIDENT * (f64::from(powers[k]) / own(k)).max(1.0);
     let mut homes = work.counting(points);
     let mut apart = true;

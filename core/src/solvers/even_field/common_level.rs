@@ -25,7 +25,7 @@ const SLOW: f64 = 0.01;
 /// The largest change of a phase in rad: beyond it |P| is no longer near its tangent.
 const MOST_ROTATION: f32 = 1.0;
 
-/// The least weight told apart from 0.
+/// The least weight that differs from 0.
 const LEAST_WEIGHT: f32 = 1e-6;
 
 /// Makes `wave` even at `level`, or at the level nearest by; whether it is, to the plan's tolerance.

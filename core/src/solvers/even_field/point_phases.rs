@@ -52,7 +52,7 @@ impl<'w> Starts<'w> {
         let starts = if problem.has_start() {
             Self::given(problem, rows, weights, work)
         } else {
-            // From the strongest point on: an order that does not hang on how the scene is told.
+            // From the strongest point on: an order that does not depend on the order of the scene's points.
             let mut visits = work.counting(rows.targeted);
             visits.sort_unstable_by(|&a, &b| powers[b as usize].total_cmp(&powers[a as usize]));
             let starts = if plan.starts == 1 {
