@@ -98,6 +98,12 @@ pub(crate) fn one_line(text: &str) -> String {
     words.collect::<Vec<_>>().join(" ")
 }
 
+/// The entry of a list that has this name.
+pub(crate) fn find<'a, T>(kind: &str, name: &str, list: &'a [T], of: impl Fn(&T) -> &str) -> Result<&'a T, Error> {
+    let found = list.iter().find(|entry| of(entry) == name);
+    found.ok_or_else(|| Error::unknown(kind, name, list.iter().map(of)))
+}
+
 /// Refuses a list of `found` entries where `count` are needed, one for each of `owners`.
 pub(crate) fn one_each(item: &str, found: usize, entries: &str, count: usize, owners: &str) -> Result<(), Error> {
     if found == count {

@@ -83,9 +83,14 @@ impl Problem {
 
     /// A problem of which nothing is asked yet.
     pub(crate) fn unasked(propagation: Propagation, setup: Arc<Setup>) -> Self {
+        Self::of(Arc::new(Targets::new(propagation, setup)))
+    }
+
+    /// A problem of which only this is known.
+    fn of(targets: Arc<Targets>) -> Self {
         Self {
             selected: None,
-            targets: Arc::new(Targets::new(propagation, setup)),
+            targets,
             start: None,
             aim: None,
             scaled: Vec::new(),
@@ -144,12 +149,10 @@ impl Problem {
         self.targets.scaled(factor, &mut scaled);
         Self {
             selected: self.selected.clone(),
-            targets: Arc::clone(&self.targets),
             start: self.start.clone(),
             aim: self.aim,
             scaled,
-            reach: Vec::new(),
-            sums: Vec::new(),
+            ..Self::of(Arc::clone(&self.targets))
         }
     }
 

@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 
 use crate::device::quantization::Quantization;
+use crate::error;
 use crate::error::Error;
 use crate::scene::array::lattice;
 use crate::scene::transducer::{Directivity, Transducer};
@@ -79,10 +80,7 @@ pub const PRESETS: [Preset; 3] = [
 /// # Errors
 /// An unknown name; the error lists the known ones.
 pub fn find(name: &str) -> Result<&'static Preset, Error> {
-    PRESETS
-        .iter()
-        .find(|preset| preset.name == name)
-        .ok_or_else(|| Error::unknown("preset", name, PRESETS.iter().map(|preset| preset.name)))
+    error::find("preset", name, &PRESETS, |preset| preset.name)
 }
 
 /// Boards x fastest, transducers row-major on each, the middle of all lattices at the origin.

@@ -3,7 +3,7 @@
 use alloc::format;
 use core::f64::consts::{FRAC_PI_2, PI};
 
-use crate::error::{Error, real};
+use crate::error::{Error, find, real};
 use crate::kernels::{LANES, Table};
 use crate::math;
 
@@ -59,9 +59,7 @@ impl Directivity {
     /// A name not listed, a parameter where none belongs, a radius or width that is not above 0, an exponent
     /// below 0.
     pub fn named(name: &str, parameter: Option<f64>) -> Result<Self, Error> {
-        let Some(known) = KNOWN.iter().find(|known| known.name().0 == name) else {
-            return Err(Error::unknown("directivity", name, KNOWN.iter().map(|known| known.name().0)));
-        };
+        let known = find("directivity", name, &KNOWN, |known| known.name().0)?;
         if let (None, Some(value)) = (known.name().1, parameter) {
             return Err(Error::invalid(format!("directivity.{name}"), value, "it takes no parameter"));
         }

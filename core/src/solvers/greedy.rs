@@ -21,7 +21,7 @@ use crate::linalg::Planar;
 use crate::math::modulus;
 use crate::problem::{Problem, Solution, Status};
 use crate::rng::Rng;
-use crate::scene::{OptionValue, Options, Value, word, words};
+use crate::scene::{OptionValue, Options, Value, words};
 use crate::solvers::common::interleaved::InterleavedBatch;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::{Buffer, Workspace};
@@ -77,9 +77,9 @@ impl OptionValue for Order {
             let order = list.iter().map(|&i| u32::try_from(i)).collect::<Result<_, _>>();
             return order.map(Self::Given).map_err(|_| not_a_permutation(value));
         }
-        word(item, value, &[("random", 0), ("rows", 1), ("columns", 2)])
-            .map(|k| [Self::Random, Self::Rows, Self::Columns][k].clone())
-            .map_err(|_| Error::invalid(item, value, "give \"random\", \"rows\", \"columns\" or a permutation of 0..N"))
+        let cure = "give \"random\", \"rows\", \"columns\" or a permutation of 0..N";
+        let known = [Self::Random, Self::Rows, Self::Columns].into_iter().find(|known| known.show() == *value);
+        known.ok_or_else(|| Error::invalid(item, value, cure))
     }
 
     fn show(&self) -> Value {

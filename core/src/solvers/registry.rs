@@ -6,6 +6,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::device::quantization::Quantization;
+use crate::error;
 use crate::error::Error;
 use crate::scene::{Choice, Options};
 use crate::solvers::best::Best;
@@ -114,10 +115,7 @@ fn make<M: Method>(options: &Options) -> Result<Configured, Error> {
 /// # Errors
 /// An unknown name; the error lists the known ones.
 pub fn find(name: &str) -> Result<&'static Entry, Error> {
-    SOLVERS
-        .iter()
-        .find(|entry| entry.info.name == name)
-        .ok_or_else(|| Error::unknown("solver", name, SOLVERS.iter().map(|entry| entry.info.name)))
+    error::find("solver", name, SOLVERS, |entry| entry.info.name)
 }
 
 /// The error for an argument that `name` does not use, listing the solvers that do.

@@ -62,19 +62,13 @@ pub(crate) fn solve_interleaved(
     work: &mut Workspace,
 ) -> Option<Vec<Solution>> {
     let factor = |problem: &Problem| factor(problem, solver, balance);
-    if problems.iter().all(|problem| factor(problem) <= 1.0) {
-        let mut solutions = solver.solve_interleaved(problems, work);
-        for solution in solutions.iter_mut().flatten() {
-            solution.quantize(1.0, work);
-        }
-        return solutions;
-    }
-    let balanced: Vec<Problem> = problems.iter().map(|problem| problem.rescaled(factor(problem), work)).collect();
-    let mut solutions = solver.solve_interleaved(&balanced, work);
+    let rescaled = || problems.iter().map(|problem| problem.rescaled(factor(problem), work)).collect();
+    let balanced: Option<Vec<Problem>> = problems.iter().any(|problem| factor(problem) > 1.0).then(rescaled);
+    let mut solutions = solver.solve_interleaved(balanced.as_deref().unwrap_or(problems), work);
     for (solution, problem) in solutions.iter_mut().flatten().zip(problems) {
         solution.quantize(factor(problem), work);
     }
-    balanced.into_iter().for_each(|problem| problem.recycle(work));
+    balanced.into_iter().flatten().for_each(|problem| problem.recycle(work));
     solutions
 }
 

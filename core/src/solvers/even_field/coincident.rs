@@ -19,7 +19,7 @@ pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &Workspace) {
     products::couplings(rows.set, rows.tiles(), middle..middle + 1, points, [&mut *re, &mut *im]);
     let entry = |k: usize, l: usize| [&*re, &*im].map(|plane| f64::from(plane[k * points + l]));
     let own = |k: usize| entry(k, k)[0].max(f64::from(f32::MIN_POSITIVE));
-    // Of what the tile holds of a row, the part that is not parallel is at most this, given the part of the whole row.
+    // Rows that are parallel as a whole differ in the tile by no more than this, relative to their power there.
     let slack = |k: usize| 4.0 * COINCIDENT * (f64::from(powers[k]) / own(k)).max(1.0);
     let mut homes = work.counting(points);
     let mut apart = true;
