@@ -1,7 +1,9 @@
 //! Errors: one line that names the item, its value and the cure.
 
 use alloc::boxed::Box;
+use alloc::format;
 use alloc::string::{String, ToString};
+use alloc::vec::Vec;
 use core::fmt::Display;
 
 /// A request that cannot be answered. The text of each is one line for a person.
@@ -85,27 +87,29 @@ impl Error {
         name: impl Into<String>,
         known: impl IntoIterator<Item = &'a str>,
     ) -> Self {
-        let mut list = String::new();
-        for name in known {
-            if !list.is_empty() {
-                list.push_str(", ");
-            }
-            list.push_str(name);
-        }
-        Self::Unknown { kind: kind.into(), name: one_line(&name.into()), known: list }
+        let known = known.into_iter().collect::<Vec<_>>().join(", ");
+        Self::Unknown { kind: kind.into(), name: one_line(&name.into()), known }
     }
 }
 
 /// Text on one line, whatever a user typed.
 pub(crate) fn one_line(text: &str) -> String {
-    let mut line = String::with_capacity(text.len());
-    for word in text.split(|c: char| c.is_whitespace() || c.is_control()).filter(|word| !word.is_empty()) {
-        if !line.is_empty() {
-            line.push(' ');
-        }
-        line.push_str(word);
+    let words = text.split(|c: char| c.is_whitespace() || c.is_control()).filter(|word| !word.is_empty());
+    words.collect::<Vec<_>>().join(" ")
+}
+
+/// The entry of a list that has this name.
+pub(crate) fn find<'a, T>(kind: &str, name: &str, list: &'a [T], of: impl Fn(&T) -> &str) -> Result<&'a T, Error> {
+    let found = list.iter().find(|entry| of(entry) == name);
+    found.ok_or_else(|| Error::unknown(kind, name, list.iter().map(of)))
+}
+
+/// Refuses a list of `found` entries where `count` are needed, one for each of `owners`.
+pub(crate) fn one_each(item: &str, found: usize, entries: &str, count: usize, owners: &str) -> Result<(), Error> {
+    if found == count {
+        return Ok(());
     }
-    line
+    Err(Error::invalid(item, format!("{found} {entries}"), format!("give one for each of the {count} {owners}")))
 }
 
 /// `value` if it is finite and at least `least` (or above it when `strict`), else an error naming `item`.
@@ -115,7 +119,7 @@ pub(crate) fn real(item: &str, value: f64, least: f64, strict: bool) -> Result<f
     }
     if value < least || (strict && value == least) {
         let bound = if strict { "above" } else { "of at least" };
-        return Err(Error::invalid(item, format_args!("{value:?}"), alloc::format!("give a number {bound} {least}")));
+        return Err(Error::invalid(item, format_args!("{value:?}"), format!("give a number {bound} {least}")));
     }
     Ok(value)
 }

@@ -70,7 +70,7 @@ pub use scene::{
 pub use session::{Ask, Batch, Session};
 pub use solvers::options::{Configure, OptionInfo};
 pub use solvers::{Solve, solve::solve};
-pub use workspace::{Pool, Workspace};
+pub use workspace::{Buffer, Pool, Workspace};
 
 /// What [`options!`] needs where it is used.
 #[doc(hidden)]

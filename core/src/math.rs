@@ -1,7 +1,7 @@
 //! Elementary functions with the same bits on every platform.
 //!
-//! A platform's own `sin` or `exp` may differ in the last bit from its neighbour's, and one such bit can
-//! turn a tie of the greedy search; so the pure-Rust `libm` is used with and without `std`. Square roots are
+//! A platform's own `sin` or `exp` may differ in the last bit from another's, and one such bit can
+//! decide a tie of the greedy search; so the pure-Rust `libm` is used with and without `std`. Square roots are
 //! exact by IEEE 754 and come from the hardware where `std` gives access to it.
 
 use num_complex::Complex32;
@@ -22,6 +22,12 @@ pub(crate) fn sqrt(x: f64) -> f64 {
 pub(crate) fn modulus(z: Complex32) -> f64 {
     let (re, im) = (f64::from(z.re), f64::from(z.im));
     sqrt(re * re + im * im)
+}
+
+/// z/|z| of z = re + j im; 1 where it is 0.
+pub(crate) fn unit(re: f32, im: f32) -> (f32, f32) {
+    let modulus = sqrtf(re * re + im * im);
+    if modulus > 0.0 { (re / modulus, im / modulus) } else { (1.0, 0.0) }
 }
 
 /// Square root in single precision, vectorised by the compiler where `std` is there.

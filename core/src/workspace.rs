@@ -1,6 +1,8 @@
 //! Workspace: the memory of solves, taken and given back.
 
 use alloc::vec::Vec;
+use core::cell::RefCell;
+use core::mem;
 use core::ops::{Deref, DerefMut};
 
 use num_complex::Complex32;
@@ -13,74 +15,121 @@ const LINE: usize = 16;
 /// Buffers of one kind that wait to be used again.
 #[derive(Debug, Default)]
 pub struct Pool<T> {
-    free: Vec<Vec<T>>,
+    free: RefCell<Vec<Vec<T>>>,
 }
 
 impl<T: Clone + Default> Pool<T> {
-    /// A buffer of `len` defaults: the smallest free one that holds them, else a new one.
-    pub fn take(&mut self, len: usize) -> Vec<T> {
-        let mut buffer = self.empty(len);
-        buffer.resize(len, T::default());
-        buffer
-    }
-
-    /// An empty buffer that holds `len` without allocating.
-    pub(crate) fn empty(&mut self, len: usize) -> Vec<T> {
-        let mut buffer = self.fitting(len);
-        buffer.clear();
-        buffer
+    /// A buffer of `len` defaults: the smallest free one that holds them, else a new one. It goes back when dropped.
+    pub fn take(&self, len: usize) -> Buffer<'_, T> {
+        let mut list = self.empty(len);
+        list.resize(len, T::default());
+        Buffer { list, pool: self }
     }
 
     /// The same for what is written as a whole before it is read: it may hold anything.
-    pub(crate) fn take_any(&mut self, len: usize) -> Vec<T> {
-        let mut buffer = self.fitting(len);
-        buffer.resize(len, T::default());
-        buffer
+    pub(crate) fn take_any(&self, len: usize) -> Buffer<'_, T> {
+        let mut list = self.fitting(len);
+        list.resize(len, T::default());
+        Buffer { list, pool: self }
     }
 
-    fn fitting(&mut self, len: usize) -> Vec<T> {
-        let fits = (0..self.free.len()).filter(|&k| self.free[k].capacity() >= len);
-        match fits.min_by_key(|&k| self.free[k].capacity()) {
-            Some(k) => self.free.swap_remove(k),
+    /// An empty list that holds `len` without allocating.
+    pub(crate) fn empty(&self, len: usize) -> Vec<T> {
+        let mut list = self.fitting(len);
+        list.clear();
+        list
+    }
+}
+
+impl<T> Pool<T> {
+    fn fitting(&self, len: usize) -> Vec<T> {
+        let mut free = self.free.borrow_mut();
+        let fits = (0..free.len()).filter(|&k| free[k].capacity() >= len);
+        match fits.min_by_key(|&k| free[k].capacity()) {
+            Some(k) => free.swap_remove(k),
             None => Vec::with_capacity(len),
         }
     }
 
-    /// Gives a buffer back.
-    pub fn give(&mut self, buffer: Vec<T>) {
-        if buffer.capacity() > 0 {
-            self.free.push(buffer);
+    /// Gives a list back that was taken out of its buffer.
+    pub fn give(&self, list: Vec<T>) {
+        if list.capacity() > 0 {
+            self.free.borrow_mut().push(list);
         }
     }
+}
 
-    /// Gives several back.
-    pub fn give_all(&mut self, buffers: impl IntoIterator<Item = Vec<T>>) {
-        buffers.into_iter().for_each(|buffer| self.give(buffer));
+/// A slice on loan from a [`Pool`], given back when dropped.
+#[derive(Debug)]
+pub struct Buffer<'w, T> {
+    list: Vec<T>,
+    pool: &'w Pool<T>,
+}
+
+impl<T> Buffer<'_, T> {
+    /// The list itself, to be kept: [`Pool::give`] gives it back.
+    #[must_use]
+    pub fn into_vec(mut self) -> Vec<T> {
+        mem::take(&mut self.list)
+    }
+}
+
+impl<T> Drop for Buffer<'_, T> {
+    fn drop(&mut self) {
+        self.pool.give(mem::take(&mut self.list));
+    }
+}
+
+impl<T> Deref for Buffer<'_, T> {
+    type Target = [T];
+
+    fn deref(&self) -> &[T] {
+        &self.list
+    }
+}
+
+impl<T> DerefMut for Buffer<'_, T> {
+    fn deref_mut(&mut self) -> &mut [T] {
+        &mut self.list
+    }
+}
+
+impl<'a, T> IntoIterator for &'a Buffer<'_, T> {
+    type Item = &'a T;
+    type IntoIter = core::slice::Iter<'a, T>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+impl<'a, T> IntoIterator for &'a mut Buffer<'_, T> {
+    type Item = &'a mut T;
+    type IntoIter = core::slice::IterMut<'a, T>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter_mut()
     }
 }
 
 /// Numbers that begin where a line of the cache does: of others, each group of lanes would lie across two.
 #[derive(Debug)]
-pub(crate) struct Aligned {
-    memory: Vec<f32>,
+pub(crate) struct Aligned<'w> {
+    memory: Buffer<'w, f32>,
     start: usize,
     len: usize,
 }
 
-impl Aligned {
+impl<'w> Aligned<'w> {
     /// `len` numbers that may be anything.
-    pub(crate) fn take(len: usize, work: &mut Workspace) -> Self {
+    pub(crate) fn take(len: usize, work: &'w Workspace) -> Self {
         let memory = work.floats.take_any(len + LINE);
         let start = memory.as_ptr().align_offset(LINE * size_of::<f32>()).min(LINE);
         Self { memory, start, len }
     }
-
-    pub(crate) fn give(self, work: &mut Workspace) {
-        work.floats.give(self.memory);
-    }
 }
 
-impl Deref for Aligned {
+impl Deref for Aligned<'_> {
     type Target = [f32];
 
     fn deref(&self) -> &[f32] {
@@ -88,14 +137,14 @@ impl Deref for Aligned {
     }
 }
 
-impl DerefMut for Aligned {
+impl DerefMut for Aligned<'_> {
     fn deref_mut(&mut self) -> &mut [f32] {
         &mut self.memory[self.start..self.start + self.len]
     }
 }
 
 /// The memory that solvers work in. The second solve of a size through one workspace allocates nothing, once
-/// the first one's solution was given back with [`Workspace::recycle`].
+/// the first one's solution was given back with [`crate::Solution::recycle`].
 #[derive(Debug, Default)]
 #[non_exhaustive]
 pub struct Workspace {
@@ -114,5 +163,12 @@ impl Workspace {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// 0, 1, 2 and so on.
+    pub(crate) fn counting(&self, len: usize) -> Buffer<'_, u32> {
+        let mut indices = self.indices.take(len);
+        indices.iter_mut().zip(0..).for_each(|(index, k)| *index = k);
+        indices
     }
 }

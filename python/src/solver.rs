@@ -1,5 +1,6 @@
 //! `midair.Solver`.
 
+use std::sync::{Mutex, MutexGuard};
 use std::time::Instant;
 
 use midair::solvers::{Info, unused};
@@ -31,19 +32,31 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// ...     answer = solver([[x, 0, 0.15], [-x, 0.01, 0.15]], out=drive)
 /// >>> answer.status
 /// 'done'
-#[pyclass(module = "midair")]
+#[pyclass(frozen, module = "midair")]
 pub(crate) struct Solver {
-    session: Session,
+    state: Mutex<State>,
     choice: midair::Choice,
     info: &'static Info,
     points: Option<usize>,
+}
+
+/// What a call changes.
+struct State {
+    session: Session,
     ask: Ask,
     elapsed: f64,
 }
 
 impl Solver {
-    fn last(&self) -> PyResult<&midair::Solution> {
-        self.session.solution().ok_or_else(|| {
+    fn state(&self) -> PyResult<MutexGuard<'_, State>> {
+        self.state
+            .try_lock()
+            .map_err(|_| invalid("solver", "at work in another thread", "give each thread a Solver of its own"))
+    }
+
+    /// What `read` takes of the last solution.
+    fn last<T>(&self, read: impl FnOnce(&midair::Solution) -> T) -> PyResult<T> {
+        self.state()?.session.solution().map(read).ok_or_else(|| {
             invalid("solution", "none yet", "call the solver with out= first; without out= the answer is returned")
         })
     }
@@ -104,7 +117,7 @@ impl Solver {
             return Err(invalid("points", &most.to_string(), &cure));
         }
         let ask = Ask { aim: choice.aim, ..Ask::default() };
-        Ok(Self { session, choice, info, points, ask, elapsed: 0.0 })
+        Ok(Self { state: Mutex::new(State { session, ask, elapsed: 0.0 }), choice, info, points })
     }
 
     /// Finds a drive for points (M, 3) in m, as `solve` would; a matrix has its own, and they are left out. Without out the
@@ -112,8 +125,7 @@ impl Solver {
     /// returned: its drive, pressures, metrics and status are those of the last call.
     #[pyo3(signature = (points=None, pressures=None, *, weights=None, start=None, out=None))]
     fn __call__<'py>(
-        mut slf: PyRefMut<'py, Self>,
-        py: Python<'py>,
+        slf: &Bound<'py, Self>,
         points: Argument<'_, 'py>,
         pressures: Argument<'_, 'py>,
         weights: Argument<'_, 'py>,
@@ -121,7 +133,9 @@ impl Solver {
         out: Argument<'_, 'py>,
     ) -> PyResult<Py<PyAny>> {
         let clock = Instant::now();
-        let Self { session, choice, info, points: most, ask, elapsed } = &mut *slf;
+        let (py, Self { choice, info, points: most, .. }) = (slf.py(), slf.get());
+        let mut state = slf.get().state()?;
+        let State { session, ask, elapsed } = &mut *state;
         if start.is_some() && !info.uses_start {
             return Err(refused(unused("start", info.name, |info| info.uses_start)));
         }
@@ -163,11 +177,11 @@ impl Solver {
         solved.map_err(refused)?;
         *elapsed = clock.elapsed().as_secs_f64();
         if let Some(mut out) = out {
-            let drive = &slf.last()?.drive;
+            let drive = session.solution().map(|solution| &solution.drive).into_iter().flatten();
             for (out, q) in out.as_array_mut().iter_mut().zip(drive) {
                 *out = *q;
             }
-            return Ok(slf.into_pyobject(py)?.into_any().unbind());
+            return Ok(slf.clone().into_any().unbind());
         }
         let inner = session.take().ok_or_else(|| invalid("solution", "none", "report this"))?;
         let solution = Solution::new(inner, choice.clone(), None, *elapsed);
@@ -177,43 +191,43 @@ impl Solver {
     /// Drives q (N,) of the last call with out, complex64.
     #[getter]
     fn drive<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<Complex32>>> {
-        Ok(self.last()?.drive.to_pyarray(py))
+        self.last(|solution| solution.drive.to_pyarray(py))
     }
 
     /// Complex pressures (M,) of the last call with out in Pa (peak), complex64.
     #[getter]
     fn pressures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<Complex32>>> {
-        Ok(self.last()?.pressures.to_pyarray(py))
+        self.last(|solution| solution.pressures.to_pyarray(py))
     }
 
     /// How good the last call with out was.
     #[getter]
     fn metrics(&self) -> PyResult<Metrics> {
-        Ok(self.last()?.metrics().into())
+        self.last(|solution| solution.metrics().into())
     }
 
     /// How the last call with out ended.
     #[getter]
     fn status(&self) -> PyResult<String> {
-        Ok(self.last()?.status.to_string())
+        self.last(|solution| solution.status.to_string())
     }
 
     /// What supply or modulation have to multiply the drives by; 1 unless the device has no such amplitude.
     #[getter]
     fn scale(&self) -> PyResult<f64> {
-        Ok(self.last()?.scale)
+        self.last(|solution| solution.scale)
     }
 
     /// Steps of the last call with out.
     #[getter]
     fn steps(&self) -> PyResult<usize> {
-        Ok(self.last()?.steps)
+        self.last(|solution| solution.steps)
     }
 
     /// Seconds of the last call.
     #[getter]
-    fn elapsed(&self) -> f64 {
-        self.elapsed
+    fn elapsed(&self) -> PyResult<f64> {
+        Ok(self.state()?.elapsed)
     }
 
     /// The method's name.
@@ -228,8 +242,9 @@ impl Solver {
         read::option_dict(py, &self.choice.table())
     }
 
-    fn __repr__(&self) -> String {
+    fn __repr__(&self) -> PyResult<String> {
         let points = self.points.map_or_else(String::new, |points| format!(", up to {points} points"));
-        format!("<midair.Solver by {}: {} transducers{points}>", self.choice.name, self.session.transducers())
+        let transducers = self.state()?.session.transducers();
+        Ok(format!("<midair.Solver by {}: {transducers} transducers{points}>", self.choice.name))
     }
 }

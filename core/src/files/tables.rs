@@ -182,30 +182,7 @@ impl TryFrom<&Value> for ValueTable {
 impl SceneTable {
     /// The table of a scene.
     pub(super) fn of(scene: &Scene, provenance: &Provenance) -> Result<Self, Error> {
-        let (array, medium, request) = (scene.array(), scene.medium(), scene.request());
-        let mut place = ArrayTable::default();
-        match array.origin() {
-            Origin::Grid { nx, ny, pitch } => {
-                place.grid = Some(GridTable { nx: *nx as i64, ny: *ny as i64, pitch: *pitch });
-            }
-            Origin::Preset { name, tiles } => {
-                place.preset = Some(name.clone());
-                place.tiles = Some(tiles.map(|tiles| tiles as i64).to_vec());
-            }
-            Origin::Positions => {
-                place.positions = Some(listed(array.positions()));
-                place.normals = Some(listed(array.normals()));
-            }
-        }
-        let transducer = array.transducer();
-        place.source_pressure = Some(transducer.source_pressure);
-        place.directivity = Some(match transducer.directivity.name() {
-            (name, None) => DirectivityTable::Name(name.to_string()),
-            (name, Some(parameter)) => DirectivityTable::Parameter([(name.to_string(), parameter)].into()),
-        });
-        place.response = array.response().map(|response| response.iter().map(|c| Numbers([c.re, c.im])).collect());
-        place.mask = array.mask().map(<[_]>::to_vec);
-        place.quantization = QuantizationTable::of(array);
+        let (medium, request) = (scene.medium(), scene.request());
         let points = scene.points().iter().enumerate().map(|(j, &position)| PointTable {
             position: Numbers(position),
             pressure: request.pressures.as_ref().map(|pressures| pressures[j]),
@@ -225,7 +202,7 @@ impl SceneTable {
                 absorption: Some(medium.absorption),
                 density: Some(medium.density),
             },
-            array: place,
+            array: ArrayTable::of(scene.array()),
             solver: solver.transpose()?,
             plane: scene.plane.map(|plane| PlaneTable {
                 z: Some(plane.z),
@@ -278,10 +255,38 @@ impl MediumTable {
 }
 
 impl ArrayTable {
+    fn of(array: &Array) -> Self {
+        let origin = match array.origin() {
+            Origin::Grid { nx, ny, pitch } => {
+                let grid = GridTable { nx: *nx as i64, ny: *ny as i64, pitch: *pitch };
+                Self { grid: Some(grid), ..Self::default() }
+            }
+            Origin::Preset { name, tiles } => {
+                let tiles = tiles.map(|tiles| tiles as i64).to_vec();
+                Self { preset: Some(name.clone()), tiles: Some(tiles), ..Self::default() }
+            }
+            Origin::Positions => {
+                let (positions, normals) = (listed(array.positions()), listed(array.normals()));
+                Self { positions: Some(positions), normals: Some(normals), ..Self::default() }
+            }
+        };
+        let Transducer { source_pressure, directivity } = array.transducer();
+        Self {
+            source_pressure: Some(source_pressure),
+            directivity: Some(match directivity.name() {
+                (name, None) => DirectivityTable::Name(name.to_string()),
+                (name, Some(parameter)) => DirectivityTable::Parameter([(name.to_string(), parameter)].into()),
+            }),
+            response: array.response().map(|response| response.iter().map(|c| Numbers([c.re, c.im])).collect()),
+            mask: array.mask().map(<[_]>::to_vec),
+            quantization: QuantizationTable::of(array),
+            ..origin
+        }
+    }
+
     fn array(self) -> Result<Array, Error> {
-        let ways = usize::from(self.grid.is_some())
-            + usize::from(self.preset.is_some())
-            + usize::from(self.positions.is_some());
+        let ways = [self.grid.is_some(), self.preset.is_some(), self.positions.is_some()];
+        let ways = ways.into_iter().filter(|&given| given).count();
         if ways != 1 {
             let cure = "give exactly one of grid, preset and positions";
             return Err(Error::invalid("array", format!("described {ways} times"), cure));
@@ -315,10 +320,12 @@ impl ArrayTable {
         })?;
         let response =
             self.response.map(|list| plain(list).into_iter().map(|[re, im]| Complex64::new(re, im)).collect());
-        let quantization = self
-            .quantization
-            .map_or_else(|| Ok(array.quantization().cloned()), |table| table.quantization().map(Some))?;
-        array.with_response(response)?.with_mask(self.mask).map(|array| array.with_quantization(quantization))
+        let array = array.with_response(response)?.with_mask(self.mask)?;
+        // A preset has its own quantization unless the table says otherwise.
+        Ok(match self.quantization {
+            Some(table) => array.with_quantization(Some(table.quantization()?)),
+            None => array,
+        })
     }
 }
 

@@ -11,12 +11,12 @@ const CYCLE: usize = 24;
 
 /// Replaces `vector` by the unit eigenvector of the largest eigenvalue of a Hermitian positive semidefinite
 /// matrix stored conjugated, starting from what `vector` holds. Restarted Lanczos with full reorthogonalisation.
-pub(crate) fn leading_eigenvector(
+pub(crate) fn leading_eigenvector<'w>(
     set: InstructionSet,
     matrix: &Planar,
-    vector: &mut Planar,
+    vector: &mut Planar<'w>,
     count: usize,
-    work: &mut Workspace,
+    work: &'w Workspace,
 ) {
     let lanes = matrix.lanes;
     let steps = CYCLE.min(count);
@@ -66,8 +66,6 @@ pub(crate) fn leading_eigenvector(
         }
     }
     normalise(set, vector);
-    basis.give(work);
-    next.give(work);
 }
 
 fn norm(set: InstructionSet, vector: &Planar) -> f32 {

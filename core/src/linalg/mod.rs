@@ -7,25 +7,36 @@ pub(crate) mod leading_eigenvector;
 
 pub(crate) use leading_eigenvector::leading_eigenvector;
 
-use alloc::vec::Vec;
-
 use crate::kernels;
 use crate::kernels::InstructionSet;
 use crate::kernels::cholesky;
-use crate::workspace::Workspace;
+use crate::workspace::{Buffer, Workspace};
 
 /// A complex vector or matrix of padded rows, planar.
 #[derive(Debug)]
-pub(crate) struct Planar {
-    pub(crate) re: Vec<f32>,
-    pub(crate) im: Vec<f32>,
+pub(crate) struct Planar<'w> {
+    pub(crate) re: Buffer<'w, f32>,
+    pub(crate) im: Buffer<'w, f32>,
     pub(crate) lanes: usize,
 }
 
-impl Planar {
+impl<'w> Planar<'w> {
     /// `rows` rows of zeros.
-    pub(crate) fn zeros(rows: usize, lanes: usize, work: &mut Workspace) -> Self {
+    pub(crate) fn zeros(rows: usize, lanes: usize, work: &'w Workspace) -> Self {
         Self { re: work.floats.take(rows * lanes), im: work.floats.take(rows * lanes), lanes }
+    }
+
+    /// Multiplies each entry of a vector by a factor of its own.
+    pub(crate) fn scale(&mut self, factors: impl Iterator<Item = f32>) {
+        for ((re, im), factor) in self.re.iter_mut().zip(&mut self.im).zip(factors) {
+            *re *= factor;
+            *im *= factor;
+        }
+    }
+
+    /// The diagonal of a Hermitian matrix.
+    pub(crate) fn diagonal(&self) -> impl Iterator<Item = f32> {
+        self.re.iter().step_by(self.lanes + 1).copied()
     }
 
     pub(crate) fn row(&self, k: usize) -> [&[f32]; 2] {
@@ -36,10 +47,6 @@ impl Planar {
     pub(crate) fn row_mut(&mut self, k: usize) -> [&mut [f32]; 2] {
         let range = k * self.lanes..(k + 1) * self.lanes;
         [&mut self.re[range.clone()], &mut self.im[range]]
-    }
-
-    pub(crate) fn give(self, work: &mut Workspace) {
-        work.floats.give_all([self.re, self.im]);
     }
 }
 
@@ -53,47 +60,40 @@ pub(crate) fn times(set: InstructionSet, matrix: &Planar, vector: &Planar, out: 
 
 /// A Cholesky factor U of a real symmetric matrix A = U^T U, and solves with it. Time O(n^3/6) each multiply-add.
 #[derive(Debug)]
-pub(crate) struct Cholesky {
-    factor: Vec<f32>,
+pub(crate) struct Cholesky<'w> {
+    factor: Buffer<'w, f32>,
     set: InstructionSet,
 }
 
-impl Cholesky {
-    /// Factors the matrix of `size` padded rows in `matrix`, of which the upper half is read; `None` (and the buffer
-    /// back in `work`) if it is not positive definite in f32.
-    pub(crate) fn new(set: InstructionSet, mut matrix: Vec<f32>, size: usize, work: &mut Workspace) -> Option<Self> {
-        if cholesky::factor(set, &mut matrix, size) {
-            return Some(Self { factor: matrix, set });
-        }
-        work.floats.give(matrix);
-        None
+impl<'w> Cholesky<'w> {
+    /// Factors the matrix of `size` padded rows in `matrix`, of which the upper half is read; `None` if it is not
+    /// positive definite in f32.
+    pub(crate) fn new(set: InstructionSet, mut matrix: Buffer<'w, f32>, size: usize) -> Option<Self> {
+        cholesky::factor(set, &mut matrix, size).then_some(Self { factor: matrix, set })
     }
 
     /// Replaces b (padded) by A^-1 b.
     pub(crate) fn solve(&self, b: &mut [f32]) {
         cholesky::solve(self.set, &self.factor, b);
     }
-
-    pub(crate) fn give(self, work: &mut Workspace) {
-        work.floats.give(self.factor);
-    }
 }
 
 /// A Hermitian positive definite system (A + jB) x = b, solved as the real one [[A, -B], [B, A]].
 #[derive(Debug)]
-pub(crate) struct Hermitian {
-    cholesky: Cholesky,
+pub(crate) struct Hermitian<'w> {
+    cholesky: Cholesky<'w>,
     lanes: usize,
+    work: &'w Workspace,
 }
 
-impl Hermitian {
+impl<'w> Hermitian<'w> {
     /// Factors `conj(matrix) + shift I`, `matrix` as [`crate::propagation::gram`] makes it. `None` if not positive definite in f32.
     pub(crate) fn new(
         set: InstructionSet,
         matrix: &Planar,
         count: usize,
         shift: f32,
-        work: &mut Workspace,
+        work: &'w Workspace,
     ) -> Option<Self> {
         let lanes = matrix.lanes;
         let size = 2 * lanes;
@@ -114,7 +114,7 @@ impl Hermitian {
             real[upper + k] += diagonal;
             real[lower + lanes + k] += diagonal;
         }
-        Cholesky::new(set, real, size, work).map(|cholesky| Self { cholesky, lanes })
+        Cholesky::new(set, real, size).map(|cholesky| Self { cholesky, lanes, work })
     }
 
     /// The same with as much more damping as f32 needs to factor it: tenfold and tenfold again.
@@ -123,7 +123,7 @@ impl Hermitian {
         matrix: &Planar,
         count: usize,
         mut shift: f32,
-        work: &mut Workspace,
+        work: &'w Workspace,
     ) -> Self {
         loop {
             // Damping far above every entry leaves a multiple of the identity, which always factors.
@@ -135,18 +135,13 @@ impl Hermitian {
     }
 
     /// Replaces the vector (one padded row) by the solution.
-    pub(crate) fn solve(&self, vector: &mut Planar, work: &mut Workspace) {
-        let mut both = work.floats.take(2 * self.lanes);
+    pub(crate) fn solve(&self, vector: &mut Planar) {
+        let mut both = self.work.floats.take(2 * self.lanes);
         both[..self.lanes].copy_from_slice(&vector.re);
         both[self.lanes..].copy_from_slice(&vector.im);
         self.cholesky.solve(&mut both);
         vector.re.copy_from_slice(&both[..self.lanes]);
         vector.im.copy_from_slice(&both[self.lanes..]);
-        work.floats.give(both);
-    }
-
-    pub(crate) fn give(self, work: &mut Workspace) {
-        self.cholesky.give(work);
     }
 }
 

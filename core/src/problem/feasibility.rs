@@ -87,7 +87,7 @@ impl Problem {
     /// What the array can do at the points.
     #[must_use]
     pub fn reach(&self) -> Reach {
-        let propagation = self.propagation_of_all();
+        let propagation = &self.targets.propagation;
         let alone = |j: usize| (0..propagation.transducers()).map(|i| propagation.exact(j, i).norm()).sum();
         Reach {
             alone: (0..propagation.points()).map(alone).collect(),
@@ -101,7 +101,7 @@ impl Problem {
     /// about 1.4 times the balanced level on at a few points, from 2 to 2.5 times at 64).
     #[must_use]
     pub fn beyond(&self) -> Option<Beyond> {
-        if let Some((point, alone)) = self.overasked() {
+        if let Some((point, alone)) = self.targets.overasked {
             return Some(Beyond::Alone { point, target: self.targets_in_pascals()[point], alone });
         }
         if let Some(contrary) = self.contrary() {
@@ -115,7 +115,7 @@ impl Problem {
     }
 
     fn contrary(&self) -> Option<Beyond> {
-        let (points, targets) = (self.propagation_of_all().control_points()?, self.targets_in_pascals());
+        let (points, targets) = (self.targets.propagation.control_points()?, self.targets_in_pascals());
         let targeted = self.targeted();
         // Mostly all ask for the same.
         if targeted.iter().all(|&j| targets[j] == targets[targeted[0]]) {

@@ -33,13 +33,13 @@ impl Metrics {
     /// The metrics of some points.
     #[must_use]
     pub fn of(points: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Self {
-        let heard = points.clone().filter(|&(_, target, weight)| target > 0.0 && weight > 0.0);
-        let largest = heard.clone().fold(0.0, |most: f64, (_, target, _)| most.max(target));
-        let heaviest = heard.clone().fold(0.0, |most: f64, (_, _, weight)| most.max(weight));
+        let targeted = points.clone().filter(|&(_, target, weight)| target > 0.0 && weight > 0.0);
+        let largest = targeted.clone().fold(0.0, |most: f64, (_, target, _)| most.max(target));
+        let heaviest = targeted.clone().fold(0.0, |most: f64, (_, _, weight)| most.max(weight));
         let (mut count, mut reached, mut asked, mut level) = (0.0, 0.0, 0.0, 0.0);
         let (mut miss, mut all) = (0.0, 0.0);
         let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
-        for (pressure, target, weight) in heard.clone() {
+        for (pressure, target, weight) in targeted.clone() {
             let x = pressure / target;
             // Relative to the largest, so that no square of a finite number overflows.
             let (gap, target) = ((target - pressure) / largest, target / largest);
@@ -64,7 +64,7 @@ impl Metrics {
         let quiet = points.filter(|&(_, target, weight)| target == 0.0 && weight > 0.0);
         Self {
             accuracy: reached / asked,
-            sigma: if silent { 0.0 } else { math::sqrt(heard.fold(0.0, spread) / count) },
+            sigma: if silent { 0.0 } else { math::sqrt(targeted.fold(0.0, spread) / count) },
             uniformity: if silent { 0.0 } else { low / high },
             level: mean,
             residual: miss / all,

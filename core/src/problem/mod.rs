@@ -20,12 +20,12 @@ use alloc::vec::Vec;
 use num_complex::{Complex32, Complex64};
 
 use crate::device::quantization::Quantization;
-use crate::error::Error;
+use crate::error::{Error, one_each};
 use crate::kernels::InstructionSet;
-use crate::math;
 use crate::problem::targets::Targets;
 use crate::propagation::Propagation;
 use crate::scene::{Aim, Request, Scene, Start, check_drive};
+use crate::workspace::Workspace;
 
 /// A checked problem: it can be solved.
 ///
@@ -37,11 +37,11 @@ pub struct Problem {
     /// What was asked of all points, in Pa.
     targets: Arc<Targets>,
     start: Option<Arc<Start>>,
-    aim: Option<Aim>,
+    pub(crate) aim: Option<Aim>,
     /// Targets of the points of weight above 0 in units of the reference, padded with zeros.
     scaled: Vec<f32>,
     /// p1_j of the points of weight above 0 in units of the reference, and memory for summing it.
-    reach: Vec<f64>,
+    pub(crate) reach: Vec<f64>,
     sums: Vec<f32>,
 }
 
@@ -74,9 +74,7 @@ impl Problem {
     ) -> Result<Self, Error> {
         let setup = setup.into();
         setup.check(&propagation)?;
-        let mut problem = Self::unasked(propagation, setup);
-        problem.selected = Arc::make_mut(&mut problem.targets).read(request)?;
-        problem.measured()
+        Self::unasked(propagation, setup).renewed(None, request)
     }
 
     /// The problem of other points and requests with the same array, in the memory of this one: if no solution of it
@@ -88,14 +86,20 @@ impl Problem {
     /// lost.
     pub fn renewed(mut self, points: Option<&[[f64; 3]]>, request: &Request) -> Result<Self, Error> {
         self.replace(points, request)?;
-        self.measured()
+        self.measure()?;
+        Ok(self)
     }
 
     /// A problem of which nothing is asked yet.
     pub(crate) fn unasked(propagation: Propagation, setup: Arc<Setup>) -> Self {
+        Self::of(Arc::new(Targets::new(propagation, setup)))
+    }
+
+    /// A problem of which only this is known.
+    fn of(targets: Arc<Targets>) -> Self {
         Self {
             selected: None,
-            targets: Arc::new(Targets::new(propagation, setup)),
+            targets,
             start: None,
             aim: None,
             scaled: Vec::new(),
@@ -104,7 +108,7 @@ impl Problem {
         }
     }
 
-    /// Reads other points and another request: [`Problem::sum_moduli`] and [`Problem::balance_targets`] come next.
+    /// Reads other points and another request: [`Problem::measure`] comes next.
     pub(crate) fn replace(&mut self, points: Option<&[[f64; 3]]>, request: &Request) -> Result<(), Error> {
         let targets = Arc::make_mut(&mut self.targets);
         if let Some(points) = points {
@@ -115,10 +119,10 @@ impl Problem {
         Ok(())
     }
 
-    fn measured(mut self) -> Result<Self, Error> {
+    /// Sums |G| at the points and computes the targets.
+    pub(crate) fn measure(&mut self) -> Result<(), Error> {
         self.sum_moduli()?;
-        self.balance_targets()?;
-        Ok(self)
+        self.balance_targets()
     }
 
     /// Sums |G| at the points of weight above 0.
@@ -133,11 +137,10 @@ impl Problem {
         })
     }
 
-    /// Where the sums of |G| are kept, set to 0.
-    pub(crate) fn cleared_reach(&mut self) -> &mut Vec<f64> {
+    /// Sets the sums of |G| to 0.
+    pub(crate) fn clear_reach(&mut self) {
         self.reach.clear();
         self.reach.resize(self.propagation().points(), 0.0);
-        &mut self.reach
     }
 
     /// Computes the balanced level from the sums of |G|, and the targets in units of the reference.
@@ -149,17 +152,16 @@ impl Problem {
         Ok(())
     }
 
-    /// The same problem at `factor` times the caller's targets, in a buffer of [`Propagation::lanes`] numbers.
-    pub(crate) fn rescaled(&self, factor: f64, mut scaled: Vec<f32>) -> Self {
+    /// The same problem at `factor` times the caller's targets; [`Problem::recycle`] gives the memory back.
+    pub(crate) fn rescaled(&self, factor: f64, work: &Workspace) -> Self {
+        let mut scaled = work.floats.take(self.propagation().lanes()).into_vec();
         self.targets.scaled(factor, &mut scaled);
         Self {
             selected: self.selected.clone(),
-            targets: Arc::clone(&self.targets),
             start: self.start.clone(),
             aim: self.aim,
             scaled,
-            reach: Vec::new(),
-            sums: Vec::new(),
+            ..Self::of(Arc::clone(&self.targets))
         }
     }
 
@@ -177,11 +179,7 @@ impl Problem {
         match &start {
             Start::Drive(drive) => check_drive(drive, self.propagation().transducers())?,
             Start::Phases(phases) => {
-                let count = self.targets.pascals.len();
-                if phases.len() != count {
-                    let value = format!("{} phases", phases.len());
-                    return Err(Error::invalid("start", value, format!("give one for each of the {count} points")));
-                }
+                one_each("start", phases.len(), "phases", self.targets.pascals.len(), "points")?;
                 if let Some(j) = phases.iter().position(|phase| !phase.is_finite()) {
                     return Err(Error::invalid(format!("start[{j}]"), phases[j], "give finite numbers"));
                 }
@@ -198,16 +196,16 @@ impl Problem {
         self
     }
 
-    /// As [`Problem::with_aim`], or none.
-    pub(crate) fn aim_at(&mut self, aim: Option<Aim>) {
-        self.aim = aim;
-    }
-
     /// How loud the points are to be: unless chosen, as loud as asked where pressures were given, else as loud as
     /// the array can make them.
     #[must_use]
     pub fn aim(&self) -> Aim {
         self.aim.unwrap_or(if self.targets.given { Aim::Target } else { Aim::Max })
+    }
+
+    /// Whether there is a start, a drive or point phases.
+    pub(crate) fn has_start(&self) -> bool {
+        self.start.is_some()
     }
 
     /// The drive to start from, if one was given.
@@ -228,13 +226,9 @@ impl Problem {
         }
     }
 
-    pub(crate) fn into_scaled(self) -> Vec<f32> {
-        self.scaled
-    }
-
-    /// What was asked of all points.
-    pub(crate) fn asked(&self) -> Arc<Targets> {
-        Arc::clone(&self.targets)
+    /// Gives the memory of a rescaled problem back.
+    pub(crate) fn recycle(self, work: &Workspace) {
+        work.floats.give(self.scaled);
     }
 
     /// Rows of G over the points of weight above 0.
@@ -286,19 +280,9 @@ impl Problem {
         self.targets.balance
     }
 
-    /// Propagation of all points.
-    pub(crate) fn propagation_of_all(&self) -> &Propagation {
-        &self.targets.propagation
-    }
-
     /// The points with a pressure and a weight above 0.
     pub(crate) fn targeted(&self) -> Vec<usize> {
         self.targets.active.iter().copied().filter(|&j| self.targets.pascals[j] > 0.0).collect()
-    }
-
-    /// The first point asked for more than its own reach, and that reach in Pa.
-    pub(crate) fn overasked(&self) -> Option<(usize, f64)> {
-        self.targets.overasked
     }
 
     /// Whether every given target is below half the balanced level: solved without balancing, greedy drives
@@ -311,14 +295,12 @@ impl Problem {
     /// The residual of a field given by its moduli in units of the reference, against this problem's targets.
     #[must_use]
     pub fn residual(&self, moduli: &[f32]) -> f64 {
-        let points = moduli.iter().zip(&self.scaled).zip(self.targets.relative_weights.iter());
-        Metrics::of(points.map(|((&p, &t), &w)| (f64::from(p), f64::from(t), f64::from(w)))).residual
+        self.residual_of(moduli.iter().map(|&modulus| f64::from(modulus)))
     }
 
-    /// The same of the pressures' real and imaginary parts.
-    pub(crate) fn residual_of(&self, pressures: impl Iterator<Item = (f32, f32)> + Clone) -> f64 {
-        let moduli = pressures.map(|(re, im)| math::modulus(Complex32::new(re, im)));
-        let asked = self.scaled.iter().zip(self.targets.relative_weights.iter());
+    /// The same of moduli in double precision.
+    pub(crate) fn residual_of(&self, moduli: impl Iterator<Item = f64> + Clone) -> f64 {
+        let asked = self.scaled.iter().zip(self.weights());
         Metrics::of(moduli.zip(asked).map(|(p, (&t, &w))| (p, f64::from(t), f64::from(w)))).residual
     }
 
@@ -329,17 +311,10 @@ impl Problem {
     pub fn judge(&self, drive: &[Complex32]) -> Result<Metrics, Error> {
         let all = &self.targets.propagation;
         check_drive(drive, all.transducers())?;
-        let pressures: Vec<f64> = (0..all.points())
-            .map(|j| {
-                let sum: Complex64 = (0..drive.len())
-                    .map(|i| {
-                        let q = Complex64::new(f64::from(drive[i].re), f64::from(drive[i].im));
-                        all.exact(j, i) * q
-                    })
-                    .sum();
-                sum.norm()
-            })
-            .collect();
+        let wide = |q: Complex32| Complex64::new(f64::from(q.re), f64::from(q.im));
+        let wave = |j: usize, i: usize| all.exact(j, i) * wide(drive[i]);
+        let pressure = |j: usize| (0..drive.len()).map(|i| wave(j, i)).sum::<Complex64>().norm();
+        let pressures: Vec<f64> = (0..all.points()).map(pressure).collect();
         Ok(self.targets.metrics(pressures.iter().copied()))
     }
 }

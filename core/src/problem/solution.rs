@@ -64,10 +64,10 @@ pub struct Solution {
 impl Solution {
     /// The solution that `drive` is: a solver's last line. Its pressures are computed here.
     #[must_use]
-    pub fn new(problem: &Problem, drive: Vec<Complex32>, status: Status, steps: usize, work: &mut Workspace) -> Self {
-        let asked = problem.asked();
+    pub fn new(problem: &Problem, drive: Vec<Complex32>, status: Status, steps: usize, work: &Workspace) -> Self {
+        let asked = Arc::clone(&problem.targets);
         let field = field_of(&asked.propagation, &drive, work);
-        Self::with_pressures(asked, drive, field, status, steps, work)
+        Self::with_pressures(asked, drive, &field, status, steps, work)
     }
 
     /// As [`Solution::new`], and [`Solution::tell`] of it: how the steps ended and how many they were, of `steps`.
@@ -76,7 +76,7 @@ impl Solution {
         drive: Vec<Complex32>,
         (status, step): (Status, usize),
         steps: usize,
-        work: &mut Workspace,
+        work: &Workspace,
         control: &mut Control,
     ) -> Self {
         let mut solution = Self::new(problem, drive, status, step, work);
@@ -88,12 +88,12 @@ impl Solution {
     pub(crate) fn of_field(
         problem: &Problem,
         drive: Vec<Complex32>,
-        field: Planar,
+        field: &Planar,
         status: Status,
         steps: usize,
-        work: &mut Workspace,
+        work: &Workspace,
     ) -> Self {
-        let asked = problem.asked();
+        let asked = Arc::clone(&problem.targets);
         if asked.active.len() == asked.pascals.len() {
             return Self::with_pressures(asked, drive, field, status, steps, work);
         }
@@ -103,26 +103,29 @@ impl Solution {
         for (k, &j) in solution.asked.active.iter().enumerate() {
             solution.pressures[j] = pascals(field.re[k], field.im[k], reference);
         }
-        field.give(work);
         solution
     }
 
     fn with_pressures(
         asked: Arc<Targets>,
         drive: Vec<Complex32>,
-        field: Planar,
+        field: &Planar,
         status: Status,
         steps: usize,
-        work: &mut Workspace,
+        work: &Workspace,
     ) -> Self {
-        let propagation = &asked.propagation;
-        let mut pressures = work.complexes.take(propagation.points());
-        let reference = propagation.reference();
-        for ((pressure, re), im) in pressures.iter_mut().zip(&field.re).zip(&field.im) {
+        let pressures = work.complexes.take(asked.propagation.points()).into_vec();
+        let mut solution = Self { drive, pressures, status, steps, scale: 1.0, asked };
+        solution.set_pressures(field);
+        solution
+    }
+
+    /// Takes the pressures of a field in units of the reference.
+    fn set_pressures(&mut self, field: &Planar) {
+        let reference = self.asked.propagation.reference() * self.scale;
+        for ((pressure, re), im) in self.pressures.iter_mut().zip(&field.re).zip(&field.im) {
             *pressure = pascals(*re, *im, reference);
         }
-        field.give(work);
-        Self { drive, pressures, status, steps, scale: 1.0, asked }
     }
 
     /// The same with `scale` of it left to supply or modulation.
@@ -132,19 +135,9 @@ impl Solution {
         self
     }
 
-    /// Computes the pressures that the drive gives.
-    fn measure(&mut self, work: &mut Workspace) {
-        let field = field_of(&self.asked.propagation, &self.drive, work);
-        let reference = self.asked.propagation.reference() * self.scale;
-        for ((pressure, re), im) in self.pressures.iter_mut().zip(&field.re).zip(&field.im) {
-            *pressure = pascals(*re, *im, reference);
-        }
-        field.give(work);
-    }
-
     /// Divides drives and pressures by `factor`, at least 1, and rounds every drive to what the board can play.
     /// Whether that changed a drive.
-    pub(crate) fn quantize(&mut self, factor: f64, work: &mut Workspace) -> bool {
+    pub(crate) fn quantize(&mut self, factor: f64, work: &Workspace) -> bool {
         let Some(quantization) = self.asked.setup.quantization.as_deref() else {
             if factor > 1.0 {
                 self.drive.iter_mut().chain(&mut self.pressures).for_each(|z| *z = divided(*z, factor));
@@ -161,7 +154,7 @@ impl Solution {
         }
         self.scale *= scale;
         if moved || scale < 1.0 {
-            self.measure(work);
+            self.set_pressures(&field_of(&self.asked.propagation, &self.drive, work));
         }
         moved
     }
@@ -172,8 +165,8 @@ impl Solution {
         self.asked.metrics(self.pressures.iter().map(|&p| math::modulus(p)))
     }
 
-    /// Tells `control` of the last of `steps` steps, with the answer's own residual, for a solver whose steps (if it
-    /// has any) know only an estimate of it. A stop request now still counts as one. No steps, nothing to tell.
+    /// Reports the last of `steps` steps to `control`, with the answer's own residual, for a solver whose steps (if it
+    /// has any) know only an estimate of it. A stop request now still counts as one. No steps, nothing to report.
     pub fn tell(&mut self, problem: &Problem, steps: usize, control: &mut Control) {
         if self.status == Status::Stopped {
             control.correct(|| self.residual_for(problem));
@@ -183,17 +176,15 @@ impl Solution {
     }
 
     /// Gives the vectors back to the workspace for the next solve.
-    pub fn recycle(self, work: &mut Workspace) {
-        work.complexes.give_all([self.drive, self.pressures]);
+    pub fn recycle(self, work: &Workspace) {
+        work.complexes.give(self.drive);
+        work.complexes.give(self.pressures);
     }
 
     /// The residual against the targets of `problem`, before balancing is undone.
     fn residual_for(&self, problem: &Problem) -> f64 {
         let unit = self.asked.propagation.reference();
-        let modulus = |p: Complex32| math::modulus(p) / unit;
-        let points = self.asked.active.iter().zip(problem.targets()).zip(problem.weights());
-        let heard = |((&j, &t), &w): ((&usize, &f32), &f32)| (modulus(self.pressures[j]), f64::from(t), f64::from(w));
-        Metrics::of(points.map(heard)).residual
+        problem.residual_of(self.asked.active.iter().map(|&j| math::modulus(self.pressures[j]) / unit))
     }
 
     /// The targets (M,) in Pa that the metrics refer to.
@@ -232,9 +223,9 @@ impl Solution {
             return 0.0;
         }
         let angle = math::atan2(f64::from(q.im), f64::from(q.re));
-        let turned = if angle < 0.0 { angle + TAU } else { angle };
-        // A tiny negative angle rounds up to a whole turn.
-        if turned < TAU { turned.abs() } else { 0.0 }
+        let positive = if angle < 0.0 { angle + TAU } else { angle };
+        // A tiny negative angle rounds up to 2 pi.
+        if positive < TAU { positive.abs() } else { 0.0 }
     }
 }
 

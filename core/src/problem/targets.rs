@@ -94,7 +94,7 @@ impl Targets {
                 let cure = "no array comes near it: give the pressure in Pa, or 0 for a quiet point";
                 return Err(Error::invalid(format!("points[{j}].pressure"), format!("{target:e}"), cure));
             }
-            // f32 sums: within 1e-4 of the reach nobody can tell.
+            // Sums in f32 are exact to 1e-4 of the reach.
             if self.given && target > (1.0 + 1e-4) * reach * reference {
                 self.overasked = self.overasked.or(Some((j, reach * reference)));
             }

@@ -66,12 +66,12 @@ pub fn bound(problem: &Problem) -> Result<f64, Error> {
     let mut field = rows.field(&units);
     let (mut least, mut reached) = (f64::INFINITY, 0.0_f64);
     for step in 1..=STEPS {
-        let quantization: Vec<f64> = field.iter().map(norm).collect();
-        reached = reached.max(quantization.iter().copied().fold(f64::INFINITY, f64::min));
-        let mean = quantization.iter().sum::<f64>() / quantization.len() as f64;
+        let levels: Vec<f64> = field.iter().map(norm).collect();
+        reached = reached.max(levels.iter().copied().fold(f64::INFINITY, f64::min));
+        let mean = levels.iter().sum::<f64>() / levels.len() as f64;
         // A point that lags behind gains weight, the less the longer it has been going on.
         let pace = 1.0 / (1.0 + step as f64 / 10.0);
-        for (weight, level) in weights.iter_mut().zip(&quantization) {
+        for (weight, level) in weights.iter_mut().zip(&levels) {
             *weight *= crate::math::pow((mean / level.max(1e-6 * mean)).max(1e-6), pace);
         }
         let sum: f64 = weights.iter().sum();
@@ -128,7 +128,7 @@ struct Rows {
 
 impl Rows {
     fn new(problem: &Problem) -> Self {
-        let (propagation, targeted) = (problem.propagation_of_all(), problem.targeted());
+        let (propagation, targeted) = (&problem.targets.propagation, problem.targeted());
         let mut entries = Vec::new();
         for i in 0..propagation.transducers() {
             let row = targeted.iter().map(|&j| propagation.exact(j, i) / problem.targets_in_pascals()[j]);

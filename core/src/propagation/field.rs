@@ -2,9 +2,10 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
-use core::ops::ControlFlow;
 
 use num_complex::Complex32;
+#[cfg(feature = "parallel")]
+use rayon::prelude::*;
 
 use crate::control::Control;
 use crate::error::Error;
@@ -21,7 +22,7 @@ const CHUNKS_A_STEP: usize = 32;
 
 /// Complex pressures (P,) in Pa (peak) of a drive (N,) at any `points` (P, 3) in m: p = G q.
 ///
-/// A place nearer to a transducer than a hundredth of the wavelength counts as that far away, so that a picture
+/// A point nearer to a transducer than a hundredth of the wavelength counts as that far away, so that a picture
 /// is always finite. With feature `parallel` the chunks of points go over all threads; the result does not
 /// depend on how many there are. `None` if `control` asked to stop.
 ///
@@ -53,35 +54,26 @@ pub fn field(
     let stretch = CHUNK * CHUNKS_A_STEP;
     let steps = points.len().div_ceil(stretch);
     for (step, (out, points)) in pressures.chunks_mut(stretch).zip(points.chunks(stretch)).enumerate() {
-        each_chunk(out, points, &|out, points| chunk(model, drive, points, out));
-        if let ControlFlow::Break(()) = control.step(step + 1, steps, || 0.0) {
+        let work = |(out, points): (&mut [Complex32], &[[f64; 3]])| chunk(model, drive, points, out);
+        #[cfg(feature = "parallel")]
+        out.par_chunks_mut(CHUNK).zip(points.par_chunks(CHUNK)).for_each(work);
+        #[cfg(not(feature = "parallel"))]
+        out.chunks_mut(CHUNK).zip(points.chunks(CHUNK)).for_each(work);
+        if control.step(step + 1, steps, || 0.0).is_break() {
             return Ok(None);
         }
     }
     Ok(Some(pressures))
 }
 
-type Work<'a> = &'a (dyn Fn(&mut [Complex32], &[[f64; 3]]) + Sync);
-
-#[cfg(feature = "parallel")]
-fn each_chunk(out: &mut [Complex32], points: &[[f64; 3]], work: Work<'_>) {
-    use rayon::prelude::*;
-    out.par_chunks_mut(CHUNK).zip(points.par_chunks(CHUNK)).for_each(|(out, points)| work(out, points));
-}
-
-#[cfg(not(feature = "parallel"))]
-fn each_chunk(out: &mut [Complex32], points: &[[f64; 3]], work: Work<'_>) {
-    out.chunks_mut(CHUNK).zip(points.chunks(CHUNK)).for_each(|(out, points)| work(out, points));
-}
-
 /// One chunk: every transducer's row over it, added up.
 fn chunk(model: &Model, drive: &[Complex32], points: &[[f64; 3]], out: &mut [Complex32]) {
     let sources = &model.sources;
     let [x, y, z] = &sources.frame(points);
-    let places = ControlPoints { coordinates: [x, y, z], count: points.len() };
+    let control_points = ControlPoints { coordinates: [x, y, z], count: points.len() };
     let [mut row_re, mut row_im, mut re, mut im] = [(); 4].map(|()| vec![0.0; padded(points.len())]);
     for (i, q) in drive.iter().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
-        model.row(i, places, &mut Row { re: &mut row_re, im: &mut row_im });
+        model.row(i, control_points, &mut Row { re: &mut row_re, im: &mut row_im });
         kernels::accumulate(model.set, [&row_re, &row_im], [q.re, q.im], &mut re, &mut im);
     }
     let scale = |x: f32| (f64::from(x) * sources.reference()) as f32;

@@ -17,7 +17,7 @@ use alloc::vec::Vec;
 
 use num_complex::{Complex32, Complex64};
 
-use crate::error::Error;
+use crate::error::{Error, one_each};
 use crate::kernels;
 use crate::kernels::propagate::rows;
 use crate::kernels::{ControlPoints, InstructionSet, Row, padded};
@@ -25,7 +25,7 @@ use crate::math;
 use crate::scene::{Scene, UNITS};
 
 /// Rows whose moduli are summed in f32 before f64 takes over.
-pub(crate) const TOGETHER: usize = 64;
+pub(crate) const ROWS_A_SUM: usize = 64;
 
 /// Square wavelengths, a little more than a hundredth squared: f32 decides where f64 is to look.
 pub(crate) const NEAR: f32 = 1.01e-4;
@@ -101,9 +101,9 @@ impl Propagation {
         if mean > 0.0 && !UNITS.contains(&mean) {
             return Err(Error::invalid("propagation", format!("{mean:e} in the mean"), "give Pa: 1e-15 to 1e15"));
         }
-        let turned = (0..matrix.len()).map(|k| matrix[(k % points) * transducers + k / points]).collect();
+        let transposed = (0..matrix.len()).map(|k| matrix[(k % points) * transducers + k / points]).collect();
         let reference = if mean > 0.0 { mean } else { 1.0 };
-        Ok(Self::stored(turned, points, reference, InstructionSet::best()))
+        Ok(Self::stored(transposed, points, reference, InstructionSet::best()))
     }
 
     fn stored(matrix: Arc<[Complex64]>, count: usize, reference: f64, set: InstructionSet) -> Self {
@@ -129,13 +129,9 @@ impl Propagation {
             return Err(Error::invalid("mask", "given", "an array has its own: give it there"));
         };
         let transducers = matrix.len() / self.count;
-        if mask.len() != transducers {
-            let cure = format!("give one for each of the {transducers} transducers");
-            return Err(Error::invalid("mask", format!("{} values", mask.len()), cure));
-        }
-        let off = |i: &usize| !mask[*i];
+        one_each("mask", mask.len(), "values", transducers, "transducers")?;
         let lanes = padded(self.count);
-        for i in (0..transducers).filter(off) {
+        for i in (0..transducers).filter(|&i| !mask[i]) {
             Arc::make_mut(matrix)[i * self.count..(i + 1) * self.count].fill(Complex64::ZERO);
             for plane in Arc::make_mut(planar) {
                 plane[i * lanes..(i + 1) * lanes].fill(0.0);
@@ -233,12 +229,12 @@ impl Propagation {
         reach.resize(self.count, 0.0);
         match &self.rows {
             Rows::Computed { sources, frame, points } => {
-                for (step, some) in sources.sources.chunks(TOGETHER).enumerate() {
+                for (step, some) in sources.sources.chunks(ROWS_A_SUM).enumerate() {
                     sums.clear();
                     sums.resize(self.lanes(), 0.0);
                     let (radiation, points_here) = (&sources.radiation, self.padded_points(frame));
                     if kernels::add_moduli(self.set, radiation, some, points_here, NEAR, sums) {
-                        for i in step * TOGETHER..step * TOGETHER + some.len() {
+                        for i in step * ROWS_A_SUM..step * ROWS_A_SUM + some.len() {
                             sources.check_distances(i, points)?;
                         }
                     }

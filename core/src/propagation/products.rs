@@ -18,7 +18,7 @@ pub(crate) fn back_project(
     propagation: &Propagation,
     phasors: &Planar,
     factor: impl Fn(usize) -> f32,
-    work: &mut Workspace,
+    work: &Workspace,
 ) -> Vec<Complex32> {
     let mut drive = work.complexes.take(propagation.transducers());
     let mut row = Planar::zeros(1, propagation.lanes(), work);
@@ -27,16 +27,14 @@ pub(crate) fn back_project(
         let [re, im] = kernels::correlate(propagation.instruction_set(), row.row(0), phasors.row(0));
         *q = Complex32::new(re, im) * factor(i);
     }
-    row.give(work);
-    drive
+    drive.into_vec()
 }
 
 /// P = G q of a drive, rows computed on the way: one padded row, in units of the reference.
-pub(crate) fn field_of(propagation: &Propagation, drive: &[Complex32], work: &mut Workspace) -> Planar {
+pub(crate) fn field_of<'w>(propagation: &Propagation, drive: &[Complex32], work: &'w Workspace) -> Planar<'w> {
     let [mut row, mut field] = [(); 2].map(|()| Planar::zeros(1, propagation.lanes(), work));
     let (memory, into) = ([&mut row.re[..], &mut row.im[..]], [&mut field.re[..], &mut field.im[..]]);
     kernels::add_waves(propagation.instruction_set(), propagation.rows(), drive, memory, into);
-    row.give(work);
     field
 }
 
@@ -44,17 +42,16 @@ pub(crate) fn field_of(propagation: &Propagation, drive: &[Complex32], work: &mu
 /// O(N M^2), memory O(M^2).
 ///
 /// Conjugated so that `correlate` with row k is row k of G G^H times a vector.
-pub(crate) fn gram(propagation: &Propagation, factors: Option<&[f32]>, work: &mut Workspace) -> Planar {
-    const TOGETHER: usize = products::RUN * LANES;
+pub(crate) fn gram<'w>(propagation: &Propagation, factors: Option<&[f32]>, work: &'w Workspace) -> Planar<'w> {
+    const TRANSDUCERS_A_RUN: usize = products::RUN * LANES;
     let (set, count, lanes) = (propagation.instruction_set(), propagation.points(), propagation.lanes());
     let mut product = Planar::zeros(count, lanes, work);
-    let mut order = work.indices.take(count);
-    order.iter_mut().zip(0..).for_each(|(row, j)| *row = j);
-    let mut roots = work.floats.take(TOGETHER);
-    let most = tiles::size(tiles::height(count), tiles::lanes(propagation.transducers().min(TOGETHER)));
+    let order = work.counting(count);
+    let mut roots = work.floats.take(TRANSDUCERS_A_RUN);
+    let most = tiles::size(tiles::height(count), tiles::lanes(propagation.transducers().min(TRANSDUCERS_A_RUN)));
     let mut planes = [(); 2].map(|()| Aligned::take(most, work));
-    for first in (0..propagation.transducers()).step_by(TOGETHER) {
-        let members = first..propagation.transducers().min(first + TOGETHER);
+    for first in (0..propagation.transducers()).step_by(TRANSDUCERS_A_RUN) {
+        let members = first..propagation.transducers().min(first + TRANSDUCERS_A_RUN);
         let across = tiles::lanes(members.len());
         let size = tiles::size(tiles::height(count), across);
         let [re, im] = planes.each_mut().map(|plane| &mut plane[..size]);
@@ -76,11 +73,6 @@ pub(crate) fn gram(propagation: &Propagation, factors: Option<&[f32]>, work: &mu
             product.im[upper] = -im;
         }
     }
-    for plane in planes {
-        plane.give(work);
-    }
-    work.floats.give(roots);
-    work.indices.give(order);
     product
 }
 

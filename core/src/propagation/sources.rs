@@ -62,15 +62,15 @@ impl Sources {
     /// Writes the points into a frame of their number.
     pub(crate) fn write_frame(&self, points: &[[f64; 3]], frame: &mut [Vec<f32>; 3]) {
         for (j, point) in points.iter().enumerate() {
-            let place = wavelengths(*point, self.centre, self.medium.wavelength());
-            for (axis, x) in frame.iter_mut().zip(place) {
+            let position = wavelengths(*point, self.centre, self.medium.wavelength());
+            for (axis, x) in frame.iter_mut().zip(position) {
                 axis[j] = x;
             }
         }
         // Padding is computed with the rest, and far away, with absorption, it would be denormal: a hundred cycles each.
         for axis in frame {
-            let (places, padding) = axis.split_at_mut(points.len());
-            if let Some(&last) = places.last() {
+            let (own, padding) = axis.split_at_mut(points.len());
+            if let Some(&last) = own.last() {
                 padding.fill(last);
             }
         }
@@ -108,8 +108,8 @@ impl Sources {
     pub(crate) fn check_distances(&self, i: usize, points: &[[f64; 3]]) -> Result<(), Error> {
         let least = self.medium.wavelength() / 100.0;
         let position = self.array.positions()[i];
-        for (point, place) in points.iter().enumerate() {
-            let distance = distance(position, *place);
+        for (point, at) in points.iter().enumerate() {
+            let distance = distance(position, *at);
             if distance < least {
                 return Err(Error::TooNear { point, transducer: i, distance, least });
             }

@@ -1,11 +1,10 @@
 //! Aim: as loud as asked ("target"), or as loud as the array can make it ("max").
 
-use crate::error::Error;
-use crate::scene::value::{OptionValue, Value, spell, word};
+use crate::scene::words;
 
 /// How loud `uniform` and `best` make the points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(clippy::exhaustive_enums, reason = "the two quantization of docs/conventions.md")]
+#[allow(clippy::exhaustive_enums, reason = "the two of docs/conventions.md")]
 pub enum Aim {
     /// As loud as asked, and no louder.
     Target,
@@ -13,14 +12,4 @@ pub enum Aim {
     Max,
 }
 
-const AIMS: [(&str, Aim); 2] = [("target", Aim::Target), ("max", Aim::Max)];
-
-impl OptionValue for Aim {
-    fn read(item: &str, value: &Value) -> Result<Self, Error> {
-        word(item, value, &AIMS)
-    }
-
-    fn show(&self) -> Value {
-        spell(*self, &AIMS)
-    }
-}
+words!(Aim: "target" = Self::Target, "max" = Self::Max);

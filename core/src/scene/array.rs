@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 use num_complex::Complex64;
 
 use crate::device::quantization::Quantization;
-use crate::error::{Error, real};
+use crate::error::{Error, one_each, real};
 use crate::math;
 use crate::scene::presets;
 use crate::scene::transducer::Transducer;
@@ -84,13 +84,7 @@ impl Array {
             vector(&format!("array.positions[{i}]"), position)?;
         }
         let mut normals = normals.unwrap_or_else(|| vec![[0.0, 0.0, 1.0]; positions.len()]);
-        if normals.len() != positions.len() {
-            return Err(Error::invalid(
-                "array.normals",
-                format!("{} normals", normals.len()),
-                format!("give one for each of the {} positions", positions.len()),
-            ));
-        }
+        one_each("array.normals", normals.len(), "normals", positions.len(), "positions")?;
         for (i, normal) in normals.iter_mut().enumerate() {
             vector(&format!("array.normals[{i}]"), normal)?;
             // Scaled by the largest component first, so that no finite normal over- or underflows.
@@ -132,9 +126,7 @@ impl Array {
         }
         count("array.grid nx * ny", nx.saturating_mul(ny))?;
         real("array.grid.pitch", pitch, 0.0, true)?;
-        let centred = |i: usize, n: usize| (i as f64 - (n as f64 - 1.0) / 2.0) * pitch;
-        let positions = (0..nx * ny).map(|i| [centred(i % nx, nx), centred(i / nx, ny), 0.0]).collect();
-        Ok(Self { origin: Origin::Grid { nx, ny, pitch }, ..Self::new(positions, None)? })
+        Ok(Self { origin: Origin::Grid { nx, ny, pitch }, ..Self::new(lattice([nx, ny], pitch), None)? })
     }
 
     /// A real board, or the paper's array; see [`crate::scene::presets`].
@@ -177,13 +169,7 @@ impl Array {
     /// Another number of responses than transducers, a value that is not finite.
     pub fn with_response(mut self, response: Option<Vec<Complex64>>) -> Result<Self, Error> {
         if let Some(response) = &response {
-            if response.len() != self.len() {
-                return Err(Error::invalid(
-                    "array.response",
-                    format!("{} values", response.len()),
-                    format!("give one for each of the {} transducers", self.len()),
-                ));
-            }
+            one_each("array.response", response.len(), "values", self.len(), "transducers")?;
             if let Some((i, c)) = response.iter().enumerate().find(|(_, c)| !c.re.is_finite() || !c.im.is_finite()) {
                 return Err(Error::invalid(format!("array.response[{i}]"), c, "give finite numbers"));
             }
@@ -205,11 +191,8 @@ impl Array {
     /// # Errors
     /// Another number of entries than transducers.
     pub fn with_mask(mut self, mask: Option<Vec<bool>>) -> Result<Self, Error> {
-        if let Some(mask) = &mask
-            && mask.len() != self.len()
-        {
-            let cure = format!("give one for each of the {} transducers", self.len());
-            return Err(Error::invalid("array.mask", format!("{} values", mask.len()), cure));
+        if let Some(mask) = &mask {
+            one_each("array.mask", mask.len(), "values", self.len(), "transducers")?;
         }
         self.mask = mask;
         Ok(self)
@@ -297,12 +280,15 @@ impl Array {
     }
 }
 
+/// `nx` x `ny` positions `pitch` metres apart, centred, x fastest.
+pub(crate) fn lattice([nx, ny]: [usize; 2], pitch: f64) -> Vec<[f64; 3]> {
+    let centred = |i: usize, n: usize| (i as f64 - (n as f64 - 1.0) / 2.0) * pitch;
+    (0..nx * ny).map(|i| [centred(i % nx, nx), centred(i / nx, ny), 0.0]).collect()
+}
+
 /// Refuses positions of another number than the transducers, or not finite.
 pub(crate) fn check_positions(positions: &[[f64; 3]], transducers: usize) -> Result<(), Error> {
-    if positions.len() != transducers {
-        let cure = format!("give one for each of the {transducers} transducers");
-        return Err(Error::invalid("positions", format!("{} of them", positions.len()), cure));
-    }
+    one_each("positions", positions.len(), "of them", transducers, "transducers")?;
     // Named only when refused: this runs for every scene.
     match positions.iter().position(|position| !position.iter().all(|x| x.is_finite())) {
         Some(i) => vector(&format!("positions[{i}]"), &positions[i]),

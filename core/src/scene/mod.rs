@@ -23,6 +23,7 @@ pub use request::Request;
 pub use start::Start;
 pub(crate) use start::check_drive;
 pub use transducer::{Directivity, Transducer};
+pub(crate) use value::words;
 pub use value::{OptionValue, Options, Value, spell, word};
 
 use alloc::vec::Vec;
@@ -61,14 +62,8 @@ impl Scene {
     pub fn new(array: Array, medium: Medium, points: Vec<[f64; 3]>, request: Request) -> Result<Self, Error> {
         check_array(&array, medium)?;
         request.check(points.len())?;
-        let scene = Self { array, medium, points, request, solver: None, plane: None };
-        scene.check_places("points", ".position", &scene.points)?;
-        Ok(scene)
-    }
-
-    /// Refuses places that are not finite or too far away for phases in f32.
-    pub(crate) fn check_places(&self, item: &str, part: &str, places: &[[f64; 3]]) -> Result<(), Error> {
-        check_places(self.array.centre(), self.medium, item, part, places)
+        check_places(array.centre(), medium, "points", ".position", &points)?;
+        Ok(Self { array, medium, points, request, solver: None, plane: None })
     }
 
     /// The array.

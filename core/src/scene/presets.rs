@@ -3,7 +3,9 @@
 use alloc::vec::Vec;
 
 use crate::device::quantization::Quantization;
+use crate::error;
 use crate::error::Error;
+use crate::scene::array::lattice;
 use crate::scene::transducer::{Directivity, Transducer};
 
 /// An array known by name.
@@ -48,7 +50,7 @@ pub const PRESETS: [Preset; 3] = [
         tiles: false,
         transducer: PAPER,
         grid: None,
-        positions: |_| square(20),
+        positions: |_| lattice([20, 20], 10e-3),
     },
     Preset {
         name: "paper36",
@@ -58,7 +60,7 @@ pub const PRESETS: [Preset; 3] = [
         tiles: false,
         transducer: PAPER,
         grid: None,
-        positions: |_| square(36),
+        positions: |_| lattice([36, 36], 10e-3),
     },
     Preset {
         name: "autd3",
@@ -78,15 +80,7 @@ pub const PRESETS: [Preset; 3] = [
 /// # Errors
 /// An unknown name; the error lists the known ones.
 pub fn find(name: &str) -> Result<&'static Preset, Error> {
-    PRESETS
-        .iter()
-        .find(|preset| preset.name == name)
-        .ok_or_else(|| Error::unknown("preset", name, PRESETS.iter().map(|preset| preset.name)))
-}
-
-fn square(side: usize) -> Vec<[f64; 3]> {
-    let centred = |i: usize| (i as f64 - (side as f64 - 1.0) / 2.0) * 10e-3;
-    (0..side * side).map(|i| [centred(i % side), centred(i / side), 0.0]).collect()
+    error::find("preset", name, &PRESETS, |preset| preset.name)
 }
 
 /// Boards x fastest, transducers row-major on each, the middle of all lattices at the origin.

@@ -3,7 +3,7 @@
 use alloc::format;
 use alloc::vec::Vec;
 
-use crate::error::{Error, real};
+use crate::error::{Error, one_each, real};
 
 /// Pressures (M,) in Pa and weights (M,) of M points; each may be left out.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,20 +25,13 @@ impl Request {
         if points == 0 {
             return Err(Error::invalid("points", "empty", "give at least one point"));
         }
-        for (name, values) in [("pressure", &self.pressures), ("weight", &self.weights)] {
+        for (name, values) in [("pressures", &self.pressures), ("weights", &self.weights)] {
             let Some(values) = values else { continue };
-            if values.len() != points {
-                return Err(Error::invalid(
-                    format!("{name}s"),
-                    format!("{} values", values.len()),
-                    format!("give one for each of the {points} points"),
-                ));
-            }
+            one_each(name, values.len(), "values", points, "points")?;
             // Named only when refused: this runs for every frame of a moving hand.
             let refused = |value: &f64| !(value.is_finite() && *value >= 0.0);
             if let Some(j) = values.iter().position(refused) {
-                let value = values[j];
-                real(&format!("points[{j}].{name}"), value, 0.0, false)?;
+                real(&format!("points[{j}].{}", name.trim_end_matches('s')), values[j], 0.0, false)?;
             }
         }
         if self.weights.as_ref().is_some_and(|weights| weights.iter().all(|&w| w == 0.0)) {

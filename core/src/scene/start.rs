@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use num_complex::Complex32;
 
-use crate::error::Error;
+use crate::error::{Error, one_each};
 use crate::math;
 
 /// Where an iterative method begins.
@@ -20,10 +20,7 @@ pub enum Start {
 
 /// Refuses a drive that no array of `transducers` could be given.
 pub(crate) fn check_drive(drive: &[Complex32], transducers: usize) -> Result<(), Error> {
-    if drive.len() != transducers {
-        let value = format!("{} values", drive.len());
-        return Err(Error::invalid("drive", value, format!("give one for each of the {transducers} transducers")));
-    }
+    one_each("drive", drive.len(), "values", transducers, "transducers")?;
     for (i, q) in drive.iter().enumerate() {
         let modulus = math::modulus(*q);
         if !modulus.is_finite() {

@@ -3,7 +3,7 @@
 use alloc::format;
 use core::f64::consts::{FRAC_PI_2, PI};
 
-use crate::error::{Error, real};
+use crate::error::{Error, find, real};
 use crate::kernels::{LANES, Table};
 use crate::math;
 
@@ -42,9 +42,14 @@ pub enum Directivity {
 /// D of the T4010A1 at 0, 10, ..., 90 degrees (values of the AUTD3 software's transducer table).
 const T4010A1: [f64; 10] = [1.0, 1.0, 1.0, 0.8913, 0.7079, 0.5012, 0.3548, 0.2512, 0.1995, 0.1778];
 
-/// The names a scene file knows, with the parameter a bare name stands for.
-const NAMES: [(&str, Option<f64>); 5] =
-    [("point", None), ("piston", Some(4.5e-3)), ("sinc", Some(9e-3)), ("cos", Some(3.376)), ("t4010a1", None)];
+/// The directivities that a scene file knows, with the parameter that a bare name stands for.
+const KNOWN: [Directivity; 5] = [
+    Directivity::Point,
+    Directivity::Piston(4.5e-3),
+    Directivity::Sinc(9e-3),
+    Directivity::Cos(3.376),
+    Directivity::T4010a1,
+];
 
 impl Directivity {
     /// The directivity of a name (`point`, `piston`, `sinc`, `cos`, `t4010a1`) and its parameter: radius in m,
@@ -54,19 +59,15 @@ impl Directivity {
     /// A name not listed, a parameter where none belongs, a radius or width that is not above 0, an exponent
     /// below 0.
     pub fn named(name: &str, parameter: Option<f64>) -> Result<Self, Error> {
-        let Some((_, default)) = NAMES.iter().find(|(known, _)| *known == name) else {
-            return Err(Error::unknown("directivity", name, NAMES.iter().map(|(known, _)| *known)));
-        };
-        if let (None, Some(value)) = (default, parameter) {
+        let known = find("directivity", name, &KNOWN, |known| known.name().0)?;
+        if let (None, Some(value)) = (known.name().1, parameter) {
             return Err(Error::invalid(format!("directivity.{name}"), value, "it takes no parameter"));
         }
-        let value = parameter.or(*default).unwrap_or_default();
-        match name {
-            "piston" => Self::Piston(value),
-            "sinc" => Self::Sinc(value),
-            "cos" => Self::Cos(value),
-            "t4010a1" => Self::T4010a1,
-            _ => Self::Point,
+        match *known {
+            Self::Piston(radius) => Self::Piston(parameter.unwrap_or(radius)),
+            Self::Sinc(width) => Self::Sinc(parameter.unwrap_or(width)),
+            Self::Cos(exponent) => Self::Cos(parameter.unwrap_or(exponent)),
+            bare => bare,
         }
         .checked()
     }
@@ -96,22 +97,23 @@ impl Directivity {
 
     /// Refuses beams so narrow that an angle in f32 no longer resolves them, for wavenumber k (1/m).
     pub(crate) fn check_beam(&self, k: f64) -> Result<(), Error> {
-        let (name, sharpness) = self.sharpness(k);
-        // An error of 6e-8 in cos(theta) then changes D by 2e-4 at most.
-        if sharpness <= 80.0 {
-            return Ok(());
+        // An error of 6e-8 in cos(theta) changes D by 2e-4 at most up to here.
+        if let (name, Some(parameter)) = self.name()
+            && self.sharpness(k) > 80.0
+        {
+            let cure = "give metres, at most some 13 wavelengths (an exponent: at most 6400)";
+            return Err(Error::invalid(format!("directivity.{name}"), parameter, cure));
         }
-        let value = self.name().1.unwrap_or_default();
-        Err(Error::invalid(name, value, "give metres, at most some 13 wavelengths (an exponent: at most 6400)"))
+        Ok(())
     }
 
-    /// How fast D varies with the angle, and what says so.
-    fn sharpness(&self, k: f64) -> (&'static str, f64) {
+    /// How fast D varies with the angle.
+    fn sharpness(&self, k: f64) -> f64 {
         match *self {
-            Self::Point | Self::T4010a1 => ("directivity", 0.0),
-            Self::Piston(radius) => ("directivity.piston", k * radius),
-            Self::Sinc(width) => ("directivity.sinc", k * width / 2.0),
-            Self::Cos(exponent) => ("directivity.cos", math::sqrt(exponent)),
+            Self::Point | Self::T4010a1 => 0.0,
+            Self::Piston(radius) => k * radius,
+            Self::Sinc(width) => k * width / 2.0,
+            Self::Cos(exponent) => math::sqrt(exponent),
         }
     }
 
@@ -187,7 +189,7 @@ impl Directivity {
             }
             // The measured angles are the pieces' ends.
             Self::T4010a1 => PI / 18.0,
-            _ if self.sharpness(k).1 <= FEW => FRAC_PI_2 / LANES as f64,
+            _ if self.sharpness(k) <= FEW => FRAC_PI_2 / LANES as f64,
             _ => return Some(self.many(k)),
         };
         let mut coefficients = [[0.0; LANES]; 6];

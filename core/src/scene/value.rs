@@ -51,13 +51,14 @@ pub trait OptionValue: Sized {
     fn show(&self) -> Value;
 }
 
+/// The integer that a value is, where the type can hold it.
+fn integer<T: TryFrom<i128>>(value: &Value) -> Option<T> {
+    if let Value::Integer(number) = value { T::try_from(*number).ok() } else { None }
+}
+
 impl OptionValue for u64 {
     fn read(item: &str, value: &Value) -> Result<Self, Error> {
-        match value {
-            Value::Integer(number) => Self::try_from(*number).ok(),
-            _ => None,
-        }
-        .ok_or_else(|| Error::invalid(item, value, "give a whole number from 0 to 2^64 - 1"))
+        integer(value).ok_or_else(|| Error::invalid(item, value, "give a whole number from 0 to 2^64 - 1"))
     }
 
     fn show(&self) -> Value {
@@ -67,11 +68,7 @@ impl OptionValue for u64 {
 
 impl OptionValue for u32 {
     fn read(item: &str, value: &Value) -> Result<Self, Error> {
-        match value {
-            Value::Integer(number) => Self::try_from(*number).ok(),
-            _ => None,
-        }
-        .ok_or_else(|| Error::invalid(item, value, "give a whole number, 0 or above"))
+        integer(value).ok_or_else(|| Error::invalid(item, value, "give a whole number, 0 or above"))
     }
 
     fn show(&self) -> Value {
@@ -113,3 +110,19 @@ pub fn spell<T: Copy + PartialEq>(value: T, words: &[(&'static str, T)]) -> Valu
     let found = words.iter().find(|(_, meaning)| *meaning == value);
     Value::Text(found.map_or_else(String::new, |(word, _)| (*word).to_string()))
 }
+
+/// Makes an enum an option that is one of a few words.
+macro_rules! words {
+    ($type:ty: $($word:literal = $value:expr),+) => {
+        impl $crate::scene::OptionValue for $type {
+            fn read(item: &str, value: &$crate::scene::Value) -> Result<Self, $crate::error::Error> {
+                $crate::scene::word(item, value, &[$(($word, $value)),+])
+            }
+
+            fn show(&self) -> $crate::scene::Value {
+                $crate::scene::spell(*self, &[$(($word, $value)),+])
+            }
+        }
+    };
+}
+pub(crate) use words;

@@ -1,11 +1,10 @@
 //! What comes out of a batch: pressures, metrics, scale, status and steps of each problem.
 
-use alloc::vec;
 use alloc::vec::Vec;
 
 use num_complex::Complex32;
 
-use crate::problem::{Metrics, Status};
+use crate::problem::{Metrics, Solution, Status};
 
 /// What comes out of [`crate::Session::solve_batch`] beside the drives, for B problems of M points.
 #[derive(Clone, Debug)]
@@ -24,19 +23,36 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// `count` problems of `points` points, none of them solved.
-    pub(super) fn unsolved(count: usize, points: usize) -> Self {
+    /// The problems' pressures, and how each ended.
+    pub(super) fn of(pressures: Vec<Complex32>, outcomes: &[Outcome]) -> Self {
         Self {
-            pressures: vec![Complex32::ZERO; count * points],
-            metrics: vec![Metrics::default(); count],
-            scale: vec![1.0; count],
-            status: vec![Status::Stopped; count],
-            steps: vec![0; count],
+            pressures,
+            metrics: outcomes.iter().map(|outcome| outcome.metrics).collect(),
+            scale: outcomes.iter().map(|outcome| outcome.scale).collect(),
+            status: outcomes.iter().map(|outcome| outcome.status).collect(),
+            steps: outcomes.iter().map(|outcome| outcome.steps).collect(),
         }
     }
+}
 
-    /// The mean residual of the first `done` problems.
-    pub(super) fn mean_residual(&self, done: usize) -> f64 {
-        self.metrics[..done].iter().map(|metrics| metrics.residual).sum::<f64>() / done as f64
+/// How a problem ended.
+#[derive(Clone, Copy)]
+pub(super) struct Outcome {
+    pub(super) metrics: Metrics,
+    scale: f64,
+    status: Status,
+    steps: usize,
+}
+
+impl Default for Outcome {
+    /// Not begun.
+    fn default() -> Self {
+        Self { metrics: Metrics::default(), scale: 1.0, status: Status::Stopped, steps: 0 }
+    }
+}
+
+impl Outcome {
+    pub(super) fn of(solution: &Solution) -> Self {
+        Self { metrics: solution.metrics(), scale: solution.scale, status: solution.status, steps: solution.steps }
     }
 }

@@ -9,16 +9,19 @@ pub use worker::Ask;
 
 use alloc::format;
 use alloc::sync::Arc;
+use alloc::vec;
 use alloc::vec::Vec;
 
 use num_complex::Complex32;
 
 use crate::control::Control;
 use crate::error::Error;
+use crate::kernels::LANES;
 use crate::problem::{Problem, Setup, Solution};
 use crate::propagation::{Model, Propagation};
+use crate::session::batch::Outcome;
 use crate::session::parts::{each, parts, threads};
-use crate::session::worker::{Requests, TOGETHER, Task, Transducers, Worker};
+use crate::session::worker::{Requests, Task, Transducers, Worker};
 use crate::solvers::method::Solve;
 use crate::solvers::solve::solve;
 
@@ -91,8 +94,7 @@ impl Session {
         }
         self.task.read(problems, 0, ask)?;
         let problem = &mut problems[0];
-        problem.sum_moduli()?;
-        problem.balance_targets()?;
+        problem.measure()?;
         let solution = solve(problem, &*self.task.solver, self.task.balance, work, control)?;
         Ok(self.solution.insert(solution))
     }
@@ -147,20 +149,22 @@ impl Session {
         }
         let (task, requests) = (&self.task, Requests { points, ask });
         let workers = &mut self.workers[..threads];
-        let mut batch = Batch::unsolved(count, points);
-        let share = TOGETHER * (STRETCH / (TOGETHER * transducers * points)).max(1);
+        let mut pressures = vec![Complex32::ZERO; count * points];
+        let mut outcomes = vec![Outcome::default(); count];
+        let share = LANES * (STRETCH / (LANES * transducers * points)).max(1);
         let mut done = 0;
         while done < count {
             let end = count.min(done + share * threads);
-            let parts = parts(&mut batch, drives, done..end, share);
+            let parts = parts((drives, &mut pressures, &mut outcomes), done..end, share);
             each(parts, workers, &|part, worker| worker.run(part, task, requests))?;
             done = end;
-            if control.step(done, count, || batch.mean_residual(done)).is_break() {
+            let residuals = outcomes[..done].iter().map(|outcome| outcome.metrics.residual);
+            if control.step(done, count, || residuals.clone().sum::<f64>() / done as f64).is_break() {
                 drives[done * transducers..].fill(Complex32::ZERO);
                 break;
             }
         }
-        Ok(batch)
+        Ok(Batch::of(pressures, &outcomes))
     }
 
     /// The problem of the last request that was read.

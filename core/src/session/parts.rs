@@ -6,25 +6,22 @@ use core::ops::Range;
 use num_complex::Complex32;
 
 use crate::error::Error;
-use crate::problem::{Metrics, Solution, Status};
-use crate::session::batch::Batch;
+use crate::problem::Solution;
+use crate::session::batch::Outcome;
 
-/// Some problems' places in the output.
+/// Where the solutions of some problems in a row are written.
 pub(super) struct Part<'a> {
     /// The first problem's index in the batch.
     pub(super) first: usize,
     drives: &'a mut [Complex32],
     pressures: &'a mut [Complex32],
-    metrics: &'a mut [Metrics],
-    scale: &'a mut [f64],
-    status: &'a mut [Status],
-    steps: &'a mut [usize],
+    outcomes: &'a mut [Outcome],
 }
 
 impl Part<'_> {
     /// Number of problems.
     pub(super) fn len(&self) -> usize {
-        self.metrics.len()
+        self.outcomes.len()
     }
 
     /// Keeps the solution of the part's problem `k`.
@@ -32,76 +29,45 @@ impl Part<'_> {
         let (transducers, points) = (solution.drive.len(), solution.pressures.len());
         self.drives[k * transducers..(k + 1) * transducers].copy_from_slice(&solution.drive);
         self.pressures[k * points..(k + 1) * points].copy_from_slice(&solution.pressures);
-        self.metrics[k] = solution.metrics();
-        self.scale[k] = solution.scale;
-        self.status[k] = solution.status;
-        self.steps[k] = solution.steps;
+        self.outcomes[k] = Outcome::of(solution);
     }
 }
 
-/// The places of problems `range`, `share` a part.
+/// Parts of the whole batch's drives, pressures and outcomes: those of problems `range`, `share` problems a part.
 pub(super) fn parts<'a>(
-    batch: &'a mut Batch,
-    drives: &'a mut [Complex32],
+    (drives, pressures, outcomes): (&'a mut [Complex32], &'a mut [Complex32], &'a mut [Outcome]),
     range: Range<usize>,
     share: usize,
 ) -> Vec<Part<'a>> {
-    let (start, end) = (range.start, range.end);
-    let count = batch.metrics.len();
-    let (transducers, points) = (drives.len() / count, batch.pressures.len() / count);
-    let lists = drives[start * transducers..end * transducers]
+    let (start, end, count) = (range.start, range.end, outcomes.len());
+    let (transducers, points) = (drives.len() / count, pressures.len() / count);
+    drives[start * transducers..end * transducers]
         .chunks_mut(share * transducers)
-        .zip(batch.pressures[start * points..end * points].chunks_mut(share * points))
-        .zip(batch.metrics[range.clone()].chunks_mut(share))
-        .zip(batch.scale[range.clone()].chunks_mut(share))
-        .zip(batch.status[range.clone()].chunks_mut(share))
-        .zip(batch.steps[range].chunks_mut(share));
-    lists
+        .zip(pressures[start * points..end * points].chunks_mut(share * points))
+        .zip(outcomes[range].chunks_mut(share))
         .enumerate()
-        .map(|(k, (((((drives, pressures), metrics), scale), status), steps))| Part {
-            first: start + k * share,
-            drives,
-            pressures,
-            metrics,
-            scale,
-            status,
-            steps,
-        })
+        .map(|(k, ((drives, pressures), outcomes))| Part { first: start + k * share, drives, pressures, outcomes })
         .collect()
 }
 
 /// Number of threads that parts are worked on by.
-#[cfg(feature = "parallel")]
 pub(super) fn threads() -> usize {
-    rayon::current_num_threads()
-}
-
-/// Number of threads that parts are worked on by.
-#[cfg(not(feature = "parallel"))]
-pub(super) fn threads() -> usize {
-    1
+    #[cfg(feature = "parallel")]
+    return rayon::current_num_threads();
+    #[cfg(not(feature = "parallel"))]
+    return 1;
 }
 
 type Run<'a, W> = &'a (dyn Fn(Part<'_>, &mut W) -> Result<(), Error> + Sync);
 
 /// Every part in the hands of a worker; the first error by index.
-#[cfg(feature = "parallel")]
 pub(super) fn each<W: Send>(parts: Vec<Part<'_>>, workers: &mut [W], run: Run<'_, W>) -> Result<(), Error> {
-    use rayon::prelude::*;
     // For one part no other thread need wake up.
-    if parts.len() == 1 {
-        return in_turn(parts, workers, run);
+    #[cfg(feature = "parallel")]
+    if parts.len() > 1 {
+        use rayon::prelude::*;
+        let pairs = parts.into_par_iter().zip(workers.par_iter_mut());
+        return pairs.map(|(part, worker)| run(part, worker)).collect::<Vec<_>>().into_iter().collect();
     }
-    let pairs = parts.into_par_iter().zip(workers.par_iter_mut());
-    pairs.map(|(part, worker)| run(part, worker)).collect::<Vec<_>>().into_iter().collect()
-}
-
-/// Every part in the hands of a worker; the first error by index.
-#[cfg(not(feature = "parallel"))]
-pub(super) fn each<W>(parts: Vec<Part<'_>>, workers: &mut [W], run: Run<'_, W>) -> Result<(), Error> {
-    in_turn(parts, workers, run)
-}
-
-fn in_turn<W>(parts: Vec<Part<'_>>, workers: &mut [W], run: Run<'_, W>) -> Result<(), Error> {
     parts.into_iter().zip(workers).try_for_each(|(part, worker)| run(part, worker))
 }

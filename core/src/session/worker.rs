@@ -8,6 +8,7 @@ use core::ops::Range;
 
 use crate::control::Control;
 use crate::error::Error;
+use crate::kernels::LANES;
 use crate::problem::{Problem, Setup};
 use crate::propagation::{Model, Propagation};
 use crate::scene::{Aim, Request, Start};
@@ -16,9 +17,6 @@ use crate::solvers::common::interleaved;
 use crate::solvers::method::Solve;
 use crate::solvers::solve::{solve, solve_interleaved};
 use crate::workspace::Workspace;
-
-/// Problems that a thread reads and solves together: one a lane.
-pub(super) const TOGETHER: usize = 16;
 
 /// One request to a session.
 #[derive(Clone, Debug, Default)]
@@ -83,7 +81,7 @@ impl Task {
         }
         let problem = &mut problems[k];
         problem.replace(points, &ask.request)?;
-        problem.aim_at(ask.aim);
+        problem.aim = ask.aim;
         ask.start.clone().map_or(Ok(()), |start| problem.begin(start))
     }
 }
@@ -109,8 +107,8 @@ impl Worker {
         let first = part.first;
         let mut done = 0;
         while done < part.len() {
-            let end = part.len().min(done + TOGETHER);
-            self.some(&mut part, done..end, task, requests)
+            let end = part.len().min(done + LANES);
+            self.solve_range(&mut part, done..end, task, requests)
                 .map_err(|(index, error)| Error::InBatch { index: first + index, error: Box::new(error) })?;
             done = end;
         }
@@ -118,7 +116,7 @@ impl Worker {
     }
 
     /// Reads and solves problems `range` of a part; the error has the number of the problem in the part.
-    fn some(
+    fn solve_range(
         &mut self,
         part: &mut Part<'_>,
         range: Range<usize>,

@@ -2,9 +2,8 @@
 
 use num_complex::Complex32;
 
-use crate::error::Error;
 use crate::math::sqrtf;
-use crate::scene::{OptionValue, Value, spell, word};
+use crate::scene::words;
 
 /// How a drive that may exceed |q| = 1 is brought back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,18 +17,7 @@ pub enum AmplitudeLimit {
     Full,
 }
 
-const WORDS: [(&str, AmplitudeLimit); 3] =
-    [("clamp", AmplitudeLimit::Clamp), ("normalize", AmplitudeLimit::Normalize), ("full", AmplitudeLimit::Full)];
-
-impl OptionValue for AmplitudeLimit {
-    fn read(item: &str, value: &Value) -> Result<Self, Error> {
-        word(item, value, &WORDS)
-    }
-
-    fn show(&self) -> Value {
-        spell(*self, &WORDS)
-    }
-}
+words!(AmplitudeLimit: "clamp" = Self::Clamp, "normalize" = Self::Normalize, "full" = Self::Full);
 
 impl AmplitudeLimit {
     /// Applies it.

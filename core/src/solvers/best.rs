@@ -26,15 +26,8 @@ crate::options! {
 const FINALISTS: usize = 4;
 
 impl Method for Best {
-    const INFO: Info = Info {
-        name: "best",
-        summary: "the loudest even field from many starts",
-        source: "as uniform",
-        balance: true,
-        tolerance: 1e-4,
-        uses_start: true,
-        uses_aim: true,
-    };
+    const INFO: Info =
+        Info::new("best", "the loudest even field from many starts", "as uniform").balanced().with_start().with_aim();
 
     fn check(&self) -> Result<(), Error> {
         if self.starts == 0 {

@@ -11,7 +11,7 @@ use crate::error::{Error, real};
 use crate::kernels;
 use crate::linalg::leading_eigenvector;
 use crate::linalg::{Hermitian, Planar};
-use crate::math::{pow, sqrtf};
+use crate::math::{pow, sqrtf, unit};
 use crate::problem::{Problem, Solution, Status};
 use crate::propagation::{back_project, gram};
 use crate::solvers::amplitude_limit::AmplitudeLimit;
@@ -29,15 +29,12 @@ crate::options! {
 }
 
 impl Method for Evd {
-    const INFO: Info = Info {
-        name: "evd",
-        summary: "leading eigenvector's phases, then a regularised solve",
-        source: "Long et al., ACM Trans. Graphics 33(6), 2014",
-        balance: false,
-        tolerance: 1e-2,
-        uses_start: false,
-        uses_aim: false,
-    };
+    const INFO: Info = Info::new(
+        "evd",
+        "leading eigenvector's phases, then a regularised solve",
+        "Long et al., ACM Trans. Graphics 33(6), 2014",
+    )
+    .within(1e-2);
 
     fn check(&self) -> Result<(), Error> {
         real("gamma", self.gamma, 0.0, false)?;
@@ -53,10 +50,7 @@ impl Solve for Evd {
         let propagation = problem.propagation();
         let (count, targets) = (propagation.points(), problem.targets());
         let mut phasors = phases(problem, work);
-        for (j, &target) in targets.iter().enumerate() {
-            phasors.re[j] *= target;
-            phasors.im[j] *= target;
-        }
+        phasors.scale(targets.iter().copied());
         // 1 / w_i^2 = (mean_j t_j |G_ji|)^-gamma; 0 for a transducer without effect.
         let mut inverse = work.floats.take(propagation.transducers());
         let [mut row, mut moduli] = [(); 2].map(|()| Planar::zeros(1, propagation.lanes(), work));
@@ -68,17 +62,12 @@ impl Solve for Evd {
         }
         let matrix = gram(propagation, Some(&inverse), work);
         // In f32 the matrix resolves no more than this part of its diagonal.
-        let largest = (0..count).map(|j| matrix.row(j)[0][j]).fold(0.0, f32::max);
+        let largest = matrix.diagonal().fold(0.0, f32::max);
         let shift = f32::max(1.0, 1e-6 * largest);
         let solver = Hermitian::damped(propagation.instruction_set(), &matrix, count, shift, work);
-        solver.solve(&mut phasors, work);
+        solver.solve(&mut phasors);
         let mut drive = back_project(propagation, &phasors, |i| inverse[i], work);
         self.limit.apply(&mut drive);
-        solver.give(work);
-        work.floats.give(inverse);
-        for planar in [phasors, row, moduli, matrix] {
-            planar.give(work);
-        }
         Ok(Solution::told(problem, drive, (Status::Done, 1), 1, work, control))
     }
 }
@@ -87,14 +76,13 @@ impl Solve for Evd {
 ///
 /// R = G G^H D with D = diag(t_j / sum_i |G_ji|^2), similar to the Hermitian D^1/2 G G^H D^1/2, whose eigenvectors
 /// have the same phases.
-fn phases(problem: &Problem, work: &mut Workspace) -> Planar {
+fn phases<'w>(problem: &Problem, work: &'w Workspace) -> Planar<'w> {
     let propagation = problem.propagation();
     let count = propagation.points();
     let mut matrix = gram(propagation, None, work);
     let mut root = work.floats.take(propagation.lanes());
-    for j in 0..count {
-        let power = matrix.row(j)[0][j];
-        root[j] = if power > 0.0 { sqrtf(problem.targets()[j] / power) } else { 0.0 };
+    for ((root, power), target) in root.iter_mut().zip(matrix.diagonal()).zip(problem.targets()) {
+        *root = if power > 0.0 { sqrtf(target / power) } else { 0.0 };
     }
     for k in 0..count {
         let [re, im] = matrix.row_mut(k);
@@ -109,11 +97,7 @@ fn phases(problem: &Problem, work: &mut Workspace) -> Planar {
     }
     leading_eigenvector(propagation.instruction_set(), &matrix, &mut vector, count, work);
     for j in 0..count {
-        let (re, im) = (vector.re[j], vector.im[j]);
-        let modulus = sqrtf(re * re + im * im);
-        (vector.re[j], vector.im[j]) = if modulus > 0.0 { (re / modulus, im / modulus) } else { (1.0, 0.0) };
+        (vector.re[j], vector.im[j]) = unit(vector.re[j], vector.im[j]);
     }
-    work.floats.give(root);
-    matrix.give(work);
     vector
 }

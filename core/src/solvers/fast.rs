@@ -12,9 +12,11 @@
 //! (majorise-minimise, Hunter and Lange, Am. Statistician 58(1), 2004). While P_j = 0 its phase is taken as 0. One
 //! sum over the points replaces L candidates. A transducer moves P by one part in N, so a block of them may share
 //! the same d: it is the sums of a block that fill a register. A further sweep takes each transducer anew, with a
-//! part `OWN` of its own wave left in P so that the members of a block do not all turn at once.
+//! part `OWN` of its own wave left in P so that the members of a block do not all rotate at once.
 
 use alloc::vec::Vec;
+
+use num_complex::Complex32;
 
 use crate::control::Control;
 use crate::error::Error;
@@ -22,13 +24,14 @@ use crate::kernels::closed_form;
 use crate::kernels::closed_form::Sweep;
 use crate::kernels::closed_form::interleaved;
 use crate::linalg::Planar;
+use crate::math::modulus;
 use crate::problem::{Problem, Solution, Status};
 use crate::rng::Rng;
-use crate::solvers::common::interleaved::Together;
+use crate::solvers::common::interleaved::InterleavedBatch;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::{Aligned, Workspace};
 
-/// How much of its old wave a transducer keeps out of d in a further sweep: 0.3 to 0.5 settle fastest in trials.
+/// The part of its old wave that a transducer keeps out of d in a further sweep: 0.3 to 0.5 converge fastest in trials.
 const OWN: f32 = 0.4;
 
 crate::options! {
@@ -44,15 +47,13 @@ crate::options! {
 }
 
 impl Method for Fast {
-    const INFO: Info = Info {
-        name: "fast",
-        summary: "greedy in closed form: one sum instead of a search",
-        source: "majorise-minimise on eq. (7) of Suzuki et al. 2021",
-        balance: true,
-        tolerance: 0.02,
-        uses_start: false,
-        uses_aim: false,
-    };
+    const INFO: Info = Info::new(
+        "fast",
+        "greedy in closed form: one sum instead of a search",
+        "majorise-minimise on eq. (7) of Suzuki et al. 2021",
+    )
+    .balanced()
+    .within(0.02);
 
     fn check(&self) -> Result<(), Error> {
         let most = closed_form::MOST as u32;
@@ -87,10 +88,10 @@ impl Solve for Fast {
                 own: if sweep == 0 { 0.0 } else { OWN },
                 memory: &mut memory,
             };
-            let turn = |[re, im]: [&[f32]; 2]| {
+            let report = |[re, im]: [&[f32]; 2]| {
                 step += 1;
-                let residual = || problem.residual_of(re.iter().copied().zip(im.iter().copied()));
-                control.step(step, steps, residual).is_continue()
+                let moduli = re.iter().zip(im).map(|(&re, &im)| modulus(Complex32::new(re, im)));
+                control.step(step, steps, || problem.residual_of(moduli.clone())).is_continue()
             };
             let pressures = [&mut field.re[..], &mut field.im[..]];
             if !closed_form::sweep(
@@ -99,42 +100,40 @@ impl Solve for Fast {
                 stride(count, self.seed),
                 &mut drive,
                 pressures,
-                turn,
+                report,
             ) {
                 status = Status::Stopped;
                 break;
             }
         }
-        memory.give(work);
-        Ok(Solution::of_field(problem, drive, field, status, step, work))
+        Ok(Solution::of_field(problem, drive.into_vec(), &field, status, step, work))
     }
 
     fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
         self.check().ok()?;
-        let mut together = Together::of(problems, work)?;
-        let (count, lanes) = (problems.first()?.propagation().transducers(), together.target.len());
+        let mut batch = InterleavedBatch::of(problems, work)?;
+        let (count, lanes) = (problems.first()?.propagation().transducers(), batch.target.len());
         let mut memory = work.floats.take(closed_form::floats(lanes));
         for sweep in 0..=self.sweeps {
             let task = Sweep {
-                rows: together.abreast.rows(),
-                target: &together.target,
-                weight: &together.weight,
+                rows: batch.points.rows(),
+                target: &batch.target,
+                weight: &batch.weight,
                 block: self.block as usize,
                 own: if sweep == 0 { 0.0 } else { OWN },
                 memory: &mut memory,
             };
-            let [re, im] = &mut together.pressures;
+            let [re, im] = &mut batch.pressures;
             let order = stride(count, self.seed);
-            interleaved::sweep(together.abreast.set, task, order, &mut together.drives, [re, im]);
+            interleaved::sweep(batch.points.set, task, order, &mut batch.drives, [re, im]);
         }
-        work.floats.give(memory);
         let steps = count.div_ceil(self.block as usize) * (1 + self.sweeps as usize);
-        Some(together.solutions(problems, steps, work))
+        Some(batch.solutions(problems, steps, work))
     }
 }
 
-/// All of 0..count in strides near the golden section, from a place that the seed draws: neighbours in turn are far
-/// apart on the board, which does what a shuffle does and costs nothing.
+/// All of 0..count in strides near the golden section, from an index that the seed draws: successive transducers are far
+/// apart on the board, as after a shuffle, at no cost.
 fn stride(count: usize, seed: u64) -> impl Iterator<Item = usize> {
     let golden = (count as f64 * 0.618_033_988_749_895) as usize;
     let step = (golden.max(1)..=golden.max(1) + count).find(|&step| coprime(step, count)).unwrap_or(1) % count;

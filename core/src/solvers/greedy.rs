@@ -8,6 +8,8 @@
 use alloc::format;
 use alloc::vec::Vec;
 
+use num_complex::Complex32;
+
 use crate::control::Control;
 use crate::device::quantization::Quantization;
 use crate::error::Error;
@@ -16,12 +18,13 @@ use crate::kernels::greedy::interleaved;
 use crate::kernels::greedy::{Pass, Search};
 use crate::kernels::{Candidates, L1, L2, LANES, PointGroup, table};
 use crate::linalg::Planar;
+use crate::math::modulus;
 use crate::problem::{Problem, Solution, Status};
 use crate::rng::Rng;
-use crate::scene::{OptionValue, Options, Value, spell, word};
-use crate::solvers::common::interleaved::Together;
+use crate::scene::{OptionValue, Options, Value, words};
+use crate::solvers::common::interleaved::InterleavedBatch;
 use crate::solvers::method::{Info, Method, Solve};
-use crate::workspace::Workspace;
+use crate::workspace::{Buffer, Workspace};
 
 /// Whether the errors are squared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,17 +69,7 @@ crate::options! {
 /// A device's longer table is thinned to the paper's K = 16 unless told otherwise: K multiplies the time.
 const AMPLITUDES: usize = 16;
 
-const OBJECTIVES: [(&str, Objective); 2] = [("l2", Objective::L2), ("l1", Objective::L1)];
-
-impl OptionValue for Objective {
-    fn read(item: &str, value: &Value) -> Result<Self, Error> {
-        word(item, value, &OBJECTIVES)
-    }
-
-    fn show(&self) -> Value {
-        spell(*self, &OBJECTIVES)
-    }
-}
+words!(Objective: "l2" = Self::L2, "l1" = Self::L1);
 
 impl OptionValue for Order {
     fn read(item: &str, value: &Value) -> Result<Self, Error> {
@@ -84,9 +77,9 @@ impl OptionValue for Order {
             let order = list.iter().map(|&i| u32::try_from(i)).collect::<Result<_, _>>();
             return order.map(Self::Given).map_err(|_| not_a_permutation(value));
         }
-        word(item, value, &[("random", 0), ("rows", 1), ("columns", 2)])
-            .map(|k| [Self::Random, Self::Rows, Self::Columns][k].clone())
-            .map_err(|_| Error::invalid(item, value, "give \"random\", \"rows\", \"columns\" or a permutation of 0..N"))
+        let cure = "give \"random\", \"rows\", \"columns\" or a permutation of 0..N";
+        let known = [Self::Random, Self::Rows, Self::Columns].into_iter().find(|known| known.show() == *value);
+        known.ok_or_else(|| Error::invalid(item, value, cure))
     }
 
     fn show(&self) -> Value {
@@ -146,15 +139,12 @@ impl Order {
 }
 
 impl Method for Greedy {
-    const INFO: Info = Info {
-        name: "greedy",
-        summary: "greedy with brute-force search over phases and amplitudes",
-        source: "Suzuki et al., IEEE Trans. Haptics 14(4), 2021, Algorithm 2",
-        balance: false,
-        tolerance: 0.02,
-        uses_start: false,
-        uses_aim: false,
-    };
+    const INFO: Info = Info::new(
+        "greedy",
+        "greedy with brute-force search over phases and amplitudes",
+        "Suzuki et al., IEEE Trans. Haptics 14(4), 2021, Algorithm 2",
+    )
+    .within(0.02);
 
     fn device_defaults(quantization: &Quantization) -> Options {
         let phases = quantization.phases().map(|count| ("phases".into(), count.show()));
@@ -176,17 +166,14 @@ impl Method for Greedy {
 
 impl Greedy {
     /// The transducers in the order of their updates.
-    fn order(&self, problem: &Problem, work: &mut Workspace) -> Result<Vec<u32>, Error> {
-        let mut order = work.indices.take(problem.propagation().transducers());
-        for (k, i) in order.iter_mut().enumerate() {
-            *i = k as u32;
-        }
+    fn order<'w>(&self, problem: &Problem, work: &'w Workspace) -> Result<Buffer<'w, u32>, Error> {
+        let mut order = work.counting(problem.propagation().transducers());
         self.order.write(self.seed, problem.setup().positions.as_deref(), &mut order)?;
         Ok(order)
     }
 
     /// Candidates on this problem's device.
-    fn candidates(&self, problem: &Problem, work: &mut Workspace) -> Result<Candidates, Error> {
+    fn candidates(&self, problem: &Problem, work: &Workspace) -> Result<Candidates, Error> {
         let (phases, amplitudes) = (self.phases as usize, self.amplitudes as usize);
         let on = problem.quantization().map(Quantization::on).unwrap_or_default();
         if let Some(known) = problem.quantization().and_then(Quantization::phases)
@@ -204,7 +191,7 @@ impl Greedy {
             [] => (k as f64 + 1.0) / amplitudes as f64,
             table => table[((k + 1) * table.len()).div_ceil(amplitudes) - 1],
         };
-        let buffers = [table(phases), table(phases), amplitudes].map(|len| work.floats.take(len));
+        let buffers = [table(phases), table(phases), amplitudes].map(|len| work.floats.take(len).into_vec());
         Ok(Candidates::grid(phases, (0..amplitudes).map(value), buffers))
     }
 }
@@ -235,7 +222,8 @@ impl Solve for Greedy {
         let mut status = Status::Done;
         let mut report = |updates: usize, points: &[PointGroup]| {
             let pressures = points.iter().flat_map(|group| group.re.into_iter().zip(group.im));
-            let go = control.step(updates, count, || problem.residual_of(pressures.clone())).is_continue();
+            let moduli = pressures.map(|(re, im)| modulus(Complex32::new(re, im)));
+            let go = control.step(updates, count, || problem.residual_of(moduli.clone())).is_continue();
             if !go {
                 status = Status::Stopped;
             }
@@ -247,11 +235,10 @@ impl Solve for Greedy {
             Objective::L2 => greedy::pass::<L2>(set, pass, search, drives, pressures, &mut report),
             Objective::L1 => greedy::pass::<L1>(set, pass, search, drives, pressures, &mut report),
         };
-        work.floats.give_all(candidates.into_buffers());
-        work.floats.give_all([floats, rows]);
-        work.points.give(groups);
-        work.indices.give_all([order, indices]);
-        Ok(Solution::of_field(problem, drive, field, status, steps, work))
+        for buffer in candidates.into_buffers() {
+            work.floats.give(buffer);
+        }
+        Ok(Solution::of_field(problem, drive.into_vec(), &field, status, steps, work))
     }
 
     fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
@@ -261,32 +248,30 @@ impl Solve for Greedy {
         if self.objective != Objective::L2 || !fits {
             return None;
         }
-        let mut together = Together::of(problems, work)?;
+        let mut batch = InterleavedBatch::of(problems, work)?;
         let candidates = self.candidates(first, work).ok()?;
         let order = self.order(first, work).ok()?;
-        let lanes = together.target.len();
+        let lanes = batch.target.len();
         let mut floats = work.floats.take(interleaved::floats(lanes, &candidates));
         let mut groups = work.points.take(lanes / LANES);
         let mut rows = work.floats.take(4 * lanes);
         let mut indices = work.indices.take(greedy::indices(LANES, candidates.phases));
         let pass = Pass {
-            rows: together.abreast.rows(),
-            target: &together.target,
-            weight: &together.weight,
+            rows: batch.points.rows(),
+            target: &batch.target,
+            weight: &batch.weight,
             count: lanes,
             order: &order,
             groups: &mut groups,
             memory: &mut rows,
         };
         let search = Search { candidates: &candidates, floats: &mut floats, indices: &mut indices };
-        let [re, im] = &mut together.pressures;
-        let level = together.abreast.set;
-        interleaved::pass(level, pass, search, problems.len(), &mut together.drives, [re, im]);
-        work.floats.give_all(candidates.into_buffers());
-        work.floats.give_all([floats, rows]);
-        work.points.give(groups);
+        let [re, im] = &mut batch.pressures;
+        interleaved::pass(batch.points.set, pass, search, problems.len(), &mut batch.drives, [re, im]);
+        for buffer in candidates.into_buffers() {
+            work.floats.give(buffer);
+        }
         let steps = order.len();
-        work.indices.give_all([order, indices]);
-        Some(together.solutions(problems, steps, work))
+        Some(batch.solutions(problems, steps, work))
     }
 }

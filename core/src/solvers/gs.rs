@@ -24,15 +24,9 @@ crate::options! {
 }
 
 impl Method for Gs {
-    const INFO: Info = Info {
-        name: "gs",
-        summary: "Gerchberg-Saxton, |q| = 1",
-        source: "Marzo and Drinkwater, PNAS 116(1), 2019",
-        balance: false,
-        tolerance: 1e-3,
-        uses_start: true,
-        uses_aim: false,
-    };
+    const INFO: Info = Info::new("gs", "Gerchberg-Saxton, |q| = 1", "Marzo and Drinkwater, PNAS 116(1), 2019")
+        .with_start()
+        .within(1e-3);
 
     fn check(&self) -> Result<(), Error> {
         check_iteration(self.steps, self.tolerance)
@@ -61,10 +55,6 @@ impl Solve for Gs {
             |wave| problem.residual(&wave.moduli),
         );
         let drive = wave.drives(count, work);
-        work.floats.give_all([moduli, before]);
-        projector.give(work);
-        wave.give(work);
-        rows.give(work);
         Ok(Solution::told(problem, drive, ended, self.steps as usize, work, control))
     }
 }

@@ -30,15 +30,13 @@ crate::options! {
 }
 
 impl Method for Gspat {
-    const INFO: Info = Info {
-        name: "gspat",
-        summary: "GS-PAT: Gerchberg-Saxton on the M x M matrix",
-        source: "Plasencia et al., ACM Trans. Graphics 39(4), 2020",
-        balance: false,
-        tolerance: 1e-3,
-        uses_start: true,
-        uses_aim: false,
-    };
+    const INFO: Info = Info::new(
+        "gspat",
+        "GS-PAT: Gerchberg-Saxton on the M x M matrix",
+        "Plasencia et al., ACM Trans. Graphics 39(4), 2020",
+    )
+    .with_start()
+    .within(1e-3);
 
     fn check(&self) -> Result<(), Error> {
         check_iteration(self.steps, self.tolerance)
@@ -57,17 +55,10 @@ impl Solve for Gspat {
         };
         let mut wanted = start_phasors(problem, work);
         let mut field = Planar::zeros(1, lanes, work);
-        let mut moduli = work.floats.take(lanes);
-        let mut before = work.floats.take(lanes);
-        for (j, &target) in targets.iter().enumerate() {
-            wanted.re[j] *= target;
-            wanted.im[j] *= target;
-        }
+        let [mut moduli, mut before] = [(); 2].map(|()| work.floats.take(lanes));
+        wanted.scale(targets.iter().copied());
         let propagate = |wanted: &mut Planar, field: &mut Planar, moduli: &mut [f32]| {
-            for j in 0..count {
-                wanted.re[j] *= share(j);
-                wanted.im[j] *= share(j);
-            }
+            wanted.scale((0..count).map(share));
             times(propagation.instruction_set(), &matrix, wanted, field);
             kernels::modulus(propagation.instruction_set(), &field.re, &field.im, moduli);
         };
@@ -96,10 +87,6 @@ impl Solve for Gspat {
         }
         let mut drive = back_project(propagation, &wanted, |_| 1.0, work);
         self.limit.apply(&mut drive);
-        work.floats.give_all([moduli, before]);
-        for planar in [matrix, wanted, field] {
-            planar.give(work);
-        }
         Ok(Solution::told(problem, drive, ended, self.steps as usize, work, control))
     }
 }

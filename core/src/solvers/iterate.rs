@@ -6,8 +6,8 @@ use crate::problem::Status;
 /// Steps until a step says that the tolerance is met, somebody stops them, or they are `steps`: how they ended, and how
 /// many they were. A tolerance of 0 asks for all steps, which is then no shortage of them.
 ///
-/// `control` is told `residual` after each step but the last: that one's is the answer's own, which
-/// [`crate::Solution::tell`] tells.
+/// `control` gets `residual` after each step but the last: the last one's is the answer's own, which
+/// [`crate::Solution::tell`] reports.
 pub(super) fn iterate<T>(
     (steps, tolerance): (u32, f64),
     state: &mut T,

@@ -2,9 +2,8 @@
 //!
 //! Unknown are the phases phi_i of the transducers, |q_i| = 1, and theta_j of the points; the residuals are
 //! r_j = sqrt(w_j) (P_j - t_j e^{j theta_j}), complex. A step solves (J^T J + mu I) d = -J^T r in the dual
-//! ([`crate::solvers::common::gauss_newton`]) of 2M real equations, and turns the phasors: each phase by atan(d), no sine or cosine needed.
+//! ([`crate::solvers::common::gauss_newton`]) of 2M real equations, and rotates the phasors: each phase by atan(d), no sine or cosine needed.
 
-use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
 use num_complex::Complex32;
@@ -23,7 +22,7 @@ use crate::solvers::common::gauss_newton::Dual;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::iterate::iterate;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
-use crate::workspace::Workspace;
+use crate::workspace::{Buffer, Workspace};
 
 crate::options! {
     /// Levenberg-Marquardt, |q| = 1. Time O(N M^2 + M^3) a step, memory O(N M + M^2).
@@ -40,15 +39,13 @@ crate::options! {
 }
 
 impl Method for Lm {
-    const INFO: Info = Info {
-        name: "lm",
-        summary: "Levenberg-Marquardt on all phases, |q| = 1",
-        source: "Madsen et al. 2004, algorithm 3.16; Suzuki et al. 2021",
-        balance: false,
-        tolerance: 0.02,
-        uses_start: true,
-        uses_aim: false,
-    };
+    const INFO: Info = Info::new(
+        "lm",
+        "Levenberg-Marquardt on all phases, |q| = 1",
+        "Madsen et al. 2004, algorithm 3.16; Suzuki et al. 2021",
+    )
+    .with_start()
+    .within(0.02);
 
     fn check(&self) -> Result<(), Error> {
         check_iteration(self.steps, 0.0)?;
@@ -69,49 +66,49 @@ impl Solve for Lm {
         // The root mean square of a step in turns, as the norm of all steps in rad.
         let least =
             self.eps * TAU * sqrt((problem.propagation().transducers() + problem.propagation().points()) as f64);
-        let step = |state: &mut State| {
-            let Some((length, predicted)) = normal.step(&rows, state, damping, &mut trial, work) else {
-                // Not positive definite in f32: more damping makes it so.
-                damping *= growth;
-                growth *= 2.0;
-                return false;
-            };
-            if length <= least {
-                return true;
-            }
-            trial.refresh(problem);
-            let ratio = (state.cost - trial.cost) / predicted;
-            if ratio > 0.0 {
-                core::mem::swap(state, &mut trial);
-                let trust = 2.0 * ratio - 1.0;
-                damping *= (1.0 - trust * trust * trust).max(1.0 / 3.0);
-                growth = 2.0;
-                normal.update(&rows, state);
-                normal.steepest <= self.eps
-            } else {
-                damping *= growth;
-                growth *= 2.0;
-                // Past all f32: nothing can improve any more.
-                damping > 1e30
-            }
-        };
-        let residual = |state: &State| problem.residual(&state.wave.moduli);
         let ended = if begun_at_rest {
             (Status::Done, 0)
         } else {
-            iterate((self.steps, self.eps), &mut state, control, step, residual)
+            iterate(
+                (self.steps, self.eps),
+                &mut state,
+                control,
+                |state| {
+                    let Some((length, predicted)) = normal.step(&rows, state, damping, &mut trial) else {
+                        // Not positive definite in f32: more damping makes it so.
+                        damping *= growth;
+                        growth *= 2.0;
+                        return false;
+                    };
+                    if length <= least {
+                        return true;
+                    }
+                    trial.refresh(problem);
+                    let ratio = (state.cost - trial.cost) / predicted;
+                    if ratio > 0.0 {
+                        core::mem::swap(state, &mut trial);
+                        let trust = 2.0 * ratio - 1.0;
+                        damping *= (1.0 - trust * trust * trust).max(1.0 / 3.0);
+                        growth = 2.0;
+                        normal.update(&rows, state);
+                        normal.steepest <= self.eps
+                    } else {
+                        damping *= growth;
+                        growth *= 2.0;
+                        // Past all f32: nothing can improve any more.
+                        damping > 1e30
+                    }
+                },
+                |state| problem.residual(&state.wave.moduli),
+            )
         };
         let drive = state.wave.drives(problem.propagation().transducers(), work);
-        normal.give(work);
-        state.give(work);
-        trial.give(work);
-        rows.give(work);
         Ok(Solution::told(problem, drive, ended, self.steps as usize, work, control))
     }
 }
 
 /// The largest diagonal entry of J^T J: of sum_j w_j |G_ji|^2 and w_j t_j^2.
-fn largest(problem: &Problem, work: &mut Workspace) -> f64 {
+fn largest(problem: &Problem, work: &Workspace) -> f64 {
     let (propagation, weights) = (problem.propagation(), problem.weights());
     let mut row = Planar::zeros(1, propagation.lanes(), work);
     let mut squares = work.floats.take(propagation.lanes());
@@ -123,24 +120,22 @@ fn largest(problem: &Problem, work: &mut Workspace) -> f64 {
         kernels::squares(propagation.instruction_set(), row.row(0), &mut squares);
         largest = largest.max(kernels::dot(propagation.instruction_set(), &squares, weights));
     }
-    row.give(work);
-    work.floats.give(squares);
     f64::from(largest)
 }
 
 /// A set of phases and what follows from it.
-struct State {
+struct State<'w> {
     /// e^{j phi} and its field.
-    wave: Wave,
+    wave: Wave<'w>,
     /// e^{j theta}.
-    phasors: [Vec<f32>; 2],
+    phasors: [Buffer<'w, f32>; 2],
     /// sqrt(w) (P - t e^{j theta}): real parts, then imaginary ones.
-    residual: Vec<f32>,
+    residual: Buffer<'w, f32>,
     cost: f64,
 }
 
-impl State {
-    fn empty(rows: &Rows, work: &mut Workspace) -> Self {
+impl<'w> State<'w> {
+    fn empty(rows: &Rows, work: &'w Workspace) -> Self {
         let points = rows.order.len();
         Self {
             wave: Wave::new(rows, work),
@@ -151,11 +146,10 @@ impl State {
     }
 
     /// The phases of the problem's start and of its field, else random ones.
-    fn new(problem: &Problem, rows: &Rows, seed: u64, work: &mut Workspace) -> Self {
+    fn new(problem: &Problem, rows: &Rows, seed: u64, work: &'w Workspace) -> Self {
         let mut state = Self::empty(rows, work);
         let mut projector = Projector::new(rows, work);
         let start = projector.start(problem, rows, work);
-        projector.give(work);
         let mut rng = Rng::new(seed);
         let mut random = || {
             let angle = f64::from((TAU * rng.uniform()) as f32);
@@ -173,14 +167,12 @@ impl State {
                 *q = if own == Complex32::ZERO { Complex32::ONE } else { own };
             }
             for (j, &modulus) in start.moduli.iter().enumerate().take(rows.order.len()) {
-                let heard = [start.field[0][j], start.field[1][j]].map(|part| part / modulus);
-                [state.phasors[0][j], state.phasors[1][j]] = if modulus > 0.0 { heard } else { [1.0, 0.0] };
+                let own = [start.field[0][j], start.field[1][j]].map(|part| part / modulus);
+                [state.phasors[0][j], state.phasors[1][j]] = if modulus > 0.0 { own } else { [1.0, 0.0] };
             }
-            start.give(work);
         }
         let reached = |i: usize, q: Complex32| if rows.tiles().reaches(i) { q } else { Complex32::ZERO };
         state.wave.play_at_full(rows, drive.iter().enumerate().map(|(i, &q)| reached(i, q)));
-        work.complexes.give(drive);
         state.refresh(problem);
         state
     }
@@ -198,30 +190,24 @@ impl State {
             }
         }
     }
-
-    fn give(self, work: &mut Workspace) {
-        self.wave.give(work);
-        work.floats.give_all(self.phasors);
-        work.floats.give(self.residual);
-    }
 }
 
 /// The normal equations at a state, in their dual.
-struct Normal {
+struct Normal<'w> {
     /// Two equations a point, the real parts first; J's columns of the points are in its matrix only.
-    dual: Dual,
+    dual: Dual<'w>,
     /// sqrt(w) t: the length of a point's own column of J.
-    pulls: Vec<f32>,
-    gradient: Vec<f32>,
-    point_gradient: Vec<f32>,
-    /// J^T y of a step: the turns are its negative.
-    turns: Vec<f32>,
+    pulls: Buffer<'w, f32>,
+    gradient: Buffer<'w, f32>,
+    point_gradient: Buffer<'w, f32>,
+    /// J^T y of a step: the rotations are its negative.
+    rotations: Buffer<'w, f32>,
     /// Largest |gradient|.
     steepest: f64,
 }
 
-impl Normal {
-    fn new(problem: &Problem, rows: &Rows, work: &mut Workspace) -> Self {
+impl<'w> Normal<'w> {
+    fn new(problem: &Problem, rows: &Rows, work: &'w Workspace) -> Self {
         let count = rows.order.len();
         let mut dual = Dual::new(rows, 2 * count, work);
         let mut pulls = work.floats.take(count);
@@ -237,7 +223,7 @@ impl Normal {
             pulls,
             gradient: work.floats.take_any(rows.lanes),
             point_gradient: work.floats.take(count),
-            turns: work.floats.take_any(rows.lanes),
+            rotations: work.floats.take_any(rows.lanes),
             steepest: 0.0,
         }
     }
@@ -258,31 +244,23 @@ impl Normal {
         }
     }
 
-    /// Turns a state's phasors by a step of the given damping into `trial`; the step's norm and the decrease that the
+    /// Rotates a state's phasors by a step of the given damping into `trial`; the step's norm and the decrease that the
     /// linear model predicts. `None` if f32 cannot factor the matrix.
-    fn step(
-        &mut self,
-        rows: &Rows,
-        state: &State,
-        damping: f64,
-        trial: &mut State,
-        work: &mut Workspace,
-    ) -> Option<(f64, f64)> {
+    fn step(&mut self, rows: &Rows, state: &State, damping: f64, trial: &mut State) -> Option<(f64, f64)> {
         let count = rows.order.len();
-        let cholesky = self.dual.factor(|_| damping as f32, work)?;
-        let mut dual = work.floats.take_any(self.dual.lanes());
+        let cholesky = self.dual.factor(|_| damping as f32)?;
+        let mut dual = self.dual.work.floats.take_any(self.dual.lanes());
         dual.copy_from_slice(&state.residual);
         cholesky.solve(&mut dual);
-        cholesky.give(work);
-        self.dual.back(&dual, &mut self.turns);
+        self.dual.back(&dual, &mut self.rotations);
         let (mut square, mut predicted) = (0.0, 0.0);
         let mut took = |d: f32, slope: f32| {
             let (d, slope) = (f64::from(d), f64::from(slope));
             square += d * d;
             predicted += 0.5 * d * (damping * d - slope);
         };
-        self.turns.iter().zip(&self.gradient).for_each(|(&turn, &slope)| took(-turn, slope));
-        trial.wave.turn(rows, &state.wave, &self.turns, -1.0);
+        self.rotations.iter().zip(&self.gradient).for_each(|(&rotation, &slope)| took(-rotation, slope));
+        trial.wave.rotate(rows, &state.wave, &self.rotations, -1.0);
         for j in 0..count {
             let (re, im) = (state.phasors[0][j], state.phasors[1][j]);
             let d = self.pulls[j] * (re * dual[count + j] - im * dual[j]);
@@ -290,12 +268,6 @@ impl Normal {
             let length = sqrtf(1.0 + d * d) * sqrtf(re * re + im * im);
             (trial.phasors[0][j], trial.phasors[1][j]) = ((re - d * im) / length, (im + d * re) / length);
         }
-        work.floats.give(dual);
         Some((sqrt(square), predicted))
-    }
-
-    fn give(self, work: &mut Workspace) {
-        self.dual.give(work);
-        work.floats.give_all([self.pulls, self.gradient, self.point_gradient, self.turns]);
     }
 }

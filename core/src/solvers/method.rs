@@ -34,7 +34,7 @@ pub trait Solve {
 
 /// What the registry knows of a method beside its options.
 #[derive(Clone, Copy, Debug)]
-#[allow(clippy::exhaustive_structs, reason = "each solver writes one out in full")]
+#[allow(clippy::exhaustive_structs, reason = "a plain list of what is known; Info::new gives the usual values")]
 pub struct Info {
     /// Its name.
     pub name: &'static str,
@@ -48,8 +48,40 @@ pub struct Info {
     pub tolerance: f64,
     /// Whether it uses a start (a drive or point phases).
     pub uses_start: bool,
-    /// Whether it uses a level ("target" or "max").
+    /// Whether it uses an aim ("target" or "max").
     pub uses_aim: bool,
+}
+
+impl Info {
+    /// A method that neither balances nor uses a start or an aim, with a tolerance of 1e-4.
+    #[must_use]
+    pub const fn new(name: &'static str, summary: &'static str, source: &'static str) -> Self {
+        Self { name, summary, source, balance: false, tolerance: 1e-4, uses_start: false, uses_aim: false }
+    }
+
+    /// The same, balancing the targets unless told otherwise.
+    #[must_use]
+    pub const fn balanced(self) -> Self {
+        Self { balance: true, ..self }
+    }
+
+    /// The same, using a start.
+    #[must_use]
+    pub const fn with_start(self) -> Self {
+        Self { uses_start: true, ..self }
+    }
+
+    /// The same, using an aim.
+    #[must_use]
+    pub const fn with_aim(self) -> Self {
+        Self { uses_aim: true, ..self }
+    }
+
+    /// The same with another tolerance.
+    #[must_use]
+    pub const fn within(self, tolerance: f64) -> Self {
+        Self { tolerance, ..self }
+    }
 }
 
 /// A registered method: options, what is known of it, and [`Solve`].

@@ -23,15 +23,7 @@ crate::options! {
 }
 
 impl Method for Naive {
-    const INFO: Info = Info {
-        name: "naive",
-        summary: "single foci, superposed",
-        source: "back-projection, e.g. Marzo et al., PNAS 2019",
-        balance: false,
-        tolerance: 1e-4,
-        uses_start: false,
-        uses_aim: false,
-    };
+    const INFO: Info = Info::new("naive", "single foci, superposed", "back-projection, e.g. Marzo et al., PNAS 2019");
 
     fn check(&self) -> Result<(), Error> {
         Ok(())
@@ -58,7 +50,6 @@ impl Solve for Naive {
             *q = Complex32::new(sum_re, sum_im);
         }
         self.limit.apply(&mut drive);
-        work.floats.give_all(buffers);
-        Ok(Solution::told(problem, drive, (Status::Done, 1), 1, work, control))
+        Ok(Solution::told(problem, drive.into_vec(), (Status::Done, 1), 1, work, control))
     }
 }

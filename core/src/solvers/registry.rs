@@ -6,6 +6,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::device::quantization::Quantization;
+use crate::error;
 use crate::error::Error;
 use crate::scene::{Choice, Options};
 use crate::solvers::best::Best;
@@ -23,28 +24,21 @@ use crate::solvers::tikhonov::Tikhonov;
 use crate::solvers::uniform::Uniform;
 use crate::solvers::wgs::Wgs;
 
-/// Declares [`SOLVERS`]; one line adds a solver.
-macro_rules! registry {
-    ($($method:path,)*) => {
-        /// Every solver, in the order of tables.
-        pub static SOLVERS: &[Entry] = &[$(Entry::of::<$method>()),*];
-    };
-}
-
-registry! {
-    Uniform,
-    Best,
-    Greedy,
-    Fast,
-    Lm,
-    Gspat,
-    Gs,
-    Wgs,
-    Evd,
-    Sdp,
-    Tikhonov,
-    Naive,
-}
+/// Every solver, in the order of tables; one line adds a solver.
+pub static SOLVERS: &[Entry] = &[
+    Entry::of::<Uniform>(),
+    Entry::of::<Best>(),
+    Entry::of::<Greedy>(),
+    Entry::of::<Fast>(),
+    Entry::of::<Lm>(),
+    Entry::of::<Gspat>(),
+    Entry::of::<Gs>(),
+    Entry::of::<Wgs>(),
+    Entry::of::<Evd>(),
+    Entry::of::<Sdp>(),
+    Entry::of::<Tikhonov>(),
+    Entry::of::<Naive>(),
+];
 
 /// The solver used where none is named.
 pub const DEFAULT: &str = "uniform";
@@ -91,7 +85,7 @@ impl Entry {
         (self.make)(options)
     }
 
-    /// The same for an array that may have quantization: they give the defaults of options that choose a grid.
+    /// The same for an array that may have quantization, which gives the options that choose a grid their defaults.
     ///
     /// # Errors
     /// As [`Entry::configure`].
@@ -121,10 +115,7 @@ fn make<M: Method>(options: &Options) -> Result<Configured, Error> {
 /// # Errors
 /// An unknown name; the error lists the known ones.
 pub fn find(name: &str) -> Result<&'static Entry, Error> {
-    SOLVERS
-        .iter()
-        .find(|entry| entry.info.name == name)
-        .ok_or_else(|| Error::unknown("solver", name, SOLVERS.iter().map(|entry| entry.info.name)))
+    error::find("solver", name, SOLVERS, |entry| entry.info.name)
 }
 
 /// The error for an argument that `name` does not use, listing the solvers that do.

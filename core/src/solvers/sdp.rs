@@ -17,7 +17,7 @@ use crate::math::{sqrt, sqrtf};
 use crate::problem::{Problem, Solution};
 use crate::propagation::{back_project, gram};
 use crate::rng::Rng;
-use crate::scene::{OptionValue, Value, spell, word};
+use crate::scene::words;
 use crate::solvers::amplitude_limit::AmplitudeLimit;
 use crate::solvers::common::alternating_projection::start_phasors;
 use crate::solvers::iterate::iterate;
@@ -34,17 +34,7 @@ pub enum Moduli {
     Unit,
 }
 
-const MODULI: [(&str, Moduli); 2] = [("raw", Moduli::Raw), ("unit", Moduli::Unit)];
-
-impl OptionValue for Moduli {
-    fn read(item: &str, value: &Value) -> Result<Self, Error> {
-        word(item, value, &MODULI)
-    }
-
-    fn show(&self) -> Value {
-        spell(*self, &MODULI)
-    }
-}
+words!(Moduli: "raw" = Self::Raw, "unit" = Self::Unit);
 
 crate::options! {
     /// SDP relaxation by block coordinate descent. Time O(N M^2 + M^3) once and O(M^2) a step, memory O(N + M^2).
@@ -68,15 +58,13 @@ crate::options! {
 }
 
 impl Method for Sdp {
-    const INFO: Info = Info {
-        name: "sdp",
-        summary: "SDP relaxation of the point phases, then the pseudo-inverse",
-        source: "Inoue et al., World Haptics Conference 2015",
-        balance: false,
-        tolerance: 0.02,
-        uses_start: true,
-        uses_aim: false,
-    };
+    const INFO: Info = Info::new(
+        "sdp",
+        "SDP relaxation of the point phases, then the pseudo-inverse",
+        "Inoue et al., World Haptics Conference 2015",
+    )
+    .with_start()
+    .within(0.02);
 
     fn check(&self) -> Result<(), Error> {
         check_iteration(self.steps, self.tolerance)?;
@@ -94,7 +82,7 @@ impl Solve for Sdp {
         let propagation = problem.propagation();
         let (count, lanes) = (propagation.points(), propagation.lanes());
         let product = gram(propagation, None, work);
-        let largest = (0..count).map(|j| product.row(j)[0][j]).fold(0.0, f32::max);
+        let largest = product.diagonal().fold(0.0, f32::max);
         // In f32 the matrix resolves no more than this part of its diagonal.
         let shift = (self.alpha as f32).max(1e-6 * largest);
         let inverse = Hermitian::damped(propagation.instruction_set(), &product, count, shift, work);
@@ -140,20 +128,15 @@ impl Solve for Sdp {
             phasors.re[j] *= factor;
             phasors.im[j] *= factor;
         }
-        inverse.solve(&mut phasors, work);
+        inverse.solve(&mut phasors);
         let mut drive = back_project(propagation, &phasors, |_| 1.0, work);
         self.limit.apply(&mut drive);
-        inverse.give(work);
-        work.floats.give(still);
-        for planar in [product, quality, relaxed, column, image, phasors] {
-            planar.give(work);
-        }
         Ok(Solution::told(problem, drive, ended, self.steps as usize, work, control))
     }
 }
 
 /// conj(Q)/alpha = conj(T (G G^H + alpha I)^-1 T), one column of the inverse after another.
-fn quality(problem: &Problem, inverse: &Hermitian, work: &mut Workspace) -> Planar {
+fn quality<'w>(problem: &Problem, inverse: &Hermitian, work: &'w Workspace) -> Planar<'w> {
     let (count, lanes) = (problem.propagation().points(), problem.propagation().lanes());
     let mut matrix = Planar::zeros(count, lanes, work);
     let mut column = Planar::zeros(1, lanes, work);
@@ -162,7 +145,7 @@ fn quality(problem: &Problem, inverse: &Hermitian, work: &mut Workspace) -> Plan
         column.re.fill(0.0);
         column.im.fill(0.0);
         column.re[k] = targets[k];
-        inverse.solve(&mut column, work);
+        inverse.solve(&mut column);
         // Column k of a Hermitian matrix is its conjugated row k.
         let [re, im] = matrix.row_mut(k);
         for l in 0..count {
@@ -170,15 +153,14 @@ fn quality(problem: &Problem, inverse: &Hermitian, work: &mut Workspace) -> Plan
             im[l] = targets[l] * column.im[l];
         }
     }
-    column.give(work);
     matrix
 }
 
 /// X = I, or half way from I to u u^H of the start's phasors u.
-fn begin(problem: &Problem, work: &mut Workspace) -> Planar {
+fn begin<'w>(problem: &Problem, work: &'w Workspace) -> Planar<'w> {
     let (count, lanes) = (problem.propagation().points(), problem.propagation().lanes());
     let mut matrix = Planar::zeros(count, lanes, work);
-    let given = problem.start_drive().is_some() || problem.start_phases().is_some();
+    let given = problem.has_start();
     let phasors = start_phasors(problem, work);
     for k in 0..count {
         let (uk, vk) = (phasors.re[k], phasors.im[k]);
@@ -191,7 +173,6 @@ fn begin(problem: &Problem, work: &mut Workspace) -> Planar {
         }
         (re[k], im[k]) = (1.0, 0.0);
     }
-    phasors.give(work);
     matrix
 }
 
@@ -209,7 +190,7 @@ fn replace(matrix: &mut Planar, chosen: usize, image: &Planar, scale: f32, count
     change
 }
 
-/// trace(Q X) relative to trace(Q): what the descent lowers, told as its residual.
+/// trace(Q X) relative to trace(Q): what the descent lowers, reported as its residual.
 fn relaxation(set: InstructionSet, relaxed: &Planar, quality: &Planar, count: usize) -> f64 {
     let (mut sum, mut trace) = (0.0, 0.0);
     for k in 0..count {

@@ -41,10 +41,9 @@ pub fn solve(
 ) -> Result<Solution, Error> {
     let factor = factor(problem, solver, balance);
     let mut solution = if factor > 1.0 {
-        let targets = work.floats.take(problem.propagation().lanes());
-        let balanced = problem.rescaled(factor, targets);
+        let balanced = problem.rescaled(factor, work);
         let solution = solver.solve(&balanced, work, control);
-        work.floats.give(balanced.into_scaled());
+        balanced.recycle(work);
         solution?
     } else {
         solver.solve(problem, work, control)?
@@ -63,23 +62,13 @@ pub(crate) fn solve_interleaved(
     work: &mut Workspace,
 ) -> Option<Vec<Solution>> {
     let factor = |problem: &Problem| factor(problem, solver, balance);
-    if problems.iter().all(|problem| factor(problem) <= 1.0) {
-        let mut solutions = solver.solve_interleaved(problems, work);
-        for solution in solutions.iter_mut().flatten() {
-            solution.quantize(1.0, work);
-        }
-        return solutions;
-    }
-    let rescaled = |problem: &Problem| {
-        let targets = work.floats.take(problem.propagation().lanes());
-        problem.rescaled(factor(problem), targets)
-    };
-    let balanced: Vec<Problem> = problems.iter().map(rescaled).collect();
-    let mut solutions = solver.solve_interleaved(&balanced, work);
+    let rescaled = || problems.iter().map(|problem| problem.rescaled(factor(problem), work)).collect();
+    let balanced: Option<Vec<Problem>> = problems.iter().any(|problem| factor(problem) > 1.0).then(rescaled);
+    let mut solutions = solver.solve_interleaved(balanced.as_deref().unwrap_or(problems), work);
     for (solution, problem) in solutions.iter_mut().flatten().zip(problems) {
         solution.quantize(factor(problem), work);
     }
-    work.floats.give_all(balanced.into_iter().map(Problem::into_scaled));
+    balanced.into_iter().flatten().for_each(|problem| problem.recycle(work));
     solutions
 }
 

@@ -25,15 +25,12 @@ crate::options! {
 }
 
 impl Method for Tikhonov {
-    const INFO: Info = Info {
-        name: "tikhonov",
-        summary: "regularised pseudo-inverse, all target phases 0",
-        source: "Tikhonov's regularisation of G q = p",
-        balance: false,
-        tolerance: 1e-3,
-        uses_start: false,
-        uses_aim: false,
-    };
+    const INFO: Info = Info::new(
+        "tikhonov",
+        "regularised pseudo-inverse, all target phases 0",
+        "Tikhonov's regularisation of G q = p",
+    )
+    .within(1e-3);
 
     fn check(&self) -> Result<(), Error> {
         real("regularization", self.regularization, 0.0, true).map(|_| ())
@@ -63,17 +60,10 @@ impl Solve for Tikhonov {
         for k in 0..count {
             phasors.re[k] = sqrtf(problem.weights()[k]) * problem.targets()[k];
         }
-        solver.solve(&mut phasors, work);
-        for k in 0..count {
-            let weight = sqrtf(problem.weights()[k]);
-            phasors.re[k] *= weight;
-            phasors.im[k] *= weight;
-        }
+        solver.solve(&mut phasors);
+        phasors.scale((0..count).map(|k| sqrtf(problem.weights()[k])));
         let mut drive = back_project(propagation, &phasors, |_| 1.0, work);
         self.limit.apply(&mut drive);
-        solver.give(work);
-        matrix.give(work);
-        phasors.give(work);
         Ok(Solution::told(problem, drive, (Status::Done, 1), 1, work, control))
     }
 }

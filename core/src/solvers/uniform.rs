@@ -19,15 +19,14 @@ crate::options! {
 }
 
 impl Method for Uniform {
-    const INFO: Info = Info {
-        name: "uniform",
-        summary: "even points at the highest common level, |q| alike",
-        source: "point phases in line, weighted Gerchberg-Saxton, Gauss-Newton on |P| = s p",
-        balance: true,
-        tolerance: 1e-4,
-        uses_start: true,
-        uses_aim: true,
-    };
+    const INFO: Info = Info::new(
+        "uniform",
+        "even points at the highest common level, |q| alike",
+        "point phases in line, weighted Gerchberg-Saxton, Gauss-Newton on |P| = s p",
+    )
+    .balanced()
+    .with_start()
+    .with_aim();
 
     fn check(&self) -> Result<(), Error> {
         check_iteration(self.steps, self.tolerance)

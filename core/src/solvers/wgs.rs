@@ -24,15 +24,14 @@ crate::options! {
 }
 
 impl Method for Wgs {
-    const INFO: Info = Info {
-        name: "wgs",
-        summary: "weighted Gerchberg-Saxton, damped, |q| = 1, best iterate kept",
-        source: "Di Leonardo et al., Optics Express 15(4), 2007",
-        balance: true,
-        tolerance: 5e-3,
-        uses_start: true,
-        uses_aim: false,
-    };
+    const INFO: Info = Info::new(
+        "wgs",
+        "weighted Gerchberg-Saxton, damped, |q| = 1, best iterate kept",
+        "Di Leonardo et al., Optics Express 15(4), 2007",
+    )
+    .balanced()
+    .with_start()
+    .within(5e-3);
 
     fn check(&self) -> Result<(), Error> {
         check_iteration(self.steps, self.tolerance)
@@ -94,11 +93,6 @@ impl Solve for Wgs {
             |best| problem.residual(&best.moduli),
         );
         let drive = best.drives(count, work);
-        work.floats.give(raised);
-        projector.give(work);
-        best.give(work);
-        wave.give(work);
-        rows.give(work);
         Ok(Solution::told(problem, drive, ended, self.steps as usize, work, control))
     }
 }

@@ -104,7 +104,7 @@ fn a_solver_of_ones_own_is_brought_to_the_grid_too() {
             for (i, q) in drive.iter_mut().enumerate() {
                 *q = Complex32::from_polar(0.7, i as f32);
             }
-            let mut solution = Solution::new(problem, drive, midair::Status::Done, 1, work);
+            let mut solution = Solution::new(problem, drive.into_vec(), midair::Status::Done, 1, work);
             solution.tell(problem, 1, control);
             Ok(solution)
         }

@@ -2,10 +2,11 @@
 
 use super::*;
 use crate::rng::Rng;
+use alloc::vec::Vec;
 use num_complex::Complex64;
 
 /// A random Hermitian positive semidefinite matrix of rank at most `rank`, and the same stored conjugated.
-pub(crate) fn random(count: usize, rank: usize, work: &mut Workspace) -> (Vec<Vec<Complex64>>, Planar) {
+pub(crate) fn random(count: usize, rank: usize, work: &Workspace) -> (Vec<Vec<Complex64>>, Planar<'_>) {
     let mut rng = Rng::new((count * 1000 + rank) as u64);
     let mut number = || 2.0 * rng.uniform() - 1.0;
     let columns: Vec<Vec<Complex64>> =
@@ -32,15 +33,15 @@ pub(crate) fn apply(matrix: &[Vec<Complex64>], vector: &Planar, k: usize) -> Com
 
 #[test]
 fn a_hermitian_system_is_solved_at_every_size() {
-    let mut work = Workspace::new();
+    let work = Workspace::new();
     for count in 1..=40 {
-        let (matrix, stored) = random(count, 2 * count, &mut work);
-        let solver = Hermitian::new(InstructionSet::best(), &stored, count, 0.5, &mut work).expect("positive definite");
-        let mut x = Planar::zeros(1, crate::kernels::lanes::padded(count), &mut work);
+        let (matrix, stored) = random(count, 2 * count, &work);
+        let solver = Hermitian::new(InstructionSet::best(), &stored, count, 0.5, &work).expect("positive definite");
+        let mut x = Planar::zeros(1, crate::kernels::lanes::padded(count), &work);
         for j in 0..count {
             (x.re[j], x.im[j]) = (1.0 + j as f32, 2.0 - j as f32);
         }
-        solver.solve(&mut x, &mut work);
+        solver.solve(&mut x);
         for k in 0..count {
             let wanted = Complex64::new(1.0 + k as f64, 2.0 - k as f64);
             let got = apply(&matrix, &x, k) + 0.5 * entry(&x, k);
@@ -53,8 +54,8 @@ fn a_hermitian_system_is_solved_at_every_size() {
 
 #[test]
 fn what_is_not_positive_definite_is_refused() {
-    let mut work = Workspace::new();
-    let (_, stored) = random(8, 2, &mut work);
-    assert!(Hermitian::new(InstructionSet::best(), &stored, 8, -1.0, &mut work).is_none());
-    assert!(Cholesky::new(InstructionSet::best(), alloc::vec![0.0; 256], 16, &mut work).is_none());
+    let work = Workspace::new();
+    let (_, stored) = random(8, 2, &work);
+    assert!(Hermitian::new(InstructionSet::best(), &stored, 8, -1.0, &work).is_none());
+    assert!(Cholesky::new(InstructionSet::best(), work.floats.take(256), 16).is_none());
 }

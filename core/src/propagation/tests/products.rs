@@ -7,7 +7,7 @@ use num_complex::Complex64;
 
 #[test]
 fn gram_is_the_weighted_conjugate_product() {
-    let mut work = Workspace::new();
+    let work = Workspace::new();
     let mut rng = Rng::new(1);
     for (set, count) in InstructionSet::all().flat_map(|set| (1..=67).map(move |count| (set, count))) {
         // One run of tiles, and two with a rest.
@@ -19,8 +19,8 @@ fn gram_is_the_weighted_conjugate_product() {
             let factors: Vec<f32> = (0..transducers).map(|i| 0.25 + (i % 3) as f32).collect();
             for factors in [None, Some(&factors[..])] {
                 // Twice, over dirty memory.
-                gram(&propagation, factors, &mut work).give(&mut work);
-                let product = gram(&propagation, factors, &mut work);
+                drop(gram(&propagation, factors, &work));
+                let product = gram(&propagation, factors, &work);
                 for k in (0..count).step_by(1 + count / 9) {
                     for l in 0..count {
                         let factor = |i: usize| factors.map_or(1.0, |factors| f64::from(factors[i]));
@@ -33,7 +33,6 @@ fn gram_is_the_weighted_conjugate_product() {
                     }
                     assert!(product.row(k).iter().all(|row| row[count..].iter().all(|&x| x == 0.0)));
                 }
-                product.give(&mut work);
             }
         }
     }

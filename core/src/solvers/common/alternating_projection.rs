@@ -1,28 +1,25 @@
 //! Alternating projection (Gerchberg-Saxton): back to |q| = 1 and forward to the points; starts.
 
-use alloc::vec::Vec;
-
 use num_complex::Complex32;
 
 use crate::kernels::tiles;
 use crate::linalg::Planar;
 use crate::math;
-use crate::math::sqrtf;
 use crate::problem::Problem;
 use crate::propagation::field_of;
 use crate::solvers::common::tiled::{Rows, Wave};
-use crate::workspace::{Aligned, Workspace};
+use crate::workspace::{Aligned, Buffer, Workspace};
 
 /// Alternating projections on the tiles of G: from the pressures wanted at the points to |q| = 1 and the field.
-pub(crate) struct Projector {
+pub(crate) struct Projector<'w> {
     /// The pressures wanted at the rows, in any unit.
-    pub(crate) wanted: [Vec<f32>; 2],
+    pub(crate) wanted: [Buffer<'w, f32>; 2],
     /// Memory of the sweep.
-    memory: Aligned,
+    memory: Aligned<'w>,
 }
 
-impl Projector {
-    pub(crate) fn new(rows: &Rows, work: &mut Workspace) -> Self {
+impl<'w> Projector<'w> {
+    pub(crate) fn new(rows: &Rows, work: &'w Workspace) -> Self {
         let wanted = [(); 2].map(|()| work.floats.take(rows.count));
         Self { wanted, memory: Aligned::take(tiles::sweep_floats(rows.count), work) }
     }
@@ -45,7 +42,7 @@ impl Projector {
     }
 
     /// The wave of the problem's start, else of q = 1.
-    pub(crate) fn begin(&mut self, problem: &Problem, rows: &Rows, work: &mut Workspace) -> Wave {
+    pub(crate) fn begin(&mut self, problem: &Problem, rows: &Rows, work: &'w Workspace) -> Wave<'w> {
         self.start(problem, rows, work).unwrap_or_else(|| {
             let mut wave = Wave::new(rows, work);
             wave.play(rows, core::iter::repeat_n(Complex32::ONE, problem.propagation().transducers()));
@@ -55,8 +52,8 @@ impl Projector {
 
     /// The wave of the problem's start: its drive as it is, or the projection of its phases with the moduli of the
     /// targets. `None` without a start. The rows are in the problem's order.
-    pub(crate) fn start(&mut self, problem: &Problem, rows: &Rows, work: &mut Workspace) -> Option<Wave> {
-        if problem.start_drive().is_none() && problem.start_phases().is_none() {
+    pub(crate) fn start(&mut self, problem: &Problem, rows: &Rows, work: &'w Workspace) -> Option<Wave<'w>> {
+        if !problem.has_start() {
             return None;
         }
         let mut wave = Wave::new(rows, work);
@@ -70,19 +67,13 @@ impl Projector {
                 *wanted = phasor * target / rows.target;
             }
         }
-        phasors.give(work);
         self.project(rows, &mut wave);
         Some(wave)
-    }
-
-    pub(crate) fn give(self, work: &mut Workspace) {
-        work.floats.give_all(self.wanted);
-        self.memory.give(work);
     }
 }
 
 /// The unit phasors at the points that a problem's start gives; 1 where there is none, or silence.
-pub(crate) fn start_phasors(problem: &Problem, work: &mut Workspace) -> Planar {
+pub(crate) fn start_phasors<'w>(problem: &Problem, work: &'w Workspace) -> Planar<'w> {
     let propagation = problem.propagation();
     let mut phasors = Planar::zeros(1, propagation.lanes(), work);
     phasors.re[..propagation.points()].fill(1.0);
@@ -94,12 +85,8 @@ pub(crate) fn start_phasors(problem: &Problem, work: &mut Workspace) -> Planar {
     if let Some(drive) = problem.start_drive() {
         let field = field_of(propagation, drive, work);
         for j in 0..propagation.points() {
-            let modulus = sqrtf(field.re[j] * field.re[j] + field.im[j] * field.im[j]);
-            if modulus > 0.0 {
-                (phasors.re[j], phasors.im[j]) = (field.re[j] / modulus, field.im[j] / modulus);
-            }
+            (phasors.re[j], phasors.im[j]) = math::unit(field.re[j], field.im[j]);
         }
-        field.give(work);
     }
     phasors
 }

@@ -4,36 +4,36 @@
 //! d = -(J^T J + mu I)^-1 J^T r is also d = -J^T (J J^T + mu I)^-1 r: a system of as many unknowns as there are equations,
 //! however many transducers there are.
 
-use alloc::vec::Vec;
-
 use crate::kernels::tiles;
 use crate::kernels::tiles::products;
 use crate::kernels::{InstructionSet, padded};
 use crate::linalg::Cholesky;
 use crate::solvers::common::tiled::{Rows, Wave};
-use crate::workspace::{Aligned, Workspace};
+use crate::workspace::{Aligned, Buffer, Workspace};
 
 /// The derivatives of some equations and their products.
-pub(crate) struct Dual {
+pub(crate) struct Dual<'w> {
     /// Equations.
     pub(crate) size: usize,
     /// f and g of each: dr = f Re(G q d) + g Im(G q d). With dP = j G q d, Re P has f = 0, g = -1, and Im P f = 1, g = 0.
-    pub(crate) factors: [Vec<f32>; 2],
+    pub(crate) factors: [Buffer<'w, f32>; 2],
     /// J J^T, the upper half of rows padded to 16.
-    pub(crate) matrix: Vec<f32>,
+    pub(crate) matrix: Buffer<'w, f32>,
     /// J as the rows of a plane.
-    slopes: Aligned,
+    slopes: Aligned<'w>,
     set: InstructionSet,
+    pub(crate) work: &'w Workspace,
 }
 
-impl Dual {
-    pub(crate) fn new(rows: &Rows, size: usize, work: &mut Workspace) -> Self {
+impl<'w> Dual<'w> {
+    pub(crate) fn new(rows: &Rows, size: usize, work: &'w Workspace) -> Self {
         Self {
             size,
             factors: [(); 2].map(|()| work.floats.take(size)),
             matrix: work.floats.take_any(size * padded(size)),
             slopes: Aligned::take(tiles::size(tiles::height(size), rows.lanes), work),
             set: rows.set,
+            work,
         }
     }
 
@@ -50,24 +50,18 @@ impl Dual {
     }
 
     /// The Cholesky factor of J J^T with `damping` of each equation added to the diagonal; `None` if f32 has none.
-    pub(crate) fn factor(&self, damping: impl Fn(usize) -> f32, work: &mut Workspace) -> Option<Cholesky> {
-        let mut matrix = work.floats.take_any(self.matrix.len());
+    pub(crate) fn factor(&self, damping: impl Fn(usize) -> f32) -> Option<Cholesky<'w>> {
+        let mut matrix = self.work.floats.take_any(self.matrix.len());
         matrix.copy_from_slice(&self.matrix);
         for k in 0..self.size {
             matrix[k * self.lanes() + k] += damping(k);
         }
-        Cholesky::new(self.set, matrix, self.size, work)
+        Cholesky::new(self.set, matrix, self.size)
     }
 
     /// Writes J^T y over the transducers; the largest modulus.
     pub(crate) fn back(&self, y: &[f32], out: &mut [f32]) -> f32 {
         tiles::combine(self.set, &self.slopes, y, out)
-    }
-
-    pub(crate) fn give(self, work: &mut Workspace) {
-        self.slopes.give(work);
-        work.floats.give_all(self.factors);
-        work.floats.give(self.matrix);
     }
 }
 

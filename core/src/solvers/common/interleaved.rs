@@ -2,141 +2,125 @@
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use core::{array, mem};
+use core::array;
+
+use num_complex::Complex32;
 
 use crate::kernels::closed_form::interleaved::{EIGHT, deal_out};
 use crate::kernels::{ControlPoints, InstructionSet, LANES, Rows, add_moduli};
 use crate::linalg::Planar;
 use crate::problem::{Problem, Solution, Status};
 use crate::propagation::Sources;
-use crate::propagation::{NEAR, TOGETHER};
-use crate::workspace::Workspace;
+use crate::propagation::{NEAR, ROWS_A_SUM};
+use crate::workspace::{Buffer, Workspace};
 
-/// The points of up to 16 problems of one model, point after point.
-pub(crate) struct Abreast {
+/// The control points of up to 16 problems of one model, point after point.
+pub(crate) struct InterleavedPoints<'w> {
     prepared: Arc<Sources>,
     pub(crate) set: InstructionSet,
-    places: [Vec<f32>; 3],
+    coordinates: [Buffer<'w, f32>; 3],
 }
 
-impl Abreast {
+impl<'w> InterleavedPoints<'w> {
     /// The points of weight above 0 of some problems, where that saves work: a point costs a group of lanes here, as a
     /// lone problem does.
-    fn of(problems: &[Problem], work: &mut Workspace) -> Option<Self> {
+    fn of(problems: &[Problem], work: &'w Workspace) -> Option<Self> {
         let first = problems.first()?.propagation();
         let (prepared, _) = first.computed()?;
         let points = problems.iter().map(|problem| problem.propagation().points()).max()?;
         if problems.len() > LANES || points > problems.len() {
             return None;
         }
-        let mut places = [(); 3].map(|()| work.floats.take(points * LANES));
+        let mut coordinates = [(); 3].map(|()| work.floats.take(points * LANES));
         // A lane without a problem repeats the last one, a problem of fewer points its last point: far from a transducer.
         for lane in 0..LANES {
-            let propagation = problems[lane.min(problems.len() - 1)].propagation();
-            let (own, control_points) = propagation.computed()?;
+            let (own, points) = problems[lane.min(problems.len() - 1)].propagation().computed()?;
             if !Arc::ptr_eq(own, prepared) {
                 return None;
             }
-            for (list, places) in control_points.coordinates.into_iter().zip(&mut places) {
-                deal(list, lane, places);
+            for (list, lanes) in points.coordinates.into_iter().zip(&mut coordinates) {
+                deal(list, lane, lanes);
             }
         }
-        Some(Self { prepared: Arc::clone(prepared), set: first.instruction_set(), places })
+        Some(Self { prepared: Arc::clone(prepared), set: first.instruction_set(), coordinates })
     }
 
     /// Rows of G at these points.
     pub(crate) fn rows(&self) -> Rows<'_> {
-        Rows::Computed {
-            radiation: &self.prepared.radiation,
-            sources: &self.prepared.sources,
-            control_points: self.control_points(),
-        }
+        let Sources { radiation, sources, .. } = &*self.prepared;
+        Rows::Computed { radiation, sources, control_points: self.control_points() }
     }
 
     fn control_points(&self) -> ControlPoints<'_> {
-        let [x, y, z] = &self.places;
+        let [x, y, z] = &self.coordinates;
         ControlPoints { coordinates: [x, y, z], count: self.lanes() }
     }
 
     /// Length of a row: 16 times the largest number of points.
     fn lanes(&self) -> usize {
-        self.places[0].len()
-    }
-
-    /// Gives the memory back.
-    fn give(self, work: &mut Workspace) {
-        work.floats.give_all(self.places);
+        self.coordinates[0].len()
     }
 }
 
-/// What solvers of problems abreast work on. Drives have two groups of lanes a transducer, re and im.
-pub(crate) struct Together {
-    pub(crate) abreast: Abreast,
-    pub(crate) target: Vec<f32>,
-    pub(crate) weight: Vec<f32>,
-    pub(crate) drives: Vec<f32>,
-    pub(crate) pressures: [Vec<f32>; 2],
+/// What solvers of an interleaved batch work on. Drives have two groups of lanes a transducer, re and im.
+pub(crate) struct InterleavedBatch<'w> {
+    pub(crate) points: InterleavedPoints<'w>,
+    pub(crate) target: Buffer<'w, f32>,
+    pub(crate) weight: Buffer<'w, f32>,
+    pub(crate) drives: Buffer<'w, f32>,
+    pub(crate) pressures: [Buffer<'w, f32>; 2],
 }
 
-impl Together {
-    /// Some problems, silent, where [`Abreast::of`] has them.
-    pub(crate) fn of(problems: &[Problem], work: &mut Workspace) -> Option<Self> {
-        let abreast = Abreast::of(problems, work)?;
-        let lanes = abreast.lanes();
-        let [mut target, mut weight] = [(); 2].map(|()| work.floats.take(lanes));
+impl<'w> InterleavedBatch<'w> {
+    /// Some problems, their drives 0, where [`InterleavedPoints::of`] has them.
+    pub(crate) fn of(problems: &[Problem], work: &'w Workspace) -> Option<Self> {
+        let points = InterleavedPoints::of(problems, work)?;
+        let [mut target, mut weight, re, im] = [(); 4].map(|()| work.floats.take(points.lanes()));
         for (lane, problem) in problems.iter().enumerate() {
             deal(problem.targets(), lane, &mut target);
             deal(problem.weights(), lane, &mut weight);
         }
-        let padded = abreast.prepared.sources.len().next_multiple_of(EIGHT);
+        let padded = points.prepared.sources.len().next_multiple_of(EIGHT);
         let drives = work.floats.take(2 * LANES * padded);
-        let pressures = [(); 2].map(|()| work.floats.take(lanes));
-        Some(Self { abreast, target, weight, drives, pressures })
+        Some(Self { points, target, weight, drives, pressures: [re, im] })
     }
 
-    /// Each problem's solution, all done; gives the memory back.
-    pub(crate) fn solutions(self, problems: &[Problem], steps: usize, work: &mut Workspace) -> Vec<Solution> {
-        let Self { abreast, target, weight, drives, pressures: [re, im] } = self;
-        let count = abreast.prepared.sources.len();
-        let mut own = array::from_fn(|_| work.complexes.empty(count.next_multiple_of(EIGHT)));
-        deal_out(abreast.set, &drives, &mut own);
-        let drives_of = problems.iter().zip(own.iter_mut().map(mem::take)).enumerate();
-        let solutions = drives_of.map(|(lane, (problem, mut drive))| {
+    /// Each problem's solution, all done.
+    pub(crate) fn solutions(self, problems: &[Problem], steps: usize, work: &Workspace) -> Vec<Solution> {
+        let count = self.points.prepared.sources.len();
+        let mut drives = array::from_fn(|_| work.complexes.empty(count.next_multiple_of(EIGHT)));
+        deal_out(self.points.set, &self.drives, &mut drives);
+        let mut drives = drives.into_iter();
+        let solution = |((lane, problem), mut drive): ((usize, &Problem), Vec<Complex32>)| {
             drive.truncate(count);
             let mut field = Planar::zeros(1, problem.propagation().lanes(), work);
-            for (own, all) in [(&mut field.re, &re), (&mut field.im, &im)] {
+            for (own, all) in [&mut field.re, &mut field.im].into_iter().zip(&self.pressures) {
                 own.iter_mut().zip(all.as_chunks::<LANES>().0).for_each(|(own, all)| *own = all[lane]);
             }
-            Solution::of_field(problem, drive, field, Status::Done, steps, work)
-        });
-        let solutions = solutions.collect();
-        work.complexes.give_all(own);
-        work.floats.give_all([target, weight, drives, re, im]);
-        abreast.give(work);
+            Solution::of_field(problem, drive, &field, Status::Done, steps, work)
+        };
+        let solutions = problems.iter().enumerate().zip(&mut drives).map(solution).collect();
+        drives.for_each(|unused| work.complexes.give(unused));
         solutions
     }
 }
 
 /// Sums |G| at the points of some problems, each bit for bit as [`Problem::sum_moduli`] does. Whether that was possible: it
 /// is not where a point may lie on a transducer, which is then to be looked at more closely.
-pub(crate) fn sum_moduli(problems: &mut [Problem], work: &mut Workspace) -> bool {
-    let Some(abreast) = Abreast::of(problems, work) else { return false };
-    let mut others = problems.iter_mut();
-    let mut reaches: [Option<&mut Vec<f64>>; LANES] = array::from_fn(|_| others.next().map(Problem::cleared_reach));
-    let mut sums = work.floats.take(abreast.lanes());
+pub(crate) fn sum_moduli(problems: &mut [Problem], work: &Workspace) -> bool {
+    let Some(points) = InterleavedPoints::of(problems, work) else { return false };
+    problems.iter_mut().for_each(Problem::clear_reach);
+    let mut sums = work.floats.take(points.lanes());
     let mut near = false;
-    for sources in abreast.prepared.sources.chunks(TOGETHER) {
+    for sources in points.prepared.sources.chunks(ROWS_A_SUM) {
         sums.fill(0.0);
-        near |=
-            add_moduli(abreast.set, &abreast.prepared.radiation, sources, abreast.control_points(), NEAR, &mut sums);
-        for (lane, reach) in reaches.iter_mut().flatten().enumerate() {
-            for (reach, sums) in reach.iter_mut().zip(sums.as_chunks::<LANES>().0) {
+        near |= add_moduli(points.set, &points.prepared.radiation, sources, points.control_points(), NEAR, &mut sums);
+        for (lane, problem) in problems.iter_mut().enumerate() {
+            for (reach, sums) in problem.reach.iter_mut().zip(sums.as_chunks::<LANES>().0) {
                 *reach += f64::from(sums[lane]);
             }
         }
     }
-    work.floats.give(sums);
-    abreast.give(work);
     !near
 }
 

@@ -27,7 +27,7 @@ const ROUNDS: usize = 4;
 ///
 /// # Panics
 /// If `drive` has another length than the problem has transducers.
-pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &mut Workspace) {
+pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &Workspace) {
     let propagation = problem.propagation();
     assert_eq!(drive.len(), propagation.transducers(), "one drive a transducer");
     let Some(quantization) = problem.quantization() else { return };
@@ -35,7 +35,7 @@ pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &mut Workspace) 
         *q = quantization.nearest(*q);
     }
     let Some(phases) = quantization.phases() else { return };
-    let buffers = [table(WIDTH), table(WIDTH), 1].map(|len| work.floats.take(len));
+    let buffers = [table(WIDTH), table(WIDTH), 1].map(|len| work.floats.take(len).into_vec());
     let candidates = Candidates::rotations(phases as usize, WIDTH, buffers);
     let lanes = propagation.lanes();
     let [mut row, mut wave] = [(); 2].map(|()| Planar::zeros(1, lanes, work));
@@ -49,7 +49,6 @@ pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &mut Workspace) 
             *target = level * asked;
         }
         kernels::keep(propagation.instruction_set(), [&targets, problem.weights()], field.row(0), &mut kept);
-        field.give(work);
         let mut moved = false;
         for (i, q) in drive.iter_mut().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
             propagation.row(i, &mut row.re, &mut row.im);
@@ -67,12 +66,9 @@ pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &mut Workspace) 
             break;
         }
     }
-    for planar in [row, wave] {
-        planar.give(work);
+    for buffer in candidates.into_buffers() {
+        work.floats.give(buffer);
     }
-    work.floats.give_all([modulus, targets]);
-    work.floats.give_all(candidates.into_buffers());
-    work.points.give(kept);
 }
 
 /// s = `sum w t |P| / sum w t^2`: the level at which targets in these ratios fit the moduli best.

@@ -9,43 +9,43 @@ use crate::kernels::tiles;
 use crate::kernels::tiles::Tiles;
 use crate::math::sqrtf;
 use crate::problem::Problem;
-use crate::workspace::{Aligned, Workspace};
+use crate::workspace::{Aligned, Buffer, Workspace};
 
 /// The most that a target may be raised to the largest one's size: squares stay within f32.
 const MOST_RAISED: f32 = 1e12;
 
 /// G as tiles of 16 transducers, a row a point.
-pub(crate) struct Rows {
+pub(crate) struct Rows<'w> {
     /// The problem's point of each row.
-    pub(crate) order: Vec<u32>,
+    pub(crate) order: Buffer<'w, u32>,
     /// Rows of points with a target, where these come first.
-    pub(crate) loud: usize,
+    pub(crate) targeted: usize,
     /// Rows of G: the points, and zeros.
     pub(crate) count: usize,
     /// Length of a vector over the transducers.
     pub(crate) lanes: usize,
     /// Factor of each row.
-    pub(crate) scale: Vec<f32>,
+    pub(crate) scale: Buffer<'w, f32>,
     /// The largest target.
     pub(crate) target: f32,
     pub(crate) set: InstructionSet,
-    planes: [Aligned; 2],
+    planes: [Aligned<'w>; 2],
 }
 
-impl Rows {
+impl<'w> Rows<'w> {
     /// G as it is, point by point.
-    pub(crate) fn new(problem: &Problem, work: &mut Workspace) -> Self {
+    pub(crate) fn new(problem: &Problem, work: &'w Workspace) -> Self {
         Self::ordered(problem, 0..problem.propagation().points() as u32, work)
     }
 
     /// Each row divided by its point's target and multiplied by the largest, so that all points ask for the same; the quiet
     /// ones come last, as they are.
-    pub(crate) fn alike(problem: &Problem, work: &mut Workspace) -> Self {
+    pub(crate) fn alike(problem: &Problem, work: &'w Workspace) -> Self {
         let targets = problem.targets();
-        let heard = |j: &u32| targets[*j as usize] > 0.0;
+        let targeted = |j: &u32| targets[*j as usize] > 0.0;
         let all = 0..problem.propagation().points() as u32;
-        let mut rows = Self::ordered(problem, all.clone().filter(heard).chain(all.filter(|j| !heard(j))), work);
-        for k in 0..rows.loud {
+        let mut rows = Self::ordered(problem, all.clone().filter(targeted).chain(all.filter(|j| !targeted(j))), work);
+        for k in 0..rows.targeted {
             let own = targets[rows.order[k] as usize];
             if own < rows.target {
                 rows.rescale(k, (rows.target / own).min(MOST_RAISED));
@@ -55,7 +55,7 @@ impl Rows {
     }
 
     /// The points' rows of G in an order of theirs.
-    fn ordered(problem: &Problem, points: impl Iterator<Item = u32>, work: &mut Workspace) -> Self {
+    fn ordered(problem: &Problem, points: impl Iterator<Item = u32>, work: &'w Workspace) -> Self {
         let (propagation, targets) = (problem.propagation(), problem.targets());
         let mut order = work.indices.take(propagation.points());
         order.iter_mut().zip(points).for_each(|(own, j)| *own = j);
@@ -65,9 +65,9 @@ impl Rows {
         let mut planes = [(); 2].map(|()| Aligned::take(tiles::size(count, lanes), work));
         let [re, im] = &mut planes;
         tiles::pack(propagation.instruction_set(), propagation.rows(), 0..propagation.transducers(), &order, [re, im]);
-        let loud = targets.iter().filter(|&&target| target > 0.0).count();
+        let targeted = targets.iter().filter(|&&target| target > 0.0).count();
         let target = targets.iter().copied().fold(0.0, f32::max);
-        Self { order, loud, count, lanes, scale, target, set: propagation.instruction_set(), planes }
+        Self { order, targeted, count, lanes, scale, target, set: propagation.instruction_set(), planes }
     }
 
     /// Multiplies row `k` by `factor`.
@@ -82,33 +82,27 @@ impl Rows {
         let [re, im] = &self.planes;
         Tiles { planes: [re, im], lanes: self.lanes }
     }
-
-    pub(crate) fn give(self, work: &mut Workspace) {
-        work.indices.give(self.order);
-        work.floats.give(self.scale);
-        self.planes.into_iter().for_each(|plane| plane.give(work));
-    }
 }
 
 /// A drive q and its field P = G q at the rows.
-pub(crate) struct Wave {
-    pub(crate) drive: [Vec<f32>; 2],
-    pub(crate) field: [Vec<f32>; 2],
+pub(crate) struct Wave<'w> {
+    pub(crate) drive: [Buffer<'w, f32>; 2],
+    pub(crate) field: [Buffer<'w, f32>; 2],
     /// |P|.
-    pub(crate) moduli: Vec<f32>,
+    pub(crate) moduli: Buffer<'w, f32>,
 }
 
-impl Wave {
+impl<'w> Wave<'w> {
     /// A wave to write: only its moduli are set, to 0.
-    pub(crate) fn new(rows: &Rows, work: &mut Workspace) -> Self {
-        let mut pair = |size: usize| [(); 2].map(|()| work.floats.take_any(size));
+    pub(crate) fn new(rows: &Rows, work: &'w Workspace) -> Self {
+        let pair = |size: usize| [(); 2].map(|()| work.floats.take_any(size));
         let (drive, field) = (pair(rows.lanes), pair(rows.count));
         Self { drive, field, moduli: work.floats.take(rows.count) }
     }
 
     /// What a kernel makes of it, and the moduli.
     pub(crate) fn set(&mut self, kernel: impl FnOnce(tiles::Wave<'_>)) {
-        let [drive, field] = [&mut self.drive, &mut self.field].map(|pair| pair.each_mut().map(Vec::as_mut_slice));
+        let [drive, field] = [&mut self.drive, &mut self.field].map(|pair| pair.each_mut().map(|plane| &mut plane[..]));
         kernel(tiles::Wave { drive, field });
         for (modulus, (re, im)) in self.moduli.iter_mut().zip(self.field[0].iter().zip(&self.field[1])) {
             *modulus = sqrtf(re * re + im * im);
@@ -124,7 +118,7 @@ impl Wave {
     /// The same with every |q| made 1, 0 staying 0.
     pub(crate) fn play_at_full(&mut self, rows: &Rows, drive: impl Iterator<Item = Complex32>) {
         self.take(drive);
-        tiles::normalise(rows.set, self.drive.each_mut().map(Vec::as_mut_slice));
+        tiles::normalise(rows.set, self.drive.each_mut().map(|plane| &mut plane[..]));
         self.set(|wave| tiles::play(rows.set, rows.tiles(), wave));
     }
 
@@ -137,31 +131,25 @@ impl Wave {
         }
     }
 
-    /// Turns each q of the wave `from` by the phase atan(`factor` `turns`) at |q| = 1, 0 staying 0, and P = G q.
-    pub(crate) fn turn(&mut self, rows: &Rows, from: &Self, turns: &[f32], factor: f32) {
+    /// Rotates each q of the wave `from` by the phase atan(`factor` `rotations`) at |q| = 1, 0 staying 0, and P = G q.
+    pub(crate) fn rotate(&mut self, rows: &Rows, from: &Wave<'_>, rotations: &[f32], factor: f32) {
         let [re, im] = &from.drive;
-        self.set(|wave| tiles::turn(rows.set, rows.tiles(), [re, im], turns, factor, wave));
+        self.set(|wave| tiles::turn(rows.set, rows.tiles(), [re, im], rotations, factor, wave));
     }
 
-    pub(crate) fn copy(&mut self, other: &Self) {
+    pub(crate) fn copy(&mut self, other: &Wave<'_>) {
         let own = self.drive.iter_mut().chain(&mut self.field).chain([&mut self.moduli]);
         let others = other.drive.iter().chain(&other.field).chain([&other.moduli]);
         own.zip(others).for_each(|(own, other)| own.copy_from_slice(other));
     }
 
     /// The drives of `count` transducers.
-    pub(crate) fn drives(&self, count: usize, work: &mut Workspace) -> Vec<Complex32> {
+    pub(crate) fn drives(&self, count: usize, work: &Workspace) -> Vec<Complex32> {
         let mut drive = work.complexes.take(count);
         for (q, (&re, &im)) in drive.iter_mut().zip(self.drive[0].iter().zip(&self.drive[1])) {
             *q = Complex32::new(re, im);
         }
-        drive
-    }
-
-    pub(crate) fn give(self, work: &mut Workspace) {
-        work.floats.give_all(self.drive);
-        work.floats.give_all(self.field);
-        work.floats.give(self.moduli);
+        drive.into_vec()
     }
 }
 

@@ -8,21 +8,20 @@ use crate::workspace::Workspace;
 /// Points coincide whose rows are parallel to this part: they are about lambda/1000 apart.
 const COINCIDENT: f64 = 1e-5;
 
-/// Gives points in the same place the mean of their targets. `powers` are those of the rows.
+/// Gives coincident points the mean of their targets. `powers` are those of the rows.
 ///
 /// One tile in the middle tells most points apart; only rows that look parallel there are compared as a whole.
-pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &mut Workspace) {
-    let points = rows.loud;
+pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &Workspace) {
+    let points = rows.targeted;
     let middle = rows.lanes / LANES / 2;
     let mut matrix = [(); 2].map(|()| work.floats.take(points * points));
     let [re, im] = &mut matrix;
     products::couplings(rows.set, rows.tiles(), middle..middle + 1, points, [&mut *re, &mut *im]);
     let entry = |k: usize, l: usize| [&*re, &*im].map(|plane| f64::from(plane[k * points + l]));
     let own = |k: usize| entry(k, k)[0].max(f64::from(f32::MIN_POSITIVE));
-    // However much of a row the tile hears: what is not parallel of the row is no more than this part of that.
+    // Rows that are parallel as a whole differ in the tile by no more than this, relative to their power there.
     let slack = |k: usize| 4.0 * COINCIDENT * (f64::from(powers[k]) / own(k)).max(1.0);
-    let mut homes = work.indices.take(points);
-    homes.iter_mut().zip(0..).for_each(|(home, k)| *home = k);
+    let mut homes = work.counting(points);
     let mut apart = true;
     for first in 0..points {
         if homes[first] != first as u32 {
@@ -48,8 +47,6 @@ pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &mut Workspace) {
             }
         }
     }
-    work.floats.give_all(matrix);
-    work.indices.give(homes);
 }
 
 /// Whether two whole rows are.

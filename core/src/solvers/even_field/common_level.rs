@@ -4,14 +4,12 @@
 //! (J J^T + mu W^-1) y = s p - |P|: an M x M system however many transducers there are. The free level is the one
 //! of the shortest step. A quiet point enters with two rows, Re P = Im P = 0, and a heavy one is damped less.
 
-use alloc::vec::Vec;
-
 use crate::linalg::Cholesky;
 use crate::problem::Problem;
 use crate::solvers::common::gauss_newton::Dual;
 use crate::solvers::common::tiled::{Rows, Wave};
-use crate::solvers::even_field::Watch;
-use crate::workspace::Workspace;
+use crate::solvers::even_field::Run;
+use crate::workspace::{Buffer, Workspace};
 
 /// Steps at most: four are enough where the points are fewer than a quarter of the transducers, ten where they are
 /// half as many.
@@ -25,41 +23,33 @@ const DAMPING: f32 = 1e-6;
 const SLOW: f64 = 0.01;
 
 /// The largest change of a phase in rad: beyond it |P| is no longer near its tangent.
-const MOST_TURN: f32 = 1.0;
+const MOST_ROTATION: f32 = 1.0;
 
-/// The least weight told apart from 0.
+/// The least weight that differs from 0.
 const LEAST_WEIGHT: f32 = 1e-6;
 
-/// Makes `wave` even at `level`, or at the level nearest by; whether it is, to `tolerance`.
-pub(super) fn polish(
-    problem: &Problem,
-    rows: &Rows,
-    level: Option<f32>,
-    tolerance: f32,
-    wave: &mut Wave,
-    watch: &mut Watch,
-    work: &mut Workspace,
-) -> bool {
-    let mut newton = Newton::new(problem, rows, work);
-    let mut trial = Wave::new(rows, work);
-    let mut begun = Wave::new(rows, work);
+/// Makes `wave` even at `level`, or at the level nearest by; whether it is, to the plan's tolerance.
+pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, level: Option<f32>, wave: &mut Wave<'w>) -> bool {
+    let (rows, work) = (run.rows, run.work);
+    let mut newton = Newton::new(run.problem, rows, work);
+    let [mut trial, mut begun] = [(); 2].map(|()| Wave::new(rows, work));
     begun.copy(wave);
     let mut damping = DAMPING;
     let mut even = false;
     let (mut renew, mut fresh) = (true, false);
     for step in 0..=MOST_STEPS {
         let level_here = |wave: &Wave| level.unwrap_or_else(|| wave.level(rows));
-        even = wave.unevenness(rows, level_here(wave)) <= tolerance;
-        if even || watch.stopped || step == MOST_STEPS {
+        even = wave.unevenness(rows, level_here(wave)) <= run.plan.tolerance;
+        if even || run.stopped || step == MOST_STEPS {
             break;
         }
         if renew {
-            newton.forget(work);
+            newton.factor = None;
             newton.update(rows, wave);
             fresh = true;
         }
         let before = newton.cost(rows, wave, level_here(wave));
-        let tried = newton.step(rows, wave, level, damping, &mut trial, work);
+        let tried = newton.step(rows, wave, level, damping, &mut trial);
         let after = if tried { newton.cost(rows, &trial, level_here(&trial)) } else { f64::INFINITY };
         if after < before {
             core::mem::swap(wave, &mut trial);
@@ -67,128 +57,104 @@ pub(super) fn polish(
             renew = after > SLOW * before;
             fresh = false;
         } else {
-            // Of old derivatives nothing is concluded.
+            // A failed step with a stale Jacobian: refresh it before changing the damping.
             (renew, damping) = if fresh { (false, 10.0 * damping) } else { (true, damping) };
-            newton.forget(work);
+            newton.factor = None;
         }
-        watch.told(rows, wave);
+        run.report(wave);
     }
-    // More points than the transducers can make alike: no weaker for having tried, but for the sake of quiet ones.
-    if !even && rows.loud == rows.order.len() && wave.lowest(rows) < begun.lowest(rows) {
+    // More points than the transducers can make alike: the result is no weaker than the start, unless for quiet points.
+    if !even && rows.targeted == rows.order.len() && wave.lowest(rows) < begun.lowest(rows) {
         core::mem::swap(wave, &mut begun);
     }
-    newton.give(work);
-    trial.give(work);
-    begun.give(work);
     even
 }
 
-/// What an equation is about: |P|, Re P or Im P.
-fn heard(rows: &Rows, wave: &Wave, equation: usize) -> f32 {
+/// The left side of an equation: |P|, Re P or Im P.
+fn value(rows: &Rows, wave: &Wave, equation: usize) -> f32 {
     let points = rows.order.len();
     match equation {
-        k if k < rows.loud => wave.moduli[k],
+        k if k < rows.targeted => wave.moduli[k],
         k if k < points => wave.field[0][k],
-        k => wave.field[1][k - points + rows.loud],
+        k => wave.field[1][k - points + rows.targeted],
     }
 }
 
-/// The linear system at a wave: the loud points' moduli, then the quiet ones' real and imaginary parts.
-struct Newton {
-    dual: Dual,
-    /// The factor of J J^T, damped, and the solution for a rise of the level.
-    factor: Option<(Cholesky, Vec<f32>)>,
+/// The factor of J J^T, damped, and the solution for a rise of the level.
+type Factor<'w> = (Cholesky<'w>, Buffer<'w, f32>);
+
+/// The linear system at a wave: the targeted points' moduli, then the quiet ones' real and imaginary parts.
+struct Newton<'w> {
+    dual: Dual<'w>,
+    factor: Option<Factor<'w>>,
     /// 1 / weight of each equation.
-    ease: Vec<f32>,
-    turns: Vec<f32>,
+    ease: Buffer<'w, f32>,
+    rotations: Buffer<'w, f32>,
 }
 
-impl Newton {
-    fn new(problem: &Problem, rows: &Rows, work: &mut Workspace) -> Self {
-        let (loud, all) = (rows.loud, rows.order.len());
-        let mut dual = Dual::new(rows, 2 * all - loud, work);
+impl<'w> Newton<'w> {
+    fn new(problem: &Problem, rows: &Rows, work: &'w Workspace) -> Self {
+        let (targeted, all) = (rows.targeted, rows.order.len());
+        let mut dual = Dual::new(rows, 2 * all - targeted, work);
         let [f, g] = &mut dual.factors;
-        g[loud..all].fill(-1.0);
+        g[targeted..all].fill(-1.0);
         f[all..].fill(1.0);
         let mut ease = work.floats.take(dual.size);
-        let points = rows.order.iter().chain(&rows.order[loud..]);
+        let points = rows.order.iter().chain(&rows.order[targeted..]);
         for (ease, &j) in ease.iter_mut().zip(points) {
             *ease = 1.0 / problem.weights()[j as usize].max(LEAST_WEIGHT);
         }
-        Self { dual, factor: None, ease, turns: work.floats.take_any(rows.lanes) }
+        Self { dual, factor: None, ease, rotations: work.floats.take_any(rows.lanes) }
     }
 
     /// The weighted squares of what is missing from `level`, relative to it.
     fn cost(&self, rows: &Rows, wave: &Wave, level: f32) -> f64 {
-        let missing = |k: usize| heard(rows, wave, k) / level - if k < rows.loud { 1.0 } else { 0.0 };
+        let missing = |k: usize| value(rows, wave, k) / level - if k < rows.targeted { 1.0 } else { 0.0 };
         (0..self.dual.size).map(|k| f64::from(missing(k) * missing(k) / self.ease[k])).sum()
     }
 
     fn update(&mut self, rows: &Rows, wave: &Wave) {
-        let (loud, points) = (rows.loud, rows.order.len());
+        let (targeted, points) = (rows.targeted, rows.order.len());
         let [f, g] = &mut self.dual.factors;
         // d|P| = Re(conj(P) dP)/|P| with dP = j G q d.
-        for k in 0..loud {
+        for k in 0..targeted {
             (f[k], g[k]) = (wave.field[1][k] / wave.moduli[k], -wave.field[0][k] / wave.moduli[k]);
         }
-        self.dual.derive(rows, wave, (0..points).chain(loud..points));
+        self.dual.derive(rows, wave, (0..points).chain(targeted..points));
     }
 
     /// The factor of the damped matrix and the solution for a rise of the level; `None` if f32 cannot factor it.
-    fn factored(&self, rows: &Rows, damping: f32, work: &mut Workspace) -> Option<(Cholesky, Vec<f32>)> {
+    fn factored(&self, rows: &Rows, damping: f32) -> Option<Factor<'w>> {
         let (size, lanes) = (self.dual.size, self.dual.lanes());
         let mean = (0..size).map(|k| self.dual.matrix[k * lanes + k]).sum::<f32>() / size as f32;
-        let cholesky = self.dual.factor(|k| damping * mean * self.ease[k], work)?;
-        let mut rise = work.floats.take(lanes);
-        rise[..rows.loud].fill(1.0);
+        let cholesky = self.dual.factor(|k| damping * mean * self.ease[k])?;
+        let mut rise = self.dual.work.floats.take(lanes);
+        rise[..rows.targeted].fill(1.0);
         cholesky.solve(&mut rise);
         Some((cholesky, rise))
     }
 
-    /// Drops the factor.
-    fn forget(&mut self, work: &mut Workspace) {
-        if let Some((cholesky, rise)) = self.factor.take() {
-            cholesky.give(work);
-            work.floats.give(rise);
-        }
-    }
-
     /// Writes the wave after a step into `trial`; `false` if f32 cannot factor the system.
-    fn step(
-        &mut self,
-        rows: &Rows,
-        wave: &Wave,
-        level: Option<f32>,
-        damping: f32,
-        trial: &mut Wave,
-        work: &mut Workspace,
-    ) -> bool {
-        let factor = self.factor.take().or_else(|| self.factored(rows, damping, work));
+    fn step(&mut self, rows: &Rows, wave: &Wave, level: Option<f32>, damping: f32, trial: &mut Wave) -> bool {
+        let factor = self.factor.take().or_else(|| self.factored(rows, damping));
         let Some((cholesky, rise)) = factor else { return false };
         // From the mean level, since s times one solution less another would cancel most digits.
         let middle = wave.level(rows);
-        let mut dual = work.floats.take(rise.len());
+        let mut dual = self.dual.work.floats.take(rise.len());
         for (k, dual) in dual.iter_mut().enumerate().take(self.dual.size) {
-            *dual = if k < rows.loud { middle } else { 0.0 } - heard(rows, wave, k);
+            *dual = if k < rows.targeted { middle } else { 0.0 } - value(rows, wave, k);
         }
         cholesky.solve(&mut dual);
-        let sum = |values: &[f32]| values[..rows.loud].iter().map(|&x| f64::from(x)).sum::<f64>();
+        let sum = |values: &[f32]| values[..rows.targeted].iter().map(|&x| f64::from(x)).sum::<f64>();
         let shift = level.map_or_else(|| (-sum(&dual) / sum(&rise)) as f32, |level| level - middle);
         dual.iter_mut().zip(&rise).for_each(|(dual, rise)| *dual += shift * rise);
-        let most = self.dual.back(&dual, &mut self.turns);
-        work.floats.give(dual);
+        let most = self.dual.back(&dual, &mut self.rotations);
         self.factor = Some((cholesky, rise));
-        let factor = if most > MOST_TURN { MOST_TURN / most } else { 1.0 };
+        let factor = if most > MOST_ROTATION { MOST_ROTATION / most } else { 1.0 };
         if !most.is_finite() {
             return false;
         }
-        trial.turn(rows, wave, &self.turns, factor);
+        trial.rotate(rows, wave, &self.rotations, factor);
         true
-    }
-
-    fn give(mut self, work: &mut Workspace) {
-        self.forget(work);
-        self.dual.give(work);
-        work.floats.give_all([self.ease, self.turns]);
     }
 }

@@ -11,8 +11,6 @@ pub(crate) mod common_level;
 pub(crate) mod point_phases;
 pub(crate) mod weighted_sweeps;
 
-use alloc::vec::Vec;
-
 use crate::control::Control;
 use crate::linalg::Planar;
 use crate::problem::{Problem, Solution, Status};
@@ -20,7 +18,7 @@ use crate::scene::Aim;
 use crate::solvers::common::refinement::refine;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::point_phases::Starts;
-use crate::workspace::Workspace;
+use crate::workspace::{Buffer, Workspace};
 
 /// How much work to spend.
 pub(crate) struct Plan {
@@ -36,15 +34,15 @@ pub(crate) struct Plan {
     pub(crate) tolerance: f32,
 }
 
-impl Wave {
-    /// |P| of the weakest loud point.
+impl Wave<'_> {
+    /// |P| of the weakest targeted point.
     fn lowest(&self, rows: &Rows) -> f32 {
-        self.moduli[..rows.loud].iter().copied().fold(f32::INFINITY, f32::min)
+        self.moduli[..rows.targeted].iter().copied().fold(f32::INFINITY, f32::min)
     }
 
-    /// The mean |P| of the loud points.
+    /// The mean |P| of the targeted points.
     fn level(&self, rows: &Rows) -> f32 {
-        self.moduli[..rows.loud].iter().sum::<f32>() / rows.loud as f32
+        self.moduli[..rows.targeted].iter().sum::<f32>() / rows.targeted as f32
     }
 
     /// The largest deviation from `level`, the quiet points' from silence, relative to it.
@@ -52,35 +50,38 @@ impl Wave {
         if level == 0.0 {
             return f32::INFINITY;
         }
-        let (loud, quiet) = self.moduli.split_at(rows.loud);
-        let deviations = loud.iter().map(|x| (x / level - 1.0).abs()).chain(quiet.iter().map(|x| x / level));
+        let (targeted, quiet) = self.moduli.split_at(rows.targeted);
+        let deviations = targeted.iter().map(|x| (x / level - 1.0).abs()).chain(quiet.iter().map(|x| x / level));
         deviations.fold(0.0, f32::max)
     }
 }
 
-/// The caller's hand on the solve: counts steps and tells each.
-struct Watch<'a, 'b> {
+/// A solve under way: what it works on, and its steps, each reported to the caller.
+struct Run<'a, 'b, 'w> {
     problem: &'a Problem,
+    rows: &'a Rows<'w>,
+    plan: &'a Plan,
+    work: &'w Workspace,
     control: &'a mut Control<'b>,
     step: usize,
     steps: usize,
     stopped: bool,
     /// Moduli in the problem's order and unit.
-    moduli: Vec<f32>,
+    moduli: Buffer<'w, f32>,
 }
 
-impl Watch<'_, '_> {
-    /// Whether to go on after a step to `wave`. A step is told when the next one is done: the last one's residual is
-    /// that of the answer, which is told when it is made.
-    fn told(&mut self, rows: &Rows, wave: &Wave) -> bool {
+impl Run<'_, '_, '_> {
+    /// Whether to go on after a step to `wave`. A step is reported when the next one is done: the last one's residual is
+    /// that of the answer, which is reported when it is made.
+    fn report(&mut self, wave: &Wave) -> bool {
         let (problem, moduli) = (self.problem, &self.moduli);
         if self.step > 0 {
             self.stopped = self.control.step(self.step, self.steps, || problem.residual(moduli)).is_break();
         }
         if !self.stopped {
             self.step += 1;
-            for (k, &j) in rows.order.iter().enumerate() {
-                self.moduli[j as usize] = wave.moduli[k] / rows.scale[k];
+            for (k, &j) in self.rows.order.iter().enumerate() {
+                self.moduli[j as usize] = wave.moduli[k] / self.rows.scale[k];
             }
         }
         !self.stopped
@@ -88,32 +89,31 @@ impl Watch<'_, '_> {
 }
 
 /// An even drive, at the level that the problem aims at.
-pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &mut Workspace, control: &mut Control) -> Solution {
+pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &Workspace, control: &mut Control) -> Solution {
     let mut rows = Rows::alike(problem, work);
     let starts = Starts::new(problem, &mut rows, plan, work);
     let moduli = work.floats.take(problem.propagation().lanes());
     let steps = starts.count * (1 + plan.sweeps + common_level::MOST_STEPS) + common_level::MOST_STEPS;
-    let mut watch = Watch { problem, control, step: 0, steps, stopped: false, moduli };
-    let mut best = Wave::new(&rows, work);
-    let mut wave = Wave::new(&rows, work);
+    let rows = &rows;
+    let mut run = Run { problem, rows, plan, work, control, step: 0, steps, stopped: false, moduli };
+    let [mut best, mut wave] = [(); 2].map(|()| Wave::new(rows, work));
     let mut reached = (false, -1.0);
     for start in 0..starts.count {
-        weighted_sweeps::raise(&rows, &starts, start, plan.sweeps, &mut wave, &mut watch, work);
-        let even = common_level::polish(problem, &rows, None, plan.tolerance, &mut wave, &mut watch, work);
-        if (even, wave.lowest(&rows)) > reached {
-            reached = (even, wave.lowest(&rows));
+        weighted_sweeps::raise(&mut run, &starts, start, &mut wave);
+        let even = common_level::polish(&mut run, None, &mut wave);
+        if (even, wave.lowest(rows)) > reached {
+            reached = (even, wave.lowest(rows));
             core::mem::swap(&mut best, &mut wave);
         }
-        if watch.stopped {
+        if run.stopped {
             break;
         }
     }
     let wanted = problem.aim() == Aim::Target;
     // With many points the target may lie above the level where free steps end, and still be in reach.
-    if wanted && !watch.stopped && reached.1 < rows.target && 4 * rows.loud >= problem.propagation().transducers() {
+    if wanted && !run.stopped && reached.1 < rows.target && 4 * rows.targeted >= problem.propagation().transducers() {
         wave.copy(&best);
-        let level = Some(rows.target);
-        if common_level::polish(problem, &rows, level, plan.tolerance, &mut wave, &mut watch, work) {
+        if common_level::polish(&mut run, Some(rows.target), &mut wave) {
             reached.0 = true;
             core::mem::swap(&mut best, &mut wave);
         }
@@ -121,11 +121,11 @@ pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &mut Workspace, contro
     let mut drive = best.drives(problem.propagation().transducers(), work);
     let quantization = problem.quantization();
     if quantization.is_some() {
-        // At full drive, where the grid is finest; what it makes at the points is heard anew.
+        // At full drive, where the grid is finest; the field at the points is computed anew.
         refine(problem, &mut drive, work);
-        best.play_at_full(&rows, drive.iter().copied());
+        best.play_at_full(rows, drive.iter().copied());
     }
-    let loudest = best.moduli[..rows.loud].iter().copied().fold(0.0, f32::max);
+    let loudest = best.moduli[..rows.targeted].iter().copied().fold(0.0, f32::max);
     let factor = if wanted && loudest > rows.target { f64::from(rows.target / loudest) } else { 1.0 };
     let (amplitude, scale) = quantization.map_or((factor, 1.0), |quantization| quantization.lowered(factor));
     for q in &mut drive {
@@ -137,18 +137,12 @@ pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &mut Workspace, contro
             field[j as usize] = own[k] / rows.scale[k] * amplitude as f32;
         }
     }
-    let status = match (watch.stopped, reached.0) {
+    let status = match (run.stopped, reached.0) {
         (true, _) => Status::Stopped,
         (_, true) => Status::Done,
         _ => Status::OutOfSteps,
     };
-    let step = watch.step;
-    work.floats.give(watch.moduli);
-    best.give(work);
-    wave.give(work);
-    starts.give(work);
-    rows.give(work);
-    let mut solution = Solution::of_field(problem, drive, field, status, step, work).scaled(scale);
-    solution.tell(problem, steps, control);
+    let mut solution = Solution::of_field(problem, drive, &field, status, run.step, work).scaled(scale);
+    solution.tell(problem, steps, run.control);
     solution
 }

@@ -5,8 +5,6 @@
 //! point's own echo, which would only hold its phase back. One start goes over G itself; many share the M x M matrix of
 //! couplings, sixteen side by side.
 
-use alloc::vec::Vec;
-
 use crate::kernels::tiles::{phases, products};
 use crate::kernels::{InstructionSet, LANES};
 use crate::math::sqrtf;
@@ -16,7 +14,7 @@ use crate::solvers::common::alternating_projection::start_phasors;
 use crate::solvers::common::tiled::Rows;
 use crate::solvers::even_field::Plan;
 use crate::solvers::even_field::coincident::merge;
-use crate::workspace::Workspace;
+use crate::workspace::{Buffer, Workspace};
 
 /// Rounds over the points on the matrix: in trials eight reach all but a thousandth of the energy.
 const ROUNDS: usize = 8;
@@ -28,64 +26,58 @@ const ROUNDS_ALONE: usize = 8;
 const ALIKE: f32 = 1e-5;
 
 /// Point phases to go on from, the best first.
-pub(super) struct Starts {
+pub(super) struct Starts<'w> {
     /// How many.
     pub(super) count: usize,
     /// Moduli of v at which each point's own wave makes the same |P|.
-    pub(super) weights: Vec<f32>,
+    pub(super) weights: Buffer<'w, f32>,
     /// Phasors, start by start.
-    pub(super) phasors: [Vec<f32>; 2],
+    pub(super) phasors: [Buffer<'w, f32>; 2],
     /// The part of |P| that is a point's own echo, start by start; 0 where it is not known.
-    pub(super) echoes: Vec<f32>,
+    pub(super) echoes: Buffer<'w, f32>,
 }
 
-impl Starts {
+impl<'w> Starts<'w> {
     /// The problem's own start, else the best that a search finds.
-    pub(super) fn new(problem: &Problem, rows: &mut Rows, plan: &Plan, work: &mut Workspace) -> Self {
-        let mut powers = work.floats.take(rows.loud);
+    pub(super) fn new(problem: &Problem, rows: &mut Rows, plan: &Plan, work: &'w Workspace) -> Self {
+        let mut powers = work.floats.take(rows.targeted);
         products::powers(rows.set, rows.tiles(), &mut powers);
         merge(rows, &mut powers, work);
         for power in &mut powers {
             *power = power.max(f32::MIN_POSITIVE);
         }
         let weakest = sqrtf(powers.iter().copied().fold(f32::INFINITY, f32::min));
-        let mut weights = work.floats.take(rows.loud);
+        let mut weights = work.floats.take(rows.targeted);
         weights.iter_mut().zip(&powers).for_each(|(weight, power)| *weight = weakest / power);
-        let starts = if problem.start_drive().is_some() || problem.start_phases().is_some() {
+        let starts = if problem.has_start() {
             Self::given(problem, rows, weights, work)
         } else {
-            // From the strongest point on: an order that does not hang on how the scene is told.
-            let mut visits = work.indices.take(rows.loud);
-            visits.iter_mut().zip(0..).for_each(|(visit, k)| *visit = k);
+            // From the strongest point on: an order that does not depend on the order of the scene's points.
+            let mut visits = work.counting(rows.targeted);
             visits.sort_unstable_by(|&a, &b| powers[b as usize].total_cmp(&powers[a as usize]));
             let starts = if plan.starts == 1 {
                 Self::alone(rows, weights, &powers, &visits, work)
             } else {
                 let couplings = Couplings::new(rows, &powers, work);
-                let starts = couplings.search(weights, &visits, plan, work);
-                couplings.give(work);
-                starts
+                couplings.search(weights, &visits, plan, work)
             };
-            work.indices.give(visits);
             starts
         };
-        work.floats.give(powers);
         starts
     }
 
-    fn given(problem: &Problem, rows: &Rows, weights: Vec<f32>, work: &mut Workspace) -> Self {
+    fn given(problem: &Problem, rows: &Rows, weights: Buffer<'w, f32>, work: &'w Workspace) -> Self {
         let phasors = start_phasors(problem, work);
-        let mut own = [(); 2].map(|()| work.floats.take(rows.loud));
+        let mut own = [(); 2].map(|()| work.floats.take(rows.targeted));
         for (own, phasors) in own.iter_mut().zip([&phasors.re, &phasors.im]) {
             own.iter_mut().zip(&rows.order).for_each(|(own, &j)| *own = phasors[j as usize]);
         }
-        phasors.give(work);
         Self { count: 1, weights, phasors: own, echoes: work.floats.take(1) }
     }
 
     /// One point added after another, on G itself: with one start that takes less time than the matrix.
-    fn alone(rows: &Rows, weights: Vec<f32>, powers: &[f32], visits: &[u32], work: &mut Workspace) -> Self {
-        let mut phasors = [(); 2].map(|()| work.floats.take(rows.loud));
+    fn alone(rows: &Rows, weights: Buffer<'w, f32>, powers: &[f32], visits: &[u32], work: &'w Workspace) -> Self {
+        let mut phasors = [(); 2].map(|()| work.floats.take(rows.targeted));
         let mut wave = [(); 2].map(|()| work.floats.take(rows.lanes));
         let [re, im] = &mut phasors;
         let [wave_re, wave_im] = &mut wave;
@@ -98,28 +90,22 @@ impl Starts {
         let own = weights.iter().zip(powers).map(|(weight, power)| weight * weight * power).sum::<f32>();
         let mut echoes = work.floats.take(1);
         echoes[0] = own / (own + energy);
-        work.floats.give_all(wave);
         Self { count: 1, weights, phasors, echoes }
     }
-
-    pub(super) fn give(self, work: &mut Workspace) {
-        work.floats.give_all(self.phasors);
-        work.floats.give_all([self.weights, self.echoes]);
-    }
 }
 
-/// G G^H of the loud rows, each divided by its norm.
-struct Couplings {
+/// G G^H of the targeted rows, each divided by its norm.
+struct Couplings<'w> {
     set: InstructionSet,
     points: usize,
-    matrix: [Vec<f32>; 2],
+    matrix: [Buffer<'w, f32>; 2],
     /// The norms of the rows.
-    norms: Vec<f32>,
+    norms: Buffer<'w, f32>,
 }
 
-impl Couplings {
-    fn new(rows: &Rows, powers: &[f32], work: &mut Workspace) -> Self {
-        let points = rows.loud;
+impl<'w> Couplings<'w> {
+    fn new(rows: &Rows, powers: &[f32], work: &'w Workspace) -> Self {
+        let points = rows.targeted;
         let mut matrix = [(); 2].map(|()| work.floats.take(points * points));
         let mut norms = work.floats.take(points);
         norms.iter_mut().zip(powers).for_each(|(norm, &power)| *norm = sqrtf(power));
@@ -137,17 +123,12 @@ impl Couplings {
         Self { set: rows.set, points, matrix, norms }
     }
 
-    fn give(self, work: &mut Workspace) {
-        work.floats.give_all(self.matrix);
-        work.floats.give(self.norms);
-    }
-
     fn planes(&self) -> [&[f32]; 2] {
         [&self.matrix[0], &self.matrix[1]]
     }
 
     /// The phases of the greatest energies that any of the plan's starts ends in.
-    fn search(&self, weights: Vec<f32>, visits: &[u32], plan: &Plan, work: &mut Workspace) -> Starts {
+    fn search(&self, weights: Buffer<'w, f32>, visits: &[u32], plan: &Plan, work: &'w Workspace) -> Starts<'w> {
         let points = self.points;
         let groups = plan.starts.div_ceil(LANES);
         // v_k times the norm of row k.
@@ -202,8 +183,6 @@ impl Couplings {
             starts.echoes[starts.count] = own / (own + energy);
             starts.count += 1;
         }
-        work.floats.give_all(found);
-        work.floats.give_all([shares, energies, turns]);
         starts
     }
 }

@@ -2,10 +2,9 @@
 
 use crate::math::sqrtf;
 use crate::solvers::common::alternating_projection::Projector;
-use crate::solvers::common::tiled::{Rows, Wave};
-use crate::solvers::even_field::Watch;
+use crate::solvers::common::tiled::Wave;
+use crate::solvers::even_field::Run;
 use crate::solvers::even_field::point_phases::Starts;
-use crate::workspace::Workspace;
 
 /// How much of a point's own echo is taken from its field before its phase is read: the echo says what the phase
 /// was, only the rest what it should be. In trials 0.8 is best or near it from 4 to 64 points.
@@ -15,32 +14,24 @@ const RELAXATION: f32 = 0.8;
 const MOST_CHANGE: f32 = 2.0;
 
 /// Sweeps from a start; leaves in `wave` the iterate whose weakest point is strongest.
-pub(super) fn raise(
-    rows: &Rows,
-    starts: &Starts,
-    start: usize,
-    sweeps: usize,
-    wave: &mut Wave,
-    watch: &mut Watch,
-    work: &mut Workspace,
-) {
-    let loud = rows.loud;
-    let mut weights = work.floats.take(loud);
+pub(super) fn raise<'w>(run: &mut Run<'_, '_, 'w>, starts: &Starts, start: usize, wave: &mut Wave<'w>) {
+    let (rows, work, targeted) = (run.rows, run.work, run.rows.targeted);
+    let mut weights = work.floats.take(targeted);
     weights.copy_from_slice(&starts.weights);
     let strongest = weights.iter().copied().fold(0.0, f32::max);
     let mut phasors = [0, 1].map(|plane| {
-        let mut own = work.floats.take(loud);
-        own.copy_from_slice(&starts.phasors[plane][start * loud..(start + 1) * loud]);
+        let mut own = work.floats.take(targeted);
+        own.copy_from_slice(&starts.phasors[plane][start * targeted..(start + 1) * targeted]);
         own
     });
     let mut projector = Projector::new(rows, work);
     let echo = RELAXATION * starts.echoes[start];
     let mut trial = Wave::new(rows, work);
-    let given = watch.problem.start_drive();
+    let given = run.problem.start_drive();
     if let Some(drive) = given {
         wave.play_at_full(rows, drive.iter().copied());
     }
-    for sweep in 0..=sweeps {
+    for sweep in 0..=run.plan.sweeps {
         for (wanted, phasors) in projector.wanted.iter_mut().zip(&phasors) {
             for ((wanted, phasor), weight) in wanted.iter_mut().zip(phasors).zip(&weights) {
                 *wanted = weight * phasor;
@@ -49,7 +40,7 @@ pub(super) fn raise(
         projector.project(rows, &mut trial);
         let level = trial.level(rows);
         let mut largest = 0.0_f32;
-        for k in 0..loud {
+        for k in 0..targeted {
             let modulus = trial.moduli[k];
             let mut change = MOST_CHANGE;
             if modulus > 0.0 {
@@ -69,12 +60,8 @@ pub(super) fn raise(
         if (sweep == 0 && given.is_none()) || trial.lowest(rows) > wave.lowest(rows) {
             core::mem::swap(&mut trial, wave);
         }
-        if !watch.told(rows, wave) {
+        if !run.report(wave) {
             break;
         }
     }
-    work.floats.give(weights);
-    work.floats.give_all(phasors);
-    projector.give(work);
-    trial.give(work);
 }

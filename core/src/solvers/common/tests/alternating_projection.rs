@@ -13,11 +13,11 @@ fn back(exact: &Exact, wanted: &[Complex64], i: usize) -> Complex64 {
 
 #[test]
 fn a_projection_keeps_the_phases_and_takes_the_moduli() {
-    let mut work = Workspace::new();
+    let work = Workspace::new();
     for points in 1..=20 {
-        let (problem, rows, mut wave) = random(points, 37, &mut work);
+        let (problem, rows, mut wave) = random(points, 37, &work);
         let exact = Exact::new(&problem);
-        let mut projector = Projector::new(&rows, &mut work);
+        let mut projector = Projector::new(&rows, &work);
         let moduli: Vec<f32> = (0..points).map(|j| j as f32).collect();
         let field = |j: usize| wide(Complex32::new(wave.field[0][j], wave.field[1][j]));
         let wanted: Vec<Complex64> = (0..points).map(|j| field(j) / field(j).norm() * f64::from(moduli[j])).collect();
@@ -33,19 +33,19 @@ fn a_projection_keeps_the_phases_and_takes_the_moduli() {
 
 #[test]
 fn a_start_is_a_drive_as_it_is_or_the_projection_of_phases() {
-    let mut work = Workspace::new();
-    let (problem, rows, wave) = random(7, 37, &mut work);
+    let work = Workspace::new();
+    let (problem, rows, wave) = random(7, 37, &work);
     let given = Exact::new(&problem).drive(&wave);
-    let mut projector = Projector::new(&rows, &mut work);
-    assert!(projector.start(&problem, &rows, &mut work).is_none());
-    let plain = projector.begin(&problem, &rows, &mut work);
+    let mut projector = Projector::new(&rows, &work);
+    assert!(projector.start(&problem, &rows, &work).is_none());
+    let plain = projector.begin(&problem, &rows, &work);
     assert!(Exact::new(&problem).drive(&plain).iter().all(|q| *q == Complex32::ONE));
     let started = problem.clone().with_start(Start::Drive(given.clone())).expect("a start");
-    let wave = projector.start(&started, &rows, &mut work).expect("a wave");
+    let wave = projector.start(&started, &rows, &work).expect("a wave");
     assert_eq!(Exact::new(&started).drive(&wave), given);
     let phases: Vec<f64> = (0..7).map(f64::from).collect();
     let started = problem.with_start(Start::Phases(phases.clone())).expect("a start");
-    let wave = projector.start(&started, &rows, &mut work).expect("a wave");
+    let wave = projector.start(&started, &rows, &work).expect("a wave");
     let exact = Exact::new(&started);
     let wanted: Vec<Complex64> = phases
         .iter()

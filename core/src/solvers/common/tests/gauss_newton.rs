@@ -5,13 +5,13 @@ use crate::solvers::common::tiled::tests::{Exact, random, wide};
 
 #[test]
 fn a_step_solves_the_damped_system() {
-    let mut work = Workspace::new();
+    let work = Workspace::new();
     for points in 1..=20 {
-        let (problem, rows, mut wave) = random(points, 37, &mut work);
+        let (problem, rows, mut wave) = random(points, 37, &work);
         let exact = Exact::new(&problem);
         wave.play_at_full(&rows, exact.drive(&wave).into_iter());
         let drive = exact.drive(&wave);
-        let mut dual = Dual::new(&rows, 2 * points, &mut work);
+        let mut dual = Dual::new(&rows, 2 * points, &work);
         dual.factors[1][..points].fill(-1.0);
         dual.factors[0][points..].fill(1.0);
         dual.derive(&rows, &wave, (0..points).chain(0..points));
@@ -21,7 +21,7 @@ fn a_step_solves_the_damped_system() {
             if e < points { -wave.im } else { wave.re }
         };
         let damping = |e: usize| 1.0 + e as f32;
-        let factor = dual.factor(damping, &mut work).expect("positive definite");
+        let factor = dual.factor(damping).expect("positive definite");
         let mut y = work.floats.take(dual.lanes());
         (0..2 * points).for_each(|e| y[e] = 1.0 - 0.1 * e as f32);
         factor.solve(&mut y);

@@ -8,7 +8,7 @@ use crate::scene::Request;
 use num_complex::Complex64;
 
 /// A random matrix of propagation with targets that differ, its rows as they are, and a random wave.
-pub(crate) fn random(points: usize, transducers: usize, work: &mut Workspace) -> (Problem, Rows, Wave) {
+pub(crate) fn random(points: usize, transducers: usize, work: &Workspace) -> (Problem, Rows<'_>, Wave<'_>) {
     let mut rng = Rng::new(points as u64);
     let mut number = || Complex64::new(2.0 * rng.uniform() - 1.0, 2.0 * rng.uniform() - 1.0);
     let matrix: Vec<Complex64> = (0..points * transducers).map(|_| number()).collect();
@@ -40,7 +40,7 @@ impl<'a> Exact<'a> {
     }
 
     pub(crate) fn drive(&self, wave: &Wave) -> Vec<Complex32> {
-        wave.drives(self.0.propagation().transducers(), &mut Workspace::new())
+        wave.drives(self.0.propagation().transducers(), &Workspace::new())
     }
 
     /// The largest error of a wave's field and moduli.
@@ -58,13 +58,13 @@ impl<'a> Exact<'a> {
 
 #[test]
 fn a_wave_is_a_drive_and_its_field() {
-    let mut work = Workspace::new();
+    let work = Workspace::new();
     for points in 1..=20 {
-        let (problem, rows, mut wave) = random(points, 37, &mut work);
+        let (problem, rows, mut wave) = random(points, 37, &work);
         let exact = Exact::new(&problem);
         assert!(exact.miss(&rows, &wave) < 1e-4, "{points}: as it is");
-        let mut other = Wave::new(&rows, &mut work);
-        other.turn(&rows, &wave, &alloc::vec![0.5; rows.lanes], -0.2);
+        let mut other = Wave::new(&rows, &work);
+        other.rotate(&rows, &wave, &alloc::vec![0.5; rows.lanes], -0.2);
         assert!(exact.miss(&rows, &other) < 1e-4, "{points}: turned");
         for (q, before) in exact.drive(&other).into_iter().zip(exact.drive(&wave)) {
             let angle = (wide(q) / wide(before)).arg();
@@ -77,15 +77,15 @@ fn a_wave_is_a_drive_and_its_field() {
 
 #[test]
 fn rows_made_alike_ask_for_one_modulus_and_end_with_the_quiet_ones() {
-    let mut work = Workspace::new();
+    let work = Workspace::new();
     let matrix: Vec<Complex64> = (0..5 * 37).map(|k| Complex64::cis(f64::from(k))).collect();
     let propagation = Propagation::from_matrix(&matrix, 5).expect("propagation");
     let request = Request { pressures: Some(alloc::vec![2.0, 0.0, 4.0, 1.0, 0.0]), weights: None };
     let problem = Problem::with_propagation(propagation, Setup::default(), &request).expect("a problem");
-    let rows = Rows::alike(&problem, &mut work);
-    assert_eq!((&rows.order[..], rows.loud), (&[0, 2, 3, 1, 4][..], 3));
-    assert_eq!(rows.scale, [2.0, 1.0, 4.0, 1.0, 1.0]);
-    let mut wave = Wave::new(&rows, &mut work);
+    let rows = Rows::alike(&problem, &work);
+    assert_eq!((&rows.order[..], rows.targeted), (&[0, 2, 3, 1, 4][..], 3));
+    assert_eq!(rows.scale[..], [2.0, 1.0, 4.0, 1.0, 1.0]);
+    let mut wave = Wave::new(&rows, &work);
     wave.play(&rows, core::iter::repeat_n(Complex32::new(0.6, -0.8), 37));
     assert!(Exact::new(&problem).miss(&rows, &wave) < 1e-4);
 }
