@@ -3,6 +3,8 @@
 mod quantization;
 mod tables;
 
+pub use tables::Provenance;
+
 use alloc::format;
 use alloc::string::{String, ToString};
 
@@ -29,16 +31,6 @@ impl Format {
     pub fn of(name: &str) -> Self {
         if name.to_ascii_lowercase().ends_with(".json") { Self::Json } else { Self::Toml }
     }
-}
-
-/// How a scene was solved, written beside it so that a result can be replayed.
-#[derive(Clone, Debug, Default, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "two remarks")]
-pub struct Provenance {
-    /// The version of midair.
-    pub version: Option<String>,
-    /// How the solve ended.
-    pub status: Option<String>,
 }
 
 /// Reads a scene from a file's bytes.

@@ -9,10 +9,19 @@ use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
-use crate::files::Provenance;
 use crate::files::quantization::QuantizationTable;
 use crate::scene::{Array, Choice, Directivity, Medium, Options, Origin, Plane, Request, Scene, Transducer, Value};
 use crate::solvers::registry::configure;
+
+/// How a scene was solved, written beside it so that a result can be replayed.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[allow(clippy::exhaustive_structs, reason = "two remarks")]
+pub struct Provenance {
+    /// The version of midair.
+    pub version: Option<String>,
+    /// How the solve ended.
+    pub status: Option<String>,
+}
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -11,6 +11,7 @@ use num_complex::Complex64;
 use crate::device::quantization::Quantization;
 use crate::error::{Error, one_each, real};
 use crate::math;
+use crate::scene::geometry::{bounds, lattice};
 use crate::scene::presets;
 use crate::scene::transducer::Transducer;
 
@@ -280,12 +281,6 @@ impl Array {
     }
 }
 
-/// `nx` x `ny` positions `pitch` metres apart, centred, x fastest.
-pub(crate) fn lattice([nx, ny]: [usize; 2], pitch: f64) -> Vec<[f64; 3]> {
-    let centred = |i: usize, n: usize| (i as f64 - (n as f64 - 1.0) / 2.0) * pitch;
-    (0..nx * ny).map(|i| [centred(i % nx, nx), centred(i / nx, ny), 0.0]).collect()
-}
-
 /// Refuses positions of another number than the transducers, or not finite.
 pub(crate) fn check_positions(positions: &[[f64; 3]], transducers: usize) -> Result<(), Error> {
     one_each("positions", positions.len(), "of them", transducers, "transducers")?;
@@ -310,15 +305,4 @@ fn count(item: &str, transducers: usize) -> Result<(), Error> {
         return Err(Error::invalid(item, transducers, cure));
     }
     Ok(())
-}
-
-/// Lowest and highest coordinate along each axis, [0, 0] where there are no points.
-pub(crate) fn bounds(points: &[[f64; 3]]) -> [[f64; 2]; 3] {
-    let Some(first) = points.first() else { return [[0.0; 2]; 3] };
-    points.iter().fold(first.map(|x| [x, x]), |mut bounds, point| {
-        for (bound, &x) in bounds.iter_mut().zip(point) {
-            *bound = [bound[0].min(x), bound[1].max(x)];
-        }
-        bounds
-    })
 }

@@ -4,6 +4,7 @@ pub(crate) mod aim;
 pub(crate) mod array;
 pub(crate) mod choice;
 pub(crate) mod extent;
+pub(crate) mod geometry;
 pub(crate) mod medium;
 pub(crate) mod plane;
 pub mod presets;

@@ -3,7 +3,8 @@
 use alloc::vec::Vec;
 
 use crate::error::{Error, real};
-use crate::scene::array::{bounds, vector};
+use crate::scene::array::vector;
+use crate::scene::geometry::bounds;
 
 /// A square of pixels at height z, for pictures of the field.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use crate::device::quantization::Quantization;
 use crate::error;
 use crate::error::Error;
-use crate::scene::array::lattice;
+use crate::scene::geometry::lattice;
 use crate::scene::transducer::{Directivity, Transducer};
 
 /// An array known by name.

@@ -4,7 +4,7 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::problem::{Problem, Solution};
 use crate::solvers::even_field;
-use crate::solvers::even_field::Plan;
+use crate::solvers::even_field::run::Plan;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 

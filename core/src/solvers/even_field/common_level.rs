@@ -8,7 +8,7 @@ use crate::linalg::Cholesky;
 use crate::problem::Problem;
 use crate::solvers::common::gauss_newton::Dual;
 use crate::solvers::common::tiled::{Rows, Wave};
-use crate::solvers::even_field::Run;
+use crate::solvers::even_field::run::Run;
 use crate::workspace::{Buffer, Workspace};
 
 /// Steps at most: four are enough where the points are fewer than a quarter of the transducers, ten where they are

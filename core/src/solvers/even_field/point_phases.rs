@@ -12,8 +12,8 @@ use crate::problem::Problem;
 use crate::rng::Rng;
 use crate::solvers::common::alternating_projection::start_phasors;
 use crate::solvers::common::tiled::Rows;
-use crate::solvers::even_field::Plan;
 use crate::solvers::even_field::coincident::merge;
+use crate::solvers::even_field::run::Plan;
 use crate::workspace::{Buffer, Workspace};
 
 /// Rounds over the points on the matrix: in trials eight reach all but a thousandth of the energy.

@@ -3,8 +3,8 @@
 use crate::math::sqrtf;
 use crate::solvers::common::alternating_projection::Projector;
 use crate::solvers::common::tiled::Wave;
-use crate::solvers::even_field::Run;
 use crate::solvers::even_field::point_phases::Starts;
+use crate::solvers::even_field::run::Run;
 
 /// How much of a point's own echo is taken from its field before its phase is read: the echo says what the phase
 /// was, only the rest what it should be. In trials 0.8 is best or near it from 4 to 64 points.

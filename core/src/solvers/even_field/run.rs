@@ -1,0 +1,74 @@
+//! A run under way: how much work to spend, steps reported to the caller, and how even a field is.
+
+use crate::control::Control;
+use crate::problem::Problem;
+use crate::solvers::common::tiled::{Rows, Wave};
+use crate::workspace::{Buffer, Workspace};
+
+/// How much work to spend.
+pub(crate) struct Plan {
+    /// Point phases tried: one on G, several on the matrix of couplings.
+    pub(crate) starts: usize,
+    /// How many of the best of them are carried on to drives.
+    pub(crate) finalists: usize,
+    /// Seed of the point phases.
+    pub(crate) seed: u64,
+    /// Weighted sweeps for each.
+    pub(crate) sweeps: usize,
+    /// Even enough: the largest deviation from the common level, relative to it.
+    pub(crate) tolerance: f32,
+}
+
+impl Wave<'_> {
+    /// |P| of the weakest targeted point.
+    pub(super) fn lowest(&self, rows: &Rows) -> f32 {
+        self.moduli[..rows.targeted].iter().copied().fold(f32::INFINITY, f32::min)
+    }
+
+    /// The mean |P| of the targeted points.
+    pub(super) fn level(&self, rows: &Rows) -> f32 {
+        self.moduli[..rows.targeted].iter().sum::<f32>() / rows.targeted as f32
+    }
+
+    /// The largest deviation from `level`, the quiet points' from silence, relative to it.
+    pub(super) fn unevenness(&self, rows: &Rows, level: f32) -> f32 {
+        if level == 0.0 {
+            return f32::INFINITY;
+        }
+        let (targeted, quiet) = self.moduli.split_at(rows.targeted);
+        let deviations = targeted.iter().map(|x| (x / level - 1.0).abs()).chain(quiet.iter().map(|x| x / level));
+        deviations.fold(0.0, f32::max)
+    }
+}
+
+/// A solve under way: what it works on, and its steps, each reported to the caller.
+pub(super) struct Run<'a, 'b, 'w> {
+    pub(super) problem: &'a Problem,
+    pub(super) rows: &'a Rows<'w>,
+    pub(super) plan: &'a Plan,
+    pub(super) work: &'w Workspace,
+    pub(super) control: &'a mut Control<'b>,
+    pub(super) step: usize,
+    pub(super) steps: usize,
+    pub(super) stopped: bool,
+    /// Moduli in the problem's order and unit.
+    pub(super) moduli: Buffer<'w, f32>,
+}
+
+impl Run<'_, '_, '_> {
+    /// Whether to go on after a step to `wave`. A step is reported when the next one is done: the last one's residual is
+    /// that of the answer, which is reported when it is made.
+    pub(super) fn report(&mut self, wave: &Wave) -> bool {
+        let (problem, moduli) = (self.problem, &self.moduli);
+        if self.step > 0 {
+            self.stopped = self.control.step(self.step, self.steps, || problem.residual(moduli)).is_break();
+        }
+        if !self.stopped {
+            self.step += 1;
+            for (k, &j) in self.rows.order.iter().enumerate() {
+                self.moduli[j as usize] = wave.moduli[k] / self.rows.scale[k];
+            }
+        }
+        !self.stopped
+    }
+}
