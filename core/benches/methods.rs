@@ -55,7 +55,7 @@ fn measured(entry: &Entry, problem: &Problem) -> (Duration, usize, usize) {
         let solution = midair::solve(problem, &*solver, false, &mut work, &mut Control::none()).expect("an answer");
         let (time, steps) = (start.elapsed(), solution.steps);
         assert!(solution.metrics().accuracy > 0.05, "{} gives no answer", entry.info.name);
-        solution.recycle(&mut work);
+        solution.recycle(&work);
         (time, steps)
     };
     let (first, steps) = solved();

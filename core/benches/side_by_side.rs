@@ -185,7 +185,7 @@ fn batch(array: &Array, name: &str, points: usize, count: usize, rounds: usize) 
                 midair::solve(&problem, &*solver.solver, balance, &mut work, &mut Control::none()).expect("a solution");
             out.copy_from_slice(&solution.drive);
             black_box(solution.metrics());
-            solution.recycle(&mut work);
+            solution.recycle(&work);
         }
     };
     let ask = |k: usize, ask: &mut Ask| {

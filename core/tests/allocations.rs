@@ -58,7 +58,7 @@ fn the_second_solve_of_a_size_allocates_nothing() {
             let mut work = Workspace::new();
             let before = COUNT.get();
             let solution = midair::solve(&first, &*made.solver, balance, &mut work, &mut Control::none());
-            solution.expect("an answer").recycle(&mut work);
+            solution.expect("an answer").recycle(&work);
             assert!(COUNT.get() > before, "the first solve must allocate, or nothing is counted");
             let before = COUNT.get();
             let solution = midair::solve(&second, &*made.solver, balance, &mut work, &mut Control::none());

@@ -144,7 +144,7 @@ impl Propagation {
     #[must_use]
     pub fn transducers(&self) -> usize {
         match &self.rows {
-            Rows::Computed { sources, .. } => sources.sources.len(),
+            Rows::Computed { sources, .. } => sources.transducers.len(),
             Rows::Stored { matrix, .. } => matrix.len() / self.count,
         }
     }
@@ -190,7 +190,7 @@ impl Propagation {
                 kernels::row(
                     self.set,
                     &sources.radiation,
-                    &sources.sources[i],
+                    &sources.transducers[i],
                     self.padded_points(frame),
                     &mut Row { re, im },
                 );
@@ -208,7 +208,7 @@ impl Propagation {
         match &self.rows {
             Rows::Computed { sources, frame, .. } => rows::Rows::Computed {
                 radiation: &sources.radiation,
-                sources: &sources.sources,
+                sources: &sources.transducers,
                 control_points: self.padded_points(frame),
             },
             Rows::Stored { planar, .. } => rows::Rows::Stored { re: &planar[0], im: &planar[1] },
@@ -229,7 +229,7 @@ impl Propagation {
         reach.resize(self.count, 0.0);
         match &self.rows {
             Rows::Computed { sources, frame, points } => {
-                for (step, some) in sources.sources.chunks(ROWS_A_SUM).enumerate() {
+                for (step, some) in sources.transducers.chunks(ROWS_A_SUM).enumerate() {
                     sums.clear();
                     sums.resize(self.lanes(), 0.0);
                     let (radiation, points_here) = (&sources.radiation, self.padded_points(frame));

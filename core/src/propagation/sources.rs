@@ -19,7 +19,7 @@ pub(crate) struct Sources {
     pub(crate) array: Array,
     pub(crate) medium: Medium,
     centre: [f64; 3],
-    pub(crate) sources: Vec<Source>,
+    pub(crate) transducers: Vec<Source>,
     pub(crate) radiation: Radiation,
 }
 
@@ -29,7 +29,7 @@ impl Sources {
         let wavelength = medium.wavelength();
         // P0 cancels: the reference is 1000 P0.
         let unit = 1.0 / (1000.0 * wavelength);
-        let sources = (0..array.len())
+        let transducers = (0..array.len())
             .map(|i| {
                 let Complex64 { re, im } = array.effect(i);
                 let (amplitude, turns) = if im == 0.0 && re >= 0.0 {
@@ -49,7 +49,7 @@ impl Sources {
             decay: (-medium.absorption * wavelength * core::f64::consts::LOG2_E) as f32,
             table: array.transducer().directivity.table(medium.wavenumber()),
         };
-        Self { array: array.clone(), medium, centre, sources, radiation }
+        Self { array: array.clone(), medium, centre, transducers, radiation }
     }
 
     /// Points in this frame, padded with the last one: x, y and z.

@@ -132,7 +132,7 @@ impl Worker {
                 break;
             }
         }
-        let summed = interleaved::sum_moduli(&mut self.problems[..count], &mut self.work);
+        let summed = interleaved::sum_moduli(&mut self.problems[..count], &self.work);
         for (k, problem) in self.problems[..count].iter_mut().enumerate() {
             let measured = if summed { Ok(()) } else { problem.sum_moduli() };
             if let Err(error) = measured.and_then(|()| problem.balance_targets()) {

@@ -8,7 +8,7 @@ use crate::solvers::even_field::run::Plan;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
-crate::options! {
+options! {
     /// Even fields from many starts. Time O(N M^2 + M^3), memory O(N M + M^2).
     pub struct Best {
         /// Point phases tried on the M x M matrix, at least 1: one alone is found as by `uniform`, without the seed.

@@ -18,7 +18,7 @@ use crate::solvers::amplitude_limit::AmplitudeLimit;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::Workspace;
 
-crate::options! {
+options! {
     /// Leading eigenvector and Long's regularisation. Time O(N M^2 + M^3), memory O(N + M^2).
     pub struct Evd {
         /// Exponent of Long's regularising weights, 0 to 10.

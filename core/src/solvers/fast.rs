@@ -34,7 +34,7 @@ use crate::workspace::{Aligned, Workspace};
 /// The part of its old wave that a transducer keeps out of d in a further sweep: 0.3 to 0.5 converge fastest in trials.
 const OWN: f32 = 0.4;
 
-crate::options! {
+options! {
     /// Greedy in closed form, |q| = 1. Time O(N M) a sweep, memory O(N + M).
     pub struct Fast {
         /// Transducers that share one look at the field, 1 to 8.

@@ -50,7 +50,7 @@ pub enum Order {
     Given(Vec<u32>),
 }
 
-crate::options! {
+options! {
     /// Greedy search. Time O(K L M N), memory O(N + M + K L).
     pub struct Greedy {
         /// Phase quantization L, 2 to 65536, or a divisor of the device's: phases are 2 pi l/L.

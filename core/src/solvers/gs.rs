@@ -13,7 +13,7 @@ use crate::solvers::iterate::{iterate, largest_change};
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
-crate::options! {
+options! {
     /// Gerchberg-Saxton. Time O(N M) a step, memory O(N M).
     pub struct Gs {
         /// Steps at most.

@@ -17,7 +17,7 @@ use crate::solvers::iterate::{iterate, largest_change};
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
-crate::options! {
+options! {
     /// GS-PAT. Time O(N M^2) once and O(M^2) a step, memory O(N + M^2).
     pub struct Gspat {
         /// Steps at most.

@@ -24,7 +24,7 @@ use crate::solvers::iterate::iterate;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::{Buffer, Workspace};
 
-crate::options! {
+options! {
     /// Levenberg-Marquardt, |q| = 1. Time O(N M^2 + M^3) a step, memory O(N M + M^2).
     pub struct Lm {
         /// Steps at most.

@@ -1,5 +1,9 @@
 //! Solvers: one file a method, one line each in the registry.
 
+// First, so that the methods know the macro `options!`.
+#[macro_use]
+pub(crate) mod options;
+
 pub(crate) mod amplitude_limit;
 pub(crate) mod best;
 pub(crate) mod common;
@@ -13,7 +17,6 @@ pub(crate) mod iterate;
 pub(crate) mod lm;
 pub(crate) mod method;
 pub(crate) mod naive;
-pub(crate) mod options;
 pub(crate) mod registry;
 pub(crate) mod sdp;
 pub(crate) mod solve;

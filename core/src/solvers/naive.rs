@@ -14,7 +14,7 @@ use crate::workspace::Workspace;
 
 use num_complex::Complex32;
 
-crate::options! {
+options! {
     /// The sum of single foci. Time O(N M), memory O(N + M).
     pub struct Naive {
         /// How a sum above full drive is brought back: "clamp", "normalize" or "full".

@@ -36,7 +36,7 @@ pub enum Moduli {
 
 words!(Moduli: "raw" = Self::Raw, "unit" = Self::Unit);
 
-crate::options! {
+options! {
     /// SDP relaxation by block coordinate descent. Time O(N M^2 + M^3) once and O(M^2) a step, memory O(N + M^2).
     pub struct Sdp {
         /// Random columns visited at most.

@@ -14,7 +14,7 @@ use crate::solvers::amplitude_limit::AmplitudeLimit;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::Workspace;
 
-crate::options! {
+options! {
     /// Tikhonov-regularised pseudo-inverse. Time O(N M^2 + M^3), memory O(N + M^2).
     pub struct Tikhonov {
         /// Damping relative to the mean of diag(G G^H), above 0.

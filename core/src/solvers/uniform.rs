@@ -8,7 +8,7 @@ use crate::solvers::even_field::run::Plan;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
-crate::options! {
+options! {
     /// Even fields, |q| = 1 before the level is brought down. Time O(N M^2 + M^3), memory O(N M + M^2).
     pub struct Uniform {
         /// Weighted Gerchberg-Saxton sweeps before the Gauss-Newton steps.

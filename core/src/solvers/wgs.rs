@@ -13,7 +13,7 @@ use crate::solvers::iterate::iterate;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
-crate::options! {
+options! {
     /// Weighted Gerchberg-Saxton, damped. Time O(N M) a step, memory O(N M).
     pub struct Wgs {
         /// Steps at most.

@@ -150,7 +150,7 @@ fn scene((_, array, points, solver, _): &(&str, &str, &str, &str, bool)) -> Scen
 
 fn solved(scene: &Scene, balance: bool, set: InstructionSet) -> Solution {
     let choice = scene.solver.as_ref().expect("a solver");
-    let made = solvers::configure(&choice, scene.array().quantization()).expect("options");
+    let made = solvers::configure(choice, scene.array().quantization()).expect("options");
     let propagation = Propagation::of(scene).with_instruction_set(set);
     let mut problem = Problem::with_propagation(propagation, Setup::of(scene.array(), scene.medium()), scene.request())
         .expect("a problem");

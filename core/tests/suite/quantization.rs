@@ -256,7 +256,7 @@ fn the_sweep_takes_most_of_what_rounding_costs_and_keeps_within_the_quantised_ta
             let mut drive = even(&scene);
             let plain: Vec<Complex32> =
                 drive.iter().map(|q| problem.quantization().expect("quantization").nearest(*q)).collect();
-            refine(&problem, &mut drive, &mut Workspace::new());
+            refine(&problem, &mut drive, &Workspace::new());
             assert_on_grid("refine", &drive, problem.quantization().expect("quantization"));
             let (before, after) = (sigma(&plain), sigma(&drive));
             assert!(after < before, "M = {points}, L = {phases}: {after} from {before}");
@@ -280,7 +280,7 @@ fn the_sweep_keeps_zeros_amplitudes_and_unequal_targets() {
         *q *= 0.6;
     }
     let plain: Vec<_> = drive.iter().map(|q| problem.quantization().expect("quantization").nearest(*q)).collect();
-    refine(&problem, &mut drive, &mut Workspace::new());
+    refine(&problem, &mut drive, &Workspace::new());
     for (a, b) in plain.iter().zip(&drive) {
         assert!((a.norm() - b.norm()).abs() < 1e-6, "{a} became {b}");
     }

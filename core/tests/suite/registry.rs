@@ -124,7 +124,7 @@ fn what_a_workspace_was_used_for_before_changes_no_bit() {
             let mut control = Control::none();
             let solution = midair::solve(&problem, &*solver, false, &mut work, &mut control).expect("an answer");
             assert_eq!(solution.drive, fresh(&problem), "{}", entry.info.name);
-            solution.recycle(&mut work);
+            solution.recycle(&work);
         }
     }
 }

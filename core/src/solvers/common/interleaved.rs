@@ -47,8 +47,8 @@ impl<'w> InterleavedPoints<'w> {
 
     /// Rows of G at these points.
     pub(crate) fn rows(&self) -> Rows<'_> {
-        let Sources { radiation, sources, .. } = &*self.prepared;
-        Rows::Computed { radiation, sources, control_points: self.control_points() }
+        let Sources { radiation, transducers, .. } = &*self.prepared;
+        Rows::Computed { radiation, sources: transducers, control_points: self.control_points() }
     }
 
     fn control_points(&self) -> ControlPoints<'_> {
@@ -80,14 +80,14 @@ impl<'w> InterleavedBatch<'w> {
             deal(problem.targets(), lane, &mut target);
             deal(problem.weights(), lane, &mut weight);
         }
-        let padded = points.prepared.sources.len().next_multiple_of(EIGHT);
+        let padded = points.prepared.transducers.len().next_multiple_of(EIGHT);
         let drives = work.floats.take(2 * LANES * padded);
         Some(Self { points, target, weight, drives, pressures: [re, im] })
     }
 
     /// Each problem's solution, all done.
     pub(crate) fn solutions(self, problems: &[Problem], steps: usize, work: &Workspace) -> Vec<Solution> {
-        let count = self.points.prepared.sources.len();
+        let count = self.points.prepared.transducers.len();
         let mut drives = array::from_fn(|_| work.complexes.empty(count.next_multiple_of(EIGHT)));
         deal_out(self.points.set, &self.drives, &mut drives);
         let mut drives = drives.into_iter();
@@ -112,7 +112,7 @@ pub(crate) fn sum_moduli(problems: &mut [Problem], work: &Workspace) -> bool {
     problems.iter_mut().for_each(Problem::clear_reach);
     let mut sums = work.floats.take(points.lanes());
     let mut near = false;
-    for sources in points.prepared.sources.chunks(ROWS_A_SUM) {
+    for sources in points.prepared.transducers.chunks(ROWS_A_SUM) {
         sums.fill(0.0);
         near |= add_moduli(points.set, &points.prepared.radiation, sources, points.control_points(), NEAR, &mut sums);
         for (lane, problem) in problems.iter_mut().enumerate() {

@@ -49,21 +49,19 @@ impl<'w> Starts<'w> {
         let weakest = sqrtf(powers.iter().copied().fold(f32::INFINITY, f32::min));
         let mut weights = work.floats.take(rows.targeted);
         weights.iter_mut().zip(&powers).for_each(|(weight, power)| *weight = weakest / power);
-        let starts = if problem.has_start() {
+        if problem.has_start() {
             Self::given(problem, rows, weights, work)
         } else {
             // From the strongest point on: an order that does not depend on the order of the scene's points.
             let mut visits = work.counting(rows.targeted);
             visits.sort_unstable_by(|&a, &b| powers[b as usize].total_cmp(&powers[a as usize]));
-            let starts = if plan.starts == 1 {
+            if plan.starts == 1 {
                 Self::alone(rows, weights, &powers, &visits, work)
             } else {
                 let couplings = Couplings::new(rows, &powers, work);
                 couplings.search(weights, &visits, plan, work)
-            };
-            starts
-        };
-        starts
+            }
+        }
     }
 
     fn given(problem: &Problem, rows: &Rows, weights: Buffer<'w, f32>, work: &'w Workspace) -> Self {
