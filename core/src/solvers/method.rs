@@ -13,7 +13,7 @@ use crate::workspace::Workspace;
 /// A method that finds a drive.
 pub trait Solve {
     /// Solves `problem` as it stands: its targets are met or missed, no drive exceeds 1. Buffers come from
-    /// `work` and go back there; `control` is called once a step. A solver does not balance: [`solve`] does.
+    /// `work` and go back there; `control` is called once a step. A solver does not balance: [`crate::solve`] does.
     ///
     /// # Errors
     /// Options that this problem cannot be solved with.
@@ -42,7 +42,7 @@ pub struct Info {
     pub summary: &'static str,
     /// Paper and equation.
     pub source: &'static str,
-    /// Whether [`solve`] balances the targets unless told otherwise.
+    /// Whether [`crate::solve`] balances the targets unless told otherwise.
     pub balance: bool,
     /// By how much permuting, moving or mirroring a scene may change a metric (in the mean over 20 scenes).
     pub tolerance: f64,

@@ -22,7 +22,7 @@ impl Rows<'_> {
     pub(crate) fn write<S: Simd>(&self, s: S, i: usize, re: &mut [f32], im: &mut [f32]) {
         match *self {
             Self::Computed { radiation, sources, control_points } => {
-                write_row(s, radiation, &sources[i], control_points, re, im)
+                write_row(s, radiation, &sources[i], control_points, re, im);
             }
             Self::Stored { re: all_re, im: all_im } => {
                 let range = i * re.len()..(i + 1) * re.len();
