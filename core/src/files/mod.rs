@@ -7,7 +7,6 @@ use alloc::format;
 use alloc::string::{String, ToString};
 
 use crate::error::{Error, one_line};
-use crate::files::tables::SceneTable;
 use crate::scene::Scene;
 
 /// The largest scene file read, in bytes.
@@ -69,7 +68,7 @@ pub fn read(bytes: &[u8], format: Format) -> Result<Scene, Error> {
     if text.trim().is_empty() {
         return Err(fault("empty: it needs at least [array] and [[points]]"));
     }
-    let table: SceneTable = match format {
+    let table: tables::SceneTable = match format {
         Format::Toml => toml::from_str(text).map_err(|error| {
             let line = error.span().map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1);
             Error::File { line, reason: one_line(error.message()) }
@@ -88,7 +87,7 @@ pub fn read(bytes: &[u8], format: Format) -> Result<Scene, Error> {
 /// # Errors
 /// A seed that TOML cannot hold (above 2^63 - 1).
 pub fn write(scene: &Scene, format: Format, provenance: &Provenance) -> Result<String, Error> {
-    let table = SceneTable::of(scene, provenance)?;
+    let table = tables::SceneTable::of(scene, provenance)?;
     let fault = |reason: String| Error::File { line: None, reason };
     match format {
         Format::Toml => toml::to_string(&table).map_err(|error| fault(format!("{error}: write it as .json"))),

@@ -126,7 +126,7 @@ impl Array {
         }
         count("array.grid nx * ny", nx.saturating_mul(ny))?;
         real("array.grid.pitch", pitch, 0.0, true)?;
-        Ok(Self { origin: Origin::Grid { nx, ny, pitch }, ..Self::new(lattice([nx, ny], pitch), None)? })
+        Ok(Self { origin: Origin::Grid { nx, ny, pitch }, ..Self::new(presets::lattice([nx, ny], pitch), None)? })
     }
 
     /// A real board, or the paper's array; see [`crate::scene::presets`].
@@ -278,12 +278,6 @@ impl Array {
     pub(crate) fn centre(&self) -> [f64; 3] {
         bounds(&self.positions).map(|[low, high]| 0.5 * low + 0.5 * high)
     }
-}
-
-/// `nx` x `ny` positions `pitch` metres apart, centred, x fastest.
-pub(crate) fn lattice([nx, ny]: [usize; 2], pitch: f64) -> Vec<[f64; 3]> {
-    let centred = |i: usize, n: usize| (i as f64 - (n as f64 - 1.0) / 2.0) * pitch;
-    (0..nx * ny).map(|i| [centred(i % nx, nx), centred(i / nx, ny), 0.0]).collect()
 }
 
 /// Refuses positions of another number than the transducers, or not finite.

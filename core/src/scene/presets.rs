@@ -5,7 +5,6 @@ use alloc::vec::Vec;
 use crate::device::quantization::Quantization;
 use crate::error;
 use crate::error::Error;
-use crate::scene::array::lattice;
 use crate::scene::transducer::{Directivity, Transducer};
 
 /// An array known by name.
@@ -81,6 +80,12 @@ pub const PRESETS: [Preset; 3] = [
 /// An unknown name; the error lists the known ones.
 pub fn find(name: &str) -> Result<&'static Preset, Error> {
     error::find("preset", name, &PRESETS, |preset| preset.name)
+}
+
+/// `nx` x `ny` positions `pitch` metres apart, centred, x fastest.
+pub(crate) fn lattice([nx, ny]: [usize; 2], pitch: f64) -> Vec<[f64; 3]> {
+    let centred = |i: usize, n: usize| (i as f64 - (n as f64 - 1.0) / 2.0) * pitch;
+    (0..nx * ny).map(|i| [centred(i % nx, nx), centred(i / nx, ny), 0.0]).collect()
 }
 
 /// Boards x fastest, transducers row-major on each, the middle of all lattices at the origin.

@@ -17,7 +17,6 @@ use crate::problem::{Problem, Solution, Status};
 use crate::scene::Aim;
 use crate::solvers::common::refinement::refine;
 use crate::solvers::common::tiled::{Rows, Wave};
-use crate::solvers::even_field::point_phases::Starts;
 use crate::workspace::{Buffer, Workspace};
 
 /// How much work to spend.
@@ -91,7 +90,7 @@ impl Run<'_, '_, '_> {
 /// An even drive, at the level that the problem aims at.
 pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &Workspace, control: &mut Control) -> Solution {
     let mut rows = Rows::alike(problem, work);
-    let starts = Starts::new(problem, &mut rows, plan, work);
+    let starts = point_phases::Starts::new(problem, &mut rows, plan, work);
     let moduli = work.floats.take(problem.propagation().lanes());
     let steps = starts.count * (1 + plan.sweeps + common_level::MOST_STEPS) + common_level::MOST_STEPS;
     let rows = &rows;
