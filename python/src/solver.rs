@@ -1,6 +1,6 @@
 //! `midair.Solver`.
 
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::Instant;
 
 use midair::solvers::{Info, unused};
@@ -49,9 +49,14 @@ struct State {
 
 impl Solver {
     fn state(&self) -> PyResult<MutexGuard<'_, State>> {
-        self.state
-            .try_lock()
-            .map_err(|_| invalid("solver", "at work in another thread", "give each thread a Solver of its own"))
+        match self.state.try_lock() {
+            Ok(state) => Ok(state),
+            // A call that panicked has left nothing behind that the next one reads.
+            Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => {
+                Err(invalid("solver", "at work in another thread", "give each thread a Solver of its own"))
+            }
+        }
     }
 
     /// What `read` takes of the last solution.

@@ -1,5 +1,7 @@
 """`solve_batch` and `Solver`: the bits of lone solves, arguments of every kind, refusals."""
 
+import threading
+
 import numpy as np
 import pytest
 
@@ -178,3 +180,20 @@ def test_a_solver_refuses_in_one_line_and_goes_on() -> None:
         midair.Solver(ARRAY, points=0)
     with pytest.raises(midair.SceneError, match="none yet"):
         _ = midair.Solver(ARRAY, points=1).drive
+
+
+def test_a_solver_at_work_refuses_a_second_thread_in_one_line() -> None:
+    busy = midair.Solver(ARRAY, "lm", steps=5000, eps=0.0)
+    points = np.random.default_rng(1).uniform(-0.1, 0.1, (64, 3)) + np.array([0, 0, 0.2])
+    at_work = threading.Thread(target=busy, args=(points,))
+
+    def look_on() -> None:
+        while at_work.is_alive():
+            _ = busy.elapsed
+
+    at_work.start()
+    try:
+        with pytest.raises(midair.SceneError, match=r"solver is at work in another thread: give each thread"):
+            look_on()
+    finally:
+        at_work.join()
