@@ -4,6 +4,7 @@ use core::fmt;
 
 #[cfg(target_arch = "x86_64")]
 use crate::kernels::simd::avx2::Avx2;
+#[cfg(target_arch = "x86_64")]
 use crate::kernels::simd::avx512::Avx512;
 #[cfg(target_arch = "aarch64")]
 use crate::kernels::simd::neon::Neon;
