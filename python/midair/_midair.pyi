@@ -33,6 +33,7 @@ __all__ = [
     "solvers",
 ]
 
+_Numbers: TypeAlias = ArrayLike | None
 _Directivity: TypeAlias = str | dict[str, float]
 _Quantization: TypeAlias = dict[str, int | ArrayLike | None]
 _Option: TypeAlias = bool | int | float | str | Sequence[int] | NDArray[np.integer] | None
@@ -384,11 +385,7 @@ def solve(
     **options: _Option,
 ) -> Solution: ...
 def bound(
-    scene: Scene | Propagation,
-    *,
-    pressures: ArrayLike | None = None,
-    weights: ArrayLike | None = None,
-    mask: ArrayLike | None = None,
+    scene: Scene | Propagation, *, pressures: _Numbers = None, weights: _Numbers = None, mask: _Numbers = None
 ) -> float: ...
 def field(scene: Scene, drive: ArrayLike, plane: Plane | ArrayLike | None = None) -> Field: ...
 def judge(
