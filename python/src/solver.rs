@@ -235,7 +235,7 @@ impl Solver {
         Ok(self.state()?.elapsed)
     }
 
-    /// The method's name.
+    /// The solver's name.
     #[getter]
     fn solver(&self) -> &str {
         &self.choice.name
