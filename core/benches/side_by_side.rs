@@ -116,7 +116,7 @@ fn against_the_textbook(array: &Array, points: usize, rounds: usize) {
     }
     let book = || textbook(&scene, &targets, 16, &order);
     let drive: Vec<Complex32> = book().iter().map(|q| Complex32::new(q.re as f32, q.im as f32)).collect();
-    let theirs = Problem::new(&scene).expect("a problem").judge(&drive).expect("a drive");
+    let theirs = Problem::new(&scene).expect("a problem").judge(&drive, &mut Control::none()).expect("a drive");
     let mut work = Workspace::new();
     for entrant in &entrants {
         let ours = entrant.solve(&scene, &mut work);

@@ -1,8 +1,12 @@
-//! Control of a running solve: progress observer, stop request, trace of the residual.
+//! Control of a running computation: progress, stop request, trace of the residual, threads and memory.
 
 use alloc::vec::Vec;
 use core::fmt;
 use core::ops::ControlFlow;
+use core::sync::atomic::{AtomicBool, Ordering};
+
+use crate::error::Error;
+use crate::threads::Threads;
 
 /// How far a solve is.
 #[derive(Clone, Copy)]
@@ -28,9 +32,30 @@ impl fmt::Debug for Progress<'_> {
     }
 }
 
-type Observer<'a> = &'a mut dyn FnMut(Progress<'_>) -> ControlFlow<()>;
+/// Who watches a computation. A closure of [`Progress`] is one that is asked after every step.
+pub trait Observe {
+    /// Called after every step.
+    fn step(&mut self, progress: Progress<'_>) -> ControlFlow<()>;
 
-/// The caller's hand on a running solve: called once a step, it answers go or stop.
+    /// Called within long steps, thousands of times a second: is it to go on?
+    fn pulse(&mut self) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+impl<F: FnMut(Progress<'_>) -> ControlFlow<()>> Observe for F {
+    fn step(&mut self, progress: Progress<'_>) -> ControlFlow<()> {
+        self(progress)
+    }
+}
+
+/// Bytes that a computation may take at once, unless told otherwise.
+const MEMORY: u64 = 8_000_000_000;
+
+/// Below this many bytes nobody asks whether they can be had.
+const SMALL: u64 = 1 << 26;
+
+/// The caller's hand on a running computation: called once a step, it answers go or stop; and what it may use.
 ///
 /// ```
 /// use core::ops::ControlFlow;
@@ -46,10 +71,23 @@ type Observer<'a> = &'a mut dyn FnMut(Progress<'_>) -> ControlFlow<()>;
 /// assert_eq!((solution.status, solution.steps), (Status::Stopped, 10));
 /// # Ok::<(), midair::Error>(())
 /// ```
-#[derive(Default)]
 pub struct Control<'a> {
-    observer: Option<Observer<'a>>,
+    observer: Option<&'a mut (dyn Observe + 'a)>,
+    /// Whether steps are told, too, or pulses alone.
+    told: bool,
+    stop: Option<&'a AtomicBool>,
+    /// Whether a stop has been heard: what is finished then is not interrupted again.
+    heard: bool,
     trace: Option<Vec<f64>>,
+    threads: Threads,
+    memory: u64,
+}
+
+impl Default for Control<'_> {
+    fn default() -> Self {
+        let threads = Threads::default();
+        Self { observer: None, told: true, stop: None, heard: false, trace: None, threads, memory: MEMORY }
+    }
 }
 
 impl<'a> Control<'a> {
@@ -60,14 +98,28 @@ impl<'a> Control<'a> {
     }
 
     /// `observer` is called after every step.
-    pub fn watched(observer: Observer<'a>) -> Self {
-        Self { observer: Some(observer), trace: None }
+    pub fn watched(observer: &'a mut (dyn Observe + 'a)) -> Self {
+        Self { observer: Some(observer), ..Self::default() }
     }
 
     /// Also keeps the residual after every step.
     #[must_use]
     pub fn traced(mut self) -> Self {
         self.trace = Some(Vec::new());
+        self
+    }
+
+    /// What can be spread over threads goes over these.
+    #[must_use]
+    pub fn on(mut self, threads: Threads) -> Self {
+        self.threads = threads;
+        self
+    }
+
+    /// Refuses what would take more than this many bytes at once; 8 GB unless told otherwise.
+    #[must_use]
+    pub fn with_memory(mut self, bytes: u64) -> Self {
+        self.memory = bytes;
         self
     }
 
@@ -90,9 +142,67 @@ impl<'a> Control<'a> {
         if let Some(trace) = &mut self.trace {
             trace.push(residual());
         }
-        match &mut self.observer {
-            Some(observer) => observer(Progress { step, steps, residual: &residual }),
-            None => ControlFlow::Continue(()),
+        let answer = match &mut self.observer {
+            Some(observer) if self.told => observer.step(Progress { step, steps, residual: &residual }),
+            _ => ControlFlow::Continue(()),
+        };
+        self.heard |= answer.is_break();
+        answer
+    }
+
+    /// A call within a long step.
+    ///
+    /// # Errors
+    /// [`Error::Stopped`] once, if it is not to go on: a solver ends with the best it has, if it has anything.
+    #[inline]
+    pub fn pulse(&mut self) -> Result<(), Error> {
+        if self.heard {
+            return Ok(());
+        }
+        self.heard = self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
+            || self.observer.as_mut().is_some_and(|observer| observer.pulse().is_break());
+        if self.heard { Err(Error::Stopped) } else { Ok(()) }
+    }
+
+    /// Asks for memory before it is taken: `bytes` for `what`, of N transducers and M points.
+    ///
+    /// # Errors
+    /// [`Error::Memory`] above the limit, or if they cannot be had.
+    pub fn room(&self, what: &str, [transducers, points]: [usize; 2], bytes: u64) -> Result<(), Error> {
+        let spare = || Vec::<u8>::new().try_reserve_exact(usize::try_from(bytes).unwrap_or(usize::MAX)).is_ok();
+        if bytes <= SMALL.min(self.memory) || (bytes <= self.memory && spare()) {
+            return Ok(());
+        }
+        Err(Error::Memory { what: what.into(), transducers, points, bytes, limit: self.memory })
+    }
+
+    /// How many parts [`Control::each`] does at once.
+    pub(crate) fn threads(&self) -> usize {
+        self.threads.count()
+    }
+
+    /// The control of a part of the work: pulses pass through, steps do not.
+    pub(crate) fn part(&mut self) -> Control<'_> {
+        Control {
+            observer: self.observer.as_mut().map(|observer| &mut **observer as &mut dyn Observe),
+            told: false,
+            stop: self.stop,
+            memory: self.memory,
+            ..Control::default()
+        }
+    }
+
+    /// Every part in the hands of `run`, over all threads, while this one listens; the first error by index.
+    pub(crate) fn each<T: Send>(
+        &mut self,
+        parts: Vec<T>,
+        run: &(dyn Fn(T, &mut Control) -> Result<(), Error> + Sync),
+    ) -> Result<(), Error> {
+        let (stop, memory, threads) = (AtomicBool::new(false), self.memory, self.threads.clone());
+        let alone = |part: T| run(part, &mut Control { stop: Some(&stop), memory, ..Control::default() });
+        match threads.spread(parts, &stop, &mut || self.pulse().is_ok(), &alone) {
+            Ok(results) => results.into_iter().collect(),
+            Err(parts) => parts.into_iter().try_for_each(|part| run(part, &mut self.part())),
         }
     }
 }
@@ -101,4 +211,9 @@ impl fmt::Debug for Control<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Control {{ watched: {}, traced: {} }}", self.observer.is_some(), self.trace.is_some())
     }
+}
+
+/// Bytes of so many numbers of `size` bytes, `sides` multiplied.
+pub(crate) fn bytes(size: usize, sides: &[usize]) -> u64 {
+    sides.iter().fold(size as u64, |product, &side| product.saturating_mul(side as u64))
 }

@@ -60,6 +60,27 @@ pub enum Error {
         /// Why.
         error: Box<Error>,
     },
+    /// More memory than allowed, or than there is.
+    #[error(
+        "{what} of N = {transducers} transducers and M = {points} points needs {:.3} GB, the limit is {:.3} GB: give fewer points or transducers, a method without it, or a higher limit",
+        *bytes as f64 * 1e-9,
+        *limit as f64 * 1e-9
+    )]
+    Memory {
+        /// What it is for.
+        what: String,
+        /// N.
+        transducers: usize,
+        /// M.
+        points: usize,
+        /// Bytes wanted.
+        bytes: u64,
+        /// Bytes allowed.
+        limit: u64,
+    },
+    /// The caller asked to stop before there was an answer.
+    #[error("stopped before there was an answer")]
+    Stopped,
     /// A scene file that cannot be read as one.
     #[error("scene file{}: {reason}", line.map_or(String::new(), |n| alloc::format!(", line {n}")))]
     File {

@@ -53,9 +53,10 @@ mod rng;
 mod scene;
 mod session;
 pub mod solvers;
+mod threads;
 mod workspace;
 
-pub use control::{Control, Progress};
+pub use control::{Control, Observe, Progress};
 pub use device::quantization::Quantization;
 pub use error::Error;
 pub use kernels::InstructionSet;
@@ -70,6 +71,7 @@ pub use scene::{
 pub use session::{Ask, Batch, Session};
 pub use solvers::options::{Configure, OptionInfo};
 pub use solvers::{Solve, solve::solve};
+pub use threads::Threads;
 pub use workspace::{Buffer, Pool, Workspace};
 
 /// What [`options!`] needs where it is used.

@@ -1,15 +1,15 @@
 //! `midair.solve_batch` and `midair.Batch`.
 
-use std::ops::ControlFlow;
 use std::time::Instant;
 
-use midair::{Ask, Complex32, Control, Progress, Start};
+use midair::{Ask, Complex32, Control, Start, Threads};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::ctrl_c::Watch;
+use crate::ctrl_c::attend;
 use crate::error::{invalid, refused};
+use crate::limits;
 use crate::read;
 use crate::setting::Setting;
 
@@ -201,7 +201,12 @@ pub(crate) fn solve_batch(
         Some(start) => Starts::Phases(read::batch_of_numbers("start", start, [count, size])?),
     };
     let drives = match out {
-        None => PyArray2::<Complex32>::zeros(py, [count, transducers], false),
+        None => {
+            let bytes = 8 * (count as u64).saturating_mul(transducers as u64);
+            let control = Control::none().with_memory(limits::memory()?);
+            control.room(&format!("the batch of {count} problems"), [transducers, size], bytes).map_err(refused)?;
+            PyArray2::<Complex32>::zeros(py, [count, transducers], false)
+        }
         Some(out) => {
             let cure = format!("give a writable C-contiguous complex64 array of shape ({count}, {transducers})");
             let array = out.cast::<PyArray2<Complex32>>().ok().cloned();
@@ -212,22 +217,18 @@ pub(crate) fn solve_batch(
         }
     };
     read::callback(progress.as_ref().map(|callback| callback.bind(py)), "done, problems, residual")?;
-    let pool = threads
-        .map(|value| {
-            let threads = read::count("threads", value)?;
-            let refusal = || invalid("threads", "0", "give a whole number, 1 or above");
-            (threads > 0).then_some(threads).ok_or_else(refusal)
-        })
-        .transpose()?
-        .map(|threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.min(1024)).build();
-            pool.map_err(|error| invalid("threads", &threads.to_string(), &error.to_string()))
-        })
-        .transpose()?;
+    let threads = match threads {
+        None => limits::threads(py)?,
+        Some(value) => match read::count("threads", value)? {
+            0 => return Err(invalid("threads", "0", "give a whole number, 1 or above")),
+            // One works here, and wakes nobody.
+            1 => Threads::default().at_most(1),
+            most => limits::threads(py)?.at_most(most),
+        },
+    };
     let mut writable = drives
         .try_readwrite()
         .map_err(|_| invalid("out", "in use or read-only", "give an array that can be written"))?;
-    let mut watch = Watch::new(progress);
     let clock = Instant::now();
     let ask = |k: usize, ask: &mut Ask| -> Result<(), midair::Error> {
         let own = k * size..(k + 1) * size;
@@ -244,18 +245,9 @@ pub(crate) fn solve_batch(
         Ok(())
     };
     let slice = writable.as_slice_mut()?;
-    let inner = py.detach(|| {
-        let mut run = |observer: &mut dyn FnMut(Progress<'_>) -> ControlFlow<()>| {
-            session.solve_batch(count, size, &ask, slice, &mut Control::watched(observer))
-        };
-        match &pool {
-            Some(pool) => watch.beside(|step| pool.install(|| run(step))),
-            None => run(&mut |progress| watch.step(&progress)),
-        }
-    });
+    let inner =
+        attend(py, progress, |control| session.solve_batch(count, size, &ask, slice, &mut control.on(threads)))?;
     drop(writable);
-    watch.raised()?;
-    let inner = inner.map_err(refused)?;
     Ok(Batch { drives: drives.unbind(), inner, points: size, elapsed: clock.elapsed().as_secs_f64() })
 }
 

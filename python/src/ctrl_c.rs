@@ -1,24 +1,38 @@
-//! Ctrl-C and progress callbacks while the core computes.
+//! Ctrl-C and progress callbacks while the core computes, and what it may use: threads and memory.
 
 use std::ops::ControlFlow;
-use std::panic::resume_unwind;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{self, RecvTimeoutError};
-use std::thread;
 use std::time::{Duration, Instant};
 
-use midair::Progress;
+use midair::{Control, Observe, Progress};
 use pyo3::prelude::*;
 
-/// What a solve calls after each step.
-pub(crate) type Step<'a> = dyn FnMut(Progress<'_>) -> ControlFlow<()> + Send + 'a;
+use crate::error::refused;
+use crate::limits;
 
-/// Watches a running solve for Python: signals are checked every 50 ms, the progress callback is called every step.
+/// Runs a long computation of the core without the GIL. It hears of signals within a tenth of a second and stops for
+/// them; `progress` is called every step.
+pub(crate) fn attend<R: Send>(
+    py: Python<'_>,
+    progress: Option<Py<PyAny>>,
+    work: impl FnOnce(Control<'_>) -> Result<R, midair::Error> + Send,
+) -> PyResult<R> {
+    let memory = limits::memory()?;
+    let mut watch = Watch::new(progress);
+    let result = py.detach(|| work(Control::watched(&mut watch).with_memory(memory)));
+    watch.raised()?;
+    result.map_err(refused)
+}
+
+/// Watches a running computation for Python: signals are looked at every 50 ms, the progress callback is called every
+/// step, and again within steps that take longer than a fifth of a second.
 pub(crate) struct Watch {
     progress: Option<Py<PyAny>>,
+    /// What the callback was told last, and when.
+    told: (usize, usize, f64),
+    called: Instant,
     /// When signals were last looked at.
     last: Instant,
-    /// When the clock was, how many steps it is left alone for, and how many of them are to come.
+    /// When the clock was, how many calls it is left alone for, and how many of them are to come.
     clock: Instant,
     stride: u32,
     left: u32,
@@ -29,29 +43,25 @@ impl Watch {
     /// Often enough that Ctrl-C feels immediate, seldom enough that taking the GIL costs nothing.
     const INTERVAL: Duration = Duration::from_millis(50);
 
+    /// The longest time that a callback is left without a call.
+    const PATIENCE: Duration = Duration::from_millis(200);
+
     pub(crate) fn new(progress: Option<Py<PyAny>>) -> Self {
         let now = Instant::now();
-        Self { progress, last: now, clock: now, stride: 1, left: 0, raised: None }
+        let told = (0, 1, 1.0);
+        Self { progress, told, called: now, last: now, clock: now, stride: 1, left: 0, raised: None }
     }
 
-    /// Called once a step, without the GIL.
-    pub(crate) fn step(&mut self, progress: &Progress<'_>) -> ControlFlow<()> {
-        if self.progress.is_none() {
-            if self.left > 0 {
-                self.left -= 1;
-                return ControlFlow::Continue(());
-            }
-            if !self.due() {
-                return ControlFlow::Continue(());
-            }
-        }
+    /// Looks at signals if that is due, and calls the callback if it is to be.
+    fn ask(&mut self, call: bool) -> ControlFlow<()> {
         let go_on = Python::attach(|py| -> PyResult<bool> {
             if self.last.elapsed() >= Self::INTERVAL {
                 py.check_signals()?;
                 self.last = Instant::now();
             }
-            let Some(callback) = &self.progress else { return Ok(true) };
-            let answer = callback.call1(py, (progress.step, progress.steps, progress.residual()))?;
+            let Some(callback) = self.progress.as_ref().filter(|_| call) else { return Ok(true) };
+            let answer = callback.call1(py, self.told)?;
+            self.called = Instant::now();
             // Only False stops: a callback that returns nothing goes on.
             Ok(answer.extract::<bool>(py).unwrap_or(true))
         });
@@ -66,47 +76,43 @@ impl Watch {
     }
 
     /// Whether signals are to be looked at. A step of greedy takes a tenth of a microsecond and asking for the time a
-    /// third of that, so the clock is left alone for as many steps as fill a tenth of the interval.
+    /// third of that, so the clock is left alone for as many calls as fill a tenth of the interval.
     fn due(&mut self) -> bool {
+        if self.left > 0 {
+            self.left -= 1;
+            return false;
+        }
         let now = Instant::now();
         let pace = (now - self.clock) / self.stride;
         self.clock = now;
         let fill = (Self::INTERVAL / 10).as_nanos() / pace.as_nanos().max(1);
-        // Later steps may be slower: the stride grows slowly.
+        // Later calls may be slower: the stride grows slowly.
         self.stride = u32::try_from(fill).unwrap_or(u32::MAX).clamp(1, self.stride.saturating_mul(2));
         self.left = self.stride - 1;
         now - self.last >= Self::INTERVAL
     }
 
-    /// Runs `work`, whose steps call what it is given, on another thread, and looks at signals meanwhile: those a program's
-    /// first thread alone hears. Called without the GIL.
-    pub(crate) fn beside<R: Send>(&mut self, work: impl FnOnce(&mut Step<'_>) -> R + Send) -> R {
-        let (done, waiting) = mpsc::channel::<()>();
-        let stop = AtomicBool::new(false);
-        let mut heard = None;
-        let watch = &mut *self;
-        let result = thread::scope(|scope| {
-            let stopped = &stop;
-            let worker = scope.spawn(move || {
-                let _done = done;
-                work(&mut |progress| {
-                    if stopped.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { watch.step(&progress) }
-                })
-            });
-            while waiting.recv_timeout(Self::INTERVAL) == Err(RecvTimeoutError::Timeout) {
-                if let Some(error) = Python::attach(|py| py.check_signals().err()) {
-                    heard = Some(error);
-                    stop.store(true, Ordering::Relaxed);
-                }
-            }
-            worker.join()
-        });
-        self.raised = heard.or(self.raised.take());
-        result.unwrap_or_else(|panic| resume_unwind(panic))
-    }
-
     /// The exception of a callback or signal, if there was one.
     pub(crate) fn raised(self) -> PyResult<()> {
         self.raised.map_or(Ok(()), Err)
+    }
+}
+
+impl Observe for Watch {
+    /// Called once a step, without the GIL.
+    fn step(&mut self, progress: Progress<'_>) -> ControlFlow<()> {
+        if self.progress.is_none() {
+            return if self.due() { self.ask(false) } else { ControlFlow::Continue(()) };
+        }
+        self.told = (progress.step, progress.steps, progress.residual());
+        self.ask(true)
+    }
+
+    /// Called within long steps, without the GIL.
+    fn pulse(&mut self) -> ControlFlow<()> {
+        if !self.due() {
+            return ControlFlow::Continue(());
+        }
+        self.ask(self.called.elapsed() >= Self::PATIENCE)
     }
 }

@@ -2,6 +2,7 @@
 
 use std::ffi::CString;
 
+use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 
 pyo3::create_exception!(
@@ -19,7 +20,11 @@ pyo3::create_exception!(
 
 /// A core error as the exception that users see.
 pub(crate) fn refused(error: midair::Error) -> PyErr {
-    SceneError::new_err(error.to_string())
+    let cause = if let midair::Error::InBatch { error, .. } = &error { error } else { &error };
+    match cause {
+        midair::Error::Memory { .. } => PyMemoryError::new_err(format!("{error} (MIDAIR_MEMORY in the environment)")),
+        _ => SceneError::new_err(error.to_string()),
+    }
 }
 
 /// A [`SceneError`] of this door's own: an argument that never reaches the core.

@@ -1,15 +1,14 @@
 //! `midair.field` and `midair.Field`.
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use midair::{Complex32, Control, Progress};
+use midair::Complex32;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 
-use crate::ctrl_c::Watch;
-use crate::error::refused;
+use crate::ctrl_c::attend;
 use crate::instruction_set::instruction_set;
+use crate::limits;
 use crate::plane::Plane;
 use crate::read::{self, rows};
 use crate::scene::Scene;
@@ -117,8 +116,8 @@ pub(crate) fn field(
         },
     };
     let model = midair::Model::of(&scene, instruction_set()?);
-    let mut watch = Watch::new(None);
-    let pressure = py.detach(|| {
+    let threads = limits::threads(py)?;
+    let pressure = attend(py, None, |control| {
         let grid;
         let points = match &places {
             Places::Plane(plane) => {
@@ -127,10 +126,7 @@ pub(crate) fn field(
             }
             Places::Points(points) => points,
         };
-        let mut observer = |progress: Progress<'_>| -> ControlFlow<()> { watch.step(&progress) };
-        midair::field(&model, &drive, points, &mut Control::watched(&mut observer))
-    });
-    watch.raised()?;
-    let pressure = pressure.map_err(refused)?.unwrap_or_default();
+        midair::field(&model, &drive, points, &mut control.on(threads))
+    })?;
     Ok(Field { scene, places, pressure })
 }

@@ -1,8 +1,9 @@
 //! `midair.judge` and `midair.bound`: how good a drive is, and how good any drive can be.
 
+use midair::Control;
 use pyo3::prelude::*;
 
-use crate::error::refused;
+use crate::ctrl_c::attend;
 use crate::instruction_set::instruction_set;
 use crate::metrics::Metrics;
 use crate::read;
@@ -31,7 +32,7 @@ pub(crate) fn bound(
 ) -> PyResult<f64> {
     let subject = Subject::read(scene, Beside { pressures, weights, mask, ..Beside::default() })?;
     let set = instruction_set()?;
-    py.detach(|| midair::bound(&subject.problem(set)?)).map_err(refused)
+    attend(py, None, |mut control| midair::bound(&subject.problem(set, &mut control)?, &mut control))
 }
 
 /// The metrics of a drive (N,), wholly in double precision. Pressures, weights and mask go with Propagation only.
@@ -48,6 +49,6 @@ pub(crate) fn judge(
     let subject = Subject::read(scene, Beside { pressures, weights, mask, ..Beside::default() })?;
     let drive = read::drive("drive", drive)?;
     let set = instruction_set()?;
-    let metrics = py.detach(|| subject.problem(set)?.judge(&drive)).map_err(refused)?;
-    Ok(metrics.into())
+    let judge = |mut control: Control<'_>| subject.problem(set, &mut control)?.judge(&drive, &mut control);
+    attend(py, None, judge).map(Metrics::from)
 }

@@ -7,6 +7,7 @@ mod error;
 mod field;
 mod instruction_set;
 mod judge;
+mod limits;
 mod metrics;
 mod plane;
 mod propagation;

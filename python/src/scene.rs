@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use midair::files::{self, Format, Provenance};
-use midair::{Complex32, Medium, Request};
+use midair::{Complex32, Control, Medium, Request};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, ToPyArray};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::array::{Array, adjusted};
+use crate::ctrl_c::attend;
 use crate::error::refused;
 use crate::instruction_set::instruction_set;
 use crate::plane::Plane;
@@ -202,7 +203,7 @@ impl Scene {
     /// G (M, N) in Pa, complex64: the pressure at point j of transducer i at full drive, eq. (5).
     fn propagation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
         let propagation = midair::Propagation::of(&self.inner).with_instruction_set(instruction_set()?);
-        let matrix = py.detach(|| propagation.matrix()).map_err(refused)?;
+        let matrix = attend(py, None, |mut control| propagation.matrix(&mut control))?;
         matrix.into_pyarray(py).reshape([self.inner.points().len(), self.inner.array().len()])
     }
 
@@ -210,9 +211,8 @@ impl Scene {
     fn reach(&self, py: Python<'_>) -> PyResult<Reach> {
         let set = instruction_set()?;
         let reach =
-            py.detach(|| midair::Problem::with_instruction_set(&self.inner, set).map(|problem| problem.reach()));
-        let reach = reach.map_err(refused)?;
-        Ok(Reach { inner: reach })
+            |mut control: Control<'_>| midair::Problem::of_scene(&self.inner, set, &mut control)?.reach(&mut control);
+        Ok(Reach { inner: attend(py, None, reach)? })
     }
 
     fn __repr__(&self) -> String {

@@ -2,11 +2,11 @@
 
 use std::time::Instant;
 
-use midair::{Control, Progress, Workspace, solvers as registry};
+use midair::{Workspace, solvers as registry};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::ctrl_c::Watch;
+use crate::ctrl_c::attend;
 use crate::error::{refused, warn};
 use crate::instruction_set::instruction_set;
 use crate::read;
@@ -87,11 +87,10 @@ pub(crate) fn solve(
     let clock = Instant::now();
     let start = start.map(begin).transpose()?;
     let set = instruction_set()?;
-    let problem = py.detach(|| match start {
-        None => subject.problem(set),
-        Some(start) => subject.problem(set)?.with_start(start),
-    });
-    let mut problem = problem.map_err(refused)?;
+    let mut problem = attend(py, None, |mut control| match start {
+        None => subject.problem(set, &mut control),
+        Some(start) => subject.problem(set, &mut control)?.with_start(start),
+    })?;
     if let Some(aim) = choice.aim {
         problem = problem.with_aim(aim);
     }
@@ -104,18 +103,13 @@ pub(crate) fn solve(
             format!("targets are {part} of the balanced level: foci this weak come out smeared, balance=True cures it");
         warn(py, text)?;
     }
-    let mut watch = Watch::new(progress);
-    let (solution, trace) = py.detach(|| {
-        let mut observer = |progress: Progress<'_>| watch.step(&progress);
-        let control = Control::watched(&mut observer);
+    let (inner, trace) = attend(py, progress, |control| {
         let mut control = if trace { control.traced() } else { control };
-        let solution = midair::solve(&problem, &*configured.solver, balance, &mut Workspace::new(), &mut control);
-        (solution, control.into_trace())
-    });
+        let solution = midair::solve(&problem, &*configured.solver, balance, &mut Workspace::new(), &mut control)?;
+        Ok((solution, control.into_trace()))
+    })?;
     let elapsed = clock.elapsed().as_secs_f64();
-    watch.raised()?;
-    let inner = solution.map_err(refused)?;
-    if let Some(beyond) = py.detach(|| problem.beyond()) {
+    if let Some(beyond) = attend(py, None, |mut control| problem.beyond(&mut control))? {
         warn(py, beyond.to_string())?;
     }
     if inner.scale < 1.0 {

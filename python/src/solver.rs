@@ -4,12 +4,12 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::Instant;
 
 use midair::solvers::{Info, unused};
-use midair::{Ask, Complex32, Control, Progress, Session};
+use midair::{Ask, Complex32, Session};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::ctrl_c::Watch;
+use crate::ctrl_c::attend;
 use crate::error::{invalid, refused};
 use crate::metrics::Metrics;
 use crate::read;
@@ -173,13 +173,7 @@ impl Solver {
             })
             .transpose()?;
         ask.start = start.map(begin).transpose()?;
-        let mut watch = Watch::new(None);
-        let solved = py.detach(|| {
-            let mut observer = |progress: Progress<'_>| watch.step(&progress);
-            session.solve(ask, &mut Control::watched(&mut observer)).map(|_| ())
-        });
-        watch.raised()?;
-        solved.map_err(refused)?;
+        attend(py, None, |mut control| session.solve(ask, &mut control).map(|_| ()))?;
         *elapsed = clock.elapsed().as_secs_f64();
         if let Some(mut out) = out {
             let drive = session.solution().map(|solution| &solution.drive).into_iter().flatten();

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use midair::{InstructionSet, Problem, Quantization, Setup};
+use midair::{Control, InstructionSet, Problem, Quantization, Setup};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
@@ -73,12 +73,12 @@ impl Subject {
         Err(PyTypeError::new_err(format!("expected a midair.Scene or midair.Propagation first, not {kind}")))
     }
 
-    pub(crate) fn problem(&self, set: InstructionSet) -> Result<Problem, midair::Error> {
+    pub(crate) fn problem(&self, set: InstructionSet, control: &mut Control) -> Result<Problem, midair::Error> {
         match self {
-            Self::Scene(scene) => Problem::with_instruction_set(scene, set),
+            Self::Scene(scene) => Problem::of_scene(scene, set, control),
             Self::Given(propagation, setup, request) => {
                 let propagation = propagation.clone().with_instruction_set(set);
-                Problem::with_propagation(propagation, Arc::clone(setup), request)
+                Problem::watched(propagation, Arc::clone(setup), request, control)
             }
         }
     }

@@ -17,32 +17,55 @@ SOLVERS = ("greedy", "gs")
 #: Nobody waits this long for Ctrl-C; it is there so that a hang is a failure and not a hung suite.
 HANG = 60
 
-SEARCH = """
-import signal, sys, midair, numpy as np
+INTERRUPTED = """
+import signal, midair, numpy as np
 # A shell that runs the tests in the background has its children ignore Ctrl-C.
 signal.signal(signal.SIGINT, signal.default_int_handler)
-points = np.random.default_rng(0).uniform(-0.1, 0.1, (16, 3)) + [0, 0, 0.3]
-scene = midair.Scene(midair.Array.grid(200, 200, pitch=0.005), points)
+random = np.random.default_rng(0)
+def scene(count):
+    return midair.Scene(midair.Array.grid(200, 200, pitch=0.005), random.uniform(-0.1, 0.1, (count, 3)) + [0, 0, 0.3])
+few, many, most = scene(16), scene(3000), scene(20_000)
+drive = np.ones(40_000)
+batch = random.uniform(-0.1, 0.1, (20_000, 64, 3)) + [0, 0, 0.3]
 try:
     print("ready", flush=True)
-    midair.solve(scene, "greedy", amplitudes=256, phases=4096, objective="l1")
+    {0}
 except KeyboardInterrupt:
     print("interrupted", flush=True)
 else:
     print("finished", flush=True)
 """
 
-BATCH = """
-import signal, midair, numpy as np
-signal.signal(signal.SIGINT, signal.default_int_handler)
-points = np.random.default_rng(0).uniform(-0.1, 0.1, (20_000, 64, 3)) + [0, 0, 0.3]
-try:
-    print("ready", flush=True)
-    midair.solve_batch(midair.Array.preset("autd3", (2, 2)), points, solver="lm", threads=2)
-except KeyboardInterrupt:
-    print("interrupted", flush=True)
-else:
-    print("finished", flush=True)
+#: What takes from seconds to minutes where nobody interrupts it.
+LONG = {
+    "greedy": 'midair.solve(few, "greedy", amplitudes=256, phases=4096, objective="l1")',
+    "evd": 'midair.solve(many, "evd")',
+    "sdp": 'midair.solve(many, "sdp")',
+    "tikhonov": 'midair.solve(many, "tikhonov")',
+    "uniform": 'midair.solve(many, "uniform")',
+    "lm": 'midair.Solver(midair.Array.grid(200, 200, pitch=0.005), "lm")(many.points)',
+    "batch": 'midair.solve_batch(midair.Array.preset("autd3", (2, 2)), batch, solver="lm")',
+    "batch on one thread": 'midair.solve_batch(midair.Array.preset("autd3", (2, 2)), batch, solver="lm", threads=1)',
+    "field": "midair.field(few, drive, midair.Plane(0.2, 0.2, pixels=2000))",
+    "propagation": "most.propagation()",
+    "reach": "many.reach()",
+    "judge": "midair.judge(many, drive)",
+    "bound": "midair.bound(few)",
+}
+
+FORKED = """
+import os, sys, midair, numpy as np
+scene = midair.Scene(midair.Array.grid(9, 7, pitch=0.01), [[0, 0, 0.1], [0.02, 0, 0.1]])
+plane, points = midair.Plane(0.1, 0.1), np.tile(scene.points, (2000, 1, 1))
+def work():
+    field = midair.field(scene, np.ones(63), plane)
+    return field.pressure.tobytes() + midair.solve_batch(scene, points, solver="fast").drives.tobytes()
+before = work()
+child = os.fork()
+if child == 0:
+    os._exit(0 if work() == before else 1)
+_, status = os.waitpid(child, 0)
+print(os.waitstatus_to_exitcode(status), work() == before)
 """
 
 PICTURE = """
@@ -141,10 +164,13 @@ def test_results_have_the_same_bits_on_any_number_of_threads() -> None:
     assert one == two == five
 
 
-@pytest.mark.skipif(not hasattr(signal, "SIGINT") or os.name == "nt", reason="signals of POSIX")
-@pytest.mark.parametrize("program", [SEARCH, BATCH], ids=["solve", "solve_batch"])
-def test_interrupt_ends_a_long_solve(program: str) -> None:
-    # A step takes milliseconds, and there are tens of thousands: what ends within HANG was interrupted.
+POSIX = pytest.mark.skipif(os.name == "nt", reason="signals and fork of POSIX")
+
+
+@POSIX
+@pytest.mark.parametrize("call", LONG)
+def test_interrupt_ends_whatever_takes_long(call: str) -> None:
+    program = INTERRUPTED.format(LONG[call])
     child = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)
     try:
         assert child.stdout.readline() == "ready\n"
@@ -154,3 +180,10 @@ def test_interrupt_ends_a_long_solve(program: str) -> None:
         child.kill()
         child.wait()
     assert (out, child.returncode) == ("interrupted\n", 0)
+
+
+@POSIX
+def test_a_forked_child_has_threads_of_its_own() -> None:
+    # The parent has used all its threads before the fork; the child has none of them.
+    ran = subprocess.run([sys.executable, "-c", FORKED], capture_output=True, text=True, timeout=HANG, check=True)
+    assert ran.stdout == "0 True\n"

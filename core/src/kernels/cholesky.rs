@@ -1,5 +1,7 @@
 //! Cholesky factor A = U^T U of padded rows, and solves with it.
 
+use crate::control::Control;
+use crate::error::Error;
 use crate::kernels::lanes::{LANES, groups, groups_mut, padded};
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
@@ -30,10 +32,19 @@ fn reduce<S: Simd, const N: usize>(s: S, above: &[f32], row: &mut [f32], i: usiz
 
 /// Replaces the upper half of a symmetric matrix of `size` rows by its factor U, with zeros in the lanes before a row's
 /// diagonal; `false` if it is not positive definite in f32.
-pub(crate) fn factor(set: InstructionSet, matrix: &mut [f32], size: usize) -> bool {
+///
+/// # Errors
+/// A stop, asked for once a row.
+pub(crate) fn factor(
+    set: InstructionSet,
+    matrix: &mut [f32],
+    size: usize,
+    control: &mut Control,
+) -> Result<bool, Error> {
     dispatch!(set, s => {
         let lanes = padded(size);
         for i in 0..size {
+            control.pulse()?;
             let (above, rest) = matrix.split_at_mut(i * lanes);
             let row = &mut rest[..lanes];
             let mut at = i / LANES;
@@ -47,7 +58,7 @@ pub(crate) fn factor(set: InstructionSet, matrix: &mut [f32], size: usize) -> bo
             }
             let pivot = row[i];
             if pivot.is_nan() || pivot <= 0.0 {
-                return false;
+                return Ok(false);
             }
             let inverse = s.splat(1.0 / sqrtf(pivot));
             for own in &mut groups_mut(row)[i / LANES..] {
@@ -55,7 +66,7 @@ pub(crate) fn factor(set: InstructionSet, matrix: &mut [f32], size: usize) -> bo
             }
             row[i / LANES * LANES..i].fill(0.0);
         }
-        true
+        Ok(true)
     })
 }
 

@@ -2,6 +2,8 @@
 
 use num_complex::Complex32;
 
+use crate::control::Control;
+use crate::error::Error;
 use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
@@ -38,18 +40,24 @@ pub(crate) fn correlate_rows(
 }
 
 /// P += G q for every transducer that is driven; `row` is memory for one row.
+///
+/// # Errors
+/// A stop, asked for once a transducer.
 pub(crate) fn add_waves(
     set: InstructionSet,
     rows: Rows<'_>,
     drive: &[Complex32],
     row: [&mut [f32]; 2],
     field: [&mut [f32]; 2],
-) {
+    control: &mut Control,
+) -> Result<(), Error> {
     dispatch!(set, s => {
         let ([row_re, row_im], [re, im]) = (row, field);
         for (i, q) in drive.iter().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
+            control.pulse()?;
             rows.write(s, i, row_re, row_im);
             add_wave(s, [&*row_re, &*row_im], [q.re, q.im], re, im);
         }
-    });
+        Ok(())
+    })
 }

@@ -1,5 +1,7 @@
 //! The leading eigenvector of a Hermitian matrix, by Lanczos.
 
+use crate::control::Control;
+use crate::error::Error;
 use crate::kernels;
 use crate::kernels::InstructionSet;
 use crate::linalg::{Planar, times};
@@ -17,7 +19,8 @@ pub(crate) fn leading_eigenvector<'w>(
     vector: &mut Planar<'w>,
     count: usize,
     work: &'w Workspace,
-) {
+    control: &mut Control,
+) -> Result<(), Error> {
     let lanes = matrix.lanes;
     let steps = CYCLE.min(count);
     let mut basis = Planar::zeros(steps, lanes, work);
@@ -30,6 +33,7 @@ pub(crate) fn leading_eigenvector<'w>(
         }
         let mut used = 0;
         for step in 0..steps {
+            control.pulse()?;
             let [re, im] = basis.row_mut(step);
             re.copy_from_slice(&vector.re);
             im.copy_from_slice(&vector.im);
@@ -66,6 +70,7 @@ pub(crate) fn leading_eigenvector<'w>(
         }
     }
     normalise(set, vector);
+    Ok(())
 }
 
 fn norm(set: InstructionSet, vector: &Planar) -> f32 {

@@ -7,6 +7,8 @@ pub(crate) mod leading_eigenvector;
 
 pub(crate) use leading_eigenvector::leading_eigenvector;
 
+use crate::control::{Control, bytes};
+use crate::error::Error;
 use crate::kernels;
 use crate::kernels::InstructionSet;
 use crate::kernels::cholesky;
@@ -68,8 +70,13 @@ pub(crate) struct Cholesky<'w> {
 impl<'w> Cholesky<'w> {
     /// Factors the matrix of `size` padded rows in `matrix`, of which the upper half is read; `None` if it is not
     /// positive definite in f32.
-    pub(crate) fn new(set: InstructionSet, mut matrix: Buffer<'w, f32>, size: usize) -> Option<Self> {
-        cholesky::factor(set, &mut matrix, size).then_some(Self { factor: matrix, set })
+    pub(crate) fn new(
+        set: InstructionSet,
+        mut matrix: Buffer<'w, f32>,
+        size: usize,
+        control: &mut Control,
+    ) -> Result<Option<Self>, Error> {
+        Ok(cholesky::factor(set, &mut matrix, size, control)?.then_some(Self { factor: matrix, set }))
     }
 
     /// Replaces b (padded) by A^-1 b.
@@ -94,9 +101,11 @@ impl<'w> Hermitian<'w> {
         count: usize,
         shift: f32,
         work: &'w Workspace,
-    ) -> Option<Self> {
+        control: &mut Control,
+    ) -> Result<Option<Self>, Error> {
         let lanes = matrix.lanes;
         let size = 2 * lanes;
+        control.room("the Cholesky factor", [0, count], bytes(4, &[size, size]))?;
         let mut real = work.floats.take(size * size);
         for k in 0..lanes {
             let (upper, lower) = (k * size, (k + lanes) * size);
@@ -114,7 +123,7 @@ impl<'w> Hermitian<'w> {
             real[upper + k] += diagonal;
             real[lower + lanes + k] += diagonal;
         }
-        Cholesky::new(set, real, size).map(|cholesky| Self { cholesky, lanes, work })
+        Ok(Cholesky::new(set, real, size, control)?.map(|cholesky| Self { cholesky, lanes, work }))
     }
 
     /// The same with as much more damping as f32 needs to factor it: tenfold and tenfold again.
@@ -124,11 +133,12 @@ impl<'w> Hermitian<'w> {
         count: usize,
         mut shift: f32,
         work: &'w Workspace,
-    ) -> Self {
+        control: &mut Control,
+    ) -> Result<Self, Error> {
         loop {
             // Damping far above every entry leaves a multiple of the identity, which always factors.
-            if let Some(solver) = Self::new(set, matrix, count, shift, work) {
-                return solver;
+            if let Some(solver) = Self::new(set, matrix, count, shift, work, control)? {
+                return Ok(solver);
             }
             shift = 10.0 * shift.max(f32::MIN_POSITIVE);
         }

@@ -2,9 +2,12 @@
 
 use alloc::format;
 use alloc::string::String;
+use alloc::vec;
 use alloc::vec::Vec;
 use core::fmt;
 
+use crate::control::Control;
+use crate::error::Error;
 use crate::problem::Problem;
 use crate::problem::upper_bound::{MOST_POINTS, rough_bound};
 use crate::propagation::distance;
@@ -84,34 +87,41 @@ fn pascals(pressure: f64) -> String {
 }
 
 impl Problem {
-    /// What the array can do at the points.
-    #[must_use]
-    pub fn reach(&self) -> Reach {
+    /// What the array can do at the points, in double precision.
+    ///
+    /// # Errors
+    /// A stop.
+    pub fn reach(&self, control: &mut Control) -> Result<Reach, Error> {
         let propagation = &self.targets.propagation;
-        let alone = |j: usize| (0..propagation.transducers()).map(|i| propagation.exact(j, i).norm()).sum();
-        Reach {
-            alone: (0..propagation.points()).map(alone).collect(),
-            level: self.targets_in_pascals().iter().map(|target| self.balance() * target).collect(),
+        let mut alone = vec![0.0; propagation.points()];
+        for (j, alone) in alone.iter_mut().enumerate() {
+            for i in 0..propagation.transducers() {
+                control.pulse()?;
+                *alone += propagation.exact(j, i).norm();
+            }
         }
+        Ok(Reach { alone, level: self.targets_in_pascals().iter().map(|target| self.balance() * target).collect() })
     }
 
     /// What is asked for and provably cannot be had: a target above its point's own reach, two targets for points less than a
     /// thousandth of a wavelength apart, or targets of which no drive
     /// gives more than three quarters at the same time, as the quick form of [`crate::bound()`] proves (up to 64 points; from
     /// about 1.4 times the balanced level on at a few points, from 2 to 2.5 times at 64).
-    #[must_use]
-    pub fn beyond(&self) -> Option<Beyond> {
+    ///
+    /// # Errors
+    /// A stop.
+    pub fn beyond(&self, control: &mut Control) -> Result<Option<Beyond>, Error> {
         if let Some((point, alone)) = self.targets.overasked {
-            return Some(Beyond::Alone { point, target: self.targets_in_pascals()[point], alone });
+            return Ok(Some(Beyond::Alone { point, target: self.targets_in_pascals()[point], alone }));
         }
         if let Some(contrary) = self.contrary() {
-            return Some(contrary);
+            return Ok(Some(contrary));
         }
         if self.balance() >= EVERYDAY || self.targeted().len() > MOST_POINTS {
-            return None;
+            return Ok(None);
         }
-        let most = rough_bound(self);
-        (most < EVERYDAY).then_some(Beyond::Together { most })
+        let most = rough_bound(self, control)?;
+        Ok((most < EVERYDAY).then_some(Beyond::Together { most }))
     }
 
     fn contrary(&self) -> Option<Beyond> {

@@ -15,10 +15,12 @@ pub use upper_bound::bound;
 
 use alloc::format;
 use alloc::sync::Arc;
+use alloc::vec;
 use alloc::vec::Vec;
 
 use num_complex::{Complex32, Complex64};
 
+use crate::control::Control;
 use crate::device::quantization::Quantization;
 use crate::error::{Error, one_each};
 use crate::kernels::InstructionSet;
@@ -59,8 +61,16 @@ impl Problem {
     /// # Errors
     /// As [`Problem::new`].
     pub fn with_instruction_set(scene: &Scene, set: InstructionSet) -> Result<Self, Error> {
+        Self::of_scene(scene, set, &mut Control::none())
+    }
+
+    /// As [`Problem::with_instruction_set`], for what may take long: the sums of |G| are O(N M).
+    ///
+    /// # Errors
+    /// The same, and a stop.
+    pub fn of_scene(scene: &Scene, set: InstructionSet, control: &mut Control) -> Result<Self, Error> {
         let setup = Setup::of(scene.array(), scene.medium());
-        Self::with_propagation(Propagation::of(scene).with_instruction_set(set), setup, scene.request())
+        Self::watched(Propagation::of(scene).with_instruction_set(set), setup, scene.request(), control)
     }
 
     /// The problem of any G, computed or given, and the array behind it.
@@ -72,9 +82,25 @@ impl Problem {
         setup: impl Into<Arc<Setup>>,
         request: &Request,
     ) -> Result<Self, Error> {
+        Self::watched(propagation, setup, request, &mut Control::none())
+    }
+
+    /// As [`Problem::with_propagation`], likewise.
+    ///
+    /// # Errors
+    /// The same, and a stop.
+    pub fn watched(
+        propagation: Propagation,
+        setup: impl Into<Arc<Setup>>,
+        request: &Request,
+        control: &mut Control,
+    ) -> Result<Self, Error> {
         let setup = setup.into();
         setup.check(&propagation)?;
-        Self::unasked(propagation, setup).renewed(None, request)
+        let mut problem = Self::unasked(propagation, setup);
+        problem.replace(None, request)?;
+        problem.measure(control)?;
+        Ok(problem)
     }
 
     /// The problem of other points and requests with the same array, in the memory of this one: if no solution of it
@@ -86,7 +112,7 @@ impl Problem {
     /// lost.
     pub fn renewed(mut self, points: Option<&[[f64; 3]]>, request: &Request) -> Result<Self, Error> {
         self.replace(points, request)?;
-        self.measure()?;
+        self.measure(&mut Control::none())?;
         Ok(self)
     }
 
@@ -120,15 +146,15 @@ impl Problem {
     }
 
     /// Sums |G| at the points and computes the targets.
-    pub(crate) fn measure(&mut self) -> Result<(), Error> {
-        self.sum_moduli()?;
+    pub(crate) fn measure(&mut self, control: &mut Control) -> Result<(), Error> {
+        self.sum_moduli(control)?;
         self.balance_targets()
     }
 
     /// Sums |G| at the points of weight above 0.
-    pub(crate) fn sum_moduli(&mut self) -> Result<(), Error> {
+    pub(crate) fn sum_moduli(&mut self, control: &mut Control) -> Result<(), Error> {
         let propagation = self.selected.as_ref().unwrap_or(&self.targets.propagation);
-        propagation.reach(&mut self.reach, &mut self.sums).map_err(|error| match error {
+        propagation.reach(&mut self.reach, &mut self.sums, control).map_err(|error| match error {
             // The selection renumbered the points.
             Error::TooNear { point, transducer, distance, least } => {
                 Error::TooNear { point: self.targets.active[point], transducer, distance, least }
@@ -307,14 +333,20 @@ impl Problem {
     /// The metrics of a drive (N,) over the caller's points, wholly in double precision.
     ///
     /// # Errors
-    /// A drive of another length, a value that is not finite, |q| above 1 + 1e-6.
-    pub fn judge(&self, drive: &[Complex32]) -> Result<Metrics, Error> {
+    /// A drive of another length, a value that is not finite, |q| above 1 + 1e-6; a stop.
+    pub fn judge(&self, drive: &[Complex32], control: &mut Control) -> Result<Metrics, Error> {
         let all = &self.targets.propagation;
         check_drive(drive, all.transducers())?;
         let wide = |q: Complex32| Complex64::new(f64::from(q.re), f64::from(q.im));
-        let wave = |j: usize, i: usize| all.exact(j, i) * wide(drive[i]);
-        let pressure = |j: usize| (0..drive.len()).map(|i| wave(j, i)).sum::<Complex64>().norm();
-        let pressures: Vec<f64> = (0..all.points()).map(pressure).collect();
+        let mut pressures = vec![0.0; all.points()];
+        for (j, pressure) in pressures.iter_mut().enumerate() {
+            let mut sum = Complex64::ZERO;
+            for (i, &q) in drive.iter().enumerate() {
+                control.pulse()?;
+                sum += all.exact(j, i) * wide(q);
+            }
+            *pressure = sum.norm();
+        }
         Ok(self.targets.metrics(pressures.iter().copied()))
     }
 }

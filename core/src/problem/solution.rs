@@ -7,6 +7,7 @@ use core::fmt;
 use num_complex::Complex32;
 
 use crate::control::Control;
+use crate::error::Error;
 use crate::linalg::Planar;
 use crate::math;
 use crate::problem::Problem;
@@ -62,26 +63,32 @@ pub struct Solution {
 }
 
 impl Solution {
-    /// The solution that `drive` is: a solver's last line. Its pressures are computed here.
-    #[must_use]
-    pub fn new(problem: &Problem, drive: Vec<Complex32>, status: Status, steps: usize, work: &Workspace) -> Self {
-        let asked = Arc::clone(&problem.targets);
-        let field = field_of(&asked.propagation, &drive, work);
-        Self::with_pressures(asked, drive, &field, status, steps, work)
-    }
-
-    /// As [`Solution::new`], and [`Solution::tell`] of it: how the steps ended and how many they were, of `steps`.
-    pub(crate) fn told(
+    /// The solution that `drive` is: a solver's last line. How the steps ended and how many they were, of `steps`. Its
+    /// pressures are computed here, and the last step is told.
+    ///
+    /// # Errors
+    /// A stop, if it is the first.
+    pub fn new(
         problem: &Problem,
         drive: Vec<Complex32>,
         (status, step): (Status, usize),
         steps: usize,
         work: &Workspace,
         control: &mut Control,
-    ) -> Self {
-        let mut solution = Self::new(problem, drive, status, step, work);
+    ) -> Result<Self, Error> {
+        let asked = Arc::clone(&problem.targets);
+        let field = field_of(&asked.propagation, &drive, work, control)?;
+        let mut solution = Self::with_pressures(asked, drive, &field, status, step, work);
         solution.tell(problem, steps, control);
-        solution
+        Ok(solution)
+    }
+
+    /// Silence: what there is when a stop comes before anything else.
+    pub(crate) fn silent(problem: &Problem, work: &Workspace) -> Self {
+        let asked = Arc::clone(&problem.targets);
+        let drive = work.complexes.take(asked.propagation.transducers()).into_vec();
+        let field = Planar::zeros(1, asked.propagation.lanes(), work);
+        Self::with_pressures(asked, drive, &field, Status::Stopped, 0, work)
     }
 
     /// As [`Solution::new`], from the field that a solver has kept: P (one padded row) at the problem's points.
@@ -92,18 +99,20 @@ impl Solution {
         status: Status,
         steps: usize,
         work: &Workspace,
-    ) -> Self {
+        control: &mut Control,
+    ) -> Result<Self, Error> {
         let asked = Arc::clone(&problem.targets);
         if asked.active.len() == asked.pascals.len() {
-            return Self::with_pressures(asked, drive, field, status, steps, work);
+            return Ok(Self::with_pressures(asked, drive, field, status, steps, work));
         }
         // The points of weight 0 were not in it.
-        let mut solution = Self::new(problem, drive, status, steps, work);
+        let all = field_of(&asked.propagation, &drive, work, control)?;
+        let mut solution = Self::with_pressures(asked, drive, &all, status, steps, work);
         let reference = problem.propagation().reference();
         for (k, &j) in solution.asked.active.iter().enumerate() {
             solution.pressures[j] = pascals(field.re[k], field.im[k], reference);
         }
-        solution
+        Ok(solution)
     }
 
     fn with_pressures(
@@ -137,12 +146,15 @@ impl Solution {
 
     /// Divides drives and pressures by `factor`, at least 1, and rounds every drive to what the board can play.
     /// Whether that changed a drive.
-    pub(crate) fn quantize(&mut self, factor: f64, work: &Workspace) -> bool {
+    ///
+    /// # Errors
+    /// A stop, if it is the first.
+    pub(crate) fn quantize(&mut self, factor: f64, work: &Workspace, control: &mut Control) -> Result<bool, Error> {
         let Some(quantization) = self.asked.setup.quantization.as_deref() else {
             if factor > 1.0 {
                 self.drive.iter_mut().chain(&mut self.pressures).for_each(|z| *z = divided(*z, factor));
             }
-            return false;
+            return Ok(false);
         };
         let largest = self.drive.iter().map(|&q| math::modulus(q)).fold(0.0, f64::max);
         let scale = quantization.scale(largest / factor);
@@ -154,9 +166,9 @@ impl Solution {
         }
         self.scale *= scale;
         if moved || scale < 1.0 {
-            self.set_pressures(&field_of(&self.asked.propagation, &self.drive, work));
+            self.set_pressures(&field_of(&self.asked.propagation, &self.drive, work, control)?);
         }
-        moved
+        Ok(moved)
     }
 
     /// Metrics of the pressures against the caller's targets; f64 arithmetic over the M values.
@@ -167,7 +179,7 @@ impl Solution {
 
     /// Reports the last of `steps` steps to `control`, with the answer's own residual, for a solver whose steps (if it
     /// has any) know only an estimate of it. A stop request now still counts as one. No steps, nothing to report.
-    pub fn tell(&mut self, problem: &Problem, steps: usize, control: &mut Control) {
+    pub(crate) fn tell(&mut self, problem: &Problem, steps: usize, control: &mut Control) {
         if self.status == Status::Stopped {
             control.correct(|| self.residual_for(problem));
         } else if self.steps > 0 && control.step(self.steps, steps, || self.residual_for(problem)).is_break() {

@@ -22,6 +22,7 @@ use alloc::vec::Vec;
 
 use num_complex::Complex64;
 
+use crate::control::Control;
 use crate::error::Error;
 use crate::math::sqrt;
 use crate::problem::Problem;
@@ -52,20 +53,21 @@ type Lanes = [Complex64; RANK];
 /// best field known. Deterministic; in double precision, time O(N M) a step and some hundred steps.
 ///
 /// # Errors
-/// More than 64 points with a pressure above 0.
-pub fn bound(problem: &Problem) -> Result<f64, Error> {
+/// More than 64 points with a pressure above 0; a stop.
+pub fn bound(problem: &Problem, control: &mut Control) -> Result<f64, Error> {
     let points = problem.targeted();
     if points.len() > MOST_POINTS {
         let value = format!("{} with a pressure", points.len());
         return Err(Error::invalid("points", value, format!("a bound takes at most {MOST_POINTS}")));
     }
-    let rows = Rows::new(problem);
+    let rows = Rows::new(problem, control)?;
     let mut weights = vec![1.0 / points.len() as f64; points.len()];
     let mut share = vec![0.0; rows.count()];
     let mut units = start(rows.count());
     let mut field = rows.field(&units);
     let (mut least, mut reached) = (f64::INFINITY, 0.0_f64);
     for step in 1..=STEPS {
+        control.pulse()?;
         let levels: Vec<f64> = field.iter().map(norm).collect();
         reached = reached.max(levels.iter().copied().fold(f64::INFINITY, f64::min));
         let mean = levels.iter().sum::<f64>() / levels.len() as f64;
@@ -92,10 +94,13 @@ pub fn bound(problem: &Problem) -> Result<f64, Error> {
 }
 
 /// A quick bound, up to half above the best one: equal weights, and each transducer's share that of its propagation.
-pub(crate) fn rough_bound(problem: &Problem) -> f64 {
-    let rows = Rows::new(problem);
+///
+/// # Errors
+/// A stop.
+pub(crate) fn rough_bound(problem: &Problem, control: &mut Control) -> Result<f64, Error> {
+    let rows = Rows::new(problem, control)?;
     let share: Vec<f64> = rows.iter().map(|row| sqrt(row.iter().map(Complex64::norm_sqr).sum::<f64>())).collect();
-    rows.certificate(&vec![1.0 / rows.points as f64; rows.points], &share)
+    Ok(rows.certificate(&vec![1.0 / rows.points as f64; rows.points], &share))
 }
 
 /// Unit vectors in no particular direction.
@@ -127,10 +132,11 @@ struct Rows {
 }
 
 impl Rows {
-    fn new(problem: &Problem) -> Self {
+    fn new(problem: &Problem, control: &mut Control) -> Result<Self, Error> {
         let (propagation, targeted) = (&problem.targets.propagation, problem.targeted());
         let mut entries = Vec::new();
         for i in 0..propagation.transducers() {
+            control.pulse()?;
             let row = targeted.iter().map(|&j| propagation.exact(j, i) / problem.targets_in_pascals()[j]);
             let begin = entries.len();
             entries.extend(row);
@@ -138,7 +144,7 @@ impl Rows {
                 entries.truncate(begin);
             }
         }
-        Self { entries, points: targeted.len() }
+        Ok(Self { entries, points: targeted.len() })
     }
 
     fn count(&self) -> usize {

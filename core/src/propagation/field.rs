@@ -4,10 +4,8 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use num_complex::Complex32;
-#[cfg(feature = "parallel")]
-use rayon::prelude::*;
 
-use crate::control::Control;
+use crate::control::{Control, bytes};
 use crate::error::Error;
 use crate::kernels;
 use crate::kernels::{ControlPoints, Row, padded};
@@ -17,24 +15,25 @@ use crate::scene::{check_drive, check_places};
 /// Points worked on by one thread at once: their rows stay in the first-level cache.
 const CHUNK: usize = 256;
 
-/// Chunks between two calls of the control.
-const CHUNKS_A_STEP: usize = 32;
+/// Entries of G a thread goes through between two steps: some milliseconds.
+const STRETCH: usize = 1 << 21;
 
 /// Complex pressures (P,) in Pa (peak) of a drive (N,) at any `points` (P, 3) in m: p = G q.
 ///
 /// A point nearer to a transducer than a hundredth of the wavelength counts as that far away, so that a picture
-/// is always finite. With feature `parallel` the chunks of points go over all threads; the result does not
-/// depend on how many there are. `None` if `control` asked to stop.
+/// is always finite. With feature `parallel` the points go over all threads; the result does not depend on how many
+/// there are.
 ///
 /// # Errors
-/// A drive that does not fit the array, no points, a coordinate that is not finite or too far away.
+/// A drive that does not fit the array, no points, a coordinate that is not finite or too far away; more memory than
+/// allowed; a stop.
 ///
 /// ```
 /// use midair::{Array, Complex32, Control, InstructionSet, Medium, Model, Plane};
 ///
 /// let model = Model::new(&Array::grid(1, 1, 10e-3)?, Medium::default(), InstructionSet::best())?;
 /// let plane = Plane::new(0.1, 0.04, 3, [0.0, 0.0])?;
-/// let pressure = midair::field(&model, &[Complex32::ONE], &plane.points(), &mut Control::none())?.unwrap();
+/// let pressure = midair::field(&model, &[Complex32::ONE], &plane.points(), &mut Control::none())?;
 /// assert!((pressure[4].norm() - 4.386 / 0.1).abs() < 1e-4);
 /// # Ok::<(), midair::Error>(())
 /// ```
@@ -43,36 +42,45 @@ pub fn field(
     drive: &[Complex32],
     points: &[[f64; 3]],
     control: &mut Control,
-) -> Result<Option<Vec<Complex32>>, Error> {
+) -> Result<Vec<Complex32>, Error> {
     let (array, medium) = (model.array(), model.medium());
     check_drive(drive, array.len())?;
     if points.is_empty() {
         return Err(Error::invalid("field points", "empty", "give at least one point"));
     }
     check_places(array.centre(), medium, "field points", "", points)?;
+    control.room("the field", [array.len(), points.len()], bytes(8, &[points.len()]))?;
     let mut pressures = vec![Complex32::ZERO; points.len()];
-    let stretch = CHUNK * CHUNKS_A_STEP;
+    let share = CHUNK * (STRETCH / (CHUNK * array.len())).max(1);
+    let stretch = share * control.threads();
     let steps = points.len().div_ceil(stretch);
     for (step, (out, points)) in pressures.chunks_mut(stretch).zip(points.chunks(stretch)).enumerate() {
-        let work = |(out, points): (&mut [Complex32], &[[f64; 3]])| chunk(model, drive, points, out);
-        #[cfg(feature = "parallel")]
-        out.par_chunks_mut(CHUNK).zip(points.par_chunks(CHUNK)).for_each(work);
-        #[cfg(not(feature = "parallel"))]
-        out.chunks_mut(CHUNK).zip(points.chunks(CHUNK)).for_each(work);
+        let parts = out.chunks_mut(share).zip(points.chunks(share)).collect();
+        control.each(parts, &|(out, points): (&mut [Complex32], &[[f64; 3]]), control| {
+            let chunks = out.chunks_mut(CHUNK).zip(points.chunks(CHUNK));
+            chunks.into_iter().try_for_each(|(out, points)| chunk(model, drive, points, out, control))
+        })?;
         if control.step(step + 1, steps, || 0.0).is_break() {
-            return Ok(None);
+            return Err(Error::Stopped);
         }
     }
-    Ok(Some(pressures))
+    Ok(pressures)
 }
 
 /// One chunk: every transducer's row over it, added up.
-fn chunk(model: &Model, drive: &[Complex32], points: &[[f64; 3]], out: &mut [Complex32]) {
+fn chunk(
+    model: &Model,
+    drive: &[Complex32],
+    points: &[[f64; 3]],
+    out: &mut [Complex32],
+    control: &mut Control,
+) -> Result<(), Error> {
     let sources = &model.sources;
     let [x, y, z] = &sources.frame(points);
     let control_points = ControlPoints { coordinates: [x, y, z], count: points.len() };
     let [mut row_re, mut row_im, mut re, mut im] = [(); 4].map(|()| vec![0.0; padded(points.len())]);
     for (i, q) in drive.iter().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
+        control.pulse()?;
         model.row(i, control_points, &mut Row { re: &mut row_re, im: &mut row_im });
         kernels::accumulate(model.set, [&row_re, &row_im], [q.re, q.im], &mut re, &mut im);
     }
@@ -80,4 +88,5 @@ fn chunk(model: &Model, drive: &[Complex32], points: &[[f64; 3]], out: &mut [Com
     for (out, (re, im)) in out.iter_mut().zip(re.iter().zip(&im)) {
         *out = Complex32::new(scale(*re), scale(*im));
     }
+    Ok(())
 }

@@ -17,6 +17,7 @@ use alloc::vec::Vec;
 
 use num_complex::{Complex32, Complex64};
 
+use crate::control::{Control, bytes};
 use crate::error::{Error, one_each};
 use crate::kernels;
 use crate::kernels::propagate::rows;
@@ -224,12 +225,13 @@ impl Propagation {
     }
 
     /// p1_j = `sum_i |G_ji|` in units of the reference, refusing a point on a transducer; `sums` is memory.
-    pub(crate) fn reach(&self, reach: &mut Vec<f64>, sums: &mut Vec<f32>) -> Result<(), Error> {
+    pub(crate) fn reach(&self, reach: &mut Vec<f64>, sums: &mut Vec<f32>, control: &mut Control) -> Result<(), Error> {
         reach.clear();
         reach.resize(self.count, 0.0);
         match &self.rows {
             Rows::Computed { sources, frame, points } => {
                 for (step, some) in sources.transducers.chunks(ROWS_A_SUM).enumerate() {
+                    control.pulse()?;
                     sums.clear();
                     sums.resize(self.lanes(), 0.0);
                     let (radiation, points_here) = (&sources.radiation, self.padded_points(frame));
@@ -245,6 +247,7 @@ impl Propagation {
             }
             Rows::Stored { matrix, reference, .. } => {
                 for row in matrix.chunks(self.count) {
+                    control.pulse()?;
                     for (reach, g) in reach.iter_mut().zip(row) {
                         *reach += math::hypot(g.re, g.im) / reference;
                     }
@@ -282,13 +285,15 @@ impl Propagation {
     /// G (M, N) in Pa, point by point, from the same rows that the solvers see.
     ///
     /// # Errors
-    /// A point on a transducer.
-    pub fn matrix(&self) -> Result<Vec<Complex32>, Error> {
+    /// A point on a transducer; more memory than allowed; a stop.
+    pub fn matrix(&self, control: &mut Control) -> Result<Vec<Complex32>, Error> {
         let n = self.transducers();
-        self.reach(&mut Vec::new(), &mut Vec::new())?;
+        control.room("the matrix G", [n, self.count], bytes(8, &[n, self.count]))?;
+        self.reach(&mut Vec::new(), &mut Vec::new(), control)?;
         let (mut re, mut im) = (vec![0.0; self.lanes()], vec![0.0; self.lanes()]);
         let mut matrix = vec![Complex32::ZERO; n * self.count];
         for i in 0..n {
+            control.pulse()?;
             self.row(i, &mut re, &mut im);
             for j in 0..self.count {
                 let g = Complex64::new(f64::from(re[j]), f64::from(im[j])) * self.reference();

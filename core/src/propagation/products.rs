@@ -4,6 +4,8 @@ use alloc::vec::Vec;
 
 use num_complex::Complex32;
 
+use crate::control::{Control, bytes};
+use crate::error::Error;
 use crate::kernels;
 use crate::kernels::LANES;
 use crate::kernels::tiles::products;
@@ -19,32 +21,48 @@ pub(crate) fn back_project(
     phasors: &Planar,
     factor: impl Fn(usize) -> f32,
     work: &Workspace,
-) -> Vec<Complex32> {
+    control: &mut Control,
+) -> Result<Vec<Complex32>, Error> {
     let mut drive = work.complexes.take(propagation.transducers());
     let mut row = Planar::zeros(1, propagation.lanes(), work);
     for (i, q) in drive.iter_mut().enumerate() {
+        control.pulse()?;
         propagation.row(i, &mut row.re, &mut row.im);
         let [re, im] = kernels::correlate(propagation.instruction_set(), row.row(0), phasors.row(0));
         *q = Complex32::new(re, im) * factor(i);
     }
-    drive.into_vec()
+    Ok(drive.into_vec())
 }
 
 /// P = G q of a drive, rows computed on the way: one padded row, in units of the reference.
-pub(crate) fn field_of<'w>(propagation: &Propagation, drive: &[Complex32], work: &'w Workspace) -> Planar<'w> {
+pub(crate) fn field_of<'w>(
+    propagation: &Propagation,
+    drive: &[Complex32],
+    work: &'w Workspace,
+    control: &mut Control,
+) -> Result<Planar<'w>, Error> {
     let [mut row, mut field] = [(); 2].map(|()| Planar::zeros(1, propagation.lanes(), work));
     let (memory, into) = ([&mut row.re[..], &mut row.im[..]], [&mut field.re[..], &mut field.im[..]]);
-    kernels::add_waves(propagation.instruction_set(), propagation.rows(), drive, memory, into);
-    field
+    kernels::add_waves(propagation.instruction_set(), propagation.rows(), drive, memory, into, control)?;
+    Ok(field)
 }
 
 /// conj(G diag(f) G^H), row k padded: entry l is `conj(sum_i f_i G_ki conj(G_li))`, f_i >= 0, 1 where left out. Time
 /// O(N M^2), memory O(M^2).
 ///
 /// Conjugated so that `correlate` with row k is row k of G G^H times a vector.
-pub(crate) fn gram<'w>(propagation: &Propagation, factors: Option<&[f32]>, work: &'w Workspace) -> Planar<'w> {
+///
+/// # Errors
+/// More memory than allowed, a stop.
+pub(crate) fn gram<'w>(
+    propagation: &Propagation,
+    factors: Option<&[f32]>,
+    work: &'w Workspace,
+    control: &mut Control,
+) -> Result<Planar<'w>, Error> {
     const TRANSDUCERS_A_RUN: usize = products::RUN * LANES;
     let (set, count, lanes) = (propagation.instruction_set(), propagation.points(), propagation.lanes());
+    control.room("the matrix G G^H", [propagation.transducers(), count], bytes(8, &[count, lanes]))?;
     let mut product = Planar::zeros(count, lanes, work);
     let order = work.counting(count);
     let mut roots = work.floats.take(TRANSDUCERS_A_RUN);
@@ -55,7 +73,7 @@ pub(crate) fn gram<'w>(propagation: &Propagation, factors: Option<&[f32]>, work:
         let across = tiles::lanes(members.len());
         let size = tiles::size(tiles::height(count), across);
         let [re, im] = planes.each_mut().map(|plane| &mut plane[..size]);
-        tiles::pack(set, propagation.rows(), members.clone(), &order, [&mut *re, &mut *im]);
+        tiles::pack(set, propagation.rows(), members.clone(), &order, [&mut *re, &mut *im], control)?;
         if let Some(factors) = factors {
             roots.iter_mut().zip(&factors[members]).for_each(|(root, factor)| *root = sqrtf(*factor));
             tiles::weigh(set, re, &roots[..across]);
@@ -63,7 +81,7 @@ pub(crate) fn gram<'w>(propagation: &Propagation, factors: Option<&[f32]>, work:
         }
         let to = [&mut product.re[..], &mut product.im[..]];
         let tiles = Tiles { planes: [re, im], lanes: across };
-        products::couplings(set, tiles, 0..across / LANES, count, to);
+        products::couplings(set, tiles, 0..across / LANES, count, to, control)?;
     }
     for k in 0..count {
         for l in k..count {
@@ -73,7 +91,7 @@ pub(crate) fn gram<'w>(propagation: &Propagation, factors: Option<&[f32]>, work:
             product.im[upper] = -im;
         }
     }
-    product
+    Ok(product)
 }
 
 #[cfg(test)]

@@ -14,13 +14,13 @@ use alloc::vec::Vec;
 
 use num_complex::Complex32;
 
-use crate::control::Control;
+use crate::control::{Control, bytes};
 use crate::error::Error;
 use crate::kernels::LANES;
 use crate::problem::{Problem, Setup, Solution};
 use crate::propagation::{Model, Propagation};
 use crate::session::batch::Outcome;
-use crate::session::parts::{each, parts, threads};
+use crate::session::parts::{Part, parts};
 use crate::session::worker::{Requests, Task, Transducers, Worker};
 use crate::solvers::method::Solve;
 use crate::solvers::solve::solve;
@@ -94,7 +94,7 @@ impl Session {
         }
         self.task.read(problems, 0, ask)?;
         let problem = &mut problems[0];
-        problem.measure()?;
+        problem.measure(control)?;
         let solution = solve(problem, &*self.task.solver, self.task.balance, work, control)?;
         Ok(self.solution.insert(solution))
     }
@@ -143,7 +143,9 @@ impl Session {
             let cure = format!("give {count} times {transducers}");
             return Err(Error::invalid("drives", format!("{} values", drives.len()), cure));
         }
-        let threads = threads();
+        let threads = control.threads();
+        let taken = bytes(8, &[count, points]).saturating_add(bytes(size_of::<Outcome>(), &[count]));
+        control.room("the answers", [transducers, points], taken)?;
         if self.workers.len() < threads {
             self.workers.resize_with(threads, Worker::default);
         }
@@ -156,8 +158,18 @@ impl Session {
         while done < count {
             let end = count.min(done + share * threads);
             let parts = parts((drives, &mut pressures, &mut outcomes), done..end, share);
-            each(parts, workers, &|part, worker| worker.run(part, task, requests))?;
+            let pairs = parts.into_iter().zip(&mut *workers).collect();
+            let run = |(part, worker): (Part<'_>, &mut Worker), control: &mut Control| {
+                worker.run(part, task, requests, control)
+            };
             done = end;
+            match control.each(pairs, &run) {
+                Err(Error::Stopped) => {
+                    drives[done * transducers..].fill(Complex32::ZERO);
+                    break;
+                }
+                outcome => outcome?,
+            }
             let residuals = outcomes[..done].iter().map(|outcome| outcome.metrics.residual);
             if control.step(done, count, || residuals.clone().sum::<f64>() / done as f64).is_break() {
                 drives[done * transducers..].fill(Complex32::ZERO);

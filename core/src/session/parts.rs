@@ -1,11 +1,10 @@
-//! Parts of a batch's output, dealt out to the workers over all threads.
+//! Parts of a batch's output, dealt out to the workers.
 
 use alloc::vec::Vec;
 use core::ops::Range;
 
 use num_complex::Complex32;
 
-use crate::error::Error;
 use crate::problem::Solution;
 use crate::session::batch::Outcome;
 
@@ -22,6 +21,12 @@ impl Part<'_> {
     /// Number of problems.
     pub(super) fn len(&self) -> usize {
         self.outcomes.len()
+    }
+
+    /// Leaves the part's problems from `k` on silent.
+    pub(super) fn silence(&mut self, k: usize) {
+        let transducers = self.drives.len() / self.len();
+        self.drives[k * transducers..].fill(Complex32::ZERO);
     }
 
     /// Keeps the solution of the part's problem `k`.
@@ -48,26 +53,4 @@ pub(super) fn parts<'a>(
         .enumerate()
         .map(|(k, ((drives, pressures), outcomes))| Part { first: start + k * share, drives, pressures, outcomes })
         .collect()
-}
-
-/// Number of threads that parts are worked on by.
-pub(super) fn threads() -> usize {
-    #[cfg(feature = "parallel")]
-    return rayon::current_num_threads();
-    #[cfg(not(feature = "parallel"))]
-    return 1;
-}
-
-type Run<'a, W> = &'a (dyn Fn(Part<'_>, &mut W) -> Result<(), Error> + Sync);
-
-/// Every part in the hands of a worker; the first error by index.
-pub(super) fn each<W: Send>(parts: Vec<Part<'_>>, workers: &mut [W], run: Run<'_, W>) -> Result<(), Error> {
-    // For one part no other thread need wake up.
-    #[cfg(feature = "parallel")]
-    if parts.len() > 1 {
-        use rayon::prelude::*;
-        let pairs = parts.into_par_iter().zip(workers.par_iter_mut());
-        return pairs.map(|(part, worker)| run(part, worker)).collect::<Vec<_>>().into_iter().collect();
-    }
-    parts.into_iter().zip(workers).try_for_each(|(part, worker)| run(part, worker))
 }

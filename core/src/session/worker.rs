@@ -9,7 +9,7 @@ use core::ops::Range;
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::LANES;
-use crate::problem::{Problem, Setup};
+use crate::problem::{Problem, Setup, Status};
 use crate::propagation::{Model, Propagation};
 use crate::scene::{Aim, Request, Start};
 use crate::session::parts::Part;
@@ -102,15 +102,29 @@ pub(super) struct Requests<'a> {
 }
 
 impl Worker {
-    /// Reads and solves the problems of a part.
-    pub(super) fn run(&mut self, mut part: Part<'_>, task: &Task, requests: Requests<'_>) -> Result<(), Error> {
+    /// Reads and solves the problems of a part; after a stop the rest is silent.
+    pub(super) fn run(
+        &mut self,
+        mut part: Part<'_>,
+        task: &Task,
+        requests: Requests<'_>,
+        control: &mut Control,
+    ) -> Result<(), Error> {
         let first = part.first;
         let mut done = 0;
         while done < part.len() {
             let end = part.len().min(done + LANES);
-            self.solve_range(&mut part, done..end, task, requests)
-                .map_err(|(index, error)| Error::InBatch { index: first + index, error: Box::new(error) })?;
-            done = end;
+            let solved = self.solve_range(&mut part, done..end, task, requests, control);
+            match solved.and_then(|()| control.pulse().map_err(|error| (end, error))) {
+                Ok(()) => done = end,
+                Err((begun, Error::Stopped)) => {
+                    part.silence(begun);
+                    return Err(Error::Stopped);
+                }
+                Err((index, error)) => {
+                    return Err(Error::InBatch { index: first + index, error: Box::new(error) });
+                }
+            }
         }
         Ok(())
     }
@@ -122,6 +136,7 @@ impl Worker {
         range: Range<usize>,
         task: &Task,
         requests: Requests<'_>,
+        control: &mut Control,
     ) -> Result<(), (usize, Error)> {
         let start = range.start;
         // Those before one that is refused here may be refused later on, and are the first then.
@@ -134,7 +149,7 @@ impl Worker {
         }
         let summed = interleaved::sum_moduli(&mut self.problems[..count], &self.work);
         for (k, problem) in self.problems[..count].iter_mut().enumerate() {
-            let measured = if summed { Ok(()) } else { problem.sum_moduli() };
+            let measured = if summed { Ok(()) } else { problem.sum_moduli(control) };
             if let Err(error) = measured.and_then(|()| problem.balance_targets()) {
                 (count, refused) = (k, Err((start + k, error)));
                 break;
@@ -150,8 +165,11 @@ impl Worker {
             return refused;
         }
         for (k, problem) in problems.iter().enumerate() {
-            let solution =
-                solve(problem, solver, balance, work, &mut Control::none()).map_err(|error| (start + k, error))?;
+            let at = |error| (start + k, error);
+            let solution = solve(problem, solver, balance, work, &mut control.part()).map_err(at)?;
+            if solution.status == Status::Stopped {
+                return Err(at(Error::Stopped));
+            }
             part.keep(start + k, &solution);
             solution.recycle(work);
         }

@@ -46,7 +46,7 @@ impl Solve for Best {
             sweeps: self.steps as usize,
             tolerance: self.tolerance as f32,
         };
-        Ok(even_field::solve(problem, &plan, work, control))
+        even_field::solve(problem, &plan, work, control)
     }
 
     fn finds_level(&self) -> bool {

@@ -49,26 +49,27 @@ impl Solve for Evd {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let propagation = problem.propagation();
         let (count, targets) = (propagation.points(), problem.targets());
-        let mut phasors = phases(problem, work);
+        let mut phasors = phases(problem, work, control)?;
         phasors.scale(targets.iter().copied());
         // 1 / w_i^2 = (mean_j t_j |G_ji|)^-gamma; 0 for a transducer without effect.
         let mut inverse = work.floats.take(propagation.transducers());
         let [mut row, mut moduli] = [(); 2].map(|()| Planar::zeros(1, propagation.lanes(), work));
         for (i, inverse) in inverse.iter_mut().enumerate() {
+            control.pulse()?;
             propagation.row(i, &mut row.re, &mut row.im);
             kernels::modulus(propagation.instruction_set(), &row.re, &row.im, &mut moduli.re);
             let mean = f64::from(kernels::dot(propagation.instruction_set(), &moduli.re, targets)) / count as f64;
             *inverse = if mean > 0.0 { pow(mean, -self.gamma) as f32 } else { 0.0 };
         }
-        let matrix = gram(propagation, Some(&inverse), work);
+        let matrix = gram(propagation, Some(&inverse), work, control)?;
         // In f32 the matrix resolves no more than this part of its diagonal.
         let largest = matrix.diagonal().fold(0.0, f32::max);
         let shift = f32::max(1.0, 1e-6 * largest);
-        let solver = Hermitian::damped(propagation.instruction_set(), &matrix, count, shift, work);
+        let solver = Hermitian::damped(propagation.instruction_set(), &matrix, count, shift, work, control)?;
         solver.solve(&mut phasors);
-        let mut drive = back_project(propagation, &phasors, |i| inverse[i], work);
+        let mut drive = back_project(propagation, &phasors, |i| inverse[i], work, control)?;
         self.limit.apply(&mut drive);
-        Ok(Solution::told(problem, drive, (Status::Done, 1), 1, work, control))
+        Solution::new(problem, drive, (Status::Done, 1), 1, work, control)
     }
 }
 
@@ -76,10 +77,10 @@ impl Solve for Evd {
 ///
 /// R = G G^H D with D = diag(t_j / sum_i |G_ji|^2), similar to the Hermitian D^1/2 G G^H D^1/2, whose eigenvectors
 /// have the same phases.
-fn phases<'w>(problem: &Problem, work: &'w Workspace) -> Planar<'w> {
+fn phases<'w>(problem: &Problem, work: &'w Workspace, control: &mut Control) -> Result<Planar<'w>, Error> {
     let propagation = problem.propagation();
     let count = propagation.points();
-    let mut matrix = gram(propagation, None, work);
+    let mut matrix = gram(propagation, None, work, control)?;
     let mut root = work.floats.take(propagation.lanes());
     for ((root, power), target) in root.iter_mut().zip(matrix.diagonal()).zip(problem.targets()) {
         *root = if power > 0.0 { sqrtf(target / power) } else { 0.0 };
@@ -95,9 +96,9 @@ fn phases<'w>(problem: &Problem, work: &'w Workspace) -> Planar<'w> {
     for j in 0..count {
         vector.re[j] = if root[j] > 0.0 { 1.0 } else { 0.0 };
     }
-    leading_eigenvector(propagation.instruction_set(), &matrix, &mut vector, count, work);
+    leading_eigenvector(propagation.instruction_set(), &matrix, &mut vector, count, work, control)?;
     for j in 0..count {
         (vector.re[j], vector.im[j]) = unit(vector.re[j], vector.im[j]);
     }
-    vector
+    Ok(vector)
 }

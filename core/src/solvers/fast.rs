@@ -106,7 +106,7 @@ impl Solve for Fast {
                 break;
             }
         }
-        Ok(Solution::of_field(problem, drive.into_vec(), &field, status, step, work))
+        Solution::of_field(problem, drive.into_vec(), &field, status, step, work, control)
     }
 
     fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
@@ -128,7 +128,7 @@ impl Solve for Fast {
             interleaved::sweep(batch.points.set, task, order, &mut batch.drives, [re, im]);
         }
         let steps = count.div_ceil(self.block as usize) * (1 + self.sweeps as usize);
-        Some(batch.solutions(problems, steps, work))
+        batch.solutions(problems, steps, work)
     }
 }
 

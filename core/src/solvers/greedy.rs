@@ -238,7 +238,7 @@ impl Solve for Greedy {
         for buffer in candidates.into_buffers() {
             work.floats.give(buffer);
         }
-        Ok(Solution::of_field(problem, drive.into_vec(), &field, status, steps, work))
+        Solution::of_field(problem, drive.into_vec(), &field, status, steps, work, control)
     }
 
     fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
@@ -272,6 +272,6 @@ impl Solve for Greedy {
             work.floats.give(buffer);
         }
         let steps = order.len();
-        Some(batch.solutions(problems, steps, work))
+        batch.solutions(problems, steps, work)
     }
 }

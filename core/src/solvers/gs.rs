@@ -35,10 +35,10 @@ impl Method for Gs {
 
 impl Solve for Gs {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
-        let rows = Rows::new(problem, work);
+        let rows = Rows::new(problem, work, control)?;
         let mut projector = Projector::new(&rows, work);
         let (targets, count) = (problem.targets(), problem.propagation().transducers());
-        let mut wave = projector.begin(problem, &rows, work);
+        let mut wave = projector.begin(problem, &rows, work, control)?;
         let [mut moduli, mut before] = [(); 2].map(|()| work.floats.take(rows.count));
         // Only ratios matter: in units of the largest no square under- or overflows.
         moduli.iter_mut().zip(targets).for_each(|(modulus, target)| *modulus = target / rows.target);
@@ -46,15 +46,15 @@ impl Solve for Gs {
             (self.steps, self.tolerance),
             &mut wave,
             control,
-            |wave| {
+            |wave, _| {
                 projector.want(wave, &moduli);
                 before.copy_from_slice(&wave.moduli);
                 projector.project(&rows, wave);
-                self.tolerance > 0.0 && largest_change(&wave.moduli, &before, targets) <= self.tolerance
+                Ok(self.tolerance > 0.0 && largest_change(&wave.moduli, &before, targets) <= self.tolerance)
             },
             |wave| problem.residual(&wave.moduli),
-        );
+        )?;
         let drive = wave.drives(count, work);
-        Ok(Solution::told(problem, drive, ended, self.steps as usize, work, control))
+        Solution::new(problem, drive, ended, self.steps as usize, work, control)
     }
 }

@@ -47,13 +47,13 @@ impl Solve for Gspat {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let propagation = problem.propagation();
         let (count, lanes, targets) = (propagation.points(), propagation.lanes(), problem.targets());
-        let matrix = gram(propagation, None, work);
+        let matrix = gram(propagation, None, work, control)?;
         // 1 / sum_i |G_ji|^2, 0 for a quiet point that nothing reaches.
         let share = |j: usize| {
             let power = matrix.row(j)[0][j];
             if power > 0.0 { 1.0 / power } else { 0.0 }
         };
-        let mut wanted = start_phasors(problem, work);
+        let mut wanted = start_phasors(problem, work, control)?;
         let mut field = Planar::zeros(1, lanes, work);
         let [mut moduli, mut before] = [(); 2].map(|()| work.floats.take(lanes));
         wanted.scale(targets.iter().copied());
@@ -66,7 +66,7 @@ impl Solve for Gspat {
             (self.steps, self.tolerance),
             &mut moduli,
             control,
-            |moduli| {
+            |moduli, _| {
                 before.copy_from_slice(moduli);
                 propagate(&mut wanted, &mut field, moduli);
                 for j in 0..count {
@@ -74,19 +74,19 @@ impl Solve for Gspat {
                     wanted.re[j] = if scale > 0.0 { field.re[j] * scale } else { targets[j] };
                     wanted.im[j] = field.im[j] * scale;
                 }
-                self.tolerance > 0.0 && largest_change(moduli, &before, targets) <= self.tolerance
+                Ok(self.tolerance > 0.0 && largest_change(moduli, &before, targets) <= self.tolerance)
             },
             // The field before the limit.
             |moduli| problem.residual(moduli),
-        );
+        )?;
         propagate(&mut wanted, &mut field, &mut moduli);
         for j in 0..count {
             let scale = if moduli[j] > 0.0 { targets[j] / moduli[j] } else { 0.0 };
             wanted.re[j] = field.re[j] * scale * scale * share(j);
             wanted.im[j] = field.im[j] * scale * scale * share(j);
         }
-        let mut drive = back_project(propagation, &wanted, |_| 1.0, work);
+        let mut drive = back_project(propagation, &wanted, |_| 1.0, work, control)?;
         self.limit.apply(&mut drive);
-        Ok(Solution::told(problem, drive, ended, self.steps as usize, work, control))
+        Solution::new(problem, drive, ended, self.steps as usize, work, control)
     }
 }

@@ -1,30 +1,34 @@
 //! The iterative loop: step, tolerance, stop request, report.
 
 use crate::control::Control;
+use crate::error::Error;
 use crate::problem::Status;
 
 /// Steps until a step says that the tolerance is met, somebody stops them, or they are `steps`: how they ended, and how
 /// many they were. A tolerance of 0 asks for all steps, which is then no shortage of them.
 ///
 /// `control` gets `residual` after each step but the last: the last one's is the answer's own, which
-/// [`crate::Solution::tell`] reports.
+/// [`crate::Solution::new`] reports. A step may itself hear of a stop: it then counts for nothing.
 pub(super) fn iterate<T>(
     (steps, tolerance): (u32, f64),
     state: &mut T,
     control: &mut Control,
-    mut step: impl FnMut(&mut T) -> bool,
+    mut step: impl FnMut(&mut T, &mut Control) -> Result<bool, Error>,
     residual: impl Fn(&T) -> f64,
-) -> (Status, usize) {
+) -> Result<(Status, usize), Error> {
     let steps = steps as usize;
     for done in 1..=steps {
-        if step(state) {
-            return (Status::Done, done);
+        match step(state, control) {
+            Ok(true) => return Ok((Status::Done, done)),
+            Ok(false) => {}
+            Err(Error::Stopped) => return Ok((Status::Stopped, done - 1)),
+            Err(error) => return Err(error),
         }
         if done < steps && control.step(done, steps, || residual(state)).is_break() {
-            return (Status::Stopped, done);
+            return Ok((Status::Stopped, done));
         }
     }
-    (if tolerance > 0.0 { Status::OutOfSteps } else { Status::Done }, steps)
+    Ok((if tolerance > 0.0 { Status::OutOfSteps } else { Status::Done }, steps))
 }
 
 /// The largest change of a |p| relative to its target.

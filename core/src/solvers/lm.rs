@@ -56,11 +56,11 @@ impl Method for Lm {
 
 impl Solve for Lm {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
-        let rows = Rows::new(problem, work);
-        let mut state = State::new(problem, &rows, self.seed, work);
+        let rows = Rows::new(problem, work, control)?;
+        let mut state = State::new(problem, &rows, self.seed, work, control)?;
         let mut trial = State::empty(&rows, work);
-        let mut normal = Normal::new(problem, &rows, work);
-        normal.update(&rows, &state);
+        let mut normal = Normal::new(problem, &rows, work, control)?;
+        normal.update(&rows, &state, control)?;
         let begun_at_rest = normal.steepest <= self.eps;
         let (mut damping, mut growth) = (self.tau * largest(problem, work), 2.0);
         // The root mean square of a step in turns, as the norm of all steps in rad.
@@ -73,15 +73,15 @@ impl Solve for Lm {
                 (self.steps, self.eps),
                 &mut state,
                 control,
-                |state| {
-                    let Some((length, predicted)) = normal.step(&rows, state, damping, &mut trial) else {
+                |state, control| {
+                    let Some((length, predicted)) = normal.step(&rows, state, damping, &mut trial, control)? else {
                         // Not positive definite in f32: more damping makes it so.
                         damping *= growth;
                         growth *= 2.0;
-                        return false;
+                        return Ok(false);
                     };
                     if length <= least {
-                        return true;
+                        return Ok(true);
                     }
                     trial.refresh(problem);
                     let ratio = (state.cost - trial.cost) / predicted;
@@ -90,20 +90,20 @@ impl Solve for Lm {
                         let trust = 2.0 * ratio - 1.0;
                         damping *= (1.0 - trust * trust * trust).max(1.0 / 3.0);
                         growth = 2.0;
-                        normal.update(&rows, state);
-                        normal.steepest <= self.eps
+                        normal.update(&rows, state, control)?;
+                        Ok(normal.steepest <= self.eps)
                     } else {
                         damping *= growth;
                         growth *= 2.0;
                         // Past all f32: nothing can improve any more.
-                        damping > 1e30
+                        Ok(damping > 1e30)
                     }
                 },
                 |state| problem.residual(&state.wave.moduli),
-            )
+            )?
         };
         let drive = state.wave.drives(problem.propagation().transducers(), work);
-        Ok(Solution::told(problem, drive, ended, self.steps as usize, work, control))
+        Solution::new(problem, drive, ended, self.steps as usize, work, control)
     }
 }
 
@@ -146,10 +146,16 @@ impl<'w> State<'w> {
     }
 
     /// The phases of the problem's start and of its field, else random ones.
-    fn new(problem: &Problem, rows: &Rows, seed: u64, work: &'w Workspace) -> Self {
+    fn new(
+        problem: &Problem,
+        rows: &Rows,
+        seed: u64,
+        work: &'w Workspace,
+        control: &mut Control,
+    ) -> Result<Self, Error> {
         let mut state = Self::empty(rows, work);
         let mut projector = Projector::new(rows, work);
-        let start = projector.start(problem, rows, work);
+        let start = projector.start(problem, rows, work, control)?;
         let mut rng = Rng::new(seed);
         let mut random = || {
             let angle = f64::from((TAU * rng.uniform()) as f32);
@@ -174,7 +180,7 @@ impl<'w> State<'w> {
         let reached = |i: usize, q: Complex32| if rows.tiles().reaches(i) { q } else { Complex32::ZERO };
         state.wave.play_at_full(rows, drive.iter().enumerate().map(|(i, &q)| reached(i, q)));
         state.refresh(problem);
-        state
+        Ok(state)
     }
 
     /// Residual and cost of the phases.
@@ -207,9 +213,9 @@ struct Normal<'w> {
 }
 
 impl<'w> Normal<'w> {
-    fn new(problem: &Problem, rows: &Rows, work: &'w Workspace) -> Self {
+    fn new(problem: &Problem, rows: &Rows, work: &'w Workspace, control: &mut Control) -> Result<Self, Error> {
         let count = rows.order.len();
-        let mut dual = Dual::new(rows, 2 * count, work);
+        let mut dual = Dual::new(rows, 2 * count, work, control)?;
         let mut pulls = work.floats.take(count);
         // d r_j / d phi_i = j sqrt(w_j) G_ji q_i.
         for j in 0..count {
@@ -218,19 +224,19 @@ impl<'w> Normal<'w> {
             dual.factors[0][count + j] = root;
             pulls[j] = root * problem.targets()[j];
         }
-        Self {
+        Ok(Self {
             dual,
             pulls,
             gradient: work.floats.take_any(rows.lanes),
             point_gradient: work.floats.take(count),
             rotations: work.floats.take_any(rows.lanes),
             steepest: 0.0,
-        }
+        })
     }
 
-    fn update(&mut self, rows: &Rows, state: &State) {
+    fn update(&mut self, rows: &Rows, state: &State, control: &mut Control) -> Result<(), Error> {
         let (count, lanes) = (rows.order.len(), self.dual.lanes());
-        self.dual.derive(rows, &state.wave, (0..count).chain(0..count));
+        self.dual.derive(rows, &state.wave, (0..count).chain(0..count), control)?;
         self.steepest = f64::from(self.dual.back(&state.residual, &mut self.gradient));
         let matrix = &mut self.dual.matrix;
         for j in 0..count {
@@ -242,13 +248,21 @@ impl<'w> Normal<'w> {
             self.point_gradient[j] = re * state.residual[j] + im * state.residual[count + j];
             self.steepest = self.steepest.max(f64::from(self.point_gradient[j].abs()));
         }
+        Ok(())
     }
 
     /// Rotates a state's phasors by a step of the given damping into `trial`; the step's norm and the decrease that the
     /// linear model predicts. `None` if f32 cannot factor the matrix.
-    fn step(&mut self, rows: &Rows, state: &State, damping: f64, trial: &mut State) -> Option<(f64, f64)> {
+    fn step(
+        &mut self,
+        rows: &Rows,
+        state: &State,
+        damping: f64,
+        trial: &mut State,
+        control: &mut Control,
+    ) -> Result<Option<(f64, f64)>, Error> {
         let count = rows.order.len();
-        let cholesky = self.dual.factor(|_| damping as f32)?;
+        let Some(cholesky) = self.dual.factor(|_| damping as f32, control)? else { return Ok(None) };
         let mut dual = self.dual.work.floats.take_any(self.dual.lanes());
         dual.copy_from_slice(&state.residual);
         cholesky.solve(&mut dual);
@@ -268,6 +282,6 @@ impl<'w> Normal<'w> {
             let length = sqrtf(1.0 + d * d) * sqrtf(re * re + im * im);
             (trial.phasors[0][j], trial.phasors[1][j]) = ((re - d * im) / length, (im + d * re) / length);
         }
-        Some((sqrt(square), predicted))
+        Ok(Some((sqrt(square), predicted)))
     }
 }

@@ -36,6 +36,7 @@ impl Solve for Naive {
         let mut buffers = [(); 3].map(|()| work.floats.take(propagation.lanes()));
         let [re, im, share] = &mut buffers;
         for i in 0..propagation.transducers() {
+            control.pulse()?;
             propagation.row(i, re, im);
             kernels::squares(propagation.instruction_set(), [re, im], share);
         }
@@ -45,11 +46,12 @@ impl Solve for Naive {
         }
         let mut drive = work.complexes.take(propagation.transducers());
         for (i, q) in drive.iter_mut().enumerate() {
+            control.pulse()?;
             propagation.row(i, re, im);
             let [sum_re, sum_im] = kernels::project(propagation.instruction_set(), [re, im], share);
             *q = Complex32::new(sum_re, sum_im);
         }
         self.limit.apply(&mut drive);
-        Ok(Solution::told(problem, drive.into_vec(), (Status::Done, 1), 1, work, control))
+        Solution::new(problem, drive.into_vec(), (Status::Done, 1), 1, work, control)
     }
 }

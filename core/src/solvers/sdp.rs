@@ -81,13 +81,13 @@ impl Solve for Sdp {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let propagation = problem.propagation();
         let (count, lanes) = (propagation.points(), propagation.lanes());
-        let product = gram(propagation, None, work);
+        let product = gram(propagation, None, work, control)?;
         let largest = product.diagonal().fold(0.0, f32::max);
         // In f32 the matrix resolves no more than this part of its diagonal.
         let shift = (self.alpha as f32).max(1e-6 * largest);
-        let inverse = Hermitian::damped(propagation.instruction_set(), &product, count, shift, work);
-        let quality = quality(problem, &inverse, work);
-        let mut relaxed = begin(problem, work);
+        let inverse = Hermitian::damped(propagation.instruction_set(), &product, count, shift, work, control)?;
+        let quality = quality(problem, &inverse, work, control)?;
+        let mut relaxed = begin(problem, work, control)?;
         let [mut column, mut image] = [(); 2].map(|()| Planar::zeros(1, lanes, work));
         let mut rng = Rng::new(self.seed);
         // Columns whose last visit changed nothing since anything changed.
@@ -96,7 +96,7 @@ impl Solve for Sdp {
             (self.steps, self.tolerance),
             &mut relaxed,
             control,
-            |relaxed| {
+            |relaxed, _| {
                 let chosen = rng.below(count as u64) as usize;
                 let [re, im] = quality.row(chosen);
                 // Rows are stored conjugated, so a row reads as the column.
@@ -111,13 +111,13 @@ impl Solve for Sdp {
                     still.fill(0.0);
                 }
                 still[chosen] = 1.0;
-                self.tolerance > 0.0 && still.iter().all(|&mark| mark > 0.0)
+                Ok(self.tolerance > 0.0 && still.iter().all(|&mark| mark > 0.0))
             },
             |relaxed| relaxation(propagation.instruction_set(), relaxed, &quality, count),
-        );
+        )?;
         let mut phasors = Planar::zeros(1, lanes, work);
         phasors.re[..count].fill(1.0);
-        leading_eigenvector(propagation.instruction_set(), &relaxed, &mut phasors, count, work);
+        leading_eigenvector(propagation.instruction_set(), &relaxed, &mut phasors, count, work, control)?;
         for (j, &target) in problem.targets().iter().enumerate().take(count) {
             let modulus = sqrtf(phasors.re[j] * phasors.re[j] + phasors.im[j] * phasors.im[j]);
             let factor = match self.moduli {
@@ -129,19 +129,25 @@ impl Solve for Sdp {
             phasors.im[j] *= factor;
         }
         inverse.solve(&mut phasors);
-        let mut drive = back_project(propagation, &phasors, |_| 1.0, work);
+        let mut drive = back_project(propagation, &phasors, |_| 1.0, work, control)?;
         self.limit.apply(&mut drive);
-        Ok(Solution::told(problem, drive, ended, self.steps as usize, work, control))
+        Solution::new(problem, drive, ended, self.steps as usize, work, control)
     }
 }
 
 /// conj(Q)/alpha = conj(T (G G^H + alpha I)^-1 T), one column of the inverse after another.
-fn quality<'w>(problem: &Problem, inverse: &Hermitian, work: &'w Workspace) -> Planar<'w> {
+fn quality<'w>(
+    problem: &Problem,
+    inverse: &Hermitian,
+    work: &'w Workspace,
+    control: &mut Control,
+) -> Result<Planar<'w>, Error> {
     let (count, lanes) = (problem.propagation().points(), problem.propagation().lanes());
     let mut matrix = Planar::zeros(count, lanes, work);
     let mut column = Planar::zeros(1, lanes, work);
     let targets = problem.targets();
     for k in 0..count {
+        control.pulse()?;
         column.re.fill(0.0);
         column.im.fill(0.0);
         column.re[k] = targets[k];
@@ -153,15 +159,15 @@ fn quality<'w>(problem: &Problem, inverse: &Hermitian, work: &'w Workspace) -> P
             im[l] = targets[l] * column.im[l];
         }
     }
-    matrix
+    Ok(matrix)
 }
 
 /// X = I, or half way from I to u u^H of the start's phasors u.
-fn begin<'w>(problem: &Problem, work: &'w Workspace) -> Planar<'w> {
+fn begin<'w>(problem: &Problem, work: &'w Workspace, control: &mut Control) -> Result<Planar<'w>, Error> {
     let (count, lanes) = (problem.propagation().points(), problem.propagation().lanes());
     let mut matrix = Planar::zeros(count, lanes, work);
     let given = problem.has_start();
-    let phasors = start_phasors(problem, work);
+    let phasors = start_phasors(problem, work, control)?;
     for k in 0..count {
         let (uk, vk) = (phasors.re[k], phasors.im[k]);
         let [re, im] = matrix.row_mut(k);
@@ -173,7 +179,7 @@ fn begin<'w>(problem: &Problem, work: &'w Workspace) -> Planar<'w> {
         }
         (re[k], im[k]) = (1.0, 0.0);
     }
-    matrix
+    Ok(matrix)
 }
 
 /// Writes `scale` times `image` into row and column `chosen`; the largest change of an entry.

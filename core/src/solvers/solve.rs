@@ -18,6 +18,8 @@ use crate::workspace::Workspace;
 /// amplitude. Balancing then reduces to the nearest amplitude; where that would be below the least one above 0, the
 /// drives are brought there and [`Solution::scale`] says what is left to supply or modulation.
 ///
+/// A stop that comes before the solver has anything leaves a drive of 0 and the status [`crate::Status::Stopped`].
+///
 /// # Errors
 /// What the solver refuses.
 ///
@@ -40,15 +42,24 @@ pub fn solve(
     control: &mut Control,
 ) -> Result<Solution, Error> {
     let factor = factor(problem, solver, balance);
-    let mut solution = if factor > 1.0 {
+    let solution = if factor > 1.0 {
         let balanced = problem.rescaled(factor, work);
         let solution = solver.solve(&balanced, work, control);
         balanced.recycle(work);
-        solution?
+        solution
     } else {
-        solver.solve(problem, work, control)?
+        solver.solve(problem, work, control)
     };
-    if solution.quantize(factor, work) {
+    let quantized = |solution: Solution| quantized(solution, factor, work, control);
+    match solution.and_then(quantized) {
+        Err(Error::Stopped) => Ok(Solution::silent(problem, work)),
+        solution => solution,
+    }
+}
+
+/// The answer on the device's grid, balancing undone.
+fn quantized(mut solution: Solution, factor: f64, work: &Workspace, control: &mut Control) -> Result<Solution, Error> {
+    if solution.quantize(factor, work, control)? {
         control.correct(|| solution.metrics().residual);
     }
     Ok(solution)
@@ -66,7 +77,7 @@ pub(crate) fn solve_interleaved(
     let balanced: Option<Vec<Problem>> = problems.iter().any(|problem| factor(problem) > 1.0).then(rescaled);
     let mut solutions = solver.solve_interleaved(balanced.as_deref().unwrap_or(problems), work);
     for (solution, problem) in solutions.iter_mut().flatten().zip(problems) {
-        solution.quantize(factor(problem), work);
+        solution.quantize(factor(problem), work, &mut Control::none()).ok()?;
     }
     balanced.into_iter().flatten().for_each(|problem| problem.recycle(work));
     solutions

@@ -41,7 +41,7 @@ impl Solve for Tikhonov {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let propagation = problem.propagation();
         let count = propagation.points();
-        let mut matrix = gram(propagation, None, work);
+        let mut matrix = gram(propagation, None, work, control)?;
         // Weighted least squares: rows of G and p times the square root of the weight.
         let mut trace = 0.0;
         for k in 0..count {
@@ -55,15 +55,15 @@ impl Solve for Tikhonov {
         }
         // Rounding of G G^H in f32 bounds the damping from below.
         let shift = (self.regularization as f32).max(1e-6) * trace / count as f32;
-        let solver = Hermitian::damped(propagation.instruction_set(), &matrix, count, shift, work);
+        let solver = Hermitian::damped(propagation.instruction_set(), &matrix, count, shift, work, control)?;
         let mut phasors = Planar::zeros(1, propagation.lanes(), work);
         for k in 0..count {
             phasors.re[k] = sqrtf(problem.weights()[k]) * problem.targets()[k];
         }
         solver.solve(&mut phasors);
         phasors.scale((0..count).map(|k| sqrtf(problem.weights()[k])));
-        let mut drive = back_project(propagation, &phasors, |_| 1.0, work);
+        let mut drive = back_project(propagation, &phasors, |_| 1.0, work, control)?;
         self.limit.apply(&mut drive);
-        Ok(Solution::told(problem, drive, (Status::Done, 1), 1, work, control))
+        Solution::new(problem, drive, (Status::Done, 1), 1, work, control)
     }
 }

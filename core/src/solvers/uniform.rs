@@ -37,7 +37,7 @@ impl Solve for Uniform {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let plan =
             Plan { starts: 1, finalists: 1, seed: 0, sweeps: self.steps as usize, tolerance: self.tolerance as f32 };
-        Ok(even_field::solve(problem, &plan, work, control))
+        even_field::solve(problem, &plan, work, control)
     }
 
     fn finds_level(&self) -> bool {

@@ -65,10 +65,10 @@ fn raise(raised: &mut [f32], moduli: &[f32], targets: &[f32], mean: f32) {
 
 impl Solve for Wgs {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
-        let rows = Rows::new(problem, work);
+        let rows = Rows::new(problem, work, control)?;
         let mut projector = Projector::new(&rows, work);
         let (targets, count) = (problem.targets(), problem.propagation().transducers());
-        let mut wave = projector.begin(problem, &rows, work);
+        let mut wave = projector.begin(problem, &rows, work, control)?;
         let mut raised = work.floats.take(rows.count);
         raised.iter_mut().zip(targets).for_each(|(raised, target)| *raised = target / rows.target);
         // The start is the first candidate: an answer is never worse than what it began with.
@@ -79,7 +79,7 @@ impl Solve for Wgs {
             (self.steps, self.tolerance),
             &mut best,
             control,
-            |best| {
+            |best, _| {
                 projector.want(&wave, &raised);
                 projector.project(&rows, &mut wave);
                 let (low, mean, high) = spread(&wave.moduli, targets);
@@ -88,11 +88,11 @@ impl Solve for Wgs {
                     best.copy(&wave);
                 }
                 raise(&mut raised, &wave.moduli, targets, mean);
-                self.tolerance > 0.0 && f64::from(1.0 - low / high) <= self.tolerance
+                Ok(self.tolerance > 0.0 && f64::from(1.0 - low / high) <= self.tolerance)
             },
             |best| problem.residual(&best.moduli),
-        );
+        )?;
         let drive = best.drives(count, work);
-        Ok(Solution::told(problem, drive, ended, self.steps as usize, work, control))
+        Solution::new(problem, drive, ended, self.steps as usize, work, control)
     }
 }

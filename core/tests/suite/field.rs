@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use midair::{
-    Array, Complex32, Complex64, Control, Directivity, InstructionSet, Medium, Model, Plane, Progress, Request, Rng,
-    Scene, Transducer,
+    Array, Complex32, Complex64, Control, Directivity, Error, InstructionSet, Medium, Model, Plane, Progress, Request,
+    Rng, Scene, Transducer,
 };
 
 use crate::oracle;
@@ -20,9 +20,7 @@ fn random_drive(count: usize, seed: u64) -> Vec<Complex32> {
 }
 
 fn field(scene: &Scene, drive: &[Complex32], points: &[[f64; 3]]) -> Vec<Complex32> {
-    midair::field(&Model::of(scene, InstructionSet::best()), drive, points, &mut Control::none())
-        .expect("a field")
-        .expect("nobody stops it")
+    midair::field(&Model::of(scene, InstructionSet::best()), drive, points, &mut Control::none()).expect("a field")
 }
 
 /// Real air and transducers.
@@ -138,7 +136,7 @@ fn the_number_of_threads_changes_no_bit() {
 fn a_stop_gives_nothing_and_each_step_is_announced_once() {
     let scene = real();
     let drive = random_drive(scene.array().len(), 5);
-    let points = random_points(8_193, 0.1, 4);
+    let points = random_points(40_000, 0.1, 4);
     let watched = |last: usize| {
         let mut seen = Vec::new();
         let mut observer = |progress: Progress| {
@@ -151,11 +149,13 @@ fn a_stop_gives_nothing_and_each_step_is_announced_once() {
             &points,
             &mut Control::watched(&mut observer),
         )
-        .expect("a field");
-        (found.is_none(), seen)
+        .map(|field| field.len());
+        (found, seen)
     };
-    assert_eq!(watched(1), (true, vec![(1, 2)]));
-    assert_eq!(watched(9), (false, vec![(1, 2), (2, 2)]));
+    let (all, steps) = watched(usize::MAX);
+    assert_eq!(all, Ok(40_000));
+    assert!(steps.len() > 1 && steps.iter().enumerate().all(|(k, step)| *step == (k + 1, steps.len())), "{steps:?}");
+    assert_eq!(watched(1), (Err(Error::Stopped), steps[..1].to_vec()));
 }
 
 #[test]

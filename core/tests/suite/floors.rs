@@ -5,9 +5,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms from the ground up; one may use what stands before it, and itself.
-const FLOORS: [&str; 15] = [
-    "control",
+const FLOORS: [&str; 16] = [
     "error",
+    "threads",
+    "control",
     "math",
     "rng",
     "kernels",

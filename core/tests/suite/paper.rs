@@ -63,8 +63,7 @@ fn width(axis: usize, greedy: &Greedy, target: f64, balance: bool) -> f64 {
     };
     let line: Vec<_> = (-600..=600).map(place).collect();
     let field = midair::field(&Model::of(&scene, InstructionSet::best()), &drive, &line, &mut Control::none())
-        .expect("a field")
-        .expect("not stopped");
+        .expect("a field");
     let half = field.iter().map(|p| p.norm()).fold(0.0, f32::max) / 2.0;
     let loud = |k: &usize| field[*k].norm() > half;
     let ends = [(0..line.len()).find(loud), (0..line.len()).rfind(loud)].map(|end| end.expect("a maximum"));

@@ -128,14 +128,15 @@ fn an_array_five_metres_off_loses_no_digit() {
 #[test]
 fn matrix_has_the_rows_in_pascals_point_by_point() {
     let scene = crooked(Directivity::T4010a1, 0.15, [0.0; 3], 0.9, 21);
-    let matrix = Propagation::of(&scene).matrix().expect("no point on a transducer");
+    let matrix = Propagation::of(&scene).matrix(&mut Control::none()).expect("no point on a transducer");
     assert_eq!(matrix.len(), 36 * 21);
     let entry = |i: usize, j: usize| Complex64::new(matrix[j * 36 + i].re.into(), matrix[j * 36 + i].im.into());
     let found: Vec<Vec<_>> = (0..36).map(|i| (0..21).map(|j| entry(i, j)).collect()).collect();
     assert_errors(&scene, &found);
     let touched = vec![[0.0, 0.0, 0.1], scene.array().positions()[5]];
     let touched = Scene::new(scene.array().clone(), scene.medium(), touched, Request::default()).expect("a scene");
-    let error = Propagation::of(&touched).matrix().expect_err("a point on a transducer").to_string();
+    let error =
+        Propagation::of(&touched).matrix(&mut Control::none()).expect_err("a point on a transducer").to_string();
     assert!(error.starts_with("points[1] is 0.000e0 m from transducer 5"), "{error}");
 }
 

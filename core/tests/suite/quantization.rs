@@ -104,9 +104,7 @@ fn a_solver_of_ones_own_is_brought_to_the_grid_too() {
             for (i, q) in drive.iter_mut().enumerate() {
                 *q = Complex32::from_polar(0.7, i as f32);
             }
-            let mut solution = Solution::new(problem, drive.into_vec(), midair::Status::Done, 1, work);
-            solution.tell(problem, 1, control);
-            Ok(solution)
+            Solution::new(problem, drive.into_vec(), (midair::Status::Done, 1), 1, work, control)
         }
     }
     let quantization = quantization(8, &[0.0, 0.5, 1.0]);
@@ -252,11 +250,11 @@ fn the_sweep_takes_most_of_what_rounding_costs_and_keeps_within_the_quantised_ta
         for seed in 0..10 {
             let scene = scene(device(quantization(phases, &[])), random_points(points, 0.1, 100 + seed), None);
             let problem = problem(&scene);
-            let sigma = |drive: &[Complex32]| problem.judge(drive).expect("a drive").sigma;
+            let sigma = |drive: &[Complex32]| problem.judge(drive, &mut Control::none()).expect("a drive").sigma;
             let mut drive = even(&scene);
             let plain: Vec<Complex32> =
                 drive.iter().map(|q| problem.quantization().expect("quantization").nearest(*q)).collect();
-            refine(&problem, &mut drive, &Workspace::new());
+            refine(&problem, &mut drive, &Workspace::new(), &mut Control::none());
             assert_on_grid("refine", &drive, problem.quantization().expect("quantization"));
             let (before, after) = (sigma(&plain), sigma(&drive));
             assert!(after < before, "M = {points}, L = {phases}: {after} from {before}");
@@ -280,11 +278,14 @@ fn the_sweep_keeps_zeros_amplitudes_and_unequal_targets() {
         *q *= 0.6;
     }
     let plain: Vec<_> = drive.iter().map(|q| problem.quantization().expect("quantization").nearest(*q)).collect();
-    refine(&problem, &mut drive, &Workspace::new());
+    refine(&problem, &mut drive, &Workspace::new(), &mut Control::none());
     for (a, b) in plain.iter().zip(&drive) {
         assert!((a.norm() - b.norm()).abs() < 1e-6, "{a} became {b}");
     }
-    let (before, after) = (problem.judge(&plain).expect("ok"), problem.judge(&drive).expect("ok"));
+    let (before, after) = (
+        problem.judge(&plain, &mut Control::none()).expect("ok"),
+        problem.judge(&drive, &mut Control::none()).expect("ok"),
+    );
     assert!(after.sigma < before.sigma && after.leak < before.leak, "{before:?} {after:?}");
 }
 

@@ -25,7 +25,7 @@ fn no_solver_exceeds_the_bound_and_the_best_comes_near() {
         for seed in 0..2 {
             let scene = scene(preset("paper20"), random_points(count, 0.1, 200 + seed), None);
             let problem = problem(&scene);
-            let most = bound(&problem).expect("a bound");
+            let most = bound(&problem, &mut Control::none()).expect("a bound");
             let mut best = 0.0_f64;
             for (name, level) in levels(&scene, &problem) {
                 // |q| is 1 but for its rounding to f32.
@@ -43,7 +43,10 @@ fn one_point_is_bounded_by_its_reach_and_two_coincident_points_by_theirs() {
     let at = [0.03, -0.02, 0.15];
     let asked = |points: Vec<[f64; 3]>, pressures: Vec<f64>| {
         let scene = scene(preset("paper20"), points, Some(pressures));
-        (bound(&problem(&scene)).expect("a bound"), problem(&scene).reach().alone[0])
+        (
+            bound(&problem(&scene), &mut Control::none()).expect("a bound"),
+            problem(&scene).reach(&mut Control::none()).expect("nobody stops it").alone[0],
+        )
     };
     let (most, alone) = asked(vec![at], vec![0.5]);
     assert!((most * 0.5 / alone - 1.0).abs() < 1e-6, "{most} for {alone}");
@@ -57,7 +60,7 @@ fn quiet_and_weightless_points_do_not_bind_and_units_cancel() {
     let with = |pressures: Vec<f64>, weights: Option<Vec<f64>>| {
         let request = Request { pressures: Some(pressures), weights };
         let scene = Scene::new(preset("paper20"), Medium::default(), points.clone(), request).expect("a scene");
-        bound(&problem(&scene)).expect("a bound")
+        bound(&problem(&scene), &mut Control::none()).expect("a bound")
     };
     let three = with(vec![0.5, 1.0, 0.7, 0.0, 0.9], Some(vec![1.0, 1.0, 2.0, 1.0, 0.0]));
     let same = with(vec![0.5, 1.0, 0.7, 0.0, 0.0], None);
@@ -69,7 +72,7 @@ fn quiet_and_weightless_points_do_not_bind_and_units_cancel() {
 #[test]
 fn more_points_than_the_bound_takes_are_refused() {
     let many = problem(&scene(preset("paper20"), random_points(65, 0.1, 32), None));
-    let error = bound(&many).expect_err("too many").to_string();
+    let error = bound(&many, &mut Control::none()).expect_err("too many").to_string();
     assert_eq!(error, "points is 65 with a pressure: a bound takes at most 64");
 }
 
@@ -79,7 +82,7 @@ fn reach_is_the_sum_of_the_moduli_and_the_balanced_level() {
     let array = preset("paper20").with_mask(Some(mask)).expect("a mask");
     let request = Request { pressures: Some(vec![0.2, 0.1, 0.0]), weights: Some(vec![1.0, 2.0, 1.0]) };
     let scene = Scene::new(array, Medium::default(), random_points(3, 0.08, 33), request).expect("a scene");
-    let reach = problem(&scene).reach();
+    let reach = problem(&scene).reach(&mut Control::none()).expect("nobody stops it");
     for (j, alone) in reach.alone.iter().enumerate() {
         let sum: f64 = propagation(&scene).iter().map(|row| row[j].norm()).sum();
         assert!((alone / sum - 1.0).abs() < 1e-12, "{alone} for {sum}");
@@ -93,7 +96,9 @@ fn reach_is_the_sum_of_the_moduli_and_the_balanced_level() {
 #[test]
 fn only_what_provably_cannot_be_had_is_beyond_reach() {
     let beyond = |points: &[[f64; 3]], pressures: Vec<f64>| {
-        problem(&scene(preset("paper20"), points.to_vec(), Some(pressures))).beyond()
+        problem(&scene(preset("paper20"), points.to_vec(), Some(pressures)))
+            .beyond(&mut Control::none())
+            .expect("nobody stops it")
     };
     let p1 = 2.36066;
     for (count, factor, expected) in
@@ -125,5 +130,10 @@ fn only_what_provably_cannot_be_had_is_beyond_reach() {
         "points[1] and points[2] lie in one place, for which 1.700 and 0.500 Pa are asked: give them one pressure"
     );
     // Left out, the pressures are what the array can do.
-    assert_eq!(problem(&scene(preset("paper20"), random_points(64, 0.1, 35), None)).beyond(), None);
+    assert_eq!(
+        problem(&scene(preset("paper20"), random_points(64, 0.1, 35), None))
+            .beyond(&mut Control::none())
+            .expect("nobody stops it"),
+        None
+    );
 }

@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 
 use num_complex::{Complex32, Complex64};
 
+use crate::control::Control;
 use crate::kernels::closed_form;
 use crate::kernels::closed_form::Sweep;
 use crate::kernels::lanes::padded;
@@ -66,7 +67,8 @@ fn products_with_rows_are_their_sums() {
             let (mut re, mut im) = (vec![0.0; lanes], vec![0.0; lanes]);
             let (mut row_re, mut row_im) = (vec![f32::NAN; lanes], vec![f32::NAN; lanes]);
             let row = [&mut row_re[..], &mut row_im[..]];
-            add_waves(set, matrix.rows(), &factors, row, [&mut re, &mut im]);
+            add_waves(set, matrix.rows(), &factors, row, [&mut re, &mut im], &mut Control::none())
+                .expect("nobody stops it");
             for j in 0..count {
                 assert_close(Complex64::new(wide(re[j]), wide(im[j])), want(j), matrix.rows, "add_waves");
             }

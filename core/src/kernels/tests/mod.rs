@@ -21,6 +21,7 @@ use alloc::vec::Vec;
 use core::f64::consts::{LOG2_E, TAU};
 use core::ops::RangeInclusive;
 
+use crate::control::Control;
 use crate::kernels::lanes::{LANES, padded};
 use crate::kernels::propagate::row::{ControlPoints, Radiation, Row, Source};
 use crate::kernels::propagate::rows::Rows;
@@ -158,7 +159,7 @@ impl Shot {
         let [mut re, mut im] = [(); 2].map(|()| vec![f32::NAN; whole]);
         let rows =
             Rows::Computed { radiation: &self.radiation, sources: &sources, control_points: self.control_points() };
-        pack(set, rows, 0..2, &order, [&mut re, &mut im]);
+        pack(set, rows, 0..2, &order, [&mut re, &mut im], &mut Control::none()).expect("nobody stops it");
         // Two tiles and a spare one to four points.
         for (plane, row) in [re, im].iter().zip(row) {
             for j in 0..self.count {

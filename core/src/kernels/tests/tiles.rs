@@ -6,6 +6,7 @@ use core::f64::consts::TAU;
 
 use num_complex::Complex64;
 
+use crate::control::Control;
 use crate::kernels::lanes::{LANES, padded};
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::instruction_set::InstructionSet;
@@ -39,7 +40,7 @@ impl Scene {
         let mut planes = [(); 2].map(|()| vec![f32::NAN; size(height(points), lanes(transducers))]);
         let [re, im] = &mut planes;
         let rows = Rows::Stored { re: &stored[0], im: &stored[1] };
-        tiles::pack(set, rows, 0..transducers, &order, [re, im]);
+        tiles::pack(set, rows, 0..transducers, &order, [re, im], &mut Control::none()).expect("nobody stops it");
         for plane in [re, im] {
             (0..points).for_each(|k| tiles::rescale(plane, lanes(transducers), k, scale[k]));
         }
@@ -213,7 +214,7 @@ fn slopes_their_products_and_sums_are_those_of_j() {
             }
         }
         let mut matrix = vec![f32::NAN; size * padded(size)];
-        products::products(set, &slopes, across, size, &mut matrix);
+        products::products(set, &slopes, across, size, &mut matrix, &mut Control::none()).expect("nobody stops it");
         // Terms of at most 4 squared, each of two factors with the error above.
         let allowed = 300.0 * ROUNDING * transducers as f64;
         for k in 0..size {
@@ -259,7 +260,8 @@ fn couplings_are_products_of_rows() {
             let mut matrix = [(); 2].map(|()| vec![0.0; count * count]);
             let [re, im] = &mut matrix;
             let all = 0..lanes(transducers) / LANES;
-            products::couplings(set, scene.tiles(), all, count, [re, im]);
+            products::couplings(set, scene.tiles(), all, count, [re, im], &mut Control::none())
+                .expect("nobody stops it");
             let mut powers = vec![f32::NAN; count];
             products::powers(set, scene.tiles(), &mut powers);
             // A product of two numbers below 2 sqrt 2 for each transducer, and some four roundings of it.
@@ -293,7 +295,17 @@ fn phases_set_on_the_rows_are_those_set_on_their_products() {
         let (mut vector, mut wave) = (dirty(count), dirty(lanes(37)));
         let [[re, im], [wave_re, wave_im]] = [&mut vector, &mut wave];
         let lists = (&weights[..], &powers[..]);
-        let told = phases::align_rows(set, scene.tiles(), lists, &visits, 2, [re, im], [wave_re, wave_im]);
+        let told = phases::align_rows(
+            set,
+            scene.tiles(),
+            lists,
+            &visits,
+            2,
+            [re, im],
+            [wave_re, wave_im],
+            &mut Control::none(),
+        )
+        .expect("nobody stops it");
         let mut want = vec![Complex64::ZERO; count];
         let mut energy = 0.0;
         for round in 0..2 {
@@ -347,7 +359,8 @@ fn aligning_raises_the_energy_and_keeps_the_moduli() {
         let mut told = [0.0; LANES];
         for _ in 0..40 {
             let [re, im] = &mut vectors;
-            told = phases::align(set, planes, &shares, &visits, 1, [re, im]);
+            told = phases::align(set, planes, &shares, &visits, 1, [re, im], &mut Control::none())
+                .expect("nobody stops it");
         }
         let scale = coupling(0, 0).re * (count * count) as f64;
         for s in 0..LANES {

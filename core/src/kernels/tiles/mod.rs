@@ -8,6 +8,8 @@ pub(crate) mod products;
 
 use core::ops::Range;
 
+use crate::control::Control;
+use crate::error::Error;
 use crate::kernels::lanes::{BLOCK, Block, LANES, Lanes, groups, groups_mut};
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
@@ -84,7 +86,17 @@ pub(crate) struct Wave<'a> {
 
 /// Writes G of the transducers `members` as tiles: row `k` is point `order[k]`, zeros beyond the last point and
 /// transducer.
-pub(crate) fn pack(set: InstructionSet, rows: Rows<'_>, members: Range<usize>, order: &[u32], out: [&mut [f32]; 2]) {
+///
+/// # Errors
+/// A stop, asked for once a tile.
+pub(crate) fn pack(
+    set: InstructionSet,
+    rows: Rows<'_>,
+    members: Range<usize>,
+    order: &[u32],
+    out: [&mut [f32]; 2],
+    control: &mut Control,
+) -> Result<(), Error> {
     dispatch!(set, s => {
         let lanes = lanes(members.len());
         let [re, im] = out.map(blocks_mut);
@@ -93,11 +105,13 @@ pub(crate) fn pack(set: InstructionSet, rows: Rows<'_>, members: Range<usize>, o
             plane[last..].as_flattened_mut().fill([0.0; LANES]);
         }
         for tile in 0..lanes / LANES {
+            control.pulse()?;
             let first = members.start + tile * LANES;
             let own = first.min(members.end)..(first + LANES).min(members.end);
             rows.write_tile(s, (tile, stride(lanes)), own, order, [&mut *re, &mut *im]);
         }
-    });
+        Ok(())
+    })
 }
 
 /// Multiplies G of each transducer by its factor.

@@ -1,5 +1,7 @@
 //! Point phases raised to a large energy v^H G G^H v, one after another: on G, or 16 starts on G G^H.
 
+use crate::control::Control;
+use crate::error::Error;
 use crate::kernels::lanes::BLOCK;
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::phasor::wave;
@@ -16,6 +18,10 @@ const SILENT: f32 = 1e-5;
 /// `rounds` adds one point after another. The sum of |v_k| times the moduli of the last round.
 ///
 /// Where there is no other wave v_k stays. `powers` are those of the rows; `wave` is memory for b.
+///
+/// # Errors
+/// A stop, asked for once a visit.
+#[allow(clippy::too_many_arguments, reason = "a kernel over plain slices")]
 pub(crate) fn align_rows(
     set: InstructionSet,
     tiles: Tiles<'_>,
@@ -24,7 +30,8 @@ pub(crate) fn align_rows(
     rounds: usize,
     vector: [&mut [f32]; 2],
     wave: [&mut [f32]; 2],
-) -> f32 {
+    control: &mut Control,
+) -> Result<f32, Error> {
     dispatch!(set, s => {
         let [re, im] = vector;
         let [wave_re, wave_im] = wave.map(groups_mut);
@@ -37,6 +44,7 @@ pub(crate) fn align_rows(
         for _ in 0..rounds {
             energy = 0.0;
             for &k in visits {
+                control.pulse()?;
                 let k = k as usize;
                 // What the last point changed, and what there is at this one, in one pass.
                 let (dr, di) = (s.splat(change[0]), s.splat(change[1]));
@@ -71,7 +79,7 @@ pub(crate) fn align_rows(
                 (last, change) = (k, [re[k] - old[0], im[k] - old[1]]);
             }
         }
-        energy
+        Ok(energy)
     })
 }
 
@@ -79,6 +87,9 @@ pub(crate) fn align_rows(
 /// each v_k gets the phase of sum_l C_kl v_l, in the order of `visits`. The sum of |v_k| |sum_l C_kl v_l|.
 ///
 /// Where the sum is silent v_k stays.
+///
+/// # Errors
+/// A stop, asked for once a visit.
 pub(crate) fn align(
     set: InstructionSet,
     matrix: [&[f32]; 2],
@@ -86,7 +97,8 @@ pub(crate) fn align(
     visits: &[u32],
     rounds: usize,
     vectors: [&mut [f32]; 2],
-) -> Lanes {
+    control: &mut Control,
+) -> Result<Lanes, Error> {
     dispatch!(set, s => {
         let [re, im] = vectors.map(groups_mut);
         let size = shares.len();
@@ -95,6 +107,7 @@ pub(crate) fn align(
         for _ in 0..rounds {
             energy = s.splat(0.0);
             for &k in visits {
+                control.pulse()?;
                 let k = k as usize;
                 let row = matrix.map(|plane| &plane[k * size..(k + 1) * size]);
                 let mut sums = [s.splat(0.0); 4];
@@ -114,7 +127,7 @@ pub(crate) fn align(
         }
         let mut lanes = [0.0; LANES];
         s.store(energy, &mut lanes);
-        lanes
+        Ok(lanes)
     })
 }
 

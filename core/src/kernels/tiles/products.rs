@@ -5,6 +5,8 @@
 
 use core::ops::Range;
 
+use crate::control::Control;
+use crate::error::Error;
 use crate::kernels::lanes::BLOCK;
 use crate::kernels::lanes::{LANES, Lanes, padded};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
@@ -14,7 +16,17 @@ use crate::kernels::tiles::{Tiles, blocks, stride};
 pub(crate) const RUN: usize = 32;
 
 /// The upper half of J J^T, J the rows of a plane over `lanes`: a matrix of `size` padded rows.
-pub(crate) fn products(set: InstructionSet, plane: &[f32], lanes: usize, size: usize, matrix: &mut [f32]) {
+///
+/// # Errors
+/// A stop, asked for once every few rows.
+pub(crate) fn products(
+    set: InstructionSet,
+    plane: &[f32],
+    lanes: usize,
+    size: usize,
+    matrix: &mut [f32],
+    control: &mut Control,
+) -> Result<(), Error> {
     dispatch!(set, s => {
         let wide = padded(size);
         matrix.fill(0.0);
@@ -22,6 +34,7 @@ pub(crate) fn products(set: InstructionSet, plane: &[f32], lanes: usize, size: u
         for first in (0..lanes / LANES).step_by(RUN) {
             let run = first..(first + RUN).min(lanes / LANES);
             for k in (0..size).step_by(BLOCK) {
+                control.pulse()?;
                 let left = &rows(k)[run.clone()];
                 for l in (k..size).step_by(BLOCK) {
                     let mut sums = [[s.splat(0.0); BLOCK]; BLOCK];
@@ -48,17 +61,22 @@ pub(crate) fn products(set: InstructionSet, plane: &[f32], lanes: usize, size: u
                 }
             }
         }
-    });
+        Ok(())
+    })
 }
 
 /// Adds the upper half of G G^H over the first `size` points and the tiles of `over`.
+///
+/// # Errors
+/// A stop, asked for once every few rows.
 pub(crate) fn couplings(
     set: InstructionSet,
     tiles: Tiles<'_>,
     over: Range<usize>,
     size: usize,
     matrix: [&mut [f32]; 2],
-) {
+    control: &mut Control,
+) -> Result<(), Error> {
     /// Complex rows that meet four.
     const PAIR: usize = 2;
     dispatch!(set, s => {
@@ -67,6 +85,7 @@ pub(crate) fn couplings(
         for first in over.clone().step_by(RUN) {
             let run = first..(first + RUN).min(over.end);
             for l in (0..size).step_by(BLOCK) {
+                control.pulse()?;
                 let [right_re, right_im] = tiles.rows(l / BLOCK).map(|rows| &rows[run.clone()]);
                 for k in (0..size.min(l + BLOCK)).step_by(PAIR) {
                     let [left_re, left_im] = tiles.rows(k / BLOCK).map(|rows| &rows[run.clone()]);
@@ -102,7 +121,8 @@ pub(crate) fn couplings(
                 }
             }
         }
-    });
+        Ok(())
+    })
 }
 
 /// sum |G|^2 of each row.

@@ -36,7 +36,9 @@ fn a_hermitian_system_is_solved_at_every_size() {
     let work = Workspace::new();
     for count in 1..=40 {
         let (matrix, stored) = random(count, 2 * count, &work);
-        let solver = Hermitian::new(InstructionSet::best(), &stored, count, 0.5, &work).expect("positive definite");
+        let solver = Hermitian::new(InstructionSet::best(), &stored, count, 0.5, &work, &mut Control::none())
+            .expect("nobody stops it")
+            .expect("positive definite");
         let mut x = Planar::zeros(1, crate::kernels::lanes::padded(count), &work);
         for j in 0..count {
             (x.re[j], x.im[j]) = (1.0 + j as f32, 2.0 - j as f32);
@@ -56,6 +58,10 @@ fn a_hermitian_system_is_solved_at_every_size() {
 fn what_is_not_positive_definite_is_refused() {
     let work = Workspace::new();
     let (_, stored) = random(8, 2, &work);
-    assert!(Hermitian::new(InstructionSet::best(), &stored, 8, -1.0, &work).is_none());
-    assert!(Cholesky::new(InstructionSet::best(), work.floats.take(256), 16).is_none());
+    assert!(
+        Hermitian::new(InstructionSet::best(), &stored, 8, -1.0, &work, &mut Control::none())
+            .is_ok_and(|solver| solver.is_none())
+    );
+    let zeros = Cholesky::new(InstructionSet::best(), work.floats.take(256), 16, &mut Control::none());
+    assert!(zeros.is_ok_and(|made| made.is_none()));
 }

@@ -19,8 +19,8 @@ fn gram_is_the_weighted_conjugate_product() {
             let factors: Vec<f32> = (0..transducers).map(|i| 0.25 + (i % 3) as f32).collect();
             for factors in [None, Some(&factors[..])] {
                 // Twice, over dirty memory.
-                drop(gram(&propagation, factors, &work));
-                let product = gram(&propagation, factors, &work);
+                drop(gram(&propagation, factors, &work, &mut Control::none()).expect("nobody stops it"));
+                let product = gram(&propagation, factors, &work, &mut Control::none()).expect("nobody stops it");
                 for k in (0..count).step_by(1 + count / 9) {
                     for l in 0..count {
                         let factor = |i: usize| factors.map_or(1.0, |factors| f64::from(factors[i]));

@@ -2,6 +2,8 @@
 
 use num_complex::Complex32;
 
+use crate::control::Control;
+use crate::error::Error;
 use crate::kernels::tiles;
 use crate::linalg::Planar;
 use crate::math;
@@ -42,38 +44,54 @@ impl<'w> Projector<'w> {
     }
 
     /// The wave of the problem's start, else of q = 1.
-    pub(crate) fn begin(&mut self, problem: &Problem, rows: &Rows, work: &'w Workspace) -> Wave<'w> {
-        self.start(problem, rows, work).unwrap_or_else(|| {
+    pub(crate) fn begin(
+        &mut self,
+        problem: &Problem,
+        rows: &Rows,
+        work: &'w Workspace,
+        control: &mut Control,
+    ) -> Result<Wave<'w>, Error> {
+        Ok(self.start(problem, rows, work, control)?.unwrap_or_else(|| {
             let mut wave = Wave::new(rows, work);
             wave.play(rows, core::iter::repeat_n(Complex32::ONE, problem.propagation().transducers()));
             wave
-        })
+        }))
     }
 
     /// The wave of the problem's start: its drive as it is, or the projection of its phases with the moduli of the
     /// targets. `None` without a start. The rows are in the problem's order.
-    pub(crate) fn start(&mut self, problem: &Problem, rows: &Rows, work: &'w Workspace) -> Option<Wave<'w>> {
+    pub(crate) fn start(
+        &mut self,
+        problem: &Problem,
+        rows: &Rows,
+        work: &'w Workspace,
+        control: &mut Control,
+    ) -> Result<Option<Wave<'w>>, Error> {
         if !problem.has_start() {
-            return None;
+            return Ok(None);
         }
         let mut wave = Wave::new(rows, work);
         if let Some(drive) = problem.start_drive() {
             wave.play(rows, drive.iter().copied());
-            return Some(wave);
+            return Ok(Some(wave));
         }
-        let phasors = start_phasors(problem, work);
+        let phasors = start_phasors(problem, work, control)?;
         for (wanted, phasors) in self.wanted.iter_mut().zip([&phasors.re, &phasors.im]) {
             for ((wanted, phasor), target) in wanted.iter_mut().zip(phasors).zip(problem.targets()) {
                 *wanted = phasor * target / rows.target;
             }
         }
         self.project(rows, &mut wave);
-        Some(wave)
+        Ok(Some(wave))
     }
 }
 
 /// The unit phasors at the points that a problem's start gives; 1 where there is none, or silence.
-pub(crate) fn start_phasors<'w>(problem: &Problem, work: &'w Workspace) -> Planar<'w> {
+pub(crate) fn start_phasors<'w>(
+    problem: &Problem,
+    work: &'w Workspace,
+    control: &mut Control,
+) -> Result<Planar<'w>, Error> {
     let propagation = problem.propagation();
     let mut phasors = Planar::zeros(1, propagation.lanes(), work);
     phasors.re[..propagation.points()].fill(1.0);
@@ -83,12 +101,12 @@ pub(crate) fn start_phasors<'w>(problem: &Problem, work: &'w Workspace) -> Plana
         }
     }
     if let Some(drive) = problem.start_drive() {
-        let field = field_of(propagation, drive, work);
+        let field = field_of(propagation, drive, work, control)?;
         for j in 0..propagation.points() {
             (phasors.re[j], phasors.im[j]) = math::unit(field.re[j], field.im[j]);
         }
     }
-    phasors
+    Ok(phasors)
 }
 
 #[cfg(test)]

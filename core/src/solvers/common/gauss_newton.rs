@@ -4,6 +4,8 @@
 //! d = -(J^T J + mu I)^-1 J^T r is also d = -J^T (J J^T + mu I)^-1 r: a system of as many unknowns as there are equations,
 //! however many transducers there are.
 
+use crate::control::{Control, bytes};
+use crate::error::Error;
 use crate::kernels::tiles;
 use crate::kernels::tiles::products;
 use crate::kernels::{InstructionSet, padded};
@@ -26,15 +28,18 @@ pub(crate) struct Dual<'w> {
 }
 
 impl<'w> Dual<'w> {
-    pub(crate) fn new(rows: &Rows, size: usize, work: &'w Workspace) -> Self {
-        Self {
+    pub(crate) fn new(rows: &Rows, size: usize, work: &'w Workspace, control: &mut Control) -> Result<Self, Error> {
+        let (slopes, sides) = (tiles::size(tiles::height(size), rows.lanes), [rows.lanes, rows.order.len()]);
+        let taken = bytes(4, &[slopes]).saturating_add(bytes(8, &[size, padded(size)]));
+        control.room("the Jacobian and its normal equations", sides, taken)?;
+        Ok(Self {
             size,
             factors: [(); 2].map(|()| work.floats.take(size)),
             matrix: work.floats.take_any(size * padded(size)),
-            slopes: Aligned::take(tiles::size(tiles::height(size), rows.lanes), work),
+            slopes: Aligned::take(slopes, work),
             set: rows.set,
             work,
-        }
+        })
     }
 
     /// Length of a vector over the equations.
@@ -43,20 +48,30 @@ impl<'w> Dual<'w> {
     }
 
     /// J and J J^T at a wave; `points` are the rows of G that the equations are about.
-    pub(crate) fn derive(&mut self, rows: &Rows, wave: &Wave, points: impl Iterator<Item = usize>) {
+    pub(crate) fn derive(
+        &mut self,
+        rows: &Rows,
+        wave: &Wave,
+        points: impl Iterator<Item = usize>,
+        control: &mut Control,
+    ) -> Result<(), Error> {
         let [[re, im], [f, g]] = [&wave.drive, &self.factors];
         tiles::slopes(self.set, rows.tiles(), [re, im], [f, g], points, &mut self.slopes);
-        products::products(self.set, &self.slopes, rows.lanes, self.size, &mut self.matrix);
+        products::products(self.set, &self.slopes, rows.lanes, self.size, &mut self.matrix, control)
     }
 
     /// The Cholesky factor of J J^T with `damping` of each equation added to the diagonal; `None` if f32 has none.
-    pub(crate) fn factor(&self, damping: impl Fn(usize) -> f32) -> Option<Cholesky<'w>> {
+    pub(crate) fn factor(
+        &self,
+        damping: impl Fn(usize) -> f32,
+        control: &mut Control,
+    ) -> Result<Option<Cholesky<'w>>, Error> {
         let mut matrix = self.work.floats.take_any(self.matrix.len());
         matrix.copy_from_slice(&self.matrix);
         for k in 0..self.size {
             matrix[k * self.lanes() + k] += damping(k);
         }
-        Cholesky::new(self.set, matrix, self.size)
+        Cholesky::new(self.set, matrix, self.size, control)
     }
 
     /// Writes J^T y over the transducers; the largest modulus.

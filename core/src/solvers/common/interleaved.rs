@@ -6,6 +6,7 @@ use core::array;
 
 use num_complex::Complex32;
 
+use crate::control::Control;
 use crate::kernels::closed_form::interleaved::{EIGHT, deal_out};
 use crate::kernels::{ControlPoints, InstructionSet, LANES, Rows, add_moduli};
 use crate::linalg::Planar;
@@ -86,7 +87,7 @@ impl<'w> InterleavedBatch<'w> {
     }
 
     /// Each problem's solution, all done.
-    pub(crate) fn solutions(self, problems: &[Problem], steps: usize, work: &Workspace) -> Vec<Solution> {
+    pub(crate) fn solutions(self, problems: &[Problem], steps: usize, work: &Workspace) -> Option<Vec<Solution>> {
         let count = self.points.prepared.transducers.len();
         let mut drives = array::from_fn(|_| work.complexes.empty(count.next_multiple_of(EIGHT)));
         deal_out(self.points.set, &self.drives, &mut drives);
@@ -97,11 +98,12 @@ impl<'w> InterleavedBatch<'w> {
             for (own, all) in [&mut field.re, &mut field.im].into_iter().zip(&self.pressures) {
                 own.iter_mut().zip(all.as_chunks::<LANES>().0).for_each(|(own, all)| *own = all[lane]);
             }
-            Solution::of_field(problem, drive, &field, Status::Done, steps, work)
+            Solution::of_field(problem, drive, &field, Status::Done, steps, work, &mut Control::none()).ok()
         };
-        let solutions = problems.iter().enumerate().zip(&mut drives).map(solution).collect();
+        let mut solutions = Vec::with_capacity(problems.len());
+        solutions.extend(problems.iter().enumerate().zip(&mut drives).map_while(solution));
         drives.for_each(|unused| work.complexes.give(unused));
-        solutions
+        (solutions.len() == problems.len()).then_some(solutions)
     }
 }
 

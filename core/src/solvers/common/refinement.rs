@@ -5,6 +5,7 @@
 
 use num_complex::Complex32;
 
+use crate::control::Control;
 use crate::kernels;
 use crate::kernels::{Candidates, table};
 use crate::linalg::Planar;
@@ -23,11 +24,11 @@ const ROUNDS: usize = 4;
 /// lowers `sum w (s t - |P|)^2` most, the common level s estimated anew each round. Without phase quantization it rounds
 /// (or, without any, does nothing). A drive of 0 stays 0, amplitudes stay.
 ///
-/// Time O(16 N M) a round and at most four rounds, memory O(M).
+/// Time O(16 N M) a round and at most four rounds, memory O(M). A stop leaves the drive on the grid as it is.
 ///
 /// # Panics
 /// If `drive` has another length than the problem has transducers.
-pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &Workspace) {
+pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &Workspace, control: &mut Control) {
     let propagation = problem.propagation();
     assert_eq!(drive.len(), propagation.transducers(), "one drive a transducer");
     let Some(quantization) = problem.quantization() else { return };
@@ -42,7 +43,7 @@ pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &Workspace) {
     let [mut modulus, mut targets] = [(); 2].map(|()| work.floats.take(lanes));
     let mut kept = work.points.take(lanes / crate::kernels::lanes::LANES);
     for _ in 0..ROUNDS {
-        let field = field_of(propagation, drive, work);
+        let Ok(field) = field_of(propagation, drive, work, control) else { break };
         kernels::modulus(propagation.instruction_set(), &field.re, &field.im, &mut modulus);
         let level = common_level(problem, &modulus);
         for (target, asked) in targets.iter_mut().zip(problem.targets()) {
@@ -51,6 +52,10 @@ pub fn refine(problem: &Problem, drive: &mut [Complex32], work: &Workspace) {
         kernels::keep(propagation.instruction_set(), [&targets, problem.weights()], field.row(0), &mut kept);
         let mut moved = false;
         for (i, q) in drive.iter_mut().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
+            if control.pulse().is_err() {
+                moved = false;
+                break;
+            }
             propagation.row(i, &mut row.re, &mut row.im);
             let memory = [&mut wave.re[..], &mut wave.im[..]];
             let points = (&mut kept[..], propagation.points());

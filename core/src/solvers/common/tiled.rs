@@ -4,6 +4,8 @@ use alloc::vec::Vec;
 
 use num_complex::Complex32;
 
+use crate::control::{Control, bytes};
+use crate::error::Error;
 use crate::kernels::InstructionSet;
 use crate::kernels::tiles;
 use crate::kernels::tiles::Tiles;
@@ -34,40 +36,49 @@ pub(crate) struct Rows<'w> {
 
 impl<'w> Rows<'w> {
     /// G as it is, point by point.
-    pub(crate) fn new(problem: &Problem, work: &'w Workspace) -> Self {
-        Self::ordered(problem, 0..problem.propagation().points() as u32, work)
+    pub(crate) fn new(problem: &Problem, work: &'w Workspace, control: &mut Control) -> Result<Self, Error> {
+        Self::ordered(problem, 0..problem.propagation().points() as u32, work, control)
     }
 
     /// Each row divided by its point's target and multiplied by the largest, so that all points ask for the same; the quiet
     /// ones come last, as they are.
-    pub(crate) fn alike(problem: &Problem, work: &'w Workspace) -> Self {
+    pub(crate) fn alike(problem: &Problem, work: &'w Workspace, control: &mut Control) -> Result<Self, Error> {
         let targets = problem.targets();
         let targeted = |j: &u32| targets[*j as usize] > 0.0;
         let all = 0..problem.propagation().points() as u32;
-        let mut rows = Self::ordered(problem, all.clone().filter(targeted).chain(all.filter(|j| !targeted(j))), work);
+        let points = all.clone().filter(targeted).chain(all.filter(|j| !targeted(j)));
+        let mut rows = Self::ordered(problem, points, work, control)?;
         for k in 0..rows.targeted {
             let own = targets[rows.order[k] as usize];
             if own < rows.target {
                 rows.rescale(k, (rows.target / own).min(MOST_RAISED));
             }
         }
-        rows
+        Ok(rows)
     }
 
     /// The points' rows of G in an order of theirs.
-    fn ordered(problem: &Problem, points: impl Iterator<Item = u32>, work: &'w Workspace) -> Self {
+    fn ordered(
+        problem: &Problem,
+        points: impl Iterator<Item = u32>,
+        work: &'w Workspace,
+        control: &mut Control,
+    ) -> Result<Self, Error> {
         let (propagation, targets) = (problem.propagation(), problem.targets());
         let mut order = work.indices.take(propagation.points());
         order.iter_mut().zip(points).for_each(|(own, j)| *own = j);
         let mut scale = work.floats.take(propagation.points());
         scale.fill(1.0);
         let (count, lanes) = (tiles::height(propagation.points()), tiles::lanes(propagation.transducers()));
+        let sides = [propagation.transducers(), propagation.points()];
+        control.room("the matrix G", sides, bytes(8, &[tiles::size(count, lanes)]))?;
         let mut planes = [(); 2].map(|()| Aligned::take(tiles::size(count, lanes), work));
         let [re, im] = &mut planes;
-        tiles::pack(propagation.instruction_set(), propagation.rows(), 0..propagation.transducers(), &order, [re, im]);
+        let members = 0..propagation.transducers();
+        tiles::pack(propagation.instruction_set(), propagation.rows(), members, &order, [re, im], control)?;
         let targeted = targets.iter().filter(|&&target| target > 0.0).count();
         let target = targets.iter().copied().fold(0.0, f32::max);
-        Self { order, targeted, count, lanes, scale, target, set: propagation.instruction_set(), planes }
+        Ok(Self { order, targeted, count, lanes, scale, target, set: propagation.instruction_set(), planes })
     }
 
     /// Multiplies row `k` by `factor`.

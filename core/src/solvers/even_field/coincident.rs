@@ -1,5 +1,7 @@
 //! Coincident points: those in one place get the mean of their targets.
 
+use crate::control::{Control, bytes};
+use crate::error::Error;
 use crate::kernels::LANES;
 use crate::kernels::tiles::products;
 use crate::solvers::common::tiled::Rows;
@@ -11,12 +13,13 @@ const COINCIDENT: f64 = 1e-5;
 /// Gives coincident points the mean of their targets. `powers` are those of the rows.
 ///
 /// One tile in the middle tells most points apart; only rows that look parallel there are compared as a whole.
-pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &Workspace) {
+pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &Workspace, control: &mut Control) -> Result<(), Error> {
     let points = rows.targeted;
     let middle = rows.lanes / LANES / 2;
+    control.room("the matrix G G^H", [rows.lanes, points], bytes(8, &[points, points]))?;
     let mut matrix = [(); 2].map(|()| work.floats.take(points * points));
     let [re, im] = &mut matrix;
-    products::couplings(rows.set, rows.tiles(), middle..middle + 1, points, [&mut *re, &mut *im]);
+    products::couplings(rows.set, rows.tiles(), middle..middle + 1, points, [&mut *re, &mut *im], control)?;
     let entry = |k: usize, l: usize| [&*re, &*im].map(|plane| f64::from(plane[k * points + l]));
     let own = |k: usize| entry(k, k)[0].max(f64::from(f32::MIN_POSITIVE));
     // Rows that are parallel as a whole differ in the tile by no more than this, relative to their power there.
@@ -24,6 +27,7 @@ pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &Workspace) {
     let mut homes = work.counting(points);
     let mut apart = true;
     for first in 0..points {
+        control.pulse()?;
         if homes[first] != first as u32 {
             continue;
         }
@@ -47,6 +51,7 @@ pub(super) fn merge(rows: &mut Rows, powers: &mut [f32], work: &Workspace) {
             }
         }
     }
+    Ok(())
 }
 
 /// Whether two whole rows are.

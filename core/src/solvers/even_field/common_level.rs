@@ -4,6 +4,8 @@
 //! (J J^T + mu W^-1) y = s p - |P|: an M x M system however many transducers there are. The free level is the one
 //! of the shortest step. A quiet point enters with two rows, Re P = Im P = 0, and a heavy one is damped less.
 
+use crate::control::Control;
+use crate::error::Error;
 use crate::linalg::Cholesky;
 use crate::problem::Problem;
 use crate::solvers::common::gauss_newton::Dual;
@@ -29,9 +31,12 @@ const MOST_ROTATION: f32 = 1.0;
 const LEAST_WEIGHT: f32 = 1e-6;
 
 /// Makes `wave` even at `level`, or at the level nearest by; whether it is, to the plan's tolerance.
-pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, level: Option<f32>, wave: &mut Wave<'w>) -> bool {
+///
+/// # Errors
+/// More memory than allowed.
+pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, level: Option<f32>, wave: &mut Wave<'w>) -> Result<bool, Error> {
     let (rows, work) = (run.rows, run.work);
-    let mut newton = Newton::new(run.problem, rows, work);
+    let mut newton = Newton::new(run.problem, rows, work, run.control)?;
     let [mut trial, mut begun] = [(); 2].map(|()| Wave::new(rows, work));
     begun.copy(wave);
     let mut damping = DAMPING;
@@ -43,13 +48,16 @@ pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, level: Option<f32>, wave: &m
         if even || run.stopped || step == MOST_STEPS {
             break;
         }
-        if renew {
-            newton.factor = None;
-            newton.update(rows, wave);
-            fresh = true;
-        }
+        fresh |= renew;
         let before = newton.cost(rows, wave, level_here(wave));
-        let tried = newton.step(rows, wave, level, damping, &mut trial);
+        let tried = match newton.step(rows, wave, level, (renew, damping), &mut trial, run.control) {
+            // What was half done when the stop came counts for nothing.
+            Err(Error::Stopped) => {
+                run.stopped = true;
+                break;
+            }
+            tried => tried?,
+        };
         let after = if tried { newton.cost(rows, &trial, level_here(&trial)) } else { f64::INFINITY };
         if after < before {
             core::mem::swap(wave, &mut trial);
@@ -67,7 +75,7 @@ pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, level: Option<f32>, wave: &m
     if !even && rows.targeted == rows.order.len() && wave.lowest(rows) < begun.lowest(rows) {
         core::mem::swap(wave, &mut begun);
     }
-    even
+    Ok(even)
 }
 
 /// The left side of an equation: |P|, Re P or Im P.
@@ -93,9 +101,9 @@ struct Newton<'w> {
 }
 
 impl<'w> Newton<'w> {
-    fn new(problem: &Problem, rows: &Rows, work: &'w Workspace) -> Self {
+    fn new(problem: &Problem, rows: &Rows, work: &'w Workspace, control: &mut Control) -> Result<Self, Error> {
         let (targeted, all) = (rows.targeted, rows.order.len());
-        let mut dual = Dual::new(rows, 2 * all - targeted, work);
+        let mut dual = Dual::new(rows, 2 * all - targeted, work, control)?;
         let [f, g] = &mut dual.factors;
         g[targeted..all].fill(-1.0);
         f[all..].fill(1.0);
@@ -104,7 +112,7 @@ impl<'w> Newton<'w> {
         for (ease, &j) in ease.iter_mut().zip(points) {
             *ease = 1.0 / problem.weights()[j as usize].max(LEAST_WEIGHT);
         }
-        Self { dual, factor: None, ease, rotations: work.floats.take_any(rows.lanes) }
+        Ok(Self { dual, factor: None, ease, rotations: work.floats.take_any(rows.lanes) })
     }
 
     /// The weighted squares of what is missing from `level`, relative to it.
@@ -113,31 +121,49 @@ impl<'w> Newton<'w> {
         (0..self.dual.size).map(|k| f64::from(missing(k) * missing(k) / self.ease[k])).sum()
     }
 
-    fn update(&mut self, rows: &Rows, wave: &Wave) {
+    /// Derivatives at a wave.
+    fn update(&mut self, rows: &Rows, wave: &Wave, control: &mut Control) -> Result<(), Error> {
+        self.factor = None;
         let (targeted, points) = (rows.targeted, rows.order.len());
         let [f, g] = &mut self.dual.factors;
         // d|P| = Re(conj(P) dP)/|P| with dP = j G q d.
         for k in 0..targeted {
             (f[k], g[k]) = (wave.field[1][k] / wave.moduli[k], -wave.field[0][k] / wave.moduli[k]);
         }
-        self.dual.derive(rows, wave, (0..points).chain(targeted..points));
+        self.dual.derive(rows, wave, (0..points).chain(targeted..points), control)
     }
 
     /// The factor of the damped matrix and the solution for a rise of the level; `None` if f32 cannot factor it.
-    fn factored(&self, rows: &Rows, damping: f32) -> Option<Factor<'w>> {
+    fn factored(&self, rows: &Rows, damping: f32, control: &mut Control) -> Result<Option<Factor<'w>>, Error> {
         let (size, lanes) = (self.dual.size, self.dual.lanes());
         let mean = (0..size).map(|k| self.dual.matrix[k * lanes + k]).sum::<f32>() / size as f32;
-        let cholesky = self.dual.factor(|k| damping * mean * self.ease[k])?;
+        let factor = self.dual.factor(|k| damping * mean * self.ease[k], control)?;
+        let Some(cholesky) = factor else { return Ok(None) };
         let mut rise = self.dual.work.floats.take(lanes);
         rise[..rows.targeted].fill(1.0);
         cholesky.solve(&mut rise);
-        Some((cholesky, rise))
+        Ok(Some((cholesky, rise)))
     }
 
-    /// Writes the wave after a step into `trial`; `false` if f32 cannot factor the system.
-    fn step(&mut self, rows: &Rows, wave: &Wave, level: Option<f32>, damping: f32, trial: &mut Wave) -> bool {
-        let factor = self.factor.take().or_else(|| self.factored(rows, damping));
-        let Some((cholesky, rise)) = factor else { return false };
+    /// Writes the wave after a step into `trial`, with new derivatives or the last ones; `false` if f32 cannot factor the
+    /// system.
+    fn step(
+        &mut self,
+        rows: &Rows,
+        wave: &Wave,
+        level: Option<f32>,
+        (renew, damping): (bool, f32),
+        trial: &mut Wave,
+        control: &mut Control,
+    ) -> Result<bool, Error> {
+        if renew {
+            self.update(rows, wave, control)?;
+        }
+        let factor = match self.factor.take() {
+            None => self.factored(rows, damping, control)?,
+            kept => kept,
+        };
+        let Some((cholesky, rise)) = factor else { return Ok(false) };
         // From the mean level, since s times one solution less another would cancel most digits.
         let middle = wave.level(rows);
         let mut dual = self.dual.work.floats.take(rise.len());
@@ -152,9 +178,9 @@ impl<'w> Newton<'w> {
         self.factor = Some((cholesky, rise));
         let factor = if most > MOST_ROTATION { MOST_ROTATION / most } else { 1.0 };
         if !most.is_finite() {
-            return false;
+            return Ok(false);
         }
         trial.rotate(rows, wave, &self.rotations, factor);
-        true
+        Ok(true)
     }
 }

@@ -13,6 +13,7 @@ pub(crate) mod run;
 pub(crate) mod weighted_sweeps;
 
 use crate::control::Control;
+use crate::error::Error;
 use crate::linalg::Planar;
 use crate::problem::{Problem, Solution, Status};
 use crate::scene::Aim;
@@ -23,9 +24,17 @@ use crate::solvers::even_field::run::{Plan, Run};
 use crate::workspace::Workspace;
 
 /// An even drive, at the level that the problem aims at.
-pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &Workspace, control: &mut Control) -> Solution {
-    let mut rows = Rows::alike(problem, work);
-    let starts = Starts::new(problem, &mut rows, plan, work);
+///
+/// # Errors
+/// More memory than allowed; a stop before there is a drive.
+pub(crate) fn solve(
+    problem: &Problem,
+    plan: &Plan,
+    work: &Workspace,
+    control: &mut Control,
+) -> Result<Solution, Error> {
+    let mut rows = Rows::alike(problem, work, control)?;
+    let starts = Starts::new(problem, &mut rows, plan, work, control)?;
     let moduli = work.floats.take(problem.propagation().lanes());
     let steps = starts.count * (1 + plan.sweeps + common_level::MOST_STEPS) + common_level::MOST_STEPS;
     let rows = &rows;
@@ -34,7 +43,7 @@ pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &Workspace, control: &
     let mut reached = (false, -1.0);
     for start in 0..starts.count {
         weighted_sweeps::raise(&mut run, &starts, start, &mut wave);
-        let even = common_level::polish(&mut run, None, &mut wave);
+        let even = common_level::polish(&mut run, None, &mut wave)?;
         if (even, wave.lowest(rows)) > reached {
             reached = (even, wave.lowest(rows));
             core::mem::swap(&mut best, &mut wave);
@@ -47,16 +56,16 @@ pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &Workspace, control: &
     // With many points the target may lie above the level where free steps end, and still be in reach.
     if wanted && !run.stopped && reached.1 < rows.target && 4 * rows.targeted >= problem.propagation().transducers() {
         wave.copy(&best);
-        if common_level::polish(&mut run, Some(rows.target), &mut wave) {
+        if common_level::polish(&mut run, Some(rows.target), &mut wave)? {
             reached.0 = true;
             core::mem::swap(&mut best, &mut wave);
         }
     }
     let mut drive = best.drives(problem.propagation().transducers(), work);
     let quantization = problem.quantization();
-    if quantization.is_some() {
+    if quantization.is_some() && !run.stopped {
         // At full drive, where the grid is finest; the field at the points is computed anew.
-        refine(problem, &mut drive, work);
+        refine(problem, &mut drive, work, run.control);
         best.play_at_full(rows, drive.iter().copied());
     }
     let loudest = best.moduli[..rows.targeted].iter().copied().fold(0.0, f32::max);
@@ -76,7 +85,8 @@ pub(crate) fn solve(problem: &Problem, plan: &Plan, work: &Workspace, control: &
         (_, true) => Status::Done,
         _ => Status::OutOfSteps,
     };
-    let mut solution = Solution::of_field(problem, drive, &field, status, run.step, work).scaled(scale);
+    let solution = Solution::of_field(problem, drive, &field, status, run.step, work, run.control)?;
+    let mut solution = solution.scaled(scale);
     solution.tell(problem, steps, run.control);
-    solution
+    Ok(solution)
 }

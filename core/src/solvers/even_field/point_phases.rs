@@ -5,6 +5,8 @@
 //! point's own echo, which would only hold its phase back. One start goes over G itself; many share the M x M matrix of
 //! couplings, sixteen side by side.
 
+use crate::control::{Control, bytes};
+use crate::error::Error;
 use crate::kernels::tiles::{phases, products};
 use crate::kernels::{InstructionSet, LANES};
 use crate::math::sqrtf;
@@ -39,10 +41,16 @@ pub(super) struct Starts<'w> {
 
 impl<'w> Starts<'w> {
     /// The problem's own start, else the best that a search finds.
-    pub(super) fn new(problem: &Problem, rows: &mut Rows, plan: &Plan, work: &'w Workspace) -> Self {
+    pub(super) fn new(
+        problem: &Problem,
+        rows: &mut Rows,
+        plan: &Plan,
+        work: &'w Workspace,
+        control: &mut Control,
+    ) -> Result<Self, Error> {
         let mut powers = work.floats.take(rows.targeted);
         products::powers(rows.set, rows.tiles(), &mut powers);
-        merge(rows, &mut powers, work);
+        merge(rows, &mut powers, work, control)?;
         for power in &mut powers {
             *power = power.max(f32::MIN_POSITIVE);
         }
@@ -50,45 +58,57 @@ impl<'w> Starts<'w> {
         let mut weights = work.floats.take(rows.targeted);
         weights.iter_mut().zip(&powers).for_each(|(weight, power)| *weight = weakest / power);
         if problem.has_start() {
-            Self::given(problem, rows, weights, work)
+            Self::given(problem, rows, weights, work, control)
         } else {
             // From the strongest point on: an order that does not depend on the order of the scene's points.
             let mut visits = work.counting(rows.targeted);
             visits.sort_unstable_by(|&a, &b| powers[b as usize].total_cmp(&powers[a as usize]));
             if plan.starts == 1 {
-                Self::alone(rows, weights, &powers, &visits, work)
+                Self::alone(rows, weights, (&powers, &visits), work, control)
             } else {
-                let couplings = Couplings::new(rows, &powers, work);
-                couplings.search(weights, &visits, plan, work)
+                let couplings = Couplings::new(rows, &powers, work, control)?;
+                couplings.search(weights, &visits, plan, work, control)
             }
         }
     }
 
-    fn given(problem: &Problem, rows: &Rows, weights: Buffer<'w, f32>, work: &'w Workspace) -> Self {
-        let phasors = start_phasors(problem, work);
+    fn given(
+        problem: &Problem,
+        rows: &Rows,
+        weights: Buffer<'w, f32>,
+        work: &'w Workspace,
+        control: &mut Control,
+    ) -> Result<Self, Error> {
+        let phasors = start_phasors(problem, work, control)?;
         let mut own = [(); 2].map(|()| work.floats.take(rows.targeted));
         for (own, phasors) in own.iter_mut().zip([&phasors.re, &phasors.im]) {
             own.iter_mut().zip(&rows.order).for_each(|(own, &j)| *own = phasors[j as usize]);
         }
-        Self { count: 1, weights, phasors: own, echoes: work.floats.take(1) }
+        Ok(Self { count: 1, weights, phasors: own, echoes: work.floats.take(1) })
     }
 
     /// One point added after another, on G itself: with one start that takes less time than the matrix.
-    fn alone(rows: &Rows, weights: Buffer<'w, f32>, powers: &[f32], visits: &[u32], work: &'w Workspace) -> Self {
+    fn alone(
+        rows: &Rows,
+        weights: Buffer<'w, f32>,
+        (powers, visits): (&[f32], &[u32]),
+        work: &'w Workspace,
+        control: &mut Control,
+    ) -> Result<Self, Error> {
         let mut phasors = [(); 2].map(|()| work.floats.take(rows.targeted));
         let mut wave = [(); 2].map(|()| work.floats.take(rows.lanes));
         let [re, im] = &mut phasors;
         let [wave_re, wave_im] = &mut wave;
         let lists = (&weights[..], powers);
-        let energy =
-            phases::align_rows(rows.set, rows.tiles(), lists, visits, ROUNDS_ALONE, [re, im], [wave_re, wave_im]);
+        let (vector, wave) = ([&mut re[..], &mut im[..]], [&mut wave_re[..], &mut wave_im[..]]);
+        let energy = phases::align_rows(rows.set, rows.tiles(), lists, visits, ROUNDS_ALONE, vector, wave, control)?;
         for plane in &mut phasors {
             plane.iter_mut().zip(&weights).for_each(|(part, weight)| *part /= weight);
         }
         let own = weights.iter().zip(powers).map(|(weight, power)| weight * weight * power).sum::<f32>();
         let mut echoes = work.floats.take(1);
         echoes[0] = own / (own + energy);
-        Self { count: 1, weights, phasors, echoes }
+        Ok(Self { count: 1, weights, phasors, echoes })
     }
 }
 
@@ -102,13 +122,14 @@ struct Couplings<'w> {
 }
 
 impl<'w> Couplings<'w> {
-    fn new(rows: &Rows, powers: &[f32], work: &'w Workspace) -> Self {
+    fn new(rows: &Rows, powers: &[f32], work: &'w Workspace, control: &mut Control) -> Result<Self, Error> {
         let points = rows.targeted;
+        control.room("the matrix G G^H", [rows.lanes, points], bytes(8, &[points, points]))?;
         let mut matrix = [(); 2].map(|()| work.floats.take(points * points));
         let mut norms = work.floats.take(points);
         norms.iter_mut().zip(powers).for_each(|(norm, &power)| *norm = sqrtf(power));
         let [re, im] = &mut matrix;
-        products::couplings(rows.set, rows.tiles(), 0..rows.lanes / LANES, points, [re, im]);
+        products::couplings(rows.set, rows.tiles(), 0..rows.lanes / LANES, points, [re, im], control)?;
         for k in 0..points {
             // Without a point's own echo.
             (re[k * points + k], im[k * points + k]) = (0.0, 0.0);
@@ -118,7 +139,7 @@ impl<'w> Couplings<'w> {
                 (re[l * points + k], im[l * points + k]) = (real, -imag);
             }
         }
-        Self { set: rows.set, points, matrix, norms }
+        Ok(Self { set: rows.set, points, matrix, norms })
     }
 
     fn planes(&self) -> [&[f32]; 2] {
@@ -126,7 +147,14 @@ impl<'w> Couplings<'w> {
     }
 
     /// The phases of the greatest energies that any of the plan's starts ends in.
-    fn search(&self, weights: Buffer<'w, f32>, visits: &[u32], plan: &Plan, work: &'w Workspace) -> Starts<'w> {
+    fn search(
+        &self,
+        weights: Buffer<'w, f32>,
+        visits: &[u32],
+        plan: &Plan,
+        work: &'w Workspace,
+        control: &mut Control,
+    ) -> Result<Starts<'w>, Error> {
         let points = self.points;
         let groups = plan.starts.div_ceil(LANES);
         // v_k times the norm of row k.
@@ -148,7 +176,7 @@ impl<'w> Couplings<'w> {
             }
             let [re, im] = vectors;
             phases::phasors(self.set, &turns, &shares, [&mut *re, &mut *im]);
-            let energy = phases::align(self.set, self.planes(), &shares, visits, ROUNDS, [re, im]);
+            let energy = phases::align(self.set, self.planes(), &shares, visits, ROUNDS, [re, im], control)?;
             energies[group * LANES..][..LANES].copy_from_slice(&energy);
         }
         energies[plan.starts..].fill(-1.0);
@@ -181,6 +209,6 @@ impl<'w> Couplings<'w> {
             starts.echoes[starts.count] = own / (own + energy);
             starts.count += 1;
         }
-        starts
+        Ok(starts)
     }
 }

@@ -19,16 +19,26 @@ fn steps_end_at_the_tolerance_a_stop_or_their_number() {
         };
         let mut control = Control::watched(&mut observer).traced();
         let mut count = 0;
-        let step = |count: &mut usize| {
+        let step = |count: &mut usize, _: &mut Control| {
             *count += 1;
-            *count == met
+            Ok(*count == met)
         };
-        let ended = iterate((steps, tolerance), &mut count, &mut control, step, |&count| count as f64);
+        let ended = iterate((steps, tolerance), &mut count, &mut control, step, |&count| count as f64).expect("steps");
         assert_eq!((ended, count), (want, want.1));
         let trace = control.into_trace().expect("a trace");
         assert_eq!(trace.len(), told);
         assert!(trace.iter().zip(1..).all(|(residual, step)| *residual == f64::from(step)));
     }
+}
+
+#[test]
+fn a_stop_heard_within_a_step_takes_that_step_back() {
+    let step = |count: &mut usize, _: &mut Control| {
+        *count += 1;
+        if *count == 3 { Err(Error::Stopped) } else { Ok(false) }
+    };
+    let ended = iterate((5, 0.0), &mut 0, &mut Control::none(), step, |_| 0.0);
+    assert_eq!(ended, Ok((Status::Stopped, 2)));
 }
 
 #[test]

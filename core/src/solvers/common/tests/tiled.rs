@@ -16,7 +16,7 @@ pub(crate) fn random(points: usize, transducers: usize, work: &Workspace) -> (Pr
     let propagation = Propagation::from_matrix(&matrix, points).expect("propagation");
     let problem = Problem::with_propagation(propagation, Setup::default(), &Request { pressures, weights: None })
         .expect("a problem");
-    let rows = Rows::new(&problem, work);
+    let rows = Rows::new(&problem, work, &mut Control::none()).expect("a few numbers");
     let mut wave = Wave::new(&rows, work);
     let drive: Vec<Complex64> = (0..transducers).map(|_| number() * 0.7).collect();
     wave.play(&rows, drive.iter().map(|q| Complex32::new(q.re as f32, q.im as f32)));
@@ -82,7 +82,7 @@ fn rows_made_alike_ask_for_one_modulus_and_end_with_the_quiet_ones() {
     let propagation = Propagation::from_matrix(&matrix, 5).expect("propagation");
     let request = Request { pressures: Some(alloc::vec![2.0, 0.0, 4.0, 1.0, 0.0]), weights: None };
     let problem = Problem::with_propagation(propagation, Setup::default(), &request).expect("a problem");
-    let rows = Rows::alike(&problem, &work);
+    let rows = Rows::alike(&problem, &work, &mut Control::none()).expect("a few numbers");
     assert_eq!((&rows.order[..], rows.targeted), (&[0, 2, 3, 1, 4][..], 3));
     assert_eq!(rows.scale[..], [2.0, 1.0, 4.0, 1.0, 1.0]);
     let mut wave = Wave::new(&rows, &work);

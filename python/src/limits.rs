@@ -1,0 +1,62 @@
+//! What a computation may use: threads of this process, and memory up to a limit.
+
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::{mem, process};
+
+use midair::Threads;
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::error::invalid;
+
+/// Bytes, unless the machine has less or `MIDAIR_MEMORY` says otherwise.
+const MEMORY: f64 = 8e9;
+
+/// The part of a machine's memory that is taken without being told.
+const SHARE: f64 = 0.75;
+
+/// The threads of this process, one a processor: a child made by fork has none of its parent's, and gets its own.
+pub(crate) fn threads(_py: Python<'_>) -> PyResult<Threads> {
+    static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
+    // Locked with the GIL held, and so free whenever Python forks.
+    let mut kept = POOL.lock().unwrap_or_else(PoisonError::into_inner);
+    let process = process::id();
+    if let Some((owner, pool)) = &*kept
+        && *owner == process
+    {
+        return Ok(Threads::of(Arc::clone(pool)));
+    }
+    let built = ThreadPoolBuilder::new().build();
+    let pool = Arc::new(built.map_err(|error| PyRuntimeError::new_err(format!("no threads to work with: {error}")))?);
+    // The parent's is left alone: its threads are not here to be waited for.
+    mem::forget(kept.replace((process, Arc::clone(&pool))));
+    Ok(Threads::of(pool))
+}
+
+/// The most bytes that a computation may take at once: `MIDAIR_MEMORY`, such as 2e9, 500MB or 16GB, else 8 GB, but no
+/// more than three quarters of the machine's. The environment is read once.
+pub(crate) fn memory() -> PyResult<u64> {
+    static ASKED: OnceLock<Result<u64, String>> = OnceLock::new();
+    let asked = ASKED.get_or_init(|| match std::env::var("MIDAIR_MEMORY").ok().filter(|text| !text.is_empty()) {
+        None => Ok(installed().map_or(MEMORY, |bytes| MEMORY.min(SHARE * bytes)) as u64),
+        Some(text) => read(&text).ok_or(text),
+    });
+    asked.clone().map_err(|text| invalid("MIDAIR_MEMORY", &text, "give bytes, such as 2e9, 500MB or 16GB"))
+}
+
+/// Bytes of a number with a unit or without.
+fn read(text: &str) -> Option<u64> {
+    let text = text.trim().to_ascii_uppercase();
+    let units = [("KB", 1e3), ("MB", 1e6), ("GB", 1e9), ("TB", 1e12), ("", 1.0)];
+    let (number, unit) = units.iter().find_map(|(name, unit)| Some((text.strip_suffix(name)?, unit)))?;
+    let bytes = number.trim().parse::<f64>().ok()? * unit;
+    (bytes.is_finite() && bytes >= 0.0).then_some(bytes as u64)
+}
+
+/// The machine's memory in bytes, where Linux tells.
+fn installed() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
+    Some(line.trim().strip_suffix("kB")?.trim().parse::<f64>().ok()? * 1024.0)
+}
