@@ -75,6 +75,9 @@ impl Watch {
         }
     }
 
+    /// The most calls that the clock is left alone for: those to come may be a thousand times slower.
+    const STRIDE: u32 = 32;
+
     /// Whether signals are to be looked at. A step of greedy takes a tenth of a microsecond and asking for the time a
     /// third of that, so the clock is left alone for as many calls as fill a tenth of the interval.
     fn due(&mut self) -> bool {
@@ -86,8 +89,7 @@ impl Watch {
         let pace = (now - self.clock) / self.stride;
         self.clock = now;
         let fill = (Self::INTERVAL / 10).as_nanos() / pace.as_nanos().max(1);
-        // Later calls may be slower: the stride grows slowly.
-        self.stride = u32::try_from(fill).unwrap_or(u32::MAX).clamp(1, self.stride.saturating_mul(2));
+        self.stride = u32::try_from(fill).unwrap_or(u32::MAX).clamp(1, Self::STRIDE);
         self.left = self.stride - 1;
         now - self.last >= Self::INTERVAL
     }

@@ -13,17 +13,22 @@ use crate::kernels::vector::{add_wave, correlation};
 const TOGETHER: usize = LANES / 2;
 
 /// out_k = `sum_j conj(row_kj) vector_j` for every row of a planar matrix.
+///
+/// # Errors
+/// A stop, asked for once every few rows.
 pub(crate) fn correlate_rows(
     set: InstructionSet,
     rows: [&[f32]; 2],
     vector: [&[f32]; 2],
+    control: &mut Control,
     mut out: impl FnMut(usize, Complex32),
-) {
+) -> Result<(), Error> {
     dispatch!(set, s => {
         let lanes = vector[0].len();
         let row = |k: usize| rows.map(|part| &part[k * lanes..(k + 1) * lanes]);
         let count = rows[0].len() / lanes;
         for first in (0..count).step_by(TOGETHER) {
+            control.pulse()?;
             let mut parts = [s.splat(0.0); LANES];
             for k in 0..TOGETHER.min(count - first) {
                 let [re, im] = correlation(s, row(first + k), vector);
@@ -36,7 +41,8 @@ pub(crate) fn correlate_rows(
                 out(first + k, Complex32::new(sums[k], sums[k + TOGETHER]));
             }
         }
-    });
+        Ok(())
+    })
 }
 
 /// P += G q for every transducer that is driven; `row` is memory for one row.

@@ -33,11 +33,10 @@ pub(crate) fn leading_eigenvector<'w>(
         }
         let mut used = 0;
         for step in 0..steps {
-            control.pulse()?;
             let [re, im] = basis.row_mut(step);
             re.copy_from_slice(&vector.re);
             im.copy_from_slice(&vector.im);
-            times(set, matrix, vector, &mut next);
+            times(set, matrix, vector, &mut next, control)?;
             used = step + 1;
             // Twice is enough to be orthogonal to rounding.
             for round in 0..2 {

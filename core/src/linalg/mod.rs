@@ -53,11 +53,20 @@ impl<'w> Planar<'w> {
 }
 
 /// The matrix that [`crate::propagation::gram`] conjugates, times `vector`.
-pub(crate) fn times(set: InstructionSet, matrix: &Planar, vector: &Planar, out: &mut Planar) {
+///
+/// # Errors
+/// A stop.
+pub(crate) fn times(
+    set: InstructionSet,
+    matrix: &Planar,
+    vector: &Planar,
+    out: &mut Planar,
+    control: &mut Control,
+) -> Result<(), Error> {
     let Planar { re, im, .. } = out;
-    kernels::correlate_rows(set, [&matrix.re, &matrix.im], vector.row(0), |k, p| {
+    kernels::correlate_rows(set, [&matrix.re, &matrix.im], vector.row(0), control, |k, p| {
         (re[k], im[k]) = (p.re, p.im);
-    });
+    })
 }
 
 /// A Cholesky factor U of a real symmetric matrix A = U^T U, and solves with it. Time O(n^3/6) each multiply-add.
@@ -108,6 +117,7 @@ impl<'w> Hermitian<'w> {
         control.room("the Cholesky factor", [0, count], bytes(4, &[size, size]))?;
         let mut real = work.floats.take(size * size);
         for k in 0..lanes {
+            control.pulse()?;
             let (upper, lower) = (k * size, (k + lanes) * size);
             if k < count {
                 let [re, im] = matrix.row(k);

@@ -64,10 +64,9 @@ pub fn bound(problem: &Problem, control: &mut Control) -> Result<f64, Error> {
     let mut weights = vec![1.0 / points.len() as f64; points.len()];
     let mut share = vec![0.0; rows.count()];
     let mut units = start(rows.count());
-    let mut field = rows.field(&units);
+    let mut field = rows.field(&units, control)?;
     let (mut least, mut reached) = (f64::INFINITY, 0.0_f64);
     for step in 1..=STEPS {
-        control.pulse()?;
         let levels: Vec<f64> = field.iter().map(norm).collect();
         reached = reached.max(levels.iter().copied().fold(f64::INFINITY, f64::min));
         let mean = levels.iter().sum::<f64>() / levels.len() as f64;
@@ -81,10 +80,10 @@ pub fn bound(problem: &Problem, control: &mut Control) -> Result<f64, Error> {
             *weight /= sum;
             *pressure = pressure.map(|p| p * *weight);
         }
-        rows.back(&field, &mut units, &mut share);
-        field = rows.field(&units);
+        rows.back(&field, &mut units, &mut share, control)?;
+        field = rows.field(&units, control)?;
         if step % CHECK == 0 {
-            least = least.min(rows.certificate(&weights, &share));
+            least = least.min(rows.certificate(&weights, &share, control)?);
             if least <= (1.0 + NEAR) * reached {
                 break;
             }
@@ -100,7 +99,7 @@ pub fn bound(problem: &Problem, control: &mut Control) -> Result<f64, Error> {
 pub(crate) fn rough_bound(problem: &Problem, control: &mut Control) -> Result<f64, Error> {
     let rows = Rows::new(problem, control)?;
     let share: Vec<f64> = rows.iter().map(|row| sqrt(row.iter().map(Complex64::norm_sqr).sum::<f64>())).collect();
-    Ok(rows.certificate(&vec![1.0 / rows.points as f64; rows.points], &share))
+    rows.certificate(&vec![1.0 / rows.points as f64; rows.points], &share, control)
 }
 
 /// Unit vectors in no particular direction.
@@ -156,19 +155,27 @@ impl Rows {
     }
 
     /// P_j = `sum_i h_ji v_i`.
-    fn field(&self, units: &[Lanes]) -> Vec<Lanes> {
+    fn field(&self, units: &[Lanes], control: &mut Control) -> Result<Vec<Lanes>, Error> {
         let mut field = vec![[Complex64::ZERO; RANK]; self.points];
         for (row, unit) in self.iter().zip(units) {
+            control.pulse()?;
             for (pressure, &h) in field.iter_mut().zip(row) {
                 add(pressure, h, unit);
             }
         }
-        field
+        Ok(field)
     }
 
     /// v_i = y_i/|y_i|, y_i = `sum_j conj(h_ji) w_j P_j`; |y_i| is transducer i's share.
-    fn back(&self, weighted: &[Lanes], units: &mut [Lanes], share: &mut [f64]) {
+    fn back(
+        &self,
+        weighted: &[Lanes],
+        units: &mut [Lanes],
+        share: &mut [f64],
+        control: &mut Control,
+    ) -> Result<(), Error> {
         for ((row, unit), share) in self.iter().zip(units).zip(share) {
+            control.pulse()?;
             let mut sum = [Complex64::ZERO; RANK];
             for (pressure, h) in weighted.iter().zip(row) {
                 add(&mut sum, h.conj(), pressure);
@@ -178,10 +185,11 @@ impl Rows {
                 *unit = sum.map(|x| x / *share);
             }
         }
+        Ok(())
     }
 
     /// The bound on s that weights and shares prove: sqrt(lambda `sum_i d_i`).
-    fn certificate(&self, weights: &[f64], share: &[f64]) -> f64 {
+    fn certificate(&self, weights: &[f64], share: &[f64], control: &mut Control) -> Result<f64, Error> {
         // Any d_i > 0 is admitted; one that is nearly 0 would make lambda huge.
         let floor = 1e-6 * share.iter().copied().fold(0.0, f64::max);
         let roots: Vec<f64> = weights.iter().copied().map(sqrt).collect();
@@ -189,6 +197,7 @@ impl Rows {
         let mut matrix = vec![Complex64::ZERO; m * m];
         let mut total = 0.0;
         for (row, &share) in self.iter().zip(share) {
+            control.pulse()?;
             let share = share.max(floor);
             total += share;
             for j in 0..m {
@@ -198,7 +207,7 @@ impl Rows {
                 }
             }
         }
-        sqrt(largest_eigenvalue(&matrix, m) * total) * (1.0 + ROUNDING)
+        Ok(sqrt(largest_eigenvalue(&matrix, m) * total) * (1.0 + ROUNDING))
     }
 }
 

@@ -28,6 +28,9 @@ use crate::scene::{Scene, UNITS};
 /// Rows whose moduli are summed in f32 before f64 takes over.
 pub(crate) const ROWS_A_SUM: usize = 64;
 
+/// Entries of G that are written out together, some points at a time: the memory of the others is not touched yet.
+const ENTRIES_A_BLOCK: usize = 1 << 18;
+
 /// Square wavelengths, a little more than a hundredth squared: f32 decides where f64 is to look.
 pub(crate) const NEAR: f32 = 1.01e-4;
 
@@ -290,15 +293,21 @@ impl Propagation {
         let n = self.transducers();
         control.room("the matrix G", [n, self.count], bytes(8, &[n, self.count]))?;
         self.reach(&mut Vec::new(), &mut Vec::new(), control)?;
-        let (mut re, mut im) = (vec![0.0; self.lanes()], vec![0.0; self.lanes()]);
-        let mut matrix = vec![Complex32::ZERO; n * self.count];
-        for i in 0..n {
-            control.pulse()?;
-            self.row(i, &mut re, &mut im);
-            for j in 0..self.count {
-                let g = Complex64::new(f64::from(re[j]), f64::from(im[j])) * self.reference();
-                matrix[j * n + i] = Complex32::new(g.re as f32, g.im as f32);
+        let mut matrix = Vec::with_capacity(n * self.count);
+        let all: Vec<usize> = (0..self.count).collect();
+        for chosen in all.chunks((ENTRIES_A_BLOCK / n).clamp(16, 256)) {
+            let some = self.select(chosen);
+            let (mut re, mut im) = (vec![0.0; some.lanes()], vec![0.0; some.lanes()]);
+            let mut block = vec![Complex32::ZERO; n * chosen.len()];
+            for i in 0..n {
+                control.pulse()?;
+                some.row(i, &mut re, &mut im);
+                for j in 0..chosen.len() {
+                    let g = Complex64::new(f64::from(re[j]), f64::from(im[j])) * self.reference();
+                    block[j * n + i] = Complex32::new(g.re as f32, g.im as f32);
+                }
             }
+            matrix.extend_from_slice(&block);
         }
         Ok(matrix)
     }

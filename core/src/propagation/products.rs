@@ -84,6 +84,7 @@ pub(crate) fn gram<'w>(
         products::couplings(set, tiles, 0..across / LANES, count, to, control)?;
     }
     for k in 0..count {
+        control.pulse()?;
         for l in k..count {
             let (upper, lower) = (k * lanes + l, l * lanes + k);
             let (re, im) = (product.re[upper], product.im[upper]);

@@ -57,18 +57,19 @@ impl Solve for Gspat {
         let mut field = Planar::zeros(1, lanes, work);
         let [mut moduli, mut before] = [(); 2].map(|()| work.floats.take(lanes));
         wanted.scale(targets.iter().copied());
-        let propagate = |wanted: &mut Planar, field: &mut Planar, moduli: &mut [f32]| {
+        let propagate = |wanted: &mut Planar, field: &mut Planar, moduli: &mut [f32], control: &mut Control| {
             wanted.scale((0..count).map(share));
-            times(propagation.instruction_set(), &matrix, wanted, field);
+            times(propagation.instruction_set(), &matrix, wanted, field, control)?;
             kernels::modulus(propagation.instruction_set(), &field.re, &field.im, moduli);
+            Ok::<_, Error>(())
         };
         let ended = iterate(
             (self.steps, self.tolerance),
             &mut moduli,
             control,
-            |moduli, _| {
+            |moduli, control| {
                 before.copy_from_slice(moduli);
-                propagate(&mut wanted, &mut field, moduli);
+                propagate(&mut wanted, &mut field, moduli, control)?;
                 for j in 0..count {
                     let scale = if moduli[j] > 0.0 { targets[j] / moduli[j] } else { 0.0 };
                     wanted.re[j] = if scale > 0.0 { field.re[j] * scale } else { targets[j] };
@@ -79,7 +80,7 @@ impl Solve for Gspat {
             // The field before the limit.
             |moduli| problem.residual(moduli),
         )?;
-        propagate(&mut wanted, &mut field, &mut moduli);
+        propagate(&mut wanted, &mut field, &mut moduli, control)?;
         for j in 0..count {
             let scale = if moduli[j] > 0.0 { targets[j] / moduli[j] } else { 0.0 };
             wanted.re[j] = field.re[j] * scale * scale * share(j);

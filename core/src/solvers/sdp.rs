@@ -96,14 +96,14 @@ impl Solve for Sdp {
             (self.steps, self.tolerance),
             &mut relaxed,
             control,
-            |relaxed, _| {
+            |relaxed, control| {
                 let chosen = rng.below(count as u64) as usize;
                 let [re, im] = quality.row(chosen);
                 // Rows are stored conjugated, so a row reads as the column.
                 column.re.copy_from_slice(re);
                 column.im.copy_from_slice(im);
                 (column.re[chosen], column.im[chosen]) = (0.0, 0.0);
-                times(propagation.instruction_set(), relaxed, &column, &mut image);
+                times(propagation.instruction_set(), relaxed, &column, &mut image, control)?;
                 let [gain, _] = kernels::correlate(propagation.instruction_set(), image.row(0), column.row(0));
                 let scale = if gain > 0.0 { -sqrt(self.lambda / f64::from(gain)) as f32 } else { 0.0 };
                 let change = replace(relaxed, chosen, &image, scale, count);

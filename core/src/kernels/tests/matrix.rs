@@ -57,10 +57,11 @@ fn products_with_rows_are_their_sums() {
             let matrix = Matrix::new(68 - count, count);
             let lanes = padded(count);
             let vector = Matrix::new(1, count);
-            correlate_rows(set, [&matrix.re, &matrix.im], [&vector.re, &vector.im], |k, got| {
+            correlate_rows(set, [&matrix.re, &matrix.im], [&vector.re, &vector.im], &mut Control::none(), |k, got| {
                 let want = (0..count).map(|j| matrix.at(k, j).conj() * vector.at(0, j)).sum();
                 assert_close(exact(got), want, count, "correlate_rows");
-            });
+            })
+            .expect("nobody stops it");
             let factors: Vec<Complex32> =
                 (0..matrix.rows).map(|k| Complex32::cis(k as f32) * if k % 5 == 4 { 0.0 } else { 0.5 }).collect();
             let want = |j: usize| (0..matrix.rows).map(|k| matrix.at(k, j) * exact(factors[k])).sum();
