@@ -37,6 +37,7 @@ from ._midair import (
     solve_batch,
     solvers,
 )
+from .compare import Comparison, compare
 from .plot import plot
 from .sweep import sweep
 
@@ -45,6 +46,7 @@ __all__ = [
     "Array",
     "Batch",
     "BatchMetrics",
+    "Comparison",
     "Field",
     "Metrics",
     "OptionInfo",
@@ -59,6 +61,7 @@ __all__ = [
     "Solver",
     "SolverInfo",
     "bound",
+    "compare",
     "field",
     "judge",
     "plot",

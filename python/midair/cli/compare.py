@@ -3,22 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-import numpy as np
-
-from .. import Scene, SceneError, Solution, bound, field, output, solve
-from .. import solvers as known_solvers
-from ..plot import contact_sheet
-from .images import title, write_image
+from .. import Scene, output
+from ..compare import choices, growing
+from .images import write_image
 from .progress import progress_bar
 from .tables import print_solutions
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-#: The most points that `midair.bound` takes.
-BOUND_POINTS = 64
 
 
 def compare_command(
@@ -43,46 +33,17 @@ def compare_command(
     request = Scene.load(scene)
     if image is not None:
         output.check(image, output.IMAGES)
-    names = _names(solvers)
-    solutions, fields = [], []
-    most = None
+    names = None if solvers == "all" else [name.strip() for name in solvers.split(",")]
+    count = len(choices(request, names))
+    table = None
     try:
         with progress_bar("comparing") as tell:
-            most = _bound(request)
-            for done, name in enumerate(names):
-                solutions.append(solve(request, name, balance=balance))
-                if image is not None:
-                    fields.append(field(request, solutions[-1].drive))
-                tell(done + 1, len(names))
-            if image is not None:
-                write_image(image, contact_sheet(fields, [title(solution) for solution in solutions]))
+            for table in growing(request, names, balance=balance):
+                tell(len(table), count)
+            if image is not None and table is not None:
+                write_image(image, table.plot())
     finally:
         # What was solved before an interruption is worth its line.
-        if solutions:
-            gaps = None if most is None else [_gap(one, most, request.weights) for one in solutions]
-            print_solutions(solutions, gaps)
+        if table is not None:
+            print_solutions(table.solutions, table.names, table.gaps)
     return 0
-
-
-def _names(solver_list: str) -> list[str]:
-    known = list(known_solvers())
-    names = known if solver_list == "all" else [name.strip() for name in solver_list.split(",")]
-    for name in names:
-        if name not in known:
-            raise SceneError(f'unknown solver "{name}": known are {", ".join(known)}')
-    return names
-
-
-def _bound(scene: Scene) -> float | None:
-    """The level that no drive exceeds, or None where it would take too long to know."""
-    wanted = np.ones(len(scene.points), dtype=bool)
-    for given in (scene.pressures, scene.weights):
-        wanted &= True if given is None else given > 0
-    return bound(scene) if wanted.sum() <= BOUND_POINTS else None
-
-
-def _gap(solution: Solution, most: float, weights: NDArray[np.float64] | None) -> float:
-    """How far a solution's weakest point stays below that level, relative to it."""
-    heard = (solution.targets > 0) & (True if weights is None else weights > 0)
-    weakest = np.min(np.abs(solution.pressures[heard]) / solution.targets[heard])
-    return float(1 - weakest / most)
