@@ -119,7 +119,7 @@ impl Scene {
             return files::write(&self.inner, Format::Json, &Provenance::default()).map_err(refused);
         };
         let mut scene = (*self.inner).clone();
-        scene.solver = Some(solution.get().choice.clone());
+        scene.solver = Some((*solution.get().choice).clone());
         let provenance = Provenance {
             version: Some(env!("CARGO_PKG_VERSION").into()),
             status: Some(solution.get().inner.status.to_string()),

@@ -1,5 +1,7 @@
 //! `midair.Solution`.
 
+use std::sync::Arc;
+
 use midair::Complex32;
 use numpy::{IntoPyArray, PyArray1, ToPyArray};
 use pyo3::prelude::*;
@@ -7,19 +9,27 @@ use pyo3::types::PyDict;
 
 use crate::metrics::Metrics;
 use crate::read;
+use crate::scene::Scene;
 
 /// A drive and what it does at the points.
 #[pyclass(frozen, module = "midair")]
 pub(crate) struct Solution {
     pub(crate) inner: midair::Solution,
-    pub(crate) choice: midair::Choice,
+    pub(crate) choice: Arc<midair::Choice>,
+    /// The scene as it was given; where there was none, it is made of the answer when asked for.
+    scene: Option<Arc<midair::Scene>>,
     trace: Option<Vec<f64>>,
     elapsed: f64,
 }
 
 impl Solution {
-    pub(crate) fn new(inner: midair::Solution, choice: midair::Choice, trace: Option<Vec<f64>>, elapsed: f64) -> Self {
-        Self { inner, choice, trace, elapsed }
+    pub(crate) fn new(inner: midair::Solution, choice: Arc<midair::Choice>, elapsed: f64) -> Self {
+        Self { inner, choice, scene: None, trace: None, elapsed }
+    }
+
+    /// The same with the scene it was solved for, and the residual after each step.
+    pub(crate) fn of(self, scene: Option<Arc<midair::Scene>>, trace: Option<Vec<f64>>) -> Self {
+        Self { scene, trace, ..self }
     }
 }
 
@@ -96,6 +106,12 @@ impl Solution {
     #[getter]
     fn trace<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         self.trace.as_ref().map(|trace| trace.to_pyarray(py))
+    }
+
+    /// The scene that it answers, or None for a matrix of one's own.
+    #[getter]
+    fn scene(&self) -> Option<Scene> {
+        self.scene.clone().or_else(|| self.inner.scene().map(Arc::new)).map(|inner| Scene { inner })
     }
 
     /// The solver's name.

@@ -1,5 +1,6 @@
 //! `midair.solve`.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use midair::{Workspace, solvers as registry};
@@ -119,5 +120,5 @@ pub(crate) fn solve(
         );
         warn(py, text)?;
     }
-    Ok(Solution::new(inner, choice, trace, elapsed))
+    Ok(Solution::new(inner, Arc::new(choice), elapsed).of(subject.scene(), trace))
 }

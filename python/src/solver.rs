@@ -1,6 +1,6 @@
 //! `midair.Solver`.
 
-use std::sync::{Mutex, MutexGuard, TryLockError};
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use std::time::Instant;
 
 use midair::solvers::{Info, unused};
@@ -35,7 +35,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 #[pyclass(frozen, module = "midair")]
 pub(crate) struct Solver {
     state: Mutex<State>,
-    choice: midair::Choice,
+    choice: Arc<midair::Choice>,
     info: &'static Info,
     points: Option<usize>,
 }
@@ -122,7 +122,7 @@ impl Solver {
             return Err(invalid("points", &most.to_string(), &cure));
         }
         let ask = Ask { aim: choice.aim, ..Ask::default() };
-        Ok(Self { state: Mutex::new(State { session, ask, elapsed: 0.0 }), choice, info, points })
+        Ok(Self { state: Mutex::new(State { session, ask, elapsed: 0.0 }), choice: Arc::new(choice), info, points })
     }
 
     /// Finds a drive for points (M, 3) in m, as `solve` would; a matrix has its own, and they are left out. Without out the
@@ -183,7 +183,7 @@ impl Solver {
             return Ok(slf.clone().into_any().unbind());
         }
         let inner = session.take().ok_or_else(|| invalid("solution", "none", "report this"))?;
-        let solution = Solution::new(inner, choice.clone(), None, *elapsed);
+        let solution = Solution::new(inner, Arc::clone(choice), *elapsed);
         Ok(Bound::new(py, solution)?.into_any().unbind())
     }
 

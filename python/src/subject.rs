@@ -83,6 +83,14 @@ impl Subject {
         }
     }
 
+    /// The scene, if it is one.
+    pub(crate) fn scene(&self) -> Option<Arc<midair::Scene>> {
+        match self {
+            Self::Scene(scene) => Some(Arc::clone(scene)),
+            Self::Given(..) => None,
+        }
+    }
+
     /// What the board can play.
     pub(crate) fn quantization(&self) -> Option<&Quantization> {
         match self {

@@ -235,3 +235,15 @@ def test_scene_file_names_the_solver_until_told_otherwise(tmp_path) -> None:
     assert same(midair.solve(scene, "greedy", balance=False), "greedy", phases=4, seed=9, balance=False)
     assert same(midair.solve(scene, "naive"), "naive")
     assert same(midair.solve(scene, phases=None), "greedy", phases=4, seed=9, balance=True)
+
+
+def test_solution_scene():
+    array = midair.Array.preset("autd3")
+    points = [[0, 0, 0.1], [0.02, 0, 0.1]]
+    scene = midair.Scene(array, points, 100.0, weights=[1, 2], temperature=25)
+    for solution in (midair.solve(scene), midair.Solver(scene)(points, [100, 100], weights=[1, 2])):
+        assert solution.scene.json() == scene.json()
+    plain = midair.Solver(array)(points).scene
+    assert plain.pressures is None
+    assert plain.weights is None
+    assert midair.solve(midair.Propagation(np.ones((1, 3)))).scene is None

@@ -14,6 +14,7 @@ use crate::problem::Problem;
 use crate::problem::metrics::Metrics;
 use crate::problem::targets::Targets;
 use crate::propagation::field_of;
+use crate::scene::Scene;
 use crate::workspace::Workspace;
 
 /// How a solve ended. Outcome is data, never an error.
@@ -197,6 +198,14 @@ impl Solution {
     fn residual_for(&self, problem: &Problem) -> f64 {
         let unit = self.asked.propagation.reference();
         problem.residual_of(self.asked.active.iter().map(|&j| math::modulus(self.pressures[j]) / unit))
+    }
+
+    /// The scene that it answers: array, medium, points and what was asked of them. `None` for a given G.
+    #[must_use]
+    pub fn scene(&self) -> Option<Scene> {
+        let Targets { propagation, setup, .. } = &*self.asked;
+        let (array, points) = (propagation.array()?, propagation.control_points()?);
+        Scene::new(array.clone(), setup.medium, points.to_vec(), self.asked.request()).ok()
     }
 
     /// The targets (M,) in Pa that the metrics refer to.

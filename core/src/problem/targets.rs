@@ -31,8 +31,9 @@ pub(crate) struct Targets {
     pub(crate) relative_weights: Vec<f32>,
     /// The points of weight above 0.
     pub(crate) active: Vec<usize>,
-    /// Whether the caller gave pressures.
+    /// Whether the caller gave pressures, and weights.
     pub(crate) given: bool,
+    pub(crate) weighted: bool,
     /// Factor that brings the targets to the balanced level.
     pub(crate) balance: f64,
     /// The first point asked for more than its own reach, and that reach in Pa.
@@ -50,6 +51,7 @@ impl Targets {
             relative_weights: Vec::new(),
             active: Vec::new(),
             given: false,
+            weighted: false,
             balance: 1.0,
             overasked: None,
         }
@@ -60,7 +62,7 @@ impl Targets {
     pub(crate) fn read(&mut self, request: &Request) -> Result<Option<Propagation>, Error> {
         let all = 0..self.propagation.points();
         request.check(all.end)?;
-        self.given = request.pressures.is_some();
+        (self.given, self.weighted) = (request.pressures.is_some(), request.weights.is_some());
         self.pascals.clear();
         self.pascals.extend(all.clone().map(|j| request.pressure(j)));
         self.weights.clear();
@@ -74,6 +76,14 @@ impl Targets {
             *relative = (self.weights[j] / heaviest) as f32;
         }
         Ok((self.active.len() < all.end).then(|| self.propagation.select(&self.active)))
+    }
+
+    /// What was read.
+    pub(crate) fn request(&self) -> Request {
+        Request {
+            pressures: self.given.then(|| self.pascals.clone()),
+            weights: self.weighted.then(|| self.weights.clone()),
+        }
     }
 
     /// Computes the balanced level from p1_j of the points of weight above 0, in units of the reference, and sets the

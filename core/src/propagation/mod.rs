@@ -23,7 +23,7 @@ use crate::kernels;
 use crate::kernels::propagate::rows;
 use crate::kernels::{ControlPoints, InstructionSet, Row, padded};
 use crate::math;
-use crate::scene::{Scene, UNITS};
+use crate::scene::{Array, Scene, UNITS};
 
 /// Rows whose moduli are summed in f32 before f64 takes over.
 pub(crate) const ROWS_A_SUM: usize = 64;
@@ -178,6 +178,14 @@ impl Propagation {
     pub(crate) fn control_points(&self) -> Option<&[[f64; 3]]> {
         match &self.rows {
             Rows::Computed { points, .. } => Some(points),
+            Rows::Stored { .. } => None,
+        }
+    }
+
+    /// The array that G is computed from.
+    pub(crate) fn array(&self) -> Option<&Array> {
+        match &self.rows {
+            Rows::Computed { sources, .. } => Some(&sources.array),
             Rows::Stored { .. } => None,
         }
     }
