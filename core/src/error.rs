@@ -45,12 +45,12 @@ pub enum Error {
         least: f64,
     },
     /// A point with a pressure above 0 at which no transducer has any effect.
-    #[error(
-        "points[{point}] is reached by no transducer: move it in front of the array, turn a normal or ask for pressure 0 there"
-    )]
+    #[error("points[{point}] is reached by no transducer: {cure}")]
     Unreached {
         /// Index of the point.
         point: usize,
+        /// What to change.
+        cure: &'static str,
     },
     /// One problem of a batch that cannot be answered.
     #[error("problems[{index}]: {error}")]

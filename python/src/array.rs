@@ -1,13 +1,15 @@
 //! `midair.Array` and `midair.presets`.
 
 use midair::{Complex64, Directivity, Transducer};
-use numpy::{PyArray1, PyArray2, ToPyArray};
+use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 
 use crate::error::{invalid, refused};
+use crate::give::{self, rows};
+use crate::numbers::quoted;
 use crate::quantization::{self, on_board};
-use crate::read::{self, rows};
+use crate::read;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
@@ -101,14 +103,15 @@ impl Array {
         quantization: Argument<'_, '_>,
     ) -> PyResult<Self> {
         let Ok(name) = name.extract::<String>() else {
-            return Err(invalid("preset", &name.to_string(), "give a name as text"));
+            return Err(invalid("preset", &quoted(name), "give a name as text"));
         };
         let tiles = match tiles {
             None => [1, 1],
             Some(tiles) => {
-                let pair: Vec<Bound<'_, PyAny>> = tiles.try_iter().and_then(Iterator::collect).unwrap_or_default();
+                let pair: Vec<Bound<'_, PyAny>> =
+                    tiles.try_iter().and_then(|few| few.take(3).collect()).unwrap_or_default();
                 let [x, y] = &pair[..] else {
-                    return Err(invalid("tiles", &tiles.to_string(), "give two whole numbers, boards along x and y"));
+                    return Err(invalid("tiles", &quoted(tiles), "give two whole numbers, boards along x and y"));
                 };
                 [read::count("tiles[0]", x)?, read::count("tiles[1]", y)?]
             }
@@ -139,7 +142,7 @@ impl Array {
     /// Complex responses (N,), or None where all are 1.
     #[getter]
     fn response<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<Complex64>>> {
-        self.inner.response().map(|response| response.to_pyarray(py))
+        self.inner.response().map(|response| give::list(py, response.to_vec()))
     }
 
     /// Which transducers are on (N,), bool.

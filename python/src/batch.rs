@@ -3,14 +3,16 @@
 use std::time::Instant;
 
 use midair::{Ask, Complex32, Control, Start, Threads};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods, ToPyArray};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::ctrl_c::attend;
 use crate::error::{invalid, refused};
+use crate::give;
 use crate::limits;
-use crate::read;
+use crate::out;
+use crate::read::{self, Starts};
 use crate::setting::Setting;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -23,7 +25,7 @@ pub(crate) struct BatchMetrics {
 
 impl BatchMetrics {
     fn each<'py>(&self, py: Python<'py>, part: fn(&midair::Metrics) -> f64) -> Bound<'py, PyArray1<f64>> {
-        self.inner.iter().map(part).collect::<Vec<_>>().into_pyarray(py)
+        give::list(py, self.inner.iter().map(part).collect())
     }
 }
 
@@ -86,7 +88,7 @@ impl Batch {
     /// Complex pressures (B, M) in Pa (peak), complex64.
     #[getter]
     fn pressures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
-        self.inner.pressures.to_pyarray(py).reshape([self.inner.steps.len(), self.points])
+        give::table(py, self.inner.pressures.clone(), [self.inner.steps.len(), self.points])
     }
 
     /// How good each is: attributes of shape (B,).
@@ -98,7 +100,7 @@ impl Batch {
     /// What supply or modulation have to multiply each drive by (B,).
     #[getter]
     fn scale<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.inner.scale.to_pyarray(py)
+        give::list(py, self.inner.scale.clone())
     }
 
     /// How each ended (B,): "done", "out_of_steps" or "stopped".
@@ -110,12 +112,8 @@ impl Batch {
     /// Steps of each (B,).
     #[getter]
     fn steps<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        self.inner
-            .steps
-            .iter()
-            .map(|&steps| i64::try_from(steps).unwrap_or(i64::MAX))
-            .collect::<Vec<_>>()
-            .into_pyarray(py)
+        let steps = self.inner.steps.iter().map(|&steps| i64::try_from(steps).unwrap_or(i64::MAX));
+        give::list(py, steps.collect())
     }
 
     /// Seconds from the checked arguments to the last answer.
@@ -131,13 +129,6 @@ impl Batch {
     fn __repr__(&self) -> String {
         format!("<midair.Batch of {} problems of {} points>", self.inner.steps.len(), self.points)
     }
-}
-
-/// Starts of a batch: complex drives (B, N) or real point phases (B, M).
-enum Starts {
-    None,
-    Drives(Vec<Complex32>),
-    Phases(Vec<f64>),
 }
 
 /// Solves B problems at once, each bit for bit as `solve` would alone.
@@ -195,26 +186,16 @@ pub(crate) fn solve_batch(
     }
     let starts = match start {
         None => Starts::None,
-        Some(start) if read::is_complex(start) => {
-            Starts::Drives(read::batch_of_drives("start", start, [count, transducers])?)
-        }
-        Some(start) => Starts::Phases(read::batch_of_numbers("start", start, [count, size])?),
+        Some(start) => read::batch_of_starts("start", start, [count, transducers], [count, size])?,
     };
-    let drives = match out {
+    let mut writable = match out {
         None => {
             let bytes = 8 * (count as u64).saturating_mul(transducers as u64);
             let control = Control::none().with_memory(limits::memory()?);
             control.room(&format!("the batch of {count} problems"), [transducers, size], bytes).map_err(refused)?;
-            PyArray2::<Complex32>::zeros(py, [count, transducers], false)
+            PyArray2::<Complex32>::zeros(py, [count, transducers], false).readwrite()
         }
-        Some(out) => {
-            let cure = format!("give a writable C-contiguous complex64 array of shape ({count}, {transducers})");
-            let array = out.cast::<PyArray2<Complex32>>().ok().cloned();
-            let fits = |array: &Bound<'_, PyArray2<Complex32>>| {
-                array.shape() == [count, transducers] && array.is_c_contiguous()
-            };
-            array.filter(fits).ok_or_else(|| invalid("out", &read::quoted(out), &cure))?
-        }
+        Some(out) => out::borrowed(out, &[count, transducers])?,
     };
     read::callback(progress.as_ref().map(|callback| callback.bind(py)), "done, problems, residual")?;
     let threads = match threads {
@@ -226,9 +207,6 @@ pub(crate) fn solve_batch(
             most => limits::threads(py)?.at_most(most),
         },
     };
-    let mut writable = drives
-        .try_readwrite()
-        .map_err(|_| invalid("out", "in use or read-only", "give an array that can be written"))?;
     let clock = Instant::now();
     let ask = |k: usize, ask: &mut Ask| -> Result<(), midair::Error> {
         let own = k * size..(k + 1) * size;
@@ -247,7 +225,10 @@ pub(crate) fn solve_batch(
     let slice = writable.as_slice_mut()?;
     let inner =
         attend(py, progress, |control| session.solve_batch(count, size, &ask, slice, &mut control.on(threads)))?;
-    drop(writable);
+    let drives = (**writable).clone();
+    if out.is_none() {
+        writable.make_nonwriteable();
+    }
     Ok(Batch { drives: drives.unbind(), inner, points: size, elapsed: clock.elapsed().as_secs_f64() })
 }
 

@@ -3,14 +3,15 @@
 use std::sync::Arc;
 
 use midair::Complex32;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, ToPyArray};
+use numpy::{PyArray1, PyArray2, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::ctrl_c::attend;
+use crate::give::{self, rows};
 use crate::instruction_set::instruction_set;
 use crate::limits;
 use crate::plane::Plane;
-use crate::read::{self, rows};
+use crate::read;
 use crate::scene::Scene;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -42,7 +43,7 @@ impl Field {
     /// Complex pressure in Pa (peak): (pixels, pixels), indexed [y, x], or (P,).
     #[getter]
     fn pressure<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<Complex32>>> {
-        self.pressure.to_pyarray(py).reshape(self.shape())
+        give::list(py, self.pressure.clone()).reshape(self.shape())
     }
 
     /// Radiation pressure in Pa on a wall at normal incidence, |p|^2/(rho c^2), of the same shape.
@@ -51,7 +52,7 @@ impl Field {
         let medium = self.scene.medium();
         let modulus = |p: &Complex32| f64::from(p.re).hypot(f64::from(p.im));
         let radiation: Vec<f64> = self.pressure.iter().map(|p| medium.radiation(modulus(p))).collect();
-        radiation.into_pyarray(py).reshape(self.shape())
+        give::list(py, radiation).reshape(self.shape())
     }
 
     /// Samples along x (pixels,) in m, or None for points.

@@ -1,9 +1,11 @@
 //! `midair.Plane`.
 
-use numpy::{IntoPyArray, PyArray1};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::error::{invalid, refused};
+use crate::give;
+use crate::numbers::quoted;
 use crate::read;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -33,9 +35,10 @@ impl Plane {
         let center = match center {
             None => [0.0, 0.0],
             Some(center) => {
-                let pair: Vec<Bound<'_, PyAny>> = center.try_iter().and_then(Iterator::collect).unwrap_or_default();
+                let pair: Vec<Bound<'_, PyAny>> =
+                    center.try_iter().and_then(|few| few.take(3).collect()).unwrap_or_default();
                 let [x, y] = &pair[..] else {
-                    return Err(invalid("plane.center", &center.to_string(), "give two real numbers, x and y"));
+                    return Err(invalid("plane.center", &quoted(center), "give two real numbers, x and y"));
                 };
                 [read::real("plane.center[0]", x)?, read::real("plane.center[1]", y)?]
             }
@@ -71,13 +74,13 @@ impl Plane {
     /// Samples along x (pixels,) in m.
     #[getter]
     pub(crate) fn x<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.inner.axis(0).into_pyarray(py)
+        give::list(py, self.inner.axis(0))
     }
 
     /// Samples along y (pixels,) in m.
     #[getter]
     pub(crate) fn y<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.inner.axis(1).into_pyarray(py)
+        give::list(py, self.inner.axis(1))
     }
 
     fn __repr__(&self) -> String {

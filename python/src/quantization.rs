@@ -1,11 +1,13 @@
 //! `quantization` and `mask` arguments, from Python and back.
 
 use midair::Quantization;
-use numpy::{IntoPyArray, PyArray1, ToPyArray};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::error::{invalid, refused};
+use crate::give;
+use crate::numbers::quoted;
 use crate::read;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -30,7 +32,7 @@ pub(crate) fn on_board(
 pub(crate) fn read_quantization(value: &Bound<'_, PyAny>) -> PyResult<Quantization> {
     let Ok(table) = value.cast::<PyDict>() else {
         let cure = "give a dictionary such as {\"phases\": 256, \"amplitudes\": [0, 0.5, 1]}";
-        return Err(invalid("quantization", &read::quoted(value), cure));
+        return Err(invalid("quantization", &quoted(value), cure));
     };
     let (mut phases, mut amplitudes) = (None, None);
     for (key, value) in table {
@@ -42,7 +44,7 @@ pub(crate) fn read_quantization(value: &Bound<'_, PyAny>) -> PyResult<Quantizati
             }
             Ok("amplitudes") => amplitudes = Some(read::reals("array.quantization.amplitudes", &value)?),
             _ => {
-                let name = key.to_string();
+                let name = key.extract().unwrap_or_else(|_| quoted(&key));
                 return Err(refused(midair::Error::unknown("key of quantization", name, ["phases", "amplitudes"])));
             }
         }
@@ -55,11 +57,11 @@ pub(crate) fn shown<'py>(py: Python<'py>, array: &midair::Array) -> PyResult<Opt
     let Some(quantization) = array.quantization() else { return Ok(None) };
     let table = PyDict::new(py);
     table.set_item("phases", quantization.phases())?;
-    table.set_item("amplitudes", quantization.amplitudes().map(|table| table.to_pyarray(py)))?;
+    table.set_item("amplitudes", quantization.amplitudes().map(|table| give::list(py, table.to_vec())))?;
     Ok(Some(table))
 }
 
 /// The mask (N,), all True where none was given.
 pub(crate) fn mask<'py>(py: Python<'py>, array: &midair::Array) -> Bound<'py, PyArray1<bool>> {
-    array.mask().map_or_else(|| vec![true; array.len()], <[_]>::to_vec).into_pyarray(py)
+    give::list(py, array.mask().map_or_else(|| vec![true; array.len()], <[_]>::to_vec))
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use midair::files::{self, Format, Provenance};
 use midair::{Complex32, Control, Medium, Request};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, ToPyArray};
+use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -14,9 +14,10 @@ use pyo3::types::PyDict;
 use crate::array::{Array, adjusted};
 use crate::ctrl_c::attend;
 use crate::error::refused;
+use crate::give::{self, rows};
 use crate::instruction_set::instruction_set;
 use crate::plane::Plane;
-use crate::read::{self, rows};
+use crate::read;
 use crate::solution::Solution;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -142,13 +143,13 @@ impl Scene {
     /// Pressures (M,) in Pa as given, or None.
     #[getter]
     fn pressures<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        self.inner.request().pressures.as_ref().map(|pressures| pressures.to_pyarray(py))
+        self.inner.request().pressures.clone().map(|pressures| give::list(py, pressures))
     }
 
     /// Weights (M,) as given, or None.
     #[getter]
     fn weights<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        self.inner.request().weights.as_ref().map(|weights| weights.to_pyarray(py))
+        self.inner.request().weights.clone().map(|weights| give::list(py, weights))
     }
 
     /// Frequency in Hz.
@@ -204,7 +205,7 @@ impl Scene {
     fn propagation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
         let propagation = midair::Propagation::of(&self.inner).with_instruction_set(instruction_set()?);
         let matrix = attend(py, None, |mut control| propagation.matrix(&mut control))?;
-        matrix.into_pyarray(py).reshape([self.inner.points().len(), self.inner.array().len()])
+        give::table(py, matrix, [self.inner.points().len(), self.inner.array().len()])
     }
 
     /// What the array can do at the points: the strongest pressure at each alone, and at all of them together.
@@ -232,14 +233,14 @@ impl Reach {
     /// The strongest pressure at each point alone (M,) in Pa: the sum of |G|.
     #[getter]
     fn alone<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.inner.alone.to_pyarray(py)
+        give::list(py, self.inner.alone.clone())
     }
 
     /// The balanced level (M,) in Pa: what the array can make at all points together, in the ratios of the pressures, if
     /// they are a focal width apart.
     #[getter]
     fn level<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.inner.level.to_pyarray(py)
+        give::list(py, self.inner.level.clone())
     }
 
     fn __repr__(&self) -> String {

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use midair::Complex32;
-use numpy::{IntoPyArray, PyArray1, ToPyArray};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::give;
 use crate::metrics::Metrics;
 use crate::read;
 use crate::scene::Scene;
@@ -38,37 +39,37 @@ impl Solution {
     /// Drives q (N,), complex64, |q| <= 1.
     #[getter]
     fn drive<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Complex32>> {
-        self.inner.drive.to_pyarray(py)
+        give::list(py, self.inner.drive.clone())
     }
 
     /// Phases (N,) in rad in [0, 2 pi); 0 where the drive is 0.
     #[getter]
     fn phases<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        (0..self.inner.drive.len()).map(|i| self.inner.phase(i)).collect::<Vec<_>>().into_pyarray(py)
+        give::list(py, (0..self.inner.drive.len()).map(|i| self.inner.phase(i)).collect())
     }
 
     /// Amplitudes (N,), 0 to 1.
     #[getter]
     fn amplitudes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        (0..self.inner.drive.len()).map(|i| self.inner.amplitude(i)).collect::<Vec<_>>().into_pyarray(py)
+        give::list(py, (0..self.inner.drive.len()).map(|i| self.inner.amplitude(i)).collect())
     }
 
     /// Complex pressures (M,) in Pa (peak), complex64.
     #[getter]
     fn pressures<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Complex32>> {
-        self.inner.pressures.to_pyarray(py)
+        give::list(py, self.inner.pressures.clone())
     }
 
     /// Radiation pressures (M,) in Pa, |p|^2/(rho c^2).
     #[getter]
     fn radiation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        (0..self.inner.pressures.len()).map(|j| self.inner.radiation(j)).collect::<Vec<_>>().into_pyarray(py)
+        give::list(py, (0..self.inner.pressures.len()).map(|j| self.inner.radiation(j)).collect())
     }
 
     /// Targets (M,) in Pa that the metrics refer to.
     #[getter]
     fn targets<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.inner.targets().to_pyarray(py)
+        give::list(py, self.inner.targets().to_vec())
     }
 
     /// How good it is.
@@ -105,7 +106,7 @@ impl Solution {
     /// The residual after each step (steps,), or None where no trace was asked for.
     #[getter]
     fn trace<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        self.trace.as_ref().map(|trace| trace.to_pyarray(py))
+        self.trace.clone().map(|trace| give::list(py, trace))
     }
 
     /// The scene that it answers, or None for a matrix of one's own.
@@ -141,8 +142,5 @@ pub(crate) fn begin(start: &Bound<'_, PyAny>) -> PyResult<midair::Start> {
     if let Ok(solution) = start.cast::<Solution>() {
         return Ok(midair::Start::Drive(solution.get().inner.drive.clone()));
     }
-    if read::is_complex(start) {
-        return read::drive("start", start).map(midair::Start::Drive);
-    }
-    read::reals("start", start).map(midair::Start::Phases)
+    read::start("start", start)
 }

@@ -5,13 +5,16 @@ use std::time::Instant;
 
 use midair::solvers::{Info, unused};
 use midair::{Ask, Complex32, Session};
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods, ToPyArray};
+use numpy::{Ix1, Ix2, PyArray1, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::ctrl_c::attend;
 use crate::error::{invalid, refused};
+use crate::give;
 use crate::metrics::Metrics;
+use crate::numbers::in_place;
+use crate::out;
 use crate::read;
 use crate::setting::Setting;
 use crate::solution::{Solution, begin};
@@ -70,9 +73,8 @@ impl Solver {
 /// Copies points into a list that is kept: an array that is already float64 and C-contiguous without another copy.
 fn copy_points(value: &Bound<'_, PyAny>, kept: &mut Vec<[f64; 3]>) -> PyResult<()> {
     kept.clear();
-    if let Ok(array) = value.extract::<PyReadonlyArray2<'_, f64>>()
+    if let Some(array) = in_place::<f64, Ix2>(value)
         && array.shape()[1] == 3
-        && array.is_c_contiguous()
         && let Ok(slice) = array.as_slice()
     {
         kept.extend_from_slice(slice.as_chunks().0);
@@ -88,7 +90,7 @@ fn copy(item: &str, value: Argument<'_, '_>, count: usize, kept: &mut Option<Vec
         *kept = None;
         return Ok(());
     };
-    if let (Ok(array), Some(list)) = (value.extract::<PyReadonlyArray1<'_, f64>>(), kept.as_mut())
+    if let (Some(array), Some(list)) = (in_place::<f64, Ix1>(value), kept.as_mut())
         && array.len() == count
         && let Ok(slice) = array.as_slice()
     {
@@ -164,22 +166,12 @@ impl Solver {
         copy("pressures", pressures, count, &mut ask.request.pressures)?;
         copy("weights", weights, count, &mut ask.request.weights)?;
         let transducers = session.transducers();
-        let out = out
-            .map(|out| {
-                let array = out.cast::<PyArray1<Complex32>>().ok().filter(|array| array.len() == transducers);
-                let array = array.and_then(|array| array.try_readwrite().ok());
-                let cure = format!("give a writable complex64 array of shape ({transducers},)");
-                array.ok_or_else(|| invalid("out", &read::quoted(out), &cure))
-            })
-            .transpose()?;
+        let out = out.map(|out| out::borrowed::<Ix1>(out, &[transducers])).transpose()?;
         ask.start = start.map(begin).transpose()?;
         attend(py, None, |mut control| session.solve(ask, &mut control).map(|_| ()))?;
         *elapsed = clock.elapsed().as_secs_f64();
-        if let Some(mut out) = out {
-            let drive = session.solution().map(|solution| &solution.drive).into_iter().flatten();
-            for (out, q) in out.as_array_mut().iter_mut().zip(drive) {
-                *out = *q;
-            }
+        if let Some(out) = out {
+            out::write(out, session.solution().map_or(&[], |solution| &solution.drive))?;
             return Ok(slf.clone().into_any().unbind());
         }
         let inner = session.take().ok_or_else(|| invalid("solution", "none", "report this"))?;
@@ -190,13 +182,13 @@ impl Solver {
     /// Drives q (N,) of the last call with out, complex64.
     #[getter]
     fn drive<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<Complex32>>> {
-        self.last(|solution| solution.drive.to_pyarray(py))
+        self.last(|solution| give::list(py, solution.drive.clone()))
     }
 
     /// Complex pressures (M,) of the last call with out in Pa (peak), complex64.
     #[getter]
     fn pressures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<Complex32>>> {
-        self.last(|solution| solution.pressures.to_pyarray(py))
+        self.last(|solution| give::list(py, solution.pressures.clone()))
     }
 
     /// How good the last call with out was.

@@ -346,6 +346,7 @@ def test_scene_keeps_its_own_copy_of_what_it_was_given() -> None:
     points = np.array(POINTS)
     scene = small(points=points)
     points[:] = 0
-    scene.points[:] = 0
+    with pytest.raises(ValueError, match="read-only"):
+        scene.points[:] = 0
     assert scene.points.tolist() == POINTS
     assert exact(scene).shape == (4, 64)

@@ -96,7 +96,7 @@ def test_random_order_is_that_of_its_seed() -> None:
 
 def test_columns_run_along_y_from_the_corner_with_the_smallest_x() -> None:
     array = midair.Array.grid(5, 4, pitch=0.01)
-    positions = array.positions
+    positions = array.positions.copy()
     # Columns are told apart to 1 um.
     positions[:, 0] += np.random.default_rng(7).uniform(-1e-7, 1e-7, 20)
     order = np.arange(20).reshape(4, 5).T.ravel()

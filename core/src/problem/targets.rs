@@ -98,7 +98,7 @@ impl Targets {
         for (&j, &reach) in self.active.iter().zip(reach) {
             let target = self.pascals[j];
             if target > 0.0 && reach == 0.0 {
-                return Err(Error::Unreached { point: j });
+                return Err(Error::Unreached { point: j, cure: self.propagation.cure_of_silence() });
             }
             if self.given && target > 0.0 && !within.contains(&(target / reference)) {
                 let cure = "no array comes near it: give the pressure in Pa, or 0 for a quiet point";

@@ -182,6 +182,17 @@ impl Propagation {
         }
     }
 
+    /// What to change where no transducer has any effect at a point.
+    pub(crate) fn cure_of_silence(&self) -> &'static str {
+        match self.array() {
+            None => "give its row of the matrix an entry that is neither 0 nor masked, or ask for pressure 0 there",
+            Some(array) if (0..array.len()).all(|i| array.effect(i) == Complex64::ZERO) => {
+                "all are off, switch some on in the array's mask and response"
+            }
+            Some(_) => "move it in front of the array, turn a normal or ask for pressure 0 there",
+        }
+    }
+
     /// The array that G is computed from.
     pub(crate) fn array(&self) -> Option<&Array> {
         match &self.rows {

@@ -1,0 +1,119 @@
+//! The one reader of arrays: numbers of any memory layout, copied in C order; what numpy would guess or lose is refused.
+
+use numpy::ndarray::Dimension;
+use numpy::{
+    Element, PyArray, PyArrayDyn, PyArrayMethods, PyReadonlyArray, PyUntypedArray, PyUntypedArrayMethods, dtype,
+};
+use pyo3::exceptions::PyException;
+use pyo3::prelude::*;
+use pyo3::types::{IntoPyDict, PyBool, PyFloat, PyInt, PyList, PyTuple};
+
+use crate::error::invalid;
+
+/// The most dimensions that an argument has: (B, M, 3).
+const DEEPEST: usize = 3;
+
+/// Values in C order, and their shape.
+pub(crate) struct Numbers<T> {
+    pub(crate) values: Vec<T>,
+    pub(crate) shape: Vec<usize>,
+}
+
+impl<T: Element + Copy> Numbers<T> {
+    /// The numbers of an array, whatever its byte order, alignment and strides.
+    pub(crate) fn of(array: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let py = array.py();
+        let keywords = [("dtype", dtype::<T>(py).into_any()), ("order", "C".into_pyobject(py)?.into_any())];
+        let copy = py.import("numpy")?.call_method("array", (array,), Some(&keywords.into_py_dict(py)?))?;
+        let copy = copy.cast_into::<PyArrayDyn<T>>()?;
+        Ok(Self { shape: copy.shape().to_vec(), values: copy.readonly().as_slice()?.to_vec() })
+    }
+}
+
+/// How a shape reads in an error.
+pub(crate) fn told(shape: &[usize]) -> String {
+    let sizes: Vec<String> = shape.iter().map(ToString::to_string).collect();
+    format!("of shape ({}{})", sizes.join(", "), if sizes.len() == 1 { "," } else { "" })
+}
+
+/// The numbers of an argument that is of one of `kinds` (numpy's letters).
+pub(crate) fn numbers<T: Element + Copy>(
+    item: &str,
+    value: &Bound<'_, PyAny>,
+    kinds: &str,
+    cure: &str,
+) -> PyResult<Numbers<T>> {
+    Numbers::of(&array(item, value, kinds, cure)?.0)
+}
+
+/// The numpy array of an argument, and its kind, which is one of `kinds`.
+pub(crate) fn array<'py>(
+    item: &str,
+    value: &Bound<'py, PyAny>,
+    kinds: &str,
+    cure: &str,
+) -> PyResult<(Bound<'py, PyAny>, String)> {
+    let refusal = || invalid(item, &quoted(value), cure);
+    if !is_array_like(value, 0, kinds.contains('b')) {
+        return Err(refusal());
+    }
+    refuse_hidden(item, value)?;
+    // A ragged list is no array at all; what else goes wrong in there is not ours to hide.
+    let array = match value.py().import("numpy")?.call_method1("asarray", (value,)) {
+        Ok(array) => array,
+        Err(error) if error.is_instance_of::<PyException>(value.py()) => return Err(refusal()),
+        Err(error) => return Err(error),
+    };
+    let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
+    if kinds.contains(&kind) { Ok((array, kind)) } else { Err(refusal()) }
+}
+
+/// Whether lists nest no deeper than an array does, and no bool hides in them, where numpy would make a number of it.
+fn is_array_like(value: &Bound<'_, PyAny>, depth: usize, bools: bool) -> bool {
+    if value.is_exact_instance_of::<PyFloat>() || value.is_exact_instance_of::<PyInt>() {
+        return true;
+    }
+    if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
+        let fits = |entry: PyResult<Bound<'_, PyAny>>| entry.is_ok_and(|entry| is_array_like(&entry, depth + 1, bools));
+        return depth < DEEPEST && value.try_iter().is_ok_and(|mut entries| entries.all(fits));
+    }
+    let name = value.get_type().name();
+    bools || !(value.is_instance_of::<PyBool>() || name.is_ok_and(|name| name == "bool" || name == "bool_"))
+}
+
+/// Refuses masked arrays that hide entries, alone or in lists: numpy would take what lies under the mask.
+pub(crate) fn refuse_hidden(item: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
+    if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
+        return value.try_iter()?.try_for_each(|entry| refuse_hidden(item, &entry?));
+    }
+    if !value.is_instance_of::<PyUntypedArray>() || value.is_exact_instance_of::<PyUntypedArray>() {
+        return Ok(());
+    }
+    let hidden: usize = value.py().import("numpy")?.getattr("ma")?.call_method1("count_masked", (value,))?.extract()?;
+    if hidden == 0 {
+        return Ok(());
+    }
+    let told = format!("masked in {hidden} of {} entries", value.getattr("size")?);
+    Err(invalid(item, &told, "fill what the mask hides, or leave it out"))
+}
+
+/// An array that can be read where it lies.
+pub(crate) fn in_place<'py, T: Element, D: Dimension>(value: &Bound<'py, PyAny>) -> Option<PyReadonlyArray<'py, T, D>> {
+    let array = value.cast_exact::<PyArray<T, D>>().ok()?;
+    // A Fortran-ordered array is contiguous, too.
+    (array.is_c_contiguous() && array.is_aligned()).then(|| array.try_readonly().ok()).flatten()
+}
+
+/// How a value reads in an error: short, on one line.
+pub(crate) fn quoted(value: &Bound<'_, PyAny>) -> String {
+    let text = match value.repr() {
+        Ok(text) => text.to_string(),
+        // A list too deep to show, or a class that cannot be shown.
+        Err(_) => format!(
+            "a {} that cannot be shown",
+            value.get_type().name().map_or_else(|_| "value".into(), |name| name.to_string())
+        ),
+    };
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    if text.chars().count() <= 60 { text } else { text.chars().take(57).chain("...".chars()).collect() }
+}

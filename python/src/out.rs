@@ -1,0 +1,53 @@
+//! `out` arrays: refused where a drive cannot be written as it is, then written.
+
+use midair::Complex32;
+use numpy::ndarray::Dimension;
+use numpy::{BorrowError, PyArray, PyArray1, PyArrayMethods, PyReadwriteArray, PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+
+use crate::error::invalid;
+use crate::numbers::{quoted, refuse_hidden, told};
+
+/// An array of a shape that can be written, borrowed so that no other call writes it; of a batch a contiguous one.
+pub(crate) fn borrowed<'py, D: Dimension>(
+    value: &Bound<'py, PyAny>,
+    shape: &[usize],
+) -> PyResult<PyReadwriteArray<'py, Complex32, D>> {
+    let contiguous = if shape.len() > 1 { "C-contiguous " } else { "" };
+    let cure = format!("give a writable {contiguous}complex64 array {}", told(shape));
+    let refusal = |value: &str| invalid("out", value, &cure);
+    let Ok(any) = value.cast::<PyUntypedArray>() else { return Err(refusal(&quoted(value))) };
+    if any.shape() != shape {
+        return Err(refusal(&told(any.shape())));
+    }
+    let Ok(array) = value.cast::<PyArray<Complex32, D>>() else {
+        return Err(refusal(&format!("of dtype {}", any.dtype())));
+    };
+    refuse_hidden("out", value)?;
+    if !array.is_aligned() {
+        return Err(refusal("misaligned"));
+    }
+    let apart = |(&stride, &size): (&isize, &usize)| size <= 1 || stride.unsigned_abs() >= size_of::<Complex32>();
+    if !array.strides().iter().zip(shape).all(apart) {
+        return Err(refusal("an array whose entries overlap"));
+    }
+    if !contiguous.is_empty() && !array.is_c_contiguous() {
+        return Err(refusal("not C-contiguous"));
+    }
+    array.try_readwrite().map_err(|error| match error {
+        BorrowError::NotWriteable => refusal("read-only"),
+        _ => refusal("in use by another call"),
+    })
+}
+
+/// Writes a drive (N,).
+pub(crate) fn write(mut out: PyReadwriteArray<'_, Complex32, numpy::Ix1>, drive: &[Complex32]) -> PyResult<()> {
+    if out.is_c_contiguous() {
+        out.as_slice_mut()?.copy_from_slice(drive);
+        return Ok(());
+    }
+    // Strides need not be whole numbers of entries (a field of records): numpy knows.
+    let (py, array) = (out.py(), out.as_any().clone());
+    drop(out);
+    array.set_item(py.Ellipsis(), PyArray1::from_slice(py, drive))
+}
