@@ -21,12 +21,14 @@ pub enum Error {
         cure: String,
     },
     /// A name nobody here answers to.
-    #[error("unknown {kind} \"{name}\": known are {known}")]
+    #[error("unknown {kind} \"{name}\": {hint}known are {known}")]
     Unknown {
         /// What the name should have named: `solver`, `preset`, `option of greedy`.
         kind: String,
         /// The name given.
         name: String,
+        /// What may have been meant, a question or remark that ends in a blank; empty where nothing is near.
+        hint: String,
         /// The names that would have done, separated by commas.
         known: String,
     },
@@ -108,8 +110,9 @@ impl Error {
         name: impl Into<String>,
         known: impl IntoIterator<Item = &'a str>,
     ) -> Self {
-        let known = known.into_iter().collect::<Vec<_>>().join(", ");
-        Self::Unknown { kind: kind.into(), name: one_line(&name.into()), known }
+        let (name, known) = (name.into(), known.into_iter().collect::<Vec<_>>());
+        let hint = nearest(&name, &known).map_or_else(String::new, |near| format!("did you mean {near}? "));
+        Self::Unknown { kind: kind.into(), name: one_line(&name), hint, known: known.join(", ") }
     }
 }
 
@@ -119,9 +122,46 @@ pub(crate) fn one_line(text: &str) -> String {
     words.collect::<Vec<_>>().join(" ")
 }
 
-/// The entry of a list that has this name.
+/// The letters of a name that tell it from others: case, "-" and "_" do not.
+fn letters(name: &str) -> impl Iterator<Item = char> {
+    name.chars().filter(|letter| !matches!(letter, '-' | '_')).map(|letter| letter.to_ascii_lowercase())
+}
+
+/// Whether two names are the same but for case, "-" and "_".
+#[must_use]
+pub fn same_name(a: &str, b: &str) -> bool {
+    letters(a).eq(letters(b))
+}
+
+/// The known name that one mistyped is likely to mean: at most a third of its letters away, or begun by it.
+pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+    let typed: Vec<char> = letters(name).take(64).collect();
+    let distance = |other: &str| {
+        let other: Vec<char> = letters(other).collect();
+        if typed.len() > 2 && other.starts_with(&typed) { 1 } else { edits(&typed, &other) }
+    };
+    let (least, near) = known.iter().map(|other| (distance(other), *other)).min_by_key(|(distance, _)| *distance)?;
+    (least <= (typed.len() / 3).max(1)).then_some(near)
+}
+
+/// Letters to insert, remove, replace or swap with their neighbour (optimal string alignment distance).
+fn edits(a: &[char], b: &[char]) -> usize {
+    let mut rows: Vec<Vec<usize>> = (0..=a.len()).map(|i| (0..=b.len()).map(|j| i.max(j)).collect()).collect();
+    for i in 1..=a.len() {
+        for j in 1..=b.len() {
+            let replaced = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
+            rows[i][j] = replaced.min(rows[i - 1][j] + 1).min(rows[i][j - 1] + 1);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                rows[i][j] = rows[i][j].min(rows[i - 2][j - 2] + 1);
+            }
+        }
+    }
+    rows[a.len()][b.len()]
+}
+
+/// The entry of a list that has this name, whatever its case, "-" and "_".
 pub(crate) fn find<'a, T>(kind: &str, name: &str, list: &'a [T], of: impl Fn(&T) -> &str) -> Result<&'a T, Error> {
-    let found = list.iter().find(|entry| of(entry) == name);
+    let found = list.iter().find(|entry| same_name(of(entry), name));
     found.ok_or_else(|| Error::unknown(kind, name, list.iter().map(of)))
 }
 

@@ -77,6 +77,7 @@ pub use workspace::{Buffer, Pool, Workspace};
 /// What [`options!`] needs where it is used.
 #[doc(hidden)]
 pub mod __private {
+    pub use crate::error::same_name;
     pub use alloc::vec;
     pub use alloc::vec::Vec;
 }

@@ -88,6 +88,7 @@ impl Setting {
         let mut configured = |board: Option<&midair::Quantization>| {
             choice.options = read::options(Some(&keywords.0))?;
             let configured = configure(&choice, board).map_err(refused)?;
+            choice.name = configured.info.name.into();
             choice.balance = Some(choice.balance.unwrap_or(configured.info.balance));
             choice.options.clone_from(&configured.options);
             Ok::<_, PyErr>((configured, choice.balance == Some(true)))

@@ -25,12 +25,13 @@ fn chosen(
     let name = solver.map(read::name).transpose()?;
     let given = read::options(keywords)?;
     // Another solver's options in the file do not fit; the same one's do, and keywords win over them.
-    let file = subject.choice().filter(|choice| name.as_ref().is_none_or(|name| *name == choice.name));
-    let name = name.or_else(|| file.map(|choice| choice.name.clone())).unwrap_or_else(|| registry::DEFAULT.into());
+    let named = name.as_deref().map(registry::find).transpose().map_err(refused)?.map(|entry| entry.info.name);
+    let file = subject.choice().filter(|choice| named.is_none_or(|name| name == choice.name));
+    let name = named.or(file.map(|choice| choice.name.as_str())).unwrap_or(registry::DEFAULT);
     let mut options = file.map(|choice| choice.options.clone()).unwrap_or_default();
-    options.extend(given);
+    options.extend(registry::find(name).and_then(|entry| entry.spelled(&given)).map_err(refused)?);
     let (balance, aim) = file.map_or((None, None), |choice| (choice.balance, choice.aim));
-    Ok(midair::Choice { name, options, balance, aim })
+    Ok(midair::Choice { name: name.into(), options, balance, aim })
 }
 
 /// Finds a drive for a scene, or for a matrix G (`Propagation`) with what goes beside it: pressures, weights, and the

@@ -144,7 +144,7 @@ impl Array {
             }
         }
         count("array.tiles", tiles[0].saturating_mul(tiles[1]).saturating_mul(preset.count))?;
-        let origin = Origin::Preset { name: name.to_string(), tiles };
+        let origin = Origin::Preset { name: preset.name.to_string(), tiles };
         let array = Self::new((preset.positions)(tiles), None)?;
         Ok(Self { origin, transducer: preset.transducer, ..array }.with_quantization(preset.quantization()?))
     }

@@ -2,7 +2,7 @@
 
 use alloc::string::String;
 
-use crate::error::Error;
+use crate::error::{Error, same_name};
 use crate::scene::aim::Aim;
 use crate::scene::value::{OptionValue, Options, Value};
 
@@ -26,12 +26,17 @@ impl Choice {
     /// A `balance` that is neither true nor false, an `aim` that is none. Name and options are checked by
     /// [`crate::solvers::configure`].
     pub fn new(name: String, mut options: Options) -> Result<Self, Error> {
-        let balance = match options.remove("balance") {
+        let mut take = |name: &str| {
+            let key = options.keys().find(|key| same_name(key, name))?.clone();
+            options.remove(&key)
+        };
+        let (balance, aim) = (take("balance"), take("aim"));
+        let balance = match balance {
             None => None,
             Some(Value::Bool(balance)) => Some(balance),
             Some(other) => return Err(Error::invalid("solver.balance", other, "give true or false")),
         };
-        let aim = options.remove("aim").map(|aim| Aim::read("solver.aim", &aim)).transpose()?;
+        let aim = aim.map(|aim| Aim::read("solver.aim", &aim)).transpose()?;
         Ok(Self { name, options, balance, aim })
     }
 

@@ -61,7 +61,7 @@ impl Directivity {
     pub fn named(name: &str, parameter: Option<f64>) -> Result<Self, Error> {
         let known = find("directivity", name, &KNOWN, |known| known.name().0)?;
         if let (None, Some(value)) = (known.name().1, parameter) {
-            return Err(Error::invalid(format!("directivity.{name}"), value, "it takes no parameter"));
+            return Err(Error::invalid(format!("directivity.{}", known.name().0), value, "it takes no parameter"));
         }
         match *known {
             Self::Piston(radius) => Self::Piston(parameter.unwrap_or(radius)),

@@ -6,7 +6,7 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
 
-use crate::error::Error;
+use crate::error::{Error, same_name};
 
 /// The value of an option, as a door hands it over.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,13 +90,13 @@ impl OptionValue for f64 {
     }
 }
 
-/// Reads a value that is one of a few words.
+/// Reads a value that is one of a few words, whatever its case, "-" and "_".
 ///
 /// # Errors
 /// Any other value; the error lists the words.
 pub fn word<T: Copy>(item: &str, value: &Value, words: &[(&'static str, T)]) -> Result<T, Error> {
     let found = match value {
-        Value::Text(text) => words.iter().find(|(word, _)| word == text),
+        Value::Text(text) => words.iter().find(|(word, _)| same_name(word, text)),
         _ => None,
     };
     found.map(|(_, meaning)| *meaning).ok_or_else(|| {

@@ -12,7 +12,7 @@ use num_complex::Complex32;
 
 use crate::control::Control;
 use crate::device::quantization::Quantization;
-use crate::error::Error;
+use crate::error::{Error, same_name};
 use crate::kernels::greedy;
 use crate::kernels::greedy::interleaved;
 use crate::kernels::greedy::{Pass, Search};
@@ -78,8 +78,9 @@ impl OptionValue for Order {
             return order.map(Self::Given).map_err(|_| not_a_permutation(value));
         }
         let cure = "give \"random\", \"rows\", \"columns\" or a permutation of 0..N";
-        let known = [Self::Random, Self::Rows, Self::Columns].into_iter().find(|known| known.show() == *value);
-        known.ok_or_else(|| Error::invalid(item, value, cure))
+        let words = [("random", Self::Random), ("rows", Self::Rows), ("columns", Self::Columns)];
+        let found = words.into_iter().find(|(word, _)| matches!(value, Value::Text(text) if same_name(word, text)));
+        found.map(|(_, order)| order).ok_or_else(|| Error::invalid(item, value, cure))
     }
 
     fn show(&self) -> Value {

@@ -22,7 +22,7 @@ pub trait Configure: Default {
     fn list() -> Vec<OptionInfo>;
     /// The present value of every option.
     fn options(&self) -> Options;
-    /// Sets one option.
+    /// Sets one option, whatever the case, "-" and "_" of its name.
     ///
     /// # Errors
     /// An unknown name (the error lists the known ones) or a value that does not fit.
@@ -78,13 +78,11 @@ macro_rules! options {
             }
 
             fn set(&mut self, name: &str, value: &$crate::Value) -> Result<(), $crate::Error> {
-                match name {
-                    $( stringify!($field) => {
-                        self.$field = $crate::OptionValue::read(name, value)?;
-                        Ok(())
-                    } )*
-                    _ => Err($crate::Error::unknown("option", name, [$( stringify!($field) ),*])),
-                }
+                $( if $crate::__private::same_name(name, stringify!($field)) {
+                    self.$field = $crate::OptionValue::read(stringify!($field), value)?;
+                    return Ok(());
+                } )*
+                Err($crate::Error::unknown("option", name, [$( stringify!($field) ),*]))
             }
         }
     };

@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 
 use crate::device::quantization::Quantization;
 use crate::error;
-use crate::error::Error;
+use crate::error::{Error, same_name};
 use crate::scene::{Choice, Options};
 use crate::solvers::best::Best;
 use crate::solvers::evd::Evd;
@@ -80,9 +80,25 @@ impl Entry {
     /// The method with some options set.
     ///
     /// # Errors
-    /// An unknown option or a value that does not fit.
+    /// An unknown option, one given twice, or a value that does not fit.
     pub fn configure(&self, options: &Options) -> Result<Configured, Error> {
-        (self.make)(options)
+        (self.make)(&self.spelled(options)?)
+    }
+
+    /// Options under the names that [`Entry::options`] has for them, whatever their case, "-" and "_".
+    ///
+    /// # Errors
+    /// An option given under two spellings.
+    pub fn spelled(&self, options: &Options) -> Result<Options, Error> {
+        let known = self.options();
+        let mut spelled = Options::new();
+        for (name, value) in options {
+            let name = known.iter().map(|option| option.name).find(|known| same_name(known, name)).unwrap_or(name);
+            if spelled.insert(name.into(), value.clone()).is_some() {
+                return Err(Error::invalid(name, "given twice", "give it once"));
+            }
+        }
+        Ok(spelled)
     }
 
     /// The same for an array that may have quantization, which gives the options that choose a grid their defaults.
@@ -91,8 +107,8 @@ impl Entry {
     /// As [`Entry::configure`].
     pub fn configure_for(&self, options: &Options, quantization: Option<&Quantization>) -> Result<Configured, Error> {
         let mut all = quantization.map(self.device).unwrap_or_default();
-        all.extend(options.clone());
-        self.configure(&all)
+        all.extend(self.spelled(options)?);
+        (self.make)(&all)
     }
 }
 
@@ -100,8 +116,9 @@ fn make<M: Method>(options: &Options) -> Result<Configured, Error> {
     let mut solver = M::default();
     for (name, value) in options {
         solver.set(name, value).map_err(|error| match error {
-            Error::Unknown { name, known, .. } => {
-                Error::Unknown { kind: format!("option of {}", M::INFO.name), name, known }
+            Error::Unknown { name, known, hint, .. } => {
+                let hint = hint_of_owners(&name).unwrap_or(hint);
+                Error::Unknown { kind: format!("option of {}", M::INFO.name), name, hint, known }
             }
             other => other,
         })?;
@@ -110,7 +127,15 @@ fn make<M: Method>(options: &Options) -> Result<Configured, Error> {
     Ok(Configured { info: &M::INFO, options: solver.options(), solver: Box::new(solver) })
 }
 
-/// The registry's line of that name.
+/// Who has an option that a solver lacks.
+fn hint_of_owners(option: &str) -> Option<String> {
+    let has = |entry: &&Entry| entry.options().iter().any(|known| same_name(known.name, option));
+    let owners: Vec<&str> = SOLVERS.iter().filter(has).map(|entry| entry.info.name).collect();
+    let verb = if owners.len() == 1 { "has" } else { "have" };
+    (!owners.is_empty()).then(|| format!("{} {verb} it; ", owners.join(", ")))
+}
+
+/// The registry's line of that name, whatever its case, "-" and "_".
 ///
 /// # Errors
 /// An unknown name; the error lists the known ones.

@@ -3,7 +3,9 @@
 use std::f64::consts::TAU;
 
 use midair::solvers::{DEFAULT, SOLVERS, find};
-use midair::{Array, Complex32, Control, Options, Problem, Value, Workspace};
+use midair::{
+    Aim, Array, Choice, Complex32, Control, Directivity, InstructionSet, Options, Origin, Problem, Value, Workspace,
+};
 
 use crate::scenes::{preset, problem, random_points, scene, widen};
 
@@ -66,6 +68,72 @@ fn what_is_no_option_or_no_value_of_it_is_refused_by_name() {
             }
         }
     }
+}
+
+/// A name as somebody may type it.
+fn loosely(name: &str) -> String {
+    let mut typed = name.to_uppercase().replace('_', "-");
+    typed.insert(1, '_');
+    typed
+}
+
+#[test]
+fn names_ignore_case_hyphens_and_underscores() {
+    for entry in SOLVERS {
+        let name = entry.info.name;
+        assert_eq!(find(&loosely(name)).expect("the same name").info.name, name);
+        for option in entry.options() {
+            // Words are names, too.
+            let value = match &option.default {
+                Value::Text(word) => Value::Text(loosely(word)),
+                other => other.clone(),
+            };
+            let given: Options = [(loosely(option.name), value)].into();
+            let made = entry.configure(&given).expect(option.name);
+            assert_eq!(made.options, entry.configure(&Options::new()).expect("defaults").options, "{name}");
+            assert_eq!(entry.spelled(&given).expect("a name").keys().collect::<Vec<_>>(), [option.name]);
+            let twice = [(option.name.to_owned(), option.default.clone()), (loosely(option.name), option.default)];
+            let error = entry.configure(&twice.into()).map(|made| made.info.name).expect_err("twice").to_string();
+            assert!(error.starts_with(&format!("{} is given twice", option.name)), "{error}");
+        }
+    }
+    for known in midair::presets::PRESETS {
+        let array = Array::preset(&loosely(known.name), [1, 1]).expect("the same name");
+        assert!(matches!(array.origin(), Origin::Preset { name, .. } if name == known.name));
+    }
+    for known in ["point", "piston", "sinc", "cos", "t4010a1"] {
+        assert_eq!(Directivity::named(&loosely(known), None).expect("the same name").name().0, known);
+    }
+    let choice = Choice::new("uniform".into(), [("A-IM".into(), Value::Text("MAX".into()))].into());
+    assert_eq!(choice.expect("an aim").aim, Some(Aim::Max));
+    assert!(InstructionSet::named("Scalar").is_some());
+}
+
+#[test]
+fn a_near_miss_is_told_what_was_meant_and_an_option_of_others_who_has_it() {
+    let unknown = |name: &str| find(name).map(|entry| entry.info.name).expect_err(name).to_string();
+    for (typed, meant) in [("gredy", "greedy"), ("unifrom", "uniform"), ("gs-pta", "gspat"), ("tikh", "tikhonov")] {
+        let text = unknown(typed);
+        assert!(text.contains(&format!("\"{typed}\": did you mean {meant}? known are uniform, best")), "{text}");
+    }
+    assert!(unknown("annealing").starts_with("unknown solver \"annealing\": known are"), "{}", unknown("annealing"));
+    for entry in SOLVERS {
+        let own = entry.options();
+        for option in SOLVERS.iter().flat_map(midair::solvers::Entry::options) {
+            if own.iter().any(|known| known.name == option.name) {
+                continue;
+            }
+            let made = entry.configure(&[(option.name.to_owned(), option.default)].into());
+            let text = made.map(|made| made.info.name).expect_err(option.name).to_string();
+            let owners = SOLVERS.iter().filter(|entry| entry.options().iter().any(|known| known.name == option.name));
+            for owner in owners {
+                let (hint, _) = text.split_once(" it; ").expect("who has it");
+                assert!(hint.contains(owner.info.name), "{text}");
+            }
+        }
+    }
+    let text = Array::preset("autd4", [1, 1]).expect_err("unknown").to_string();
+    assert_eq!(text, "unknown preset \"autd4\": did you mean autd3? known are paper20, paper36, autd3");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use crate::error::same_name;
 #[cfg(target_arch = "x86_64")]
 use crate::kernels::simd::avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
@@ -79,10 +80,10 @@ impl InstructionSet {
         Self::all().last().unwrap_or(Self::SCALAR)
     }
 
-    /// The set of that name, if this machine has it.
+    /// The set of that name, whatever its case, "-" and "_", if this machine has it.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
-        Self::all().find(|set| set.name() == name)
+        Self::all().find(|set| same_name(set.name(), name))
     }
 
     /// "scalar", "avx2", "avx512", "neon" or "simd128".
