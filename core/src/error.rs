@@ -83,11 +83,11 @@ pub enum Error {
     /// The caller asked to stop before there was an answer.
     #[error("stopped before there was an answer")]
     Stopped,
-    /// A scene file that cannot be read as one.
-    #[error("scene file{}: {reason}", line.map_or(String::new(), |n| alloc::format!(", line {n}")))]
+    /// A scene file, or one that it names, that cannot be read as one.
+    #[error("{place}: {reason}")]
     File {
-        /// The line, counted from 1, where known.
-        line: Option<usize>,
+        /// Its name, and the line and column where they are known.
+        place: String,
         /// What is wrong there and what to change.
         reason: String,
     },
@@ -141,7 +141,7 @@ pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
         if typed.len() > 2 && other.starts_with(&typed) { 1 } else { edits(&typed, &other) }
     };
     let (least, near) = known.iter().map(|other| (distance(other), *other)).min_by_key(|(distance, _)| *distance)?;
-    (least <= (typed.len() / 3).max(1)).then_some(near)
+    (least <= ((typed.len() + 1) / 3).max(1)).then_some(near)
 }
 
 /// Letters to insert, remove, replace or swap with their neighbour (optimal string alignment distance).

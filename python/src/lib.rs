@@ -5,11 +5,13 @@ mod batch;
 mod ctrl_c;
 mod error;
 mod field;
+mod files;
 mod give;
 mod instruction_set;
 mod judge;
 mod limits;
 mod metrics;
+mod names;
 mod numbers;
 mod out;
 mod plane;
@@ -41,9 +43,13 @@ mod _midair {
     #[pymodule_export]
     use super::field::{Field, field};
     #[pymodule_export]
+    use super::files::scene_files;
+    #[pymodule_export]
     use super::judge::{bound, judge};
     #[pymodule_export]
     use super::metrics::Metrics;
+    #[pymodule_export]
+    use super::names::{preset_name, solver_name};
     #[pymodule_export]
     use super::plane::Plane;
     #[pymodule_export]

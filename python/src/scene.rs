@@ -1,13 +1,11 @@
 //! `midair.Scene` and `midair.Reach`.
 
-use std::io::{Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use midair::files::{self, Format, Provenance};
 use midair::{Complex32, Control, Medium, Request};
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -36,13 +34,6 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 #[pyclass(frozen, module = "midair")]
 pub(crate) struct Scene {
     pub(crate) inner: Arc<midair::Scene>,
-}
-
-/// An error of the file system, as Python's own file functions raise it.
-fn os_error(error: &std::io::Error, path: &Path) -> PyErr {
-    let text = error.to_string();
-    let text = text.split(" (os error").next().unwrap_or_default().to_owned();
-    PyOSError::new_err((error.raw_os_error(), text, path.to_path_buf()))
 }
 
 #[pymethods]
@@ -84,33 +75,25 @@ impl Scene {
         Ok(Self { inner: Arc::new(scene) })
     }
 
-    /// Reads a scene file, TOML or (by its ending .json) JSON.
+    /// Reads a scene file: JSON by its ending .json, TOML by .toml, else by looking at it.
     #[staticmethod]
     fn load(path: PathBuf) -> PyResult<Self> {
-        let mut bytes = Vec::new();
-        // One byte more than allowed is enough to see that a file is too large.
-        std::fs::File::open(&path)
-            .and_then(|file| file.take(files::MOST_BYTES as u64 + 1).read_to_end(&mut bytes))
-            .map_err(|error| os_error(&error, &path))?;
-        let scene = files::read(&bytes, Format::of(&path.to_string_lossy())).map_err(refused)?;
-        Ok(Self { inner: Arc::new(scene) })
+        Ok(Self { inner: Arc::new(crate::files::load(&path)?) })
+    }
+
+    /// Reads a scene from text (str or bytes), TOML or JSON by looking at it.
+    ///
+    /// name is what errors call it; files that it names are relative to folder, and refused without one.
+    #[staticmethod]
+    #[pyo3(signature = (text, *, name="scene", folder=None))]
+    fn parse(text: &Bound<'_, PyAny>, name: &str, folder: Option<PathBuf>) -> PyResult<Self> {
+        Ok(Self { inner: Arc::new(crate::files::parse(text, name, folder.as_deref())?) })
     }
 
     /// Writes the scene as TOML or (by the ending .json) JSON, whole or not at all.
-    fn save(&self, path: PathBuf) -> PyResult<()> {
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let text = files::write(&self.inner, Format::of(&path.to_string_lossy()), &Provenance::default());
-        let mut name = path.file_name().unwrap_or_default().to_os_string();
-        name.push(format!(".{}.part", std::process::id()));
-        let part = path.with_file_name(name);
-        let text = text.map_err(refused)?;
-        let written = std::fs::File::create(&part)
-            .and_then(|mut file| file.write_all(text.as_bytes()))
-            .and_then(|()| std::fs::rename(&part, &path));
-        written.map_err(|error| {
-            // What was begun is taken away; the first error is the one to tell.
-            let _ = std::fs::remove_file(&part);
-            os_error(&error, &path)
-        })
+        crate::files::save(py, &path, &text.map_err(refused)?)
     }
 
     /// The scene as JSON text; with a solution, as the record of how it was solved.

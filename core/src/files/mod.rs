@@ -1,37 +1,30 @@
 //! Scene files, TOML or JSON: read and written here for every door.
 
+mod fault;
+mod item;
+mod node;
+mod place;
+mod positions;
 mod quantization;
+mod read;
+mod schema;
+mod source;
+mod syntax;
 mod tables;
 
+pub use source::{Format, MOST_BYTES, Source};
 pub use tables::Provenance;
 
 use alloc::format;
 use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+use std::path::{Path, PathBuf};
 
-use crate::error::{Error, one_line};
+use crate::error::Error;
+use crate::files::node::Node;
+use crate::files::source::BYTE_ORDER_MARK;
 use crate::files::tables::SceneTable;
 use crate::scene::Scene;
-
-/// The largest scene file read, in bytes.
-pub const MOST_BYTES: usize = 64 << 20;
-
-/// The two ways to write a scene down.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(clippy::exhaustive_enums, reason = "the two formats of the schema")]
-pub enum Format {
-    /// TOML.
-    Toml,
-    /// JSON.
-    Json,
-}
-
-impl Format {
-    /// By the name's ending: `.json` is JSON, anything else TOML.
-    #[must_use]
-    pub fn of(name: &str) -> Self {
-        if name.to_ascii_lowercase().ends_with(".json") { Self::Json } else { Self::Toml }
-    }
-}
 
 /// Reads a scene from a file's bytes.
 ///
@@ -53,26 +46,51 @@ impl Format {
 /// # Ok::<(), midair::Error>(())
 /// ```
 pub fn read(bytes: &[u8], format: Format) -> Result<Scene, Error> {
-    let fault = |reason: &str| Error::File { line: None, reason: reason.to_string() };
+    read_from(bytes, format, Source::default())
+}
+
+/// The same for a document that may name files, or has a name for its errors.
+///
+/// # Errors
+/// As [`read`], and a file that cannot be read.
+pub fn read_from(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Scene, Error> {
+    let (text, document) = parse(bytes, format, source)?;
+    read::scene(&document, source).map_err(|fault| fault.told(text, format, source))
+}
+
+/// The files that a document names, in its folder.
+///
+/// # Errors
+/// A document that is none.
+pub fn references(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Vec<PathBuf>, Error> {
+    let (_, document) = parse(bytes, format, source)?;
+    let folder = source.folder.unwrap_or(Path::new(""));
+    let named = ["array", "positions", "file"].iter().try_fold(&document, |node, key| node.get(key));
+    Ok(match named {
+        Some(Node::Text(name)) => [folder.join(name)].into(),
+        _ => Vec::new(),
+    })
+}
+
+/// The text of a document and what it says.
+fn parse<'a>(bytes: &'a [u8], format: Format, source: Source<'_>) -> Result<(&'a str, Node), Error> {
+    let fault = |reason: &str| source.fault(None, reason);
     if bytes.len() > MOST_BYTES {
-        return Err(Error::invalid("scene file", format!("{} bytes", bytes.len()), "give at most 64 MB"));
+        return Err(fault("larger than 64 MB: give fewer points or transducers"));
     }
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") || bytes.iter().take(4).any(|byte| *byte == 0) {
+        return Err(fault("not text in UTF-8 but in UTF-16, or binary: save it as UTF-8"));
+    }
+    let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     let text = core::str::from_utf8(bytes).map_err(|_| fault("not text: give TOML or JSON in UTF-8"))?;
     if text.trim().is_empty() {
-        return Err(fault("empty: it needs at least [array] and [[points]]"));
+        return Err(fault("empty: it needs at least [array] and [[points]]; `midair new` writes one to begin with"));
     }
-    let table: SceneTable = match format {
-        Format::Toml => toml::from_str(text).map_err(|error| {
-            let line = error.span().map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1);
-            Error::File { line, reason: one_line(error.message()) }
-        })?,
-        Format::Json => serde_json::from_str(text).map_err(|error| {
-            let reason = error.to_string();
-            let reason = reason.rsplit_once(" at line ").map_or(reason.as_str(), |(reason, _)| reason);
-            Error::File { line: Some(error.line()), reason: one_line(reason) }
-        })?,
+    let document = match format {
+        Format::Toml => toml::from_str(text).map_err(|error| syntax::toml(&error, text, source))?,
+        Format::Json => serde_json::from_str(text).map_err(|error| syntax::json(&error, text, source))?,
     };
-    table.scene()
+    Ok((text, document))
 }
 
 /// Writes a scene as text that [`read`] reads as the same scene.
@@ -81,9 +99,9 @@ pub fn read(bytes: &[u8], format: Format) -> Result<Scene, Error> {
 /// A seed that TOML cannot hold (above 2^63 - 1).
 pub fn write(scene: &Scene, format: Format, provenance: &Provenance) -> Result<String, Error> {
     let table = SceneTable::of(scene, provenance)?;
-    let fault = |reason: String| Error::File { line: None, reason };
+    let fault = |reason: &str| Error::File { place: "scene".into(), reason: reason.into() };
     match format {
-        Format::Toml => toml::to_string(&table).map_err(|error| fault(format!("{error}: write it as .json"))),
-        Format::Json => serde_json::to_string_pretty(&table).map_err(|error| fault(error.to_string())),
+        Format::Toml => toml::to_string(&table).map_err(|error| fault(&format!("{error}: write it as .json"))),
+        Format::Json => serde_json::to_string_pretty(&table).map_err(|error| fault(&error.to_string())),
     }
 }

@@ -1,17 +1,15 @@
-//! The key `quantization` of a scene file's [array]: phases and amplitudes.
+//! The key `quantization` of [array], as it is written: phases and amplitudes where a preset does not say them.
 
 use alloc::vec::Vec;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use crate::device::quantization::Quantization;
-use crate::error::Error;
 use crate::scene::presets;
 use crate::scene::presets::Preset;
 use crate::scene::{Array, Origin};
 
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Serialize)]
 pub(super) struct QuantizationTable {
     #[serde(skip_serializing_if = "Option::is_none")]
     phases: Option<i64>,
@@ -31,13 +29,5 @@ impl QuantizationTable {
             phases: quantization.and_then(Quantization::phases).map(i64::from),
             amplitudes: quantization.and_then(Quantization::amplitudes).map(<[_]>::to_vec),
         })
-    }
-
-    /// The quantization; those of an empty table bind nothing.
-    pub(super) fn quantization(self) -> Result<Quantization, Error> {
-        let count = |phases| {
-            u32::try_from(phases).map_err(|_| Error::invalid("array.quantization.phases", phases, "give 2 to 65536"))
-        };
-        Quantization::new(self.phases.map(count).transpose()?, self.amplitudes)
     }
 }

@@ -1,6 +1,6 @@
-//! The scene file: what it says, and what it refuses in one line.
+//! The scene file: what it says.
 
-use midair::files::{Format, MOST_BYTES, Provenance, read, write};
+use midair::files::{Format, Provenance, Source, read, read_from, references, write};
 use midair::{Directivity, Error, Plane, Scene, Value};
 
 const WHOLE: &str = r#"
@@ -95,77 +95,6 @@ fn a_plane_left_out_in_part_follows_the_points() {
 }
 
 #[test]
-fn bad_files_are_refused_in_one_line_that_names_the_item() {
-    let grid = "grid = { nx = 4, ny = 3, pitch = 10e-3 }";
-    let cases = [
-        (String::new(), "empty"),
-        (" \n\t\n".into(), "empty"),
-        ("[array".into(), "line 1"),
-        (with("density = 1.2", "densty = 1.2"), "line 6: unknown field `densty`"),
-        (with("pitch", "pich"), "unknown field `pich`"),
-        (with("weight = 2.0", "wait = 2.0"), "unknown field `wait`"),
-        (with("[plane]", "[plain]"), "unknown field `plain`"),
-        (with("size = 0.1", "sise = 0.1"), "unknown field `sise`"),
-        (with("source_pressure", "pressure"), "unknown field `pressure`"),
-        (with("phases = 32", "phase = 32"), "unknown option of greedy \"phase\": known are phases"),
-        (with("\"greedy\"", "\"gredy\""), "unknown solver \"gredy\": known are uniform"),
-        (with(grid, "preset = \"autd4\""), "unknown preset \"autd4\": known are paper20"),
-        (with("{ piston = 4.5e-3 }", "\"pistn\""), "unknown directivity \"pistn\": known are point"),
-        (with("{ piston = 4.5e-3 }", "{ piston = 1e-3, cos = 1.0 }"), "array.directivity"),
-        (with("{ piston = 4.5e-3 }", "{ piston = 0 }"), "directivity.piston is 0.0"),
-        (with("{ piston = 4.5e-3 }", "[1]"), "a name such as"),
-        (with("pressure = 250.0\n", ""), "points[1].pressure is left out"),
-        (with("pressure = 250.0", "pressure = \"loud\""), "line 19: invalid type: string \"loud\""),
-        (with("pressure = 250.0", "pressure = true"), "invalid type: boolean"),
-        (with("pressure = 250.0", "pressure = nan"), "points[1].pressure is NaN"),
-        (with("pressure = 250.0", "pressure = -1"), "points[1].pressure is -1"),
-        (with("weight = 2.0", "weight = inf"), "points[1].weight is inf"),
-        (with("[0.01, 0, 0.15]", "[0.01, 0]"), "invalid length 2"),
-        (with("[0.01, 0, 0.15]", "[0.01, inf, 0.15]"), "points[1].position is [0.01, inf, 0.15]"),
-        (with("density = 1.2", "temperature = 20"), "medium.temperature is 20"),
-        (with("frequency = 40e3", "frequency = 0"), "medium.frequency is 0"),
-        (with("sound_speed = 340", "sound_speed = -340"), "medium.sound_speed is -340"),
-        (with("absorption = 0.15", "absorption = -0.1"), "medium.absorption is -0.1"),
-        (with(grid, "preset = \"autd3\"\ngrid = { nx = 1, ny = 1, pitch = 1 }"), "array is described 2 times"),
-        (with(grid, ""), "array is described 0 times"),
-        (with("nx = 4", "nx = 0"), "array.grid.nx is 0"),
-        (with("nx = 4", "nx = -3"), "array.grid.nx is -3"),
-        (with("nx = 4", "nx = 4.5"), "invalid type: floating point"),
-        (with("nx = 4", "nx = 4000000"), "give at most 1048576 transducers"),
-        (with("pitch = 10e-3", "pitch = 0"), "array.grid.pitch is 0"),
-        (with(grid, "preset = \"autd3\"\ntiles = [0, 1]"), "array.tiles[0] is 0"),
-        (with(grid, "preset = \"paper20\"\ntiles = [2, 1]"), "array.tiles[0] is 2"),
-        (with(grid, "positions = []"), "array.positions is empty"),
-        (with(grid, "positions = [[0, 0, 0]]\nnormals = []"), "array.normals is 0 normals"),
-        (with(grid, "positions = [[0, 0, 0]]\nnormals = [[0, 0, 0]]"), "array.normals[0] is [0.0, 0.0, 0.0]"),
-        (with(grid, &format!("{grid}\nresponse = [[1, 0]]")), "array.response is 1 values"),
-        (with("phases = 32", "phases = 1"), "phases is 1: give 2 to 65536"),
-        (with("phases = 32", "phases = 65537"), "phases is 65537"),
-        (with("phases = 32", "amplitudes = 0"), "amplitudes is 0: give 1 to 256"),
-        (with("phases = 32", "amplitudes = 257"), "amplitudes is 257"),
-        (with("phases = 32", "seed = -1"), "seed is -1"),
-        (with("phases = 32", "phases = 2.5"), "phases is 2.5"),
-        (with("\"rows\"", "[0, -1]"), "order is [0, -1]"),
-        (with("\"rows\"", "\"diagonal\""), "order is \"diagonal\""),
-        (with("balance = true", "balance = 1"), "solver.balance is 1"),
-        (with("size = 0.1", "size = 0"), "plane.size is 0"),
-        (with("size = 0.1", "pixels = 1"), "plane.pixels is 1"),
-        (with("size = 0.1", "pixels = -1"), "plane.pixels is -1"),
-        ("[array]\npreset = \"paper20\"".into(), "points is empty"),
-        ("[[points]]\nposition = [0, 0, 1]".into(), "missing field `array`"),
-    ];
-    for (text, item) in cases {
-        let error = toml(&text).expect_err(item).to_string();
-        assert!(error.contains(item) && !error.contains('\n'), "{error:?} does not say {item:?}");
-    }
-    let short = with("pressure = 500", "pressure = 0").replace("pressure = 250.0", "pressure = 0");
-    assert_eq!(
-        toml(&short).unwrap_err().to_string(),
-        "pressures is all 0: give at least one point (of weight above 0) a pressure above 0 Pa"
-    );
-}
-
-#[test]
 fn an_order_that_is_no_permutation_of_this_array_is_refused_when_solving() {
     let scene = toml(&with("\"rows\"", "[0, 0]")).expect("two zeros may fit another array");
     let choice = scene.solver.as_ref().expect("a solver");
@@ -176,11 +105,56 @@ fn an_order_that_is_no_permutation_of_this_array_is_refused_when_solving() {
 }
 
 #[test]
-fn what_is_no_text_or_too_much_of_it_is_refused() {
-    let binary = read(&[0xff, 0xfe, 0x00, 0x80], Format::Toml).unwrap_err().to_string();
-    assert!(binary.contains("not text"), "{binary}");
-    let large = read(&vec![b' '; MOST_BYTES + 1], Format::Json).unwrap_err().to_string();
-    assert!(large.contains("64 MB"), "{large}");
-    let json = read(b"{\"array\": {\"preset\": \"paper20\"},\n \"point\": []}", Format::Json).unwrap_err();
-    assert!(json.to_string().starts_with("scene file, line 2: unknown field `point`"), "{json}");
+fn positions_may_lie_in_a_file_beside_the_scene() {
+    let folder = std::env::temp_dir().join(format!("midair-positions-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let source = Source { name: "scene.toml", folder: Some(&folder) };
+    let text = with("grid = { nx = 4, ny = 3, pitch = 10e-3 }", "positions = { file = \"bowl.csv\" }");
+    let read = |csv: &str| {
+        std::fs::write(folder.join("bowl.csv"), csv).expect("a file");
+        read_from(text.as_bytes(), Format::Toml, source)
+    };
+    let flat = [[0.0, 0.0, 0.0], [0.01, 0.0, 0.0]];
+    for csv in [
+        "0,0,0\n0.01,0,0\n",
+        "x,y,z\r\n0,0,0\r\n\r\n1e-2,0,0",
+        "\u{feff}X;Y;Z\n 0; 0; 0\n0.01;0;0\n",
+        "# a bowl\nname\tz\ty\tx\n\"a\"\t0\t0\t0\nb\t0\t0\t0.01\n",
+    ] {
+        let scene = read(csv).expect(csv);
+        assert_eq!((scene.array().positions(), scene.array().normals()[1]), (&flat[..], [0.0, 0.0, 1.0]), "{csv}");
+        // A scene that is written holds its positions itself.
+        for format in [Format::Toml, Format::Json] {
+            let written = write(&scene, format, &Provenance::default()).expect("text");
+            assert_eq!(midair::files::read(written.as_bytes(), format).expect("a scene"), scene);
+        }
+    }
+    let turned = read("0,0,0,1,0,0\n0.01,0,0,0,1,0\n").expect("a scene");
+    assert_eq!(turned.array().normals(), [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    for (csv, told) in [
+        ("", "empty: give a row x,y,z"),
+        ("x,y,z\n", "empty: give a row x,y,z"),
+        ("0,0,0\n0.01,O,0\n", ", line 2: y is \"O\": give a number, for example 0.01,0.0,0.0"),
+        ("0,0,0\n0.01,0\n", ", line 2: z is \"\": give a number"),
+        ("0,0,0\nnan,0,0\n", ", line 2: x is \"nan\""),
+        ("0;0;0\n0,01;0;0\n", ", line 2: x is \"0,01\""),
+        ("0,0\n", ", line 1: 2 columns: give x,y,z in metres"),
+        ("x_mm,y,z\n0,0,0\n", ", line 1: columns are x_mm, y, z: name them x,y,z or x,y,z,nx,ny,nz, in metres"),
+        ("x,y,z,nx\n0,0,0,1\n", ", line 1: columns are x, y, z, nx"),
+        ("0,0,0\n1e30,0,0\n", "scene.toml, line 9, column 13: array.positions[0] is"),
+        ("0,0,0,0,0,0\n", "scene.toml, line 8, column 1: array.normals[0] is"),
+    ] {
+        let error = read(csv).expect_err(csv).to_string();
+        assert!(error.contains(told) && !error.contains('\n'), "{error:?} does not say {told:?}");
+        assert!(error.starts_with("scene.toml") || error.contains("bowl.csv"), "{error}");
+    }
+    std::fs::remove_file(folder.join("bowl.csv")).expect("the file");
+    let error = read_from(text.as_bytes(), Format::Toml, source).unwrap_err().to_string();
+    assert!(error.starts_with("scene.toml, line 9, column 22: array.positions.file is \""), "{error}");
+    assert!(error.contains("it cannot be read"), "{error}");
+    let error = midair::files::read(text.as_bytes(), Format::Toml).unwrap_err().to_string();
+    assert!(error.contains("array.positions.file is \"bowl.csv\": this document has no folder"), "{error}");
+    let named = references(text.as_bytes(), Format::Toml, source).expect("a document");
+    assert_eq!(named, [folder.join("bowl.csv")]);
+    std::fs::remove_dir(&folder).expect("an empty folder");
 }

@@ -5,6 +5,8 @@ mod even;
 mod field;
 #[cfg(feature = "scene-file")]
 mod files;
+#[cfg(feature = "scene-file")]
+mod files_refused;
 mod floors;
 #[cfg(feature = "scene-file")]
 mod golden;

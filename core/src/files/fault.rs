@@ -1,0 +1,107 @@
+//! What is wrong with a document, told with its name, the line and column, and a line as it would be correct.
+
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+
+use crate::error::{Error, nearest};
+use crate::files::source::{Format, Source};
+use crate::files::{place, schema};
+use crate::solvers::SOLVERS;
+
+/// An error, and the item of the document that it is about.
+pub(super) struct Fault {
+    error: Error,
+    at: At,
+}
+
+enum At {
+    /// The item that the error itself names, as the core's do.
+    Own,
+    /// The value at a path.
+    Value(String),
+    /// A key of the table at a path.
+    Key(String, String),
+}
+
+impl From<Error> for Fault {
+    fn from(error: Error) -> Self {
+        Self { error, at: At::Own }
+    }
+}
+
+impl Fault {
+    /// An error about the value at a path.
+    pub(super) fn at(path: impl Into<String>, error: Error) -> Self {
+        Self { error, at: At::Value(path.into()) }
+    }
+
+    /// An error about a key of the table at a path.
+    pub(super) fn key(table: impl Into<String>, key: impl Into<String>, error: Error) -> Self {
+        Self { error, at: At::Key(table.into(), key.into()) }
+    }
+
+    /// The error in full: `bowl.toml, line 12, column 12: points[1].pressure is "loud": give a number; for example
+    /// pressure = 500.0`.
+    pub(super) fn told(self, text: &str, format: Format, source: Source<'_>) -> Error {
+        let (offset, example) = match (&self.at, &self.error) {
+            (_, Error::File { .. }) => return self.error,
+            (At::Key(table, key), _) => {
+                (Some(place::find_key(text, format, table, key)), example_of_key(table, key, format))
+            }
+            (At::Value(path), _) => (Some(place::find(text, format, path).0), example(path, format)),
+            (At::Own, Error::Invalid { item, .. }) => {
+                let path = in_document(text, format, item);
+                let offset = path.as_ref().map(|path| place::find(text, format, path).0);
+                (offset, path.and_then(|path| example(&path, format)))
+            }
+            (At::Own, _) => (None, None),
+        };
+        let example = example.map_or_else(String::new, |line| format!("; for example {line}"));
+        source.fault(offset.map(|offset| (text, offset)), &format!("{}{example}", self.error))
+    }
+}
+
+/// The path in a document that the core means by an item: `phases` is an option of its solver, `pressures` are its points'.
+fn in_document(text: &str, format: Format, item: &str) -> Option<String> {
+    let item = match item {
+        "pressures" => "points[0].pressure",
+        "weights" => "points[0].weight",
+        // "array.grid nx * ny" is about the grid.
+        other => other.split(' ').next().unwrap_or(other),
+    };
+    let tables = ["", "array.", "solver.", "medium.", "plane."];
+    let paths = tables.map(|table| format!("{table}{item}"));
+    let written = paths.iter().find(|path| {
+        let steps = path.split(['.', '[']).count();
+        place::find(text, format, path).1 == steps
+    });
+    // What is left out stands nowhere, but its table may.
+    let known = || paths.iter().find(|path| schema::example(path, format).is_some());
+    written.or_else(known).cloned()
+}
+
+fn example(path: &str, format: Format) -> Option<String> {
+    let option = path.strip_prefix("solver.").filter(|key| schema::keys("solver").all(|known| known != *key));
+    option.map_or_else(|| schema::example(path, format), |option| example_of_option(option, format))
+}
+
+/// A line for the key that an unknown one was likely meant to be.
+fn example_of_key(table: &str, key: &str, format: Format) -> Option<String> {
+    let known = schema::keys(table);
+    let meant = schema::renamed(table, key).or_else(|| nearest(key, &known.collect::<Vec<_>>()));
+    match meant {
+        Some(meant) => schema::example(&format!("{table}.{meant}"), format),
+        None if table == "solver" => example_of_option(key, format),
+        None => None,
+    }
+}
+
+/// A line for a solver's option, or for the one that was likely meant.
+fn example_of_option(key: &str, format: Format) -> Option<String> {
+    let options: Vec<_> = SOLVERS.iter().flat_map(crate::solvers::Entry::options).collect();
+    let names: Vec<_> = options.iter().map(|option| option.name).collect();
+    let name = nearest(key, &names)?;
+    let option = options.iter().find(|option| option.name == name)?;
+    Some(schema::line("solver", name, &option.default.to_string(), format))
+}

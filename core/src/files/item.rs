@@ -1,0 +1,156 @@
+//! Reading of a document's values as types, each refused by its path where it is another.
+
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+
+use crate::error::Error;
+use crate::files::fault::Fault;
+use crate::files::node::Node;
+use crate::files::schema;
+
+/// A value of the document and its path, such as `points[3].pressure`.
+pub(super) struct Item<'a> {
+    pub(super) path: String,
+    pub(super) node: &'a Node,
+}
+
+/// A table of the document, its keys known.
+pub(super) struct Table<'a> {
+    path: String,
+    pub(super) entries: &'a [(String, Node)],
+}
+
+impl<'a> Item<'a> {
+    /// The whole document.
+    pub(super) fn root(node: &'a Node) -> Self {
+        Self { path: String::new(), node }
+    }
+
+    /// The refusal of this value.
+    pub(super) fn refused(&self, cure: &str) -> Fault {
+        let name = if self.path.is_empty() { "the document" } else { &self.path };
+        Fault::at(self.path.as_str(), Error::invalid(name, self.node, cure))
+    }
+
+    pub(super) fn real(&self) -> Result<f64, Fault> {
+        self.node.real().ok_or_else(|| self.refused("give a number"))
+    }
+
+    /// A whole number; what is too large is refused as any other value out of range.
+    pub(super) fn integer(&self) -> Result<i64, Fault> {
+        match *self.node {
+            Node::Integer(value) => Ok(value),
+            Node::Large(_) => Ok(i64::MAX),
+            _ => Err(self.refused("give a whole number")),
+        }
+    }
+
+    /// A count; what is 0 or less is named before anything is made of it.
+    pub(super) fn count(&self) -> Result<usize, Fault> {
+        usize::try_from(self.integer()?).map_err(|_| self.refused("give at least 1"))
+    }
+
+    pub(super) fn text(&self) -> Result<&'a str, Fault> {
+        match self.node {
+            Node::Text(text) => Ok(text),
+            _ => Err(self.refused("give a name in quotes")),
+        }
+    }
+
+    /// Exactly N numbers.
+    pub(super) fn numbers<const N: usize>(&self) -> Result<[f64; N], Fault> {
+        let numbers = match self.node {
+            Node::Numbers(list) => list.as_slice().try_into().ok(),
+            _ => None,
+        };
+        numbers.ok_or_else(|| self.refused(&format!("give {N} numbers")))
+    }
+
+    /// Any number of numbers.
+    pub(super) fn reals(&self) -> Result<Vec<f64>, Fault> {
+        match self.node {
+            Node::Numbers(list) => Ok(list.clone()),
+            _ => Err(self.refused("give a list of numbers")),
+        }
+    }
+
+    /// A list of lists of N numbers.
+    pub(super) fn vectors<const N: usize>(&self) -> Result<Vec<[f64; N]>, Fault> {
+        self.each(|item| item.numbers(), &format!("give a list of lists of {N} numbers"))
+    }
+
+    /// A list of true and false.
+    pub(super) fn flags(&self) -> Result<Vec<bool>, Fault> {
+        let flag = |item: &Item<'_>| match item.node {
+            Node::Bool(flag) => Ok(*flag),
+            _ => Err(item.refused("give true or false")),
+        };
+        self.each(flag, "give a list of true and false")
+    }
+
+    /// Every value of a list.
+    pub(super) fn each<T>(&self, read: impl Fn(&Item<'a>) -> Result<T, Fault>, cure: &str) -> Result<Vec<T>, Fault> {
+        let list: &[Node] = match self.node {
+            Node::List(list) => list,
+            Node::Numbers(numbers) if numbers.is_empty() => &[],
+            _ => return Err(self.refused(cure)),
+        };
+        let item = |index: usize| Item { path: format!("{}[{index}]", self.path), node: &list[index] };
+        (0..list.len()).map(|index| read(&item(index))).collect()
+    }
+
+    /// A table of keys that the schema knows.
+    pub(super) fn table(&self) -> Result<Table<'a>, Fault> {
+        let table = self.open_table()?;
+        let known: Vec<&str> = schema::keys(&self.path).collect();
+        for (key, _) in table.entries {
+            if !known.contains(&key.as_str()) {
+                let kind = if self.path.is_empty() { "key".into() } else { format!("key of {}", self.path) };
+                let mut error = Error::unknown(kind, key, known.iter().copied());
+                if let (Error::Unknown { hint, .. }, Some(now)) = (&mut error, schema::renamed(&self.path, key)) {
+                    *hint = format!("it is called {now}; ");
+                }
+                return Err(Fault::key(self.path.as_str(), key, error));
+            }
+        }
+        Ok(table)
+    }
+
+    /// A table of any keys.
+    pub(super) fn open_table(&self) -> Result<Table<'a>, Fault> {
+        match self.node {
+            Node::Table(entries) => Ok(Table { path: self.path.to_string(), entries }),
+            _ => Err(self.refused("give a table")),
+        }
+    }
+}
+
+impl<'a> Table<'a> {
+    /// The value of a key; left out where it is null.
+    pub(super) fn get(&self, key: &str) -> Option<Item<'a>> {
+        let (_, node) = self.entries.iter().find(|(name, node)| name == key && *node != Node::Null)?;
+        Some(Item { path: self.path_of(key), node })
+    }
+
+    /// The value of a key, if it is there, read as a type.
+    pub(super) fn read<T>(
+        &self,
+        key: &str,
+        read: impl FnOnce(&Item<'a>) -> Result<T, Fault>,
+    ) -> Result<Option<T>, Fault> {
+        self.get(key).map(|item| read(&item)).transpose()
+    }
+
+    /// The value of a key that must be there.
+    pub(super) fn need(&self, key: &str) -> Result<Item<'a>, Fault> {
+        self.get(key).ok_or_else(|| {
+            let path = self.path_of(key);
+            Fault::at(path.as_str(), Error::invalid(path.as_str(), "left out", "give one"))
+        })
+    }
+
+    fn path_of(&self, key: &str) -> String {
+        if self.path.is_empty() { key.into() } else { format!("{}.{key}", self.path) }
+    }
+}

@@ -1,0 +1,198 @@
+//! From the tables of a scene file (`[medium]`, `[array]`, `[[points]]`, `[solver]`, `[plane]`) to a scene.
+
+use alloc::vec::Vec;
+
+use num_complex::Complex64;
+
+use crate::device::quantization::Quantization;
+use crate::error::Error;
+use crate::files::fault::Fault;
+use crate::files::item::{Item, Table};
+use crate::files::node::Node;
+use crate::files::positions;
+use crate::files::source::Source;
+use crate::scene::{Array, Choice, Directivity, Medium, Options, Plane, Request, Scene, Transducer, Value};
+use crate::solvers::registry;
+
+/// The scene of a document.
+pub(super) fn scene(document: &Node, source: Source<'_>) -> Result<Scene, Fault> {
+    let root = Item::root(document).table()?;
+    let points = root.read("points", |points| points.each(point, "give tables, each with a position"))?;
+    let points = points.unwrap_or_default();
+    let request = request(&points)?;
+    let places = points.into_iter().map(|(position, ..)| position).collect();
+    let medium = root.read("medium", |item| medium(&item.table()?))?.unwrap_or_default();
+    let array = array(&root.need("array")?.table()?, source)?;
+    let mut scene = Scene::new(array, medium, places, request)?;
+    scene.plane = root.read("plane", |item| plane(&item.table()?, scene.points()))?;
+    scene.solver = root.read("solver", |item| choice(&item.open_table()?, scene.array().quantization()))?;
+    Ok(scene)
+}
+
+type Point = ([f64; 3], Option<f64>, Option<f64>);
+
+/// Position, pressure and weight.
+fn point(item: &Item<'_>) -> Result<Point, Fault> {
+    let table = item.table()?;
+    let position = table.need("position")?.numbers()?;
+    Ok((position, table.read("pressure", Item::real)?, table.read("weight", Item::real)?))
+}
+
+fn request(points: &[Point]) -> Result<Request, Fault> {
+    let given = points.iter().filter(|(_, pressure, _)| pressure.is_some()).count();
+    if given != 0 && given != points.len() {
+        let without = points.iter().position(|(_, pressure, _)| pressure.is_none()).unwrap_or_default();
+        let cure = format!("{given} of {} points have one: give every point a pressure, or none", points.len());
+        return Err(Error::invalid(format!("points[{without}].pressure"), "left out", cure).into());
+    }
+    let weighted = points.iter().any(|(.., weight)| weight.is_some());
+    Ok(Request {
+        pressures: points.iter().map(|(_, pressure, _)| *pressure).collect::<Option<Vec<_>>>().filter(|_| given > 0),
+        weights: weighted.then(|| points.iter().map(|(.., weight)| weight.unwrap_or(1.0)).collect()),
+    })
+}
+
+fn medium(table: &Table<'_>) -> Result<Medium, Fault> {
+    let default = Medium::default();
+    let real = |key: &str| table.read(key, Item::real);
+    Ok(Medium {
+        frequency: real("frequency")?.unwrap_or(default.frequency),
+        sound_speed: Medium::sound_speed(real("sound_speed")?, real("temperature")?)?,
+        absorption: real("absorption")?.unwrap_or(default.absorption),
+        density: real("density")?.unwrap_or(default.density),
+    })
+}
+
+fn array(table: &Table<'_>, source: Source<'_>) -> Result<Array, Fault> {
+    let has = |key: &str| table.get(key).is_some();
+    let ways = ["grid", "preset", "positions"].into_iter().filter(|key| has(key)).count();
+    if ways != 1 {
+        let cure = "give exactly one of grid, preset and positions";
+        return Err(Error::invalid("array", format!("described {ways} times"), cure).into());
+    }
+    for (key, with) in [("tiles", "preset"), ("normals", "positions")] {
+        if has(key) && !has(with) {
+            let cure = "tiles go with a preset, normals with positions";
+            return Err(Error::invalid(format!("array.{key}"), "given", cure).into());
+        }
+    }
+    let array = if let Some(grid) = table.get("grid") {
+        let grid = grid.table()?;
+        Array::grid(grid.need("nx")?.count()?, grid.need("ny")?.count()?, grid.need("pitch")?.real()?)?
+    } else if let Some(preset) = table.get("preset") {
+        let tiles = table.read("tiles", tiles)?.unwrap_or([1, 1]);
+        Array::preset(preset.text()?, tiles).map_err(|error| match error {
+            Error::Unknown { .. } => Fault::at("array.preset", error),
+            other => other.into(),
+        })?
+    } else {
+        placed(table, source)?
+    };
+    let default = array.transducer();
+    let array = array.with_transducer(Transducer {
+        source_pressure: table.read("source_pressure", Item::real)?.unwrap_or(default.source_pressure),
+        directivity: table.read("directivity", directivity)?.unwrap_or(default.directivity),
+    })?;
+    let response = table.read("response", Item::vectors)?;
+    let response = response.map(|list| list.into_iter().map(|[re, im]| Complex64::new(re, im)).collect());
+    let array = array.with_response(response)?.with_mask(table.read("mask", Item::flags)?)?;
+    // A preset has its own quantization unless the table says otherwise.
+    Ok(match table.read("quantization", quantization)? {
+        Some(quantization) => array.with_quantization(Some(quantization)),
+        None => array,
+    })
+}
+
+fn tiles(item: &Item<'_>) -> Result<[usize; 2], Fault> {
+    let numbers: [f64; 2] = item.numbers()?;
+    if numbers.iter().any(|number| number.fract() != 0.0 || *number < 0.0) {
+        return Err(item.refused("give two whole numbers, boards along x and y"));
+    }
+    Ok(numbers.map(|number| number as usize))
+}
+
+/// An array by its positions, in the document or in a file beside it.
+fn placed(table: &Table<'_>, source: Source<'_>) -> Result<Array, Fault> {
+    let given = table.need("positions")?;
+    let normals = table.read("normals", Item::vectors)?;
+    if !matches!(given.node, Node::Table(_)) {
+        return Ok(Array::new(given.vectors()?, normals)?);
+    }
+    let name = given.table()?.need("file")?;
+    let found = positions::read(name.text()?, source).map_err(|error| Fault::at(name.path.as_str(), error))?;
+    if normals.is_some() && found.normals.is_some() {
+        let cure = "the file has columns nx, ny, nz: leave one of them out";
+        return Err(Error::invalid("array.normals", "given twice", cure).into());
+    }
+    Ok(Array::new(found.positions, normals.or(found.normals))?)
+}
+
+fn directivity(item: &Item<'_>) -> Result<Directivity, Fault> {
+    let named = match item.node {
+        Node::Text(name) => Directivity::named(name, None),
+        Node::Table(table) if table.len() == 1 => {
+            let (name, node) = &table[0];
+            let parameter = Item { path: format!("{}.{name}", item.path), node };
+            Directivity::named(name, Some(parameter.real()?))
+        }
+        _ => return Err(item.refused("give a name such as \"point\", or a table of one name and its parameter")),
+    };
+    named.map_err(|error| match error {
+        Error::Unknown { .. } => Fault::at(item.path.as_str(), error),
+        other => other.into(),
+    })
+}
+
+/// The quantization; that of an empty table binds nothing.
+fn quantization(item: &Item<'_>) -> Result<Quantization, Fault> {
+    let table = item.table()?;
+    let phases = table
+        .read("phases", |phases| u32::try_from(phases.integer()?).map_err(|_| phases.refused("give 2 to 65536")))?;
+    Ok(Quantization::new(phases, table.read("amplitudes", Item::reals)?)?)
+}
+
+fn choice(table: &Table<'_>, board: Option<&Quantization>) -> Result<Choice, Fault> {
+    let name = table.need("name")?;
+    let entry = registry::find(name.text()?).map_err(|error| Fault::at("solver.name", error))?;
+    let mut options = Options::new();
+    for (key, node) in table.entries.iter().filter(|(key, node)| key != "name" && *node != Node::Null) {
+        let item = Item { path: format!("solver.{key}"), node };
+        options.insert(key.clone(), value(&item)?);
+    }
+    let mut choice = Choice::new(entry.info.name.into(), options)?;
+    choice.options = entry.spelled(&choice.options)?;
+    registry::configure(&choice, board).map_err(|error| match error {
+        Error::Unknown { ref name, .. } => Fault::key("solver", name.clone(), error),
+        other => other.into(),
+    })?;
+    Ok(choice)
+}
+
+/// An option's value.
+fn value(item: &Item<'_>) -> Result<Value, Fault> {
+    let refused = || item.refused("give a number, a word or a list of whole numbers");
+    Ok(match item.node {
+        Node::Bool(value) => Value::Bool(*value),
+        Node::Integer(value) => Value::Integer((*value).into()),
+        Node::Large(value) => Value::Integer((*value).into()),
+        Node::Real(value) => Value::Real(*value),
+        Node::Text(value) => Value::Text(value.clone()),
+        Node::Numbers(values) if values.iter().all(|value| value.fract() == 0.0 && value.abs() < 1e15) => {
+            Value::Integers(values.iter().map(|&value| value as i64).collect())
+        }
+        _ => return Err(refused()),
+    })
+}
+
+fn plane(table: &Table<'_>, points: &[[f64; 3]]) -> Result<Plane, Fault> {
+    let around = Plane::around(points);
+    let size = table.read("size", Item::real)?;
+    // A size of the user's own is meant around the array's axis; one that follows the points follows them.
+    let center = if size.is_some() { [0.0, 0.0] } else { around.center };
+    Ok(Plane::new(
+        table.read("z", Item::real)?.unwrap_or(around.z),
+        size.unwrap_or(around.size),
+        table.read("pixels", Item::count)?.unwrap_or(around.pixels),
+        table.read("center", Item::numbers)?.unwrap_or(center),
+    )?)
+}

@@ -1,0 +1,120 @@
+//! The keys of a scene file, each with a value as it may be written, for errors that show a correct line.
+
+use alloc::format;
+use alloc::string::String;
+
+use crate::files::source::Format;
+
+/// A table's path, and its keys with an example in JSON.
+type Table = (&'static str, &'static [(&'static str, &'static str)]);
+
+const TABLES: &[Table] = &[
+    (
+        "",
+        &[
+            ("medium", r#"{"frequency": 40e3}"#),
+            ("array", r#"{"preset": "autd3"}"#),
+            ("points", r#"[{"position": [0.0, 0.0, 0.15]}]"#),
+            ("solver", r#"{"name": "greedy"}"#),
+            ("plane", r#"{"z": 0.15}"#),
+            ("version", r#""1.0""#),
+            ("status", r#""done""#),
+        ],
+    ),
+    (
+        "medium",
+        &[
+            ("frequency", "40e3"),
+            ("sound_speed", "340.0"),
+            ("temperature", "25.0"),
+            ("absorption", "0.15"),
+            ("density", "1.2"),
+        ],
+    ),
+    (
+        "array",
+        &[
+            ("grid", r#"{"nx": 20, "ny": 20, "pitch": 10e-3}"#),
+            ("preset", r#""autd3""#),
+            ("tiles", "[2, 2]"),
+            ("positions", "[[0.0, 0.0, 0.0], [0.01, 0.0, 0.0]]"),
+            ("normals", "[[0.0, 0.0, 1.0], [0.0, 0.0, 1.0]]"),
+            ("source_pressure", "4.386"),
+            ("directivity", r#"{"piston": 4.5e-3}"#),
+            ("response", "[[1.0, 0.0], [0.5, -0.2]]"),
+            ("mask", "[true, false]"),
+            ("quantization", r#"{"phases": 256}"#),
+        ],
+    ),
+    ("array.grid", &[("nx", "20"), ("ny", "20"), ("pitch", "10e-3")]),
+    ("array.positions", &[("file", r#""bowl.csv""#)]),
+    ("array.quantization", &[("phases", "256"), ("amplitudes", "[0.0, 0.5, 1.0]")]),
+    ("points[]", &[("position", "[0.0, 0.0, 0.15]"), ("pressure", "500.0"), ("weight", "1.0")]),
+    ("solver", &[("name", r#""greedy""#), ("balance", "true"), ("aim", r#""max""#)]),
+    ("plane", &[("z", "0.15"), ("size", "0.1"), ("pixels", "200"), ("center", "[0.0, 0.0]")]),
+];
+
+/// Names that keys had before, or that hands write for them.
+const FORMER: &[(&str, &str, &str)] =
+    &[("array", "levels", "quantization"), ("solver", "level", "aim"), ("plane", "resolution", "pixels")];
+
+/// The key that was once called so.
+pub(super) fn renamed(table: &str, key: &str) -> Option<&'static str> {
+    FORMER.iter().find(|(at, former, _)| (*at, *former) == (table, key)).map(|(.., now)| *now)
+}
+
+/// The keys of a table: `medium`, `points[3]`.
+pub(super) fn keys(table: &str) -> impl Iterator<Item = &'static str> + Clone {
+    rows(&pattern(table)).iter().map(|(key, _)| *key)
+}
+
+/// A correct line for the key at a path, or for the nearest one around it.
+pub(super) fn example(path: &str, format: Format) -> Option<String> {
+    let path = pattern(path);
+    let mut path = path.trim_end_matches("[]");
+    loop {
+        let (table, key) = path.rsplit_once('.').unwrap_or(("", path));
+        if let Some((key, json)) = rows(table).iter().find(|(known, _)| *known == key) {
+            return Some(line(table, key, json, format));
+        }
+        path = table.trim_end_matches("[]");
+        if path.is_empty() {
+            return None;
+        }
+    }
+}
+
+/// A correct line for a key of whatever table has it.
+pub(super) fn example_of_key(key: &str, format: Format) -> Option<String> {
+    let table = TABLES.iter().find(|(_, rows)| rows.iter().any(|(known, _)| *known == key))?.0;
+    example(&if table.is_empty() { key.into() } else { format!("{table}.{key}") }, format)
+}
+
+/// A key and its value as the format writes them.
+pub(super) fn line(table: &str, key: &str, json: &str, format: Format) -> String {
+    if format == Format::Json {
+        return format!("\"{key}\": {json}");
+    }
+    let toml = |json: &str| json.replace("{\"", "{ ").replace("\": ", " = ").replace(", \"", ", ").replace('}', " }");
+    let inside = |open, close| json.strip_prefix(open).and_then(|rest: &str| rest.strip_suffix(close));
+    match (table, inside("[{\"", "}]"), inside("{\"", "}")) {
+        ("", Some(inner), _) => format!("[[{key}]] and under it {}", toml(inner)),
+        ("", _, Some(inner)) => format!("[{key}] and under it {}", toml(inner)),
+        _ => format!("{key} = {}", toml(json)),
+    }
+}
+
+fn rows(pattern: &str) -> &'static [(&'static str, &'static str)] {
+    TABLES.iter().find(|(path, _)| *path == pattern).map_or(&[], |(_, rows)| rows)
+}
+
+/// A path without its indices: `points[3].pressure` as `points[].pressure`.
+fn pattern(path: &str) -> String {
+    let mut within = false;
+    path.chars()
+        .filter(|&letter| {
+            within = (within && letter != ']') || letter == '[';
+            !within || letter == '['
+        })
+        .collect()
+}

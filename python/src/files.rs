@@ -1,0 +1,69 @@
+//! Scene files on disk and scenes as text: read within the size limit, written whole.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use midair::files::{self, Format, MOST_BYTES, Source};
+use pyo3::exceptions::PyOSError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyString};
+
+use crate::error::{invalid, refused};
+
+/// An error of the file system, as Python's own file functions raise it.
+fn os_error(error: &std::io::Error, path: &Path) -> PyErr {
+    let text = error.to_string();
+    let text = text.split(" (os error").next().unwrap_or_default().to_owned();
+    PyOSError::new_err((error.raw_os_error(), text, path.to_path_buf()))
+}
+
+fn bytes_of(path: &Path) -> PyResult<Vec<u8>> {
+    let mut bytes = Vec::new();
+    // One byte more than allowed is enough to see that a file is too large.
+    File::open(path)
+        .and_then(|file| file.take(MOST_BYTES as u64 + 1).read_to_end(&mut bytes))
+        .map_err(|error| os_error(&error, path))?;
+    Ok(bytes)
+}
+
+/// What to do with a file's bytes, their format and where they come from.
+type Reading<T> = fn(&[u8], Format, Source<'_>) -> Result<T, midair::Error>;
+
+fn read<T>(path: &Path, reading: Reading<T>) -> PyResult<T> {
+    let bytes = bytes_of(path)?;
+    let name = path.to_string_lossy();
+    let source = Source { name: &name, folder: path.parent() };
+    reading(&bytes, Format::of_document(&name, &bytes), source).map_err(refused)
+}
+
+/// The scene of a file.
+pub(crate) fn load(path: &Path) -> PyResult<midair::Scene> {
+    read(path, files::read_from)
+}
+
+/// The scene of a text, str or bytes.
+pub(crate) fn parse(text: &Bound<'_, PyAny>, name: &str, folder: Option<&Path>) -> PyResult<midair::Scene> {
+    let bytes = match (text.cast::<PyBytes>(), text.cast::<PyString>()) {
+        (Ok(bytes), _) => bytes.as_bytes().to_vec(),
+        (_, Ok(text)) => {
+            text.to_str().map_err(|_| invalid("text", "no Unicode", "give TOML or JSON"))?.as_bytes().to_vec()
+        }
+        _ => return Err(invalid("text", &crate::numbers::quoted(text), "give TOML or JSON as str or bytes")),
+    };
+    files::read_from(&bytes, Format::of_text(&bytes), Source { name, folder }).map_err(refused)
+}
+
+/// Writes a file whole or not at all, as every result is written.
+pub(crate) fn save(py: Python<'_>, path: &Path, text: &str) -> PyResult<()> {
+    let write = py.import("midair.output")?.getattr("write")?;
+    write.call1((py.import("pathlib")?.getattr("Path")?.call1((path,))?, text.as_bytes()))?;
+    Ok(())
+}
+
+/// The files that a scene file consists of: itself, and those that it names.
+#[pyfunction]
+pub(crate) fn scene_files(path: PathBuf) -> PyResult<Vec<PathBuf>> {
+    let named = read(&path, files::references)?;
+    Ok([path].into_iter().chain(named).collect())
+}
