@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::ctrl_c::attend;
-use crate::error::{invalid, refused};
+use crate::error::{invalid, refused, warn};
 use crate::give;
 use crate::limits;
 use crate::out;
@@ -114,6 +114,18 @@ impl Batch {
     fn steps<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         let steps = self.inner.steps.iter().map(|&steps| i64::try_from(steps).unwrap_or(i64::MAX));
         give::list(py, steps.collect())
+    }
+
+    /// Whether a pressure of each is above what the array reaches at its point (B,), bool.
+    #[getter]
+    fn beyond<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        give::list(py, self.inner.beyond.clone())
+    }
+
+    /// Whether the pressures of each are below half the balanced level, solved unbalanced (B,), bool.
+    #[getter]
+    fn weak<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        give::list(py, self.inner.weak.clone())
     }
 
     /// Seconds from the checked arguments to the last answer.
@@ -228,6 +240,9 @@ pub(crate) fn solve_batch(
     let drives = (**writable).clone();
     if out.is_none() {
         writable.make_nonwriteable();
+    }
+    for remark in &inner.remarks {
+        warn(py, remark)?;
     }
     Ok(Batch { drives: drives.unbind(), inner, points: size, elapsed: clock.elapsed().as_secs_f64() })
 }

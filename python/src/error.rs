@@ -33,6 +33,6 @@ pub(crate) fn invalid(item: &str, value: &str, cure: &str) -> PyErr {
 }
 
 /// Warns by a [`SceneWarning`].
-pub(crate) fn warn(py: Python<'_>, text: String) -> PyResult<()> {
-    PyErr::warn(py, &py.get_type::<SceneWarning>(), &CString::new(text).unwrap_or_default(), 1)
+pub(crate) fn warn(py: Python<'_>, text: &impl ToString) -> PyResult<()> {
+    PyErr::warn(py, &py.get_type::<SceneWarning>(), &CString::new(text.to_string()).unwrap_or_default(), 1)
 }

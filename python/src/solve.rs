@@ -3,7 +3,8 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use midair::{Workspace, solvers as registry};
+use midair::Workspace;
+use midair::solvers::{self as registry, Remark};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -98,12 +99,9 @@ pub(crate) fn solve(
     }
     if configured.info.uses_aim {
         choice.aim = Some(problem.aim());
-    } else if problem.is_weak() && !balance {
-        let part = 1.0 / problem.balance();
-        let part = if part < 0.01 { format!("{part:.1e}") } else { format!("{part:.2}") };
-        let text =
-            format!("targets are {part} of the balanced level: foci this weak come out smeared, balance=True cures it");
-        warn(py, text)?;
+    }
+    if let Some(weak) = Remark::weak(&problem, &*configured.solver, balance) {
+        warn(py, &weak)?;
     }
     let (inner, trace) = attend(py, progress, |control| {
         let mut control = if trace { control.traced() } else { control };
@@ -111,15 +109,9 @@ pub(crate) fn solve(
         Ok((solution, control.into_trace()))
     })?;
     let elapsed = clock.elapsed().as_secs_f64();
-    if let Some(beyond) = attend(py, None, |mut control| problem.beyond(&mut control))? {
-        warn(py, beyond.to_string())?;
-    }
-    if inner.scale < 1.0 {
-        let scale = inner.scale;
-        let text = format!(
-            "the device has no such amplitude: scale all drives by {scale:.4} by supply or modulation (solution.scale)"
-        );
-        warn(py, text)?;
+    let beyond = attend(py, None, |mut control| problem.beyond(&mut control))?;
+    for remark in [beyond.map(Remark::Beyond), Remark::scaled(&inner)].into_iter().flatten() {
+        warn(py, &remark)?;
     }
     Ok(Solution::new(inner, Arc::new(choice), elapsed).of(subject.scene(), trace))
 }

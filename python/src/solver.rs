@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::ctrl_c::attend;
-use crate::error::{invalid, refused};
+use crate::error::{invalid, refused, warn};
 use crate::give;
 use crate::metrics::Metrics;
 use crate::numbers::in_place;
@@ -170,12 +170,18 @@ impl Solver {
         ask.start = start.map(begin).transpose()?;
         attend(py, None, |mut control| session.solve(ask, &mut control).map(|_| ()))?;
         *elapsed = clock.elapsed().as_secs_f64();
+        let mut remarks = session.remarks();
+        let mut tell = || remarks.try_for_each(|remark| warn(py, &remark));
         if let Some(out) = out {
             out::write(out, session.solution().map_or(&[], |solution| &solution.drive))?;
+            drop(state);
+            tell()?;
             return Ok(slf.clone().into_any().unbind());
         }
         let inner = session.take().ok_or_else(|| invalid("solution", "none", "report this"))?;
         let solution = Solution::new(inner, Arc::clone(choice), *elapsed);
+        drop(state);
+        tell()?;
         Ok(Bound::new(py, solution)?.into_any().unbind())
     }
 

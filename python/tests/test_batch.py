@@ -10,7 +10,7 @@ import midair
 B, M = 9, 4
 RNG = np.random.default_rng(5)
 POINTS = RNG.uniform(-0.05, 0.05, (B, M, 3)) + np.array([0, 0, 0.15])
-PRESSURES = RNG.uniform(0.3, 1.0, (B, M))
+PRESSURES = RNG.uniform(0.7, 1.1, (B, M))
 ARRAY = midair.Array.preset("paper20")
 
 

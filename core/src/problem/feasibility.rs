@@ -111,8 +111,8 @@ impl Problem {
     /// # Errors
     /// A stop.
     pub fn beyond(&self, control: &mut Control) -> Result<Option<Beyond>, Error> {
-        if let Some((point, alone)) = self.targets.overasked {
-            return Ok(Some(Beyond::Alone { point, target: self.targets_in_pascals()[point], alone }));
+        if let Some(alone) = self.beyond_alone() {
+            return Ok(Some(alone));
         }
         if let Some(contrary) = self.contrary() {
             return Ok(Some(contrary));
@@ -122,6 +122,25 @@ impl Problem {
         }
         let most = rough_bound(self, control)?;
         Ok((most < EVERYDAY).then_some(Beyond::Together { most }))
+    }
+
+    /// The first target above its point's own reach: known as soon as the problem is, at no cost.
+    #[must_use]
+    pub fn beyond_alone(&self) -> Option<Beyond> {
+        let (point, alone) = self.targets.overasked?;
+        Some(Beyond::Alone { point, target: self.targets_in_pascals()[point], alone })
+    }
+
+    /// How many times its own reach a point is asked for at most; 0 where no target is above its point's reach.
+    #[must_use]
+    pub fn excess(&self) -> f64 {
+        self.targets.excess
+    }
+
+    /// Whether [`Problem::beyond`] has more to look at than the points' own reach.
+    #[must_use]
+    pub fn is_doubtful(&self) -> bool {
+        self.balance() < EVERYDAY
     }
 
     fn contrary(&self) -> Option<Beyond> {

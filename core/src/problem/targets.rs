@@ -38,6 +38,8 @@ pub(crate) struct Targets {
     pub(crate) balance: f64,
     /// The first point asked for more than its own reach, and that reach in Pa.
     pub(crate) overasked: Option<(usize, f64)>,
+    /// How many times its own reach a point is asked for at most, where that is more than once; else 0.
+    pub(crate) excess: f64,
 }
 
 impl Targets {
@@ -54,6 +56,7 @@ impl Targets {
             weighted: false,
             balance: 1.0,
             overasked: None,
+            excess: 0.0,
         }
     }
 
@@ -93,7 +96,7 @@ impl Targets {
     /// A target that no transducer reaches, or one in no unit of pressure.
     pub(crate) fn balance(&mut self, reach: &[f64]) -> Result<(), Error> {
         let reference = self.propagation.reference();
-        self.overasked = None;
+        (self.overasked, self.excess) = (None, 0.0);
         let within = LEAST_TARGET..=MOST_TARGET;
         for (&j, &reach) in self.active.iter().zip(reach) {
             let target = self.pascals[j];
@@ -105,8 +108,10 @@ impl Targets {
                 return Err(Error::invalid(format!("points[{j}].pressure"), format!("{target:e}"), cure));
             }
             // Sums in f32 are exact to 1e-4 of the reach.
-            if self.given && target > (1.0 + 1e-4) * reach * reference {
-                self.overasked = self.overasked.or(Some((j, reach * reference)));
+            let alone = reach * reference;
+            if self.given && target > (1.0 + 1e-4) * alone {
+                self.overasked = self.overasked.or(Some((j, alone)));
+                self.excess = self.excess.max(target / alone);
             }
         }
         // Loads relative to the heaviest, so that no square over- or underflows.

@@ -1,10 +1,13 @@
 //! What comes out of a batch: pressures, metrics, scale, status and steps of each problem.
 
+use alloc::format;
+use alloc::string::String;
 use alloc::vec::Vec;
 
 use num_complex::Complex32;
 
-use crate::problem::{Metrics, Solution, Status};
+use crate::problem::{Metrics, Problem, Solution, Status};
+use crate::solvers::remark::Remark;
 
 /// What comes out of [`crate::Session::solve_batch`] beside the drives, for B problems of M points.
 #[derive(Clone, Debug)]
@@ -20,6 +23,12 @@ pub struct Batch {
     pub status: Vec<Status>,
     /// Steps of each (B,).
     pub steps: Vec<usize>,
+    /// Whether a target of each is above what the array reaches there (B,).
+    pub beyond: Vec<bool>,
+    /// Whether the targets of each are below half the balanced level, solved unbalanced (B,).
+    pub weak: Vec<bool>,
+    /// What a caller should hear beside the answers: a line a kind, with counts.
+    pub remarks: Vec<String>,
 }
 
 impl Batch {
@@ -31,8 +40,31 @@ impl Batch {
             scale: outcomes.iter().map(|outcome| outcome.scale).collect(),
             status: outcomes.iter().map(|outcome| outcome.status).collect(),
             steps: outcomes.iter().map(|outcome| outcome.steps).collect(),
+            beyond: outcomes.iter().map(|outcome| outcome.excess > 0.0).collect(),
+            weak: outcomes.iter().map(|outcome| outcome.weak < 1.0).collect(),
+            remarks: remarks(outcomes),
         }
     }
+}
+
+/// What falls short, a line a kind: in how many problems, and in which the most.
+fn remarks(outcomes: &[Outcome]) -> Vec<String> {
+    let worst = |badness: fn(&Outcome) -> f64| {
+        let bad = outcomes.iter().map(badness).enumerate().filter(|(_, badness)| *badness > 1.0);
+        let (worst, _) = bad.clone().reduce(|most, next| if next.1 > most.1 { next } else { most })?;
+        Some((format!("in {} of {} problems", bad.count(), outcomes.len()), worst))
+    };
+    let beyond = worst(|outcome| outcome.excess).map(|(many, k)| {
+        let excess = outcomes[k].excess;
+        format!("{many} a pressure is beyond reach, in problems[{k}] {excess:.2} times what the array gives there: reach() of a Scene tells what it can do")
+    });
+    let weak = worst(|outcome| 1.0 / outcome.weak)
+        .map(|(many, k)| format!("{many} targets are weak; problems[{k}]: {}", Remark::Weak(outcomes[k].weak)));
+    let scaled = worst(|outcome| 1.0 / outcome.scale).map(|(many, k)| {
+        let scale = outcomes[k].scale;
+        format!("{many} the device has no such amplitude: scale the drives by supply or modulation, those of problems[{k}] by {scale:.4} (batch.scale)")
+    });
+    [beyond, weak, scaled].into_iter().flatten().collect()
 }
 
 /// How a problem ended.
@@ -42,17 +74,29 @@ pub(super) struct Outcome {
     scale: f64,
     status: Status,
     steps: usize,
+    /// How many times its reach a point is asked for, where that is above 1.
+    excess: f64,
+    /// The part of the balanced level that weak targets are; else 1.
+    weak: f64,
 }
 
 impl Default for Outcome {
     /// Not begun.
     fn default() -> Self {
-        Self { metrics: Metrics::default(), scale: 1.0, status: Status::Stopped, steps: 0 }
+        let metrics = Metrics::default();
+        Self { metrics, scale: 1.0, status: Status::Stopped, steps: 0, excess: 0.0, weak: 1.0 }
     }
 }
 
 impl Outcome {
-    pub(super) fn of(solution: &Solution) -> Self {
-        Self { metrics: solution.metrics(), scale: solution.scale, status: solution.status, steps: solution.steps }
+    pub(super) fn of(problem: &Problem, weak: Option<f64>, solution: &Solution) -> Self {
+        Self {
+            metrics: solution.metrics(),
+            scale: solution.scale,
+            status: solution.status,
+            steps: solution.steps,
+            excess: problem.excess(),
+            weak: weak.unwrap_or(1.0),
+        }
     }
 }

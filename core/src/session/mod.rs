@@ -23,6 +23,7 @@ use crate::session::batch::Outcome;
 use crate::session::parts::{Part, parts};
 use crate::session::worker::{Requests, Task, Transducers, Worker};
 use crate::solvers::method::Solve;
+use crate::solvers::remark::Remark;
 use crate::solvers::solve::solve;
 
 /// Entries of G that a thread goes through between two calls of the control: some 100 us of `fast`, many times what it
@@ -51,6 +52,10 @@ pub struct Session {
     task: Task,
     workers: Vec<Worker>,
     solution: Option<Solution>,
+    /// Which kinds of remark it has made.
+    told: [bool; 3],
+    /// Whether it has looked for the proof that targets cannot be had together.
+    looked: bool,
 }
 
 impl Session {
@@ -60,7 +65,7 @@ impl Session {
         let setup = Arc::new(Setup::of(model.array(), model.medium()));
         let transducers = Transducers::Model(model);
         let task = Task { transducers, setup, solver: solver.into(), balance };
-        Self { task, workers: Vec::new(), solution: None }
+        Self { task, workers: Vec::new(), solution: None, told: [false; 3], looked: false }
     }
 
     /// A session of a given G, the array behind it, and a solver: points are left out of what it is asked.
@@ -76,7 +81,7 @@ impl Session {
         setup.check(&propagation)?;
         let transducers = Transducers::Given(propagation);
         let task = Task { transducers, setup: Arc::new(setup), solver: solver.into(), balance };
-        Ok(Self { task, workers: Vec::new(), solution: None })
+        Ok(Self { task, workers: Vec::new(), solution: None, told: [false; 3], looked: false })
     }
 
     /// Solves one request. The solution stays readable until the next call.
@@ -177,6 +182,27 @@ impl Session {
             }
         }
         Ok(Batch::of(pressures, &outcomes))
+    }
+
+    /// What a caller should hear beside the last solution and has not yet heard of this session: each kind once. Costs
+    /// nothing but the one time that it looks for the proof of [`Problem::beyond`].
+    pub fn remarks(&mut self) -> impl Iterator<Item = Remark> + use<> {
+        let (Some(problem), Some(solution)) = (self.problem(), self.solution()) else {
+            return [None; 3].into_iter().flatten();
+        };
+        let mut beyond = problem.beyond_alone();
+        let look = beyond.is_none() && problem.is_doubtful() && !self.looked;
+        if look {
+            beyond = problem.beyond(&mut Control::none()).ok().flatten();
+        }
+        let weak = Remark::weak(problem, &*self.task.solver, self.task.balance);
+        let mut remarks = [beyond.map(Remark::Beyond), weak, Remark::scaled(solution)];
+        self.looked |= look;
+        for (told, remark) in self.told.iter_mut().zip(&mut remarks) {
+            *remark = remark.filter(|_| !*told);
+            *told |= remark.is_some();
+        }
+        remarks.into_iter().flatten()
     }
 
     /// The problem of the last request that was read.

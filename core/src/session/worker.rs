@@ -9,12 +9,13 @@ use core::ops::Range;
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::LANES;
-use crate::problem::{Problem, Setup, Status};
+use crate::problem::{Problem, Setup, Solution, Status};
 use crate::propagation::{Model, Propagation};
 use crate::scene::{Aim, Request, Start};
 use crate::session::parts::Part;
 use crate::solvers::common::interleaved;
 use crate::solvers::method::Solve;
+use crate::solvers::remark::weak_part;
 use crate::solvers::solve::{solve, solve_interleaved};
 use crate::workspace::Workspace;
 
@@ -157,9 +158,12 @@ impl Worker {
         }
         let problems = &self.problems[..count];
         let (solver, balance, work) = (&*task.solver, task.balance, &mut self.work);
+        let mut keep = |k: usize, solution: &Solution| {
+            part.keep(start + k, &problems[k], weak_part(&problems[k], solver, balance), solution);
+        };
         if let Some(solutions) = solve_interleaved(problems, solver, balance, work) {
             for (k, solution) in solutions.into_iter().enumerate() {
-                part.keep(start + k, &solution);
+                keep(k, &solution);
                 solution.recycle(work);
             }
             return refused;
@@ -170,7 +174,7 @@ impl Worker {
             if solution.status == Status::Stopped {
                 return Err(at(Error::Stopped));
             }
-            part.keep(start + k, &solution);
+            keep(k, &solution);
             solution.recycle(work);
         }
         refused

@@ -1,0 +1,54 @@
+//! Remarks: what a caller should hear beside an answer (targets beyond reach or too weak, a scale left over).
+
+use core::fmt;
+
+use crate::problem::{Beyond, Problem, Solution};
+use crate::solvers::method::Solve;
+
+/// What a caller should hear beside an answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::exhaustive_enums, reason = "the three ways in which an answer is another than was asked")]
+pub enum Remark {
+    /// What was asked for and cannot be had.
+    Beyond(Beyond),
+    /// The part of the balanced level that the targets are: below half of it, and nothing balanced them.
+    Weak(f64),
+    /// What is left to supply or modulation: the device has no amplitude for the answer.
+    Scaled(f64),
+}
+
+impl fmt::Display for Remark {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Beyond(beyond) => beyond.fmt(f),
+            Self::Weak(part) => {
+                f.write_str("targets are ")?;
+                if *part < 0.01 { write!(f, "{part:.1e}") } else { write!(f, "{part:.2}") }?;
+                f.write_str(" of the balanced level: foci this weak come out smeared, balance=True cures it")
+            }
+            Self::Scaled(scale) => write!(
+                f,
+                "the device has no such amplitude: scale all drives by {scale:.4} by supply or modulation (solution.scale)"
+            ),
+        }
+    }
+}
+
+impl Remark {
+    /// That targets are weak, where a solver takes them as they stand.
+    #[must_use]
+    pub fn weak(problem: &Problem, solver: &dyn Solve, balance: bool) -> Option<Self> {
+        weak_part(problem, solver, balance).map(Self::Weak)
+    }
+
+    /// That something is left to supply or modulation.
+    #[must_use]
+    pub fn scaled(solution: &Solution) -> Option<Self> {
+        (solution.scale < 1.0).then_some(Self::Scaled(solution.scale))
+    }
+}
+
+/// The part of the balanced level that weak targets are, where a solver takes them as they stand.
+pub(crate) fn weak_part(problem: &Problem, solver: &dyn Solve, balance: bool) -> Option<f64> {
+    (problem.is_weak() && !balance && !solver.finds_level()).then(|| 1.0 / problem.balance())
+}

@@ -1,0 +1,86 @@
+"""What an answer falls short of is told once: alone, by a Solver, and over a batch with counts."""
+
+import warnings
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import midair
+
+ARRAY = midair.Array.preset("paper20")
+POINTS = np.array([[-0.03, 0, 0.15], [0.03, 0, 0.15]])
+#: Two of five problems ask too much (one of them for 800 at a point that can have 2.3), one for very little.
+PRESSURES = np.array([[1, 1], [800, 1], [1, 1], [1, 400], [0.01, 0.01]])
+
+
+def heard(call: Callable[[], object]) -> list[str]:
+    """The texts of the SceneWarnings of a call."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        call()
+    assert all(warning.category is midair.SceneWarning for warning in caught)
+    texts = [str(warning.message) for warning in caught]
+    assert not any("\n" in text for text in texts)
+    return texts
+
+
+def test_a_batch_tells_each_kind_once_with_counts() -> None:
+    points = np.broadcast_to(POINTS, (5, 2, 3))
+    batches = []
+    texts = heard(lambda: batches.append(midair.solve_batch(ARRAY, points, PRESSURES, "wgs", balance=False)))
+    assert len(texts) == 2
+    assert texts[0].startswith("in 2 of 5 problems a pressure is beyond reach, in problems[1] 3")
+    assert texts[1].startswith("in 1 of 5 problems targets are weak; problems[4]: targets are 6.1e-3 of the")
+    assert batches[0].beyond.tolist() == [False, True, False, True, False]
+    assert batches[0].weak.tolist() == [False, False, False, False, True]
+    assert batches[0].beyond.dtype == batches[0].weak.dtype == bool
+
+
+def test_a_batch_without_a_shortcoming_is_silent() -> None:
+    batch = midair.solve_batch(ARRAY, np.broadcast_to(POINTS, (3, 2, 3)), solver="wgs")
+    assert not batch.beyond.any()
+    assert not batch.weak.any()
+    # Balanced, or by a method that finds the level itself, nothing is too weak.
+    for options in ({"solver": "wgs", "balance": True}, {"solver": "uniform"}):
+        assert not midair.solve_batch(ARRAY, POINTS[None], 0.01, **options).weak.any()
+
+
+def test_a_batch_counts_what_is_left_to_the_supply() -> None:
+    array = midair.Array.preset("paper20", quantization={"amplitudes": [1]})
+    points, pressures = np.stack([POINTS, POINTS]), [[1, 1], [0.1, 0.1]]
+    texts = heard(lambda: midair.solve_batch(array, points, pressures, balance=True))
+    assert len(texts) == 1
+    assert texts[0].startswith("in 2 of 2 problems the device has no such amplitude: scale the drives")
+    assert "those of problems[1] by 0." in texts[0]
+
+
+@pytest.mark.parametrize("out", [None, np.empty(400, np.complex64)])
+def test_a_solver_tells_each_kind_once(out: np.ndarray | None) -> None:
+    solver = midair.Solver(ARRAY, "wgs", balance=False)
+
+    def texts(pressures: object) -> list[str]:
+        return heard(lambda: solver(POINTS, pressures, out=out))
+
+    assert texts(1.0) == []
+    (text,) = texts([1, 800])
+    assert text.startswith("points[1].pressure is 800.000 Pa, beyond reach")
+    assert texts(800) == []
+    (text,) = texts(0.01)
+    assert text.endswith("balance=True cures it")
+    assert texts(0.01) == []
+
+
+def test_a_solver_looks_once_for_what_cannot_be_had_together() -> None:
+    points = np.array([[-0.06, 0.05, 0.15], [0.06, 0.05, 0.15], [-0.06, -0.05, 0.15], [0.06, -0.05, 0.15]])
+    solver = midair.Solver(ARRAY, "wgs")
+    assert "of all of them at the same time" in heard(lambda: solver(points, 2.0))[0]
+    assert heard(lambda: solver(points, 2.0)) == []
+
+
+def test_a_warning_made_an_error_leaves_the_drive_written() -> None:
+    solver, out = midair.Solver(ARRAY, "naive"), np.zeros(400, np.complex64)
+    with pytest.raises(midair.SceneWarning):
+        solver(POINTS, 800, out=out)
+    assert np.abs(out).max() > 0.5
+    assert solver(POINTS, 800).status == "done"
