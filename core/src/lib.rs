@@ -38,6 +38,8 @@
 #![cfg_attr(not(feature = "std"), no_std)]
 
 extern crate alloc;
+// A solver reads the same here and in a crate of its own (docs/extending.md).
+extern crate self as midair;
 
 mod control;
 mod device;

@@ -6,6 +6,7 @@ mod ctrl_c;
 mod error;
 mod field;
 mod files;
+mod function;
 mod give;
 mod instruction_set;
 mod judge;

@@ -275,6 +275,10 @@ pub(crate) fn flag(item: &str, value: &Bound<'_, PyAny>) -> PyResult<bool> {
 
 /// A solver's name.
 pub(crate) fn name(value: &Bound<'_, PyAny>) -> PyResult<String> {
+    if value.is_callable() {
+        let cure = "give a name; a function solves one scene at a time, by midair.solve";
+        return Err(invalid("solver", &quoted(value), cure));
+    }
     let cure = "give a name as text; pressures go by keyword, pressures=";
     value.extract().map_err(|_| invalid("solver", &quoted(value), cure))
 }

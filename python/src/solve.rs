@@ -10,6 +10,7 @@ use pyo3::types::PyDict;
 
 use crate::ctrl_c::attend;
 use crate::error::{refused, warn};
+use crate::function::Function;
 use crate::instruction_set::instruction_set;
 use crate::read;
 use crate::solution::{Solution, begin};
@@ -38,7 +39,9 @@ fn chosen(
 /// Finds a drive for a scene, or for a matrix G (`Propagation`) with what goes beside it: pressures, weights, and the
 /// quantization, mask and positions (N, 3) of its array.
 ///
-/// solver is a name of `solvers()`; left out it is the scene file's, else the default. Its options are keywords.
+/// solver is a name of `solvers()`; left out it is the scene file's, else the default. Its options are keywords. It may
+/// also be a function: solver(propagation, targets, weights, **options) is given G (M, N) in Pa, targets (M,) in Pa and
+/// weights (M,), the largest 1, of the points of weight above 0, and returns a drive (N,) of moduli up to 1.
 /// balance=True solves at the level the array can reach and reduces the drives afterwards; None is the method's
 /// own habit. start (a drive, point phases or a Solution) and aim ("target" or "max") are for the methods that
 /// use them. progress(step, steps, residual) is called every step and stops the solve by returning False;
@@ -72,14 +75,22 @@ pub(crate) fn solve(
     options: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Solution> {
     let subject = Subject::read(scene, Beside { pressures, weights, quantization, mask, positions })?;
-    let mut choice = chosen(&subject, solver, options)?;
+    let function = solver.map(|solver| Function::read(solver, options)).transpose()?.flatten();
+    let raised = function.as_ref().map(Function::raised);
+    let mut choice = match &function {
+        Some(function) => function.choice(py)?,
+        None => chosen(&subject, solver, options)?,
+    };
     read::callback(progress.as_ref().map(|callback| callback.bind(py)), "step, steps, residual")?;
     if let Some(aim) = aim {
         choice.aim = Some(read::aim(aim)?);
     }
-    let configured = registry::configure(&choice, subject.quantization()).map_err(refused)?;
+    let configured = match function {
+        Some(function) => function.configured(&choice)?,
+        None => registry::configure(&choice, subject.quantization()).map_err(refused)?,
+    };
     if start.is_some() && !configured.info.uses_start {
-        return Err(refused(registry::unused("start", configured.info.name, |info| info.uses_start)));
+        return Err(refused(registry::unused("start", &choice.name, |info| info.uses_start)));
     }
     if let Some(balance) = balance {
         choice.balance = Some(read::flag("balance", balance)?);
@@ -103,11 +114,13 @@ pub(crate) fn solve(
     if let Some(weak) = Remark::weak(&problem, &*configured.solver, balance) {
         warn(py, &weak)?;
     }
-    let (inner, trace) = attend(py, progress, |control| {
+    let answer = attend(py, progress, |control| {
         let mut control = if trace { control.traced() } else { control };
         let solution = midair::solve(&problem, &*configured.solver, balance, &mut Workspace::new(), &mut control)?;
         Ok((solution, control.into_trace()))
-    })?;
+    });
+    raised.map_or(Ok(()), |raised| raised.check())?;
+    let (inner, trace) = answer?;
     let elapsed = clock.elapsed().as_secs_f64();
     let beyond = attend(py, None, |mut control| problem.beyond(&mut control))?;
     for remark in [beyond.map(Remark::Beyond), Remark::scaled(&inner)].into_iter().flatten() {

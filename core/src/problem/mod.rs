@@ -40,6 +40,8 @@ pub struct Problem {
     targets: Arc<Targets>,
     start: Option<Arc<Start>>,
     pub(crate) aim: Option<Aim>,
+    /// What the caller's targets are multiplied by: 1 unless this is the balanced problem.
+    factor: f64,
     /// Targets of the points of weight above 0 in units of the reference, padded with zeros.
     scaled: Vec<f32>,
     /// p1_j of the points of weight above 0 in units of the reference, and memory for summing it.
@@ -128,6 +130,7 @@ impl Problem {
             targets,
             start: None,
             aim: None,
+            factor: 1.0,
             scaled: Vec::new(),
             reach: Vec::new(),
             sums: Vec::new(),
@@ -186,6 +189,7 @@ impl Problem {
             selected: self.selected.clone(),
             start: self.start.clone(),
             aim: self.aim,
+            factor,
             scaled,
             ..Self::of(Arc::clone(&self.targets))
         }
@@ -267,6 +271,11 @@ impl Problem {
     #[must_use]
     pub fn targets(&self) -> &[f32] {
         &self.scaled
+    }
+
+    /// The same in Pa, without padding: targets |p_j| of the points of weight above 0, balanced where that was asked for.
+    pub fn active_targets_in_pascals(&self) -> impl Iterator<Item = f64> + '_ {
+        self.targets.active.iter().map(|&j| self.targets.pascals[j] * self.factor)
     }
 
     /// Weights, the largest 1, padded with zeros.

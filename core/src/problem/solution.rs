@@ -14,7 +14,7 @@ use crate::problem::Problem;
 use crate::problem::metrics::Metrics;
 use crate::problem::targets::Targets;
 use crate::propagation::field_of;
-use crate::scene::Scene;
+use crate::scene::{Scene, check_drive};
 use crate::workspace::Workspace;
 
 /// How a solve ended. Outcome is data, never an error.
@@ -82,6 +82,30 @@ impl Solution {
         let mut solution = Self::with_pressures(asked, drive, &field, status, step, work);
         solution.tell(problem, steps, control);
         Ok(solution)
+    }
+
+    /// As [`Solution::new`], in one step, of a drive that nobody has checked yet. Transducers without effect get drive 0,
+    /// whatever it says of them.
+    ///
+    /// # Errors
+    /// A drive of another length, a value that is not finite, |q| above 1 + 1e-6; a stop.
+    pub fn checked(
+        problem: &Problem,
+        mut drive: Vec<Complex32>,
+        work: &Workspace,
+        control: &mut Control,
+    ) -> Result<Self, Error> {
+        let propagation = problem.propagation();
+        let [mut re, mut im] = [(); 2].map(|()| work.floats.take(propagation.lanes()));
+        for (i, q) in drive.iter_mut().enumerate().take(propagation.transducers()) {
+            control.pulse()?;
+            propagation.row(i, &mut re, &mut im);
+            if re.iter().chain(&*im).all(|&g| g == 0.0) {
+                *q = Complex32::ZERO;
+            }
+        }
+        check_drive(&drive, propagation.transducers())?;
+        Self::new(problem, drive, (Status::Done, 1), 1, work, control)
     }
 
     /// Silence: what there is when a stop comes before anything else.

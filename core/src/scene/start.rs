@@ -27,7 +27,8 @@ pub(crate) fn check_drive(drive: &[Complex32], transducers: usize) -> Result<(),
             return Err(Error::invalid(format!("drive[{i}]"), q, "give finite numbers"));
         }
         if modulus > 1.0 + 1e-6 {
-            return Err(Error::invalid(format!("drive[{i}]"), q, "a drive's modulus is at most 1"));
+            let cure = "a drive's modulus is at most 1; divide all by the largest, or each above 1 by its own";
+            return Err(Error::invalid(format!("drive[{i}]"), q, cure));
         }
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! The law book: what every registered solver keeps. Nothing here names a solver; registering one runs it.
 
+use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
@@ -120,9 +121,10 @@ fn one_strong_focus_gets_the_conjugate_phases() {
         let solution = raw(entry, &scene);
         // Modulo one global phase: every q_i G_i turned by the field's own phase.
         let total: Complex64 = propagation(&scene).iter().zip(widen(&solution.drive)).map(|(g, q)| g[0] * q).sum();
-        // A whole step of the coarsest default grid, else the methods' own convergence.
-        let gridded = entry.options().iter().any(|option| option.name == "phases");
-        let allowed = if gridded { TAU / 16.0 } else { 0.01 };
+        // A whole step of the grid that the drives keep to, if it is a coarse one, else the methods' own convergence.
+        let turns = (0..solution.drive.len()).map(|i| (solution.phase(i) / TAU * 65536.0).round() as i64 % 65536);
+        let phases = turns.collect::<BTreeSet<_>>().len();
+        let allowed = if phases <= 16 { TAU / phases as f64 } else { 0.01 };
         for (i, (g, q)) in propagation(&scene).iter().zip(widen(&solution.drive)).enumerate() {
             let off = (g[0] * q / total).arg().abs();
             // A silent transducer has no phase to be wrong.

@@ -1,0 +1,51 @@
+#!/bin/bash
+# The three steps of docs/extending.md, done to a copy of the core with the page's own words: its solver compiles without
+# a warning, passes its own test and, alone in the registry, keeps the law book.
+set -eu -o pipefail
+cd "$(dirname "$0")/../.."
+export CARGO_INCREMENTAL=0
+page=docs/extending.md copy=target/extending
+
+words() { # the one thing in backquotes on the page that looks like this
+    local found
+    found=$(grep -o "\`$1\`" "$page" | tr -d '`' | sort -u)
+    [ "$(wc -l <<<"$found")" = 1 ] && [ -n "$found" ] || { echo "extending: $page says not once: $1" >&2; exit 1; }
+    echo "$found"
+}
+
+insert() { # what, after which line, into which file of the copy
+    grep -q "$2" "$copy/$3" || { echo "extending: $3 has no line $2" >&2; exit 1; }
+    sed -i "0,/$2/s//&\n$1/" "$copy/$3"
+}
+
+# Compiled for speed it would take minutes; the crates it depends on are those that were compiled before.
+rm -rf "$copy"
+mkdir -p "$copy"
+cp -rp Cargo.toml Cargo.lock rustfmt.toml core "$copy"
+sed -i 's/^members = .*/members = ["core"]/; /^exclude = /d' "$copy/Cargo.toml"
+printf '\n[profile.test.package.midair]\nopt-level = 0\n' >>"$copy/Cargo.toml"
+
+file=$(words 'core/src/solvers/two_phases\.rs')
+sed -n '/^```rust$/,/^```$/p' "$page" | sed '1d; $d' >"$copy/$file"
+insert "$(words 'pub(crate) mod [a-z_]*;')" 'pub(crate) mod uniform;' core/src/solvers/mod.rs
+insert "$(words 'pub use [^`]*;')" 'pub use uniform::Uniform;' core/src/solvers/mod.rs
+insert "    $(words 'Entry::of::<[^`]*>(),')" 'pub static SOLVERS.*' core/src/solvers/registry.rs
+
+own=(--manifest-path "$copy/Cargo.toml" -p midair --features scene-file,parallel)
+export CARGO_TARGET_DIR=$PWD/target
+rustfmt --check --edition 2024 "$copy/$file"
+cargo clippy --quiet "${own[@]}" -- -D warnings
+
+# The law book over this solver alone.
+sed -i '1a #![allow(unused_imports)]
+/^    Entry::of::<[A-Z]/d' "$copy/core/src/solvers/registry.rs"
+cat >"$copy/core/tests/suite/main.rs" <<'RUST'
+//! The law book.
+#![allow(dead_code, unreachable_pub, reason = "the other tests use the rest")]
+mod laws;
+mod motions;
+mod oracle;
+mod scenes;
+RUST
+cargo test --quiet "${own[@]}" --lib two_phases
+cargo test --quiet "${own[@]}" --test suite --test allocations

@@ -1,0 +1,92 @@
+//! A solver written in Python: a function of G, targets and weights that returns a drive.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use midair::solvers::{Configured, Info, unused};
+use midair::{Choice, Complex32, Control, Error, Problem, Solution, Solve, Workspace};
+use numpy::{IntoPyArray, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::error::refused;
+use crate::read;
+
+/// What the entry point needs to know of any: it neither balances by itself nor uses a start or an aim.
+static INFO: Info = Info::new("function", "a function in Python", "the caller's own");
+
+/// What a function raised, for the door to raise again.
+#[derive(Clone, Default)]
+pub(crate) struct Raised(Arc<Mutex<Option<PyErr>>>);
+
+impl Raised {
+    pub(crate) fn check(&self) -> PyResult<()> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).take().map_or(Ok(()), Err)
+    }
+}
+
+/// A function, and the keywords it is called with.
+pub(crate) struct Function {
+    function: Py<PyAny>,
+    keywords: Option<Py<PyDict>>,
+    name: String,
+    raised: Raised,
+}
+
+impl Function {
+    /// `solver`, if it is a function.
+    pub(crate) fn read(solver: &Bound<'_, PyAny>, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Option<Self>> {
+        if !solver.is_callable() {
+            return Ok(None);
+        }
+        // A functools.partial has no name, its function has; else the class of what can be called.
+        let name = solver.getattr("__name__").or_else(|_| solver.getattr("func")?.getattr("__name__"));
+        let name = name.and_then(|name| name.extract()).or_else(|_| solver.get_type().name()?.extract())?;
+        let keywords = keywords.map(|keywords| keywords.clone().unbind());
+        Ok(Some(Self { function: solver.clone().unbind(), keywords, name, raised: Raised::default() }))
+    }
+
+    /// How a solution of it is labelled: its name and its keywords.
+    pub(crate) fn choice(&self, py: Python<'_>) -> PyResult<Choice> {
+        let options = read::options(self.keywords.as_ref().map(|keywords| keywords.bind(py)))?;
+        Ok(Choice { name: self.name.clone(), options, balance: None, aim: None })
+    }
+
+    /// Where what it raises is kept.
+    pub(crate) fn raised(&self) -> Raised {
+        self.raised.clone()
+    }
+
+    /// It as the registry would make one.
+    pub(crate) fn configured(self, choice: &Choice) -> PyResult<Configured> {
+        if choice.aim.is_some() {
+            return Err(refused(unused("aim", &self.name, |info| info.uses_aim)));
+        }
+        Ok(Configured { info: &INFO, options: choice.options.clone(), solver: Box::new(self) })
+    }
+
+    fn call(&self, py: Python<'_>, matrix: Vec<Complex32>, problem: &Problem) -> PyResult<Vec<Complex32>> {
+        let (count, transducers) = (problem.propagation().points(), problem.propagation().transducers());
+        let matrix = matrix.into_pyarray(py).reshape([count, transducers])?;
+        let targets = problem.active_targets_in_pascals().collect::<Vec<_>>().into_pyarray(py);
+        let weights = problem.weights()[..count].iter().map(|&w| f64::from(w)).collect::<Vec<_>>().into_pyarray(py);
+        let keywords = self.keywords.as_ref().map(|keywords| keywords.bind(py));
+        let drive = self.function.bind(py).call((matrix, targets, weights), keywords)?;
+        read::drive(&format!("drive by {}", self.name), &drive)
+    }
+}
+
+impl Solve for Function {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+        let matrix = problem.propagation().matrix(control)?;
+        let drive = Python::attach(|py| self.call(py, matrix, problem)).map_err(|error| {
+            *self.raised.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+            Error::invalid("solver", &self.name, "it raised an exception")
+        })?;
+        Solution::checked(problem, drive, work, control).map_err(|error| match error {
+            Error::Invalid { item, value, cure } => {
+                Error::Invalid { item: format!("{item} by {}", self.name), value, cure }
+            }
+            other => other,
+        })
+    }
+}

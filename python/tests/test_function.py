@@ -1,0 +1,147 @@
+"""Solvers written in Python: what a function is given, what it may return, and all that surrounds it."""
+
+import functools
+
+import numpy as np
+import pytest
+
+import midair
+from scenes import POINTS, exact, numbers, small, usable
+
+TARGETS = [900.0, 700.0, 500.0, 800.0]
+
+
+def foci(propagation, targets, weights, share=1.0):
+    """Superposed foci, clipped."""
+    drive = share * propagation.conj().T @ (weights * targets / (np.abs(propagation) ** 2).sum(axis=1))
+    return drive / np.maximum(1, np.abs(drive))
+
+
+def test_it_is_given_the_points_that_take_part_in_pascals() -> None:
+    seen = []
+
+    def spy(*arguments, **keywords):
+        seen.append((arguments, keywords))
+        return foci(*arguments)
+
+    scene = small(pressures=TARGETS, weights=[2.0, 0.0, 1.0, 4.0], temperature=25)
+    solution = midair.solve(scene, spy, lambda_=3, name="x", order=[1, 2])
+    (propagation, targets, weights), keywords = seen[0]
+    assert keywords == {"lambda_": 3, "name": "x", "order": [1, 2]}
+    assert propagation.dtype == np.complex64
+    assert (propagation == scene.propagation()[[0, 2, 3]]).all()
+    assert targets.tolist() == [900, 500, 800]
+    assert weights.tolist() == [0.5, 0.25, 1]
+    assert solution.pressures.shape == (4,)
+    # The balanced level: that of the core, which is at 1 where every target is at it.
+    weak = small(pressures=[1.0] * 4)
+    midair.solve(weak, spy, balance=True)
+    assert seen[1][0][1] == pytest.approx(weak.reach().level, rel=1e-12)
+
+
+def test_what_surrounds_a_method_surrounds_it() -> None:
+    array = midair.Array.grid(8, 8, 0.01, quantization={"phases": 16, "amplitudes": [0, 0.5, 1]})
+    scene = small(array=array, pressures=TARGETS)
+    own = midair.solve(scene, foci, share=2.0, trace=True)
+    assert usable(own)
+    assert (own.solver, own.status, own.steps) == ("foci", "done", 1)
+    assert own.options == {"share": 2.0, "balance": False}
+    assert own.trace.tolist() == [own.metrics.residual]
+    assert set(np.abs(own.drive).round(6).tolist()) <= {0, 0.5, 1}
+    turns = own.phases / (2 * np.pi) * 16
+    # f32 drives: 6e-8 of a turn, sixteen times.
+    assert turns == pytest.approx(np.round(turns), abs=1e-5)
+    assert numbers(own.metrics) == pytest.approx(numbers(midair.judge(scene, own.drive)), abs=1e-4)
+    assert midair.solve(scene, foci, progress=lambda *step: False).status == "stopped"
+    with pytest.warns(midair.SceneWarning, match="balance=True cures it"):
+        midair.solve(small(pressures=[1.0] * 4), foci)
+    with pytest.warns(midair.SceneWarning, match="at the same time|all transducers"):
+        midair.solve(small(pressures=[1e5] * 4), foci)
+
+
+def test_it_is_as_good_as_the_built_in_method_of_the_same_formula() -> None:
+    scene = small(pressures=TARGETS)
+    ours, built_in = midair.solve(scene, foci), midair.solve(scene, "naive")
+    # Both sum 4 rows in f32; a drive near |q| = 1 may or may not be clipped.
+    assert np.abs(ours.drive - built_in.drive).max() < 1e-5
+    assert (ours.status, built_in.solver) == ("done", "naive")
+
+
+def test_a_matrix_will_do_and_what_is_off_stays_off() -> None:
+    mask = np.arange(64) % 5 != 2
+    matrix = midair.Propagation(exact(small()))
+
+    def careless(propagation, targets, weights):
+        drive = foci(propagation, targets, weights)
+        with np.errstate(invalid="ignore"):
+            return drive / np.abs(drive)
+
+    solution = midair.solve(matrix, careless, pressures=TARGETS, mask=mask)
+    assert usable(solution)
+    assert ((solution.drive != 0) == mask).all()
+
+
+@pytest.mark.parametrize(
+    ("drive", "words"),
+    [
+        (np.zeros(3), "drive by wrong is 3 values: give one for each of the 64 transducers"),
+        (np.zeros((64, 1)), "drive by wrong is of shape (64, 1): give numbers of shape (N,)"),
+        (np.full(64, np.nan), "drive[0] by wrong is NaN+0i: give finite numbers"),
+        (np.full(64, 1e200), "drive[0] by wrong is inf+0i: give finite numbers"),
+        (np.full(64, 1.01j), "drive[0] by wrong is 0+1.01i: a drive's modulus is at most 1; divide all"),
+        (None, "drive by wrong is None: give numbers"),
+        (["x"] * 64, "drive by wrong is ['x', 'x'"),
+        (np.ones(64, bool), "drive by wrong is array("),
+    ],
+)
+def test_what_is_no_drive_is_refused_in_one_line(drive, words: str) -> None:
+    def wrong(propagation, targets, weights):
+        return drive
+
+    with pytest.raises(midair.SceneError) as refused:
+        midair.solve(small(), wrong)
+    assert str(refused.value).startswith(words)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, ZeroDivisionError("mine"), SystemExit(3)])
+def test_what_it_raises_comes_out_unchanged(error) -> None:
+    def broken(propagation, targets, weights):
+        raise error
+
+    with pytest.raises(error if isinstance(error, type) else type(error)) as raised:
+        midair.solve(small(), broken)
+    assert raised.value is error or isinstance(error, type)
+    # Its own frame is told, so that it can be found.
+    assert [entry.name for entry in raised.traceback][-1] == "broken"
+    assert usable(midair.solve(small(), foci))
+
+
+def test_what_a_function_cannot_have_is_refused_in_one_line() -> None:
+    scene = small()
+    for keywords, words in [
+        ({"aim": "max"}, 'aim is given to "foci": leave it out'),
+        ({"start": np.ones(64, complex)}, 'start is given to "foci": leave it out'),
+        ({"share": np.eye(2)}, "share is array("),
+    ]:
+        with pytest.raises(midair.SceneError) as refused:
+            midair.solve(scene, foci, **keywords)
+        assert str(refused.value).startswith(words)
+    for call in (
+        lambda: midair.Solver(scene, foci),
+        lambda: midair.solve_batch(scene.array, [POINTS], solver=foci),
+    ):
+        with pytest.raises(midair.SceneError, match=r"one scene at a time, by midair\.solve$"):
+            call()
+
+
+def test_anything_that_can_be_called_will_do() -> None:
+    class Method:
+        def __call__(self, propagation, targets, weights):
+            return midair.solve(midair.Propagation(propagation), "naive", pressures=targets).drive
+
+    assert midair.solve(small(pressures=TARGETS), Method()).solver == "Method"
+    assert midair.solve(small(), lambda *arguments: foci(*arguments)).solver == "<lambda>"
+    half = midair.solve(small(), functools.partial(foci, share=0.5))
+    assert half.solver == "foci"
+    assert half.options == {"balance": False}
