@@ -10,7 +10,7 @@ export VIRTUAL_ENV := $(CURDIR)/.venv
 CARGO := cargo
 TRIALS := 1000
 
-.PHONY: help setup demo test test-rust test-python test-portable lint bench bench-peers figures paper golden map pins clean
+.PHONY: help setup demo test test-rust test-python test-portable lint bench bench-peers figures paper golden map stubs pins clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -83,6 +83,9 @@ paper: setup ## Make the paper's figures anew (TRIALS=1000) and docs/paper.md fr
 
 map: ## Write the map in CONTRIBUTING.md anew
 	MIDAIR_MAP=write $(CARGO) test --quiet -p midair --features scene-file,parallel --test suite map
+
+stubs: setup ## Write the typed overloads of every solver anew, from the registry
+	$(PYTHON) python/stubs.py
 
 golden: ## Write golden/ anew (a breaking change: say so in CHANGELOG.md)
 	MIDAIR_GOLDEN=write $(CARGO) test --quiet -p midair --features scene-file,parallel --test suite golden

@@ -1,12 +1,16 @@
 """The compiled core. Shapes: N transducers, M points; SI units."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any, Literal, TypeAlias, final, overload
+from typing import Literal, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from ._calls import Solver as Solver
+from ._calls import solve as solve
+from ._calls import solve_batch as solve_batch
 
 __all__ = [
     "Array",
@@ -268,6 +272,10 @@ class OptionInfo:
     def default(self) -> _Option: ...
     @property
     def doc(self) -> str: ...
+    @property
+    def words(self) -> list[str]: ...
+    @property
+    def list(self) -> bool: ...
 
 @final
 class SolverInfo:
@@ -319,85 +327,6 @@ class Batch:
     def elapsed(self) -> float: ...
     def __len__(self) -> int: ...
 
-def solve_batch(
-    scene: Scene | Array | Propagation,
-    points: ArrayLike | None = None,
-    pressures: ArrayLike | None = None,
-    solver: str | None = None,
-    *,
-    weights: ArrayLike | None = None,
-    start: ArrayLike | None = None,
-    out: NDArray[np.complex64] | None = None,
-    threads: int | None = None,
-    progress: Callable[[int, int, float], object] | None = None,
-    **options: Any,
-) -> Batch: ...
-
-@final
-class Solver:
-    def __new__(
-        cls,
-        scene: Scene | Array | Propagation,
-        solver: str | None = None,
-        *,
-        points: int | None = None,
-        **options: Any,
-    ) -> Solver: ...
-    @overload
-    def __call__(
-        self,
-        points: ArrayLike | None = None,
-        pressures: ArrayLike | None = None,
-        *,
-        weights: ArrayLike | None = None,
-        start: ArrayLike | Solution | None = None,
-        out: None = None,
-    ) -> Solution: ...
-    @overload
-    def __call__(
-        self,
-        points: ArrayLike | None = None,
-        pressures: ArrayLike | None = None,
-        *,
-        weights: ArrayLike | None = None,
-        start: ArrayLike | Solution | None = None,
-        out: NDArray[np.complex64],
-    ) -> Solver: ...
-    @property
-    def drive(self) -> NDArray[np.complex64]: ...
-    @property
-    def pressures(self) -> NDArray[np.complex64]: ...
-    @property
-    def metrics(self) -> Metrics: ...
-    @property
-    def status(self) -> str: ...
-    @property
-    def scale(self) -> float: ...
-    @property
-    def steps(self) -> int: ...
-    @property
-    def elapsed(self) -> float: ...
-    @property
-    def solver(self) -> str: ...
-    @property
-    def options(self) -> dict[str, _Option]: ...
-
-def solve(
-    scene: Scene | Propagation,
-    solver: str | None = None,
-    *,
-    pressures: ArrayLike | None = None,
-    weights: ArrayLike | None = None,
-    quantization: _Quantization | None = None,
-    mask: ArrayLike | None = None,
-    positions: ArrayLike | None = None,
-    balance: bool | None = None,
-    aim: Literal["target", "max"] | None = None,
-    start: ArrayLike | Solution | None = None,
-    progress: Callable[[int, int, float], object] | None = None,
-    trace: bool = False,
-    **options: _Option,
-) -> Solution: ...
 def bound(
     scene: Scene | Propagation, *, pressures: _Numbers = None, weights: _Numbers = None, mask: _Numbers = None
 ) -> float: ...

@@ -13,6 +13,10 @@ pub(crate) struct OptionInfo {
     default: Py<PyAny>,
     /// What it does, in one line.
     doc: &'static str,
+    /// The words that it takes; none where it takes no words.
+    words: Vec<&'static str>,
+    /// Whether it takes a list of integers.
+    list: bool,
 }
 
 #[pymethods]
@@ -52,7 +56,8 @@ pub(crate) fn solvers(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         let options = PyDict::new(py);
         for option in entry.options() {
             let default = read::option_object(py, &option.default)?.unbind();
-            options.set_item(option.name, Bound::new(py, OptionInfo { default, doc: option.doc })?)?;
+            let info = OptionInfo { default, doc: option.doc, words: option.words.to_vec(), list: option.list };
+            options.set_item(option.name, Bound::new(py, info)?)?;
         }
         let registry::Info { name, summary, source, balance, .. } = *entry.info;
         let info = SolverInfo { name, summary, source, balance, options: options.unbind() };

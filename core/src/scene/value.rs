@@ -42,6 +42,10 @@ pub type Options = BTreeMap<String, Value>;
 
 /// A type that an option can have.
 pub trait OptionValue: Sized {
+    /// The words that it takes; none where it takes no words.
+    const WORDS: &'static [&'static str] = &[];
+    /// Whether it takes a list of integers.
+    const LIST: bool = false;
     /// Reads it from what a door handed over; `item` names the option in the error.
     ///
     /// # Errors
@@ -115,6 +119,8 @@ pub fn spell<T: Copy + PartialEq>(value: T, words: &[(&'static str, T)]) -> Valu
 macro_rules! words {
     ($type:ty: $($word:literal = $value:expr),+) => {
         impl $crate::scene::OptionValue for $type {
+            const WORDS: &'static [&'static str] = &[$($word),+];
+
             fn read(item: &str, value: &$crate::scene::Value) -> Result<Self, $crate::error::Error> {
                 $crate::scene::word(item, value, &[$(($word, $value)),+])
             }

@@ -72,6 +72,9 @@ const AMPLITUDES: usize = 16;
 words!(Objective: "l2" = Self::L2, "l1" = Self::L1);
 
 impl OptionValue for Order {
+    const WORDS: &'static [&'static str] = &["random", "rows", "columns"];
+    const LIST: bool = true;
+
     fn read(item: &str, value: &Value) -> Result<Self, Error> {
         if let Value::Integers(list) = value {
             let order = list.iter().map(|&i| u32::try_from(i)).collect::<Result<_, _>>();

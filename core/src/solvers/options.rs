@@ -14,6 +14,10 @@ pub struct OptionInfo {
     pub default: Value,
     /// What it does, in one line.
     pub doc: &'static str,
+    /// The words that it takes; none where it takes no words.
+    pub words: &'static [&'static str],
+    /// Whether it takes a list of integers.
+    pub list: bool,
 }
 
 /// A plain value of documented options, as [`crate::options!`] makes one.
@@ -70,6 +74,8 @@ macro_rules! options {
                     name: stringify!($field),
                     default: $crate::OptionValue::show(&default.$field),
                     doc: concat!($($doc),+).trim_ascii(),
+                    words: <$type as $crate::OptionValue>::WORDS,
+                    list: <$type as $crate::OptionValue>::LIST,
                 }, )* ]
             }
 

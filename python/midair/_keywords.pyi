@@ -1,0 +1,212 @@
+"""Keywords by solver and call: its options, and what goes beside them. Made by `make stubs`."""
+
+from collections.abc import Callable, Sequence
+from typing import Literal, TypedDict
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._midair import Solution, _Directivity, _Quantization
+
+class Board(TypedDict, total=False):
+    quantization: _Quantization | None
+    mask: ArrayLike | None
+    positions: ArrayLike | None
+    balance: bool | None
+    aim: Literal["target", "max"] | None
+
+class Solve(Board, total=False):
+    pressures: ArrayLike | None
+    weights: ArrayLike | None
+    start: ArrayLike | Solution | None
+    progress: Callable[[int, int, float], object] | None
+    trace: bool
+
+class Setting(Board, total=False):
+    frequency: float | None
+    sound_speed: float | None
+    temperature: float | None
+    absorption: float | None
+    density: float | None
+    source_pressure: float | None
+    directivity: _Directivity | None
+
+class Solver(Setting, total=False):
+    points: int | None
+
+class Batch(Setting, total=False):
+    weights: ArrayLike | None
+    start: ArrayLike | None
+    out: NDArray[np.complex64] | None
+    threads: int | None
+    progress: Callable[[int, int, float], object] | None
+
+class Uniform(TypedDict, total=False):
+    """even points at the highest common level, |q| alike."""
+    steps: int | None
+    """Weighted Gerchberg-Saxton sweeps before the Gauss-Newton steps."""
+    tolerance: float | None
+    """Ends when no point is off the common level by more than this part of it."""
+class SolveUniform(Solve, Uniform): ...
+class SolverUniform(Solver, Uniform): ...
+class BatchUniform(Batch, Uniform): ...
+
+class Best(TypedDict, total=False):
+    """the loudest even field from many starts."""
+    starts: int | None
+    """Point phases tried on the M x M matrix, at least 1: one alone is found as by `uniform`, without the seed."""
+    steps: int | None
+    """Weighted Gerchberg-Saxton sweeps from each of the four best."""
+    tolerance: float | None
+    """Ends when no point is off the common level by more than this part of it."""
+    seed: int | None
+    """Seed of the point phases, 0 to 2^64 - 1."""
+class SolveBest(Solve, Best): ...
+class SolverBest(Solver, Best): ...
+class BatchBest(Batch, Best): ...
+
+class Greedy(TypedDict, total=False):
+    """greedy with brute-force search over phases and amplitudes."""
+    phases: int | None
+    """Phase quantization L, 2 to 65536, or a divisor of the device's: phases are 2 pi l/L."""
+    amplitudes: int | None
+    """Amplitude quantization K, 1 to 256: amplitudes are (k+1)/K or as many of the device's, never off."""
+    objective: Literal["l2", "l1"] | None
+    """What is minimised: "l2" (squared errors, the paper's text) or "l1" (its authors' code)."""
+    order: Literal["random", "rows", "columns"] | Sequence[int] | NDArray[np.integer] | None
+    """Order of the updates: "random", "rows", "columns" or a permutation of 0..N."""
+    seed: int | None
+    """Seed of the random order, 0 to 2^64 - 1."""
+class SolveGreedy(Solve, Greedy): ...
+class SolverGreedy(Solver, Greedy): ...
+class BatchGreedy(Batch, Greedy): ...
+
+class Fast(TypedDict, total=False):
+    """greedy in closed form: one sum instead of a search."""
+    block: int | None
+    """Transducers that share one look at the field, 1 to 8."""
+    sweeps: int | None
+    """Further sweeps over all transducers, 0 to 1000."""
+    seed: int | None
+    """Seed of the order, 0 to 2^64 - 1."""
+class SolveFast(Solve, Fast): ...
+class SolverFast(Solver, Fast): ...
+class BatchFast(Batch, Fast): ...
+
+class Lm(TypedDict, total=False):
+    """Levenberg-Marquardt on all phases, |q| = 1."""
+    steps: int | None
+    """Steps at most."""
+    tau: float | None
+    """First damping relative to the largest diagonal entry of J^T J, above 0."""
+    eps: float | None
+    """Ends when the gradient, or the root mean square of a step in turns, is smaller; 0 takes all steps."""
+    seed: int | None
+    """Seed of the phases it starts from, 0 to 2^64 - 1."""
+class SolveLm(Solve, Lm): ...
+class SolverLm(Solver, Lm): ...
+class BatchLm(Batch, Lm): ...
+
+class Gspat(TypedDict, total=False):
+    """GS-PAT: Gerchberg-Saxton on the M x M matrix."""
+    steps: int | None
+    """Steps at most."""
+    tolerance: float | None
+    """Ends when no |p| changes by more than this part of its target in a step; 0 takes all steps."""
+    limit: Literal["clamp", "normalize", "full"] | None
+    """How a drive above 1 is brought back: "clamp", "normalize" or "full"."""
+class SolveGspat(Solve, Gspat): ...
+class SolverGspat(Solver, Gspat): ...
+class BatchGspat(Batch, Gspat): ...
+
+class Gs(TypedDict, total=False):
+    """Gerchberg-Saxton, |q| = 1."""
+    steps: int | None
+    """Steps at most."""
+    tolerance: float | None
+    """Ends when no |p| changes by more than this part of its target in a step; 0 takes all steps."""
+class SolveGs(Solve, Gs): ...
+class SolverGs(Solver, Gs): ...
+class BatchGs(Batch, Gs): ...
+
+class Wgs(TypedDict, total=False):
+    """weighted Gerchberg-Saxton, damped, |q| = 1, best iterate kept."""
+    steps: int | None
+    """Steps at most."""
+    tolerance: float | None
+    """Ends when 1 - uniformity is at most this; 0 takes all steps."""
+class SolveWgs(Solve, Wgs): ...
+class SolverWgs(Solver, Wgs): ...
+class BatchWgs(Batch, Wgs): ...
+
+class Evd(TypedDict, total=False):
+    """leading eigenvector's phases, then a regularised solve."""
+    gamma: float | None
+    """Exponent of Long's regularising weights, 0 to 10."""
+    limit: Literal["clamp", "normalize", "full"] | None
+    """How a drive above 1 is brought back: "clamp", "normalize" or "full"."""
+class SolveEvd(Solve, Evd): ...
+class SolverEvd(Solver, Evd): ...
+class BatchEvd(Batch, Evd): ...
+
+class Sdp(TypedDict, total=False):
+    """SDP relaxation of the point phases, then the pseudo-inverse."""
+    steps: int | None
+    """Random columns visited at most."""
+    tolerance: float | None
+    """Ends when no column's visit changes an entry of X by more; 0 takes all steps. Rest needs lambda near 1: at 0.9 the descent never settles."""
+    lambda_: float | None
+    """How much of a column the descent may use, above 0 and below 1."""
+    alpha: float | None
+    """Damping of the pseudo-inverse in units of 1/mm^2 (at P0 = 1e-3 Pa m), above 0."""
+    moduli: Literal["raw", "unit"] | None
+    """Moduli of the eigenvector: "raw" (the paper's) or "unit"."""
+    seed: int | None
+    """Seed of the columns' order, 0 to 2^64 - 1."""
+    limit: Literal["clamp", "normalize", "full"] | None
+    """How a drive above 1 is brought back: "clamp", "normalize" or "full"."""
+class SolveSdp(Solve, Sdp): ...
+class SolverSdp(Solver, Sdp): ...
+class BatchSdp(Batch, Sdp): ...
+
+class Tikhonov(TypedDict, total=False):
+    """regularised pseudo-inverse, all target phases 0."""
+    regularization: float | None
+    """Damping relative to the mean of diag(G G^H), above 0."""
+    limit: Literal["clamp", "normalize", "full"] | None
+    """How a drive above 1 is brought back: "clamp", "normalize" or "full"."""
+class SolveTikhonov(Solve, Tikhonov): ...
+class SolverTikhonov(Solver, Tikhonov): ...
+class BatchTikhonov(Batch, Tikhonov): ...
+
+class Naive(TypedDict, total=False):
+    """single foci, superposed."""
+    limit: Literal["clamp", "normalize", "full"] | None
+    """How a sum above full drive is brought back: "clamp", "normalize" or "full"."""
+class SolveNaive(Solve, Naive): ...
+class SolverNaive(Solver, Naive): ...
+class BatchNaive(Batch, Naive): ...
+
+class Every(TypedDict, total=False):
+    """Options of all solvers, for the one that a scene file names."""
+    steps: int | None
+    tolerance: float | None
+    starts: int | None
+    seed: int | None
+    phases: int | None
+    amplitudes: int | None
+    objective: Literal["l2", "l1"] | None
+    order: Literal["random", "rows", "columns"] | Sequence[int] | NDArray[np.integer] | None
+    block: int | None
+    sweeps: int | None
+    tau: float | None
+    eps: float | None
+    limit: Literal["clamp", "normalize", "full"] | None
+    gamma: float | None
+    lambda_: float | None
+    alpha: float | None
+    moduli: Literal["raw", "unit"] | None
+    regularization: float | None
+class SolveEvery(Solve, Every): ...
+class SolverEvery(Solver, Every): ...
+class BatchEvery(Batch, Every): ...

@@ -1,0 +1,176 @@
+"""Type stubs of the calls that take a solver's options, from the registry: `make stubs` writes them.
+
+For each solver a TypedDict of its options and an overload of `solve`, `Solver` and `solve_batch`: editors
+complete the options, and type checkers refuse those that a solver has not.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import midair
+
+FOLDER = Path(__file__).parent / "midair"
+
+KEYWORDS = '''"""Keywords by solver and call: its options, and what goes beside them. Made by `make stubs`."""
+
+from collections.abc import Callable, Sequence
+from typing import Literal, TypedDict
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._midair import Solution, _Directivity, _Quantization
+
+class Board(TypedDict, total=False):
+    quantization: _Quantization | None
+    mask: ArrayLike | None
+    positions: ArrayLike | None
+    balance: bool | None
+    aim: Literal["target", "max"] | None
+
+class Solve(Board, total=False):
+    pressures: ArrayLike | None
+    weights: ArrayLike | None
+    start: ArrayLike | Solution | None
+    progress: Callable[[int, int, float], object] | None
+    trace: bool
+
+class Setting(Board, total=False):
+    frequency: float | None
+    sound_speed: float | None
+    temperature: float | None
+    absorption: float | None
+    density: float | None
+    source_pressure: float | None
+    directivity: _Directivity | None
+
+class Solver(Setting, total=False):
+    points: int | None
+
+class Batch(Setting, total=False):
+    weights: ArrayLike | None
+    start: ArrayLike | None
+    out: NDArray[np.complex64] | None
+    threads: int | None
+    progress: Callable[[int, int, float], object] | None
+'''
+
+CALLS = '''"""The calls that take a solver's options, an overload for each solver. Made by `make stubs`.
+
+Where the name is known only when the program runs, options are handed over as `**options`, a dict[str, Any].
+"""
+
+from typing import Literal, TypeAlias, Unpack, final, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _keywords as k
+from ._midair import Array, Batch, Metrics, Propagation, Scene, Solution, _Option
+
+_Asked: TypeAlias = Scene | Propagation
+_Driven: TypeAlias = Scene | Array | Propagation
+_Numbers: TypeAlias = ArrayLike | None
+
+{solve}
+@final
+class Solver:
+{solver}    @overload
+    def __call__(
+        self,
+        points: _Numbers = None,
+        pressures: _Numbers = None,
+        *,
+        weights: _Numbers = None,
+        start: ArrayLike | Solution | None = None,
+        out: None = None,
+    ) -> Solution: ...
+    @overload
+    def __call__(
+        self,
+        points: _Numbers = None,
+        pressures: _Numbers = None,
+        *,
+        weights: _Numbers = None,
+        start: ArrayLike | Solution | None = None,
+        out: NDArray[np.complex64],
+    ) -> Solver: ...
+    @property
+    def drive(self) -> NDArray[np.complex64]: ...
+    @property
+    def pressures(self) -> NDArray[np.complex64]: ...
+    @property
+    def metrics(self) -> Metrics: ...
+    @property
+    def status(self) -> str: ...
+    @property
+    def scale(self) -> float: ...
+    @property
+    def steps(self) -> int: ...
+    @property
+    def elapsed(self) -> float: ...
+    @property
+    def solver(self) -> str: ...
+    @property
+    def options(self) -> dict[str, _Option]: ...
+
+{batch}'''
+
+
+def kind(option: midair.OptionInfo) -> list[str]:
+    """The types that an option takes."""
+    words = ", ".join(f'"{word}"' for word in option.words)
+    own = f"Literal[{words}]" if words else type(option.default).__name__
+    return [own, "Sequence[int]", "NDArray[np.integer]"] if option.list else [own]
+
+
+def keywords() -> str:
+    """The file of keywords: for each solver a class of its options, and of these with each call's own."""
+    classes: dict[str, list[str]] = {}
+    every: dict[str, list[str]] = {}
+    for name, info in midair.solvers().items():
+        classes[name.title()] = fields = [f'"""{info.summary}."""']
+        for option_name, option in info.options.items():
+            # `lambda` is a word of Python's own.
+            key = "lambda_" if option_name == "lambda" else option_name
+            every[key] = list(dict.fromkeys([*every.get(key, []), *kind(option)]))
+            fields += [f"{key}: {' | '.join(kind(option))} | None", f'"""{option.doc}"""']
+    fields = [f"{key}: {' | '.join(kinds)} | None" for key, kinds in every.items()]
+    classes["Every"] = ['"""Options of all solvers, for the one that a scene file names."""', *fields]
+    text = [KEYWORDS]
+    for name, lines in classes.items():
+        text += ["\n".join([f"class {name}(TypedDict, total=False):", *(f"    {line}" for line in lines)])]
+        text += [
+            "".join(f"class {call}{name}({call}, {name}): ...\n" for call in ("Solve", "Solver", "Batch"))
+        ]
+    return "\n".join(text)
+
+
+def calls() -> str:
+    """The file of calls: overloads by the solver's name, for none, and for one that is no literal."""
+    solvers = [(f'Literal["{name}"]', name.title()) for name in midair.solvers()]
+    solvers += [("None = None", "Every"), ("str", "")]
+
+    def overload(call: str, arguments: str, keywords: str, result: str, indent: str = "") -> str:
+        signature = f"def {call}({arguments}, **keywords: Unpack[k.{keywords}]) -> {result}: ..."
+        return f"{indent}@overload\n{indent}{signature}\n"
+
+    solve = solver = batch = ""
+    first = "scene: _Driven, points: _Numbers, pressures: _Numbers, solver: "
+    left_out = "scene: _Driven, points: _Numbers = None, pressures: _Numbers = None, "
+    for name, title in solvers:
+        solve += overload("solve", f"scene: _Asked, solver: {name}", f"Solve{title}", "Solution")
+        solver += overload(
+            "__new__", f"cls, scene: _Driven, solver: {name}", f"Solver{title}", "Solver", "    "
+        )
+        # The fourth argument, or a keyword where points or pressures are left out.
+        if title != "Every":
+            batch += overload("solve_batch", first + name, f"Batch{title}", "Batch")
+        batch += overload("solve_batch", f"{left_out}*, solver: {name}", f"Batch{title}", "Batch")
+    return CALLS.format(solve=solve, solver=solver, batch=batch)
+
+
+if __name__ == "__main__":
+    FOLDER.joinpath("_keywords.pyi").write_text(keywords(), encoding="utf-8")
+    FOLDER.joinpath("_calls.pyi").write_text(calls(), encoding="utf-8")

@@ -1,0 +1,74 @@
+"""Typed overloads: what the registry says, and what a type checker makes of right and wrong calls."""
+
+import re
+import runpy
+from pathlib import Path
+
+import pytest
+from mypy import api
+
+import midair
+
+ROOT = Path(__file__).parents[2]
+MADE = runpy.run_path(str(ROOT / "python" / "stubs.py"))
+
+#: A line with `# wrong` is to be refused, all others are right.
+CALLS = """
+from typing import Any, Literal
+import numpy as np
+import midair
+
+array = midair.Array.preset("paper20")
+scene = midair.Scene(array, [[0, 0, 0.15]])
+points = np.zeros((2, 1, 3))
+midair.solve(scene, "greedy", phases=16, objective="l1", order=[1, 0], balance=True, trace=True).drive
+midair.solve(scene, "sdp", lambda_=0.5, steps=None)
+midair.solve(scene, phases=16)
+midair.solve(midair.Propagation([[1.0]]), "lm", pressures=[1.0], seed=3)
+midair.Solver(array, "fast", points=4, temperature=25.0)(np.zeros((1, 3)))
+midair.solve_batch(array, points, None, "gspat", limit="full").drives
+midair.solve_batch(array, points, solver="uniform", aim="max", threads=1)
+
+def later(name: str, either: Literal["lm", "gs"], options: dict[str, Any]) -> None:
+    midair.solve(scene, name, balance=True, **options)
+    midair.solve(scene, either, steps=3)
+    midair.Solver(array, name, **options)
+    midair.solve_batch(array, points, solver=name, **options)
+
+midair.solve(scene, "greedy", ofset=1)  # wrong: misspelt
+midair.solve(scene, "greedy", phases="many")  # wrong: no number
+midair.solve(scene, "gspat", limit="clmp")  # wrong: no such word
+midair.solve(scene, "naive", phases=16)  # wrong: another solver's
+midair.solve(scene, ofset=1)  # wrong: nobody's
+midair.Solver(array, "greedy", tolerance=1.0)  # wrong: another solver's
+midair.solve_batch(array, points, None, "greedy", ofset=1)  # wrong: misspelt
+midair.solve_batch(array, points, solver="lm", phases=16)  # wrong: another solver's
+"""
+
+
+@pytest.mark.parametrize(("file", "text"), [("_keywords.pyi", "keywords"), ("_calls.pyi", "calls")])
+def test_the_stubs_are_what_the_registry_says(file: str, text: str) -> None:
+    path = ROOT / "python" / "midair" / file
+    assert path.read_text(encoding="utf-8") == MADE[text](), "run `make stubs`"
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= 400
+
+
+def test_a_type_checker_knows_every_solvers_options(tmp_path: Path) -> None:
+    path = tmp_path / "calls.py"
+    path.write_text(CALLS)
+    out, err, _ = api.run(["--strict", "--cache-dir", str(ROOT / ".mypy_cache"), str(path)])
+    assert not err
+    wrong = {number for number, line in enumerate(CALLS.splitlines(), 1) if "# wrong" in line}
+    assert {int(line) for line in re.findall(r"calls\.py:(\d+): error", out)} == wrong, out
+
+
+def test_an_option_tells_the_words_that_it_takes() -> None:
+    array = midair.Array.grid(2, 2, 0.01)
+    scene = midair.Scene(array, [[0.0, 0.0, 0.1]])
+    for name, info in midair.solvers().items():
+        for key, option in info.options.items():
+            assert (option.default in option.words) == isinstance(option.default, str)
+            for word in option.words:
+                midair.solve(scene, name, **{key: word})
+            if option.list:
+                midair.solve(scene, name, **{key: [3, 1, 0, 2]})
