@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import shutil
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
-from importlib.util import find_spec
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .._midair import SceneError
-from ..output import check
-from . import table
+from .._midair import SceneWarning
+from . import chunks, files, table
 from .block import solve_block
 from .engine import Arrays, Job, run
+from .problems import whole
 from .request import Request, read
+from .shortfall import Shortfall
 
 if TYPE_CHECKING:
     import numpy as np
@@ -35,15 +35,18 @@ def sweep(
 ) -> dict[str, np.ndarray[Any, Any]]:
     """Solve every problem of a sweep; returns the table, a column (rows,) for each name.
 
-    request : a sweep file (TOML or JSON, docs/sweeps.md) or a mapping of its keys
+    request : a sweep file (TOML or JSON, docs/sweeps.md) or a mapping of its keys; there an Array may stand
+        for an array's table, a Scene for a scene file
     output : a file for the table, .csv or .parquet
-    drives : a folder for a Zarr group of drives, points and pressures, a row for each row of the table
+    drives : a folder for a Zarr group of drives, points and pressures, a row for each row of the table; one
+        that is there is replaced if a sweep made it
     scheduler : address of a Dask scheduler; left out, threads of this process work
-    threads : how many of them; left out, one a processor
+    threads : how many of them at most; left out, one a processor
     progress : called with (problems done, problems)
 
     The numbers depend on the request alone: not on threads, workers, or an interruption. With an output a
-    stopped sweep goes on where it was. Raises SceneError for whatever is not in order.
+    stopped sweep goes on where it was. Raises SceneError for whatever is not in order; warns once, with
+    counts, of problems that ask for more than the array reaches, or for weak foci unbalanced.
 
     >>> import midair
     >>> table = midair.sweep({
@@ -73,8 +76,11 @@ def work(
     chunk: int = CHUNK,
 ) -> None:
     """A sweep whose rows are handed over in order, `chunk` at most at a time: no table need fit memory."""
-    files = [None if path is None else Path(path) for path in (output, drives)]
-    chunks = _check(*files)
+    places = [None if path is None else Path(path) for path in (output, drives)]
+    kept = files.check(asked, *places)
+    if threads is not None:
+        whole(threads, "threads", least=1)
+    shortfall = Shortfall()
     done = first = 0
 
     def tell(items: int) -> None:
@@ -84,8 +90,8 @@ def work(
             progress(done, asked.problems)
 
     with ExitStack() as stack:
-        write = stack.enter_context(table.open_table(files[0], asked)) if files[0] else None
-        give = stack.enter_context(table.open_drives(files[1], asked)) if files[1] else None
+        write = stack.enter_context(table.open_table(places[0], asked)) if places[0] else None
+        give = stack.enter_context(table.open_drives(places[1], asked)) if places[1] else None
 
         def take(job: Job, arrays: Arrays) -> None:
             nonlocal first
@@ -95,34 +101,25 @@ def work(
             if give is not None:
                 give(arrays, first)
             receive(columns)
+            shortfall.add(arrays)
             first += job.stop - job.start
 
-        run(_jobs(asked, chunk), take, chunks=chunks, scheduler=scheduler, threads=threads, tell=tell)
-    if chunks is not None:
-        shutil.rmtree(chunks, ignore_errors=True)
+        run(
+            _jobs(asked, chunk),
+            take,
+            chunks=kept,
+            scheduler=scheduler,
+            threads=threads,
+            tell=tell,
+            fits=table.fits,
+        )
+    if kept is not None:
+        chunks.remove(kept)
+    if text := shortfall.text():
+        warnings.warn(text, SceneWarning, stacklevel=3)
 
 
 def _jobs(asked: Request, chunk: int) -> Iterator[Job]:
     for block in asked.blocks:
         for start in range(0, block.trials, chunk):
             yield Job(solve_block, block.settings, start, min(start + chunk, block.trials), block)
-
-
-def _check(output: Path | None, drives: Path | None) -> Path | None:
-    """Refuse files that cannot be written before any work is done; returns the folder of finished chunks."""
-    if output is not None:
-        check(output, table.TABLES)
-        if output.suffix.lower() == ".parquet":
-            _need("pyarrow", output)
-    if drives is not None:
-        _need("zarr", drives)
-        table.check_drives(drives)
-    beside = output or drives
-    return None if beside is None else beside.with_name(f".{beside.name}.chunks")
-
-
-def _need(package: str, path: Path) -> None:
-    if find_spec(package) is None:
-        raise SceneError(
-            f'"{path}" needs {package}: pip install "midair[sweep]", or give a .csv and no drives'
-        )

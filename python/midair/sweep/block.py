@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import tempfile
+import warnings
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -13,31 +14,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _midair
-from .._midair import Array, Scene, SceneError, solvers
-from .engine import Arrays
+from .._midair import Array, Scene, SceneError, SceneWarning, solvers
+from .engine import Arrays, Stopped, go_on
 
 METRICS = ("accuracy", "sigma", "uniformity", "level", "residual", "leak")
 
-#: Settings of a block, all that JSON can hold. "array", "medium": the tables of a scene file.
-#: "count", "region" [[x0, x1], [y0, y1], [z0, z1]] in m, "pressure" [low, high] in Pa or None: random points;
-#: or "points" [[x, y, z], ...], "pressures", "weights": fixed ones. "solver", "options": with balance and
-#: aim. "seed": of all; "seeds": of each trial, None for 0, 1, ...; "drives": whether they are wanted.
+#: What a table needs of each problem: whether more is asked for than the array reaches, or too little.
+TOLD = (*METRICS, "status", "beyond", "weak")
+
+#: Settings of a block, all that JSON can hold. "array", "medium": the tables of a scene file. "count": M.
+#: "region" [[x0, x1], [y0, y1], [z0, z1]] in m: random points; or "points" [[x, y, z], ...]: fixed ones.
+#: "pressure" [low, high] in Pa: random targets; or "pressures" [...]: fixed ones; or neither. "weights".
+#: "solver", "options": with balance and aim. "seed": of all; "seeds": of each trial, None for 0, 1, ...;
+#: "drives": whether they are wanted.
 Settings = Mapping[str, Any]
 
 
 def solve_block(settings: Settings, start: int, stop: int) -> Arrays:
     """Trials start to stop of a block.
 
-    Returns the six metrics (B,), status (B,) and, if asked for, drive (B, N), points (B, M, 3), pressures
-    (B, M) as attained and targets (B, M) where the block has them.
+    Returns TOLD, each (B,), and, if asked for, drive (B, N), scale (B,), points (B, M, 3), pressures (B, M)
+    as attained and targets (B, M) where the block has them.
     """
-    array, medium = _array(json.dumps([settings["array"], settings["medium"]], sort_keys=True))
+    array, medium = array_and_medium(settings)
     trials = [trial_seed(settings, index) for index in range(start, stop)]
-    points, targets = _points(settings, trials)
-    weights = settings.get("weights")
-    solved = _solve(array, medium, points, targets, weights, settings, trials)
+    points, targets = points_and_targets(settings, trials)
+    solved = _solve(array, medium, points, targets, settings, trials)
     if not settings["drives"]:
-        return {name: solved[name] for name in (*METRICS, "status")}
+        return {name: solved[name] for name in TOLD}
     solved["points"] = points
     if targets is not None:
         solved["targets"] = targets
@@ -50,23 +54,32 @@ def trial_seed(settings: Settings, index: int) -> int:
     return index if seeds is None else int(seeds[index])
 
 
-@lru_cache(maxsize=16)
-def _array(tables: str) -> tuple[Array, dict[str, Any]]:
-    """The array and the medium's keywords from a scene file's tables, by the one reader of scene files."""
-    array, medium = json.loads(tables)
+def array_and_medium(settings: Settings) -> tuple[Array, dict[str, Any]]:
+    """The array and the medium's keywords; refuses what a scene file would. Only `first_scene` warns."""
     # Any point will do: it only makes the tables a whole scene file.
-    request = {"array": array, "medium": medium, "points": [{"position": [0.0, 0.0, 1.0]}]}
-    with tempfile.TemporaryDirectory() as folder:
+    fixed = settings.get("points")
+    point = fixed[0] if fixed else [(low + high) / 2 for low, high in settings["region"]]
+    request = {"array": settings["array"], "medium": settings["medium"], "points": [{"position": point}]}
+    return _read(json.dumps(request, sort_keys=True, allow_nan=False))
+
+
+@lru_cache(maxsize=16)
+def _read(text: str) -> tuple[Array, dict[str, Any]]:
+    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        warnings.simplefilter("ignore", SceneWarning)
         path = Path(folder, "array.json")
-        path.write_text(json.dumps(request))
+        path.write_text(text)
         scene = Scene.load(path)
     names = ("frequency", "sound_speed", "absorption", "density")
     return scene.array, {name: getattr(scene, name) for name in names}
 
 
-def count_of(array: Mapping[str, Any], medium: Mapping[str, Any]) -> int:
-    """Number of transducers of an array given as in a scene file; refuses what a scene file would."""
-    return len(_array(json.dumps([array, medium], sort_keys=True))[0])
+def first_scene(settings: Settings) -> Scene:
+    """The scene of the first trial: making it refuses, and warns of, what no trial should have."""
+    array, medium = array_and_medium(settings)
+    points, targets = points_and_targets(settings, [trial_seed(settings, 0)])
+    pressures = None if targets is None else targets[0]
+    return Scene(array, points[0], pressures, weights=settings.get("weights"), **medium)
 
 
 def _random(settings: Settings, trial: int) -> np.random.Generator:
@@ -74,19 +87,20 @@ def _random(settings: Settings, trial: int) -> np.random.Generator:
     return np.random.default_rng([settings["seed"], trial, settings["count"]])
 
 
-def _points(settings: Settings, trials: list[int]) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+def points_and_targets(
+    settings: Settings, trials: list[int]
+) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
     """Points (B, M, 3) and targets (B, M), or None for the balanced level."""
-    if settings.get("points") is not None:
-        points = np.array(settings["points"], float)
-        targets = settings["pressures"]
-        whole = (len(trials), *points.shape)
-        asked = None if targets is None else np.broadcast_to(np.array(targets, float), whole[:2])
-        return np.broadcast_to(points, whole), asked
-    count = settings["count"]
-    low, high = np.array(settings["region"], float).T
+    count, whole = settings["count"], (len(trials), settings["count"])
     randoms = [_random(settings, trial) for trial in trials]
-    points = np.array([low + (high - low) * random.random((count, 3)) for random in randoms])
-    if settings["pressure"] is None:
+    if settings.get("points") is not None:
+        points = np.broadcast_to(np.array(settings["points"], float), (*whole, 3))
+    else:
+        low, high = np.array(settings["region"], float).T
+        points = np.array([low + (high - low) * random.random((count, 3)) for random in randoms])
+    if settings.get("pressures") is not None:
+        return points, np.broadcast_to(np.array(settings["pressures"], float), whole)
+    if settings.get("pressure") is None:
         return points, None
     quiet, loud = settings["pressure"]
     return points, np.array([quiet + (loud - quiet) * random.random(count) for random in randoms])
@@ -97,38 +111,62 @@ def _solve(
     medium: Mapping[str, Any],
     points: NDArray[np.float64],
     targets: NDArray[np.float64] | None,
-    weights: Any,
     settings: Settings,
     trials: list[int],
 ) -> Arrays:
     """By the batch solver where all share a seed or need none, else one by one: the same bits either way."""
-    solver, options = settings["solver"], dict(settings["options"])
-    fresh = "seed" in solvers()[solver].options and "seed" not in options
-    if not fresh:
-        shares = None if weights is None else np.broadcast_to(weights, points.shape[:2])
+    solver = settings["solver"]
+    options = {key: value for key, value in settings["options"].items() if value is not None}
+    weights = settings.get("weights")
+    shares = None if weights is None else np.broadcast_to(weights, points.shape[:2])
+
+    def batch(solver: str, **options: Any) -> _midair.Batch:
         # The jobs are spread over the processors already.
         found = _midair.solve_batch(
-            array, points, targets, solver, weights=shares, threads=1, **options, **medium
+            array, points, targets, solver, weights=shares, threads=1, progress=_watch, **options, **medium
         )
-        solved = {name: np.asarray(getattr(found.metrics, name)) for name in METRICS}
-        status = np.broadcast_to(np.asarray(found.status, np.str_), len(trials))
-        return {"drive": found.drives, "pressures": found.pressures, **solved, "status": status}
+        if not go_on():
+            raise Stopped
+        return found
+
+    if "seed" in options or "seed" not in solvers()[solver].options:
+        found = batch(solver, **options)
+        return {
+            "drive": found.drives,
+            "pressures": found.pressures,
+            **{name: np.asarray(getattr(found.metrics, name)) for name in METRICS},
+            "scale": found.scale,
+            "status": np.asarray(found.status, np.str_),
+            **_shortfall(found),
+        }
     solutions = []
     for index, trial in enumerate(trials):
+        if not go_on():
+            raise Stopped
         pressures = None if targets is None else targets[index]
         scene = Scene(array, points[index], pressures, weights=weights, **medium)
-        if fresh:
-            options["seed"] = solver_seed(settings, trial)
         try:
-            solutions.append(_midair.solve(scene, solver, **options))
+            solutions.append(_midair.solve(scene, solver, seed=solver_seed(settings, trial), **options))
         except SceneError as error:
             raise SceneError(f"seed {trial}, {len(points[index])} points: {error}") from error
+    # Whether too much or too little is asked for depends on no method: the quickest one tells.
+    asked = batch("naive", balance=options.get("balance", solvers()[solver].balance))
     return {
         "drive": np.array([solution.drive for solution in solutions]),
         "pressures": np.array([solution.pressures for solution in solutions]),
         **{name: np.array([getattr(solution.metrics, name) for solution in solutions]) for name in METRICS},
+        "scale": np.array([solution.scale for solution in solutions]),
         "status": np.array([solution.status for solution in solutions]),
+        **_shortfall(asked),
     }
+
+
+def _shortfall(found: _midair.Batch) -> Arrays:
+    return {name: np.asarray(getattr(found, name, np.zeros(len(found), bool))) for name in ("beyond", "weak")}
+
+
+def _watch(done: int, problems: int, residual: float) -> bool:
+    return go_on()
 
 
 def solver_seed(settings: Settings, trial: int) -> int:

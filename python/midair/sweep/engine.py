@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-import io
 import json
 import os
+import threading
 import warnings
-import zipfile
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
@@ -18,12 +17,12 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
-from .. import _midair, output
+from .. import _midair
 from .._midair import SceneError, SceneWarning
 from ..ctrl_c import interruptible
+from .chunks import load, save
 
 Arrays = dict[str, NDArray[Any]]
 Settings = Mapping[str, Any]
@@ -74,17 +73,20 @@ def run(
     scheduler: str | None = None,
     threads: int | None = None,
     tell: Callable[[int], None] = lambda items: None,
+    fits: Callable[[Job, Arrays], bool] = lambda job, arrays: True,
 ) -> None:
     """Do the jobs and hand each result to `receive`, in the order of the jobs.
 
     chunks : folder that keeps each result as soon as it is there; a job found in it is not done again
     scheduler : address of a Dask scheduler; left out, the work is done by threads of this process
-    threads : how many; left out, one a processor
+    threads : how many at most; left out, one a processor
     tell : called with the number of items of each job that is done
+    fits : whether a kept result can be the job's; else it is done again
     """
+    stop = threading.Event()
     with (
         warnings.catch_warnings(),
-        _workers(scheduler, threads) as (executor, workers),
+        _workers(scheduler, threads, stop) as (executor, workers),
         interruptible() as interrupted,
     ):
         # The same words thousands of times would say less than the column `level`.
@@ -99,7 +101,7 @@ def run(
             for future in done:
                 job = unsaved.pop(future)
                 if chunks is not None:
-                    _save(chunks / job.path, future.result())
+                    save(chunks / job.path, future.result())
                 tell(job.stop - job.start)
 
         def hand_over(most: int) -> None:
@@ -112,8 +114,8 @@ def run(
 
         try:
             for job in jobs:
-                kept = None if chunks is None else _load(chunks / job.path)
-                if kept is None:
+                kept = None if chunks is None else load(chunks / job.path, job.stop - job.start)
+                if kept is None or not fits(job, kept):
                     future = executor.submit(
                         _work, version("midair"), job.function, job.settings, job.start, job.stop
                     )
@@ -126,6 +128,7 @@ def run(
                 hand_over(AHEAD * workers)
             hand_over(0)
         except BaseException:
+            stop.set()
             for future in unsaved:
                 future.cancel()
             executor.shutdown(wait=scheduler is None)
@@ -142,12 +145,30 @@ def _work(asked: str, function: Function, settings: Settings, start: int, stop: 
     return function(settings, start, stop)
 
 
+#: The event that stops the run a thread works for.
+_own = threading.local()
+
+
+class Stopped(Exception):
+    """The run that a job belongs to is being stopped."""
+
+
+def go_on() -> bool:
+    """Whether the run that this thread works for goes on; long jobs ask now and then."""
+    stop: threading.Event | None = getattr(_own, "stop", None)
+    return stop is None or not stop.is_set()
+
+
 @contextmanager
-def _workers(scheduler: str | None, threads: int | None) -> Iterator[tuple[Executor, int]]:
+def _workers(
+    scheduler: str | None, threads: int | None, stop: threading.Event
+) -> Iterator[tuple[Executor, int]]:
     """An executor, and how many jobs it does at once."""
     if scheduler is None:
-        count = threads or os.cpu_count() or 1
-        with ThreadPoolExecutor(count) as pool:
+        # More than there are processors would only wait for one another.
+        processors = os.cpu_count() or 1
+        count = min(threads or processors, processors)
+        with ThreadPoolExecutor(count, initializer=setattr, initargs=(_own, "stop", stop)) as pool:
             yield pool, count
     else:
         from .cluster import workers
@@ -156,33 +177,11 @@ def _workers(scheduler: str | None, threads: int | None) -> Iterator[tuple[Execu
             yield found
 
 
-def _load(path: Path) -> Arrays | None:
-    """A kept result; what cannot be read counts as not there."""
-    try:
-        with np.load(io.BytesIO(path.read_bytes())) as kept:
-            return dict(kept)
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile):
-        return None
-
-
-def _save(path: Path, arrays: Arrays) -> None:
-    content = io.BytesIO()
-    np.savez(content, **arrays)  # type: ignore[arg-type]
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        output.write(path, content.getvalue())
-    except OSError as error:
-        raise SceneError(
-            f'"{path}" cannot be written ({error.strerror}): make room or choose another folder;'
-            " what is done is kept"
-        ) from error
-
-
 def _keep(chunks: Path, unsaved: Mapping[Future[Arrays], Job]) -> None:
     """Save what was finished while the run was being stopped, as far as there is room."""
     for future, job in unsaved.items():
         if future.done() and not future.cancelled() and future.exception() is None:
             try:
-                _save(chunks / job.path, future.result())
+                save(chunks / job.path, future.result())
             except SceneError:
                 return

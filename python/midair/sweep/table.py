@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -13,19 +12,13 @@ from typing import Any
 import numpy as np
 
 from .._midair import SceneError
+from . import files
 from .block import METRICS, trial_seed
 from .engine import Arrays, Job
 from .request import Block, Request
 
 Columns = dict[str, list[Any]]
 Write = Callable[[Columns], None]
-
-TABLES = (".csv", ".parquet")
-
-
-def names(request: Request) -> list[str]:
-    """The columns of the table."""
-    return ["index", *request.names, "trial", *METRICS, "status"]
 
 
 def rows(block: Block, job: Job, arrays: Arrays, first: int) -> Columns:
@@ -39,13 +32,47 @@ def rows(block: Block, job: Job, arrays: Arrays, first: int) -> Columns:
     }
 
 
+#: Type, shape of a row, and filling of each array.
+Layout = dict[str, tuple[np.dtype[Any], tuple[int, ...], float]]
+
+
+def _layout(blocks: Sequence[Block]) -> Layout:
+    """The arrays of a group of drives, as wide as the widest block needs them."""
+    settings = [block.settings for block in blocks]
+    most = max(setting["count"] for setting in settings)
+    wide = max(block.columns["transducers"] for block in blocks)
+    layout: Layout = {
+        "drive": (np.dtype(np.complex64), (wide,), 0.0),
+        "scale": (np.dtype(float), (), 1.0),
+        "pressures": (np.dtype(np.complex64), (most,), 0.0),
+        "points": (np.dtype(float), (most, 3), np.nan),
+    }
+    if any(setting.get("pressure", setting.get("pressures")) is not None for setting in settings):
+        layout["targets"] = (np.dtype(float), (most,), 0.0)
+    return layout
+
+
+def fits(job: Job, arrays: Arrays) -> bool:
+    """Whether a kept result has what a table, and a group of drives, take of this job."""
+    block: Block = job.owner
+    expected: Layout = dict.fromkeys(METRICS, (np.dtype(float), (), 0.0))
+    expected |= dict.fromkeys(("beyond", "weak"), (np.dtype(bool), (), False))
+    if block.settings["drives"]:
+        expected |= _layout([block])
+    status = arrays.get("status", np.empty(0)).dtype.kind == "U"
+    found = {name: (array.dtype, array.shape[1:]) for name, array in arrays.items() if name != "status"}
+    return status and found == {name: (dtype, shape) for name, (dtype, shape, _) in expected.items()}
+
+
 @contextmanager
 def _temporary(path: Path) -> Iterator[Path]:
     """A name beside the path that becomes it, if all goes well."""
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    part = files.part_of(path)
     try:
         yield part
         if path.is_dir():
+            # Somebody's own may have come there meanwhile.
+            files.check_replaceable(path)
             shutil.rmtree(path)
         part.replace(path)
     except OSError as error:
@@ -54,9 +81,7 @@ def _temporary(path: Path) -> Iterator[Path]:
             " what is done is kept"
         ) from error
     finally:
-        if part.is_dir():
-            shutil.rmtree(part)
-        part.unlink(missing_ok=True)
+        files.remove(part)
 
 
 @contextmanager
@@ -69,7 +94,7 @@ def open_table(path: Path, request: Request) -> Iterator[Write]:
 
 @contextmanager
 def _csv(path: Path, request: Request) -> Iterator[Write]:
-    header = names(request)
+    header = request.columns
     with path.open("w", newline="", encoding="utf-8") as file:
         out = csv.writer(file, lineterminator="\n")
         out.writerow(header)
@@ -84,7 +109,7 @@ def _parquet(path: Path, request: Request) -> Iterator[Write]:
     kinds = {name: _kind([block.columns[name] for block in request.blocks]) for name in request.names}
     kinds |= {"index": int, "trial": int, "status": str} | dict.fromkeys(METRICS, float)
     types = {bool: pa.bool_(), int: pa.int64(), float: pa.float64(), str: pa.string()}
-    schema = pa.schema([(name, types[kinds[name]]) for name in names(request)])
+    schema = pa.schema([(name, types[kinds[name]]) for name in request.columns])
     with ParquetWriter(path, schema) as out:
 
         def give(columns: Columns) -> None:
@@ -105,37 +130,18 @@ def _kind(values: Sequence[Any]) -> type:
     return found.pop() if len(found) == 1 and found <= {bool, int, float} else str
 
 
-def check_drives(path: Path) -> None:
-    """Refuse a folder of drives that cannot be made, or that is somebody's other folder."""
-    if path.suffix != ".zarr":
-        raise SceneError(f'drives "{path}" has another ending: give a name that ends in .zarr')
-    if path.exists() and not (path / "zarr.json").is_file():
-        raise SceneError(f'drives "{path}" is there and no Zarr group: choose another name')
-    if not path.parent.is_dir() or not os.access(path.parent, os.W_OK):
-        raise SceneError(f'folder "{path.parent}" cannot be written: make it first, or choose another')
-
-
 @contextmanager
 def open_drives(path: Path, request: Request) -> Iterator[Callable[[Arrays, int], None]]:
     """A Zarr group with a row for each row of the table; what it yields takes a chunk and its first row.
 
-    drive (rows, N), pressures (rows, M) as attained, complex64; points (rows, M, 3) in m; targets (rows, M)
-    in Pa if pressures were asked for. N and M are the sweep's largest: what a row lacks is 0, points NaN.
+    drive (rows, N), pressures (rows, M) as attained, complex64; scale (rows,); points (rows, M, 3) in m;
+    targets (rows, M) in Pa if pressures were asked for. N and M are the sweep's largest: what a row lacks is
+    0, points NaN.
     """
     import zarr
 
-    settings = [block.settings for block in request.blocks]
-    most = max(setting["count"] for setting in settings)
-    wide = max(block.columns["transducers"] for block in request.blocks)
-    shapes: dict[str, tuple[tuple[int, ...], str, float]] = {
-        "drive": ((wide,), "complex64", 0.0),
-        "pressures": ((most,), "complex64", 0.0),
-        "points": ((most, 3), "float64", np.nan),
-    }
-    if any(setting.get("pressure", setting.get("pressures")) is not None for setting in settings):
-        shapes["targets"] = ((most,), "float64", 0.0)
-    with _temporary(path) as part:
-        group = zarr.open_group(part, mode="w")
+    with _temporary(files.real(path)) as part:
+        group = zarr.open_group(part, mode="w", attributes=dict(files.MARK))
         arrays = {
             name: group.create_array(
                 name,
@@ -144,7 +150,7 @@ def open_drives(path: Path, request: Request) -> Iterator[Callable[[Arrays, int]
                 dtype=dtype,
                 fill_value=fill,
             )
-            for name, (shape, dtype, fill) in shapes.items()
+            for name, (dtype, shape, fill) in _layout(request.blocks).items()
         }
 
         def give(chunk: Arrays, first: int) -> None:
@@ -158,7 +164,7 @@ def open_drives(path: Path, request: Request) -> Iterator[Callable[[Arrays, int]
 
 def as_columns(parts: Sequence[Mapping[str, list[Any]]], request: Request) -> dict[str, np.ndarray[Any, Any]]:
     """The whole table as arrays; a column with gaps holds objects."""
-    whole = {name: [value for part in parts for value in part[name]] for name in names(request)}
+    whole = {name: [value for part in parts for value in part[name]] for name in request.columns}
     return {
         name: np.array(values, object if None in values or len({type(v) for v in values}) > 1 else None)
         for name, values in whole.items()

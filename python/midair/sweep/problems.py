@@ -1,0 +1,234 @@
+"""Arrays, medium and points of a sweep, or its scenes, along every axis: settings and columns of blocks."""
+
+from __future__ import annotations
+
+import json
+import math
+import warnings
+from collections.abc import Mapping, Sequence
+from itertools import product
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from .._midair import Scene, SceneError, SceneWarning
+from .axes import Tables, column, put
+from .block import array_and_medium, first_scene, trial_seed
+from .plain import short
+
+#: Settings of a block but for its solver, and the columns that its rows have in common.
+Sets = list[tuple[dict[str, Any], dict[str, Any]]]
+
+#: More combinations of axes are a slip of the pen, too.
+MOST_BLOCKS = 10**6
+
+#: Different warnings that are told before any work; more would repeat themselves.
+MOST_TOLD = 3
+
+_FIXED = ("positions", "pressures", "weights")
+_RANDOM = ("count", "x", "y", "z")
+_POINTS = (*_RANDOM, *_FIXED, "pressure", "shift")
+
+
+def known(table: Mapping[str, Any], keys: Sequence[str], where: str) -> None:
+    """Refuse a key that is not among those."""
+    for key in table:
+        if key not in keys:
+            raise SceneError(f'unknown key of {where} "{key}": known are {", ".join(keys)}')
+
+
+def few(blocks: int) -> None:
+    """Refuse more blocks than memory is for, before they are made."""
+    if blocks > MOST_BLOCKS:
+        raise SceneError(f"the sweep has {blocks} combinations of its axes: at most 10^6, shorten an axis")
+
+
+def table_of(tables: Tables, key: str) -> Tables:
+    """One table, or an empty one where it is left out."""
+    table = tables.get(key, {})
+    if not isinstance(table, Mapping):
+        raise SceneError(f"{key} is {short(table)}: give a table [{key}]")
+    return dict(table)
+
+
+def tables_of(tables: Tables, key: str) -> list[Tables]:
+    """One table or a list of them."""
+    found = tables.get(key, [])
+    found = [found] if isinstance(found, Mapping) else found
+    if not isinstance(found, list) or not all(isinstance(table, Mapping) for table in found):
+        raise SceneError(f"{key} is {short(found)}: give a table [{key}] or several [[{key}]]")
+    return [dict(table) for table in found]
+
+
+def whole(value: Any, name: str, *, least: int = 0) -> int:
+    """A whole number."""
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value < 2**63:
+        raise SceneError(f"{name} is {short(value)}: give a whole number, {least} or above")
+    return value
+
+
+def read_sets(
+    tables: Tables, axes: Mapping[str, list[Any]], folder: Path, common: Mapping[str, Any]
+) -> tuple[Sets, list[Path]]:
+    """Settings and columns of each array or scene along each axis, and the files that they were read from.
+
+    common : seed, seeds and drives of all settings
+    """
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        bases, files = _scenes(tables, folder) if "scenes" in tables else (_arrays(tables), [])
+        few(math.prod([len(bases), *map(len, axes.values())]))
+        shown = {name: column(values) for name, values in axes.items()}
+        sets: Sets = []
+        ways = list(product(*(range(len(axis)) for axis in axes.values())))
+        for (where, base, columns), places in product(bases, ways):
+            changed = base
+            for (name, values), place in zip(axes.items(), places, strict=True):
+                changed = put(changed, name, values[place])
+            own = {name: column[place] for (name, column), place in zip(shown.items(), places, strict=True)}
+            at = "".join(f", {name} = {short(value)}" for name, value in own.items())
+            settings, transducers = _settings(changed, common, where, at)
+            sets.append(
+                (settings, {**columns, "transducers": transducers, "points": settings["count"], **own})
+            )
+    texts = dict.fromkeys(str(one.message) for one in told if issubclass(one.category, SceneWarning))
+    for text in list(texts)[:MOST_TOLD]:
+        warnings.warn(text, SceneWarning, stacklevel=2)
+    return sets, files
+
+
+Base = tuple[str, Tables, dict[str, Any]]
+
+
+def _arrays(tables: Tables) -> list[Base]:
+    """Each array with each number of points: words for errors, tables, columns."""
+    arrays, medium = tables_of(tables, "array"), table_of(tables, "medium")
+    if not arrays:
+        raise SceneError("array is missing: give [array] as in a scene file, or scenes")
+    given = tables.get("points")
+    if isinstance(given, list):
+        given = _listed(given)
+    if not isinstance(given, Mapping):
+        raise SceneError("points is missing: give [points] with count, x, y and z, or scenes")
+    counts = given.get("count")
+    if counts == []:
+        raise SceneError("points.count is an empty list: give a number of points or some")
+    several = [{**given, "count": count} for count in counts] if isinstance(counts, list) else [given]
+    return [
+        (f"array {index}", {"array": array, "medium": medium, "points": points}, {"array": index})
+        for index, array in enumerate(arrays)
+        for points in several
+    ]
+
+
+def _listed(points: list[Any]) -> Tables:
+    """Fixed points from [[points]] as in a scene file."""
+    for index, point in enumerate(points):
+        if not isinstance(point, Mapping) or "position" not in point:
+            raise SceneError(f"points[{index}] is {short(point)}: give a table with a position = [x, y, z]")
+        known(point, ("position", "pressure", "weight"), f"points[{index}]")
+    table: Tables = {"positions": [point["position"] for point in points]}
+    given = [point["pressure"] for point in points if "pressure" in point]
+    if given and len(given) < len(points):
+        raise SceneError(
+            f"points: {len(given)} of {len(points)} have a pressure: give it to every point, or none"
+        )
+    if given:
+        table["pressures"] = given
+    if any("weight" in point for point in points):
+        table["weights"] = [point.get("weight", 1.0) for point in points]
+    return table
+
+
+def _scenes(tables: Tables, folder: Path) -> tuple[list[Base], list[Path]]:
+    """Each scene; its own solver is not asked for."""
+    for key in ("array", "medium", "points"):
+        if key in tables:
+            raise SceneError(f"{key} is given beside scenes: a scene has its own")
+    scenes = tables["scenes"]
+    if not isinstance(scenes, list) or not all(isinstance(one, str | PathLike | Scene) for one in scenes):
+        raise SceneError(f"scenes is {short(scenes)}: give a list of scene files, or of midair.Scene")
+    if not scenes:
+        raise SceneError("scenes is empty: give a list of scene files")
+    bases, files = [], []
+    for index, one in enumerate(scenes):
+        if isinstance(one, Scene):
+            scene, name = one, f"{index}"
+        else:
+            files.append(folder / one)
+            scene, name = Scene.load(files[-1]), str(one)
+        own = json.loads(scene.json())
+        base = {"array": own["array"], "medium": own["medium"], "points": _listed(own["points"])}
+        bases.append((f"scene {name}", base, {"scene": name}))
+    return bases, files
+
+
+def _settings(tables: Tables, common: Mapping[str, Any], where: str, at: str) -> tuple[dict[str, Any], int]:
+    """Settings of a block but for its solver, and its number of transducers."""
+    points = table_of(tables, "points")
+    known(points, _POINTS, "points")
+    shift = points.get("shift", [0.0, 0.0, 0.0])
+    if not _numbers(shift, 3):
+        raise SceneError(f"points.shift is {short(shift)}: give three numbers, in metres")
+    settings = {**common, "array": tables["array"], "medium": tables["medium"]}
+    settings |= _fixed(points, shift) if "positions" in points else _random(points, shift)
+    if "pressure" in points:
+        if "pressures" in points:
+            raise SceneError("points.pressure is given beside pressures: leave one out")
+        settings["pressure"] = _range(points, "pressure")
+    try:
+        array, _ = array_and_medium(settings)
+    except (ValueError, TypeError) as error:
+        reason = str(error).removeprefix("scene file, line 1: ")
+        raise SceneError(f"{where} or medium of the sweep{at}: {reason}") from error
+    try:
+        first_scene(settings)
+    except SceneError as error:
+        raise SceneError(f"{where}{at}, seed {trial_seed(settings, 0)}: {error}") from error
+    return settings, len(array)
+
+
+def _fixed(points: Tables, shift: list[float]) -> dict[str, Any]:
+    for key in _RANDOM:
+        if key in points:
+            raise SceneError(f"points.{key} is given beside positions: leave it out; shift moves all points")
+    positions = points["positions"]
+    if not isinstance(positions, list) or not positions or not all(_numbers(place, 3) for place in positions):
+        raise SceneError(f"points.positions is {short(positions)}: give a list of [x, y, z], in metres")
+    for key in ("pressures", "weights"):
+        if key in points and not _numbers(points[key], len(positions)):
+            raise SceneError(
+                f"points.{key} is {short(points[key])}: give {len(positions)} numbers, one a point"
+            )
+    return {
+        "count": len(positions),
+        "points": [[x + dx for x, dx in zip(place, shift, strict=True)] for place in positions],
+        "pressures": points.get("pressures"),
+        "weights": points.get("weights"),
+    }
+
+
+def _random(points: Tables, shift: list[float]) -> dict[str, Any]:
+    for key in _FIXED:
+        if key in points:
+            raise SceneError(f"points.{key} is given without positions: it goes with fixed points")
+    region = [[end + by for end in _range(points, key)] for key, by in zip("xyz", shift, strict=True)]
+    return {"count": whole(points.get("count"), "points.count", least=1), "region": region}
+
+
+def _numbers(value: Any, count: int) -> bool:
+    return isinstance(value, list) and len(value) == count and all(map(_number, value))
+
+
+def _number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _range(points: Tables, key: str) -> list[float]:
+    """A number, or the two ends of what it is drawn from."""
+    value: Any = points.get(key)
+    ends: list[Any] = value if isinstance(value, list) else [value, value]
+    if not _numbers(ends, 2) or ends[0] > ends[1]:
+        cure = f"several go into an axis, points.{key} = [...] in [axes]" if isinstance(value, list) else ""
+        raise SceneError(f"points.{key} is {short(value)}: give a number or [low, high]{cure and '; '}{cure}")
+    return [float(end) for end in ends]

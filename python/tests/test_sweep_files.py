@@ -1,0 +1,208 @@
+"""Files of sweeps: whole or none, kept results taken up or made anew, nothing of anybody's replaced."""
+
+import errno
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import zarr
+
+import midair
+from midair import output
+from midair.sweep.block import solve_block
+from midair.sweep.engine import Job
+from midair.sweep.request import read
+from sweeps import ASKED, HANG, SCENE, TOML, changed, equal
+
+#: The package: `midair.sweep` is its function.
+sweep_module = sys.modules["midair.sweep"]
+
+
+@pytest.fixture(autouse=True)
+def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def test_a_stopped_sweep_goes_on_and_ends_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = midair.sweep(ASKED)
+    written: list[Path] = []
+    real = output.write
+
+    def full(path: Path, content: bytes) -> None:
+        if len(written) == 5:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        written.append(path)
+        real(path, content)
+
+    monkeypatch.setattr(output, "write", full)
+    with pytest.raises(midair.SceneError, match=r"No space left on device.*what is done is kept$"):
+        midair.sweep(ASKED, "table.csv", threads=1)
+    assert not Path("table.csv").exists()
+    assert len(list(Path().glob(".table.csv.chunks/*/*.npz"))) == 5
+
+    monkeypatch.setattr(output, "write", lambda path, content: (written.append(path), real(path, content)))
+    assert equal(midair.sweep(ASKED, "table.csv"), whole)
+    assert len(written) == 12, "a chunk a block, none done twice"
+    assert sorted(path.name for path in Path().iterdir()) == ["table.csv"]
+
+
+def test_another_setting_seed_or_build_is_another_chunk(monkeypatch: pytest.MonkeyPatch) -> None:
+    from midair.sweep import engine
+
+    def path(**tables: Any) -> Path:
+        return Job(solve_block, read(changed(**tables)).blocks[0].settings, 0, 5).path
+
+    other = {**ASKED["points"], "pressure": 1.5}
+    paths = [path(), path(seed=4), path(points=other), path(medium={"temperature": 25.0}), path(seeds=[1])]
+    monkeypatch.setattr(engine, "build", lambda: "another")
+    paths.append(path())
+    assert len(set(paths)) == len(paths)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_ctrl_c_keeps_what_is_done_and_says_so_in_one_line() -> None:
+    Path("sweep.toml").write_text(TOML.replace('"greedy"', '"lm"').replace("seeds = 3", "seeds = 100000"))
+    command = [sys.executable, "-m", "midair", "sweep", "sweep.toml", "--output", "table.csv"]
+    child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        end = time.monotonic() + HANG
+        while not list(Path().glob(".table.csv.chunks/*/*.npz")):
+            assert child.poll() is None
+            assert time.monotonic() < end
+            time.sleep(0.02)
+        child.send_signal(signal.SIGINT)
+        out, err = child.communicate(timeout=HANG)
+    finally:
+        child.kill()
+        child.wait()
+    assert (child.returncode, out, err) == (130, "", "interrupted\n")
+    assert list(Path().glob(".table.csv.chunks/*/*.npz"))
+    assert not Path("table.csv").exists()
+    assert not list(Path().rglob("*.part"))
+
+
+def tree(folder: Path) -> dict[str, bytes]:
+    """Every file below a folder."""
+    return {str(path): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def group(path: Path, **attributes: Any) -> None:
+    zarr.open_group(path, mode="w", attributes=attributes).create_array("data", data=np.arange(3))
+
+
+#: Folders that no sweep made, or not alone.
+FOREIGN: dict[str, Callable[[Path], None]] = {
+    "somebody's group": group,
+    "a group of another program": lambda path: group(path, midair="calibration"),
+    "a group within ours": lambda path: (midair.sweep(ASKED, drives=path), group(path / "mine")),
+    "a file within ours": lambda path: (midair.sweep(ASKED, drives=path), (path / "notes.txt").touch()),
+    "ours without its mark": lambda path: (
+        midair.sweep(ASKED, drives=path),
+        (path / "zarr.json").write_text("[]"),
+    ),
+    "a plain folder": lambda path: (path.mkdir(), (path / "notes.txt").touch()),
+    "an empty folder": Path.mkdir,
+    "a file": Path.touch,
+    "no JSON": lambda path: (path.mkdir(), (path / "zarr.json").write_text("{" * 9)),
+}
+
+
+@pytest.mark.parametrize("linked", [False, True], ids=["itself", "link"])
+@pytest.mark.parametrize("name", FOREIGN)
+def test_drives_of_somebody_else_are_not_replaced(
+    name: str, linked: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Path("there").mkdir()
+    FOREIGN[name](Path("there", "mine.zarr"))
+    before = tree(Path())
+    drives = Path("link.zarr" if linked else "there/mine.zarr")
+    if linked:
+        drives.symlink_to(Path("there", "mine.zarr"), target_is_directory=True)
+        before = tree(Path())
+    monkeypatch.setattr(sweep_module, "run", lambda *_, **__: pytest.fail("work was done"))
+    with pytest.raises(midair.SceneError, match=r"by no sweep|which no sweep made"):
+        midair.sweep(ASKED, drives=drives)
+    assert tree(Path()) == before
+
+
+def test_drives_of_a_former_sweep_are_replaced_where_links_lead() -> None:
+    midair.sweep(ASKED, drives="real.zarr")
+    Path("link.zarr").symlink_to("real.zarr", target_is_directory=True)
+    midair.sweep(changed(seeds=3), drives="link.zarr")
+    assert Path("link.zarr").is_symlink()
+    assert zarr.open("real.zarr", mode="r")["drive"].shape == (36, 400)
+    assert (zarr.open("real.zarr", mode="r")["scale"][:] == 1).all()
+    assert sorted(path.name for path in Path().iterdir()) == ["link.zarr", "real.zarr"]
+
+
+def test_drives_that_came_meanwhile_are_not_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sweep_module.chunks, "remove", lambda folder: None)
+    real = sweep_module.run
+
+    def slow(*arguments: Any, **keywords: Any) -> None:
+        real(*arguments, **keywords)
+        group(Path("drives.zarr"))
+
+    monkeypatch.setattr(sweep_module, "run", slow)
+    with pytest.raises(midair.SceneError, match="by no sweep"):
+        midair.sweep(ASKED, drives="drives.zarr")
+    assert (zarr.open("drives.zarr", mode="r")["data"][:] == np.arange(3)).all()
+    assert not list(Path().glob(".*.part"))
+
+
+@pytest.mark.parametrize("way", ["itself", "link", "hard link", "link in a folder"])
+@pytest.mark.parametrize("file", ["sweep.csv", "scene.csv"])
+def test_what_is_read_is_not_written_over(file: str, way: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Any ending is TOML but .json's.
+    Path("scene.csv").write_text(SCENE)
+    Path("sweep.csv").write_text('scenes = ["scene.csv"]\nsolver = { name = "naive" }\n')
+    output = Path("table.csv")
+    if way == "itself":
+        output = Path(file)
+    elif way == "link":
+        output.symlink_to(file)
+    elif way == "hard link":
+        output.hardlink_to(file)
+    else:
+        Path("folder").symlink_to(".", target_is_directory=True)
+        output = Path("folder", file)
+    before = tree(Path())
+    monkeypatch.setattr(sweep_module, "run", lambda *_, **__: pytest.fail("work was done"))
+    with pytest.raises(midair.SceneError, match="which the sweep needs: choose another name"):
+        midair.sweep("sweep.csv", output)
+    assert tree(Path()) == before
+
+
+def test_a_sweep_file_within_the_drives_is_not_removed() -> None:
+    midair.sweep(ASKED, drives="drives.zarr")
+    Path("drives.zarr", "sweep.toml").write_text(TOML)
+    with pytest.raises(midair.SceneError, match=r"sweep\.toml"):
+        midair.sweep("drives.zarr/sweep.toml", drives="drives.zarr")
+    assert Path("drives.zarr", "sweep.toml").exists()
+
+
+def test_another_table_is_replaced() -> None:
+    Path("table.csv").write_text("an older one")
+    midair.sweep(ASKED, "table.csv")
+    assert len(Path("table.csv").read_text().splitlines()) == 61
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_what_dead_processes_left_is_removed() -> None:
+    gone = subprocess.Popen([sys.executable, "-c", ""])
+    gone.wait()
+    stale = [Path(f".table.csv.{gone.pid}.part"), Path(f".drives.zarr.{gone.pid}.part")]
+    live = [Path(f".table.csv.{os.getppid()}.part"), Path(".table.csv.mine.part")]
+    for path in (stale[0], *live):
+        path.touch()
+    group(stale[1])
+    midair.sweep(ASKED, "table.csv", drives="drives.zarr")
+    assert not any(path.exists() for path in stale)
+    assert all(path.exists() for path in live)
