@@ -150,10 +150,12 @@ def _scenes(tables: Tables, folder: Path) -> tuple[list[Base], list[Path]]:
         raise SceneError(f"scenes is {short(scenes)}: give a list of scene files, or of midair.Scene")
     if not scenes:
         raise SceneError("scenes is empty: give a list of scene files")
-    bases, files = [], []
+    bases: list[Base] = []
+    files: list[Path] = []
     for index, one in enumerate(scenes):
+        name: int | str = index
         if isinstance(one, Scene):
-            scene, name = one, f"{index}"
+            scene = one
         else:
             files.append(folder / one)
             scene, name = Scene.load(files[-1]), str(one)
