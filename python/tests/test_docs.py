@@ -13,7 +13,6 @@ import midair
 import midair._midair
 from midair.reproduce import page as paper
 from midair.reproduce import tables
-from midair.sweep.request import read
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted(ROOT.joinpath("docs").glob("*.md"))]
@@ -62,16 +61,6 @@ def test_scene_files_load(page: Path, tmp_path: Path) -> None:
         path = tmp_path / "scene.toml"
         path.write_text(block)
         assert midair.Scene.load(path).points.size
-
-
-def test_sweep_files_are_read(tmp_path: Path) -> None:
-    page = ROOT / "docs" / "sweeps.md"
-    found = [*blocks(page, "toml"), (ROOT / "docs" / "sweeps" / "dataset.toml").read_text()]
-    assert len(found) == 2
-    for block in found:
-        path = tmp_path / "sweep.toml"
-        path.write_text(block)
-        assert read(path).problems in {4 * 3 * 100, 100_000}
 
 
 def test_the_readmes_commands_run(tmp_path: Path) -> None:

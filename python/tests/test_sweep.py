@@ -2,6 +2,8 @@
 
 import csv
 import json
+import re
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +13,7 @@ import pytest
 import zarr
 
 import midair
-from midair.sweep import block, work
+from midair.sweep import block, chunks, work
 from midair.sweep.request import read
 from scenes import METRICS
 from sweeps import ASKED, SCENE, changed, equal
@@ -105,8 +107,7 @@ def test_the_batch_solver_takes_what_shares_a_seed(scenes: bool, monkeypatch: py
     taken: list[str] = []
 
     def watched(array: midair.Array, points: Any, pressures: Any, solver: str, **options: Any) -> Any:
-        # What is asked of the others' reach goes through naive.
-        taken.extend([solver] if solver != "naive" else [])
+        taken.extend([solver] if len(points) > 1 else [])
         return batch(array, points, pressures, solver, **options)
 
     monkeypatch.setattr(block._midair, "solve_batch", watched)
@@ -138,3 +139,75 @@ def test_scenes_are_swept_relative_to_the_file() -> None:
     assert list(table)[:6] == ["index", "scene", "transducers", "points", "solver", "seed"]
     expected = midair.solve(midair.Scene.load("scenes/two.toml"), "lm", seed=4).metrics
     assert table["residual"].tolist() == [expected.residual]
+
+
+#: Pressures that the paper's array cannot reach in the paper's unit, and weak ones.
+PAPER = {"grid": {"nx": 20, "ny": 20, "pitch": 0.01}, "source_pressure": 1e-3}
+SHORT: dict[str, tuple[float, str]] = {
+    "beyond": (
+        500.0,
+        r"^24 of 24 problems ask for more pressure than the array reaches at a point, and get as",
+    ),
+    "weak": (
+        0.1,
+        r"^24 of 24 problems ask for less than half the balanced level: .*, balance = true cures it$",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SHORT)
+def test_too_much_and_too_little_is_told_once_with_counts(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    pressure, words = SHORT[name]
+    # One of a batch, one with a seed for each trial; the second time all of it is kept results.
+    solvers = [{"name": "gspat"}, {"name": "greedy"}, {"name": "greedy", "balance": True}]
+    points = {**ASKED["points"], "count": 3, "pressure": [0.9 * pressure, pressure]}
+    request = changed(array=PAPER, points=points, solver=solvers[: 3 if name == "beyond" else 2])
+    request["seeds"] = 8 if name == "beyond" else 12
+    monkeypatch.setattr(chunks, "remove", lambda folder: None)
+    for _ in range(2):
+        with pytest.warns(midair.SceneWarning) as told:
+            midair.sweep(request, "table.csv")
+        assert len(told) == 1
+        assert re.match(words, str(told[0].message))
+
+
+def test_balanced_and_even_methods_are_not_weak() -> None:
+    solvers = [{"name": "greedy", "balance": True}, {"name": "uniform"}, {"name": "best"}]
+    points = {**ASKED["points"], "count": 3, "pressure": 0.1}
+    midair.sweep(changed(array=PAPER, points=points, solver=solvers))
+
+
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = DOCS.joinpath("sweeps.md").read_text()
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+
+
+def sane(table: dict[str, np.ndarray]) -> bool:
+    """Whether the numbers are what somebody would want: nothing far below or above what was asked for."""
+    near = [(table[name] > 0.5) & (table[name] < 1.5) for name in ("accuracy", "level")]
+    return bool(np.all(near)) and set(table["status"]) == {"done"}
+
+
+EXAMPLES = [*blocks("toml"), DOCS.joinpath("sweeps", "dataset.toml").read_text()]
+PROBLEMS = [4 * 3 * 100, 3 * 2 * 2 * 2 * 5, 100_000]
+
+
+@pytest.mark.parametrize(
+    ("text", "problems"), [*zip(EXAMPLES, PROBLEMS, strict=True)], ids=["first", "axes", "dataset"]
+)
+def test_the_docs_sweeps_have_sane_numbers(text: str, problems: int) -> None:
+    request = tomllib.loads(text)
+    assert read(request).problems == problems
+    request["seeds"] = 4
+    # And no warning, which would be an error here.
+    assert sane(midair.sweep(request))
+
+
+@pytest.mark.parametrize("text", blocks("python"))
+def test_the_docs_python_has_sane_numbers(text: str) -> None:
+    names: dict[str, Any] = {"midair": midair}
+    exec(text, names)
+    assert sane(names["table"])

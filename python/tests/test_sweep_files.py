@@ -16,6 +16,7 @@ import zarr
 
 import midair
 from midair import output
+from midair.sweep import block
 from midair.sweep.block import solve_block
 from midair.sweep.engine import Job
 from midair.sweep.request import read
@@ -64,6 +65,29 @@ def test_another_setting_seed_or_build_is_another_chunk(monkeypatch: pytest.Monk
     monkeypatch.setattr(engine, "build", lambda: "another")
     paths.append(path())
     assert len(set(paths)) == len(paths)
+
+
+@pytest.mark.parametrize("seed", [{}, {"seed": 1}], ids=["one by one", "batch"])
+def test_a_stopped_sweep_leaves_its_chunks_in_their_midst(
+    seed: dict[str, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole: list[int] = []
+    real = block._arrays
+
+    def finished(found: list[midair.Batch]) -> Any:
+        whole.append(len(found))
+        return real(found)
+
+    def stop(done: int, problems: int) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(block, "_arrays", finished)
+    # Some seconds of work a chunk.
+    solver = {"name": "lm", "eps": 0.0, "steps": 1000, **seed}
+    points = {**ASKED["points"], "count": 8}
+    with pytest.raises(KeyboardInterrupt):
+        midair.sweep(changed(seeds=128, points=points, solver=solver), threads=1, progress=stop)
+    assert len(whole) == 1, "the first chunk, and the second left"
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")

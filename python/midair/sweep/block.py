@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import tempfile
 import warnings
 from collections.abc import Mapping
@@ -114,58 +115,54 @@ def _solve(
     settings: Settings,
     trials: list[int],
 ) -> Arrays:
-    """By the batch solver where all share a seed or need none, else one by one: the same bits either way."""
-    solver = settings["solver"]
+    """In one batch where all share a seed or need none, else one by one: the same bits either way."""
+    solver, weights = settings["solver"], settings.get("weights")
     options = {key: value for key, value in settings["options"].items() if value is not None}
-    weights = settings.get("weights")
-    shares = None if weights is None else np.broadcast_to(weights, points.shape[:2])
 
-    def batch(solver: str, **options: Any) -> _midair.Batch:
-        # The jobs are spread over the processors already.
-        found = _midair.solve_batch(
-            array, points, targets, solver, weights=shares, threads=1, progress=_watch, **options, **medium
-        )
+    def batch(part: slice, **seed: int) -> _midair.Batch:
+        asked = None if targets is None else targets[part]
+        shares = None if weights is None else np.broadcast_to(weights, points[part].shape[:2])
+        keywords = {**options, **seed, **medium, "weights": shares, "progress": _watch}
+        try:
+            # The jobs are spread over the processors already.
+            found = _midair.solve_batch(array, points[part], asked, solver, threads=1, **keywords)
+        except SceneError as error:
+            raise _of_the_trial(error, trials[part], points.shape[1]) from error
         if not go_on():
             raise Stopped
         return found
 
     if "seed" in options or "seed" not in solvers()[solver].options:
-        found = batch(solver, **options)
-        return {
-            "drive": found.drives,
-            "pressures": found.pressures,
-            **{name: np.asarray(getattr(found.metrics, name)) for name in METRICS},
-            "scale": found.scale,
-            "status": np.asarray(found.status, np.str_),
-            **_shortfall(found),
+        return _arrays([batch(slice(None))])
+    seeds = [solver_seed(settings, trial) for trial in trials]
+    return _arrays([batch(slice(index, index + 1), seed=seed) for index, seed in enumerate(seeds)])
+
+
+def _of_the_trial(error: SceneError, trials: list[int], count: int) -> SceneError:
+    """The error of a batch, by the seed of the trial in place of its index."""
+    found = re.fullmatch(r"problems\[(\d+)\]: (.*)", str(error))
+    return SceneError(f"seed {trials[int(found[1])]}, {count} points: {found[2]}") if found else error
+
+
+def _arrays(found: list[_midair.Batch]) -> Arrays:
+    """What a block keeps of batches, one after the other."""
+    parts: list[Arrays] = [
+        {
+            "drive": one.drives,
+            "pressures": one.pressures,
+            **{name: np.asarray(getattr(one.metrics, name)) for name in METRICS},
+            "scale": one.scale,
+            "status": np.asarray(one.status, np.str_),
+            "beyond": getattr(one, "beyond", np.zeros(len(one), bool)),
+            "weak": getattr(one, "weak", np.zeros(len(one), bool)),
         }
-    solutions = []
-    for index, trial in enumerate(trials):
-        if not go_on():
-            raise Stopped
-        pressures = None if targets is None else targets[index]
-        scene = Scene(array, points[index], pressures, weights=weights, **medium)
-        try:
-            solutions.append(_midair.solve(scene, solver, seed=solver_seed(settings, trial), **options))
-        except SceneError as error:
-            raise SceneError(f"seed {trial}, {len(points[index])} points: {error}") from error
-    # Whether too much or too little is asked for depends on no method: the quickest one tells.
-    asked = batch("naive", balance=options.get("balance", solvers()[solver].balance))
-    return {
-        "drive": np.array([solution.drive for solution in solutions]),
-        "pressures": np.array([solution.pressures for solution in solutions]),
-        **{name: np.array([getattr(solution.metrics, name) for solution in solutions]) for name in METRICS},
-        "scale": np.array([solution.scale for solution in solutions]),
-        "status": np.array([solution.status for solution in solutions]),
-        **_shortfall(asked),
-    }
-
-
-def _shortfall(found: _midair.Batch) -> Arrays:
-    return {name: np.asarray(getattr(found, name, np.zeros(len(found), bool))) for name in ("beyond", "weak")}
+        for one in found
+    ]
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
 def _watch(done: int, problems: int, residual: float) -> bool:
+    """Stops a batch of a run that is being stopped."""
     return go_on()
 
 
