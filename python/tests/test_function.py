@@ -55,7 +55,7 @@ def test_what_surrounds_a_method_surrounds_it() -> None:
     assert midair.solve(scene, foci, progress=lambda *step: False).status == "stopped"
     with pytest.warns(midair.SceneWarning, match="balance=True cures it"):
         midair.solve(small(pressures=[1.0] * 4), foci)
-    with pytest.warns(midair.SceneWarning, match="at the same time|all transducers"):
+    with pytest.warns(midair.SceneWarning, match="beyond reach"):
         midair.solve(small(pressures=[1e5] * 4), foci)
 
 
