@@ -80,7 +80,11 @@ def _record(scene: Scene, solution: Solution) -> dict[str, Any]:
         "pressures": solution.pressures,
         "scale": solution.scale,
         **{name: getattr(metrics, name) for name in names},
+        "steps": solution.steps,
+        "elapsed": solution.elapsed,
+        **({} if solution.trace is None else {"trace": solution.trace}),
         "scene": scene.json(solution),
+        **({} if scene.solver is None else {"scene_solver": json.dumps(scene.solver)}),
     }
 
 

@@ -1,6 +1,8 @@
 //! `midair.Array` and `midair.presets`.
 
-use midair::{Complex64, Directivity, Transducer};
+use std::hash::{Hash, Hasher};
+
+use midair::{Complex64, Directivity, Origin, Transducer};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
@@ -8,6 +10,7 @@ use pyo3::types::{IntoPyDict, PyDict};
 use crate::error::{invalid, refused};
 use crate::give::{self, rows};
 use crate::numbers::quoted;
+use crate::pickle::{Reduced, called, restored};
 use crate::quantization::{self, on_board};
 use crate::read;
 
@@ -24,10 +27,19 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// >>> import midair
 /// >>> midair.Array([[0, 0, 0], [0.01, 0, 0]]).positions.shape
 /// (2, 3)
-#[pyclass(frozen, module = "midair")]
-#[derive(Clone)]
+#[pyclass(frozen, eq, hash, module = "midair")]
+#[derive(Clone, PartialEq)]
 pub(crate) struct Array {
     pub(crate) inner: midair::Array,
+}
+
+impl Hash for Array {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        // 0 and -0 are equal.
+        let Transducer { source_pressure, .. } = self.inner.transducer();
+        (self.inner.len(), self.inner.positions()[0].map(|x| (x + 0.0).to_bits())).hash(state);
+        source_pressure.to_bits().hash(state);
+    }
 }
 
 /// Applies the keywords that every way to make an array shares; what is left out stays as it is.
@@ -154,7 +166,7 @@ impl Array {
     /// What the board can play, as {"phases": L or None, "amplitudes": (K,) or None}, or None where any drive can be had.
     #[getter]
     fn quantization<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        quantization::shown(py, &self.inner)
+        quantization::shown(py, self.inner.quantization())
     }
 
     /// P0 in Pa m.
@@ -177,6 +189,27 @@ impl Array {
         self.inner.len()
     }
 
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        let (class, array) = (py.get_type::<Self>(), &self.inner);
+        let call = match array.origin() {
+            Origin::Positions => (class, self.positions(py)?, self.normals(py)?).into_pyobject(py)?,
+            Origin::Grid { nx, ny, pitch } => (class.getattr("grid")?, nx, ny, pitch).into_pyobject(py)?,
+            Origin::Preset { name, tiles: [x, y] } => (class.getattr("preset")?, name, (x, y)).into_pyobject(py)?,
+        };
+        let keywords = PyDict::new(py);
+        keywords.set_item("source_pressure", self.source_pressure())?;
+        keywords.set_item("directivity", self.directivity(py)?)?;
+        keywords.set_item("response", self.response(py))?;
+        keywords.set_item("mask", array.mask().map(|mask| give::list(py, mask.to_vec())))?;
+        // Left out, it would be the preset's.
+        keywords.set_item("quantization", self.quantization(py)?.unwrap_or_else(|| PyDict::new(py)))?;
+        called(call, &keywords)
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("midair.notebook")?.call_method1("array", (slf,))
+    }
+
     fn __repr__(&self) -> String {
         let (name, _) = self.inner.transducer().directivity.name();
         format!("<midair.Array of {} transducers, {} Pa m, {name}>", self.inner.len(), self.source_pressure())
@@ -184,12 +217,13 @@ impl Array {
 }
 
 /// What is known of a preset.
-#[pyclass(frozen, get_all, module = "midair")]
+#[pyclass(frozen, get_all, eq, module = "midair")]
+#[derive(PartialEq)]
 pub(crate) struct PresetInfo {
     /// What it is, in one line.
-    summary: &'static str,
+    summary: String,
     /// Where its numbers come from.
-    source: &'static str,
+    source: String,
     /// Transducers of one board.
     count: usize,
     /// Whether boards can be tiled.
@@ -200,6 +234,15 @@ pub(crate) struct PresetInfo {
 
 #[pymethods]
 impl PresetInfo {
+    #[staticmethod]
+    fn _restore(summary: String, source: String, count: usize, tiles: bool, source_pressure: f64) -> Self {
+        Self { summary, source, count, tiles, source_pressure }
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        restored::<Self>(py, (&self.summary, &self.source, self.count, self.tiles, self.source_pressure))
+    }
+
     fn __repr__(&self) -> String {
         format!("<{} transducers: {}>", self.count, self.summary)
     }
@@ -211,8 +254,8 @@ pub(crate) fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
     for preset in &midair::presets::PRESETS {
         let info = PresetInfo {
-            summary: preset.summary,
-            source: preset.source,
+            summary: preset.summary.into(),
+            source: preset.source.into(),
             count: preset.count,
             tiles: preset.tiles,
             source_pressure: preset.transducer.source_pressure,

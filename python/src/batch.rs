@@ -1,84 +1,99 @@
 //! `midair.solve_batch` and `midair.Batch`.
 
+use std::sync::Arc;
 use std::time::Instant;
 
-use midair::{Ask, Complex32, Control, Start, Threads};
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use midair::solvers::Info;
+use midair::{Ask, Choice, Complex32, Control, Request, Start, Status, Threads};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyIndexError, PyOverflowError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::ctrl_c::attend;
-use crate::error::{invalid, refused, warn};
-use crate::give;
+use crate::error::{SceneError, invalid, refused, warn};
+use crate::give::{self, rows};
 use crate::limits;
+use crate::metrics::BatchMetrics;
+use crate::numbers::quoted;
 use crate::out;
+use crate::pickle::{Reduced, part, part_or_none, restored};
 use crate::read::{self, Starts};
-use crate::setting::Setting;
+use crate::setting::{Setting, Source, answered};
+use crate::solution::Solution;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// How good the answers of a batch are: each an array (B,); see `Metrics`.
-#[pyclass(frozen, module = "midair")]
-pub(crate) struct BatchMetrics {
-    inner: Vec<midair::Metrics>,
-}
-
-impl BatchMetrics {
-    fn each<'py>(&self, py: Python<'py>, part: fn(&midair::Metrics) -> f64) -> Bound<'py, PyArray1<f64>> {
-        give::list(py, self.inner.iter().map(part).collect())
-    }
-}
-
-#[pymethods]
-impl BatchMetrics {
-    /// sum |p| / sum target: eq. (12).
-    #[getter]
-    fn accuracy<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.each(py, |metrics| metrics.accuracy)
-    }
-
-    /// Standard deviation of x / max x: eq. (13) for equal targets.
-    #[getter]
-    fn sigma<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.each(py, |metrics| metrics.sigma)
-    }
-
-    /// min x / max x.
-    #[getter]
-    fn uniformity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.each(py, |metrics| metrics.uniformity)
-    }
-
-    /// Mean x.
-    #[getter]
-    fn level<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.each(py, |metrics| metrics.level)
-    }
-
-    /// sum w (target - |p|)^2 / sum w target^2.
-    #[getter]
-    fn residual<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.each(py, |metrics| metrics.residual)
-    }
-
-    /// max |p| over the quiet points over the largest target.
-    #[getter]
-    fn leak<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.each(py, |metrics| metrics.leak)
-    }
-}
-
-/// The answers to B problems of M points each.
+/// The answers to B problems of M points each; `batch[i]` is the Solution of one.
 #[pyclass(frozen, module = "midair")]
 pub(crate) struct Batch {
     drives: Py<PyArray2<Complex32>>,
     inner: midair::Batch,
     points: usize,
     elapsed: f64,
+    asked: Asked,
+    info: &'static Info,
+}
+
+/// What was asked, one problem after the other.
+#[derive(PartialEq)]
+struct Asked {
+    source: Source,
+    choice: Arc<Choice>,
+    /// Points (B, M, 3); none where G is given.
+    points: Vec<[f64; 3]>,
+    pressures: Option<Vec<f64>>,
+    weights: Option<Vec<f64>>,
+}
+
+impl Batch {
+    /// The drives, unless another call is writing them.
+    fn borrowed<'py>(&self, py: Python<'py>) -> PyResult<PyReadonlyArray2<'py, Complex32>> {
+        let drives = self.drives.bind(py).try_readonly();
+        drives.map_err(|_| invalid("out", "in use by another call", "wait for that one"))
+    }
 }
 
 #[pymethods]
 impl Batch {
+    /// The solution of problem `index`, its share of the time as `elapsed`; below 0 from the end.
+    #[allow(clippy::cast_precision_loss, reason = "a share of the time")]
+    fn __getitem__(&self, index: &Bound<'_, PyAny>) -> PyResult<Solution> {
+        let (py, count, size) = (index.py(), self.inner.steps.len(), self.points);
+        let outside = || PyIndexError::new_err(format!("problem {} of a batch of {count}", quoted(index)));
+        let at: isize = index
+            .extract()
+            .map_err(|error: PyErr| if error.is_instance_of::<PyOverflowError>(py) { outside() } else { error })?;
+        let k = if at < 0 { at.checked_add_unsigned(count) } else { Some(at) };
+        let k = k.and_then(|k| usize::try_from(k).ok()).filter(|&k| k < count).ok_or_else(outside)?;
+        let (own, asked) = (k * size..(k + 1) * size, &self.asked);
+        let request = Request {
+            pressures: asked.pressures.as_ref().map(|list| list[own.clone()].to_vec()),
+            weights: asked.weights.as_ref().map(|list| list[own.clone()].to_vec()),
+        };
+        let points = asked.points.get(own.clone()).unwrap_or_default();
+        let problem = attend(py, None, |mut control| asked.source.problem(points, &request, &mut control))?;
+        let problem = match asked.choice.aim {
+            Some(aim) => problem.with_aim(aim),
+            None => problem,
+        };
+        let drives = self.borrowed(py)?;
+        let transducers = drives.len() / count;
+        let drive = drives.as_slice()?[k * transducers..(k + 1) * transducers].to_vec();
+        let outcome = (self.inner.status[k], self.inner.steps[k], self.inner.scale[k]);
+        let pressures = self.inner.pressures[own].to_vec();
+        let solution = attend(py, None, |mut control| {
+            midair::Solution::restored(&problem, drive, pressures, outcome, None, &mut control)
+        })
+        .map_err(|error| {
+            let cure = "out was written over: copy it before it is used again";
+            let other = error.is_instance_of::<SceneError>(py);
+            if other { invalid(&format!("drives[{k}]"), "not what was answered", cure) } else { error }
+        })?;
+        let choice = answered(&asked.choice, self.info, Some(&problem));
+        Ok(Solution::new(solution, choice, self.elapsed / count as f64))
+    }
+
     /// Drives (B, N), complex64, |q| <= 1; `out` itself where that was given.
     #[getter]
     fn drives(&self, py: Python<'_>) -> Py<PyArray2<Complex32>> {
@@ -134,6 +149,73 @@ impl Batch {
         self.elapsed
     }
 
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> PyResult<bool> {
+        let Ok(other) = other.cast::<Self>() else { return Ok(false) };
+        let (py, other) = (other.py(), other.get());
+        let equal = self.inner == other.inner && self.asked == other.asked;
+        Ok(equal && self.borrowed(py)?.as_slice()? == other.borrowed(py)?.as_slice()?)
+    }
+
+    #[staticmethod]
+    fn _restore(record: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let py = record.py();
+        let (part, maybe) = (|name: &str| part(record, name), |name: &str| part_or_none(record, name));
+        let options = part("options")?;
+        let Setting { choice, source, info, .. } =
+            Setting::read(&part("scene")?, Some(&part("solver")?), Some(options.cast()?))?;
+        let list = |name: &str| maybe(name)?.map(|list| read::reals(name, &list)).transpose();
+        let asked = Asked {
+            source,
+            choice: Arc::new(choice),
+            points: read::vectors("points", &part("points")?)?,
+            pressures: list("asked")?,
+            weights: list("weights")?,
+        };
+        let status = part("status")?.extract::<Vec<String>>()?;
+        let inner = midair::Batch {
+            pressures: read::drive("pressures", &part("pressures")?.call_method1("ravel", ())?)?,
+            metrics: part("metrics")?.cast::<BatchMetrics>()?.get().inner.clone(),
+            scale: read::reals("scale", &part("scale")?)?,
+            status: status.iter().map(|name| Status::named(name)).collect::<Result<_, _>>().map_err(refused)?,
+            steps: part("steps")?.extract()?,
+            beyond: read::flags("beyond", &part("beyond")?)?,
+            weak: read::flags("weak", &part("weak")?)?,
+            remarks: part("remarks")?.extract()?,
+        };
+        let count = inner.steps.len();
+        let points = inner.pressures.len() / count;
+        let drives = read::drive("drives", &part("drives")?.call_method1("ravel", ())?)?;
+        let transducers = drives.len() / count;
+        let drives = give::table(py, drives, [count, transducers])?.unbind();
+        Ok(Self { drives, inner, points, elapsed: read::real("elapsed", &part("elapsed")?)?, asked, info })
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        let (record, asked) = (PyDict::new(py), &self.asked);
+        let (scene, options) = asked.source.arguments(py, &asked.choice)?;
+        record.set_item("scene", scene)?;
+        record.set_item("solver", &asked.choice.name)?;
+        record.set_item("options", options)?;
+        record.set_item("points", rows(py, &asked.points)?)?;
+        record.set_item("asked", asked.pressures.clone().map(|list| give::list(py, list)))?;
+        record.set_item("weights", asked.weights.clone().map(|list| give::list(py, list)))?;
+        record.set_item("drives", &self.drives)?;
+        record.set_item("pressures", self.pressures(py)?)?;
+        record.set_item("metrics", self.metrics())?;
+        record.set_item("scale", self.scale(py))?;
+        record.set_item("status", self.status())?;
+        record.set_item("steps", self.inner.steps.clone())?;
+        record.set_item("beyond", self.beyond(py))?;
+        record.set_item("weak", self.weak(py))?;
+        record.set_item("remarks", self.inner.remarks.clone())?;
+        record.set_item("elapsed", self.elapsed)?;
+        restored::<Self>(py, (record,))
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("midair.notebook")?.call_method1("batch", (slf,))
+    }
+
     fn __len__(&self) -> usize {
         self.inner.steps.len()
     }
@@ -177,7 +259,7 @@ pub(crate) fn solve_batch(
     progress: Option<Py<PyAny>>,
     options: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Batch> {
-    let Setting { mut session, choice, info } = Setting::read(scene, solver, options)?;
+    let Setting { mut session, choice, info, source } = Setting::read(scene, solver, options)?;
     let (points, [count, size]) = match (session.given_points(), points) {
         (None, Some(points)) => read::batch_of_points("points", points)?,
         (Some(size), None) => (Vec::new(), [read::batch_size("pressures", pressures, size)?, size]),
@@ -244,7 +326,9 @@ pub(crate) fn solve_batch(
     for remark in &inner.remarks {
         warn(py, remark)?;
     }
-    Ok(Batch { drives: drives.unbind(), inner, points: size, elapsed: clock.elapsed().as_secs_f64() })
+    let elapsed = clock.elapsed().as_secs_f64();
+    let asked = Asked { source, choice: Arc::new(choice), points, pressures, weights };
+    Ok(Batch { drives: drives.unbind(), inner, points: size, elapsed, asked, info })
 }
 
 /// Writes a list over another one, in its memory.

@@ -10,6 +10,7 @@ use crate::ctrl_c::attend;
 use crate::give::{self, rows};
 use crate::instruction_set::instruction_set;
 use crate::limits;
+use crate::pickle::{Reduced, restored};
 use crate::plane::Plane;
 use crate::read;
 use crate::scene::Scene;
@@ -17,13 +18,15 @@ use crate::scene::Scene;
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// The field of a drive on a plane or at points.
-#[pyclass(frozen, module = "midair")]
+#[pyclass(frozen, eq, module = "midair")]
+#[derive(PartialEq)]
 pub(crate) struct Field {
     scene: Arc<midair::Scene>,
     places: Places,
     pressure: Vec<Complex32>,
 }
 
+#[derive(PartialEq)]
 enum Places {
     Plane(midair::Plane),
     Points(Vec<[f64; 3]>),
@@ -89,6 +92,24 @@ impl Field {
     #[getter]
     fn scene(&self) -> Scene {
         Scene { inner: Arc::clone(&self.scene) }
+    }
+
+    #[staticmethod]
+    fn _restore(scene: &Bound<'_, Scene>, places: &Bound<'_, PyAny>, pressure: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let places = match places.cast::<Plane>() {
+            Ok(plane) => Places::Plane(plane.get().inner),
+            Err(_) => Places::Points(read::vectors("field points", places)?),
+        };
+        let pressure = read::drive("pressure", &pressure.call_method0("ravel")?)?;
+        Ok(Self { scene: Arc::clone(&scene.get().inner), places, pressure })
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        let places = match self.plane() {
+            Some(plane) => Bound::new(py, plane)?.into_any(),
+            None => self.points(py)?.into_pyobject(py)?.into_any(),
+        };
+        restored::<Self>(py, (self.scene(), places, self.pressure(py)?))
     }
 
     fn __repr__(&self) -> String {

@@ -14,7 +14,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// An upper bound on the level min |p| / target over the points with a pressure: no drive, quantised or not, exceeds it.
 ///
 /// It is the value of a semidefinite relaxation and lies some 8 to 9 % above the best field known. At most 64 points.
-/// Pressures, weights and mask go with Propagation only.
+/// Pressures, weights and mask go with a Propagation, or replace a scene's own.
 ///
 /// >>> import midair
 /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
@@ -35,7 +35,8 @@ pub(crate) fn bound(
     attend(py, None, |mut control| midair::bound(&subject.problem(set, &mut control)?, &mut control))
 }
 
-/// The metrics of a drive (N,), wholly in double precision. Pressures, weights and mask go with Propagation only.
+/// The metrics of a drive (N,), wholly in double precision. Pressures, weights and mask go with a Propagation, or
+/// replace a scene's own.
 #[pyfunction]
 #[pyo3(signature = (scene, drive, *, pressures=None, weights=None, mask=None))]
 pub(crate) fn judge(

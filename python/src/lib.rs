@@ -15,9 +15,11 @@ mod metrics;
 mod names;
 mod numbers;
 mod out;
+mod pickle;
 mod plane;
 mod propagation;
 mod quantization;
+mod reach;
 mod read;
 mod scene;
 mod setting;
@@ -38,7 +40,7 @@ mod _midair {
     #[pymodule_export]
     use super::array::{Array, PresetInfo, presets};
     #[pymodule_export]
-    use super::batch::{Batch, BatchMetrics, solve_batch};
+    use super::batch::{Batch, solve_batch};
     #[pymodule_export]
     use super::error::{SceneError, SceneWarning};
     #[pymodule_export]
@@ -48,7 +50,7 @@ mod _midair {
     #[pymodule_export]
     use super::judge::{bound, judge};
     #[pymodule_export]
-    use super::metrics::Metrics;
+    use super::metrics::{BatchMetrics, Metrics};
     #[pymodule_export]
     use super::names::{preset_name, solver_name};
     #[pymodule_export]
@@ -56,7 +58,9 @@ mod _midair {
     #[pymodule_export]
     use super::propagation::Propagation;
     #[pymodule_export]
-    use super::scene::{Reach, Scene};
+    use super::reach::Reach;
+    #[pymodule_export]
+    use super::scene::Scene;
     #[pymodule_export]
     use super::solution::Solution;
     #[pymodule_export]

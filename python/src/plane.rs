@@ -1,11 +1,14 @@
 //! `midair.Plane`.
 
+use std::hash::{Hash, Hasher};
+
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::error::{invalid, refused};
 use crate::give;
 use crate::numbers::quoted;
+use crate::pickle::Reduced;
 use crate::read;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -15,10 +18,18 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// >>> import midair
 /// >>> float(midair.Plane(z=0.15, size=0.1, pixels=3).x[0])
 /// -0.05
-#[pyclass(frozen, eq, module = "midair")]
+#[pyclass(frozen, eq, hash, module = "midair")]
 #[derive(Clone, PartialEq)]
 pub(crate) struct Plane {
     pub(crate) inner: midair::Plane,
+}
+
+impl Hash for Plane {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        // 0 and -0 are equal.
+        let bits = |x: f64| (x + 0.0).to_bits();
+        (bits(self.inner.z), bits(self.inner.size), self.inner.pixels).hash(state);
+    }
 }
 
 #[pymethods]
@@ -81,6 +92,11 @@ impl Plane {
     #[getter]
     pub(crate) fn y<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         give::list(py, self.inner.axis(1))
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        let midair::Plane { z, size, pixels, center: [x, y] } = slf.get().inner;
+        Ok((slf.get_type().into_any(), (z, size, pixels, (x, y)).into_pyobject(slf.py())?))
     }
 
     fn __repr__(&self) -> String {

@@ -1,8 +1,12 @@
 //! `midair.Propagation`.
 
+use std::hash::{Hash, Hasher};
+
 use pyo3::prelude::*;
 
 use crate::error::refused;
+use crate::give;
+use crate::pickle::Reduced;
 use crate::read;
 
 /// A user's own G (M, N) in Pa: measured, or computed with obstacles.
@@ -14,9 +18,16 @@ use crate::read;
 /// >>> solution = midair.solve(midair.Propagation(np.ones((1, 4))), pressures=4.0)
 /// >>> round(solution.metrics.accuracy, 6)
 /// 1.0
-#[pyclass(frozen, module = "midair")]
+#[pyclass(frozen, eq, hash, module = "midair")]
+#[derive(PartialEq)]
 pub(crate) struct Propagation {
     pub(crate) inner: midair::Propagation,
+}
+
+impl Hash for Propagation {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.shape().hash(state);
+    }
 }
 
 #[pymethods]
@@ -31,6 +42,13 @@ impl Propagation {
     #[getter]
     fn shape(&self) -> (usize, usize) {
         (self.inner.points(), self.inner.transducers())
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        let (py, (points, transducers)) = (slf.py(), slf.get().shape());
+        let entry = |k: usize| slf.get().inner.exact(k / transducers, k % transducers);
+        let matrix = give::table(py, (0..points * transducers).map(entry).collect(), [points, transducers])?;
+        Ok((slf.get_type().into_any(), (matrix,).into_pyobject(py)?))
     }
 
     fn __repr__(&self) -> String {

@@ -53,8 +53,8 @@ pub(crate) fn read_quantization(value: &Bound<'_, PyAny>) -> PyResult<Quantizati
 }
 
 /// The same as a dictionary of Python's, or None where any drive can be had.
-pub(crate) fn shown<'py>(py: Python<'py>, array: &midair::Array) -> PyResult<Option<Bound<'py, PyDict>>> {
-    let Some(quantization) = array.quantization() else { return Ok(None) };
+pub(crate) fn shown<'py>(py: Python<'py>, quantization: Option<&Quantization>) -> PyResult<Option<Bound<'py, PyDict>>> {
+    let Some(quantization) = quantization else { return Ok(None) };
     let table = PyDict::new(py);
     table.set_item("phases", quantization.phases())?;
     table.set_item("amplitudes", quantization.amplitudes().map(|table| give::list(py, table.to_vec())))?;

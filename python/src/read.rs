@@ -1,6 +1,6 @@
 //! Arguments by what they mean (points, pressures, drives, options), read for the core; everything else refused by name.
 
-use midair::{Aim, Complex32, Complex64, Directivity, OptionValue, Options, Request, Start, Value};
+use midair::{Aim, Choice, Complex32, Complex64, Directivity, OptionValue, Options, Request, Start, Value};
 use numpy::Element;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
@@ -202,6 +202,11 @@ pub(crate) fn options(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Options>
         }
     }
     Ok(options)
+}
+
+/// A solver by its name and options, as `options` of a solution and `solver` of a scene tell them.
+pub(crate) fn choice(name: String, options: &Bound<'_, PyDict>) -> PyResult<Choice> {
+    Choice::new(name, self::options(Some(options))?).map_err(refused)
 }
 
 fn option(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {

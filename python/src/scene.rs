@@ -1,5 +1,6 @@
-//! `midair.Scene` and `midair.Reach`.
+//! `midair.Scene`.
 
+use std::hash::{Hash, Hasher};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -11,11 +12,15 @@ use pyo3::types::PyDict;
 
 use crate::array::{Array, adjusted};
 use crate::ctrl_c::attend;
-use crate::error::refused;
+use crate::error::{invalid, refused};
 use crate::give::{self, rows};
 use crate::instruction_set::instruction_set;
+use crate::numbers::quoted;
+use crate::pickle::{Reduced, restored};
 use crate::plane::Plane;
+use crate::reach::Reach;
 use crate::read;
+use crate::setting::Keywords;
 use crate::solution::Solution;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -31,9 +36,48 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]])
 /// >>> round(float(abs(scene.propagation()).sum()), 5)
 /// 2.36066
-#[pyclass(frozen, module = "midair")]
+#[pyclass(frozen, eq, hash, module = "midair")]
+#[derive(PartialEq)]
 pub(crate) struct Scene {
     pub(crate) inner: Arc<midair::Scene>,
+}
+
+impl Hash for Scene {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        // 0 and -0 are equal.
+        (self.inner.points().len(), self.inner.points()[0].map(|x| (x + 0.0).to_bits())).hash(state);
+        (self.inner.array().len(), self.inner.medium().frequency.to_bits()).hash(state);
+    }
+}
+
+/// What `Scene.replace` takes.
+const PARTS: [&str; 12] = [
+    "array",
+    "points",
+    "pressures",
+    "weights",
+    "frequency",
+    "sound_speed",
+    "temperature",
+    "absorption",
+    "density",
+    "source_pressure",
+    "directivity",
+    "plane",
+];
+
+/// A scene with other parts: the solver and plane of its file stay.
+pub(crate) fn remade(
+    own: &midair::Scene,
+    array: midair::Array,
+    medium: Medium,
+    points: Vec<[f64; 3]>,
+    request: Request,
+) -> PyResult<midair::Scene> {
+    let mut scene = midair::Scene::new(array, medium, points, request).map_err(refused)?;
+    scene.solver.clone_from(&own.solver);
+    scene.plane = own.plane;
+    Ok(scene)
 }
 
 #[pymethods]
@@ -72,6 +116,57 @@ impl Scene {
         let request =
             if points.is_empty() { Request::default() } else { read::request(points.len(), pressures, weights)? };
         let scene = midair::Scene::new(array, medium, points, request).map_err(refused)?;
+        Ok(Self { inner: Arc::new(scene) })
+    }
+
+    /// The same scene with other parts, named as the constructor names them, or another `plane`; what is left out stays,
+    /// the solver of a scene file too. None takes pressures, weights or the plane away and leaves anything else as it is.
+    ///
+    /// >>> import midair
+    /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]], 100.0)
+    /// >>> scene.replace(pressures=200.0).pressures
+    /// array([200.])
+    #[pyo3(signature = (**changes))]
+    fn replace(&self, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let Some(changes) = changes else { return Ok(Self { inner: Arc::clone(&self.inner) }) };
+        let (own, keywords) = (&self.inner, Keywords::of(changes)?);
+        let array = match keywords.take("array")? {
+            None => own.array().clone(),
+            Some(array) => match array.cast::<Array>() {
+                Ok(array) => array.get().inner.clone(),
+                Err(_) => return Err(invalid("array", &quoted(&array), "give a midair.Array")),
+            },
+        };
+        let array = keywords.transducer(array)?;
+        let medium = keywords.medium(own.medium())?;
+        let points = keywords.take("points")?;
+        let points = points.map_or_else(|| Ok(own.points().to_vec()), |points| read::vectors("points", &points))?;
+        let numbers = |item: &str, own: &Option<Vec<f64>>| match keywords.take_or_none(item)? {
+            None => match own {
+                Some(own) if own.len() != points.len() => {
+                    let cure = format!("give {item} for the {} points, or None", points.len());
+                    Err(invalid(item, &format!("kept from {} points", own.len()), &cure))
+                }
+                own => Ok(own.clone()),
+            },
+            Some(value) if value.is_none() => Ok(None),
+            Some(value) => read::list(item, &value, points.len()).map(Some),
+        };
+        let Request { pressures, weights } = own.request();
+        let request = Request { pressures: numbers("pressures", pressures)?, weights: numbers("weights", weights)? };
+        let plane = match keywords.take_or_none("plane")? {
+            None => own.plane,
+            Some(plane) if plane.is_none() => None,
+            Some(plane) => match plane.cast::<Plane>() {
+                Ok(plane) => Some(plane.get().inner),
+                Err(_) => return Err(invalid("plane", &quoted(&plane), "give a midair.Plane or None")),
+            },
+        };
+        if let Some(name) = keywords.left() {
+            return Err(refused(midair::Error::unknown("part of a scene", name, PARTS)));
+        }
+        let mut scene = remade(own, array, medium, points, request)?;
+        scene.plane = plane;
         Ok(Self { inner: Arc::new(scene) })
     }
 
@@ -196,39 +291,46 @@ impl Scene {
         let set = instruction_set()?;
         let reach =
             |mut control: Control<'_>| midair::Problem::of_scene(&self.inner, set, &mut control)?.reach(&mut control);
-        Ok(Reach { inner: attend(py, None, reach)? })
+        let midair::Reach { alone, level, .. } = attend(py, None, reach)?;
+        Ok(Reach { alone, level })
+    }
+
+    /// From its parts.
+    #[staticmethod]
+    #[allow(clippy::too_many_arguments, reason = "as many as it has")]
+    fn _restore(
+        array: &Bound<'_, Array>,
+        points: &Bound<'_, PyAny>,
+        pressures: Argument<'_, '_>,
+        weights: Argument<'_, '_>,
+        medium: [f64; 4],
+        solver: Option<(String, Bound<'_, PyDict>)>,
+        plane: Option<Bound<'_, Plane>>,
+    ) -> PyResult<Self> {
+        let [frequency, sound_speed, absorption, density] = medium;
+        let medium = Medium { frequency, sound_speed, absorption, density };
+        let points = read::vectors("points", points)?;
+        let request = read::request(points.len(), pressures, weights)?;
+        let mut scene = midair::Scene::new(array.get().inner.clone(), medium, points, request).map_err(refused)?;
+        scene.solver = solver.map(|(name, options)| read::choice(name, &options)).transpose()?;
+        scene.plane = plane.map(|plane| plane.get().inner);
+        Ok(Self { inner: Arc::new(scene) })
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        let Medium { frequency, sound_speed, absorption, density } = self.inner.medium();
+        let medium = [frequency, sound_speed, absorption, density];
+        let (pressures, weights) = (self.pressures(py), self.weights(py));
+        let parts = (self.array(), self.points(py)?, pressures, weights, medium, self.solver(py)?, self.plane());
+        restored::<Self>(py, parts)
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("midair.notebook")?.call_method1("scene", (slf,))
     }
 
     fn __repr__(&self) -> String {
         let (n, m) = (self.inner.array().len(), self.inner.points().len());
         format!("<midair.Scene of {n} transducers and {m} points at {} Hz>", self.inner.medium().frequency)
-    }
-}
-
-/// What an array can do at a scene's points.
-#[pyclass(frozen, module = "midair")]
-pub(crate) struct Reach {
-    inner: midair::Reach,
-}
-
-#[pymethods]
-impl Reach {
-    /// The strongest pressure at each point alone (M,) in Pa: the sum of |G|.
-    #[getter]
-    fn alone<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        give::list(py, self.inner.alone.clone())
-    }
-
-    /// The balanced level (M,) in Pa: what the array can make at all points together, in the ratios of the pressures, if
-    /// they are a focal width apart.
-    #[getter]
-    fn level<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        give::list(py, self.inner.level.clone())
-    }
-
-    fn __repr__(&self) -> String {
-        let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
-        let (alone, level) = (most(&self.inner.alone), most(&self.inner.level));
-        format!("<midair.Reach: up to {alone:.4} Pa alone, {level:.4} Pa together>")
     }
 }

@@ -1,16 +1,19 @@
 //! What `midair.Solver` and `solve_batch` share: a session from transducers, a solver and keywords.
 
+use std::sync::Arc;
+
 use midair::solvers::{Info, configure};
-use midair::{Choice, Medium, Model, Session};
+use midair::{Choice, Control, Medium, Model, Problem, Request, Session, Setup};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyDictMethods};
 
 use crate::array::{Array, adjusted};
 use crate::error::{invalid, refused};
+use crate::give::rows;
 use crate::instruction_set::instruction_set;
 use crate::propagation::Propagation;
-use crate::quantization::on_board;
+use crate::quantization::{on_board, shown};
 use crate::read;
 use crate::scene::Scene;
 use crate::subject::{Beside, given};
@@ -22,22 +25,103 @@ pub(crate) struct Setting {
     pub(crate) session: Session,
     pub(crate) choice: Choice,
     pub(crate) info: &'static Info,
+    pub(crate) source: Source,
 }
 
-/// Keywords that are taken out before the rest is read as a solver's options.
-struct Keywords<'py>(Bound<'py, PyDict>);
+/// A choice as an answer tells it: with the aim of its problem, where the method uses one.
+pub(crate) fn answered(choice: &Arc<Choice>, info: &Info, problem: Option<&Problem>) -> Arc<Choice> {
+    match problem {
+        Some(problem) if info.uses_aim => Arc::new(Choice { aim: Some(problem.aim()), ..Choice::clone(choice) }),
+        _ => Arc::clone(choice),
+    }
+}
+
+/// What a session's G comes from.
+pub(crate) enum Source {
+    Model(Model),
+    Given(midair::Propagation, Arc<Setup>),
+}
+
+impl PartialEq for Source {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Model(own), Self::Model(other)) => own.array() == other.array() && own.medium() == other.medium(),
+            (Self::Given(own, setup), Self::Given(other, its)) => own == other && setup == its,
+            _ => false,
+        }
+    }
+}
+
+impl Source {
+    /// One of a session's problems, made again.
+    pub(crate) fn problem(
+        &self,
+        points: &[[f64; 3]],
+        request: &Request,
+        control: &mut Control,
+    ) -> Result<Problem, midair::Error> {
+        let (propagation, setup) = match self {
+            Self::Model(model) => (model.propagation(points)?, Setup::of(model.array(), model.medium()).into()),
+            Self::Given(propagation, setup) => (propagation.clone(), Arc::clone(setup)),
+        };
+        Problem::watched(propagation, setup, request, control)
+    }
+
+    /// The first argument and the keywords that make the setting of a choice again.
+    pub(crate) fn arguments<'py>(
+        &self,
+        py: Python<'py>,
+        choice: &Choice,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyDict>)> {
+        let keywords = read::option_dict(py, &choice.table())?;
+        let first = match self {
+            Self::Model(model) => {
+                let Medium { frequency, sound_speed, absorption, density } = model.medium();
+                keywords.set_item("frequency", frequency)?;
+                keywords.set_item("sound_speed", sound_speed)?;
+                keywords.set_item("absorption", absorption)?;
+                keywords.set_item("density", density)?;
+                Bound::new(py, Array { inner: model.array().clone() })?.into_any()
+            }
+            Self::Given(propagation, setup) => {
+                keywords.set_item("quantization", shown(py, setup.quantization.as_deref())?)?;
+                keywords.set_item("positions", setup.positions.as_deref().map(|at| rows(py, at)).transpose()?)?;
+                Bound::new(py, Propagation { inner: propagation.clone() })?.into_any()
+            }
+        };
+        Ok((first, keywords))
+    }
+}
+
+/// Keywords, taken out one by one.
+pub(crate) struct Keywords<'py>(Bound<'py, PyDict>);
 
 impl<'py> Keywords<'py> {
-    fn take(&self, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let value = self.0.get_item(name)?.filter(|value| !value.is_none());
-        if self.0.contains(name)? {
+    pub(crate) fn of(keywords: &Bound<'py, PyDict>) -> PyResult<Self> {
+        keywords.copy().map(Self)
+    }
+
+    /// A keyword where None stands for leaving it out.
+    pub(crate) fn take(&self, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
+        Ok(self.take_or_none(name)?.filter(|value| !value.is_none()))
+    }
+
+    /// A keyword that may be Python's None.
+    pub(crate) fn take_or_none(&self, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let value = self.0.get_item(name)?;
+        if value.is_some() {
             self.0.del_item(name)?;
         }
         Ok(value)
     }
 
-    /// The array and medium of a Scene or an Array, as the keywords change them.
-    fn model(&self, array: midair::Array, own: Medium, beside: Beside<'_, '_>) -> PyResult<Model> {
+    /// One that nobody took.
+    pub(crate) fn left(&self) -> Option<String> {
+        self.0.keys().iter().next().map(|name| name.to_string())
+    }
+
+    /// A medium as the keywords change it.
+    pub(crate) fn medium(&self, own: Medium) -> PyResult<Medium> {
         let take = |name: &str| self.take(name);
         let [speed, temperature] = [("sound_speed", take("sound_speed")?), ("temperature", take("temperature")?)]
             .map(|(name, value)| value.map(|value| read::real(name, &value)).transpose());
@@ -45,15 +129,24 @@ impl<'py> Keywords<'py> {
             (None, None) => own.sound_speed,
             (speed, temperature) => Medium::sound_speed(speed, temperature).map_err(refused)?,
         };
-        let medium = Medium {
+        Ok(Medium {
             frequency: read::real_or("frequency", take("frequency")?.as_ref(), own.frequency)?,
             sound_speed,
             absorption: read::real_or("absorption", take("absorption")?.as_ref(), own.absorption)?,
             density: read::real_or("density", take("density")?.as_ref(), own.density)?,
-        };
-        let (pressure, directivity) = (take("source_pressure")?, take("directivity")?);
-        let array = adjusted(array, pressure.as_ref(), directivity.as_ref(), None)?;
-        let array = on_board(array, beside.mask, beside.quantization)?;
+        })
+    }
+
+    /// An array with the transducers that the keywords make of its own.
+    pub(crate) fn transducer(&self, array: midair::Array) -> PyResult<midair::Array> {
+        let (pressure, directivity) = (self.take("source_pressure")?, self.take("directivity")?);
+        adjusted(array, pressure.as_ref(), directivity.as_ref(), None)
+    }
+
+    /// The array and medium of a Scene or an Array, as the keywords change them.
+    fn model(&self, array: midair::Array, own: Medium, beside: Beside<'_, '_>) -> PyResult<Model> {
+        let medium = self.medium(own)?;
+        let array = on_board(self.transducer(array)?, beside.mask, beside.quantization)?;
         Model::new(&array, medium, instruction_set()?).map_err(refused)
     }
 }
@@ -93,12 +186,13 @@ impl Setting {
             choice.options.clone_from(&configured.options);
             Ok::<_, PyErr>((configured, choice.balance == Some(true)))
         };
-        let (session, info) = if let Ok(matrix) = object.cast::<Propagation>() {
+        let (session, info, source) = if let Ok(matrix) = object.cast::<Propagation>() {
             let (propagation, setup) = given(&matrix.get().inner, beside)?;
             let (configured, balance) = configured(setup.quantization.as_deref())?;
             let propagation = propagation.with_instruction_set(instruction_set()?);
+            let source = Source::Given(propagation.clone(), Arc::new(setup.clone()));
             let session = Session::with_propagation(propagation, setup, configured.solver, balance);
-            (session.map_err(refused)?, configured.info)
+            (session.map_err(refused)?, configured.info, source)
         } else {
             if positions.is_some() {
                 return Err(invalid("positions", "given", "an array has its own: they go with Propagation"));
@@ -116,8 +210,8 @@ impl Setting {
             };
             let model = keywords.model(array, medium, beside)?;
             let (configured, balance) = configured(model.array().quantization())?;
-            (Session::new(model, configured.solver, balance), configured.info)
+            (Session::new(model.clone(), configured.solver, balance), configured.info, Source::Model(model))
         };
-        Ok(Self { session, choice, info })
+        Ok(Self { session, choice, info, source })
     }
 }

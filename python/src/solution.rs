@@ -1,19 +1,27 @@
 //! `midair.Solution`.
 
+use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
-use midair::Complex32;
+use midair::{Complex32, Status};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::give;
+use crate::ctrl_c::attend;
+use crate::error::refused;
+use crate::give::{self, rows};
+use crate::instruction_set::instruction_set;
 use crate::metrics::Metrics;
+use crate::pickle::{Reduced, part, part_or_none, restored};
+use crate::propagation::Propagation;
+use crate::quantization::shown;
 use crate::read;
 use crate::scene::Scene;
+use crate::subject::{Beside, Subject};
 
 /// A drive and what it does at the points.
-#[pyclass(frozen, module = "midair")]
+#[pyclass(frozen, eq, hash, module = "midair")]
 pub(crate) struct Solution {
     pub(crate) inner: midair::Solution,
     pub(crate) choice: Arc<midair::Choice>,
@@ -34,8 +42,43 @@ impl Solution {
     }
 }
 
+/// By value, but for the time it took.
+impl PartialEq for Solution {
+    fn eq(&self, other: &Self) -> bool {
+        self.inner == other.inner
+            && self.choice == other.choice
+            && self.trace == other.trace
+            && self.answered() == other.answered()
+    }
+}
+
+impl Hash for Solution {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        (self.inner.drive.len(), self.inner.steps, &self.choice.name).hash(state);
+        Metrics::from(self.inner.metrics()).hash(state);
+    }
+}
+
+impl Solution {
+    fn answered(&self) -> Option<Arc<midair::Scene>> {
+        self.scene.clone().or_else(|| self.inner.scene().map(Arc::new))
+    }
+}
+
 #[pymethods]
 impl Solution {
+    /// Reads what `save` or `midair solve -o` wrote, .npz or .json: an equal solution. Nothing in a file is run.
+    #[staticmethod]
+    fn load<'py>(path: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        path.py().import("midair.record")?.call_method1("load", (path,))
+    }
+
+    /// Writes it as .npz, .json or (the drive alone) .csv, by the path's ending, whole or not at all.
+    fn save(slf: &Bound<'_, Self>, path: &Bound<'_, PyAny>) -> PyResult<()> {
+        slf.py().import("midair.record")?.call_method1("save", (path, slf))?;
+        Ok(())
+    }
+
     /// Drives q (N,), complex64, |q| <= 1.
     #[getter]
     fn drive<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Complex32>> {
@@ -112,7 +155,7 @@ impl Solution {
     /// The scene that it answers, or None for a matrix of one's own.
     #[getter]
     fn scene(&self) -> Option<Scene> {
-        self.scene.clone().or_else(|| self.inner.scene().map(Arc::new)).map(|inner| Scene { inner })
+        self.answered().map(|inner| Scene { inner })
     }
 
     /// The solver's name.
@@ -125,6 +168,67 @@ impl Solution {
     #[getter]
     fn options<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         read::option_dict(py, &self.choice.table())
+    }
+
+    #[staticmethod]
+    fn _restore(record: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let (part, maybe) = (|name: &str| part(record, name), |name: &str| part_or_none(record, name));
+        let [pressures, weights, quantization, positions] =
+            ["asked", "weights", "quantization", "positions"].map(maybe);
+        let (pressures, weights) = (pressures?, weights?);
+        let (quantization, positions) = (quantization?, positions?);
+        let subject = part("scene")?;
+        let beside = Beside {
+            pressures: pressures.as_ref(),
+            weights: weights.as_ref(),
+            quantization: quantization.as_ref(),
+            mask: None,
+            positions: positions.as_ref(),
+        };
+        let subject = Subject::read(&subject, beside)?;
+        let status = Status::named(&part("status")?.extract::<String>()?).map_err(refused)?;
+        let outcome = (status, read::count("steps", &part("steps")?)?, read::real("scale", &part("scale")?)?);
+        let drive = read::drive("drive", &part("drive")?)?;
+        let heard = read::drive("pressures", &part("pressures")?)?;
+        let targets = read::reals("targets", &part("targets")?)?;
+        let set = instruction_set()?;
+        let inner = attend(record.py(), None, |mut control| {
+            let problem = subject.problem(set, &mut control)?;
+            midair::Solution::restored(&problem, drive, heard, outcome, Some(targets), &mut control)
+        })?;
+        let choice = read::choice(part("solver")?.extract()?, part("options")?.cast()?)?;
+        let trace = maybe("trace")?.map(|trace| read::reals("trace", &trace)).transpose()?;
+        let elapsed = read::real("elapsed", &part("elapsed")?)?;
+        Ok(Self::new(inner, Arc::new(choice), elapsed).of(subject.scene(), trace))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        let record = PyDict::new(py);
+        if let Some(scene) = self.scene() {
+            record.set_item("scene", scene)?;
+        } else {
+            let (propagation, setup, request) = self.inner.asked();
+            record.set_item("scene", Propagation { inner: propagation.clone() })?;
+            record.set_item("asked", request.pressures)?;
+            record.set_item("weights", request.weights)?;
+            record.set_item("quantization", shown(py, setup.quantization.as_deref())?)?;
+            record.set_item("positions", setup.positions.as_deref().map(|at| rows(py, at)).transpose()?)?;
+        }
+        record.set_item("solver", self.solver())?;
+        record.set_item("options", self.options(py)?)?;
+        record.set_item("drive", self.drive(py))?;
+        record.set_item("pressures", self.pressures(py))?;
+        record.set_item("targets", self.targets(py))?;
+        record.set_item("status", self.status())?;
+        record.set_item("steps", self.steps())?;
+        record.set_item("scale", self.scale())?;
+        record.set_item("elapsed", self.elapsed)?;
+        record.set_item("trace", self.trace(py))?;
+        restored::<Self>(py, (record,))
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("midair.notebook")?.call_method1("solution", (slf,))
     }
 
     fn __repr__(&self) -> String {

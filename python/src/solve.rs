@@ -37,7 +37,7 @@ fn chosen(
 }
 
 /// Finds a drive for a scene, or for a matrix G (`Propagation`) with what goes beside it: pressures, weights, and the
-/// quantization, mask and positions (N, 3) of its array.
+/// quantization, mask and positions (N, 3) of its array. Beside a scene, all but positions replace its own.
 ///
 /// solver is a name of `solvers()`; left out it is the scene file's, else the default. Its options are keywords. It may
 /// also be a function: solver(propagation, targets, weights, **options) is given G (M, N) in Pa, targets (M,) in Pa and

@@ -15,8 +15,9 @@ use crate::give;
 use crate::metrics::Metrics;
 use crate::numbers::in_place;
 use crate::out;
+use crate::pickle::{Reduced, called};
 use crate::read;
-use crate::setting::Setting;
+use crate::setting::{Setting, Source, answered};
 use crate::solution::{Solution, begin};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -41,6 +42,7 @@ pub(crate) struct Solver {
     choice: Arc<midair::Choice>,
     info: &'static Info,
     points: Option<usize>,
+    source: Source,
 }
 
 /// What a call changes.
@@ -116,7 +118,7 @@ impl Solver {
         if points == Some(0) {
             return Err(invalid("points", "0", "give a whole number, 1 or above"));
         }
-        let Setting { session, choice, info } = Setting::read(scene, solver, options)?;
+        let Setting { session, choice, info, source } = Setting::read(scene, solver, options)?;
         if let (Some(count), Some(most)) = (session.given_points(), points)
             && most < count
         {
@@ -124,7 +126,13 @@ impl Solver {
             return Err(invalid("points", &most.to_string(), &cure));
         }
         let ask = Ask { aim: choice.aim, ..Ask::default() };
-        Ok(Self { state: Mutex::new(State { session, ask, elapsed: 0.0 }), choice: Arc::new(choice), info, points })
+        Ok(Self {
+            state: Mutex::new(State { session, ask, elapsed: 0.0 }),
+            choice: Arc::new(choice),
+            info,
+            points,
+            source,
+        })
     }
 
     /// Finds a drive for points (M, 3) in m, as `solve` would; a matrix has its own, and they are left out. Without out the
@@ -179,7 +187,7 @@ impl Solver {
             return Ok(slf.clone().into_any().unbind());
         }
         let inner = session.take().ok_or_else(|| invalid("solution", "none", "report this"))?;
-        let solution = Solution::new(inner, Arc::clone(choice), *elapsed);
+        let solution = Solution::new(inner, answered(choice, info, session.problem()), *elapsed);
         drop(state);
         tell()?;
         Ok(Bound::new(py, solution)?.into_any().unbind())
@@ -237,6 +245,14 @@ impl Solver {
     #[getter]
     fn options<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         read::option_dict(py, &self.choice.table())
+    }
+
+    /// A copy has the same setting and a memory of its own, without a last answer.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        let (py, Self { choice, points, source, .. }) = (slf.py(), slf.get());
+        let (first, keywords) = source.arguments(py, choice)?;
+        keywords.set_item("points", points)?;
+        called((slf.get_type(), first, &choice.name).into_pyobject(py)?, &keywords)
     }
 
     fn __repr__(&self) -> PyResult<String> {

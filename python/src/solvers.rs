@@ -4,6 +4,7 @@ use midair::solvers as registry;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::pickle::{Reduced, restored};
 use crate::read;
 
 /// One option of a solver.
@@ -12,15 +13,30 @@ pub(crate) struct OptionInfo {
     /// Its default.
     default: Py<PyAny>,
     /// What it does, in one line.
-    doc: &'static str,
+    doc: String,
     /// The words that it takes; none where it takes no words.
-    words: Vec<&'static str>,
+    words: Vec<String>,
     /// Whether it takes a list of integers.
     list: bool,
 }
 
 #[pymethods]
 impl OptionInfo {
+    #[staticmethod]
+    fn _restore(default: Py<PyAny>, doc: String, words: Vec<String>, list: bool) -> Self {
+        Self { default, doc, words, list }
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        restored::<Self>(py, (&self.default, &self.doc, &self.words, self.list))
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> PyResult<bool> {
+        let Ok(other) = other.cast::<Self>() else { return Ok(false) };
+        let parts = |info: &Self| (info.doc.clone(), info.words.clone(), info.list);
+        Ok(parts(self) == parts(other.get()) && self.default.bind(other.py()).eq(&other.get().default)?)
+    }
+
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         Ok(format!("<default {}: {}>", self.default.bind(py).repr()?, self.doc))
     }
@@ -30,11 +46,11 @@ impl OptionInfo {
 #[pyclass(frozen, get_all, module = "midair")]
 pub(crate) struct SolverInfo {
     /// Its name.
-    name: &'static str,
+    name: String,
     /// What it does, in one line.
-    summary: &'static str,
+    summary: String,
     /// Paper and equation.
-    source: &'static str,
+    source: String,
     /// Whether it balances unless told otherwise.
     balance: bool,
     /// Its options by name.
@@ -43,6 +59,21 @@ pub(crate) struct SolverInfo {
 
 #[pymethods]
 impl SolverInfo {
+    #[staticmethod]
+    fn _restore(name: String, summary: String, source: String, balance: bool, options: Py<PyDict>) -> Self {
+        Self { name, summary, source, balance, options }
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        restored::<Self>(py, (&self.name, &self.summary, &self.source, self.balance, &self.options))
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> PyResult<bool> {
+        let Ok(other) = other.cast::<Self>() else { return Ok(false) };
+        let parts = |info: &Self| (info.name.clone(), info.summary.clone(), info.source.clone(), info.balance);
+        Ok(parts(self) == parts(other.get()) && self.options.bind(other.py()).eq(&other.get().options)?)
+    }
+
     fn __repr__(&self) -> String {
         format!("<{}: {}>", self.name, self.summary)
     }
@@ -50,18 +81,20 @@ impl SolverInfo {
 
 /// Every solver by name, with its documented options and their defaults.
 #[pyfunction]
-pub(crate) fn solvers(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+pub(crate) fn solvers(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
     let dict = PyDict::new(py);
     for entry in registry::SOLVERS {
         let options = PyDict::new(py);
         for option in entry.options() {
             let default = read::option_object(py, &option.default)?.unbind();
-            let info = OptionInfo { default, doc: option.doc, words: option.words.to_vec(), list: option.list };
+            let words = option.words.iter().map(ToString::to_string).collect();
+            let info = OptionInfo { default, doc: option.doc.into(), words, list: option.list };
             options.set_item(option.name, Bound::new(py, info)?)?;
         }
         let registry::Info { name, summary, source, balance, .. } = *entry.info;
-        let info = SolverInfo { name, summary, source, balance, options: options.unbind() };
+        let [label, summary, source] = [name, summary, source].map(String::from);
+        let info = SolverInfo { name: label, summary, source, balance, options: options.unbind() };
         dict.set_item(name, Bound::new(py, info)?)?;
     }
-    Ok(dict)
+    py.import("midair.notebook")?.call_method1("Solvers", (dict,))
 }

@@ -2,19 +2,19 @@
 
 use std::sync::Arc;
 
-use midair::{Control, InstructionSet, Problem, Quantization, Setup};
+use midair::{Control, InstructionSet, Problem, Quantization, Request, Setup};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
 use crate::error::{invalid, refused};
 use crate::propagation::Propagation;
-use crate::quantization::read_quantization;
+use crate::quantization::{on_board, read_quantization};
 use crate::read;
-use crate::scene::Scene;
+use crate::scene::{Scene, remade};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// Keywords that a scene has of its own, and a matrix has not.
+/// Keywords for what a matrix has not of its own; beside a scene they replace its own.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Beside<'a, 'py> {
     pub(crate) pressures: Argument<'a, 'py>,
@@ -22,6 +22,28 @@ pub(crate) struct Beside<'a, 'py> {
     pub(crate) quantization: Argument<'a, 'py>,
     pub(crate) mask: Argument<'a, 'py>,
     pub(crate) positions: Argument<'a, 'py>,
+}
+
+impl Beside<'_, '_> {
+    /// A scene with what is given beside it in place of its own.
+    fn over(self, scene: &Arc<midair::Scene>) -> PyResult<Arc<midair::Scene>> {
+        let Self { pressures, weights, quantization, mask, positions } = self;
+        if positions.is_some() {
+            return Err(invalid(
+                "positions",
+                "given beside a Scene",
+                "its array has its own: they go with Propagation",
+            ));
+        }
+        if [pressures, weights, quantization, mask].iter().all(Option::is_none) {
+            return Ok(Arc::clone(scene));
+        }
+        let array = on_board(scene.array().clone(), mask, quantization)?;
+        let Request { pressures: own_pressures, weights: own_weights } = scene.request().clone();
+        let given = read::request(scene.points().len(), pressures, weights)?;
+        let request = Request { pressures: given.pressures.or(own_pressures), weights: given.weights.or(own_weights) };
+        remade(scene, array, scene.medium(), scene.points().to_vec(), request).map(Arc::new)
+    }
 }
 
 /// What `solve`, `judge` and `bound` are about.
@@ -49,19 +71,7 @@ pub(crate) fn given(
 impl Subject {
     pub(crate) fn read(object: &Bound<'_, PyAny>, beside: Beside<'_, '_>) -> PyResult<Self> {
         if let Ok(scene) = object.cast::<Scene>() {
-            for (item, value, owner) in [
-                ("pressures", beside.pressures, "Scene"),
-                ("weights", beside.weights, "Scene"),
-                ("quantization", beside.quantization, "Array"),
-                ("mask", beside.mask, "Array"),
-                ("positions", beside.positions, "Array"),
-            ] {
-                if value.is_some() {
-                    let cure = format!("give them to the {owner}; here they go with Propagation");
-                    return Err(invalid(item, "given beside a Scene", &cure));
-                }
-            }
-            return Ok(Self::Scene(Arc::clone(&scene.get().inner)));
+            return beside.over(&scene.get().inner).map(Self::Scene);
         }
         if let Ok(matrix) = object.cast::<Propagation>() {
             let matrix = &matrix.get().inner;

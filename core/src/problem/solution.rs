@@ -1,20 +1,23 @@
 //! Solution: the drive rounded to the board, its pressures, status and metrics.
 
+use alloc::format;
 use alloc::sync::Arc;
+use alloc::vec;
 use alloc::vec::Vec;
 use core::fmt;
 
 use num_complex::Complex32;
 
 use crate::control::Control;
-use crate::error::Error;
+use crate::error::{Error, one_each, real};
 use crate::linalg::Planar;
 use crate::math;
 use crate::problem::Problem;
 use crate::problem::metrics::Metrics;
+use crate::problem::setup::Setup;
 use crate::problem::targets::Targets;
-use crate::propagation::field_of;
-use crate::scene::{Scene, check_drive};
+use crate::propagation::{Propagation, field_of};
+use crate::scene::{Request, Scene, check_drive};
 use crate::workspace::Workspace;
 
 /// How a solve ended. Outcome is data, never an error.
@@ -33,6 +36,18 @@ pub enum Status {
 fn divided(z: Complex32, factor: f64) -> Complex32 {
     let part = |x: f32| (f64::from(x) / factor) as f32;
     Complex32::new(part(z.re), part(z.im))
+}
+
+impl Status {
+    /// The status of a name, as it is displayed.
+    ///
+    /// # Errors
+    /// A name of none.
+    pub fn named(name: &str) -> Result<Self, Error> {
+        let all = [Self::Done, Self::OutOfSteps, Self::Stopped];
+        let found = all.into_iter().find(|status| format!("{status}") == name);
+        found.ok_or_else(|| Error::unknown("status", name, ["done", "out_of_steps", "stopped"]))
+    }
 }
 
 impl fmt::Display for Status {
@@ -64,6 +79,47 @@ pub struct Solution {
 }
 
 impl Solution {
+    /// A solution made again from what a file, another process or a batch kept of it; `targets` (M,) in Pa where the kept
+    /// ones are to stand, whatever this machine makes of the request.
+    ///
+    /// # Errors
+    /// Another length, a value that is not finite, |q| above 1 + 1e-6, a scale that is not in 0 to 1; pressures that are
+    /// not those of the drive; a stop.
+    pub fn restored(
+        problem: &Problem,
+        drive: Vec<Complex32>,
+        pressures: Vec<Complex32>,
+        (status, steps, scale): (Status, usize, f64),
+        targets: Option<Vec<f64>>,
+        control: &mut Control,
+    ) -> Result<Self, Error> {
+        let mut asked = Arc::clone(&problem.targets);
+        let points = asked.pascals.len();
+        check_drive(&drive, asked.propagation.transducers())?;
+        one_each("pressures", pressures.len(), "values", points, "points")?;
+        real("scale", scale, 0.0, true)?;
+        if scale > 1.0 {
+            return Err(Error::invalid("scale", scale, "give at most 1"));
+        }
+        if let Some(targets) = targets {
+            Request { pressures: Some(targets.clone()), weights: None }.check(points)?;
+            Arc::make_mut(&mut asked).pascals = targets;
+        }
+        let work = Workspace::new();
+        let field = field_of(&asked.propagation, &drive, &work, control)?;
+        let unit = asked.propagation.reference();
+        let mut reach = vec![f64::INFINITY; points];
+        asked.active.iter().zip(&problem.reach).for_each(|(&j, &own)| reach[j] = own * unit);
+        for (j, &pressure) in pressures.iter().enumerate() {
+            let gap = math::modulus(pressure - pascals(field.re[j], field.im[j], unit * scale));
+            // Sums of other orders, kernels and instruction sets differ by far less.
+            if !gap.is_finite() || gap > 1e-3 * reach[j] {
+                return Err(Error::invalid(format!("pressures[{j}]"), pressure, "the drive gives another one"));
+            }
+        }
+        Ok(Self { drive, pressures, status, steps, scale, asked })
+    }
+
     /// The solution that `drive` is: a solver's last line. How the steps ended and how many they were, of `steps`. Its
     /// pressures are computed here, and the last step is told.
     ///
@@ -224,6 +280,12 @@ impl Solution {
         problem.residual_of(self.asked.active.iter().map(|&j| math::modulus(self.pressures[j]) / unit))
     }
 
+    /// G, the array behind it and the request that it answers.
+    #[must_use]
+    pub fn asked(&self) -> (&Propagation, &Setup, Request) {
+        (&self.asked.propagation, &self.asked.setup, self.asked.request())
+    }
+
     /// The scene that it answers: array, medium, points and what was asked of them. `None` for a given G.
     #[must_use]
     pub fn scene(&self) -> Option<Scene> {
@@ -271,6 +333,21 @@ impl Solution {
         let positive = if angle < 0.0 { angle + TAU } else { angle };
         // A tiny negative angle rounds up to 2 pi.
         if positive < TAU { positive.abs() } else { 0.0 }
+    }
+}
+
+/// By value: what was asked, and what was answered.
+impl PartialEq for Solution {
+    fn eq(&self, other: &Self) -> bool {
+        let told = |solution: &Self| (solution.status, solution.steps, solution.scale);
+        let (asked, others) = (&self.asked, &other.asked);
+        told(self) == told(other)
+            && self.drive == other.drive
+            && self.pressures == other.pressures
+            && asked.pascals == others.pascals
+            && asked.weights == others.weights
+            && asked.propagation == others.propagation
+            && asked.setup == others.setup
     }
 }
 

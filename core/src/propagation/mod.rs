@@ -60,6 +60,21 @@ enum Rows {
     },
 }
 
+/// By what G is made of, not by the kernels that make it.
+impl PartialEq for Propagation {
+    fn eq(&self, other: &Self) -> bool {
+        match (&self.rows, &other.rows) {
+            (Rows::Stored { matrix, .. }, Rows::Stored { matrix: others, .. }) => {
+                self.count == other.count && matrix == others
+            }
+            (Rows::Computed { sources, points, .. }, Rows::Computed { sources: others, points: elsewhere, .. }) => {
+                sources.array == others.array && sources.medium == others.medium && points == elsewhere
+            }
+            _ => false,
+        }
+    }
+}
+
 impl Propagation {
     /// G of a scene's array at its points.
     #[must_use]

@@ -59,7 +59,7 @@ pub enum Origin {
 /// assert_eq!(array.positions()[0], [-0.095, -0.095, 0.0]);
 /// # Ok::<(), midair::Error>(())
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Array {
     positions: Arc<[[f64; 3]]>,
     normals: Vec<[f64; 3]>,
@@ -278,6 +278,19 @@ impl Array {
     /// The middle of the positions' bounding box: the origin of everything rounded to f32.
     pub(crate) fn centre(&self) -> [f64; 3] {
         bounds(&self.positions).map(|[low, high]| 0.5 * low + 0.5 * high)
+    }
+}
+
+/// By value: how an array came about does not count, nor whether a mask of no effect was given.
+impl PartialEq for Array {
+    fn eq(&self, other: &Self) -> bool {
+        let on = |array: &Self, i: usize| array.mask.as_ref().is_none_or(|mask| mask[i]);
+        self.positions == other.positions
+            && self.normals == other.normals
+            && self.transducer == other.transducer
+            && self.response == other.response
+            && self.quantization == other.quantization
+            && (0..self.len()).all(|i| on(self, i) == on(other, i))
     }
 }
 

@@ -10,8 +10,8 @@ use crate::problem::{Metrics, Problem, Solution, Status};
 use crate::solvers::remark::Remark;
 
 /// What comes out of [`crate::Session::solve_batch`] beside the drives, for B problems of M points.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
+#[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::exhaustive_structs, reason = "what a door keeps and makes again, list by list")]
 pub struct Batch {
     /// Complex pressures (B, M) in Pa (peak).
     pub pressures: Vec<Complex32>,

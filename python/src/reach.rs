@@ -1,0 +1,46 @@
+//! `midair.Reach`.
+
+use numpy::PyArray1;
+use pyo3::prelude::*;
+
+use crate::give;
+use crate::pickle::{Reduced, restored};
+
+/// What an array can do at a scene's points.
+#[pyclass(frozen, eq, module = "midair")]
+#[derive(PartialEq)]
+pub(crate) struct Reach {
+    pub(crate) alone: Vec<f64>,
+    pub(crate) level: Vec<f64>,
+}
+
+#[pymethods]
+impl Reach {
+    /// The strongest pressure at each point alone (M,) in Pa: the sum of |G|.
+    #[getter]
+    fn alone<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        give::list(py, self.alone.clone())
+    }
+
+    /// The balanced level (M,) in Pa: what the array can make at all points together, in the ratios of the pressures, if
+    /// they are a focal width apart.
+    #[getter]
+    fn level<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        give::list(py, self.level.clone())
+    }
+
+    #[staticmethod]
+    fn _restore(alone: Vec<f64>, level: Vec<f64>) -> Self {
+        Self { alone, level }
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        restored::<Self>(py, (&self.alone, &self.level))
+    }
+
+    fn __repr__(&self) -> String {
+        let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+        let (alone, level) = (most(&self.alone), most(&self.level));
+        format!("<midair.Reach: up to {alone:.4} Pa alone, {level:.4} Pa together>")
+    }
+}
