@@ -61,7 +61,8 @@ CALLS = '''"""The calls that take a solver's options, an overload for each solve
 Where the name is known only when the program runs, options are handed over as `**options`, a dict[str, Any].
 """
 
-from typing import Literal, TypeAlias, Unpack, final, overload
+from collections.abc import Callable
+from typing import Any, Literal, TypeAlias, Unpack, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -73,7 +74,9 @@ _Asked: TypeAlias = Scene | Propagation
 _Driven: TypeAlias = Scene | Array | Propagation
 _Numbers: TypeAlias = ArrayLike | None
 
-{solve}
+{solve}@overload
+def solve(scene: _Asked, solver: Callable[..., ArrayLike], **keywords: Any) -> Solution: ...
+
 @final
 class Solver:
 {solver}    @overload

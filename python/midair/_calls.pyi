@@ -3,7 +3,8 @@
 Where the name is known only when the program runs, options are handed over as `**options`, a dict[str, Any].
 """
 
-from typing import Literal, TypeAlias, Unpack, final, overload
+from collections.abc import Callable
+from typing import Any, Literal, TypeAlias, Unpack, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -43,6 +44,8 @@ def solve(scene: _Asked, solver: Literal["naive"], **keywords: Unpack[k.SolveNai
 def solve(scene: _Asked, solver: None = None, **keywords: Unpack[k.SolveEvery]) -> Solution: ...
 @overload
 def solve(scene: _Asked, solver: str, **keywords: Unpack[k.Solve]) -> Solution: ...
+@overload
+def solve(scene: _Asked, solver: Callable[..., ArrayLike], **keywords: Any) -> Solution: ...
 
 @final
 class Solver:

@@ -35,11 +35,16 @@ def later(name: str, either: Literal["lm", "gs"], options: dict[str, Any]) -> No
     midair.Solver(array, name, **options)
     midair.solve_batch(array, points, solver=name, **options)
 
+def own(propagation: Any, targets: Any, weights: Any, share: float = 1.0) -> Any:
+    return share * propagation.conj().T @ targets
+
+midair.solve(scene, own, share=0.5, balance=True).metrics
 midair.solve(scene, "greedy", ofset=1)  # wrong: misspelt
 midair.solve(scene, "greedy", phases="many")  # wrong: no number
 midair.solve(scene, "gspat", limit="clmp")  # wrong: no such word
 midair.solve(scene, "naive", phases=16)  # wrong: another solver's
 midair.solve(scene, ofset=1)  # wrong: nobody's
+midair.Solver(scene, own)  # wrong: a function solves one scene at a time
 midair.Solver(array, "greedy", tolerance=1.0)  # wrong: another solver's
 midair.solve_batch(array, points, None, "greedy", ofset=1)  # wrong: misspelt
 midair.solve_batch(array, points, solver="lm", phases=16)  # wrong: another solver's
