@@ -8,51 +8,68 @@ PYTHON := $(BIN)/python
 export UV_PYTHON_DOWNLOADS := never
 export VIRTUAL_ENV := $(CURDIR)/.venv
 CARGO := cargo
+CORE := -p midair --features scene-file,parallel
+SHOWN := naive,greedy,uniform
 TRIALS := 1000
 
-.PHONY: help setup demo test test-rust test-python test-portable lint bench bench-peers figures paper golden map stubs pins clean
+# A step: says what it does, how long that takes on two cores where nothing is built yet, how long it took, and its name
+# again if it fails.
+step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
+	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
+
+.PHONY: help outlook setup demo test test-rust test-python test-portable lint bench bench-peers figures paper golden map stubs pins clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
 # The environment: uv from PyPI into the project's own .venv, then everything by name and pinned version.
 .venv/ready: pyproject.toml constraints.txt
+	@echo; echo "== environment in .venv: Python's tools and libraries from PyPI (1 min)"
 	python3 -m venv .venv || { echo "python3 -m venv failed: install Python 3.11+ with venv (Debian: python3-venv)"; exit 1; }
 	$(PYTHON) -m pip install --quiet --disable-pip-version-check --constraint constraints.txt uv
-	$(BIN)/uv pip install --quiet --python $(PYTHON) --constraint constraints.txt --group dev --requirements pyproject.toml
+	$(BIN)/uv pip install --python $(PYTHON) --constraint constraints.txt --group dev --requirements pyproject.toml
 	touch $@
 
 setup: .venv/ready ## Build midair into .venv
-	$(BIN)/maturin develop --uv --quiet --release
+	$(call step,package: the extension is built into .venv (4 min),$(BIN)/maturin develop --uv --release)
 
-demo: setup ## Solve the paper's fig. 2 by naive and greedy; leaves out/demo/field.png and drive.npz
-	mkdir -p out/demo
-	$(BIN)/midair compare docs/scenes/smiley.toml --solvers naive,greedy --image out/demo/field.png
-	$(BIN)/midair solve docs/scenes/smiley.toml --output out/demo/drive.npz
-	@echo "see out/demo/field.png and out/demo/drive.npz"
+demo: setup ## Solve the paper's fig. 2 by naive, greedy and uniform; leaves a picture and a drive in out/demo
+	@mkdir -p out/demo
+	$(call step,one scene by three solvers (5 s),\
+		$(BIN)/midair compare docs/scenes/smiley.toml --solvers $(SHOWN) --image out/demo/field.png)
+	$(call step,its drive as a file (2 s),$(BIN)/midair solve docs/scenes/smiley.toml --output out/demo/drive.npz)
+	@echo; echo "The picture is $(CURDIR)/out/demo/field.png, the drive $(CURDIR)/out/demo/drive.npz."
 
-test: lint test-rust test-python ## Every test of every language
+test: outlook lint test-rust test-python ## Every test of every language
+	@echo; echo "== all passed"
 
-test-rust: ## The core: tests, doctests, each feature set, no_std
-	$(CARGO) test --quiet -p midair --features scene-file,parallel
-	for features in "" std parallel; do $(CARGO) check --quiet -p midair --no-default-features --features "$$features"; done
-	$(CARGO) run --quiet --release --manifest-path core/tests/no_std/Cargo.toml
+outlook:
+	@echo "make test: lint, the core's tests, the package's tests; half an hour on two cores, a third of it when built before."
+
+test-rust: ## The core: tests, doctests, each feature set, no_std, a solver added by its page
+	$(call step,core: tests are compiled (6 min),$(CARGO) test $(CORE) --no-run)
+	$(call step,core: tests run (3 min),$(CARGO) test --quiet $(CORE))
+	$(call step,core: without features (20 s),$(CARGO) check -p midair --no-default-features)
+	$(call step,core: feature std (10 s),$(CARGO) check -p midair --no-default-features --features std)
+	$(call step,core: feature parallel (10 s),$(CARGO) check -p midair --no-default-features --features parallel)
+	$(call step,core: a program without std (1 min),$(CARGO) run --release --manifest-path core/tests/no_std/Cargo.toml)
+	$(call step,core: the steps of docs/extending.md on a copy (1 min),core/tests/extending.sh)
 
 test-python: setup ## The package: tests, stubs, types
-	$(PYTHON) -m pytest --quiet
-	$(PYTHON) -m mypy.stubtest midair._midair
-	$(PYTHON) -m mypy python/midair
+	$(call step,package: tests (10 min),$(PYTHON) -m pytest)
+	$(call step,package: stubs against the extension (20 s),$(PYTHON) -m mypy.stubtest midair._midair)
+	$(call step,package: types (20 s),$(PYTHON) -m mypy python/midair)
 
 test-portable: ## The core on 64-bit ARM and WebAssembly, emulated (Debian's packages)
 	core/tests/portable.sh
 
 lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
-	$(CARGO) fmt --check
-	$(CARGO) clippy --quiet --all-targets -p midair --features scene-file,parallel -- -D warnings
-	$(CARGO) clippy --quiet --all-targets -p midair-python -- -D warnings
-	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --quiet --no-deps -p midair --features scene-file,parallel
-	$(BIN)/ruff check --quiet python bench
-	$(BIN)/ruff format --check --quiet python bench
+	$(call step,lint: Rust is formatted (2 s),$(CARGO) fmt --check)
+	$(call step,lint: clippy on the core (1 min),$(CARGO) clippy --all-targets $(CORE) -- -D warnings)
+	$(call step,lint: clippy on the extension (1 min),$(CARGO) clippy --all-targets -p midair-python -- -D warnings)
+	$(call step,lint: the core's documentation (30 s),RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps $(CORE))
+	$(call step,lint: Python (2 s),$(BIN)/ruff check python bench)
+	$(call step,lint: Python is formatted (2 s),$(BIN)/ruff format --check python bench)
 
 bench: ## Greedy, fast and uniform beside the textbook loop at every level, latency, every method over M and N
 	$(CARGO) bench --quiet -p midair --features parallel

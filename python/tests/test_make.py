@@ -1,0 +1,33 @@
+"""What `make test` and `make demo` show: every command under a line that names it, and the name of one that fails."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+pytestmark = pytest.mark.skipif(shutil.which("make") is None, reason="make is missing")
+
+
+def make(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(["make", *arguments], cwd=ROOT, capture_output=True, text=True)
+
+
+@pytest.mark.parametrize("target", ["test", "demo"])
+def test_every_command_is_announced(target: str) -> None:
+    # Without doing anything; the environment, up to date or not, has its own line.
+    lines = make("--dry-run", "--assume-old=.venv/ready", target).stdout.splitlines()
+    assert len(lines) >= 4
+    for line in lines:
+        assert line.startswith(("echo", "mkdir", "\t||", "||")), line
+
+
+def test_a_step_that_fails_is_named(tmp_path: Path) -> None:
+    (tmp_path / "Makefile").write_text(
+        f"include {ROOT / 'Makefile'}\nbroken:\n\t$(call step,one (1 s),true)\n\t$(call step,two (1 s),false)\n"
+    )
+    done = make("-f", str(tmp_path / "Makefile"), "broken")
+    assert done.returncode == 2
+    assert [line for line in done.stdout.splitlines() if line] == ["== one (1 s)", "-- 0 s", "== two (1 s)"]
+    assert done.stderr.startswith("== failed: two (1 s)\n")
