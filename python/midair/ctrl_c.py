@@ -1,4 +1,4 @@
-"""Ctrl-C on the command line: a flag that work in progress asks for, so that it stops between two steps."""
+"""Ctrl-C and SIGTERM on the command line: work stops between two steps, all else ends and tidies up."""
 
 from __future__ import annotations
 
@@ -6,26 +6,81 @@ import signal
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from types import FrameType
+from typing import Any
+
+#: Signals that ask a program to end; Windows has only the first two.
+ENDING = [
+    signal.Signals[name] for name in ("SIGINT", "SIGTERM", "SIGHUP") if name in signal.Signals.__members__
+]
+
+
+class Terminated(KeyboardInterrupt):
+    """The end that a signal other than Ctrl-C asked for."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.number = number
+
+
+class Stop:
+    """Whether somebody asked to stop; `number` is the signal, 0 before."""
+
+    number = 0
+
+    def __call__(self) -> bool:
+        """Whether there was a request."""
+        return self.number != 0
+
+    def error(self) -> KeyboardInterrupt:
+        """The end that the signal asked for, for work that keeps nothing but what is done."""
+        return KeyboardInterrupt() if self.number == signal.SIGINT else Terminated(self.number)
 
 
 @contextmanager
-def interruptible() -> Iterator[Callable[[], bool]]:
-    """Turns Ctrl-C into a request to stop; the block asks whether there was one. A second one interrupts.
+def interruptible() -> Iterator[Stop]:
+    """Turns Ctrl-C and SIGTERM into a request to stop, which the block asks for. A second one ends.
 
     Outside the main thread, where no signal arrives, there never is one.
     """
-    if threading.current_thread() is not threading.main_thread():
-        yield lambda: False
-        return
-    asked = False
+    stop = Stop()
 
-    def ask(*_: object) -> None:
-        nonlocal asked
-        asked = True
-        signal.signal(signal.SIGINT, previous)
+    def ask(number: int, _: FrameType | None) -> None:
+        stop.number = number
+        for each, previous in before.items():
+            signal.signal(each, previous)
 
-    previous = signal.signal(signal.SIGINT, ask)
+    with _handling(ask, ENDING) as before:
+        yield stop
+
+
+@contextmanager
+def terminable() -> Iterator[None]:
+    """Ends the block by `Terminated` when asked to end: what it opened is tidied up, as after Ctrl-C."""
+
+    def end(number: int, _: FrameType | None) -> None:
+        signal.signal(number, before[signal.Signals(number)])
+        raise Terminated(number)
+
+    with _handling(end, ENDING[1:]) as before:
+        yield
+
+
+Handler = Callable[[int, FrameType | None], Any]
+
+
+@contextmanager
+def _handling(handler: Handler, numbers: list[signal.Signals]) -> Iterator[dict[signal.Signals, Any]]:
+    """Signals under a handler, and what was theirs before; ignored ones, as under nohup, stay so."""
+    before: dict[signal.Signals, Any] = {}
+    if threading.current_thread() is threading.main_thread():
+        for number in numbers:
+            if (previous := signal.getsignal(number)) not in (signal.SIG_IGN, None):
+                before[number] = previous
+        for number in before:
+            signal.signal(number, handler)
     try:
-        yield lambda: asked
+        yield before
     finally:
-        signal.signal(signal.SIGINT, previous)
+        for number, previous in before.items():
+            signal.signal(number, previous)

@@ -89,7 +89,7 @@ def test_module_and_script_are_the_same_program() -> None:
     assert files() == {"scene.toml"}
 
 
-@pytest.mark.parametrize("command", ["", "solve", "compare", "solvers", "presets"])
+@pytest.mark.parametrize("command", ["", "new", "solve", "compare", "solvers", "presets"])
 def test_help_names_every_option(run: Run, command: str) -> None:
     status, out, err = run(*command.split(), "--help")
     words = {
@@ -320,7 +320,8 @@ main({arguments!r})
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
-def test_ctrl_c_writes_the_whole_file_of_what_was_found() -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_and_sigterm_write_the_whole_file_of_what_was_found(number: signal.Signals) -> None:
     # 40,000 steps of milliseconds each: what ends within HANG was stopped between steps.
     Path("long.toml").write_text(
         SCENE.replace("nx = 8, ny = 6, pitch = 0.01", "nx = 200, ny = 200, pitch = 0.005")
@@ -331,12 +332,12 @@ def test_ctrl_c_writes_the_whole_file_of_what_was_found() -> None:
     child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
         assert child.stdout.readline() == "ready\n"
-        child.send_signal(signal.SIGINT)
+        child.send_signal(number)
         out, err = child.communicate(timeout=HANG)
     finally:
         child.kill()
         child.wait()
-    assert child.returncode == 130
+    assert child.returncode == 128 + number
     assert "Traceback" not in err
     assert "stopped" in out
     record = json.loads(Path("drive.json").read_text())

@@ -21,6 +21,7 @@ pub(super) fn toml(error: &toml::de::Error, text: &str, source: Source<'_>) -> E
         message if message.contains("recurs") => NESTED.into(),
         message if message.contains(TOO_MANY) => too_many(),
         message if message.contains("overflow") => "a number too large for any computer: give fewer digits".into(),
+        _ if text.starts_with('{') => "no TOML, but JSON as it looks: name it .json".into(),
         message => {
             let what = message.split(", expected").next().unwrap_or(message).replace("unexpected", "stray");
             format!("no TOML here ({what})")
@@ -51,6 +52,7 @@ pub(super) fn json(error: &serde_json::Error, text: &str, source: Source<'_>) ->
         message if message.starts_with(TWICE) => twice(&message[TWICE.len()..]),
         message if message.contains(TOO_MANY) => too_many(),
         message if message.contains("recursion") => NESTED.into(),
+        _ if !text.trim_start().starts_with(['{', '[']) => "no JSON, but TOML as it looks: name it .toml".into(),
         message => format!("no JSON here ({})", fault_of_json(message)),
     };
     let words = text[..offset].rsplit('"').take(64);

@@ -376,7 +376,7 @@ fn toml_is_refused_by_line_column_item_and_cure() {
             (with("[0.01, 0, 0.15]", "0.01, 0, 0.15"), ", line 18, column ", "position = [0.0, 0.0, 0.15]"),
             (format!("position = {}", "[".repeat(100_000)), "nested too deep", "position = [0.0, 0.0, 0.15]"),
             (format!("{}\n", "a.".repeat(50_000)), "", "[array] and under it preset = \"autd3\""),
-            ("{\"array\": {}}".into(), "line 1, column 1", "[array] and under it preset = \"autd3\""),
+            ("{\"array\": {}}".into(), "line 1, column 1: no TOML, but JSON as it looks", "[array] and under it preset = \"autd3\""),
             ("position\r= 3".into(), "line 1", "position = [0.0, 0.0, 0.15]"),
         ],
         Format::Toml,
@@ -444,7 +444,7 @@ fn json_is_refused_by_line_column_item_and_cure() {
             ),
             ("[]".into(), "the document is []: give a table", ""),
             ("3".into(), "the document is 3: give a table", ""),
-            (WHOLE.into(), ", line 2, column ", "\"array\": {\"preset\": \"autd3\"}"),
+            (WHOLE.into(), ", line 2, column 2: no JSON", "\"array\": {\"preset\": \"autd3\"}"),
             ("[".repeat(100_000), "nested too deep", "\"array\": {\"preset\": \"autd3\"}"),
             (
                 format!("{{{}\"a\": 1}}", (0..1000).map(|k| format!("\"k{k}\": 1,")).collect::<String>()),

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import logging
 import sys
 import warnings
 from collections.abc import Sequence
 from typing import NoReturn
 
-from cyclopts import App, CycloptsError
+from cyclopts import App, CycloptsError, UnusedCliTokensError
 
 from .. import SceneError, SceneWarning, __version__
+from ..ctrl_c import Terminated, terminable
 from .compare import compare_command
+from .new import new_command
 from .presets import presets_command
 from .reproduce import reproduce_command
 from .solve import solve_command
 from .solvers import solvers_command
-from .status import INTERRUPTED, REFUSED, one_line
+from .status import FAULT, INTERRUPTED, REFUSED, UNREAD, fault, one_line
+from .streams import abandon, prepare, tell
 from .sweep import sweep_command
 
 app = App(
@@ -25,6 +29,7 @@ app = App(
     # It is `main` that tells of an interruption.
     suppress_keyboard_interrupt=False,
 )
+app.command(new_command, name="new")
 app.command(solve_command, name="solve")
 app.command(compare_command, name="compare")
 app.command(solvers_command, name="solvers")
@@ -34,15 +39,67 @@ app.command(sweep_command, name="sweep")
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
-    """Run the command line and leave with its status: 0, 2 for a request refused, 130 for Ctrl-C."""
-    warnings.showwarning = lambda message, *_: print(f"warning: {message}", file=sys.stderr)
+    """Run the command line and leave with its status (docs/conventions.md)."""
+    prepare()
     warnings.simplefilter("always", SceneWarning)
+    warned = set()
+
+    def warn(message: Warning | str, *_: object, **__: object) -> None:
+        # Many solvers may have one thing to say.
+        if str(message) not in warned:
+            warned.add(str(message))
+            tell(f"warning: {message}")
+
+    warnings.showwarning = warn
+    # Where matplotlib keeps its cache and which fonts it lacks is nothing to act upon.
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
+    # To the parser a bare hyphen is an option; as a path it stands for a standard stream.
+    typed = sys.argv[1:] if arguments is None else arguments
+    status = _run(["./-" if word == "-" else word for word in typed])
     try:
-        status = app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
-    except (SceneError, OSError, CycloptsError) as error:
-        print(f"error: {one_line(error)}", file=sys.stderr)
-        sys.exit(REFUSED)
+        sys.stdout.flush()
+    except OSError:
+        abandon()
+    sys.exit(status)
+
+
+def usage(arguments: Sequence[str]) -> str:
+    """The help that is nearest to a command line."""
+    commands = [word for word in arguments[:1] if word in app]
+    return " ".join(["midair", *commands, "--help"])
+
+
+def _run(arguments: Sequence[str]) -> int:
+    try:
+        with terminable():
+            status = app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
+            sys.stdout.flush()
+        return status if isinstance(status, int) else 0
+    except BrokenPipeError:
+        return UNREAD
+    except UnusedCliTokensError as error:
+        unused = " ".join(error.unused_tokens or ())
+        cure = "leave it out; what belongs to one option goes without blanks, as in --at 0,0,0.15"
+        tell(f'error: "{one_line(unused)}" belongs to no option: {cure}. See {usage(arguments)}')
+        return REFUSED
+    except CycloptsError as error:
+        tell(f"error: {one_line(error)} See {usage(arguments)}")
+        return REFUSED
+    except (SceneError, OSError) as error:
+        tell(f"error: {one_line(error)}")
+        return REFUSED
+    except MemoryError as error:
+        tell(f"error: {one_line(error) or 'memory ran out: ask for less at once'}")
+        return REFUSED
+    except Terminated as stop:
+        tell("terminated")
+        return 128 + stop.number
     except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        sys.exit(INTERRUPTED)
-    sys.exit(status if isinstance(status, int) else 0)
+        tell("interrupted")
+        return INTERRUPTED
+    except SystemExit:
+        raise
+    except BaseException as error:
+        # A panic of the core is no Exception.
+        tell(f"error: {fault(error)}")
+        return FAULT

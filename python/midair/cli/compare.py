@@ -2,17 +2,31 @@
 
 from __future__ import annotations
 
+import csv
+import io
 from pathlib import Path
+from typing import Annotated, Any
 
-from .. import Scene, output
-from ..compare import choices, growing
+from cyclopts import Parameter
+
+from .. import SceneError, output
+from ..compare import Comparison, choices, growing
 from .images import write_image
 from .progress import progress_bar
-from .tables import print_solutions
+from .scene import STANDARD, check_outputs, read_scene
+from .tables import beside, print_solutions, print_written
+
+TABLES = (".csv", ".json")
 
 
 def compare_command(
-    scene: Path, *, solvers: str = "all", image: Path | None = None, balance: bool | None = None
+    scene: Path,
+    *,
+    solvers: str = "all",
+    output_file: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    image: Path | None = None,
+    balance: bool | None = None,
+    json: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
     """Solve a scene file by several methods: a table, and a picture with a panel for each on one scale.
 
@@ -22,17 +36,22 @@ def compare_command(
     Parameters
     ----------
     scene
-        Scene file, TOML or JSON. Its solver options hold for its solver.
+        Scene file, TOML or JSON, or - for standard input. Its solver options hold for its solver.
     solvers
         Names separated by commas, or "all".
+    output_file
+        Where the table goes: .csv or .json, or - for CSV on standard output.
     image
         Where the contact sheet of fields goes: .png, .svg, .pdf or .jpg.
     balance
         Balance for every method, or (--no-balance) for none; left out, each method's own habit.
+    json
+        Print one JSON document in place of the table.
     """
-    request = Scene.load(scene)
-    if image is not None:
-        output.check(image, output.IMAGES)
+    if json and output_file == STANDARD:
+        raise SceneError("--json and -o - both want standard output: leave one of them out")
+    check_outputs(scene, [(output_file, TABLES), (image, output.IMAGES)])
+    request = read_scene(scene)
     names = None if solvers == "all" else [name.strip() for name in solvers.split(",")]
     count = len(choices(request, names))
     table = None
@@ -45,5 +64,38 @@ def compare_command(
     finally:
         # What was solved before an interruption is worth its line.
         if table is not None:
-            print_solutions(table.solutions, table.names, table.gaps)
+            _tell(table, output_file, json)
     return 0
+
+
+def _tell(table: Comparison, output_file: Path | None, json: bool) -> None:
+    document = output_file == STANDARD
+    if output_file is not None and not document:
+        content = _json(table) if output_file.suffix.lower() == ".json" else _csv(table)
+        output.write(output_file, content.encode())
+    if json:
+        print(_json(table))
+        return
+    with beside(document):
+        print_solutions(table.solutions, table.names, table.gaps)
+    if document:
+        print(_csv(table), end="")
+    elif output_file is not None:
+        print_written(output_file)
+
+
+def _rows(table: Comparison) -> list[dict[str, Any]]:
+    columns = table.to_dict()
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
+def _json(table: Comparison) -> str:
+    return output.to_json({"bound": table.bound, "solvers": _rows(table)})
+
+
+def _csv(table: Comparison) -> str:
+    text = io.StringIO()
+    rows = csv.DictWriter(text, list(table.to_dict()), lineterminator="\n")
+    rows.writeheader()
+    rows.writerows(_rows(table))
+    return text.getvalue()

@@ -1,16 +1,40 @@
-"""`midair presets`: the list of arrays known by name."""
+"""`midair presets`: the list of arrays known by name, or one of them in full."""
 
 from __future__ import annotations
 
+from typing import Annotated, Any
+
+import numpy as np
+from cyclopts import Parameter
 from rich import box
 from rich.table import Table
 
-from .. import presets
+from .. import Array, output, presets
+from .._midair import preset_name
 from .tables import console
 
 
-def presets_command() -> int:
-    """List the arrays known by name."""
+def presets_command(name: str | None = None, *, json: Annotated[bool, Parameter(negative=())] = False) -> int:
+    """List the arrays known by name.
+
+    Parameters
+    ----------
+    name
+        A preset, for what is known of it alone.
+    json
+        Print one JSON document in place of the table.
+    """
+    names = list(presets()) if name is None else [preset_name(name)]
+    if json:
+        print(output.to_json({name: _record(name) for name in names}))
+    elif name is None:
+        _print_list()
+    else:
+        _print_one(names[0])
+    return 0
+
+
+def _print_list() -> None:
     table = Table("preset", "transducers", "tiles", "P0 / Pa m", "what it is", "source", box=box.SIMPLE_HEAD)
     for name, info in presets().items():
         tiles = "yes" if info.tiles else "no"
@@ -23,4 +47,40 @@ def presets_command() -> int:
             info.source,
         )
     console.print(table)
-    return 0
+
+
+def _print_one(name: str) -> None:
+    record = _record(name)
+    board = record["quantization"] or {}
+    phases, amplitudes = board.get("phases") or "any", board.get("amplitudes")
+    width, height = (f"{side * 1e3:.1f}" for side in record["extent"])
+    lines = {
+        "preset": name,
+        "what it is": record["summary"],
+        "transducers": f"{record['count']}, {width} x {height} mm from the first to the last",
+        "tiles": "yes, as in --tiles 2,2" if record["tiles"] else "no",
+        "P0": f"{record['source_pressure']:g} Pa m",
+        "directivity": str(record["directivity"]),
+        "phases": str(phases),
+        "amplitudes": "any" if amplitudes is None else str(len(amplitudes)),
+        "source": record["source"],
+        "command line": f"midair solve --preset {name} --at 0,0,0.15",
+        "scene file": f'[array] and under it preset = "{name}"',
+        "Python": f'midair.Array.preset("{name}")',
+    }
+    for what, line in lines.items():
+        console.print(f"  {what + ':':14}{line}", markup=False, highlight=False, soft_wrap=True)
+
+
+def _record(name: str) -> dict[str, Any]:
+    info, array = presets()[name], Array.preset(name)
+    return {
+        "summary": info.summary,
+        "source": info.source,
+        "count": info.count,
+        "tiles": info.tiles,
+        "source_pressure": info.source_pressure,
+        "directivity": array.directivity,
+        "extent": np.ptp(array.positions, axis=0)[:2],
+        "quantization": array.quantization,
+    }

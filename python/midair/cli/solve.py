@@ -2,77 +2,115 @@
 
 from __future__ import annotations
 
-import json
-import sys
+import json as json_text
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from .. import Scene, SceneError, field, output, solve
+from .. import Scene, SceneError, Solution, field, output, solve
 from ..ctrl_c import interruptible
 from ..plot import picture
 from .images import title, write_image
 from .progress import progress_bar
-from .status import INTERRUPTED
-from .tables import print_solutions, print_written
+from .scene import STANDARD, check_outputs, read_scene, typed_scene
+from .streams import tell as say
+from .tables import beside, print_solutions, print_written
 
 
 def solve_command(
-    scene: Path,
+    scene: Path | None = None,
     *,
+    preset: str | None = None,
+    tiles: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    at: Annotated[list[str] | None, Parameter(allow_leading_hyphen=True, negative=())] = None,
+    pressure: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     solver: str | None = None,
     output_file: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
     image: Path | None = None,
     balance: bool | None = None,
-    aim: Literal["target", "max"] | None = None,
-    **options: str,
+    aim: str | None = None,
+    json: Annotated[bool, Parameter(negative=())] = False,
+    **options: Annotated[str, Parameter(allow_leading_hyphen=True)],
 ) -> int:
-    """Find a drive for a scene file, judge it, and write what is asked for.
+    """Find a drive for a scene, judge it, and write what is asked for.
 
     Any option of the solver is an option here (`midair solvers` lists them): --phases 16 --seed 1.
+
+    Without a file: midair solve --preset autd3 --at 0,0,0.15 --at 0.02,0,0.15 --pressure 1000
 
     Parameters
     ----------
     scene
-        Scene file, TOML or JSON.
+        Scene file, TOML or JSON, or - for standard input (`midair new` writes one to begin with).
+    preset
+        In place of a file: the array by its name (`midair presets` lists them).
+    tiles
+        Boards along x and y, such as 2,2.
+    at
+        A point x,y,z in m; once for each point.
+    pressure
+        Peak pressure in Pa at every point, or one a point with commas between. Left out, as much as the
+        array can make.
     solver
         Name of the solver; left out, the scene file's, else the default.
     output_file
-        Where the drive goes: .npz, .csv or .json. Left out, nothing is written.
+        Where the drive goes: .npz, .csv or .json, or - for JSON on standard output. Left out, nothing is
+        written.
     image
         Where a picture of the field goes: .png, .svg, .pdf or .jpg.
     balance
         Solve at the level the array can reach and reduce the drives afterwards.
     aim
         "target" for as loud as asked, "max" for as loud as the array can, for the solvers that use one.
+    json
+        Print one JSON document in place of the table.
     options
         Options of the solver, as --name value.
     """
-    request = Scene.load(scene)
-    if output_file is not None:
-        output.check(output_file, output.DRIVES)
-    if image is not None:
-        output.check(image, output.IMAGES)
-    with progress_bar("solving") as tell, interruptible() as interrupted:
+    typed = (preset, tiles, at, pressure)
+    if scene is not None and any(typed):
+        raise SceneError("--preset, --tiles, --at and --pressure go without a scene file: change the file")
+    if json and output_file == STANDARD:
+        raise SceneError("--json and -o - both want standard output: leave one of them out")
+    if image == STANDARD:
+        raise SceneError('--image is "-": give a file')
+    check_outputs(scene, [(output_file, output.DRIVES), (image, output.IMAGES)])
+    request = typed_scene(*typed) if scene is None else read_scene(scene)
+    values = _values(options) if aim is None else {**_values(options), "aim": aim}
+    with progress_bar("solving") as tell, interruptible() as stop:
 
         def watch(step: int, steps: int, residual: float) -> bool:
             tell(step, steps)
-            return not interrupted()
+            return not stop()
 
-        solution = solve(request, solver, balance=balance, aim=aim, progress=watch, **_values(options))
-    print_solutions([solution])
-    if output_file is not None:
-        output.write_drive(output_file, request, solution)
+        solution = solve(request, solver, balance=balance, progress=watch, **values)
+    stopped = solution.status == "stopped"
+    try:
+        if output_file is not None and output_file != STANDARD:
+            output.write_drive(output_file, request, solution)
+        if image is not None and not stopped:
+            with progress_bar("drawing"):
+                drawn = picture(field(request, solution.drive), title(solution))
+                write_image(image, drawn)
+    finally:
+        # An answer is worth its line, also where its file cannot be written.
+        _print(request, solution, json, document=output_file == STANDARD)
+    if output_file is not None and output_file != STANDARD and not json:
         print_written(output_file)
-    if solution.status == "stopped":
-        print("stopped: what was found so far is above", file=sys.stderr)
-        return INTERRUPTED
-    if image is not None:
-        with progress_bar("drawing"):
-            drawn = picture(field(request, solution.drive), title(solution))
-            write_image(image, drawn)
-    return 0
+    if stopped:
+        say("stopped: what was found so far is above")
+    return 128 + stop.number if stopped else 0
+
+
+def _print(request: Scene, solution: Solution, json: bool, *, document: bool) -> None:
+    if json:
+        print(output.summary(request, solution))
+        return
+    with beside(document):
+        print_solutions([solution])
+    if document:
+        print(output.drive_json(request, solution))
 
 
 def _values(options: dict[str, str]) -> dict[str, Any]:
@@ -85,7 +123,7 @@ def _values(options: dict[str, str]) -> dict[str, Any]:
                 f"--{name} is no option of the command line: put it into the scene file or use Python"
             )
         try:
-            value = json.loads(text)
+            value = json_text.loads(text)
         except (ValueError, RecursionError):
             value = None
         # null is no value of any option: it stays a word, and is refused as one.

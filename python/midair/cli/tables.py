@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 
 from rich import box
 from rich.console import Console
@@ -12,8 +13,27 @@ from rich.table import Table
 from .. import Solution
 from ..compare import cells
 
-# A pipe has no width of its own; tables keep theirs.
-console = Console() if sys.stdout.isatty() else Console(width=120)
+
+class _Console(Console):
+    """Tables for people, and for pipes that may be closed at any time."""
+
+    def on_broken_pipe(self) -> None:
+        """Leave it to `main` to end quietly."""
+        raise BrokenPipeError
+
+
+# A pipe has no width of its own; tables keep theirs. Where standard output is closed there is none at all.
+console = _Console() if sys.stdout is not None and sys.stdout.isatty() else _Console(width=120)
+
+
+@contextmanager
+def beside(document: bool) -> Iterator[None]:
+    """Tables on standard error where a document takes standard output."""
+    console.stderr = document
+    try:
+        yield
+    finally:
+        console.stderr = False
 
 
 def print_written(what: object) -> None:

@@ -97,7 +97,7 @@ def run(
         def collect() -> None:
             done, _ = wait(unsaved, INTERVAL, FIRST_COMPLETED)
             if interrupted():
-                raise KeyboardInterrupt
+                raise interrupted.error()
             for future in done:
                 job = unsaved.pop(future)
                 if chunks is not None:
