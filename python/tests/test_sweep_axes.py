@@ -197,6 +197,37 @@ def test_scenes_may_be_objects_beside_files() -> None:
     assert axis["scene"].tolist() == [0, 0]
 
 
+def test_positions_may_lie_in_files_beside_the_sweep() -> None:
+    Path("study").mkdir()
+    bowl = ARRAYS["positions"].positions
+    np.savetxt("study/bowl.csv", bowl, delimiter=",", fmt="%.17g")
+    np.savetxt("study/flat.csv", bowl[:9], delimiter=",", fmt="%.17g")
+    values = [{"file": "bowl.csv"}, {"file": "flat.csv"}]
+    request = {"array": {"positions": values[0]}, "axes": {"array.positions": values}}
+    points = {"positions": PLACES, "pressure": 20.0}
+    Path("study/sweep.json").write_text(json.dumps({**STILL, **request, "points": points}))
+    table = midair.sweep("study/sweep.json")
+    assert table["transducers"].tolist() == [30, 9]
+    for residual, array in zip(table["residual"], (bowl, bowl[:9]), strict=True):
+        scene = midair.Scene(midair.Array(array), PLACES, 20.0)
+        assert residual == midair.solve(scene, "gspat", balance=True).metrics.residual
+    with pytest.raises(midair.SceneError, match=r"flat\.csv.*which the sweep needs"):
+        midair.sweep("study/sweep.json", "study/flat.csv")
+
+
+def test_an_axis_of_presets_brings_their_own_pressure_even_to_an_object() -> None:
+    array = midair.Array.preset("paper20")
+    scene = midair.Scene(array, PLACES)
+    names = ["paper20", "autd3"]
+    expected = [
+        midair.solve(midair.Scene(midair.Array.preset(name), PLACES), "uniform").pressures for name in names
+    ]
+    for own in ({"array": array, "points": {"positions": PLACES}}, {"scenes": [scene]}):
+        request = {**own, "axes": {"array.preset": names}, "solver": {"name": "uniform"}}
+        midair.sweep(request, drives="drives.zarr")
+        assert np.array_equal(zarr.open("drives.zarr", mode="r")["pressures"][:], expected)
+
+
 def test_numbers_and_kept_results_depend_on_what_is_asked_and_not_on_how() -> None:
     objects = read({**STILL, "array": midair.Array.grid(8, 8, 0.01)}).blocks
     again = read({**STILL, "array": midair.Array.grid(np.int64(8), 8, 0.01)}).blocks
@@ -252,7 +283,10 @@ BAD: dict[str, tuple[dict[str, Any], str]] = {
     "an array that is a scene": ({"array": midair.Scene(ARRAYS["grid"], PLACES)}, "array is "),
     "a set": ({"array": {"preset": {"autd3"}}}, "preset is {'autd3'}: give numbers, words, lists and tables"),
     "a list that holds itself": ({"axes": {"points.shift": SELF}}, "nested too deep, or holds itself"),
-    "no number": ({"axes": {"medium.density": [float("nan")]}}, "medium.density = nan"),
+    "no number": (
+        {"axes": {"medium.density": [float("nan")]}},
+        "axes.medium.density[0] is nan: give a finite",
+    ),
     "too many combinations": (
         {"axes": {"medium.density": [1.0] * 2000, "medium.absorption": [0.1] * 2000}},
         "4000000 combinations of its axes: at most 10^6",

@@ -50,11 +50,11 @@ BAD: dict[str, tuple[dict[str, Any], str]] = {
     "an unknown key of points": ({"points": {**POINTS, "w": 1}}, 'unknown key of points "w"'),
     "an unknown key of the array": (
         {"array": {"prest": "paper20"}},
-        "array 0 or medium of the sweep: unknown field",
+        'array 0 or medium of the sweep: unknown key of array "prest": did you mean preset?',
     ),
-    "an unknown key of the medium": ({"medium": {"temprature": 20}}, "unknown field `temprature`"),
+    "an unknown key of the medium": ({"medium": {"temprature": 20}}, 'unknown key of medium "temprature"'),
     "a medium that is none": ({"medium": 3}, "medium"),
-    "an unknown solver": ({"solver": {"name": "gredy"}}, 'unknown solver "gredy": known are '),
+    "an unknown solver": ({"solver": {"name": "gredy"}}, 'unknown solver "gredy": did you mean greedy?'),
     "no solver": ({"solver": None}, "solver is missing"),
     "an unknown option": ({"solver": {"name": "naive", "phases": 3}}, "phases"),
     "an option out of range": ({"solver": {"name": "greedy", "phases": [16, 1]}}, "phases"),
@@ -75,7 +75,10 @@ BAD: dict[str, tuple[dict[str, Any], str]] = {
         "points.z is None: give a number or [low, high]",
     ),
     "a range turned round": ({"points": {**POINTS, "x": [1.0, -1.0]}}, "points.x is [1.0, -1.0]"),
-    "a range that is none": ({"points": {**POINTS, "x": [0.0, float("nan")]}}, "points.x is [0.0, nan]"),
+    "a range that is none": (
+        {"points": {**POINTS, "x": [0.0, float("nan")]}},
+        "points.x[1] is nan: give a finite",
+    ),
     "more than 10^9": (
         {"seeds": 10**8},
         "4 x 3 x 100000000 problems: at most 10^9",

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import json
 import re
-import tempfile
 import warnings
 from collections.abc import Mapping
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -61,16 +59,14 @@ def array_and_medium(settings: Settings) -> tuple[Array, dict[str, Any]]:
     fixed = settings.get("points")
     point = fixed[0] if fixed else [(low + high) / 2 for low, high in settings["region"]]
     request = {"array": settings["array"], "medium": settings["medium"], "points": [{"position": point}]}
-    return _read(json.dumps(request, sort_keys=True, allow_nan=False))
+    return _read(json.dumps(request, sort_keys=True))
 
 
 @lru_cache(maxsize=16)
 def _read(text: str) -> tuple[Array, dict[str, Any]]:
-    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+    with warnings.catch_warnings():
         warnings.simplefilter("ignore", SceneWarning)
-        path = Path(folder, "array.json")
-        path.write_text(text)
-        scene = Scene.load(path)
+        scene = Scene.parse(text)
     names = ("frequency", "sound_speed", "absorption", "density")
     return scene.array, {name: getattr(scene, name) for name in names}
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import warnings
 from collections.abc import Mapping, Sequence
 from os import PathLike
@@ -13,8 +14,10 @@ import numpy as np
 from .._midair import Array, Scene, SceneError, SceneWarning
 
 
-def plain(value: Any, name: str = "request") -> Any:
-    """The same value in dicts, lists, numbers and words; scenes and paths are left as they are."""
+def plain(value: Any, name: str = "") -> Any:
+    """The same value in dicts, lists, finite numbers and words; scenes and paths are left as they are."""
+    if isinstance(value, float) and not math.isfinite(value):
+        raise SceneError(f"{name or 'sweep'} is {float(value)}: give a finite number")
     if value is None or isinstance(value, str | bool | int | float | Scene | PathLike):
         return value
     if isinstance(value, complex):
@@ -24,16 +27,25 @@ def plain(value: Any, name: str = "request") -> Any:
     if isinstance(value, np.ndarray | np.generic):
         return plain(value.tolist(), name)
     if isinstance(value, Mapping):
-        return {str(key): plain(inner, str(key)) for key, inner in value.items()}
+        return {str(key): plain(inner, f"{name}.{key}" if name else str(key)) for key, inner in value.items()}
     if isinstance(value, Sequence):
-        return [plain(inner, name) for inner in value]
-    raise SceneError(
-        f"{name} is {short(value)}: give numbers, words, lists and tables as a sweep file has them"
-    )
+        return [plain(inner, f"{name}[{index}]") for index, inner in enumerate(value)]
+    cure = "give numbers, words, lists and tables as a sweep file has them"
+    raise SceneError(f"{name or 'sweep'} is {short(value)}: {cure}")
 
 
 def array_table(array: Array) -> dict[str, Any]:
     """The table of an array, as a scene file has it."""
+    table = _full_table(array)
+    # What comes with a preset, or with none, is left out: an axis of other presets brings its own.
+    usual = Array.preset(table["preset"]) if "preset" in table else Array.grid(1, 1, 0.01)
+    same = {key for key, value in _full_table(usual).items() if table.get(key) == value}
+    return {
+        key: value for key, value in table.items() if key not in same & {"source_pressure", "directivity"}
+    }
+
+
+def _full_table(array: Array) -> dict[str, Any]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SceneWarning)
         scene = Scene(array, array.positions[:1] + 0.1 * array.normals[:1])

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import warnings
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from itertools import product
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from .._midair import Scene, SceneError, SceneWarning
+from .._midair import Array, Scene, SceneError, SceneWarning, scene_files
 from .axes import Tables, column, put
 from .block import array_and_medium, first_scene, trial_seed
-from .plain import short
+from .plain import array_table, short
 
 #: Settings of a block but for its solver, and the columns that its rows have in common.
 Sets = list[tuple[dict[str, Any], dict[str, Any]]]
@@ -87,6 +89,8 @@ def read_sets(
                 changed = put(changed, name, values[place])
             own = {name: column[place] for (name, column), place in zip(shown.items(), places, strict=True)}
             at = "".join(f", {name} = {short(value)}" for name, value in own.items())
+            changed, read = _with_positions(changed, folder)
+            files += read
             settings, transducers = _settings(changed, common, where, at)
             sets.append(
                 (settings, {**columns, "transducers": transducers, "points": settings["count"], **own})
@@ -94,7 +98,7 @@ def read_sets(
     texts = dict.fromkeys(str(one.message) for one in told if issubclass(one.category, SceneWarning))
     for text in list(texts)[:MOST_TOLD]:
         warnings.warn(text, SceneWarning, stacklevel=2)
-    return sets, files
+    return sets, list(dict.fromkeys(files))
 
 
 Base = tuple[str, Tables, dict[str, Any]]
@@ -157,10 +161,10 @@ def _scenes(tables: Tables, folder: Path) -> tuple[list[Base], list[Path]]:
         if isinstance(one, Scene):
             scene = one
         else:
-            files.append(folder / one)
-            scene, name = Scene.load(files[-1]), str(one)
+            files += scene_files(folder / one)
+            scene, name = Scene.load(folder / one), str(one)
         own = json.loads(scene.json())
-        base = {"array": own["array"], "medium": own["medium"], "points": _listed(own["points"])}
+        base = {"array": array_table(scene.array), "medium": own["medium"], "points": _listed(own["points"])}
         bases.append((f"scene {name}", base, {"scene": name}))
     return bases, files
 
@@ -181,13 +185,29 @@ def _settings(tables: Tables, common: Mapping[str, Any], where: str, at: str) ->
     try:
         array, _ = array_and_medium(settings)
     except (ValueError, TypeError) as error:
-        reason = str(error).removeprefix("scene file, line 1: ")
+        reason = re.sub(r"^scene, line \d+(, column \d+)?: ", "", str(error))
         raise SceneError(f"{where} or medium of the sweep{at}: {reason}") from error
     try:
         first_scene(settings)
     except SceneError as error:
         raise SceneError(f"{where}{at}, seed {trial_seed(settings, 0)}: {error}") from error
     return settings, len(array)
+
+
+def _with_positions(tables: Tables, folder: Path) -> tuple[Tables, list[Path]]:
+    """The tables with an array's positions that lie in a file of their own, and that file."""
+    array = tables["array"]
+    if not isinstance(array, Mapping) or not isinstance(array.get("positions"), Mapping):
+        return tables, []
+    named = {key: array[key] for key in ("positions", "normals") if key in array}
+    read = _array_of(json.dumps({"array": named, "points": [{"position": [0.0, 0.0, 1.0]}]}), folder)
+    own = {"positions": read.positions.tolist(), "normals": read.normals.tolist()}
+    return {**tables, "array": {**array, **own}}, [folder / array["positions"]["file"]]
+
+
+@lru_cache(maxsize=16)
+def _array_of(text: str, folder: Path) -> Array:
+    return Scene.parse(text, name="sweep", folder=folder).array
 
 
 def _fixed(points: Tables, shift: list[float]) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from .._midair import Array, Scene, SceneError, solve, solvers
+from .._midair import Array, Scene, SceneError, solve, solver_name, solvers
 from .axes import Tables, read_axes
 from .block import METRICS, Settings
 from .plain import plain, short
@@ -123,8 +123,7 @@ def _methods(table: Tables) -> list[tuple[str, dict[str, Any]]]:
     name = table.pop("name", None)
     if not isinstance(name, str):
         raise SceneError(f"solver.name is {short(name)}: give one of {', '.join(solvers())}")
-    name = spelt(name, solvers())
-    _check_method(name, {})
+    name = solver_name(name)
     options = ("balance", "aim", *solvers()[name].options)
     table = {spelt(key, options): value for key, value in table.items()}
     for key, value in table.items():
