@@ -151,7 +151,7 @@ def keywords() -> str:
 
 
 def calls() -> str:
-    """The file of calls: overloads by the solver's name, for none, and for one that is no literal."""
+    """The file of calls: overloads by the solver's name, for none, for one that is no literal."""
     solvers = [(f'Literal["{name}"]', name.title()) for name in midair.solvers()]
     solvers += [("None = None", "Every"), ("str", "")]
 

@@ -13,7 +13,7 @@ ASKED: dict[str, Any] = {
     "seeds": 5,
     "array": [{"preset": "paper20"}, {"grid": {"nx": 8, "ny": 8, "pitch": 0.01}}],
     "points": {"count": [2, 5], "x": [-0.04, 0.04], "y": [-0.04, 0.04], "z": 0.15, "pressure": [1.0, 2.0]},
-    "solver": [{"name": "greedy", "phases": [8, 16]}, {"name": "naive", "balance": True}],
+    "solver": [{"name": "greedy", "phases": [8, 16], "balance": True}, {"name": "naive", "balance": True}],
 }
 
 SCENE = """

@@ -29,6 +29,11 @@ midair.Solver(array, "fast", points=4, temperature=25.0)(np.zeros((1, 3)))
 midair.solve_batch(array, points, None, "gspat", limit="full").drives
 midair.solve_batch(array, points, solver="uniform", aim="max", threads=1)
 
+def conjugate(propagation: Any, targets: Any, weights: Any, gain: float) -> Any:
+    return gain * propagation[0].conj()
+
+midair.solve(scene, conjugate, gain=0.5, balance=True).drive
+
 def later(name: str, either: Literal["lm", "gs"], options: dict[str, Any]) -> None:
     midair.solve(scene, name, balance=True, **options)
     midair.solve(scene, either, steps=3)

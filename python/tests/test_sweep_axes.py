@@ -83,13 +83,13 @@ def test_axes_are_crossed_and_a_random_point_is_the_same_along_them() -> None:
         "medium": {"temperature": [15, 35]},
         "points": {"count": [1, 2], "x": [-0.03, 0.03], "y": 0.0, "z": 0.1, "pressure": [500, 600]},
         "axes": {"points": {"z": [0.1, 0.15], "shift": [[0, 0, 0], [0, 0.01, 0]]}},
-        "solver": {"name": "naive", "limit": ["clamp", "full"]},
+        "solver": {"name": "naive", "limit": ["clamp", "normalize"], "balance": True},
         "seeds": 3,
     }
     table = midair.sweep(request, drives="drives.zarr")
-    assert list(table)[1:9] == [
+    assert list(table)[1:10] == [
         *("array", "transducers", "points", "medium.temperature", "points.z", "points.shift"),
-        *("solver", "limit"),
+        *("solver", "limit", "balance"),
     ]
     assert len(table["index"]) == 2 * 2 * 2 * 2 * 2 * 2 * 3
     stored = zarr.open("drives.zarr", mode="r")
@@ -175,8 +175,8 @@ def test_arrays_may_be_objects() -> None:
         solution = midair.solve(midair.Scene(array, PLACES, 300.0), "gspat", balance=True)
         assert table["residual"][index] == alone["residual"][0] == solution.metrics.residual
         assert np.array_equal(drives[index, : len(array)], solution.drive)
-    mixed = midair.sweep({**request, "array": [ARRAYS["grid"], {"preset": "paper20"}]})
-    assert mixed["transducers"].tolist() == [64, 400]
+    mixed = midair.sweep({**request, "array": [ARRAYS["grid"], {"preset": "autd3"}]})
+    assert mixed["transducers"].tolist() == [64, 249]
 
 
 def test_scenes_may_be_objects_beside_files() -> None:

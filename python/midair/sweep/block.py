@@ -149,8 +149,8 @@ def _arrays(found: list[_midair.Batch]) -> Arrays:
             **{name: np.asarray(getattr(one.metrics, name)) for name in METRICS},
             "scale": one.scale,
             "status": np.asarray(one.status, np.str_),
-            "beyond": getattr(one, "beyond", np.zeros(len(one), bool)),
-            "weak": getattr(one, "weak", np.zeros(len(one), bool)),
+            "beyond": one.beyond,
+            "weak": one.weak,
         }
         for one in found
     ]
