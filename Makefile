@@ -17,7 +17,7 @@ TRIALS := 1000
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook setup demo test test-rust test-python test-portable lint bench bench-peers figures paper golden map stubs pins clean
+.PHONY: help outlook setup demo test test-rust test-python test-portable lint fuzz sanitize bench bench-peers figures paper golden map stubs pins clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -70,6 +70,21 @@ lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
 	$(call step,lint: the core's documentation (30 s),RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps $(CORE))
 	$(call step,lint: Python (2 s),$(BIN)/ruff check python bench)
 	$(call step,lint: Python is formatted (2 s),$(BIN)/ruff format --check python bench)
+
+fuzz: fuzz/.tools/bin/cargo-fuzz fuzz/.venv/ready ## Guided fuzzing, recorded (TIME=60 seconds or RUNS a target, TARGETS="scene solve")
+	nice -n 19 $(PYTHON) fuzz/run.py --time $(TIME) --runs $(RUNS) $(TARGETS)
+
+TIME := 60
+RUNS := 100000000
+
+fuzz/.tools/bin/cargo-fuzz:
+	rustc +nightly --version || { echo "make fuzz needs a nightly compiler: rustup toolchain install nightly"; exit 1; }
+	$(CARGO) install --quiet --locked --root fuzz/.tools cargo-fuzz@0.13.2
+
+fuzz/.venv/ready: fuzz/requirements.txt .venv/ready
+	$(BIN)/uv venv --quiet --clear --python $(PYTHON) $(@D)
+	$(BIN)/uv pip install --quiet --python $(@D)/bin/python --constraint constraints.txt --requirements $< --requirements pyproject.toml
+	touch $@
 
 bench: ## Greedy, fast and uniform beside the textbook loop at every level, latency, every method over M and N
 	$(CARGO) bench --quiet -p midair --features parallel

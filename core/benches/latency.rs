@@ -2,6 +2,7 @@
 //!
 //! `cargo bench -p midair --bench latency`. On an idle core the 99th percentile is the median and a little; what lies
 //! beyond is the machine's.
+#![forbid(unsafe_code)]
 
 use std::time::Instant;
 

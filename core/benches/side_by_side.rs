@@ -3,6 +3,7 @@
 //! `cargo bench -p midair --features parallel --bench side_by_side`. CPU frequency and neighbours move all sides
 //! alike; the ratio is what counts. "textbook" is Algorithm 2 as one writes it down: complex f64, |P + G q| by the
 //! complex modulus, energies summed anew for each candidate, G of eq. (5) computed by libm as ours computes its own.
+#![forbid(unsafe_code)]
 
 use std::hint::black_box;
 use std::sync::Arc;

@@ -41,21 +41,36 @@ extern crate alloc;
 // A solver reads the same here and in a crate of its own (docs/extending.md).
 extern crate self as midair;
 
+// Nothing may allow itself unsafe code but `kernels::simd`.
+#[forbid(unsafe_code)]
 mod control;
+#[forbid(unsafe_code)]
 mod device;
+#[forbid(unsafe_code)]
 mod error;
+#[forbid(unsafe_code)]
 #[cfg(feature = "scene-file")]
 pub mod files;
 mod kernels;
+#[forbid(unsafe_code)]
 mod linalg;
+#[forbid(unsafe_code)]
 mod math;
+#[forbid(unsafe_code)]
 mod problem;
+#[forbid(unsafe_code)]
 mod propagation;
+#[forbid(unsafe_code)]
 mod rng;
+#[forbid(unsafe_code)]
 mod scene;
+#[forbid(unsafe_code)]
 mod session;
+#[forbid(unsafe_code)]
 pub mod solvers;
+#[forbid(unsafe_code)]
 mod threads;
+#[forbid(unsafe_code)]
 mod workspace;
 
 pub use control::{Control, Observe, Progress};

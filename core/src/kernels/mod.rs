@@ -3,17 +3,27 @@
 //! Numbers are f32, complex ones planar (re and im apart), slices padded to a multiple of [`LANES`]. Each loop
 //! is written once over [`simd::Simd`], 16 lanes and a fixed order of sums, and compiled for every [`InstructionSet`].
 
+#[forbid(unsafe_code)]
 pub(crate) mod cholesky;
+#[forbid(unsafe_code)]
 pub(crate) mod closed_form;
+#[forbid(unsafe_code)]
 pub(crate) mod greedy;
+#[forbid(unsafe_code)]
 pub(crate) mod lanes;
+#[forbid(unsafe_code)]
 pub(crate) mod matrix;
+#[forbid(unsafe_code)]
 pub(crate) mod phasor;
+#[forbid(unsafe_code)]
 pub(crate) mod propagate;
 pub(crate) mod simd;
+#[forbid(unsafe_code)]
 #[cfg(test)]
 mod tests;
+#[forbid(unsafe_code)]
 pub(crate) mod tiles;
+#[forbid(unsafe_code)]
 pub(crate) mod vector;
 
 pub(crate) use greedy::candidates::{Candidates, table};

@@ -177,8 +177,7 @@ impl<'w> State<'w> {
                 [state.phasors[0][j], state.phasors[1][j]] = if modulus > 0.0 { own } else { [1.0, 0.0] };
             }
         }
-        let reached = |i: usize, q: Complex32| if rows.tiles().reaches(i) { q } else { Complex32::ZERO };
-        state.wave.play_at_full(rows, drive.iter().enumerate().map(|(i, &q)| reached(i, q)));
+        state.wave.play_at_full(rows, drive.iter().copied());
         state.refresh(problem);
         Ok(state)
     }

@@ -1,4 +1,5 @@
 //! The tests of the core, in one binary.
+#![forbid(unsafe_code)]
 
 mod constants;
 mod even;
@@ -24,4 +25,5 @@ mod quantization;
 mod registry;
 mod scenes;
 mod session;
+mod unsafe_code;
 mod upper_bound;

@@ -4,17 +4,21 @@
 //! token: it exists only where its instructions do, which is what makes the `unsafe` blocks of these files sound.
 //! Sums run over the lanes in one fixed tree, so that instruction sets differ by fused multiply-adds and the estimate of
 //! an inverse root alone.
-#![allow(unsafe_code, reason = "the one place that names instructions: a token proves that the CPU has them")]
 
 #[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code, reason = "it names instructions: a token proves that the CPU has them")]
 pub(crate) mod avx2;
 #[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code, reason = "it names instructions: a token proves that the CPU has them")]
 pub(crate) mod avx512;
 pub(crate) mod instruction_set;
 #[cfg(target_arch = "aarch64")]
+#[allow(unsafe_code, reason = "it names instructions: a token proves that the CPU has them")]
 pub(crate) mod neon;
+#[forbid(unsafe_code)]
 pub(crate) mod scalar;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+#[allow(unsafe_code, reason = "it names instructions: a token proves that the CPU has them")]
 pub(crate) mod simd128;
 
 use crate::kernels::lanes::{LANES, Lanes};

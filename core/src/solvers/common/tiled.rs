@@ -120,25 +120,25 @@ impl<'w> Wave<'w> {
         }
     }
 
-    /// Takes another `drive` and P = G q of it.
+    /// Takes another `drive`, 0 for transducers without effect, and P = G q of it.
     pub(crate) fn play(&mut self, rows: &Rows, drive: impl Iterator<Item = Complex32>) {
-        self.take(drive);
+        self.take(rows, drive);
         self.set(|wave| tiles::play(rows.set, rows.tiles(), wave));
     }
 
     /// The same with every |q| made 1, 0 staying 0.
     pub(crate) fn play_at_full(&mut self, rows: &Rows, drive: impl Iterator<Item = Complex32>) {
-        self.take(drive);
+        self.take(rows, drive);
         tiles::normalise(rows.set, self.drive.each_mut().map(|plane| &mut plane[..]));
         self.set(|wave| tiles::play(rows.set, rows.tiles(), wave));
     }
 
-    fn take(&mut self, drive: impl Iterator<Item = Complex32>) {
+    fn take(&mut self, rows: &Rows, drive: impl Iterator<Item = Complex32>) {
         let [re, im] = &mut self.drive;
         re.fill(0.0);
         im.fill(0.0);
-        for ((re, im), q) in re.iter_mut().zip(im).zip(drive) {
-            (*re, *im) = (q.re, q.im);
+        for (i, q) in drive.enumerate().filter(|(i, _)| rows.tiles().reaches(*i)) {
+            (re[i], im[i]) = (q.re, q.im);
         }
     }
 

@@ -1,0 +1,48 @@
+//! Unsafe code stands where instructions, an allocator or a program without std need it, and nowhere else.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// All of it.
+const ALLOWED: [&str; 8] = [
+    "core/benches/methods.rs",
+    "core/src/kernels/simd/avx2.rs",
+    "core/src/kernels/simd/avx512.rs",
+    "core/src/kernels/simd/instruction_set.rs",
+    "core/src/kernels/simd/neon.rs",
+    "core/src/kernels/simd/simd128.rs",
+    "core/tests/allocations.rs",
+    "core/tests/no_std/src/main.rs",
+];
+
+/// Every Rust file below a folder, but what is built.
+fn files(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        let name = path.file_name().expect("a name").to_string_lossy().into_owned();
+        if path.is_dir() && name != "target" && !name.starts_with('.') {
+            files(&path, found);
+        } else if path.extension().is_some_and(|kind| kind == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// Whether the code, comments and words apart, has the keyword.
+fn has_unsafe(text: &str) -> bool {
+    let code = text.lines().map(|line| line.split("//").next().unwrap_or_default());
+    let mut words = code.flat_map(|line| line.split(|c: char| !c.is_alphanumeric() && c != '_' && c != '"'));
+    words.any(|word| word == "unsafe")
+}
+
+#[test]
+fn unsafe_code_stands_in_few_files() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a folder");
+    let mut paths = Vec::new();
+    ["core", "python", "fuzz"].iter().for_each(|folder| files(&root.join(folder), &mut paths));
+    assert!(paths.len() > 150, "only {} files were found", paths.len());
+    let with = paths.iter().filter(|path| has_unsafe(&fs::read_to_string(path).expect("text")));
+    let mut with: Vec<_> = with.map(|path| path.strip_prefix(root).expect("inside").display().to_string()).collect();
+    with.sort();
+    assert_eq!(with, ALLOWED);
+}

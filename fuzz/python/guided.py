@@ -1,0 +1,37 @@
+"""Guided fuzzing of a function of bytes: Atheris over the package, and over the extension that `make fuzz` builds."""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from collections.abc import Callable
+
+# The extension finds libFuzzer's counters only among global symbols.
+sys.setdlopenflags(os.RTLD_NOW | os.RTLD_GLOBAL)
+
+import atheris  # noqa: E402
+
+with atheris.instrument_imports(include=["midair"]):
+    import midair
+    import midair.sweep
+
+Data = atheris.FuzzedDataProvider
+
+#: What a bad argument may raise: the package's own error, or Python's for another number or names of arguments.
+REFUSALS = (midair.SceneError, TypeError)
+
+
+def refused(error: Exception) -> None:
+    """A refusal is one line that says something."""
+    text = str(error)
+    assert text.strip(), repr(error)
+    assert "\n" not in text, text
+    assert len(text) < 2000, text
+
+
+def fuzz(test: Callable[[bytes], None]) -> None:
+    """Run libFuzzer by the command line's options."""
+    warnings.simplefilter("ignore")
+    atheris.Setup(sys.argv, test)
+    atheris.Fuzz()

@@ -1,0 +1,24 @@
+"""The reader of sweep files: any text is refused in one line, or is a sweep of so many problems."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+from guided import REFUSALS, fuzz, refused
+from midair.sweep.request import read
+
+FOLDER = Path(tempfile.mkdtemp())
+FILES = [FOLDER / "sweep.toml", FOLDER / "sweep.json"]
+
+
+def test(content: bytes) -> None:
+    for file in FILES:
+        file.write_bytes(content)
+        try:
+            assert read(file).problems > 0
+        except REFUSALS as error:
+            refused(error)
+
+
+fuzz(test)

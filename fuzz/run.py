@@ -1,0 +1,189 @@
+"""Guided fuzzing of every target, in slices of some minutes, each recorded in docs/reliability.md when it is over.
+
+A target is done when it has had so many seconds or executions over the code as it is, in this run and earlier ones:
+what was broken off goes on where it was.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import os
+import re
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import record
+
+FUZZ = record.ROOT / "fuzz"
+#: Found inputs, kept between runs; not in the tree.
+WORK = FUZZ / ".work"
+TARGET = "x86_64-unknown-linux-gnu"
+#: Seconds until the record is written and another target may have its turn.
+SLICE = 600
+
+RUST = ("scene", "solve", "field", "session", "instruction_sets")
+PYTHON = ("arguments", "chunks", "sweep_file")
+
+OPTIONS = ["-print_final_stats=1", "-max_len=4096", "-timeout=60", "-rss_limit_mb=4096", "-verbosity=1"]
+
+
+@dataclass
+class Had:
+    """What a target has had over the code as it is."""
+
+    executions: int = 0
+    seconds: int = 0
+
+    @classmethod
+    def of(cls, name: str, code: str) -> Had:
+        """By the record."""
+        had = cls()
+        for row in record.rows("fuzz"):
+            if row[:2] == [name, code]:
+                had.executions += _number(row[3])
+                had.seconds += _number(row[4])
+        return had
+
+
+def _number(text: str) -> int:
+    return int(text.replace(",", ""))
+
+
+def code(name: str) -> str:
+    """The state of what a target runs."""
+    return record.code("core/src") if name in RUST else record.code("core/src", "python")
+
+
+def seeds(name: str) -> list[Path]:
+    """Folders of inputs to begin with: those of the tree."""
+    folders = [FUZZ / "corpus" / name]
+    if name == "scene":
+        golden = WORK / "golden"
+        golden.mkdir(parents=True, exist_ok=True)
+        for path in (record.ROOT / "golden").glob("*.json"):
+            (golden / path.name).write_text(json.dumps(json.loads(path.read_text())["scene"]))
+        folders += [golden, record.ROOT / "docs" / "scenes"]
+    if name == "sweep_file":
+        folders.append(record.ROOT / "docs" / "sweeps")
+    return [folder for folder in folders if folder.is_dir()]
+
+
+def command(name: str, seconds: int, executions: int) -> list[str]:
+    """libFuzzer over a target, for so long at most."""
+    corpus = WORK / "corpus" / name
+    found = WORK / "found" / name
+    for folder in (corpus, found):
+        folder.mkdir(parents=True, exist_ok=True)
+    if name in RUST:
+        program = [str(FUZZ / "target" / TARGET / "release" / name)]
+    else:
+        program = [str(FUZZ / ".venv" / "bin" / "python"), str(FUZZ / "python" / f"{name}.py")]
+    dictionary = FUZZ / f"{name}.dict"
+    options = [*OPTIONS, f"-artifact_prefix={found}/", f"-max_total_time={seconds}", f"-runs={executions}"]
+    if dictionary.exists():
+        options.append(f"-dict={dictionary}")
+    return [*program, *options, str(corpus), *map(str, seeds(name))]
+
+
+def slice_of(name: str, seconds: int, executions: int) -> bool:
+    """One slice and its row in the record; whether nothing was found."""
+    begun = time.monotonic()
+    log = WORK / f"{name}.log"
+    with log.open("wb") as file:
+        process = subprocess.Popen(command(name, seconds, executions), stdout=file, stderr=file, cwd=WORK)
+        try:
+            process.wait()
+        except KeyboardInterrupt:
+            process.wait(60)
+            note(name, log, time.monotonic() - begun, 0)
+            raise
+    note(name, log, time.monotonic() - begun, process.returncode)
+    return process.returncode == 0
+
+
+def note(name: str, log: Path, seconds: float, status: int) -> None:
+    """The row of what has just run, added to what the target had on this day over this code."""
+    text = log.read_text(errors="replace")
+    executed = re.findall(r"number_of_executed_units: (\d+)", text) or re.findall(r"^#(\d+)", text, re.M) or ["0"]
+    edges = re.findall(r"\bcov: (\d+)", text) or ["0"]
+    finding = what(text) if status else ""
+    row = [name, code(name), record.today(), executed[-1], str(round(seconds)), edges[-1], finding]
+    for other in record.rows("fuzz"):
+        if other[:3] == row[:3]:
+            row[3] = str(_number(other[3]) + int(row[3]))
+            row[4] = str(_number(other[4]) + int(row[4]))
+            row[5] = str(max(_number(other[5]), int(row[5])))
+            row[6] = "; ".join(dict.fromkeys(part for part in (other[6].removeprefix("none"), finding) if part))
+    row[3:6] = [f"{int(number):,}" for number in row[3:6]]
+    row[6] = row[6] or "none"
+    record.put("fuzz", row, 3)
+    print(f"  {name}: {executed[-1]} executions, {edges[-1]} edges, {finding or 'nothing found'}", flush=True)
+    if finding:
+        print(f"  see {log}", flush=True)
+
+
+def what(text: str) -> str:
+    """What ended libFuzzer, in a few words, and the input's digest."""
+    said = re.findall(r"panicked at [^\n]*\n([^\n]*)|^(?:=== Uncaught Python exception: ===\n)([^\n]*)|(ERROR: [^\n]*)", text, re.M)
+    words = next((word for match in said for word in match if word), "ended without a word")
+    kept = re.findall(r"Test unit written to \S*/(\w+-\w{8})", text)
+    words = re.sub(r"[|`\s]+", " ", words)[:100]
+    return f"`{' '.join(kept[-1:])}` {words}".strip()
+
+
+def build(names: list[str]) -> None:
+    """The targets of this run, up to date."""
+    if any(name in RUST for name in names):
+        path = {"PATH": f"{FUZZ / '.tools' / 'bin'}{os.pathsep}{os.environ['PATH']}"}
+        subprocess.run(["cargo", "+nightly", "fuzz", "build", "--sanitizer=none"], cwd=record.ROOT, check=True, env={**os.environ, **path})
+    if any(name in PYTHON for name in names):
+        install()
+
+
+def install() -> None:
+    """The package into the environment of Atheris, its extension counting edges for libFuzzer and checking overflow."""
+    passes = ["level=3", "inline-8bit-counters", "pc-table", "trace-compares"]
+    flags = ["-Cpasses=sancov-module", *(f"-Cllvm-args=-sanitizer-coverage-{option}" for option in passes)]
+    wheels = WORK / "wheels"
+    options = ["--profile=dev", f"--target={TARGET}", f"--target-dir={FUZZ / 'target' / 'python'}", "--quiet"]
+    made = ["--interpreter", sys.executable, "--compatibility=linux", f"--out={wheels}"]
+    tools = Path(sys.executable).parent
+    # Named by a target, the flags leave macros and build scripts alone.
+    environment = {**os.environ, "RUSTFLAGS": " ".join(flags)}
+    subprocess.run([tools / "maturin", "build", *options, *made], cwd=record.ROOT, check=True, env=environment)
+    install = ["pip", "install", "--quiet", "--python", FUZZ / ".venv" / "bin" / "python", "--no-deps", "--reinstall"]
+    subprocess.run([tools / "uv", *install, *wheels.glob("*.whl")], check=True)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--time", type=int, default=60, help="seconds a target, over all runs on this code")
+    parser.add_argument("--runs", type=int, default=10**8, help="executions that are enough")
+    parser.add_argument("targets", nargs="*", help="all unless named", metavar="TARGET")
+    asked = parser.parse_args()
+    names = asked.targets or [*RUST, *PYTHON]
+    build(names)
+    WORK.mkdir(exist_ok=True)
+    sound = True
+    while names:
+        for name in list(names):
+            had = Had.of(name, code(name))
+            seconds, executions = asked.time - had.seconds, asked.runs - had.executions
+            if seconds <= 0 or executions <= 0:
+                print(f"{name}: {had.executions} executions in {had.seconds} s over this code")
+                names.remove(name)
+                continue
+            print(f"{name}: {min(seconds, SLICE)} s", flush=True)
+            if not slice_of(name, min(seconds, SLICE), executions):
+                sound = False
+                names.remove(name)
+    return 0 if sound else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,33 @@
+//! The scene reader: any bytes are refused in one line or are a scene, which survives being written and read.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use midair::Scene;
+use midair::files::{Format, Provenance, read, write};
+use midair_fuzz::one_line;
+
+/// Larger arrays are read, but not written in two formats: a few bytes of a grid make millions.
+const MOST: usize = 4096;
+
+fuzz_target!(|bytes: &[u8]| {
+    for format in [Format::Toml, Format::Json] {
+        if let Some(scene) = one_line(read(bytes, format))
+            && scene.array().len() <= MOST
+        {
+            survives(&scene);
+        }
+    }
+});
+
+fn survives(scene: &Scene) {
+    let provenance = Provenance { version: Some("1".into()), status: None };
+    // TOML has no integers above 2^63 - 1.
+    for format in [Format::Toml, Format::Json] {
+        if let Some(text) = one_line(write(scene, format, &provenance)) {
+            let again = read(text.as_bytes(), format);
+            assert_eq!(again.as_ref(), Ok(scene), "{text}");
+        } else {
+            assert_eq!(format, Format::Toml, "JSON can hold every scene");
+        }
+    }
+}
