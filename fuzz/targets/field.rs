@@ -14,25 +14,26 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
     let request = draw.request(points.len());
     let scene = Scene::new(array, medium, points, request)?;
     let model = Model::of(&scene, InstructionSet::best());
+    let none = &mut Control::none();
     let drive = draw.drive(scene.array().len());
     // Anywhere, also on a transducer.
     let places = draw.points(20);
-    let field = midair::field(&model, &drive, &places, &mut Control::none())?.expect("nobody stops it");
+    let field = midair::field(&model, &drive, &places, none)?;
     assert!(field.iter().all(|p| p.re.is_finite() && p.im.is_finite()), "{field:?}");
     let (around, own) = (Plane::around(scene.points()), scene.picture_plane());
     assert!(around == own && around.axis(0).iter().chain(&around.axis(1)).all(|x| x.is_finite()), "{around:?}");
     let problem = Problem::new(&scene)?;
     let propagation = model.propagation(scene.points())?;
-    let here = midair::field(&model, &drive, scene.points(), &mut Control::none())?.expect("nobody stops it");
+    let here = midair::field(&model, &drive, scene.points(), none)?;
     let allowed = Allowed::of(scene.array(), medium, scene.points());
     allowed.check_field(&propagation, &drive, 1.0, &here, "field");
-    let reach = problem.reach();
+    let reach = problem.reach(none)?;
     assert!(reach.alone.iter().chain(&reach.level).all(|p| p.is_finite() && *p >= 0.0), "{reach:?}");
-    if let Some(beyond) = problem.beyond() {
+    if let Some(beyond) = problem.beyond(none)? {
         one_line::<()>(Err(Error::invalid("points", "beyond", beyond.to_string())));
     }
-    let metrics = problem.judge(&drive)?;
-    let bound = midair::bound(&problem)?;
+    let metrics = problem.judge(&drive, none)?;
+    let bound = midair::bound(&problem, none)?;
     assert!(bound.is_finite(), "{bound}");
     let least = metrics.level * metrics.uniformity;
     // min x is at most uniformity times max x, which is at least the mean.

@@ -23,7 +23,7 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
         let problem = Problem::with_propagation(propagation.clone(), setup, &request)?;
         allowed.check_rows(&propagation);
         if let Some(field) = one_line(midair::field(&model, &drive, &points, &mut Control::none())) {
-            allowed.check_field(&propagation, &drive, 1.0, &field.expect("nobody stops it"), set.name());
+            allowed.check_field(&propagation, &drive, 1.0, &field, set.name());
         }
         let (work, none) = (&mut Workspace::new(), &mut Control::none());
         let solution = midair::solve(&problem, &*configured.solver, configured.info.balance, work, none)?;
