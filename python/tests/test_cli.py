@@ -180,7 +180,7 @@ def test_npz_holds_the_drive_and_what_it_does(run: Run) -> None:
         "pressures": solution.pressures,
     }
     with np.load("drive.npz", allow_pickle=False) as record:
-        assert set(record) == {*arrays, *METRICS, "scale", "scene"}
+        assert set(record) == {*arrays, *METRICS, "scale", "steps", "elapsed", "scene", "scene_solver"}
         for name, array in arrays.items():
             assert same_bits(record[name], array)
         assert {name: float(record[name]) for name in METRICS} == numbers(solution.metrics)
@@ -193,7 +193,8 @@ def test_json_holds_the_same_as_plain_numbers(run: Run) -> None:
     scene, solution = expected()
     record = json.loads(Path("drive.json").read_text())
     reals = ["amplitudes", "phases", "positions", "points", "targets"]
-    assert set(record) == {"drive", "pressures", *reals, *METRICS, "scale", "scene"}
+    others = {"scale", "steps", "elapsed", "scene", "scene_solver"}
+    assert set(record) == {"drive", "pressures", *reals, *METRICS, *others}
     for name in ("drive", "pressures"):
         pairs = np.array(record[name])
         assert pairs.shape == (len(getattr(solution, name)), 2)

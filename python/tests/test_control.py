@@ -185,5 +185,7 @@ def test_interrupt_ends_whatever_takes_long(call: str) -> None:
 @POSIX
 def test_a_forked_child_has_threads_of_its_own() -> None:
     # The parent has used all its threads before the fork; the child has none of them.
-    ran = subprocess.run([sys.executable, "-c", FORKED], capture_output=True, text=True, timeout=HANG, check=True)
+    ran = subprocess.run(
+        [sys.executable, "-c", FORKED], capture_output=True, text=True, timeout=HANG, check=True
+    )
     assert ran.stdout == "0 True\n"

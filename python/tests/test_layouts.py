@@ -36,7 +36,7 @@ def batch(points: Any = PLACES, **beside: Any) -> np.ndarray:
 def solver(points: Any = POINTS, solver: str = "fast", **beside: Any) -> np.ndarray:
     call = midair.Solver(GRID, solver)
     # The second call goes through memory that the first one left.
-    call(POINTS[::-1].copy(), 1 / PRESSURES, weights=1 / PRESSURES)
+    call(POINTS[::-1].copy(), PRESSURES[::-1].copy(), weights=PRESSURES)
     return call(points, **beside).drive
 
 

@@ -11,10 +11,16 @@ from test_control import POSIX
 
 #: What asks for too much: the call, and what the refusal must say.
 TOO_MUCH = {
-    "gspat": ('midair.solve(scene(4, 200_000), "gspat")', "N = 4 transducers and M = 200000 points needs 320"),
+    "gspat": (
+        'midair.solve(scene(4, 200_000), "gspat")',
+        "N = 4 transducers and M = 200000 points needs 320",
+    ),
     "uniform": ('midair.solve(scene(4, 200_000), "uniform")', "M = 200000 points needs 320"),
     "lm": ('midair.solve(scene(4, 100_000), "lm")', "M = 100000 points needs"),
-    "propagation": ("scene(90_000, 20_000).propagation()", "N = 90000 transducers and M = 20000 points needs 14"),
+    "propagation": (
+        "scene(90_000, 20_000).propagation()",
+        "N = 90000 transducers and M = 20000 points needs 14",
+    ),
     "solve_batch": (
         'midair.solve_batch(scene(90_000, 1), np.ones((20_000, 1, 3)), solver="fast")',
         "20000",
@@ -35,9 +41,15 @@ except MemoryError as error:
 
 def run(code: str, **environment: str) -> str:
     """What the program prints with little memory to be had."""
-    program = "import resource; resource.setrlimit(resource.RLIMIT_AS, (3 << 30, 3 << 30))\n" + PROGRAM.format(code)
+    program = (
+        "import resource; resource.setrlimit(resource.RLIMIT_AS, (3 << 30, 3 << 30))\n" + PROGRAM.format(code)
+    )
     ran = subprocess.run(
-        [sys.executable, "-c", program], env=os.environ | environment, capture_output=True, text=True, check=True
+        [sys.executable, "-c", program],
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        check=True,
     )
     return ran.stdout
 
@@ -60,7 +72,13 @@ def test_the_limit_can_be_set() -> None:
     assert "the limit is 0.001 GB" in run(code, MIDAIR_MEMORY="1MB")
     # Allowed, and still not to be had.
     assert "GB" in run('midair.solve(scene(4, 30_000), "gspat")', MIDAIR_MEMORY="1TB")
-    assert "give bytes, such as 2e9" in subprocess.run(
-        [sys.executable, "-c", PROGRAM.format("scene(4, 2).propagation()")],
-        env=os.environ | {"MIDAIR_MEMORY": "lots"}, capture_output=True, text=True, check=False,
-    ).stderr
+    assert (
+        "give bytes, such as 2e9"
+        in subprocess.run(
+            [sys.executable, "-c", PROGRAM.format("scene(4, 2).propagation()")],
+            env=os.environ | {"MIDAIR_MEMORY": "lots"},
+            capture_output=True,
+            text=True,
+            check=False,
+        ).stderr
+    )
