@@ -20,10 +20,12 @@ from rich.progress import (
 @contextmanager
 def progress_bar(doing: str) -> Iterator[Callable[[int, int], None]]:
     """A progress bar for whatever takes over a second; the block calls what it gets with (step, steps)."""
-    columns = (SpinnerColumn(), TextColumn(doing), BarColumn(), TimeElapsedColumn(), TimeRemainingColumn())
+    # A spinner of letters that every terminal has.
+    columns = (SpinnerColumn("line"), TextColumn(doing), BarColumn(), TimeElapsedColumn(), TimeRemainingColumn())
     terminal = Console(stderr=True)
     # Elsewhere even a bar that leaves nothing behind leaves an empty line.
-    bar = Progress(*columns, console=terminal, transient=True, disable=not terminal.is_terminal)
+    moves = terminal.is_terminal and not terminal.is_dumb_terminal
+    bar = Progress(*columns, console=terminal, transient=True, disable=not moves)
     task = bar.add_task(doing, total=None)
     began = time.monotonic()
     shown = began
