@@ -207,7 +207,7 @@ def test_pitch_is_above_0() -> None:
 
 
 DIRECTIVITIES: dict[str, list[object]] = {
-    "no name": ["pistn", "Point", "", "pi\nston"],
+    "no name": ["pistn", "Pint", "", "pi\nston"],
     "neither name nor dictionary": [4, True, object(), [], ["piston"]],
     "no such key": [{}, {"pistn": 1}, {"pis\nton": 1}, {1: 1}, {"point": 1}, {"t4010a1": 1},
                     {"piston": 1e-3, "cos": 1}],
@@ -252,7 +252,7 @@ def test_names_are_text() -> None:
 OPTIONS: dict[str, list[object]] = {
     "phases": [1, 65537, 2.5, 4.0, NAN, "x", "16", True, [4], 10**30, np.True_, object(), {}, 1j],
     "amplitudes": [0, -1, 257, 1.5, "x", False, [[1]]],
-    "objective": ["l3", "L2", 2, True, NAN],
+    "objective": ["l3", "L22", 2, True, NAN],
     "seed": [-1, 2**64, 10**30, 0.5, "x", True, NAN],
     "order": ["row", "", 3, True, [], [0] * 16, range(1, 17), range(15), range(17), [-1, *range(15)],
               [2**40, *range(15)], np.arange(16.0), [[*range(16)]], ["a"] * 16, [True] * 16],
