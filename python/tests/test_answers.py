@@ -86,12 +86,15 @@ def test_response_is_compensated_for() -> None:
     rng = np.random.default_rng(1)
     response = np.exp(1j * rng.uniform(-np.pi, np.pi, 25))
     for solver in SOLVERS:
-        accuracies = []
+        found = []
         for offsets in (None, response):
             scene = small(array=midair.Array(ARRAY.positions, response=offsets), points=[[0, 0, 0.1]])
             phases = 256 if solver == "greedy" else None
-            accuracies.append(midair.solve(scene, solver, phases=phases).metrics.accuracy)
-        assert accuracies[1] == pytest.approx(accuracies[0], abs=1e-3), solver
+            found.append(midair.solve(scene, solver, phases=phases))
+        # A method of few phases rounds some of its 25 transducers otherwise.
+        few = len(set(found[0].phases.round(4))) <= 16
+        plain, shifted = (solution.metrics.accuracy for solution in found)
+        assert shifted == pytest.approx(plain, abs=0.05 if few else 1e-3), solver
 
 
 @pytest.mark.parametrize("size", [1e-50, 1e-36, 1e30, 1e40, 1e150, 1e300])

@@ -1,4 +1,4 @@
-"""What `make test` and `make demo` show: every command under a line that names it, and the name of one that fails."""
+"""What `make test` and `make demo` show: a line above each command, and the name of one that fails."""
 
 import shutil
 import subprocess
@@ -24,9 +24,8 @@ def test_every_command_is_announced(target: str) -> None:
 
 
 def test_a_step_that_fails_is_named(tmp_path: Path) -> None:
-    (tmp_path / "Makefile").write_text(
-        f"include {ROOT / 'Makefile'}\nbroken:\n\t$(call step,one (1 s),true)\n\t$(call step,two (1 s),false)\n"
-    )
+    steps = "\t$(call step,one (1 s),true)\n\t$(call step,two (1 s),false)\n"
+    (tmp_path / "Makefile").write_text(f"include {ROOT / 'Makefile'}\nbroken:\n{steps}")
     done = make("-f", str(tmp_path / "Makefile"), "broken")
     assert done.returncode == 2
     assert [line for line in done.stdout.splitlines() if line] == ["== one (1 s)", "-- 0 s", "== two (1 s)"]
