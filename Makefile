@@ -77,8 +77,11 @@ fuzz: fuzz/.tools/bin/cargo-fuzz fuzz/.venv/ready ## Guided fuzzing, recorded (T
 TIME := 60
 RUNS := 100000000
 
+sanitize: fuzz/.tools/bin/cargo-fuzz ## Address, leak and thread sanitizers and Miri, recorded (CHECKS="address replay thread miri")
+	$(PYTHON) fuzz/sanitize.py $(CHECKS)
+
 fuzz/.tools/bin/cargo-fuzz:
-	rustc +nightly --version || { echo "make fuzz needs a nightly compiler: rustup toolchain install nightly"; exit 1; }
+	rustup +nightly component list --installed | grep -q '^rust-src' || { echo "fuzz and sanitize need a nightly compiler: rustup toolchain install nightly --component rust-src,miri"; exit 1; }
 	$(CARGO) install --quiet --locked --root fuzz/.tools cargo-fuzz@0.13.2
 
 fuzz/.venv/ready: fuzz/requirements.txt .venv/ready

@@ -26,7 +26,7 @@ TARGET = "x86_64-unknown-linux-gnu"
 #: Seconds until the record is written and another target may have its turn.
 SLICE = 600
 
-RUST = ("scene", "solve", "field", "session", "instruction_sets")
+RUST = ("scene", "positions", "solve", "field", "session", "instruction_sets")
 PYTHON = ("arguments", "chunks", "sweep_file")
 
 OPTIONS = ["-print_final_stats=1", "-max_len=4096", "-timeout=60", "-rss_limit_mb=4096", "-verbosity=1"]
@@ -136,13 +136,11 @@ def what(text: str) -> str:
     return f"`{' '.join(kept[-1:])}` {words}".strip()
 
 
-def build(names: list[str]) -> None:
-    """The targets of this run, up to date."""
-    if any(name in RUST for name in names):
-        path = {"PATH": f"{FUZZ / '.tools' / 'bin'}{os.pathsep}{os.environ['PATH']}"}
-        subprocess.run(["cargo", "+nightly", "fuzz", "build", "--sanitizer=none"], cwd=record.ROOT, check=True, env={**os.environ, **path})
-    if any(name in PYTHON for name in names):
-        install()
+def build(sanitizer: str, folder: Path) -> None:
+    """The Rust targets, with debug assertions and overflow checks."""
+    path = f"{FUZZ / '.tools' / 'bin'}{os.pathsep}{os.environ['PATH']}"
+    command = ["cargo", "+nightly", "fuzz", "build", f"--sanitizer={sanitizer}", f"--target-dir={folder}"]
+    subprocess.run(command, cwd=record.ROOT, check=True, env={**os.environ, "PATH": path})
 
 
 def install() -> None:
@@ -167,8 +165,11 @@ def main() -> int:
     parser.add_argument("targets", nargs="*", help="all unless named", metavar="TARGET")
     asked = parser.parse_args()
     names = asked.targets or [*RUST, *PYTHON]
-    build(names)
     WORK.mkdir(exist_ok=True)
+    if any(name in RUST for name in names):
+        build("none", FUZZ / "target")
+    if any(name in PYTHON for name in names):
+        install()
     sound = True
     while names:
         for name in list(names):

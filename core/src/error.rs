@@ -116,10 +116,20 @@ impl Error {
     }
 }
 
-/// Text on one line, whatever a user typed.
+/// Characters kept of the beginning and the end of a text too long to be read.
+const KEPT: [usize; 2] = [240, 160];
+
+/// Text on one line, whatever a user typed: without its middle, where that would fill a page.
 pub(crate) fn one_line(text: &str) -> String {
     let words = text.split(|c: char| c.is_whitespace() || c.is_control()).filter(|word| !word.is_empty());
-    words.collect::<Vec<_>>().join(" ")
+    let line = words.collect::<Vec<_>>().join(" ");
+    let [head, tail] = KEPT;
+    if line.chars().count() <= head + tail {
+        return line;
+    }
+    let head: String = line.chars().take(head).collect();
+    let skipped = line.char_indices().rev().nth(tail - 1).map_or(0, |(start, _)| start);
+    format!("{head}...{}", &line[skipped..])
 }
 
 /// The letters of a name that tell it from others: case, "-" and "_" do not.

@@ -130,6 +130,23 @@ mod files {
         }
     }
 
+    #[test]
+    fn a_refusal_is_no_page_however_long_what_is_refused() {
+        let (key, word) = ("k\u{e9} ".repeat(50_000), "w".repeat(100_000));
+        let spoilt = [
+            TOML.replace("frequency", &format!("\"{key}\"")),
+            TOML.replace("\"greedy\"", &format!("\"{key}\"")),
+            TOML.replace("\"point\"", &format!("\"{word}\"")),
+            TOML.replace("phases = 16", &format!("\"{key}\" = 16")),
+            TOML.replace("phases = 16", &format!("phases = \"{word}\"")),
+            format!("{word}\n{TOML}"),
+        ];
+        for text in spoilt {
+            let line = read(text.as_bytes(), Format::Toml).expect_err("refused").to_string();
+            assert!(line.len() < 1500 && !line.contains('\n'), "{line}");
+        }
+    }
+
     proptest! {
         #![proptest_config(config(3000))]
 
