@@ -27,6 +27,8 @@ def sane(thing: object, where: str) -> int:
         assert (np.abs(drives) > 0).any(), f"{where} is silent"
         sane(thing.pressures, where)
         return sane(thing.metrics, where)
+    if isinstance(thing, midair.Comparison):
+        return sane(thing.solutions, where)
     if isinstance(thing, midair.Solver):
         return sane(thing.metrics, where)
     if isinstance(thing, midair.Metrics | midair.BatchMetrics):
