@@ -37,7 +37,7 @@ def check(path: Path, endings: tuple[str, ...], others: Iterable[Path] = ()) -> 
             f'output "{path}" has no known ending: give {" or ".join(", ".join(endings).rsplit(", ", 1))}'
         )
     try:
-        target = _target(path)
+        target = real(path)
         mode = target.stat().st_mode if target.exists() else None
         if mode is not None and stat.S_ISDIR(mode):
             raise SceneError(f'output "{path}" is a folder: give a file')
@@ -51,7 +51,7 @@ def check(path: Path, endings: tuple[str, ...], others: Iterable[Path] = ()) -> 
         if mode is not None and not os.access(target, os.W_OK):
             raise PermissionError(13, "write-protected")
         tidy(target)
-        part = _part(target)
+        part = part_of(target)
         part.touch()
         part.unlink()
     except OSError as error:
@@ -61,7 +61,7 @@ def check(path: Path, endings: tuple[str, ...], others: Iterable[Path] = ()) -> 
         ) from error
 
 
-def _target(path: Path) -> Path:
+def real(path: Path) -> Path:
     """The file itself, where the path is a link to it."""
     return Path(os.path.realpath(path))
 
@@ -73,7 +73,7 @@ def _same(path: Path, other: Path) -> bool:
     return path.exists() and other.exists() and path.samefile(other)
 
 
-def _part(path: Path) -> Path:
+def part_of(path: Path) -> Path:
     """The temporary name beside it."""
     return path.with_name(f"{_begin(path)}{os.getpid()}.part")
 
@@ -109,8 +109,8 @@ def _lives(process: int) -> bool:
 
 def write(path: Path, content: bytes) -> None:
     """Write under a temporary name and rename, so that no reader ever meets half a file."""
-    target = _target(path)
-    part = _part(target)
+    target = real(path)
+    part = part_of(target)
     try:
         part.write_bytes(content)
         if target.exists():

@@ -268,7 +268,7 @@ import sys, time
 from midair import cli, output
 write = output.write
 def slow(path, content):
-    part = output._part(path)
+    part = output.part_of(path)
     part.write_text("half")
     try:
         print("ready", flush=True)

@@ -91,7 +91,10 @@ def test_a_stopped_sweep_leaves_its_chunks_in_their_midst(
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
-def test_ctrl_c_keeps_what_is_done_and_says_so_in_one_line() -> None:
+@pytest.mark.parametrize(
+    ("number", "words"), [(signal.SIGINT, "interrupted\n"), (signal.SIGTERM, "terminated\n")], ids=str
+)
+def test_a_signal_keeps_what_is_done_and_says_so_in_one_line(number: int, words: str) -> None:
     Path("sweep.toml").write_text(TOML.replace('"greedy"', '"lm"').replace("seeds = 3", "seeds = 100000"))
     command = [sys.executable, "-m", "midair", "sweep", "sweep.toml", "--output", "table.csv"]
     child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -101,12 +104,12 @@ def test_ctrl_c_keeps_what_is_done_and_says_so_in_one_line() -> None:
             assert child.poll() is None
             assert time.monotonic() < end
             time.sleep(0.02)
-        child.send_signal(signal.SIGINT)
+        child.send_signal(number)
         out, err = child.communicate(timeout=HANG)
     finally:
         child.kill()
         child.wait()
-    assert (child.returncode, out, err) == (130, "", "interrupted\n")
+    assert (child.returncode, out, err) == (128 + number, "", words)
     assert list(Path().glob(".table.csv.chunks/*/*.npz"))
     assert not Path("table.csv").exists()
     assert not list(Path().rglob("*.part"))
@@ -199,7 +202,7 @@ def test_what_is_read_is_not_written_over(file: str, way: str, monkeypatch: pyte
         output = Path("folder", file)
     before = tree(Path())
     monkeypatch.setattr(sweep_module, "run", lambda *_, **__: pytest.fail("work was done"))
-    with pytest.raises(midair.SceneError, match="which the sweep needs: choose another name"):
+    with pytest.raises(midair.SceneError, match="itself: give another name"):
         midair.sweep("sweep.csv", output)
     assert tree(Path()) == before
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from .. import output
 from .._midair import SceneError
 from . import files
 from .block import METRICS, trial_seed
@@ -67,7 +68,7 @@ def fits(job: Job, arrays: Arrays) -> bool:
 @contextmanager
 def _temporary(path: Path) -> Iterator[Path]:
     """A name beside the path that becomes it, if all goes well."""
-    part = files.part_of(path)
+    part = output.part_of(path)
     try:
         yield part
         if path.is_dir():
@@ -81,14 +82,16 @@ def _temporary(path: Path) -> Iterator[Path]:
             " what is done is kept"
         ) from error
     finally:
-        files.remove(part)
+        if part.is_dir():
+            shutil.rmtree(part, ignore_errors=True)
+        part.unlink(missing_ok=True)
 
 
 @contextmanager
 def open_table(path: Path, request: Request) -> Iterator[Write]:
     """A table by the path's ending; what it yields takes columns of rows in order."""
     write = _parquet if path.suffix.lower() == ".parquet" else _csv
-    with _temporary(path) as part, write(part, request) as give:
+    with _temporary(output.real(path)) as part, write(part, request) as give:
         yield give
 
 
@@ -140,7 +143,7 @@ def open_drives(path: Path, request: Request) -> Iterator[Callable[[Arrays, int]
     """
     import zarr
 
-    with _temporary(files.real(path)) as part:
+    with _temporary(output.real(path)) as part:
         group = zarr.open_group(part, mode="w", attributes=dict(files.MARK))
         arrays = {
             name: group.create_array(
