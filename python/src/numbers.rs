@@ -4,7 +4,7 @@ use numpy::ndarray::Dimension;
 use numpy::{
     Element, PyArray, PyArrayDyn, PyArrayMethods, PyReadonlyArray, PyUntypedArray, PyUntypedArrayMethods, dtype,
 };
-use pyo3::exceptions::PyException;
+use pyo3::exceptions::{PyException, PyRecursionError};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyBool, PyFloat, PyInt, PyList, PyTuple};
 
@@ -106,14 +106,13 @@ pub(crate) fn in_place<'py, T: Element, D: Dimension>(value: &Bound<'py, PyAny>)
 
 /// How a value reads in an error: short, on one line.
 pub(crate) fn quoted(value: &Bound<'_, PyAny>) -> String {
-    let text = match value.repr() {
-        Ok(text) => text.to_string(),
-        // A list too deep to show, or a class that cannot be shown.
-        Err(_) => format!(
-            "a {} that cannot be shown",
-            value.get_type().name().map_or_else(|_| "value".into(), |name| name.to_string())
-        ),
-    };
+    let text = value.repr().map_or_else(
+        |error| {
+            let deep = error.is_instance_of::<PyRecursionError>(value.py());
+            if deep { "nested too deeply" } else { "something that cannot be shown" }.to_owned()
+        },
+        |text| text.to_string(),
+    );
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
     if text.chars().count() <= 60 { text } else { text.chars().take(57).chain("...".chars()).collect() }
 }

@@ -14,8 +14,11 @@ pub(crate) fn borrowed<'py, D: Dimension>(
     shape: &[usize],
 ) -> PyResult<PyReadwriteArray<'py, Complex32, D>> {
     let contiguous = if shape.len() > 1 { "C-contiguous " } else { "" };
-    let cure = format!("give a writable {contiguous}complex64 array {}", told(shape));
-    let refusal = |value: &str| invalid("out", value, &cure);
+    // Named only when refused: this runs for every frame of a moving hand.
+    let refusal = |value: &str| {
+        let cure = format!("give a writable {contiguous}complex64 array {}", told(shape));
+        invalid("out", value, &cure)
+    };
     let Ok(any) = value.cast::<PyUntypedArray>() else { return Err(refusal(&quoted(value))) };
     if any.shape() != shape {
         return Err(refusal(&told(any.shape())));

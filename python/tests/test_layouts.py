@@ -141,6 +141,24 @@ def test_every_layout_gives_the_same_bits(argument: str) -> None:
     refused(lambda: call([hiding]), "masked in 1 of")
 
 
+@pytest.mark.parametrize("layout", ["big-endian", "misaligned", "read-only", "masked nowhere"])
+def test_arrays_of_no_dimensions_are_numbers(layout: str) -> None:
+    def laid(number: float) -> Any:
+        return LAYOUTS[layout](np.array(number))
+
+    scene = midair.Scene(GRID, POINTS, laid(200.0), weights=laid(2.0), frequency=laid(4e4))
+    assert scene == midair.Scene(GRID, POINTS, 200.0, weights=2.0, frequency=4e4)
+    assert midair.Plane(laid(0.1), laid(0.2)) == midair.Plane(0.1, 0.2)
+    assert same_bits(solver(pressures=laid(200.0)), solver(pressures=200.0))
+    assert same_bits(batch(pressures=laid(200.0)), batch(pressures=200.0))
+    assert same_bits(
+        midair.solve(SCENE, "gs", tolerance=laid(0.5)).drive, midair.solve(SCENE, "gs", tolerance=0.5).drive
+    )
+    hidden = np.ma.masked_array(3.0, mask=True)
+    refused(lambda: midair.Scene(GRID, POINTS, frequency=hidden), "frequency", "masked")
+    refused(lambda: midair.Scene(GRID, POINTS, np.ma.masked), "pressures", "masked")
+
+
 def test_overlapping_views_are_read() -> None:
     row = np.array([0.01, 0.02, 0.15])
     assert midair.Scene(GRID, np.broadcast_to(row, (2, 3))).points.tolist() == [row.tolist()] * 2

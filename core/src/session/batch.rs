@@ -81,9 +81,9 @@ pub(super) struct Outcome {
 }
 
 impl Default for Outcome {
-    /// Not begun.
+    /// Not begun: silence.
     fn default() -> Self {
-        let metrics = Metrics::default();
+        let metrics = Metrics { residual: 1.0, ..Metrics::default() };
         Self { metrics, scale: 1.0, status: Status::Stopped, steps: 0, excess: 0.0, weak: 1.0 }
     }
 }

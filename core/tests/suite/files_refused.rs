@@ -376,7 +376,11 @@ fn toml_is_refused_by_line_column_item_and_cure() {
             (with("[0.01, 0, 0.15]", "0.01, 0, 0.15"), ", line 18, column ", "position = [0.0, 0.0, 0.15]"),
             (format!("position = {}", "[".repeat(100_000)), "nested too deep", "position = [0.0, 0.0, 0.15]"),
             (format!("{}\n", "a.".repeat(50_000)), "", "[array] and under it preset = \"autd3\""),
-            ("{\"array\": {}}".into(), "line 1, column 1: no TOML, but JSON as it looks", "[array] and under it preset = \"autd3\""),
+            (
+                "{\"array\": {}}".into(),
+                "line 1, column 1: no TOML, but JSON as it looks",
+                "[array] and under it preset = \"autd3\"",
+            ),
             ("position\r= 3".into(), "line 1", "position = [0.0, 0.0, 0.15]"),
         ],
         Format::Toml,
