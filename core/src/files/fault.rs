@@ -1,5 +1,6 @@
 //! What is wrong with a document, told with its name, the line and column, and a line as it would be correct.
 
+use alloc::boxed::Box;
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -11,7 +12,7 @@ use crate::solvers::SOLVERS;
 
 /// An error, and the item of the document that it is about.
 pub(super) struct Fault {
-    error: Error,
+    error: Box<Error>,
     at: At,
 }
 
@@ -26,26 +27,26 @@ enum At {
 
 impl From<Error> for Fault {
     fn from(error: Error) -> Self {
-        Self { error, at: At::Own }
+        Self { error: Box::new(error), at: At::Own }
     }
 }
 
 impl Fault {
     /// An error about the value at a path.
     pub(super) fn at(path: impl Into<String>, error: Error) -> Self {
-        Self { error, at: At::Value(path.into()) }
+        Self { error: Box::new(error), at: At::Value(path.into()) }
     }
 
     /// An error about a key of the table at a path.
     pub(super) fn key(table: impl Into<String>, key: impl Into<String>, error: Error) -> Self {
-        Self { error, at: At::Key(table.into(), key.into()) }
+        Self { error: Box::new(error), at: At::Key(table.into(), key.into()) }
     }
 
     /// The error in full: `bowl.toml, line 12, column 12: points[1].pressure is "loud": give a number; for example
     /// pressure = 500.0`.
     pub(super) fn told(self, text: &str, format: Format, source: Source<'_>) -> Error {
-        let (offset, example) = match (&self.at, &self.error) {
-            (_, Error::File { .. }) => return self.error,
+        let (offset, example) = match (&self.at, &*self.error) {
+            (_, Error::File { .. }) => return *self.error,
             (At::Key(table, key), _) => {
                 (Some(place::find_key(text, format, table, key)), example_of_key(table, key, format))
             }

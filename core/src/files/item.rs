@@ -1,7 +1,7 @@
 //! Reading of a document's values as types, each refused by its path where it is another.
 
 use alloc::format;
-use alloc::string::{String, ToString};
+use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::error::Error;
@@ -77,7 +77,7 @@ impl<'a> Item<'a> {
 
     /// A list of lists of N numbers.
     pub(super) fn vectors<const N: usize>(&self) -> Result<Vec<[f64; N]>, Fault> {
-        self.each(|item| item.numbers(), &format!("give a list of lists of {N} numbers"))
+        self.each(Item::numbers, &format!("give a list of lists of {N} numbers"))
     }
 
     /// A list of true and false.
@@ -120,7 +120,7 @@ impl<'a> Item<'a> {
     /// A table of any keys.
     pub(super) fn open_table(&self) -> Result<Table<'a>, Fault> {
         match self.node {
-            Node::Table(entries) => Ok(Table { path: self.path.to_string(), entries }),
+            Node::Table(entries) => Ok(Table { path: self.path.clone(), entries }),
             _ => Err(self.refused("give a table")),
         }
     }

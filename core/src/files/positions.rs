@@ -64,17 +64,16 @@ fn parse(text: &str, name: &str) -> Result<Positions, Error> {
         }
         let refused = |reason: &str| fault(name, Some(index + 1), &format!("{reason}, {ROW}"));
         let cells = cells(line);
-        let chosen = match &columns {
-            Some(chosen) => chosen,
-            None => {
-                let header = cells[0].parse::<f64>().is_err();
-                let chosen = if header { named(&cells) } else { counted(cells.len()) };
-                let chosen = columns.insert(chosen.map_err(|reason| refused(&reason))?);
-                if header {
-                    continue;
-                }
-                chosen
+        let chosen = if let Some(chosen) = &columns {
+            chosen
+        } else {
+            let header = cells[0].parse::<f64>().is_err();
+            let chosen = if header { named(&cells) } else { counted(cells.len()) };
+            let chosen = columns.insert(chosen.map_err(|reason| refused(&reason))?);
+            if header {
+                continue;
             }
+            chosen
         };
         let mut row = [0.0; 6];
         for ((value, &column), axis) in row.iter_mut().zip(chosen).zip(COLUMNS) {
