@@ -82,8 +82,8 @@ pub use problem::{Beyond, Metrics, Problem, Reach, Setup, Solution, Status, boun
 pub use propagation::{Model, Propagation, field};
 pub use rng::Rng;
 pub use scene::{
-    Aim, Array, Choice, Directivity, Medium, OptionValue, Options, Origin, Plane, Request, Scene, Start, Transducer,
-    Value, presets, spell, word,
+    Aim, Array, Axis, Choice, Directivity, Medium, OptionValue, Options, Origin, Plane, Request, Scene, Start,
+    Transducer, Value, presets, spell, word,
 };
 pub use session::{Ask, Batch, Session};
 pub use solvers::options::{Configure, OptionInfo};

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike, NDArray
 
+    from .plot import Quantity
+
 #: The most points that `midair.bound` takes.
 BOUND_POINTS = 64
 
@@ -35,13 +37,13 @@ class Comparison:
     """Solutions of one scene by several solvers: prints as a table, `["greedy"]` and `[0]` are its solutions.
 
     scene : what was solved
-    solutions : in the order asked for
     bound : the level min |p| / target that no drive exceeds (`midair.bound`), or None for over 64 points
+    solutions : in the order asked for
     """
 
     scene: Scene | Propagation
+    bound: float | None
     solutions: tuple[Solution, ...] = ()
-    bound: float | None = None
     _options: tuple[Mapping[str, Any], ...] = field(default=(), compare=False)
     _heard: NDArray[np.bool_] | None = field(default=None, compare=False)
 
@@ -81,14 +83,19 @@ class Comparison:
         }
         return columns
 
-    def plot(self) -> Figure:
-        """A sheet with the field of every solution, all in the same colours. Returns the figure."""
+    def plot(self, *, quantity: Quantity = "pressure") -> Figure:
+        """A sheet with the field of every solution, all in the same colours. Returns the figure.
+
+        quantity : "pressure", "radiation", "spl" or "phase", as `midair.plot` takes it
+        """
         from .plot import contact_sheet
 
-        if not isinstance(self.scene, Scene):
-            raise SceneError("scene is a Propagation: a field needs the places of a Scene")
-        fields = [_midair.field(self.scene, solution.drive) for solution in self.solutions]
-        return contact_sheet(fields, self.names)
+        fields = []
+        for solution in self.solutions:
+            if solution.scene is None:
+                raise SceneError("scene is a matrix: a field needs the positions of a Scene")
+            fields.append(_midair.field(solution.scene, solution))
+        return contact_sheet(fields, self.names, quantity)
 
     def __getitem__(self, which: str | int) -> Solution:
         if isinstance(which, str):
@@ -183,7 +190,7 @@ def growing(scene: Scene | Propagation, solvers: Solvers, **asked: Any) -> Itera
     wanted = _above_zero(pressures, count) & _above_zero(weights, count)
     # Beyond, it would take too long to know.
     bound = _midair.bound(scene, **beside) if wanted.sum() <= BOUND_POINTS else None
-    table = Comparison(scene, bound=bound, _heard=wanted)
+    table = Comparison(scene, bound, _heard=wanted)
     for solver, options in entries:
         solution = _midair.solve(scene, solver, **asked, **options)
         table = replace(table, solutions=(*table.solutions, solution), _options=(*table._options, options))

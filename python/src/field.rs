@@ -2,51 +2,73 @@
 
 use std::sync::Arc;
 
-use midair::Complex32;
+use midair::{Axis, Complex32};
 use numpy::{PyArray1, PyArray2, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::ctrl_c::attend;
+use crate::error::{invalid, warn};
 use crate::give::{self, rows};
 use crate::instruction_set::instruction_set;
 use crate::limits;
 use crate::pickle::{Reduced, restored};
-use crate::plane::Plane;
+use crate::plane::{self, Plane};
 use crate::read;
 use crate::scene::Scene;
+use crate::solution::{Solution, played};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// The field of a drive on a plane or at points.
 #[pyclass(frozen, eq, module = "midair")]
-#[derive(PartialEq)]
 pub(crate) struct Field {
     scene: Arc<midair::Scene>,
-    places: Places,
-    pressure: Vec<Complex32>,
+    solution: Option<Py<Solution>>,
+    picture: Picture,
+    /// Further planes that it takes to show all points.
+    others: Vec<Picture>,
 }
 
-#[derive(PartialEq)]
+impl PartialEq for Field {
+    fn eq(&self, other: &Self) -> bool {
+        let solutions = [self, other].map(|field| field.solution.as_ref().map(Py::get));
+        let pictures = self.picture == other.picture && self.others == other.others;
+        pictures && self.scene == other.scene && solutions[0] == solutions[1]
+    }
+}
+
+/// Pressures, and where they are.
+#[derive(Clone, PartialEq)]
+struct Picture {
+    places: Places,
+    pressure: Arc<[Complex32]>,
+}
+
+#[derive(Clone, PartialEq)]
 enum Places {
     Plane(midair::Plane),
-    Points(Vec<[f64; 3]>),
+    Points(Arc<[[f64; 3]]>),
 }
 
 impl Field {
     fn shape(&self) -> Vec<usize> {
-        match &self.places {
+        match &self.picture.places {
             Places::Plane(plane) => vec![plane.pixels, plane.pixels],
             Places::Points(points) => vec![points.len()],
         }
+    }
+
+    fn samples<'py>(&self, py: Python<'py>, axis: Axis) -> plane::Samples<'py> {
+        self.plane().and_then(|plane| plane.samples(py, axis))
     }
 }
 
 #[pymethods]
 impl Field {
-    /// Complex pressure in Pa (peak): (pixels, pixels), indexed [y, x], or (P,).
+    /// Complex pressure in Pa (peak): (pixels, pixels), indexed [up, across], [y, x] of a plane at a height, or (P,).
     #[getter]
     fn pressure<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<Complex32>>> {
-        give::list(py, self.pressure.clone()).reshape(self.shape())
+        give::list(py, self.picture.pressure.to_vec()).reshape(self.shape())
     }
 
     /// Radiation pressure in Pa on a wall at normal incidence, |p|^2/(rho c^2), of the same shape.
@@ -54,26 +76,32 @@ impl Field {
     fn radiation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let medium = self.scene.medium();
         let modulus = |p: &Complex32| f64::from(p.re).hypot(f64::from(p.im));
-        let radiation: Vec<f64> = self.pressure.iter().map(|p| medium.radiation(modulus(p))).collect();
+        let radiation: Vec<f64> = self.picture.pressure.iter().map(|p| medium.radiation(modulus(p))).collect();
         give::list(py, radiation).reshape(self.shape())
     }
 
-    /// Samples along x (pixels,) in m, or None for points.
+    /// Samples along x (pixels,) in m, or None for points and for a plane normal to x.
     #[getter]
-    fn x<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        self.plane().map(|plane| plane.x(py))
+    fn x<'py>(&self, py: Python<'py>) -> plane::Samples<'py> {
+        self.samples(py, Axis::X)
     }
 
-    /// Samples along y (pixels,) in m, or None for points.
+    /// Samples along y (pixels,) in m, or None for points and for a plane normal to y.
     #[getter]
-    fn y<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        self.plane().map(|plane| plane.y(py))
+    fn y<'py>(&self, py: Python<'py>) -> plane::Samples<'py> {
+        self.samples(py, Axis::Y)
+    }
+
+    /// Samples along z (pixels,) in m of a plane normal to x or y, else None.
+    #[getter]
+    fn z<'py>(&self, py: Python<'py>) -> plane::Samples<'py> {
+        self.samples(py, Axis::Z)
     }
 
     /// The plane, or None for points.
     #[getter]
     fn plane(&self) -> Option<Plane> {
-        match self.places {
+        match self.picture.places {
             Places::Plane(inner) => Some(Plane { inner }),
             Places::Points(_) => None,
         }
@@ -82,10 +110,32 @@ impl Field {
     /// The points (P, 3) in m, or None for a plane.
     #[getter]
     fn points<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        match &self.places {
+        match &self.picture.places {
             Places::Plane(_) => Ok(None),
             Places::Points(points) => rows(py, points).map(Some),
         }
+    }
+
+    /// Which of the scene's points (M,) lie in the plane, within a tenth of the wavelength, or None for points.
+    #[getter]
+    fn shown<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<bool>>> {
+        let Places::Plane(plane) = self.picture.places else { return None };
+        let wavelength = self.scene.medium().wavelength();
+        let shown: Vec<bool> = self.scene.points().iter().map(|&point| plane.shows(point, wavelength)).collect();
+        Some(give::list(py, shown))
+    }
+
+    /// The field in each plane that it takes to show the scene's points, at most four: itself first, and alone where
+    /// its plane was asked for.
+    #[getter]
+    fn panels(&self, py: Python<'_>) -> Vec<Self> {
+        let panel = |picture: &Picture| Self {
+            scene: Arc::clone(&self.scene),
+            solution: self.solution.as_ref().map(|solution| solution.clone_ref(py)),
+            picture: picture.clone(),
+            others: Vec::new(),
+        };
+        [&self.picture].into_iter().chain(&self.others).map(panel).collect()
     }
 
     /// The scene it belongs to.
@@ -95,31 +145,59 @@ impl Field {
     }
 
     #[staticmethod]
-    fn _restore(scene: &Bound<'_, Scene>, places: &Bound<'_, PyAny>, pressure: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let places = match places.cast::<Plane>() {
-            Ok(plane) => Places::Plane(plane.get().inner),
-            Err(_) => Places::Points(read::vectors("field points", places)?),
+    fn _restore(
+        scene: &Bound<'_, Scene>,
+        solution: Option<Py<Solution>>,
+        pictures: Vec<(Bound<'_, PyAny>, Bound<'_, PyAny>)>,
+    ) -> PyResult<Self> {
+        let picture = |(places, pressure): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+            let places = match places.cast::<Plane>() {
+                Ok(plane) => Places::Plane(plane.get().inner),
+                Err(_) => Places::Points(read::vectors("field points", &places)?.into()),
+            };
+            Ok(Picture { places, pressure: read::drive("pressure", &pressure)?.into() })
         };
-        let pressure = read::drive("pressure", &pressure.call_method0("ravel")?)?;
-        Ok(Self { scene: Arc::clone(&scene.get().inner), places, pressure })
+        let mut others = pictures.into_iter().map(picture).collect::<PyResult<Vec<_>>>()?;
+        if others.is_empty() {
+            return Err(invalid("pictures", "[]", "give at least one"));
+        }
+        let picture = others.remove(0);
+        Ok(Self { scene: Arc::clone(&scene.get().inner), solution, picture, others })
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
-        let places = match self.plane() {
-            Some(plane) => Bound::new(py, plane)?.into_any(),
-            None => self.points(py)?.into_pyobject(py)?.into_any(),
+        let told = |picture: &Picture| -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+            let places = match &picture.places {
+                Places::Plane(inner) => Bound::new(py, Plane { inner: *inner })?.into_any(),
+                Places::Points(points) => rows(py, points)?.into_any(),
+            };
+            Ok((places, give::list(py, picture.pressure.to_vec()).into_any()))
         };
-        restored::<Self>(py, (self.scene(), places, self.pressure(py)?))
+        let pictures = std::iter::once(&self.picture).chain(&self.others).map(told);
+        restored::<Self>(py, (self.scene(), self.solution(py), pictures.collect::<PyResult<Vec<_>>>()?))
+    }
+
+    /// The solution whose field it is, or None for that of a bare drive.
+    #[getter]
+    fn solution(&self, py: Python<'_>) -> Option<Py<Solution>> {
+        self.solution.as_ref().map(|solution| solution.clone_ref(py))
+    }
+
+    /// What supply or modulation multiply all drives by, counted in: the solution's scale; 1 for a bare drive.
+    #[getter]
+    fn scale(&self) -> f64 {
+        self.solution.as_ref().map_or(1.0, |solution| solution.get().inner.scale)
     }
 
     fn __repr__(&self) -> String {
-        format!("<midair.Field of {} samples>", self.pressure.len())
+        format!("<midair.Field of {} samples>", self.picture.pressure.len())
     }
 }
 
-/// The field of a drive (N,) on a plane, or at points (P, 3) in m: p = G q.
+/// The field p = G q of a drive (N,), or of a Solution with its scale counted in, on a plane or at points (P, 3) in m.
 ///
-/// Left out, the plane is the scene's own, else one around its points.
+/// Left out, the plane is the scene's own, else one through its points: normal to z, y or x, and several where they do
+/// not lie in one (`panels`).
 #[pyfunction]
 #[pyo3(signature = (scene, drive, plane=None))]
 pub(crate) fn field(
@@ -128,27 +206,35 @@ pub(crate) fn field(
     drive: &Bound<'_, PyAny>,
     plane: Argument<'_, '_>,
 ) -> PyResult<Field> {
-    let drive = read::drive("drive", drive)?;
+    let solution = drive.cast::<Solution>().ok().map(|solution| solution.clone().unbind());
+    let drive = played(drive)?;
     let scene = Arc::clone(&scene.get().inner);
-    let places = match plane {
-        None => Places::Plane(scene.picture_plane()),
+    let places: Vec<Places> = match plane {
+        None => scene.picture_planes().into_iter().map(Places::Plane).collect(),
         Some(plane) => match plane.cast::<Plane>() {
-            Ok(plane) => Places::Plane(plane.get().inner),
-            Err(_) => Places::Points(read::vectors("field points", plane)?),
+            Ok(plane) => vec![Places::Plane(plane.get().inner)],
+            Err(_) => vec![Places::Points(read::vectors("field points", plane)?.into())],
         },
     };
+    if let Some(Places::Plane(plane)) = places.first()
+        && !scene.is_shown(plane)
+    {
+        let better = midair::Plane::around(scene.points(), scene.medium().wavelength())[0].rounded();
+        warn(py, &format!("no point lies in {plane}: leave it out, or give one through the points, {better}"))?;
+    }
     let model = midair::Model::of(&scene, instruction_set()?);
     let threads = limits::threads(py)?;
-    let pressure = attend(py, None, |control| {
-        let grid;
-        let points = match &places {
-            Places::Plane(plane) => {
-                grid = plane.points();
-                &grid
-            }
-            Places::Points(points) => points,
+    let mut others = attend(py, None, |control| {
+        let control = &mut control.on(threads);
+        let mut sample = |places: Places| {
+            let pressure = match &places {
+                Places::Plane(plane) => midair::field(&model, &drive, &plane.points(), control),
+                Places::Points(points) => midair::field(&model, &drive, points, control),
+            };
+            Ok(Picture { places, pressure: pressure?.into() })
         };
-        midair::field(&model, &drive, points, &mut control.on(threads))
+        places.into_iter().map(&mut sample).collect::<Result<Vec<_>, _>>()
     })?;
-    Ok(Field { scene, places, pressure })
+    let picture = others.remove(0);
+    Ok(Field { scene, solution, picture, others })
 }

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use crate::ctrl_c::attend;
 use crate::instruction_set::instruction_set;
 use crate::metrics::Metrics;
-use crate::read;
+use crate::solution::played;
 use crate::subject::{Beside, Subject};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -35,8 +35,8 @@ pub(crate) fn bound(
     attend(py, None, |mut control| midair::bound(&subject.problem(set, &mut control)?, &mut control))
 }
 
-/// The metrics of a drive (N,), wholly in double precision. Pressures, weights and mask go with a Propagation, or
-/// replace a scene's own.
+/// The metrics of a drive (N,), or of a Solution with its scale counted in, wholly in double precision. Pressures,
+/// weights and mask go with a Propagation, or replace a scene's own.
 #[pyfunction]
 #[pyo3(signature = (scene, drive, *, pressures=None, weights=None, mask=None))]
 pub(crate) fn judge(
@@ -48,7 +48,7 @@ pub(crate) fn judge(
     mask: Argument<'_, '_>,
 ) -> PyResult<Metrics> {
     let subject = Subject::read(scene, Beside { pressures, weights, mask, ..Beside::default() })?;
-    let drive = read::drive("drive", drive)?;
+    let drive = played(drive)?;
     let set = instruction_set()?;
     let judge = |mut control: Control<'_>| subject.problem(set, &mut control)?.judge(&drive, &mut control);
     attend(py, None, judge).map(Metrics::from)

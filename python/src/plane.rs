@@ -2,22 +2,27 @@
 
 use std::hash::{Hash, Hasher};
 
+use midair::Axis;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::error::{invalid, refused};
 use crate::give;
 use crate::numbers::quoted;
-use crate::pickle::Reduced;
+use crate::pickle::{Reduced, restored};
 use crate::read;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// A square of pixels x pixels samples at height z, side size (all in m), around center (x, y).
+/// A square of pixels x pixels samples, side size (all in m), around center: at height z, center (x, y); or normal to
+/// axis "y", center (x, z), or "x", center (y, z), at the place `at` along it.
 ///
 /// >>> import midair
 /// >>> float(midair.Plane(z=0.15, size=0.1, pixels=3).x[0])
 /// -0.05
+/// >>> upright = midair.Plane(axis="y", at=0, size=0.1, pixels=3, center=(0, 0.1))
+/// >>> float(upright.along("z")[0])
+/// 0.05
 #[pyclass(frozen, eq, hash, module = "midair")]
 #[derive(Clone, PartialEq)]
 pub(crate) struct Plane {
@@ -28,40 +33,67 @@ impl Hash for Plane {
     fn hash<H: Hasher>(&self, state: &mut H) {
         // 0 and -0 are equal.
         let bits = |x: f64| (x + 0.0).to_bits();
-        (bits(self.inner.z), bits(self.inner.size), self.inner.pixels).hash(state);
+        (bits(self.inner.at), bits(self.inner.size), self.inner.pixels).hash(state);
     }
 }
 
 #[pymethods]
 impl Plane {
     #[new]
-    #[pyo3(signature = (z, size, pixels=None, center=None), text_signature = "(z, size, pixels=200, center=(0, 0))")]
+    #[pyo3(
+        signature = (z=None, size=None, pixels=None, center=None, *, axis=None, at=None),
+        text_signature = "(z=None, size=None, pixels=200, center=(0, 0), *, axis='z', at=None)"
+    )]
     fn new(
-        z: &Bound<'_, PyAny>,
-        size: &Bound<'_, PyAny>,
+        z: Argument<'_, '_>,
+        size: Argument<'_, '_>,
         pixels: Argument<'_, '_>,
         center: Argument<'_, '_>,
+        axis: Argument<'_, '_>,
+        at: Argument<'_, '_>,
     ) -> PyResult<Self> {
+        let axis = axis.map_or(Ok(Axis::Z), read_axis)?;
         let pixels = pixels.map_or(Ok(200), |pixels| read::count("plane.pixels", pixels))?;
         let center = match center {
             None => [0.0, 0.0],
             Some(center) => {
                 let pair: Vec<Bound<'_, PyAny>> =
                     center.try_iter().and_then(|few| few.take(3).collect()).unwrap_or_default();
-                let [x, y] = &pair[..] else {
-                    return Err(invalid("plane.center", &quoted(center), "give two real numbers, x and y"));
+                let [across, up] = &pair[..] else {
+                    return Err(invalid("plane.center", &quoted(center), "give two real numbers, across and up"));
                 };
-                [read::real("plane.center[0]", x)?, read::real("plane.center[1]", y)?]
+                [read::real("plane.center[0]", across)?, read::real("plane.center[1]", up)?]
             }
         };
-        let (z, size) = (read::real("plane.z", z)?, read::real("plane.size", size)?);
-        Ok(Self { inner: midair::Plane::new(z, size, pixels, center).map_err(refused)? })
+        let number = |item: &str, value: Argument<'_, '_>| value.map(|value| read::real(item, value)).transpose();
+        let place = midair::Plane::place(axis, number("plane.z", z)?, number("plane.at", at)?).map_err(refused)?;
+        let place = match (place, axis) {
+            (Some(place), _) => place,
+            (None, Axis::Z) => return Err(invalid("plane.z", "left out", "give the plane's height in m")),
+            // Upright planes go through the array's axis unless told otherwise.
+            (None, _) => 0.0,
+        };
+        let size = number("plane.size", size)?;
+        let size = size.ok_or_else(|| invalid("plane.size", "left out", "give the plane's side in m"))?;
+        Ok(Self { inner: midair::Plane::normal_to(axis, place, size, pixels, center).map_err(refused)? })
     }
 
-    /// Height in m.
+    /// The axis that it is normal to: "x", "y" or "z".
     #[getter]
-    fn z(&self) -> f64 {
-        self.inner.z
+    fn axis(&self) -> String {
+        self.inner.axis.to_string()
+    }
+
+    /// Its place along that axis in m.
+    #[getter]
+    fn at(&self) -> f64 {
+        self.inner.at
+    }
+
+    /// Height in m, or None of a plane normal to x or y.
+    #[getter]
+    fn z(&self) -> Option<f64> {
+        (self.inner.axis == Axis::Z).then_some(self.inner.at)
     }
 
     /// Side in m.
@@ -76,31 +108,54 @@ impl Plane {
         self.inner.pixels
     }
 
-    /// Middle (x, y) in m.
+    /// Middle in m, across and up: (x, y), (x, z) or (y, z).
     #[getter]
     fn center(&self) -> (f64, f64) {
         (self.inner.center[0], self.inner.center[1])
     }
 
-    /// Samples along x (pixels,) in m.
+    /// Samples along x (pixels,) in m, or None of a plane normal to x.
     #[getter]
-    pub(crate) fn x<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        give::list(py, self.inner.axis(0))
+    fn x<'py>(&self, py: Python<'py>) -> Samples<'py> {
+        self.samples(py, Axis::X)
     }
 
-    /// Samples along y (pixels,) in m.
+    /// Samples along y (pixels,) in m, or None of a plane normal to y.
     #[getter]
-    pub(crate) fn y<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        give::list(py, self.inner.axis(1))
+    fn y<'py>(&self, py: Python<'py>) -> Samples<'py> {
+        self.samples(py, Axis::Y)
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
-        let midair::Plane { z, size, pixels, center: [x, y] } = slf.get().inner;
-        Ok((slf.get_type().into_any(), (z, size, pixels, (x, y)).into_pyobject(slf.py())?))
+    /// Samples along an axis (pixels,) in m, or None of that which the plane is normal to.
+    fn along<'py>(&self, py: Python<'py>, axis: &Bound<'py, PyAny>) -> PyResult<Samples<'py>> {
+        Ok(self.samples(py, read_axis(axis)?))
+    }
+
+    #[staticmethod]
+    fn _restore(axis: &str, at: f64, size: f64, pixels: usize, center: [f64; 2]) -> PyResult<Self> {
+        let axis = Axis::named(axis).map_err(refused)?;
+        Ok(Self { inner: midair::Plane::normal_to(axis, at, size, pixels, center).map_err(refused)? })
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        let midair::Plane { axis, at, size, pixels, center } = self.inner;
+        restored::<Self>(py, (axis.to_string(), at, size, pixels, center))
     }
 
     fn __repr__(&self) -> String {
-        let midair::Plane { z, size, pixels, center: [x, y] } = self.inner;
-        format!("Plane(z={z}, size={size}, pixels={pixels}, center=({x}, {y}))")
+        self.inner.to_string()
     }
+}
+
+pub(crate) type Samples<'py> = Option<Bound<'py, PyArray1<f64>>>;
+
+impl Plane {
+    pub(crate) fn samples<'py>(&self, py: Python<'py>, axis: Axis) -> Samples<'py> {
+        self.inner.along(axis).map(|samples| give::list(py, samples))
+    }
+}
+
+fn read_axis(axis: &Bound<'_, PyAny>) -> PyResult<Axis> {
+    let name: String = axis.extract().map_err(|_| invalid("axis", &quoted(axis), "give \"x\", \"y\" or \"z\""))?;
+    Axis::named(&name).map_err(refused)
 }

@@ -231,6 +231,18 @@ impl Solution {
         slf.py().import("midair.notebook")?.call_method1("solution", (slf,))
     }
 
+    /// A matplotlib figure of what was asked and got at each point, in Pa, beside the field in the planes through them.
+    ///
+    /// quantity is what the field's picture shows: "pressure", "radiation", "spl" or "phase". A matrix has no field.
+    #[pyo3(signature = (*, quantity=None), text_signature = "($self, *, quantity='pressure')")]
+    fn plot<'py>(slf: &Bound<'py, Self>, quantity: Option<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
+        let options = PyDict::new(slf.py());
+        if let Some(quantity) = quantity {
+            options.set_item("quantity", quantity)?;
+        }
+        slf.py().import("midair.plot")?.getattr("answer")?.call((slf,), Some(&options))
+    }
+
     fn __repr__(&self) -> String {
         let metrics = self.inner.metrics();
         let (name, status) = (&self.choice.name, self.inner.status);
@@ -238,6 +250,14 @@ impl Solution {
         let scale = self.inner.scale;
         let supply = if scale < 1.0 { format!(", drives to be scaled by {scale:.4}") } else { String::new() };
         format!("<midair.Solution by {name}: {status}, accuracy {accuracy:.4}, sigma {sigma:.4}{supply}>")
+    }
+}
+
+/// What transducers play: a drive (N,) as it is, or a Solution's with its scale counted in.
+pub(crate) fn played(drive: &Bound<'_, PyAny>) -> PyResult<Vec<Complex32>> {
+    match drive.cast::<Solution>() {
+        Ok(solution) => Ok(solution.get().inner.played()),
+        Err(_) => read::drive("drive", drive),
     }
 }
 

@@ -15,7 +15,7 @@ import pytest
 
 import midair
 from midair import cli
-from midair.cli import progress
+from midair.cli import compare, progress, solve
 from scenes import METRICS, numbers, same_bits
 
 SOLVERS = sorted(midair.solvers())
@@ -94,8 +94,8 @@ def test_help_names_every_option(run: Run, command: str) -> None:
     status, out, err = run(*command.split(), "--help")
     words = {
         "": ["solve", "compare", "solvers", "presets"],
-        "solve": ["--solver", "--output", "-o", "--image", "--balance", "--aim"],
-        "compare": ["--solvers", "--image", "--balance"],
+        "solve": ["--solver", "--output", "-o", "--image", "--quantity", "--balance", "--aim"],
+        "compare": ["--solvers", "--image", "--quantity", "--balance"],
     }
     assert (status, err) == (0, "")
     for word in ["Usage", *words.get(command, [])]:
@@ -250,6 +250,36 @@ def test_image_is_a_picture_of_sane_size(run: Run) -> None:
     assert 600 < height < width < 4000
     run("solve", "scene.toml", "--image", "field.svg")
     assert "<svg" in Path("field.svg").read_text()
+
+
+@pytest.mark.parametrize("quantity", ["pressure", "radiation", "spl", "phase"])
+def test_images_count_the_scale_in_and_show_the_quantity_asked_for(
+    run: Run, monkeypatch: pytest.MonkeyPatch, quantity: str
+) -> None:
+    board = "grid = { nx = 8, ny = 6, pitch = 0.01 }\nquantization = { phases = 32, amplitudes = [0, 1] }"
+    text = SCENE.replace("grid = { nx = 8, ny = 6, pitch = 0.01 }", board).replace("00.0", ".0")
+    Path("weak.toml").write_text(text.replace("amplitudes = 2\n", "balance = true\n"))
+    figures = []
+    for module in (solve, compare):
+        monkeypatch.setattr(module, "write_image", lambda path, figure: figures.append(figure))
+    assert run("solve", "weak.toml", "--image", "a.png", "--quantity", quantity)[0] == 0
+    assert (
+        run("compare", "weak.toml", "--solvers", "greedy", "--image", "a.png", "--quantity", quantity)[0] == 0
+    )
+    with pytest.warns(midair.SceneWarning, match="scale"):
+        solution = midair.solve(midair.Scene.load("weak.toml"))
+    field = midair.field(solution.scene, solution)
+    assert np.abs(field.pressure).max() < 100
+    for figure in figures:
+        (image, *_) = (image for ax in figure.axes for image in ax.images)
+        values = np.asarray(image.get_array())
+        if quantity == "pressure":
+            assert values == pytest.approx(np.abs(field.pressure), rel=1e-6)
+        elif quantity == "radiation":
+            assert values == pytest.approx(field.radiation * 1e3, rel=1e-6)
+        else:
+            assert image.get_clim()[0] == pytest.approx(-np.pi if quantity == "phase" else values.max() - 60)
+    assert run("solve", "weak.toml", "--image", "a.png", "--quantity", "loudness")[0] == 2
 
 
 def test_compare_has_a_line_and_a_panel_for_each_solver(run: Run) -> None:

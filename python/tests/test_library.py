@@ -39,7 +39,7 @@ def test_keywords_have_the_names_and_order_of_the_design() -> None:
         midair.Scene: "array points pressures weights frequency sound_speed temperature absorption density "
         "source_pressure directivity",
         midair.Array: "positions normals source_pressure directivity response mask quantization",
-        midair.Plane: "z size pixels center",
+        midair.Plane: "z size pixels center axis at",
         midair.solve: "scene solver pressures weights quantization mask positions balance aim start progress "
         "trace options",
         midair.solve_batch: "scene points pressures solver weights start out threads progress options",
@@ -47,7 +47,7 @@ def test_keywords_have_the_names_and_order_of_the_design() -> None:
         midair.bound: "scene pressures weights mask",
         midair.judge: "scene drive pressures weights mask",
         midair.field: "scene drive plane",
-        midair.plot: "field ax quantity vmax",
+        midair.plot: "what ax quantity vmax",
     }
     for function, names in parameters.items():
         assert list(inspect.signature(function).parameters) == names.split()

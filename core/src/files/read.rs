@@ -11,7 +11,7 @@ use crate::files::item::{Item, Table};
 use crate::files::node::Node;
 use crate::files::positions;
 use crate::files::source::Source;
-use crate::scene::{Array, Choice, Directivity, Medium, Options, Plane, Request, Scene, Transducer, Value};
+use crate::scene::{Array, Axis, Choice, Directivity, Medium, Options, Plane, Request, Scene, Transducer, Value};
 use crate::solvers::registry;
 
 /// The scene of a document.
@@ -24,7 +24,7 @@ pub(super) fn scene(document: &Node, source: Source<'_>) -> Result<Scene, Fault>
     let medium = root.read("medium", |item| medium(&item.table()?))?.unwrap_or_default();
     let array = array(&root.need("array")?.table()?, source)?;
     let mut scene = Scene::new(array, medium, places, request)?;
-    scene.plane = root.read("plane", |item| plane(&item.table()?, scene.points()))?;
+    scene.plane = root.read("plane", |item| plane(&item.table()?, &scene))?;
     scene.solver = root.read("solver", |item| choice(&item.open_table()?, scene.array().quantization()))?;
     Ok(scene)
 }
@@ -184,13 +184,24 @@ fn value(item: &Item<'_>) -> Result<Value, Fault> {
     })
 }
 
-fn plane(table: &Table<'_>, points: &[[f64; 3]]) -> Result<Plane, Fault> {
-    let around = Plane::around(points);
+fn plane(table: &Table<'_>, scene: &Scene) -> Result<Plane, Fault> {
+    let axis = table.read("axis", |axis| Axis::named(axis.text()?).map_err(|error| Fault::at("plane.axis", error)))?;
+    let (z, at) = (table.read("z", Item::real)?, table.read("at", Item::real)?);
     let size = table.read("size", Item::real)?;
+    let (points, wavelength) = (scene.points(), scene.medium().wavelength());
+    let around = match axis.or(z.or(at).map(|_| Axis::Z)) {
+        None => Plane::around(points, wavelength)[0],
+        Some(axis) => Plane::layers(axis, points, wavelength)[0],
+    };
     // A size of the user's own is meant around the array's axis; one that follows the points follows them.
-    let center = if size.is_some() { [0.0, 0.0] } else { around.center };
-    Ok(Plane::new(
-        table.read("z", Item::real)?.unwrap_or(around.z),
+    let center = match (size, around.axis) {
+        (None, _) => around.center,
+        (Some(_), Axis::Z) => [0.0, 0.0],
+        (Some(_), _) => [0.0, around.center[1]],
+    };
+    Ok(Plane::normal_to(
+        around.axis,
+        Plane::place(around.axis, z, at)?.unwrap_or(around.at),
         size.unwrap_or(around.size),
         table.read("pixels", Item::count)?.unwrap_or(around.pixels),
         table.read("center", Item::numbers)?.unwrap_or(center),

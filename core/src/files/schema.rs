@@ -51,7 +51,17 @@ const TABLES: &[Table] = &[
     ("array.quantization", &[("phases", "256"), ("amplitudes", "[0.0, 0.5, 1.0]")]),
     ("points[]", &[("position", "[0.0, 0.0, 0.15]"), ("pressure", "500.0"), ("weight", "1.0")]),
     ("solver", &[("name", r#""greedy""#), ("balance", "true"), ("aim", r#""max""#)]),
-    ("plane", &[("z", "0.15"), ("size", "0.1"), ("pixels", "200"), ("center", "[0.0, 0.0]")]),
+    (
+        "plane",
+        &[
+            ("z", "0.15"),
+            ("axis", r#""y""#),
+            ("at", "0.0"),
+            ("size", "0.1"),
+            ("pixels", "200"),
+            ("center", "[0.0, 0.0]"),
+        ],
+    ),
 ];
 
 /// Names that keys had before, or that hands write for them.

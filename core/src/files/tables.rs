@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::error::Error;
 use crate::files::quantization::QuantizationTable;
-use crate::scene::{Array, Origin, Scene, Transducer, Value};
+use crate::scene::{Array, Axis, Origin, Plane, Scene, Transducer, Value};
 
 /// How a scene was solved, written beside it so that a result can be replayed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -115,6 +115,11 @@ struct SolverTable {
 
 #[derive(Serialize)]
 struct PlaneTable {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    axis: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    at: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     z: Option<f64>,
     size: Option<f64>,
     pixels: Option<i64>,
@@ -175,12 +180,7 @@ impl SceneTable {
             },
             array: ArrayTable::of(scene.array()),
             solver: solver.transpose()?,
-            plane: scene.plane.map(|plane| PlaneTable {
-                z: Some(plane.z),
-                size: Some(plane.size),
-                pixels: Some(plane.pixels as i64),
-                center: Some(Numbers(plane.center)),
-            }),
+            plane: scene.plane.map(PlaneTable::of),
             points: points.collect(),
         })
     }
@@ -214,5 +214,16 @@ impl ArrayTable {
             quantization: QuantizationTable::of(array),
             ..origin
         }
+    }
+}
+
+impl PlaneTable {
+    fn of(plane: Plane) -> Self {
+        let Plane { axis, at, size, pixels, center } = plane;
+        let (axis, at, z) = match axis {
+            Axis::Z => (None, None, Some(at)),
+            _ => (Some(axis.to_string()), Some(at), None),
+        };
+        Self { axis, at, z, size: Some(size), pixels: Some(pixels as i64), center: Some(Numbers(center)) }
     }
 }

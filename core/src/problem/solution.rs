@@ -268,6 +268,12 @@ impl Solution {
         }
     }
 
+    /// The drives (N,) with `scale` counted in: what the transducers play.
+    #[must_use]
+    pub fn played(&self) -> Vec<Complex32> {
+        self.drive.iter().map(|&q| divided(q, 1.0 / self.scale)).collect()
+    }
+
     /// Gives the vectors back to the workspace for the next solve.
     pub fn recycle(self, work: &Workspace) {
         work.complexes.give(self.drive);

@@ -19,7 +19,7 @@ pub(crate) use array::{UNITS, check_positions};
 pub use choice::Choice;
 pub(crate) use extent::{check_array, check_places};
 pub use medium::Medium;
-pub use plane::Plane;
+pub use plane::{Axis, Plane};
 pub use request::Request;
 pub use start::Start;
 pub(crate) use start::check_drive;
@@ -91,9 +91,15 @@ impl Scene {
         &self.request
     }
 
-    /// The plane for pictures: the scene's own, else [`Plane::around`] its points.
+    /// The planes of its pictures: the scene's own, else those [`Plane::around`] its points.
     #[must_use]
-    pub fn picture_plane(&self) -> Plane {
-        self.plane.unwrap_or_else(|| Plane::around(&self.points))
+    pub fn picture_planes(&self) -> Vec<Plane> {
+        self.plane.map_or_else(|| Plane::around(&self.points, self.medium.wavelength()), |plane| [plane].into())
+    }
+
+    /// Whether a picture of the plane shows any of the points.
+    #[must_use]
+    pub fn is_shown(&self, plane: &Plane) -> bool {
+        self.points.iter().any(|&point| plane.shows(point, self.medium.wavelength()))
     }
 }

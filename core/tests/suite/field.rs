@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use midair::{
-    Array, Complex32, Complex64, Control, Directivity, Error, InstructionSet, Medium, Model, Plane, Progress, Request,
-    Rng, Scene, Transducer,
+    Array, Axis, Complex32, Complex64, Control, Directivity, Error, InstructionSet, Medium, Model, Plane, Progress,
+    Request, Rng, Scene, Transducer,
 };
 
 use crate::oracle;
@@ -57,26 +57,99 @@ fn planes_and_points_have_the_oracles_field() {
 fn a_plane_is_sampled_from_end_to_end_x_fastest() {
     let plane = Plane::new(0.2, 0.1, 5, [0.01, -0.02]).expect("a plane");
     for (axis, first) in [(0, -0.04), (1, -0.07)] {
-        for (i, x) in plane.axis(axis).into_iter().enumerate() {
+        for (i, x) in plane.samples(axis).into_iter().enumerate() {
             assert!((x - (first + 0.025 * i as f64)).abs() < 1e-15);
         }
     }
     let points = plane.points();
     assert_eq!(points.len(), 25);
     for (k, point) in points.into_iter().enumerate() {
-        assert_eq!(point, [plane.axis(0)[k % 5], plane.axis(1)[k / 5], 0.2]);
+        assert_eq!(point, [plane.samples(0)[k % 5], plane.samples(1)[k / 5], 0.2]);
     }
 }
 
 #[test]
-fn a_picture_without_a_plane_is_taken_around_the_points() {
-    let plane = |points: &[[f64; 3]]| Plane::around(points);
-    let wide = plane(&[[0.0, 0.1, 0.2], [0.08, 0.0, 0.3], [0.02, 0.05, 0.1]]);
-    for (value, wanted) in [(wide.z, 0.2), (wide.size, 0.125), (wide.center[0], 0.04), (wide.center[1], 0.05)] {
-        assert!((value - wanted).abs() < 1e-15, "{value} for {wanted}");
+fn an_upright_plane_has_its_axes_across_and_up() {
+    let plane = Plane::normal_to(Axis::Y, 0.3, 0.1, 5, [0.01, 0.15]).expect("a plane");
+    assert_eq!(plane.along(Axis::Y), None);
+    assert_eq!((plane.along(Axis::X), plane.along(Axis::Z)), (Some(plane.samples(0)), Some(plane.samples(1))));
+    for (k, point) in plane.points().into_iter().enumerate() {
+        assert_eq!(point, [plane.samples(0)[k % 5], 0.3, plane.samples(1)[k / 5]]);
     }
-    let narrow = plane(&[[0.0, 0.0, 0.15], [0.01, 0.0, 0.150_000_9]]);
-    assert_eq!((narrow.z, narrow.size, narrow.pixels), (0.15, 0.04, 200));
+    let side = Plane::normal_to(Axis::X, 0.3, 0.1, 3, [0.01, 0.15]).expect("a plane");
+    assert_eq!(side.points()[1], [0.3, side.samples(0)[1], side.samples(1)[0]]);
+}
+
+/// The axis, places, size and centre of the planes around points, of a wavelength of 8.5 mm.
+fn around(points: &[[f64; 3]]) -> (Axis, Vec<f64>, f64, [f64; 2]) {
+    let planes = Plane::around(points, 8.5e-3);
+    for plane in &planes {
+        assert_eq!(Plane { at: plane.at, ..planes[0] }, *plane);
+    }
+    (planes[0].axis, planes.iter().map(|plane| plane.at).collect(), planes[0].size, planes[0].center)
+}
+
+#[test]
+fn planes_left_out_go_through_the_points_and_two_wavelengths_around_them() {
+    let margin = 4.0 * 8.5e-3;
+    for (points, axis, center) in [
+        (vec![[0.01, 0.02, 0.15]], Axis::Z, [0.01, 0.02]),
+        (vec![[0.0, 0.0, 0.15], [0.04, 0.02, 0.15]], Axis::Z, [0.02, 0.01]),
+        // On the axis of a levitator, and on lines along x and y.
+        (vec![[0.0, 0.0, -0.02], [0.0, 0.0, 0.02]], Axis::Y, [0.0, 0.0]),
+        (vec![[-0.02, 0.0, 0.1], [0.02, 0.0, 0.1]], Axis::Z, [0.0, 0.0]),
+        (vec![[0.0, -0.02, 0.1], [0.0, 0.02, 0.1]], Axis::Z, [0.0, 0.0]),
+        // Three in a plane normal to x; two whose heights differ by less than a picture can tell.
+        (vec![[0.01, 0.0, 0.1], [0.01, 0.02, 0.14], [0.01, 0.01, 0.1]], Axis::X, [0.01, 0.12]),
+        (vec![[0.0, 0.0, 0.1], [0.02, 0.01, 0.1005]], Axis::Z, [0.01, 0.005]),
+    ] {
+        let (found, at, size, middle) = around(&points);
+        let spread = |k: usize| {
+            let of = |pick: fn(f64, f64) -> f64| points.iter().map(|point| point[k]).reduce(pick).expect("a point");
+            of(f64::max) - of(f64::min)
+        };
+        let [u, v] = [Axis::X, Axis::Y, Axis::Z]
+            .into_iter()
+            .filter(|&other| other != axis)
+            .map(|other| spread(other as usize))
+            .collect::<Vec<_>>()[..]
+        else {
+            panic!("two axes")
+        };
+        assert_eq!((found, at.len()), (axis, 1), "{points:?}");
+        assert!((size - u.max(v) - margin).abs() < 1e-15, "{size} for {points:?}");
+        assert!(middle.into_iter().zip(center).all(|(a, b)| (a - b).abs() < 1e-15), "{middle:?} for {points:?}");
+        let plane = Plane::around(&points, 8.5e-3)[0];
+        assert!(points.iter().all(|&point| plane.shows(point, 8.5e-3)), "{points:?}");
+    }
+}
+
+#[test]
+fn points_that_no_plane_goes_through_have_one_for_each_place_at_most_four() {
+    // Two heights, the lower with two points.
+    let (axis, at, ..) =
+        around(&[[0.0, 0.0, 0.2], [0.03, 0.01, 0.1], [-0.03, 0.02, 0.1], [-0.02, -0.02, 0.2], [0.0, 0.03, 0.1]]);
+    assert_eq!((axis, at), (Axis::Z, vec![0.1, 0.2]));
+    // As many of x and y as of z: a flat array's pictures.
+    let (axis, at, ..) = around(&[[0.0, 0.0, 0.1], [0.02, 0.03, 0.12], [0.05, 0.06, 0.15]]);
+    assert_eq!((axis, at), (Axis::Z, vec![0.1, 0.12, 0.15]));
+    let spiral: Vec<_> = (0..50).map(|i| f64::from(i) * 0.01).map(|x| [x, x + 1.0, x + 2.0]).collect();
+    assert_eq!(around(&spiral).1.len(), 4);
+}
+
+#[test]
+fn a_plane_shows_what_lies_in_its_square_and_a_tenth_of_the_wavelength_around_it() {
+    let plane = Plane::new(0.15, 0.1, 201, [0.01, 0.0]).expect("a plane");
+    for (point, shown) in [
+        ([0.06, -0.05, 0.15], true),
+        ([0.0602, 0.0, 0.15], true),
+        ([0.061, 0.0, 0.15], false),
+        ([0.0, 0.051, 0.15], false),
+        ([0.0, 0.0, 0.1508], true),
+        ([0.0, 0.0, 0.1491], false),
+    ] {
+        assert_eq!(plane.shows(point, 8.5e-3), shown, "{point:?}");
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The scene file: what it says.
 
 use midair::files::{Format, Provenance, Source, read, read_from, references, write};
-use midair::{Directivity, Error, Plane, Scene, Value};
+use midair::{Axis, Directivity, Error, Plane, Scene, Value};
 
 const WHOLE: &str = r#"
 [medium]
@@ -72,6 +72,7 @@ response = [[1, 0], [0.5, -0.25]]";
         with("grid = { nx = 4, ny = 3, pitch = 10e-3 }", positions),
         with("grid = { nx = 4, ny = 3, pitch = 10e-3 }", "preset = \"autd3\"\ntiles = [2, 1]"),
         with("directivity = { piston = 4.5e-3 }", "directivity = \"t4010a1\""),
+        with("z = 0.15", "axis = \"y\"\nat = 0.01\ncenter = [0.02, 0.1]"),
         with("order = \"rows\"", "order = [3, 1, 0, 2, 4, 5, 6, 7, 8, 9, 10, 11]\nseed = 9007199254740993"),
     ];
     for text in texts {
@@ -88,10 +89,17 @@ response = [[1, 0], [0.5, -0.25]]";
 fn a_plane_left_out_in_part_follows_the_points() {
     let at = |text: &str| toml(&with("z = 0.15\nsize = 0.1", text)).expect("a scene").plane.expect("a plane");
     let around = at("");
-    // Two points 10 mm apart around x = 5 mm: the least size is 40 mm.
-    assert_eq!((around.z, around.size, around.pixels), (0.15, 0.04, 200));
+    // Two points 10 mm apart around x = 5 mm, and two wavelengths on each side.
+    let wavelength = toml(WHOLE).expect("a scene").medium().wavelength();
+    assert_eq!((around.axis, around.at, around.pixels), (Axis::Z, 0.15, 200));
+    assert!((around.size - 0.01 - 4.0 * wavelength).abs() < 1e-12);
     assert!((around.center[0] - 0.005).abs() < 1e-12 && around.center[1] == 0.0);
     assert_eq!(at("size = 0.2\npixels = 50"), Plane::new(0.15, 0.2, 50, [0.0, 0.0]).expect("a plane"));
+    // An upright plane of the user's own size stays at the array's axis across, and follows the points up.
+    let upright = |at, size, center| Plane::normal_to(Axis::Y, at, size, 200, center).expect("a plane");
+    assert_eq!(at("axis = \"y\"\nat = 0.01\nsize = 0.2"), upright(0.01, 0.2, [0.0, 0.15]));
+    assert_eq!(at("axis = \"Y\""), upright(0.0, around.size, [around.center[0], 0.15]));
+    assert_eq!(at("axis = \"z\"\nat = 0.2").at, at("z = 0.2").at);
 }
 
 #[test]

@@ -11,6 +11,7 @@ from cyclopts import Parameter
 
 from .. import SceneError, output
 from ..compare import Comparison, choices, growing
+from ..plot import Quantity
 from .images import write_image
 from .progress import progress_bar
 from .scene import STANDARD, check_outputs, read_scene
@@ -25,6 +26,7 @@ def compare_command(
     solvers: str = "all",
     output_file: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
     image: Path | None = None,
+    quantity: Quantity = "pressure",
     balance: bool | None = None,
     json: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
@@ -43,6 +45,8 @@ def compare_command(
         Where the table goes: .csv or .json, or - for CSV on standard output.
     image
         Where the contact sheet of fields goes: .png, .svg, .pdf or .jpg.
+    quantity
+        What the sheet shows: |p| in Pa, the radiation pressure, the level in dB or the phase.
     balance
         Balance for every method, or (--no-balance) for none; left out, each method's own habit.
     json
@@ -60,7 +64,7 @@ def compare_command(
             for table in growing(request, names, balance=balance):
                 tell(len(table), count)
             if image is not None and table is not None:
-                write_image(image, table.plot())
+                write_image(image, table.plot(quantity=quantity))
     finally:
         # What was solved before an interruption is worth its line.
         if table is not None:

@@ -1,4 +1,4 @@
-"""Pictures of fields as files, and the titles in them."""
+"""Pictures as files."""
 
 from __future__ import annotations
 
@@ -6,19 +6,10 @@ import io
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .. import Solution, output
+from .. import output
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-
-def title(solution: Solution) -> str:
-    """The solver and those of its options that change a picture most."""
-    options = solution.options
-    told = (
-        key for key in ("phases", "amplitudes", "order", "limit") if isinstance(options.get(key), str | int)
-    )
-    return ", ".join([solution.solver, *(f"{key}={options[key]}" for key in told)])
 
 
 def write_image(path: Path, figure: Figure) -> None:

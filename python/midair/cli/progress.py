@@ -21,7 +21,13 @@ from rich.progress import (
 def progress_bar(doing: str) -> Iterator[Callable[[int, int], None]]:
     """A progress bar for whatever takes over a second; the block calls what it gets with (step, steps)."""
     # A spinner of letters that every terminal has.
-    columns = (SpinnerColumn("line"), TextColumn(doing), BarColumn(), TimeElapsedColumn(), TimeRemainingColumn())
+    columns = (
+        SpinnerColumn("line"),
+        TextColumn(doing),
+        BarColumn(),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+    )
     terminal = Console(stderr=True)
     # Elsewhere even a bar that leaves nothing behind leaves an empty line.
     moves = terminal.is_terminal and not terminal.is_dumb_terminal

@@ -8,10 +8,10 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from .. import Scene, SceneError, Solution, field, output, solve
+from .. import Scene, SceneError, Solution, output, solve
 from ..ctrl_c import interruptible
-from ..plot import picture
-from .images import title, write_image
+from ..plot import Quantity, answer
+from .images import write_image
 from .progress import progress_bar
 from .scene import STANDARD, check_outputs, read_scene, typed_scene
 from .streams import tell as say
@@ -28,6 +28,7 @@ def solve_command(
     solver: str | None = None,
     output_file: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
     image: Path | None = None,
+    quantity: Quantity = "pressure",
     balance: bool | None = None,
     aim: str | None = None,
     json: Annotated[bool, Parameter(negative=())] = False,
@@ -58,7 +59,9 @@ def solve_command(
         Where the drive goes: .npz, .csv or .json, or - for JSON on standard output. Left out, nothing is
         written.
     image
-        Where a picture of the field goes: .png, .svg, .pdf or .jpg.
+        Where a picture goes, of the field and of what was asked and got: .png, .svg, .pdf or .jpg.
+    quantity
+        What the field's picture shows: |p| in Pa, the radiation pressure, the level in dB or the phase.
     balance
         Solve at the level the array can reach and reduce the drives afterwards.
     aim
@@ -91,8 +94,7 @@ def solve_command(
             output.write_drive(output_file, request, solution)
         if image is not None and not stopped:
             with progress_bar("drawing"):
-                drawn = picture(field(request, solution.drive), title(solution))
-                write_image(image, drawn)
+                write_image(image, answer(solution, quantity=quantity))
     finally:
         # An answer is worth its line, also where its file cannot be written.
         _print(request, solution, json, document=output_file == STANDARD)

@@ -1,0 +1,145 @@
+"""What the colours of a picture mean: the quantity, its unit, and the ends of the scale."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import log10, pi, sqrt
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._midair import Field, SceneError
+
+Quantity = Literal["pressure", "radiation", "spl", "phase"]
+
+#: The pressure of 0 dB in air, RMS, in Pa.
+REFERENCE = 20e-6
+
+#: How far below its top a level's scale ends, in dB: a thousandth of the pressure.
+DEPTH = 60.0
+
+#: Below this part of the loudest pressure the phase is noise.
+FAINT = 0.01
+
+#: Wavelengths around the points within which a field sets its own scale.
+MARGIN = 2.0
+
+MAPS = {"pressure": "magma", "radiation": "viridis", "spl": "inferno", "phase": "twilight"}
+
+
+@dataclass(frozen=True)
+class Colours:
+    """A colour scale: display values are `factor` times those in Pa or dB."""
+
+    quantity: Quantity
+    bottom: float
+    top: float
+    factor: float
+    label: str
+    extend: str
+
+    def values(self, field: Field) -> NDArray[np.float64]:
+        """The values to draw; phases are masked where the pressure is next to nothing."""
+        return _values(field, self.quantity) * self.factor
+
+    @property
+    def map(self) -> str:
+        """The name of matplotlib's colour map."""
+        return MAPS[self.quantity]
+
+
+def colours(
+    fields: Sequence[Field], quantity: Quantity, *, loudest: float | None = None, vmax: float | None = None
+) -> Colours:
+    """The scale of fields of one scene, up to |p| = `loudest` in Pa or to `vmax` in the quantity's unit."""
+    if quantity not in get_args(Quantity):
+        given = " ".join(str(quantity).split())
+        raise SceneError(f'quantity is "{given}": give "pressure", "radiation", "spl" or "phase"')
+    paper = fields[0].scene.in_paper_unit
+    if quantity == "phase":
+        if vmax is not None:
+            raise SceneError(f"vmax is {vmax!r}: phases go from -pi to pi, leave it out")
+        return Colours(quantity, -pi, pi, 1.0, "phase of p / rad", "neither")
+    if vmax is None:
+        top = _of_pressure(fields[0], max(map(loud, fields)) if loudest is None else loudest, quantity)
+    elif isinstance(vmax, (int, float, np.number)) and np.isfinite(vmax) and (vmax > 0 or quantity == "spl"):
+        top = float(vmax)
+    else:
+        raise SceneError(f"vmax is {vmax!r}: give a finite number above 0")
+    factor, label = _unit(quantity, top, paper)
+    values = [_values(field, quantity) for field in fields]
+    brighter = max(map(np.max, values)) > top + 1e-6 * abs(top)
+    if quantity == "spl":
+        darker = min(map(np.min, values)) < top - DEPTH
+        extend = {(True, True): "both", (True, False): "max", (False, True): "min"}.get(
+            (bool(brighter), bool(darker)), "neither"
+        )
+        return Colours(quantity, top - DEPTH, top, factor, label, extend)
+    return Colours(quantity, 0.0, top * factor or 1.0, factor, label, "max" if brighter else "neither")
+
+
+def loud(field: Field) -> float:
+    """The largest |p| of a picture in Pa.
+
+    Beside a transducer 1/r outshines every focus: what is more than twice as loud as all within two
+    wavelengths of the points does not count.
+    """
+    assert field.plane is not None
+    pressure = np.abs(field.pressure)
+    assert field.shown is not None
+    # Of points that are all off the plane, where they project.
+    points = field.scene.points[field.shown if field.shown.any() else slice(None)]
+    margin = MARGIN * field.scene.wavelength
+    whole = float(pressure.max())
+    sides = [
+        (axis, samples) for axis, samples in enumerate((field.x, field.y, field.z)) if samples is not None
+    ]
+    across, up = (
+        (samples >= points[:, axis].min() - margin) & (samples <= points[:, axis].max() + margin)
+        for axis, samples in sides
+    )
+    near = float(pressure[np.ix_(up, across)].max(initial=0.0))
+    return near if 0 < 2 * near < whole else whole
+
+
+def _values(field: Field, quantity: Quantity) -> NDArray[np.float64]:
+    if quantity == "radiation":
+        return field.radiation
+    pressure = np.abs(field.pressure).astype(np.float64)
+    if quantity == "pressure":
+        return pressure
+    if quantity == "phase":
+        return np.ma.masked_where(
+            pressure <= FAINT * loud(field), np.angle(field.pressure).astype(np.float64)
+        )
+    return 20 * np.log10(np.maximum(pressure, 1e-30) / _zero_decibel(field))
+
+
+def _zero_decibel(field: Field) -> float:
+    """The peak pressure of 0 dB: 20 uPa RMS; of the paper's unit, which is no pascal, 1."""
+    return 1.0 if field.scene.in_paper_unit else REFERENCE * sqrt(2)
+
+
+def _of_pressure(field: Field, pressure: float, quantity: Quantity) -> float:
+    """The quantity where |p| is `pressure`."""
+    if quantity == "radiation":
+        return pressure**2 / (field.scene.density * field.scene.sound_speed**2)
+    if quantity == "spl":
+        return 20 * log10(max(pressure, 1e-30) / _zero_decibel(field))
+    return pressure
+
+
+def _unit(quantity: Quantity, top: float, paper: bool) -> tuple[float, str]:
+    """The factor and label that keep the colour bar's numbers short."""
+    if quantity == "spl":
+        return 1.0, "|p| / dB re 1, eq. (5) in mm" if paper else "sound pressure level / dB re 20 µPa"
+    if paper and quantity == "pressure":
+        return 1.0, "|p|, eq. (5) in mm"
+    name = "|p|" if quantity == "pressure" else "radiation pressure"
+    units = ((1e-3, "kPa"), (1.0, "Pa"), (1e3, "mPa"), (1e6, "µPa"))
+    factor, unit = next(
+        (unit for unit in units if top * unit[0] >= (10 if unit[1] == "kPa" else 0.5)), units[-1]
+    )
+    return factor, f"{name} / {unit}"

@@ -1,0 +1,90 @@
+"""Titles: whose field it is, what was asked and how loud it is, which plane."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._midair import Field, Scene, Solution
+
+
+def heading(fields: Sequence[Field]) -> list[str]:
+    """The lines above a field in some planes: its solver, what was asked and got, what the marks mean."""
+    solution, scene = fields[0].solution, fields[0].scene
+    if solution is not None:
+        lines = [solver(solution), told(solution, scene)]
+    else:
+        lines = [] if scene.pressures is None else [asked(scene.pressures, scene)]
+    return [*lines, *filter(None, [marks(fields)])]
+
+
+def quiet(field: Field) -> NDArray[np.bool_]:
+    """Which of the points (M,) are to be quiet."""
+    targets = field.scene.pressures if field.solution is None else field.solution.targets
+    return np.zeros(len(field.scene.points), dtype=bool) if targets is None else targets == 0
+
+
+def marks(fields: Sequence[Field]) -> str:
+    """What rings and crosses mean, where there are any, and how many points have no plane of theirs."""
+    shown = np.array([field.shown for field in fields])
+    silent = quiet(fields[0])
+    hidden = int((~shown.any(axis=0)).sum()) if len(fields) > 1 else 0
+    told = {
+        "rings are points off the plane": bool((~shown & ~silent).any()),
+        "crosses are quiet points": bool(silent.any()),
+        f"{hidden} more point{'s' * (hidden > 1)} in other planes": hidden > 0,
+    }
+    return ", ".join(text for text, true in told.items() if true)
+
+
+def solver(solution: Solution) -> str:
+    """The solver and those of its options that change a picture most."""
+    options = solution.options
+    keys = (
+        key for key in ("phases", "amplitudes", "order", "limit") if isinstance(options.get(key), str | int)
+    )
+    return ", ".join([solution.solver, *(f"{key}={options[key]}" for key in keys)])
+
+
+def told(solution: Solution, scene: Scene | None) -> str:
+    """Targets, level and scale of a solution."""
+    return f"{asked(solution.targets, scene)}, {level(solution)}{scale(solution)}"
+
+
+def level(solution: Solution) -> str:
+    """The level."""
+    return f"level {number(solution.metrics.level)}"
+
+
+def number(value: float) -> str:
+    """A metric: three decimals, or three digits of what is very large or small."""
+    return f"{value:.3f}" if value == 0 or 1e-3 <= value < 100 else f"{value:.3g}"
+
+
+def scale(solution: Solution) -> str:
+    """The scale, where it is not 1."""
+    return "" if solution.scale == 1 else f", scale {solution.scale:.3g}"
+
+
+def asked(targets: ArrayLike, scene: Scene | None) -> str:
+    """The targets above 0, and how many are to be quiet."""
+    targets = np.asarray(targets, dtype=float)
+    heard = targets[targets > 0]
+    silent = f"{targets.size - heard.size} quiet" if heard.size < targets.size else ""
+    if not heard.size:
+        return silent
+    unit = "" if scene is not None and scene.in_paper_unit else " Pa"
+    low, high = (f"{end:.4g}" for end in (heard.min(), heard.max()))
+    span = low if low == high else f"{low} to {high}"
+    return ", ".join(filter(None, [f"target{'s' * (heard.size > 1)} {span}{unit}", silent]))
+
+
+def place(field: Field) -> str:
+    """Which plane it is, and how many of the points lie in it where not all do."""
+    plane, shown = field.plane, field.shown
+    assert plane is not None
+    assert shown is not None
+    count = "" if shown.all() else f", {int(shown.sum())} of {shown.size} points"
+    return f"{plane.axis} = {plane.at * 1e3:.4g} mm{count}"

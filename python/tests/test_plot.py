@@ -1,0 +1,267 @@
+"""Pictures, by the data on their axes: fields in planes, asked and got, contact sheets."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+import midair
+from midair.plot import answer, contact_sheet
+from scenes import POINTS, small
+
+BOARD = {"phases": 32, "amplitudes": [0, 1]}
+
+
+@pytest.fixture(autouse=True)
+def figures_are_closed():
+    plt.switch_backend("agg")
+    yield
+    plt.close("all")
+
+
+def flat(**scene) -> midair.Scene:
+    """Three points of one height."""
+    points = scene.pop("points", [[-0.02, 0, 0.15], [0.02, 0.01, 0.15], [0, -0.02, 0.15]])
+    return small(points=points, **scene)
+
+
+def marks(ax: Axes) -> dict[str, np.ndarray]:
+    """Positions in mm of the dots, rings and crosses."""
+    found = {name: np.zeros((0, 2)) for name in ("dots", "rings", "crosses")}
+    for mark in ax.collections:
+        name = "rings" if len(mark.get_facecolor()) == 0 else "dots"
+        name = (
+            name
+            if mark.get_paths()[0].codes is not None and len(mark.get_paths()[0].codes) > 10
+            else "crosses"
+        )
+        found[name] = np.concatenate([found[name], np.asarray(mark.get_offsets())])
+    return found
+
+
+def images(figure: Figure) -> list[np.ndarray]:
+    return [image.get_array() for ax in figure.axes for image in ax.images]
+
+
+def titles(figure: Figure) -> str:
+    return "\n".join([figure.get_suptitle(), *(ax.get_title() for ax in figure.axes)])
+
+
+def test_plot_draws_into_the_axes_given_and_marks_the_points() -> None:
+    points = [[0.01, 0.02, 0.15], [-0.01, 0.005, 0.15], [0.015, -0.01, 0.17], [0.02, 0, 0.15]]
+    scene = small(points=points, pressures=[1, 2, 3, 0])
+    field = midair.field(scene, np.ones(64), midair.Plane(0.15, 0.08, pixels=41))
+    _, (left, right) = plt.subplots(1, 2)
+    assert midair.plot(field, right) is right
+    assert not left.images
+    (image,) = right.images
+    # The image is |p| in Pa: bottom row first, pixels around their samples, a scale from 0 to its largest.
+    assert np.asarray(image.get_array()) == pytest.approx(np.abs(field.pressure), rel=1e-6)
+    assert image.origin == "lower"
+    assert image.get_extent() == pytest.approx([-41, 41, -41, 41])
+    assert image.get_clim() == pytest.approx((0, image.get_array().max()))
+    found = marks(right)
+    assert found["dots"] == pytest.approx(np.array([[10, 20], [-10, 5]]))
+    assert found["rings"] == pytest.approx(np.array([[15, -10]]))
+    assert found["crosses"] == pytest.approx(np.array([[20, 0]]))
+    assert (right.get_xlabel(), right.get_ylabel()) == ("x / mm", "y / mm")
+    for word in ("targets 1 to 3 Pa", "1 quiet", "z = 150 mm, 3 of 4 points", "rings", "crosses"):
+        assert word in right.get_title()
+
+
+def test_plot_without_axes_draws_into_the_present_ones() -> None:
+    ax = plt.gca()
+    assert midair.plot(midair.field(small(), np.ones(64))) is ax
+    assert len(ax.images) == 1
+
+
+def test_plot_without_axes_has_a_panel_for_each_plane() -> None:
+    solution = midair.solve(small(points=[[-0.02, 0, 0.1], [0.02, 0.01, 0.12], [0, -0.02, 0.15]]), "uniform")
+    figure = midair.plot(solution).figure
+    panels = midair.field(solution.scene, solution).panels
+    assert len(panels) == 3
+    for image, panel in zip(images(figure), panels, strict=True):
+        assert np.asarray(image) == pytest.approx(np.abs(panel.pressure), rel=1e-6)
+        # A black panel would say that the points are silent.
+        assert image.max() > 0.9 * solution.targets.min()
+    assert [ax.get_title() for ax in figure.axes[:3]] == [
+        f"z = {height} mm, 1 of 3 points" for height in (100, 120, 150)
+    ]
+    assert len({ax.images[0].get_clim() for ax in figure.axes[:3]}) == 1
+
+
+def test_an_upright_picture_names_its_axes() -> None:
+    ax = midair.plot(midair.field(small(points=[[0, 0, 0.1], [0, 0, 0.14]]), np.ones(64)))
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("x / mm", "z / mm")
+    assert "y = 0 mm" in ax.get_title()
+    assert marks(ax)["dots"] == pytest.approx(np.array([[0, 100], [0, 140]]))
+
+
+@pytest.mark.parametrize(
+    ("source_pressure", "quantity", "label", "factor"),
+    [
+        (4.386, "pressure", "|p| / Pa", 1),
+        (400, "pressure", "|p| / kPa", 1e-3),
+        (1e-2, "pressure", "|p| / Pa", 1),
+        (1e-3, "pressure", "|p|, eq. (5) in mm", 1),
+        (4.386, "radiation", "radiation pressure / Pa", 1),
+        (0.1, "radiation", "radiation pressure / mPa", 1e3),
+        (4.386, "spl", "sound pressure level / dB re 20 µPa", 1),
+        (1e-3, "spl", "|p| / dB re 1, eq. (5) in mm", 1),
+        (4.386, "phase", "phase of p / rad", 1),
+    ],
+)
+def test_plot_says_what_its_colours_mean(
+    source_pressure: float, quantity: str, label: str, factor: float
+) -> None:
+    scene = small(points=[[0, 0, 0.15]], source_pressure=source_pressure)
+    field = midair.field(scene, midair.solve(scene, "naive"))
+    ax = midair.plot(field, quantity=quantity)
+    assert ax.figure.axes[-1].get_ylabel() == label
+    image, pressure = ax.images[0].get_array(), np.abs(field.pressure).astype(float)
+    unit = 1 if scene.in_paper_unit else 20e-6 * 2**0.5
+    expected = {
+        "pressure": pressure,
+        "radiation": field.radiation,
+        "spl": 20 * np.log10(pressure / unit),
+        "phase": np.angle(field.pressure),
+    }[quantity]
+    seen = ~np.ma.getmaskarray(image)
+    assert np.asarray(image)[seen] == pytest.approx(expected[seen] * factor, rel=1e-5)
+    # Phases are drawn where there is a pressure.
+    assert np.array_equal(seen, pressure > 0.01 * pressure.max()) or quantity != "phase"
+    low, high = ax.images[0].get_clim()
+    top = expected.max() * factor
+    assert (low, high) == pytest.approx(
+        {"spl": (top - 60, top), "phase": (-np.pi, np.pi)}.get(quantity, (0, top)), rel=1e-5
+    )
+    # A colour bar that reads 0 to 0.0 or 0 to 1e7 says nothing.
+    assert quantity == "spl" or 0.02 <= high < 1e4
+
+
+def test_plot_of_silence_and_of_a_given_top_have_a_scale() -> None:
+    field = midair.field(flat(), np.zeros(64))
+    for quantity in ("pressure", "radiation", "spl", "phase"):
+        _, ax = plt.subplots()
+        low, high = midair.plot(field, ax, quantity=quantity).images[0].get_clim()
+        assert low < high
+    _, ax = plt.subplots()
+    assert midair.plot(field, ax, vmax=300.0).images[0].get_clim() == (0, 300)
+
+
+def test_a_transducer_in_the_picture_does_not_black_out_the_rest() -> None:
+    scene = small(points=[[0, 0.005, 0.06], [0.01, 0.005, 0.08]])
+    solution = midair.solve(scene, "uniform")
+    field = midair.field(
+        scene, solution, midair.Plane(axis="y", at=0.005, size=0.16, pixels=161, center=(0, 0.07))
+    )
+    top = midair.plot(field).images[0].get_clim()[1]
+    assert np.abs(field.pressure).max() > 5 * top
+    assert 0.5 * solution.targets.max() < top < 2 * solution.targets.max()
+
+
+@pytest.mark.filterwarnings("ignore::midair.SceneWarning")
+def test_pictures_count_the_scale_in_and_tell_it() -> None:
+    array = midair.Array.grid(8, 8, 0.01, quantization=BOARD)
+    table = midair.compare(flat(array=array, pressures=16), ["naive", "uniform"], balance=True)
+    solution = table["naive"]
+    assert solution.scale < 0.1
+    told = f"level {solution.metrics.level:.3f}, scale {solution.scale:.3g}"
+    plotted = midair.plot(solution).figure
+    for figure in (plotted, solution.plot()):
+        assert f"targets 16 Pa, {told}" in titles(figure)
+        # The brightest pixels are as loud as the table says, within what 200 pixels miss of a focus.
+        assert images(figure)[0].max() == pytest.approx(np.abs(solution.pressures).max(), rel=0.05)
+    sheet = table.plot()
+    assert f"naive, scale {solution.scale:.3g}" in titles(sheet)
+    for image, one in zip(images(sheet), table, strict=True):
+        assert 8 < image.max() < 64
+        assert image.max() > 0.99 * np.abs(one.pressures).max()
+
+
+def test_plot_refuses_what_is_no_picture() -> None:
+    at_points = midair.field(small(), np.ones(64), POINTS)
+    with pytest.raises(midair.SceneError, match="Plane"):
+        midair.plot(at_points)
+    field = midair.field(flat(), np.ones(64))
+    with pytest.raises(midair.SceneError, match=r'"presure".*"pressure", "radiation", "spl" or "phase"'):
+        midair.plot(field, quantity="presure")
+    for vmax in (0, -1, np.nan, "loud"):
+        with pytest.raises(midair.SceneError, match="vmax"):
+            midair.plot(field, vmax=vmax)
+    with pytest.raises(midair.SceneError, match="vmax"):
+        midair.plot(field, quantity="phase", vmax=1)
+    with pytest.raises(TypeError, match="Field"):
+        midair.plot(field.pressure)
+    matrix = midair.solve(midair.Propagation(small().propagation()), "naive")
+    for draw in (midair.plot, lambda solution: midair.Comparison(None, None, (solution,), ({},)).plot()):
+        with pytest.raises(midair.SceneError, match="matrix"):
+            draw(matrix)
+
+
+def test_a_sheet_shares_axes_and_a_scale_that_no_method_alone_sets() -> None:
+    scene = flat(pressures=60)
+    table = midair.compare(scene, ["naive", "uniform", "gspat", "evd"], balance=True)
+    figure = table.plot()
+    panels = [ax for ax in figure.axes if ax.images]
+    assert len(panels) == 4
+    assert len({ax.images[0].get_clim() for ax in panels}) == len({ax.get_xlim() for ax in panels}) == 1
+    # Labels once a row and column: of 3 + 1 panels the second and third are the lowest of theirs.
+    assert [bool(ax.get_xlabel()) for ax in panels] == [False, True, True, True]
+    assert [bool(ax.get_ylabel()) for ax in panels] == [True, False, False, True]
+    for ax, name, solution in zip(panels, table.names, table, strict=True):
+        metrics = solution.metrics
+        assert ax.get_title().startswith(name)
+        assert f"accuracy {metrics.accuracy:.3f}" in ax.get_title()
+        assert "sigma" in ax.get_title()
+    assert "targets 60 Pa" in figure.get_suptitle()
+    assert "z = 150 mm" in figure.get_suptitle()
+    # One that is far louder than asked is clipped, and an arrow says so.
+    right, loud = midair.field(scene, table[0]), midair.field(scene, np.ones(64))
+    assert np.abs(loud.pressure).max() > 5 * 60
+    sheet = contact_sheet([right, right, loud], ["a", "b", "loud"])
+    assert sheet.axes[0].images[0].get_clim()[1] <= 1.5 * 60
+    assert sheet.axes[-1]._colorbar.extend == "max"
+    assert panels[0].figure.axes[-1]._colorbar.extend == "neither"
+
+
+def test_a_sheet_has_a_row_a_solver_where_points_lie_in_several_planes() -> None:
+    table = midair.compare(
+        small(points=[[0, 0, 0.1], [0.02, 0.01, 0.15]], pressures=1000), ["naive", "uniform"]
+    )
+    figure = table.plot(quantity="radiation")
+    panels = [panel for one in table for panel in midair.field(one.scene, one).panels]
+    assert len(panels) == 4
+    for image, panel in zip(images(figure), panels, strict=True):
+        assert np.asarray(image) == pytest.approx(panel.radiation, rel=1e-6)
+    assert "rings are points off the plane" in figure.get_suptitle()
+
+
+@pytest.mark.parametrize("count", [1, 3, 100])
+def test_a_solution_plots_what_was_asked_and_got(count: int) -> None:
+    rng = np.random.default_rng(1)
+    points = rng.uniform([-0.03, -0.03, 0.15], [0.03, 0.03, 0.15], (count, 3))
+    targets = rng.uniform(20, 60, count) * (np.arange(count) != 2)
+    solution = midair.solve(small(points=points, pressures=targets), "greedy", balance=True)
+    figure = solution.plot()
+    assert isinstance(figure, Figure)
+    ax = figure.axes[-1]
+    assert ax.get_ylabel() == "|p| / Pa"
+    got = dict(zip(range(count), np.abs(solution.pressures), strict=True))
+    bars = {round(bar.get_x() + bar.get_width() / 2): bar.get_height() for bar in ax.patches}
+    dots = {int(x): y for line in ax.lines for x, y in zip(*line.get_data(), strict=True)}
+    assert (bars or dots) == pytest.approx(got)
+    assert bool(bars) == (count < 50)
+    asked = np.array([segment[:, 1].mean() for segment in ax.collections[0].get_segments()])
+    assert asked == pytest.approx(targets)
+    assert ax.get_ylim()[1] > max(*got.values(), targets.max())
+    labels = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert ("got at a quiet point" in labels) == (count > 2)
+
+
+def test_a_solution_of_a_matrix_plots_what_was_asked_and_got_alone() -> None:
+    solution = midair.solve(midair.Propagation(small().propagation()), "naive", pressures=500)
+    figure = answer(solution)
+    assert not images(figure)
+    assert [bar.get_height() for bar in figure.axes[0].patches] == pytest.approx(np.abs(solution.pressures))
