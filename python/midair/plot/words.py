@@ -59,8 +59,10 @@ def level(solution: Solution) -> str:
 
 
 def number(value: float) -> str:
-    """A metric: three decimals, or three digits of what is very large or small."""
-    return f"{value:.3f}" if value == 0 or 1e-3 <= value < 100 else f"{value:.3g}"
+    """A metric: three decimals, or a few digits of what is very large or small."""
+    if value == 0 or 1e-3 <= value < 100:
+        return f"{value:.3f}"
+    return f"{value:.3g}" if value > 1 else f"{value:.1g}"
 
 
 def scale(solution: Solution) -> str:

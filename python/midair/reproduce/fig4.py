@@ -21,8 +21,11 @@ def collect(run: Run) -> Found:
 
 
 def draw(found: Found) -> Figure:
-    """Curves over M."""
-    return accuracy.draw(found.rows, "deviation sigma, eq. (13) with 1/M")
+    """Curves over M, on a log axis: the methods' sigmas are orders of magnitude apart."""
+    figure = accuracy.draw(found.rows, "deviation sigma, eq. (13) with 1/M")
+    figure.axes[0].set_ylim(auto=True)
+    figure.axes[0].set_yscale("log")
+    return figure
 
 
 def judge(rows: tables.Rows) -> list[Verdict]:

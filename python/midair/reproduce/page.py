@@ -99,13 +99,19 @@ def build(folder: Path, docs: Path) -> None:
     place.mkdir(exist_ok=True)
     for name in FIGURES:
         shutil.copyfile(folder / f"{name}.csv", place / f"{name}.csv")
-        content = io.BytesIO()
-        picture = Image.open(folder / f"{name}.png").convert("RGB")
-        picture.thumbnail((WIDTH, 2 * WIDTH))
-        reduced = picture.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-        reduced.save(content, "PNG", optimize=True)
-        output.write(place / f"{name}.png", content.getvalue())
+        reduce(folder / f"{name}.png", place / f"{name}.png")
     output.write(docs / "paper.md", text(place).encode())
+
+
+def reduce(picture: Path, target: Path) -> None:
+    """Write a picture of few colours and of the page's width."""
+    image = Image.open(picture).convert("RGB")
+    image.thumbnail((WIDTH, 2 * WIDTH))
+    content = io.BytesIO()
+    image.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(
+        content, "PNG", optimize=True
+    )
+    output.write(target, content.getvalue())
 
 
 def text(place: Path) -> str:
