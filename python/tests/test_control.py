@@ -22,8 +22,9 @@ import signal, midair, numpy as np
 # A shell that runs the tests in the background has its children ignore Ctrl-C.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 random = np.random.default_rng(0)
+array, board = midair.Array.grid(200, 200, pitch=0.005), midair.Array.preset("autd3", (2, 2))
 def scene(count):
-    return midair.Scene(midair.Array.grid(200, 200, pitch=0.005), random.uniform(-0.1, 0.1, (count, 3)) + [0, 0, 0.3])
+    return midair.Scene(array, random.uniform(-0.1, 0.1, (count, 3)) + [0, 0, 0.3])
 few, many, most = scene(16), scene(3000), scene(20_000)
 drive = np.ones(40_000)
 batch = random.uniform(-0.1, 0.1, (20_000, 64, 3)) + [0, 0, 0.3]
@@ -43,9 +44,9 @@ LONG = {
     "sdp": 'midair.solve(many, "sdp")',
     "tikhonov": 'midair.solve(many, "tikhonov")',
     "uniform": 'midair.solve(many, "uniform")',
-    "lm": 'midair.Solver(midair.Array.grid(200, 200, pitch=0.005), "lm")(many.points)',
-    "batch": 'midair.solve_batch(midair.Array.preset("autd3", (2, 2)), batch, solver="lm")',
-    "batch on one thread": 'midair.solve_batch(midair.Array.preset("autd3", (2, 2)), batch, solver="lm", threads=1)',
+    "lm": 'midair.Solver(array, "lm")(many.points)',
+    "batch": 'midair.solve_batch(board, batch, solver="lm")',
+    "batch on one thread": 'midair.solve_batch(board, batch, solver="lm", threads=1)',
     "field": "midair.field(few, drive, midair.Plane(0.2, 0.2, pixels=2000))",
     "propagation": "most.propagation()",
     "reach": "many.reach()",

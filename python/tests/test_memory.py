@@ -6,7 +6,6 @@ import sys
 
 import pytest
 
-import midair
 from test_control import POSIX
 
 #: What asks for too much: the call, and what the refusal must say.
