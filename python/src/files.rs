@@ -30,16 +30,15 @@ fn bytes_of(path: &Path) -> PyResult<Vec<u8>> {
 /// What to do with a file's bytes, their format and where they come from.
 type Reading<T> = fn(&[u8], Format, Source<'_>) -> Result<T, midair::Error>;
 
-fn read<T>(path: &Path, reading: Reading<T>) -> PyResult<T> {
-    let bytes = bytes_of(path)?;
+fn read<T>(path: &Path, bytes: &[u8], reading: Reading<T>) -> PyResult<T> {
     let name = path.to_string_lossy();
     let source = Source { name: &name, folder: path.parent() };
-    reading(&bytes, Format::of_document(&name, &bytes), source).map_err(refused)
+    reading(bytes, Format::of_document(&name, bytes), source).map_err(refused)
 }
 
 /// The scene of a file.
 pub(crate) fn load(path: &Path) -> PyResult<midair::Scene> {
-    read(path, files::read_from)
+    read(path, &bytes_of(path)?, files::read_from)
 }
 
 /// The scene of a text, str or bytes.
@@ -61,9 +60,11 @@ pub(crate) fn save(py: Python<'_>, path: &Path, text: &str) -> PyResult<()> {
     Ok(())
 }
 
-/// The files that a scene file consists of: itself, and those that it names.
+/// The files that a scene file consists of: itself, and those that it names. What can be read but once is given.
 #[pyfunction]
-pub(crate) fn scene_files(path: PathBuf) -> PyResult<Vec<PathBuf>> {
-    let named = read(&path, files::references)?;
+#[pyo3(signature = (path, text=None))]
+pub(crate) fn scene_files(path: PathBuf, text: Option<Vec<u8>>) -> PyResult<Vec<PathBuf>> {
+    let bytes = text.map_or_else(|| bytes_of(&path), Ok)?;
+    let named = read(&path, &bytes, files::references)?;
     Ok([path].into_iter().chain(named).collect())
 }

@@ -82,6 +82,8 @@ def test_an_output_is_never_what_the_scene_is_read_from(run: Run, monkeypatch: p
         status, out, err = run("solve", *arguments.split())
         assert (status, out) == (2, ""), arguments
         assert " itself: give another name" in err, err
+    give(monkeypatch, SCENE.encode())
+    assert " itself: give another name" in run("solve", "-", "-o", "row.csv")[2]
     for arguments in ("scene.json -o scene.json", "scene.toml -o row.csv", "scene.json --image far.png"):
         assert " itself: give another name" in run("compare", *arguments.split())[2]
     assert {path.name: path.read_bytes() for path in Path().glob("*.*") if path.is_file()} == before

@@ -14,7 +14,7 @@ from ..compare import Comparison, choices, growing
 from ..plot import Quantity
 from .images import write_image
 from .progress import progress_bar
-from .scene import STANDARD, check_outputs, read_scene
+from .scene import STANDARD, SceneFile
 from .tables import beside, print_solutions, print_written
 
 TABLES = (".csv", ".json")
@@ -54,8 +54,9 @@ def compare_command(
     """
     if json and output_file == STANDARD:
         raise SceneError("--json and -o - both want standard output: leave one of them out")
-    check_outputs(scene, [(output_file, TABLES), (image, output.IMAGES)])
-    request = read_scene(scene)
+    file = SceneFile(scene)
+    file.check_outputs((output_file, TABLES), (image, output.IMAGES))
+    request = file.scene()
     names = None if solvers == "all" else [name.strip() for name in solvers.split(",")]
     count = len(choices(request, names))
     table = None

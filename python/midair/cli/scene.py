@@ -17,11 +17,30 @@ STANDARD = Path("-")
 _MOST_BYTES = (64 << 20) + 1
 
 
-def read_scene(path: Path) -> Scene:
-    """A scene file, or standard input for -: TOML or JSON as it looks, its files in this folder."""
-    if path != STANDARD:
-        return Scene.load(path)
-    return Scene.parse(sys.stdin.buffer.read(_MOST_BYTES), name="standard input", folder=".")
+class SceneFile:
+    """A scene file, or standard input for -: TOML or JSON, its files in its folder."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        # A pipe can be read but once.
+        self._text: bytes | None = None
+        if path == STANDARD:
+            self._text = sys.stdin.buffer.read(_MOST_BYTES)
+        elif not path.is_file():
+            with path.open("rb") as pipe:
+                self._text = pipe.read(_MOST_BYTES)
+
+    def scene(self) -> Scene:
+        """The scene."""
+        if self._text is None:
+            return Scene.load(self.path)
+        name = "standard input" if self.path == STANDARD else str(self.path)
+        return Scene.parse(self._text, name=name, folder=self.path.parent)
+
+    def check_outputs(self, *outputs: tuple[Path | None, tuple[str, ...]]) -> None:
+        """Refuse outputs that cannot be written, or that are files of the scene or one another."""
+        if any(path is not None for path, _ in outputs):
+            check_outputs(*outputs, taken=scene_files(self.path, self._text))
 
 
 def typed_scene(
@@ -59,11 +78,10 @@ def _numbers(name: str, text: str, count: int | tuple[int, ...], cure: str) -> l
     return numbers
 
 
-def check_outputs(scene: Path | None, outputs: Iterable[tuple[Path | None, tuple[str, ...]]]) -> None:
-    """Refuse outputs that cannot be written, or that are files the scene is read from, or one another."""
-    asked = [(path, endings) for path, endings in outputs if path is not None and path != STANDARD]
-    # A pipe can be read only once, and has no file to be protected.
-    taken = scene_files(scene) if asked and scene is not None and scene.is_file() else []
-    for path, endings in asked:
-        output.check(path, endings, taken)
-        taken.append(path)
+def check_outputs(*outputs: tuple[Path | None, tuple[str, ...]], taken: Iterable[Path] = ()) -> None:
+    """Refuse outputs that cannot be written, or that are taken files or one another."""
+    others = list(taken)
+    for path, endings in outputs:
+        if path is not None and path != STANDARD:
+            output.check(path, endings, others)
+            others.append(path)

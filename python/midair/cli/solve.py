@@ -13,7 +13,7 @@ from ..ctrl_c import interruptible
 from ..plot import Quantity, answer
 from .images import write_image
 from .progress import progress_bar
-from .scene import STANDARD, check_outputs, read_scene, typed_scene
+from .scene import STANDARD, SceneFile, check_outputs, typed_scene
 from .streams import tell as say
 from .tables import beside, print_solutions, print_written
 
@@ -78,8 +78,14 @@ def solve_command(
         raise SceneError("--json and -o - both want standard output: leave one of them out")
     if image == STANDARD:
         raise SceneError('--image is "-": give a file')
-    check_outputs(scene, [(output_file, output.DRIVES), (image, output.IMAGES)])
-    request = typed_scene(*typed) if scene is None else read_scene(scene)
+    outputs = (output_file, output.DRIVES), (image, output.IMAGES)
+    if scene is None:
+        check_outputs(*outputs)
+        request = typed_scene(*typed)
+    else:
+        file = SceneFile(scene)
+        file.check_outputs(*outputs)
+        request = file.scene()
     values = _values(options) if aim is None else {**_values(options), "aim": aim}
     with progress_bar("solving") as tell, interruptible() as stop:
 
