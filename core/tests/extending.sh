@@ -26,10 +26,13 @@ sed -i 's/^members = .*/members = ["core"]/; /^exclude = /d' "$copy/Cargo.toml"
 printf '\n[profile.test.package.midair]\nopt-level = 0\n' >>"$copy/Cargo.toml"
 
 file=$(words 'core/src/solvers/two_phases\.rs')
+module=$(words 'pub(crate) mod [a-z_]*;')
+name=$(words 'pub use [^`]*;')
+entry=$(words 'Entry::of::<[^`]*>(),')
 sed -n '/^```rust$/,/^```$/p' "$page" | sed '1d; $d' >"$copy/$file"
-insert "$(words 'pub(crate) mod [a-z_]*;')" 'pub(crate) mod uniform;' core/src/solvers/mod.rs
-insert "$(words 'pub use [^`]*;')" 'pub use uniform::Uniform;' core/src/solvers/mod.rs
-insert "    $(words 'Entry::of::<[^`]*>(),')" 'pub static SOLVERS.*' core/src/solvers/registry.rs
+insert "$module" 'pub(crate) mod uniform;' core/src/solvers/mod.rs
+insert "$name" 'pub use uniform::Uniform;' core/src/solvers/mod.rs
+insert "    $entry" 'pub static SOLVERS.*' core/src/solvers/registry.rs
 
 own=(--manifest-path "$copy/Cargo.toml" -p midair --features scene-file,parallel)
 export CARGO_TARGET_DIR=$PWD/target
