@@ -292,7 +292,17 @@ BAD: dict[str, tuple[dict[str, Any], str]] = {
         "4000000 combinations of its axes: at most 10^6",
     ),
     "a solver's name that is none": ({"solver": {"name": ["naive", "gs"]}}, "solver.name is ['naive', 'gs']"),
-    "no option of a solver": ({"solver": {"name": "naive", "trace": True}}, "trace is no option of a solver"),
+    "no option of a solver": (
+        {"solver": {"name": "naive", "trace": True}},
+        'unknown option of naive "trace"',
+    ),
+    "an argument of solve": ({"solver": {"name": "naive", "scene": 1}}, 'unknown option of naive "scene"'),
+    "no Unicode": ({"solver": {"name": "\ud800"}}, "solver.name has '\\ud800'"),
+    "a line break": ({"axes": {"array.directivity": ["point\n"]}}, "axes.array.directivity[0] has 'point"),
+    "a scene for a number": (
+        {"axes": {"points.z": [midair.Scene(ARRAYS["grid"], PLACES)]}},
+        "axes.points.z[0] is <midair.Scene",
+    ),
 }
 
 

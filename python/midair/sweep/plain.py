@@ -15,10 +15,14 @@ from .._midair import Array, Scene, SceneError, SceneWarning
 
 
 def plain(value: Any, name: str = "") -> Any:
-    """The same value in dicts, lists, finite numbers and words; scenes and paths are left as they are."""
+    """The same value in dicts, lists, finite numbers and words; scenes and paths among `scenes` stay."""
     if isinstance(value, float) and not math.isfinite(value):
         raise SceneError(f"{name or 'sweep'} is {float(value)}: give a finite number")
-    if value is None or isinstance(value, str | bool | int | float | Scene | PathLike):
+    if isinstance(value, str):
+        return _word(value, name)
+    if value is None or isinstance(value, bool | int | float):
+        return value
+    if isinstance(value, Scene | PathLike) and name.startswith("scenes["):
         return value
     if isinstance(value, complex):
         return [value.real, value.imag]
@@ -27,11 +31,20 @@ def plain(value: Any, name: str = "") -> Any:
     if isinstance(value, np.ndarray | np.generic):
         return plain(value.tolist(), name)
     if isinstance(value, Mapping):
-        return {str(key): plain(inner, f"{name}.{key}" if name else str(key)) for key, inner in value.items()}
+        return {
+            _word(str(key), name): plain(inner, f"{name}.{key}" if name else str(key))
+            for key, inner in value.items()
+        }
     if isinstance(value, Sequence):
         return [plain(inner, f"{name}[{index}]") for index, inner in enumerate(value)]
     cure = "give numbers, words, lists and tables as a sweep file has them"
     raise SceneError(f"{name or 'sweep'} is {short(value)}: {cure}")
+
+
+def _word(text: str, name: str) -> str:
+    if not text.isprintable():
+        raise SceneError(f"{name or 'sweep'} has {short(text)}: give words that can be printed")
+    return text
 
 
 def array_table(array: Array) -> dict[str, Any]:

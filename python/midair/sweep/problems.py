@@ -62,6 +62,11 @@ def tables_of(tables: Tables, key: str) -> list[Tables]:
     return [dict(table) for table in found]
 
 
+def reason(error: SceneError) -> str:
+    """What an error of a scene's text says, without the place in a text that nobody wrote."""
+    return re.sub(r"^scene, line \d+(, column \d+)?: ", "", str(error))
+
+
 def whole(value: Any, name: str, *, least: int = 0) -> int:
     """A whole number."""
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value < 2**63:
@@ -184,9 +189,8 @@ def _settings(tables: Tables, common: Mapping[str, Any], where: str, at: str) ->
         settings["pressure"] = _range(points, "pressure")
     try:
         array, _ = array_and_medium(settings)
-    except (ValueError, TypeError) as error:
-        reason = re.sub(r"^scene, line \d+(, column \d+)?: ", "", str(error))
-        raise SceneError(f"{where} or medium of the sweep{at}: {reason}") from error
+    except SceneError as error:
+        raise SceneError(f"{where} or medium of the sweep{at}: {reason(error)}") from error
     try:
         first_scene(settings)
     except SceneError as error:

@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from itertools import product
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from .._midair import Array, Scene, SceneError, solve, solver_name, solvers
 from .axes import Tables, read_axes
 from .block import METRICS, Settings
 from .plain import plain, short
-from .problems import few, known, read_sets, tables_of, whole
+from .problems import few, known, read_sets, reason, tables_of, whole
 
 #: More problems than this are a slip of the pen.
 MOST = 10**9
@@ -128,9 +128,7 @@ def _methods(table: Tables) -> list[tuple[str, dict[str, Any]]]:
     table = {spelt(key, options): value for key, value in table.items()}
     for key, value in table.items():
         if key not in options:
-            # An unknown one is the solver's to refuse; what else `solve` takes is no option.
-            _check_method(name, {key: value})
-            raise SceneError(f"{key} is no option of a solver: give it to array or points, or leave it out")
+            _refuse(name, key, value)
     axes = [value if isinstance(value, list) else [value] for value in table.values()]
     for key, values in zip(table, axes, strict=True):
         if not values:
@@ -143,6 +141,17 @@ def spelt(word: Any, words: Iterable[str]) -> str:
     """The one of the words that is meant, whatever its case, "-" and "_"; else the word itself."""
     plainly = {known.lower().replace("_", ""): known for known in words}
     return plainly.get(str(word).lower().replace("-", "").replace("_", ""), str(word))
+
+
+def _refuse(name: str, option: str, value: Any) -> NoReturn:
+    """Let the core refuse an option that a solver has not."""
+    array = {"grid": {"nx": 1, "ny": 1, "pitch": 0.01}}
+    solver = {"name": name, option: value}
+    try:
+        Scene.parse(json.dumps({"array": array, "points": [{"position": [0, 0, 1]}], "solver": solver}))
+    except SceneError as error:
+        raise SceneError(reason(error)) from error
+    raise SceneError(f"{option} is no option of {name}: leave it out")
 
 
 def _check_method(name: str, options: Mapping[str, Any]) -> None:
