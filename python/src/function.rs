@@ -26,7 +26,7 @@ impl Raised {
 
 /// A function, and the keywords it is called with.
 pub(crate) struct Function {
-    function: Py<PyAny>,
+    solver: Py<PyAny>,
     keywords: Option<Py<PyDict>>,
     name: String,
     raised: Raised,
@@ -42,7 +42,7 @@ impl Function {
         let name = solver.getattr("__name__").or_else(|_| solver.getattr("func")?.getattr("__name__"));
         let name = name.and_then(|name| name.extract()).or_else(|_| solver.get_type().name()?.extract())?;
         let keywords = keywords.map(|keywords| keywords.clone().unbind());
-        Ok(Some(Self { function: solver.clone().unbind(), keywords, name, raised: Raised::default() }))
+        Ok(Some(Self { solver: solver.clone().unbind(), keywords, name, raised: Raised::default() }))
     }
 
     /// How a solution of it is labelled: its name and its keywords.
@@ -70,7 +70,7 @@ impl Function {
         let targets = problem.active_targets_in_pascals().collect::<Vec<_>>().into_pyarray(py);
         let weights = problem.weights()[..count].iter().map(|&w| f64::from(w)).collect::<Vec<_>>().into_pyarray(py);
         let keywords = self.keywords.as_ref().map(|keywords| keywords.bind(py));
-        let drive = self.function.bind(py).call((matrix, targets, weights), keywords)?;
+        let drive = self.solver.bind(py).call((matrix, targets, weights), keywords)?;
         read::drive(&format!("drive by {}", self.name), &drive)
     }
 }

@@ -11,10 +11,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use crate::error::invalid;
 
 /// Bytes, unless the machine has less or `MIDAIR_MEMORY` says otherwise.
-const MEMORY: f64 = 8e9;
-
-/// The part of a machine's memory that is taken without being told.
-const SHARE: f64 = 0.75;
+const MEMORY: u64 = 8_000_000_000;
 
 /// The threads of this process, one a processor: a child made by fork has none of its parent's, and gets its own.
 pub(crate) fn threads(_py: Python<'_>) -> PyResult<Threads> {
@@ -39,7 +36,7 @@ pub(crate) fn threads(_py: Python<'_>) -> PyResult<Threads> {
 pub(crate) fn memory() -> PyResult<u64> {
     static ASKED: OnceLock<Result<u64, String>> = OnceLock::new();
     let asked = ASKED.get_or_init(|| match std::env::var("MIDAIR_MEMORY").ok().filter(|text| !text.is_empty()) {
-        None => Ok(installed().map_or(MEMORY, |bytes| MEMORY.min(SHARE * bytes)) as u64),
+        None => Ok(installed().map_or(MEMORY, |bytes| MEMORY.min(bytes / 4 * 3))),
         Some(text) => read(&text).ok_or(text),
     });
     asked.clone().map_err(|text| invalid("MIDAIR_MEMORY", &text, "give bytes, such as 2e9, 500MB or 16GB"))
@@ -51,12 +48,13 @@ fn read(text: &str) -> Option<u64> {
     let units = [("KB", 1e3), ("MB", 1e6), ("GB", 1e9), ("TB", 1e12), ("", 1.0)];
     let (number, unit) = units.iter().find_map(|(name, unit)| Some((text.strip_suffix(name)?, unit)))?;
     let bytes = number.trim().parse::<f64>().ok()? * unit;
+    #[allow(clippy::cast_sign_loss, reason = "below 0 is refused")]
     (bytes.is_finite() && bytes >= 0.0).then_some(bytes as u64)
 }
 
 /// The machine's memory in bytes, where Linux tells.
-fn installed() -> Option<f64> {
+fn installed() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
-    Some(line.trim().strip_suffix("kB")?.trim().parse::<f64>().ok()? * 1024.0)
+    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
 }
