@@ -99,6 +99,13 @@ impl Error {
         Self::Invalid { item: one_line(&item.into()), value: one_line(&value.to_string()), cure: cure.into() }
     }
 
+    /// An answer that f32 has lost.
+    pub(crate) fn lost() -> Self {
+        let cure = "G and the pressures span too many orders of magnitude for this solver: \
+                    leave out the points it hardly reaches (weight 0), or choose another";
+        Self::invalid("drive", "not finite", cure)
+    }
+
     /// Points for a given G, which belongs to its own.
     pub(crate) fn given_points() -> Self {
         Self::invalid("points", "given", "a matrix of your own belongs to its points: leave them out")

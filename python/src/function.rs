@@ -77,7 +77,7 @@ impl Function {
 
 impl Solve for Function {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
-        let matrix = problem.propagation().matrix(control)?;
+        let matrix = problem.plain_propagation().matrix(control)?;
         let drive = Python::attach(|py| self.call(py, matrix, problem)).map_err(|error| {
             *self.raised.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
             Error::invalid("solver", &self.name, "it raised an exception")

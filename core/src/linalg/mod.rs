@@ -137,6 +137,9 @@ impl<'w> Hermitian<'w> {
     }
 
     /// The same with as much more damping as f32 needs to factor it: tenfold and tenfold again.
+    ///
+    /// # Errors
+    /// A matrix that is not finite.
     pub(crate) fn damped(
         set: InstructionSet,
         matrix: &Planar,
@@ -145,13 +148,14 @@ impl<'w> Hermitian<'w> {
         work: &'w Workspace,
         control: &mut Control,
     ) -> Result<Self, Error> {
-        loop {
-            // Damping far above every entry leaves a multiple of the identity, which always factors.
+        // Damping far above every entry leaves a multiple of the identity, which always factors.
+        while shift.is_finite() {
             if let Some(solver) = Self::new(set, matrix, count, shift, work, control)? {
                 return Ok(solver);
             }
             shift = 10.0 * shift.max(f32::MIN_POSITIVE);
         }
+        Err(Error::lost())
     }
 
     /// Replaces the vector (one padded row) by the solution.

@@ -2,6 +2,7 @@
 
 pub(crate) mod feasibility;
 pub(crate) mod metrics;
+pub(crate) mod range;
 pub(crate) mod setup;
 pub(crate) mod solution;
 pub(crate) mod targets;
@@ -34,8 +35,10 @@ use crate::workspace::Workspace;
 /// Cloning is cheap but for the targets: all else is shared.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// G at the points of weight above 0, unless those are all.
+    /// G at the points of weight above 0, unless those are all and it is as it was.
     selected: Option<Propagation>,
+    /// The same as the caller gave it, where rows of it were brought into f32's range.
+    plain: Option<Propagation>,
     /// What was asked of all points, in Pa.
     targets: Arc<Targets>,
     start: Option<Arc<Start>>,
@@ -127,6 +130,7 @@ impl Problem {
     fn of(targets: Arc<Targets>) -> Self {
         Self {
             selected: None,
+            plain: None,
             targets,
             start: None,
             aim: None,
@@ -179,20 +183,6 @@ impl Problem {
         self.scaled.resize(self.propagation().lanes(), 0.0);
         self.targets.scaled(1.0, &mut self.scaled);
         Ok(())
-    }
-
-    /// The same problem at `factor` times the caller's targets; [`Problem::recycle`] gives the memory back.
-    pub(crate) fn rescaled(&self, factor: f64, work: &Workspace) -> Self {
-        let mut scaled = work.floats.take(self.propagation().lanes()).into_vec();
-        self.targets.scaled(factor, &mut scaled);
-        Self {
-            selected: self.selected.clone(),
-            start: self.start.clone(),
-            aim: self.aim,
-            factor,
-            scaled,
-            ..Self::of(Arc::clone(&self.targets))
-        }
     }
 
     /// The same problem with a start for the methods that use one.
@@ -256,7 +246,7 @@ impl Problem {
         }
     }
 
-    /// Gives the memory of a rescaled problem back.
+    /// Gives the memory of a prepared problem back.
     pub(crate) fn recycle(self, work: &Workspace) {
         work.floats.give(self.scaled);
     }
@@ -265,6 +255,12 @@ impl Problem {
     #[must_use]
     pub fn propagation(&self) -> &Propagation {
         self.selected.as_ref().unwrap_or(&self.targets.propagation)
+    }
+
+    /// Rows of G over the points of weight above 0, none of them multiplied by a power of two for f32's sake.
+    #[must_use]
+    pub fn plain_propagation(&self) -> &Propagation {
+        self.plain.as_ref().unwrap_or_else(|| self.propagation())
     }
 
     /// Targets |p_j| in units of the reference, padded with zeros.

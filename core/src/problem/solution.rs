@@ -183,6 +183,11 @@ impl Solution {
         control: &mut Control,
     ) -> Result<Self, Error> {
         let asked = Arc::clone(&problem.targets);
+        if problem.is_stretched() {
+            // The field is that of other rows.
+            let field = field_of(&asked.propagation, &drive, work, control)?;
+            return Ok(Self::with_pressures(asked, drive, &field, status, steps, work));
+        }
         if asked.active.len() == asked.pascals.len() {
             return Ok(Self::with_pressures(asked, drive, field, status, steps, work));
         }
@@ -282,6 +287,9 @@ impl Solution {
 
     /// The residual against the targets of `problem`, before balancing is undone.
     fn residual_for(&self, problem: &Problem) -> f64 {
+        if problem.is_stretched() {
+            return self.asked.metrics(self.pressures.iter().map(|&p| math::modulus(p) / problem.factor())).residual;
+        }
         let unit = self.asked.propagation.reference();
         problem.residual_of(self.asked.active.iter().map(|&j| math::modulus(self.pressures[j]) / unit))
     }

@@ -120,6 +120,12 @@ impl Targets {
         let load = loads.clone().fold(0.0, f64::max);
         self.balance = 1.0 / (load * math::sqrt(loads.map(|own| (own / load) * (own / load)).sum()));
         if !self.given {
+            if self.balance < LEAST_TARGET * reference {
+                let weakest = self.active.iter().zip(reach).min_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(&j, _)| j);
+                let cure =
+                    "with pressures left out all points would be as silent: give pressures, or this point weight 0";
+                return Err(Error::invalid(format!("points[{weakest}]"), "reached by hardly anything", cure));
+            }
             self.pascals.iter_mut().for_each(|target| *target *= self.balance);
             self.balance = 1.0;
         }

@@ -361,6 +361,13 @@ impl Propagation {
         }
     }
 
+    /// The same with each point's row multiplied by a factor of its own, kept as a matrix.
+    pub(crate) fn stretched(&self, factors: &[f64]) -> Self {
+        let entry = |k: usize| self.exact(k % self.count, k / self.count) * factors[k % self.count];
+        let entries = (0..self.transducers() * self.count).map(entry).collect();
+        Self::stored(entries, self.count, self.reference(), self.set)
+    }
+
     fn padded_points<'a>(&self, frame: &'a [Vec<f32>; 3]) -> ControlPoints<'a> {
         ControlPoints { coordinates: [&frame[0], &frame[1], &frame[2]], count: self.count }
     }

@@ -161,7 +161,8 @@ impl Worker {
         let mut keep = |k: usize, solution: &Solution| {
             part.keep(start + k, &problems[k], weak_part(&problems[k], solver, balance), solution);
         };
-        if let Some(solutions) = solve_interleaved(problems, solver, balance, work) {
+        let solutions = solve_interleaved(problems, solver, balance, work);
+        if let Some(solutions) = solutions.map_err(|(k, error)| (start + k, error))? {
             for (k, solution) in solutions.into_iter().enumerate() {
                 keep(k, &solution);
                 solution.recycle(work);

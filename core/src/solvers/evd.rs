@@ -28,6 +28,9 @@ options! {
     }
 }
 
+/// 1 / w_i^2 at most: products with |G|^2 stay within f32.
+const MOST_EASE: f64 = 1e18;
+
 impl Method for Evd {
     const INFO: Info = Info::new(
         "evd",
@@ -59,7 +62,7 @@ impl Solve for Evd {
             propagation.row(i, &mut row.re, &mut row.im);
             kernels::modulus(propagation.instruction_set(), &row.re, &row.im, &mut moduli.re);
             let mean = f64::from(kernels::dot(propagation.instruction_set(), &moduli.re, targets)) / count as f64;
-            *inverse = if mean > 0.0 { pow(mean, -self.gamma) as f32 } else { 0.0 };
+            *inverse = if mean > 0.0 { pow(mean, -self.gamma).min(MOST_EASE) as f32 } else { 0.0 };
         }
         let matrix = gram(propagation, Some(&inverse), work, control)?;
         // In f32 the matrix resolves no more than this part of its diagonal.

@@ -17,6 +17,12 @@ use crate::solvers::iterate::{iterate, largest_change};
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
+/// Targets below this part of the reference are quiet.
+const QUIET: f32 = 1e-9;
+
+/// How much louder than the last step left it a point is made at most: its square stays within f32.
+const MOST_LOUDER: f32 = 1e12;
+
 options! {
     /// GS-PAT. Time O(N M^2) once and O(M^2) a step, memory O(N + M^2).
     pub struct Gspat {
@@ -46,12 +52,17 @@ impl Method for Gspat {
 impl Solve for Gspat {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let propagation = problem.propagation();
-        let (count, lanes, targets) = (propagation.points(), propagation.lanes(), problem.targets());
+        let (count, lanes) = (propagation.points(), propagation.lanes());
+        // Targets whose squares f32 would lose are solved louder, and the drive is brought back.
+        let largest = problem.targets().iter().copied().fold(0.0, f32::max);
+        let unit = if largest < QUIET { largest } else { 1.0 };
+        let mut targets = work.floats.take(lanes);
+        targets.iter_mut().zip(problem.targets()).for_each(|(own, target)| *own = target / unit);
         let matrix = gram(propagation, None, work, control)?;
-        // 1 / sum_i |G_ji|^2, 0 for a quiet point that nothing reaches.
+        // 1 / sum_i |G_ji|^2, 0 for a quiet point that nothing reaches, or so little that the inverse overflows.
         let share = |j: usize| {
             let power = matrix.row(j)[0][j];
-            if power > 0.0 { 1.0 / power } else { 0.0 }
+            if power >= f32::MIN_POSITIVE { 1.0 / power } else { 0.0 }
         };
         let mut wanted = start_phasors(problem, work, control)?;
         let mut field = Planar::zeros(1, lanes, work);
@@ -75,18 +86,18 @@ impl Solve for Gspat {
                     wanted.re[j] = if scale > 0.0 { field.re[j] * scale } else { targets[j] };
                     wanted.im[j] = field.im[j] * scale;
                 }
-                Ok(self.tolerance > 0.0 && largest_change(moduli, &before, targets) <= self.tolerance)
+                Ok(self.tolerance > 0.0 && largest_change(moduli, &before, &targets) <= self.tolerance)
             },
             // The field before the limit.
-            |moduli| problem.residual(moduli),
+            |moduli| problem.residual_of(moduli.iter().map(|modulus| f64::from(modulus * unit))),
         )?;
         propagate(&mut wanted, &mut field, &mut moduli, control)?;
         for j in 0..count {
-            let scale = if moduli[j] > 0.0 { targets[j] / moduli[j] } else { 0.0 };
+            let scale = if moduli[j] > 0.0 { (targets[j] / moduli[j]).min(MOST_LOUDER) } else { 0.0 };
             wanted.re[j] = field.re[j] * scale * scale * share(j);
             wanted.im[j] = field.im[j] * scale * scale * share(j);
         }
-        let mut drive = back_project(propagation, &wanted, |_| 1.0, work, control)?;
+        let mut drive = back_project(propagation, &wanted, |_| unit, work, control)?;
         self.limit.apply(&mut drive);
         Solution::new(problem, drive, ended, self.steps as usize, work, control)
     }

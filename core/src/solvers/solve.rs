@@ -1,12 +1,18 @@
 //! The entry point: balance, solve, round to the board, report.
 
+use alloc::format;
 use alloc::vec::Vec;
+
+use num_complex::Complex32;
 
 use crate::control::Control;
 use crate::error::Error;
 use crate::problem::{Problem, Solution};
 use crate::solvers::method::Solve;
 use crate::workspace::Workspace;
+
+/// |q|^2 at most, up to rounding: what [`crate::Start::Drive`] may have, too.
+const MOST_POWER: f32 = 1.0 + 2e-6;
 
 /// Solves a problem, balancing it first if asked to.
 ///
@@ -21,7 +27,7 @@ use crate::workspace::Workspace;
 /// A stop that comes before the solver has anything leaves a drive of 0 and the status [`crate::Status::Stopped`].
 ///
 /// # Errors
-/// What the solver refuses.
+/// What the solver refuses; a drive that is not finite or above 1.
 ///
 /// ```
 /// use midair::{Array, Control, Medium, Problem, Request, Scene, Workspace, solvers};
@@ -42,14 +48,9 @@ pub fn solve(
     control: &mut Control,
 ) -> Result<Solution, Error> {
     let factor = factor(problem, solver, balance);
-    let solution = if factor > 1.0 {
-        let balanced = problem.rescaled(factor, work);
-        let solution = solver.solve(&balanced, work, control);
-        balanced.recycle(work);
-        solution
-    } else {
-        solver.solve(problem, work, control)
-    };
+    let prepared = problem.prepared(factor, work);
+    let solution = solver.solve(prepared.as_ref().unwrap_or(problem), work, control);
+    prepared.into_iter().for_each(|prepared| prepared.recycle(work));
     let quantized = |solution: Solution| quantized(solution, factor, work, control);
     match solution.and_then(quantized) {
         Err(Error::Stopped) => Ok(Solution::silent(problem, work)),
@@ -59,28 +60,49 @@ pub fn solve(
 
 /// The answer on the device's grid, balancing undone.
 fn quantized(mut solution: Solution, factor: f64, work: &Workspace, control: &mut Control) -> Result<Solution, Error> {
+    check(&solution)?;
     if solution.quantize(factor, work, control)? {
         control.correct(|| solution.metrics().residual);
     }
     Ok(solution)
 }
 
-/// As [`solve`], several problems at once, where the solver knows how.
+/// As [`solve`], several problems at once, where the solver knows how and none of them is out of f32's range.
 pub(crate) fn solve_interleaved(
     problems: &[Problem],
     solver: &dyn Solve,
     balance: bool,
     work: &mut Workspace,
-) -> Option<Vec<Solution>> {
+) -> Result<Option<Vec<Solution>>, (usize, Error)> {
     let factor = |problem: &Problem| factor(problem, solver, balance);
+    if !problems.iter().all(|problem| problem.is_within(factor(problem))) {
+        return Ok(None);
+    }
     let rescaled = || problems.iter().map(|problem| problem.rescaled(factor(problem), work)).collect();
     let balanced: Option<Vec<Problem>> = problems.iter().any(|problem| factor(problem) > 1.0).then(rescaled);
     let mut solutions = solver.solve_interleaved(balanced.as_deref().unwrap_or(problems), work);
-    for (solution, problem) in solutions.iter_mut().flatten().zip(problems) {
-        solution.quantize(factor(problem), work, &mut Control::none()).ok()?;
+    for (k, (solution, problem)) in solutions.iter_mut().flatten().zip(problems).enumerate() {
+        let at = |error| (k, error);
+        check(solution).map_err(at)?;
+        solution.quantize(factor(problem), work, &mut Control::none()).map_err(at)?;
     }
     balanced.into_iter().flatten().for_each(|problem| problem.recycle(work));
-    solutions
+    Ok(solutions)
+}
+
+/// Refuses an answer that no array can play.
+fn check(solution: &Solution) -> Result<(), Error> {
+    // All of them, so that the loop has no branch; what is not a number is not below either.
+    let fine = |fine, q: &Complex32| fine & (q.norm_sqr() <= MOST_POWER);
+    if solution.drive.iter().fold(true, fine) {
+        return Ok(());
+    }
+    let unfit = solution.drive.iter().position(|q| !fine(true, q)).unwrap_or_default();
+    let q = solution.drive[unfit];
+    if q.is_finite() {
+        return Err(Error::invalid(format!("drive[{unfit}]"), q, "a solver's drives have a modulus of at most 1"));
+    }
+    Err(Error::lost())
 }
 
 /// What the targets are multiplied by before solving, and the answer divided by afterwards.

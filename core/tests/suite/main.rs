@@ -22,6 +22,7 @@ mod paper;
 mod propagation;
 mod props;
 mod quantization;
+mod range;
 mod registry;
 mod scenes;
 mod session;

@@ -65,3 +65,12 @@ fn what_is_not_positive_definite_is_refused() {
     let zeros = Cholesky::new(InstructionSet::best(), work.floats.take(256), 16, &mut Control::none());
     assert!(zeros.is_ok_and(|made| made.is_none()));
 }
+
+#[test]
+fn a_matrix_that_is_not_finite_is_refused_and_no_loop_without_end() {
+    let work = Workspace::new();
+    let (_, mut stored) = random(8, 16, &work);
+    assert!(Hermitian::damped(InstructionSet::best(), &stored, 8, -1.0, &work, &mut Control::none()).is_ok());
+    stored.re[3] = f32::NAN;
+    assert!(Hermitian::damped(InstructionSet::best(), &stored, 8, 0.5, &work, &mut Control::none()).is_err());
+}
