@@ -82,7 +82,7 @@ pub use problem::{Beyond, Metrics, Problem, Reach, Setup, Solution, Status, boun
 pub use propagation::{Model, Propagation, field};
 pub use rng::Rng;
 pub use scene::{
-    Aim, Array, Axis, Choice, Directivity, Medium, OptionValue, Options, Origin, Plane, Request, Scene, Start,
+    Aim, Array, Axis, Choice, Directivity, Doubt, Medium, OptionValue, Options, Origin, Plane, Request, Scene, Start,
     Transducer, Value, presets, spell, word,
 };
 pub use session::{Ask, Batch, Session};

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::ctrl_c::attend;
-use crate::error::{SceneError, invalid, refused, warn};
+use crate::error::{SceneError, invalid, refused, warn_all};
 use crate::give::{self, rows};
 use crate::limits;
 use crate::metrics::BatchMetrics;
@@ -323,9 +323,8 @@ pub(crate) fn solve_batch(
     if out.is_none() {
         writable.make_nonwriteable();
     }
-    for remark in &inner.remarks {
-        warn(py, remark)?;
-    }
+    warn_all(py, session.batch_doubts(&points, size))?;
+    warn_all(py, &inner.remarks)?;
     let elapsed = clock.elapsed().as_secs_f64();
     let asked = Asked { source, choice: Arc::new(choice), points, pressures, weights };
     Ok(Batch { drives: drives.unbind(), inner, points: size, elapsed, asked, info })

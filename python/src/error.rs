@@ -36,3 +36,8 @@ pub(crate) fn invalid(item: &str, value: &str, cure: &str) -> PyErr {
 pub(crate) fn warn(py: Python<'_>, text: &impl ToString) -> PyResult<()> {
     PyErr::warn(py, &py.get_type::<SceneWarning>(), &CString::new(text.to_string()).unwrap_or_default(), 1)
 }
+
+/// Warns of each.
+pub(crate) fn warn_all(py: Python<'_>, texts: impl IntoIterator<Item = impl ToString>) -> PyResult<()> {
+    texts.into_iter().try_for_each(|text| warn(py, &text))
+}

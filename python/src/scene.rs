@@ -12,7 +12,7 @@ use pyo3::types::PyDict;
 
 use crate::array::{Array, adjusted};
 use crate::ctrl_c::attend;
-use crate::error::{invalid, refused};
+use crate::error::{invalid, refused, warn_all};
 use crate::give::{self, rows};
 use crate::instruction_set::instruction_set;
 use crate::numbers::quoted;
@@ -80,6 +80,14 @@ pub(crate) fn remade(
     Ok(scene)
 }
 
+impl Scene {
+    /// A scene just made, and a warning of what is hardly meant of it.
+    fn told(py: Python<'_>, scene: midair::Scene) -> PyResult<Self> {
+        warn_all(py, scene.doubts())?;
+        Ok(Self { inner: Arc::new(scene) })
+    }
+}
+
 #[pymethods]
 impl Scene {
     #[new]
@@ -89,6 +97,7 @@ impl Scene {
     ))]
     #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
     fn new(
+        py: Python<'_>,
         array: &Bound<'_, Array>,
         points: &Bound<'_, PyAny>,
         pressures: Argument<'_, '_>,
@@ -116,7 +125,7 @@ impl Scene {
         let request =
             if points.is_empty() { Request::default() } else { read::request(points.len(), pressures, weights)? };
         let scene = midair::Scene::new(array, medium, points, request).map_err(refused)?;
-        Ok(Self { inner: Arc::new(scene) })
+        Self::told(py, scene)
     }
 
     /// The same scene with other parts, named as the constructor names them, or another `plane`; what is left out stays,
@@ -127,7 +136,7 @@ impl Scene {
     /// >>> scene.replace(pressures=200.0).pressures
     /// array([200.])
     #[pyo3(signature = (**changes))]
-    fn replace(&self, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+    fn replace(&self, py: Python<'_>, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let Some(changes) = changes else { return Ok(Self { inner: Arc::clone(&self.inner) }) };
         let (own, keywords) = (&self.inner, Keywords::of(changes)?);
         let array = match keywords.take("array")? {
@@ -167,13 +176,15 @@ impl Scene {
         }
         let mut scene = remade(own, array, medium, points, request)?;
         scene.plane = plane;
+        let told = own.doubts();
+        warn_all(py, scene.doubts().into_iter().filter(|doubt| !told.contains(doubt)))?;
         Ok(Self { inner: Arc::new(scene) })
     }
 
     /// Reads a scene file: JSON by its ending .json, TOML by .toml, else by looking at it.
     #[staticmethod]
-    fn load(path: PathBuf) -> PyResult<Self> {
-        Ok(Self { inner: Arc::new(crate::files::load(&path)?) })
+    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        Self::told(py, crate::files::load(&path)?)
     }
 
     /// Reads a scene from text (str or bytes), TOML or JSON by looking at it.
@@ -182,7 +193,7 @@ impl Scene {
     #[staticmethod]
     #[pyo3(signature = (text, *, name="scene", folder=None))]
     fn parse(text: &Bound<'_, PyAny>, name: &str, folder: Option<PathBuf>) -> PyResult<Self> {
-        Ok(Self { inner: Arc::new(crate::files::parse(text, name, folder.as_deref())?) })
+        Self::told(text.py(), crate::files::parse(text, name, folder.as_deref())?)
     }
 
     /// Writes the scene as TOML or (by the ending .json) JSON, whole or not at all.

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyDictMethods};
 
 use crate::array::{Array, adjusted};
-use crate::error::{invalid, refused};
+use crate::error::{invalid, refused, warn_all};
 use crate::give::rows;
 use crate::instruction_set::instruction_set;
 use crate::propagation::Propagation;
@@ -151,6 +151,12 @@ impl<'py> Keywords<'py> {
     }
 }
 
+/// Warns of what is hardly meant of an array and its medium, and was not told of the scene they come from.
+fn tell(py: Python<'_>, model: &Model, scene: Option<&(midair::Array, Medium)>) -> PyResult<()> {
+    let told = scene.map_or_else(Vec::new, |(array, medium)| array.doubts(*medium));
+    warn_all(py, model.array().doubts(model.medium()).into_iter().filter(|doubt| !told.contains(doubt)))
+}
+
 impl Setting {
     /// From a Scene (its array and medium), an Array or a Propagation, and keywords: the Scene's, `quantization`, `mask`,
     /// `balance`, `aim`, and the solver's options.
@@ -208,7 +214,9 @@ impl Setting {
                     "expected a midair.Scene, midair.Array or midair.Propagation first, not {kind}"
                 )));
             };
+            let scene = object.is_instance_of::<Scene>().then(|| (array.clone(), medium));
             let model = keywords.model(array, medium, beside)?;
+            tell(object.py(), &model, scene.as_ref())?;
             let (configured, balance) = configured(model.array().quantization())?;
             (Session::new(model.clone(), configured.solver, balance), configured.info, Source::Model(model))
         };

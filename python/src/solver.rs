@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::ctrl_c::attend;
-use crate::error::{invalid, refused, warn};
+use crate::error::{invalid, refused, warn_all};
 use crate::give;
 use crate::metrics::Metrics;
 use crate::numbers::in_place;
@@ -178,8 +178,8 @@ impl Solver {
         ask.start = start.map(begin).transpose()?;
         attend(py, None, |mut control| session.solve(ask, &mut control).map(|_| ()))?;
         *elapsed = clock.elapsed().as_secs_f64();
-        let mut remarks = session.remarks();
-        let mut tell = || remarks.try_for_each(|remark| warn(py, &remark));
+        let (doubts, remarks) = (session.doubts(ask), session.remarks());
+        let tell = || warn_all(py, doubts).and_then(|()| warn_all(py, remarks));
         if let Some(out) = out {
             out::write(out, session.solution().map_or(&[], |solution| &solution.drive))?;
             drop(state);

@@ -10,7 +10,6 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::problem::Problem;
 use crate::problem::upper_bound::{MOST_POINTS, rough_bound};
-use crate::propagation::distance;
 
 /// The paper's own p1/sqrt(M) is out of reach by 14 % in the mean and by a quarter in single scenes of few points. What is
 /// proven to be further away is a slip.
@@ -29,7 +28,7 @@ pub struct Reach {
 
 /// A request that no drive can fulfil.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::exhaustive_enums, reason = "the three ways to ask for too much")]
+#[allow(clippy::exhaustive_enums, reason = "the two ways to ask for too much")]
 pub enum Beyond {
     /// A target above what all transducers together give at that point.
     Alone {
@@ -39,13 +38,6 @@ pub enum Beyond {
         target: f64,
         /// The strongest pressure there in Pa.
         alone: f64,
-    },
-    /// Two targets for one place.
-    Contrary {
-        /// Indices of the points.
-        points: [usize; 2],
-        /// Their targets in Pa.
-        targets: [f64; 2],
     },
     /// Targets that cannot be had at the same time.
     Together {
@@ -62,12 +54,6 @@ impl fmt::Display for Beyond {
                 "points[{point}].pressure is {} Pa, beyond reach: the array gives at most {} Pa there",
                 pascals(*target),
                 pascals(*alone)
-            ),
-            Self::Contrary { points: [j, k], targets: [one, other] } => write!(
-                f,
-                "points[{j}] and points[{k}] lie in one place, for which {} and {} Pa are asked: give them one pressure",
-                pascals(*one),
-                pascals(*other)
             ),
             Self::Together { most } => write!(
                 f,
@@ -103,9 +89,8 @@ impl Problem {
         Ok(Reach { alone, level: self.targets_in_pascals().iter().map(|target| self.balance() * target).collect() })
     }
 
-    /// What is asked for and provably cannot be had: a target above its point's own reach, two targets for points less than a
-    /// thousandth of a wavelength apart, or targets of which no drive
-    /// gives more than three quarters at the same time, as the quick form of [`crate::bound()`] proves (up to 64 points; from
+    /// What is asked for and provably cannot be had: a target above its point's own reach, or targets of which no
+    /// drive gives more than three quarters at the same time, as the quick form of [`crate::bound()`] proves (up to 64 points; from
     /// about 1.4 times the balanced level on at a few points, from 2 to 2.5 times at 64).
     ///
     /// # Errors
@@ -113,9 +98,6 @@ impl Problem {
     pub fn beyond(&self, control: &mut Control) -> Result<Option<Beyond>, Error> {
         if let Some(alone) = self.beyond_alone() {
             return Ok(Some(alone));
-        }
-        if let Some(contrary) = self.contrary() {
-            return Ok(Some(contrary));
         }
         if self.balance() >= EVERYDAY || self.targeted().len() > MOST_POINTS {
             return Ok(None);
@@ -141,19 +123,5 @@ impl Problem {
     #[must_use]
     pub fn is_doubtful(&self) -> bool {
         self.balance() < EVERYDAY
-    }
-
-    fn contrary(&self) -> Option<Beyond> {
-        let (points, targets) = (self.targets.propagation.control_points()?, self.targets_in_pascals());
-        let targeted = self.targeted();
-        // Mostly all ask for the same.
-        if targeted.iter().all(|&j| targets[j] == targets[targeted[0]]) {
-            return None;
-        }
-        let near = self.setup().medium.wavelength() / 1000.0;
-        let pairs = targeted.iter().enumerate().flat_map(|(n, &j)| targeted[n + 1..].iter().map(move |&k| [j, k]));
-        let contrary = |[j, k]: &[usize; 2]| targets[*j] != targets[*k] && distance(points[*j], points[*k]) < near;
-        let pair = pairs.into_iter().find(contrary)?;
-        Some(Beyond::Contrary { points: pair, targets: pair.map(|j| targets[j]) })
     }
 }

@@ -8,7 +8,7 @@ pub(crate) mod sources;
 pub use field::field;
 pub use model::Model;
 pub(crate) use products::{back_project, field_of, gram};
-pub(crate) use sources::{Sources, distance};
+pub(crate) use sources::Sources;
 
 use alloc::format;
 use alloc::sync::Arc;

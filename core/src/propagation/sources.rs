@@ -8,7 +8,7 @@ use num_complex::Complex64;
 use crate::error::Error;
 use crate::kernels::{Radiation, Source, padded};
 use crate::math;
-use crate::scene::{Array, Medium, check_places};
+use crate::scene::{Array, Medium, check_places, distance};
 
 /// An array in a medium, prepared for computing rows: positions in wavelengths from the array's middle.
 ///
@@ -121,10 +121,6 @@ impl Sources {
 /// A position in wavelengths from `centre`, rounded to f32 only now.
 fn wavelengths(position: [f64; 3], centre: [f64; 3], wavelength: f64) -> [f32; 3] {
     [0, 1, 2].map(|axis| ((position[axis] - centre[axis]) / wavelength) as f32)
-}
-
-pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    math::sqrt((0..3).map(|axis| (a[axis] - b[axis]) * (a[axis] - b[axis])).sum())
 }
 
 #[cfg(test)]

@@ -6,9 +6,10 @@ use crate::error::Error;
 use crate::scene::array::{Array, vector};
 use crate::scene::medium::Medium;
 
-/// Beyond this many wavelengths from the array's middle f32 can no longer tell one phase from another (2^20
-/// wavelengths are 9 km at 40 kHz).
-const MOST_WAVELENGTHS: f64 = (1 << 20) as f64;
+/// Wavelengths from the array's middle, 279 m at 40 kHz: there phases in f32 are wrong by 0.004 rad in the mean and by
+/// 0.02 at most, moduli by 6e-5, and a focus loses 1.4e-5 of its pressure. All grow with the distance, the last with its
+/// square.
+const MOST_WAVELENGTHS: f64 = (1 << 15) as f64;
 
 /// Refuses a medium, and an array that cannot be computed with in it.
 pub(crate) fn check_array(array: &Array, medium: Medium) -> Result<(), Error> {
@@ -31,7 +32,10 @@ pub(crate) fn check_places(
         if far || !place.iter().all(|x| x.is_finite()) {
             let item = format!("{item}[{k}]{part}");
             vector(&item, place)?;
-            let cure = format!("bring it within {reach:.3e} m of the array's middle (coordinates are in metres)");
+            let frequency = medium.frequency;
+            let cure = format!(
+                "bring it within {reach:.3e} m of the array's middle, 2^15 wavelengths at {frequency} Hz (coordinates are in metres)"
+            );
             return Err(Error::invalid(item, format!("{place:?}"), cure));
         }
     }

@@ -1,6 +1,8 @@
-//! Geometry: lattices of positions, bounding boxes.
+//! Geometry: lattices of positions, bounding boxes, distances.
 
 use alloc::vec::Vec;
+
+use crate::math;
 
 /// `nx` x `ny` positions `pitch` metres apart, centred, x fastest.
 pub(crate) fn lattice([nx, ny]: [usize; 2], pitch: f64) -> Vec<[f64; 3]> {
@@ -17,4 +19,9 @@ pub(crate) fn bounds(points: &[[f64; 3]]) -> [[f64; 2]; 3] {
         }
         bounds
     })
+}
+
+/// The distance of two places.
+pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    math::sqrt((0..3).map(|axis| (a[axis] - b[axis]) * (a[axis] - b[axis])).sum())
 }

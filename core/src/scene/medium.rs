@@ -34,6 +34,13 @@ impl Medium {
         Ok(331.3 * math::sqrt(1.0 + temperature / 273.15))
     }
 
+    /// The temperature in degrees C at which air has this sound speed.
+    #[must_use]
+    pub fn temperature(&self) -> f64 {
+        let ratio = self.sound_speed / 331.3;
+        273.15 * (ratio * ratio - 1.0)
+    }
+
     /// The sound speed in m/s, given as such or by a temperature in degrees Celsius; 340 where neither is given.
     ///
     /// # Errors

@@ -6,7 +6,9 @@ pub(crate) mod choice;
 pub(crate) mod extent;
 pub(crate) mod geometry;
 pub(crate) mod medium;
+pub(crate) mod neighbours;
 pub(crate) mod plane;
+pub(crate) mod plausibility;
 pub mod presets;
 pub(crate) mod request;
 pub(crate) mod start;
@@ -18,8 +20,11 @@ pub use array::{Array, Origin};
 pub(crate) use array::{UNITS, check_positions};
 pub use choice::Choice;
 pub(crate) use extent::{check_array, check_places};
+pub(crate) use geometry::distance;
 pub use medium::Medium;
 pub use plane::{Axis, Plane};
+pub use plausibility::Doubt;
+pub(crate) use plausibility::{Vicinity, contrary};
 pub use request::Request;
 pub use start::Start;
 pub(crate) use start::check_drive;
@@ -27,6 +32,7 @@ pub use transducer::{Directivity, Transducer};
 pub(crate) use value::words;
 pub use value::{OptionValue, Options, Value, spell, word};
 
+use alloc::format;
 use alloc::vec::Vec;
 
 use crate::error::Error;
@@ -89,6 +95,28 @@ impl Scene {
     #[must_use]
     pub fn request(&self) -> &Request {
         &self.request
+    }
+
+    /// What is answered, but hardly meant, of array, medium, points and plane: each slip once.
+    ///
+    /// ```
+    /// use midair::{Array, Medium, Request, Scene};
+    ///
+    /// let array = Array::grid(10, 10, 10.5)?;
+    /// let scene = Scene::new(array, Medium::default(), vec![[0.0, 0.0, 0.15]], Request::default())?;
+    /// assert_eq!(
+    ///     scene.doubts()[0].to_string(),
+    ///     "array.grid.pitch is 10.5: no neighbours within five wavelengths (0.0085 m): give metres (10.5 mm are 0.0105 m)"
+    /// );
+    /// # Ok::<(), midair::Error>(())
+    /// ```
+    #[must_use]
+    pub fn doubts(&self) -> Vec<Doubt> {
+        let mut doubts = self.array.doubts(self.medium);
+        doubts.extend(Vicinity::of(&self.array).doubt(&self.points, |j| format!("points[{j}].position")));
+        doubts.extend(contrary(self.medium, &self.points, &self.request));
+        doubts.extend(self.plane.iter().flat_map(Plane::doubts));
+        doubts
     }
 
     /// The planes of its pictures: the scene's own, else those [`Plane::around`] its points.

@@ -8,6 +8,7 @@ pub use batch::Batch;
 pub use worker::Ask;
 
 use alloc::format;
+use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -19,6 +20,7 @@ use crate::error::Error;
 use crate::kernels::LANES;
 use crate::problem::{Problem, Setup, Solution};
 use crate::propagation::{Model, Propagation};
+use crate::scene::{Doubt, Vicinity, contrary};
 use crate::session::batch::Outcome;
 use crate::session::parts::{Part, parts};
 use crate::session::worker::{Requests, Task, Transducers, Worker};
@@ -56,6 +58,10 @@ pub struct Session {
     told: [bool; 3],
     /// Whether it has looked for the proof that targets cannot be had together.
     looked: bool,
+    /// Where points are looked for, until one was found outside.
+    vicinity: Option<Vicinity>,
+    /// Whether points have been looked at for two pressures in one place.
+    compared: bool,
 }
 
 impl Session {
@@ -63,9 +69,9 @@ impl Session {
     #[must_use]
     pub fn new(model: Model, solver: impl Into<Arc<dyn Solve + Send + Sync>>, balance: bool) -> Self {
         let setup = Arc::new(Setup::of(model.array(), model.medium()));
+        let vicinity = Some(Vicinity::of(model.array()));
         let transducers = Transducers::Model(model);
-        let task = Task { transducers, setup, solver: solver.into(), balance };
-        Self { task, workers: Vec::new(), solution: None, told: [false; 3], looked: false }
+        Self::of(Task { transducers, setup, solver: solver.into(), balance }, vicinity)
     }
 
     /// A session of a given G, the array behind it, and a solver: points are left out of what it is asked.
@@ -80,8 +86,12 @@ impl Session {
     ) -> Result<Self, Error> {
         setup.check(&propagation)?;
         let transducers = Transducers::Given(propagation);
-        let task = Task { transducers, setup: Arc::new(setup), solver: solver.into(), balance };
-        Ok(Self { task, workers: Vec::new(), solution: None, told: [false; 3], looked: false })
+        Ok(Self::of(Task { transducers, setup: Arc::new(setup), solver: solver.into(), balance }, None))
+    }
+
+    fn of(task: Task, vicinity: Option<Vicinity>) -> Self {
+        let compared = vicinity.is_none();
+        Self { task, workers: Vec::new(), solution: None, told: [false; 3], looked: false, vicinity, compared }
     }
 
     /// Solves one request. The solution stays readable until the next call.
@@ -203,6 +213,27 @@ impl Session {
             *told |= remark.is_some();
         }
         remarks.into_iter().flatten()
+    }
+
+    /// What is hardly meant of the points of a request that was answered: one far beyond the array, until there was one;
+    /// and, of the first request, two pressures in one place. Costs a comparison a coordinate.
+    pub fn doubts(&mut self, ask: &Ask) -> Vec<Doubt> {
+        let far = self.far(&ask.points, |j| format!("points[{j}].position"));
+        let first = !core::mem::replace(&mut self.compared, true);
+        let contrary = if first { contrary(self.task.setup.medium, &ask.points, &ask.request) } else { None };
+        far.into_iter().chain(contrary).collect()
+    }
+
+    /// As [`Session::doubts`], of all points (B, M, 3) of a batch far beyond the array.
+    pub fn batch_doubts(&mut self, points: &[[f64; 3]], each: usize) -> Vec<Doubt> {
+        let far = self.far(points, |k| format!("problems[{}].points[{}].position", k / each, k % each));
+        far.into_iter().collect()
+    }
+
+    fn far(&mut self, points: &[[f64; 3]], name: impl Fn(usize) -> String) -> Option<Doubt> {
+        let far = self.vicinity.as_ref()?.doubt(points, name)?;
+        self.vicinity = None;
+        Some(far)
     }
 
     /// The problem of the last request that was read.

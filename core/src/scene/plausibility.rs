@@ -1,0 +1,236 @@
+//! Plausibility: values that are answered but hardly meant, and the unit they were probably given in.
+//!
+//! Each limit lies where a slip of a thousand lands outside for every array that has been built, and where nothing that
+//! has been built is.
+
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use core::fmt;
+use core::ops::RangeInclusive;
+
+use crate::scene::array::{Array, Origin};
+use crate::scene::geometry::{bounds, distance};
+use crate::scene::medium::Medium;
+use crate::scene::neighbours::find_pair;
+use crate::scene::plane::Plane;
+use crate::scene::request::Request;
+
+/// Hz of air-coupled arrays, 20 kHz to 1 MHz, with room for what is heard and for the laboratory's.
+const FREQUENCY: RangeInclusive<f64> = 5e3..=2e6;
+
+/// Degrees C of air that anybody works in.
+const TEMPERATURE: RangeInclusive<f64> = -60.0..=60.0;
+
+/// kg/m^3 of air from high mountains to deep frost.
+const DENSITY: RangeInclusive<f64> = 0.5..=2.0;
+
+/// Np/m at 40 kHz, growing as the frequency squared: some four times what the dampest or driest air takes, and below that
+/// air's dB/m.
+const ABSORPTION: f64 = 1.0;
+
+/// Pa m of a transducer, from a dead buzzer to a horn; the paper's unit is apart.
+const SOURCE_PRESSURE: RangeInclusive<f64> = 0.01..=100.0;
+
+/// Wavelengths between neighbours: closer than the first they are in one another, farther than the second alone.
+const SPACING: RangeInclusive<f64> = 0.05..=5.0;
+
+/// The largest array and picture in m.
+const LARGEST: f64 = 10.0;
+
+/// The farthest point from an array in m, unless the array itself is larger: sound of 40 kHz is down to half there.
+const FARTHEST: f64 = 5.0;
+
+/// A value that is answered, but hardly meant that way.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Doubt {
+    /// The item, as in the scene file: `array.grid.pitch`.
+    pub item: String,
+    /// The value found.
+    pub value: String,
+    /// What to give instead.
+    pub cure: String,
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { item, value, cure } = self;
+        write!(f, "{item} is {value}: {cure}")
+    }
+}
+
+fn doubt(item: impl Into<String>, value: impl Into<String>, cure: impl Into<String>) -> Doubt {
+    Doubt { item: item.into(), value: value.into(), cure: cure.into() }
+}
+
+/// A number to four digits, as short as it can be written.
+fn short(x: f64) -> String {
+    format!("{:?}", format!("{x:.3e}").parse().unwrap_or(x))
+}
+
+/// "give metres (150 mm are 0.15 m)": the first of some units in which a value would be in range.
+fn in_unit(value: f64, unit: &str, word: &str, others: &[(&str, f64)], range: &RangeInclusive<f64>) -> String {
+    let meant = others.iter().find(|(_, factor)| range.contains(&(value * factor)));
+    let meant = meant.map(|(name, factor)| format!(" ({} {name} are {} {unit})", short(value), short(value * factor)));
+    format!("give {word}{}", meant.unwrap_or_default())
+}
+
+/// "give metres (150 mm are 0.15 m)" for a length that would be in range.
+fn metres(value: f64, range: &RangeInclusive<f64>) -> String {
+    in_unit(value, "m", "metres", &[("mm", 1e-3), ("cm", 1e-2), ("um", 1e-6), ("km", 1e3)], range)
+}
+
+impl Plane {
+    /// What is hardly meant of a plane.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<Doubt> {
+        let lengths = [("plane.size".into(), self.size), (format!("plane.{}", self.axis), self.at)];
+        let large = lengths.into_iter().filter(|(_, length)| length.abs() > LARGEST);
+        large.map(|(item, length)| doubt(item, short(length), metres(length, &(-2.0..=2.0)))).collect()
+    }
+}
+
+impl Array {
+    /// What is hardly meant of an array in a medium: each slip once.
+    #[must_use]
+    pub fn doubts(&self, medium: Medium) -> Vec<Doubt> {
+        let mut doubts = of_medium(medium);
+        let pressure = self.transducer().source_pressure;
+        if !SOURCE_PRESSURE.contains(&pressure) && !self.in_paper_unit() {
+            let cure = in_unit(pressure, "Pa m", "Pa m", &[("mPa m", 1e-3), ("kPa m", 1e3)], &(0.1..=20.0));
+            doubts.push(doubt("array.source_pressure", short(pressure), cure));
+        }
+        doubts.extend(extent(self, medium));
+        doubts
+    }
+}
+
+fn of_medium(medium: Medium) -> Vec<Doubt> {
+    let mut doubts = Vec::new();
+    let Medium { frequency, sound_speed, absorption, density } = medium;
+    if !FREQUENCY.contains(&frequency) {
+        let cure = in_unit(frequency, "Hz", "Hz", &[("kHz", 1e3), ("MHz", 1e6), ("mHz", 1e-3)], &(20e3..=1e6));
+        doubts.push(doubt("medium.frequency", short(frequency), cure));
+    }
+    let celsius = medium.temperature();
+    if !TEMPERATURE.contains(&celsius) {
+        doubts.push(doubt("medium.sound_speed", short(sound_speed), speed_cure(sound_speed, celsius)));
+    }
+    let most = ABSORPTION * (frequency / 40e3) * (frequency / 40e3);
+    if absorption > most && FREQUENCY.contains(&frequency) {
+        let cure = format!(
+            "air at this frequency has less: give Np/m ({} dB/m are {})",
+            short(absorption),
+            short(absorption / 8.686)
+        );
+        doubts.push(doubt("medium.absorption", short(absorption), cure));
+    }
+    if !DENSITY.contains(&density) {
+        let cure = in_unit(density, "kg/m^3", "kg/m^3", &[("g/m^3", 1e-3), ("g/cm^3", 1e3)], &DENSITY);
+        doubts.push(doubt("medium.density", short(density), cure));
+    }
+    doubts
+}
+
+/// What a speed outside air's was probably made of.
+fn speed_cure(speed: f64, celsius: f64) -> String {
+    let [kelvin, fahrenheit] = [celsius - 273.15, (celsius - 32.0) / 1.8];
+    let meant = if TEMPERATURE.contains(&kelvin) {
+        format!(" ({} K are {})", short(celsius), short(kelvin))
+    } else if TEMPERATURE.contains(&fahrenheit) {
+        format!(" ({} degrees F are {})", short(celsius), short(fahrenheit))
+    } else {
+        String::new()
+    };
+    let speeds = &(290.0..=370.0);
+    let units = in_unit(speed, "m/s", "m/s", &[("cm/s", 1e-2), ("km/s", 1e3), ("mm/s", 1e-3)], speeds);
+    format!("air has that at {} degrees C: {units}, or a temperature in degrees C{meant}, -60 to 60", short(celsius))
+}
+
+/// Neighbours too close or too far apart, or an array too large.
+fn extent(array: &Array, medium: Medium) -> Option<Doubt> {
+    let places = array.positions();
+    let wavelength = medium.wavelength();
+    // A doubtful wavelength is no measure.
+    let sure = FREQUENCY.contains(&medium.frequency) && TEMPERATURE.contains(&medium.temperature());
+    if sure && places.len() > 1 {
+        let usual = &(wavelength / 4.0..=wavelength * 3.0);
+        let [close, far] = [*SPACING.start(), *SPACING.end()].map(|part| part * wavelength);
+        let told = |pair: Option<[usize; 2]>, length: f64, what: &str| {
+            let (item, value) = match (array.origin(), pair) {
+                (Origin::Grid { pitch, .. }, _) => ("array.grid.pitch", short(*pitch)),
+                (_, Some([i, k])) => ("array.positions", format!("{} m from [{i}] to [{k}]", short(length))),
+                _ => ("array.positions", format!("{} m and more from one to the next", short(length))),
+            };
+            doubt(item, value, format!("{what} ({} m): {}", short(wavelength), metres(length, usual)))
+        };
+        if let Some((pair, length)) = find_pair(places, close, |_, _| true) {
+            return Some(told(Some(pair), length, "neighbours are nearer than a twentieth of the wavelength"));
+        }
+        if find_pair(places, far, |_, _| true).is_none() {
+            return Some(told(None, distance(places[0], places[1]), "no neighbours within five wavelengths"));
+        }
+    }
+    let side = largest(&bounds(places));
+    (side > LARGEST).then(|| doubt("array.positions", format!("{} m wide", short(side)), metres(side, &(0.01..=2.0))))
+}
+
+fn largest(bounds: &[[f64; 2]; 3]) -> f64 {
+    bounds.iter().fold(0.0, |most, [low, high]| f64::max(most, high - low))
+}
+
+/// The box around an array in which its points are looked for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Vicinity {
+    bounds: [[f64; 2]; 3],
+    size: f64,
+}
+
+impl Vicinity {
+    pub(crate) fn of(array: &Array) -> Self {
+        let bounds = bounds(array.positions());
+        let size = largest(&bounds);
+        let most = FARTHEST.max(size);
+        Self { bounds: bounds.map(|[low, high]| [low - most, high + most]), size }
+    }
+
+    /// The first point outside and how many there are, named by its index.
+    pub(crate) fn doubt(&self, points: &[[f64; 3]], name: impl Fn(usize) -> String) -> Option<Doubt> {
+        let outside = |point: &[f64; 3]| {
+            let beyond = point.iter().zip(&self.bounds).any(|(x, [low, high])| x < low || x > high);
+            beyond && point.iter().all(|x| x.is_finite())
+        };
+        let first = points.iter().position(outside)?;
+        let others = points.iter().filter(|point| outside(point)).count() - 1;
+        let others = if others > 0 { format!(" (and {others} more)") } else { String::new() };
+        let point = points[first];
+        let away = point.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let [x, y, z] = point.map(short);
+        let cure = metres(away, &(0.01..=2.0));
+        let cure = format!("far beyond an array {} m wide: {cure}", short(self.size));
+        Some(doubt(name(first), format!("[{x}, {y}, {z}]{others}"), cure))
+    }
+}
+
+/// Two points so close that no wave has their two pressures: over a distance d it changes by no more than k d of its
+/// greatest pressure (Bernstein's inequality).
+pub(crate) fn contrary(medium: Medium, points: &[[f64; 3]], request: &Request) -> Option<Doubt> {
+    let pressures = request.pressures.as_ref()?;
+    let taking_part: Vec<usize> = (0..points.len()).filter(|&j| request.weight(j) > 0.0).collect();
+    // Mostly all ask for the same.
+    if taking_part.iter().all(|&j| pressures[j] == pressures[taking_part[0]]) {
+        return None;
+    }
+    let places: Vec<[f64; 3]> = taking_part.iter().map(|&j| points[j]).collect();
+    let apart = |pair: [usize; 2], distance: f64| {
+        let [one, other] = pair.map(|k| pressures[taking_part[k]]);
+        (one - other).abs() > (medium.wavenumber() * distance).max(1e-3) * one.max(other)
+    };
+    let (pair, distance) = find_pair(&places, medium.wavelength() / 10.0, apart)?;
+    let [j, k] = pair.map(|k| taking_part[k]);
+    let value =
+        format!("{} Pa, {} m from points[{k}] with {} Pa", short(pressures[j]), short(distance), short(pressures[k]));
+    let cure = "less than a tenth of the wavelength apart they cannot differ so: give them one pressure, or move one";
+    Some(doubt(format!("points[{j}].pressure"), value, cure))
+}
