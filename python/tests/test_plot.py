@@ -107,6 +107,7 @@ def test_an_upright_picture_names_its_axes() -> None:
         (1e-3, "pressure", "|p|, eq. (5) in mm", 1),
         (4.386, "radiation", "radiation pressure / Pa", 1),
         (0.1, "radiation", "radiation pressure / mPa", 1e3),
+        (1e-3, "radiation", "|p|², eq. (5) in mm", 1),
         (4.386, "spl", "sound pressure level / dB re 20 µPa", 1),
         (1e-3, "spl", "|p| / dB re 1, eq. (5) in mm", 1),
         (4.386, "phase", "phase of p / rad", 1),
@@ -123,7 +124,7 @@ def test_plot_says_what_its_colours_mean(
     unit = 1 if scene.in_paper_unit else 20e-6 * 2**0.5
     expected = {
         "pressure": pressure,
-        "radiation": field.radiation,
+        "radiation": pressure**2 if scene.in_paper_unit else field.radiation,
         "spl": 20 * np.log10(pressure / unit),
         "phase": np.angle(field.pressure),
     }[quantity]
@@ -178,6 +179,13 @@ def test_pictures_count_the_scale_in_and_tell_it() -> None:
     for image, one in zip(images(sheet), table, strict=True):
         assert 8 < image.max() < 64
         assert image.max() > 0.99 * np.abs(one.pressures).max()
+
+
+def test_titles_tell_the_options_that_are_not_the_defaults() -> None:
+    scene = flat()
+    assert midair.plot(midair.solve(scene, "greedy")).get_title().startswith("greedy\n")
+    assert midair.plot(midair.solve(scene, "greedy", phases=8)).get_title().startswith("greedy, phases=8\n")
+    assert midair.plot(midair.solve(scene, lambda g, *_: g.conj()[0] / abs(g[0]).max())).get_title()
 
 
 def test_plot_refuses_what_is_no_picture() -> None:

@@ -105,9 +105,10 @@ def loud(field: Field) -> float:
 
 
 def _values(field: Field, quantity: Quantity) -> NDArray[np.float64]:
+    pressure: NDArray[np.float64] = np.abs(field.pressure).astype(np.float64)
     if quantity == "radiation":
-        return field.radiation
-    pressure = np.abs(field.pressure).astype(np.float64)
+        # What the paper draws: its unit is no pascal, and has no density.
+        return pressure**2 if field.scene.in_paper_unit else field.radiation
     if quantity == "pressure":
         return pressure
     if quantity == "phase":
@@ -125,7 +126,8 @@ def _zero_decibel(field: Field) -> float:
 def _of_pressure(field: Field, pressure: float, quantity: Quantity) -> float:
     """The quantity where |p| is `pressure`."""
     if quantity == "radiation":
-        return pressure**2 / (field.scene.density * field.scene.sound_speed**2)
+        scene = field.scene
+        return pressure**2 / (1.0 if scene.in_paper_unit else scene.density * scene.sound_speed**2)
     if quantity == "spl":
         return 20 * log10(max(pressure, 1e-30) / _zero_decibel(field))
     return pressure
@@ -135,8 +137,8 @@ def _unit(quantity: Quantity, top: float, paper: bool) -> tuple[float, str]:
     """The factor and label that keep the colour bar's numbers short."""
     if quantity == "spl":
         return 1.0, "|p| / dB re 1, eq. (5) in mm" if paper else "sound pressure level / dB re 20 µPa"
-    if paper and quantity == "pressure":
-        return 1.0, "|p|, eq. (5) in mm"
+    if paper:
+        return 1.0, f"{'|p|' if quantity == 'pressure' else '|p|²'}, eq. (5) in mm"
     name = "|p|" if quantity == "pressure" else "radiation pressure"
     units = ((1e-3, "kPa"), (1.0, "Pa"), (1e3, "mPa"), (1e6, "µPa"))
     factor, unit = next(

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Field, Scene, Solution
+from .._midair import Field, Scene, Solution, solvers
 
 
 def heading(fields: Sequence[Field]) -> list[str]:
@@ -40,12 +40,15 @@ def marks(fields: Sequence[Field]) -> str:
 
 
 def solver(solution: Solution) -> str:
-    """The solver and those of its options that change a picture most."""
-    options = solution.options
-    keys = (
-        key for key in ("phases", "amplitudes", "order", "limit") if isinstance(options.get(key), str | int)
+    """The solver and those of its options that change a picture most, where they are not its defaults."""
+    info = solvers().get(solution.solver)
+    options = {key: solution.options.get(key) for key in ("phases", "amplitudes", "order", "limit")}
+    given = (
+        f"{key}={value}"
+        for key, value in options.items()
+        if isinstance(value, str | int) and (info is None or value != info.options[key].default)
     )
-    return ", ".join([solution.solver, *(f"{key}={options[key]}" for key in keys)])
+    return ", ".join([solution.solver, *given])
 
 
 def told(solution: Solution, scene: Scene | None) -> str:
