@@ -61,6 +61,13 @@ def matrix_solution() -> midair.Solution:
     )
 
 
+def scaled_solution() -> midair.Solution:
+    with pytest.warns(midair.SceneWarning, match="scale"):
+        solution = midair.solve(midair.Scene(BOARD, POINTS, 300.0), "greedy", balance=True)
+    assert solution.scale < 1
+    return solution
+
+
 def batch(**options: Any) -> midair.Batch:
     points = np.array(POINTS) + np.arange(5)[:, None, None] * 1e-3
     return midair.solve_batch(small(temperature=20), points, solver="greedy", seed=3, **options)
@@ -82,6 +89,7 @@ VALUES: dict[str, Callable[[], Any]] = {
     "solution on a board": lambda: midair.solve(
         midair.Scene(BOARD, POINTS), "greedy", order=list(range(498))
     ),
+    "solution with a scale": scaled_solution,
     "solution of a Solver": lambda: midair.Solver(small(), "fast")(POINTS, weights=[1, 0, 1, 1]),
     "solution of a matrix": matrix_solution,
     "batch": batch,
@@ -90,7 +98,9 @@ VALUES: dict[str, Callable[[], Any]] = {
     ),
     "problem of a batch": lambda: batch()[-1],
     "batch metrics": lambda: batch().metrics,
-    "field in a plane": lambda: midair.field(small(), np.ones(64), midair.Plane(0.1, 0.1, 3)),
+    "upright plane": lambda: midair.Plane(axis="y", at=0.01, size=0.1, pixels=3, center=(1 / 3, 0.1)),
+    "field in a plane": lambda: midair.field(small(), np.ones(64), midair.Plane(0.15, 0.1, 3)),
+    "field of a solution": lambda: midair.field(small(), midair.solve(small(), "naive")),
     "field at points": lambda: midair.field(small(), np.ones(64), POINTS),
     "reach": lambda: small().reach(),
     "preset info": lambda: midair.presets()["autd3"],
