@@ -146,8 +146,8 @@ def drive_json(scene: Scene, solution: Solution) -> str:
 def summary(scene: Scene, solution: Solution) -> str:
     """How a scene was solved and how well, point by point, as JSON text: all but the drive."""
     record = _record(scene, solution)
-    own = {name: getattr(solution, name) for name in ("solver", "options", "status", "steps", "elapsed")}
-    kept = ("scale", *METRICS, "points", "targets", "pressures")
+    own = {name: getattr(solution, name) for name in ("solver", "options", "status")}
+    kept = ("steps", "elapsed", "scale", *METRICS, "points", "targets", "pressures")
     return to_json(own | {name: record[name] for name in kept})
 
 

@@ -5,10 +5,10 @@ use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-use crate::error::{Error, nearest};
+use crate::error::{Error, nearest, same_name};
 use crate::files::source::{Format, Source};
 use crate::files::{place, schema};
-use crate::solvers::SOLVERS;
+use crate::solvers::{Entry, SOLVERS};
 
 /// An error, and the item of the document that it is about.
 pub(super) struct Fault {
@@ -91,16 +91,21 @@ fn example(path: &str, format: Format) -> Option<String> {
 fn example_of_key(table: &str, key: &str, format: Format) -> Option<String> {
     let known = schema::keys(table);
     let meant = schema::renamed(table, key).or_else(|| nearest(key, &known.collect::<Vec<_>>()));
-    match meant {
-        Some(meant) => schema::example(&format!("{table}.{meant}"), format),
-        None if table == "solver" => example_of_option(key, format),
-        None => None,
+    let has = |entry: &&Entry| entry.options().iter().any(|option| same_name(option.name, key));
+    match (meant, table) {
+        (Some(meant), _) => schema::example(&format!("{table}.{meant}"), format),
+        // An option of another solver goes with that one.
+        (None, "solver") => match SOLVERS.iter().find(has) {
+            Some(owner) => Some(schema::line("solver", "name", &format!("\"{}\"", owner.info.name), format)),
+            None => example_of_option(key, format),
+        },
+        _ => None,
     }
 }
 
 /// A line for a solver's option, or for the one that was likely meant.
 fn example_of_option(key: &str, format: Format) -> Option<String> {
-    let options: Vec<_> = SOLVERS.iter().flat_map(crate::solvers::Entry::options).collect();
+    let options: Vec<_> = SOLVERS.iter().flat_map(Entry::options).collect();
     let names: Vec<_> = options.iter().map(|option| option.name).collect();
     let name = nearest(key, &names)?;
     let option = options.iter().find(|option| option.name == name)?;
