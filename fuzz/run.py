@@ -54,11 +54,6 @@ def _number(text: str) -> int:
     return int(text.replace(",", ""))
 
 
-def code(name: str) -> str:
-    """The state of what a target runs."""
-    return record.code("core/src") if name in RUST else record.code("core/src", "python")
-
-
 def seeds(name: str) -> list[Path]:
     """Folders of inputs to begin with: those of the tree."""
     folders = [FUZZ / "corpus" / name]
@@ -90,7 +85,7 @@ def command(name: str, seconds: int, executions: int) -> list[str]:
     return [*program, *options, str(corpus), *map(str, seeds(name))]
 
 
-def slice_of(name: str, seconds: int, executions: int) -> bool:
+def slice_of(name: str, code: str, seconds: int, executions: int) -> bool:
     """One slice and its row in the record; whether nothing was found."""
     begun = time.monotonic()
     log = WORK / f"{name}.log"
@@ -100,19 +95,19 @@ def slice_of(name: str, seconds: int, executions: int) -> bool:
             process.wait()
         except KeyboardInterrupt:
             process.wait(60)
-            note(name, log, time.monotonic() - begun, 0)
+            note(name, code, log, time.monotonic() - begun, 0)
             raise
-    note(name, log, time.monotonic() - begun, process.returncode)
+    note(name, code, log, time.monotonic() - begun, process.returncode)
     return process.returncode == 0
 
 
-def note(name: str, log: Path, seconds: float, status: int) -> None:
+def note(name: str, code: str, log: Path, seconds: float, status: int) -> None:
     """The row of what has just run, added to what the target had on this day over this code."""
     text = log.read_text(errors="replace")
     executed = re.findall(r"number_of_executed_units: (\d+)", text) or re.findall(r"^#(\d+)", text, re.M) or ["0"]
     edges = re.findall(r"\bcov: (\d+)", text) or ["0"]
     finding = what(text) if status else ""
-    row = [name, code(name), record.today(), executed[-1], str(round(seconds)), edges[-1], finding]
+    row = [name, code, record.today(), executed[-1], str(round(seconds)), edges[-1], finding]
     for other in record.rows("fuzz"):
         if other[:3] == row[:3]:
             row[3] = str(_number(other[3]) + int(row[3]))
@@ -166,6 +161,8 @@ def main() -> int:
     asked = parser.parse_args()
     names = asked.targets or [*RUST, *PYTHON]
     WORK.mkdir(exist_ok=True)
+    # As it is built now, whatever is changed while it runs.
+    codes = {name: record.code("core/src", *([] if name in RUST else ["python"])) for name in names}
     if any(name in RUST for name in names):
         build("none", FUZZ / "target")
     if any(name in PYTHON for name in names):
@@ -173,14 +170,14 @@ def main() -> int:
     sound = True
     while names:
         for name in list(names):
-            had = Had.of(name, code(name))
+            had = Had.of(name, codes[name])
             seconds, executions = asked.time - had.seconds, asked.runs - had.executions
             if seconds <= 0 or executions <= 0:
                 print(f"{name}: {had.executions} executions in {had.seconds} s over this code")
                 names.remove(name)
                 continue
             print(f"{name}: {min(seconds, SLICE)} s", flush=True)
-            if not slice_of(name, min(seconds, SLICE), executions):
+            if not slice_of(name, codes[name], min(seconds, SLICE), executions):
                 sound = False
                 names.remove(name)
     return 0 if sound else 1
