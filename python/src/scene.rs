@@ -66,18 +66,21 @@ const PARTS: [&str; 12] = [
     "plane",
 ];
 
-/// A scene with other parts: the solver and plane of its file stay.
+/// A scene with other parts, the solver of its file kept, and a warning of what is hardly meant of them.
 pub(crate) fn remade(
+    py: Python<'_>,
     own: &midair::Scene,
-    array: midair::Array,
-    medium: Medium,
+    (array, medium): (midair::Array, Medium),
     points: Vec<[f64; 3]>,
     request: Request,
-) -> PyResult<midair::Scene> {
+    plane: Option<midair::Plane>,
+) -> PyResult<Arc<midair::Scene>> {
     let mut scene = midair::Scene::new(array, medium, points, request).map_err(refused)?;
     scene.solver.clone_from(&own.solver);
-    scene.plane = own.plane;
-    Ok(scene)
+    scene.plane = plane;
+    let told = own.doubts();
+    warn_all(py, scene.doubts().into_iter().filter(|doubt| !told.contains(doubt)))?;
+    Ok(Arc::new(scene))
 }
 
 impl Scene {
@@ -174,11 +177,7 @@ impl Scene {
         if let Some(name) = keywords.left() {
             return Err(refused(midair::Error::unknown("part of a scene", name, PARTS)));
         }
-        let mut scene = remade(own, array, medium, points, request)?;
-        scene.plane = plane;
-        let told = own.doubts();
-        warn_all(py, scene.doubts().into_iter().filter(|doubt| !told.contains(doubt)))?;
-        Ok(Self { inner: Arc::new(scene) })
+        Ok(Self { inner: remade(py, own, (array, medium), points, request, plane)? })
     }
 
     /// Reads a scene file: JSON by its ending .json, TOML by .toml, else by looking at it.

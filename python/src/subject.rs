@@ -26,7 +26,7 @@ pub(crate) struct Beside<'a, 'py> {
 
 impl Beside<'_, '_> {
     /// A scene with what is given beside it in place of its own.
-    fn over(self, scene: &Arc<midair::Scene>) -> PyResult<Arc<midair::Scene>> {
+    fn over(self, py: Python<'_>, scene: &Arc<midair::Scene>) -> PyResult<Arc<midair::Scene>> {
         let Self { pressures, weights, quantization, mask, positions } = self;
         if positions.is_some() {
             return Err(invalid(
@@ -42,7 +42,7 @@ impl Beside<'_, '_> {
         let Request { pressures: own_pressures, weights: own_weights } = scene.request().clone();
         let given = read::request(scene.points().len(), pressures, weights)?;
         let request = Request { pressures: given.pressures.or(own_pressures), weights: given.weights.or(own_weights) };
-        remade(scene, array, scene.medium(), scene.points().to_vec(), request).map(Arc::new)
+        remade(py, scene, (array, scene.medium()), scene.points().to_vec(), request, scene.plane)
     }
 }
 
@@ -71,7 +71,7 @@ pub(crate) fn given(
 impl Subject {
     pub(crate) fn read(object: &Bound<'_, PyAny>, beside: Beside<'_, '_>) -> PyResult<Self> {
         if let Ok(scene) = object.cast::<Scene>() {
-            return beside.over(&scene.get().inner).map(Self::Scene);
+            return beside.over(object.py(), &scene.get().inner).map(Self::Scene);
         }
         if let Ok(matrix) = object.cast::<Propagation>() {
             let matrix = &matrix.get().inner;

@@ -234,6 +234,13 @@ def test_what_is_given_beside_a_scene_replaces_its_own() -> None:
     assert midair.solve(scene, **board).scene == scene.replace(array=array)
     assert midair.solve(scene, **board).drive[3] == 0
     refused(lambda: midair.solve(scene, pressures=[1, 2]), "pressures")
+    twice = small(points=[POINTS[0]] * 2)
+    for replaced in (
+        lambda: twice.replace(pressures=[500, 0]),
+        lambda: midair.solve(twice, pressures=[500, 0]),
+    ):
+        with pytest.warns(midair.SceneWarning, match="points"):
+            replaced()
     refused(lambda: midair.solve(scene, positions=[[0, 0, 0]]), "positions", "array")
 
 
