@@ -6,7 +6,7 @@ use midair::Axis;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::error::{invalid, refused};
+use crate::error::{invalid, refused, warn_all};
 use crate::give;
 use crate::numbers::quoted;
 use crate::pickle::{Reduced, restored};
@@ -45,6 +45,7 @@ impl Plane {
         text_signature = "(z=None, size=None, pixels=200, center=(0, 0), *, axis='z', at=None)"
     )]
     fn new(
+        py: Python<'_>,
         z: Argument<'_, '_>,
         size: Argument<'_, '_>,
         pixels: Argument<'_, '_>,
@@ -75,7 +76,9 @@ impl Plane {
         };
         let size = number("plane.size", size)?;
         let size = size.ok_or_else(|| invalid("plane.size", "left out", "give the plane's side in m"))?;
-        Ok(Self { inner: midair::Plane::normal_to(axis, place, size, pixels, center).map_err(refused)? })
+        let inner = midair::Plane::normal_to(axis, place, size, pixels, center).map_err(refused)?;
+        warn_all(py, inner.doubt())?;
+        Ok(Self { inner })
     }
 
     /// The axis that it is normal to: "x", "y" or "z".

@@ -106,7 +106,7 @@ impl Scene {
     /// let scene = Scene::new(array, Medium::default(), vec![[0.0, 0.0, 0.15]], Request::default())?;
     /// assert_eq!(
     ///     scene.doubts()[0].to_string(),
-    ///     "array.grid.pitch is 10.5: no neighbours within five wavelengths (0.0085 m): give metres (10.5 mm are 0.0105 m)"
+    ///     "array.grid.pitch is 10.5 m: no neighbours within five wavelengths of 0.0085 m: give m (10.5 mm are 0.0105 m)"
     /// );
     /// # Ok::<(), midair::Error>(())
     /// ```
@@ -115,7 +115,7 @@ impl Scene {
         let mut doubts = self.array.doubts(self.medium);
         doubts.extend(Vicinity::of(&self.array).doubt(&self.points, |j| format!("points[{j}].position")));
         doubts.extend(contrary(self.medium, &self.points, &self.request));
-        doubts.extend(self.plane.iter().flat_map(Plane::doubts));
+        doubts.extend(self.plane.and_then(|plane| plane.doubt()));
         doubts
     }
 

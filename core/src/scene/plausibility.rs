@@ -66,28 +66,31 @@ fn doubt(item: impl Into<String>, value: impl Into<String>, cure: impl Into<Stri
 
 /// A number to four digits, as short as it can be written.
 fn short(x: f64) -> String {
-    format!("{:?}", format!("{x:.3e}").parse().unwrap_or(x))
+    let x: f64 = format!("{x:.3e}").parse().unwrap_or(x);
+    if x == 0.0 || (1e-4..1e7).contains(&x.abs()) { format!("{x}") } else { format!("{x:e}") }
 }
 
-/// "give metres (150 mm are 0.15 m)": the first of some units in which a value would be in range.
-fn in_unit(value: f64, unit: &str, word: &str, others: &[(&str, f64)], range: &RangeInclusive<f64>) -> String {
+/// "give m (150 mm are 0.15 m)": the first of some units in which a value would be in range.
+fn in_unit(value: f64, unit: &str, others: &[(&str, f64)], range: &RangeInclusive<f64>) -> String {
     let meant = others.iter().find(|(_, factor)| range.contains(&(value * factor)));
     let meant = meant.map(|(name, factor)| format!(" ({} {name} are {} {unit})", short(value), short(value * factor)));
-    format!("give {word}{}", meant.unwrap_or_default())
+    format!("give {unit}{}", meant.unwrap_or_default())
 }
 
-/// "give metres (150 mm are 0.15 m)" for a length that would be in range.
+/// The same of a length.
 fn metres(value: f64, range: &RangeInclusive<f64>) -> String {
-    in_unit(value, "m", "metres", &[("mm", 1e-3), ("cm", 1e-2), ("um", 1e-6), ("km", 1e3)], range)
+    in_unit(value, "m", &[("mm", 1e-3), ("cm", 1e-2)], range)
 }
 
 impl Plane {
-    /// What is hardly meant of a plane.
+    /// What is hardly meant of a plane: a length beyond every array's.
     #[must_use]
-    pub fn doubts(&self) -> Vec<Doubt> {
-        let lengths = [("plane.size".into(), self.size), (format!("plane.{}", self.axis), self.at)];
-        let large = lengths.into_iter().filter(|(_, length)| length.abs() > LARGEST);
-        large.map(|(item, length)| doubt(item, short(length), metres(length, &(-2.0..=2.0)))).collect()
+    pub fn doubt(&self) -> Option<Doubt> {
+        let [across, up] = self.center;
+        let place = format!("plane.{}", self.axis);
+        let lengths = [(&*place, self.at), ("plane.size", self.size), ("plane.center", across), ("plane.center", up)];
+        let (item, length) = lengths.into_iter().find(|(_, length)| length.abs() > LARGEST)?;
+        Some(doubt(item, format!("{} m", short(length)), metres(length.abs(), &(0.001..=2.0))))
     }
 }
 
@@ -98,8 +101,8 @@ impl Array {
         let mut doubts = of_medium(medium);
         let pressure = self.transducer().source_pressure;
         if !SOURCE_PRESSURE.contains(&pressure) && !self.in_paper_unit() {
-            let cure = in_unit(pressure, "Pa m", "Pa m", &[("mPa m", 1e-3), ("kPa m", 1e3)], &(0.1..=20.0));
-            doubts.push(doubt("array.source_pressure", short(pressure), cure));
+            let cure = in_unit(pressure, "Pa m", &[("mPa m", 1e-3), ("kPa m", 1e3)], &(0.1..=20.0));
+            doubts.push(doubt("array.source_pressure", format!("{} Pa m", short(pressure)), cure));
         }
         doubts.extend(extent(self, medium));
         doubts
@@ -110,42 +113,39 @@ fn of_medium(medium: Medium) -> Vec<Doubt> {
     let mut doubts = Vec::new();
     let Medium { frequency, sound_speed, absorption, density } = medium;
     if !FREQUENCY.contains(&frequency) {
-        let cure = in_unit(frequency, "Hz", "Hz", &[("kHz", 1e3), ("MHz", 1e6), ("mHz", 1e-3)], &(20e3..=1e6));
-        doubts.push(doubt("medium.frequency", short(frequency), cure));
+        let cure = in_unit(frequency, "Hz", &[("kHz", 1e3), ("MHz", 1e6)], &(20e3..=1e6));
+        let cure = format!("ultrasound in air is 20000 to 1000000 Hz: {cure}");
+        doubts.push(doubt("medium.frequency", format!("{} Hz", short(frequency)), cure));
     }
     let celsius = medium.temperature();
     if !TEMPERATURE.contains(&celsius) {
-        doubts.push(doubt("medium.sound_speed", short(sound_speed), speed_cure(sound_speed, celsius)));
+        let (value, cure) = of_speed(sound_speed, celsius);
+        doubts.push(doubt("medium.sound_speed", value, cure));
     }
     let most = ABSORPTION * (frequency / 40e3) * (frequency / 40e3);
     if absorption > most && FREQUENCY.contains(&frequency) {
-        let cure = format!(
-            "air at this frequency has less: give Np/m ({} dB/m are {})",
-            short(absorption),
-            short(absorption / 8.686)
-        );
-        doubts.push(doubt("medium.absorption", short(absorption), cure));
+        let [own, nepers] = [absorption, absorption / 8.686].map(short);
+        let cure = format!("air has less at this frequency: give Np/m ({own} dB/m are {nepers} Np/m)");
+        doubts.push(doubt("medium.absorption", format!("{own} Np/m"), cure));
     }
     if !DENSITY.contains(&density) {
-        let cure = in_unit(density, "kg/m^3", "kg/m^3", &[("g/m^3", 1e-3), ("g/cm^3", 1e3)], &DENSITY);
-        doubts.push(doubt("medium.density", short(density), cure));
+        let cure = in_unit(density, "kg/m^3", &[("g/m^3", 1e-3), ("g/cm^3", 1e3)], &DENSITY);
+        doubts.push(doubt("medium.density", format!("{} kg/m^3", short(density)), cure));
     }
     doubts
 }
 
-/// What a speed outside air's was probably made of.
-fn speed_cure(speed: f64, celsius: f64) -> String {
-    let [kelvin, fahrenheit] = [celsius - 273.15, (celsius - 32.0) / 1.8];
-    let meant = if TEMPERATURE.contains(&kelvin) {
-        format!(" ({} K are {})", short(celsius), short(kelvin))
-    } else if TEMPERATURE.contains(&fahrenheit) {
-        format!(" ({} degrees F are {})", short(celsius), short(fahrenheit))
-    } else {
-        String::new()
-    };
-    let speeds = &(290.0..=370.0);
-    let units = in_unit(speed, "m/s", "m/s", &[("cm/s", 1e-2), ("km/s", 1e3), ("mm/s", 1e-3)], speeds);
-    format!("air has that at {} degrees C: {units}, or a temperature in degrees C{meant}, -60 to 60", short(celsius))
+/// A speed that air does not have, and what it was probably made of.
+fn of_speed(speed: f64, celsius: f64) -> (String, String) {
+    let value = format!("{} m/s", short(speed));
+    let scales = [("K", celsius - 273.15), ("degrees F", (celsius - 32.0) / 1.8)];
+    if let Some((scale, meant)) = scales.into_iter().find(|(_, meant)| TEMPERATURE.contains(meant)) {
+        let own = short(celsius);
+        let cure = format!("give the temperature in degrees C ({own} {scale} are {}), -60 to 60", short(meant));
+        return (format!("{value}, that of air at {own} degrees C"), cure);
+    }
+    let cure = in_unit(speed, "m/s", &[("cm/s", 1e-2), ("km/s", 1e3), ("mm/s", 1e-3)], &(290.0..=370.0));
+    (value, format!("air has 293 to 366 m/s, at -60 to 60 degrees C: {cure}"))
 }
 
 /// Neighbours too close or too far apart, or an array too large.
@@ -159,14 +159,15 @@ fn extent(array: &Array, medium: Medium) -> Option<Doubt> {
         let [close, far] = [*SPACING.start(), *SPACING.end()].map(|part| part * wavelength);
         let told = |pair: Option<[usize; 2]>, length: f64, what: &str| {
             let (item, value) = match (array.origin(), pair) {
-                (Origin::Grid { pitch, .. }, _) => ("array.grid.pitch", short(*pitch)),
+                (Origin::Grid { pitch, .. }, _) => ("array.grid.pitch", format!("{} m", short(*pitch))),
                 (_, Some([i, k])) => ("array.positions", format!("{} m from [{i}] to [{k}]", short(length))),
                 _ => ("array.positions", format!("{} m and more from one to the next", short(length))),
             };
-            doubt(item, value, format!("{what} ({} m): {}", short(wavelength), metres(length, usual)))
+            let cure = metres(length, usual);
+            doubt(item, value, format!("{what} of {} m: {cure}", short(wavelength)))
         };
         if let Some((pair, length)) = find_pair(places, close, |_, _| true) {
-            return Some(told(Some(pair), length, "neighbours are nearer than a twentieth of the wavelength"));
+            return Some(told(Some(pair), length, "neighbours nearer than a twentieth of the wavelength"));
         }
         if find_pair(places, far, |_, _| true).is_none() {
             return Some(told(None, distance(places[0], places[1]), "no neighbours within five wavelengths"));
@@ -207,9 +208,8 @@ impl Vicinity {
         let point = points[first];
         let away = point.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let [x, y, z] = point.map(short);
-        let cure = metres(away, &(0.01..=2.0));
-        let cure = format!("far beyond an array {} m wide: {cure}", short(self.size));
-        Some(doubt(name(first), format!("[{x}, {y}, {z}]{others}"), cure))
+        let cure = format!("far beyond an array of {} m: {}", short(self.size), metres(away, &(0.01..=2.0)));
+        Some(doubt(name(first), format!("[{x}, {y}, {z}] m{others}"), cure))
     }
 }
 

@@ -50,7 +50,9 @@ pub fn solve(
     let factor = factor(problem, solver, balance);
     let prepared = problem.prepared(factor, work);
     let solution = solver.solve(prepared.as_ref().unwrap_or(problem), work, control);
-    prepared.into_iter().for_each(|prepared| prepared.recycle(work));
+    if let Some(prepared) = prepared {
+        prepared.recycle(work);
+    }
     let quantized = |solution: Solution| quantized(solution, factor, work, control);
     match solution.and_then(quantized) {
         Err(Error::Stopped) => Ok(Solution::silent(problem, work)),

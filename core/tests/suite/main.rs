@@ -19,6 +19,7 @@ mod motions;
 #[allow(dead_code, unreachable_pub, reason = "an independent reference, also for tests to come")]
 mod oracle;
 mod paper;
+mod plausibility;
 mod propagation;
 mod props;
 mod quantization;

@@ -121,14 +121,6 @@ fn only_what_provably_cannot_be_had_is_beyond_reach() {
     assert!(text.starts_with("points[1].pressure is 5.000 Pa, beyond reach: ") && !text.contains('\n'), "{text}");
     // Two points in one place can both have nearly what one can: far above the balanced level, and no mistake.
     assert_eq!(beyond(&[points[0], points[0], points[0]], vec![1.7; 3]), None);
-    // Unless they ask for different pressures there.
-    let places = [points[1], points[0], points[0]];
-    let contrary = Beyond::Contrary { points: [1, 2], targets: [1.7, 0.5] };
-    assert_eq!(beyond(&places, vec![1.7, 1.7, 0.5]), Some(contrary));
-    assert_eq!(
-        contrary.to_string(),
-        "points[1] and points[2] lie in one place, for which 1.700 and 0.500 Pa are asked: give them one pressure"
-    );
     // Left out, the pressures are what the array can do.
     assert_eq!(
         problem(&scene(preset("paper20"), random_points(64, 0.1, 35), None))

@@ -1,0 +1,155 @@
+//! What is hardly meant is told, each slip once and with its unit; what arrays are built like is not.
+
+use midair::presets::PRESETS;
+use midair::{Array, Medium, Plane, Request, Scene, Transducer};
+
+use crate::scenes::{preset, random_points, smiley};
+
+fn points() -> Vec<[f64; 3]> {
+    vec![[0.0, 0.0, 0.15], [0.02, 0.0, 0.15]]
+}
+
+fn told(array: Array, medium: Medium, points: Vec<[f64; 3]>, pressures: Option<Vec<f64>>) -> Vec<String> {
+    let scene = Scene::new(array, medium, points, Request { pressures, weights: None }).expect("an answer");
+    scene.doubts().iter().map(ToString::to_string).collect()
+}
+
+fn grid(pitch: f64) -> Array {
+    Array::grid(10, 10, pitch).expect("a grid")
+}
+
+fn scaled(places: &[[f64; 3]], factor: f64) -> Vec<[f64; 3]> {
+    places.iter().map(|place| place.map(|x| factor * x)).collect()
+}
+
+fn positions(places: Vec<[f64; 3]>) -> Array {
+    Array::new(places, None).expect("positions")
+}
+
+#[test]
+fn every_slip_of_a_unit_is_told_once_with_its_cure() {
+    let air = Medium::default();
+    let board = || preset("autd3");
+    let with = |change: fn(&mut Medium)| {
+        let mut medium = Medium::default();
+        change(&mut medium);
+        told(board(), medium, points(), None)
+    };
+    let source = |source_pressure: f64| {
+        let transducer = Transducer { source_pressure, ..Transducer::default() };
+        told(board().with_transducer(transducer).expect("a pressure"), air, points(), None)
+    };
+    let kelvin = Medium::sound_speed_at(298.0).expect("a temperature");
+    let at = |sound_speed: f64| told(board(), Medium { sound_speed, ..Medium::default() }, points(), None);
+    let millimetres = scaled(board().positions(), 1e3);
+    for (texts, start, end) in [
+        (told(grid(10.5), air, points(), None), "array.grid.pitch is 10.5 m: no neighbours", "(10.5 mm are 0.0105 m)"),
+        (told(grid(1.05), air, points(), None), "array.grid.pitch is 1.05 m: no neighbours", "(1.05 cm are 0.0105 m)"),
+        (told(grid(1.05e-5), air, points(), None), "array.grid.pitch is 1.05e-5 m: neighbours nearer than", "give m"),
+        (told(positions(millimetres.clone()), air, points(), None), "array.positions is 10.16 m and", "are 0.01016 m)"),
+        (told(positions(millimetres), air, scaled(&points(), 1e3), None), "array.positions is 10.16 m and", "m)"),
+        (
+            told(board(), air, scaled(&points(), 1e3), None),
+            "points[0].position is [0, 0, 150] m (and 1 more): far beyond an array of 0.1727 m: ",
+            "give m (150 mm are 0.15 m)",
+        ),
+        (with(|air| air.frequency = 40.0), "medium.frequency is 40 Hz: ", "give Hz (40 kHz are 40000 Hz)"),
+        (with(|air| air.frequency = 40e6), "medium.frequency is 4e7 Hz: ", "give Hz"),
+        (with(|air| air.absorption = 1.3), "medium.absorption is 1.3 Np/m: ", "(1.3 dB/m are 0.1497 Np/m)"),
+        (with(|air| air.density = 1180.0), "medium.density is 1180 kg/m^3: ", "(1180 g/m^3 are 1.18 kg/m^3)"),
+        (with(|air| air.density = 998.0), "medium.density is 998 kg/m^3: ", "are 0.998 kg/m^3)"),
+        (at(kelvin), "medium.sound_speed is 479.1 m/s, that of air at 298 degrees C: ", "(298 K are 24.85), -60 to 60"),
+        (at(34e3), "medium.sound_speed is 34000 m/s: air has 293 to 366 m/s", "give m/s (34000 cm/s are 340 m/s)"),
+        (at(1500.0), "medium.sound_speed is 1500 m/s: air has 293 to 366 m/s", "give m/s"),
+        (source(4386.0), "array.source_pressure is 4386 Pa m: ", "(4386 mPa m are 4.386 Pa m)"),
+        (source(4.386e-3), "array.source_pressure is 0.004386 Pa m: ", "(0.004386 kPa m are 4.386 Pa m)"),
+    ] {
+        let [text] = &texts[..] else { panic!("one doubt of {start}: {texts:?}") };
+        assert!(text.starts_with(start) && text.ends_with(end) && !text.contains('\n'), "{text}");
+    }
+}
+
+#[test]
+fn neighbours_are_found_wherever_they_lie() {
+    let air = Medium::default();
+    let two = |apart: [f64; 3]| {
+        told(positions(vec![[0.3, 0.1, 0.0], [0, 1, 2].map(|k| [0.3, 0.1, 0.0][k] + apart[k])]), air, points(), None)
+    };
+    for axis in 0..3 {
+        for (distance, expected) in
+            [(0.0, "nearer"), (0.9 / 20.0, "nearer"), (1.1 / 20.0, ""), (4.9, ""), (5.1, "no neighbours")]
+        {
+            let mut apart = [0.0; 3];
+            apart[axis] = distance * air.wavelength();
+            let texts = two(apart);
+            assert_eq!(texts.len(), usize::from(!expected.is_empty()), "{distance} along {axis}: {texts:?}");
+            assert!(texts.iter().all(|text| text.contains(expected)), "{distance} along {axis}: {texts:?}");
+        }
+    }
+    // One among many, and the largest arrays in a moment.
+    let mut many = grid(0.01).positions().to_vec();
+    many.push([0.0051, 0.0049, 0.0]);
+    assert!(told(positions(many), air, points(), None)[0].contains(" m from [55] to [100]: neighbours nearer"));
+    let million = Array::grid(1024, 1024, 8e-3).expect("a grid");
+    let texts = told(million, air, points(), None);
+    assert!(texts.is_empty(), "{texts:?}");
+    assert!(
+        told(Array::grid(2, 2000, 0.01).expect("a grid"), air, points(), None)[0].contains("positions is 19.99 m wide")
+    );
+}
+
+#[test]
+fn two_pressures_in_one_place_are_told_and_what_a_wave_can_do_is_not() {
+    let air = Medium::default();
+    let near = |distance: f64, pressures: [f64; 2]| {
+        let mut places = random_points(30, 0.08, 3);
+        let mut asked = vec![300.0; 30];
+        places.extend([[0.0, 0.0, 0.15], [distance * air.wavelength(), 0.0, 0.15]]);
+        asked.extend(pressures);
+        told(preset("autd3"), air, places, Some(asked))
+    };
+    for (distance, pressures) in
+        [(0.0, [500.0, 0.0]), (0.0, [500.0, 490.0]), (0.09, [500.0, 0.0]), (0.02, [100.0, 300.0])]
+    {
+        let texts = near(distance, pressures);
+        let [text] = &texts[..] else { panic!("{distance} {pressures:?}: {texts:?}") };
+        assert!(text.starts_with(&format!("points[30].pressure is {} Pa, ", pressures[0])), "{text}");
+        assert!(text.contains(&format!(" m from points[31] with {} Pa", pressures[1])), "{text}");
+    }
+    for (distance, pressures) in
+        [(0.0, [500.0, 500.0]), (0.09, [500.0, 400.0]), (0.11, [500.0, 0.0]), (0.01, [0.0, 0.0])]
+    {
+        assert_eq!(near(distance, pressures), [""; 0], "{distance} {pressures:?}");
+    }
+    // A point of weight 0 takes no part; thousands in one place are looked through in bounded time.
+    let heap = |last: f64| {
+        let pressures = (0..20_000).map(|j| if j == 17 { last } else { 500.0 }).collect();
+        let request = Request { pressures: Some(pressures), weights: None };
+        Scene::new(preset("autd3"), air, vec![[0.0, 0.0, 0.15]; 20_000], request).expect("a scene").doubts().len()
+    };
+    assert_eq!([heap(500.0), heap(0.0)], [0, 1]);
+    let request = Request { pressures: Some(vec![500.0, 0.0]), weights: Some(vec![1.0, 0.0]) };
+    let scene = Scene::new(preset("autd3"), air, vec![[0.0, 0.0, 0.15]; 2], request).expect("a scene");
+    assert_eq!(scene.doubts(), []);
+}
+
+#[test]
+fn planes_in_millimetres_are_told() {
+    let plane = |z: f64, size: f64| Plane::new(z, size, 10, [0.0, 0.0]).expect("a plane").doubt();
+    assert!(plane(0.15, 0.1).is_none() && plane(-1.0, 5.0).is_none());
+    assert_eq!(plane(150.0, 100.0).expect("told").to_string(), "plane.z is 150 m: give m (150 mm are 0.15 m)");
+    assert_eq!(plane(0.15, 100.0).expect("told").to_string(), "plane.size is 100 m: give m (100 mm are 0.1 m)");
+}
+
+#[test]
+fn presets_tiles_and_the_papers_scenes_are_nobodys_slip() {
+    for entry in &PRESETS {
+        for frequency in [20e3, 40e3, 80e3] {
+            let medium = Medium { frequency, sound_speed: 331.3, absorption: 0.15, density: 1.29 };
+            let texts = told(preset(entry.name), medium, smiley(), Some(vec![0.2; 38]));
+            assert!(texts.is_empty(), "{}: {texts:?}", entry.name);
+        }
+    }
+    let room = Array::preset("autd3", [8, 8]).expect("tiles");
+    assert_eq!(told(room, Medium::default(), vec![[1.0, 2.0, 3.0]], None), [""; 0]);
+}
