@@ -98,6 +98,8 @@ def test_an_upright_picture_names_its_axes() -> None:
     assert marks(ax)["dots"] == pytest.approx(np.array([[0, 100], [0, 140]]))
 
 
+# 400 Pa m are hardly meant.
+@pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 @pytest.mark.parametrize(
     ("source_pressure", "quantity", "label", "factor"),
     [
@@ -246,6 +248,8 @@ def test_a_sheet_has_a_row_a_solver_where_points_lie_in_several_planes() -> None
     assert "rings are points off the plane" in figure.get_suptitle()
 
 
+# Of a hundred points some are near one another.
+@pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 @pytest.mark.parametrize("count", [1, 3, 100])
 def test_a_solution_plots_what_was_asked_and_got(count: int) -> None:
     rng = np.random.default_rng(1)
