@@ -181,7 +181,8 @@ def test_temperature_gives_the_sound_speed() -> None:
     assert scene.sound_speed == pytest.approx(331.3 * (1 + 20 / 273.15) ** 0.5, rel=1e-15)
 
 
-# Relative to what a point source would give, and far more absorption than air has: where a pattern is nearly 0 it has no digits of its own.
+# Relative to what a point source would give: where a pattern is nearly 0 it has no digits of its own. No
+# air has the largest absorption.
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 @pytest.mark.parametrize(
     ("directivity", "absorption"),
