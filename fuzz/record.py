@@ -1,4 +1,4 @@
-"""The tables of docs/reliability.md: a row for what ran on one day over one state of the code, written as it runs."""
+"""Tables of docs/reliability.md: a row for what ran on one day over one state of the code."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def today() -> str:
 
 
 def code(*folders: str) -> str:
-    """The state of some folders: git's names of their trees, short; with a plus where they differ from the commit."""
+    """The state of some folders: git's short names of their trees, with a plus where they have changes."""
     names = []
     for folder in folders:
         name = _git("rev-parse", "--short=8", f"HEAD:{folder}")
@@ -28,7 +28,8 @@ def code(*folders: str) -> str:
 
 
 def _git(*arguments: str) -> str:
-    return subprocess.run(["git", *arguments], cwd=ROOT, check=True, capture_output=True, text=True).stdout.strip()
+    command = ["git", *arguments]
+    return subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout.strip()
 
 
 def rows(table: str) -> list[Row]:
@@ -38,7 +39,7 @@ def rows(table: str) -> list[Row]:
 
 
 def put(table: str, row: Row, keys: int) -> None:
-    """Write a row in place of the one with the same first cells, or at the end; the page is whole at any time."""
+    """Write a row in place of the one with the same first cells, or at the end; whole or not at all."""
     before, inside, after = _parts(table)
     found = rows(table)
     same = [index for index, other in enumerate(found) if other[:keys] == row[:keys]]

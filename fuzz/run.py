@@ -1,13 +1,12 @@
-"""Guided fuzzing of every target, in slices of some minutes, each recorded in docs/reliability.md when it is over.
+"""Guided fuzzing of every target, in slices of some minutes, each recorded in docs/reliability.md.
 
-A target is done when it has had so many seconds or executions over the code as it is, in this run and earlier ones:
-what was broken off goes on where it was.
+A target is done when it has had so many seconds or executions over the code as it is, in this run and
+earlier ones: what was broken off goes on where it was.
 """
 
 from __future__ import annotations
 
 import argparse
-import hashlib
 import json
 import os
 import re
@@ -69,7 +68,7 @@ def seeds(name: str) -> list[Path]:
 
 
 def command(name: str, seconds: int, executions: int) -> list[str]:
-    """libFuzzer over a target, for so long at most."""
+    """A target's program and libFuzzer's options, for so long at most."""
     corpus = WORK / "corpus" / name
     found = WORK / "found" / name
     for folder in (corpus, found):
@@ -104,28 +103,30 @@ def slice_of(name: str, code: str, seconds: int, executions: int) -> bool:
 def note(name: str, code: str, log: Path, seconds: float, status: int) -> None:
     """The row of what has just run, added to what the target had on this day over this code."""
     text = log.read_text(errors="replace")
-    executed = re.findall(r"number_of_executed_units: (\d+)", text) or re.findall(r"^#(\d+)", text, re.M) or ["0"]
+    executed = re.findall(r"number_of_executed_units: (\d+)|^#(\d+)", text, re.M)
+    executions = max((int(number) for pair in executed for number in pair if number), default=0)
     edges = re.findall(r"\bcov: (\d+)", text) or ["0"]
     finding = what(text) if status else ""
-    row = [name, code, record.today(), executed[-1], str(round(seconds)), edges[-1], finding]
+    row = [name, code, record.today(), str(executions), str(round(seconds)), edges[-1], finding]
     for other in record.rows("fuzz"):
         if other[:3] == row[:3]:
             row[3] = str(_number(other[3]) + int(row[3]))
             row[4] = str(_number(other[4]) + int(row[4]))
             row[5] = str(max(_number(other[5]), int(row[5])))
-            row[6] = "; ".join(dict.fromkeys(part for part in (other[6].removeprefix("none"), finding) if part))
+            parts = (other[6].removeprefix("none"), finding)
+            row[6] = "; ".join(dict.fromkeys(part for part in parts if part))
     row[3:6] = [f"{int(number):,}" for number in row[3:6]]
     row[6] = row[6] or "none"
     record.put("fuzz", row, 3)
-    print(f"  {name}: {executed[-1]} executions, {edges[-1]} edges, {finding or 'nothing found'}", flush=True)
+    print(f"  {name}: {executions} executions, {edges[-1]} edges, {finding or 'nothing found'}", flush=True)
     if finding:
         print(f"  see {log}", flush=True)
 
 
 def what(text: str) -> str:
     """What ended libFuzzer, in a few words, and the input's digest."""
-    said = re.findall(r"panicked at [^\n]*\n([^\n]*)|^(?:=== Uncaught Python exception: ===\n)([^\n]*)|(ERROR: [^\n]*)", text, re.M)
-    words = next((word for match in said for word in match if word), "ended without a word")
+    ends = (r"panicked at .*\n(.*)", r"Uncaught Python exception: ===\n(.*)", r"ERROR: (.*)")
+    words = next((found[1] for end in ends if (found := re.search(end, text))), "ended without a word")
     kept = re.findall(r"Test unit written to \S*/(\w+-\w{8})", text)
     words = re.sub(r"[|`\s]+", " ", words)[:100]
     return f"`{' '.join(kept[-1:])}` {words}".strip()
@@ -139,7 +140,7 @@ def build(sanitizer: str, folder: Path) -> None:
 
 
 def install() -> None:
-    """The package into the environment of Atheris, its extension counting edges for libFuzzer and checking overflow."""
+    """The package into the environment of Atheris, its extension counting edges, overflow checked."""
     passes = ["level=3", "inline-8bit-counters", "pc-table", "trace-compares"]
     flags = ["-Cpasses=sancov-module", *(f"-Cllvm-args=-sanitizer-coverage-{option}" for option in passes)]
     wheels = WORK / "wheels"
@@ -148,9 +149,10 @@ def install() -> None:
     tools = Path(sys.executable).parent
     # Named by a target, the flags leave macros and build scripts alone.
     environment = {**os.environ, "RUSTFLAGS": " ".join(flags)}
-    subprocess.run([tools / "maturin", "build", *options, *made], cwd=record.ROOT, check=True, env=environment)
-    install = ["pip", "install", "--quiet", "--python", FUZZ / ".venv" / "bin" / "python", "--no-deps", "--reinstall"]
-    subprocess.run([tools / "uv", *install, *wheels.glob("*.whl")], check=True)
+    maturin = [tools / "maturin", "build", *options, *made]
+    subprocess.run(maturin, cwd=record.ROOT, check=True, env=environment)
+    uv = [tools / "uv", "pip", "install", "--quiet", "--no-deps", "--reinstall", "--python"]
+    subprocess.run([*uv, FUZZ / ".venv" / "bin" / "python", *wheels.glob("*.whl")], check=True)
 
 
 def main() -> int:

@@ -1,22 +1,26 @@
-"""The argument reader of the Python door: odd values are refused in one line, odd layouts answer as plain ones."""
+"""Arguments from Python: odd values are refused in one line, odd layouts answer as plain ones."""
 
 from __future__ import annotations
 
 from typing import Any
 
-import midair
 import numpy as np
+
+import midair
 from guided import REFUSALS, Data, fuzz, refused
 from values import laid_out, numbers, odd
 
 #: Options and arguments that cost time or memory in proportion, and how much they may.
-COSTS = {"steps": 20, "starts": 4, "sweeps": 4, "pixels": 30, "threads": 4, "nx": 20, "ny": 20, "tiles": 2, "phases": 300}
+COSTS = {"steps": 20, "starts": 4, "sweeps": 4, "phases": 300}
+COSTS |= {"pixels": 30, "threads": 4, "nx": 20, "ny": 20, "tiles": 2}
 
 ARRAY = midair.Array.grid(4, 3, 0.01)
 POINTS = np.array([[0.0, 0.0, 0.125], [0.015625, 0.0, 0.125], [0.0, 0.03125, 0.25]])
 SCENE = midair.Scene(ARRAY, POINTS)
 MATRIX = midair.Propagation(np.arange(1.0, 13.0).reshape(3, 4) + 1j)
 DRIVE = np.ones(12, np.complex64)
+#: Where points lie above the array, in m.
+ABOVE = np.array([0.0, 0.0, 0.25])
 
 
 def cheap(name: str, value: Any) -> Any:
@@ -25,7 +29,7 @@ def cheap(name: str, value: Any) -> Any:
     if most is None:
         return value
     try:
-        return value if abs(int(np.max(value))) <= most or int(np.max(value)) > 10**7 and name != "steps" else most
+        return value if int(np.max(value)) <= most else most
     except Exception:
         return value
 
@@ -44,7 +48,7 @@ def points(data: Data) -> Any:
     """Points, mostly good ones."""
     if data.ConsumeIntInRange(0, 3) == 0:
         return odd(data)
-    return laid_out(data, numbers(data, data.ConsumeIntInRange(1, 4), 3) + [0.0, 0.0, 0.25])
+    return laid_out(data, numbers(data, data.ConsumeIntInRange(1, 4), 3) + ABOVE)
 
 
 def method(data: Data) -> tuple[Any, dict[str, Any]]:
@@ -87,7 +91,7 @@ def solver(data: Data) -> None:
 
 def batch(data: Data) -> None:
     name, options = method(data)
-    where = numbers(data, 2, data.ConsumeIntInRange(1, 3), 3) + [0.0, 0.0, 0.25]
+    where = numbers(data, 2, data.ConsumeIntInRange(1, 3), 3) + ABOVE
     where = odd(data) if data.ConsumeIntInRange(0, 3) == 0 else laid_out(data, where)
     more = keywords(data, "pressures", "weights", "start", "out", "threads", *MEDIUM)
     midair.solve_batch(ARRAY, where, solver=name, **options, **more)
@@ -109,7 +113,7 @@ def matrix(data: Data) -> None:
 
 def layouts(data: Data) -> None:
     """However points, pressures and weights lie in memory, they are the same."""
-    where, asked = numbers(data, 3, 3) + [0.0, 0.0, 0.25], abs(numbers(data, 3)) + 1.0
+    where, asked = numbers(data, 3, 3) + ABOVE, abs(numbers(data, 3)) + 1.0
     plain = midair.solve(midair.Scene(ARRAY, where, asked, weights=asked), "fast")
     lying = [laid_out(data, array) for array in (where, asked, asked)]
     found = midair.solve(midair.Scene(ARRAY, lying[0], lying[1], weights=lying[2]), "fast")

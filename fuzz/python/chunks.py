@@ -1,4 +1,4 @@
-"""Kept results of a sweep: whatever lies in such a file, it is the result that was kept, or counts as not there."""
+"""Kept results of a sweep: what lies in such a file is the result that was kept, or not there."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+
 from guided import Data, fuzz
 from midair.sweep.chunks import _digest, load, save
 
@@ -34,7 +35,7 @@ def test(content: bytes) -> None:
         FILE.write_bytes(spoilt)
         found = load(FILE, ROWS)
         same = found is not None and all(np.array_equal(found[name], ARRAYS[name]) for name in ARRAYS)
-        assert bytes(spoilt) == KEPT and same or found is None
+        assert found is None or (bytes(spoilt) == KEPT and same)
     else:
         # Anything, with a digest that fits or without.
         packed = data.ConsumeBytes(data.remaining_bytes())

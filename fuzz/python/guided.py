@@ -1,4 +1,4 @@
-"""Guided fuzzing of a function of bytes: Atheris over the package, and over the extension that `make fuzz` builds."""
+"""Guided fuzzing of a function of bytes: Atheris over the package and its extension."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ with atheris.instrument_imports(include=["midair"]):
 
 Data = atheris.FuzzedDataProvider
 
-#: What a bad argument may raise: the package's own error, or Python's for another number or names of arguments.
+#: What a bad argument may raise: the package's error, or Python's for arguments of another number or name.
 REFUSALS = (midair.SceneError, TypeError)
 
 

@@ -1,16 +1,41 @@
-"""Values drawn from a fuzzer's bytes: numbers, lists and arrays of every type and layout, mostly sane, sometimes odd."""
+"""Values drawn from a fuzzer's bytes: numbers, lists and arrays of every type and layout."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
-from guided import Data
 from numpy.typing import NDArray
 
-DTYPES = ["<f8", ">f8", "<f4", ">f4", "<f2", "<i8", "<i4", ">i2", "u1", "<c16", ">c8", "?", "O", "U4", "S4", "M8[s]"]
+from guided import Data
+
+DTYPES = [
+    "<f8",
+    ">f8",
+    "<f4",
+    ">f4",
+    "<f2",
+    "<i8",
+    "<i4",
+    ">i2",
+    "u1",
+    "<c16",
+    ">c8",
+    "?",
+    "O",
+    "U4",
+    "S4",
+    "M8[s]",
+]
 ODD = [0, -1, 1, 2**31, 2**63, 2**64, 2**130, -(2**63), 1e-300, 1e300, 5e-324]
-TEXTS = ["", "greedy", "Fast", "uniform", "rows", "random", "clamp", "full", "l1", "max", "point", "piston", "a\nb", "\ud800"]
+TEXTS = [
+    "",
+    "a\nb",
+    "\ud800",
+    *["greedy", "Fast", "uniform", "rows", "random", "clamp", "full", "l1", "max", "point", "piston"],
+]
+THINGS = [None, True, False, np.True_, ..., b"1", range(3), 1j, object(), np, {1, 2}]
+SCALARS = [np.float64(0.5), np.float32(2), np.int64(3), np.uint8(4), np.complex64(1j)]
 
 
 def odd(data: Data, depth: int = 3) -> Any:
@@ -25,9 +50,9 @@ def odd(data: Data, depth: int = 3) -> Any:
     if kind == 4:
         return data.PickValueInList(TEXTS)
     if kind == 5:
-        return data.PickValueInList([None, True, False, np.True_, ..., b"1", range(3), 1j, object(), np, {1, 2}])
+        return data.PickValueInList(THINGS)
     if kind == 6:
-        return data.PickValueInList([np.float64(0.5), np.float32(2), np.int64(3), np.uint8(4), np.complex64(1j)])
+        return data.PickValueInList(SCALARS)
     if kind == 7:
         return {data.PickValueInList(TEXTS): odd(data, depth - 1) if depth else 1}
     if kind == 8:
