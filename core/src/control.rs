@@ -37,7 +37,7 @@ pub trait Observe {
     /// Called after every step.
     fn step(&mut self, progress: Progress<'_>) -> ControlFlow<()>;
 
-    /// Called within long steps, thousands of times a second: is it to go on?
+    /// Called within long steps, many times a second: is it to go on?
     fn pulse(&mut self) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
@@ -51,6 +51,9 @@ impl<F: FnMut(Progress<'_>) -> ControlFlow<()>> Observe for F {
 
 /// Bytes that a computation may take at once, unless told otherwise.
 const MEMORY: u64 = 8_000_000_000;
+
+/// One pulse of so many is passed on: a row of G takes but ten times as long as asking does.
+const PULSES: u32 = 8;
 
 /// Below this many bytes nobody asks whether they can be had.
 const SMALL: u64 = 1 << 26;
@@ -78,6 +81,7 @@ pub struct Control<'a> {
     stop: Option<&'a AtomicBool>,
     /// Whether a stop has been heard: what is finished then is not interrupted again.
     heard: bool,
+    pulses: u32,
     trace: Option<Vec<f64>>,
     threads: Threads,
     memory: u64,
@@ -86,7 +90,7 @@ pub struct Control<'a> {
 impl Default for Control<'_> {
     fn default() -> Self {
         let threads = Threads::default();
-        Self { observer: None, told: true, stop: None, heard: false, trace: None, threads, memory: MEMORY }
+        Self { observer: None, told: true, stop: None, heard: false, pulses: 0, trace: None, threads, memory: MEMORY }
     }
 }
 
@@ -150,15 +154,20 @@ impl<'a> Control<'a> {
         answer
     }
 
-    /// A call within a long step.
+    /// A call within a long step: once a row or so, many times a millisecond.
     ///
     /// # Errors
     /// [`Error::Stopped`] once, if it is not to go on: a solver ends with the best it has, if it has anything.
     #[inline]
     pub fn pulse(&mut self) -> Result<(), Error> {
-        if self.heard {
+        self.pulses = self.pulses.wrapping_add(1);
+        if !self.pulses.is_multiple_of(PULSES) || self.heard {
             return Ok(());
         }
+        self.beat()
+    }
+
+    fn beat(&mut self) -> Result<(), Error> {
         self.heard = self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
             || self.observer.as_mut().is_some_and(|observer| observer.pulse().is_break());
         if self.heard { Err(Error::Stopped) } else { Ok(()) }

@@ -76,7 +76,7 @@ impl Watch {
     }
 
     /// The most calls that the clock is left alone for: those to come may be a thousand times slower.
-    const STRIDE: u32 = 32;
+    const STRIDE: u32 = 4;
 
     /// Whether signals are to be looked at. A step of greedy takes a tenth of a microsecond and asking for the time a
     /// third of that, so the clock is left alone for as many calls as fill a tenth of the interval.
