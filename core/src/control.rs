@@ -167,6 +167,8 @@ impl<'a> Control<'a> {
         self.beat()
     }
 
+    /// A pulse that is passed on.
+    #[inline(never)]
     fn beat(&mut self) -> Result<(), Error> {
         self.heard = self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
             || self.observer.as_mut().is_some_and(|observer| observer.pulse().is_break());

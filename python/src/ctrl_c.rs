@@ -75,12 +75,13 @@ impl Watch {
         }
     }
 
-    /// The most calls that the clock is left alone for: those to come may be a thousand times slower.
-    const STRIDE: u32 = 4;
+    /// The most steps that the clock is left alone for, and the most pulses: those to come may be a thousand times slower.
+    const STEPS: u32 = 256;
+    const PULSES: u32 = 4;
 
     /// Whether signals are to be looked at. A step of greedy takes a tenth of a microsecond and asking for the time a
-    /// third of that, so the clock is left alone for as many calls as fill a tenth of the interval.
-    fn due(&mut self) -> bool {
+    /// third of that, so the clock is left alone for as many calls as fill a tenth of the interval, `most` at most.
+    fn due(&mut self, most: u32) -> bool {
         if self.left > 0 {
             self.left -= 1;
             return false;
@@ -89,7 +90,7 @@ impl Watch {
         let pace = (now - self.clock) / self.stride;
         self.clock = now;
         let fill = (Self::INTERVAL / 10).as_nanos() / pace.as_nanos().max(1);
-        self.stride = u32::try_from(fill).unwrap_or(u32::MAX).clamp(1, Self::STRIDE);
+        self.stride = u32::try_from(fill).unwrap_or(u32::MAX).clamp(1, most);
         self.left = self.stride - 1;
         now - self.last >= Self::INTERVAL
     }
@@ -104,7 +105,7 @@ impl Observe for Watch {
     /// Called once a step, without the GIL.
     fn step(&mut self, progress: Progress<'_>) -> ControlFlow<()> {
         if self.progress.is_none() {
-            return if self.due() { self.ask(false) } else { ControlFlow::Continue(()) };
+            return if self.due(Self::STEPS) { self.ask(false) } else { ControlFlow::Continue(()) };
         }
         self.told = (progress.step, progress.steps, progress.residual());
         self.ask(true)
@@ -112,7 +113,7 @@ impl Observe for Watch {
 
     /// Called within long steps, without the GIL.
     fn pulse(&mut self) -> ControlFlow<()> {
-        if !self.due() {
+        if !self.due(Self::PULSES) {
             return ControlFlow::Continue(());
         }
         self.ask(self.called.elapsed() >= Self::PATIENCE)
