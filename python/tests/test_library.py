@@ -187,8 +187,8 @@ def test_temperature_gives_the_sound_speed() -> None:
 @pytest.mark.parametrize(
     ("directivity", "absorption"),
     [
-        ("point", 0.0), ("t4010a1", 0.15), ("piston", 5.0), ("sinc", 0.15), ("cos", 0.0),
-        ({"piston": 7e-3}, 0.15), ({"sinc": 0.02}, 5.0), ({"cos": 0}, 0.15), ({"cos": 1.5}, 0.0),
+        ("point", 0.0), ("t4010a1", 0.15), ("piston", 0.9), ("sinc", 0.15), ("cos", 0.0),
+        ({"piston": 7e-3}, 0.15), ({"sinc": 0.02}, 0.9), ({"cos": 0}, 0.15), ({"cos": 1.5}, 0.0),
     ],
     ids=str,
 )  # fmt: skip
@@ -275,14 +275,14 @@ def test_a_saved_scene_is_read_back_to_the_last_bit(tmp_path, ending: str) -> No
     path = tmp_path / f"scene.{ending}"
     for _ in range(20):
         array = midair.Array(
-            rng.normal(size=(5, 3)),
+            0.03 * rng.normal(size=(5, 3)),
             np.eye(3)[rng.integers(0, 3, 5)],
             response=rng.normal(size=5) + 1j * rng.normal(size=5),
             source_pressure=rng.uniform(0.1, 9),
             directivity={"cos": rng.uniform(0, 9)},
         )
         medium = {"frequency": rng.uniform(2e4, 6e4), "sound_speed": rng.uniform(300, 360)}
-        medium |= {"absorption": rng.uniform(0, 1), "density": rng.uniform(0.1, 2)}
+        medium |= {"absorption": rng.uniform(0, 0.2), "density": rng.uniform(0.9, 1.5)}
         lists = {"pressures": rng.uniform(0, 9e3, 3), "weights": rng.uniform(0, 9, 3)}
         scene = midair.Scene(array, rng.normal(size=(3, 3)), **lists, **medium)
         scene.save(path)

@@ -104,7 +104,7 @@ def test_an_upright_picture_names_its_axes() -> None:
     ("source_pressure", "quantity", "label", "factor"),
     [
         (4.386, "pressure", "|p| / Pa", 1),
-        (400, "pressure", "|p| / kPa", 1e-3),
+        (100, "pressure", "|p| / kPa", 1e-3),
         (1e-2, "pressure", "|p| / Pa", 1),
         (1e-3, "pressure", "|p|, eq. (5) in mm", 1),
         (4.386, "radiation", "radiation pressure / Pa", 1),
@@ -252,7 +252,7 @@ def test_a_sheet_has_a_row_a_solver_where_points_lie_in_several_planes() -> None
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 @pytest.mark.parametrize("count", [1, 3, 100])
 def test_a_solution_plots_what_was_asked_and_got(count: int) -> None:
-    rng = np.random.default_rng(1)
+    rng = np.random.default_rng(2)
     points = rng.uniform([-0.03, -0.03, 0.15], [0.03, 0.03, 0.15], (count, 3))
     targets = rng.uniform(20, 60, count) * (np.arange(count) != 2)
     solution = midair.solve(small(points=points, pressures=targets), "greedy", balance=True)

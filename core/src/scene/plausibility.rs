@@ -163,7 +163,7 @@ fn extent(array: &Array, medium: Medium) -> Option<Doubt> {
                 (_, Some([i, k])) => ("array.positions", format!("{} m from [{i}] to [{k}]", short(length))),
                 _ => ("array.positions", format!("{} m and more from one to the next", short(length))),
             };
-            let cure = metres(length, usual);
+            let cure = if length == 0.0 { "leave one out".into() } else { metres(length, usual) };
             doubt(item, value, format!("{what} of {} m: {cure}", short(wavelength)))
         };
         if let Some((pair, length)) = find_pair(places, close, |_, _| true) {

@@ -1,0 +1,123 @@
+"""Units nobody means are told once, by every way in: scenes, files, Solvers, batches, planes, commands."""
+
+import pickle
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import midair
+from midair import cli
+
+ARRAY = midair.Array.preset("paper20")
+POINTS = np.array([[-0.02, 0, 0.15], [0.02, 0, 0.15]])
+
+
+def heard(call: Callable[[], object]) -> list[str]:
+    """The texts of the SceneWarnings of a call."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        call()
+    assert all(warning.category is midair.SceneWarning for warning in caught)
+    return [str(warning.message) for warning in caught]
+
+
+def scene(points: np.ndarray = POINTS, *pressures: list[float], **air: float) -> midair.Scene:
+    return midair.Scene(ARRAY, points, *pressures, **air)
+
+
+def batch(points: np.ndarray, **keywords: float) -> midair.Batch:
+    return midair.solve_batch(ARRAY, points, solver="fast", **keywords)
+
+
+#: Way in, and how the warning begins.
+SLIPS: dict[str, tuple[Callable[[], object], str]] = {
+    "pitch": (lambda: midair.Scene(midair.Array.grid(9, 9, 10.5), POINTS), "array.grid.pitch is 10.5 m"),
+    "points": (lambda: scene(POINTS * 1e3), "points[0].position is [-20, 0, 150] m (and 1 more)"),
+    "frequency": (lambda: scene(frequency=40), "medium.frequency is 40 Hz"),
+    "temperature": (lambda: scene(temperature=298), "medium.sound_speed is 479.1 m/s"),
+    "sound speed": (lambda: scene(sound_speed=34e3), "medium.sound_speed is 34000 m/s"),
+    "one place": (
+        lambda: scene(POINTS[[0, 0]], [0.5, 0]),
+        "points[0].pressure is 0.5 Pa, 0 m from points[1]",
+    ),
+    "plane": (lambda: midair.Plane(z=150, size=100), "plane.z is 150 m"),
+    "solver": (lambda: midair.Solver(ARRAY, "fast", frequency=40), "medium.frequency is 40 Hz"),
+    "of a scene": (lambda: midair.Solver(scene(), frequency=40), "medium.frequency is 40 Hz"),
+    "batch": (lambda: batch(POINTS[None], temperature=298), "medium.sound_speed is 479.1 m/s"),
+    "its points": (
+        lambda: batch(np.stack([POINTS, POINTS * 1e3])),
+        "problems[1].points[0].position is [-20,",
+    ),
+}
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_a_slip_is_told_once(slip: str) -> None:
+    make, start = SLIPS[slip]
+    (text,) = heard(make)
+    assert text.startswith(start)
+    assert "give " in text
+    assert "\n" not in text
+
+
+def test_a_slip_is_told_of_each_object_once(tmp_path: Path) -> None:
+    scenes: list[midair.Scene] = []
+    heard(lambda: scenes.append(midair.Scene(ARRAY, POINTS, frequency=40)))
+    (odd,) = scenes
+    path = tmp_path / "odd.toml"
+    odd.save(path)
+    # Made anew, it is told anew; what is done with it says no more.
+    assert len(heard(lambda: midair.Scene.load(path))) == 1
+    assert len(heard(lambda: midair.Scene.parse(path.read_text()))) == 1
+    midair.solve(odd, "naive")
+    midair.Solver(odd, "naive")
+    odd.replace(points=POINTS[:1])
+    assert pickle.loads(pickle.dumps(odd)) == odd
+    (text,) = heard(lambda: odd.replace(density=1180))
+    assert text.startswith("medium.density is 1180 kg/m^3")
+
+
+def test_a_solver_tells_of_far_points_and_contrary_ones_once() -> None:
+    solver = midair.Solver(ARRAY, "naive")
+    assert heard(lambda: solver(POINTS)) == []
+    assert len(heard(lambda: solver(POINTS * 1e3))) == 1
+    assert heard(lambda: solver(POINTS * 1e3)) == []
+    (text,) = heard(lambda: midair.Solver(ARRAY, "naive")(POINTS[[0, 0]], [2, 0]))
+    assert text.startswith("points[0].pressure is 2 Pa")
+
+
+def test_the_command_line_tells_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "odd.toml"
+    path.write_text(
+        "[array]\ngrid = { nx = 9, ny = 9, pitch = 10.5 }\n\n[[points]]\nposition = [0.0, 0.0, 0.15]\n"
+        "\n[plane]\nz = 150\nsize = 0.1\n"
+    )
+    with pytest.raises(SystemExit) as left:
+        cli.main(["solve", str(path), "--solver", "naive"])
+    assert left.value.code == 0
+    told = [line for line in capsys.readouterr().err.splitlines() if line.startswith("warning: ")]
+    assert len(told) == 2
+    assert told[0].startswith("warning: array.grid.pitch is 10.5 m: no neighbours within five wavelengths")
+    assert told[1].startswith("warning: plane.z is 150 m: give m (150 mm are 0.15 m)")
+
+
+@pytest.mark.parametrize("shift", [0.0, 1e3])
+def test_an_array_far_from_the_origin_is_as_precise(shift: float) -> None:
+    positions, points = (places + np.array([shift, 0, 0]) for places in (ARRAY.positions, POINTS))
+    exact = np.linalg.norm(points[:, None] - positions, axis=2)
+    exact = np.exp(2j * np.pi * exact / 0.0085) * 1e-3 / exact
+    got = midair.Scene(midair.Array(positions, source_pressure=1e-3), points).propagation()
+    np.testing.assert_allclose(got, exact, atol=2e-4 * np.abs(exact).max())
+
+
+def test_a_kilometre_away_is_refused() -> None:
+    with pytest.raises(
+        midair.SceneError, match=r"points\[0\].position is \[0.0, 0.0, 1000.0\]: bring it within"
+    ):
+        midair.Scene(ARRAY, [[0, 0, 1e3]])
+    apart = np.concatenate([ARRAY.positions, ARRAY.positions + np.array([0, 1e3, 0])])
+    with pytest.raises(midair.SceneError, match=r"array.positions\[0\] is .*: bring it within"):
+        midair.Scene(midair.Array(apart), POINTS)
