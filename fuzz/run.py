@@ -84,12 +84,21 @@ def command(name: str, seconds: int, executions: int) -> list[str]:
     return [*program, *options, str(corpus), *map(str, seeds(name))]
 
 
+def environment(name: str) -> dict[str, str]:
+    """For the extension's counters, libFuzzer comes before it, from the library that Atheris has for that."""
+    if name in RUST:
+        return dict(os.environ)
+    (library,) = (FUZZ / ".venv").glob("lib/python*/site-packages/ubsan_with_fuzzer.so")
+    return {**os.environ, "LD_PRELOAD": str(library)}
+
+
 def slice_of(name: str, code: str, seconds: int, executions: int) -> bool:
     """One slice and its row in the record; whether nothing was found."""
     begun = time.monotonic()
     log = WORK / f"{name}.log"
     with log.open("wb") as file:
-        process = subprocess.Popen(command(name, seconds, executions), stdout=file, stderr=file, cwd=WORK)
+        told = command(name, seconds, executions)
+        process = subprocess.Popen(told, stdout=file, stderr=file, cwd=WORK, env=environment(name))
         try:
             process.wait()
         except KeyboardInterrupt:

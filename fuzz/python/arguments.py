@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-import midair
-from guided import REFUSALS, Data, fuzz, refused
+from guided import REFUSALS, Data, fuzz, midair, refused
 from values import laid_out, numbers, odd
 
 #: Options and arguments that cost time or memory in proportion, and how much they may.

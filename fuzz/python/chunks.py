@@ -11,7 +11,7 @@ from guided import Data, fuzz
 from midair.sweep.chunks import _digest, load, save
 
 ROWS = 3
-FOLDER = Path(tempfile.mkdtemp())
+FOLDER = Path(tempfile.mkdtemp(dir="/dev/shm"))
 FILE = FOLDER / "00000000000000000000" / f"0-{ROWS}.npz"
 ARRAYS = {
     "accuracy": np.arange(3.0),

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import warnings
 from collections.abc import Callable
 
-# The extension finds libFuzzer's counters only among global symbols.
-sys.setdlopenflags(os.RTLD_NOW | os.RTLD_GLOBAL)
+import atheris
 
-import atheris  # noqa: E402
-
-with atheris.instrument_imports(include=["midair"]):
+with atheris.instrument_imports(include=["midair", "zipfile", "numpy.lib"]):
     import midair
     import midair.sweep
 

@@ -40,7 +40,7 @@ impl Allowed {
             let distance = ray.iter().map(|x| x * x).sum::<f64>().sqrt();
             let cosine = ray.iter().zip(array.normals()[i]).map(|(x, n)| x * n).sum::<f64>() / distance;
             let jump = array.transducer().directivity != Directivity::Point && cosine.abs() < tolerance;
-            let part = if jump { 1.0 } else { tolerance };
+            let part = if jump { 1.0 + tolerance } else { tolerance };
             part * array.transducer().source_pressure * gain(i) / distance
         };
         Self(points.iter().map(|point| (0..array.len()).map(|i| element(i, point)).collect()).collect())

@@ -11,9 +11,9 @@ use midair_fuzz::one_line;
 
 const SCENE: &[u8] = b"[array]\npositions = { file = \"bowl.csv\" }\n[[points]]\nposition = [0.0, 0.0, 0.15]\n";
 
-/// A folder of this process alone.
+/// A folder of this process alone, in memory.
 static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
-    let folder = std::env::temp_dir().join(format!("midair-fuzz-{}", std::process::id()));
+    let folder = PathBuf::from(format!("/dev/shm/midair-fuzz-{}", std::process::id()));
     fs::create_dir_all(&folder).expect("a folder");
     folder
 });

@@ -207,7 +207,9 @@ impl Rows {
                 }
             }
         }
-        Ok(sqrt(largest_eigenvalue(&matrix, m) * total) * (1.0 + ROUNDING))
+        let bound = sqrt(largest_eigenvalue(&matrix, m) * total) * (1.0 + ROUNDING);
+        // Where shares underflow nothing is proven.
+        Ok(if bound.is_nan() { f64::INFINITY } else { bound })
     }
 }
 
@@ -216,7 +218,9 @@ impl Rows {
 fn largest_eigenvalue(matrix: &[Complex64], size: usize) -> f64 {
     let entry = |j: usize, k: usize| if k <= j { matrix[j * size + k] } else { matrix[k * size + j] };
     let row = |j: usize| (0..size).map(|k| entry(j, k).norm()).sum::<f64>();
-    let mut high = (0..size).map(row).fold(0.0, f64::max) * (1.0 + ROUNDING);
+    // NaN is to stay NaN.
+    let more = |most: f64, row: f64| if row <= most || most.is_nan() { most } else { row };
+    let mut high = (0..size).map(row).fold(0.0, more) * (1.0 + ROUNDING);
     let mut low = 0.0;
     let mut spare = vec![Complex64::ZERO; size * size];
     while high - low > 1e-6 * high {
