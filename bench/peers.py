@@ -12,9 +12,10 @@ from typing import Any
 
 import judge
 import numpy as np
-import record
 from rivals import BENCH, RIVALS, Worker
 from tasks import TASKS, Task
+
+import record
 
 PLACE = 1e-6  # m, by which positions may differ
 CLAIM = 1e-3  # by which judged metrics may differ from reported ones
