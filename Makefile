@@ -31,7 +31,7 @@ help: ## List the targets
 	touch $@
 
 setup: .venv/ready ## Build midair into .venv
-	$(call step,package: the extension is built into .venv (4 min),$(BIN)/maturin develop --uv --release)
+	$(call step,package: the extension is built into .venv (2 min),$(BIN)/maturin develop --uv --release)
 
 demo: setup ## Solve the paper's fig. 2 by naive, greedy and uniform; leaves a picture and a drive in out/demo
 	@mkdir -p out/demo
@@ -47,16 +47,16 @@ outlook:
 	@echo "make test: lint, the core's tests, the package's tests; half an hour on two cores, a third of it when built before."
 
 test-rust: ## The core: tests, doctests, each feature set, no_std, a solver added by its page
-	$(call step,core: tests are compiled (6 min),$(CARGO) test $(CORE) --no-run)
-	$(call step,core: tests run (3 min),$(CARGO) test --quiet $(CORE))
-	$(call step,core: without features (20 s),$(CARGO) check -p midair --no-default-features)
-	$(call step,core: feature std (10 s),$(CARGO) check -p midair --no-default-features --features std)
-	$(call step,core: feature parallel (10 s),$(CARGO) check -p midair --no-default-features --features parallel)
-	$(call step,core: a program without std (1 min),$(CARGO) run --release --manifest-path core/tests/no_std/Cargo.toml)
+	$(call step,core: tests are compiled (5 min),$(CARGO) test $(CORE) --no-run)
+	$(call step,core: tests run (30 s),$(CARGO) test --quiet $(CORE))
+	$(call step,core: without features (5 s),$(CARGO) check -p midair --no-default-features)
+	$(call step,core: feature std (5 s),$(CARGO) check -p midair --no-default-features --features std)
+	$(call step,core: feature parallel (5 s),$(CARGO) check -p midair --no-default-features --features parallel)
+	$(call step,core: a program without std (30 s),$(CARGO) run --release --manifest-path core/tests/no_std/Cargo.toml)
 	$(call step,core: the steps of docs/extending.md on a copy (1 min),core/tests/extending.sh)
 
 test-python: setup ## The package: tests, stubs, types
-	$(call step,package: tests (10 min),$(PYTHON) -m pytest)
+	$(call step,package: tests (3 min),$(PYTHON) -m pytest)
 	$(call step,package: stubs against the extension (20 s),$(PYTHON) -m mypy.stubtest midair._midair)
 	$(call step,package: types (20 s),$(PYTHON) -m mypy python/midair)
 
@@ -65,9 +65,9 @@ test-portable: ## The core on 64-bit ARM and WebAssembly, emulated (Debian's pac
 
 lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
 	$(call step,lint: Rust is formatted (2 s),$(CARGO) fmt --check)
-	$(call step,lint: clippy on the core (1 min),$(CARGO) clippy --all-targets $(CORE) -- -D warnings)
-	$(call step,lint: clippy on the extension (1 min),$(CARGO) clippy --all-targets -p midair-python -- -D warnings)
-	$(call step,lint: the core's documentation (30 s),RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps $(CORE))
+	$(call step,lint: clippy on the core (30 s),$(CARGO) clippy --all-targets $(CORE) -- -D warnings)
+	$(call step,lint: clippy on the extension (30 s),$(CARGO) clippy --all-targets -p midair-python -- -D warnings)
+	$(call step,lint: the core's documentation (5 s),RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps $(CORE))
 	$(call step,lint: Python (2 s),$(BIN)/ruff check python bench fuzz)
 	$(call step,lint: Python is formatted (2 s),$(BIN)/ruff format --check python bench fuzz)
 
