@@ -10,6 +10,8 @@ pub(crate) mod closed_form;
 #[forbid(unsafe_code)]
 pub(crate) mod greedy;
 #[forbid(unsafe_code)]
+pub(crate) mod grid;
+#[forbid(unsafe_code)]
 pub(crate) mod lanes;
 #[forbid(unsafe_code)]
 pub(crate) mod matrix;

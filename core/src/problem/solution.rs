@@ -10,6 +10,7 @@ use num_complex::Complex32;
 
 use crate::control::Control;
 use crate::error::{Error, one_each, real};
+use crate::kernels;
 use crate::linalg::Planar;
 use crate::math;
 use crate::problem::Problem;
@@ -75,6 +76,8 @@ pub struct Solution {
     /// What supply or modulation have to multiply all drives by, at most 1: below 1 where the device has
     /// no amplitude for the answer. The pressures count it in, the drives do not.
     pub scale: f64,
+    /// Whether every drive is known to lie on the board's grid.
+    on_grid: bool,
     asked: Arc<Targets>,
 }
 
@@ -117,7 +120,7 @@ impl Solution {
                 return Err(Error::invalid(format!("pressures[{j}]"), pressure, "the drive gives another one"));
             }
         }
-        Ok(Self { drive, pressures, status, steps, scale, asked })
+        Ok(Self { drive, pressures, status, steps, scale, on_grid: false, asked })
     }
 
     /// The solution that `drive` is: a solver's last line. How the steps ended and how many they were, of `steps`. Its
@@ -210,7 +213,7 @@ impl Solution {
         work: &Workspace,
     ) -> Self {
         let pressures = work.complexes.take(asked.propagation.points()).into_vec();
-        let mut solution = Self { drive, pressures, status, steps, scale: 1.0, asked };
+        let mut solution = Self { drive, pressures, status, steps, scale: 1.0, on_grid: false, asked };
         solution.set_pressures(field);
         solution
     }
@@ -230,6 +233,11 @@ impl Solution {
         self
     }
 
+    /// Every drive lies on the board's grid already.
+    pub(crate) fn on_grid(self) -> Self {
+        Self { on_grid: true, ..self }
+    }
+
     /// Divides drives and pressures by `factor`, at least 1, and rounds every drive to what the board can play.
     /// Whether that changed a drive.
     ///
@@ -242,19 +250,23 @@ impl Solution {
             }
             return Ok(false);
         };
-        let largest = self.drive.iter().map(|&q| math::modulus(q)).fold(0.0, f64::max);
-        let scale = quantization.scale(largest / factor);
-        let mut moved = false;
-        for q in &mut self.drive {
-            let rounded = quantization.nearest(divided(*q, factor * scale));
-            moved |= rounded != *q;
-            *q = rounded;
+        if self.on_grid && factor == 1.0 {
+            return Ok(false);
         }
+        let set = self.asked.propagation.instruction_set();
+        let largest = f64::from(kernels::grid::largest(set, &self.drive)) / factor;
+        let scale = quantization.scale(largest);
+        // Drives at full amplitude and the board's phases become others at one amplitude: the field keeps its shape.
+        let common = quantization.nearest(Complex32::new((largest / scale) as f32, 0.0)).re;
+        let alike = quantization.grid().round(set, (factor * scale) as f32, common, &mut self.drive);
         self.scale *= scale;
-        if moved || scale < 1.0 {
+        if !alike {
             self.set_pressures(&field_of(&self.asked.propagation, &self.drive, work, control)?);
+        } else if common != 1.0 || scale != 1.0 {
+            let change = f64::from(common) * scale;
+            self.pressures.iter_mut().for_each(|p| *p = divided(*p, 1.0 / change));
         }
-        Ok(moved)
+        Ok(!alike || common != 1.0)
     }
 
     /// Metrics of the pressures against the caller's targets; f64 arithmetic over the M values.

@@ -242,7 +242,8 @@ impl Solve for Greedy {
         for buffer in candidates.into_buffers() {
             work.floats.give(buffer);
         }
-        Solution::of_field(problem, drive.into_vec(), &field, status, steps, work, control)
+        // Candidates are the device's own.
+        Ok(Solution::of_field(problem, drive.into_vec(), &field, status, steps, work, control)?.on_grid())
     }
 
     fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
@@ -276,6 +277,7 @@ impl Solve for Greedy {
             work.floats.give(buffer);
         }
         let steps = order.len();
-        batch.solutions(problems, steps, work)
+        let solutions = batch.solutions(problems, steps, work)?;
+        Some(solutions.into_iter().map(Solution::on_grid).collect())
     }
 }

@@ -4,9 +4,9 @@ use core::arch::x86_64::{
     __m256, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _mm_add_ps, _mm_add_ss, _mm_cvtss_f32,
     _mm_max_ps, _mm_movehl_ps, _mm_shuffle_ps, _mm256_add_epi32, _mm256_add_ps, _mm256_and_ps, _mm256_blendv_ps,
     _mm256_castps256_ps128, _mm256_castsi256_ps, _mm256_cmp_ps, _mm256_cvtps_epi32, _mm256_div_ps,
-    _mm256_extractf128_ps, _mm256_fmadd_ps, _mm256_fnmadd_ps, _mm256_loadu_ps, _mm256_max_ps, _mm256_min_ps,
-    _mm256_movemask_ps, _mm256_mul_ps, _mm256_permutevar8x32_ps, _mm256_round_ps, _mm256_set1_epi32, _mm256_set1_ps,
-    _mm256_slli_epi32, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_sub_ps,
+    _mm256_extractf128_ps, _mm256_fmadd_ps, _mm256_fnmadd_ps, _mm256_i32gather_ps, _mm256_loadu_ps, _mm256_max_ps,
+    _mm256_min_epu32, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_permutevar8x32_ps, _mm256_round_ps,
+    _mm256_set1_epi32, _mm256_set1_ps, _mm256_slli_epi32, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_sub_ps,
 };
 
 use crate::kernels::lanes::Lanes;
@@ -84,6 +84,8 @@ impl Simd for Avx2 {
         add(a, b) = _mm256_add_ps(a, b);
         sub(a, b) = _mm256_sub_ps(a, b);
         mul(a, b) = _mm256_mul_ps(a, b);
+        div(a, b) = _mm256_div_ps(a, b);
+        sqrt(a) = _mm256_sqrt_ps(a);
         fma(a, b, c) = _mm256_fmadd_ps(a, b, c);
         fnma(a, b, c) = _mm256_fnmadd_ps(a, b, c);
         min(a, b) = _mm256_min_ps(a, b);
@@ -164,6 +166,21 @@ impl Simd for Avx2 {
                     let a = _mm256_permutevar8x32_ps(first, place);
                     let b = _mm256_permutevar8x32_ps(second, place);
                     _mm256_blendv_ps(b, a, _mm256_cmp_ps::<_CMP_LT_OQ>($index, _mm256_set1_ps(8.0)))
+                }
+            }};
+        }
+        [look!(index[0]), look!(index[1])]
+    }
+
+    #[inline(always)]
+    fn gather_list(self, list: &[f32], index: Pair) -> Pair {
+        let last = list.len().checked_sub(1).expect("a list is not empty") as i32;
+        macro_rules! look {
+            ($index:expr) => {{
+                // SAFETY: the token proves that the CPU has AVX2, and no place is beyond the last: below 0 counts as large.
+                unsafe {
+                    let place = _mm256_min_epu32(_mm256_cvtps_epi32($index), _mm256_set1_epi32(last));
+                    _mm256_i32gather_ps::<4>(list.as_ptr(), place)
                 }
             }};
         }

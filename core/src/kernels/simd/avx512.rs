@@ -2,9 +2,10 @@
 
 use core::arch::x86_64::{
     __m512, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _mm512_abs_ps, _mm512_add_ps, _mm512_cmp_ps_mask,
-    _mm512_cvtps_epi32, _mm512_cvtss_f32, _mm512_fmadd_ps, _mm512_fnmadd_ps, _mm512_loadu_ps, _mm512_mask_blend_ps,
-    _mm512_max_ps, _mm512_min_ps, _mm512_mul_ps, _mm512_permutexvar_ps, _mm512_reduce_ps, _mm512_roundscale_ps,
-    _mm512_rsqrt14_ps, _mm512_scalef_ps, _mm512_set1_ps, _mm512_shuffle_f32x4, _mm512_shuffle_ps, _mm512_storeu_ps,
+    _mm512_cvtps_epi32, _mm512_cvtss_f32, _mm512_div_ps, _mm512_fmadd_ps, _mm512_fnmadd_ps, _mm512_i32gather_ps,
+    _mm512_loadu_ps, _mm512_mask_blend_ps, _mm512_max_ps, _mm512_min_epu32, _mm512_min_ps, _mm512_mul_ps,
+    _mm512_permutexvar_ps, _mm512_reduce_ps, _mm512_roundscale_ps, _mm512_rsqrt14_ps, _mm512_scalef_ps,
+    _mm512_set1_epi32, _mm512_set1_ps, _mm512_shuffle_f32x4, _mm512_shuffle_ps, _mm512_sqrt_ps, _mm512_storeu_ps,
     _mm512_sub_ps, _mm512_unpackhi_ps, _mm512_unpacklo_ps,
 };
 
@@ -54,6 +55,8 @@ impl Simd for Avx512 {
         add(a: __m512, b: __m512) -> __m512 = _mm512_add_ps(a, b);
         sub(a: __m512, b: __m512) -> __m512 = _mm512_sub_ps(a, b);
         mul(a: __m512, b: __m512) -> __m512 = _mm512_mul_ps(a, b);
+        div(a: __m512, b: __m512) -> __m512 = _mm512_div_ps(a, b);
+        sqrt(a: __m512) -> __m512 = _mm512_sqrt_ps(a);
         fma(a: __m512, b: __m512, c: __m512) -> __m512 = _mm512_fmadd_ps(a, b, c);
         fnma(a: __m512, b: __m512, c: __m512) -> __m512 = _mm512_fnmadd_ps(a, b, c);
         min(a: __m512, b: __m512) -> __m512 = _mm512_min_ps(a, b);
@@ -88,6 +91,16 @@ impl Simd for Avx512 {
         };
         gather(table: &Lanes, index: __m512) -> __m512 =
             _mm512_permutexvar_ps(_mm512_cvtps_epi32(index), _mm512_loadu_ps(table.as_ptr()));
+    }
+
+    #[inline(always)]
+    fn gather_list(self, list: &[f32], index: __m512) -> __m512 {
+        let last = list.len().checked_sub(1).expect("a list is not empty") as i32;
+        // SAFETY: the token proves that the CPU has AVX-512F, and no place is beyond the last: below 0 counts as large.
+        unsafe {
+            let place = _mm512_min_epu32(_mm512_cvtps_epi32(index), _mm512_set1_epi32(last));
+            _mm512_i32gather_ps::<4>(place, list.as_ptr())
+        }
     }
 
     #[inline(always)]

@@ -41,6 +41,10 @@ pub(crate) trait Simd: Copy {
     fn add(self, a: Self::V, b: Self::V) -> Self::V;
     fn sub(self, a: Self::V, b: Self::V) -> Self::V;
     fn mul(self, a: Self::V, b: Self::V) -> Self::V;
+    /// a / b, rounded once: the same bits by every set.
+    fn div(self, a: Self::V, b: Self::V) -> Self::V;
+    /// sqrt(a), rounded once: the same bits by every set.
+    fn sqrt(self, a: Self::V) -> Self::V;
     /// a b + c, rounded once where the machine can.
     fn fma(self, a: Self::V, b: Self::V, c: Self::V) -> Self::V;
     /// c - a b.
@@ -118,6 +122,14 @@ pub(crate) trait Simd: Copy {
         self.load(&lanes.map(|index| table[index as usize % LANES]))
     }
 
+    /// `list[index]` of a list of any length but 0, for indices that are whole numbers; those beyond its end read its last.
+    #[inline(always)]
+    fn gather_list(self, list: &[f32], index: Self::V) -> Self::V {
+        let mut lanes = [0.0; LANES];
+        self.store(index, &mut lanes);
+        self.load(&lanes.map(|index| list[(index as usize).min(list.len() - 1)]))
+    }
+
     /// sqrt(a) and 1/sqrt(a) of a >= [`TINY`], each within two roundings: one step of Newton from the guess for
     /// each, with their own remainders.
     #[inline(always)]
@@ -136,6 +148,13 @@ pub(crate) trait Simd: Copy {
         let (root, half) = (self.mul(a, guess), self.mul(guess, self.splat(0.5)));
         self.fma(half, self.fnma(root, guess, self.splat(1.0)), guess)
     }
+}
+
+/// The greatest integer up to |a| < 2^22.
+#[inline(always)]
+pub(crate) fn floor<S: Simd>(s: S, a: S::V) -> S::V {
+    let near = s.round(a);
+    s.select_less(a, near, s.sub(near, s.splat(1.0)), near)
 }
 
 /// The sum over lanes, halves upon halves: a fixed tree, so that its rounding is part of the contract.

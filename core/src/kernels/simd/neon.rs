@@ -2,8 +2,8 @@
 
 use core::arch::aarch64::{
     float32x4_t, vabsq_f32, vaddq_f32, vaddq_s32, vaddvq_u32, vandq_u32, vbslq_f32, vcltq_f32, vcvtq_s32_f32,
-    vdupq_n_f32, vdupq_n_s32, vfmaq_f32, vfmsq_f32, vld1q_f32, vld1q_u32, vmulq_f32, vreinterpretq_f32_s32, vrndnq_f32,
-    vrsqrteq_f32, vrsqrtsq_f32, vshlq_n_s32, vst1q_f32, vsubq_f32,
+    vdivq_f32, vdupq_n_f32, vdupq_n_s32, vfmaq_f32, vfmsq_f32, vld1q_f32, vld1q_u32, vmulq_f32, vreinterpretq_f32_s32,
+    vrndnq_f32, vrsqrteq_f32, vrsqrtsq_f32, vshlq_n_s32, vsqrtq_f32, vst1q_f32, vsubq_f32,
 };
 
 use crate::kernels::lanes::Lanes;
@@ -71,6 +71,8 @@ impl Simd for Neon {
         add(a, b) = vaddq_f32(a, b);
         sub(a, b) = vsubq_f32(a, b);
         mul(a, b) = vmulq_f32(a, b);
+        div(a, b) = vdivq_f32(a, b);
+        sqrt(a) = vsqrtq_f32(a);
         fma(a, b, c) = vfmaq_f32(c, a, b);
         fnma(a, b, c) = vfmsq_f32(c, a, b);
         min(a, b) = vbslq_f32(vcltq_f32(a, b), a, b);

@@ -4,6 +4,7 @@ use core::array::from_fn;
 
 use crate::kernels::lanes::Lanes;
 use crate::kernels::simd::{Simd, rsqrt_estimate};
+use crate::math::sqrtf;
 
 /// The set that is always there. Products and sums are rounded apart.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +49,16 @@ impl Simd for Scalar {
     #[inline(always)]
     fn mul(self, a: Lanes, b: Lanes) -> Lanes {
         from_fn(|l| a[l] * b[l])
+    }
+
+    #[inline(always)]
+    fn div(self, a: Lanes, b: Lanes) -> Lanes {
+        from_fn(|l| a[l] / b[l])
+    }
+
+    #[inline(always)]
+    fn sqrt(self, a: Lanes) -> Lanes {
+        a.map(sqrtf)
     }
 
     #[inline(always)]

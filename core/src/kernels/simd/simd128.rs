@@ -3,9 +3,9 @@
 //! Nothing is fused and the guess is the scalar one, so the bits are those of the scalar set.
 
 use core::arch::wasm32::{
-    f32x4_abs, f32x4_add, f32x4_lt, f32x4_mul, f32x4_nearest, f32x4_pmax, f32x4_pmin, f32x4_splat, f32x4_sub,
-    i32x4_add, i32x4_bitmask, i32x4_shl, i32x4_splat, i32x4_sub, i32x4_trunc_sat_f32x4, u32x4_shr, v128,
-    v128_bitselect, v128_load, v128_store,
+    f32x4_abs, f32x4_add, f32x4_div, f32x4_lt, f32x4_mul, f32x4_nearest, f32x4_pmax, f32x4_pmin, f32x4_splat,
+    f32x4_sqrt, f32x4_sub, i32x4_add, i32x4_bitmask, i32x4_shl, i32x4_splat, i32x4_sub, i32x4_trunc_sat_f32x4,
+    u32x4_shr, v128, v128_bitselect, v128_load, v128_store,
 };
 
 use crate::kernels::lanes::Lanes;
@@ -69,6 +69,8 @@ impl Simd for Simd128 {
         add(a, b) = f32x4_add(a, b);
         sub(a, b) = f32x4_sub(a, b);
         mul(a, b) = f32x4_mul(a, b);
+        div(a, b) = f32x4_div(a, b);
+        sqrt(a) = f32x4_sqrt(a);
         fma(a, b, c) = f32x4_add(f32x4_mul(a, b), c);
         fnma(a, b, c) = f32x4_sub(c, f32x4_mul(a, b));
         min(a, b) = f32x4_pmin(b, a);

@@ -8,6 +8,7 @@ mod closed_form_interleaved;
 mod energies;
 mod greedy;
 mod greedy_interleaved;
+mod grid;
 mod large_grid;
 mod matrix;
 mod moments;

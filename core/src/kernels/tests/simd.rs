@@ -102,6 +102,8 @@ fn roots_are_within_two_roundings() {
             let guess = stored!(set, s => s.rsqrt_estimate(s.load(&x)));
             for l in 0..LANES {
                 let exact = f64::from(x[l]).sqrt();
+                assert_eq!(stored!(set, s => s.sqrt(s.load(&x)))[l], x[l].sqrt());
+                assert_eq!(stored!(set, s => s.div(s.load(&x), s.splat(7.0)))[l], x[l] / 7.0);
                 // Without fused products the remainder itself is rounded.
                 assert!((f64::from(root[l]) / exact - 1.0).abs() <= 3.0 * ROUNDING, "{set}: sqrt {}", x[l]);
                 assert!((f64::from(inverse[l]) * exact - 1.0).abs() <= 3.0 * ROUNDING, "{set}: {}", x[l]);
@@ -123,6 +125,10 @@ fn powers_and_tables() {
         for turn in 0..LANES {
             let index: Lanes = from_fn(|l| ((5 * l + turn) % 16) as f32);
             assert_eq!(stored!(set, s => s.gather(&table, s.load(&index))), index.map(|x| 100.0 + x));
+            let list: Vec<f32> = (0..100).map(|k| 0.5 * k as f32).collect();
+            let index: Lanes = from_fn(|l| (7 * l + turn) as f32);
+            let beyond = index.map(|x| 0.5 * x.min(99.0));
+            assert_eq!(stored!(set, s => s.gather_list(&list, s.load(&index))), beyond);
         }
     }
 }

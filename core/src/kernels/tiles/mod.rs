@@ -3,6 +3,7 @@
 //! No sum runs across lanes before the last tile, and 4 points are not padded to 16. Four points' rows lie together,
 //! tile after tile, then the next four's: whatever takes rows runs over memory in its order.
 
+pub(crate) mod error_diffusion;
 pub(crate) mod phases;
 pub(crate) mod products;
 
@@ -64,6 +65,17 @@ impl<'a> Tiles<'a> {
     pub(crate) fn rows(&self, block: usize) -> [&'a [Block]; 2] {
         let first = block * stride(self.lanes);
         self.planes.map(|plane| &blocks(plane)[first..first + self.lanes / LANES])
+    }
+
+    /// Re and im of a tile, four rows after four.
+    #[inline(always)]
+    pub(crate) fn column(&self, tile: usize) -> impl Iterator<Item = [&'a Block; 2]> + use<'a> {
+        let stride = stride(self.lanes);
+        let [re, im] = self.planes.map(|plane| blocks(plane).chunks_exact(stride));
+        re.zip(im).map(
+            #[inline(always)]
+            move |(re, im)| [&re[tile], &im[tile]],
+        )
     }
 
     /// Re and im of a tile and the next, four rows after four.

@@ -123,14 +123,19 @@ impl<'w> Wave<'w> {
     /// Takes another `drive`, 0 for transducers without effect, and P = G q of it.
     pub(crate) fn play(&mut self, rows: &Rows, drive: impl Iterator<Item = Complex32>) {
         self.take(rows, drive);
+        self.hear(rows);
+    }
+
+    /// P = G q of its own drive.
+    pub(crate) fn hear(&mut self, rows: &Rows) {
         self.set(|wave| tiles::play(rows.set, rows.tiles(), wave));
     }
 
-    /// The same with every |q| made 1, 0 staying 0.
+    /// As [`Wave::play`], with every |q| made 1, 0 staying 0.
     pub(crate) fn play_at_full(&mut self, rows: &Rows, drive: impl Iterator<Item = Complex32>) {
         self.take(rows, drive);
         tiles::normalise(rows.set, self.drive.each_mut().map(|plane| &mut plane[..]));
-        self.set(|wave| tiles::play(rows.set, rows.tiles(), wave));
+        self.hear(rows);
     }
 
     fn take(&mut self, rows: &Rows, drive: impl Iterator<Item = Complex32>) {

@@ -8,6 +8,7 @@
 
 pub(crate) mod coincident;
 pub(crate) mod common_level;
+pub(crate) mod on_grid;
 pub(crate) mod point_phases;
 pub(crate) mod run;
 pub(crate) mod weighted_sweeps;
@@ -61,10 +62,19 @@ pub(crate) fn solve(
             core::mem::swap(&mut best, &mut wave);
         }
     }
-    let mut drive = best.drives(problem.propagation().transducers(), work);
+    let count = problem.propagation().transducers();
     let quantization = problem.quantization();
-    if quantization.is_some() && !run.stopped {
-        // At full drive, where the grid is finest; the field at the points is computed anew.
+    let phases = quantization.and_then(|quantization| quantization.grid().phases.as_ref());
+    // At full drive, where the grid is finest; the field at the points is computed anew.
+    let on_grid = match phases {
+        Some(phases) if reached.0 && !run.stopped => {
+            on_grid::round(problem, rows, phases, &mut best, work, run.control)
+        }
+        _ => Ok(()),
+    };
+    run.stopped |= on_grid.is_err();
+    let mut drive = best.drives(count, work);
+    if quantization.is_some() && !reached.0 && !run.stopped {
         refine(problem, &mut drive, work, run.control);
         best.play_at_full(rows, drive.iter().copied());
     }
@@ -87,6 +97,9 @@ pub(crate) fn solve(
     };
     let solution = Solution::of_field(problem, drive, &field, status, run.step, work, run.control)?;
     let mut solution = solution.scaled(scale);
+    if phases.is_some() && !run.stopped {
+        solution = solution.on_grid();
+    }
     solution.tell(problem, steps, run.control);
     Ok(solution)
 }

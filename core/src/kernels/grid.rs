@@ -1,0 +1,256 @@
+//! A board's grid: 16 drives at a time rounded to the nearest of its phases and amplitudes.
+//!
+//! ```text
+//! ratio = small/large of |re|, |im|;   |q| = large sqrt(1 + ratio^2)
+//! turns = ratio poly(ratio^2), brought to its octant                  within 2e-8 turns
+//! phase code = floor(L turns + 1/2), modulo L;   direction = table of phasors
+//! amplitude: 256 buckets tell where in the table to begin, comparisons with the values' middles go on from there
+//! ```
+//!
+//! Quotients, roots, products and sums only, each rounded once and none fused: a drive has the same code by every
+//! instruction set. Of two as near, the later phase and the larger amplitude win.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use num_complex::Complex32;
+
+use crate::kernels::lanes::{LANES, Lanes};
+use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::simd::{Simd, floor};
+use crate::math;
+
+/// Above this modulus a drive is at full power but for its rounding.
+const FULL: f32 = 1.0 - 1e-6;
+
+/// Parts of 0 to 1 that know where in a table their amplitudes begin.
+const BUCKETS: usize = 256;
+
+/// Where phase or amplitude can be anything, a drive that rounding moves by less than this part of it stays as it is.
+const SAME: f32 = 4e-7;
+
+/// The phases and amplitudes of a board, each of which may be left out where anything can be had.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Grid {
+    pub(crate) phases: Option<Phases>,
+    pub(crate) amplitudes: Option<Amplitudes>,
+}
+
+/// The phases 2 pi l/L.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Phases {
+    /// cos and sin of each.
+    phasors: [Vec<f32>; 2],
+    /// cos - 1 and sin of the first.
+    step: [f32; 2],
+}
+
+/// Amplitudes in ascending order, the last 1.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Amplitudes {
+    values: Vec<f32>,
+    /// The middle between each and the next; infinite after the last.
+    middles: Vec<f32>,
+    /// The least code that any amplitude of a bucket may have.
+    first: Vec<f32>,
+}
+
+impl Phases {
+    /// L = `count` phases.
+    pub(crate) fn new(count: u32) -> Self {
+        let angle = |l: u32| core::f64::consts::TAU * (f64::from(l) / f64::from(count));
+        let part = |of: fn(f64) -> f64| (0..count).map(|l| of(angle(l)) as f32).collect();
+        let half = math::sin(0.5 * angle(1));
+        Self {
+            phasors: [part(math::cos), part(math::sin)],
+            step: [-2.0 * half * half, math::sin(angle(1))].map(|x| x as f32),
+        }
+    }
+
+    /// L.
+    pub(crate) fn count(&self) -> f32 {
+        self.phasors[0].len() as f32
+    }
+
+    /// Where the phases of q lie among the codes: l and a fraction, from -L/2 to L/2.
+    #[inline(always)]
+    pub(crate) fn places<S: Simd>(&self, s: S, q: [S::V; 2]) -> S::V {
+        s.mul(s.splat(self.count()), turns(s, q, polar(s, q)))
+    }
+
+    /// The codes nearest to some places, which lie at most L from them.
+    #[inline(always)]
+    pub(crate) fn codes<S: Simd>(&self, s: S, places: S::V) -> S::V {
+        let (zero, count) = (s.splat(0.0), s.splat(self.count()));
+        let code = floor(s, s.add(places, s.splat(0.5)));
+        let code = s.select_less(code, zero, s.add(code, count), code);
+        s.select_less(code, count, code, s.sub(code, count))
+    }
+
+    /// The phasors of some codes.
+    #[inline(always)]
+    pub(crate) fn phasors<S: Simd>(&self, s: S, codes: S::V) -> [S::V; 2] {
+        [s.gather_list(&self.phasors[0], codes), s.gather_list(&self.phasors[1], codes)]
+    }
+
+    /// cos - 1 and sin of 2 pi/L.
+    pub(crate) fn step(&self) -> [f32; 2] {
+        self.step
+    }
+
+    /// Takes a code to the next, or to the one before; its phasor.
+    pub(crate) fn stepped(&self, code: &mut f32, up: bool) -> [f32; 2] {
+        let count = self.phasors[0].len();
+        let next = (*code as usize + if up { 1 } else { count - 1 }) % count;
+        *code = next as f32;
+        [self.phasors[0][next], self.phasors[1][next]]
+    }
+}
+
+impl Amplitudes {
+    /// From an ascending table that ends in 1.
+    pub(crate) fn new(table: &[f64]) -> Self {
+        let values: Vec<f32> = table.iter().map(|&amplitude| amplitude as f32).collect();
+        let between = table.windows(2).map(|pair| (0.5 * (pair[0] + pair[1])) as f32);
+        let middles: Vec<f32> = between.chain([f32::INFINITY]).collect();
+        let mut first = vec![0.0; BUCKETS];
+        for (k, first) in first.iter_mut().enumerate() {
+            *first = middles.partition_point(|&middle| middle <= k as f32 / BUCKETS as f32) as f32;
+        }
+        Self { values, middles, first }
+    }
+
+    /// The amplitudes nearest to some moduli.
+    #[inline(always)]
+    pub(crate) fn nearest<S: Simd>(&self, s: S, moduli: S::V) -> S::V {
+        let moduli = s.min(moduli, s.splat(1.0));
+        // Most answers are at full drive.
+        if s.less(moduli, s.splat(FULL)) == 0 {
+            return s.splat(1.0);
+        }
+        let bucket = s.sub(s.mul(moduli, s.splat(BUCKETS as f32)), s.splat(0.5));
+        let mut code = s.gather_list(&self.first, s.max(s.round(bucket), s.splat(0.0)));
+        loop {
+            let middle = s.gather_list(&self.middles, code);
+            if s.less(moduli, middle) == (1 << LANES) - 1 {
+                return s.gather_list(&self.values, code);
+            }
+            code = s.select_less(moduli, middle, code, s.add(code, s.splat(1.0)));
+        }
+    }
+}
+
+/// The modulus of q, the lesser of |re| and |im| over the larger, and the larger.
+#[inline(always)]
+fn polar<S: Simd>(s: S, [re, im]: [S::V; 2]) -> [S::V; 3] {
+    let (along, across) = (s.abs(re), s.abs(im));
+    let large = s.max(along, across);
+    let ratio = s.div(s.min(along, across), s.max(large, s.splat(f32::MIN_POSITIVE)));
+    [s.mul(large, s.sqrt(s.add(s.splat(1.0), s.mul(ratio, ratio)))), ratio, large]
+}
+
+/// The phase of q in turns, from -1/2 to 1/2: an odd minimax polynomial for the arc tangent, made to end in 1/8 at 1.
+#[inline(always)]
+fn turns<S: Simd>(s: S, [re, im]: [S::V; 2], [_, ratio, _]: [S::V; 3]) -> S::V {
+    const C: [f32; 8] = [
+        0.159_154_83,
+        -0.053_045_884,
+        0.031_743_012,
+        -0.022_120_625,
+        0.015_303_729,
+        -0.008_838_079,
+        0.003_435_692,
+        -0.000_632_677_87,
+    ];
+    let square = s.mul(ratio, ratio);
+    let mut sum = s.splat(C[7]);
+    for &c in C[..7].iter().rev() {
+        sum = s.add(s.mul(sum, square), s.splat(c));
+    }
+    let first = s.mul(ratio, sum);
+    let zero = s.splat(0.0);
+    let quarter = s.select_less(s.abs(re), s.abs(im), s.sub(s.splat(0.25), first), first);
+    let half = s.select_less(re, zero, s.sub(s.splat(0.5), quarter), quarter);
+    s.select_less(im, zero, s.sub(zero, half), half)
+}
+
+impl Grid {
+    /// The nearest drives of the grid; 0 stays 0.
+    #[inline(always)]
+    fn nearest<S: Simd>(&self, s: S, q: [S::V; 2]) -> [S::V; 2] {
+        let polar = polar(s, q);
+        let [modulus, _, large] = polar;
+        let one = s.splat(1.0);
+        let amplitude = match &self.amplitudes {
+            Some(table) => table.nearest(s, modulus),
+            None => s.select_less(s.splat(FULL), modulus, one, modulus),
+        };
+        let direction = match &self.phases {
+            Some(phases) => {
+                let places = s.mul(s.splat(phases.count()), turns(s, q, polar));
+                phases.phasors(s, phases.codes(s, places))
+            }
+            None => {
+                let held = s.max(modulus, s.splat(f32::MIN_POSITIVE));
+                q.map(
+                    #[inline(always)]
+                    |part| s.div(part, held),
+                )
+            }
+        };
+        let [re, im] = [s.mul(amplitude, direction[0]), s.mul(amplitude, direction[1])];
+        let zero = s.splat(0.0);
+        // What has been rounded before keeps its bits.
+        let miss = s.add(s.abs(s.sub(re, q[0])), s.abs(s.sub(im, q[1])));
+        let same = if self.phases.is_some() && self.amplitudes.is_some() { zero } else { s.mul(large, s.splat(SAME)) };
+        let [re, im] = [s.select_less(miss, same, q[0], re), s.select_less(miss, same, q[1], im)];
+        [s.select_less(zero, large, re, zero), s.select_less(zero, large, im, zero)]
+    }
+
+    /// Divides every drive by `factor` and rounds it; whether each is what it was times `common`, to the bit.
+    pub(crate) fn round(&self, set: InstructionSet, factor: f32, common: f32, drive: &mut [Complex32]) -> bool {
+        dispatch!(set, s => {
+            let mut differ = 0;
+            for own in drive.chunks_mut(LANES) {
+                let q = planar(s, own);
+                let (re, im) = (s.div(q[0], s.splat(factor)), s.div(q[1], s.splat(factor)));
+                let [re, im] = self.nearest(s, [re, im]);
+                let (was_re, was_im) = (s.mul(q[0], s.splat(common)), s.mul(q[1], s.splat(common)));
+                let (miss_re, miss_im) = (s.abs(s.sub(re, was_re)), s.abs(s.sub(im, was_im)));
+                let used = u32::MAX >> (32 - own.len());
+                differ |= s.less(s.splat(0.0), s.max(miss_re, miss_im)) & used;
+                let (mut real, mut imag): (Lanes, Lanes) = ([0.0; LANES], [0.0; LANES]);
+                s.store(re, &mut real);
+                s.store(im, &mut imag);
+                for (own, (re, im)) in own.iter_mut().zip(real.into_iter().zip(imag)) {
+                    *own = Complex32::new(re, im);
+                }
+            }
+            differ == 0
+        })
+    }
+}
+
+/// The largest |q|.
+pub(crate) fn largest(set: InstructionSet, drive: &[Complex32]) -> f32 {
+    dispatch!(set, s => {
+        let mut most = s.splat(0.0);
+        for own in drive.chunks(LANES) {
+            most = s.max(polar(s, planar(s, own))[0], most);
+        }
+        s.reduce_max(most)
+    })
+}
+
+/// Real and imaginary parts of sixteen drives or fewer.
+#[inline(always)]
+fn planar<S: Simd>(s: S, drives: &[Complex32]) -> [S::V; 2] {
+    if let Some(sixteen) = drives.first_chunk::<LANES>() {
+        return [s.load(&sixteen.map(|q| q.re)), s.load(&sixteen.map(|q| q.im))];
+    }
+    let (mut re, mut im) = ([0.0; LANES], [0.0; LANES]);
+    for (q, (re, im)) in drives.iter().zip(re.iter_mut().zip(&mut im)) {
+        (*re, *im) = (q.re, q.im);
+    }
+    [s.load(&re), s.load(&im)]
+}
