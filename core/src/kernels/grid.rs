@@ -75,7 +75,7 @@ impl Phases {
     /// Where the phases of q lie among the codes: l and a fraction, from -L/2 to L/2.
     #[inline(always)]
     pub(crate) fn places<S: Simd>(&self, s: S, q: [S::V; 2]) -> S::V {
-        s.mul(s.splat(self.count()), turns(s, q, polar(s, q)))
+        s.mul(s.splat(self.count()), turns(s, q))
     }
 
     /// The codes nearest to some places, which lie at most L from them.
@@ -122,12 +122,8 @@ impl Amplitudes {
 
     /// The amplitudes nearest to some moduli.
     #[inline(always)]
-    pub(crate) fn nearest<S: Simd>(&self, s: S, moduli: S::V) -> S::V {
+    fn nearest<S: Simd>(&self, s: S, moduli: S::V) -> S::V {
         let moduli = s.min(moduli, s.splat(1.0));
-        // Most answers are at full drive.
-        if s.less(moduli, s.splat(FULL)) == 0 {
-            return s.splat(1.0);
-        }
         let bucket = s.sub(s.mul(moduli, s.splat(BUCKETS as f32)), s.splat(0.5));
         let mut code = s.gather_list(&self.first, s.max(s.round(bucket), s.splat(0.0)));
         loop {
@@ -140,18 +136,30 @@ impl Amplitudes {
     }
 }
 
-/// The modulus of q, the lesser of |re| and |im| over the larger, and the larger.
+/// |re| and |im|, the larger first.
 #[inline(always)]
-fn polar<S: Simd>(s: S, [re, im]: [S::V; 2]) -> [S::V; 3] {
+fn sides<S: Simd>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
     let (along, across) = (s.abs(re), s.abs(im));
-    let large = s.max(along, across);
-    let ratio = s.div(s.min(along, across), s.max(large, s.splat(f32::MIN_POSITIVE)));
-    [s.mul(large, s.sqrt(s.add(s.splat(1.0), s.mul(ratio, ratio)))), ratio, large]
+    [s.max(along, across), s.min(along, across)]
+}
+
+/// The lesser of |re| and |im| over the larger.
+#[inline(always)]
+fn ratio<S: Simd>(s: S, q: [S::V; 2]) -> S::V {
+    let [large, small] = sides(s, q);
+    s.div(small, s.max(large, s.splat(f32::MIN_POSITIVE)))
+}
+
+/// |q|, whose square may underflow.
+#[inline(always)]
+fn modulus<S: Simd>(s: S, q: [S::V; 2]) -> S::V {
+    let (large, ratio) = (sides(s, q)[0], ratio(s, q));
+    s.mul(large, s.sqrt(s.add(s.splat(1.0), s.mul(ratio, ratio))))
 }
 
 /// The phase of q in turns, from -1/2 to 1/2: an odd minimax polynomial for the arc tangent, made to end in 1/8 at 1.
 #[inline(always)]
-fn turns<S: Simd>(s: S, [re, im]: [S::V; 2], [_, ratio, _]: [S::V; 3]) -> S::V {
+fn turns<S: Simd>(s: S, [re, im]: [S::V; 2]) -> S::V {
     const C: [f32; 8] = [
         0.159_154_83,
         -0.053_045_884,
@@ -162,6 +170,7 @@ fn turns<S: Simd>(s: S, [re, im]: [S::V; 2], [_, ratio, _]: [S::V; 3]) -> S::V {
         0.003_435_692,
         -0.000_632_677_87,
     ];
+    let ratio = ratio(s, [re, im]);
     let square = s.mul(ratio, ratio);
     let mut sum = s.splat(C[7]);
     for &c in C[..7].iter().rev() {
@@ -175,48 +184,56 @@ fn turns<S: Simd>(s: S, [re, im]: [S::V; 2], [_, ratio, _]: [S::V; 3]) -> S::V {
 }
 
 impl Grid {
+    /// The amplitudes nearest to those of q.
+    #[inline(always)]
+    fn amplitude<S: Simd>(&self, s: S, q: [S::V; 2]) -> S::V {
+        let (one, full) = (s.splat(1.0), s.splat(FULL));
+        let square = s.add(s.mul(q[0], q[0]), s.mul(q[1], q[1]));
+        // Most answers are at full drive.
+        if s.less(square, s.splat(FULL * FULL)) == 0 {
+            return one;
+        }
+        let modulus = modulus(s, q);
+        let amplitude = self.amplitudes.as_ref().map_or(modulus, |table| table.nearest(s, modulus));
+        s.select_less(full, modulus, one, amplitude)
+    }
+
+    /// The directions of the phases nearest to those of q.
+    #[inline(always)]
+    fn direction<S: Simd>(&self, s: S, q: [S::V; 2]) -> [S::V; 2] {
+        if let Some(phases) = &self.phases {
+            return phases.phasors(s, phases.codes(s, phases.places(s, q)));
+        }
+        let held = s.max(modulus(s, q), s.splat(f32::MIN_POSITIVE));
+        [s.div(q[0], held), s.div(q[1], held)]
+    }
+
     /// The nearest drives of the grid; 0 stays 0.
     #[inline(always)]
     fn nearest<S: Simd>(&self, s: S, q: [S::V; 2]) -> [S::V; 2] {
-        let polar = polar(s, q);
-        let [modulus, _, large] = polar;
-        let one = s.splat(1.0);
-        let amplitude = match &self.amplitudes {
-            Some(table) => table.nearest(s, modulus),
-            None => s.select_less(s.splat(FULL), modulus, one, modulus),
-        };
-        let direction = match &self.phases {
-            Some(phases) => {
-                let places = s.mul(s.splat(phases.count()), turns(s, q, polar));
-                phases.phasors(s, phases.codes(s, places))
+        let (zero, large, amplitude) = (s.splat(0.0), sides(s, q)[0], self.amplitude(s, q));
+        let mut new = self.direction(s, q);
+        for (new, old) in new.iter_mut().zip(q) {
+            *new = s.mul(amplitude, *new);
+            if self.phases.is_none() || self.amplitudes.is_none() {
+                // What has been rounded before keeps its bits.
+                *new = s.select_less(s.abs(s.sub(*new, old)), s.mul(large, s.splat(SAME)), old, *new);
             }
-            None => {
-                let held = s.max(modulus, s.splat(f32::MIN_POSITIVE));
-                q.map(
-                    #[inline(always)]
-                    |part| s.div(part, held),
-                )
-            }
-        };
-        let [re, im] = [s.mul(amplitude, direction[0]), s.mul(amplitude, direction[1])];
-        let zero = s.splat(0.0);
-        // What has been rounded before keeps its bits.
-        let miss = s.add(s.abs(s.sub(re, q[0])), s.abs(s.sub(im, q[1])));
-        let same = if self.phases.is_some() && self.amplitudes.is_some() { zero } else { s.mul(large, s.splat(SAME)) };
-        let [re, im] = [s.select_less(miss, same, q[0], re), s.select_less(miss, same, q[1], im)];
-        [s.select_less(zero, large, re, zero), s.select_less(zero, large, im, zero)]
+            *new = s.select_less(zero, large, *new, zero);
+        }
+        new
     }
 
     /// Divides every drive by `factor` and rounds it; whether each is what it was times `common`, to the bit.
     pub(crate) fn round(&self, set: InstructionSet, factor: f32, common: f32, drive: &mut [Complex32]) -> bool {
         dispatch!(set, s => {
+            let (part, common) = (s.splat(1.0 / factor), s.splat(common));
             let mut differ = 0;
             for own in drive.chunks_mut(LANES) {
                 let q = planar(s, own);
-                let (re, im) = (s.div(q[0], s.splat(factor)), s.div(q[1], s.splat(factor)));
-                let [re, im] = self.nearest(s, [re, im]);
-                let (was_re, was_im) = (s.mul(q[0], s.splat(common)), s.mul(q[1], s.splat(common)));
-                let (miss_re, miss_im) = (s.abs(s.sub(re, was_re)), s.abs(s.sub(im, was_im)));
+                let [re, im] = self.nearest(s, [s.mul(q[0], part), s.mul(q[1], part)]);
+                let (miss_re, miss_im) =
+                    (s.abs(s.sub(re, s.mul(q[0], common))), s.abs(s.sub(im, s.mul(q[1], common))));
                 let used = u32::MAX >> (32 - own.len());
                 differ |= s.less(s.splat(0.0), s.max(miss_re, miss_im)) & used;
                 let (mut real, mut imag): (Lanes, Lanes) = ([0.0; LANES], [0.0; LANES]);
@@ -236,7 +253,7 @@ pub(crate) fn largest(set: InstructionSet, drive: &[Complex32]) -> f32 {
     dispatch!(set, s => {
         let mut most = s.splat(0.0);
         for own in drive.chunks(LANES) {
-            most = s.max(polar(s, planar(s, own))[0], most);
+            most = s.max(modulus(s, planar(s, own)), most);
         }
         s.reduce_max(most)
     })

@@ -6,6 +6,7 @@ mod cholesky;
 mod closed_form;
 mod closed_form_interleaved;
 mod energies;
+mod error_diffusion;
 mod greedy;
 mod greedy_interleaved;
 mod grid;

@@ -21,17 +21,18 @@
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::grid::Phases;
-use crate::kernels::lanes::{BLOCK, LANES, Lanes, groups, groups_mut, padded};
+use crate::kernels::lanes::{BLOCK, LANES, Lanes, groups_mut};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Simd, TINY};
 use crate::kernels::tiles::Tiles;
+use crate::math::sqrtf;
 
 /// An even drive, the points that it is even at, and the memory of both passes.
 pub(crate) struct Task<'a> {
     pub(crate) tiles: Tiles<'a>,
     pub(crate) phases: &'a Phases,
-    /// Square roots of the points' weights, padded with 0.
-    pub(crate) roots: &'a [f32],
+    /// Weights of the points.
+    pub(crate) weights: &'a [f32],
     /// Points with a target, which come first; the others are quiet.
     pub(crate) targeted: usize,
     /// [`floats`] numbers.
@@ -40,119 +41,116 @@ pub(crate) struct Task<'a> {
 
 /// Numbers of memory for `points`.
 pub(crate) const fn floats(points: usize) -> usize {
-    LISTS * padded(points)
+    LISTS * 2 * points.next_multiple_of(EIGHT)
 }
 
-const LISTS: usize = 10;
+const LISTS: usize = 7;
+
+/// Points whose complex sums fill a register.
+const EIGHT: usize = LANES / 2;
 
 /// Rotations in turns beyond which a pressure is no longer near its tangent.
 const MOST_ROTATION: f32 = 0.125;
 
-/// Lists over the points, each padded to whole lane groups.
+/// Root mean square of what is wrong, relative to the level, below which exchanges do not pay.
+const EVEN: f32 = 5e-5;
+
+/// Passes that exchange codes at most: a third takes less than a tenth off what is wrong.
+const ROUNDS: usize = 2;
+
+/// Lists over the points. A lane group holds eight of them: real parts, then imaginary ones, or the same number twice.
 struct Points<'a> {
-    roots: &'a [f32],
+    /// sqrt(w), 0 where there is no point.
+    root: &'a mut [Lanes],
     /// 1 for points with a target, 0 for quiet ones.
-    loud: &'a [f32],
-    /// 1 over the number of points with a target.
+    loud: &'a mut [Lanes],
+    field: &'a mut [Lanes],
+    /// sqrt(w) h.
+    unit: &'a mut [Lanes],
+    /// sqrt(w) r.
+    miss: &'a mut [Lanes],
+    /// w r h.
+    pull: &'a mut [Lanes],
+    /// What a tile's drives make at the points.
+    change: &'a mut [Lanes],
+    /// Half of 1 over the number of points with a target: all are there twice.
     share: f32,
     level: f32,
-    field: [&'a mut [f32]; 2],
-    /// sqrt(w) h.
-    unit: [&'a mut [f32]; 2],
-    /// sqrt(w) r.
-    miss: &'a mut [f32],
-    /// w r h.
-    pull: [&'a mut [f32]; 2],
-    /// What a tile's drives make at the points.
-    change: [&'a mut [f32]; 2],
 }
 
 impl<'a> Points<'a> {
-    fn new<S: Simd>(s: S, roots: &'a [f32], targeted: usize, field: [&[f32]; 2], memory: &'a mut [f32]) -> Self {
-        let mut lists = memory.chunks_exact_mut(roots.len());
-        let [loud, re, im, unit_re, unit_im, miss, pull_re, pull_im, change_re, change_im]: [&mut [f32]; LISTS] =
+    #[inline(always)]
+    fn new<S: Simd>(s: S, weights: &[f32], targeted: usize, field: [&[f32]; 2], memory: &'a mut [f32]) -> Self {
+        memory.fill(0.0);
+        let mut lists = groups_mut(memory).chunks_exact_mut(weights.len().div_ceil(EIGHT));
+        let [root, loud, own, unit, miss, pull, change]: [&mut [Lanes]; LISTS] =
             core::array::from_fn(|_| lists.next().unwrap_or_default());
-        for (list, field) in [&mut *re, &mut *im].into_iter().zip(field) {
-            list.fill(0.0);
-            list[..field.len()].copy_from_slice(field);
+        for (k, (weight, (re, im))) in weights.iter().zip(field[0].iter().zip(field[1])).enumerate() {
+            let (group, lane) = (k / EIGHT, k % EIGHT);
+            (own[group][lane], own[group][lane + EIGHT]) = (*re, *im);
+            for half in [lane, lane + EIGHT] {
+                root[group][half] = sqrtf(*weight);
+                loud[group][half] = if k < targeted { 1.0 } else { 0.0 };
+            }
         }
-        loud.fill(0.0);
-        loud[..targeted].fill(1.0);
-        let mut points = Self {
-            roots,
-            loud,
-            share: 1.0 / targeted as f32,
-            level: 0.0,
-            field: [re, im],
-            unit: [unit_re, unit_im],
-            miss,
-            pull: [pull_re, pull_im],
-            change: [change_re, change_im],
-        };
+        let share = 0.5 / targeted as f32;
+        let mut points = Self { root, loud, field: own, unit, miss, pull, change, share, level: 0.0 };
         // The first look finds the mean, the second what is missing from it.
         points.look(s);
         points.look(s);
         points
     }
 
-    /// What is wrong with the field, at the last look's mean; then the mean.
+    /// What is wrong with the field, at the last look's mean; then the mean. Returns sum w r^2.
     #[inline(always)]
-    fn look<S: Simd>(&mut self, s: S) {
-        let mut total = s.splat(0.0);
+    fn look<S: Simd>(&mut self, s: S) -> S::V {
+        let (mut total, mut wrong) = (s.splat(0.0), s.splat(0.0));
         let level = s.splat(self.level);
-        for k in 0..groups(self.roots).len() {
-            let at = |list: &[f32]| s.load(&groups(list)[k]);
-            let (re, im, root, loud) = (at(self.field[0]), at(self.field[1]), at(self.roots), at(self.loud));
-            let square = s.max(s.fma(re, re, s.mul(im, im)), s.splat(TINY));
+        // The conjugate's signs.
+        let mut signs: Lanes = [1.0; LANES];
+        signs[EIGHT..].fill(-1.0);
+        let signs = s.load(&signs);
+        let asked = self.root.iter().zip(&*self.loud).zip(&*self.field);
+        let found = self.unit.iter_mut().zip(&mut *self.miss).zip(&mut *self.pull);
+        for (((root, loud), field), ((unit, miss), pull)) in asked.zip(found) {
+            let (root, loud, field) = (s.load(root), s.load(loud), s.load(field));
+            let part = s.mul(field, field);
+            let square = s.max(s.add(part, s.swap_halves(part)), s.splat(TINY));
             let inverse = s.rsqrt(square);
             let modulus = s.mul(square, inverse);
             total = s.fma(modulus, loud, total);
-            let miss = s.mul(root, s.fnma(level, loud, modulus));
-            let along = s.mul(root, inverse);
-            let unit = [s.mul(along, re), s.mul(along, s.sub(s.splat(0.0), im))];
-            s.store(miss, &mut groups_mut(self.miss)[k]);
-            for (part, unit) in unit.into_iter().enumerate() {
-                s.store(unit, &mut groups_mut(self.unit[part])[k]);
-                s.store(s.mul(miss, unit), &mut groups_mut(self.pull[part])[k]);
-            }
+            let off = s.mul(root, s.fnma(level, loud, modulus));
+            wrong = s.fma(off, off, wrong);
+            let along = s.mul(s.mul(signs, field), s.mul(root, inverse));
+            s.store(off, miss);
+            s.store(along, unit);
+            s.store(s.mul(off, along), pull);
         }
         self.level = self.share * s.reduce_add(total);
+        wrong
     }
 
-    /// sum w Re(h c)^2 over the points with a target and sum w |c|^2 over the quiet ones, of the changes c.
+    /// sum w Re(h c)^2 over the points with a target and sum w |c|^2 over the quiet ones, of the changes c; twice that.
     #[inline(always)]
     fn weigh_change<S: Simd>(&self, s: S) -> f32 {
         let mut total = s.splat(0.0);
-        for k in 0..groups(self.roots).len() {
-            let at = |list: &[f32]| s.load(&groups(list)[k]);
-            let (re, im, root) = (at(self.change[0]), at(self.change[1]), at(self.roots));
-            let along = s.fnma(at(self.unit[1]), im, s.mul(at(self.unit[0]), re));
-            let (re, im) = (s.mul(root, re), s.mul(root, im));
-            let whole = s.fma(re, re, s.mul(im, im));
-            total = s.add(total, s.select_less(s.splat(0.0), at(self.loud), s.mul(along, along), whole));
+        let lists = self.root.iter().zip(&*self.loud).zip(self.unit.iter().zip(&*self.change));
+        for ((root, loud), (unit, change)) in lists {
+            let change = s.load(change);
+            let along = s.mul(s.load(unit), change);
+            let along = s.sub(along, s.swap_halves(along));
+            let whole = s.mul(s.load(root), change);
+            let whole = s.mul(s.splat(2.0), s.mul(whole, whole));
+            total = s.add(total, s.select_less(s.splat(0.0), s.load(loud), s.mul(along, along), whole));
         }
         s.reduce_add(total)
-    }
-
-    /// Adds the change to the field.
-    #[inline(always)]
-    fn accept<S: Simd>(&mut self, s: S) {
-        for (field, change) in self.field.iter_mut().zip(&self.change) {
-            for (field, change) in groups_mut(field).iter_mut().zip(groups(change)) {
-                s.store(s.add(s.load(field), s.load(change)), field);
-            }
-        }
-        self.look(s);
     }
 
     /// The change that drives of a tile make.
     #[inline(always)]
     fn hear<S: Simd>(&mut self, s: S, tiles: Tiles<'_>, tile: usize, q: [S::V; 2]) {
-        // Eight points' real and imaginary sums fill a register.
-        let [re, im] = &mut self.change;
-        let change = re.as_chunks_mut::<EIGHT>().0.iter_mut().zip(im.as_chunks_mut::<EIGHT>().0);
         let mut rows = tiles.column(tile);
-        for (re, im) in change {
+        for change in &mut *self.change {
             let mut sums = [s.splat(0.0); LANES];
             for half in 0..EIGHT / BLOCK {
                 let Some([gr, gi]) = rows.next() else { break };
@@ -163,41 +161,37 @@ impl<'a> Points<'a> {
                     sums[k + EIGHT] = s.fma(gr, q[1], s.mul(gi, q[0]));
                 }
             }
-            let mut lanes: Lanes = [0.0; LANES];
-            s.store(s.reduce_add_each(&sums), &mut lanes);
-            re.copy_from_slice(&lanes[..EIGHT]);
-            im.copy_from_slice(&lanes[EIGHT..]);
+            s.store(s.reduce_add_each(&sums), change);
         }
     }
 }
 
-/// Points whose complex sums fill a register.
-const EIGHT: usize = LANES / 2;
-
 /// Brings the drive (|q| = 1 or 0) to the phases, each tile's choice taking back the errors of those before; `field` is
-/// that of the drive before. `codes` are those of the phases. Then exchanges codes in up to `rounds` passes, less if
-/// nothing is gained.
+/// that of the drive before. `codes` are those of the phases. Then exchanges codes where that still pays.
 ///
 /// # Errors
 /// A stop, asked for once a tile: the drive is then part old and part new.
 pub(crate) fn diffuse(
     set: InstructionSet,
     task: Task<'_>,
-    rounds: usize,
     [qr, qi]: [&mut [f32]; 2],
     field: [&[f32]; 2],
     codes: &mut [f32],
     control: &mut Control,
 ) -> Result<(), Error> {
     dispatch!(set, s => {
-        let Task { tiles, phases, roots, targeted, memory } = task;
-        let mut points = Points::new(s, roots, targeted, field, memory);
+        let Task { tiles, phases, weights, targeted, memory } = task;
+        let mut points = Points::new(s, weights, targeted, field, memory);
         for tile in 0..tiles.lanes / LANES {
             control.pulse()?;
             let own = [&mut groups_mut(qr)[tile], &mut groups_mut(qi)[tile]];
             round_tile(s, tiles, tile, phases, &mut points, own, &mut groups_mut(codes)[tile]);
         }
-        for _ in 0..rounds {
+        for _ in 0..ROUNDS {
+            let off = s.reduce_add(points.look(s)) * points.share;
+            if off <= EVEN * EVEN * points.level * points.level {
+                break;
+            }
             let mut moved = false;
             for tile in 0..tiles.lanes / LANES {
                 control.pulse()?;
@@ -225,19 +219,20 @@ fn round_tile<S: Simd>(
 ) {
     let (zero, q) = (s.splat(0.0), [s.load(own_re), s.load(own_im)]);
     let mut sums = [zero; 4];
-    let pulls = points.pull[0].as_chunks::<BLOCK>().0.iter().zip(points.pull[1].as_chunks::<BLOCK>().0);
-    for ([gr, gi], (re, im)) in tiles.column(tile).zip(pulls) {
+    for (block, [gr, gi]) in tiles.column(tile).enumerate() {
+        let pull = &points.pull[block / 2];
         for row in 0..BLOCK {
             let (gr, gi) = (s.load(&gr[row]), s.load(&gi[row]));
-            let (re, im) = (s.splat(re[row]), s.splat(im[row]));
+            let k = block % 2 * BLOCK + row;
+            let (re, im) = (s.splat(pull[k]), s.splat(pull[k + EIGHT]));
             sums = [s.fma(gr, re, sums[0]), s.fma(gi, im, sums[1]), s.fma(gr, im, sums[2]), s.fma(gi, re, sums[3])];
         }
     }
     let (re, im) = (s.sub(sums[0], sums[1]), s.add(sums[2], sums[3]));
     let down = s.fma(q[0], im, s.mul(q[1], re));
     points.hear(s, tiles, tile, [s.sub(zero, s.mul(q[1], down)), s.mul(q[0], down)]);
-    let slope = s.reduce_add(s.mul(down, down));
-    let far = slope / points.weigh_change(s).max(f32::MIN_POSITIVE) / core::f32::consts::TAU;
+    let slope = 2.0 / core::f32::consts::TAU * s.reduce_add(s.mul(down, down));
+    let far = slope / points.weigh_change(s).max(f32::MIN_POSITIVE);
     let most = s.splat(MOST_ROTATION);
     let rotation = s.max(s.min(s.mul(down, s.splat(far)), most), s.sub(zero, most));
     let code = phases.codes(s, s.fma(rotation, s.splat(phases.count()), phases.places(s, q)));
@@ -250,7 +245,10 @@ fn round_tile<S: Simd>(
     s.store(new[0], own_re);
     s.store(new[1], own_im);
     points.hear(s, tiles, tile, [s.sub(new[0], q[0]), s.sub(new[1], q[1])]);
-    points.accept(s);
+    for (field, change) in points.field.iter_mut().zip(&*points.change) {
+        s.store(s.add(s.load(field), s.load(change)), field);
+    }
+    points.look(s);
 }
 
 /// Takes the step of one code that gains most; whether one does.
@@ -274,15 +272,16 @@ fn exchange<S: Simd>(
     // What either step costs, and what the step up costs less than the one down.
     let (mut both, mut odd) = (zero, zero);
     for (block, [gr, gi]) in tiles.column(tile).enumerate() {
+        let [unit, miss, loud] = [&points.unit, &points.miss, &points.loud].map(|list| &list[block / 2]);
         for row in 0..BLOCK {
-            let k = block * BLOCK + row;
+            let k = block % 2 * BLOCK + row;
             let (gr, gi) = (s.load(&gr[row]), s.load(&gi[row]));
-            let (hr, hi, miss) = (s.splat(points.unit[0][k]), s.splat(points.unit[1][k]), s.splat(points.miss[k]));
+            let (hr, hi, miss) = (s.splat(unit[k]), s.splat(unit[k + EIGHT]), s.splat(miss[k]));
             let (tr, ti) = (s.fnma(gi, hi, s.mul(gr, hr)), s.fma(gi, hr, s.mul(gr, hi)));
             let even = s.fnma(ti, along[1], s.mul(tr, along[0]));
             let side = s.fma(tr, across[1], s.mul(ti, across[0]));
             let near = s.add(miss, even);
-            if points.loud[k] > 0.0 {
+            if loud[k] > 0.0 {
                 both = s.fma(side, side, s.fma(even, s.add(miss, near), both));
                 odd = s.fma(side, near, odd);
             } else {
@@ -303,13 +302,12 @@ fn exchange<S: Simd>(
     let [re, im] = phases.stepped(&mut codes[lane], steps[lane] > 0.0);
     let [dr, di] = [re - own_re[lane], im - own_im[lane]];
     (own_re[lane], own_im[lane]) = (re, im);
-    let [field_re, field_im] = &mut points.field;
-    let field = field_re.as_chunks_mut::<BLOCK>().0.iter_mut().zip(field_im.as_chunks_mut::<BLOCK>().0);
-    for ([gr, gi], (re, im)) in tiles.column(tile).zip(field) {
+    for (block, [gr, gi]) in tiles.column(tile).enumerate() {
+        let field = &mut points.field[block / 2];
         for row in 0..BLOCK {
-            let (gr, gi) = (gr[row][lane], gi[row][lane]);
-            re[row] += gr * dr - gi * di;
-            im[row] += gr * di + gi * dr;
+            let (gr, gi, k) = (gr[row][lane], gi[row][lane], block % 2 * BLOCK + row);
+            field[k] += gr * dr - gi * di;
+            field[k + EIGHT] += gr * di + gi * dr;
         }
     }
     points.look(s);

@@ -18,7 +18,6 @@ use crate::error::Error;
 use crate::linalg::Planar;
 use crate::problem::{Problem, Solution, Status};
 use crate::scene::Aim;
-use crate::solvers::common::refinement::refine;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::point_phases::Starts;
 use crate::solvers::even_field::run::{Plan, Run};
@@ -62,22 +61,15 @@ pub(crate) fn solve(
             core::mem::swap(&mut best, &mut wave);
         }
     }
-    let count = problem.propagation().transducers();
     let quantization = problem.quantization();
-    let phases = quantization.and_then(|quantization| quantization.grid().phases.as_ref());
-    // At full drive, where the grid is finest; the field at the points is computed anew.
-    let on_grid = match phases {
-        Some(phases) if reached.0 && !run.stopped => {
-            on_grid::round(problem, rows, phases, &mut best, work, run.control)
-        }
-        _ => Ok(()),
-    };
-    run.stopped |= on_grid.is_err();
-    let mut drive = best.drives(count, work);
-    if quantization.is_some() && !reached.0 && !run.stopped {
-        refine(problem, &mut drive, work, run.control);
-        best.play_at_full(rows, drive.iter().copied());
+    if let Some(quantization) = quantization
+        && !run.stopped
+    {
+        // At full drive, where the grid is finest.
+        let even = reached.0;
+        run.stopped = on_grid::round(problem, rows, quantization, even, &mut best, work, run.control).is_err();
     }
+    let mut drive = best.drives(problem.propagation().transducers(), work);
     let loudest = best.moduli[..rows.targeted].iter().copied().fold(0.0, f32::max);
     let factor = if wanted && loudest > rows.target { f64::from(rows.target / loudest) } else { 1.0 };
     let (amplitude, scale) = quantization.map_or((factor, 1.0), |quantization| quantization.lowered(factor));
@@ -97,7 +89,7 @@ pub(crate) fn solve(
     };
     let solution = Solution::of_field(problem, drive, &field, status, run.step, work, run.control)?;
     let mut solution = solution.scaled(scale);
-    if phases.is_some() && !run.stopped {
+    if !run.stopped && quantization.is_some_and(|quantization| quantization.phases().is_some()) {
         solution = solution.on_grid();
     }
     solution.tell(problem, steps, run.control);

@@ -1,41 +1,53 @@
-//! An even field brought to a board's phases: error diffusion where it is even, else a search of the neighbouring codes.
+//! An even field brought to a board's grid: error diffusion, or a search of the neighbouring codes where there are few.
 
 use crate::control::Control;
+use crate::device::quantization::Quantization;
 use crate::error::Error;
-use crate::kernels::grid::Phases;
-use crate::kernels::lanes::padded;
 use crate::kernels::tiles::error_diffusion::{Task, diffuse, floats};
-use crate::math::sqrtf;
 use crate::problem::Problem;
+use crate::solvers::common::refinement::refine;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::Workspace;
 
-/// Passes that exchange codes: a third gains nothing at 256 phases and less than a tenth at 16 (N = 996, M = 4 to 64).
-const ROUNDS: usize = 2;
+/// Fewer phases are too far apart for tangents: error diffusion then loses a tenth of the level.
+const FEWEST: u32 = 8;
 
-/// Brings `wave`, which is even, to the phases and leaves the points as even as these allow.
+/// Brings `wave` to the grid and leaves the points as even as that allows, and its field anew. A field that is not
+/// `even` has errors too large to be taken back by the next transducers: it is searched, too.
 ///
 /// # Errors
 /// A stop: the drive is then partly where it was.
 pub(super) fn round(
     problem: &Problem,
     rows: &Rows,
-    phases: &Phases,
+    quantization: &Quantization,
+    even: bool,
     wave: &mut Wave<'_>,
     work: &Workspace,
     control: &mut Control,
 ) -> Result<(), Error> {
     let points = rows.order.len();
-    let mut roots = work.floats.take(padded(points));
-    for (root, &j) in roots.iter_mut().zip(&rows.order) {
-        *root = sqrtf(problem.weights()[j as usize]);
+    if let Some(phases) = &quantization.grid().phases
+        && even
+        && quantization.phases() >= Some(FEWEST)
+    {
+        let mut weights = work.floats.take_any(points);
+        for (weight, &j) in weights.iter_mut().zip(&rows.order) {
+            *weight = problem.weights()[j as usize];
+        }
+        let mut memory = work.floats.take_any(floats(points));
+        let mut codes = work.floats.take_any(rows.lanes);
+        let task =
+            Task { tiles: rows.tiles(), phases, weights: &weights, targeted: rows.targeted, memory: &mut memory };
+        let drive = wave.drive.each_mut().map(|plane| &mut plane[..]);
+        let field = wave.field.each_ref().map(|plane| &plane[..points]);
+        diffuse(rows.set, task, drive, field, &mut codes, control)?;
+        wave.hear(rows);
+    } else {
+        let mut drive = wave.drives(problem.propagation().transducers(), work);
+        refine(problem, &mut drive, work, control);
+        wave.play(rows, drive.iter().copied());
+        work.complexes.give(drive);
     }
-    let mut memory = work.floats.take_any(floats(points));
-    let mut codes = work.floats.take_any(rows.lanes);
-    let task = Task { tiles: rows.tiles(), phases, roots: &roots, targeted: rows.targeted, memory: &mut memory };
-    let (drive, field) =
-        (wave.drive.each_mut().map(|plane| &mut plane[..]), wave.field.each_ref().map(|plane| &plane[..points]));
-    diffuse(rows.set, task, ROUNDS, drive, field, &mut codes, control)?;
-    wave.hear(rows);
     Ok(())
 }
