@@ -47,9 +47,8 @@ pub struct Problem {
     factor: f64,
     /// Targets of the points of weight above 0 in units of the reference, padded with zeros.
     scaled: Vec<f32>,
-    /// p1_j of the points of weight above 0 in units of the reference, and memory for summing it.
+    /// p1_j of the points of weight above 0 in units of the reference.
     pub(crate) reach: Vec<f64>,
-    sums: Vec<f32>,
 }
 
 impl Problem {
@@ -137,7 +136,6 @@ impl Problem {
             factor: 1.0,
             scaled: Vec::new(),
             reach: Vec::new(),
-            sums: Vec::new(),
         }
     }
 
@@ -161,7 +159,7 @@ impl Problem {
     /// Sums |G| at the points of weight above 0.
     pub(crate) fn sum_moduli(&mut self, control: &mut Control) -> Result<(), Error> {
         let propagation = self.selected.as_ref().unwrap_or(&self.targets.propagation);
-        propagation.reach(&mut self.reach, &mut self.sums, control).map_err(|error| match error {
+        propagation.reach(&mut self.reach, control).map_err(|error| match error {
             // The selection renumbered the points.
             Error::TooNear { point, transducer, distance, least } => {
                 Error::TooNear { point: self.targets.active[point], transducer, distance, least }

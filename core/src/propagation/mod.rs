@@ -21,12 +21,9 @@ use crate::control::{Control, bytes};
 use crate::error::{Error, one_each};
 use crate::kernels;
 use crate::kernels::propagate::rows;
-use crate::kernels::{ControlPoints, InstructionSet, Row, padded};
+use crate::kernels::{ControlPoints, InstructionSet, Row, Run, padded};
 use crate::math;
 use crate::scene::{Array, Scene, UNITS};
-
-/// Rows whose moduli are summed in f32 before f64 takes over.
-pub(crate) const ROWS_A_SUM: usize = 64;
 
 /// Entries of G that are written out together, some points at a time: the memory of the others is not touched yet.
 const ENTRIES_A_BLOCK: usize = 1 << 18;
@@ -228,7 +225,7 @@ impl Propagation {
                 kernels::row(
                     self.set,
                     &sources.radiation,
-                    &sources.transducers[i],
+                    (&sources.transducers, i),
                     self.padded_points(frame),
                     &mut Row { re, im },
                 );
@@ -261,24 +258,15 @@ impl Propagation {
         }
     }
 
-    /// p1_j = `sum_i |G_ji|` in units of the reference, refusing a point on a transducer; `sums` is memory.
-    pub(crate) fn reach(&self, reach: &mut Vec<f64>, sums: &mut Vec<f32>, control: &mut Control) -> Result<(), Error> {
+    /// p1_j = `sum_i |G_ji|` in units of the reference, refusing a point on a transducer.
+    pub(crate) fn reach(&self, reach: &mut Vec<f64>, control: &mut Control) -> Result<(), Error> {
         reach.clear();
         reach.resize(self.count, 0.0);
         match &self.rows {
             Rows::Computed { sources, frame, points } => {
-                for (step, some) in sources.transducers.chunks(ROWS_A_SUM).enumerate() {
-                    control.pulse()?;
-                    sums.clear();
-                    sums.resize(self.lanes(), 0.0);
-                    let (radiation, points_here) = (&sources.radiation, self.padded_points(frame));
-                    if kernels::add_moduli(self.set, radiation, some, points_here, NEAR, sums) {
-                        for i in step * ROWS_A_SUM..step * ROWS_A_SUM + some.len() {
-                            sources.check_distances(i, points)?;
-                        }
-                    }
-                    for (reach, sum) in reach.iter_mut().zip(&*sums) {
-                        *reach += f64::from(*sum);
+                for run in Run::all(&sources.radiation, &sources.transducers) {
+                    if kernels::add_moduli(self.set, &run, self.padded_points(frame), NEAR, reach, control)? {
+                        run.members.into_iter().try_for_each(|i| sources.check_distances(i, points))?;
                     }
                 }
             }
@@ -326,7 +314,7 @@ impl Propagation {
     pub fn matrix(&self, control: &mut Control) -> Result<Vec<Complex32>, Error> {
         let n = self.transducers();
         control.room("the matrix G", [n, self.count], bytes(8, &[n, self.count]))?;
-        self.reach(&mut Vec::new(), &mut Vec::new(), control)?;
+        self.reach(&mut Vec::new(), control)?;
         let mut matrix = Vec::with_capacity(n * self.count);
         let all: Vec<usize> = (0..self.count).collect();
         for chosen in all.chunks((ENTRIES_A_BLOCK / n).clamp(16, 256)) {

@@ -64,6 +64,6 @@ impl Model {
 
     /// Row i over some padded points, in units of the reference.
     pub(crate) fn row(&self, i: usize, points: ControlPoints<'_>, out: &mut Row<'_>) {
-        kernels::row(self.set, &self.sources.radiation, &self.sources.transducers[i], points, out);
+        kernels::row(self.set, &self.sources.radiation, (&self.sources.transducers, i), points, out);
     }
 }

@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use num_complex::Complex64;
 
 use crate::error::Error;
-use crate::kernels::{Radiation, Source, padded};
+use crate::kernels::{Radiation, Source, SourceList, padded};
 use crate::math;
 use crate::scene::{Array, Medium, check_places, distance};
 
@@ -19,7 +19,7 @@ pub(crate) struct Sources {
     pub(crate) array: Array,
     pub(crate) medium: Medium,
     centre: [f64; 3],
-    pub(crate) transducers: Vec<Source>,
+    pub(crate) transducers: SourceList,
     pub(crate) radiation: Radiation,
 }
 
@@ -29,7 +29,7 @@ impl Sources {
         let wavelength = medium.wavelength();
         // P0 cancels: the reference is 1000 P0.
         let unit = 1.0 / (1000.0 * wavelength);
-        let transducers = (0..array.len())
+        let transducers: Vec<_> = (0..array.len())
             .map(|i| {
                 let Complex64 { re, im } = array.effect(i);
                 let (amplitude, turns) = if im == 0.0 && re >= 0.0 {
@@ -49,7 +49,7 @@ impl Sources {
             decay: (-medium.absorption * wavelength * core::f64::consts::LOG2_E) as f32,
             table: array.transducer().directivity.table(medium.wavenumber()),
         };
-        Self { array: array.clone(), medium, centre, transducers, radiation }
+        Self { array: array.clone(), medium, centre, transducers: SourceList::new(&transducers), radiation }
     }
 
     /// Points in this frame, padded with the last one: x, y and z.

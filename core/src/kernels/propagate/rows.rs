@@ -4,14 +4,15 @@ use core::ops::Range;
 
 use crate::kernels::lanes::{BLOCK, Block};
 use crate::kernels::lanes::{LANES, padded};
-use crate::kernels::propagate::row::{ControlPoints, Radiation, Source, write_row, write_tile};
+use crate::kernels::propagate::row::{ControlPoints, Radiation, write_row, write_tile};
+use crate::kernels::propagate::source::SourceList;
 use crate::kernels::simd::Simd;
 
 /// Rows of G, one a transducer, each a whole number of lane groups long.
 #[derive(Clone, Copy)]
 pub(crate) enum Rows<'a> {
     /// Made from positions when asked for.
-    Computed { radiation: &'a Radiation, sources: &'a [Source], control_points: ControlPoints<'a> },
+    Computed { radiation: &'a Radiation, sources: &'a SourceList, control_points: ControlPoints<'a> },
     /// Kept: re and im, row after row.
     Stored { re: &'a [f32], im: &'a [f32] },
 }
@@ -22,7 +23,7 @@ impl Rows<'_> {
     pub(crate) fn write<S: Simd>(&self, s: S, i: usize, re: &mut [f32], im: &mut [f32]) {
         match *self {
             Self::Computed { radiation, sources, control_points } => {
-                write_row(s, radiation, &sources[i], control_points, re, im);
+                write_row(s, radiation, (sources, i), control_points, re, im);
             }
             Self::Stored { re: all_re, im: all_im } => {
                 let range = i * re.len()..(i + 1) * re.len();
@@ -32,8 +33,9 @@ impl Rows<'_> {
         }
     }
 
-    /// Writes a tile of [`crate::kernels::tiles`]: 16 transducers or fewer in the lanes, row after row all the points in
-    /// their `order`, zeros in the lanes of transducers that there are not.
+    /// Writes a tile of [`crate::kernels::tiles`]: 16 transducers in the lanes, the first a multiple of 16 and fewer only
+    /// where there are no more; row after row all the points in their `order`, zeros in the lanes of transducers that there
+    /// are not.
     #[inline(always)]
     pub(crate) fn write_tile<S: Simd>(
         &self,
@@ -45,7 +47,11 @@ impl Rows<'_> {
     ) {
         match *self {
             Self::Computed { radiation, sources, control_points } if !members.is_empty() => {
-                write_tile(s, radiation, &sources[members], control_points, order, (tile, stride), out);
+                debug_assert!(
+                    members.start.is_multiple_of(LANES) && members.len() == LANES.min(sources.len() - members.start)
+                );
+                let group = (sources, members.start / LANES);
+                write_tile(s, radiation, group, control_points, order, (tile, stride), out);
             }
             Self::Stored { re, im } => {
                 let lanes = padded(order.len());

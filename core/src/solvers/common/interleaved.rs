@@ -8,11 +8,11 @@ use num_complex::Complex32;
 
 use crate::control::Control;
 use crate::kernels::closed_form::interleaved::{EIGHT, deal_out};
-use crate::kernels::{ControlPoints, InstructionSet, LANES, Rows, add_moduli};
+use crate::kernels::{ControlPoints, InstructionSet, LANES, Rows, Run, interleaved_moduli};
 use crate::linalg::Planar;
 use crate::problem::{Problem, Solution, Status};
+use crate::propagation::NEAR;
 use crate::propagation::Sources;
-use crate::propagation::{NEAR, ROWS_A_SUM};
 use crate::workspace::{Buffer, Workspace};
 
 /// The control points of up to 16 problems of one model, point after point.
@@ -114,9 +114,9 @@ pub(crate) fn sum_moduli(problems: &mut [Problem], work: &Workspace) -> bool {
     problems.iter_mut().for_each(Problem::clear_reach);
     let mut sums = work.floats.take(points.lanes());
     let mut near = false;
-    for sources in points.prepared.transducers.chunks(ROWS_A_SUM) {
-        sums.fill(0.0);
-        near |= add_moduli(points.set, &points.prepared.radiation, sources, points.control_points(), NEAR, &mut sums);
+    let Sources { radiation, transducers, .. } = &*points.prepared;
+    for run in Run::all(radiation, transducers) {
+        near |= interleaved_moduli(points.set, &run, points.control_points(), NEAR, &mut sums);
         for (lane, problem) in problems.iter_mut().enumerate() {
             for (reach, sums) in problem.reach.iter_mut().zip(sums.as_chunks::<LANES>().0) {
                 *reach += f64::from(sums[lane]);

@@ -1,0 +1,103 @@
+//! Sources: the transducers as the kernels read them, sixteen to a group, list by list.
+
+use alloc::vec::Vec;
+
+use crate::kernels::lanes::{LANES, Lanes};
+use crate::kernels::simd::Simd;
+
+/// One transducer, in wavelengths from the array's middle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Source {
+    pub(crate) position: [f32; 3],
+    pub(crate) normal: [f32; 3],
+    /// |c_i| times P0 over the reference, per wavelength.
+    pub(crate) amplitude: f32,
+    /// The phase of c_i in turns.
+    pub(crate) turns: f32,
+}
+
+/// Sixteen transducers, one a lane.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(crate) struct SourceGroup {
+    position: [Lanes; 3],
+    normal: [Lanes; 3],
+    amplitude: Lanes,
+    turns: Lanes,
+}
+
+/// All transducers, group by group. The lanes beyond the last one are silent and lie where it is.
+#[derive(Clone, Debug)]
+pub(crate) struct SourceList {
+    pub(crate) groups: Vec<SourceGroup>,
+    count: usize,
+    /// Whether no transducer's phase is shifted.
+    pub(crate) in_phase: bool,
+}
+
+impl SourceList {
+    pub(crate) fn new(sources: &[Source]) -> Self {
+        let groups = sources.chunks(LANES).map(SourceGroup::of).collect();
+        Self { groups, count: sources.len(), in_phase: sources.iter().all(|source| source.turns == 0.0) }
+    }
+
+    /// How many there are.
+    pub(crate) fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Transducer `i` in all lanes.
+    #[inline(always)]
+    pub(crate) fn one<S: Simd>(&self, s: S, i: usize) -> SourceLanes<S::V> {
+        self.groups[i / LANES].one(s, i % LANES)
+    }
+}
+
+impl SourceGroup {
+    /// At least one and at most sixteen.
+    fn of(sources: &[Source]) -> Self {
+        let lanes = |part: &dyn Fn(&Source) -> f32| -> Lanes {
+            core::array::from_fn(|lane| part(&sources[lane.min(sources.len() - 1)]))
+        };
+        let mut amplitude = lanes(&|source| source.amplitude);
+        amplitude[sources.len()..].fill(0.0);
+        Self {
+            position: [0, 1, 2].map(|axis| lanes(&|source| source.position[axis])),
+            normal: [0, 1, 2].map(|axis| lanes(&|source| source.normal[axis])),
+            amplitude,
+            turns: lanes(&|source| source.turns),
+        }
+    }
+
+    /// One of them in all lanes.
+    #[inline(always)]
+    pub(crate) fn one<S: Simd>(&self, s: S, lane: usize) -> SourceLanes<S::V> {
+        let [[x, y, z], [nx, ny, nz]] = [&self.position, &self.normal];
+        SourceLanes {
+            position: [s.splat(x[lane]), s.splat(y[lane]), s.splat(z[lane])],
+            normal: [s.splat(nx[lane]), s.splat(ny[lane]), s.splat(nz[lane])],
+            amplitude: s.splat(self.amplitude[lane]),
+            turns: s.splat(self.turns[lane]),
+        }
+    }
+
+    /// Each in its lane.
+    #[inline(always)]
+    pub(crate) fn all<S: Simd>(&self, s: S) -> SourceLanes<S::V> {
+        let [[x, y, z], [nx, ny, nz]] = [&self.position, &self.normal];
+        SourceLanes {
+            position: [s.load(x), s.load(y), s.load(z)],
+            normal: [s.load(nx), s.load(ny), s.load(nz)],
+            amplitude: s.load(&self.amplitude),
+            turns: s.load(&self.turns),
+        }
+    }
+}
+
+/// A transducer in all lanes, or sixteen of them.
+pub(crate) struct SourceLanes<V> {
+    pub(crate) position: [V; 3],
+    pub(crate) normal: [V; 3],
+    pub(crate) amplitude: V,
+    pub(crate) turns: V,
+}

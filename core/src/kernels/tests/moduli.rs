@@ -1,0 +1,89 @@
+//! Sums of |G| against f64, and an interleaved batch's sums bit for bit those of its problems.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use crate::control::Control;
+use crate::kernels::lanes::LANES;
+use crate::kernels::propagate::moduli::{Run, add_moduli, interleaved_moduli};
+use crate::kernels::propagate::row::ControlPoints;
+use crate::kernels::propagate::source::SourceList;
+use crate::kernels::simd::instruction_set::InstructionSet;
+use crate::kernels::tests::{LENGTHS, Shot, wide};
+use crate::rng::Rng;
+use crate::scene::Directivity;
+
+/// Several transducers, a shot each, over the points of the first.
+fn volley(pattern: &str, transducers: usize, points: usize) -> Vec<Shot> {
+    let mut rng = Rng::new((100 * transducers + points) as u64);
+    let directivity = Directivity::named(pattern, None).expect("a known name");
+    let first = Shot::new(&mut rng, directivity, -0.002, points);
+    let mut shots = vec![];
+    for _ in 1..transducers {
+        let coordinates = first.coordinates.clone();
+        shots.push(Shot { coordinates, ..Shot::new(&mut rng, directivity, -0.002, points) });
+    }
+    shots.push(first);
+    shots
+}
+
+fn sums(set: InstructionSet, shots: &[Shot], sources: &SourceList) -> Vec<f64> {
+    let mut sums = vec![0.0; shots[0].count];
+    for run in Run::all(&shots[0].radiation, sources) {
+        let near = add_moduli(set, &run, shots[0].control_points(), 1e-4, &mut sums, &mut Control::none());
+        assert!(!near.expect("no stop"), "{set}: no point is that near");
+    }
+    sums
+}
+
+fn list(shots: &[Shot]) -> SourceList {
+    SourceList::new(&shots.iter().map(|shot| shot.source).collect::<Vec<_>>())
+}
+
+#[test]
+fn moduli_of_any_number_of_transducers_add_up() {
+    for set in InstructionSet::all() {
+        for transducers in LENGTHS.chain([512, 513, 1100]) {
+            let shots = volley("piston", transducers, 5);
+            for (j, sum) in sums(set, &shots, &list(&shots)).into_iter().enumerate() {
+                let moduli = || shots.iter().map(|shot| (wide(shot.source.amplitude), shot.spread(j)));
+                let want: f64 = moduli().map(|(gain, (_, amplitude))| gain * amplitude.abs()).sum();
+                let most: f64 = moduli().map(|(gain, (r, _))| gain / r).sum();
+                // Each to 4e-6 of the modulus straight ahead, as in a row, and 36 sums in f32 at most.
+                assert!((sum - want).abs() <= 7e-6 * most, "{set}: N = {transducers}, point {j}: {sum} for {want}");
+            }
+        }
+    }
+}
+
+#[test]
+fn an_interleaved_batch_has_the_bits_of_its_problems() {
+    for set in InstructionSet::all() {
+        for (pattern, transducers) in [("point", 1), ("t4010a1", 40), ("cos", 700)] {
+            let problems: Vec<_> = (0..LANES).map(|k| volley(pattern, transducers, 3 + k % 2)).collect();
+            let (shots, sources) = (&problems[0], list(&problems[0]));
+            // A problem of fewer points repeats its last one.
+            let mut coordinates = [(); 3].map(|()| vec![0.0; 4 * LANES]);
+            for (list, axis) in coordinates.iter_mut().zip(0..) {
+                for (k, x) in list.iter_mut().enumerate() {
+                    let own = &problems[k % LANES][0];
+                    *x = own.coordinates[axis][(k / LANES).min(own.count - 1)];
+                }
+            }
+            let [x, y, z] = &coordinates;
+            let points = ControlPoints { coordinates: [x, y, z], count: x.len() };
+            let mut total = vec![0.0; x.len()];
+            for run in Run::all(&shots[0].radiation, &sources) {
+                let mut sums = vec![f32::NAN; x.len()];
+                assert!(!interleaved_moduli(set, &run, points, 1e-4, &mut sums), "{set}: no point is that near");
+                assert!(interleaved_moduli(set, &run, points, 1e9, &mut sums), "{set}: all points are that near");
+                total.iter_mut().zip(sums).for_each(|(total, sum)| *total += wide(sum));
+            }
+            for (lane, own) in problems.iter().enumerate() {
+                let alone = sums(set, own, &sources);
+                let together: Vec<f64> = (0..alone.len()).map(|j| total[j * LANES + lane]).collect();
+                assert_eq!(alone, together, "{set}: {pattern}, problem {lane}");
+            }
+        }
+    }
+}
