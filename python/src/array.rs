@@ -1,8 +1,9 @@
 //! `midair.Array` and `midair.presets`.
 
 use std::hash::{Hash, Hasher};
+use std::sync::Arc;
 
-use midair::{Complex64, Directivity, Origin, Transducer};
+use midair::{Complex64, Directivity, Medium, Origin, Transducer};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
@@ -13,6 +14,7 @@ use crate::numbers::quoted;
 use crate::pickle::{Reduced, called, restored};
 use crate::quantization::{self, on_board};
 use crate::read;
+use crate::ready::{Kept, Ready};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
@@ -28,9 +30,35 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// >>> midair.Array([[0, 0, 0], [0.01, 0, 0]]).positions.shape
 /// (2, 3)
 #[pyclass(frozen, eq, hash, module = "midair")]
-#[derive(Clone, PartialEq)]
+#[derive(Clone)]
 pub(crate) struct Array {
     pub(crate) inner: midair::Array,
+    kept: Kept,
+}
+
+impl From<midair::Array> for Array {
+    fn from(inner: midair::Array) -> Self {
+        Self { inner, kept: Kept::default() }
+    }
+}
+
+impl From<&Arc<Ready>> for Array {
+    fn from(ready: &Arc<Ready>) -> Self {
+        Self { inner: ready.model.array().clone(), kept: Kept::of(Arc::clone(ready)) }
+    }
+}
+
+impl Array {
+    /// Itself prepared for a medium.
+    pub(crate) fn ready(&self, medium: Medium) -> PyResult<Arc<Ready>> {
+        self.kept.get(&self.inner, medium)
+    }
+}
+
+impl PartialEq for Array {
+    fn eq(&self, other: &Self) -> bool {
+        self.inner == other.inner
+    }
 }
 
 impl Hash for Array {
@@ -44,21 +72,25 @@ impl Hash for Array {
 
 /// Applies the keywords that every way to make an array shares; what is left out stays as it is.
 pub(crate) fn adjusted(
-    array: midair::Array,
+    array: Array,
     source_pressure: Argument<'_, '_>,
     directivity: Argument<'_, '_>,
     response: Argument<'_, '_>,
-) -> PyResult<midair::Array> {
-    let own = array.transducer();
+) -> PyResult<Array> {
+    if [source_pressure, directivity, response].iter().all(Option::is_none) {
+        return Ok(array);
+    }
+    let own = array.inner.transducer();
     let transducer = Transducer {
         source_pressure: read::real_or("source_pressure", source_pressure, own.source_pressure)?,
         directivity: directivity.map_or(Ok(own.directivity), read::directivity)?,
     };
-    let array = array.with_transducer(transducer).map_err(refused)?;
-    match response {
-        None => Ok(array),
-        Some(response) => array.with_response(Some(read::complexes("response", response)?)).map_err(refused),
-    }
+    let array = array.inner.with_transducer(transducer).map_err(refused)?;
+    let array = match response {
+        None => array,
+        Some(response) => array.with_response(Some(read::complexes("response", response)?)).map_err(refused)?,
+    };
+    Ok(array.into())
 }
 
 #[pymethods]
@@ -77,8 +109,7 @@ impl Array {
     ) -> PyResult<Self> {
         let normals = normals.map(|normals| read::vectors("normals", normals)).transpose()?;
         let array = midair::Array::new(read::vectors("positions", positions)?, normals).map_err(refused)?;
-        let array = adjusted(array, source_pressure, directivity, response)?;
-        Ok(Self { inner: on_board(array, mask, quantization)? })
+        on_board(adjusted(array.into(), source_pressure, directivity, response)?, mask, quantization)
     }
 
     /// A flat grid of nx x ny transducers, pitch metres apart, centred in z = 0, x fastest.
@@ -97,8 +128,7 @@ impl Array {
     ) -> PyResult<Self> {
         let (nx, ny) = (read::count("nx", nx)?, read::count("ny", ny)?);
         let array = midair::Array::grid(nx, ny, read::real("pitch", pitch)?).map_err(refused)?;
-        let array = adjusted(array, source_pressure, directivity, response)?;
-        Ok(Self { inner: on_board(array, mask, quantization)? })
+        on_board(adjusted(array.into(), source_pressure, directivity, response)?, mask, quantization)
     }
 
     /// A known board or the paper's array; tiles = (x, y) boards. Keywords override the preset's values.
@@ -129,8 +159,7 @@ impl Array {
             }
         };
         let array = midair::Array::preset(&name, tiles).map_err(refused)?;
-        let array = adjusted(array, source_pressure, directivity, response)?;
-        Ok(Self { inner: on_board(array, mask, quantization)? })
+        on_board(adjusted(array.into(), source_pressure, directivity, response)?, mask, quantization)
     }
 
     /// The names of the presets; `midair.presets()` tells more.

@@ -9,7 +9,6 @@ use pyo3::prelude::*;
 use crate::ctrl_c::attend;
 use crate::error::{invalid, warn};
 use crate::give::{self, rows};
-use crate::instruction_set::instruction_set;
 use crate::limits;
 use crate::pickle::{Reduced, restored};
 use crate::plane::{self, Plane};
@@ -22,7 +21,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// The field of a drive on a plane or at points.
 #[pyclass(frozen, eq, module = "midair")]
 pub(crate) struct Field {
-    scene: Arc<midair::Scene>,
+    scene: Scene,
     solution: Option<Py<Solution>>,
     picture: Picture,
     /// Further planes that it takes to show all points.
@@ -74,7 +73,7 @@ impl Field {
     /// Radiation pressure in Pa on a wall at normal incidence, |p|^2/(rho c^2), of the same shape.
     #[getter]
     fn radiation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let medium = self.scene.medium();
+        let medium = self.scene.inner.medium();
         let modulus = |p: &Complex32| f64::from(p.re).hypot(f64::from(p.im));
         let radiation: Vec<f64> = self.picture.pressure.iter().map(|p| medium.radiation(modulus(p))).collect();
         give::list(py, radiation).reshape(self.shape())
@@ -120,8 +119,8 @@ impl Field {
     #[getter]
     fn shown<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<bool>>> {
         let Places::Plane(plane) = self.picture.places else { return None };
-        let wavelength = self.scene.medium().wavelength();
-        let shown: Vec<bool> = self.scene.points().iter().map(|&point| plane.shows(point, wavelength)).collect();
+        let wavelength = self.scene.inner.medium().wavelength();
+        let shown: Vec<bool> = self.scene.inner.points().iter().map(|&point| plane.shows(point, wavelength)).collect();
         Some(give::list(py, shown))
     }
 
@@ -130,7 +129,7 @@ impl Field {
     #[getter]
     fn panels(&self, py: Python<'_>) -> Vec<Self> {
         let panel = |picture: &Picture| Self {
-            scene: Arc::clone(&self.scene),
+            scene: self.scene.clone(),
             solution: self.solution.as_ref().map(|solution| solution.clone_ref(py)),
             picture: picture.clone(),
             others: Vec::new(),
@@ -141,7 +140,7 @@ impl Field {
     /// The scene it belongs to.
     #[getter]
     fn scene(&self) -> Scene {
-        Scene { inner: Arc::clone(&self.scene) }
+        self.scene.clone()
     }
 
     #[staticmethod]
@@ -162,7 +161,7 @@ impl Field {
             return Err(invalid("pictures", "[]", "give at least one"));
         }
         let picture = others.remove(0);
-        Ok(Self { scene: Arc::clone(&scene.get().inner), solution, picture, others })
+        Ok(Self { scene: scene.get().clone(), solution, picture, others })
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
@@ -208,33 +207,32 @@ pub(crate) fn field(
 ) -> PyResult<Field> {
     let solution = drive.cast::<Solution>().ok().map(|solution| solution.clone().unbind());
     let drive = played(drive)?;
-    let scene = Arc::clone(&scene.get().inner);
+    let Scene { inner, ready } = scene.get();
     let places: Vec<Places> = match plane {
-        None => scene.picture_planes().into_iter().map(Places::Plane).collect(),
+        None => inner.picture_planes().into_iter().map(Places::Plane).collect(),
         Some(plane) => match plane.cast::<Plane>() {
             Ok(plane) => vec![Places::Plane(plane.get().inner)],
             Err(_) => vec![Places::Points(read::vectors("field points", plane)?.into())],
         },
     };
     if let Some(Places::Plane(plane)) = places.first()
-        && !scene.is_shown(plane)
+        && !inner.is_shown(plane)
     {
-        let better = midair::Plane::around(scene.points(), scene.medium().wavelength())[0].rounded();
+        let better = midair::Plane::around(inner.points(), inner.medium().wavelength())[0].rounded();
         warn(py, &format!("no point lies in {plane}: leave it out, or give one through the points, {better}"))?;
     }
-    let model = midair::Model::of(&scene, instruction_set()?);
     let threads = limits::threads(py)?;
     let mut others = attend(py, None, |control| {
         let control = &mut control.on(threads);
         let mut sample = |places: Places| {
             let pressure = match &places {
-                Places::Plane(plane) => midair::field(&model, &drive, &plane.points(), control),
-                Places::Points(points) => midair::field(&model, &drive, points, control),
+                Places::Plane(plane) => midair::field(&ready.model, &drive, &plane.points(), control),
+                Places::Points(points) => midair::field(&ready.model, &drive, points, control),
             };
             Ok(Picture { places, pressure: pressure?.into() })
         };
         places.into_iter().map(&mut sample).collect::<Result<Vec<_>, _>>()
     })?;
     let picture = others.remove(0);
-    Ok(Field { scene, solution, picture, others })
+    Ok(Field { scene: scene.get().clone(), solution, picture, others })
 }

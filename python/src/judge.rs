@@ -4,7 +4,6 @@ use midair::Control;
 use pyo3::prelude::*;
 
 use crate::ctrl_c::attend;
-use crate::instruction_set::instruction_set;
 use crate::metrics::Metrics;
 use crate::solution::played;
 use crate::subject::{Beside, Subject};
@@ -31,8 +30,7 @@ pub(crate) fn bound(
     mask: Argument<'_, '_>,
 ) -> PyResult<f64> {
     let subject = Subject::read(scene, Beside { pressures, weights, mask, ..Beside::default() })?;
-    let set = instruction_set()?;
-    attend(py, None, |mut control| midair::bound(&subject.problem(set, &mut control)?, &mut control))
+    attend(py, None, |mut control| midair::bound(&subject.problem(&mut control)?, &mut control))
 }
 
 /// The metrics of a drive (N,), or of a Solution with its scale counted in, wholly in double precision. Pressures,
@@ -49,7 +47,6 @@ pub(crate) fn judge(
 ) -> PyResult<Metrics> {
     let subject = Subject::read(scene, Beside { pressures, weights, mask, ..Beside::default() })?;
     let drive = played(drive)?;
-    let set = instruction_set()?;
-    let judge = |mut control: Control<'_>| subject.problem(set, &mut control)?.judge(&drive, &mut control);
+    let judge = |mut control: Control<'_>| subject.problem(&mut control)?.judge(&drive, &mut control);
     attend(py, None, judge).map(Metrics::from)
 }

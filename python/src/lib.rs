@@ -21,6 +21,7 @@ mod propagation;
 mod quantization;
 mod reach;
 mod read;
+mod ready;
 mod scene;
 mod setting;
 mod solution;

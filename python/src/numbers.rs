@@ -1,11 +1,13 @@
 //! The one reader of arrays: numbers of any memory layout, copied in C order; what numpy would guess or lose is refused.
 
-use numpy::ndarray::Dimension;
+use numpy::ndarray::{Dimension, IxDyn};
 use numpy::{
-    Element, PyArray, PyArrayDyn, PyArrayMethods, PyReadonlyArray, PyUntypedArray, PyUntypedArrayMethods, dtype,
+    Element, PyArray, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArray, PyUntypedArray,
+    PyUntypedArrayMethods, dtype,
 };
 use pyo3::exceptions::{PyException, PyRecursionError};
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
 use pyo3::types::{IntoPyDict, PyBool, PyFloat, PyInt, PyList, PyTuple};
 
 use crate::error::invalid;
@@ -22,6 +24,9 @@ pub(crate) struct Numbers<T> {
 impl<T: Element + Copy> Numbers<T> {
     /// The numbers of an array, whatever its byte order, alignment and strides.
     pub(crate) fn of(array: &Bound<'_, PyAny>) -> PyResult<Self> {
+        if let Some(array) = in_place::<T, IxDyn>(array) {
+            return Ok(Self { shape: array.shape().to_vec(), values: array.as_slice()?.to_vec() });
+        }
         let py = array.py();
         let keywords = [("dtype", dtype::<T>(py).into_any()), ("order", "C".into_pyobject(py)?.into_any())];
         let copy = py.import("numpy")?.call_method("array", (array,), Some(&keywords.into_py_dict(py)?))?;
@@ -52,20 +57,28 @@ pub(crate) fn array<'py>(
     value: &Bound<'py, PyAny>,
     kinds: &str,
     cure: &str,
-) -> PyResult<(Bound<'py, PyAny>, String)> {
+) -> PyResult<(Bound<'py, PyAny>, char)> {
     let refusal = || invalid(item, &quoted(value), cure);
-    if !is_array_like(value, 0, kinds.contains('b')) {
-        return Err(refusal());
-    }
-    refuse_hidden(item, value)?;
-    // A ragged list is no array at all; what else goes wrong in there is not ours to hide.
-    let array = match value.py().import("numpy")?.call_method1("asarray", (value,)) {
-        Ok(array) => array,
-        Err(error) if error.is_instance_of::<PyException>(value.py()) => return Err(refusal()),
-        Err(error) => return Err(error),
+    let array = if value.is_exact_instance_of::<PyUntypedArray>() {
+        value.clone()
+    } else {
+        if !is_array_like(value, 0, kinds.contains('b')) {
+            return Err(refusal());
+        }
+        refuse_hidden(item, value)?;
+        // A ragged list is no array at all; what else goes wrong in there is not ours to hide.
+        match as_array(value) {
+            Err(error) if error.is_instance_of::<PyException>(value.py()) => return Err(refusal()),
+            array => array?,
+        }
     };
-    let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
-    if kinds.contains(&kind) { Ok((array, kind)) } else { Err(refusal()) }
+    let kind = char::from(array.cast::<PyUntypedArray>()?.dtype().kind());
+    if kinds.contains(kind) { Ok((array, kind)) } else { Err(refusal()) }
+}
+
+fn as_array<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    static AS_ARRAY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    AS_ARRAY.import(value.py(), "numpy", "asarray")?.call1((value,))
 }
 
 /// Whether lists nest no deeper than an array does, and no bool hides in them, where numpy would make a number of it.

@@ -5,6 +5,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::array::Array;
 use crate::error::{invalid, refused};
 use crate::give;
 use crate::numbers::quoted;
@@ -13,18 +14,14 @@ use crate::read;
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// The array with what is given of mask and quantization; what is left out stays as it is.
-pub(crate) fn on_board(
-    array: midair::Array,
-    mask: Argument<'_, '_>,
-    quantization: Argument<'_, '_>,
-) -> PyResult<midair::Array> {
+pub(crate) fn on_board(array: Array, mask: Argument<'_, '_>, quantization: Argument<'_, '_>) -> PyResult<Array> {
     let array = match quantization {
         None => array,
-        Some(quantization) => array.with_quantization(Some(read_quantization(quantization)?)),
+        Some(quantization) => array.inner.with_quantization(Some(read_quantization(quantization)?)).into(),
     };
     match mask {
         None => Ok(array),
-        Some(mask) => array.with_mask(Some(read::flags("mask", mask)?)).map_err(refused),
+        Some(mask) => Ok(array.inner.with_mask(Some(read::flags("mask", mask)?)).map_err(refused)?.into()),
     }
 }
 

@@ -111,7 +111,7 @@ pub(crate) fn batch_of_starts(
 ) -> PyResult<Starts> {
     let cure = format!("give complex drives {} or real point phases", told(&drives));
     let (array, kind) = array(item, value, NUMBER, &cure)?;
-    if kind != "c" {
+    if kind != 'c' {
         return batch_of_numbers(item, value, phases).map(Starts::Phases);
     }
     let Numbers { values, shape } = Numbers::of(&array)?;
@@ -131,7 +131,7 @@ pub(crate) enum Starts {
 /// Where an iterative method begins: complex numbers are a drive (N,), real numbers point phases (M,).
 pub(crate) fn start(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Start> {
     let (_, kind) = array(item, value, NUMBER, "give a drive (N,), a Solution or point phases (M,)")?;
-    if kind == "c" { drive(item, value).map(Start::Drive) } else { reals(item, value).map(Start::Phases) }
+    if kind == 'c' { drive(item, value).map(Start::Drive) } else { reals(item, value).map(Start::Phases) }
 }
 
 /// Yes or no (N,).

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use midair::files::{self, Format, Provenance};
-use midair::{Complex32, Control, Medium, Request};
+use midair::{Complex32, Control, Doubt, Medium, Request};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -14,12 +14,12 @@ use crate::array::{Array, adjusted};
 use crate::ctrl_c::attend;
 use crate::error::{invalid, refused, warn_all};
 use crate::give::{self, rows};
-use crate::instruction_set::instruction_set;
 use crate::numbers::quoted;
 use crate::pickle::{Reduced, restored};
 use crate::plane::Plane;
 use crate::reach::Reach;
 use crate::read;
+use crate::ready::Ready;
 use crate::setting::Keywords;
 use crate::solution::Solution;
 
@@ -37,9 +37,17 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// >>> round(float(abs(scene.propagation()).sum()), 5)
 /// 2.36066
 #[pyclass(frozen, eq, hash, module = "midair")]
-#[derive(PartialEq)]
+#[derive(Clone)]
 pub(crate) struct Scene {
     pub(crate) inner: Arc<midair::Scene>,
+    /// Its array and medium.
+    pub(crate) ready: Arc<Ready>,
+}
+
+impl PartialEq for Scene {
+    fn eq(&self, other: &Self) -> bool {
+        self.inner == other.inner
+    }
 }
 
 impl Hash for Scene {
@@ -69,25 +77,44 @@ const PARTS: [&str; 12] = [
 /// A scene with other parts, the solver of its file kept, and a warning of what is hardly meant of them.
 pub(crate) fn remade(
     py: Python<'_>,
-    own: &midair::Scene,
-    (array, medium): (midair::Array, Medium),
+    own: &Scene,
+    (array, medium): (&Array, Medium),
     points: Vec<[f64; 3]>,
     request: Request,
     plane: Option<midair::Plane>,
-) -> PyResult<Arc<midair::Scene>> {
-    let mut scene = midair::Scene::new(array, medium, points, request).map_err(refused)?;
-    scene.solver.clone_from(&own.solver);
+) -> PyResult<Scene> {
+    let mut scene = midair::Scene::new(array.inner.clone(), medium, points, request).map_err(refused)?;
+    scene.solver.clone_from(&own.inner.solver);
     scene.plane = plane;
-    let told = own.doubts();
-    warn_all(py, scene.doubts().into_iter().filter(|doubt| !told.contains(doubt)))?;
-    Ok(Arc::new(scene))
+    let (scene, told) = (Scene::with(array, scene)?, own.doubts());
+    warn_all(py, scene.doubts().iter().filter(|doubt| !told.contains(doubt)))?;
+    Ok(scene)
 }
 
 impl Scene {
-    /// A scene just made, and a warning of what is hardly meant of it.
-    fn told(py: Python<'_>, scene: midair::Scene) -> PyResult<Self> {
-        warn_all(py, scene.doubts())?;
-        Ok(Self { inner: Arc::new(scene) })
+    /// A scene of the core.
+    pub(crate) fn of(inner: midair::Scene) -> PyResult<Self> {
+        let array = inner.array().clone().into();
+        Self::with(&array, inner)
+    }
+
+    /// A scene of an array that may be ready.
+    fn with(array: &Array, inner: midair::Scene) -> PyResult<Self> {
+        Ok(Self { ready: array.ready(inner.medium())?, inner: Arc::new(inner) })
+    }
+
+    /// The same, and a warning of what is hardly meant of it.
+    fn told(self, py: Python<'_>) -> PyResult<Self> {
+        warn_all(py, self.doubts())?;
+        Ok(self)
+    }
+
+    pub(crate) fn problem(&self, control: &mut Control) -> Result<midair::Problem, midair::Error> {
+        midair::Problem::of_model(&self.ready.model, self.inner.points(), self.inner.request(), control)
+    }
+
+    fn doubts(&self) -> Vec<Doubt> {
+        self.ready.doubts.iter().cloned().chain(self.inner.own_doubts()).collect()
     }
 }
 
@@ -122,13 +149,13 @@ impl Scene {
             absorption: read::real_or("absorption", absorption, default.absorption)?,
             density: read::real_or("density", density, default.density)?,
         };
-        let array = adjusted(array.get().inner.clone(), source_pressure, directivity, None)?;
+        let array = adjusted(array.get().clone(), source_pressure, directivity, None)?;
         let points = read::vectors("points", points)?;
         // Without points there is nothing to compare lengths with; the core says so.
         let request =
             if points.is_empty() { Request::default() } else { read::request(points.len(), pressures, weights)? };
-        let scene = midair::Scene::new(array, medium, points, request).map_err(refused)?;
-        Self::told(py, scene)
+        let scene = midair::Scene::new(array.inner.clone(), medium, points, request).map_err(refused)?;
+        Self::with(&array, scene)?.told(py)
     }
 
     /// The same scene with other parts, named as the constructor names them, or another `plane`; what is left out stays,
@@ -140,12 +167,12 @@ impl Scene {
     /// array([200.])
     #[pyo3(signature = (**changes))]
     fn replace(&self, py: Python<'_>, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        let Some(changes) = changes else { return Ok(Self { inner: Arc::clone(&self.inner) }) };
-        let (own, keywords) = (&self.inner, Keywords::of(changes)?);
+        let Some(changes) = changes else { return Ok(self.clone()) };
+        let (own, keywords) = (&*self.inner, Keywords::of(changes)?);
         let array = match keywords.take("array")? {
-            None => own.array().clone(),
+            None => self.array(),
             Some(array) => match array.cast::<Array>() {
-                Ok(array) => array.get().inner.clone(),
+                Ok(array) => array.get().clone(),
                 Err(_) => return Err(invalid("array", &quoted(&array), "give a midair.Array")),
             },
         };
@@ -177,13 +204,13 @@ impl Scene {
         if let Some(name) = keywords.left() {
             return Err(refused(midair::Error::unknown("part of a scene", name, PARTS)));
         }
-        Ok(Self { inner: remade(py, own, (array, medium), points, request, plane)? })
+        remade(py, self, (&array, medium), points, request, plane)
     }
 
     /// Reads a scene file: JSON by its ending .json, TOML by .toml, else by looking at it.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        Self::told(py, crate::files::load(&path)?)
+        Self::of(crate::files::load(&path)?)?.told(py)
     }
 
     /// Reads a scene from text (str or bytes), TOML or JSON by looking at it.
@@ -192,7 +219,7 @@ impl Scene {
     #[staticmethod]
     #[pyo3(signature = (text, *, name="scene", folder=None))]
     fn parse(text: &Bound<'_, PyAny>, name: &str, folder: Option<PathBuf>) -> PyResult<Self> {
-        Self::told(text.py(), crate::files::parse(text, name, folder.as_deref())?)
+        Self::of(crate::files::parse(text, name, folder.as_deref())?)?.told(text.py())
     }
 
     /// Writes the scene as TOML or (by the ending .json) JSON, whole or not at all.
@@ -218,8 +245,8 @@ impl Scene {
 
     /// The array.
     #[getter]
-    fn array(&self) -> Array {
-        Array { inner: self.inner.array().clone() }
+    pub(crate) fn array(&self) -> Array {
+        Array::from(&self.ready)
     }
 
     /// Points (M, 3) in m.
@@ -291,16 +318,14 @@ impl Scene {
 
     /// G (M, N) in Pa, complex64: the pressure at point j of transducer i at full drive, eq. (5).
     fn propagation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
-        let propagation = midair::Propagation::of(&self.inner).with_instruction_set(instruction_set()?);
-        let matrix = attend(py, None, |mut control| propagation.matrix(&mut control))?;
+        let matrix = |mut control: Control<'_>| self.ready.model.propagation(self.inner.points())?.matrix(&mut control);
+        let matrix = attend(py, None, matrix)?;
         give::table(py, matrix, [self.inner.points().len(), self.inner.array().len()])
     }
 
     /// What the array can do at the points: the strongest pressure at each alone, and at all of them together.
     fn reach(&self, py: Python<'_>) -> PyResult<Reach> {
-        let set = instruction_set()?;
-        let reach =
-            |mut control: Control<'_>| midair::Problem::of_scene(&self.inner, set, &mut control)?.reach(&mut control);
+        let reach = |mut control: Control<'_>| self.problem(&mut control)?.reach(&mut control);
         let midair::Reach { alone, level, .. } = attend(py, None, reach)?;
         Ok(Reach { alone, level })
     }
@@ -321,10 +346,11 @@ impl Scene {
         let medium = Medium { frequency, sound_speed, absorption, density };
         let points = read::vectors("points", points)?;
         let request = read::request(points.len(), pressures, weights)?;
-        let mut scene = midair::Scene::new(array.get().inner.clone(), medium, points, request).map_err(refused)?;
+        let array = array.get();
+        let mut scene = midair::Scene::new(array.inner.clone(), medium, points, request).map_err(refused)?;
         scene.solver = solver.map(|(name, options)| read::choice(name, &options)).transpose()?;
         scene.plane = plane.map(|plane| plane.get().inner);
-        Ok(Self { inner: Arc::new(scene) })
+        Self::with(array, scene)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {

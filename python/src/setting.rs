@@ -11,10 +11,10 @@ use pyo3::types::{PyDict, PyDictMethods};
 use crate::array::{Array, adjusted};
 use crate::error::{invalid, refused, warn_all};
 use crate::give::rows;
-use crate::instruction_set::instruction_set;
 use crate::propagation::Propagation;
 use crate::quantization::{on_board, shown};
 use crate::read;
+use crate::ready::Ready;
 use crate::scene::Scene;
 use crate::subject::{Beside, given};
 
@@ -60,11 +60,12 @@ impl Source {
         request: &Request,
         control: &mut Control,
     ) -> Result<Problem, midair::Error> {
-        let (propagation, setup) = match self {
-            Self::Model(model) => (model.propagation(points)?, Setup::of(model.array(), model.medium()).into()),
-            Self::Given(propagation, setup) => (propagation.clone(), Arc::clone(setup)),
-        };
-        Problem::watched(propagation, setup, request, control)
+        match self {
+            Self::Model(model) => Problem::of_model(model, points, request, control),
+            Self::Given(propagation, setup) => {
+                Problem::watched(propagation.clone(), Arc::clone(setup), request, control)
+            }
+        }
     }
 
     /// The first argument and the keywords that make the setting of a choice again.
@@ -81,7 +82,7 @@ impl Source {
                 keywords.set_item("sound_speed", sound_speed)?;
                 keywords.set_item("absorption", absorption)?;
                 keywords.set_item("density", density)?;
-                Bound::new(py, Array { inner: model.array().clone() })?.into_any()
+                Bound::new(py, Array::from(model.array().clone()))?.into_any()
             }
             Self::Given(propagation, setup) => {
                 keywords.set_item("quantization", shown(py, setup.quantization.as_deref())?)?;
@@ -138,23 +139,16 @@ impl<'py> Keywords<'py> {
     }
 
     /// An array with the transducers that the keywords make of its own.
-    pub(crate) fn transducer(&self, array: midair::Array) -> PyResult<midair::Array> {
+    pub(crate) fn transducer(&self, array: Array) -> PyResult<Array> {
         let (pressure, directivity) = (self.take("source_pressure")?, self.take("directivity")?);
         adjusted(array, pressure.as_ref(), directivity.as_ref(), None)
     }
 
     /// The array and medium of a Scene or an Array, as the keywords change them.
-    fn model(&self, array: midair::Array, own: Medium, beside: Beside<'_, '_>) -> PyResult<Model> {
+    fn ready(&self, array: Array, own: Medium, beside: Beside<'_, '_>) -> PyResult<Arc<Ready>> {
         let medium = self.medium(own)?;
-        let array = on_board(self.transducer(array)?, beside.mask, beside.quantization)?;
-        Model::new(&array, medium, instruction_set()?).map_err(refused)
+        on_board(self.transducer(array)?, beside.mask, beside.quantization)?.ready(medium)
     }
-}
-
-/// Warns of what is hardly meant of an array and its medium, and was not told of the scene they come from.
-fn tell(py: Python<'_>, model: &Model, scene: Option<&(midair::Array, Medium)>) -> PyResult<()> {
-    let told = scene.map_or_else(Vec::new, |(array, medium)| array.doubts(*medium));
-    warn_all(py, model.array().doubts(model.medium()).into_iter().filter(|doubt| !told.contains(doubt)))
 }
 
 impl Setting {
@@ -195,7 +189,6 @@ impl Setting {
         let (session, info, source) = if let Ok(matrix) = object.cast::<Propagation>() {
             let (propagation, setup) = given(&matrix.get().inner, beside)?;
             let (configured, balance) = configured(setup.quantization.as_deref())?;
-            let propagation = propagation.with_instruction_set(instruction_set()?);
             let source = Source::Given(propagation.clone(), Arc::new(setup.clone()));
             let session = Session::with_propagation(propagation, setup, configured.solver, balance);
             (session.map_err(refused)?, configured.info, source)
@@ -203,22 +196,21 @@ impl Setting {
             if positions.is_some() {
                 return Err(invalid("positions", "given", "an array has its own: they go with Propagation"));
             }
-            let (array, medium) = if let Ok(scene) = object.cast::<Scene>() {
-                let scene = &scene.get().inner;
-                (scene.array().clone(), scene.medium())
+            let (array, medium, told) = if let Ok(scene) = object.cast::<Scene>() {
+                let scene = scene.get();
+                (scene.array(), scene.inner.medium(), &scene.ready.doubts[..])
             } else if let Ok(array) = object.cast::<Array>() {
-                (array.get().inner.clone(), Medium::default())
+                (array.get().clone(), Medium::default(), &[][..])
             } else {
                 let kind = object.get_type().qualname()?;
                 return Err(PyTypeError::new_err(format!(
                     "expected a midair.Scene, midair.Array or midair.Propagation first, not {kind}"
                 )));
             };
-            let scene = object.is_instance_of::<Scene>().then(|| (array.clone(), medium));
-            let model = keywords.model(array, medium, beside)?;
-            tell(object.py(), &model, scene.as_ref())?;
+            let Ready { model, doubts } = &*keywords.ready(array, medium, beside)?;
+            warn_all(object.py(), doubts.iter().filter(|doubt| !told.contains(doubt)))?;
             let (configured, balance) = configured(model.array().quantization())?;
-            (Session::new(model.clone(), configured.solver, balance), configured.info, Source::Model(model))
+            (Session::new(model.clone(), configured.solver, balance), configured.info, Source::Model(model.clone()))
         };
         Ok(Self { session, choice, info, source })
     }

@@ -11,7 +11,6 @@ use pyo3::types::PyDict;
 use crate::ctrl_c::attend;
 use crate::error::refused;
 use crate::give::{self, rows};
-use crate::instruction_set::instruction_set;
 use crate::metrics::Metrics;
 use crate::pickle::{Reduced, part, part_or_none, restored};
 use crate::propagation::Propagation;
@@ -26,7 +25,7 @@ pub(crate) struct Solution {
     pub(crate) inner: midair::Solution,
     pub(crate) choice: Arc<midair::Choice>,
     /// The scene as it was given; where there was none, it is made of the answer when asked for.
-    scene: Option<Arc<midair::Scene>>,
+    scene: Option<Scene>,
     trace: Option<Vec<f64>>,
     elapsed: f64,
 }
@@ -37,7 +36,7 @@ impl Solution {
     }
 
     /// The same with the scene it was solved for, and the residual after each step.
-    pub(crate) fn of(self, scene: Option<Arc<midair::Scene>>, trace: Option<Vec<f64>>) -> Self {
+    pub(crate) fn of(self, scene: Option<Scene>, trace: Option<Vec<f64>>) -> Self {
         Self { scene, trace, ..self }
     }
 }
@@ -48,7 +47,7 @@ impl PartialEq for Solution {
         self.inner == other.inner
             && self.choice == other.choice
             && self.trace == other.trace
-            && self.answered() == other.answered()
+            && self.asked() == other.asked()
     }
 }
 
@@ -60,8 +59,8 @@ impl Hash for Solution {
 }
 
 impl Solution {
-    fn answered(&self) -> Option<Arc<midair::Scene>> {
-        self.scene.clone().or_else(|| self.inner.scene().map(Arc::new))
+    fn asked(&self) -> Option<Arc<midair::Scene>> {
+        self.scene.as_ref().map(|scene| Arc::clone(&scene.inner)).or_else(|| self.inner.scene().map(Arc::new))
     }
 }
 
@@ -154,8 +153,11 @@ impl Solution {
 
     /// The scene that it answers, or None for a matrix of one's own.
     #[getter]
-    fn scene(&self) -> Option<Scene> {
-        self.answered().map(|inner| Scene { inner })
+    fn scene(&self) -> PyResult<Option<Scene>> {
+        match &self.scene {
+            Some(scene) => Ok(Some(scene.clone())),
+            None => self.inner.scene().map(Scene::of).transpose(),
+        }
     }
 
     /// The solver's name.
@@ -191,9 +193,8 @@ impl Solution {
         let drive = read::drive("drive", &part("drive")?)?;
         let heard = read::drive("pressures", &part("pressures")?)?;
         let targets = read::reals("targets", &part("targets")?)?;
-        let set = instruction_set()?;
         let inner = attend(record.py(), None, |mut control| {
-            let problem = subject.problem(set, &mut control)?;
+            let problem = subject.problem(&mut control)?;
             midair::Solution::restored(&problem, drive, heard, outcome, Some(targets), &mut control)
         })?;
         let choice = read::choice(part("solver")?.extract()?, part("options")?.cast()?)?;
@@ -204,7 +205,7 @@ impl Solution {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
         let record = PyDict::new(py);
-        if let Some(scene) = self.scene() {
+        if let Some(scene) = self.scene()? {
             record.set_item("scene", scene)?;
         } else {
             let (propagation, setup, request) = self.inner.asked();

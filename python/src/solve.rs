@@ -11,7 +11,6 @@ use pyo3::types::PyDict;
 use crate::ctrl_c::attend;
 use crate::error::{refused, warn};
 use crate::function::Function;
-use crate::instruction_set::instruction_set;
 use crate::read;
 use crate::solution::{Solution, begin};
 use crate::subject::{Beside, Subject};
@@ -100,10 +99,9 @@ pub(crate) fn solve(
     choice.options = configured.options;
     let clock = Instant::now();
     let start = start.map(begin).transpose()?;
-    let set = instruction_set()?;
     let mut problem = attend(py, None, |mut control| match start {
-        None => subject.problem(set, &mut control),
-        Some(start) => subject.problem(set, &mut control)?.with_start(start),
+        None => subject.problem(&mut control),
+        Some(start) => subject.problem(&mut control)?.with_start(start),
     })?;
     if let Some(aim) = choice.aim {
         problem = problem.with_aim(aim);

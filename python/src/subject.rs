@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use midair::{Control, InstructionSet, Problem, Quantization, Request, Setup};
+use midair::{Control, Problem, Quantization, Request, Setup};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
 use crate::error::{invalid, refused};
+use crate::instruction_set::instruction_set;
 use crate::propagation::Propagation;
 use crate::quantization::{on_board, read_quantization};
 use crate::read;
@@ -26,7 +27,7 @@ pub(crate) struct Beside<'a, 'py> {
 
 impl Beside<'_, '_> {
     /// A scene with what is given beside it in place of its own.
-    fn over(self, py: Python<'_>, scene: &Arc<midair::Scene>) -> PyResult<Arc<midair::Scene>> {
+    fn over(self, scene: &Bound<'_, Scene>) -> PyResult<Scene> {
         let Self { pressures, weights, quantization, mask, positions } = self;
         if positions.is_some() {
             return Err(invalid(
@@ -35,20 +36,21 @@ impl Beside<'_, '_> {
                 "its array has its own: they go with Propagation",
             ));
         }
+        let (py, scene) = (scene.py(), scene.get());
         if [pressures, weights, quantization, mask].iter().all(Option::is_none) {
-            return Ok(Arc::clone(scene));
+            return Ok(scene.clone());
         }
-        let array = on_board(scene.array().clone(), mask, quantization)?;
-        let Request { pressures: own_pressures, weights: own_weights } = scene.request().clone();
-        let given = read::request(scene.points().len(), pressures, weights)?;
+        let (array, own) = (on_board(scene.array(), mask, quantization)?, &scene.inner);
+        let Request { pressures: own_pressures, weights: own_weights } = own.request().clone();
+        let given = read::request(own.points().len(), pressures, weights)?;
         let request = Request { pressures: given.pressures.or(own_pressures), weights: given.weights.or(own_weights) };
-        remade(py, scene, (array, scene.medium()), scene.points().to_vec(), request, scene.plane)
+        remade(py, scene, (&array, own.medium()), own.points().to_vec(), request, own.plane)
     }
 }
 
 /// What `solve`, `judge` and `bound` are about.
 pub(crate) enum Subject {
-    Scene(Arc<midair::Scene>),
+    Scene(Scene),
     Given(midair::Propagation, Arc<Setup>, midair::Request),
 }
 
@@ -59,9 +61,10 @@ pub(crate) fn given(
 ) -> PyResult<(midair::Propagation, Setup)> {
     let quantization = quantization.map(read_quantization).transpose()?.filter(|board| !board.is_continuous());
     let positions = positions.map(|value| read::vectors("positions", value)).transpose()?;
+    let propagation = propagation.clone().with_instruction_set(instruction_set()?);
     let propagation = match mask {
-        None => propagation.clone(),
-        Some(mask) => propagation.clone().with_mask(&read::flags("mask", mask)?).map_err(refused)?,
+        None => propagation,
+        Some(mask) => propagation.with_mask(&read::flags("mask", mask)?).map_err(refused)?,
     };
     let setup =
         Setup { quantization: quantization.map(Arc::new), positions: positions.map(Into::into), ..Setup::default() };
@@ -71,7 +74,7 @@ pub(crate) fn given(
 impl Subject {
     pub(crate) fn read(object: &Bound<'_, PyAny>, beside: Beside<'_, '_>) -> PyResult<Self> {
         if let Ok(scene) = object.cast::<Scene>() {
-            return beside.over(object.py(), &scene.get().inner).map(Self::Scene);
+            return beside.over(scene).map(Self::Scene);
         }
         if let Ok(matrix) = object.cast::<Propagation>() {
             let matrix = &matrix.get().inner;
@@ -83,20 +86,19 @@ impl Subject {
         Err(PyTypeError::new_err(format!("expected a midair.Scene or midair.Propagation first, not {kind}")))
     }
 
-    pub(crate) fn problem(&self, set: InstructionSet, control: &mut Control) -> Result<Problem, midair::Error> {
+    pub(crate) fn problem(&self, control: &mut Control) -> Result<Problem, midair::Error> {
         match self {
-            Self::Scene(scene) => Problem::of_scene(scene, set, control),
+            Self::Scene(scene) => scene.problem(control),
             Self::Given(propagation, setup, request) => {
-                let propagation = propagation.clone().with_instruction_set(set);
-                Problem::watched(propagation, Arc::clone(setup), request, control)
+                Problem::watched(propagation.clone(), Arc::clone(setup), request, control)
             }
         }
     }
 
     /// The scene, if it is one.
-    pub(crate) fn scene(&self) -> Option<Arc<midair::Scene>> {
+    pub(crate) fn scene(self) -> Option<Scene> {
         match self {
-            Self::Scene(scene) => Some(Arc::clone(scene)),
+            Self::Scene(scene) => Some(scene),
             Self::Given(..) => None,
         }
     }
@@ -104,7 +106,7 @@ impl Subject {
     /// What the board can play.
     pub(crate) fn quantization(&self) -> Option<&Quantization> {
         match self {
-            Self::Scene(scene) => scene.array().quantization(),
+            Self::Scene(scene) => scene.inner.array().quantization(),
             Self::Given(_, setup, _) => setup.quantization.as_deref(),
         }
     }
@@ -112,7 +114,7 @@ impl Subject {
     /// The solver the scene file names.
     pub(crate) fn choice(&self) -> Option<&midair::Choice> {
         match self {
-            Self::Scene(scene) => scene.solver.as_ref(),
+            Self::Scene(scene) => scene.inner.solver.as_ref(),
             Self::Given(..) => None,
         }
     }

@@ -63,6 +63,15 @@ def test_a_slip_is_told_once(slip: str) -> None:
     assert "\n" not in text
 
 
+def test_a_slip_of_an_array_is_told_of_each_of_its_scenes() -> None:
+    wide = midair.Array.grid(9, 9, 10.5)
+    for _ in range(2):
+        (text,) = heard(lambda: midair.Scene(wide, POINTS))
+        assert text.startswith("array.grid.pitch is 10.5 m")
+    assert len(heard(lambda: midair.Solver(wide, "fast"))) == 1
+    assert heard(lambda: midair.Scene(wide, POINTS, frequency=40)) != [text]
+
+
 def test_a_slip_is_told_of_each_object_once(tmp_path: Path) -> None:
     scenes: list[midair.Scene] = []
     heard(lambda: scenes.append(midair.Scene(ARRAY, POINTS, frequency=40)))

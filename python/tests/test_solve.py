@@ -7,7 +7,7 @@ import pytest
 
 import midair
 import oracle
-from scenes import GAIN, exact, numbers, same_bits, small, usable
+from scenes import GAIN, POINTS, exact, numbers, same_bits, small, usable
 
 #: One step of greedy may be off the best by this part of E(0): f32 energy differences of a few points.
 REGRET = 1e-6
@@ -52,6 +52,36 @@ def test_solvers_tell_their_options_and_defaults() -> None:
     greedy = {name: about.default for name, about in solvers["greedy"].options.items()}
     assert greedy == {"phases": 16, "amplitudes": 1, "objective": "l2", "order": "random", "seed": 0}
     assert solvers["naive"].options["limit"].default == "clamp"
+
+
+def test_what_an_array_keeps_for_its_next_scene_changes_no_bit() -> None:
+    def array() -> midair.Array:
+        return midair.Array.grid(8, 8, pitch=0.01)
+
+    kept = array()
+    changes: list[dict] = [
+        {},
+        {"temperature": 25},
+        {"frequency": 50e3, "absorption": 0.2},
+        {"source_pressure": 2.0, "directivity": "t4010a1"},
+        {},
+        {"directivity": {"piston": 4.5e-3}},
+        {"temperature": 25},
+    ]
+    for change in changes:
+        fresh, scene = small(array=array(), **change), small(array=kept, **change)
+        assert scene == fresh
+        assert same_bits(scene.propagation(), fresh.propagation())
+        expected = midair.solve(fresh, "fast").drive
+        assert same_bits(midair.solve(scene, "fast").drive, expected)
+        # Its own array and medium go with a scene.
+        again = scene.replace(points=POINTS[::-1]).replace(points=POINTS)
+        assert same_bits(midair.solve(again, "fast").drive, expected)
+        assert same_bits(midair.Solver(scene, "fast")(POINTS).drive, expected)
+        assert scene.array == fresh.array
+    dead = midair.solve(small(array=kept), "fast", mask=[False] + 63 * [True])
+    assert dead.drive[0] == 0
+    assert midair.solve(small(array=kept), "fast").drive[0] != 0
 
 
 def test_default_solver_is_the_best_there_is() -> None:

@@ -195,7 +195,7 @@ impl ArrayTable {
             }
             Origin::Preset { name, tiles } => {
                 let tiles = tiles.map(|tiles| tiles as i64).to_vec();
-                Self { preset: Some(name.clone()), tiles: Some(tiles), ..Self::default() }
+                Self { preset: Some((*name).into()), tiles: Some(tiles), ..Self::default() }
             }
             Origin::Positions => {
                 let (positions, normals) = (listed(array.positions()), listed(array.normals()));

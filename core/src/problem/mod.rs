@@ -26,7 +26,7 @@ use crate::device::quantization::Quantization;
 use crate::error::{Error, one_each};
 use crate::kernels::InstructionSet;
 use crate::problem::targets::Targets;
-use crate::propagation::Propagation;
+use crate::propagation::{Model, Propagation};
 use crate::scene::{Aim, Request, Scene, Start, check_drive};
 use crate::workspace::Workspace;
 
@@ -73,8 +73,21 @@ impl Problem {
     /// # Errors
     /// The same, and a stop.
     pub fn of_scene(scene: &Scene, set: InstructionSet, control: &mut Control) -> Result<Self, Error> {
-        let setup = Setup::of(scene.array(), scene.medium());
-        Self::watched(Propagation::of(scene).with_instruction_set(set), setup, scene.request(), control)
+        Self::of_model(&Model::of(scene, set), scene.points(), scene.request(), control)
+    }
+
+    /// As [`Problem::of_scene`], of an array and a medium that have been made ready before.
+    ///
+    /// # Errors
+    /// The same, and what [`Scene::new`] refuses of points and request.
+    pub fn of_model(
+        model: &Model,
+        points: &[[f64; 3]],
+        request: &Request,
+        control: &mut Control,
+    ) -> Result<Self, Error> {
+        let setup = Setup::of(model.array(), model.medium());
+        Self::read(model.propagation(points)?, setup.into(), request, control)
     }
 
     /// The problem of any G, computed or given, and the array behind it.
@@ -101,6 +114,16 @@ impl Problem {
     ) -> Result<Self, Error> {
         let setup = setup.into();
         setup.check(&propagation)?;
+        Self::read(propagation, setup, request, control)
+    }
+
+    /// A request of what has been checked.
+    fn read(
+        propagation: Propagation,
+        setup: Arc<Setup>,
+        request: &Request,
+        control: &mut Control,
+    ) -> Result<Self, Error> {
         let mut problem = Self::unasked(propagation, setup);
         problem.replace(None, request)?;
         problem.measure(control)?;

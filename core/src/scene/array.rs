@@ -1,7 +1,6 @@
 //! Array: positions, normals, transducer, response, mask and quantization.
 
 use alloc::format;
-use alloc::string::{String, ToString};
 use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -38,13 +37,13 @@ pub enum Origin {
     /// [`Array::preset`].
     Preset {
         /// Name of the preset.
-        name: String,
+        name: &'static str,
         /// Boards along x and y.
         tiles: [usize; 2],
     },
 }
 
-/// N transducers.
+/// N transducers. Copies share what they hold.
 ///
 /// ```text
 ///        z   theta = angle to the normal
@@ -62,10 +61,12 @@ pub enum Origin {
 #[derive(Clone, Debug)]
 pub struct Array {
     positions: Arc<[[f64; 3]]>,
-    normals: Vec<[f64; 3]>,
+    normals: Arc<[[f64; 3]]>,
+    /// Lowest and highest coordinate along each axis.
+    bounds: [[f64; 2]; 3],
     transducer: Transducer,
-    response: Option<Vec<Complex64>>,
-    mask: Option<Vec<bool>>,
+    response: Option<Arc<[Complex64]>>,
+    mask: Option<Arc<[bool]>>,
     quantization: Option<Arc<Quantization>>,
     origin: Origin,
 }
@@ -105,8 +106,9 @@ impl Array {
             }
         }
         Ok(Self {
+            bounds: bounds(&positions),
             positions: positions.into(),
-            normals,
+            normals: normals.into(),
             transducer: Transducer::default(),
             response: None,
             mask: None,
@@ -144,7 +146,7 @@ impl Array {
             }
         }
         count("array.tiles", tiles[0].saturating_mul(tiles[1]).saturating_mul(preset.count))?;
-        let origin = Origin::Preset { name: preset.name.to_string(), tiles };
+        let origin = Origin::Preset { name: preset.name, tiles };
         let array = Self::new((preset.positions)(tiles), None)?;
         Ok(Self { origin, transducer: preset.transducer, ..array }.with_quantization(preset.quantization()?))
     }
@@ -182,7 +184,7 @@ impl Array {
                 ));
             }
         }
-        self.response = response;
+        self.response = response.map(Into::into);
         Ok(self)
     }
 
@@ -195,7 +197,7 @@ impl Array {
         if let Some(mask) = &mask {
             one_each("array.mask", mask.len(), "values", self.len(), "transducers")?;
         }
-        self.mask = mask;
+        self.mask = mask.map(Into::into);
         Ok(self)
     }
 
@@ -275,9 +277,14 @@ impl Array {
         self.transducer.source_pressure == 1e-3
     }
 
+    /// Lowest and highest coordinate along each axis.
+    pub(crate) fn bounds(&self) -> [[f64; 2]; 3] {
+        self.bounds
+    }
+
     /// The middle of the positions' bounding box: the origin of everything rounded to f32.
     pub(crate) fn centre(&self) -> [f64; 3] {
-        bounds(&self.positions).map(|[low, high]| 0.5 * low + 0.5 * high)
+        self.bounds.map(|[low, high]| 0.5 * low + 0.5 * high)
     }
 }
 

@@ -15,7 +15,10 @@ const MOST_WAVELENGTHS: f64 = (1 << 15) as f64;
 pub(crate) fn check_array(array: &Array, medium: Medium) -> Result<(), Error> {
     medium.check()?;
     array.transducer().directivity.check_beam(medium.wavenumber())?;
-    check_places(array.centre(), medium, "array.positions", "", array.positions())
+    let check = |places: &[[f64; 3]]| check_places(array.centre(), medium, "array.positions", "", places);
+    // Nothing in a box is farther from its middle than two of its corners: all are gone through to name one.
+    let corners = [0, 1].map(|end| array.bounds().map(|bound| bound[end]));
+    check(&corners).or_else(|_| check(array.positions()))
 }
 
 /// Refuses places that are not finite or too far away from the array's middle for phases in f32.

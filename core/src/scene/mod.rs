@@ -113,6 +113,14 @@ impl Scene {
     #[must_use]
     pub fn doubts(&self) -> Vec<Doubt> {
         let mut doubts = self.array.doubts(self.medium);
+        doubts.extend(self.own_doubts());
+        doubts
+    }
+
+    /// The same without [`Array::doubts`]: those of points and plane.
+    #[must_use]
+    pub fn own_doubts(&self) -> Vec<Doubt> {
+        let mut doubts = Vec::new();
         doubts.extend(Vicinity::of(&self.array).doubt(&self.points, |j| format!("points[{j}].position")));
         doubts.extend(contrary(self.medium, &self.points, &self.request));
         doubts.extend(self.plane.and_then(|plane| plane.doubt()));

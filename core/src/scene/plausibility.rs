@@ -10,7 +10,7 @@ use core::fmt;
 use core::ops::RangeInclusive;
 
 use crate::scene::array::{Array, Origin};
-use crate::scene::geometry::{bounds, distance};
+use crate::scene::geometry::distance;
 use crate::scene::medium::Medium;
 use crate::scene::neighbours::find_pair;
 use crate::scene::plane::Plane;
@@ -173,7 +173,7 @@ fn extent(array: &Array, medium: Medium) -> Option<Doubt> {
             return Some(told(None, distance(places[0], places[1]), "no neighbours within five wavelengths"));
         }
     }
-    let side = largest(&bounds(places));
+    let side = largest(&array.bounds());
     (side > LARGEST).then(|| doubt("array.positions", format!("{} m wide", short(side)), metres(side, &(0.01..=2.0))))
 }
 
@@ -190,7 +190,7 @@ pub(crate) struct Vicinity {
 
 impl Vicinity {
     pub(crate) fn of(array: &Array) -> Self {
-        let bounds = bounds(array.positions());
+        let bounds = array.bounds();
         let size = largest(&bounds);
         let most = FARTHEST.max(size);
         Self { bounds: bounds.map(|[low, high]| [low - most, high + most]), size }

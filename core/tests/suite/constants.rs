@@ -68,7 +68,7 @@ fn autd3_boards_lie_192_by_151_mm_apart() {
     }
     wanted.sort_unstable();
     assert_eq!(sites(&four), wanted);
-    assert_eq!(four.origin(), &Origin::Preset { name: "autd3".into(), tiles: [2, 2] });
+    assert_eq!(four.origin(), &Origin::Preset { name: "autd3", tiles: [2, 2] });
 }
 
 #[test]

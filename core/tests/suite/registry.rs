@@ -99,7 +99,7 @@ fn names_ignore_case_hyphens_and_underscores() {
     }
     for known in midair::presets::PRESETS {
         let array = Array::preset(&loosely(known.name), [1, 1]).expect("the same name");
-        assert!(matches!(array.origin(), Origin::Preset { name, .. } if name == known.name));
+        assert!(matches!(array.origin(), Origin::Preset { name, .. } if *name == known.name));
     }
     for known in ["point", "piston", "sinc", "cos", "t4010a1"] {
         assert_eq!(Directivity::named(&loosely(known), None).expect("the same name").name().0, known);

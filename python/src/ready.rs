@@ -1,0 +1,37 @@
+//! Ready: an array prepared for a medium, kept beside the array for the next scene of the two.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use midair::{Doubt, Medium, Model};
+use pyo3::prelude::*;
+
+use crate::error::refused;
+use crate::instruction_set::instruction_set;
+
+/// An array prepared for a medium, and what is hardly meant of the two: both take O(N) and more, a scene of them O(M).
+pub(crate) struct Ready {
+    pub(crate) model: Model,
+    pub(crate) doubts: Vec<Doubt>,
+}
+
+/// The last that an array was asked for. Copies share it.
+#[derive(Clone, Default)]
+pub(crate) struct Kept(Arc<Mutex<Option<Arc<Ready>>>>);
+
+impl Kept {
+    pub(crate) fn of(ready: Arc<Ready>) -> Self {
+        Self(Arc::new(Mutex::new(Some(ready))))
+    }
+
+    /// That of the array which it is kept beside.
+    pub(crate) fn get(&self, array: &midair::Array, medium: Medium) -> PyResult<Arc<Ready>> {
+        // Locked with the GIL held, and so free whenever Python forks.
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(ready) = kept.as_ref().filter(|ready| ready.model.medium() == medium) {
+            return Ok(Arc::clone(ready));
+        }
+        let model = Model::new(array, medium, instruction_set()?).map_err(refused)?;
+        let ready = Arc::new(Ready { model, doubts: array.doubts(medium) });
+        Ok(Arc::clone(kept.insert(ready)))
+    }
+}
