@@ -266,6 +266,26 @@ fn the_sweep_takes_most_of_what_rounding_costs_and_keeps_within_the_quantised_ta
 }
 
 #[test]
+fn uniform_stays_even_on_the_grid() {
+    // Bounds on the mean sigma; what comes out is a quarter to a third of them.
+    for (phases, few, many) in [(256, 0.00015, 0.0006), (32, 0.0012, 0.0045), (16, 0.0022, 0.009)] {
+        let array = Array::preset("autd3", [2, 2]).expect("a preset");
+        let array = array.with_quantization(Some(quantization(phases, &[])));
+        for (points, most) in [(16, few), (64, many)] {
+            let mut mean = 0.0;
+            for seed in 0..4 {
+                let scene = scene(array.clone(), random_points(points, 0.1, 100 + seed), None);
+                let solution = solved(solvers::find("uniform").expect("a method"), &problem(&scene), false);
+                assert_on_grid("uniform", &solution.drive, &quantization(phases, &[]));
+                mean += solution.metrics().sigma / 4.0;
+            }
+            println!("M = {points}, L = {phases}: {mean:.5}");
+            assert!(mean <= most, "M = {points}, L = {phases}: {mean}");
+        }
+    }
+}
+
+#[test]
 fn the_sweep_keeps_zeros_amplitudes_and_unequal_targets() {
     let mask: Vec<bool> = (0..400).map(|i| i % 5 != 0).collect();
     let array = device(quantization(16, &[0.0, 0.5, 1.0])).with_mask(Some(mask)).expect("a mask");
