@@ -91,7 +91,7 @@ impl Quantization {
     }
 
     /// The drive of the nearest phase and the nearest amplitude, of two as near the later phase and the larger amplitude.
-    /// 0 (dead, masked, not driven) stays 0. Phases are told apart to 2e-8 turns.
+    /// 0 (dead, masked, not driven) stays 0. Phases are told apart to 3e-8 turns.
     #[must_use]
     pub fn nearest(&self, drive: Complex32) -> Complex32 {
         let mut drive = [drive];

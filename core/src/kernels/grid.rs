@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! ratio = small/large of |re|, |im|;   |q| = large sqrt(1 + ratio^2)
-//! turns = ratio poly(ratio^2), brought to its octant                  within 2e-8 turns
+//! turns = ratio poly(ratio^2), brought to its octant                  within 3e-8 turns
 //! phase code = floor(L turns + 1/2), modulo L;   direction = table of phasors
 //! amplitude: 256 buckets tell where in the table to begin, comparisons with the values' middles go on from there
 //! ```
@@ -93,6 +93,12 @@ impl Phases {
         [s.gather_list(&self.phasors[0], codes), s.gather_list(&self.phasors[1], codes)]
     }
 
+    /// The phasors of the phases nearest to those of unit phasors; 0 stays 0.
+    #[inline(always)]
+    pub(crate) fn nearest<S: Simd>(&self, s: S, unit: [S::V; 2]) -> [S::V; 2] {
+        silent_where(s, unit, self.phasors(s, self.codes(s, self.places(s, unit))))
+    }
+
     /// cos - 1 and sin of 2 pi/L.
     pub(crate) fn step(&self) -> [f32; 2] {
         self.step
@@ -136,6 +142,13 @@ impl Amplitudes {
     }
 }
 
+/// Some drives, but 0 where unit phasors are 0.
+#[inline(always)]
+pub(crate) fn silent_where<S: Simd>(s: S, unit: [S::V; 2], drive: [S::V; 2]) -> [S::V; 2] {
+    let (least, large) = (s.splat(0.5), sides(s, unit)[0]);
+    [s.select_less(large, least, s.splat(0.0), drive[0]), s.select_less(large, least, s.splat(0.0), drive[1])]
+}
+
 /// |re| and |im|, the larger first.
 #[inline(always)]
 fn sides<S: Simd>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
@@ -157,6 +170,12 @@ fn modulus<S: Simd>(s: S, q: [S::V; 2]) -> S::V {
     s.mul(large, s.sqrt(s.add(s.splat(1.0), s.mul(ratio, ratio))))
 }
 
+/// a + b x, each rounded.
+#[inline(always)]
+fn joined<S: Simd>(s: S, [a, b]: [S::V; 2], x: S::V) -> S::V {
+    s.add(a, s.mul(b, x))
+}
+
 /// The phase of q in turns, from -1/2 to 1/2: an odd minimax polynomial for the arc tangent, made to end in 1/8 at 1.
 #[inline(always)]
 fn turns<S: Simd>(s: S, [re, im]: [S::V; 2]) -> S::V {
@@ -172,10 +191,13 @@ fn turns<S: Simd>(s: S, [re, im]: [S::V; 2]) -> S::V {
     ];
     let ratio = ratio(s, [re, im]);
     let square = s.mul(ratio, ratio);
-    let mut sum = s.splat(C[7]);
-    for &c in C[..7].iter().rev() {
-        sum = s.add(s.mul(sum, square), s.splat(c));
-    }
+    let fourth = s.mul(square, square);
+    // In pairs, which do not wait for one another.
+    let [a, b, c, d] = [0, 2, 4, 6].map(
+        #[inline(always)]
+        |k| joined(s, [s.splat(C[k]), s.splat(C[k + 1])], square),
+    );
+    let sum = joined(s, [joined(s, [a, b], fourth), joined(s, [c, d], fourth)], s.mul(fourth, fourth));
     let first = s.mul(ratio, sum);
     let zero = s.splat(0.0);
     let quarter = s.select_less(s.abs(re), s.abs(im), s.sub(s.splat(0.25), first), first);

@@ -20,7 +20,7 @@
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::kernels::grid::Phases;
+use crate::kernels::grid::{Phases, silent_where};
 use crate::kernels::lanes::{BLOCK, LANES, Lanes, groups_mut};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Simd, TINY};
@@ -237,11 +237,8 @@ fn round_tile<S: Simd>(
     let rotation = s.max(s.min(s.mul(down, s.splat(far)), most), s.sub(zero, most));
     let code = phases.codes(s, s.fma(rotation, s.splat(phases.count()), phases.places(s, q)));
     s.store(code, codes);
-    let [re, im] = phases.phasors(s, code);
     // Transducers without effect stay silent.
-    let power = s.fma(q[0], q[0], s.mul(q[1], q[1]));
-    let half = s.splat(0.5);
-    let new = [s.select_less(power, half, zero, re), s.select_less(power, half, zero, im)];
+    let new = silent_where(s, q, phases.phasors(s, code));
     s.store(new[0], own_re);
     s.store(new[1], own_im);
     points.hear(s, tiles, tile, [s.sub(new[0], q[0]), s.sub(new[1], q[1])]);
