@@ -193,10 +193,11 @@ fn turns<S: Simd>(s: S, [re, im]: [S::V; 2]) -> S::V {
     let square = s.mul(ratio, ratio);
     let fourth = s.mul(square, square);
     // In pairs, which do not wait for one another.
-    let [a, b, c, d] = [0, 2, 4, 6].map(
-        #[inline(always)]
-        |k| joined(s, [s.splat(C[k]), s.splat(C[k + 1])], square),
-    );
+    let mut pairs = [s.splat(0.0); 4];
+    for (pair, [low, high]) in pairs.iter_mut().zip(C.as_chunks().0) {
+        *pair = joined(s, [s.splat(*low), s.splat(*high)], square);
+    }
+    let [a, b, c, d] = pairs;
     let sum = joined(s, [joined(s, [a, b], fourth), joined(s, [c, d], fourth)], s.mul(fourth, fourth));
     let first = s.mul(ratio, sum);
     let zero = s.splat(0.0);

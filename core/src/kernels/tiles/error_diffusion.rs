@@ -1,22 +1,24 @@
-//! Error diffusion: an even drive brought to a board's phases, tile after tile, without a trace at the points.
+//! Error diffusion: an even drive brought to a board's phases, tiles after tiles, without a trace at the points.
 //!
 //! ```text
 //! r_j = |P_j| - s          what is wrong at a point, s the mean; |P_j| itself at a quiet one;   h_j = conj(P_j)/|P_j|
-//! diffuse, for each tile of 16 transducers:
-//!     d   = Im(q sum_j G_j w_j r_j h_j)                     steepest descent of sum w r^2 over the tile's phases
+//! diffuse, for each 4 tiles of 16 transducers:
+//!     d   = Im(q sum_j G_j w_j r_j h_j)                        steepest descent of sum w r^2 over their phases
 //!     k   = sum d^2 / sum_j w_j Re(h_j sum_i G_ij q_i d_i j)^2                   as far as it goes down (line search)
 //!     q'  = the board's phase nearest to arg q + k d;   P += sum_i G_i (q'_i - q_i)
 //! exchange, for each tile:
 //!     the one code whose step up or down lowers sum w r^2 most is taken, if there is one
 //! ```
 //!
-//! Rounding a tile leaves errors at the points; the next tile, which is to be rounded anyway, chooses its codes so that
-//! they take them back (Floyd and Steinberg, Proc. SID 17(2), 1976). What remains is what the last tiles could not reach;
+//! Rounding leaves errors at the points; the next tiles, which are to be rounded anyway, choose their codes so that these
+//! take them back (Floyd and Steinberg, Proc. SID 17(2), 1976). What remains is what the last tiles leave;
 //! exchanging single codes (direct binary search, Analoui and Allebach, SPIE 1666, 1992) takes off two thirds of that.
 //! Everything is O(N M): one pass takes as long as three or four sweeps.
 //!
-//! 1. The level s is the mean before the last tile: it is not waited for.
-//! 2. sum d^2, which is minus the slope along d, needs no field: it is summed while the field of d is.
+//! 1. At few points each choice waits for the field of the one before: four tiles at a time wait a quarter as often, and
+//!    exchanges leave no more than with one.
+//! 2. The level s is the mean before the last choice: it is not waited for.
+//! 3. sum d^2, which is minus the slope along d, needs no field: it is summed while the field of d is.
 
 use crate::control::Control;
 use crate::error::Error;
@@ -24,7 +26,7 @@ use crate::kernels::grid::{Phases, silent_where};
 use crate::kernels::lanes::{BLOCK, LANES, Lanes, groups_mut};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Simd, TINY};
-use crate::kernels::tiles::Tiles;
+use crate::kernels::tiles::{Tiles, add_wave};
 use crate::math::sqrtf;
 
 /// An even drive, the points that it is even at, and the memory of both passes.
@@ -48,6 +50,9 @@ const LISTS: usize = 7;
 
 /// Points whose complex sums fill a register.
 const EIGHT: usize = LANES / 2;
+
+/// Tiles rounded together: their choice is waited for once.
+const MOST: usize = 4;
 
 /// Rotations in turns beyond which a pressure is no longer near its tangent.
 const MOST_ROTATION: f32 = 0.125;
@@ -146,19 +151,20 @@ impl<'a> Points<'a> {
         s.reduce_add(total)
     }
 
-    /// The change that drives of a tile make.
+    /// The change that drives of K tiles make.
     #[inline(always)]
-    fn hear<S: Simd>(&mut self, s: S, tiles: Tiles<'_>, tile: usize, q: [S::V; 2]) {
-        let mut rows = tiles.column(tile);
+    fn hear<S: Simd, const K: usize>(&mut self, s: S, tiles: Tiles<'_>, tile: usize, q: &[[S::V; 2]; K]) {
+        let mut rows = tiles.columns::<K>(tile);
         for change in &mut *self.change {
             let mut sums = [s.splat(0.0); LANES];
             for half in 0..EIGHT / BLOCK {
                 let Some([gr, gi]) = rows.next() else { break };
                 for row in 0..BLOCK {
-                    let (gr, gi) = (s.load(&gr[row]), s.load(&gi[row]));
                     let k = half * BLOCK + row;
-                    sums[k] = s.fnma(gi, q[1], s.mul(gr, q[0]));
-                    sums[k + EIGHT] = s.fma(gr, q[1], s.mul(gi, q[0]));
+                    for (tile, &q) in q.iter().enumerate() {
+                        let g = [s.load(&gr[tile][row]), s.load(&gi[tile][row])];
+                        [sums[k], sums[k + EIGHT]] = add_wave(s, g, q, [sums[k], sums[k + EIGHT]]);
+                    }
                 }
             }
             s.store(s.reduce_add_each(&sums), change);
@@ -182,10 +188,17 @@ pub(crate) fn diffuse(
     dispatch!(set, s => {
         let Task { tiles, phases, weights, targeted, memory } = task;
         let mut points = Points::new(s, weights, targeted, field, memory);
-        for tile in 0..tiles.lanes / LANES {
+        let (qr, qi, codes) = (groups_mut(qr), groups_mut(qi), groups_mut(codes));
+        let (mut re, mut im, mut own) = (qr.chunks_mut(MOST), qi.chunks_mut(MOST), codes.chunks_mut(MOST));
+        let mut tile = 0;
+        while let (Some(re), Some(im), Some(codes)) = (re.next(), im.next(), own.next()) {
             control.pulse()?;
-            let own = [&mut groups_mut(qr)[tile], &mut groups_mut(qi)[tile]];
-            round_tile(s, tiles, tile, phases, &mut points, own, &mut groups_mut(codes)[tile]);
+            // There are whole pairs of tiles.
+            match codes.len() {
+                MOST => round_tiles::<_, MOST>(s, tiles, tile, phases, &mut points, [re, im], codes),
+                _ => round_tiles::<_, 2>(s, tiles, tile, phases, &mut points, [re, im], codes),
+            }
+            tile += MOST;
         }
         for _ in 0..ROUNDS {
             let off = s.reduce_add(points.look(s)) * points.share;
@@ -195,8 +208,8 @@ pub(crate) fn diffuse(
             let mut moved = false;
             for tile in 0..tiles.lanes / LANES {
                 control.pulse()?;
-                let own = [&mut groups_mut(qr)[tile], &mut groups_mut(qi)[tile]];
-                moved |= exchange(s, tiles, tile, phases, &mut points, own, &mut groups_mut(codes)[tile]);
+                let own = [&mut qr[tile], &mut qi[tile]];
+                moved |= exchange(s, tiles, tile, phases, &mut points, own, &mut codes[tile]);
             }
             if !moved {
                 break;
@@ -206,42 +219,58 @@ pub(crate) fn diffuse(
     })
 }
 
-/// Rounds a tile where its errors do least harm.
+/// Rounds K tiles where their errors do least harm.
 #[inline(always)]
-fn round_tile<S: Simd>(
+fn round_tiles<S: Simd, const K: usize>(
     s: S,
     tiles: Tiles<'_>,
     tile: usize,
     phases: &Phases,
     points: &mut Points<'_>,
-    [own_re, own_im]: [&mut Lanes; 2],
-    codes: &mut Lanes,
+    [own_re, own_im]: [&mut [Lanes]; 2],
+    codes: &mut [Lanes],
 ) {
-    let (zero, q) = (s.splat(0.0), [s.load(own_re), s.load(own_im)]);
-    let mut sums = [zero; 4];
-    for (block, [gr, gi]) in tiles.column(tile).enumerate() {
+    let zero = s.splat(0.0);
+    let mut q = [[zero; 2]; K];
+    for (q, (re, im)) in q.iter_mut().zip(own_re.iter().zip(&*own_im)) {
+        *q = [s.load(re), s.load(im)];
+    }
+    let mut sums = [[zero; 4]; K];
+    for (block, [gr, gi]) in tiles.columns::<K>(tile).enumerate() {
         let pull = &points.pull[block / 2];
         for row in 0..BLOCK {
-            let (gr, gi) = (s.load(&gr[row]), s.load(&gi[row]));
             let k = block % 2 * BLOCK + row;
             let (re, im) = (s.splat(pull[k]), s.splat(pull[k + EIGHT]));
-            sums = [s.fma(gr, re, sums[0]), s.fma(gi, im, sums[1]), s.fma(gr, im, sums[2]), s.fma(gi, re, sums[3])];
+            for (sums, (gr, gi)) in sums.iter_mut().zip(gr.iter().zip(gi)) {
+                let (gr, gi) = (s.load(&gr[row]), s.load(&gi[row]));
+                *sums =
+                    [s.fma(gr, re, sums[0]), s.fma(gi, im, sums[1]), s.fma(gr, im, sums[2]), s.fma(gi, re, sums[3])];
+            }
         }
     }
-    let (re, im) = (s.sub(sums[0], sums[1]), s.add(sums[2], sums[3]));
-    let down = s.fma(q[0], im, s.mul(q[1], re));
-    points.hear(s, tiles, tile, [s.sub(zero, s.mul(q[1], down)), s.mul(q[0], down)]);
-    let slope = 2.0 / core::f32::consts::TAU * s.reduce_add(s.mul(down, down));
-    let far = slope / points.weigh_change(s).max(f32::MIN_POSITIVE);
-    let most = s.splat(MOST_ROTATION);
-    let rotation = s.max(s.min(s.mul(down, s.splat(far)), most), s.sub(zero, most));
-    let code = phases.codes(s, s.fma(rotation, s.splat(phases.count()), phases.places(s, q)));
-    s.store(code, codes);
-    // Transducers without effect stay silent.
-    let new = silent_where(s, q, phases.phasors(s, code));
-    s.store(new[0], own_re);
-    s.store(new[1], own_im);
-    points.hear(s, tiles, tile, [s.sub(new[0], q[0]), s.sub(new[1], q[1])]);
+    // How far each phase goes down, and the drives' slopes along it.
+    let (mut down, mut change, mut slope) = ([zero; K], [[zero; 2]; K], zero);
+    for ((down, change), (&[re, im], &[a, b, c, d])) in down.iter_mut().zip(&mut change).zip(q.iter().zip(&sums)) {
+        *down = s.fma(re, s.add(c, d), s.mul(im, s.sub(a, b)));
+        *change = [s.mul(s.sub(zero, im), *down), s.mul(re, *down)];
+        slope = s.fma(*down, *down, slope);
+    }
+    points.hear(s, tiles, tile, &change);
+    let slope = 2.0 / core::f32::consts::TAU * s.reduce_add(slope);
+    let far = s.splat(slope / points.weigh_change(s).max(f32::MIN_POSITIVE));
+    let (most, count) = (s.splat(MOST_ROTATION), s.splat(phases.count()));
+    let lists = own_re.iter_mut().zip(own_im).zip(codes);
+    for (((re, im), codes), (&q, (&down, change))) in lists.zip(q.iter().zip(down.iter().zip(&mut change))) {
+        let rotation = s.max(s.min(s.mul(down, far), most), s.sub(zero, most));
+        let code = phases.codes(s, s.fma(rotation, count, phases.places(s, q)));
+        // Transducers without effect stay silent.
+        let new = silent_where(s, q, phases.phasors(s, code));
+        s.store(code, codes);
+        s.store(new[0], re);
+        s.store(new[1], im);
+        *change = [s.sub(new[0], q[0]), s.sub(new[1], q[1])];
+    }
+    points.hear(s, tiles, tile, &change);
     for (field, change) in points.field.iter_mut().zip(&*points.change) {
         s.store(s.add(s.load(field), s.load(change)), field);
     }
@@ -268,7 +297,7 @@ fn exchange<S: Simd>(
     let square = s.splat(-2.0 * c);
     // What either step costs, and what the step up costs less than the one down.
     let (mut both, mut odd) = (zero, zero);
-    for (block, [gr, gi]) in tiles.column(tile).enumerate() {
+    for (block, [[gr], [gi]]) in tiles.columns(tile).enumerate() {
         let [unit, miss, loud] = [&points.unit, &points.miss, &points.loud].map(|list| &list[block / 2]);
         for row in 0..BLOCK {
             let k = block % 2 * BLOCK + row;
@@ -299,7 +328,7 @@ fn exchange<S: Simd>(
     let [re, im] = phases.stepped(&mut codes[lane], steps[lane] > 0.0);
     let [dr, di] = [re - own_re[lane], im - own_im[lane]];
     (own_re[lane], own_im[lane]) = (re, im);
-    for (block, [gr, gi]) in tiles.column(tile).enumerate() {
+    for (block, [[gr], [gi]]) in tiles.columns(tile).enumerate() {
         let field = &mut points.field[block / 2];
         for row in 0..BLOCK {
             let (gr, gi, k) = (gr[row][lane], gi[row][lane], block % 2 * BLOCK + row);

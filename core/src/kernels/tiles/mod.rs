@@ -67,25 +67,14 @@ impl<'a> Tiles<'a> {
         self.planes.map(|plane| &blocks(plane)[first..first + self.lanes / LANES])
     }
 
-    /// Re and im of a tile, four rows after four.
+    /// Re and im of K tiles, four rows after four.
     #[inline(always)]
-    pub(crate) fn column(&self, tile: usize) -> impl Iterator<Item = [&'a Block; 2]> + use<'a> {
+    fn columns<const K: usize>(&self, tile: usize) -> impl Iterator<Item = [&'a [Block; K]; 2]> + Clone + use<'a, K> {
         let stride = stride(self.lanes);
         let [re, im] = self.planes.map(|plane| blocks(plane).chunks_exact(stride));
         re.zip(im).map(
             #[inline(always)]
-            move |(re, im)| [&re[tile], &im[tile]],
-        )
-    }
-
-    /// Re and im of a tile and the next, four rows after four.
-    #[inline(always)]
-    fn pair(&self, tile: usize) -> impl Iterator<Item = [&'a [Block]; 2]> + Clone + use<'a> {
-        let stride = stride(self.lanes);
-        let [re, im] = self.planes.map(|plane| blocks(plane).chunks_exact(stride));
-        re.zip(im).map(
-            #[inline(always)]
-            move |(re, im)| [&re[tile..tile + 2], &im[tile..tile + 2]],
+            move |(re, im)| [re, im].map(|tiles| tiles[tile..].first_chunk().expect("as many tiles")),
         )
     }
 }
@@ -225,7 +214,7 @@ pub(crate) fn sweep(set: InstructionSet, tiles: Tiles<'_>, wanted: [&[f32]; 2], 
         for t in (0..qr.len()).step_by(2) {
             // Sums that do not wait for one another.
             let mut sums = [[s.splat(0.0); 4]; 2];
-            for ([gr, gi], (pr, pi)) in tiles.pair(t).zip(pr.iter().zip(pi)) {
+            for ([gr, gi], (pr, pi)) in tiles.columns::<2>(t).zip(pr.iter().zip(pi)) {
                 for row in 0..BLOCK {
                     let (pr, pi) = (s.splat(pr[row]), s.splat(pi[row]));
                     for (tile, sums) in sums.iter_mut().enumerate() {
@@ -244,7 +233,7 @@ pub(crate) fn sweep(set: InstructionSet, tiles: Tiles<'_>, wanted: [&[f32]; 2], 
                 s.store(real, &mut qr[t + tile]);
                 s.store(imag, &mut qi[t + tile]);
             }
-            for ([gr, gi], [re, im]) in tiles.pair(t).zip(&mut *parts) {
+            for ([gr, gi], [re, im]) in tiles.columns::<2>(t).zip(&mut *parts) {
                 for row in 0..BLOCK {
                     let mut sum = [s.load(&re[row]), s.load(&im[row])];
                     for (tile, q) in q.into_iter().enumerate() {

@@ -29,6 +29,7 @@ pub(super) fn round(
     let points = rows.order.len();
     if let Some(phases) = &quantization.grid().phases
         && even
+        && points > 1
         && quantization.phases() >= Some(FEWEST)
     {
         let mut weights = work.floats.take_any(points);
@@ -45,7 +46,12 @@ pub(super) fn round(
         wave.hear(rows);
     } else {
         let mut drive = wave.drives(problem.propagation().transducers(), work);
-        refine(problem, &mut drive, work, control);
+        if points > 1 {
+            refine(problem, &mut drive, work, control);
+        } else {
+            // One point is alike on any grid.
+            quantization.grid().round(rows.set, 1.0, 1.0, &mut drive);
+        }
         wave.play(rows, drive.iter().copied());
         work.complexes.give(drive);
     }
