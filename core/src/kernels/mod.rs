@@ -34,7 +34,6 @@ pub(crate) use greedy::point_group::PointGroup;
 pub(crate) use greedy::rotate::{keep, rotate};
 pub(crate) use lanes::{LANES, padded};
 pub(crate) use matrix::{add_waves, correlate_rows};
-pub(crate) use propagate::directivity::Table;
 pub(crate) use propagate::moduli::{Run, add_moduli, interleaved_moduli};
 pub(crate) use propagate::row::{ControlPoints, Radiation, Row, row};
 pub(crate) use propagate::rows::Rows;

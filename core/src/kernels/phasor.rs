@@ -1,4 +1,4 @@
-//! Sine and cosine of phases in turns, and powers of two, as polynomials without branches.
+//! Sine and cosine of phases in turns, powers of two and logarithms, as polynomials without branches.
 
 use crate::kernels::simd::Simd;
 
@@ -14,6 +14,10 @@ const COSINE: [f32; 5] = [1.414_213_5, -6.978_851, 5.739_461, -1.883_563, 0.310_
 #[allow(clippy::approx_constant, reason = "fitted coefficients that lie near a constant")]
 const POWER: [f32; 7] =
     [1.0, 0.693_147_2, 0.240_226_47, 0.055_503_29, 0.009_618_489, 0.001_339_993_1, 0.000_153_458_12];
+
+/// log2(1 + x)/x in powers of x, least relative error on -1/4 <= x <= 1/2 (2e-7).
+const LOGARITHM: [f32; 8] =
+    [1.442_695_3, -0.721_350_9, 0.480_852_43, -0.360_319_4, 0.289_925_58, -0.250_733_46, 0.205_497_65, -0.097_788_125];
 
 /// The polynomial at x by Horner's rule.
 #[inline(always)]
@@ -46,6 +50,15 @@ pub(crate) fn power_of_two<S: Simd>(s: S, x: S::V) -> S::V {
     let x = s.max(x, s.splat(-126.0));
     let whole = s.round(x);
     s.mul(polynomial(s, &POWER, s.sub(x, whole)), s.exp2(whole))
+}
+
+/// log2 of normal x, relative error below 4e-7.
+#[inline(always)]
+pub(crate) fn log2<S: Simd>(s: S, x: S::V) -> S::V {
+    // What is left is 3/4 to 3/2: near 1 the logarithm is that of the remainder alone.
+    let whole = s.exponent(s.mul(x, s.splat(4.0 / 3.0)));
+    let rest = s.sub(s.mul(x, s.exp2(s.sub(s.splat(0.0), whole))), s.splat(1.0));
+    s.fma(polynomial(s, &LOGARITHM, rest), rest, whole)
 }
 
 #[cfg(test)]

@@ -47,7 +47,7 @@ impl Sources {
             .collect();
         let radiation = Radiation {
             decay: (-medium.absorption * wavelength * core::f64::consts::LOG2_E) as f32,
-            table: array.transducer().directivity.table(medium.wavenumber()),
+            pattern: array.transducer().directivity.pattern(medium.wavenumber()),
         };
         Self { array: array.clone(), medium, centre, transducers: SourceList::new(&transducers), radiation }
     }

@@ -7,6 +7,7 @@ pub(crate) mod extent;
 pub(crate) mod geometry;
 pub(crate) mod medium;
 pub(crate) mod neighbours;
+pub(crate) mod pattern;
 pub(crate) mod plane;
 pub(crate) mod plausibility;
 pub mod presets;

@@ -1,10 +1,8 @@
-//! Transducer: source pressure P0 and directivity D(theta), in f64 and as tables for the kernels.
+//! Transducer: source pressure P0 and directivity D(theta), in f64.
 
 use alloc::format;
-use core::f64::consts::{FRAC_PI_2, PI};
 
 use crate::error::{Error, find, real};
-use crate::kernels::{LANES, Table};
 use crate::math;
 
 /// What all transducers of an array have in common.
@@ -177,74 +175,4 @@ fn pchip(values: &[f64; 10], x: f64) -> f64 {
 fn hermite(left: f64, right: f64, left_slope: f64, right_slope: f64) -> [f64; 4] {
     let rise = right - left;
     [left, left_slope, 3.0 * rise - 2.0 * left_slope - right_slope, left_slope + right_slope - 2.0 * rise]
-}
-
-impl Directivity {
-    /// What the f32 rows read, for wavenumber k (1/m); none for a point source.
-    pub(crate) fn table(&self, k: f64) -> Option<Table> {
-        let width = match *self {
-            Self::Point => return None,
-            Self::Cos(exponent) if exponent < 3.0 && exponent != libm::round(exponent) => {
-                return Some(Table::Power(exponent as f32));
-            }
-            // The measured angles are the pieces' ends.
-            Self::T4010a1 => PI / 18.0,
-            _ if self.sharpness(k) <= FEW => FRAC_PI_2 / LANES as f64,
-            _ => return Some(self.many(k)),
-        };
-        let mut coefficients = [[0.0; LANES]; 6];
-        for piece in 0..LANES {
-            let value = |place: f64| self.at_angle((piece as f64 + place) * width, k);
-            // The highest power first, as Horner's rule reads them.
-            for (list, coefficient) in coefficients.iter_mut().zip(quintic(value).into_iter().rev()) {
-                list[piece] = coefficient as f32;
-            }
-        }
-        Some(Table::Few { scale: (1.0 / width) as f32, coefficients })
-    }
-
-    /// D at an angle; beyond 90 degrees what it is at 90.
-    fn at_angle(&self, theta: f64, k: f64) -> f64 {
-        self.value(math::sin((FRAC_PI_2 - theta).max(0.0)), k)
-    }
-
-    /// Eight cubics a degree keep the error far below f32 rounding (h^4/384 of the fourth derivative).
-    fn many(&self, k: f64) -> Table {
-        const PIECES: usize = 720;
-        let width = FRAC_PI_2 / PIECES as f64;
-        let cubic = |piece: usize| {
-            let at = |third: f64| self.at_angle((piece as f64 + third / 3.0) * width, k);
-            let (a, b, c, d) = (at(0.0), at(1.0), at(2.0), at(3.0));
-            let c1 = -5.5 * a + 9.0 * b - 4.5 * c + d;
-            let c2 = 9.0 * a - 22.5 * b + 18.0 * c - 4.5 * d;
-            let c3 = -4.5 * a + 13.5 * b - 13.5 * c + 4.5 * d;
-            [a as f32, c1 as f32, c2 as f32, c3 as f32]
-        };
-        Table::Many { scale: (1.0 / width) as f32, pieces: (0..PIECES).map(cubic).collect() }
-    }
-}
-
-/// Up to this sharpness 16 quintics follow D within 1e-6: h^6/(2^11 6!) of the sixth derivative.
-const FEW: f64 = 8.0;
-
-/// The polynomial through the values at 0, 1/5, ..., 1: coefficients from the lowest power, by Newton's divided
-/// differences.
-fn quintic(value: impl Fn(f64) -> f64) -> [f64; 6] {
-    let node = |i: usize| i as f64 / 5.0;
-    let mut differences: [f64; 6] = core::array::from_fn(|i| value(node(i)));
-    for order in 1..6 {
-        for i in (order..6).rev() {
-            differences[i] = (differences[i] - differences[i - 1]) / (node(i) - node(i - order));
-        }
-    }
-    let mut coefficients = [0.0; 6];
-    for i in (0..6).rev() {
-        // Horner with polynomials: times (x - node), plus the next difference.
-        for power in (0..6).rev() {
-            let lower = if power > 0 { coefficients[power - 1] } else { 0.0 };
-            coefficients[power] = lower - node(i) * coefficients[power];
-        }
-        coefficients[0] += differences[i];
-    }
-    coefficients
 }

@@ -3,7 +3,7 @@
 use crate::kernels::lanes::{BLOCK, Block};
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::phasor::{power_of_two, wave};
-use crate::kernels::propagate::directivity::Table;
+use crate::kernels::propagate::directivity::Pattern;
 use crate::kernels::propagate::source::{SourceLanes, SourceList};
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
@@ -20,11 +20,11 @@ pub(crate) struct ControlPoints<'a> {
     pub(crate) count: usize,
 }
 
-/// What all transducers share: absorption as a power of two per wavelength (<= 0) and the directivity's table.
+/// What all transducers share: absorption as a power of two per wavelength (<= 0) and the directivity.
 #[derive(Clone, Debug)]
 pub(crate) struct Radiation {
     pub(crate) decay: f32,
-    pub(crate) table: Option<Table>,
+    pub(crate) pattern: Option<Pattern>,
 }
 
 /// Where a row is written.
@@ -44,7 +44,7 @@ pub(crate) enum Form {
 
 impl Radiation {
     pub(crate) fn form(&self, in_phase: bool) -> Form {
-        if self.decay == 0.0 && self.table.is_none() && in_phase { Form::Plain } else { Form::Full }
+        if self.decay == 0.0 && self.pattern.is_none() && in_phase { Form::Plain } else { Form::Full }
     }
 }
 
@@ -68,10 +68,11 @@ pub(crate) fn spread<S: Simd>(
         if radiation.decay < 0.0 {
             amplitude = s.mul(amplitude, power_of_two(s, s.mul(distance, s.splat(radiation.decay))));
         }
-        if let Some(table) = &radiation.table {
+        if let Some(pattern) = &radiation.pattern {
             let [nx, ny, nz] = from.normal;
             let along = s.fma(nx, dx, s.fma(ny, dy, s.mul(nz, dz)));
-            amplitude = s.mul(amplitude, table.directivity(s, s.mul(along, inverse)));
+            amplitude = s.mul(amplitude, pattern.directivity(s, along, inverse));
+            amplitude = s.select_less(along, s.splat(0.0), s.splat(0.0), amplitude);
         }
     }
     [square, distance, amplitude]

@@ -27,6 +27,9 @@ use crate::kernels::lanes::{LANES, Lanes};
 /// machines.
 pub(crate) const TINY: f32 = 1e-28;
 
+/// Added to |x| < 2^22 it leaves the nearest integer, ties to even, in the lowest bits.
+pub(crate) const WHOLE: f32 = 12_582_912.0;
+
 /// Operations on 16 lanes.
 pub(crate) trait Simd: Copy {
     /// Sixteen f32.
@@ -63,6 +66,8 @@ pub(crate) trait Simd: Copy {
     }
     /// 2^a of integers a in -126..=127.
     fn exp2(self, a: Self::V) -> Self::V;
+    /// The greatest integer e with 2^e <= a, of normal a > 0.
+    fn exponent(self, a: Self::V) -> Self::V;
     /// 1/sqrt(a) with a relative error below 7e-5, of normal a > 0.
     fn rsqrt_estimate(self, a: Self::V) -> Self::V;
     /// x where a < b, else y.
@@ -114,12 +119,12 @@ pub(crate) trait Simd: Copy {
         core::array::from_fn(|l| self.load(&lists.map(|list| list[l])))
     }
 
-    /// `table[index]`, for indices that are whole numbers in 0..16.
+    /// `table[index % 16]` of an integer added to [`WHOLE`].
     #[inline(always)]
     fn gather(self, table: &Lanes, index: Self::V) -> Self::V {
         let mut lanes = [0.0; LANES];
         self.store(index, &mut lanes);
-        self.load(&lanes.map(|index| table[index as usize % LANES]))
+        self.load(&lanes.map(|index| table[index.to_bits() as usize % LANES]))
     }
 
     /// `list[index]` of a list of any length but 0, for indices that are whole numbers; those beyond its end read its last.

@@ -3,15 +3,12 @@
 use core::array::from_fn;
 
 use crate::kernels::lanes::Lanes;
-use crate::kernels::simd::{Simd, rsqrt_estimate};
+use crate::kernels::simd::{Simd, WHOLE, rsqrt_estimate};
 use crate::math::sqrtf;
 
 /// The set that is always there. Products and sums are rounded apart.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scalar;
-
-/// Adding and subtracting 1.5 * 2^23 rounds to the nearest integer any |x| below 2^22.
-const ROUND: f32 = 12_582_912.0;
 
 impl Simd for Scalar {
     type V = Lanes;
@@ -88,13 +85,18 @@ impl Simd for Scalar {
 
     #[inline(always)]
     fn round(self, a: Lanes) -> Lanes {
-        from_fn(|l| (a[l] + ROUND) - ROUND)
+        from_fn(|l| (a[l] + WHOLE) - WHOLE)
     }
 
     #[inline(always)]
     fn exp2(self, a: Lanes) -> Lanes {
         // The exponent's bits.
         from_fn(|l| f32::from_bits(((a[l] as i32 + 127) as u32) << 23))
+    }
+
+    #[inline(always)]
+    fn exponent(self, a: Lanes) -> Lanes {
+        a.map(|a| ((a.to_bits() >> 23) as i32 - 127) as f32)
     }
 
     #[inline(always)]

@@ -3,9 +3,9 @@
 //! Nothing is fused and the guess is the scalar one, so the bits are those of the scalar set.
 
 use core::arch::wasm32::{
-    f32x4_abs, f32x4_add, f32x4_div, f32x4_lt, f32x4_mul, f32x4_nearest, f32x4_pmax, f32x4_pmin, f32x4_splat,
-    f32x4_sqrt, f32x4_sub, i32x4_add, i32x4_bitmask, i32x4_shl, i32x4_splat, i32x4_sub, i32x4_trunc_sat_f32x4,
-    u32x4_shr, v128, v128_bitselect, v128_load, v128_store,
+    f32x4_abs, f32x4_add, f32x4_convert_i32x4, f32x4_div, f32x4_lt, f32x4_mul, f32x4_nearest, f32x4_pmax, f32x4_pmin,
+    f32x4_splat, f32x4_sqrt, f32x4_sub, i32x4_add, i32x4_bitmask, i32x4_shl, i32x4_splat, i32x4_sub,
+    i32x4_trunc_sat_f32x4, u32x4_shr, v128, v128_bitselect, v128_load, v128_store,
 };
 
 use crate::kernels::lanes::Lanes;
@@ -78,6 +78,7 @@ impl Simd for Simd128 {
         abs(a) = f32x4_abs(a);
         round(a) = f32x4_nearest(a);
         exp2(a) = i32x4_shl(i32x4_add(i32x4_trunc_sat_f32x4(a), i32x4_splat(127)), 23);
+        exponent(a) = f32x4_convert_i32x4(i32x4_sub(u32x4_shr(a, 23), i32x4_splat(127)));
         rsqrt_estimate(a) = {
             let half = f32x4_mul(a, f32x4_splat(0.5));
             let y = i32x4_sub(i32x4_splat(0x5f37_5a86), u32x4_shr(a, 1));

@@ -5,6 +5,7 @@ mod batch;
 mod cholesky;
 mod closed_form;
 mod closed_form_interleaved;
+mod directivity;
 mod energies;
 mod error_diffusion;
 mod greedy;
@@ -85,7 +86,7 @@ impl Shot {
                 coordinates[axis][j] = number(low, high);
             }
         }
-        let radiation = Radiation { decay, table: directivity.table(WAVENUMBER) };
+        let radiation = Radiation { decay, pattern: directivity.pattern(WAVENUMBER) };
         Self {
             directivity,
             steepness: 10.0,

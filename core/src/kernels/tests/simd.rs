@@ -3,6 +3,7 @@
 use core::array::from_fn;
 
 use crate::kernels::lanes::{LANES, Lanes};
+use crate::kernels::simd::WHOLE;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tests::ROUNDING;
 use crate::rng::Rng;
@@ -123,8 +124,11 @@ fn powers_and_tables() {
         }
         let table: Lanes = from_fn(|l| 100.0 + l as f32);
         for turn in 0..LANES {
-            let index: Lanes = from_fn(|l| ((5 * l + turn) % 16) as f32);
-            assert_eq!(stored!(set, s => s.gather(&table, s.load(&index))), index.map(|x| 100.0 + x));
+            let index: Lanes = from_fn(|l| WHOLE + ((5 * l + turn) as f32 - 32.0));
+            assert_eq!(
+                stored!(set, s => s.gather(&table, s.load(&index))),
+                from_fn(|l| 100.0 + ((5 * l + turn) % 16) as f32)
+            );
             let list: Vec<f32> = (0..100).map(|k| 0.5 * k as f32).collect();
             let index: Lanes = from_fn(|l| (7 * l + turn) as f32);
             let beyond = index.map(|x| 0.5 * x.min(99.0));

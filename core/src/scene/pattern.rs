@@ -1,0 +1,132 @@
+//! Pattern: D(theta) of a transducer as polynomials in f32, by Chebyshev interpolation in f64.
+
+use alloc::vec;
+use alloc::vec::Vec;
+use core::f64::consts::PI;
+use core::{array, iter};
+
+use crate::kernels::LANES;
+use crate::kernels::lanes::Lanes;
+use crate::kernels::propagate::directivity::{PLACES, Pattern};
+use crate::math;
+use crate::scene::transducer::Directivity;
+
+/// The largest error of a polynomial before it is rounded to f32.
+const ERROR: f64 = 6e-7;
+
+/// Nodes of an interpolation: the narrowest beam needs some 50.
+const NODES: usize = 128;
+
+/// Degrees above it take longer than an exponential and a logarithm.
+const LONG: usize = 12;
+
+/// The largest sum of the terms of a polynomial, D being at most 1: four bits that f32 may lose.
+const TERMS: f64 = 16.0;
+
+impl Directivity {
+    /// What the f32 rows read, for wavenumber k (1/m); none for a point source.
+    pub(crate) fn pattern(&self, k: f64) -> Option<Pattern> {
+        let over_cosine = |c: f64| self.value(c, k);
+        let over_square = |square: f64| self.value(math::sqrt(square), k);
+        match *self {
+            Self::Point => None,
+            Self::T4010a1 => Some(pieces(over_cosine)),
+            Self::Piston(_) | Self::Sinc(_) => {
+                let series = short_series(over_square);
+                let powers = powers(&series);
+                let short = size(&powers) <= TERMS;
+                Some(if short { Pattern::Even(rounded(&powers)) } else { Pattern::Chebyshev(rounded(&series)) })
+            }
+            Self::Cos(exponent) => {
+                let even = libm::fmod(exponent, 2.0) == 0.0;
+                let series = if even { short_series(over_square) } else { short_series(over_cosine) };
+                Some(match rounded(&powers(&series)) {
+                    long if long.len() > LONG + 1 => Pattern::Exponent(exponent as f32),
+                    powers if even => Pattern::Even(powers),
+                    powers => Pattern::Powers(powers),
+                })
+            }
+        }
+    }
+}
+
+/// The sum of the moduli of a polynomial's terms at |x| = 1/2.
+fn size(powers: &[f64]) -> f64 {
+    powers.iter().rev().fold(0.0, |sum, power| 0.5 * sum + power.abs())
+}
+
+/// From the highest power down, as the kernels read them.
+fn rounded(coefficients: &[f64]) -> Vec<f32> {
+    coefficients.iter().rev().map(|&coefficient| coefficient as f32).collect()
+}
+
+/// Chebyshev coefficients of a function over an interval, the first `count`.
+fn series(value: impl Fn(f64) -> f64, [low, high]: [f64; 2], count: usize) -> Vec<f64> {
+    let angle = |node: usize| PI * (node as f64 + 0.5) / NODES as f64;
+    let at = |node: usize| value(low + (high - low) * 0.5 * (1.0 + math::cos(angle(node))));
+    let values: Vec<f64> = (0..NODES).map(at).collect();
+    let coefficient = |n: usize| {
+        let part = |(node, value): (usize, &f64)| value * math::cos(n as f64 * angle(node));
+        values.iter().enumerate().map(part).sum::<f64>() * if n == 0 { 1.0 } else { 2.0 } / NODES as f64
+    };
+    (0..count).map(coefficient).collect()
+}
+
+/// As few coefficients over 0 to 1 as follow the function within [`ERROR`].
+fn short_series(value: impl Fn(f64) -> f64) -> Vec<f64> {
+    let mut series = series(value, [0.0, 1.0], NODES / 2);
+    let mut error = 0.0;
+    while let Some(last) = series.pop() {
+        error += last.abs();
+        if error > ERROR {
+            series.push(last);
+            break;
+        }
+    }
+    series
+}
+
+/// The same polynomial in powers of half the argument of the Chebyshev polynomials, from the lowest.
+fn powers(series: &[f64]) -> Vec<f64> {
+    let mut powers = vec![0.0; series.len()];
+    // T_0 = 1, T_1 = 2 x, T_(n+1) = 4 x T_n - T_(n-1), power by power.
+    let (mut last, mut this) = (Vec::new(), vec![1.0]);
+    for (n, coefficient) in series.iter().enumerate() {
+        for (sum, power) in powers.iter_mut().zip(&this) {
+            *sum += coefficient * power;
+        }
+        let factor = if n == 0 { 2.0 } else { 4.0 };
+        let mut next: Vec<f64> = iter::once(0.0).chain(this.iter().map(|power| factor * power)).collect();
+        next.iter_mut().zip(&last).for_each(|(next, last): (&mut f64, &f64)| *next -= last);
+        (last, this) = (this, next);
+    }
+    powers
+}
+
+/// Quintics of the cosine, two for each ten degrees: the bounds that lie nearest to the measured angles, where D bends,
+/// are moved there.
+fn pieces(value: impl Fn(f64) -> f64) -> Pattern {
+    // The cosine at each whole number of PLACES c (1 + c).
+    let mut bounds: Lanes =
+        array::from_fn(|n| (0.5 * (math::sqrt(1.0 + 4.0 * n as f64 / f64::from(PLACES)) - 1.0)) as f32);
+    for degrees in (20..=80).step_by(10) {
+        let c = math::cos(f64::from(degrees).to_radians());
+        bounds[libm::round(f64::from(PLACES) * c * (1.0 + c)) as usize] = c as f32;
+    }
+    let mut coefficients = [[0.0; LANES]; 6];
+    for (piece, &low) in bounds.iter().enumerate() {
+        let low = f64::from(low);
+        let width = bounds.get(piece + 1).map_or(1.0, |&high| f64::from(high) - low);
+        let mut powers = powers(&series(&value, [low, low + width], coefficients.len()));
+        // From powers of (c - low)/width - 1/2 to those of c - low: Taylor's shift, coefficient by coefficient.
+        for first in 0..powers.len() {
+            for n in (first..powers.len() - 1).rev() {
+                powers[n] -= 0.5 * powers[n + 1];
+            }
+        }
+        for (n, power) in powers.into_iter().enumerate() {
+            coefficients[5 - n][piece] = (power / libm::pow(width, n as f64)) as f32;
+        }
+    }
+    Pattern::Pieces { bounds, coefficients }
+}
