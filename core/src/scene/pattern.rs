@@ -7,18 +7,15 @@ use core::{array, iter};
 
 use crate::kernels::LANES;
 use crate::kernels::lanes::Lanes;
-use crate::kernels::propagate::directivity::{PLACES, Pattern};
+use crate::kernels::propagate::directivity::{Chebyshev, Exponent, PLACES, Pattern, Pieces, Polynomial};
 use crate::math;
 use crate::scene::transducer::Directivity;
 
 /// The largest error of a polynomial before it is rounded to f32.
-const ERROR: f64 = 6e-7;
+const ERROR: f64 = 7.5e-7;
 
 /// Nodes of an interpolation: the narrowest beam needs some 50.
 const NODES: usize = 128;
-
-/// Degrees above it take longer than an exponential and a logarithm.
-const LONG: usize = 12;
 
 /// The largest sum of the terms of a polynomial, D being at most 1: four bits that f32 may lose.
 const TERMS: f64 = 16.0;
@@ -26,38 +23,44 @@ const TERMS: f64 = 16.0;
 impl Directivity {
     /// What the f32 rows read, for wavenumber k (1/m); none for a point source.
     pub(crate) fn pattern(&self, k: f64) -> Option<Pattern> {
-        let over_cosine = |c: f64| self.value(c, k);
-        let over_square = |square: f64| self.value(math::sqrt(square), k);
-        match *self {
-            Self::Point => None,
-            Self::T4010a1 => Some(pieces(over_cosine)),
-            Self::Piston(_) | Self::Sinc(_) => {
-                let series = short_series(over_square);
-                let powers = powers(&series);
-                let short = size(&powers) <= TERMS;
-                Some(if short { Pattern::Even(rounded(&powers)) } else { Pattern::Chebyshev(rounded(&series)) })
-            }
-            Self::Cos(exponent) => {
-                let even = libm::fmod(exponent, 2.0) == 0.0;
-                let series = if even { short_series(over_square) } else { short_series(over_cosine) };
-                Some(match rounded(&powers(&series)) {
-                    long if long.len() > LONG + 1 => Pattern::Exponent(exponent as f32),
-                    powers if even => Pattern::Even(powers),
-                    powers => Pattern::Powers(powers),
-                })
-            }
-        }
+        let even = match *self {
+            Self::Point => return None,
+            Self::T4010a1 => return Some(Pattern::Pieces(pieces(|c| self.value(c, k)))),
+            Self::Piston(_) | Self::Sinc(_) => true,
+            Self::Cos(exponent) => libm::fmod(exponent, 2.0) == 0.0,
+        };
+        let series =
+            if even { short_series(|square| self.value(math::sqrt(square), k)) } else { short_series(|c| self.value(c, k)) };
+        let powers = powers(&series);
+        let polynomial = if size(&powers) <= TERMS { polynomial(even, &powers) } else { None };
+        Some(polynomial.unwrap_or_else(|| match *self {
+            Self::Cos(exponent) => Pattern::Exponent(Exponent(exponent as f32)),
+            _ => Pattern::Chebyshev(Chebyshev(series.iter().rev().map(|&x| x as f32).collect())),
+        }))
     }
+}
+
+/// The shortest kind that holds some powers.
+fn polynomial(even: bool, powers: &[f64]) -> Option<Pattern> {
+    Some(match (even, powers.len()) {
+        (true, ..=6) => Pattern::Even6(rounded(powers)),
+        (true, ..=10) => Pattern::Even10(rounded(powers)),
+        (true, ..=14) => Pattern::Even14(rounded(powers)),
+        (false, ..=6) => Pattern::All6(rounded(powers)),
+        (false, ..=10) => Pattern::All10(rounded(powers)),
+        (false, ..=14) => Pattern::All14(rounded(powers)),
+        _ => return None,
+    })
+}
+
+/// From the highest power down, as the kernels read them.
+fn rounded<const EVEN: bool, const N: usize>(powers: &[f64]) -> Polynomial<EVEN, N> {
+    Polynomial(array::from_fn(|n| powers.get(N - 1 - n).map_or(0.0, |&power| power as f32)))
 }
 
 /// The sum of the moduli of a polynomial's terms at |x| = 1/2.
 fn size(powers: &[f64]) -> f64 {
     powers.iter().rev().fold(0.0, |sum, power| 0.5 * sum + power.abs())
-}
-
-/// From the highest power down, as the kernels read them.
-fn rounded(coefficients: &[f64]) -> Vec<f32> {
-    coefficients.iter().rev().map(|&coefficient| coefficient as f32).collect()
 }
 
 /// Chebyshev coefficients of a function over an interval, the first `count`.
@@ -105,7 +108,7 @@ fn powers(series: &[f64]) -> Vec<f64> {
 
 /// Quintics of the cosine, two for each ten degrees: the bounds that lie nearest to the measured angles, where D bends,
 /// are moved there.
-fn pieces(value: impl Fn(f64) -> f64) -> Pattern {
+fn pieces(value: impl Fn(f64) -> f64) -> Pieces {
     // The cosine at each whole number of PLACES c (1 + c).
     let mut bounds: Lanes =
         array::from_fn(|n| (0.5 * (math::sqrt(1.0 + 4.0 * n as f64 / f64::from(PLACES)) - 1.0)) as f32);
@@ -128,5 +131,5 @@ fn pieces(value: impl Fn(f64) -> f64) -> Pattern {
             coefficients[5 - n][piece] = (power / libm::pow(width, n as f64)) as f32;
         }
     }
-    Pattern::Pieces { bounds, coefficients }
+    Pieces { bounds, coefficients }
 }

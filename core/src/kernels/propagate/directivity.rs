@@ -6,81 +6,108 @@ use crate::kernels::lanes::Lanes;
 use crate::kernels::phasor::{log2, power_of_two};
 use crate::kernels::simd::{Simd, WHOLE};
 
-/// D over c = cos(theta) from 0 to 1; coefficients of the highest power first.
+/// D over c = cos(theta) from 0 to 1. A type for each kind and length, so that a loop over points is compiled for it.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one of them an array")]
 pub(crate) enum Pattern {
-    /// A polynomial of c^2 - 1/2: D is an entire function of sin(theta)^2, or an even power of c.
-    Even(Vec<f32>),
-    /// A polynomial of c - 1/2.
-    Powers(Vec<f32>),
-    /// Chebyshev polynomials of 2 c^2 - 1, for narrow beams, of whose powers f32 would lose the digits.
-    Chebyshev(Vec<f32>),
-    /// Quintics between 16 `bounds`, one register a coefficient: a piece is found without leaving the lanes.
-    Pieces { bounds: Lanes, coefficients: [Lanes; 6] },
-    /// c^n.
-    Exponent(f32),
+    Even6(Polynomial<true, 6>),
+    Even10(Polynomial<true, 10>),
+    Even14(Polynomial<true, 14>),
+    All6(Polynomial<false, 6>),
+    All10(Polynomial<false, 10>),
+    All14(Polynomial<false, 14>),
+    Chebyshev(Chebyshev),
+    Pieces(Pieces),
+    Exponent(Exponent),
 }
 
-/// A piece of [`Pattern::Pieces`] begins near each whole number of PLACES c (1 + c): about every five degrees.
+/// A kind of [`Pattern`].
+pub(crate) trait Ahead {
+    /// D at an angle whose cosine is `along` times `inverse`; anything behind the transducer.
+    fn directivity<S: Simd>(&self, s: S, along: S::V, inverse: S::V) -> S::V;
+}
+
+/// Coefficients, the highest power first, of c^2 - 1/2 where D is an entire function of sin(theta)^2 or an even power of c,
+/// else of c - 1/2: from there to either end no f32 digits are lost.
+#[derive(Clone, Debug)]
+pub(crate) struct Polynomial<const EVEN: bool, const N: usize>(pub(crate) [f32; N]);
+
+impl<const EVEN: bool, const N: usize> Ahead for Polynomial<EVEN, N> {
+    #[inline(always)]
+    fn directivity<S: Simd>(&self, s: S, along: S::V, inverse: S::V) -> S::V {
+        let half = s.splat(-0.5);
+        let x = if EVEN {
+            let c = s.mul(along, inverse);
+            s.fma(c, c, half)
+        } else {
+            s.fma(along, inverse, half)
+        };
+        let mut sum = s.splat(self.0[0]);
+        for &coefficient in &self.0[1..] {
+            sum = s.fma(sum, x, s.splat(coefficient));
+        }
+        sum
+    }
+}
+
+/// Coefficients, the highest first, of Chebyshev polynomials of 2 c^2 - 1: for narrow beams, whose powers would lose
+/// digits.
+#[derive(Clone, Debug)]
+pub(crate) struct Chebyshev(pub(crate) Vec<f32>);
+
+impl Ahead for Chebyshev {
+    /// By Clenshaw's recurrence.
+    #[inline(always)]
+    fn directivity<S: Simd>(&self, s: S, along: S::V, inverse: S::V) -> S::V {
+        let c = s.mul(along, inverse);
+        let x = s.fma(c, s.add(c, c), s.splat(-1.0));
+        let (double, mut sum, mut last) = (s.add(x, x), s.splat(0.0), s.splat(0.0));
+        for &coefficient in &self.0 {
+            (sum, last) = (s.sub(s.fma(sum, double, s.splat(coefficient)), last), sum);
+        }
+        // T_1 is x, where the recurrence has 2 x.
+        s.fnma(last, x, sum)
+    }
+}
+
+/// Quintics of c less its piece's lower bound, one lane group a coefficient: a piece is found without leaving the lanes.
+#[derive(Clone, Debug)]
+pub(crate) struct Pieces {
+    /// Each is the one nearest to a whole number of [`PLACES`] c (1 + c).
+    pub(crate) bounds: Lanes,
+    /// The highest power first.
+    pub(crate) coefficients: [Lanes; 6],
+}
+
+/// Two pieces for ten degrees from 20 degrees on.
 pub(crate) const PLACES: f32 = 6.9;
 
-impl Pattern {
-    /// D at an angle whose cosine is `along` times `inverse`; anything behind the transducer.
+impl Ahead for Pieces {
     #[inline(always)]
-    pub(crate) fn directivity<S: Simd>(&self, s: S, along: S::V, inverse: S::V) -> S::V {
-        let half = s.splat(-0.5);
-        match self {
-            Self::Even(coefficients) => {
-                let c = s.mul(along, inverse);
-                horner(s, coefficients, s.fma(c, c, half))
-            }
-            Self::Powers(coefficients) => horner(s, coefficients, s.fma(along, inverse, half)),
-            Self::Chebyshev(coefficients) => {
-                let c = s.mul(along, inverse);
-                clenshaw(s, coefficients, s.fma(c, c, half))
-            }
-            Self::Pieces { bounds, coefficients } => {
-                let c = s.mul(along, inverse);
-                let scale = s.splat(PLACES);
-                // The bound nearest to c may lie on either side.
-                let near = s.fma(s.fma(c, scale, scale), c, s.splat(WHOLE));
-                let piece = s.select_less(c, s.gather(bounds, near), s.sub(near, s.splat(1.0)), near);
-                let u = s.sub(c, s.gather(bounds, piece));
-                let [first, rest @ ..] = coefficients;
-                let mut sum = s.gather(first, piece);
-                for list in rest {
-                    sum = s.fma(sum, u, s.gather(list, piece));
-                }
-                sum
-            }
-            Self::Exponent(n) => {
-                let (c, least) = (s.mul(along, inverse), s.splat(f32::MIN_POSITIVE));
-                let power = power_of_two(s, s.mul(log2(s, s.max(c, least)), s.splat(*n)));
-                s.select_less(c, least, s.splat(0.0), power)
-            }
+    fn directivity<S: Simd>(&self, s: S, along: S::V, inverse: S::V) -> S::V {
+        let (c, scale) = (s.mul(along, inverse), s.splat(PLACES));
+        // c may lie on either side of the bound that it is nearest to.
+        let near = s.fma(s.fma(c, scale, scale), c, s.splat(WHOLE));
+        let piece = s.select_less(c, s.gather(&self.bounds, near), s.sub(near, s.splat(1.0)), near);
+        let x = s.sub(c, s.gather(&self.bounds, piece));
+        let [first, rest @ ..] = &self.coefficients;
+        let mut sum = s.gather(first, piece);
+        for list in rest {
+            sum = s.fma(sum, x, s.gather(list, piece));
         }
+        sum
     }
 }
 
-/// The polynomial at x by Horner's rule.
-#[inline(always)]
-fn horner<S: Simd>(s: S, coefficients: &[f32], x: S::V) -> S::V {
-    let mut sum = s.splat(0.0);
-    for &coefficient in coefficients {
-        sum = s.fma(sum, x, s.splat(coefficient));
-    }
-    sum
-}
+/// c^n for an n that no short polynomial follows: broken and small, or large.
+#[derive(Clone, Debug)]
+pub(crate) struct Exponent(pub(crate) f32);
 
-/// The sum of Chebyshev polynomials of 2 x by Clenshaw's recurrence.
-#[inline(always)]
-fn clenshaw<S: Simd>(s: S, coefficients: &[f32], x: S::V) -> S::V {
-    let (mut sum, mut last) = (s.splat(0.0), s.splat(0.0));
-    let four = s.mul(x, s.splat(4.0));
-    for &coefficient in coefficients {
-        (sum, last) = (s.sub(s.fma(sum, four, s.splat(coefficient)), last), sum);
+impl Ahead for Exponent {
+    #[inline(always)]
+    fn directivity<S: Simd>(&self, s: S, along: S::V, inverse: S::V) -> S::V {
+        let (c, least) = (s.mul(along, inverse), s.splat(f32::MIN_POSITIVE));
+        let power = power_of_two(s, s.mul(log2(s, s.max(c, least)), s.splat(self.0)));
+        s.select_less(c, least, s.splat(0.0), power)
     }
-    // T_1 is x where the recurrence has 2 x.
-    s.fnma(last, s.add(x, x), sum)
 }

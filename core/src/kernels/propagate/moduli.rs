@@ -15,7 +15,8 @@ use core::ops::Range;
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::lanes::{LANES, groups, groups_mut};
-use crate::kernels::propagate::row::{ControlPoints, Form, Radiation, spread};
+use crate::kernels::propagate::form::{Form, Radiation, formed};
+use crate::kernels::propagate::row::{ControlPoints, spread};
 use crate::kernels::propagate::source::{SourceGroup, SourceLanes, SourceList};
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
@@ -29,7 +30,6 @@ const POINTS_A_PULSE: usize = 1 << 10;
 /// Some of the sources.
 pub(crate) struct Run<'a> {
     radiation: &'a Radiation,
-    form: Form,
     groups: &'a [SourceGroup],
     /// Their indices.
     pub(crate) members: Range<usize>,
@@ -38,28 +38,26 @@ pub(crate) struct Run<'a> {
 impl<'a> Run<'a> {
     /// All sources, [`RUN`] groups at a time.
     pub(crate) fn all(radiation: &'a Radiation, sources: &'a SourceList) -> impl Iterator<Item = Self> {
-        // A phase changes no modulus.
-        let form = radiation.form(true);
         let starts = (0..sources.len()).step_by(RUN * LANES);
         sources.groups.chunks(RUN).zip(starts).map(move |(groups, start)| {
             let members = start..sources.len().min(start + RUN * LANES);
-            Self { radiation, form, groups, members }
+            Self { radiation, groups, members }
         })
     }
 
     /// The least square distance so far, and `sum` + |G|.
     #[inline(always)]
-    fn add<S: Simd>(
+    fn add<S: Simd, F: Form>(
         &self,
         s: S,
-        form: Form,
+        form: F,
         from: &SourceLanes<S::V>,
         point: [S::V; 3],
         [closest, sum]: [S::V; 2],
     ) -> [S::V; 2] {
         let [square, _, amplitude] = spread(s, form, self.radiation, from, point);
         // A piston's side lobes have D < 0.
-        let modulus = if form == Form::Plain { amplitude } else { s.abs(amplitude) };
+        let modulus = if F::PLAIN { amplitude } else { s.abs(amplitude) };
         [s.min(square, closest), s.add(sum, modulus)]
     }
 }
@@ -77,16 +75,14 @@ pub(crate) fn add_moduli(
     out: &mut [f64],
     control: &mut Control,
 ) -> Result<bool, Error> {
-    dispatch!(set, s => match run.form {
-        Form::Plain => add_form(s, Form::Plain, run, points, nearest, out, control),
-        Form::Full => add_form(s, Form::Full, run, points, nearest, out, control),
-    })
+    // A phase changes no modulus.
+    dispatch!(set, s => formed!(run.radiation, true, form => add_form(s, form, run, points, nearest, out, control)))
 }
 
 #[inline(always)]
 fn add_form<S: Simd>(
     s: S,
-    form: Form,
+    form: impl Form,
     run: &Run<'_>,
     points: ControlPoints<'_>,
     nearest: f32,
@@ -120,16 +116,13 @@ pub(crate) fn interleaved_moduli(
     nearest: f32,
     out: &mut [f32],
 ) -> bool {
-    dispatch!(set, s => match run.form {
-        Form::Plain => interleaved_form(s, Form::Plain, run, points, nearest, out),
-        Form::Full => interleaved_form(s, Form::Full, run, points, nearest, out),
-    })
+    dispatch!(set, s => formed!(run.radiation, true, form => interleaved_form(s, form, run, points, nearest, out)))
 }
 
 #[inline(always)]
 fn interleaved_form<S: Simd>(
     s: S,
-    form: Form,
+    form: impl Form,
     run: &Run<'_>,
     points: ControlPoints<'_>,
     nearest: f32,

@@ -3,7 +3,7 @@
 use crate::kernels::lanes::{BLOCK, Block};
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::phasor::{power_of_two, wave};
-use crate::kernels::propagate::directivity::Pattern;
+use crate::kernels::propagate::form::{Form, Plain, Radiation, formed};
 use crate::kernels::propagate::source::{SourceLanes, SourceList};
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
@@ -20,39 +20,17 @@ pub(crate) struct ControlPoints<'a> {
     pub(crate) count: usize,
 }
 
-/// What all transducers share: absorption as a power of two per wavelength (<= 0) and the directivity.
-#[derive(Clone, Debug)]
-pub(crate) struct Radiation {
-    pub(crate) decay: f32,
-    pub(crate) pattern: Option<Pattern>,
-}
-
 /// Where a row is written.
 pub(crate) struct Row<'a> {
     pub(crate) re: &'a mut [f32],
     pub(crate) im: &'a mut [f32],
 }
 
-/// What a row is made of beyond distances: known before the loop over points, so that the loop has no branches.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Form {
-    /// Point sources without absorption, in phase.
-    Plain,
-    /// Anything else.
-    Full,
-}
-
-impl Radiation {
-    pub(crate) fn form(&self, in_phase: bool) -> Form {
-        if self.decay == 0.0 && self.pattern.is_none() && in_phase { Form::Plain } else { Form::Full }
-    }
-}
-
 /// Square distance and, held at [`NEAREST`], distance and |c| D e^{-alpha r}/r; distances in wavelengths.
 #[inline(always)]
-pub(crate) fn spread<S: Simd>(
+pub(crate) fn spread<S: Simd, F: Form>(
     s: S,
-    form: Form,
+    form: F,
     radiation: &Radiation,
     from: &SourceLanes<S::V>,
     point: [S::V; 3],
@@ -64,28 +42,23 @@ pub(crate) fn spread<S: Simd>(
     // The distance is the phase: an error in its last place is one of 2e-5 rad at a metre's tenth.
     let (distance, inverse) = s.sqrt_rsqrt(held);
     let mut amplitude = s.mul(from.amplitude, inverse);
-    if form == Form::Full {
-        if radiation.decay < 0.0 {
-            amplitude = s.mul(amplitude, power_of_two(s, s.mul(distance, s.splat(radiation.decay))));
-        }
-        if let Some(pattern) = &radiation.pattern {
-            let [nx, ny, nz] = from.normal;
-            let along = s.fma(nx, dx, s.fma(ny, dy, s.mul(nz, dz)));
-            amplitude = s.mul(amplitude, pattern.directivity(s, along, inverse));
-            amplitude = s.select_less(along, s.splat(0.0), s.splat(0.0), amplitude);
-        }
+    if !F::PLAIN && radiation.absorbs() {
+        amplitude = s.mul(amplitude, power_of_two(s, s.mul(distance, s.splat(radiation.decay))));
     }
-    [square, distance, amplitude]
+    [square, distance, form.direct(s, amplitude, from.normal, [dx, dy, dz], inverse)]
 }
 
 /// Element of G: one source, or sixteen, at a point.
 #[inline(always)]
-fn element<S: Simd>(s: S, form: Form, radiation: &Radiation, from: &SourceLanes<S::V>, point: [S::V; 3]) -> [S::V; 2] {
-    let [_, mut distance, amplitude] = spread(s, form, radiation, from, point);
-    if form == Form::Full {
-        distance = s.add(distance, from.turns);
-    }
-    wave(s, distance, amplitude)
+pub(crate) fn element<S: Simd, F: Form>(
+    s: S,
+    form: F,
+    radiation: &Radiation,
+    from: &SourceLanes<S::V>,
+    point: [S::V; 3],
+) -> [S::V; 2] {
+    let [_, distance, amplitude] = spread(s, form, radiation, from, point);
+    wave(s, if F::PLAIN { distance } else { s.add(distance, from.turns) }, amplitude)
 }
 
 /// Writes a group of sources against the points of `order`: row k of [`crate::kernels::tiles`] in the blocks from `first`
@@ -101,19 +74,14 @@ pub(crate) fn write_tile<S: Simd>(
     [re, im]: [&mut [Block]; 2],
 ) {
     let from = sources.groups[group].all(s);
-    let plain = radiation.form(sources.in_phase) == Form::Plain;
-    for (k, &j) in order.iter().enumerate() {
-        let [x, y, z] = control_points.coordinates;
+    let [x, y, z] = control_points.coordinates;
+    formed!(radiation, sources.in_phase, form => for (k, &j) in order.iter().enumerate() {
         let place = [s.splat(x[j as usize]), s.splat(y[j as usize]), s.splat(z[j as usize])];
-        let [real, imaginary] = if plain {
-            element(s, Form::Plain, radiation, &from, place)
-        } else {
-            element(s, Form::Full, radiation, &from, place)
-        };
+        let [real, imaginary] = element(s, form, radiation, &from, place);
         let block = first + k / BLOCK * stride;
         s.store(real, &mut re[block][k % BLOCK]);
         s.store(imaginary, &mut im[block][k % BLOCK]);
-    }
+    });
 }
 
 /// Writes the row of source `i` over its target's whole length, zeros in the padding.
@@ -127,18 +95,23 @@ pub(crate) fn write_row<S: Simd>(
     im: &mut [f32],
 ) {
     let from = &sources.one(s, i);
-    match radiation.form(sources.in_phase) {
-        Form::Plain => write_form(s, Form::Plain, radiation, from, control_points, [&mut *re, &mut *im]),
-        Form::Full => write_form(s, Form::Full, radiation, from, control_points, [&mut *re, &mut *im]),
+    // All forms but the plain one are functions of their own: this is compiled into every kernel that writes rows.
+    if radiation.is_plain(sources.in_phase) {
+        write_form(s, Plain, radiation, from, control_points, [&mut *re, &mut *im]);
+    } else {
+        s.vectorize(
+            #[inline(always)]
+            || formed!(radiation, sources.in_phase, form => write_form(s, form, radiation, from, control_points, [&mut *re, &mut *im])),
+        );
     }
     silence(s, re, control_points.count);
     silence(s, im, control_points.count);
 }
 
 #[inline(always)]
-fn write_form<S: Simd>(
+fn write_form<S: Simd, F: Form>(
     s: S,
-    form: Form,
+    form: F,
     radiation: &Radiation,
     from: &SourceLanes<S::V>,
     control_points: ControlPoints<'_>,

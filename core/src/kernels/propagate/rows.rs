@@ -4,7 +4,8 @@ use core::ops::Range;
 
 use crate::kernels::lanes::{BLOCK, Block};
 use crate::kernels::lanes::{LANES, padded};
-use crate::kernels::propagate::row::{ControlPoints, Radiation, write_row, write_tile};
+use crate::kernels::propagate::form::Radiation;
+use crate::kernels::propagate::row::{ControlPoints, write_row, write_tile};
 use crate::kernels::propagate::source::SourceList;
 use crate::kernels::simd::Simd;
 

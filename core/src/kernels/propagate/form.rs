@@ -1,0 +1,99 @@
+//! Form of an element: which factors it has beyond distance and gain.
+//!
+//! A form is a type, chosen before a loop over points, which is compiled for each. So an element pays for what it has:
+//! point sources without absorption in phase for nothing, a piston for 12 instructions.
+
+use crate::kernels::propagate::directivity::{Ahead, Pattern};
+use crate::kernels::simd::Simd;
+
+/// What all transducers share: absorption as a power of two per wavelength (<= 0) and the directivity.
+#[derive(Clone, Debug)]
+pub(crate) struct Radiation {
+    pub(crate) decay: f32,
+    pub(crate) pattern: Option<Pattern>,
+}
+
+impl Radiation {
+    /// Whether its form is [`Plain`].
+    #[inline(always)]
+    pub(crate) fn is_plain(&self, in_phase: bool) -> bool {
+        self.decay == 0.0 && self.pattern.is_none() && in_phase
+    }
+
+    #[inline(always)]
+    pub(crate) fn absorbs(&self) -> bool {
+        self.decay < 0.0
+    }
+}
+
+/// See above.
+pub(crate) trait Form: Copy {
+    /// Neither absorption nor a phase of its own.
+    const PLAIN: bool = false;
+
+    /// `amplitude` times D towards `ray`, at a distance of 1/`inverse`.
+    fn direct<S: Simd>(self, s: S, amplitude: S::V, normal: [S::V; 3], ray: [S::V; 3], inverse: S::V) -> S::V;
+}
+
+/// Point sources without absorption, in phase.
+#[derive(Clone, Copy)]
+pub(crate) struct Plain;
+
+/// Point sources.
+#[derive(Clone, Copy)]
+pub(crate) struct Everywhere;
+
+impl Form for Plain {
+    const PLAIN: bool = true;
+
+    #[inline(always)]
+    fn direct<S: Simd>(self, _: S, amplitude: S::V, _: [S::V; 3], _: [S::V; 3], _: S::V) -> S::V {
+        amplitude
+    }
+}
+
+impl Form for Everywhere {
+    #[inline(always)]
+    fn direct<S: Simd>(self, _: S, amplitude: S::V, _: [S::V; 3], _: [S::V; 3], _: S::V) -> S::V {
+        amplitude
+    }
+}
+
+/// Transducers in a baffle.
+impl<P: Ahead> Form for &P {
+    #[inline(always)]
+    fn direct<S: Simd>(self, s: S, amplitude: S::V, normal: [S::V; 3], ray: [S::V; 3], inverse: S::V) -> S::V {
+        let [[nx, ny, nz], [dx, dy, dz]] = [normal, ray];
+        let along = s.fma(nx, dx, s.fma(ny, dy, s.mul(nz, dz)));
+        let directed = s.mul(amplitude, self.directivity(s, along, inverse));
+        s.select_less(along, s.splat(0.0), s.splat(0.0), directed)
+    }
+}
+
+/// Runs an expression with the form that a radiation has: `formed!(radiation, in_phase, form => body)`.
+macro_rules! formed {
+    ($radiation:expr, $in_phase:expr, $form:ident => $body:expr) => {{
+        use crate::kernels::propagate::directivity::Pattern;
+        use crate::kernels::propagate::form::{Everywhere, Plain};
+        macro_rules! with {
+            ($value:expr) => {{
+                let $form = $value;
+                $body
+            }};
+        }
+        match &$radiation.pattern {
+            None if $radiation.is_plain($in_phase) => with!(Plain),
+            None => with!(Everywhere),
+            Some(Pattern::Even6(pattern)) => with!(pattern),
+            Some(Pattern::Even10(pattern)) => with!(pattern),
+            Some(Pattern::Even14(pattern)) => with!(pattern),
+            Some(Pattern::All6(pattern)) => with!(pattern),
+            Some(Pattern::All10(pattern)) => with!(pattern),
+            Some(Pattern::All14(pattern)) => with!(pattern),
+            Some(Pattern::Chebyshev(pattern)) => with!(pattern),
+            Some(Pattern::Pieces(pattern)) => with!(pattern),
+            Some(Pattern::Exponent(pattern)) => with!(pattern),
+        }
+    }};
+}
+pub(crate) use formed;
