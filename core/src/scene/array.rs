@@ -82,13 +82,11 @@ impl Array {
             return Err(Error::invalid("array.positions", "empty", "give at least one transducer"));
         }
         count("array.positions", positions.len())?;
-        for (i, position) in positions.iter().enumerate() {
-            vector(&format!("array.positions[{i}]"), position)?;
-        }
+        check_finite("array.positions", &positions)?;
         let mut normals = normals.unwrap_or_else(|| vec![[0.0, 0.0, 1.0]; positions.len()]);
         one_each("array.normals", normals.len(), "normals", positions.len(), "positions")?;
+        check_finite("array.normals", &normals)?;
         for (i, normal) in normals.iter_mut().enumerate() {
-            vector(&format!("array.normals[{i}]"), normal)?;
             // Scaled by the largest component first, so that no finite normal over- or underflows.
             let largest = normal.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
             if largest == 0.0 {
@@ -304,9 +302,13 @@ impl PartialEq for Array {
 /// Refuses positions of another number than the transducers, or not finite.
 pub(crate) fn check_positions(positions: &[[f64; 3]], transducers: usize) -> Result<(), Error> {
     one_each("positions", positions.len(), "of them", transducers, "transducers")?;
-    // Named only when refused: this runs for every scene.
-    match positions.iter().position(|position| !position.iter().all(|x| x.is_finite())) {
-        Some(i) => vector(&format!("positions[{i}]"), &positions[i]),
+    check_finite("positions", positions)
+}
+
+/// Refuses coordinates that are not finite, named only then.
+fn check_finite(item: &str, vectors: &[[f64; 3]]) -> Result<(), Error> {
+    match vectors.iter().position(|vector| !vector.iter().all(|x| x.is_finite())) {
+        Some(i) => vector(&format!("{item}[{i}]"), &vectors[i]),
         None => Ok(()),
     }
 }

@@ -10,19 +10,29 @@ const ACROSS: [f64; 3] = [0.6180, 0.5310, 0.5797];
 /// Pairs looked at for each place in the mean at most: a million places of a lattice need 30.
 const MOST_PAIRS: usize = 256;
 
-/// The first pair of places nearer than `within` that `wanted` says yes to, and their distance. Time O(N log N).
-pub(crate) fn find_pair(
-    places: &[[f64; 3]],
-    within: f64,
-    wanted: impl Fn([usize; 2], f64) -> bool,
-) -> Option<([usize; 2], f64)> {
-    let along = |place: &[f64; 3]| (0..3).map(|axis| place[axis] * ACROSS[axis]).sum::<f64>();
-    let mut sorted: Vec<(f64, usize)> = places.iter().enumerate().map(|(k, place)| (along(place), k)).collect();
-    sorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let pairs = sorted.iter().enumerate().flat_map(|(at, &(from, k))| {
-        let ahead = sorted[at + 1..].iter().take_while(move |(to, _)| to - from < within);
-        ahead.map(move |&(_, l)| [k.min(l), k.max(l)])
-    });
-    let measured = pairs.take(MOST_PAIRS * places.len()).map(|[k, l]| ([k, l], distance(places[k], places[l])));
-    measured.into_iter().find(|&(pair, apart)| apart < within && wanted(pair, apart))
+/// Places in their order along the direction.
+pub(crate) struct Neighbours<'a> {
+    places: &'a [[f64; 3]],
+    sorted: Vec<(f64, usize)>,
+}
+
+impl<'a> Neighbours<'a> {
+    /// Time O(N log N).
+    pub(crate) fn of(places: &'a [[f64; 3]]) -> Self {
+        let along = |place: &[f64; 3]| (0..3).map(|axis| place[axis] * ACROSS[axis]).sum::<f64>();
+        let mut sorted: Vec<(f64, usize)> = places.iter().enumerate().map(|(k, place)| (along(place), k)).collect();
+        sorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        Self { places, sorted }
+    }
+
+    /// The first pair nearer than `within` that `wanted` says yes to, and their distance.
+    pub(crate) fn pair(&self, within: f64, wanted: impl Fn([usize; 2], f64) -> bool) -> Option<([usize; 2], f64)> {
+        let Self { places, sorted } = self;
+        let pairs = sorted.iter().enumerate().flat_map(|(at, &(from, k))| {
+            let ahead = sorted[at + 1..].iter().take_while(move |(to, _)| to - from < within);
+            ahead.map(move |&(_, l)| [k.min(l), k.max(l)])
+        });
+        let measured = pairs.take(MOST_PAIRS * places.len()).map(|[k, l]| ([k, l], distance(places[k], places[l])));
+        measured.into_iter().find(|&(pair, apart)| apart < within && wanted(pair, apart))
+    }
 }

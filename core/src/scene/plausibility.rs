@@ -12,7 +12,7 @@ use core::ops::RangeInclusive;
 use crate::scene::array::{Array, Origin};
 use crate::scene::geometry::distance;
 use crate::scene::medium::Medium;
-use crate::scene::neighbours::find_pair;
+use crate::scene::neighbours::Neighbours;
 use crate::scene::plane::Plane;
 use crate::scene::request::Request;
 
@@ -166,10 +166,11 @@ fn extent(array: &Array, medium: Medium) -> Option<Doubt> {
             let cure = if length == 0.0 { "leave one out".into() } else { metres(length, usual) };
             doubt(item, value, format!("{what} of {} m: {cure}", short(wavelength)))
         };
-        if let Some((pair, length)) = find_pair(places, close, |_, _| true) {
+        let neighbours = Neighbours::of(places);
+        if let Some((pair, length)) = neighbours.pair(close, |_, _| true) {
             return Some(told(Some(pair), length, "neighbours nearer than a twentieth of the wavelength"));
         }
-        if find_pair(places, far, |_, _| true).is_none() {
+        if neighbours.pair(far, |_, _| true).is_none() {
             return Some(told(None, distance(places[0], places[1]), "no neighbours within five wavelengths"));
         }
     }
@@ -227,7 +228,7 @@ pub(crate) fn contrary(medium: Medium, points: &[[f64; 3]], request: &Request) -
         let [one, other] = pair.map(|k| pressures[taking_part[k]]);
         (one - other).abs() > (medium.wavenumber() * distance).max(1e-3) * one.max(other)
     };
-    let (pair, distance) = find_pair(&places, medium.wavelength() / 10.0, apart)?;
+    let (pair, distance) = Neighbours::of(&places).pair(medium.wavelength() / 10.0, apart)?;
     let [j, k] = pair.map(|k| taking_part[k]);
     let value =
         format!("{} Pa, {} m from points[{k}] with {} Pa", short(pressures[j]), short(distance), short(pressures[k]));
