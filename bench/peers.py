@@ -48,7 +48,7 @@ class Entry:
 
     def __str__(self) -> str:
         size = f"N = {len(self.task.array)}, M = {self.task.count}"
-        return f"{self.worker.name} {self.method} ({self.form}), {size}"
+        return f"{self.worker.name} {self.method} ({self.form}), {size}, grid: {self.task.grid}"
 
     def ask(self, scene: int, repeat: int) -> dict[str, Any]:
         request = {"method": self.method, "form": self.form, "repeat": repeat}
@@ -86,6 +86,7 @@ class Entry:
             "form": self.form,
             "N": str(len(self.task.array)),
             "M": str(self.task.count),
+            "grid": self.task.grid,
             "rounds": str(rounds),
             "ns_median": f"{median(self.times):.0f}",
             "ns_min": f"{min(self.times):.0f}",
@@ -139,7 +140,7 @@ def keep(rows: list[record.Row]) -> None:
     path = BENCH / "records" / f"{rows[0]['date']}.csv"
     record.write(path, rows)
     print(f"wrote {path.relative_to(BENCH.parent)}")
-    if {rival for rival, _, _ in record.REFERENCES} <= {row["rival"] for row in rows}:
+    if record.REFERENCE in {row["rival"] for row in rows}:
         record.place(BENCH.parent / "README.md", record.table(rows))
         print("wrote the README's table")
 

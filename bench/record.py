@@ -8,18 +8,20 @@ from collections.abc import Sequence
 from pathlib import Path
 
 FIELDS = (
-    "date", "cpu", "rival", "version", "method", "form", "N", "M", "rounds", "ns_median", "ns_min",
+    "date", "cpu", "rival", "version", "method", "form", "grid", "N", "M", "rounds", "ns_median", "ns_min",
     "scenes", "accuracy", "sigma", "uniformity",
 )  # fmt: skip
 BEGIN, END = "<!-- bench:begin -->", "<!-- bench:end -->"
-#: What the README's ratios refer to: rival, method, form.
-REFERENCES = (("autd3", "greedy", "full"), ("textbook f64", "greedy", "call"))
+#: What all ratios refer to.
+REFERENCE, GREEDY = "autd3", "greedy 16 phases"
 #: The README's rows: NumPy in, NumPy out, or the call itself where there is no other.
-_FORMS = {"midair": ("solve", "Solver"), "autd3": ("full",), "acoustools": ("full",)}
-_SIZES = (16, 64)
+_FORMS = {"midair": "solve", "autd3": "full", "acoustools": "full"}
+_SIZES, _JUDGED = (1, 4, 8, 16, 64), (16, 64)
 _COUNT = "996"
 
 Row = dict[str, str]
+#: Rows of the README by rival, method, grid and M.
+_Found = dict[tuple[str, str, str, int], Row]
 
 
 def cpu() -> str:
@@ -50,50 +52,61 @@ def read(path: Path) -> list[Row]:
 
 
 def table(rows: Sequence[Row]) -> str:
-    """Markdown: a row a method at M = 16 and 64, medians as ratios, quality of the answers."""
-    boards = [row for row in rows if row["N"] == _COUNT]
-    found = {(row["rival"], row["method"], row["form"], int(row["M"])): row for row in boards}
-    named = list(dict.fromkeys(key[:3] for key in found if key[2] in _FORMS.get(key[0], (key[2],))))
-    versions = dict.fromkeys(f"{row['rival']} {row['version']}" for row in rows)
+    """Markdown: a row a method, medians as ratios at each M, quality of the answers."""
+    shown = [row for row in rows if row["N"] == _COUNT and row["form"] == _FORMS.get(row["rival"], "call")]
+    found = {(row["rival"], row["method"], row["grid"], int(row["M"])): row for row in shown}
     first = rows[0]
     caption = (
-        f"{first['date']}, {first['cpu']}, one thread, N = {_COUNT} (2 x 2 AUTD3 boards), G included. Ratios:"
-        " how many times as fast as autd3's greedy, and as the textbook's in double precision, by medians of"
-        f" CPU time over {first['rounds']} rounds. Answer: accuracy / sigma / uniformity by one forward"
-        f" model, means over {first['scenes']} scenes."
+        f"{first['date']}, {first['cpu']}, one thread, N = {_COUNT} (2 x 2 AUTD3 boards), G included; midair"
+        " is `midair.solve` from NumPy arrays. How many times as fast as autd3's greedy, by medians of CPU"
+        f" time over {first['rounds']} rounds: on the boards' grid of 256 phases x 256 amplitudes, where"
+        f" autd3's answers lie, and in brackets with any drive.{_beside_gspat(found)} Answer: accuracy /"
+        f" sigma, on the grid where there is one, by one forward model, means over {first['scenes']} scenes."
         " [What the numbers include and whom they favour](bench/README.md)."
     )
-    head = [
-        _wrapped(caption),
-        "",
-        "| | " + " | ".join(f"M = {m}: x autd3 | x textbook | answer" for m in _SIZES) + " |",
-        "|---" + "|---:|---:|---" * len(_SIZES) + "|",
-    ]
-    body = [
-        f"| {_label(*name)} | " + " | ".join(_cells(found, name, m) for m in _SIZES) + " |" for name in named
-    ]
+    times = "".join(f" M = {m} |" for m in _SIZES)
+    answers = "".join(f" answer, M = {m} |" for m in _JUDGED)
+    rule = "|---|" + "---:|" * len(_SIZES) + "---|" * len(_JUDGED)
+    head = [_wrapped(caption), "", f"| |{times}{answers}", rule]
+    named = dict.fromkeys((row["rival"], row["method"]) for row in shown)
+    body = [f"| {rival}, {method} | {' | '.join(_cells(found, rival, method))} |" for rival, method in named]
+    versions = dict.fromkeys(f"{row['rival']} {row['version']}" for row in rows)
     return "\n".join([*head, *body, "", _wrapped("; ".join(versions) + ".")])
+
+
+def _cells(found: _Found, rival: str, method: str) -> list[str]:
+    def both(m: int) -> list[Row | None]:
+        return [found.get((rival, method, grid, m)) for grid in ("board", "none")]
+
+    def ratios(m: int) -> str:
+        reference = found.get((REFERENCE, GREEDY, "board", m))
+        board, free = (_ratio(reference, row) for row in both(m))
+        return board if free == "-" else f"{board} ({free})"
+
+    return [*(ratios(m) for m in _SIZES), *(_answer(*both(m)) for m in _JUDGED)]
+
+
+def _beside_gspat(found: _Found) -> str:
+    """The quickest of both at few points."""
+    ours, theirs = (
+        [found.get((*name, "board", m)) for m in (1, 4, 8)]
+        for name in (("midair", "fast"), (REFERENCE, "gspat"))
+    )
+    ratios = [_ratio(*pair) for pair in zip(theirs, ours, strict=True)]
+    return "" if "-" in ratios else f" `fast` takes 1/{', 1/'.join(ratios)} of autd3's gspat at M = 1, 4, 8."
 
 
 def _wrapped(text: str) -> str:
     return textwrap.fill(text, 118, break_long_words=False, break_on_hyphens=False)
 
 
-def _label(rival: str, method: str, form: str) -> str:
-    return f"`midair.{form}`, {method}" if rival == "midair" else f"{rival}, {method}"
+def _answer(board: Row | None, free: Row | None) -> str:
+    row = board or free
+    return " / ".join(f"{float(row[metric]):.3f}" for metric in ("accuracy", "sigma")) if row else "-"
 
 
-def _cells(found: dict[tuple[str, str, str, int], Row], name: tuple[str, str, str], m: int) -> str:
-    row = found.get((*name, m))
-    if row is None:
-        return "- | - | -"
-    ratios = [_ratio(found.get((*reference, m)), row) for reference in REFERENCES]
-    quality = " / ".join(f"{float(row[metric]):.3f}" for metric in ("accuracy", "sigma", "uniformity"))
-    return " | ".join([*ratios, quality])
-
-
-def _ratio(reference: Row | None, row: Row) -> str:
-    if reference is None:
+def _ratio(reference: Row | None, row: Row | None) -> str:
+    if reference is None or row is None:
         return "-"
     ratio = float(reference["ns_median"]) / float(row["ns_median"])
     return f"{ratio:.0f}" if ratio >= 10 else f"{ratio:.2g}"

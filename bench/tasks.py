@@ -1,4 +1,4 @@
-"""What is asked of every rival: arrays, seeded points, targets."""
+"""What is asked of every rival: arrays, seeded points, targets, grid of the drives."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,8 +12,14 @@ import midair
 HEIGHT = 0.15  # m
 HALF = 0.1  # m, half the side of the square of points
 
-METHODS = ("greedy", "fast", "uniform", "best", "lm", "gspat", "gs", "wgs", "naive")
-SEARCHES = ("greedy", "fast")
+METHODS = ("greedy 16 phases", "fast", "uniform", "best", "lm", "gspat", "gs", "wgs", "naive")
+SEARCHES = METHODS[:2]
+#: On its board midair's greedy takes phases and amplitudes of the board, unless told otherwise.
+BOARD_METHODS = ("greedy 256 x 16", *METHODS)
+#: The grid that drives lie on: none, any of |q| <= 1 will do, or the preset's board's.
+NONE, BOARD = "none", "board"
+#: The part of p1 that a lone point is asked for: it can be had anywhere in the square.
+ALONE = 0.85
 
 
 @dataclass(frozen=True)
@@ -25,11 +31,11 @@ class Task:
     count: int
     methods: tuple[str, ...]
     rivals: tuple[str, ...]
+    grid: str = NONE
 
     @cached_property
     def array(self) -> midair.Array:
-        # Any drive: what the rivals' boards round to is no part of the methods.
-        return midair.Array.preset(self.preset, self.tiles, quantization={})
+        return midair.Array.preset(self.preset, self.tiles)
 
     def propagation(self, points: judge.Real) -> judge.Complex:
         return judge.propagation(self.array.positions, points, self.array.source_pressure)
@@ -44,13 +50,14 @@ class Task:
     def targets(self) -> judge.Real:
         """(M,) in Pa."""
         p1 = np.abs(self.propagation(np.array([[0, 0, HEIGHT]]))).sum()
-        return np.full(self.count, p1 / np.sqrt(self.count))
+        return np.full(self.count, p1 * (ALONE if self.count == 1 else 1 / np.sqrt(self.count)))
 
     def request(self, scene: int) -> dict[str, Any]:
         """What workers/serve.py takes, but for method, form and repeat."""
         return {
             "preset": self.preset,
             "tiles": self.tiles,
+            "grid": self.grid,
             "positions": self.array.positions.tolist(),
             "source_pressure": self.array.source_pressure,
             "wavenumber": judge.WAVENUMBER,
@@ -62,11 +69,14 @@ class Task:
 
 
 _SEARCHERS = ("midair", "textbook f64", "textbook f32")
-_LIBRARIES = ("midair", "autd3", "acoustools")
+_ANY = (*_SEARCHERS, "acoustools")
+#: autd3 answers in its boards' codes, whatever it is asked.
+_BOARD = ("midair", "autd3")
 
 TASKS = (
-    *[Task("autd3", (2, 2), count, METHODS, (*_LIBRARIES, *_SEARCHERS[1:])) for count in (4, 16, 64)],
-    Task("autd3", (2, 2), 256, METHODS, _LIBRARIES),
+    *[Task("autd3", (2, 2), count, BOARD_METHODS, _BOARD, BOARD) for count in (1, 4, 8, 16, 64, 256)],
+    *[Task("autd3", (2, 2), count, METHODS, _ANY) for count in (1, 4, 8, 16, 64)],
+    Task("autd3", (2, 2), 256, METHODS, ("midair", "acoustools")),
     *[Task("paper20", None, count, SEARCHES, _SEARCHERS) for count in (4, 16, 64)],
     Task("paper36", None, 38, SEARCHES, _SEARCHERS),
 )

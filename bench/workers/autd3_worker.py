@@ -14,7 +14,7 @@ OPTIONS = {
     "naive": holo.NaiveOption(parallel=False),
     "gs": holo.GsOption(parallel=False),
     "gspat": holo.GspatOption(parallel=False),
-    "greedy": holo.GreedyOption(),
+    "greedy 16 phases": holo.GreedyOption(),
 }
 FULL = core.Intensity.MAX
 
@@ -36,8 +36,8 @@ def prepare(task: dict[str, Any]) -> Prepared:
     geometry = boards(task["tiles"])
     wavelength = pattern.wavelength(core.Velocity.from_m_s(task["sound_speed"]))
     points, pressures = task["points"] * 1e3, task["pressures"]
-    method = getattr(holo, task["method"])
-    fixed = (FULL, OPTIONS["greedy"]) if task["method"] == "greedy" else (OPTIONS[task["method"]],)
+    name, options = task["method"].split()[0], OPTIONS[task["method"]]
+    method, fixed = getattr(holo, name), (FULL, options) if name == "greedy" else (options,)
 
     def foci() -> list[holo.AmplitudeTarget]:
         # Of Python's numbers, which is faster than of NumPy's rows.
@@ -47,7 +47,7 @@ def prepare(task: dict[str, Any]) -> Prepared:
     def buffers() -> list[Any]:
         """Phases, and amplitudes where the method chooses them."""
         phases = geometry.phase_buffer()
-        return [phases] if task["method"] == "greedy" else [phases, geometry.intensity_buffer()]
+        return [phases] if name == "greedy" else [phases, geometry.intensity_buffer()]
 
     def call(foci: list[holo.AmplitudeTarget], buffers: list[Any]) -> list[Any]:
         method(geometry, foci, wavelength, *fixed, *buffers)

@@ -8,23 +8,31 @@ from serve import Prepared, serve
 
 import midair
 
-FORMS = ("solve", "Solver") if hasattr(midair, "Solver") else ("solve",)
+#: Methods with options of their own.
+CHOICES = {
+    "greedy 16 phases": ("greedy", {"phases": 16, "amplitudes": 1}),
+    "greedy 256 x 16": ("greedy", {"phases": 256, "amplitudes": 16}),
+}
 
 
 def prepare(task: dict[str, Any]) -> Prepared:
-    array = midair.Array.preset(task["preset"], task["tiles"] and tuple(task["tiles"]), quantization={})
-    method, points, pressures = task["method"], task["points"], task["pressures"]
-    seeded = "seed" in midair.solvers()[method].options
-    options = {"seed": task["seed"]} if seeded else {}
+    quantization = {"none": {}, "board": None}[task["grid"]]
+    array = midair.Array.preset(
+        task["preset"], task["tiles"] and tuple(task["tiles"]), quantization=quantization
+    )
+    points, pressures = task["points"], task["pressures"]
+    method, options = CHOICES.get(task["method"], (task["method"], {}))
+    if "seed" in midair.solvers()[method].options:
+        options = {**options, "seed": task["seed"]}
 
     def solve() -> midair.Solution:
         scene = midair.Scene(array, points, pressures, sound_speed=task["sound_speed"])
         return midair.solve(scene, method, **options)
 
     def answer(drive: Any) -> dict[str, Any]:
-        metrics = solve().metrics
-        told = {name: getattr(metrics, name) for name in ("accuracy", "sigma", "uniformity")}
-        return {"drive": drive, "positions": array.positions, "metrics": told}
+        solution = solve()
+        told = {name: getattr(solution.metrics, name) for name in ("accuracy", "sigma", "uniformity")}
+        return {"drive": solution.scale * drive, "positions": array.positions, "metrics": told}
 
     if task["form"] == "solve":
         return lambda: solve().drive, answer
@@ -38,4 +46,4 @@ def prepare(task: dict[str, Any]) -> Prepared:
     return follow, answer
 
 
-serve(version("midair"), tuple(midair.solvers()), FORMS, prepare)
+serve(version("midair"), (*midair.solvers(), *CHOICES), ("solve", "Solver"), prepare)

@@ -1,9 +1,9 @@
 """A worker's side of the talk: a line of JSON in, a line of JSON out, the CPU time of this process between.
 
 First the worker says what it offers: {"version", "methods", "forms"}. Each request is a task {"method",
-"form", "preset", "tiles", "positions", "source_pressure", "wavenumber", "sound_speed", "points", "pressures",
-"seed", "repeat"} in SI units; the answer is {"ns"} of one of `repeat` calls, after one not counted. With
-"repeat" 0 it is {"drive": [re, im], "positions"}, and "metrics" where the rival reports any.
+"form", "preset", "tiles", "grid", "positions", "source_pressure", "wavenumber", "sound_speed", "points",
+"pressures", "seed", "repeat"} in SI units; the answer is {"ns"} of one of `repeat` calls, after one not
+counted. With "repeat" 0 it is {"drive": [re, im], "positions"}, and "metrics" where the rival reports any.
 """
 
 import json

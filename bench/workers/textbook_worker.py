@@ -30,4 +30,4 @@ def prepare(task: dict[str, Any]) -> Prepared:
     return run, lambda drive: {"drive": drive @ [1, 1j], "positions": positions}
 
 
-serve(f"C++ compiler {LIBRARY.version().decode()}", ("greedy",), ("call",), prepare)
+serve(f"C++ compiler {LIBRARY.version().decode()}", (f"greedy {PHASES} phases",), ("call",), prepare)

@@ -37,20 +37,31 @@ def test_the_readmes_table_is_made_from_the_newest_record() -> None:
     assert shown == f"\n{record.table(record.read(newest))}\n"
 
 
-def row(rival: str, method: str, form: str, ns: float) -> dict[str, str]:
-    known = {"rival": rival, "method": method, "form": form, "N": "996", "M": "16", "ns_median": str(ns)}
+def row(rival: str, method: str, form: str, grid: str, m: int, ns: float) -> dict[str, str]:
+    known = {"rival": rival, "method": method, "form": form, "grid": grid}
+    known |= {"N": "996", "M": str(m), "ns_median": str(ns)}
     return dict.fromkeys(load("record").FIELDS, "0.5") | known
 
 
-def test_ratios_refer_to_autd3_and_the_textbook() -> None:
+def test_ratios_refer_to_autd3s_greedy_on_the_board() -> None:
+    record = load("record")
     rows = [
-        row("midair", "greedy", "solve", 100),
-        row("autd3", "greedy", "full", 250),
-        row("textbook f64", "greedy", "call", 4000),
+        row("midair", record.GREEDY, "solve", "board", 16, 100),
+        row("midair", record.GREEDY, "Solver", "board", 16, 50),
+        row("midair", record.GREEDY, "solve", "none", 16, 80),
+        row("midair", "fast", "solve", "board", 4, 20),
+        row("autd3", record.GREEDY, "full", "board", 16, 2500),
+        row("autd3", "gspat", "full", "board", 4, 150),
+        row("textbook f64", record.GREEDY, "call", "none", 16, 5000),
     ]
-    table = load("record").table(rows)
-    assert "| `midair.solve`, greedy | 2.5 | 40 | 0.500 / 0.500 / 0.500 | - | - | - |" in table
-    assert "| autd3, greedy | 1 | 16 |" in table
+    table = record.table(rows)
+    assert "| midair, greedy 16 phases | - | - | - | 25 (31) | - | 0.500 / 0.500 | - |" in table
+    assert "| autd3, greedy 16 phases | - | - | - | 1 | - |" in table
+    assert "| textbook f64, greedy 16 phases | - | - | - | - (0.5) | - |" in table
+    assert "autd3's gspat" not in table
+    few = [row("midair", "fast", "solve", "board", m, 20) for m in (1, 8)]
+    few += [row("autd3", "gspat", "full", "board", m, 90) for m in (1, 8)]
+    assert "1/4.5, 1/7.5, 1/4.5 of autd3's gspat" in " ".join(record.table([*rows, *few]).split())
 
 
 def test_a_page_without_markers_is_left_alone(tmp_path: Path) -> None:

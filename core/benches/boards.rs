@@ -1,0 +1,178 @@
+//! Board's grid over any drive, and real transducers over point sources: ratios in one run, at a hand's few points too.
+//!
+//! `cargo bench -p midair --features parallel --bench boards`. Calls of a session on moving points and batches of 1024,
+//! on one thread, N = 996. Answers are checked first; then all sides alternate, and medians are compared.
+#![forbid(unsafe_code)]
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use midair::{
+    Array, Ask, Complex32, Control, Directivity, InstructionSet, Medium, Metrics, Model, Options, Quantization, Rng,
+    Session, Threads, Transducer, Value, solvers,
+};
+
+/// A measurement takes at least this long, by solving again.
+const LEAST: Duration = Duration::from_micros(1500);
+
+/// Scenes that a session goes through.
+const SCENES: usize = 8;
+
+/// What is measured: it does its work so many times.
+type Side<'a> = Box<dyn FnMut(usize) + 'a>;
+
+fn timed(side: &mut Side<'_>, times: usize) -> Duration {
+    let start = Instant::now();
+    side(times);
+    start.elapsed()
+}
+
+/// Median time of each side's work, over rounds in which all alternate.
+fn medians(sides: &mut [Side<'_>], rounds: usize) -> Vec<Duration> {
+    let enough = |side: &mut Side<'_>| (LEAST.as_nanos() / timed(side, 2).as_nanos().max(1) * 2).max(1) as usize;
+    let counts: Vec<usize> = sides.iter_mut().map(enough).collect();
+    let mut times = vec![Vec::new(); sides.len()];
+    for round in 0..rounds {
+        for k in 0..sides.len() {
+            let k = (k + round) % sides.len();
+            times[k].push(timed(&mut sides[k], counts[k]) / counts[k] as u32);
+        }
+    }
+    times.iter_mut().for_each(|times| times.sort_unstable());
+    times.iter().map(|times| times[rounds / 2]).collect()
+}
+
+/// A method under its label.
+struct Method {
+    label: &'static str,
+    name: &'static str,
+    options: &'static [(&'static str, i128)],
+}
+
+const FAST: Method = Method { label: "fast", name: "fast", options: &[] };
+const UNIFORM: Method = Method { label: "uniform", name: "uniform", options: &[] };
+
+/// Greedy of so many phases at full amplitude: the same search whatever the board.
+const fn greedy(label: &'static str, options: &'static [(&'static str, i128)]) -> Method {
+    Method { label, name: "greedy", options }
+}
+
+const GREEDY_16: Method = greedy("greedy, 16 phases", &[("phases", 16), ("amplitudes", 1)]);
+const GREEDY_32: Method = greedy("greedy, 32 phases", &[("phases", 32), ("amplitudes", 1)]);
+const GREEDY_256: Method = greedy("greedy, 256 phases", &[("phases", 256), ("amplitudes", 1)]);
+
+impl Method {
+    fn session(&self, array: &Array) -> Session {
+        let model = Model::new(array, Medium::default(), InstructionSet::best()).expect("an array");
+        let options: Options = self.options.iter().map(|&(name, value)| (name.into(), Value::Integer(value))).collect();
+        let made = solvers::find(self.name).and_then(|entry| entry.configure_for(&options, array.quantization()));
+        let made = made.expect("a method");
+        Session::new(model, made.solver, made.info.balance)
+    }
+}
+
+/// Scenes of so many points in a square of 100 mm at 200 mm, as loud as the array can.
+fn scenes(count: usize, points: usize) -> Vec<Ask> {
+    let mut rng = Rng::new(points as u64);
+    let mut coordinate = || 0.1 * rng.uniform() - 0.05;
+    let mut scene = || (0..points).map(|_| [coordinate(), coordinate(), 0.2]).collect();
+    (0..count).map(|_| Ask { points: scene(), ..Ask::default() }).collect()
+}
+
+/// A session's answer to the first scene, on the grid of its array.
+fn checked(session: &mut Session, array: &Array, ask: &Ask) -> Metrics {
+    let solution = session.solve(ask, &mut Control::none()).expect("an answer");
+    if let Some(quantization) = array.quantization() {
+        assert!(solution.drive.iter().all(|&q| quantization.nearest(q) == q), "not on the grid");
+    }
+    solution.metrics()
+}
+
+/// Times of single calls on each array, in us: the first's, and the others over it.
+fn calls(arrays: &[Array], method: &Method, points: usize, rounds: usize) -> Vec<f64> {
+    let scenes = scenes(SCENES, points);
+    let mut sessions: Vec<Session> = arrays.iter().map(|array| method.session(array)).collect();
+    let pairs = sessions.iter_mut().zip(arrays);
+    let metrics: Vec<Metrics> = pairs.map(|(session, array)| checked(session, array, &scenes[0])).collect();
+    // Sixteenths of a turn lose 2 % of the pressure, and an uneven field may lose more.
+    assert!(metrics.iter().all(|m| m.accuracy > 0.8 * metrics[0].accuracy), "{}: {metrics:?}", method.label);
+    let side = |mut session: Session| -> Side<'_> {
+        let (scenes, mut next) = (&scenes, 0);
+        Box::new(move |times| {
+            for _ in 0..times {
+                black_box(session.solve(&scenes[next % SCENES], &mut Control::none()).expect("an answer"));
+                next += 1;
+            }
+        })
+    };
+    over_first(&mut sessions.into_iter().map(side).collect::<Vec<_>>(), 1, rounds)
+}
+
+/// Times of one problem of a batch on each array, likewise.
+fn batches(arrays: &[Array], method: &Method, (count, points): (usize, usize), rounds: usize) -> Vec<f64> {
+    let scenes = scenes(count, points);
+    let ask = |k: usize, ask: &mut Ask| {
+        ask.points.clone_from(&scenes[k].points);
+        Ok(())
+    };
+    let side = |array: &Array| -> Side<'_> {
+        let (mut session, mut drives) = (method.session(array), vec![Complex32::ZERO; count * array.len()]);
+        let ask = &ask;
+        Box::new(move |times| {
+            for _ in 0..times {
+                let control = &mut Control::none().on(Threads::default().at_most(1));
+                black_box(session.solve_batch(count, points, ask, &mut drives, control).expect("answers"));
+            }
+        })
+    };
+    over_first(&mut arrays.iter().map(side).collect::<Vec<_>>(), count, rounds)
+}
+
+fn over_first(sides: &mut [Side<'_>], count: usize, rounds: usize) -> Vec<f64> {
+    let times: Vec<f64> = medians(sides, rounds).iter().map(Duration::as_secs_f64).collect();
+    let first = times[0];
+    times.iter().enumerate().map(|(k, time)| if k == 0 { time * 1e6 / count as f64 } else { time / first }).collect()
+}
+
+/// A table: a row a method, a group of columns a number of points.
+fn table(title: &str, methods: &[&Method], points: &[usize], cells: impl Fn(&Method, usize) -> Vec<f64>) {
+    println!("\n{title}");
+    for method in methods {
+        print!("{:19}", method.label);
+        for &points in points {
+            let cells = cells(method, points);
+            let ratios: String = cells[1..].iter().map(|ratio| format!(" {ratio:5.2}")).collect();
+            print!("| {:7.1}{ratios} ", cells[0]);
+        }
+        println!();
+    }
+}
+
+fn main() {
+    // `cargo test` runs benches too, to see that they work; it asks for no figures.
+    let full = std::env::args().any(|argument| argument == "--bench");
+    let (tiles, rounds, few) = if full { ([2, 2], 15, 5) } else { ([1, 1], 1, 1) };
+    let (hand, count) = if full { (&[1, 4, 8, 16, 64][..], 1024) } else { (&[3][..], 20) };
+    let (some, one_group) = if full { (&[4, 16, 64][..], &[4, 16][..]) } else { (&[3][..], &[3][..]) };
+    let board = Array::preset("autd3", tiles).expect("boards");
+    let free = board.clone().with_quantization(None);
+    let coarse = Quantization::new(Some(32), Some(vec![0.0, 1.0])).expect("a grid");
+    let coarse = free.clone().with_quantization(Some(coarse));
+    let heading = |what: &str, points: &[usize]| format!("{what}, N = {}, M = {points:?}", free.len());
+    for (name, grid, greedy) in [("256 x 256", board, GREEDY_256), ("32 phases, on/off", coarse, GREEDY_32)] {
+        let (arrays, methods) = ([free.clone(), grid], [&FAST, &GREEDY_16, &greedy, &UNIFORM]);
+        let title = heading(&format!("any drive in us, then how many times that with {name}"), hand);
+        table(&title, &methods, hand, |method, points| calls(&arrays, method, points, rounds));
+        let title = heading(&format!("the same, a problem of a batch of {count}"), one_group);
+        table(&title, &methods, one_group, |method, points| batches(&arrays, method, (count, points), few));
+    }
+
+    let radiates = |name| {
+        let directivity = Directivity::named(name, None).expect("a directivity");
+        free.clone().with_transducer(Transducer { directivity, ..free.transducer() }).expect("a transducer")
+    };
+    let real = ["piston", "sinc", "cos", "t4010a1"];
+    let beams: Vec<Array> = [free.clone()].into_iter().chain(real.map(radiates)).collect();
+    let title = heading("point sources in us, then how many times that with piston, sinc, cos and t4010a1", some);
+    table(&title, &[&FAST, &GREEDY_16, &UNIFORM], some, |method, points| calls(&beams, method, points, rounds));
+}
