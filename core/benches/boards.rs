@@ -38,8 +38,11 @@ fn medians(sides: &mut [Side<'_>], rounds: usize) -> Vec<Duration> {
             times[k].push(timed(&mut sides[k], counts[k]) / counts[k] as u32);
         }
     }
-    times.iter_mut().for_each(|times| times.sort_unstable());
-    times.iter().map(|times| times[rounds / 2]).collect()
+    let median = |mut times: Vec<Duration>| {
+        times.sort_unstable();
+        times[rounds / 2]
+    };
+    times.into_iter().map(median).collect()
 }
 
 /// A method under its label.
@@ -141,8 +144,9 @@ fn table(title: &str, methods: &[&Method], points: &[usize], cells: impl Fn(&Met
         print!("{:19}", method.label);
         for &points in points {
             let cells = cells(method, points);
-            let ratios: String = cells[1..].iter().map(|ratio| format!(" {ratio:5.2}")).collect();
-            print!("| {:7.1}{ratios} ", cells[0]);
+            print!("| {:7.1}", cells[0]);
+            cells[1..].iter().for_each(|ratio| print!(" {ratio:5.2}"));
+            print!(" ");
         }
         println!();
     }
