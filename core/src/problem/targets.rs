@@ -16,6 +16,9 @@ use crate::scene::Request;
 const MOST_TARGET: f64 = 1e15;
 const LEAST_TARGET: f64 = 1e-30;
 
+/// A point that the whole array brings to less, in Pa, is not reached: quotients would overflow.
+const LEAST_REACH: f64 = 1e-200;
+
 /// What a request asks of an array, over all points, in Pa.
 #[derive(Clone, Debug)]
 pub(crate) struct Targets {
@@ -100,7 +103,8 @@ impl Targets {
         let within = LEAST_TARGET..=MOST_TARGET;
         for (&j, &reach) in self.active.iter().zip(reach) {
             let target = self.pascals[j];
-            if target > 0.0 && reach == 0.0 {
+            let alone = reach * reference;
+            if target > 0.0 && alone < LEAST_REACH {
                 return Err(Error::Unreached { point: j, cure: self.propagation.cure_of_silence() });
             }
             if self.given && target > 0.0 && !within.contains(&(target / reference)) {
@@ -108,7 +112,6 @@ impl Targets {
                 return Err(Error::invalid(format!("points[{j}].pressure"), format!("{target:e}"), cure));
             }
             // Sums in f32 are exact to 1e-4 of the reach.
-            let alone = reach * reference;
             if self.given && target > (1.0 + 1e-4) * alone {
                 self.overasked = self.overasked.or(Some((j, alone)));
                 self.excess = self.excess.max(target / alone);

@@ -29,8 +29,11 @@ impl Directivity {
             Self::Piston(_) | Self::Sinc(_) => true,
             Self::Cos(exponent) => libm::fmod(exponent, 2.0) == 0.0,
         };
-        let series =
-            if even { short_series(|square| self.value(math::sqrt(square), k)) } else { short_series(|c| self.value(c, k)) };
+        let series = if even {
+            short_series(|square| self.value(math::sqrt(square), k))
+        } else {
+            short_series(|c| self.value(c, k))
+        };
         let powers = powers(&series);
         let polynomial = if size(&powers) <= TERMS { polynomial(even, &powers) } else { None };
         Some(polynomial.unwrap_or_else(|| match *self {

@@ -49,6 +49,7 @@ fn no_spread_of_a_matrix_or_its_targets_makes_an_answer_unfit() {
         ("rows over 24 orders", spread(|j, _| power(24.0 * j as f64 / 3.0 - 24.0))),
         ("a row of 1e-20", spread(|j, _| row(j, 1e-20))),
         ("a row of 1e-29", spread(|j, _| row(j, 1e-29))),
+        ("a row of 1e-310", spread(|j, _| row(j, 1e-310))),
         ("a zero row", spread(|j, _| row(j, 0.0))),
         ("columns over 48 orders", spread(|_, i| power(-2.0 * i as f64))),
         ("entries over 24 orders", spread(|j, i| power(12.0 * far(j, i) - 12.0))),
@@ -69,6 +70,7 @@ fn no_spread_of_a_matrix_or_its_targets_makes_an_answer_unfit() {
         {
             // What no transducer reaches, or hardly one, is refused in words.
             let Ok(problem) = problem(matrix, pressures) else { continue };
+            assert!(problem.targets_in_pascals().iter().all(|target| target.is_finite()), "{name}, {kind}");
             for entry in SOLVERS {
                 let solver = entry.configure(&Options::new()).expect("defaults").solver;
                 let solution = solved(&problem, &*solver);

@@ -3,8 +3,8 @@
 use core::array::from_fn;
 
 use crate::kernels::lanes::{LANES, Lanes};
-use crate::kernels::propagate::directivity::Pattern;
 use crate::kernels::propagate::directivity::Ahead;
+use crate::kernels::propagate::directivity::Pattern;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tests::{ROUNDING, WAVENUMBER, wide};
 use crate::scene::Directivity;
