@@ -5,9 +5,10 @@ use num_complex::Complex32;
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::lanes::{LANES, Lanes};
+use crate::kernels::propagate::field::add_field;
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::vector::{add_wave, correlation};
+use crate::kernels::vector::{add_row, correlation};
 
 /// Rows met together by one pass over a vector: their sums fill a register.
 const TOGETHER: usize = LANES / 2;
@@ -45,24 +46,29 @@ pub(crate) fn correlate_rows(
     })
 }
 
-/// P += G q for every transducer that is driven; `row` is memory for one row.
+/// P += G q for every transducer that is driven.
 ///
 /// # Errors
-/// A stop, asked for once a transducer.
+/// A stop, asked for once a transducer or oftener.
 pub(crate) fn add_waves(
     set: InstructionSet,
     rows: Rows<'_>,
     drive: &[Complex32],
-    row: [&mut [f32]; 2],
-    field: [&mut [f32]; 2],
+    [re, im]: [&mut [f32]; 2],
     control: &mut Control,
 ) -> Result<(), Error> {
+    let [all_re, all_im] = match rows {
+        Rows::Computed { radiation, sources, control_points } => {
+            return add_field(set, radiation, sources, drive, control_points, [re, im], control);
+        }
+        Rows::Stored { re, im } => [re, im],
+    };
     dispatch!(set, s => {
-        let ([row_re, row_im], [re, im]) = (row, field);
+        let lanes = re.len();
         for (i, q) in drive.iter().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
             control.pulse()?;
-            rows.write(s, i, row_re, row_im);
-            add_wave(s, [&*row_re, &*row_im], [q.re, q.im], re, im);
+            let row = [all_re, all_im].map(|all| &all[i * lanes..(i + 1) * lanes]);
+            add_row(s, row, [q.re, q.im], re, im);
         }
         Ok(())
     })

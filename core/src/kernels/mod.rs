@@ -34,6 +34,7 @@ pub(crate) use greedy::point_group::PointGroup;
 pub(crate) use greedy::rotate::{keep, rotate};
 pub(crate) use lanes::{LANES, padded};
 pub(crate) use matrix::{add_waves, correlate_rows};
+pub(crate) use propagate::field::add_field;
 pub(crate) use propagate::form::Radiation;
 pub(crate) use propagate::moduli::{Run, add_moduli, interleaved_moduli};
 pub(crate) use propagate::row::{ControlPoints, Row, row};

@@ -4,21 +4,27 @@ use crate::kernels::lanes::{groups, groups_mut};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Simd, TINY};
 
-/// P += G q, q = (re, im).
+/// P + G q.
 #[inline(always)]
-pub(crate) fn add_wave<S: Simd>(s: S, row: [&[f32]; 2], drive: [f32; 2], re: &mut [f32], im: &mut [f32]) {
-    let (qr, qi) = (s.splat(drive[0]), s.splat(drive[1]));
+pub(crate) fn add_wave<S: Simd>(s: S, [gr, gi]: [S::V; 2], [qr, qi]: [S::V; 2], [re, im]: [S::V; 2]) -> [S::V; 2] {
+    [s.fma(gr, qr, s.fnma(gi, qi, re)), s.fma(gr, qi, s.fma(gi, qr, im))]
+}
+
+/// P += G q over all points.
+#[inline(always)]
+pub(crate) fn add_row<S: Simd>(s: S, row: [&[f32]; 2], drive: [f32; 2], re: &mut [f32], im: &mut [f32]) {
+    let q = [s.splat(drive[0]), s.splat(drive[1])];
     let rows = groups(row[0]).iter().zip(groups(row[1]));
-    for ((gr, gi), (pr, pi)) in rows.zip(groups_mut(re).iter_mut().zip(groups_mut(im))) {
-        let (r, i) = (s.load(gr), s.load(gi));
-        s.store(s.fma(r, qr, s.fnma(i, qi, s.load(pr))), pr);
-        s.store(s.fma(r, qi, s.fma(i, qr, s.load(pi))), pi);
+    for ((gr, gi), (re, im)) in rows.zip(groups_mut(re).iter_mut().zip(groups_mut(im))) {
+        let [real, imaginary] = add_wave(s, [s.load(gr), s.load(gi)], q, [s.load(re), s.load(im)]);
+        s.store(real, re);
+        s.store(imaginary, im);
     }
 }
 
 /// P += G q, q = (re, im).
 pub(crate) fn accumulate(set: InstructionSet, row: [&[f32]; 2], drive: [f32; 2], re: &mut [f32], im: &mut [f32]) {
-    dispatch!(set, s => add_wave(s, row, drive, re, im));
+    dispatch!(set, s => add_row(s, row, drive, re, im));
 }
 
 /// out = |P|; 0 where |P|^2 is below the smallest normal number.

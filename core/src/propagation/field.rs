@@ -8,11 +8,11 @@ use num_complex::Complex32;
 use crate::control::{Control, bytes};
 use crate::error::Error;
 use crate::kernels;
-use crate::kernels::{ControlPoints, Row, padded};
+use crate::kernels::{ControlPoints, padded};
 use crate::propagation::model::Model;
 use crate::scene::{check_drive, check_places};
 
-/// Points worked on by one thread at once: their rows stay in the first-level cache.
+/// Points worked on by one thread at once.
 const CHUNK: usize = 256;
 
 /// Entries of G a thread goes through between two steps: some milliseconds.
@@ -67,7 +67,7 @@ pub fn field(
     Ok(pressures)
 }
 
-/// One chunk: every transducer's row over it, added up.
+/// One chunk: the waves of all transducers, added up.
 fn chunk(
     model: &Model,
     drive: &[Complex32],
@@ -78,12 +78,9 @@ fn chunk(
     let sources = &model.sources;
     let [x, y, z] = &sources.frame(points);
     let control_points = ControlPoints { coordinates: [x, y, z], count: points.len() };
-    let [mut row_re, mut row_im, mut re, mut im] = [(); 4].map(|()| vec![0.0; padded(points.len())]);
-    for (i, q) in drive.iter().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
-        control.pulse()?;
-        model.row(i, control_points, &mut Row { re: &mut row_re, im: &mut row_im });
-        kernels::accumulate(model.set, [&row_re, &row_im], [q.re, q.im], &mut re, &mut im);
-    }
+    let [mut re, mut im] = [(); 2].map(|()| vec![0.0; padded(points.len())]);
+    let transducers = &sources.transducers;
+    kernels::add_field(model.set, &sources.radiation, transducers, drive, control_points, [&mut re, &mut im], control)?;
     let scale = |x: f32| (f64::from(x) * sources.reference()) as f32;
     for (out, (re, im)) in out.iter_mut().zip(re.iter().zip(&im)) {
         *out = Complex32::new(scale(*re), scale(*im));

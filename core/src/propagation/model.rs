@@ -3,8 +3,7 @@
 use alloc::sync::Arc;
 
 use crate::error::Error;
-use crate::kernels;
-use crate::kernels::{ControlPoints, InstructionSet, Row};
+use crate::kernels::InstructionSet;
 use crate::propagation::Propagation;
 use crate::propagation::sources::Sources;
 use crate::scene::{Array, Medium, Scene, check_array};
@@ -60,10 +59,5 @@ impl Model {
     #[must_use]
     pub fn medium(&self) -> Medium {
         self.sources.medium
-    }
-
-    /// Row i over some padded points, in units of the reference.
-    pub(crate) fn row(&self, i: usize, points: ControlPoints<'_>, out: &mut Row<'_>) {
-        kernels::row(self.set, &self.sources.radiation, (&self.sources.transducers, i), points, out);
     }
 }

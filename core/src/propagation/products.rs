@@ -41,9 +41,9 @@ pub(crate) fn field_of<'w>(
     work: &'w Workspace,
     control: &mut Control,
 ) -> Result<Planar<'w>, Error> {
-    let [mut row, mut field] = [(); 2].map(|()| Planar::zeros(1, propagation.lanes(), work));
-    let (memory, into) = ([&mut row.re[..], &mut row.im[..]], [&mut field.re[..], &mut field.im[..]]);
-    kernels::add_waves(propagation.instruction_set(), propagation.rows(), drive, memory, into, control)?;
+    let mut field = Planar::zeros(1, propagation.lanes(), work);
+    let into = [&mut field.re[..], &mut field.im[..]];
+    kernels::add_waves(propagation.instruction_set(), propagation.rows(), drive, into, control)?;
     Ok(field)
 }
 

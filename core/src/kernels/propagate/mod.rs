@@ -1,6 +1,7 @@
 //! Rows of G from positions, eq. (5).
 
 pub(crate) mod directivity;
+pub(crate) mod field;
 pub(crate) mod form;
 pub(crate) mod moduli;
 pub(crate) mod row;

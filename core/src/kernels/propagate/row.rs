@@ -139,7 +139,7 @@ pub(crate) fn row(
 
 /// Zeros in the padding.
 #[inline(always)]
-fn silence<S: Simd>(s: S, list: &mut [f32], count: usize) {
+pub(crate) fn silence<S: Simd>(s: S, list: &mut [f32], count: usize) {
     const LANE: Lanes = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
     if let Some(last) = groups_mut(list).last_mut()
         && !count.is_multiple_of(LANES)

@@ -3,23 +3,23 @@
 use core::array::from_fn;
 
 use crate::kernels::lanes::{LANES, Lanes};
-use crate::kernels::propagate::directivity::Ahead;
-use crate::kernels::propagate::directivity::Pattern;
+use crate::kernels::propagate::form::{Form, Radiation, formed};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tests::{ROUNDING, WAVENUMBER, wide};
 use crate::scene::Directivity;
 
-/// The largest difference from D over cosines from 0 to 1, sixteen at a time.
-fn error(set: InstructionSet, directivity: Directivity, steps: u32) -> f64 {
-    let pattern = directivity.pattern(WAVENUMBER).expect("not a point");
+/// The largest difference from D over cosines from -1 to 1, sixteen at a time.
+fn error(set: InstructionSet, directivity: Directivity, steps: i32) -> f64 {
+    let radiation = Radiation { decay: 0.0, pattern: directivity.pattern(WAVENUMBER) };
     let mut error = 0.0_f64;
-    for first in (0..=steps).step_by(LANES) {
-        let cosines: Lanes = from_fn(|l| (first + l as u32).min(steps) as f32 / steps as f32);
-        // Half the ray at twice the inverse: all the digits of the cosine are there.
+    for first in (-steps..=steps).step_by(LANES) {
+        let cosines: Lanes = from_fn(|l| (first + l as i32).min(steps) as f32 / steps as f32);
+        // Half the ray at twice the inverse distance: the cosine has all its digits.
         let rays = cosines.map(|c| 0.5 * c);
         let got = dispatch!(set, s => {
-            let mut got = [f32::NAN; LANES];
-            s.store(pattern.directivity(s, s.load(&rays), s.splat(2.0)), &mut got);
+            let (mut got, [zero, one, two]) = ([f32::NAN; LANES], [0.0, 1.0, 2.0].map(#[inline(always)] |x| s.splat(x)));
+            let (normal, ray) = ([zero, zero, one], [one, zero, s.load(&rays)]);
+            s.store(formed!(radiation, true, form => form.direct(s, one, normal, ray, two)), &mut got);
             got
         });
         for (got, c) in got.into_iter().zip(cosines) {

@@ -66,10 +66,7 @@ fn products_with_rows_are_their_sums() {
                 (0..matrix.rows).map(|k| Complex32::cis(k as f32) * if k % 5 == 4 { 0.0 } else { 0.5 }).collect();
             let want = |j: usize| (0..matrix.rows).map(|k| matrix.at(k, j) * exact(factors[k])).sum();
             let (mut re, mut im) = (vec![0.0; lanes], vec![0.0; lanes]);
-            let (mut row_re, mut row_im) = (vec![f32::NAN; lanes], vec![f32::NAN; lanes]);
-            let row = [&mut row_re[..], &mut row_im[..]];
-            add_waves(set, matrix.rows(), &factors, row, [&mut re, &mut im], &mut Control::none())
-                .expect("nobody stops it");
+            add_waves(set, matrix.rows(), &factors, [&mut re, &mut im], &mut Control::none()).expect("nobody stops it");
             for j in 0..count {
                 assert_close(Complex64::new(wide(re[j]), wide(im[j])), want(j), matrix.rows, "add_waves");
             }

@@ -25,10 +25,13 @@ use alloc::vec::Vec;
 use core::f64::consts::{LOG2_E, TAU};
 use core::ops::RangeInclusive;
 
+use num_complex::Complex32;
+
 use crate::control::Control;
 use crate::kernels::lanes::{LANES, padded};
+use crate::kernels::propagate::form::Radiation;
 use crate::kernels::propagate::moduli::{Run, add_moduli};
-use crate::kernels::propagate::row::{ControlPoints, Radiation, Row};
+use crate::kernels::propagate::row::{ControlPoints, Row};
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::propagate::source::{Source, SourceList};
 use crate::kernels::simd::instruction_set::InstructionSet;
@@ -146,6 +149,7 @@ impl Shot {
             assert_near(im[j], gain * amplitude * sin, flat + phase, what);
             assert!((moduli[j] - 1.0 - gain * amplitude.abs()).abs() <= flat, "{what}: |G| of point {j}");
         }
+        self.check_field(set, [&re, &im]);
         self.check_tile(set, [&re, &im]);
         for list in [&re, &im] {
             assert!(list[self.count..].iter().all(|&x| x == 0.0), "padding of {} is not silent", self.count);
@@ -154,6 +158,24 @@ impl Shot {
 }
 
 impl Shot {
+    /// The field of this transducer, one that is off and this again is G q, and silent beyond the last point.
+    fn check_field(&self, set: InstructionSet, row: [&[f32]; 2]) {
+        let sources = SourceList::new(&[self.source; 3]);
+        let drive = [Complex32::new(0.6, -0.7), Complex32::ZERO, Complex32::new(-0.1, 0.3)];
+        let [mut re, mut im] = [(); 2].map(|()| vec![0.0; padded(self.count)]);
+        let (to, control) = ([&mut re[..], &mut im[..]], &mut Control::none());
+        super::add_field(set, &self.radiation, &sources, &drive, self.control_points(), to, control).expect("no stop");
+        let q = drive.iter().sum::<Complex32>();
+        for j in 0..self.count {
+            let ([gr, gi], [qr, qi]) = (row.map(|part| wide(part[j])), [q.re, q.im].map(wide));
+            // Six roundings of numbers below |G|.
+            let allowed = 6.0 * ROUNDING * gr.hypot(gi);
+            assert_near(re[j], gr * qr - gi * qi, allowed, "re");
+            assert_near(im[j], gr * qi + gi * qr, allowed, "im");
+        }
+        assert!(re[self.count..].iter().chain(&im[self.count..]).all(|&x| x == 0.0), "padding was given sound");
+    }
+
     /// The tile of this transducer and a second, in phase, is made of their rows to the bit, and silent beyond.
     fn check_tile(&self, set: InstructionSet, row: [&[f32]; 2]) {
         let sources = SourceList::new(&[self.source, Source { turns: 0.0, ..self.source }]);

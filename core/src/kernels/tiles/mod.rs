@@ -15,6 +15,7 @@ use crate::kernels::lanes::{BLOCK, Block, LANES, Lanes, groups, groups_mut};
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Simd, TINY};
+use crate::kernels::vector::add_wave;
 
 /// Length of a vector over the transducers: whole pairs of tiles.
 pub(crate) const fn lanes(transducers: usize) -> usize {
@@ -161,12 +162,6 @@ fn sound<S: Simd>(s: S, tiles: Tiles<'_>, [qr, qi]: [&[Lanes]; 2], [re, im]: [&m
         }
         hear(s, sums, re, im);
     }
-}
-
-/// P + G q.
-#[inline(always)]
-fn add_wave<S: Simd>(s: S, [gr, gi]: [S::V; 2], [qr, qi]: [S::V; 2], [re, im]: [S::V; 2]) -> [S::V; 2] {
-    [s.fma(gr, qr, s.fnma(gi, qi, re)), s.fma(gr, qi, s.fma(gi, qr, im))]
 }
 
 /// The pressures of four rows: their sums over the lanes.

@@ -1,0 +1,78 @@
+//! Field of a drive, P += G q: elements of G go straight into sums in registers, and no row is written.
+//!
+//! ```text
+//! for each run of 512 transducers, each lane group of points:
+//!     load P;  for each driven transducer:  P += element q;  store P
+//! ```
+//!
+//! 1. P is loaded and stored once a run, so that an element costs its own instructions and four more.
+//! 2. The sources of a run, 16 KB, stay in the nearest cache.
+
+use num_complex::Complex32;
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::kernels::lanes::{groups, groups_mut};
+use crate::kernels::propagate::form::{Form, Radiation, formed};
+use crate::kernels::propagate::row::{ControlPoints, element, silence};
+use crate::kernels::propagate::source::SourceList;
+use crate::kernels::simd::Simd;
+use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::vector::add_wave;
+
+/// Transducers that are added before the next points.
+const RUN: usize = 512;
+
+/// P += G q for every transducer that is driven.
+///
+/// # Errors
+/// A stop, asked for at least once every [`RUN`] elements.
+pub(crate) fn add_field(
+    set: InstructionSet,
+    radiation: &Radiation,
+    sources: &SourceList,
+    drive: &[Complex32],
+    points: ControlPoints<'_>,
+    field: [&mut [f32]; 2],
+    control: &mut Control,
+) -> Result<(), Error> {
+    dispatch!(set, s => formed!(radiation, sources.in_phase, form => {
+        add_form(s, form, (radiation, sources), drive, points, field, control)
+    }))
+}
+
+#[inline(always)]
+fn add_form<S: Simd>(
+    s: S,
+    form: impl Form,
+    (radiation, sources): (&Radiation, &SourceList),
+    drive: &[Complex32],
+    points: ControlPoints<'_>,
+    [re, im]: [&mut [f32]; 2],
+    control: &mut Control,
+) -> Result<(), Error> {
+    for (run, drive) in drive.chunks(RUN).enumerate() {
+        let mut driven = [(0, Complex32::ZERO); RUN];
+        let mut count = 0;
+        for (i, &q) in drive.iter().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
+            driven[count] = (run * RUN + i, q);
+            count += 1;
+        }
+        let [x, y, z] = points.coordinates.map(groups);
+        let sums = groups_mut(re).iter_mut().zip(groups_mut(im));
+        for (((x, y), z), (re, im)) in x.iter().zip(y).zip(z).zip(sums) {
+            control.pulse()?;
+            let place = [s.load(x), s.load(y), s.load(z)];
+            let mut sum = [s.load(re), s.load(im)];
+            for (i, q) in &driven[..count] {
+                let own = element(s, form, radiation, &sources.one(s, *i), place);
+                sum = add_wave(s, own, [s.splat(q.re), s.splat(q.im)], sum);
+            }
+            s.store(sum[0], re);
+            s.store(sum[1], im);
+        }
+    }
+    silence(s, re, points.count);
+    silence(s, im, points.count);
+    Ok(())
+}
