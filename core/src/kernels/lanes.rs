@@ -25,6 +25,16 @@ pub(crate) fn groups(slice: &[f32]) -> &[Lanes] {
     groups
 }
 
+/// The lane groups of two padded slices side by side, to write.
+#[inline(always)]
+pub(crate) fn pairs_mut<'a>(re: &'a mut [f32], im: &'a mut [f32]) -> impl ExactSizeIterator<Item = [&'a mut Lanes; 2]> {
+    let pairs = groups_mut(re).iter_mut().zip(groups_mut(im));
+    pairs.map(
+        #[inline(always)]
+        |(re, im)| [re, im],
+    )
+}
+
 /// The lane groups of a padded slice, to write.
 #[inline(always)]
 pub(crate) fn groups_mut(slice: &mut [f32]) -> &mut [Lanes] {

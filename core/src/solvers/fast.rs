@@ -21,8 +21,8 @@ use num_complex::Complex32;
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::closed_form;
-use crate::kernels::closed_form::Sweep;
 use crate::kernels::closed_form::interleaved;
+use crate::kernels::closed_form::{Memory, Sweep};
 use crate::linalg::Planar;
 use crate::math::modulus;
 use crate::problem::{Problem, Solution, Status};
@@ -84,9 +84,10 @@ impl Solve for Fast {
                 rows: propagation.rows(),
                 target: problem.targets(),
                 weight: problem.weights(),
+                count: propagation.points(),
                 block,
                 own: if sweep == 0 { 0.0 } else { OWN },
-                memory: &mut memory,
+                memory: Memory::of(&mut memory),
             };
             let report = |[re, im]: [&[f32]; 2]| {
                 step += 1;
@@ -119,9 +120,10 @@ impl Solve for Fast {
                 rows: batch.points.rows(),
                 target: &batch.target,
                 weight: &batch.weight,
+                count: lanes,
                 block: self.block as usize,
                 own: if sweep == 0 { 0.0 } else { OWN },
-                memory: &mut memory,
+                memory: Memory::of(&mut memory),
             };
             let [re, im] = &mut batch.pressures;
             let order = stride(count, self.seed);

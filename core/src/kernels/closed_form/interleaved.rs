@@ -15,10 +15,10 @@ use core::array;
 use num_complex::Complex32;
 
 use crate::kernels::closed_form;
-use crate::kernels::closed_form::{Block, Layout, Look, MOST, Sweep};
+use crate::kernels::closed_form::{Block, Layout, Look, MOST, Octet, Sweep, direction};
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
+use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::simd::{Simd, TINY};
 
 /// As [`crate::kernels::closed_form::sweep`] for up to 16 points in each lane; `drive` has two groups of lanes a transducer, re and im.
 pub(crate) fn sweep(
@@ -71,17 +71,15 @@ impl<S: Simd> Layout<S> for ProblemsInLanes<'_> {
     fn update(&mut self, s: S, block: &Block<'_>, look: Look<'_>, meanwhile: impl FnOnce()) -> [[S::V; 2]; MOST] {
         let members = block.members();
         let mut moved = [[s.splat(0.0); 2]; MOST];
-        let pairs = block.rows.chunks_exact(4 * look.weight.len()).zip(moved.as_chunks_mut().0);
-        for ((pair, z), members) in pairs.zip(members.chunks(2)) {
+        for ((pair, z), members) in moved.as_chunks_mut().0.iter_mut().enumerate().zip(members.chunks(2)) {
             let at = |k: usize| self.drive(s, members[k.min(members.len() - 1)], look.own);
             let own = (look.own > 0.0).then(|| [at(0), at(1)]);
-            *z = Terms::new(s, pair, look, own).sum();
+            *z = Terms::new(s, (block.rows, 2 * pair), look, own).sum();
         }
         // The other half of an odd pair.
         moved[members.len()..].fill([s.splat(0.0); 2]);
-        let scale = scale(s, &moved);
         for (z, &i) in moved.iter_mut().zip(members) {
-            let (q, old) = (direction(s, *z, scale), self.drive(s, i, 1.0));
+            let (q, old) = (direction(s, *z), self.drive(s, i, 1.0));
             let own = &mut groups_mut(self.drive)[2 * i..2 * i + 2];
             s.store(q[0], &mut own[0]);
             s.store(q[1], &mut own[1]);
@@ -95,8 +93,9 @@ impl<S: Simd> Layout<S> for ProblemsInLanes<'_> {
 /// What the sums of two transducers are made of, a group of lanes a point.
 struct Terms<'a, S: Simd> {
     s: S,
-    /// Re and im of each.
-    rows: [[&'a [Lanes]; 2]; 2],
+    rows: &'a [Octet],
+    /// The first of the two.
+    first: usize,
     residual: [&'a [Lanes]; 2],
     weight: &'a [Lanes],
     /// What is to be left of the wave of each.
@@ -105,12 +104,10 @@ struct Terms<'a, S: Simd> {
 
 impl<'a, S: Simd> Terms<'a, S> {
     #[inline(always)]
-    fn new(s: S, pair: &'a [f32], look: Look<'a>, own: Option<[[S::V; 2]; 2]>) -> Self {
-        let (weight, pair) = (groups(look.weight), groups(pair));
-        let count = weight.len();
-        let row = |k: usize| &pair[k * count..(k + 1) * count];
+    fn new(s: S, (rows, first): (&'a [Octet], usize), look: Look<'a>, own: Option<[[S::V; 2]; 2]>) -> Self {
+        let count = rows.len();
         let residual = look.residual.map(|list| &groups(list)[..count]);
-        Self { s, rows: [[row(0), row(1)], [row(2), row(3)]], residual, weight, own }
+        Self { s, rows, first, residual, weight: &groups(look.weight)[..count], own }
     }
 
     /// conj(G) d, and w |G|^2 q of the old drive.
@@ -119,8 +116,8 @@ impl<'a, S: Simd> Terms<'a, S> {
         let (s, zero) = (self.s, self.s.splat(0.0));
         let (dr, di) = (s.load(&self.residual[0][l]), s.load(&self.residual[1][l]));
         let mut terms = [[zero; 2]; 2];
-        for (k, ([re, im], term)) in self.rows.iter().zip(&mut terms).enumerate() {
-            let (gr, gi) = (s.load(&re[l]), s.load(&im[l]));
+        for (k, ([re, im], term)) in self.rows[l][self.first..self.first + 2].iter().zip(&mut terms).enumerate() {
+            let (gr, gi) = (s.load(re), s.load(im));
             *term = [s.fma(gr, dr, s.fma(gi, di, zero)), s.fma(gr, di, s.fnma(gi, dr, zero))];
             if let Some(own) = &self.own {
                 let power = s.fma(s.load(&self.weight[l]), s.fma(gr, gr, s.mul(gi, gi)), zero);
@@ -153,28 +150,4 @@ impl<'a, S: Simd> Terms<'a, S> {
 #[inline(always)]
 fn add<S: Simd>(s: S, a: [[S::V; 2]; 2], b: [[S::V; 2]; 2]) -> [[S::V; 2]; 2] {
     [[s.add(a[0][0], b[0][0]), s.add(a[0][1], b[0][1])], [s.add(a[1][0], b[1][0]), s.add(a[1][1], b[1][1])]]
-}
-
-/// One over the largest part of 8 complex sums in each lane: only directions matter, and relative to the largest no
-/// square under- or overflows.
-#[inline(always)]
-fn scale<S: Simd>(s: S, sums: &[[S::V; 2]; MOST]) -> S::V {
-    let mut largest = s.splat(f32::MIN_POSITIVE);
-    for &[re, im] in sums {
-        largest = s.max(largest, s.max(s.abs(re), s.abs(im)));
-    }
-    let mut lanes: Lanes = [0.0; LANES];
-    s.store(largest, &mut lanes);
-    s.load(&lanes.map(|x| 1.0 / x))
-}
-
-/// z/|z|; 0 for what is far below the lane's largest.
-#[inline(always)]
-fn direction<S: Simd>(s: S, z: [S::V; 2], scale: S::V) -> [S::V; 2] {
-    let (least, zero) = (s.splat(TINY), s.splat(0.0));
-    let [re, im] = [s.mul(z[0], scale), s.mul(z[1], scale)];
-    let square = s.add(s.mul(re, re), s.mul(im, im));
-    let inverse = s.rsqrt(s.max(square, least));
-    let part = |x| s.select_less(square, least, zero, s.mul(x, inverse));
-    [part(re), part(im)]
 }

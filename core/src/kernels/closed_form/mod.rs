@@ -9,46 +9,73 @@
 //!     d = w (t P/|P| - P)
 //! ```
 //!
-//! The loop is written once over [`Layout`]: the lanes hold 16 points of one problem ([`PointsInLanes`]) or one point
-//! of 16 problems ([`crate::kernels::closed_form::interleaved`]). What makes it fast:
+//! The loop is written once over [`Layout`]: a lane group holds 16 points ([`points`]), 4 or 8 points of 4 or 2 transducers
+//! ([`segments`]) or one point of 16 problems ([`interleaved`]). A block's sums follow one tree in all of them. What makes
+//! it fast:
 //!
 //! 1. A block shares d, so that its 16 sums over lanes (re and im of 8 transducers) are one reduction, one inverse
 //!    root and one wait for P. With blocks of 1 a solve takes 1.6 times as long at
 //!    N = 996, M = 16, and 1.3 times at M = 64.
 //! 2. The rows of the next block depend on nothing here. They are written in two halves, where the loop waits for its
 //!    sums and for its pressures.
-//! 3. P is loaded and stored once a block, its eight waves added in registers in two chains.
+//! 3. A block's eight rows lie side by side, lane group by lane group: d and P are loaded and stored once a block, and its
+//!    eight waves are added in registers in four chains.
 //! 4. Memory that begins on a cache line: .59 ns a transducer and point instead of .63 at M = 64.
 
 pub(crate) mod interleaved;
+pub(crate) mod points;
+pub(crate) mod segments;
 
 use num_complex::Complex32;
 
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::propagate::rows::Rows;
-use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::kernels::simd::{Simd, TINY};
-use crate::kernels::vector::correlation;
 
 /// The largest block: the real and imaginary sums of its transducers fill a register.
 pub(crate) const MOST: usize = LANES / 2;
+
+/// Half a block: one chain of a block's waves has a transducer of each.
+pub(crate) const QUAD: usize = MOST / 2;
 
 /// The problem and the memory of a sweep; all lists of points are padded alike.
 pub(crate) struct Sweep<'a> {
     pub(crate) rows: Rows<'a>,
     pub(crate) target: &'a [f32],
     pub(crate) weight: &'a [f32],
+    /// How many points there are in the lanes; the rest is padding.
+    pub(crate) count: usize,
     /// Transducers that share one residual, 1 to [`MOST`].
     pub(crate) block: usize,
-    /// The part of its own wave that a transducer leaves in P while it is updated.
+    /// The part of its own wave that a transducer leaves in P while it is updated; 0 in a first sweep, before which every
+    /// drive is 0.
     pub(crate) own: f32,
-    /// [`floats`] numbers of working memory.
-    pub(crate) memory: &'a mut [f32],
+    pub(crate) memory: Memory<'a>,
 }
+
+/// Working memory of a sweep.
+pub(crate) struct Memory<'a> {
+    /// For the rows of two blocks.
+    rows: &'a mut [f32],
+    /// For d, re and im.
+    residual: [&'a mut [f32]; 2],
+}
+
+impl<'a> Memory<'a> {
+    /// Of [`floats`] numbers, which may be anything.
+    pub(crate) fn of(numbers: &'a mut [f32]) -> Self {
+        let (rows, rest) = numbers.split_at_mut(numbers.len() / floats(1) * ROWS);
+        Self { rows, residual: rest.split_at_mut(rest.len() / 2).into() }
+    }
+}
+
+/// Rows of two blocks, re and im.
+const ROWS: usize = 2 * 2 * MOST;
 
 /// Numbers of working memory for rows of `lanes`.
 pub(crate) const fn floats(lanes: usize) -> usize {
-    lanes * (2 + 2 * 2 * MOST)
+    lanes * (ROWS + 2)
 }
 
 /// Gives every transducer of `order` the phase arg sum w conj(G) (t P/|P| - P + `own` G q). `report` is given the
@@ -61,14 +88,47 @@ pub(crate) fn sweep(
     pressures: [&mut [f32]; 2],
     report: impl FnMut([&[f32]; 2]) -> bool,
 ) -> bool {
-    dispatch!(set, s => run(s, sweep, order, PointsInLanes { drive }, pressures, report))
+    match sweep.count {
+        ..=4 => segments::sweep::<4>(set, sweep, order, drive, pressures, report),
+        5..=8 => segments::sweep::<2>(set, sweep, order, drive, pressures, report),
+        _ => points::sweep(set, sweep, order, drive, pressures, report),
+    }
 }
 
-/// What the lanes hold: points or problems.
+/// What a lane group holds.
 pub(crate) trait Layout<S: Simd> {
-    /// Gives each transducer of a block its new drive z/|z| and returns by how much the drives changed. `meanwhile` is
-    /// called once, while the sums are waited for.
+    /// Transducers whose rows share a lane group.
+    const SHARED: usize = 1;
+
+    /// Writes the rows of [`Layout::SHARED`] transducers, or of fewer and silence, into list `k` of a block.
+    #[inline(always)]
+    fn write(s: S, rows: Rows<'_>, members: &[usize], k: usize, to: &mut [Octet]) {
+        rows.write(
+            s,
+            members[0],
+            to.iter_mut().map(
+                #[inline(always)]
+                |octet| octet[k].each_mut(),
+            ),
+        );
+    }
+
+    /// Gives each transducer of a block its new drive z/|z| and returns by how much the drives changed, list by list.
+    /// `meanwhile` is called once, while the sums are waited for.
     fn update(&mut self, s: S, block: &Block<'_>, look: Look<'_>, meanwhile: impl FnOnce()) -> [[S::V; 2]; MOST];
+
+    /// What one chain of waves starts from, the others from 0: P.
+    #[inline(always)]
+    fn start(_: S, pressure: S::V) -> S::V {
+        pressure
+    }
+
+    /// P, from the chains of a block's waves, as many as lists a quad: chain c, of transducers c and c + 4, and chain c + 2
+    /// first.
+    #[inline(always)]
+    fn sum(s: S, [a, b, c, d]: [S::V; QUAD]) -> S::V {
+        s.add(s.add(a, c), s.add(b, d))
+    }
 }
 
 /// What z is made of, beside rows and drives.
@@ -79,23 +139,32 @@ pub(crate) struct Look<'a> {
     pub(crate) own: f32,
 }
 
-/// Some transducers and their rows, one after the other.
+/// One lane group of each of a block's rows, re and im.
+pub(crate) type Octet = [[Lanes; 2]; MOST];
+
+/// Some transducers and their rows.
 pub(crate) struct Block<'a> {
     members: [usize; MOST],
     count: usize,
-    pub(crate) rows: &'a mut [f32],
-    lanes: usize,
+    pub(crate) rows: &'a mut [Octet],
 }
 
 impl<'a> Block<'a> {
-    fn new(rows: &'a mut [f32], lanes: usize) -> Self {
-        Self { members: [0; MOST], count: 0, rows, lanes }
+    fn new(rows: &'a mut [f32]) -> Self {
+        let (pairs, _) = groups_mut(rows).as_chunks_mut();
+        Self { members: [0; MOST], count: 0, rows: pairs.as_chunks_mut().0 }
     }
 
     /// The indices of its transducers.
     #[inline(always)]
     pub(crate) fn members(&self) -> &[usize] {
         &self.members[..self.count]
+    }
+
+    /// Whether it has any of four transducers; those that it lacks are then silent.
+    #[inline(always)]
+    pub(crate) fn has(&self, quad: usize) -> bool {
+        quad * QUAD < self.count
     }
 
     /// Takes the next members.
@@ -109,36 +178,43 @@ impl<'a> Block<'a> {
         }
     }
 
-    /// Writes the rows of some members.
+    /// Writes the rows of four members.
     #[inline(always)]
-    fn write<S: Simd>(&mut self, s: S, rows: Rows<'_>, range: core::ops::Range<usize>) {
-        let lists = self.rows.chunks_exact_mut(2 * self.lanes).zip(&self.members[..self.count]);
-        for (row, &i) in lists.take(range.end).skip(range.start) {
-            let (re, im) = row.split_at_mut(self.lanes);
-            rows.write(s, i, re, im);
+    fn write<S: Simd, L: Layout<S>>(&mut self, s: S, rows: Rows<'_>, quad: usize) {
+        if !self.has(quad) {
+            return;
+        }
+        let (first, lists) = (quad * QUAD, QUAD / L::SHARED);
+        let members = &self.members[first..self.count.min(first + QUAD)];
+        let mut list = quad * lists;
+        for some in members.chunks(L::SHARED) {
+            L::write(s, rows, some, list, self.rows);
+            list += 1;
+        }
+        for silent in list..(quad + 1) * lists {
+            self.rows.iter_mut().for_each(|octet| octet[silent] = [[0.0; LANES]; 2]);
         }
     }
 }
 
 /// The sweep; false if `report` ended it.
 #[inline(always)]
-pub(crate) fn run<S: Simd>(
+pub(crate) fn run<S: Simd, L: Layout<S>>(
     s: S,
     sweep: Sweep<'_>,
     mut order: impl Iterator<Item = usize>,
-    mut layout: impl Layout<S>,
+    mut layout: L,
     [re, im]: [&mut [f32]; 2],
     mut report: impl FnMut([&[f32]; 2]) -> bool,
 ) -> bool {
-    let Sweep { rows, target, weight, block: most, own, memory } = sweep;
-    let lanes = target.len();
-    let (rest, kept) = memory.split_at_mut(2 * lanes);
-    let (rest_re, rest_im) = rest.split_at_mut(lanes);
-    let (first, second) = kept.split_at_mut(2 * MOST * lanes);
-    let mut block = Block::new(first, lanes);
-    let mut next = Block::new(second, lanes);
+    let Sweep { rows, target, weight, block: most, own, memory, .. } = sweep;
+    let Memory { rows: kept, residual: [rest_re, rest_im] } = memory;
+    let (first, second) = kept.split_at_mut(kept.len() / 2);
+    let mut block = Block::new(first);
+    let mut next = Block::new(second);
     block.take(most, &mut order);
-    block.write(s, rows, 0..MOST);
+    block.write::<S, L>(s, rows, 0);
+    block.write::<S, L>(s, rows, 1);
     residual(s, target, weight, [&*re, &*im], [&mut *rest_re, &mut *rest_im]);
     while block.count > 0 {
         let look = Look { residual: [&*rest_re, &*rest_im], weight, own };
@@ -149,12 +225,12 @@ pub(crate) fn run<S: Simd>(
             #[inline(always)]
             || {
                 next.take(most, &mut order);
-                next.write(s, rows, 0..MOST / 2);
+                next.write::<S, L>(s, rows, 0);
             },
         );
-        add_block(s, block.rows, &moved[..block.count], [&mut *re, &mut *im]);
+        add_block::<S, L>(s, &block, &moved, [&mut *re, &mut *im]);
         residual(s, target, weight, [&*re, &*im], [&mut *rest_re, &mut *rest_im]);
-        next.write(s, rows, MOST / 2..MOST);
+        next.write::<S, L>(s, rows, 1);
         if !report([&*re, &*im]) {
             return false;
         }
@@ -163,77 +239,46 @@ pub(crate) fn run<S: Simd>(
     true
 }
 
-/// One problem, its points in the lanes.
-struct PointsInLanes<'a> {
-    drive: &'a mut [Complex32],
-}
+/// The least modulus of a sum that has a direction.
+const LEAST: f32 = 1e-37;
 
-impl<S: Simd> Layout<S> for PointsInLanes<'_> {
-    #[inline(always)]
-    fn update(
-        &mut self,
-        s: S,
-        block: &Block<'_>,
-        Look { residual, weight, own }: Look<'_>,
-        meanwhile: impl FnOnce(),
-    ) -> [[S::V; 2]; MOST] {
-        let mut sums = [s.splat(0.0); LANES];
-        for (k, (row, &i)) in block.rows.chunks_exact(2 * block.lanes).zip(block.members()).enumerate() {
-            let row = [&row[..block.lanes], &row[block.lanes..]];
-            let [mut re, mut im] = correlation(s, row, residual);
-            if own > 0.0 {
-                let power = own_power(s, row, weight);
-                let q = self.drive[i];
-                re = s.fma(power, s.splat(own * q.re), re);
-                im = s.fma(power, s.splat(own * q.im), im);
-            }
-            sums[k] = re;
-            sums[k + MOST] = im;
-        }
-        let new = units(s, s.reduce_add_each(&sums));
-        meanwhile();
-        let mut moved = [[s.splat(0.0); 2]; MOST];
-        for (k, (moved, &i)) in moved.iter_mut().zip(block.members()).enumerate() {
-            let old = &mut self.drive[i];
-            *moved = [s.splat(new[k] - old.re), s.splat(new[k + MOST] - old.im)];
-            *old = Complex32::new(new[k], new[k + MOST]);
-        }
-        moved
-    }
-}
-
-/// z/|z| of 8 complex numbers, real parts before imaginary ones; 0 for what is far below the largest.
+/// The new drive z/|z|; 0 where z is 0.
 #[inline(always)]
-fn units<S: Simd>(s: S, z: S::V) -> Lanes {
-    // Only directions matter, and relative to the largest no square under- or overflows.
-    let largest = s.reduce_max(s.abs(z)).max(f32::MIN_POSITIVE);
-    let z = s.mul(z, s.splat(1.0 / largest));
-    let square = s.mul(z, z);
-    let square = s.add(square, s.swap_halves(square));
-    let least = s.splat(TINY);
-    let unit = s.mul(z, s.rsqrt(s.max(square, least)));
-    let mut units = [0.0; LANES];
-    s.store(s.select_less(square, least, s.splat(0.0), unit), &mut units);
-    units
+pub(crate) fn direction<S: Simd>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
+    // Over about the root of its larger part first: the square then is about that part, and neither under- nor overflows.
+    let larger = s.max(s.abs(re), s.abs(im));
+    let root = s.rsqrt_estimate(larger);
+    let (x, y) = (s.mul(re, root), s.mul(im, root));
+    let (guess, miss) = s.rsqrt_guess(s.add(s.mul(x, x), s.mul(y, y)));
+    let (x, y) = (s.mul(x, guess), s.mul(y, guess));
+    let (zero, half, least) = (s.splat(0.0), s.splat(0.5), s.splat(LEAST));
+    // Of what is less than that anything may have become.
+    [
+        s.select_less(larger, least, zero, s.fma(s.mul(x, half), miss, x)),
+        s.select_less(larger, least, zero, s.fma(s.mul(y, half), miss, y)),
+    ]
 }
 
 /// P += `sum_k G_k q_k` for a block.
 #[inline(always)]
-fn add_block<S: Simd>(s: S, rows: &[f32], drives: &[[S::V; 2]], [re, im]: [&mut [f32]; 2]) {
-    let lanes = re.len();
-    for (group, (re, im)) in groups_mut(re).iter_mut().zip(groups_mut(im)).enumerate() {
-        let (mut pr, mut pi) = (s.load(re), s.load(im));
-        let (mut also_re, mut also_im) = (s.splat(0.0), s.splat(0.0));
-        for (row, &[qr, qi]) in rows.chunks_exact(2 * lanes).zip(drives) {
-            let at = |part: usize| &groups(&row[part * lanes..])[group];
-            let (gr, gi) = (s.load(at(0)), s.load(at(1)));
-            pr = s.fma(gr, qr, pr);
-            also_re = s.fnma(gi, qi, also_re);
-            pi = s.fma(gr, qi, pi);
-            also_im = s.fma(gi, qr, also_im);
+fn add_block<S: Simd, L: Layout<S>>(s: S, block: &Block<'_>, drives: &[[S::V; 2]; MOST], [re, im]: [&mut [f32]; 2]) {
+    let lists = QUAD / L::SHARED;
+    for (octet, (re, im)) in block.rows.iter().zip(groups_mut(re).iter_mut().zip(groups_mut(im))) {
+        let mut real = [s.splat(0.0); QUAD];
+        let mut imag = real;
+        (real[0], imag[0]) = (L::start(s, s.load(re)), L::start(s, s.load(im)));
+        for quad in 0..2 {
+            if block.has(quad) {
+                for chain in 0..lists {
+                    let [gr, gi] = &octet[quad * lists + chain];
+                    let (gr, gi, [qr, qi]) = (s.load(gr), s.load(gi), drives[quad * lists + chain]);
+                    real[chain] = s.fma(gr, qr, s.fnma(gi, qi, real[chain]));
+                    imag[chain] = s.fma(gr, qi, s.fma(gi, qr, imag[chain]));
+                }
+            }
         }
-        s.store(s.add(pr, also_re), re);
-        s.store(s.add(pi, also_im), im);
+        s.store(L::sum(s, real), re);
+        s.store(L::sum(s, imag), im);
     }
 }
 
@@ -248,20 +293,22 @@ fn residual<S: Simd>(s: S, target: &[f32], weight: &[f32], pressure: [&[f32]; 2]
     for (((t, w), (re, im)), (out_re, out_im)) in asked.zip(pressures).zip(out) {
         let (t, w, re, im) = (s.load(t), s.load(w), s.load(re), s.load(im));
         let square = s.fma(re, re, s.mul(im, im));
-        let inverse = s.rsqrt(s.max(square, least));
+        let (guess, miss) = s.rsqrt_guess(square);
         let silent = s.mul(w, t);
-        let factor = s.sub(s.mul(silent, inverse), w);
+        let near = s.mul(silent, guess);
+        // w t/|P| - w; of silence anything may have become.
+        let factor = s.fma(s.mul(near, s.splat(0.5)), miss, s.sub(near, w));
         s.store(s.select_less(square, least, silent, s.mul(re, factor)), out_re);
         s.store(s.select_less(square, least, zero, s.mul(im, factor)), out_im);
     }
 }
 
-/// sum w |G|^2, lanes apart.
+/// `sum_j w |G|^2` of list `k`, lanes apart.
 #[inline(always)]
-fn own_power<S: Simd>(s: S, row: [&[f32]; 2], weight: &[f32]) -> S::V {
+pub(crate) fn own_power<S: Simd>(s: S, rows: &[Octet], k: usize, weight: &[f32]) -> S::V {
     let mut sum = s.splat(0.0);
-    for ((re, im), weight) in groups(row[0]).iter().zip(groups(row[1])).zip(groups(weight)) {
-        let (re, im) = (s.load(re), s.load(im));
+    for (octet, weight) in rows.iter().zip(groups(weight)) {
+        let (re, im) = (s.load(&octet[k][0]), s.load(&octet[k][1]));
         sum = s.fma(s.load(weight), s.fma(re, re, s.mul(im, im)), sum);
     }
     sum

@@ -51,6 +51,36 @@ impl SourceList {
     pub(crate) fn one<S: Simd>(&self, s: S, i: usize) -> SourceLanes<S::V> {
         self.groups[i / LANES].one(s, i % LANES)
     }
+
+    /// N transducers side by side, the k-th of `members` in the lanes from 16 k/N on, the last one in those that are left.
+    #[inline(always)]
+    pub(crate) fn segments<S: Simd, const N: usize>(&self, s: S, members: &[usize]) -> SourceLanes<S::V> {
+        let at = core::array::from_fn(|quarter| {
+            let i = members[(quarter * N / 4).min(members.len() - 1)];
+            (&self.groups[i / LANES], i % LANES)
+        });
+        SourceLanes {
+            position: [
+                quarters(s, &at, |group| &group.position[0]),
+                quarters(s, &at, |group| &group.position[1]),
+                quarters(s, &at, |group| &group.position[2]),
+            ],
+            normal: [
+                quarters(s, &at, |group| &group.normal[0]),
+                quarters(s, &at, |group| &group.normal[1]),
+                quarters(s, &at, |group| &group.normal[2]),
+            ],
+            amplitude: quarters(s, &at, |group| &group.amplitude),
+            turns: quarters(s, &at, |group| &group.turns),
+        }
+    }
+}
+
+/// A number of each of four transducers, in four lanes each.
+#[inline(always)]
+fn quarters<S: Simd>(s: S, at: &[(&SourceGroup, usize); 4], list: impl Fn(&SourceGroup) -> &Lanes) -> S::V {
+    let [a, b, c, d] = at;
+    s.quarters([list(a.0)[a.1], list(b.0)[b.1], list(c.0)[c.1], list(d.0)[d.1]])
 }
 
 impl SourceGroup {

@@ -2,12 +2,13 @@
 
 use core::arch::x86_64::{
     __m256, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _mm_add_ps, _mm_add_ss, _mm_cvtss_f32,
-    _mm_max_ps, _mm_movehl_ps, _mm_shuffle_ps, _mm256_add_epi32, _mm256_add_ps, _mm256_and_ps, _mm256_blendv_ps,
-    _mm256_castps_si256, _mm256_castps256_ps128, _mm256_castsi256_ps, _mm256_cmp_ps, _mm256_cvtepi32_ps,
-    _mm256_cvtps_epi32, _mm256_div_ps, _mm256_extractf128_ps, _mm256_fmadd_ps, _mm256_fnmadd_ps, _mm256_i32gather_ps,
-    _mm256_loadu_ps, _mm256_max_ps, _mm256_min_epu32, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps,
-    _mm256_permutevar8x32_ps, _mm256_round_ps, _mm256_set1_epi32, _mm256_set1_ps, _mm256_slli_epi32, _mm256_sqrt_ps,
-    _mm256_srli_epi32, _mm256_storeu_ps, _mm256_sub_epi32, _mm256_sub_ps,
+    _mm_max_ps, _mm_movehl_ps, _mm_set1_ps, _mm_shuffle_ps, _mm256_add_epi32, _mm256_add_ps, _mm256_and_ps,
+    _mm256_blendv_ps, _mm256_castps_si256, _mm256_castps256_ps128, _mm256_castsi256_ps, _mm256_cmp_ps,
+    _mm256_cvtepi32_ps, _mm256_cvtps_epi32, _mm256_div_ps, _mm256_extractf128_ps, _mm256_fmadd_ps, _mm256_fnmadd_ps,
+    _mm256_i32gather_ps, _mm256_loadu_ps, _mm256_max_ps, _mm256_min_epu32, _mm256_min_ps, _mm256_movemask_ps,
+    _mm256_mul_ps, _mm256_permute_ps, _mm256_permute2f128_ps, _mm256_permutevar8x32_ps, _mm256_round_ps,
+    _mm256_set_m128, _mm256_set1_epi32, _mm256_set1_ps, _mm256_slli_epi32, _mm256_sqrt_ps, _mm256_srli_epi32,
+    _mm256_storeu_ps, _mm256_sub_epi32, _mm256_sub_ps,
 };
 
 use crate::kernels::lanes::Lanes;
@@ -124,6 +125,11 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
+    fn rsqrt_guess(self, a: Pair) -> (Pair, Pair) {
+        (self.rsqrt_estimate(a), self.splat(0.0))
+    }
+
+    #[inline(always)]
     fn less(self, a: Pair, b: Pair) -> u32 {
         // SAFETY: the token proves that the CPU has AVX.
         unsafe {
@@ -134,8 +140,29 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn swap_halves(self, [low, high]: Pair) -> Pair {
-        [high, low]
+    fn swap<const DISTANCE: usize>(self, [low, high]: Pair) -> Pair {
+        if DISTANCE == 8 {
+            return [high, low];
+        }
+        macro_rules! swapped {
+            ($half:expr) => {{
+                // SAFETY: the token proves that the CPU has AVX.
+                unsafe {
+                    match DISTANCE {
+                        4 => _mm256_permute2f128_ps::<1>($half, $half),
+                        2 => _mm256_permute_ps::<0b01_00_11_10>($half),
+                        _ => _mm256_permute_ps::<0b10_11_00_01>($half),
+                    }
+                }
+            }};
+        }
+        [swapped!(low), swapped!(high)]
+    }
+
+    #[inline(always)]
+    fn quarters(self, [a, b, c, d]: [f32; 4]) -> Pair {
+        // SAFETY: the token proves that the CPU has AVX.
+        unsafe { [_mm256_set_m128(_mm_set1_ps(b), _mm_set1_ps(a)), _mm256_set_m128(_mm_set1_ps(d), _mm_set1_ps(c))] }
     }
 
     #[inline(always)]

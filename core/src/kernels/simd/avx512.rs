@@ -1,12 +1,13 @@
 //! AVX-512 F and DQ: one register (Skylake-X and later).
 
 use core::arch::x86_64::{
-    __m512, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _mm512_abs_ps, _mm512_add_ps,
+    __m512, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _mm_set_ss, _mm512_abs_ps, _mm512_add_ps,
     _mm512_castps_si512, _mm512_cmp_ps_mask, _mm512_cvtps_epi32, _mm512_cvtss_f32, _mm512_div_ps, _mm512_fmadd_ps,
-    _mm512_fnmadd_ps, _mm512_getexp_ps, _mm512_i32gather_ps, _mm512_loadu_ps, _mm512_mask_blend_ps, _mm512_max_ps,
-    _mm512_min_epu32, _mm512_min_ps, _mm512_mul_ps, _mm512_permutexvar_ps, _mm512_reduce_ps, _mm512_roundscale_ps,
-    _mm512_rsqrt14_ps, _mm512_scalef_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_shuffle_f32x4, _mm512_shuffle_ps,
-    _mm512_sqrt_ps, _mm512_storeu_ps, _mm512_sub_ps, _mm512_unpackhi_ps, _mm512_unpacklo_ps,
+    _mm512_fnmadd_ps, _mm512_getexp_ps, _mm512_i32gather_ps, _mm512_loadu_ps, _mm512_mask_blend_ps,
+    _mm512_mask_broadcastss_ps, _mm512_max_ps, _mm512_min_epu32, _mm512_min_ps, _mm512_mul_ps, _mm512_permute_ps,
+    _mm512_permutexvar_ps, _mm512_reduce_ps, _mm512_roundscale_ps, _mm512_rsqrt14_ps, _mm512_scalef_ps,
+    _mm512_set1_epi32, _mm512_set1_ps, _mm512_shuffle_f32x4, _mm512_shuffle_ps, _mm512_sqrt_ps, _mm512_storeu_ps,
+    _mm512_sub_ps, _mm512_unpackhi_ps, _mm512_unpacklo_ps,
 };
 
 use crate::kernels::lanes::{LANES, Lanes};
@@ -70,7 +71,6 @@ impl Simd for Avx512 {
         select_less(a: __m512, b: __m512, x: __m512, y: __m512) -> __m512 =
             _mm512_mask_blend_ps(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b), y, x);
         less(a: __m512, b: __m512) -> u32 = u32::from(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b));
-        swap_halves(a: __m512) -> __m512 = _mm512_shuffle_f32x4::<0b01_00_11_10>(a, a);
         reduce_add(a: __m512) -> f32 = {
             let eight = _mm512_add_ps(a, _mm512_shuffle_f32x4::<0b01_00_11_10>(a, a));
             let four = _mm512_add_ps(eight, _mm512_shuffle_f32x4::<0b10_11_00_01>(eight, eight));
@@ -101,6 +101,29 @@ impl Simd for Avx512 {
         unsafe {
             let place = _mm512_min_epu32(_mm512_cvtps_epi32(index), _mm512_set1_epi32(last));
             _mm512_i32gather_ps::<4>(place, list.as_ptr())
+        }
+    }
+
+    #[inline(always)]
+    fn swap<const DISTANCE: usize>(self, a: __m512) -> __m512 {
+        // SAFETY: the token proves that the CPU has AVX-512F.
+        unsafe {
+            match DISTANCE {
+                8 => _mm512_shuffle_f32x4::<0b01_00_11_10>(a, a),
+                4 => _mm512_shuffle_f32x4::<0b10_11_00_01>(a, a),
+                2 => _mm512_permute_ps::<0b01_00_11_10>(a),
+                _ => _mm512_permute_ps::<0b10_11_00_01>(a),
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn quarters(self, [a, b, c, d]: [f32; 4]) -> __m512 {
+        // SAFETY: the token proves that the CPU has AVX-512F.
+        unsafe {
+            let two = _mm512_mask_broadcastss_ps(_mm512_set1_ps(a), 0x00f0, _mm_set_ss(b));
+            let three = _mm512_mask_broadcastss_ps(two, 0x0f00, _mm_set_ss(c));
+            _mm512_mask_broadcastss_ps(three, 0xf000, _mm_set_ss(d))
         }
     }
 

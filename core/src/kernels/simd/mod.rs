@@ -74,8 +74,20 @@ pub(crate) trait Simd: Copy {
     fn select_less(self, a: Self::V, b: Self::V, x: Self::V, y: Self::V) -> Self::V;
     /// Bit l is set where a < b.
     fn less(self, a: Self::V, b: Self::V) -> u32;
-    /// Lanes 8..16 before lanes 0..8.
-    fn swap_halves(self, a: Self::V) -> Self::V;
+
+    /// Lane l gets lane l xor `DISTANCE`: 8 swaps the halves, 4 the quarters of each half, 2 and 1 so on.
+    #[inline(always)]
+    fn swap<const DISTANCE: usize>(self, a: Self::V) -> Self::V {
+        let mut lanes = [0.0; LANES];
+        self.store(a, &mut lanes);
+        self.load(&core::array::from_fn(|l| lanes[(l ^ DISTANCE) % LANES]))
+    }
+
+    /// Four lanes of each number.
+    #[inline(always)]
+    fn quarters(self, numbers: [f32; 4]) -> Self::V {
+        self.load(&core::array::from_fn(|l| numbers[l / 4]))
+    }
 
     /// The sum over lanes: halves upon halves.
     #[inline(always)]
@@ -149,9 +161,15 @@ pub(crate) trait Simd: Copy {
     /// 1/sqrt(a) alone.
     #[inline(always)]
     fn rsqrt(self, a: Self::V) -> Self::V {
+        let (guess, miss) = self.rsqrt_guess(a);
+        self.fma(self.mul(guess, self.splat(0.5)), miss, guess)
+    }
+
+    /// g and m with 1/sqrt(a) = g (1 + m/2) within two roundings: a factor joins g while m is waited for.
+    #[inline(always)]
+    fn rsqrt_guess(self, a: Self::V) -> (Self::V, Self::V) {
         let guess = self.rsqrt_estimate(a);
-        let (root, half) = (self.mul(a, guess), self.mul(guess, self.splat(0.5)));
-        self.fma(half, self.fnma(root, guess, self.splat(1.0)), guess)
+        (guess, self.fnma(self.mul(a, guess), guess, self.splat(1.0)))
     }
 }
 

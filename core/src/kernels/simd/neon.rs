@@ -2,9 +2,9 @@
 
 use core::arch::aarch64::{
     float32x4_t, vabsq_f32, vaddq_f32, vaddq_s32, vaddvq_u32, vandq_u32, vbslq_f32, vcltq_f32, vcvtq_f32_s32,
-    vcvtq_s32_f32, vdivq_f32, vdupq_n_f32, vdupq_n_s32, vfmaq_f32, vfmsq_f32, vld1q_f32, vld1q_u32, vmulq_f32,
-    vreinterpretq_f32_s32, vreinterpretq_s32_f32, vrndnq_f32, vrsqrteq_f32, vrsqrtsq_f32, vshlq_n_s32, vshrq_n_s32,
-    vsqrtq_f32, vst1q_f32, vsubq_f32, vsubq_s32,
+    vcvtq_s32_f32, vdivq_f32, vdupq_n_f32, vdupq_n_s32, vextq_f32, vfmaq_f32, vfmsq_f32, vld1q_f32, vld1q_u32,
+    vmulq_f32, vreinterpretq_f32_s32, vreinterpretq_s32_f32, vrev64q_f32, vrndnq_f32, vrsqrteq_f32, vrsqrtsq_f32,
+    vshlq_n_s32, vshrq_n_s32, vsqrtq_f32, vst1q_f32, vsubq_f32, vsubq_s32,
 };
 
 use crate::kernels::lanes::Lanes;
@@ -102,7 +102,27 @@ impl Simd for Neon {
     }
 
     #[inline(always)]
-    fn swap_halves(self, [a, b, c, d]: Four) -> Four {
-        [c, d, a, b]
+    #[allow(unused_unsafe, reason = "safe where NEON is part of the target")]
+    fn swap<const DISTANCE: usize>(self, [a, b, c, d]: Four) -> Four {
+        macro_rules! each {
+            ($x:ident => $swapped:expr) => {{
+                // SAFETY: every aarch64 CPU has NEON.
+                let swapped = |$x| unsafe { $swapped };
+                [swapped(a), swapped(b), swapped(c), swapped(d)]
+            }};
+        }
+        match DISTANCE {
+            8 => [c, d, a, b],
+            4 => [b, a, d, c],
+            2 => each!(x => vextq_f32::<2>(x, x)),
+            _ => each!(x => vrev64q_f32(x)),
+        }
+    }
+
+    #[inline(always)]
+    #[allow(unused_unsafe, reason = "safe where NEON is part of the target")]
+    fn quarters(self, numbers: [f32; 4]) -> Four {
+        // SAFETY: every aarch64 CPU has NEON.
+        numbers.map(|x| unsafe { vdupq_n_f32(x) })
     }
 }

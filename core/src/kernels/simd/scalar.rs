@@ -113,9 +113,4 @@ impl Simd for Scalar {
     fn less(self, a: Lanes, b: Lanes) -> u32 {
         (0..16).fold(0, |bits, l| bits | u32::from(a[l] < b[l]) << l)
     }
-
-    #[inline(always)]
-    fn swap_halves(self, a: Lanes) -> Lanes {
-        from_fn(|l| a[(l + 8) % 16])
-    }
 }

@@ -4,7 +4,7 @@
 
 use core::arch::wasm32::{
     f32x4_abs, f32x4_add, f32x4_convert_i32x4, f32x4_div, f32x4_lt, f32x4_mul, f32x4_nearest, f32x4_pmax, f32x4_pmin,
-    f32x4_splat, f32x4_sqrt, f32x4_sub, i32x4_add, i32x4_bitmask, i32x4_shl, i32x4_splat, i32x4_sub,
+    f32x4_splat, f32x4_sqrt, f32x4_sub, i32x4_add, i32x4_bitmask, i32x4_shl, i32x4_shuffle, i32x4_splat, i32x4_sub,
     i32x4_trunc_sat_f32x4, u32x4_shr, v128, v128_bitselect, v128_load, v128_store,
 };
 
@@ -100,7 +100,17 @@ impl Simd for Simd128 {
     }
 
     #[inline(always)]
-    fn swap_halves(self, [a, b, c, d]: Four) -> Four {
-        [c, d, a, b]
+    fn swap<const DISTANCE: usize>(self, [a, b, c, d]: Four) -> Four {
+        match DISTANCE {
+            8 => [c, d, a, b],
+            4 => [b, a, d, c],
+            2 => [a, b, c, d].map(|x| i32x4_shuffle::<2, 3, 0, 1>(x, x)),
+            _ => [a, b, c, d].map(|x| i32x4_shuffle::<1, 0, 3, 2>(x, x)),
+        }
+    }
+
+    #[inline(always)]
+    fn quarters(self, numbers: [f32; 4]) -> Four {
+        numbers.map(f32x4_splat)
     }
 }

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use num_complex::{Complex32, Complex64};
 
-use crate::kernels::closed_form::{MOST, Sweep, floats, sweep};
+use crate::kernels::closed_form::{MOST, Memory, Sweep, floats, sweep};
 use crate::kernels::lanes::LANES;
 use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::kernels::tests::batch::{Batch, Lists, TRANSDUCERS, each, widened};
@@ -23,7 +23,15 @@ pub(super) fn alone(
     let mut memory = vec![f32::NAN; floats(lists.lanes())];
     for (round, own) in [0.0, 0.4].into_iter().enumerate() {
         let (target, weight) = (&lists.target[..], &lists.weight[..]);
-        let task = Sweep { rows: lists.rows(), target, weight, block, own, memory: &mut memory };
+        let task = Sweep {
+            rows: lists.rows(),
+            target,
+            weight,
+            count: lists.points,
+            block,
+            own,
+            memory: Memory::of(&mut memory),
+        };
         let mut count = 0;
         let told = |pressures: [&[f32]; 2]| {
             report(round, count, pressures);
@@ -110,7 +118,15 @@ fn a_transducer_without_gain_has_no_phase_and_a_report_ends_the_sweep() {
         let run = |block: usize, goes_on: bool| {
             let mut drive = vec![Complex32::ZERO; 3];
             let mut memory = vec![f32::NAN; floats(LANES)];
-            let task = Sweep { rows, target: &target, weight: &weight, block, own: 0.0, memory: &mut memory };
+            let task = Sweep {
+                rows,
+                target: &target,
+                weight: &weight,
+                count: LANES,
+                block,
+                own: 0.0,
+                memory: Memory::of(&mut memory),
+            };
             let mut field = [[0.0; LANES]; 2];
             let [re, im] = &mut field;
             let ended = sweep(set, task, 0..3, &mut drive, [re, im], |_| goes_on);

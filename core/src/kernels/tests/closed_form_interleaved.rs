@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use core::array::from_fn;
 
 use crate::kernels::closed_form::interleaved::{deal_out, sweep};
-use crate::kernels::closed_form::{MOST, Sweep, floats};
+use crate::kernels::closed_form::{MOST, Memory, Sweep, floats};
 use crate::kernels::lanes::LANES;
 use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::kernels::tests::batch::{TRANSDUCERS, each, widened};
@@ -21,7 +21,15 @@ fn every_lane_has_the_bits_of_its_lone_sweep() {
             let mut memory = vec![f32::NAN; floats(all.lanes())];
             for own in [0.0, 0.4] {
                 let (target, weight) = (&all.target[..], &all.weight[..]);
-                let task = Sweep { rows: all.rows(), target, weight, block, own, memory: &mut memory };
+                let task = Sweep {
+                    rows: all.rows(),
+                    target,
+                    weight,
+                    count: all.lanes(),
+                    block,
+                    own,
+                    memory: Memory::of(&mut memory),
+                };
                 let [re, im] = &mut field;
                 sweep(set, task, order(), &mut drive, [re, im]);
             }

@@ -38,7 +38,11 @@ fn operations_are_those_of_each_lane() {
             assert_eq!(stored!(set, s => s.abs(s.load(&a))), each(&|l| a[l].abs()));
             assert_eq!(stored!(set, s => s.round(s.load(&a))), each(&|l| a[l].round_ties_even()));
             assert_eq!(stored!(set, s => s.fract(s.load(&a))), each(&|l| a[l] - a[l].round_ties_even()));
-            assert_eq!(stored!(set, s => s.swap_halves(s.load(&a))), each(&|l| a[(l + 8) % 16]));
+            assert_eq!(stored!(set, s => s.swap::<8>(s.load(&a))), each(&|l| a[l ^ 8]));
+            assert_eq!(stored!(set, s => s.swap::<4>(s.load(&a))), each(&|l| a[l ^ 4]));
+            assert_eq!(stored!(set, s => s.swap::<2>(s.load(&a))), each(&|l| a[l ^ 2]));
+            assert_eq!(stored!(set, s => s.swap::<1>(s.load(&a))), each(&|l| a[l ^ 1]));
+            assert_eq!(stored!(set, s => s.quarters([a[0], a[1], a[2], a[3]])), each(&|l| a[l / 4]));
             let select = stored!(set, s => s.select_less(s.load(&a), s.load(&b), s.load(&c), s.load(&a)));
             assert_eq!(select, each(&|l| if a[l] < b[l] { c[l] } else { a[l] }));
             let bits = (0..LANES).fold(0, |bits, l| bits | u32::from(a[l] < b[l]) << l);

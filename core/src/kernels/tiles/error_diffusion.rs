@@ -120,7 +120,7 @@ impl<'a> Points<'a> {
         for (((root, loud), field), ((unit, miss), pull)) in asked.zip(found) {
             let (root, loud, field) = (s.load(root), s.load(loud), s.load(field));
             let part = s.mul(field, field);
-            let square = s.max(s.add(part, s.swap_halves(part)), s.splat(TINY));
+            let square = s.max(s.add(part, s.swap::<8>(part)), s.splat(TINY));
             let inverse = s.rsqrt(square);
             let modulus = s.mul(square, inverse);
             total = s.fma(modulus, loud, total);
@@ -143,7 +143,7 @@ impl<'a> Points<'a> {
         for ((root, loud), (unit, change)) in lists {
             let change = s.load(change);
             let along = s.mul(s.load(unit), change);
-            let along = s.sub(along, s.swap_halves(along));
+            let along = s.sub(along, s.swap::<8>(along));
             let whole = s.mul(s.load(root), change);
             let whole = s.mul(s.splat(2.0), s.mul(whole, whole));
             total = s.add(total, s.select_less(s.splat(0.0), s.load(loud), s.mul(along, along), whole));
