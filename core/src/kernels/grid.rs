@@ -3,7 +3,7 @@
 //! ```text
 //! ratio = small/large of |re|, |im|;   |q| = large sqrt(1 + ratio^2)
 //! turns = ratio poly(ratio^2), brought to its octant                  within 3e-8 turns
-//! phase code = floor(L turns + 1/2), modulo L;   direction = table of phasors
+//! phase code = floor(L turns + 1/2);   direction = table of phasors for the codes -L to L
 //! amplitude: 256 buckets tell where in the table to begin, comparisons with the values' middles go on from there
 //! ```
 //!
@@ -16,8 +16,8 @@ use alloc::vec::Vec;
 use num_complex::Complex32;
 
 use crate::kernels::lanes::{LANES, Lanes};
+use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::simd::{Simd, floor};
 use crate::math;
 
 /// Above this modulus a drive is at full power but for its rounding.
@@ -39,8 +39,9 @@ pub(crate) struct Grid {
 /// The phases 2 pi l/L.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Phases {
-    /// cos and sin of each.
+    /// cos and sin of the codes l = -L to L: no code that rounding finds has to be brought into 0 to L - 1.
     phasors: [Vec<f32>; 2],
+    count: f32,
     /// cos - 1 and sin of the first.
     step: [f32; 2],
 }
@@ -59,44 +60,45 @@ impl Phases {
     /// L = `count` phases.
     pub(crate) fn new(count: u32) -> Self {
         let angle = |l: u32| core::f64::consts::TAU * (f64::from(l) / f64::from(count));
-        let part = |of: fn(f64) -> f64| (0..count).map(|l| of(angle(l)) as f32).collect();
+        let part = |of: fn(f64) -> f64| {
+            let once: Vec<f32> = (0..count).map(|l| of(angle(l)) as f32).collect();
+            [&once[..], &once[..], &once[..1]].concat()
+        };
         let half = math::sin(0.5 * angle(1));
-        Self {
-            phasors: [part(math::cos), part(math::sin)],
-            step: [-2.0 * half * half, math::sin(angle(1))].map(|x| x as f32),
-        }
+        let step = [-2.0 * half * half, math::sin(angle(1))].map(|x| x as f32);
+        Self { phasors: [part(math::cos), part(math::sin)], count: count as f32, step }
     }
 
     /// L.
     pub(crate) fn count(&self) -> f32 {
-        self.phasors[0].len() as f32
+        self.count
     }
 
     /// Where the phases of q lie among the codes: l and a fraction, from -L/2 to L/2.
     #[inline(always)]
     pub(crate) fn places<S: Simd>(&self, s: S, q: [S::V; 2]) -> S::V {
-        s.mul(s.splat(self.count()), turns(s, q))
+        s.mul(s.splat(self.count), turns(s, q))
     }
 
-    /// The codes nearest to some places, which lie at most L from them.
+    /// The codes nearest to some places, -L to L like these; of two as near the later one.
     #[inline(always)]
-    pub(crate) fn codes<S: Simd>(&self, s: S, places: S::V) -> S::V {
-        let (zero, count) = (s.splat(0.0), s.splat(self.count()));
-        let code = floor(s, s.add(places, s.splat(0.5)));
-        let code = s.select_less(code, zero, s.add(code, count), code);
-        s.select_less(code, count, code, s.sub(code, count))
+    pub(crate) fn codes<S: Simd>(s: S, places: S::V) -> S::V {
+        s.floor(s.add(places, s.splat(0.5)))
     }
 
-    /// The phasors of some codes.
+    /// The phasors of some codes, 0 where q is 0.
     #[inline(always)]
-    pub(crate) fn phasors<S: Simd>(&self, s: S, codes: S::V) -> [S::V; 2] {
-        [s.gather_list(&self.phasors[0], codes), s.gather_list(&self.phasors[1], codes)]
+    pub(crate) fn phasors<S: Simd>(&self, s: S, codes: S::V, q: [S::V; 2]) -> [S::V; 2] {
+        let (large, zero) = (sides(s, q)[0], s.splat(0.0));
+        let index = s.add(codes, s.splat(self.count));
+        let [re, im] = [s.gather_list(&self.phasors[0], index), s.gather_list(&self.phasors[1], index)];
+        [s.select_less(zero, large, re, zero), s.select_less(zero, large, im, zero)]
     }
 
-    /// The phasors of the phases nearest to those of unit phasors; 0 stays 0.
+    /// The phasors of the phases nearest to those of q, 0 where q is 0.
     #[inline(always)]
-    pub(crate) fn nearest<S: Simd>(&self, s: S, unit: [S::V; 2]) -> [S::V; 2] {
-        silent_where(s, unit, self.phasors(s, self.codes(s, self.places(s, unit))))
+    pub(crate) fn nearest<S: Simd>(&self, s: S, q: [S::V; 2]) -> [S::V; 2] {
+        self.phasors(s, Self::codes(s, self.places(s, q)), q)
     }
 
     /// cos - 1 and sin of 2 pi/L.
@@ -106,10 +108,10 @@ impl Phases {
 
     /// Takes a code to the next, or to the one before; its phasor.
     pub(crate) fn stepped(&self, code: &mut f32, up: bool) -> [f32; 2] {
-        let count = self.phasors[0].len();
-        let next = (*code as usize + if up { 1 } else { count - 1 }) % count;
-        *code = next as f32;
-        [self.phasors[0][next], self.phasors[1][next]]
+        *code += if up { 1.0 } else { -1.0 };
+        *code -= if code.abs() < self.count { 0.0 } else { *code };
+        let index = (*code + self.count) as usize;
+        [self.phasors[0][index], self.phasors[1][index]]
     }
 }
 
@@ -140,13 +142,6 @@ impl Amplitudes {
             code = s.select_less(moduli, middle, code, s.add(code, s.splat(1.0)));
         }
     }
-}
-
-/// Some drives, but 0 where unit phasors are 0.
-#[inline(always)]
-pub(crate) fn silent_where<S: Simd>(s: S, unit: [S::V; 2], drive: [S::V; 2]) -> [S::V; 2] {
-    let (least, large) = (s.splat(0.5), sides(s, unit)[0]);
-    [s.select_less(large, least, s.splat(0.0), drive[0]), s.select_less(large, least, s.splat(0.0), drive[1])]
 }
 
 /// |re| and |im|, the larger first.
@@ -199,11 +194,16 @@ fn turns<S: Simd>(s: S, [re, im]: [S::V; 2]) -> S::V {
     }
     let [a, b, c, d] = pairs;
     let sum = joined(s, [joined(s, [a, b], fourth), joined(s, [c, d], fourth)], s.mul(fourth, fourth));
-    let first = s.mul(ratio, sum);
-    let zero = s.splat(0.0);
-    let quarter = s.select_less(s.abs(re), s.abs(im), s.sub(s.splat(0.25), first), first);
+    // What the octant adds, and the sign of what the ratio adds, wait for nothing.
+    let (zero, one, minus) = (s.splat(0.0), s.splat(1.0), s.splat(-1.0));
+    let (along, across) = (s.abs(re), s.abs(im));
+    let quarter = s.select_less(along, across, s.splat(0.25), zero);
+    let steep = s.select_less(along, across, minus, one);
     let half = s.select_less(re, zero, s.sub(s.splat(0.5), quarter), quarter);
-    s.select_less(im, zero, s.sub(zero, half), half)
+    let left = s.select_less(re, zero, minus, one);
+    let below = s.select_less(im, zero, minus, one);
+    let sign = s.mul(s.mul(steep, left), s.mul(below, ratio));
+    joined(s, [s.mul(below, half), sum], sign)
 }
 
 impl Grid {
@@ -225,7 +225,7 @@ impl Grid {
     #[inline(always)]
     fn direction<S: Simd>(&self, s: S, q: [S::V; 2]) -> [S::V; 2] {
         if let Some(phases) = &self.phases {
-            return phases.phasors(s, phases.codes(s, phases.places(s, q)));
+            return phases.nearest(s, q);
         }
         let held = s.max(modulus(s, q), s.splat(f32::MIN_POSITIVE));
         [s.div(q[0], held), s.div(q[1], held)]

@@ -23,6 +23,7 @@ use crate::error::Error;
 use crate::kernels::closed_form;
 use crate::kernels::closed_form::interleaved;
 use crate::kernels::closed_form::{Memory, Sweep};
+use crate::kernels::grid::Phases;
 use crate::linalg::Planar;
 use crate::math::modulus;
 use crate::problem::{Problem, Solution, Status};
@@ -75,6 +76,7 @@ impl Solve for Fast {
         let mut drive = work.complexes.take(count);
         let mut field = Planar::zeros(1, lanes, work);
         let mut memory = Aligned::take(closed_form::floats(lanes), work);
+        let phases = phases(problem);
         let block = self.block as usize;
         let sweeps = 1 + self.sweeps as usize;
         let steps = count.div_ceil(block) * sweeps;
@@ -87,6 +89,7 @@ impl Solve for Fast {
                 count: propagation.points(),
                 block,
                 own: if sweep == 0 { 0.0 } else { OWN },
+                phases,
                 memory: Memory::of(&mut memory),
             };
             let report = |[re, im]: [&[f32]; 2]| {
@@ -107,13 +110,15 @@ impl Solve for Fast {
                 break;
             }
         }
-        Solution::of_field(problem, drive.into_vec(), &field, status, step, work, control)
+        let solution = Solution::of_field(problem, drive.into_vec(), &field, status, step, work, control)?;
+        Ok(if phases.is_some() { solution.on_grid() } else { solution })
     }
 
     fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
         self.check().ok()?;
         let mut batch = InterleavedBatch::of(problems, work)?;
         let (count, lanes) = (problems.first()?.propagation().transducers(), batch.target.len());
+        let phases = problems.first().and_then(phases);
         let mut memory = work.floats.take(closed_form::floats(lanes));
         for sweep in 0..=self.sweeps {
             let task = Sweep {
@@ -123,6 +128,7 @@ impl Solve for Fast {
                 count: lanes,
                 block: self.block as usize,
                 own: if sweep == 0 { 0.0 } else { OWN },
+                phases,
                 memory: Memory::of(&mut memory),
             };
             let [re, im] = &mut batch.pressures;
@@ -130,8 +136,17 @@ impl Solve for Fast {
             interleaved::sweep(batch.points.set, task, order, &mut batch.drives, [re, im]);
         }
         let steps = count.div_ceil(self.block as usize) * (1 + self.sweeps as usize);
-        batch.solutions(problems, steps, work)
+        let mut solutions = batch.solutions(problems, steps, work)?;
+        if phases.is_some() {
+            solutions = solutions.into_iter().map(Solution::on_grid).collect();
+        }
+        Some(solutions)
     }
+}
+
+/// The phases of the board.
+fn phases(problem: &Problem) -> Option<&Phases> {
+    problem.quantization()?.grid().phases.as_ref()
 }
 
 /// All of 0..count in strides near the golden section, from an index that the seed draws: successive transducers are far

@@ -1,7 +1,6 @@
 //! Tests of `quantization`.
 
 use super::*;
-use alloc::vec;
 
 #[test]
 fn what_lies_below_the_least_amplitude_is_left_to_the_supply() {

@@ -79,7 +79,7 @@ impl<S: Simd> Layout<S> for ProblemsInLanes<'_> {
         // The other half of an odd pair.
         moved[members.len()..].fill([s.splat(0.0); 2]);
         for (z, &i) in moved.iter_mut().zip(members) {
-            let (q, old) = (direction(s, *z), self.drive(s, i, 1.0));
+            let (q, old) = (direction(s, look.phases, *z), self.drive(s, i, 1.0));
             let own = &mut groups_mut(self.drive)[2 * i..2 * i + 2];
             s.store(q[0], &mut own[0]);
             s.store(q[1], &mut own[1]);

@@ -28,6 +28,7 @@ pub(crate) mod segments;
 
 use num_complex::Complex32;
 
+use crate::kernels::grid::Phases;
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::instruction_set::InstructionSet;
@@ -51,6 +52,8 @@ pub(crate) struct Sweep<'a> {
     /// The part of its own wave that a transducer leaves in P while it is updated; 0 in a first sweep, before which every
     /// drive is 0.
     pub(crate) own: f32,
+    /// The phases of a board: drives are then the nearest of these, and those after know of it.
+    pub(crate) phases: Option<&'a Phases>,
     pub(crate) memory: Memory<'a>,
 }
 
@@ -137,6 +140,7 @@ pub(crate) struct Look<'a> {
     pub(crate) residual: [&'a [f32]; 2],
     pub(crate) weight: &'a [f32],
     pub(crate) own: f32,
+    pub(crate) phases: Option<&'a Phases>,
 }
 
 /// One lane group of each of a block's rows, re and im.
@@ -207,7 +211,7 @@ pub(crate) fn run<S: Simd, L: Layout<S>>(
     [re, im]: [&mut [f32]; 2],
     mut report: impl FnMut([&[f32]; 2]) -> bool,
 ) -> bool {
-    let Sweep { rows, target, weight, block: most, own, memory, .. } = sweep;
+    let Sweep { rows, target, weight, block: most, own, phases, memory, .. } = sweep;
     let Memory { rows: kept, residual: [rest_re, rest_im] } = memory;
     let (first, second) = kept.split_at_mut(kept.len() / 2);
     let mut block = Block::new(first);
@@ -217,7 +221,7 @@ pub(crate) fn run<S: Simd, L: Layout<S>>(
     block.write::<S, L>(s, rows, 1);
     residual(s, target, weight, [&*re, &*im], [&mut *rest_re, &mut *rest_im]);
     while block.count > 0 {
-        let look = Look { residual: [&*rest_re, &*rest_im], weight, own };
+        let look = Look { residual: [&*rest_re, &*rest_im], weight, own, phases };
         let moved = layout.update(
             s,
             &block,
@@ -242,9 +246,18 @@ pub(crate) fn run<S: Simd, L: Layout<S>>(
 /// The least modulus of a sum that has a direction.
 const LEAST: f32 = 1e-37;
 
-/// The new drive z/|z|; 0 where z is 0.
+/// The new drive: the board's phase nearest to that of z, or z/|z|; 0 where z is 0.
 #[inline(always)]
-pub(crate) fn direction<S: Simd>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
+pub(crate) fn direction<S: Simd>(s: S, phases: Option<&Phases>, z: [S::V; 2]) -> [S::V; 2] {
+    match phases {
+        Some(phases) => phases.nearest(s, z),
+        None => unit(s, z),
+    }
+}
+
+/// z/|z|; 0 where z is 0.
+#[inline(always)]
+fn unit<S: Simd>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
     // Over about the root of its larger part first: the square then is about that part, and neither under- nor overflows.
     let larger = s.max(s.abs(re), s.abs(im));
     let root = s.rsqrt_estimate(larger);

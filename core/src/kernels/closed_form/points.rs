@@ -31,7 +31,7 @@ impl<S: Simd> Layout<S> for PointsInLanes<'_> {
         &mut self,
         s: S,
         block: &Block<'_>,
-        Look { residual, weight, own }: Look<'_>,
+        Look { residual, weight, own, phases }: Look<'_>,
         meanwhile: impl FnOnce(),
     ) -> [[S::V; 2]; MOST] {
         // Real parts before imaginary ones.
@@ -58,7 +58,7 @@ impl<S: Simd> Layout<S> for PointsInLanes<'_> {
             }
         }
         let z = s.reduce_add_each(&sums);
-        let [re, im] = direction(s, [z, s.swap::<MOST>(z)]);
+        let [re, im] = direction(s, phases, [z, s.swap::<MOST>(z)]);
         meanwhile();
         let mut new = [[0.0; LANES]; 2];
         s.store(re, &mut new[0]);

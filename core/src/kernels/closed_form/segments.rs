@@ -107,7 +107,7 @@ impl<S: Simd, const N: usize> Layout<S> for Segments<'_, N> {
         &mut self,
         s: S,
         block: &Block<'_>,
-        Look { residual, weight, own }: Look<'_>,
+        Look { residual, weight, own, phases }: Look<'_>,
         meanwhile: impl FnOnce(),
     ) -> [[S::V; 2]; MOST] {
         let zero = s.splat(0.0);
@@ -128,7 +128,7 @@ impl<S: Simd, const N: usize> Layout<S> for Segments<'_, N> {
                 im = s.fma(power, s.mul(s.splat(own), qi), im);
                 old[k] = [qr, qi];
             }
-            new[k] = direction(s, [within::<S, N>(s, re), within::<S, N>(s, im)]);
+            new[k] = direction(s, phases, [within::<S, N>(s, re), within::<S, N>(s, im)]);
         }
         meanwhile();
         for ([re, im], members) in new.iter().zip(block.members().chunks(N)) {

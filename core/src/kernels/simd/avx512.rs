@@ -1,9 +1,9 @@
 //! AVX-512 F and DQ: one register (Skylake-X and later).
 
 use core::arch::x86_64::{
-    __m512, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _mm_set_ss, _mm512_abs_ps, _mm512_add_ps,
-    _mm512_castps_si512, _mm512_cmp_ps_mask, _mm512_cvtps_epi32, _mm512_cvtss_f32, _mm512_div_ps, _mm512_fmadd_ps,
-    _mm512_fnmadd_ps, _mm512_getexp_ps, _mm512_i32gather_ps, _mm512_loadu_ps, _mm512_mask_blend_ps,
+    __m512, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _MM_FROUND_TO_NEG_INF, _mm_set_ss, _mm512_abs_ps,
+    _mm512_add_ps, _mm512_castps_si512, _mm512_cmp_ps_mask, _mm512_cvtps_epi32, _mm512_cvtss_f32, _mm512_div_ps,
+    _mm512_fmadd_ps, _mm512_fnmadd_ps, _mm512_getexp_ps, _mm512_i32gather_ps, _mm512_loadu_ps, _mm512_mask_blend_ps,
     _mm512_mask_broadcastss_ps, _mm512_max_ps, _mm512_min_epu32, _mm512_min_ps, _mm512_mul_ps, _mm512_permute_ps,
     _mm512_permutexvar_ps, _mm512_reduce_ps, _mm512_roundscale_ps, _mm512_rsqrt14_ps, _mm512_scalef_ps,
     _mm512_set1_epi32, _mm512_set1_ps, _mm512_shuffle_f32x4, _mm512_shuffle_ps, _mm512_sqrt_ps, _mm512_storeu_ps,
@@ -64,6 +64,7 @@ impl Simd for Avx512 {
         max(a: __m512, b: __m512) -> __m512 = _mm512_max_ps(a, b);
         abs(a: __m512) -> __m512 = _mm512_abs_ps(a);
         round(a: __m512) -> __m512 = _mm512_roundscale_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(a);
+        floor(a: __m512) -> __m512 = _mm512_roundscale_ps::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(a);
         fract(a: __m512) -> __m512 = _mm512_reduce_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(a);
         exp2(a: __m512) -> __m512 = _mm512_scalef_ps(_mm512_set1_ps(1.0), a);
         exponent(a: __m512) -> __m512 = _mm512_getexp_ps(a);

@@ -59,6 +59,12 @@ pub(crate) trait Simd: Copy {
     fn abs(self, a: Self::V) -> Self::V;
     /// The nearest integer of |a| < 2^22, ties to even.
     fn round(self, a: Self::V) -> Self::V;
+    /// The greatest integer up to |a| < 2^22.
+    #[inline(always)]
+    fn floor(self, a: Self::V) -> Self::V {
+        let near = self.round(a);
+        self.select_less(a, near, self.sub(near, self.splat(1.0)), near)
+    }
     /// a less its nearest integer, for |a| < 2^22.
     #[inline(always)]
     fn fract(self, a: Self::V) -> Self::V {
@@ -171,13 +177,6 @@ pub(crate) trait Simd: Copy {
         let guess = self.rsqrt_estimate(a);
         (guess, self.fnma(self.mul(a, guess), guess, self.splat(1.0)))
     }
-}
-
-/// The greatest integer up to |a| < 2^22.
-#[inline(always)]
-pub(crate) fn floor<S: Simd>(s: S, a: S::V) -> S::V {
-    let near = s.round(a);
-    s.select_less(a, near, s.sub(near, s.splat(1.0)), near)
 }
 
 /// The sum over lanes, halves upon halves: a fixed tree, so that its rounding is part of the contract.

@@ -6,16 +6,17 @@ use alloc::vec::Vec;
 use num_complex::{Complex32, Complex64};
 
 use crate::kernels::closed_form::{MOST, Memory, Sweep, floats, sweep};
+use crate::kernels::grid::Phases;
 use crate::kernels::lanes::LANES;
 use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::kernels::tests::batch::{Batch, Lists, TRANSDUCERS, each, widened};
 use crate::kernels::tests::wide;
 
-/// Two sweeps alone; `report` is given the sweep, the block and the pressures after it.
+/// Two sweeps alone, on any drives or a board's phases; `report` is given the sweep, the block and the pressures after it.
 pub(super) fn alone(
     set: InstructionSet,
     lists: &Lists,
-    block: usize,
+    (block, phases): (usize, Option<&Phases>),
     mut report: impl FnMut(usize, usize, [&[f32]; 2]),
 ) -> (Vec<Complex32>, [Vec<f32>; 2]) {
     let mut drive = vec![Complex32::ZERO; TRANSDUCERS];
@@ -30,6 +31,7 @@ pub(super) fn alone(
             count: lists.points,
             block,
             own,
+            phases,
             memory: Memory::of(&mut memory),
         };
         let mut count = 0;
@@ -55,7 +57,7 @@ fn every_block_takes_the_phases_of_the_formula() {
             for block in [1, 3, MOST] {
                 let lists = &Batch::new(1, points).problems[0];
                 let mut fields = Vec::new();
-                alone(set, lists, block, |_, _, [re, im]| {
+                alone(set, lists, (block, None), |_, _, [re, im]| {
                     let pairs = re.iter().zip(im);
                     fields.push(pairs.map(|(&re, &im)| Complex64::new(wide(re), wide(im))).collect::<Vec<_>>());
                 });
@@ -97,7 +99,7 @@ fn every_block_takes_the_phases_of_the_formula() {
 fn drives_are_unit_phasors_and_the_field_is_theirs() {
     each(|set, batch, _| {
         for lists in &batch.problems {
-            let (drive, [re, im]) = alone(set, lists, MOST, |_, _, _| ());
+            let (drive, [re, im]) = alone(set, lists, (MOST, None), |_, _, _| ());
             for q in &drive {
                 assert!((q.norm() - 1.0).abs() < 1e-6, "{set}: |q| = {}", q.norm());
             }
@@ -125,6 +127,7 @@ fn a_transducer_without_gain_has_no_phase_and_a_report_ends_the_sweep() {
                 count: LANES,
                 block,
                 own: 0.0,
+                phases: None,
                 memory: Memory::of(&mut memory),
             };
             let mut field = [[0.0; LANES]; 2];
@@ -135,5 +138,33 @@ fn a_transducer_without_gain_has_no_phase_and_a_report_ends_the_sweep() {
         let one = Complex32::new(1.0, 0.0);
         assert_eq!(run(3, true), (true, vec![Complex32::ZERO, one, Complex32::ZERO], 2.0), "{set}");
         assert_eq!(run(1, false), (false, vec![Complex32::ZERO; 3], 0.0), "{set}");
+    }
+}
+
+#[test]
+fn on_a_board_each_drive_is_the_phase_nearest_to_the_formula() {
+    const COUNT: f64 = 32.0;
+    let phases = Phases::new(COUNT as u32);
+    for set in InstructionSet::all() {
+        for points in [1, 3, 4, 7, 16, 40] {
+            let lists = &Batch::new(1, points).problems[0];
+            let (free, board) =
+                (alone(set, lists, (1, None), |_, _, _| ()), alone(set, lists, (1, Some(&phases)), |_, _, _| ()));
+            for (i, q) in board.0.iter().enumerate() {
+                let code = f64::from(q.im).atan2(f64::from(q.re)) * COUNT / core::f64::consts::TAU;
+                assert!(q.norm() == 0.0 || (code - code.round()).abs() < 1e-5, "{set}: drive {i} is {q}");
+                assert_eq!(q.norm() == 0.0, free.0[i].norm() == 0.0, "{set}: drive {i}");
+            }
+            // With one point the first drives are those of the formula, rounded.
+            if points == 1 {
+                let near = board
+                    .0
+                    .iter()
+                    .zip(&free.0)
+                    .all(|(q, z)| (q - z).norm() < 1.01 * core::f32::consts::PI / COUNT as f32);
+                assert!(near, "{set}");
+            }
+            lists.assert_field(&widened(&board.0), &board.1[0], &board.1[1]);
+        }
     }
 }

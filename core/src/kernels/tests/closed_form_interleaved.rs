@@ -6,6 +6,7 @@ use core::array::from_fn;
 
 use crate::kernels::closed_form::interleaved::{deal_out, sweep};
 use crate::kernels::closed_form::{MOST, Memory, Sweep, floats};
+use crate::kernels::grid::Phases;
 use crate::kernels::lanes::LANES;
 use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::kernels::tests::batch::{TRANSDUCERS, each, widened};
@@ -14,7 +15,8 @@ use crate::kernels::tests::closed_form::{alone, order};
 #[test]
 fn every_lane_has_the_bits_of_its_lone_sweep() {
     each(|set, batch, _| {
-        for block in [1, 3, MOST] {
+        let board = Phases::new(16);
+        for (block, phases) in [(1, None), (3, None), (MOST, None), (MOST, Some(&board)), (3, Some(&board))] {
             let all = &batch.all;
             let mut drive = vec![0.0; 2 * LANES * TRANSDUCERS];
             let mut field = [(); 2].map(|()| vec![0.0; all.lanes()]);
@@ -28,13 +30,14 @@ fn every_lane_has_the_bits_of_its_lone_sweep() {
                     count: all.lanes(),
                     block,
                     own,
+                    phases,
                     memory: Memory::of(&mut memory),
                 };
                 let [re, im] = &mut field;
                 sweep(set, task, order(), &mut drive, [re, im]);
             }
             for (lane, lists) in batch.problems.iter().enumerate() {
-                let (lone, [re, im]) = alone(set, lists, block, |_, _, _| ());
+                let (lone, [re, im]) = alone(set, lists, (block, phases), |_, _, _| ());
                 batch.assert_same(lane, &lone, [&re, &im], (&drive, [&field[0], &field[1]]));
                 lists.assert_field(&widened(&lone), &re, &im);
             }

@@ -7,7 +7,7 @@ use num_complex::{Complex32, Complex64};
 
 use crate::control::Control;
 use crate::kernels::closed_form;
-use crate::kernels::closed_form::Sweep;
+use crate::kernels::closed_form::{Memory, Sweep};
 use crate::kernels::lanes::padded;
 use crate::kernels::matrix::{add_waves, correlate_rows};
 use crate::kernels::propagate::rows::Rows;
@@ -123,9 +123,11 @@ fn the_sweep_of_fast_is_its_formula() {
                         rows: matrix.rows(),
                         target: &target,
                         weight: &weight,
+                        count,
                         block: size,
                         own,
-                        memory: &mut memory,
+                        phases: None,
+                        memory: Memory::of(&mut memory),
                     };
                     // The field after each block, from where the formula starts at the next.
                     let field = |[re, im]: [&[f32]; 2]| -> Vec<Complex64> {

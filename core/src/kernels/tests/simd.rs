@@ -133,6 +133,8 @@ fn powers_and_tables() {
                 stored!(set, s => s.gather(&table, s.load(&index))),
                 from_fn(|l| 100.0 + ((5 * l + turn) % 16) as f32)
             );
+            let parts = index.map(|x| 0.25 * x - 2.0);
+            assert_eq!(stored!(set, s => s.floor(s.load(&parts))), parts.map(f32::floor));
             let list: Vec<f32> = (0..100).map(|k| 0.5 * k as f32).collect();
             let index: Lanes = from_fn(|l| (7 * l + turn) as f32);
             let beyond = index.map(|x| 0.5 * x.min(99.0));

@@ -22,7 +22,7 @@
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::kernels::grid::{Phases, silent_where};
+use crate::kernels::grid::Phases;
 use crate::kernels::lanes::{BLOCK, LANES, Lanes, groups_mut};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::simd::{Simd, TINY};
@@ -262,9 +262,9 @@ fn round_tiles<S: Simd, const K: usize>(
     let lists = own_re.iter_mut().zip(own_im).zip(codes);
     for (((re, im), codes), (&q, (&down, change))) in lists.zip(q.iter().zip(down.iter().zip(&mut change))) {
         let rotation = s.max(s.min(s.mul(down, far), most), s.sub(zero, most));
-        let code = phases.codes(s, s.fma(rotation, count, phases.places(s, q)));
+        let code = Phases::codes(s, s.fma(rotation, count, phases.places(s, q)));
         // Transducers without effect stay silent.
-        let new = silent_where(s, q, phases.phasors(s, code));
+        let new = phases.phasors(s, code, q);
         s.store(code, codes);
         s.store(new[0], re);
         s.store(new[1], im);
