@@ -12,6 +12,9 @@ pub(crate) const BLOCK: usize = 4;
 /// Four rows of a tile.
 pub(crate) type Block = [Lanes; BLOCK];
 
+/// A lane group of each of eight rows, re and im.
+pub(crate) type Octet = [[Lanes; 2]; 8];
+
 /// The least multiple of [`LANES`] that holds `count`.
 pub(crate) const fn padded(count: usize) -> usize {
     count.next_multiple_of(LANES)
@@ -23,16 +26,6 @@ pub(crate) fn groups(slice: &[f32]) -> &[Lanes] {
     let (groups, rest) = slice.as_chunks();
     debug_assert!(rest.is_empty(), "kernel slices are padded to 16");
     groups
-}
-
-/// The lane groups of two padded slices side by side, to write.
-#[inline(always)]
-pub(crate) fn pairs_mut<'a>(re: &'a mut [f32], im: &'a mut [f32]) -> impl ExactSizeIterator<Item = [&'a mut Lanes; 2]> {
-    let pairs = groups_mut(re).iter_mut().zip(groups_mut(im));
-    pairs.map(
-        #[inline(always)]
-        |(re, im)| [re, im],
-    )
 }
 
 /// The lane groups of a padded slice, to write.

@@ -15,8 +15,8 @@ use core::array;
 use num_complex::Complex32;
 
 use crate::kernels::closed_form;
-use crate::kernels::closed_form::{Block, Layout, Look, MOST, Octet, Sweep, direction};
-use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
+use crate::kernels::closed_form::{Block, Layout, Look, MOST, Sweep, direction};
+use crate::kernels::lanes::{LANES, Lanes, Octet, groups, groups_mut};
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 

@@ -29,7 +29,8 @@ pub(crate) mod segments;
 use num_complex::Complex32;
 
 use crate::kernels::grid::Phases;
-use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
+use crate::kernels::lanes::{LANES, Octet, groups, groups_mut};
+use crate::kernels::propagate::octets::write_rows;
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::kernels::simd::{Simd, TINY};
@@ -81,7 +82,7 @@ pub(crate) const fn floats(lanes: usize) -> usize {
     lanes * (ROWS + 2)
 }
 
-/// Gives every transducer of `order` the phase arg sum w conj(G) (t P/|P| - P + `own` G q). `report` is given the
+/// Gives every transducer of `order` the phase arg sum w conj(G) (t P/|P| - P + `own` G q). `report` is given the points'
 /// pressures after each block; where it answers false the sweep ends and returns false.
 pub(crate) fn sweep(
     set: InstructionSet,
@@ -103,17 +104,10 @@ pub(crate) trait Layout<S: Simd> {
     /// Transducers whose rows share a lane group.
     const SHARED: usize = 1;
 
-    /// Writes the rows of [`Layout::SHARED`] transducers, or of fewer and silence, into list `k` of a block.
+    /// Writes the rows of some transducers from list `first` of a block on.
     #[inline(always)]
-    fn write(s: S, rows: Rows<'_>, members: &[usize], k: usize, to: &mut [Octet]) {
-        rows.write(
-            s,
-            members[0],
-            to.iter_mut().map(
-                #[inline(always)]
-                |octet| octet[k].each_mut(),
-            ),
-        );
+    fn write(s: S, rows: Rows<'_>, members: &[usize], first: usize, to: &mut [Octet]) {
+        write_rows(s, rows, members, first, to);
     }
 
     /// Gives each transducer of a block its new drive z/|z| and returns by how much the drives changed, list by list.
@@ -142,9 +136,6 @@ pub(crate) struct Look<'a> {
     pub(crate) own: f32,
     pub(crate) phases: Option<&'a Phases>,
 }
-
-/// One lane group of each of a block's rows, re and im.
-pub(crate) type Octet = [[Lanes; 2]; MOST];
 
 /// Some transducers and their rows.
 pub(crate) struct Block<'a> {
@@ -188,14 +179,10 @@ impl<'a> Block<'a> {
         if !self.has(quad) {
             return;
         }
-        let (first, lists) = (quad * QUAD, QUAD / L::SHARED);
-        let members = &self.members[first..self.count.min(first + QUAD)];
-        let mut list = quad * lists;
-        for some in members.chunks(L::SHARED) {
-            L::write(s, rows, some, list, self.rows);
-            list += 1;
-        }
-        for silent in list..(quad + 1) * lists {
+        let members = &self.members[quad * QUAD..self.count.min((quad + 1) * QUAD)];
+        let lists = quad * QUAD / L::SHARED..(quad + 1) * QUAD / L::SHARED;
+        L::write(s, rows, members, lists.start, self.rows);
+        for silent in lists.skip(members.len().div_ceil(L::SHARED)) {
             self.rows.iter_mut().for_each(|octet| octet[silent] = [[0.0; LANES]; 2]);
         }
     }
@@ -211,16 +198,13 @@ pub(crate) fn run<S: Simd, L: Layout<S>>(
     [re, im]: [&mut [f32]; 2],
     mut report: impl FnMut([&[f32]; 2]) -> bool,
 ) -> bool {
-    let Sweep { rows, target, weight, block: most, own, phases, memory, .. } = sweep;
+    let Sweep { rows, target, weight, count, block: most, own, phases, memory } = sweep;
     let Memory { rows: kept, residual: [rest_re, rest_im] } = memory;
     let (first, second) = kept.split_at_mut(kept.len() / 2);
+    // The first block is empty: its turn computes d and writes the rows of the second.
     let mut block = Block::new(first);
     let mut next = Block::new(second);
-    block.take(most, &mut order);
-    block.write::<S, L>(s, rows, 0);
-    block.write::<S, L>(s, rows, 1);
-    residual(s, target, weight, [&*re, &*im], [&mut *rest_re, &mut *rest_im]);
-    while block.count > 0 {
+    loop {
         let look = Look { residual: [&*rest_re, &*rest_im], weight, own, phases };
         let moved = layout.update(
             s,
@@ -232,15 +216,22 @@ pub(crate) fn run<S: Simd, L: Layout<S>>(
                 next.write::<S, L>(s, rows, 0);
             },
         );
-        add_block::<S, L>(s, &block, &moved, [&mut *re, &mut *im]);
+        if block.has(1) {
+            add_block::<S, L, 2>(s, block.rows, &moved, [&mut *re, &mut *im]);
+        } else if block.has(0) {
+            add_block::<S, L, 1>(s, block.rows, &moved, [&mut *re, &mut *im]);
+        }
         residual(s, target, weight, [&*re, &*im], [&mut *rest_re, &mut *rest_im]);
         next.write::<S, L>(s, rows, 1);
-        if !report([&*re, &*im]) {
-            return false;
-        }
+        let goes_on = !block.has(0) || report([&re[..count], &im[..count]]);
         core::mem::swap(&mut block, &mut next);
+        if !goes_on || !block.has(0) {
+            // What the padding added up to.
+            re[count..].fill(0.0);
+            im[count..].fill(0.0);
+            return goes_on;
+        }
     }
-    true
 }
 
 /// The least modulus of a sum that has a direction.
@@ -272,23 +263,23 @@ fn unit<S: Simd>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
     ]
 }
 
-/// P += `sum_k G_k q_k` for a block.
+/// P += `sum_k G_k q_k` for the first `QUADS` of a block.
 #[inline(always)]
-fn add_block<S: Simd, L: Layout<S>>(s: S, block: &Block<'_>, drives: &[[S::V; 2]; MOST], [re, im]: [&mut [f32]; 2]) {
+fn add_block<S: Simd, L: Layout<S>, const QUADS: usize>(
+    s: S,
+    rows: &[Octet],
+    drives: &[[S::V; 2]; MOST],
+    [re, im]: [&mut [f32]; 2],
+) {
     let lists = QUAD / L::SHARED;
-    for (octet, (re, im)) in block.rows.iter().zip(groups_mut(re).iter_mut().zip(groups_mut(im))) {
+    for (octet, (re, im)) in rows.iter().zip(groups_mut(re).iter_mut().zip(groups_mut(im))) {
         let mut real = [s.splat(0.0); QUAD];
         let mut imag = real;
         (real[0], imag[0]) = (L::start(s, s.load(re)), L::start(s, s.load(im)));
-        for quad in 0..2 {
-            if block.has(quad) {
-                for chain in 0..lists {
-                    let [gr, gi] = &octet[quad * lists + chain];
-                    let (gr, gi, [qr, qi]) = (s.load(gr), s.load(gi), drives[quad * lists + chain]);
-                    real[chain] = s.fma(gr, qr, s.fnma(gi, qi, real[chain]));
-                    imag[chain] = s.fma(gr, qi, s.fma(gi, qr, imag[chain]));
-                }
-            }
+        for k in 0..QUADS * lists {
+            let (gr, gi, [qr, qi]) = (s.load(&octet[k][0]), s.load(&octet[k][1]), drives[k]);
+            real[k % lists] = s.fma(gr, qr, s.fnma(gi, qi, real[k % lists]));
+            imag[k % lists] = s.fma(gr, qi, s.fma(gi, qr, imag[k % lists]));
         }
         s.store(L::sum(s, real), re);
         s.store(L::sum(s, imag), im);

@@ -4,7 +4,7 @@ use num_complex::Complex32;
 
 use crate::kernels::closed_form;
 use crate::kernels::closed_form::{Block, Layout, Look, MOST, QUAD, Sweep, direction, own_power};
-use crate::kernels::lanes::{LANES, groups};
+use crate::kernels::lanes::{LANES, Lanes, Octet, groups};
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 
@@ -25,6 +25,28 @@ struct PointsInLanes<'a> {
     drive: &'a mut [Complex32],
 }
 
+impl PointsInLanes<'_> {
+    /// Adds what is to be left of the waves of old drives to the sums; and these drives, re and im.
+    #[inline(always)]
+    fn with_own<S: Simd>(
+        &self,
+        s: S,
+        block: &Block<'_>,
+        weight: &[f32],
+        own: f32,
+        mut sums: [S::V; LANES],
+    ) -> ([S::V; LANES], [Lanes; 2]) {
+        let mut old = [[0.0; LANES]; 2];
+        for (k, &i) in block.members().iter().enumerate() {
+            let (q, power) = (self.drive[i], own_power(s, block.rows, k, weight));
+            sums[k] = s.fma(power, s.splat(own * q.re), sums[k]);
+            sums[k + MOST] = s.fma(power, s.splat(own * q.im), sums[k + MOST]);
+            (old[0][k], old[1][k]) = (q.re, q.im);
+        }
+        (sums, old)
+    }
+}
+
 impl<S: Simd> Layout<S> for PointsInLanes<'_> {
     #[inline(always)]
     fn update(
@@ -34,28 +56,14 @@ impl<S: Simd> Layout<S> for PointsInLanes<'_> {
         Look { residual, weight, own, phases }: Look<'_>,
         meanwhile: impl FnOnce(),
     ) -> [[S::V; 2]; MOST] {
-        // Real parts before imaginary ones.
-        let mut sums = [s.splat(0.0); LANES];
-        for (octet, (dr, di)) in block.rows.iter().zip(groups(residual[0]).iter().zip(groups(residual[1]))) {
-            let (dr, di) = (s.load(dr), s.load(di));
-            for quad in 0..2 {
-                if block.has(quad) {
-                    for k in quad * QUAD..(quad + 1) * QUAD {
-                        let (gr, gi) = (s.load(&octet[k][0]), s.load(&octet[k][1]));
-                        sums[k] = s.fma(gr, dr, s.fma(gi, di, sums[k]));
-                        sums[k + MOST] = s.fma(gr, di, s.fnma(gi, dr, sums[k + MOST]));
-                    }
-                }
-            }
-        }
+        let mut sums = if block.has(1) {
+            correlations::<_, 2>(s, block.rows, residual)
+        } else {
+            correlations::<_, 1>(s, block.rows, residual)
+        };
         let mut old = [[0.0; LANES]; 2];
         if own > 0.0 {
-            for (k, &i) in block.members().iter().enumerate() {
-                let (q, power) = (self.drive[i], own_power(s, block.rows, k, weight));
-                sums[k] = s.fma(power, s.splat(own * q.re), sums[k]);
-                sums[k + MOST] = s.fma(power, s.splat(own * q.im), sums[k + MOST]);
-                (old[0][k], old[1][k]) = (q.re, q.im);
-            }
+            (sums, old) = self.with_own(s, block, weight, own, sums);
         }
         let z = s.reduce_add_each(&sums);
         let [re, im] = direction(s, phases, [z, s.swap::<MOST>(z)]);
@@ -74,4 +82,19 @@ impl<S: Simd> Layout<S> for PointsInLanes<'_> {
         }
         moved
     }
+}
+
+/// sum_j conj(G_j) d_j of the first `QUADS` of a block, lanes apart; real parts before imaginary ones.
+#[inline(always)]
+fn correlations<S: Simd, const QUADS: usize>(s: S, rows: &[Octet], residual: [&[f32]; 2]) -> [S::V; LANES] {
+    let mut sums = [s.splat(0.0); LANES];
+    for (octet, (dr, di)) in rows.iter().zip(groups(residual[0]).iter().zip(groups(residual[1]))) {
+        let (dr, di) = (s.load(dr), s.load(di));
+        for k in 0..QUADS * QUAD {
+            let (gr, gi) = (s.load(&octet[k][0]), s.load(&octet[k][1]));
+            sums[k] = s.fma(gr, dr, s.fma(gi, di, sums[k]));
+            sums[k + MOST] = s.fma(gr, di, s.fnma(gi, dr, sums[k + MOST]));
+        }
+    }
+    sums
 }

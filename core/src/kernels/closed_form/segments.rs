@@ -17,8 +17,9 @@ use core::array;
 use num_complex::Complex32;
 
 use crate::kernels::closed_form;
-use crate::kernels::closed_form::{Block, Layout, Look, MOST, Memory, Octet, QUAD, ROWS, Sweep, direction, own_power};
-use crate::kernels::lanes::{LANES, Lanes, groups};
+use crate::kernels::closed_form::{Block, Layout, Look, MOST, Memory, QUAD, ROWS, Sweep, direction, own_power};
+use crate::kernels::lanes::{LANES, Lanes, Octet, groups};
+use crate::kernels::propagate::octets::write_segments;
 use crate::kernels::propagate::row::ControlPoints;
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::Simd;
@@ -39,7 +40,7 @@ pub(super) fn sweep<const N: usize>(
     order: impl Iterator<Item = usize>,
     drive: &mut [Complex32],
     [re, im]: [&mut [f32]; 2],
-    mut report: impl FnMut([&[f32]; 2]) -> bool,
+    report: impl FnMut([&[f32]; 2]) -> bool,
 ) -> bool {
     let count = sweep.count;
     let repeated = |list: &[f32]| Line(array::from_fn(|lane| list[lane % (LANES / N)]));
@@ -60,9 +61,8 @@ pub(super) fn sweep<const N: usize>(
     // Apart, so that d stays in registers.
     let memory = Memory { rows: &mut kept.0, residual: [&mut rest_re.0, &mut rest_im.0] };
     let few = Sweep { rows, target: &target.0, weight: &weight.0, memory, ..sweep };
-    let told = |[re, im]: [&[f32]; 2]| report([&re[..count], &im[..count]]);
     let pressures = [&mut real.0[..], &mut imag.0[..]];
-    let ended = dispatch!(set, s => closed_form::run(s, few, order, Segments::<N> { drive }, pressures, told));
+    let ended = dispatch!(set, s => closed_form::run(s, few, order, Segments::<N> { drive }, pressures, report));
     re[..count].copy_from_slice(&real.0[..count]);
     im[..count].copy_from_slice(&imag.0[..count]);
     ended
@@ -87,8 +87,8 @@ impl<const N: usize> Segments<'_, N> {
     /// The drives of list `k`, each in its segment.
     #[inline(always)]
     fn old<S: Simd>(&self, s: S, block: &Block<'_>, k: usize) -> [S::V; 2] {
-        let members = &block.members()[k * N..];
-        let at = |quarter: usize| self.drive[members[(quarter * N / 4).min(members.len() - 1)]];
+        let members = block.members().get(k * N..).unwrap_or_default();
+        let at = |quarter: usize| members.get(quarter * N / 4).map_or(Complex32::ZERO, |&i| self.drive[i]);
         let [a, b, c, d] = [at(0), at(1), at(2), at(3)];
         [s.quarters([a.re, b.re, c.re, d.re]), s.quarters([a.im, b.im, c.im, d.im])]
     }
@@ -98,8 +98,8 @@ impl<S: Simd, const N: usize> Layout<S> for Segments<'_, N> {
     const SHARED: usize = N;
 
     #[inline(always)]
-    fn write(s: S, rows: Rows<'_>, members: &[usize], k: usize, to: &mut [Octet]) {
-        rows.write_segments::<S, N>(s, members, to[0][k].each_mut());
+    fn write(s: S, rows: Rows<'_>, members: &[usize], first: usize, to: &mut [Octet]) {
+        write_segments::<S, N>(s, rows, members, first, &mut to[0]);
     }
 
     #[inline(always)]
@@ -119,7 +119,7 @@ impl<S: Simd, const N: usize> Layout<S> for Segments<'_, N> {
                 break;
             }
             let (gr, gi) = (s.load(&block.rows[0][k][0]), s.load(&block.rows[0][k][1]));
-            let mut re = s.fma(gr, dr, s.mul(gi, di));
+            let mut re = s.fma(gr, dr, s.fma(gi, di, zero));
             let mut im = s.fma(gr, di, s.fnma(gi, dr, zero));
             if own > 0.0 {
                 let [qr, qi] = self.old::<S>(s, block, k);
@@ -131,18 +131,18 @@ impl<S: Simd, const N: usize> Layout<S> for Segments<'_, N> {
             new[k] = direction(s, phases, [within::<S, N>(s, re), within::<S, N>(s, im)]);
         }
         meanwhile();
-        for ([re, im], members) in new.iter().zip(block.members().chunks(N)) {
+        for k in 0..MOST / N {
             let mut lanes: [Lanes; 2] = [[0.0; LANES]; 2];
-            s.store(*re, &mut lanes[0]);
-            s.store(*im, &mut lanes[1]);
-            let segments = lanes[0].chunks_exact(LANES / N).zip(lanes[1].chunks_exact(LANES / N));
-            for (&i, (re, im)) in members.iter().zip(segments) {
-                self.drive[i] = Complex32::new(re[0], im[0]);
+            s.store(new[k][0], &mut lanes[0]);
+            s.store(new[k][1], &mut lanes[1]);
+            for (segment, &i) in block.members().iter().skip(k * N).take(N).enumerate() {
+                let lane = LANES / N * segment;
+                self.drive[i] = Complex32::new(lanes[0][lane], lanes[1][lane]);
             }
         }
         if own > 0.0 {
-            for (new, old) in new.iter_mut().zip(old) {
-                *new = [s.sub(new[0], old[0]), s.sub(new[1], old[1])];
+            for k in 0..MOST / N {
+                new[k] = [s.sub(new[k][0], old[k][0]), s.sub(new[k][1], old[k][1])];
             }
         }
         new

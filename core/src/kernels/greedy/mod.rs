@@ -45,7 +45,7 @@ use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 
 use crate::kernels::greedy::point_group::PointGroup;
-use crate::kernels::lanes::{LANES, groups, groups_mut, pairs_mut};
+use crate::kernels::lanes::{LANES, groups, groups_mut};
 use crate::kernels::simd::Simd;
 
 /// Differences of the energy that do not matter, beside the energy of silence: a fifth of the regret that
@@ -159,7 +159,7 @@ pub(crate) fn run<S: Simd>(
 fn write<S: Simd>(s: S, rows: Rows<'_>, i: Option<&u32>, row: &mut [f32]) {
     let (re, im) = row.split_at_mut(row.len() / 2);
     if let Some(&i) = i {
-        rows.write(s, i as usize, pairs_mut(re, im));
+        rows.write(s, i as usize, re, im);
     }
 }
 

@@ -4,6 +4,7 @@ pub(crate) mod directivity;
 pub(crate) mod field;
 pub(crate) mod form;
 pub(crate) mod moduli;
+pub(crate) mod octets;
 pub(crate) mod row;
 pub(crate) mod rows;
 pub(crate) mod source;

@@ -1,7 +1,7 @@
 //! Elements of G, eq. (5), in f32: one source against every control point, or 16 sources at a point.
 
 use crate::kernels::lanes::{BLOCK, Block};
-use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut, pairs_mut};
+use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::phasor::{power_of_two, wave};
 use crate::kernels::propagate::form::{Form, Plain, Radiation, formed};
 use crate::kernels::propagate::source::{SourceLanes, SourceList};
@@ -84,81 +84,45 @@ pub(crate) fn write_tile<S: Simd>(
     });
 }
 
-/// Writes the row of source `i`, lane group after lane group, zeros in the padding.
+/// Writes the row of source `i` over its target's whole length, zeros in the padding.
 #[inline(always)]
-pub(crate) fn write_row<'a, S: Simd>(
+pub(crate) fn write_row<S: Simd>(
     s: S,
     radiation: &Radiation,
     (sources, i): (&SourceList, usize),
     control_points: ControlPoints<'_>,
-    out: impl Iterator<Item = [&'a mut Lanes; 2]>,
+    re: &mut [f32],
+    im: &mut [f32],
 ) {
+    let from = &sources.one(s, i);
     // All forms but the plain one are functions of their own: this is compiled into every kernel that writes rows.
-    let last = if radiation.is_plain(sources.in_phase) {
-        write_form(s, Plain, radiation, &sources.one(s, i), control_points, out)
+    if radiation.is_plain(sources.in_phase) {
+        write_form(s, Plain, radiation, from, control_points, [&mut *re, &mut *im]);
     } else {
         s.vectorize(
             #[inline(always)]
-            || {
-                let from = &sources.one(s, i);
-                formed!(radiation, sources.in_phase, form => write_form(s, form, radiation, from, control_points, out))
-            },
-        )
-    };
-    if let Some([re, im]) = last {
-        silence(s, re, control_points.count);
-        silence(s, im, control_points.count);
+            || formed!(radiation, sources.in_phase, form => write_form(s, form, radiation, from, control_points, [&mut *re, &mut *im])),
+        );
     }
+    silence(s, re, control_points.count);
+    silence(s, im, control_points.count);
 }
 
-/// Returns the last lane group.
 #[inline(always)]
-fn write_form<'a, S: Simd, F: Form>(
+fn write_form<S: Simd, F: Form>(
     s: S,
     form: F,
     radiation: &Radiation,
     from: &SourceLanes<S::V>,
     control_points: ControlPoints<'_>,
-    out: impl Iterator<Item = [&'a mut Lanes; 2]>,
-) -> Option<[&'a mut Lanes; 2]> {
-    let [x, y, z] = control_points.coordinates.map(groups);
-    let mut last = None;
-    for (((x, y), z), [re, im]) in x.iter().zip(y).zip(z).zip(out) {
+    [re, im]: [&mut [f32]; 2],
+) {
+    let [x, y, z] = control_points.coordinates;
+    let points = groups(x).iter().zip(groups(y)).zip(groups(z));
+    for (((x, y), z), (re, im)) in points.zip(groups_mut(re).iter_mut().zip(groups_mut(im))) {
         let [real, imaginary] = element(s, form, radiation, from, [s.load(x), s.load(y), s.load(z)]);
         s.store(real, re);
         s.store(imaginary, im);
-        last = Some([re, im]);
-    }
-    last
-}
-
-/// Writes the rows of `members`, at most N, over few points side by side: element j of the k-th in lane 16 k/N + j. The
-/// coordinates are repeated likewise. Lanes of members that there are not are silent.
-#[inline(always)]
-pub(crate) fn write_segments<S: Simd, const N: usize>(
-    s: S,
-    radiation: &Radiation,
-    (sources, members): (&SourceList, &[usize]),
-    coordinates: [&Lanes; 3],
-    [re, im]: [&mut Lanes; 2],
-) {
-    let place = [s.load(coordinates[0]), s.load(coordinates[1]), s.load(coordinates[2])];
-    let [real, imaginary] = if radiation.is_plain(sources.in_phase) {
-        element(s, Plain, radiation, &sources.segments::<_, N>(s, members), place)
-    } else {
-        s.vectorize(
-            #[inline(always)]
-            || {
-                let from = &sources.segments::<_, N>(s, members);
-                formed!(radiation, sources.in_phase, form => element(s, form, radiation, from, place))
-            },
-        )
-    };
-    s.store(real, re);
-    s.store(imaginary, im);
-    if members.len() < N {
-        silence(s, re, LANES / N * members.len());
-        silence(s, im, LANES / N * members.len());
     }
 }
 
@@ -170,7 +134,7 @@ pub(crate) fn row(
     control_points: ControlPoints<'_>,
     out: &mut Row<'_>,
 ) {
-    dispatch!(set, s => write_row(s, radiation, (sources, i), control_points, pairs_mut(out.re, out.im)));
+    dispatch!(set, s => write_row(s, radiation, (sources, i), control_points, out.re, out.im));
 }
 
 /// Zeros in the padding.

@@ -3,9 +3,9 @@
 use core::ops::Range;
 
 use crate::kernels::lanes::{BLOCK, Block};
-use crate::kernels::lanes::{LANES, Lanes, groups, padded};
+use crate::kernels::lanes::{LANES, padded};
 use crate::kernels::propagate::form::Radiation;
-use crate::kernels::propagate::row::{ControlPoints, write_row, write_segments, write_tile};
+use crate::kernels::propagate::row::{ControlPoints, write_row, write_tile};
 use crate::kernels::propagate::source::SourceList;
 use crate::kernels::simd::Simd;
 
@@ -19,37 +19,17 @@ pub(crate) enum Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// Writes row `i`, lane group after lane group.
+    /// Writes row `i` over the whole of `re` and `im`.
     #[inline(always)]
-    pub(crate) fn write<'o, S: Simd>(&self, s: S, i: usize, out: impl ExactSizeIterator<Item = [&'o mut Lanes; 2]>) {
+    pub(crate) fn write<S: Simd>(&self, s: S, i: usize, re: &mut [f32], im: &mut [f32]) {
         match *self {
             Self::Computed { radiation, sources, control_points } => {
-                write_row(s, radiation, (sources, i), control_points, out);
+                write_row(s, radiation, (sources, i), control_points, re, im);
             }
-            Self::Stored { re, im } => {
-                let first = i * out.len();
-                let row = groups(re)[first..].iter().zip(&groups(im)[first..]);
-                row.zip(out).for_each(|((re, im), out)| [*out[0], *out[1]] = [*re, *im]);
-            }
-        }
-    }
-
-    /// Writes the rows of `members`, at most N, over up to 16/N points side by side, zeros for members that there are not:
-    /// see [`write_segments`]. Computed ones have coordinates that are repeated likewise.
-    #[inline(always)]
-    pub(crate) fn write_segments<S: Simd, const N: usize>(&self, s: S, members: &[usize], out: [&mut Lanes; 2]) {
-        match *self {
-            Self::Computed { radiation, sources, control_points } => {
-                let coordinates = control_points.coordinates.map(|list| &groups(list)[0]);
-                write_segments::<_, N>(s, radiation, (sources, members), coordinates, out);
-            }
-            Self::Stored { re, im } => {
-                for (all, out) in [re, im].into_iter().zip(out) {
-                    *out = [0.0; LANES];
-                    for (segment, &i) in out.chunks_exact_mut(LANES / N).zip(members) {
-                        segment.copy_from_slice(&groups(all)[i][..LANES / N]);
-                    }
-                }
+            Self::Stored { re: all_re, im: all_im } => {
+                let range = i * re.len()..(i + 1) * re.len();
+                re.copy_from_slice(&all_re[range.clone()]);
+                im.copy_from_slice(&all_im[range]);
             }
         }
     }

@@ -1,0 +1,79 @@
+//! Rows of G side by side, up to eight: lane group by lane group, as a block of transducers reads them.
+//!
+//! A function of its own, with its form chosen before its loops: around it a kernel keeps its registers. Padding is not
+//! silenced.
+
+use crate::kernels::lanes::{LANES, Octet, groups};
+use crate::kernels::propagate::form::formed;
+use crate::kernels::propagate::row::{element, silence};
+use crate::kernels::propagate::rows::Rows;
+use crate::kernels::simd::Simd;
+
+/// Writes the rows of `members` from column `first` on.
+#[inline(always)]
+pub(crate) fn write_rows<S: Simd>(s: S, rows: Rows<'_>, members: &[usize], first: usize, out: &mut [Octet]) {
+    match rows {
+        Rows::Computed { radiation, sources, control_points } => s.vectorize(
+            #[inline(always)]
+            || {
+                let [x, y, z] = control_points.coordinates.map(groups);
+                formed!(radiation, sources.in_phase, form => for (column, &i) in (first..).zip(members) {
+                    let from = &sources.one(s, i);
+                    for (((x, y), z), octet) in x.iter().zip(y).zip(z).zip(&mut *out) {
+                        let [re, im] = element(s, form, radiation, from, [s.load(x), s.load(y), s.load(z)]);
+                        s.store(re, &mut octet[column][0]);
+                        s.store(im, &mut octet[column][1]);
+                    }
+                });
+            },
+        ),
+        Rows::Stored { re, im } => {
+            for (column, &i) in (first..).zip(members) {
+                let row = groups(re)[i * out.len()..].iter().zip(&groups(im)[i * out.len()..]);
+                row.zip(&mut *out).for_each(|((re, im), octet)| octet[column] = [*re, *im]);
+            }
+        }
+    }
+}
+
+/// Writes the rows of `members` over up to 16/N points, N of them to a column: the k-th in the lanes from 16 k/N on.
+/// Coordinates are repeated likewise. Lanes without a member are silent.
+#[inline(always)]
+pub(crate) fn write_segments<S: Simd, const N: usize>(
+    s: S,
+    rows: Rows<'_>,
+    members: &[usize],
+    first: usize,
+    out: &mut Octet,
+) {
+    match rows {
+        Rows::Computed { radiation, sources, control_points } => s.vectorize(
+            #[inline(always)]
+            || {
+                let [x, y, z] = control_points.coordinates.map(|list| &groups(list)[0]);
+                let place = [s.load(x), s.load(y), s.load(z)];
+                formed!(radiation, sources.in_phase, form => for (column, some) in (first..).zip(members.chunks(N)) {
+                    let from = &sources.segments::<_, N>(s, some);
+                    let [re, im] = element(s, form, radiation, from, place);
+                    let [to_re, to_im] = &mut out[column];
+                    s.store(re, to_re);
+                    s.store(im, to_im);
+                    if some.len() < N {
+                        silence(s, to_re, LANES / N * some.len());
+                        silence(s, to_im, LANES / N * some.len());
+                    }
+                });
+            },
+        ),
+        Rows::Stored { re, im } => {
+            for (column, some) in (first..).zip(members.chunks(N)) {
+                out[column] = [[0.0; LANES]; 2];
+                for (all, out) in [re, im].into_iter().zip(&mut out[column]) {
+                    for (segment, &i) in out.chunks_exact_mut(LANES / N).zip(some) {
+                        segment.copy_from_slice(&groups(all)[i][..LANES / N]);
+                    }
+                }
+            }
+        }
+    }
+}
