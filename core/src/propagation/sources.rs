@@ -45,8 +45,9 @@ impl Sources {
                 }
             })
             .collect();
+        let decay = -medium.absorption * wavelength * core::f64::consts::LOG2_E;
         let radiation = Radiation {
-            decay: (-medium.absorption * wavelength * core::f64::consts::LOG2_E) as f32,
+            decay: (decay < 0.0).then_some(decay as f32),
             pattern: array.transducer().directivity.pattern(medium.wavenumber()),
         };
         Self { array: array.clone(), medium, centre, transducers: SourceList::new(&transducers), radiation }

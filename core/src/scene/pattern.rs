@@ -14,8 +14,8 @@ use crate::scene::transducer::Directivity;
 /// The largest error of a polynomial before it is rounded to f32.
 const ERROR: f64 = 7.5e-7;
 
-/// Nodes of an interpolation: the narrowest beam needs some 50.
-const NODES: usize = 128;
+/// Nodes over 0 to 1: the narrowest beam needs some 50.
+const NODES: usize = 64;
 
 /// The largest sum of the terms of a polynomial, D being at most 1: four bits that f32 may lose.
 const TERMS: f64 = 16.0;
@@ -66,21 +66,26 @@ fn size(powers: &[f64]) -> f64 {
     powers.iter().rev().fold(0.0, |sum, power| 0.5 * sum + power.abs())
 }
 
-/// Chebyshev coefficients of a function over an interval, the first `count`.
-fn series(value: impl Fn(f64) -> f64, [low, high]: [f64; 2], count: usize) -> Vec<f64> {
-    let angle = |node: usize| PI * (node as f64 + 0.5) / NODES as f64;
-    let at = |node: usize| value(low + (high - low) * 0.5 * (1.0 + math::cos(angle(node))));
-    let values: Vec<f64> = (0..NODES).map(at).collect();
-    let coefficient = |n: usize| {
-        let part = |(node, value): (usize, &f64)| value * math::cos(n as f64 * angle(node));
-        values.iter().enumerate().map(part).sum::<f64>() * if n == 0 { 1.0 } else { 2.0 } / NODES as f64
-    };
-    (0..count).map(coefficient).collect()
+/// The first `count` Chebyshev coefficients of a function over an interval, by its values at some nodes.
+fn series(value: impl Fn(f64) -> f64, [low, high]: [f64; 2], nodes: usize, count: usize) -> Vec<f64> {
+    let mut series = vec![0.0; count];
+    for node in 0..nodes {
+        let x = math::cos(PI * (node as f64 + 0.5) / nodes as f64);
+        let share = 2.0 / nodes as f64 * value(low + (high - low) * 0.5 * (1.0 + x));
+        // T_(n+1) = 2 x T_n - T_(n-1)
+        let (mut last, mut this) = (x, 1.0);
+        for sum in &mut series {
+            *sum += share * this;
+            (last, this) = (this, 2.0 * x * this - last);
+        }
+    }
+    series[0] *= 0.5;
+    series
 }
 
 /// As few coefficients over 0 to 1 as follow the function within [`ERROR`].
 fn short_series(value: impl Fn(f64) -> f64) -> Vec<f64> {
-    let mut series = series(value, [0.0, 1.0], NODES / 2);
+    let mut series = series(value, [0.0, 1.0], NODES, NODES);
     let mut error = 0.0;
     while let Some(last) = series.pop() {
         error += last.abs();
@@ -123,7 +128,7 @@ fn pieces(value: impl Fn(f64) -> f64) -> Pieces {
     for (piece, &low) in bounds.iter().enumerate() {
         let low = f64::from(low);
         let width = bounds.get(piece + 1).map_or(1.0, |&high| f64::from(high) - low);
-        let mut powers = powers(&series(&value, [low, low + width], coefficients.len()));
+        let mut powers = powers(&series(&value, [low, low + width], 8, coefficients.len()));
         // From powers of (c - low)/width - 1/2 to those of c - low: Taylor's shift, coefficient by coefficient.
         for first in 0..powers.len() {
             for n in (first..powers.len() - 1).rev() {

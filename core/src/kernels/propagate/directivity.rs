@@ -73,6 +73,7 @@ impl Ahead for Chebyshev {
 
 /// Quintics of c less its piece's lower bound, one lane group a coefficient: a piece is found without leaving the lanes.
 #[derive(Clone, Debug)]
+#[repr(align(64))]
 pub(crate) struct Pieces {
     /// Each is the one nearest to a whole number of [`PLACES`] c (1 + c).
     pub(crate) bounds: Lanes,

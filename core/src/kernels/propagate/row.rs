@@ -42,10 +42,19 @@ pub(crate) fn spread<S: Simd, F: Form>(
     // The distance is the phase: an error in its last place is one of 2e-5 rad at a metre's tenth.
     let (distance, inverse) = s.sqrt_rsqrt(held);
     let mut amplitude = s.mul(from.amplitude, inverse);
-    if !F::PLAIN && radiation.absorbs() {
-        amplitude = s.mul(amplitude, power_of_two(s, s.mul(distance, s.splat(radiation.decay))));
+    if !F::PLAIN
+        && let Some(decay) = radiation.decay
+    {
+        amplitude = s.mul(amplitude, power_of_two(s, s.mul(distance, s.splat(decay))));
     }
-    [square, distance, form.direct(s, amplitude, from.normal, [dx, dy, dz], inverse)]
+    let directed = form.direct(
+        s,
+        amplitude,
+        #[inline(always)]
+        || from.along(s, [dx, dy, dz]),
+        inverse,
+    );
+    [square, distance, directed]
 }
 
 /// Element of G: one source, or sixteen, at a point.
@@ -94,14 +103,14 @@ pub(crate) fn write_row<S: Simd>(
     re: &mut [f32],
     im: &mut [f32],
 ) {
-    let from = &sources.one(s, i);
     // All forms but the plain one are functions of their own: this is compiled into every kernel that writes rows.
     if radiation.is_plain(sources.in_phase) {
-        write_form(s, Plain, radiation, from, control_points, [&mut *re, &mut *im]);
+        write_form(s, Plain, radiation, (sources, i), control_points, [&mut *re, &mut *im]);
     } else {
+        let out = [&mut *re, &mut *im];
         s.vectorize(
             #[inline(always)]
-            || formed!(radiation, sources.in_phase, form => write_form(s, form, radiation, from, control_points, [&mut *re, &mut *im])),
+            || formed!(radiation, sources.in_phase, form => write_form(s, form, radiation, (sources, i), control_points, out)),
         );
     }
     silence(s, re, control_points.count);
@@ -113,10 +122,11 @@ fn write_form<S: Simd, F: Form>(
     s: S,
     form: F,
     radiation: &Radiation,
-    from: &SourceLanes<S::V>,
+    (sources, i): (&SourceList, usize),
     control_points: ControlPoints<'_>,
     [re, im]: [&mut [f32]; 2],
 ) {
+    let from = &sources.one(s, i);
     let [x, y, z] = control_points.coordinates;
     let points = groups(x).iter().zip(groups(y)).zip(groups(z));
     for (((x, y), z), (re, im)) in points.zip(groups_mut(re).iter_mut().zip(groups_mut(im))) {

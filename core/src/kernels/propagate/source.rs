@@ -22,6 +22,8 @@ pub(crate) struct Source {
 pub(crate) struct SourceGroup {
     position: [Lanes; 3],
     normal: [Lanes; 3],
+    /// Whether every normal is +z.
+    upright: bool,
     amplitude: Lanes,
     turns: Lanes,
 }
@@ -94,6 +96,7 @@ impl SourceGroup {
         Self {
             position: [0, 1, 2].map(|axis| lanes(&|source| source.position[axis])),
             normal: [0, 1, 2].map(|axis| lanes(&|source| source.normal[axis])),
+            upright: sources.iter().all(|source| source.normal == [0.0, 0.0, 1.0]),
             amplitude,
             turns: lanes(&|source| source.turns),
         }
@@ -106,6 +109,7 @@ impl SourceGroup {
         SourceLanes {
             position: [s.splat(x[lane]), s.splat(y[lane]), s.splat(z[lane])],
             normal: [s.splat(nx[lane]), s.splat(ny[lane]), s.splat(nz[lane])],
+            upright: self.upright,
             amplitude: s.splat(self.amplitude[lane]),
             turns: s.splat(self.turns[lane]),
         }
@@ -118,6 +122,7 @@ impl SourceGroup {
         SourceLanes {
             position: [s.load(x), s.load(y), s.load(z)],
             normal: [s.load(nx), s.load(ny), s.load(nz)],
+            upright: self.upright,
             amplitude: s.load(&self.amplitude),
             turns: s.load(&self.turns),
         }
@@ -128,6 +133,16 @@ impl SourceGroup {
 pub(crate) struct SourceLanes<V> {
     pub(crate) position: [V; 3],
     pub(crate) normal: [V; 3],
+    pub(crate) upright: bool,
     pub(crate) amplitude: V,
     pub(crate) turns: V,
+}
+
+impl<V: Copy> SourceLanes<V> {
+    /// The part of a ray along the normal.
+    #[inline(always)]
+    pub(crate) fn along<S: Simd<V = V>>(&self, s: S, [dx, dy, dz]: [V; 3]) -> V {
+        let [nx, ny, nz] = self.normal;
+        if self.upright { dz } else { s.fma(nx, dx, s.fma(ny, dy, s.mul(nz, dz))) }
+    }
 }

@@ -10,16 +10,15 @@ use crate::scene::Directivity;
 
 /// The largest difference from D over cosines from -1 to 1, sixteen at a time.
 fn error(set: InstructionSet, directivity: Directivity, steps: i32) -> f64 {
-    let radiation = Radiation { decay: 0.0, pattern: directivity.pattern(WAVENUMBER) };
+    let radiation = Radiation { decay: None, pattern: directivity.pattern(WAVENUMBER) };
     let mut error = 0.0_f64;
     for first in (-steps..=steps).step_by(LANES) {
         let cosines: Lanes = from_fn(|l| (first + l as i32).min(steps) as f32 / steps as f32);
         // Half the ray at twice the inverse distance: the cosine has all its digits.
         let rays = cosines.map(|c| 0.5 * c);
         let got = dispatch!(set, s => {
-            let (mut got, [zero, one, two]) = ([f32::NAN; LANES], [0.0, 1.0, 2.0].map(#[inline(always)] |x| s.splat(x)));
-            let (normal, ray) = ([zero, zero, one], [one, zero, s.load(&rays)]);
-            s.store(formed!(radiation, true, form => form.direct(s, one, normal, ray, two)), &mut got);
+            let mut got = [f32::NAN; LANES];
+            s.store(formed!(radiation, true, form => form.direct(s, s.splat(1.0), || s.load(&rays), s.splat(2.0))), &mut got);
             got
         });
         for (got, c) in got.into_iter().zip(cosines) {

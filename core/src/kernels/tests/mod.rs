@@ -89,7 +89,7 @@ impl Shot {
                 coordinates[axis][j] = number(low, high);
             }
         }
-        let radiation = Radiation { decay, pattern: directivity.pattern(WAVENUMBER) };
+        let radiation = Radiation { decay: (decay < 0.0).then_some(decay), pattern: directivity.pattern(WAVENUMBER) };
         Self {
             directivity,
             steepness: 10.0,
@@ -110,7 +110,7 @@ impl Shot {
         let ray = [0, 1, 2].map(|axis| wide(self.coordinates[axis][j]) - wide(self.source.position[axis]));
         let r = self.square(j).sqrt().max(wide(crate::kernels::propagate::row::NEAREST));
         let cos = (0..3).map(|axis| ray[axis] * wide(self.source.normal[axis])).sum::<f64>() / r;
-        (r, self.directivity.value(cos, WAVENUMBER) * (wide(self.radiation.decay) * r).exp2() / r)
+        (r, self.directivity.value(cos, WAVENUMBER) * (wide(self.radiation.decay.unwrap_or(0.0)) * r).exp2() / r)
     }
 
     fn square(&self, j: usize) -> f64 {
