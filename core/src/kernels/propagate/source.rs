@@ -72,6 +72,7 @@ impl SourceList {
                 quarters(s, &at, |group| &group.normal[1]),
                 quarters(s, &at, |group| &group.normal[2]),
             ],
+            upright: at.iter().all(|(group, _)| group.upright),
             amplitude: quarters(s, &at, |group| &group.amplitude),
             turns: quarters(s, &at, |group| &group.turns),
         }

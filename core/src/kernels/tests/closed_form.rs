@@ -135,8 +135,9 @@ fn a_transducer_without_gain_has_no_phase_and_a_report_ends_the_sweep() {
             let ended = sweep(set, task, 0..3, &mut drive, [re, im], |_| goes_on);
             (ended, drive, field[0][0])
         };
-        let one = Complex32::new(1.0, 0.0);
-        assert_eq!(run(3, true), (true, vec![Complex32::ZERO, one, Complex32::ZERO], 2.0), "{set}");
+        let (ended, drive, field) = run(3, true);
+        assert!(ended && drive[0].norm() + drive[2].norm() == 0.0, "{set}: {drive:?}");
+        assert!((drive[1] - 1.0).norm() < 2e-7 && (field - 2.0).abs() < 4e-7, "{set}: {drive:?} {field}");
         assert_eq!(run(1, false), (false, vec![Complex32::ZERO; 3], 0.0), "{set}");
     }
 }
@@ -155,13 +156,13 @@ fn on_a_board_each_drive_is_the_phase_nearest_to_the_formula() {
                 assert!(q.norm() == 0.0 || (code - code.round()).abs() < 1e-5, "{set}: drive {i} is {q}");
                 assert_eq!(q.norm() == 0.0, free.0[i].norm() == 0.0, "{set}: drive {i}");
             }
-            // With one point the first drives are those of the formula, rounded.
+            // With one point the drives are those of the formula, rounded, but for the little that rounding turns P.
             if points == 1 {
                 let near = board
                     .0
                     .iter()
                     .zip(&free.0)
-                    .all(|(q, z)| (q - z).norm() < 1.01 * core::f32::consts::PI / COUNT as f32);
+                    .all(|(q, z)| (q - z).norm() < 1.5 * core::f32::consts::PI / COUNT as f32);
                 assert!(near, "{set}");
             }
             lists.assert_field(&widened(&board.0), &board.1[0], &board.1[1]);
