@@ -93,8 +93,8 @@ pub(crate) fn sweep(
     report: impl FnMut([&[f32]; 2]) -> bool,
 ) -> bool {
     match sweep.count {
-        ..=4 => segments::sweep::<4>(set, sweep, order, drive, pressures, report),
-        5..=8 => segments::sweep::<2>(set, sweep, order, drive, pressures, report),
+        ..=4 => segments::sweep::<4>(set, &sweep, order, drive, pressures, report),
+        5..=8 => segments::sweep::<2>(set, &sweep, order, drive, pressures, report),
         _ => points::sweep(set, sweep, order, drive, pressures, report),
     }
 }

@@ -36,7 +36,7 @@ struct Kept([f32; ROWS * LANES]);
 /// See [`closed_form::sweep`]: N transducers a lane group, at most 16/N points.
 pub(super) fn sweep<const N: usize>(
     set: InstructionSet,
-    sweep: Sweep<'_>,
+    sweep: &Sweep<'_>,
     order: impl Iterator<Item = usize>,
     drive: &mut [Complex32],
     [re, im]: [&mut [f32]; 2],
@@ -60,7 +60,7 @@ pub(super) fn sweep<const N: usize>(
     let [mut rest_re, mut rest_im] = [(); 2].map(|()| Line([0.0; LANES]));
     // Apart, so that d stays in registers.
     let memory = Memory { rows: &mut kept.0, residual: [&mut rest_re.0, &mut rest_im.0] };
-    let few = Sweep { rows, target: &target.0, weight: &weight.0, memory, ..sweep };
+    let few = Sweep { rows, target: &target.0, weight: &weight.0, memory, ..*sweep };
     let pressures = [&mut real.0[..], &mut imag.0[..]];
     let ended = dispatch!(set, s => closed_form::run(s, few, order, Segments::<N> { drive }, pressures, report));
     re[..count].copy_from_slice(&real.0[..count]);

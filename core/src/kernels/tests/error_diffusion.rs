@@ -44,7 +44,9 @@ impl Even {
             let sum = |row: &[Complex64]| row.iter().zip(&drive).map(|(g, q)| g * q).sum::<Complex64>();
             if k < targeted {
                 let factor = 100.0 / sum(&row).norm();
-                row.iter_mut().for_each(|g| *g *= factor);
+                for g in &mut row {
+                    *g *= factor;
+                }
             } else {
                 let each = sum(&row) / (TRANSDUCERS - 1) as f64;
                 row.iter_mut().zip(&drive).for_each(|(g, q)| *g -= each * q.conj());
