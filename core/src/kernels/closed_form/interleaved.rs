@@ -4,7 +4,7 @@
 //! repeats the operations of its lone problem in their order, and points are added in the tree of [`Simd::reduce_add`], so
 //! that every problem has the bits of its lone sweep. Points that a problem lacks have target and weight 0 and add +0.
 //!
-//! 1. No lane is wasted on padding and nothing is summed across lanes: at M = 4 a problem takes a quarter of the time
+//! 1. No lane is wasted on padding and nothing is summed across lanes: at M = 4 a problem takes half of the time
 //!    that it takes alone.
 //! 2. Two transducers' sums are taken at a time, so that each residual is loaded once for both.
 //! 3. The tree is written out, deepest terms first: at most five partial sums are alive.

@@ -10,7 +10,7 @@
 //! 2. Nothing leaves the lanes between one block's P and the next one's: sums within segments and across them are steps of
 //!    one tree that leave their result in every lane. Drives are read and stored beside it.
 //!
-//! At M = 4 a solve takes a quarter of the time that it takes with 16 points in the lanes, at M = 8 a third.
+//! At N = 996 a solve takes .57 of the time that it takes with 16 points in the lanes at M = 4, and .75 at M = 8.
 
 use core::array;
 
