@@ -39,8 +39,8 @@ pub(crate) struct Grid {
 /// The phases 2 pi l/L.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Phases {
-    /// cos and sin of the codes l = -L to L: no code that rounding finds has to be brought into 0 to L - 1.
-    phasors: [Vec<f32>; 2],
+    /// cos and sin of each code l = -L to L: no code that rounding finds has to be brought into 0 to L - 1.
+    phasors: Vec<f32>,
     count: f32,
     /// cos - 1 and sin of the first.
     step: [f32; 2],
@@ -60,13 +60,10 @@ impl Phases {
     /// L = `count` phases.
     pub(crate) fn new(count: u32) -> Self {
         let angle = |l: u32| core::f64::consts::TAU * (f64::from(l) / f64::from(count));
-        let part = |of: fn(f64) -> f64| {
-            let once: Vec<f32> = (0..count).map(|l| of(angle(l)) as f32).collect();
-            [&once[..], &once[..], &once[..1]].concat()
-        };
+        let once: Vec<f32> = (0..count).flat_map(|l| [math::cos, math::sin].map(|of| of(angle(l)) as f32)).collect();
         let half = math::sin(0.5 * angle(1));
         let step = [-2.0 * half * half, math::sin(angle(1))].map(|x| x as f32);
-        Self { phasors: [part(math::cos), part(math::sin)], count: count as f32, step }
+        Self { phasors: [&once[..], &once[..], &once[..2]].concat(), count: count as f32, step }
     }
 
     /// L.
@@ -90,9 +87,24 @@ impl Phases {
     #[inline(always)]
     pub(crate) fn phasors<S: Simd>(&self, s: S, codes: S::V, q: [S::V; 2]) -> [S::V; 2] {
         let (large, zero) = (sides(s, q)[0], s.splat(0.0));
-        let index = s.add(codes, s.splat(self.count));
-        let [re, im] = [s.gather_list(&self.phasors[0], index), s.gather_list(&self.phasors[1], index)];
+        let at = self.at(s, codes);
+        let [re, im] = [s.gather_list(&self.phasors, at), s.gather_list(&self.phasors[1..], at)];
         [s.select_less(zero, large, re, zero), s.select_less(zero, large, im, zero)]
+    }
+
+    /// Where in the table the phasors of some codes begin.
+    #[inline(always)]
+    fn at<S: Simd>(&self, s: S, codes: S::V) -> S::V {
+        let index = s.add(codes, s.splat(self.count));
+        s.add(index, index)
+    }
+
+    /// As [`Phases::nearest`] for eight q, re and im side by side.
+    #[inline(always)]
+    pub(crate) fn nearest_pairs<S: Simd>(&self, s: S, pairs: S::V) -> S::V {
+        let (q, zero) = ([pairs, s.swap::<1>(pairs)], s.splat(0.0));
+        let codes = Self::codes(s, self.places(s, q));
+        s.select_less(zero, sides(s, q)[0], s.gather_pairs(&self.phasors, self.at(s, codes)), zero)
     }
 
     /// The phasors of the phases nearest to those of q, 0 where q is 0.
@@ -110,8 +122,8 @@ impl Phases {
     pub(crate) fn stepped(&self, code: &mut f32, up: bool) -> [f32; 2] {
         *code += if up { 1.0 } else { -1.0 };
         *code -= if code.abs() < self.count { 0.0 } else { *code };
-        let index = (*code + self.count) as usize;
-        [self.phasors[0][index], self.phasors[1][index]]
+        let index = 2 * (*code + self.count) as usize;
+        [self.phasors[index], self.phasors[index + 1]]
     }
 }
 

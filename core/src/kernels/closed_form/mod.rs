@@ -237,6 +237,15 @@ pub(crate) fn run<S: Simd, L: Layout<S>>(
 /// The least modulus of a sum that has a direction.
 const LEAST: f32 = 1e-37;
 
+/// The new drives of eight z, re and im side by side.
+#[inline(always)]
+pub(crate) fn directions<S: Simd>(s: S, phases: Option<&Phases>, z: S::V) -> S::V {
+    match phases {
+        Some(phases) => phases.nearest_pairs(s, z),
+        None => unit(s, [z, s.swap::<1>(z)])[0],
+    }
+}
+
 /// The new drive: the board's phase nearest to that of z, or z/|z|; 0 where z is 0.
 #[inline(always)]
 pub(crate) fn direction<S: Simd>(s: S, phases: Option<&Phases>, z: [S::V; 2]) -> [S::V; 2] {

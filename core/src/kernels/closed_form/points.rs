@@ -3,7 +3,7 @@
 use num_complex::Complex32;
 
 use crate::kernels::closed_form;
-use crate::kernels::closed_form::{Block, Layout, Look, MOST, QUAD, Sweep, direction, own_power};
+use crate::kernels::closed_form::{Block, Layout, Look, MOST, QUAD, Sweep, directions, own_power};
 use crate::kernels::lanes::{LANES, Lanes, Octet, groups};
 use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
@@ -26,7 +26,7 @@ struct PointsInLanes<'a> {
 }
 
 impl PointsInLanes<'_> {
-    /// Adds what is to be left of the waves of old drives to the sums; and these drives, re and im.
+    /// Adds what is to be left of the waves of old drives to the sums; and these drives, re and im side by side.
     #[inline(always)]
     fn with_own<S: Simd>(
         &self,
@@ -35,13 +35,14 @@ impl PointsInLanes<'_> {
         weight: &[f32],
         own: f32,
         mut sums: [S::V; LANES],
-    ) -> ([S::V; LANES], [Lanes; 2]) {
-        let mut old = [[0.0; LANES]; 2];
+    ) -> ([S::V; LANES], Lanes) {
+        let mut old = [0.0; LANES];
         for (k, &i) in block.members().iter().enumerate() {
             let (q, power) = (self.drive[i], own_power(s, block.rows, k, weight));
-            sums[k] = s.fma(power, s.splat(own * q.re), sums[k]);
-            sums[k + MOST] = s.fma(power, s.splat(own * q.im), sums[k + MOST]);
-            (old[0][k], old[1][k]) = (q.re, q.im);
+            for (part, q) in [q.re, q.im].into_iter().enumerate() {
+                sums[2 * k + part] = s.fma(power, s.splat(own * q), sums[2 * k + part]);
+                old[2 * k + part] = q;
+            }
         }
         (sums, old)
     }
@@ -61,30 +62,27 @@ impl<S: Simd> Layout<S> for PointsInLanes<'_> {
         } else {
             correlations::<_, 1>(s, block.rows, residual)
         };
-        let mut old = [[0.0; LANES]; 2];
+        let mut old = [0.0; LANES];
         if own > 0.0 {
             (sums, old) = self.with_own(s, block, weight, own, sums);
         }
-        let z = s.reduce_add_each(&sums);
-        let [re, im] = direction(s, phases, [z, s.swap::<MOST>(z)]);
+        let q = directions(s, phases, s.reduce_add_each(&sums));
         meanwhile();
-        let mut new = [[0.0; LANES]; 2];
-        s.store(re, &mut new[0]);
-        s.store(im, &mut new[1]);
+        let (mut new, mut change) = ([0.0; LANES], [0.0; LANES]);
+        s.store(q, &mut new);
+        s.store(s.sub(q, s.load(&old)), &mut change);
         for (k, &i) in block.members().iter().enumerate() {
-            self.drive[i] = Complex32::new(new[0][k], new[1][k]);
+            self.drive[i] = Complex32::new(new[2 * k], new[2 * k + 1]);
         }
-        s.store(s.sub(re, s.load(&old[0])), &mut old[0]);
-        s.store(s.sub(im, s.load(&old[1])), &mut old[1]);
         let mut moved = [[s.splat(0.0); 2]; MOST];
         for (k, moved) in moved.iter_mut().enumerate() {
-            *moved = [s.splat(old[0][k]), s.splat(old[1][k])];
+            *moved = [s.splat(change[2 * k]), s.splat(change[2 * k + 1])];
         }
         moved
     }
 }
 
-/// sum_j conj(G_j) d_j of the first `QUADS` of a block, lanes apart; real parts before imaginary ones.
+/// sum_j conj(G_j) d_j of the first `QUADS` of a block, lanes apart; re and im side by side.
 #[inline(always)]
 fn correlations<S: Simd, const QUADS: usize>(s: S, rows: &[Octet], residual: [&[f32]; 2]) -> [S::V; LANES] {
     let mut sums = [s.splat(0.0); LANES];
@@ -92,8 +90,8 @@ fn correlations<S: Simd, const QUADS: usize>(s: S, rows: &[Octet], residual: [&[
         let (dr, di) = (s.load(dr), s.load(di));
         for k in 0..QUADS * QUAD {
             let (gr, gi) = (s.load(&octet[k][0]), s.load(&octet[k][1]));
-            sums[k] = s.fma(gr, dr, s.fma(gi, di, sums[k]));
-            sums[k + MOST] = s.fma(gr, di, s.fnma(gi, dr, sums[k + MOST]));
+            sums[2 * k] = s.fma(gr, dr, s.fma(gi, di, sums[2 * k]));
+            sums[2 * k + 1] = s.fma(gr, di, s.fnma(gi, dr, sums[2 * k + 1]));
         }
     }
     sums

@@ -3,7 +3,7 @@
 use core::arch::x86_64::{
     __m256, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _mm_add_ps, _mm_add_ss, _mm_cvtss_f32,
     _mm_max_ps, _mm_movehl_ps, _mm_set1_ps, _mm_shuffle_ps, _mm256_add_epi32, _mm256_add_ps, _mm256_and_ps,
-    _mm256_blendv_ps, _mm256_castps_si256, _mm256_castps256_ps128, _mm256_castsi256_ps, _mm256_cmp_ps,
+    _mm256_blend_ps, _mm256_blendv_ps, _mm256_castps_si256, _mm256_castps256_ps128, _mm256_castsi256_ps, _mm256_cmp_ps,
     _mm256_cvtepi32_ps, _mm256_cvtps_epi32, _mm256_div_ps, _mm256_extractf128_ps, _mm256_floor_ps, _mm256_fmadd_ps,
     _mm256_fnmadd_ps, _mm256_i32gather_ps, _mm256_loadu_ps, _mm256_max_ps, _mm256_min_epu32, _mm256_min_ps,
     _mm256_movemask_ps, _mm256_mul_ps, _mm256_permute_ps, _mm256_permute2f128_ps, _mm256_permutevar8x32_ps,
@@ -158,6 +158,26 @@ impl Simd for Avx2 {
             }};
         }
         [swapped!(low), swapped!(high)]
+    }
+
+    #[inline(always)]
+    fn pick<const DISTANCE: usize>(self, low: Pair, high: Pair) -> Pair {
+        if DISTANCE == 8 {
+            return [low[0], high[1]];
+        }
+        macro_rules! picked {
+            ($half:literal) => {{
+                // SAFETY: the token proves that the CPU has AVX.
+                unsafe {
+                    match DISTANCE {
+                        4 => _mm256_blend_ps::<0xf0>(low[$half], high[$half]),
+                        2 => _mm256_blend_ps::<0xcc>(low[$half], high[$half]),
+                        _ => _mm256_blend_ps::<0xaa>(low[$half], high[$half]),
+                    }
+                }
+            }};
+        }
+        [picked!(0), picked!(1)]
     }
 
     #[inline(always)]

@@ -89,6 +89,21 @@ pub(crate) trait Simd: Copy {
         self.load(&core::array::from_fn(|l| lanes[(l ^ DISTANCE) % LANES]))
     }
 
+    /// Lane l of `low` where l lacks the bit `DISTANCE`, else lane l of `high`.
+    #[inline(always)]
+    fn pick<const DISTANCE: usize>(self, low: Self::V, high: Self::V) -> Self::V {
+        let mut lanes = [[0.0; LANES]; 2];
+        self.store(low, &mut lanes[0]);
+        self.store(high, &mut lanes[1]);
+        self.load(&core::array::from_fn(|l| lanes[usize::from(l & DISTANCE > 0)][l]))
+    }
+
+    /// Lanes l and l xor `DISTANCE` added up: where l lacks the bit `DISTANCE` those of a, else those of b.
+    #[inline(always)]
+    fn fold<const DISTANCE: usize>(self, a: Self::V, b: Self::V) -> Self::V {
+        self.add(self.pick::<DISTANCE>(a, b), self.swap::<DISTANCE>(self.pick::<DISTANCE>(b, a)))
+    }
+
     /// Four lanes of each number.
     #[inline(always)]
     fn quarters(self, numbers: [f32; 4]) -> Self::V {
@@ -120,11 +135,17 @@ pub(crate) trait Simd: Copy {
     /// Lane k is the sum over the lanes of vector k, the same tree as [`Simd::reduce_add`].
     #[inline(always)]
     fn reduce_add_each(self, vectors: &[Self::V; LANES]) -> Self::V {
-        let mut lanes = [0.0; LANES];
-        for (lane, vector) in lanes.iter_mut().zip(vectors) {
-            *lane = self.reduce_add(*vector);
+        let mut v = *vectors;
+        for k in 0..8 {
+            v[k] = self.fold::<8>(v[k], v[k + 8]);
         }
-        self.load(&lanes)
+        for k in 0..4 {
+            v[k] = self.fold::<4>(v[k], v[k + 4]);
+        }
+        for k in 0..2 {
+            v[k] = self.fold::<2>(v[k], v[k + 2]);
+        }
+        self.fold::<1>(v[0], v[1])
     }
 
     /// Lane l of vector k becomes lane k of vector l.
@@ -151,6 +172,19 @@ pub(crate) trait Simd: Copy {
         let mut lanes = [0.0; LANES];
         self.store(index, &mut lanes);
         self.load(&lanes.map(|index| list[(index as usize).min(list.len() - 1)]))
+    }
+
+    /// Lanes 2k and 2k + 1 are the pair of numbers from `list[index]` on, of a list of two numbers or more, for the whole
+    /// number in lane 2k; those beyond its end read its last pair.
+    #[inline(always)]
+    fn gather_pairs(self, list: &[f32], index: Self::V) -> Self::V {
+        let (mut lanes, last) = ([0.0; LANES], list.len() - 2);
+        self.store(index, &mut lanes);
+        for pair in lanes.as_chunks_mut::<2>().0 {
+            let at = (pair[0] as usize).min(last);
+            *pair = [list[at], list[at + 1]];
+        }
+        self.load(&lanes)
     }
 
     /// sqrt(a) and 1/sqrt(a) of a >= [`TINY`], each within two roundings: one step of Newton from the guess for

@@ -42,6 +42,18 @@ fn operations_are_those_of_each_lane() {
             assert_eq!(stored!(set, s => s.swap::<4>(s.load(&a))), each(&|l| a[l ^ 4]));
             assert_eq!(stored!(set, s => s.swap::<2>(s.load(&a))), each(&|l| a[l ^ 2]));
             assert_eq!(stored!(set, s => s.swap::<1>(s.load(&a))), each(&|l| a[l ^ 1]));
+            macro_rules! two {
+                ($d:literal) => {{
+                    let picked = stored!(set, s => s.pick::<$d>(s.load(&a), s.load(&b)));
+                    assert_eq!(picked, each(&|l| if l & $d == 0 { a[l] } else { b[l] }), "{set}");
+                    let folded = stored!(set, s => s.fold::<$d>(s.load(&a), s.load(&b)));
+                    assert_eq!(folded, each(&|l| if l & $d == 0 { a[l] + a[l ^ $d] } else { b[l] + b[l ^ $d] }), "{set}");
+                }};
+            }
+            two!(8);
+            two!(4);
+            two!(2);
+            two!(1);
             assert_eq!(stored!(set, s => s.quarters([a[0], a[1], a[2], a[3]])), each(&|l| a[l / 4]));
             let select = stored!(set, s => s.select_less(s.load(&a), s.load(&b), s.load(&c), s.load(&a)));
             assert_eq!(select, each(&|l| if a[l] < b[l] { c[l] } else { a[l] }));
@@ -139,6 +151,10 @@ fn powers_and_tables() {
             let index: Lanes = from_fn(|l| (7 * l + turn) as f32);
             let beyond = index.map(|x| 0.5 * x.min(99.0));
             assert_eq!(stored!(set, s => s.gather_list(&list, s.load(&index))), beyond);
+            // Whatever odd lanes hold.
+            let noisy: Lanes = from_fn(|l| if l % 2 == 0 { index[l] } else { -3.5e9 });
+            let pairs: Lanes = from_fn(|l| 0.5 * (index[l & !1].min(98.0) + (l % 2) as f32));
+            assert_eq!(stored!(set, s => s.gather_pairs(&list, s.load(&noisy))), pairs);
         }
     }
 }
