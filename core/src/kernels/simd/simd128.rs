@@ -111,6 +111,6 @@ impl Simd for Simd128 {
 
     #[inline(always)]
     fn quarters(self, numbers: [f32; 4]) -> Four {
-        numbers.map(f32x4_splat)
+        numbers.map(|x| f32x4_splat(x))
     }
 }
