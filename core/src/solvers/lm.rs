@@ -235,7 +235,7 @@ impl<'w> Normal<'w> {
 
     fn update(&mut self, rows: &Rows, state: &State, control: &mut Control) -> Result<(), Error> {
         let (count, lanes) = (rows.order.len(), self.dual.lanes());
-        self.dual.derive(rows, &state.wave, (0..count).chain(0..count), control)?;
+        self.dual.derive(rows, &state.wave, (0..count).chain(0..count), None, control)?;
         self.steepest = f64::from(self.dual.back(&state.residual, &mut self.gradient));
         let matrix = &mut self.dual.matrix;
         for j in 0..count {

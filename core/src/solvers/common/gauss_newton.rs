@@ -47,16 +47,21 @@ impl<'w> Dual<'w> {
         padded(self.size)
     }
 
-    /// J and J J^T at a wave; `points` are the rows of G that the equations are about.
+    /// J and J J^T at a wave; `points` are the rows of G that the equations are about. With a `metric`, J's columns are
+    /// multiplied by it.
     pub(crate) fn derive(
         &mut self,
         rows: &Rows,
         wave: &Wave,
         points: impl Iterator<Item = usize>,
+        metric: Option<&[f32]>,
         control: &mut Control,
     ) -> Result<(), Error> {
         let [[re, im], [f, g]] = [&wave.drive, &self.factors];
         tiles::slopes(self.set, rows.tiles(), [re, im], [f, g], points, &mut self.slopes);
+        if let Some(metric) = metric {
+            tiles::weigh(self.set, &mut self.slopes, metric);
+        }
         products::products(self.set, &self.slopes, rows.lanes, self.size, &mut self.matrix, control)
     }
 
@@ -72,6 +77,13 @@ impl<'w> Dual<'w> {
             matrix[k * self.lanes() + k] += damping(k);
         }
         Cholesky::new(self.set, matrix, self.size, control)
+    }
+
+    /// The part of the equations of which a factor leaves less than `part` of the diagonal entry.
+    pub(crate) fn dependent(&self, cholesky: &Cholesky, part: f32) -> f32 {
+        let lanes = self.lanes();
+        let left = cholesky.pivots(self.size).enumerate();
+        left.filter(|(k, pivot)| *pivot < part * self.matrix[k * lanes + k]).count() as f32 / self.size as f32
     }
 
     /// Writes J^T y over the transducers; the largest modulus.

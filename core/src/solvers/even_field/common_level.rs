@@ -25,16 +25,27 @@ const DAMPING: f32 = 1e-6;
 const SLOW: f64 = 0.01;
 
 /// The largest change of a phase in rad: beyond it |P| is no longer near its tangent.
-const MOST_ROTATION: f32 = 1.0;
+pub(super) const MOST_ROTATION: f32 = 1.0;
 
 /// The least weight that differs from 0.
 const LEAST_WEIGHT: f32 = 1e-6;
 
-/// Makes `wave` even at `level`, or at the level nearest by; whether it is, to the plan's tolerance.
+/// What became of a wave.
+pub(super) struct Polish {
+    /// Whether it is even to the plan's tolerance.
+    pub(super) even: bool,
+    /// The part of the equations that depend on those before them, as they were at the first step: see [`DEPENDENT`].
+    pub(super) dependent: f32,
+}
+
+/// An equation depends on those before it that leave less than this part of its diagonal entry of J J^T.
+const DEPENDENT: f32 = 0.5;
+
+/// Makes `wave` even at `level`, or at the level nearest by.
 ///
 /// # Errors
 /// More memory than allowed.
-pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, level: Option<f32>, wave: &mut Wave<'w>) -> Result<bool, Error> {
+pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, level: Option<f32>, wave: &mut Wave<'w>) -> Result<Polish, Error> {
     let (rows, work) = (run.rows, run.work);
     let mut newton = Newton::new(run.problem, rows, work, run.control)?;
     let [mut trial, mut begun] = [(); 2].map(|()| Wave::new(rows, work));
@@ -75,11 +86,11 @@ pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, level: Option<f32>, wave: &m
     if !even && rows.targeted == rows.order.len() && wave.lowest(rows) < begun.lowest(rows) {
         core::mem::swap(wave, &mut begun);
     }
-    Ok(even)
+    Ok(Polish { even, dependent: newton.dependent.unwrap_or(0.0) })
 }
 
 /// The left side of an equation: |P|, Re P or Im P.
-fn value(rows: &Rows, wave: &Wave, equation: usize) -> f32 {
+pub(super) fn value(rows: &Rows, wave: &Wave, equation: usize) -> f32 {
     let points = rows.order.len();
     match equation {
         k if k < rows.targeted => wave.moduli[k],
@@ -92,16 +103,22 @@ fn value(rows: &Rows, wave: &Wave, equation: usize) -> f32 {
 type Factor<'w> = (Cholesky<'w>, Buffer<'w, f32>);
 
 /// The linear system at a wave: the targeted points' moduli, then the quiet ones' real and imaginary parts.
-struct Newton<'w> {
-    dual: Dual<'w>,
+pub(super) struct Newton<'w> {
+    pub(super) dual: Dual<'w>,
     factor: Option<Factor<'w>>,
+    dependent: Option<f32>,
     /// 1 / weight of each equation.
     ease: Buffer<'w, f32>,
-    rotations: Buffer<'w, f32>,
+    pub(super) rotations: Buffer<'w, f32>,
 }
 
 impl<'w> Newton<'w> {
-    fn new(problem: &Problem, rows: &Rows, work: &'w Workspace, control: &mut Control) -> Result<Self, Error> {
+    pub(super) fn new(
+        problem: &Problem,
+        rows: &Rows,
+        work: &'w Workspace,
+        control: &mut Control,
+    ) -> Result<Self, Error> {
         let (targeted, all) = (rows.targeted, rows.order.len());
         let mut dual = Dual::new(rows, 2 * all - targeted, work, control)?;
         let [f, g] = &mut dual.factors;
@@ -112,7 +129,7 @@ impl<'w> Newton<'w> {
         for (ease, &j) in ease.iter_mut().zip(points) {
             *ease = 1.0 / problem.weights()[j as usize].max(LEAST_WEIGHT);
         }
-        Ok(Self { dual, factor: None, ease, rotations: work.floats.take_any(rows.lanes) })
+        Ok(Self { dual, factor: None, dependent: None, ease, rotations: work.floats.take_any(rows.lanes) })
     }
 
     /// The weighted squares of what is missing from `level`, relative to it.
@@ -121,8 +138,14 @@ impl<'w> Newton<'w> {
         (0..self.dual.size).map(|k| f64::from(missing(k) * missing(k) / self.ease[k])).sum()
     }
 
-    /// Derivatives at a wave.
-    fn update(&mut self, rows: &Rows, wave: &Wave, control: &mut Control) -> Result<(), Error> {
+    /// Derivatives at a wave, in a metric of the transducers.
+    pub(super) fn update(
+        &mut self,
+        rows: &Rows,
+        wave: &Wave,
+        metric: Option<&[f32]>,
+        control: &mut Control,
+    ) -> Result<(), Error> {
         self.factor = None;
         let (targeted, points) = (rows.targeted, rows.order.len());
         let [f, g] = &mut self.dual.factors;
@@ -130,11 +153,16 @@ impl<'w> Newton<'w> {
         for k in 0..targeted {
             (f[k], g[k]) = (wave.field[1][k] / wave.moduli[k], -wave.field[0][k] / wave.moduli[k]);
         }
-        self.dual.derive(rows, wave, (0..points).chain(targeted..points), control)
+        self.dual.derive(rows, wave, (0..points).chain(targeted..points), metric, control)
     }
 
     /// The factor of the damped matrix and the solution for a rise of the level; `None` if f32 cannot factor it.
-    fn factored(&self, rows: &Rows, damping: f32, control: &mut Control) -> Result<Option<Factor<'w>>, Error> {
+    pub(super) fn factored(
+        &self,
+        rows: &Rows,
+        damping: f32,
+        control: &mut Control,
+    ) -> Result<Option<Factor<'w>>, Error> {
         let (size, lanes) = (self.dual.size, self.dual.lanes());
         let mean = (0..size).map(|k| self.dual.matrix[k * lanes + k]).sum::<f32>() / size as f32;
         let factor = self.dual.factor(|k| damping * mean * self.ease[k], control)?;
@@ -157,13 +185,14 @@ impl<'w> Newton<'w> {
         control: &mut Control,
     ) -> Result<bool, Error> {
         if renew {
-            self.update(rows, wave, control)?;
+            self.update(rows, wave, None, control)?;
         }
         let factor = match self.factor.take() {
             None => self.factored(rows, damping, control)?,
             kept => kept,
         };
         let Some((cholesky, rise)) = factor else { return Ok(false) };
+        self.dependent.get_or_insert_with(|| self.dual.dependent(&cholesky, DEPENDENT));
         // From the mean level, since s times one solution less another would cancel most digits.
         let middle = wave.level(rows);
         let mut dual = self.dual.work.floats.take(rise.len());

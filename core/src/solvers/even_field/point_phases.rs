@@ -39,15 +39,19 @@ pub(super) struct Starts<'w> {
     pub(super) echoes: Buffer<'w, f32>,
 }
 
-impl<'w> Starts<'w> {
-    /// The problem's own start, else the best that a search finds.
-    pub(super) fn new(
-        problem: &Problem,
-        rows: &mut Rows,
-        plan: &Plan,
-        work: &'w Workspace,
-        control: &mut Control,
-    ) -> Result<Self, Error> {
+/// The focus of each targeted row.
+pub(super) struct Foci<'w> {
+    /// Sums of |G|^2.
+    powers: Buffer<'w, f32>,
+    /// See [`Starts`].
+    weights: Buffer<'w, f32>,
+    /// From the strongest point on: an order that does not depend on the order of the scene's points.
+    visits: Buffer<'w, u32>,
+}
+
+impl<'w> Foci<'w> {
+    /// Gives coincident points one target.
+    pub(super) fn of(rows: &mut Rows, work: &'w Workspace, control: &mut Control) -> Result<Self, Error> {
         let mut powers = work.floats.take(rows.targeted);
         products::powers(rows.set, rows.tiles(), &mut powers);
         merge(rows, &mut powers, work, control)?;
@@ -57,18 +61,32 @@ impl<'w> Starts<'w> {
         let weakest = sqrtf(powers.iter().copied().fold(f32::INFINITY, f32::min));
         let mut weights = work.floats.take(rows.targeted);
         weights.iter_mut().zip(&powers).for_each(|(weight, power)| *weight = weakest / power);
+        let mut visits = work.counting(rows.targeted);
+        visits.sort_unstable_by(|&a, &b| powers[b as usize].total_cmp(&powers[a as usize]));
+        Ok(Self { powers, weights, visits })
+    }
+}
+
+impl<'w> Starts<'w> {
+    /// The problem's own start, else the best that a search finds.
+    pub(super) fn new(
+        problem: &Problem,
+        rows: &Rows,
+        foci: &Foci,
+        plan: &Plan,
+        work: &'w Workspace,
+        control: &mut Control,
+    ) -> Result<Self, Error> {
+        let Foci { powers, visits, .. } = foci;
+        let mut weights = work.floats.take_any(rows.targeted);
+        weights.copy_from_slice(&foci.weights);
         if problem.has_start() {
             Self::given(problem, rows, weights, work, control)
+        } else if plan.starts == 1 {
+            Self::alone(rows, weights, (powers, visits), work, control)
         } else {
-            // From the strongest point on: an order that does not depend on the order of the scene's points.
-            let mut visits = work.counting(rows.targeted);
-            visits.sort_unstable_by(|&a, &b| powers[b as usize].total_cmp(&powers[a as usize]));
-            if plan.starts == 1 {
-                Self::alone(rows, weights, (&powers, &visits), work, control)
-            } else {
-                let couplings = Couplings::new(rows, &powers, work, control)?;
-                couplings.search(weights, &visits, plan, work, control)
-            }
+            let couplings = Couplings::new(rows, powers, work, control)?;
+            couplings.search(weights, visits, plan, work, control)
         }
     }
 

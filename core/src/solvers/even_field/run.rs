@@ -19,6 +19,18 @@ pub(crate) struct Plan {
     pub(crate) tolerance: f32,
 }
 
+impl Plan {
+    /// For points so close that the energy of a start says less of the level it ends at: more starts, and more of them
+    /// carried on the less a step costs.
+    pub(super) fn crowded(&self, points: usize) -> Self {
+        let finalists = if points > MANY { 2 } else { 4 };
+        Self { starts: self.starts.max(16), finalists: self.finalists.max(2) * finalists / 2, ..*self }
+    }
+}
+
+/// Points of which a step takes milliseconds.
+const MANY: usize = 200;
+
 impl Wave<'_> {
     /// |P| of the weakest targeted point.
     pub(super) fn lowest(&self, rows: &Rows) -> f32 {

@@ -1,0 +1,138 @@
+//! Ascent: the common level of points too close to be independent, raised while it is made even.
+//!
+//! ```text
+//! maximise s subject to |P_j| = s t_j,    with Lagrange multipliers y_j, sum_j y_j = 1
+//! D_i = Re(q_i sum_j y_j conj(P_j/|P_j|) G_ji)               the loss of sum_j y_j |P_j| by a rotation of q_i is D_i d_i^2/2
+//! (J D^-1 J^T + mu W^-1) y = s t - |P|                       for the new y, and s by their sum
+//! d = D^-1 J^T y
+//! ```
+//!
+//! (sequential quadratic programming, Nocedal and Wright 2006, chapter 18.) Where points are a fraction of a wavelength
+//! apart, J J^T is singular but for rounding, and the shortest step to an even field, with the level free
+//! ([`crate::solvers::even_field::common_level`]), follows that noise and lets the level go. Here the multipliers hold
+//! the level up, and the damping mu falls slowly from a size at which only the smooth part of a field is seen.
+
+use crate::error::Error;
+use crate::kernels::tiles;
+use crate::math::sqrtf;
+use crate::solvers::common::tiled::{Rows, Wave};
+use crate::solvers::even_field::common_level::{MOST_ROTATION, Newton, value};
+use crate::solvers::even_field::run::Run;
+use crate::workspace::{Buffer, Workspace};
+
+/// Steps at most.
+pub(super) const MOST_STEPS: usize = 160;
+
+/// Damping mu of the first step, relative to the mean diagonal entry of J D^-1 J^T.
+const DAMPING: f32 = 1.0;
+
+/// The part of the damping that a step leaves. At 0.85 a line of 33 points loses a tenth of the level, at 0.97 nothing more is
+/// gained.
+const SHRINK: f32 = 0.93;
+
+/// The least damping: below it f32 has noise for the smallest eigenvalues.
+const LEAST_DAMPING: f32 = 1e-5;
+
+/// The least curvature D_i, relative to the mean: a transducer that hardly counts turns no further.
+const LEAST_CURVATURE: f32 = 0.1;
+
+/// Raises the level of `wave`, and makes it as even as the last damping allows.
+///
+/// # Errors
+/// More memory than allowed.
+pub(super) fn climb<'w>(run: &mut Run<'_, '_, 'w>, wave: &mut Wave<'w>) -> Result<(), Error> {
+    let (rows, work) = (run.rows, run.work);
+    let mut newton = Newton::new(run.problem, rows, work, run.control)?;
+    let mut trial = Wave::new(rows, work);
+    let mut metric = Metric::new(rows, work);
+    let size = newton.dual.size;
+    let mut multipliers = work.floats.take(newton.dual.lanes());
+    multipliers[..rows.targeted].fill(1.0 / rows.targeted as f32);
+    let mut damping = DAMPING;
+    for _ in 0..MOST_STEPS {
+        let level = wave.level(rows);
+        if run.stopped || wave.unevenness(rows, level) <= run.plan.tolerance {
+            break;
+        }
+        metric.measure(rows, wave, &multipliers);
+        let factor = match newton.update(rows, wave, Some(&metric.roots), run.control) {
+            Ok(()) => newton.factored(rows, damping, run.control),
+            Err(error) => Err(error),
+        };
+        let (cholesky, rise) = match factor {
+            Err(Error::Stopped) => {
+                run.stopped = true;
+                break;
+            }
+            Ok(None) => {
+                damping *= 10.0;
+                continue;
+            }
+            factor => factor?.expect("a factor"),
+        };
+        let mut new = work.floats.take(rise.len());
+        for (k, new) in new.iter_mut().enumerate().take(size) {
+            *new = if k < rows.targeted { level } else { 0.0 } - value(rows, wave, k);
+        }
+        cholesky.solve(&mut new);
+        let sum = |values: &[f32]| values[..rows.targeted].iter().map(|&x| f64::from(x)).sum::<f64>();
+        let shift = ((1.0 - sum(&new)) / sum(&rise)) as f32;
+        new.iter_mut().zip(&rise).for_each(|(new, rise)| *new += shift * rise);
+        newton.dual.back(&new, &mut newton.rotations);
+        newton.rotations.iter_mut().zip(&metric.roots).for_each(|(rotation, root)| *rotation *= root);
+        let most = newton.rotations.iter().fold(0.0_f32, |most, rotation| most.max(rotation.abs()));
+        if !most.is_finite() {
+            break;
+        }
+        let part = (MOST_ROTATION / most).min(1.0);
+        trial.rotate(rows, wave, &newton.rotations, part);
+        core::mem::swap(wave, &mut trial);
+        for (multiplier, new) in multipliers.iter_mut().zip(&new) {
+            *multiplier += part * (new - *multiplier);
+        }
+        damping = (SHRINK * damping).max(LEAST_DAMPING);
+        run.report(wave);
+    }
+    Ok(())
+}
+
+/// D^-1/2 of every transducer.
+struct Metric<'w> {
+    roots: Buffer<'w, f32>,
+    /// y_j P_j/|P_j| over the rows of G.
+    pulls: [Buffer<'w, f32>; 2],
+    /// The parts of sum_j y_j conj(P_j/|P_j|) G_ji.
+    sums: [Buffer<'w, f32>; 4],
+}
+
+impl<'w> Metric<'w> {
+    fn new(rows: &Rows, work: &'w Workspace) -> Self {
+        Self {
+            roots: work.floats.take(rows.lanes),
+            pulls: [(); 2].map(|()| work.floats.take(rows.count)),
+            sums: [(); 4].map(|()| work.floats.take_any(rows.lanes)),
+        }
+    }
+
+    fn measure(&mut self, rows: &Rows, wave: &Wave, multipliers: &[f32]) {
+        for k in 0..rows.targeted {
+            let part = if wave.moduli[k] > 0.0 { multipliers[k] / wave.moduli[k] } else { 0.0 };
+            (self.pulls[0][k], self.pulls[1][k]) = (part * wave.field[0][k], part * wave.field[1][k]);
+        }
+        let [re, im] = rows.tiles().planes;
+        let [pull_re, pull_im] = &self.pulls;
+        let terms = [(re, pull_re), (im, pull_im), (im, pull_re), (re, pull_im)];
+        for (sum, (plane, pull)) in self.sums.iter_mut().zip(terms) {
+            tiles::combine(rows.set, plane, pull, sum);
+        }
+        let [a, b, c, d] = &self.sums;
+        let curvature = |i: usize| (a[i] + b[i]) * wave.drive[0][i] - (c[i] - d[i]) * wave.drive[1][i];
+        let mut mean = 0.0;
+        for i in 0..rows.lanes {
+            self.roots[i] = curvature(i).abs();
+            mean += self.roots[i] / rows.lanes as f32;
+        }
+        let least = (LEAST_CURVATURE * mean).max(f32::MIN_POSITIVE);
+        self.roots.iter_mut().for_each(|root| *root = 1.0 / sqrtf(root.max(least)));
+    }
+}
