@@ -6,6 +6,7 @@ use crate::problem::{Problem, Solution};
 use crate::solvers::even_field;
 use crate::solvers::even_field::run::Plan;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
+use crate::solvers::uniform::Uniform;
 use crate::workspace::Workspace;
 
 options! {
@@ -39,6 +40,8 @@ impl Method for Best {
 
 impl Solve for Best {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+        // What `uniform` finds is among what it chooses from.
+        let as_uniform = Plan::alone(Uniform::default().steps, self.tolerance);
         let plan = Plan {
             starts: self.starts as usize,
             finalists: FINALISTS,
@@ -46,7 +49,7 @@ impl Solve for Best {
             sweeps: self.steps as usize,
             tolerance: self.tolerance as f32,
         };
-        even_field::solve(problem, &plan, work, control)
+        even_field::solve(problem, &[as_uniform, plan], work, control)
     }
 
     fn finds_level(&self) -> bool {

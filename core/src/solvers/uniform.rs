@@ -35,9 +35,7 @@ impl Method for Uniform {
 
 impl Solve for Uniform {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
-        let plan =
-            Plan { starts: 1, finalists: 1, seed: 0, sweeps: self.steps as usize, tolerance: self.tolerance as f32 };
-        even_field::solve(problem, &plan, work, control)
+        even_field::solve(problem, &[Plan::alone(self.steps, self.tolerance)], work, control)
     }
 
     fn finds_level(&self) -> bool {

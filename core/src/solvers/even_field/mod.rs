@@ -11,90 +11,66 @@ pub(crate) mod coincident;
 pub(crate) mod common_level;
 pub(crate) mod on_grid;
 pub(crate) mod point_phases;
+pub(crate) mod regular;
 pub(crate) mod run;
+pub(crate) mod search;
 pub(crate) mod weighted_sweeps;
+
+use alloc::vec::Vec;
 
 use crate::control::Control;
 use crate::error::Error;
 use crate::linalg::Planar;
 use crate::problem::{Problem, Solution, Status};
 use crate::scene::Aim;
-use crate::solvers::common::tiled::{Rows, Wave};
-use crate::solvers::even_field::common_level::Polish;
-use crate::solvers::even_field::point_phases::{Foci, Starts};
+use crate::solvers::common::tiled::Rows;
+use crate::solvers::even_field::point_phases::Foci;
 use crate::solvers::even_field::run::{Plan, Run};
+use crate::solvers::even_field::search::Search;
 use crate::workspace::Workspace;
 
-/// Points are crowded where this part of them, or more, depends on others, ...
-const DEPENDENT: f32 = 0.2;
-
-/// ... and the steps to an even field left less than this part of the level. Of separate points, a tenth depends on others,
-/// and .97 or more of the level is kept.
-const KEPT: f32 = 0.97;
-
-/// Crowded points are even where none is off by more than this part of the level, if no field is more so.
-const NEARLY: f32 = 5e-3;
-
-/// An even drive, at the level that the problem aims at.
+/// An even drive, at the level that the problem aims at: the best that any of some plans finds.
 ///
 /// # Errors
 /// More memory than allowed; a stop before there is a drive.
 pub(crate) fn solve(
     problem: &Problem,
-    plan: &Plan,
+    plans: &[Plan],
     work: &Workspace,
     control: &mut Control,
 ) -> Result<Solution, Error> {
     let mut rows = Rows::alike(problem, work, control)?;
     let foci = Foci::of(&mut rows, work, control)?;
     let rows = &rows;
-    let starts = Starts::new(problem, rows, &foci, plan, work, control)?;
     let moduli = work.floats.take(problem.propagation().lanes());
-    let more = plan.crowded(rows.targeted);
-    let steps = starts.count * (1 + plan.sweeps + common_level::MOST_STEPS) + common_level::MOST_STEPS;
+    // A start that is given is the only one.
+    let plans = if problem.has_start() { &plans[plans.len() - 1..] } else { plans };
+    let (plan, steps) = (&plans[0], common_level::MOST_STEPS);
+    let more = plan.for_regular();
+    let denser: Vec<Plan> = plans.iter().map(|plan| plan.for_crowded(rows.targeted)).collect();
     let mut run = Run { problem, rows, plan, work, control, step: 0, steps, stopped: false, moduli };
-    let [mut best, mut wave] = [(); 2].map(|()| Wave::new(rows, work));
-    let mut reached = (false, -1.0);
+    let mut search = Search::new(rows, work);
+    let symmetric = problem.propagation().control_points().is_some_and(regular::regular);
+    let extra = (symmetric && !problem.has_start()).then_some(&more);
     let mut crowded = false;
-    for start in 0..starts.count {
-        weighted_sweeps::raise(&mut run, &starts, start, &mut wave);
-        let before = wave.level(rows);
-        let Polish { even, dependent } = common_level::polish(&mut run, None, &mut wave)?;
-        crowded |= !even || (dependent >= DEPENDENT && wave.level(rows) < KEPT * before);
-        if (even, wave.lowest(rows)) > reached {
-            reached = (even, wave.lowest(rows));
-            core::mem::swap(&mut best, &mut wave);
-        }
-        if run.stopped {
+    for plan in plans.iter().chain(extra) {
+        crowded |= search.level(&mut run, &foci, plan)?;
+        if run.stopped || crowded {
             break;
         }
     }
-    if crowded && !run.stopped && rows.targeted > 1 {
-        run.plan = &more;
-        let starts = Starts::new(problem, rows, &foci, &more, work, run.control)?;
-        run.steps += starts.count * (1 + more.sweeps + ascent::MOST_STEPS + common_level::MOST_STEPS);
-        for start in 0..starts.count {
-            weighted_sweeps::raise(&mut run, &starts, start, &mut wave);
-            ascent::climb(&mut run, &mut wave)?;
-            let level = wave.level(rows);
-            common_level::polish(&mut run, Some(level), &mut wave)?;
-            let even = wave.unevenness(rows, wave.level(rows)) <= plan.tolerance.max(NEARLY);
-            if (even, wave.lowest(rows)) > reached {
-                reached = (even, wave.lowest(rows));
-                core::mem::swap(&mut best, &mut wave);
-            }
-            if run.stopped {
-                break;
-            }
+    if crowded && !run.stopped {
+        for plan in &denser {
+            search.climb(&mut run, &foci, plan)?;
         }
-        reached.0 = best.unevenness(rows, best.level(rows)) <= plan.tolerance;
     }
+    let Search { mut best, mut even, lowest, trial: mut wave } = search;
     let wanted = problem.aim() == Aim::Target;
     // With many points the target may lie above the level where free steps end, and still be in reach.
-    if wanted && !run.stopped && reached.1 < rows.target && 4 * rows.targeted >= problem.propagation().transducers() {
+    if wanted && !run.stopped && lowest < rows.target && 4 * rows.targeted >= problem.propagation().transducers() {
         wave.copy(&best);
         if common_level::polish(&mut run, Some(rows.target), &mut wave)?.even {
-            reached.0 = true;
+            even = true;
             core::mem::swap(&mut best, &mut wave);
         }
     }
@@ -103,7 +79,6 @@ pub(crate) fn solve(
         && !run.stopped
     {
         // At full drive, where the grid is finest.
-        let even = reached.0;
         run.stopped = on_grid::round(problem, rows, quantization, even, &mut best, work, run.control).is_err();
     }
     let mut drive = best.drives(problem.propagation().transducers(), work);
@@ -119,7 +94,7 @@ pub(crate) fn solve(
             field[j as usize] = own[k] / rows.scale[k] * amplitude as f32;
         }
     }
-    let status = match (run.stopped, reached.0) {
+    let status = match (run.stopped, even) {
         (true, _) => Status::Stopped,
         (_, true) => Status::Done,
         _ => Status::OutOfSteps,

@@ -19,17 +19,27 @@ pub(crate) struct Plan {
     pub(crate) tolerance: f32,
 }
 
-impl Plan {
-    /// For points so close that the energy of a start says less of the level it ends at: more starts, and more of them
-    /// carried on the less a step costs.
-    pub(super) fn crowded(&self, points: usize) -> Self {
-        let finalists = if points > MANY { 2 } else { 4 };
-        Self { starts: self.starts.max(16), finalists: self.finalists.max(2) * finalists / 2, ..*self }
-    }
-}
-
 /// Points of which a step takes milliseconds.
 const MANY: usize = 200;
+
+impl Plan {
+    /// One start, found on G itself.
+    pub(crate) const fn alone(sweeps: u32, tolerance: f64) -> Self {
+        Self { starts: 1, finalists: 1, seed: 0, sweeps: sweeps as usize, tolerance: tolerance as f32 }
+    }
+
+    /// Beside one start for points that lie regularly: it may have broken a tie for the worse.
+    pub(super) fn for_regular(&self) -> Self {
+        Self { starts: 16, finalists: 3, ..*self }
+    }
+
+    /// For crowded points, of which the energy of a start says less of the level it ends at: more starts, and more of them
+    /// carried on the less a step costs.
+    pub(super) fn for_crowded(&self, points: usize) -> Self {
+        let more = if points > MANY { 1 } else { 2 };
+        Self { starts: self.starts.max(16), finalists: self.finalists.max(2) * more, ..*self }
+    }
+}
 
 impl Wave<'_> {
     /// |P| of the weakest targeted point.

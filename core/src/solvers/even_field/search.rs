@@ -1,0 +1,92 @@
+//! Search: fields from several starts, of which the loudest even one is kept.
+
+use crate::error::Error;
+use crate::solvers::common::tiled::{Rows, Wave};
+use crate::solvers::even_field::common_level::{Polish, polish};
+use crate::solvers::even_field::point_phases::{Foci, Starts};
+use crate::solvers::even_field::run::{Plan, Run};
+use crate::solvers::even_field::weighted_sweeps::raise;
+use crate::solvers::even_field::{ascent, common_level};
+use crate::workspace::Workspace;
+
+/// Points are crowded where this part of them, or more, depends on others, ...
+const DEPENDENT: f32 = 0.2;
+
+/// ... and the steps to an even field left less than this part of the level. Of separate points, a tenth depends on others,
+/// and .97 or more of the level is kept.
+const KEPT: f32 = 0.97;
+
+/// Crowded points are even where none is off by more than this part of the level: the smallest eigenvalues of their
+/// matrix are noise in f32.
+const NEARLY: f32 = 1e-3;
+
+/// The best field so far.
+pub(super) struct Search<'w> {
+    pub(super) best: Wave<'w>,
+    /// Whether it is even.
+    pub(super) even: bool,
+    /// |P| of its weakest targeted point; below 0 before there is any.
+    pub(super) lowest: f32,
+    pub(super) trial: Wave<'w>,
+}
+
+impl<'w> Search<'w> {
+    pub(super) fn new(rows: &Rows, work: &'w Workspace) -> Self {
+        let [best, trial] = [(); 2].map(|()| Wave::new(rows, work));
+        Self { best, even: false, lowest: -1.0, trial }
+    }
+
+    /// Keeps the trial if it is better: even before loud.
+    pub(super) fn offer(&mut self, rows: &Rows, even: bool) {
+        let lowest = self.trial.lowest(rows);
+        if (even, lowest) > (self.even, self.lowest) {
+            (self.even, self.lowest) = (even, lowest);
+            core::mem::swap(&mut self.best, &mut self.trial);
+        }
+    }
+
+    /// By the shortest steps to an even field, from each start of a plan; whether the points turned out to be crowded.
+    ///
+    /// # Errors
+    /// More memory than allowed.
+    pub(super) fn level<'a>(&mut self, run: &mut Run<'a, '_, 'w>, foci: &Foci, plan: &'a Plan) -> Result<bool, Error> {
+        let (rows, mut crowded) = (run.rows, false);
+        let starts = Starts::new(run.problem, rows, foci, plan, run.work, run.control)?;
+        run.plan = plan;
+        run.steps += starts.count * (1 + plan.sweeps + common_level::MOST_STEPS);
+        for start in 0..starts.count {
+            raise(run, &starts, start, &mut self.trial);
+            let before = self.trial.level(rows);
+            let Polish { even, dependent } = polish(run, None, &mut self.trial)?;
+            crowded |= !even || (dependent >= DEPENDENT && self.trial.level(rows) < KEPT * before);
+            self.offer(rows, even);
+            if run.stopped {
+                break;
+            }
+        }
+        Ok(crowded && rows.targeted > 1)
+    }
+
+    /// By steps that raise the level, for crowded points.
+    ///
+    /// # Errors
+    /// More memory than allowed.
+    pub(super) fn climb<'a>(&mut self, run: &mut Run<'a, '_, 'w>, foci: &Foci, plan: &'a Plan) -> Result<(), Error> {
+        let rows = run.rows;
+        let starts = Starts::new(run.problem, rows, foci, plan, run.work, run.control)?;
+        run.plan = plan;
+        run.steps += starts.count * (1 + plan.sweeps + ascent::MOST_STEPS + common_level::MOST_STEPS);
+        for start in 0..starts.count {
+            if run.stopped {
+                break;
+            }
+            raise(run, &starts, start, &mut self.trial);
+            ascent::climb(run, &mut self.trial)?;
+            let level = self.trial.level(rows);
+            polish(run, Some(level), &mut self.trial)?;
+            let even = self.trial.unevenness(rows, self.trial.level(rows)) <= plan.tolerance.max(NEARLY);
+            self.offer(rows, even);
+        }
+        Ok(())
+    }
+}
