@@ -1,8 +1,11 @@
 //! best: the loudest even field of many starts; `uniform` from many more point phases.
 
+use alloc::boxed::Box;
+
 use crate::control::Control;
 use crate::error::Error;
 use crate::problem::{Problem, Solution};
+use crate::solvers::descent::Descent;
 use crate::solvers::even_field;
 use crate::solvers::even_field::run::Plan;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
@@ -50,6 +53,10 @@ impl Solve for Best {
             tolerance: self.tolerance as f32,
         };
         even_field::solve(problem, &[as_uniform, plan], work, control)
+    }
+
+    fn instead(&self, problem: &Problem) -> Option<Box<dyn Solve>> {
+        even_field::too_many(problem).then(|| Box::new(Descent::default()) as Box<dyn Solve>)
     }
 
     fn finds_level(&self) -> bool {

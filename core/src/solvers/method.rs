@@ -1,5 +1,6 @@
 //! The trait `Solve`, and what the registry knows of a method.
 
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use crate::control::Control;
@@ -23,6 +24,12 @@ pub trait Solve {
     /// where it knows how to share the work.
     #[doc(hidden)]
     fn solve_interleaved(&self, _problems: &[Problem], _work: &mut Workspace) -> Option<Vec<Solution>> {
+        None
+    }
+
+    /// A method that suits this problem better; it is then balanced and solved by that one.
+    #[doc(hidden)]
+    fn instead(&self, _problem: &Problem) -> Option<Box<dyn Solve>> {
         None
     }
 

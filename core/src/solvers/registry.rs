@@ -10,6 +10,7 @@ use crate::error;
 use crate::error::{Error, same_name};
 use crate::scene::{Choice, Options};
 use crate::solvers::best::Best;
+use crate::solvers::descent::Descent;
 use crate::solvers::evd::Evd;
 use crate::solvers::fast::Fast;
 use crate::solvers::greedy::Greedy;
@@ -30,6 +31,7 @@ pub static SOLVERS: &[Entry] = &[
     Entry::of::<Best>(),
     Entry::of::<Greedy>(),
     Entry::of::<Fast>(),
+    Entry::of::<Descent>(),
     Entry::of::<Lm>(),
     Entry::of::<Gspat>(),
     Entry::of::<Gs>(),

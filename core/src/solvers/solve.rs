@@ -47,6 +47,8 @@ pub fn solve(
     work: &mut Workspace,
     control: &mut Control,
 ) -> Result<Solution, Error> {
+    let other = solver.instead(problem);
+    let (solver, balance) = other.as_deref().map_or((solver, balance), |other| (other, true));
     let factor = factor(problem, solver, balance);
     let prepared = problem.prepared(factor, work);
     let solution = solver.solve(prepared.as_ref().unwrap_or(problem), work, control);

@@ -1,8 +1,11 @@
 //! uniform: even points at the highest common level, or as loud as asked.
 
+use alloc::boxed::Box;
+
 use crate::control::Control;
 use crate::error::Error;
 use crate::problem::{Problem, Solution};
+use crate::solvers::descent::Descent;
 use crate::solvers::even_field;
 use crate::solvers::even_field::run::Plan;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
@@ -36,6 +39,10 @@ impl Method for Uniform {
 impl Solve for Uniform {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         even_field::solve(problem, &[Plan::alone(self.steps, self.tolerance)], work, control)
+    }
+
+    fn instead(&self, problem: &Problem) -> Option<Box<dyn Solve>> {
+        even_field::too_many(problem).then(|| Box::new(Descent::default()) as Box<dyn Solve>)
     }
 
     fn finds_level(&self) -> bool {

@@ -192,6 +192,41 @@ pub(crate) fn play(set: InstructionSet, tiles: Tiles<'_>, wave: Wave<'_>) {
     });
 }
 
+/// b = sum_j conj(G_j) p_j of two tiles.
+#[inline(always)]
+fn correlated<S: Simd>(s: S, tiles: Tiles<'_>, t: usize, [pr, pi]: [&[[f32; BLOCK]]; 2]) -> [[S::V; 2]; 2] {
+    // Sums that do not wait for one another.
+    let mut sums = [[s.splat(0.0); 4]; 2];
+    for ([gr, gi], (pr, pi)) in tiles.columns::<2>(t).zip(pr.iter().zip(pi)) {
+        for row in 0..BLOCK {
+            let (pr, pi) = (s.splat(pr[row]), s.splat(pi[row]));
+            for (tile, sums) in sums.iter_mut().enumerate() {
+                let (gr, gi) = (s.load(&gr[tile][row]), s.load(&gi[tile][row]));
+                *sums =
+                    [s.fma(gr, pr, sums[0]), s.fma(gi, pi, sums[1]), s.fma(gr, pi, sums[2]), s.fma(gi, pr, sums[3])];
+            }
+        }
+    }
+    sums.map(
+        #[inline(always)]
+        |[a, b, c, d]| [s.add(a, b), s.sub(c, d)],
+    )
+}
+
+/// b = sum_j conj(G_j) p_j of every transducer.
+pub(crate) fn correlate(set: InstructionSet, tiles: Tiles<'_>, pressures: [&[f32]; 2], out: [&mut [f32]; 2]) {
+    dispatch!(set, s => {
+        let [re, im] = out.map(groups_mut);
+        let pressures = pressures.map(|plane| plane.as_chunks::<BLOCK>().0);
+        for t in (0..re.len()).step_by(2) {
+            for (tile, [real, imag]) in correlated(s, tiles, t, pressures).into_iter().enumerate() {
+                s.store(real, &mut re[t + tile]);
+                s.store(imag, &mut im[t + tile]);
+            }
+        }
+    });
+}
+
 /// Numbers of memory that [`sweep`] needs for `rows` (whole blocks).
 pub(crate) const fn sweep_floats(rows: usize) -> usize {
     2 * rows * LANES
@@ -207,23 +242,7 @@ pub(crate) fn sweep(set: InstructionSet, tiles: Tiles<'_>, wanted: [&[f32]; 2], 
         memory.fill(0.0);
         let parts = blocks_mut(memory).as_chunks_mut::<2>().0;
         for t in (0..qr.len()).step_by(2) {
-            // Sums that do not wait for one another.
-            let mut sums = [[s.splat(0.0); 4]; 2];
-            for ([gr, gi], (pr, pi)) in tiles.columns::<2>(t).zip(pr.iter().zip(pi)) {
-                for row in 0..BLOCK {
-                    let (pr, pi) = (s.splat(pr[row]), s.splat(pi[row]));
-                    for (tile, sums) in sums.iter_mut().enumerate() {
-                        let (gr, gi) = (s.load(&gr[tile][row]), s.load(&gi[tile][row]));
-                        *sums = [
-                            s.fma(gr, pr, sums[0]),
-                            s.fma(gi, pi, sums[1]),
-                            s.fma(gr, pi, sums[2]),
-                            s.fma(gi, pr, sums[3]),
-                        ];
-                    }
-                }
-            }
-            let q = sums.map(#[inline(always)] |[a, b, c, d]| unit(s, [s.add(a, b), s.sub(c, d)]));
+            let q = correlated(s, tiles, t, [pr, pi]).map(#[inline(always)] |b| unit(s, b));
             for (tile, [real, imag]) in q.into_iter().enumerate() {
                 s.store(real, &mut qr[t + tile]);
                 s.store(imag, &mut qi[t + tile]);

@@ -101,8 +101,8 @@ struct Metric<'w> {
     roots: Buffer<'w, f32>,
     /// y_j P_j/|P_j| over the rows of G.
     pulls: [Buffer<'w, f32>; 2],
-    /// The parts of sum_j y_j conj(P_j/|P_j|) G_ji.
-    sums: [Buffer<'w, f32>; 4],
+    /// sum_j conj(G_ji) y_j P_j/|P_j|.
+    sums: [Buffer<'w, f32>; 2],
 }
 
 impl<'w> Metric<'w> {
@@ -110,7 +110,7 @@ impl<'w> Metric<'w> {
         Self {
             roots: work.floats.take(rows.lanes),
             pulls: [(); 2].map(|()| work.floats.take(rows.count)),
-            sums: [(); 4].map(|()| work.floats.take_any(rows.lanes)),
+            sums: [(); 2].map(|()| work.floats.take_any(rows.lanes)),
         }
     }
 
@@ -119,14 +119,9 @@ impl<'w> Metric<'w> {
             let part = if wave.moduli[k] > 0.0 { multipliers[k] / wave.moduli[k] } else { 0.0 };
             (self.pulls[0][k], self.pulls[1][k]) = (part * wave.field[0][k], part * wave.field[1][k]);
         }
-        let [re, im] = rows.tiles().planes;
-        let [pull_re, pull_im] = &self.pulls;
-        let terms = [(re, pull_re), (im, pull_im), (im, pull_re), (re, pull_im)];
-        for (sum, (plane, pull)) in self.sums.iter_mut().zip(terms) {
-            tiles::combine(rows.set, plane, pull, sum);
-        }
-        let [a, b, c, d] = &self.sums;
-        let curvature = |i: usize| (a[i] + b[i]) * wave.drive[0][i] - (c[i] - d[i]) * wave.drive[1][i];
+        let ([pull_re, pull_im], [re, im]) = (&self.pulls, &mut self.sums);
+        tiles::correlate(rows.set, rows.tiles(), [pull_re, pull_im], [&mut *re, &mut *im]);
+        let curvature = |i: usize| wave.drive[0][i] * re[i] + wave.drive[1][i] * im[i];
         let mut mean = 0.0;
         for i in 0..rows.lanes {
             self.roots[i] = curvature(i).abs();

@@ -1,0 +1,103 @@
+//! Quasi-Newton directions of limited memory (L-BFGS; Nocedal and Wright 2006, algorithm 7.4).
+
+use alloc::collections::VecDeque;
+
+use crate::workspace::{Buffer, Workspace};
+
+/// Steps remembered: in trials 10 to 30 are alike.
+const MEMORY: usize = 16;
+
+/// A step counts that finds this much curvature, relative to its length and the change of the gradient.
+const LEAST_CURVATURE: f64 = 1e-8;
+
+/// The last steps and changes of the gradient, the latest last.
+pub(crate) struct QuasiNewton<'w> {
+    pairs: VecDeque<Pair<'w>>,
+    pub(crate) work: &'w Workspace,
+}
+
+struct Pair<'w> {
+    step: Buffer<'w, f32>,
+    change: Buffer<'w, f32>,
+    /// 1/(step . change).
+    inverse: f64,
+}
+
+/// The inner product, in double precision.
+pub(crate) fn dot(a: &[f32], b: &[f32]) -> f64 {
+    // Four sums that do not wait for one another.
+    let mut sums = [0.0; 4];
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
+    for (a, b) in a.iter().zip(b) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += f64::from(*a) * f64::from(*b);
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(&a, &b)| f64::from(a) * f64::from(b)).sum();
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+}
+
+/// b += factor a
+fn add(factor: f64, a: &[f32], b: &mut [f32]) {
+    for (b, &a) in b.iter_mut().zip(a) {
+        *b += factor as f32 * a;
+    }
+}
+
+impl<'w> QuasiNewton<'w> {
+    pub(crate) fn new(work: &'w Workspace) -> Self {
+        Self { pairs: VecDeque::with_capacity(MEMORY), work }
+    }
+
+    /// Whether no step is remembered.
+    pub(crate) fn knows_nothing(&self) -> bool {
+        self.pairs.is_empty()
+    }
+
+    /// Forgets all steps; whether there were any.
+    pub(crate) fn forget(&mut self) -> bool {
+        let any = !self.pairs.is_empty();
+        self.pairs.clear();
+        any
+    }
+
+    /// Remembers a step and by how much it changed the gradient.
+    pub(crate) fn remember(&mut self, step: &[f32], change: &[f32]) {
+        let (curvature, square) = (dot(step, change), dot(change, change));
+        if curvature <= LEAST_CURVATURE * (square * dot(step, step)).max(f64::MIN_POSITIVE) {
+            return;
+        }
+        let copy = |list: &[f32]| {
+            let mut own = self.work.floats.take_any(list.len());
+            own.copy_from_slice(list);
+            own
+        };
+        let pair = Pair { step: copy(step), change: copy(change), inverse: 1.0 / curvature };
+        if self.pairs.len() == MEMORY {
+            self.pairs.pop_front();
+        }
+        self.pairs.push_back(pair);
+    }
+
+    /// Replaces a gradient g by -H g, H the inverse of the curvature as far as it is known; by -g where nothing is.
+    pub(crate) fn descend(&self, gradient: &mut [f32]) {
+        let mut shares = [0.0; MEMORY];
+        for (share, pair) in shares.iter_mut().zip(self.pairs.iter().rev()) {
+            *share = pair.inverse * dot(&pair.step, gradient);
+            add(-*share, &pair.change, gradient);
+        }
+        let scale = self.pairs.back().map_or(1.0, |pair| 1.0 / (pair.inverse * dot(&pair.change, &pair.change)));
+        for g in &mut *gradient {
+            *g *= -scale as f32;
+        }
+        for (share, pair) in shares[..self.pairs.len()].iter().rev().zip(&self.pairs) {
+            let back = pair.inverse * dot(&pair.change, gradient);
+            // The direction has been negated: so has the share.
+            add(-share - back, &pair.step, gradient);
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "tests/quasi_newton.rs"]
+mod tests;
