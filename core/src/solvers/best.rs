@@ -8,6 +8,7 @@ use crate::problem::{Problem, Solution};
 use crate::solvers::descent::Descent;
 use crate::solvers::even_field;
 use crate::solvers::even_field::run::Plan;
+use crate::solvers::even_field::targets::too_many;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::solvers::uniform::Uniform;
 use crate::workspace::Workspace;
@@ -56,7 +57,7 @@ impl Solve for Best {
     }
 
     fn instead(&self, problem: &Problem) -> Option<Box<dyn Solve>> {
-        even_field::too_many(problem).then(|| Box::new(Descent::default()) as Box<dyn Solve>)
+        too_many(problem).then(|| Box::new(Descent::default()) as Box<dyn Solve>)
     }
 
     fn finds_level(&self) -> bool {

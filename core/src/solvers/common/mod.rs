@@ -3,6 +3,7 @@
 pub(crate) mod alternating_projection;
 pub(crate) mod gauss_newton;
 pub(crate) mod interleaved;
+pub(crate) mod least_squares;
 pub(crate) mod quasi_newton;
 pub(crate) mod refinement;
 pub(crate) mod tiled;

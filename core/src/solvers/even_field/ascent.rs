@@ -21,7 +21,7 @@ use crate::solvers::even_field::run::Run;
 use crate::workspace::{Buffer, Workspace};
 
 /// Steps at most.
-pub(super) const MOST_STEPS: usize = 160;
+pub(super) const CLIMB_STEPS: usize = 160;
 
 /// Damping mu of the first step, relative to the mean diagonal entry of J D^-1 J^T.
 const DAMPING: f32 = 1.0;
@@ -49,7 +49,7 @@ pub(super) fn climb<'w>(run: &mut Run<'_, '_, 'w>, wave: &mut Wave<'w>) -> Resul
     let mut multipliers = work.floats.take(newton.dual.lanes());
     multipliers[..rows.targeted].fill(1.0 / rows.targeted as f32);
     let mut damping = DAMPING;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..CLIMB_STEPS {
         let level = wave.level(rows);
         if run.stopped || wave.unevenness(rows, level) <= run.plan.tolerance {
             break;

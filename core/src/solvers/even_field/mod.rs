@@ -14,72 +14,21 @@ pub(crate) mod point_phases;
 pub(crate) mod regular;
 pub(crate) mod run;
 pub(crate) mod search;
+pub(crate) mod targets;
 pub(crate) mod weighted_sweeps;
 
 use alloc::vec::Vec;
-
-use num_complex::Complex32;
 
 use crate::control::Control;
 use crate::error::Error;
 use crate::linalg::Planar;
 use crate::problem::{Problem, Solution, Status};
 use crate::scene::Aim;
-use crate::solvers::common::tiled::{Rows, Wave};
+use crate::solvers::common::tiled::Rows;
 use crate::solvers::even_field::point_phases::Foci;
 use crate::solvers::even_field::run::{Plan, Run};
 use crate::solvers::even_field::search::Search;
 use crate::workspace::Workspace;
-
-/// Points of which pictures are made: more than can be even in a second.
-const PICTURE: usize = 400;
-
-/// Whether a problem has more points than an even field is looked for, with targets to be met.
-pub(crate) fn too_many(problem: &Problem) -> bool {
-    problem.aim() == Aim::Target && problem.propagation().points() > PICTURE && !problem.has_start()
-}
-
-/// The largest part of a target that a drive may be off by for all targets to be still in reach of it.
-const NEAR: f32 = 0.3;
-
-/// A drive near by with |q| = 1 that meets every target, if Gauss-Newton steps find one in time.
-///
-/// # Errors
-/// More memory than allowed.
-pub(crate) fn met(
-    problem: &Problem,
-    drive: &[Complex32],
-    (step, steps): (usize, usize),
-    work: &Workspace,
-    control: &mut Control,
-) -> Result<Option<Vec<Complex32>>, Error> {
-    let propagation = problem.propagation();
-    if 2 * propagation.points() > propagation.transducers() {
-        return Ok(None);
-    }
-    let rows = &Rows::alike(problem, work, control)?;
-    let plan = &Plan::alone(0, MET);
-    let moduli = work.floats.take(propagation.lanes());
-    let mut run = Run {
-        problem,
-        rows,
-        plan,
-        work,
-        control,
-        step,
-        steps: steps + common_level::MOST_STEPS,
-        stopped: false,
-        moduli,
-    };
-    let mut wave = Wave::new(rows, work);
-    wave.play_at_full(rows, drive.iter().copied());
-    let near = wave.unevenness(rows, rows.target) <= NEAR;
-    let met = near && common_level::polish(&mut run, Some(rows.target), &mut wave)?.even;
-    Ok(met.then(|| wave.drives(propagation.transducers(), work)))
-}
-
-/// Targets are met to this part.
-const MET: f64 = 1e-4;
 
 /// An even drive, at the level that the problem aims at: the best that any of some plans finds.
 ///
@@ -111,13 +60,24 @@ pub(crate) fn solve(
             break;
         }
     }
-    if crowded && !run.stopped {
+    let wanted = problem.aim() == Aim::Target;
+    let mut nearest = None;
+    if crowded && wanted && !run.stopped && !problem.has_start() {
+        nearest = Some(targets::approach(&mut run, &mut search)?);
+    }
+    if crowded && !(wanted && search.reaches(rows.target)) {
         for plan in &denser {
             search.climb(&mut run, &foci, plan)?;
         }
     }
+    if let Some(nearest) = nearest
+        && !run.stopped
+        && !search.even
+    {
+        // No even field was found: the nearest to the targets, then.
+        return Solution::new(problem, nearest, (Status::OutOfSteps, run.step), run.steps, work, run.control);
+    }
     let Search { mut best, mut even, lowest, trial: mut wave } = search;
-    let wanted = problem.aim() == Aim::Target;
     // With many points the target may lie above the level where free steps end, and still be in reach.
     if wanted && !run.stopped && lowest < rows.target && 4 * rows.targeted >= problem.propagation().transducers() {
         wave.copy(&best);

@@ -2,11 +2,11 @@
 
 use crate::error::Error;
 use crate::solvers::common::tiled::{Rows, Wave};
-use crate::solvers::even_field::common_level::{Polish, polish};
+use crate::solvers::even_field::ascent::{CLIMB_STEPS, climb};
+use crate::solvers::even_field::common_level::{MOST_STEPS, Polish, polish};
 use crate::solvers::even_field::point_phases::{Foci, Starts};
 use crate::solvers::even_field::run::{Plan, Run};
 use crate::solvers::even_field::weighted_sweeps::raise;
-use crate::solvers::even_field::{ascent, common_level};
 use crate::workspace::Workspace;
 
 /// Points are crowded where this part of them, or more, depends on others, ...
@@ -18,7 +18,7 @@ const KEPT: f32 = 0.97;
 
 /// Crowded points are even where none is off by more than this part of the level: the smallest eigenvalues of their
 /// matrix are noise in f32.
-const NEARLY: f32 = 1e-3;
+pub(super) const NEARLY: f32 = 1e-3;
 
 /// The best field so far.
 pub(super) struct Search<'w> {
@@ -45,6 +45,11 @@ impl<'w> Search<'w> {
         }
     }
 
+    /// Whether the best is even, no weaker than a target.
+    pub(super) fn reaches(&self, target: f32) -> bool {
+        self.even && self.lowest >= target * (1.0 - NEARLY)
+    }
+
     /// By the shortest steps to an even field, from each start of a plan; whether the points turned out to be crowded.
     ///
     /// # Errors
@@ -53,7 +58,7 @@ impl<'w> Search<'w> {
         let (rows, mut crowded) = (run.rows, false);
         let starts = Starts::new(run.problem, rows, foci, plan, run.work, run.control)?;
         run.plan = plan;
-        run.steps += starts.count * (1 + plan.sweeps + common_level::MOST_STEPS);
+        run.steps += starts.count * (1 + plan.sweeps + MOST_STEPS);
         for start in 0..starts.count {
             raise(run, &starts, start, &mut self.trial);
             let before = self.trial.level(rows);
@@ -75,13 +80,13 @@ impl<'w> Search<'w> {
         let rows = run.rows;
         let starts = Starts::new(run.problem, rows, foci, plan, run.work, run.control)?;
         run.plan = plan;
-        run.steps += starts.count * (1 + plan.sweeps + ascent::MOST_STEPS + common_level::MOST_STEPS);
+        run.steps += starts.count * (1 + plan.sweeps + CLIMB_STEPS + MOST_STEPS);
         for start in 0..starts.count {
             if run.stopped {
                 break;
             }
             raise(run, &starts, start, &mut self.trial);
-            ascent::climb(run, &mut self.trial)?;
+            climb(run, &mut self.trial)?;
             let level = self.trial.level(rows);
             polish(run, Some(level), &mut self.trial)?;
             let even = self.trial.unevenness(rows, self.trial.level(rows)) <= plan.tolerance.max(NEARLY);

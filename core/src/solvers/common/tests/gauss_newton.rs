@@ -14,7 +14,7 @@ fn a_step_solves_the_damped_system() {
         let mut dual = Dual::new(&rows, 2 * points, &work, &mut Control::none()).expect("a few numbers");
         dual.factors[1][..points].fill(-1.0);
         dual.factors[0][points..].fill(1.0);
-        dual.derive(&rows, &wave, (0..points).chain(0..points), &mut Control::none()).expect("nobody stops it");
+        dual.derive(&rows, &wave, (0..points).chain(0..points), None, &mut Control::none()).expect("nobody stops it");
         // Re P and Im P by the phase of transducer i: P = .. + j G q d.
         let slope = |e: usize, i: usize| {
             let wave = exact.gain(e % points, i) * wide(drive[i]);

@@ -1,0 +1,83 @@
+//! Fields that meet their targets, of points too many or too crowded to be even at the highest level in a short time.
+
+use alloc::vec::Vec;
+
+use num_complex::Complex32;
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::problem::{Problem, Status};
+use crate::scene::Aim;
+use crate::solvers::common::least_squares::{Task, least_squares};
+use crate::solvers::common::tiled::{Rows, Wave};
+use crate::solvers::even_field::common_level::{MOST_STEPS, polish};
+use crate::solvers::even_field::run::{Plan, Run};
+use crate::solvers::even_field::search::{NEARLY, Search};
+use crate::workspace::Workspace;
+
+/// More points than that are a picture: an even field of theirs takes seconds.
+const PICTURE: usize = 400;
+
+/// The largest part of a target that a drive may be off by for all targets to be still in reach of it.
+const NEAR: f32 = 0.3;
+
+/// Whether a problem has more points than an even field is looked for, with targets to be met.
+pub(crate) fn too_many(problem: &Problem) -> bool {
+    problem.aim() == Aim::Target && problem.propagation().points() > PICTURE && !problem.has_start()
+}
+
+/// A drive near by with |q| = 1 that meets every target, if Gauss-Newton steps find one in time; `steps` are those done, of
+/// how many.
+///
+/// # Errors
+/// More memory than allowed.
+pub(crate) fn met(
+    problem: &Problem,
+    drive: &[Complex32],
+    (step, steps): (usize, usize),
+    work: &Workspace,
+    control: &mut Control,
+) -> Result<Option<Vec<Complex32>>, Error> {
+    let propagation = problem.propagation();
+    let asked = problem.targets().iter().take(propagation.points());
+    let equations: usize = asked.map(|&target| if target > 0.0 { 1 } else { 2 }).sum();
+    if equations > propagation.transducers() {
+        return Ok(None);
+    }
+    let rows = &Rows::alike(problem, work, control)?;
+    let plan = &Plan::alone(0, f64::from(NEARLY));
+    let moduli = work.floats.take(propagation.lanes());
+    let steps = steps + MOST_STEPS;
+    let mut run = Run { problem, rows, plan, work, control, step, steps, stopped: false, moduli };
+    let mut wave = Wave::new(rows, work);
+    wave.play_at_full(rows, drive.iter().copied());
+    let near = wave.unevenness(rows, rows.target) <= NEAR;
+    let met = near && polish(&mut run, Some(rows.target), &mut wave)?.even;
+    Ok(met.then(|| wave.drives(propagation.transducers(), work)))
+}
+
+/// Offers a search the field nearest to the targets, or to the balanced level where they are below it, made even if it is
+/// near enough; the drive of least squares as it was found.
+///
+/// # Errors
+/// More memory than allowed.
+pub(super) fn approach<'w>(run: &mut Run<'_, '_, 'w>, search: &mut Search<'w>) -> Result<Vec<Complex32>, Error> {
+    let (problem, rows) = (run.problem, run.rows);
+    let factor = problem.balance().max(1.0) as f32;
+    let task = Task { steps: 300, tolerance: 1e-3, starts: 2, seed: 0, factor, before: run.step };
+    let found = least_squares(problem, &task, run.work, run.control)?;
+    (run.step, run.steps) = (found.steps.0, run.steps.max(found.steps.1));
+    run.stopped = found.status == Status::Stopped;
+    let mut drive = found.drive;
+    search.trial.play_at_full(rows, drive.iter().copied());
+    let level = search.trial.level(rows);
+    if !run.stopped && search.trial.unevenness(rows, level) <= NEAR {
+        polish(run, Some(level), &mut search.trial)?;
+    }
+    let even = search.trial.unevenness(rows, search.trial.level(rows)) <= run.plan.tolerance.max(NEARLY);
+    search.offer(rows, even);
+    for q in &mut drive {
+        *q /= factor;
+    }
+    Ok(drive)
+}
