@@ -13,12 +13,15 @@ use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::run::Run;
 use crate::workspace::{Buffer, Workspace};
 
-/// Steps at most: four are enough where the points are fewer than a quarter of the transducers, ten where they are
+/// Steps at most between separate points: four are enough where the points are fewer than a quarter of the transducers, ten where they are
 /// half as many.
 pub(super) const MOST_STEPS: usize = 20;
 
-/// Damping mu of the first step, relative to the mean diagonal entry of J J^T.
+/// Damping of the first step between separate points ...
 const DAMPING: f32 = 1e-6;
+
+/// ... and between crowded ones.
+const CROWDED_DAMPING: f32 = 1e-3;
 
 /// Derivatives serve once more while a step leaves less than this part of the squares: most of a step's time goes into
 /// them.
@@ -41,22 +44,44 @@ pub(super) struct Polish {
 /// An equation depends on those before it that leave less than this part of its diagonal entry of J J^T.
 const DEPENDENT: f32 = 0.5;
 
-/// Makes `wave` even at `level`, or at the level nearest by.
+/// How [`polish`] goes about it.
+#[derive(Clone, Copy)]
+pub(super) struct Manner {
+    /// The level, or that of the shortest step.
+    level: Option<f32>,
+    /// Damping of the first step, relative to the mean diagonal entry of J J^T.
+    damping: f32,
+    most: usize,
+}
+
+impl Manner {
+    /// For separate points: to a level, or to the nearest by.
+    pub(super) fn separate(level: Option<f32>) -> Self {
+        Self { level, damping: DAMPING, most: MOST_STEPS }
+    }
+
+    /// For crowded points: to a level, the smooth part of a field first.
+    pub(super) fn crowded(level: f32) -> Self {
+        Self { level: Some(level), damping: CROWDED_DAMPING, most: 2 * MOST_STEPS }
+    }
+}
+
+/// Makes `wave` even.
 ///
 /// # Errors
 /// More memory than allowed.
-pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, level: Option<f32>, wave: &mut Wave<'w>) -> Result<Polish, Error> {
+pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, manner: Manner, wave: &mut Wave<'w>) -> Result<Polish, Error> {
+    let Manner { level, mut damping, most } = manner;
     let (rows, work) = (run.rows, run.work);
     let mut newton = Newton::new(run.problem, rows, work, run.control)?;
     let [mut trial, mut begun] = [(); 2].map(|()| Wave::new(rows, work));
     begun.copy(wave);
-    let mut damping = DAMPING;
     let mut even = false;
     let (mut renew, mut fresh) = (true, false);
-    for step in 0..=MOST_STEPS {
+    for step in 0..=most {
         let level_here = |wave: &Wave| level.unwrap_or_else(|| wave.level(rows));
         even = wave.unevenness(rows, level_here(wave)) <= run.plan.tolerance;
-        if even || run.stopped || step == MOST_STEPS {
+        if even || run.stopped || step == most {
             break;
         }
         fresh |= renew;

@@ -25,6 +25,7 @@ use crate::linalg::Planar;
 use crate::problem::{Problem, Solution, Status};
 use crate::scene::Aim;
 use crate::solvers::common::tiled::Rows;
+use crate::solvers::even_field::common_level::Manner;
 use crate::solvers::even_field::point_phases::Foci;
 use crate::solvers::even_field::run::{Plan, Run};
 use crate::solvers::even_field::search::Search;
@@ -81,7 +82,7 @@ pub(crate) fn solve(
     // With many points the target may lie above the level where free steps end, and still be in reach.
     if wanted && !run.stopped && lowest < rows.target && 4 * rows.targeted >= problem.propagation().transducers() {
         wave.copy(&best);
-        if common_level::polish(&mut run, Some(rows.target), &mut wave)?.even {
+        if common_level::polish(&mut run, Manner::separate(Some(rows.target)), &mut wave)?.even {
             even = true;
             core::mem::swap(&mut best, &mut wave);
         }

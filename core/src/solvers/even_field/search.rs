@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::ascent::{CLIMB_STEPS, climb};
-use crate::solvers::even_field::common_level::{MOST_STEPS, Polish, polish};
+use crate::solvers::even_field::common_level::{MOST_STEPS, Manner, Polish, polish};
 use crate::solvers::even_field::point_phases::{Foci, Starts};
 use crate::solvers::even_field::run::{Plan, Run};
 use crate::solvers::even_field::weighted_sweeps::raise;
@@ -47,7 +47,7 @@ impl<'w> Search<'w> {
 
     /// Whether the best is even, no weaker than a target.
     pub(super) fn reaches(&self, target: f32) -> bool {
-        self.even && self.lowest >= target * (1.0 - NEARLY)
+        self.even && self.lowest >= target * (1.0 - 2.0 * NEARLY)
     }
 
     /// By the shortest steps to an even field, from each start of a plan; whether the points turned out to be crowded.
@@ -62,7 +62,7 @@ impl<'w> Search<'w> {
         for start in 0..starts.count {
             raise(run, &starts, start, &mut self.trial);
             let before = self.trial.level(rows);
-            let Polish { even, dependent } = polish(run, None, &mut self.trial)?;
+            let Polish { even, dependent } = polish(run, Manner::separate(None), &mut self.trial)?;
             crowded |= !even || (dependent >= DEPENDENT && self.trial.level(rows) < KEPT * before);
             self.offer(rows, even);
             if run.stopped {
@@ -88,7 +88,7 @@ impl<'w> Search<'w> {
             raise(run, &starts, start, &mut self.trial);
             climb(run, &mut self.trial)?;
             let level = self.trial.level(rows);
-            polish(run, Some(level), &mut self.trial)?;
+            polish(run, Manner::crowded(level), &mut self.trial)?;
             let even = self.trial.unevenness(rows, self.trial.level(rows)) <= plan.tolerance.max(NEARLY);
             self.offer(rows, even);
         }

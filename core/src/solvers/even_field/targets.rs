@@ -10,7 +10,7 @@ use crate::problem::{Problem, Status};
 use crate::scene::Aim;
 use crate::solvers::common::least_squares::{Task, least_squares};
 use crate::solvers::common::tiled::{Rows, Wave};
-use crate::solvers::even_field::common_level::{MOST_STEPS, polish};
+use crate::solvers::even_field::common_level::{MOST_STEPS, Manner, polish};
 use crate::solvers::even_field::run::{Plan, Run};
 use crate::solvers::even_field::search::{NEARLY, Search};
 use crate::workspace::Workspace;
@@ -52,7 +52,7 @@ pub(crate) fn met(
     let mut wave = Wave::new(rows, work);
     wave.play_at_full(rows, drive.iter().copied());
     let near = wave.unevenness(rows, rows.target) <= NEAR;
-    let met = near && polish(&mut run, Some(rows.target), &mut wave)?.even;
+    let met = near && polish(&mut run, Manner::crowded(rows.target), &mut wave)?.even;
     Ok(met.then(|| wave.drives(propagation.transducers(), work)))
 }
 
@@ -72,7 +72,7 @@ pub(super) fn approach<'w>(run: &mut Run<'_, '_, 'w>, search: &mut Search<'w>) -
     search.trial.play_at_full(rows, drive.iter().copied());
     let level = search.trial.level(rows);
     if !run.stopped && search.trial.unevenness(rows, level) <= NEAR {
-        polish(run, Some(level), &mut search.trial)?;
+        polish(run, Manner::crowded(level), &mut search.trial)?;
     }
     let even = search.trial.unevenness(rows, search.trial.level(rows)) <= run.plan.tolerance.max(NEARLY);
     search.offer(rows, even);
