@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from .arguments import number, refused, shown, word
+from .arguments import number, refused, word
 from .contour import STEP, Contour, Points, box, placed, points_along, ways
 
 
@@ -41,9 +41,7 @@ def _outlines(string: str, font: str | None) -> list[Contour]:
         raise refused("font", font, cure) from None
     for letter in string:
         if letters.get_char_index(ord(letter)) == 0:
-            raise refused(
-                "string", string, f"the font has no {shown(letter)}, give one line of other letters"
-            )
+            raise refused("string", string, f"the font has no {letter!r}, give one line of other letters")
     vertices, codes = text_to_path.get_text_path(properties, string)
     contours: list[list[Points]] = []
     outline: Any = Path(vertices, codes)
