@@ -23,7 +23,6 @@ use alloc::vec::Vec;
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
-use crate::files::drawn::undrawn;
 use crate::files::node::Node;
 use crate::files::source::BYTE_ORDER_MARK;
 use crate::files::tables::SceneTable;
@@ -57,7 +56,7 @@ pub fn read(bytes: &[u8], format: Format) -> Result<Scene, Error> {
 /// # Errors
 /// As [`read`], and a file that cannot be read.
 pub fn read_from(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Scene, Error> {
-    read_drawn(bytes, format, source, &mut undrawn)
+    read_drawn(bytes, format, source, &mut drawn::undrawn)
 }
 
 /// The same of a document whose tables `[shape]` and `[image]` are drawn by the caller.

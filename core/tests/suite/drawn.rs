@@ -101,7 +101,6 @@ fn what_is_no_table_of_known_keys_never_reaches_the_door() {
             "path = \"logo.png\"",
             ", line 10, column 1: unknown key of image \"path\": it is called",
         ),
-        ("[image]", "[[image]]\n[image.size]", ", line"),
     ] {
         assert!(SCENE.contains(part), "{part}");
         let mut draw = |name: &str, _: &str| if name == "shape" { Ok(pair(name)) } else { panic!("{name} was drawn") };
