@@ -76,8 +76,8 @@ fn a_refusal_is_told_with_the_place_of_its_key() {
             ", line 15, column 10: shape[0].radius is -1: give more; for example radius = 0.03",
         ),
         ("step is left out: give one", ", line 13, column 1: shape[0].step is left out: give one"),
-        ("svgelements: there is none", ", line 13, column 1: shape[0] is a table of kind, radius, center: svgelements"),
-        ("it is late: come back", ", line 13, column 1: shape[0] is a table of kind, radius, center: it is late: come"),
+        ("svgelements: there is none", ", line 13, column 1: shape[0] is a table of center, kind, radius: svgelements"),
+        ("it is late: come back", ", line 13, column 1: shape[0] is a table of center, kind, radius: it is late: come"),
     ] {
         let error = told(SCENE, Format::Toml, refusal(answer));
         assert!(error.starts_with(&format!("drawn.toml{begin}")), "{error}");
@@ -125,6 +125,6 @@ fn pressures_are_of_all_or_none_across_tables() {
 #[test]
 fn a_reader_without_a_door_says_who_draws() {
     let error = read(SCENE.as_bytes(), Format::Toml).expect_err("nobody draws").to_string();
-    let begin = "scene file, line 13, column 1: shape[0] is a table of kind, radius, center: midair's Python package";
+    let begin = "scene file, line 13, column 1: shape[0] is a table of center, kind, radius: midair's Python package";
     assert!(error.starts_with(begin), "{error}");
 }
