@@ -10,10 +10,14 @@ from numpy.typing import NDArray
 
 from ._midair import SceneError
 from .shape.arguments import existing, flag, number, refused, whole
-from .shape.contour import MOST_POINTS
+from .shape.contour import MOST_POINTS, STEP
 
 #: Below this part of white, -26 dB, a pixel is dark: no method tells so little from silence everywhere.
 DARK = 0.05
+
+
+#: Half a wavelength at 40 kHz and 340 m/s, in m: neighbours nearer than that cannot differ much.
+PITCH = 2 * STEP
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,14 +47,15 @@ def image(
     *,
     size: float,
     z: float,
-    pixels: int,
+    pixels: int | None = None,
     pressure: float = 1000.0,
     quiet: bool = False,
 ) -> Picture:
     """A picture as points of a grid in the plane at z, its middle at x = y = 0, y up.
 
     size : the longer side of the picture, in m
-    pixels : along the longer side; their distance is size / pixels
+    pixels : along the longer side, size / pixels apart; left out, half a wavelength (4.25 mm at 40 kHz), as
+        what nearer neighbours ask for contradicts itself
     pressure : of white, in Pa; a grey pixel asks for its part of it, brightness / 255
     quiet : whether dark pixels, below 5 % of white, are quiet points; left out of it otherwise
 
@@ -58,7 +63,9 @@ def image(
     only the ratios of the pressures count: the picture becomes as loud as the array can.
     """
     size, z, pressure = number("size", size, above=0), number("z", z), number("pressure", pressure, above=0)
-    pixels, quiet = whole("pixels", pixels, least=1), flag("quiet", quiet)
+    quiet = flag("quiet", quiet)
+    # Rounding never takes a pixel away.
+    pixels = max(int(size / PITCH * (1 + 1e-9)), 1) if pixels is None else whole("pixels", pixels, least=1)
     brightness = _brightness(path, pixels)
     rows, columns = np.indices(brightness.shape)
     pitch = size / pixels

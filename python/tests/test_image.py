@@ -53,6 +53,14 @@ def test_a_pixel_is_the_mean_over_its_square(tmp_path: Path) -> None:
     )
 
 
+def test_pixels_left_out_are_half_a_wavelength_apart(tmp_path: Path) -> None:
+    path = saved(tmp_path / "a.png", [[255]])
+    for size, pixels in [(0.0425, 10), (0.0467, 10), (0.06, 14), (0.001, 1)]:
+        picture = midair.image(path, size=size, z=0.1)
+        assert len(picture.points) == pixels**2
+        assert np.ptp(picture.points[:, 0]) == pytest.approx(size * (pixels - 1) / pixels)
+
+
 def test_colours_transparency_sixteen_bits_and_turned_photographs(tmp_path: Path) -> None:
     rgba = [[[255, 255, 255, 255], [255, 255, 255, 128], [255, 0, 0, 255], [255, 255, 255, 0]]]
     picture = midair.image(
