@@ -12,6 +12,7 @@ SI units, e^{-jwt}, peak pressures: every convention is in docs/conventions.md.
 
 from importlib.metadata import version as _version
 
+from . import shape
 from ._midair import (
     Array,
     Batch,
@@ -38,6 +39,7 @@ from ._midair import (
     solvers,
 )
 from .compare import Comparison, compare
+from .picture import Picture, image
 from .plot import plot
 from .sweep import sweep
 
@@ -50,6 +52,7 @@ __all__ = [
     "Field",
     "Metrics",
     "OptionInfo",
+    "Picture",
     "Plane",
     "PresetInfo",
     "Propagation",
@@ -63,9 +66,11 @@ __all__ = [
     "bound",
     "compare",
     "field",
+    "image",
     "judge",
     "plot",
     "presets",
+    "shape",
     "solve",
     "solve_batch",
     "solvers",

@@ -9,6 +9,7 @@ use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyString};
 
+use crate::draw;
 use crate::error::{invalid, refused};
 
 /// An error of the file system, as Python's own file functions raise it.
@@ -28,17 +29,14 @@ fn bytes_of(path: &Path) -> PyResult<Vec<u8>> {
 }
 
 /// What to do with a file's bytes, their format and where they come from.
-type Reading<T> = fn(&[u8], Format, Source<'_>) -> Result<T, midair::Error>;
-
-fn read<T>(path: &Path, bytes: &[u8], reading: Reading<T>) -> PyResult<T> {
+fn read<T>(path: &Path, bytes: &[u8], reading: impl Fn(&[u8], Format, Source<'_>) -> PyResult<T>) -> PyResult<T> {
     let name = path.to_string_lossy();
-    let source = Source { name: &name, folder: path.parent() };
-    reading(bytes, Format::of_document(&name, bytes), source).map_err(refused)
+    reading(bytes, Format::of_document(&name, bytes), Source { name: &name, folder: path.parent() })
 }
 
 /// The scene of a file.
-pub(crate) fn load(path: &Path) -> PyResult<midair::Scene> {
-    read(path, &bytes_of(path)?, files::read_from)
+pub(crate) fn load(py: Python<'_>, path: &Path) -> PyResult<midair::Scene> {
+    read(path, &bytes_of(path)?, |bytes, format, source| draw::scene(py, bytes, format, source))
 }
 
 /// The scene of a text, str or bytes.
@@ -50,7 +48,7 @@ pub(crate) fn parse(text: &Bound<'_, PyAny>, name: &str, folder: Option<&Path>) 
         }
         _ => return Err(invalid("text", &crate::numbers::quoted(text), "give TOML or JSON as str or bytes")),
     };
-    files::read_from(&bytes, Format::of_text(&bytes), Source { name, folder }).map_err(refused)
+    draw::scene(text.py(), &bytes, Format::of_text(&bytes), Source { name, folder })
 }
 
 /// Writes a file whole or not at all, as every result is written.
@@ -65,6 +63,6 @@ pub(crate) fn save(py: Python<'_>, path: &Path, text: &str) -> PyResult<()> {
 #[pyo3(signature = (path, text=None))]
 pub(crate) fn scene_files(path: PathBuf, text: Option<Vec<u8>>) -> PyResult<Vec<PathBuf>> {
     let bytes = text.map_or_else(|| bytes_of(&path), Ok)?;
-    let named = read(&path, &bytes, files::references)?;
+    let named = read(&path, &bytes, |bytes, format, source| files::references(bytes, format, source).map_err(refused))?;
     Ok([path].into_iter().chain(named).collect())
 }

@@ -3,6 +3,7 @@
 mod array;
 mod batch;
 mod ctrl_c;
+mod draw;
 mod error;
 mod field;
 mod files;

@@ -210,7 +210,7 @@ impl Scene {
     /// Reads a scene file: JSON by its ending .json, TOML by .toml, else by looking at it.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        Self::of(crate::files::load(&path)?)?.told(py)
+        Self::of(crate::files::load(py, &path)?)?.told(py)
     }
 
     /// Reads a scene from text (str or bytes), TOML or JSON by looking at it.

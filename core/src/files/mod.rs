@@ -1,5 +1,6 @@
 //! Scene files, TOML or JSON: read and written here for every door.
 
+mod drawn;
 mod fault;
 mod item;
 mod node;
@@ -12,6 +13,7 @@ mod source;
 mod syntax;
 mod tables;
 
+pub use drawn::Draw;
 pub use source::{Format, MOST_BYTES, Source};
 pub use tables::Provenance;
 
@@ -54,8 +56,16 @@ pub fn read(bytes: &[u8], format: Format) -> Result<Scene, Error> {
 /// # Errors
 /// As [`read`], and a file that cannot be read.
 pub fn read_from(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Scene, Error> {
+    read_drawn(bytes, format, source, &mut drawn::undrawn)
+}
+
+/// The same of a document whose tables `[shape]` and `[image]` are drawn by the caller.
+///
+/// # Errors
+/// As [`read_from`], and what `draw` refuses.
+pub fn read_drawn(bytes: &[u8], format: Format, source: Source<'_>, draw: &mut Draw<'_>) -> Result<Scene, Error> {
     let (text, document) = parse(bytes, format, source)?;
-    read::scene(&document, source).map_err(|fault| fault.told(text, format, source))
+    read::scene(&document, source, draw).map_err(|fault| fault.told(text, format, source))
 }
 
 /// The files that a document names, in its folder.
@@ -65,11 +75,13 @@ pub fn read_from(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Sce
 pub fn references(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Vec<PathBuf>, Error> {
     let (_, document) = parse(bytes, format, source)?;
     let folder = source.folder.unwrap_or(Path::new(""));
-    let named = ["array", "positions", "file"].iter().try_fold(&document, |node, key| node.get(key));
-    Ok(match named {
-        Some(Node::Text(name)) => [folder.join(name)].into(),
-        _ => Vec::new(),
-    })
+    let positions = document.get("array").and_then(|array| array.get("positions"));
+    let tables = positions.into_iter().chain(drawn::tables(&document));
+    let named = tables.filter_map(|table| match table.get("file") {
+        Some(Node::Text(name)) => Some(folder.join(name)),
+        _ => None,
+    });
+    Ok(named.collect())
 }
 
 /// The text of a document and what it says.

@@ -6,6 +6,7 @@ use alloc::vec::Vec;
 use core::fmt;
 
 use serde::de::{Deserialize, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
+use serde::ser::{Serialize, Serializer};
 
 /// What a table's date is called by the TOML reader.
 const DATE: &str = "$__toml_private_datetime";
@@ -157,5 +158,25 @@ impl<'de> Deserialize<'de> for Node {
         }
 
         deserializer.deserialize_any(Any)
+    }
+}
+
+/// As the document that it was read from says it; what is null is left out of a table.
+impl Serialize for Node {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Null => serializer.serialize_unit(),
+            Self::Bool(value) => serializer.serialize_bool(*value),
+            Self::Integer(value) => serializer.serialize_i64(*value),
+            Self::Large(value) => serializer.serialize_u64(*value),
+            Self::Real(value) => serializer.serialize_f64(*value),
+            Self::Text(text) => serializer.serialize_str(text),
+            Self::Numbers(list) => serializer.collect_seq(list),
+            Self::List(list) => serializer.collect_seq(list),
+            Self::Table(entries) => {
+                let given = entries.iter().filter(|(_, node)| *node != Self::Null);
+                serializer.collect_map(given.map(|(key, node)| (key, node)))
+            }
+        }
     }
 }

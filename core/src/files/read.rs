@@ -1,11 +1,13 @@
-//! From the tables of a scene file (`[medium]`, `[array]`, `[[points]]`, `[solver]`, `[plane]`) to a scene.
+//! From the tables of a scene file (`[medium]`, `[array]`, `[[points]]`, what is drawn, `[solver]`, `[plane]`) to a scene.
 
+use alloc::string::String;
 use alloc::vec::Vec;
 
 use num_complex::Complex64;
 
 use crate::device::quantization::Quantization;
 use crate::error::Error;
+use crate::files::drawn::{Draw, Drawn, drawn};
 use crate::files::fault::Fault;
 use crate::files::item::{Item, Table};
 use crate::files::node::Node;
@@ -15,11 +17,11 @@ use crate::scene::{Array, Axis, Choice, Directivity, Medium, Options, Plane, Req
 use crate::solvers::registry;
 
 /// The scene of a document.
-pub(super) fn scene(document: &Node, source: Source<'_>) -> Result<Scene, Fault> {
+pub(super) fn scene(document: &Node, source: Source<'_>, draw: &mut Draw<'_>) -> Result<Scene, Fault> {
     let root = Item::root(document).table()?;
-    let points = root.read("points", |points| points.each(point, "give tables, each with a position"))?;
-    let points = points.unwrap_or_default();
-    let request = request(&points)?;
+    let listed = root.read("points", |points| points.each(point, "give tables, each with a position"))?;
+    let (points, owners) = joined(listed.unwrap_or_default(), drawn(&root, draw)?);
+    let request = request(&points, &owners)?;
     let places = points.into_iter().map(|(position, ..)| position).collect();
     let medium = root.read("medium", |item| medium(&item.table()?))?.unwrap_or_default();
     let array = array(&root.need("array")?.table()?, source)?;
@@ -29,21 +31,35 @@ pub(super) fn scene(document: &Node, source: Source<'_>) -> Result<Scene, Fault>
     Ok(scene)
 }
 
+/// Position, pressure and weight.
 type Point = ([f64; 3], Option<f64>, Option<f64>);
 
-/// Position, pressure and weight.
 fn point(item: &Item<'_>) -> Result<Point, Fault> {
     let table = item.table()?;
     let position = table.need("position")?.numbers()?;
     Ok((position, table.read("pressure", Item::real)?, table.read("weight", Item::real)?))
 }
 
-fn request(points: &[Point]) -> Result<Request, Fault> {
+/// Listed points and those drawn, and at which index those of each drawn table begin.
+fn joined(mut points: Vec<Point>, tables: Vec<Drawn>) -> (Vec<Point>, Vec<(usize, String)>) {
+    let mut owners = Vec::new();
+    for Drawn { path, points: places, request } in tables {
+        owners.push((points.len(), path));
+        let number = |list: &Option<Vec<f64>>, j: usize| list.as_ref().and_then(|list| list.get(j).copied());
+        let each = places.into_iter().enumerate();
+        points.extend(each.map(|(j, place)| (place, number(&request.pressures, j), number(&request.weights, j))));
+    }
+    (points, owners)
+}
+
+fn request(points: &[Point], owners: &[(usize, String)]) -> Result<Request, Fault> {
     let given = points.iter().filter(|(_, pressure, _)| pressure.is_some()).count();
     if given != 0 && given != points.len() {
         let without = points.iter().position(|(_, pressure, _)| pressure.is_none()).unwrap_or_default();
+        let owner = owners.iter().rev().find(|(first, _)| *first <= without);
+        let item = owner.map_or_else(|| format!("points[{without}]"), |(_, path)| path.clone());
         let cure = format!("{given} of {} points have one: give every point a pressure, or none", points.len());
-        return Err(Error::invalid(format!("points[{without}].pressure"), "left out", cure).into());
+        return Err(Error::invalid(format!("{item}.pressure"), "left out", cure).into());
     }
     let weighted = points.iter().any(|(.., weight)| weight.is_some());
     Ok(Request {

@@ -15,6 +15,8 @@ const TABLES: &[Table] = &[
             ("medium", r#"{"frequency": 40e3}"#),
             ("array", r#"{"preset": "autd3"}"#),
             ("points", r#"[{"position": [0.0, 0.0, 0.15]}]"#),
+            ("shape", r#"[{"kind": "circle", "center": [0.0, 0.0, 0.15], "radius": 0.03}]"#),
+            ("image", r#"[{"file": "logo.png", "size": 0.08, "z": 0.15, "pixels": 18}]"#),
             ("solver", r#"{"name": "greedy"}"#),
             ("plane", r#"{"z": 0.15}"#),
             ("version", r#""1.0""#),
@@ -50,6 +52,40 @@ const TABLES: &[Table] = &[
     ("array.positions", &[("file", r#""bowl.csv""#)]),
     ("array.quantization", &[("phases", "256"), ("amplitudes", "[0.0, 0.5, 1.0]")]),
     ("points[]", &[("position", "[0.0, 0.0, 0.15]"), ("pressure", "500.0"), ("weight", "1.0")]),
+    (
+        "shape[]",
+        &[
+            ("kind", r#""circle""#),
+            ("start", "[-0.03, 0.0, 0.15]"),
+            ("end", "[0.03, 0.0, 0.15]"),
+            ("center", "[0.0, 0.0, 0.15]"),
+            ("radius", "0.03"),
+            ("normal", "[0.0, 0.0, 1.0]"),
+            ("points", "[[-0.03, 0.0, 0.15], [0.03, 0.0, 0.15], [0.0, 0.03, 0.15]]"),
+            ("closed", "true"),
+            ("string", r#""hi""#),
+            ("height", "0.03"),
+            ("font", r#""DejaVu Sans""#),
+            ("file", r#""logo.svg""#),
+            ("size", "0.08"),
+            ("z", "0.15"),
+            ("step", "0.002"),
+            ("pressure", "500.0"),
+            ("weight", "1.0"),
+        ],
+    ),
+    (
+        "image[]",
+        &[
+            ("file", r#""logo.png""#),
+            ("size", "0.08"),
+            ("z", "0.15"),
+            ("pixels", "18"),
+            ("pressure", "500.0"),
+            ("quiet", "true"),
+            ("weight", "1.0"),
+        ],
+    ),
     ("solver", &[("name", r#""greedy""#), ("balance", "true"), ("aim", r#""max""#)]),
     (
         "plane",
@@ -65,12 +101,19 @@ const TABLES: &[Table] = &[
 ];
 
 /// Names that keys had before, or that hands write for them.
-const FORMER: &[(&str, &str, &str)] =
-    &[("array", "levels", "quantization"), ("solver", "level", "aim"), ("plane", "resolution", "pixels")];
+const FORMER: &[(&str, &str, &str)] = &[
+    ("array", "levels", "quantization"),
+    ("solver", "level", "aim"),
+    ("plane", "resolution", "pixels"),
+    ("shape[]", "centre", "center"),
+    ("shape[]", "text", "string"),
+    ("shape[]", "path", "file"),
+    ("image[]", "path", "file"),
+];
 
 /// The key that was once called so.
 pub(super) fn renamed(table: &str, key: &str) -> Option<&'static str> {
-    FORMER.iter().find(|(at, former, _)| (*at, *former) == (table, key)).map(|(.., now)| *now)
+    FORMER.iter().find(|(at, former, _)| is(at, &pattern(table)) && *former == key).map(|(.., now)| *now)
 }
 
 /// The keys of a table: `medium`, `points[3]`.
@@ -115,7 +158,12 @@ pub(super) fn line(table: &str, key: &str, json: &str, format: Format) -> String
 }
 
 fn rows(pattern: &str) -> &'static [(&'static str, &'static str)] {
-    TABLES.iter().find(|(path, _)| *path == pattern).map_or(&[], |(_, rows)| rows)
+    TABLES.iter().find(|(path, _)| is(path, pattern)).map_or(&[], |(_, rows)| rows)
+}
+
+/// Whether tables of the schema are meant by a pattern: `shape[]` by a lone `shape`, too.
+fn is(path: &str, pattern: &str) -> bool {
+    path == pattern || path.strip_suffix("[]") == Some(pattern)
 }
 
 /// A path without its indices: `points[3].pressure` as `points[].pressure`.

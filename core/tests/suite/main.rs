@@ -2,6 +2,8 @@
 #![forbid(unsafe_code)]
 
 mod constants;
+#[cfg(feature = "scene-file")]
+mod drawn;
 mod even;
 mod field;
 #[cfg(feature = "scene-file")]

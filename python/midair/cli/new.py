@@ -43,6 +43,14 @@ pressure = 3000.0
 # position = [0.0, 0.03, 0.15]
 # pressure = 0.0            # a quiet point
 
+# Many points at once: "line", "circle", "polyline", "text" or "svg", or an [image] (docs/shapes.md).
+# [[shape]]
+# kind = "text"
+# string = "hi"
+# height = 0.03
+# z = 0.15
+# pressure = 1000.0
+
 [solver]
 name = "uniform"            # `midair solvers` lists the methods, `midair solvers greedy` the options of one
 # aim = "max"               # as loud as the array can, in the ratios of the pressures

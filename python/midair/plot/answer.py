@@ -8,6 +8,7 @@ import numpy as np
 
 from .._midair import Solution, field
 from .colours import Quantity, colours
+from .drawing import is_drawing, wanted_made_difference
 from .panel import add_bar, draw, grid
 from .words import marks, number, place, solver, told
 
@@ -22,13 +23,19 @@ MOST_BARS = 40
 def answer(solution: Solution, *, quantity: Quantity = "pressure") -> Figure:
     """What was asked and got at each point, in Pa, and the field in the planes through the points.
 
+    Of drawings, more than 40 points in one plane, the field has three panels: wanted, made, difference.
+
     quantity : what the field's picture shows: "pressure", "radiation", "spl" or "phase". Returns the figure.
     """
     from matplotlib.figure import Figure
 
     scene, metrics = solution.scene, solution.metrics
     panels = [] if scene is None else field(scene, solution).panels
-    if len(panels) > 1:
+    drawing = len(panels) == 1 and is_drawing(panels[0], quantity, MOST_BARS)
+    if drawing:
+        figure = Figure(figsize=(12.6, 7.2), layout="constrained")
+        upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(4.4, 2.4)).flat
+    elif len(panels) > 1:
         figure = Figure(figsize=(max(3.4 * len(panels) + 0.9, 8.0), 7.6), layout="constrained")
         upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(3.9, 3.2)).flat
     elif panels:
@@ -37,7 +44,9 @@ def answer(solution: Solution, *, quantity: Quantity = "pressure") -> Figure:
     else:
         figure = Figure(figsize=(6.4, 4.4), layout="constrained")
         lower = figure
-    if panels:
+    if drawing:
+        wanted_made_difference(upper, panels[0], solution, quantity)
+    elif panels:
         axes = grid(upper, len(panels))
         paint = colours(panels, quantity)
         for panel, ax in zip(panels, axes, strict=True):
@@ -46,7 +55,11 @@ def answer(solution: Solution, *, quantity: Quantity = "pressure") -> Figure:
         add_bar(image, axes, paint)
     asked_and_got(solution, lower.subplots())
     numbers = f"accuracy {number(metrics.accuracy)}, sigma {number(metrics.sigma)}"
-    lines = [solver(solution), f"{told(solution, scene)}, {numbers}", marks(panels) if panels else ""]
+    lines = [
+        solver(solution),
+        f"{told(solution, scene)}, {numbers}",
+        marks(panels) if panels and not drawing else "",
+    ]
     figure.suptitle("\n".join(filter(None, lines)), fontsize="medium")
     return figure
 

@@ -50,6 +50,12 @@ class Colours:
         return MAPS[self.quantity]
 
 
+def of_pressures(field: Field, pressures: NDArray[np.float64], colours: Colours) -> NDArray[np.float64]:
+    """The display values of pressures |p| in Pa, such as targets."""
+    values = [_of_pressure(field, float(pressure), colours.quantity) for pressure in pressures]
+    return np.array(values) * colours.factor
+
+
 def colours(
     fields: Sequence[Field], quantity: Quantity, *, loudest: float | None = None, vmax: float | None = None
 ) -> Colours:

@@ -32,23 +32,36 @@ def grid(figure: Figure | SubFigure, count: int, columns: int = 4) -> list[Axes]
 
 def draw(field: Field, ax: Axes, colours: Colours) -> AxesImage:
     """The image and the points of a field."""
-    plane = field.plane
-    assert plane is not None
-    across, up = (name for name in "xyz" if name != plane.axis)
+    image = paint(field, ax, colours.values(field), colours.map, (colours.bottom, colours.top))
+    _mark(ax, field, sides(field))
+    return image
+
+
+def sides(field: Field) -> tuple[int, int]:
+    """Which coordinates run across and up a field's plane."""
+    assert field.plane is not None
+    across, up = (axis for axis in range(3) if "xyz"[axis] != field.plane.axis)
+    return across, up
+
+
+def paint(
+    field: Field, ax: Axes, values: NDArray[np.float64], colour_map: str, ends: tuple[float, float]
+) -> AxesImage:
+    """An image in the plane of a field: values (pixels, pixels), and those at the ends of the colour map."""
+    across, up = ("xyz"[axis] for axis in sides(field))
     u, v = (getattr(field, name) * 1e3 for name in (across, up))
     edge = (u[1] - u[0]) / 2
     image = ax.imshow(
-        colours.values(field),
+        values,
         origin="lower",
         extent=(u[0] - edge, u[-1] + edge, v[0] - edge, v[-1] + edge),
-        cmap=colours.map,
-        vmin=colours.bottom,
-        vmax=colours.top,
+        cmap=colour_map,
+        vmin=ends[0],
+        vmax=ends[1],
         interpolation="nearest",
     )
     # Seen where a phase means nothing.
     ax.set_facecolor("lightgrey")
-    _mark(ax, field, ("xyz".index(across), "xyz".index(up)))
     ax.set(xlim=(u[0] - edge, u[-1] + edge), ylim=(v[0] - edge, v[-1] + edge))
     # Inside a row or column that shares its axes the neighbours' labels will do.
     if ax.xaxis.get_tick_params()["labelbottom"]:

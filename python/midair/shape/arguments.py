@@ -1,0 +1,98 @@
+"""Arguments of shapes and pictures, each read as a type or refused by name, value and cure."""
+
+from __future__ import annotations
+
+import math
+import reprlib
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._midair import SceneError
+
+#: A file larger than this is no drawing that somebody means, as with scene files.
+MOST_BYTES = 64 << 20
+
+
+def refused(item: str, value: Any, cure: str) -> SceneError:
+    """A refusal, as one line."""
+    given = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+    return SceneError(" ".join(f"{item} is {shown(given)}: {cure}".split()))
+
+
+def shown(value: Any) -> str:
+    """A value as somebody may recognise it."""
+    return f'"{value}"' if isinstance(value, str | PathLike) else reprlib.repr(value)
+
+
+def number(item: str, value: Any, *, above: float | None = None, least: float | None = None) -> float:
+    """A finite number, above or at least a bound."""
+    bound = "" if above is None else f" above {above:g}"
+    bound = bound if least is None else f" of at least {least:g}"
+    if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
+        raise refused(item, value, f"give a number{bound}")
+    if not math.isfinite(value):
+        raise refused(item, value, "give a finite number")
+    if (above is not None and value <= above) or (least is not None and value < least):
+        raise refused(item, value, f"give a number{bound}")
+    return float(value)
+
+
+def whole(item: str, value: Any, *, least: int) -> int:
+    """A whole number."""
+    if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer) or value < least:
+        raise refused(item, value, f"give a whole number of at least {least}")
+    return int(value)
+
+
+def word(item: str, value: Any) -> str:
+    """Text."""
+    if not isinstance(value, str):
+        raise refused(item, value, "give text in quotes")
+    return value
+
+
+def flag(item: str, value: Any) -> bool:
+    """True or false."""
+    if not isinstance(value, bool | np.bool_):
+        raise refused(item, value, "give true or false")
+    return bool(value)
+
+
+def vector(item: str, value: Any) -> NDArray[np.float64]:
+    """Three finite numbers."""
+    return _numbers(item, value, (3,), "give three finite numbers")
+
+
+def vectors(item: str, value: Any) -> NDArray[np.float64]:
+    """At least two times three finite numbers."""
+    found = _numbers(item, value, (-1, 3), "give a list of [x, y, z] in m")
+    if len(found) < 2:
+        raise refused(item, found, "give at least two")
+    return found
+
+
+def _numbers(item: str, value: Any, shape: tuple[int, ...], cure: str) -> NDArray[np.float64]:
+    try:
+        found = np.asarray(value)
+    except ValueError:
+        raise refused(item, value, cure) from None
+    same = found.ndim == len(shape) and all(n in (-1, m) for n, m in zip(shape, found.shape, strict=True))
+    if found.dtype.kind not in "iuf" or not same or not np.isfinite(found).all():
+        raise refused(item, value, cure)
+    return found.astype(np.float64)
+
+
+def existing(item: str, value: Any, cure: str) -> Path:
+    """A file that can be read."""
+    if not isinstance(value, str | PathLike):
+        raise refused(item, value, cure)
+    path = Path(value)
+    if not path.is_file():
+        raise refused(item, path, f"there is no such file, {cure}")
+    if path.stat().st_size > MOST_BYTES:
+        raise refused(item, path, "it is larger than 64 MB, give a smaller one")
+    return path

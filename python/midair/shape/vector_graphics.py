@@ -1,0 +1,79 @@
+"""SVG drawings as points, by svgelements."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .._midair import SceneError
+from .arguments import existing, number, refused, shown
+from .contour import MOST_POINTS, STEP, Contour, Points, box, placed, points_along, ways
+
+
+def svg(path: str | PathLike[str], *, size: float, z: float, step: float = STEP) -> Points:
+    """Points (M, 3) in m on the paths and basic shapes of an SVG file, their middle at (0, 0, z).
+
+    size : the longer side of what is drawn, in m
+
+    y points up, as in the picture. Colours, widths and fillings are passed over, and so is text that was not
+    turned into paths.
+    """
+    step, size, z = number("step", step, above=0), number("size", size, above=0), number("z", z)
+    file = existing("path", path, "give an SVG file")
+    try:
+        import svgelements
+    except ImportError as error:
+        raise SceneError('shape.svg needs svgelements: pip install "midair[shapes]"') from error
+    try:
+        drawing = svgelements.SVG.parse(str(file))
+        found = [
+            contour for part in _parts(svgelements, file, drawing) for contour in _contours(svgelements, part)
+        ]
+    except SceneError:
+        raise
+    # Whatever a damaged file makes the parser raise.
+    except Exception as error:
+        raise refused("path", file, "it cannot be read as SVG, give another file") from error
+    if not found:
+        raise refused("path", file, "nothing is drawn in it, give one with paths or basic shapes")
+    least, most = box(found)
+    longer = float((most - least).max())
+    if not 0 < longer < np.inf:
+        raise refused("path", file, f"what it draws is {shown(longer)} large, give another file")
+    scale = size / longer
+    return points_along(placed(found, (scale, -scale), z), step)
+
+
+def _parts(svgelements: Any, file: Path, drawing: Any) -> Iterator[list[Any]]:
+    """The segments of each part of a drawing's paths and shapes."""
+    left = MOST_POINTS
+    for element in drawing.elements():
+        if isinstance(element, svgelements.Shape):
+            for part in svgelements.Path(element).as_subpaths():
+                segments = list(part)
+                left -= len(segments)
+                if left < 0:
+                    raise refused(
+                        "path", file, f"it has more than {MOST_POINTS} lines and curves, simplify it"
+                    )
+                yield segments
+
+
+def _contours(svgelements: Any, part: list[Any]) -> Iterator[Contour]:
+    """The contour of a part as a polygon in the drawing's units, y down; none of no length."""
+    drawn = [
+        segment for segment in part if not isinstance(segment, svgelements.Move) and segment.end is not None
+    ]
+    if not drawn:
+        return
+    pieces = [
+        np.asarray(segment.npoint(ways(not isinstance(segment, svgelements.Curve))), float)
+        for segment in drawn
+    ]
+    vertices = np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
+    if (vertices != vertices[0]).any():
+        yield vertices, any(isinstance(segment, svgelements.Close) for segment in drawn)
