@@ -33,7 +33,7 @@ impl Method for Descent {
     )
     .balanced()
     .with_start()
-    .within(0.05);
+    .within(0.02);
 
     fn check(&self) -> Result<(), Error> {
         if self.starts == 0 {

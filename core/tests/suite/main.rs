@@ -4,6 +4,7 @@
 mod constants;
 #[cfg(feature = "scene-file")]
 mod drawn;
+mod drawn_shapes;
 mod even;
 mod field;
 #[cfg(feature = "scene-file")]

@@ -79,11 +79,11 @@ impl<'w> Dual<'w> {
         Cholesky::new(self.set, matrix, self.size, control)
     }
 
-    /// The part of the equations of which a factor leaves less than `part` of the diagonal entry.
-    pub(crate) fn dependent(&self, cholesky: &Cholesky, part: f32) -> f32 {
+    /// How many equations a factor leaves less than `part` of their diagonal entry.
+    pub(crate) fn dependent(&self, cholesky: &Cholesky, part: f32) -> usize {
         let lanes = self.lanes();
         let left = cholesky.pivots(self.size).enumerate();
-        left.filter(|(k, pivot)| *pivot < part * self.matrix[k * lanes + k]).count() as f32 / self.size as f32
+        left.filter(|(k, pivot)| *pivot < part * self.matrix[k * lanes + k]).count()
     }
 
     /// Writes J^T y over the transducers; the largest modulus.

@@ -91,8 +91,11 @@ pub(crate) fn least_squares(
     let mut rng = Rng::new(task.seed);
     let mut follow = |run: &mut Run, most: usize, control: &mut Control| {
         run.descend(asked, &rows, most, task.tolerance, |run| {
-            done += 1;
-            control.step(done, all, || problem.residual(&run.heard(task.factor))).is_break()
+            // A step is reported when the next one begins: the last one's residual is that of the answer.
+            let stop =
+                done > task.before && control.step(done, all, || problem.residual(&run.heard(task.factor))).is_break();
+            done += usize::from(!stop);
+            stop
         })
     };
     let mut best: Option<Run> = None;
@@ -230,7 +233,7 @@ impl<'w> Run<'w> {
         }
     }
 
-    /// Steps until little is gained, `stop` says so, or they are `most`.
+    /// Steps until little is gained, `stop`, which is asked before each, says so, or they are `most`.
     fn descend(
         &mut self,
         asked: Asked,
@@ -241,19 +244,22 @@ impl<'w> Run<'w> {
     ) -> Status {
         let silence = asked.terms(&self.wave.moduli).map(|[_, t, w]| 0.5 * w * t * t).sum::<f64>();
         let mut before = self.cost;
-        for step in 1..=most {
+        for step in 0..most {
+            if step > 0 && step.is_multiple_of(SPAN) {
+                if math::sqrt(self.cost) > (1.0 - tolerance) * math::sqrt(before) {
+                    return Status::Done;
+                }
+                before = self.cost;
+            }
             let met = self.measure == Measure::Moduli && self.cost <= LEAST_ERROR * LEAST_ERROR * silence;
-            if met || !self.step(asked, rows) {
+            if met {
                 return Status::Done;
             }
             if stop(self) {
                 return Status::Stopped;
             }
-            if step.is_multiple_of(SPAN) {
-                if math::sqrt(self.cost) > (1.0 - tolerance) * math::sqrt(before) {
-                    return Status::Done;
-                }
-                before = self.cost;
+            if !self.step(asked, rows) {
+                return Status::Done;
             }
         }
         Status::OutOfSteps

@@ -86,6 +86,9 @@ pub(super) fn climb<'w>(run: &mut Run<'_, '_, 'w>, wave: &mut Wave<'w>) -> Resul
         }
         let part = (MOST_ROTATION / most).min(1.0);
         trial.rotate(rows, wave, &newton.rotations, part);
+        if !trial.level(rows).is_finite() || !shift.is_finite() {
+            break;
+        }
         core::mem::swap(wave, &mut trial);
         for (multiplier, new) in multipliers.iter_mut().zip(&new) {
             *multiplier += part * (new - *multiplier);

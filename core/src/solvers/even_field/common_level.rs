@@ -37,8 +37,8 @@ const LEAST_WEIGHT: f32 = 1e-6;
 pub(super) struct Polish {
     /// Whether it is even to the plan's tolerance.
     pub(super) even: bool,
-    /// The part of the equations that depend on those before them, as they were at the first step: see [`DEPENDENT`].
-    pub(super) dependent: f32,
+    /// Equations that depend on those before them, as they were at the first step: see [`DEPENDENT`].
+    pub(super) dependent: usize,
 }
 
 /// An equation depends on those before it that leave less than this part of its diagonal entry of J J^T.
@@ -111,7 +111,7 @@ pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, manner: Manner, wave: &mut W
     if !even && rows.targeted == rows.order.len() && wave.lowest(rows) < begun.lowest(rows) {
         core::mem::swap(wave, &mut begun);
     }
-    Ok(Polish { even, dependent: newton.dependent.unwrap_or(0.0) })
+    Ok(Polish { even, dependent: newton.dependent.unwrap_or(0) })
 }
 
 /// The left side of an equation: |P|, Re P or Im P.
@@ -131,7 +131,7 @@ type Factor<'w> = (Cholesky<'w>, Buffer<'w, f32>);
 pub(super) struct Newton<'w> {
     pub(super) dual: Dual<'w>,
     factor: Option<Factor<'w>>,
-    dependent: Option<f32>,
+    dependent: Option<usize>,
     /// 1 / weight of each equation.
     ease: Buffer<'w, f32>,
     pub(super) rotations: Buffer<'w, f32>,

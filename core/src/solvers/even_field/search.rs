@@ -9,7 +9,7 @@ use crate::solvers::even_field::run::{Plan, Run};
 use crate::solvers::even_field::weighted_sweeps::raise;
 use crate::workspace::Workspace;
 
-/// Points are crowded where this part of them, or more, depends on others, ...
+/// Points are crowded where this part of them, and more than one, depends on others, ...
 const DEPENDENT: f32 = 0.2;
 
 /// ... and the steps to an even field left less than this part of the level. Of separate points, a tenth depends on others,
@@ -63,7 +63,8 @@ impl<'w> Search<'w> {
             raise(run, &starts, start, &mut self.trial);
             let before = self.trial.level(rows);
             let Polish { even, dependent } = polish(run, Manner::separate(None), &mut self.trial)?;
-            crowded |= !even || (dependent >= DEPENDENT && self.trial.level(rows) < KEPT * before);
+            let many = dependent > 1 && dependent as f32 >= DEPENDENT * rows.targeted as f32;
+            crowded |= !even || (many && self.trial.level(rows) < KEPT * before);
             self.offer(rows, even);
             if run.stopped {
                 break;
