@@ -51,7 +51,7 @@ fn apart(count: usize, seed: u64) -> Vec<[f64; 3]> {
 }
 
 fn request(pressures: &[f64]) -> Request {
-    Request { pressures: Some(pressures.to_vec()), weights: None }
+    Request { pressures: Some(pressures.to_vec()), ..Request::default() }
 }
 
 #[test]
@@ -59,7 +59,7 @@ fn odd_scenes_get_finite_answers() {
     let small = || Array::grid(4, 4, 10e-3).expect("a grid");
     let at = |z: f64| vec![[0.0, 0.0, z], [0.01, 0.0, z], [0.01, 0.0, z]];
     let pair = vec![[0.0, 0.0, 0.1], [0.02, 0.0, 0.1]];
-    let beside = Request { pressures: None, weights: Some(vec![1.0, 0.0]) };
+    let beside = Request { weights: Some(vec![1.0, 0.0]), ..Request::default() };
     let scenes = [
         ("N = 1", Array::grid(1, 1, 1e-2).expect("a grid"), at(0.1), Request::default()),
         ("M = 1", small(), vec![[0.0, 0.01, 0.12]], Request::default()),
@@ -226,7 +226,8 @@ fn balancing_keeps_weak_foci_as_good_as_strong_ones() {
 fn a_point_of_weight_0_and_a_common_factor_of_weights_change_no_bit() {
     let points = random_points(5, 0.1, 10);
     let with = |points: &[[f64; 3]], weights: Vec<f64>| {
-        let request = Request { pressures: Some(vec![0.5; points.len()]), weights: Some(weights) };
+        let request =
+            Request { pressures: Some(vec![0.5; points.len()]), weights: Some(weights), ..Request::default() };
         problem(&Scene::new(preset("paper20"), Medium::default(), points.to_vec(), request).expect("a scene"))
     };
     let weights = vec![1.0, 2.0, 0.5, 1.0, 3.0];
