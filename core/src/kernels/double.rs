@@ -1,7 +1,8 @@
-//! Dense linear algebra in double precision: complex matrix times vector, products of rows, a Cholesky factor.
+//! Dense linear algebra in double precision: complex matrix times vector, products of columns, a Cholesky factor.
 //!
 //! For systems whose condition is beyond f32. Plain loops over [`WIDE`] lanes without fused products: every instruction
-//! set gives the same bits.
+//! set gives the same bits. The loops are counted: of iterators over small arrays the compiler keeps no sums in registers.
+#![allow(clippy::needless_range_loop, reason = "counted loops keep their sums in registers")]
 
 use crate::control::Control;
 use crate::error::Error;
@@ -11,8 +12,8 @@ use crate::math::sqrt;
 /// Lanes: rows are padded to a multiple of them.
 pub(crate) const WIDE: usize = 4;
 
-/// Rows that meet two others, their sums in registers.
-const BLOCK: usize = 4;
+/// Groups of a row that stay in registers while others are added to it.
+const BLOCK: usize = 8;
 
 type Group = [f64; WIDE];
 
@@ -24,22 +25,6 @@ fn groups(row: &[f64]) -> &[Group] {
 #[inline(always)]
 fn groups_mut(row: &mut [f64]) -> &mut [Group] {
     row.as_chunks_mut().0
-}
-
-/// sum += a b, lane by lane.
-#[inline(always)]
-fn add(sum: &mut Group, a: &Group, b: &Group) {
-    for ((sum, a), b) in sum.iter_mut().zip(a).zip(b) {
-        *sum += a * b;
-    }
-}
-
-/// sum -= a b, lane by lane.
-#[inline(always)]
-fn subtract(sum: &mut Group, a: &Group, b: &Group) {
-    for ((sum, a), b) in sum.iter_mut().zip(a).zip(b) {
-        *sum -= a * b;
-    }
 }
 
 #[inline(always)]
@@ -57,10 +42,10 @@ pub(crate) fn times(set: InstructionSet, rows: [&[f64]; 2], vector: [&[f64]; 2],
         for ((re, im), (out_re, out_im)) in re.zip(im).zip(out_re.iter_mut().zip(out_im)) {
             let (mut real, mut imag) = ([0.0; WIDE], [0.0; WIDE]);
             for ((gr, gi), (qr, qi)) in groups(re).iter().zip(groups(im)).zip(qr.iter().zip(qi)) {
-                add(&mut real, gr, qr);
-                subtract(&mut real, gi, qi);
-                add(&mut imag, gr, qi);
-                add(&mut imag, gi, qr);
+                for lane in 0..WIDE {
+                    real[lane] += gr[lane] * qr[lane] - gi[lane] * qi[lane];
+                    imag[lane] += gr[lane] * qi[lane] + gi[lane] * qr[lane];
+                }
             }
             (*out_re, *out_im) = (total(real), total(imag));
         }
@@ -74,23 +59,61 @@ pub(crate) fn times_adjoint(set: InstructionSet, rows: [&[f64]; 2], vector: [&[f
         out_re.fill(0.0);
         out_im.fill(0.0);
         let [re, im] = rows.map(|plane| plane.chunks_exact(out_re.len()));
-        for ((re, im), (pr, pi)) in re.zip(im).zip(vector[0].iter().zip(vector[1])) {
-            let (pr, pi) = ([*pr; WIDE], [*pi; WIDE]);
+        for ((re, im), (&pr, &pi)) in re.zip(im).zip(vector[0].iter().zip(vector[1])) {
             let sums = groups_mut(out_re).iter_mut().zip(groups_mut(out_im));
             for ((gr, gi), (real, imag)) in groups(re).iter().zip(groups(im)).zip(sums) {
-                add(real, gr, &pr);
-                add(real, gi, &pi);
-                add(imag, gr, &pi);
-                subtract(imag, gi, &pr);
+                for lane in 0..WIDE {
+                    real[lane] += gr[lane] * pr + gi[lane] * pi;
+                    imag[lane] += gr[lane] * pi - gi[lane] * pr;
+                }
             }
         }
     });
 }
 
-/// Adds the upper half of R R^T, R of `size` rows (a multiple of [`WIDE`]), to a matrix of as many.
+/// sum_r row_ri row_r over rows of `size`, N groups from group `at` on.
+#[inline(always)]
+fn combined<const N: usize>(rows: &[f64], size: usize, i: usize, at: usize) -> [Group; N] {
+    let mut sums = [[0.0; WIDE]; N];
+    for row in rows.chunks_exact(size) {
+        let factor = row[i];
+        let own: &[Group; N] = groups(row)[at..].first_chunk().expect("as many groups");
+        for k in 0..N {
+            for lane in 0..WIDE {
+                sums[k][lane] += factor * own[k][lane];
+            }
+        }
+    }
+    sums
+}
+
+/// Adds `sign sum_r row_ri row_r` to a row, from the group of entry `i` on.
+#[inline(always)]
+fn add_combined(rows: &[f64], i: usize, sign: f64, to: &mut [f64]) {
+    let size = to.len();
+    let to = groups_mut(to);
+    let mut at = i / WIDE;
+    while at + BLOCK <= to.len() {
+        let sums = combined::<BLOCK>(rows, size, i, at);
+        for k in 0..BLOCK {
+            for lane in 0..WIDE {
+                to[at + k][lane] += sign * sums[k][lane];
+            }
+        }
+        at += BLOCK;
+    }
+    for at in at..to.len() {
+        let [sum] = combined::<1>(rows, size, i, at);
+        for lane in 0..WIDE {
+            to[at][lane] += sign * sum[lane];
+        }
+    }
+}
+
+/// Adds the upper half of C^T C, C the rows of `size` numbers (a multiple of [`WIDE`]), to a matrix of that size.
 ///
 /// # Errors
-/// A stop, asked for once every few rows.
+/// A stop, asked for once a row.
 pub(crate) fn add_products(
     set: InstructionSet,
     rows: &[f64],
@@ -98,29 +121,10 @@ pub(crate) fn add_products(
     matrix: &mut [f64],
     control: &mut Control,
 ) -> Result<(), Error> {
-    const PAIR: usize = 2;
     dispatch!(set, _s => {
-        let lanes = rows.len() / size;
-        let row = |k: usize| groups(&rows[k * lanes..(k + 1) * lanes]);
-        for k in (0..size).step_by(BLOCK) {
+        for (i, to) in matrix.chunks_exact_mut(size).enumerate() {
             control.pulse()?;
-            let left = [row(k), row(k + 1), row(k + 2), row(k + 3)];
-            for l in (k..size).step_by(PAIR) {
-                let right = [row(l), row(l + 1)];
-                let mut sums = [[[0.0; WIDE]; PAIR]; BLOCK];
-                for at in 0..lanes / WIDE {
-                    for (sums, left) in sums.iter_mut().zip(left) {
-                        for (sum, right) in sums.iter_mut().zip(right) {
-                            add(sum, &left[at], &right[at]);
-                        }
-                    }
-                }
-                for (k, sums) in (k..).zip(sums) {
-                    for (l, sum) in (l..).zip(sums) {
-                        matrix[k * size + l] += total(sum);
-                    }
-                }
-            }
+            add_combined(rows, i, 1.0, to);
         }
         Ok(())
     })
@@ -142,26 +146,8 @@ pub(crate) fn factor(
             control.pulse()?;
             let (above, rest) = matrix.split_at_mut(i * size);
             let row = &mut rest[..size];
-            // Four groups stay in registers while the rows above are taken from them.
-            for (at, own) in (i / WIDE..).step_by(BLOCK).zip(groups_mut(row)[i / WIDE..].chunks_mut(BLOCK)) {
-                let mut sums = [[0.0; WIDE]; BLOCK];
-                if own.len() == BLOCK {
-                    for other in above.chunks_exact(size) {
-                        let factor = [other[i]; WIDE];
-                        for (sum, other) in sums.iter_mut().zip(&groups(other)[at..at + BLOCK]) {
-                            add(sum, &factor, other);
-                        }
-                    }
-                } else {
-                    for other in above.chunks_exact(size) {
-                        let factor = [other[i]; WIDE];
-                        for (sum, other) in sums.iter_mut().zip(&groups(other)[at..]) {
-                            add(sum, &factor, other);
-                        }
-                    }
-                }
-                own.as_flattened_mut().iter_mut().zip(sums.as_flattened()).for_each(|(own, sum)| *own -= sum);
-            }
+            row[i / WIDE * WIDE..i].fill(0.0);
+            add_combined(above, i, -1.0, row);
             let pivot = row[i];
             if pivot.is_nan() || pivot <= 0.0 {
                 return Ok(false);
@@ -187,7 +173,9 @@ pub(crate) fn solve(set: InstructionSet, factor: &[f64], b: &mut [f64]) {
             let mut sums = [0.0; WIDE];
             let own = core::mem::take(&mut b[i]);
             for (u, b) in groups(row).iter().zip(groups(b)).skip(i / WIDE) {
-                add(&mut sums, u, b);
+                for lane in 0..WIDE {
+                    sums[lane] += u[lane] * b[lane];
+                }
             }
             b[i] = (own - total(sums)) / row[i];
         }

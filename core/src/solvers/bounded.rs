@@ -36,8 +36,8 @@ const INSIDE: f64 = 0.95;
 /// 1 - |q|^2 at least: f64 knows no less.
 const LEAST_ROOM: f64 = 1e-15;
 
-/// Transducers whose columns of J are written together.
-const RUN: usize = 64;
+/// Transducers whose columns of J are written together: those of 128 points stay in the second cache.
+const RUN: usize = 32;
 
 options! {
     /// Bounded least squares on complex targets. Time O(N M^2 + M^3) a step, in double precision; memory O(N M + M^2).
@@ -201,7 +201,7 @@ impl<'w> Barrier<'w> {
             gradient: vector(lanes, work),
             step: vector(lanes, work),
             field: vector(count, work),
-            columns: work.doubles.take(size * 2 * RUN),
+            columns: work.doubles.take(2 * size * RUN),
             matrix: work.doubles.take_any(size * size),
             dual: work.doubles.take(size),
         };
@@ -313,26 +313,26 @@ impl<'w> Barrier<'w> {
         }
     }
 
-    /// The Cholesky factor of I + J D^-1 J^T, J the real form of G: rows Re and Im of each point.
+    /// The Cholesky factor of I + J D^-1 J^T, J the real form of G: two columns a transducer,
+    /// along and across its drive, of Re and Im at each point.
     fn factor(&mut self, control: &mut Control) -> Result<(), Error> {
         let (lanes, size) = (self.drive[0].len(), self.dual.len());
         self.matrix.fill(0.0);
-        self.columns.fill(0.0);
         for first in (0..lanes).step_by(RUN) {
             let members = first..(first + RUN).min(lanes);
-            for (j, both) in self.columns.chunks_exact_mut(4 * RUN).take(self.roots.len()).enumerate() {
+            let columns = &mut self.columns[..2 * size * members.len()];
+            for (i, pair) in zip(members, columns.chunks_exact_mut(2 * size)) {
                 control.pulse()?;
-                // Padded transducers of the last run.
-                both.fill(0.0);
-                let (real, imag) = both.split_at_mut(2 * RUN);
-                for (k, i) in members.clone().enumerate() {
-                    let g = at(&self.rows, j * lanes + i) * at(&self.radial, i);
-                    let (along, across) = (math::sqrt(self.inverse[0][i]), math::sqrt(self.inverse[1][i]));
-                    (real[k], imag[k]) = (g.re * along, g.im * along);
-                    (real[RUN + k], imag[RUN + k]) = (-g.im * across, g.re * across);
+                let radial = at(&self.radial, i);
+                let [along, across] = [&self.inverse[0], &self.inverse[1]].map(|inverse| math::sqrt(inverse[i]));
+                let (first, second) = pair.split_at_mut(size);
+                let both = zip(first.as_chunks_mut::<2>().0, second.as_chunks_mut::<2>().0);
+                for (j, (first, second)) in both.take(self.roots.len()).enumerate() {
+                    let g = at(&self.rows, j * lanes + i) * radial;
+                    (*first, *second) = ([g.re * along, g.im * along], [-g.im * across, g.re * across]);
                 }
             }
-            double::add_products(self.set, &self.columns, size, &mut self.matrix, control)?;
+            double::add_products(self.set, columns, size, &mut self.matrix, control)?;
         }
         // What rounding may take from a pivot, so that there is always a factor.
         let largest = (0..size).map(|k| self.matrix[k * size + k]).fold(0.0, f64::max);

@@ -215,10 +215,10 @@ fn balancing_keeps_weak_foci_as_good_as_strong_ones() {
     for entry in SOLVERS {
         let (strong, weak) = (raw(entry, &strong).metrics(), solved(entry, &problem(&weak), true).metrics());
         // The same drive divided by 100: f32 rounding is all that differs, but a rounded target may turn a tie. A
-        // method that finds its own level makes the strong foci as loud as it can, the weak ones as asked.
-        let wanted = if entry.info.uses_aim { 1.0 } else { strong.accuracy };
+        // method that finds its own level makes the strong foci as good as it can, the weak ones as asked.
+        let wanted = if made(entry).solver.finds_level() { 1.0 } else { strong.accuracy };
         assert!((wanted - weak.accuracy).abs() < 0.02, "{}: {strong:?} {weak:?}", entry.info.name);
-        assert!((strong.sigma - weak.sigma).abs() < 0.02, "{}: {strong:?} {weak:?}", entry.info.name);
+        assert!(weak.sigma < strong.sigma + 0.02, "{}: {strong:?} {weak:?}", entry.info.name);
     }
 }
 
@@ -291,4 +291,34 @@ fn what_cannot_be_answered_is_refused_before_any_solver() {
     refused(dead, vec![[0.0, 0.0, 0.1]], "points[0] is reached by no transducer");
     refused(baffled(), vec![[0.0, 0.0, 0.1], [0.0, 0.0, -0.1]], "points[1] is reached by no transducer");
     refused(grid(), vec![[0.0, 0.0, 1e9]], "points[0].position");
+}
+
+#[test]
+fn phases_of_the_targets_change_the_answers_of_those_who_use_them() {
+    let (points, level) = (apart(5, 12), 1.0);
+    let asked = |phases: Option<Vec<f64>>| {
+        let request = Request { pressures: Some(vec![level; 5]), phases, weights: None };
+        problem(&Scene::new(preset("paper20"), Medium::default(), points.clone(), request).expect("a scene"))
+    };
+    let phases: Vec<f64> = (0..5).map(|j| 1.0 + f64::from(j * j)).collect();
+    for entry in SOLVERS {
+        let name = entry.info.name;
+        let [free, zero, given, later] =
+            [None, Some(vec![0.0; 5]), Some(phases.clone()), Some(phases.iter().map(|phase| phase + 0.7).collect())]
+                .map(|phases| solved(entry, &asked(phases), false));
+        assert!(free.complex_error().is_none() && given.complex_error().is_some(), "{name}");
+        if !entry.uses_phases() {
+            assert_eq!(free.drive, given.drive, "{name}");
+            continue;
+        }
+        // Free phases are 0; a common phase turns the whole answer.
+        assert_eq!(free.drive, zero.drive, "{name}");
+        assert!(free.drive != given.drive, "{name}");
+        let errors = [&given, &later].map(|solution| solution.complex_error().expect("phases"));
+        assert!(errors[0] < 0.5 && (errors[0] - errors[1]).abs() < 1e-3, "{name}: {errors:?}");
+        for (own, later) in widen(&given.drive).iter().zip(widen(&later.drive)) {
+            let turned = own * Complex64::cis(0.7);
+            assert!((turned - later).norm() < 0.02, "{name}: {turned} and {later}");
+        }
+    }
 }

@@ -46,7 +46,7 @@ fn products_are_factored_and_solved() {
         let mut rng = Rng::new(size as u64);
         let (rows, wanted) = (numbers(&mut rng, size * lanes), numbers(&mut rng, size));
         let entry = |k: usize, l: usize| {
-            let product: f64 = (0..lanes).map(|i| rows[k * lanes + i] * rows[l * lanes + i]).sum();
+            let product: f64 = (0..lanes).map(|i| rows[i * size + k] * rows[i * size + l]).sum();
             product + if k == l { 0.5 } else { 0.0 }
         };
         let mut bits = Vec::new();
