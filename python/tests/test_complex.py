@@ -254,7 +254,9 @@ def test_sessions_tell_of_unused_phases_once() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         solver(POINTS, PRESSURES)
-    with pytest.warns(midair.SceneWarning, match="in 2 of 2 problems the phases of the pressures are not used"):
+    with pytest.warns(
+        midair.SceneWarning, match="in 2 of 2 problems the phases of the pressures are not used"
+    ):
         midair.solve_batch(ARRAY, np.stack([POINTS, POINTS]), PRESSURES, "fast")
 
 

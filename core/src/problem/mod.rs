@@ -312,6 +312,7 @@ impl Problem {
     }
 
     /// The same as complex numbers, where the targets have phases.
+    #[must_use]
     pub fn complex_targets_in_pascals(&self) -> Option<impl Iterator<Item = Complex64> + '_> {
         let phases = self.target_phases()?;
         Some(self.active_targets_in_pascals().zip(phases).map(|(target, phase)| target * math::phasor(phase)))

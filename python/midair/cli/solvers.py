@@ -34,7 +34,9 @@ def solvers_command(name: str | None = None, *, json: Annotated[bool, Parameter(
         table.add_row(f"[bold]{listed}[/bold]", "", "", f"{info.summary} ({info.source})")
         for option, about in info.options.items():
             table.add_row("", option, str(about.default), about.doc)
-        table.add_row("", "phases", "used" if info.uses_phases else "not used", "Phases of complex pressures.")
+        table.add_row(
+            "", "phases", "used" if info.uses_phases else "not used", "Phases of complex pressures."
+        )
         table.add_row(
             "", "balance", str(info.balance), "Solve at the balanced level, reduce the drives afterwards."
         )

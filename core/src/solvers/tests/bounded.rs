@@ -36,7 +36,8 @@ fn least_error(matrix: &[Complex64], targets: &[Complex64], weights: &[f64]) -> 
         let field = |j: usize| (0..transducers).map(|i| matrix[j * transducers + i] * q[i]).sum::<Complex64>();
         (0..count).map(|j| targets[j] - field(j)).collect()
     };
-    let length: f64 = 1.0 / matrix.iter().map(Complex64::norm_sqr).sum::<f64>();
+    let heaviest = weights.iter().copied().fold(0.0, f64::max);
+    let length = 1.0 / (heaviest * matrix.iter().map(Complex64::norm_sqr).sum::<f64>());
     let (mut q, mut ahead, mut momentum) =
         (vec![Complex64::ZERO; transducers], vec![Complex64::ZERO; transducers], 1.0);
     for _ in 0..4000 {
@@ -60,7 +61,7 @@ fn least_error(matrix: &[Complex64], targets: &[Complex64], weights: &[f64]) -> 
 #[test]
 fn the_error_is_the_least_one_within_its_tolerance() {
     for (count, transducers, part, seed) in
-        [(1, 5, 1.3, 1), (3, 8, 1.3, 2), (6, 20, 0.7, 3), (12, 40, 1.0, 4), (20, 9, 1.0, 5)]
+        [(1, 5, 1.3, 1), (3, 8, 1.3, 2), (6, 20, 1.0, 3), (12, 40, 1.0, 4), (20, 9, 1.0, 5)]
     {
         let (matrix, targets) = scene(count, transducers, part, seed);
         let mut request = Request::of_complex(&targets);
@@ -70,7 +71,7 @@ fn the_error_is_the_least_one_within_its_tolerance() {
             let solution = answer(&matrix, &request, &Bounded::default());
             assert_eq!(solution.status, Status::Done);
             let (error, least) = (solution.complex_error().expect("phases"), least_error(&matrix, &targets, &weights));
-            assert!(least > 0.01, "M = {count} is too easy: {least}");
+            assert!(least > 0.002, "M = {count} is too easy: {least}");
             // The reference itself is good to 1e-5; the answer is rounded to f32.
             assert!(error < 1.0011 * least && error > 0.9999 * least, "M = {count}: {error} for {least}");
         }
