@@ -132,7 +132,8 @@ def cells(
     solutions: Iterable[Solution], names: Iterable[str], gaps: Iterable[float] | None = None
 ) -> dict[str, list[str]]:
     """Columns of text for people; the leak only where there are quiet points, the complex error
-    where targets have phases, the gap where it is known."""
+    where targets have phases, the gap where it is known.
+    """
     solutions = list(solutions)
     quiet = any(solution.metrics.leak > 0 for solution in solutions)
     columns = {"solver": list(names)}

@@ -1,4 +1,4 @@
-"""Complex targets: pressures with phases, the solver that is optimal for them, and what all others say of them."""
+"""Complex targets: pressures with phases, the solver that is optimal for them, what others say of them."""
 
 import pickle
 import warnings
@@ -6,12 +6,12 @@ from pathlib import Path
 
 import clarabel
 import numpy as np
-import oracle
 import pytest
 import scipy.sparse
 from numpy.typing import NDArray
 
 import midair
+import oracle
 from midair.compare import compare
 
 Complex = NDArray[np.complex128]
@@ -22,7 +22,7 @@ PRESSURES = np.array([4500j, -3500, 2500 + 2500j])
 
 
 def least_error(G: Complex, p: Complex, weights: NDArray[np.float64]) -> float:
-    """min ||W^(1/2) (G q - p)|| / ||W^(1/2) p|| over |q_i| <= 1, as a second-order cone program."""
+    """The least ||W^(1/2) (G q - p)|| / ||W^(1/2) p|| over |q_i| <= 1, as a second-order cone program."""
     root = np.sqrt(weights)
     scale = np.linalg.norm(root * p)
     A, b = root[:, None] * G / scale, root * p / scale
@@ -55,7 +55,7 @@ def error(G: Complex, drive: NDArray[np.complex64], p: Complex, weights: NDArray
 
 
 def laid(kind: str, count: int, seed: int) -> NDArray[np.float64]:
-    """Points (M, 3) of a scene: at random in a plane, in a volume, or on a grid of a third of a wavelength."""
+    """Points (M, 3) of a scene: at random in a plane or volume, or on a grid of a third of a wavelength."""
     random = np.random.default_rng(seed)
     if kind == "dense":
         side = int(np.ceil(np.sqrt(count)))
@@ -72,11 +72,9 @@ def test_bounded_comes_within_a_hundredth_of_the_least_error(kind: str, count: i
     random = np.random.default_rng(count)
     for seed, level in [(1, 0.7), (2, 1.2)]:
         points = laid(kind, count, seed)
-        if kind == "dense":
-            # Targets that a wave can follow: a ramp of phases over the grid.
-            phases = 2 * np.pi * points[:, 0] / 0.03
-        else:
-            phases = random.uniform(0, 2 * np.pi, count)
+        # Over a grid a ramp of phases, which a wave can follow.
+        ramp, free = 2 * np.pi * points[:, 0] / 0.03, random.uniform(0, 2 * np.pi, count)
+        phases = ramp if kind == "dense" else free
         moduli = level * midair.Scene(array, points).reach().level * random.uniform(0.5, 1, count)
         p, weights = moduli * np.exp(1j * phases), random.uniform(0.2, 2, count)
         scene = midair.Scene(array, points, p, weights=weights)
