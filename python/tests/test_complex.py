@@ -214,12 +214,13 @@ def test_every_door_takes_them_and_gives_the_same_answer(tmp_path: Path) -> None
 def test_a_function_is_given_complex_targets() -> None:
     def inverse(propagation: Complex, targets: Complex, weights: object) -> Complex:
         assert targets.dtype == np.complex128
-        return np.linalg.pinv(propagation) @ targets
+        drive = np.linalg.pinv(propagation) @ targets
+        return drive / np.maximum(1, np.abs(drive))
 
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         solution = midair.solve(midair.Scene(ARRAY, POINTS, PRESSURES), inverse)
-    np.testing.assert_allclose(solution.pressures, PRESSURES, atol=0.5)
+    assert solution.complex_error < 0.05
 
 
 USERS = sorted(name for name, info in midair.solvers().items() if info.uses_phases)
