@@ -14,7 +14,7 @@ fn measured(tiles: [usize; 2], points: usize, name: &str, calls: usize) -> Vec<u
     let model = Model::new(&array, Medium::default(), InstructionSet::best()).expect("an array");
     let configured = solvers::find(name).and_then(|entry| entry.configure(&Options::new())).expect("a method");
     let mut session = Session::new(model, configured.solver, configured.info.balance);
-    let request = Request { pressures: Some(vec![500.0; points]), weights: None };
+    let request = Request { pressures: Some(vec![500.0; points]), ..Request::default() };
     let mut rng = Rng::new(points as u64);
     let points = (0..points).map(|_| [0.1 * rng.uniform() - 0.05, 0.1 * rng.uniform() - 0.05, 0.15]).collect();
     let mut ask = Ask { points, request, ..Ask::default() };

@@ -67,7 +67,7 @@ fn scene(array: Array, count: usize) -> Scene {
     let focus = Scene::new(array.clone(), Medium::default(), vec![[0.0, 0.0, 0.15]], Request::default());
     let p1 = Problem::new(&focus.expect("a focus")).expect("a problem").targets_in_pascals()[0];
     let pressures = Some(vec![p1 / (count as f64).sqrt(); count]);
-    Scene::new(array, Medium::default(), points, Request { pressures, weights: None }).expect("a scene")
+    Scene::new(array, Medium::default(), points, Request { pressures, ..Request::default() }).expect("a scene")
 }
 
 /// One of ours: a method and its options at a set.

@@ -4,7 +4,7 @@
 //! decide a tie of the greedy search; so the pure-Rust `libm` is used with and without `std`. Square roots are
 //! exact by IEEE 754 and come from the hardware where `std` gives access to it.
 
-use num_complex::Complex32;
+use num_complex::{Complex32, Complex64};
 
 pub(crate) use libm::{acos, atan2, cos, exp, hypot, j1, pow, sin};
 
@@ -15,6 +15,11 @@ pub(crate) fn sqrt(x: f64) -> f64 {
     return x.sqrt();
     #[cfg(not(feature = "std"))]
     return libm::sqrt(x);
+}
+
+/// e^{j phase} of a phase in rad.
+pub(crate) fn phasor(phase: f64) -> Complex64 {
+    Complex64::new(cos(phase), sin(phase))
 }
 
 /// |z| in double precision: of single precision squares are exact, and neither over- nor underflow.

@@ -150,6 +150,8 @@ impl DerefMut for Aligned<'_> {
 pub struct Workspace {
     /// Single-precision numbers.
     pub floats: Pool<f32>,
+    /// Double-precision numbers.
+    pub doubles: Pool<f64>,
     /// Complex numbers.
     pub complexes: Pool<Complex32>,
     /// Indices of transducers.

@@ -37,7 +37,7 @@ fn problem(seed: u64, pressure: Option<f64>, quantization: Option<&Quantization>
     let mut rng = Rng::new(seed);
     let points = (0..11).map(|_| [0.1 * rng.uniform(), 0.1 * rng.uniform(), 0.15]).collect();
     let array = Array::grid(9, 7, 10e-3).expect("a grid").with_quantization(quantization.cloned());
-    let request = Request { pressures: pressure.map(|pressure| vec![pressure; 11]), weights: None };
+    let request = Request { pressures: pressure.map(|pressure| vec![pressure; 11]), ..Request::default() };
     Problem::new(&Scene::new(array, Medium::default(), points, request).expect("a scene")).expect("a problem")
 }
 
@@ -77,7 +77,7 @@ fn a_session_allocates_nothing_from_its_second_call_on() {
         let model = Model::new(&array, Medium::default(), InstructionSet::best()).expect("an array");
         let solver = entry.configure(&midair::Options::new()).expect("defaults").solver;
         let mut session = Session::new(model, solver, entry.info.balance);
-        let request = Request { pressures: Some(vec![0.0; 11]), weights: None };
+        let request = Request { pressures: Some(vec![0.0; 11]), ..Request::default() };
         let mut ask = Ask { request, ..Ask::default() };
         for call in 0..4 {
             let points: [[f64; 3]; 11] = std::array::from_fn(|_| [0.1 * rng.uniform(), 0.1 * rng.uniform(), 0.15]);

@@ -169,8 +169,18 @@ class SolveSdp(Solve, Sdp): ...
 class SolverSdp(Solver, Sdp): ...
 class BatchSdp(Batch, Sdp): ...
 
+class Bounded(TypedDict, total=False):
+    """the least error of complex targets, to a proven tolerance."""
+    steps: int | None
+    """Steps at most."""
+    tolerance: float | None
+    """Ends when the error is proven to be within this part of the least possible one; 0 takes all steps."""
+class SolveBounded(Solve, Bounded): ...
+class SolverBounded(Solver, Bounded): ...
+class BatchBounded(Batch, Bounded): ...
+
 class Tikhonov(TypedDict, total=False):
-    """regularised pseudo-inverse, all target phases 0."""
+    """regularised pseudo-inverse, target phases 0 unless given."""
     regularization: float | None
     """Damping relative to the mean of diag(G G^H), above 0."""
     limit: Literal["clamp", "normalize", "full"] | None

@@ -74,6 +74,9 @@ class Comparison:
         """The table as columns of names and numbers, as `pandas.DataFrame` takes them; elapsed is in s."""
         columns: dict[str, list[Any]] = {"solver": list(self.names)}
         columns |= {name: [getattr(one.metrics, name) for one in self.solutions] for name in METRICS}
+        errors = [one.complex_error for one in self.solutions]
+        if any(error is not None for error in errors):
+            columns["complex_error"] = errors
         if self.gaps is not None:
             columns["gap"] = list(self.gaps)
         columns["limit"] = [one.options.get("limit") for one in self.solutions]
@@ -128,12 +131,17 @@ class Comparison:
 def cells(
     solutions: Iterable[Solution], names: Iterable[str], gaps: Iterable[float] | None = None
 ) -> dict[str, list[str]]:
-    """Columns of text for people; the leak only where there are quiet points, the gap where it is known."""
+    """Columns of text for people; the leak only where there are quiet points, the complex error
+    where targets have phases, the gap where it is known.
+    """
     solutions = list(solutions)
     quiet = any(solution.metrics.leak > 0 for solution in solutions)
     columns = {"solver": list(names)}
     for name in METRICS if quiet else METRICS[:-1]:
         columns[name] = [f"{getattr(solution.metrics, name):.4f}" for solution in solutions]
+    errors = [solution.complex_error for solution in solutions]
+    if any(error is not None for error in errors):
+        columns["complex error"] = ["-" if error is None else f"{error:.4f}" for error in errors]
     if gaps is not None:
         columns["gap"] = [f"{gap:.1%}" for gap in gaps]
     columns["limit"] = [str(solution.options.get("limit", "-")) for solution in solutions]
@@ -200,7 +208,10 @@ def growing(scene: Scene | Propagation, solvers: Solvers, **asked: Any) -> Itera
 def _above_zero(given: ArrayLike | None, count: int) -> NDArray[np.bool_]:
     """Where pressures or weights are above 0; `solve` refuses by name what are no such numbers."""
     try:
-        return np.broadcast_to(np.asarray(1.0 if given is None else given, dtype=float), count) > 0
+        given = np.asarray(1.0 if given is None else given)
+        # Complex pressures have moduli; a negative number is refused, not taken for one.
+        sizes = np.abs(given) if np.iscomplexobj(given) else given.astype(float)
+        return np.broadcast_to(sizes, count) > 0
     except (TypeError, ValueError):
         return np.ones(count, dtype=bool)
 

@@ -147,8 +147,8 @@ def summary(scene: Scene, solution: Solution) -> str:
     """How a scene was solved and how well, point by point, as JSON text: all but the drive."""
     record = _record(scene, solution)
     own = {name: getattr(solution, name) for name in ("solver", "options", "status")}
-    kept = ("steps", "elapsed", "scale", *METRICS, "points", "targets", "pressures")
-    return to_json(own | {name: record[name] for name in kept})
+    kept = ("steps", "elapsed", "scale", *METRICS, "complex_error", "points", "targets", "pressures")
+    return to_json(own | {name: record[name] for name in kept if name in record})
 
 
 def to_json(record: Any) -> str:
@@ -168,6 +168,7 @@ def _record(scene: Scene, solution: Solution) -> dict[str, Any]:
         "pressures": solution.pressures,
         "scale": solution.scale,
         **{name: getattr(metrics, name) for name in METRICS},
+        **({} if solution.complex_error is None else {"complex_error": solution.complex_error}),
         "steps": solution.steps,
         "elapsed": solution.elapsed,
         **({} if solution.trace is None else {"trace": solution.trace}),

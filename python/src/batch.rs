@@ -42,8 +42,7 @@ struct Asked {
     choice: Arc<Choice>,
     /// Points (B, M, 3); none where G is given.
     points: Vec<[f64; 3]>,
-    pressures: Option<Vec<f64>>,
-    weights: Option<Vec<f64>>,
+    request: Request,
 }
 
 impl Batch {
@@ -67,10 +66,9 @@ impl Batch {
         let k = if at < 0 { at.checked_add_unsigned(count) } else { Some(at) };
         let k = k.and_then(|k| usize::try_from(k).ok()).filter(|&k| k < count).ok_or_else(outside)?;
         let (own, asked) = (k * size..(k + 1) * size, &self.asked);
-        let request = Request {
-            pressures: asked.pressures.as_ref().map(|list| list[own.clone()].to_vec()),
-            weights: asked.weights.as_ref().map(|list| list[own.clone()].to_vec()),
-        };
+        let part = |list: &Option<Vec<f64>>| list.as_ref().map(|list| list[own.clone()].to_vec());
+        let Request { pressures, phases, weights } = &asked.request;
+        let request = Request { pressures: part(pressures), phases: part(phases), weights: part(weights) };
         let points = asked.points.get(own.clone()).unwrap_or_default();
         let problem = attend(py, None, |mut control| asked.source.problem(points, &request, &mut control))?;
         let problem = match asked.choice.aim {
@@ -168,8 +166,7 @@ impl Batch {
             source,
             choice: Arc::new(choice),
             points: read::vectors("points", &part("points")?)?,
-            pressures: list("asked")?,
-            weights: list("weights")?,
+            request: Request { pressures: list("asked")?, phases: list("asked_phases")?, weights: list("weights")? },
         };
         let status = part("status")?.extract::<Vec<String>>()?;
         let inner = midair::Batch {
@@ -197,8 +194,10 @@ impl Batch {
         record.set_item("solver", &asked.choice.name)?;
         record.set_item("options", options)?;
         record.set_item("points", rows(py, &asked.points)?)?;
-        record.set_item("asked", asked.pressures.clone().map(|list| give::list(py, list)))?;
-        record.set_item("weights", asked.weights.clone().map(|list| give::list(py, list)))?;
+        let Request { pressures, phases, weights } = asked.request.clone();
+        for (name, list) in [("asked", pressures), ("asked_phases", phases), ("weights", weights)] {
+            record.set_item(name, list.map(|list| give::list(py, list)))?;
+        }
         record.set_item("drives", &self.drives)?;
         record.set_item("pressures", self.pressures(py)?)?;
         record.set_item("metrics", self.metrics())?;
@@ -270,10 +269,9 @@ pub(crate) fn solve_batch(
             return Err(invalid("points", "left out", "give them, of shape (B, M, 3), in metres"));
         }
     };
-    let list = |item, value: Argument<'_, '_>| {
-        value.map(|value| read::batch_of_numbers(item, value, [count, size])).transpose()
-    };
-    let (pressures, weights) = (list("pressures", pressures)?, list("weights", weights)?);
+    let given = pressures.map(|value| read::batch_of_pressures(value, [count, size])).transpose()?;
+    let weights = weights.map(|value| read::batch_of_numbers("weights", value, [count, size])).transpose()?;
+    let request = Request { weights, ..given.unwrap_or_default() };
     let transducers = session.transducers();
     if start.is_some() && !info.uses_start {
         return Err(refused(midair::solvers::unused("start", info.name, |info| info.uses_start)));
@@ -306,8 +304,10 @@ pub(crate) fn solve_batch(
         let own = k * size..(k + 1) * size;
         ask.points.clear();
         ask.points.extend_from_slice(points.get(own.clone()).unwrap_or_default());
-        rewrite(&mut ask.request.pressures, pressures.as_ref().map(|list| &list[own.clone()]));
-        rewrite(&mut ask.request.weights, weights.as_ref().map(|list| &list[own.clone()]));
+        let Request { pressures, phases, weights } = &mut ask.request;
+        for (to, from) in [(pressures, &request.pressures), (phases, &request.phases), (weights, &request.weights)] {
+            rewrite(to, from.as_ref().map(|list| &list[own.clone()]));
+        }
         ask.start = match &starts {
             Starts::None => None,
             Starts::Drives(drives) => Some(Start::Drive(drives[k * transducers..(k + 1) * transducers].to_vec())),
@@ -326,7 +326,7 @@ pub(crate) fn solve_batch(
     warn_all(py, session.batch_doubts(&points, size))?;
     warn_all(py, &inner.remarks)?;
     let elapsed = clock.elapsed().as_secs_f64();
-    let asked = Asked { source, choice: Arc::new(choice), points, pressures, weights };
+    let asked = Asked { source, choice: Arc::new(choice), points, request };
     Ok(Batch { drives: drives.unbind(), inner, points: size, elapsed, asked, info })
 }
 

@@ -67,7 +67,10 @@ impl Function {
     fn call(&self, py: Python<'_>, matrix: Vec<Complex32>, problem: &Problem) -> PyResult<Vec<Complex32>> {
         let (count, transducers) = (problem.propagation().points(), problem.propagation().transducers());
         let matrix = matrix.into_pyarray(py).reshape([count, transducers])?;
-        let targets = problem.active_targets_in_pascals().collect::<Vec<_>>().into_pyarray(py);
+        let targets = match problem.complex_targets_in_pascals() {
+            Some(targets) => targets.collect::<Vec<_>>().into_pyarray(py).into_any(),
+            None => problem.active_targets_in_pascals().collect::<Vec<_>>().into_pyarray(py).into_any(),
+        };
         let weights = problem.weights()[..count].iter().map(|&w| f64::from(w)).collect::<Vec<_>>().into_pyarray(py);
         let keywords = self.keywords.as_ref().map(|keywords| keywords.bind(py));
         let drive = self.solver.bind(py).call((matrix, targets, weights), keywords)?;
@@ -88,5 +91,9 @@ impl Solve for Function {
             }
             other => other,
         })
+    }
+
+    fn uses_phases(&self) -> bool {
+        true
     }
 }

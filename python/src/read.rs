@@ -26,11 +26,26 @@ pub(crate) fn vectors(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64
 /// Numbers (M,); one number stands for all M.
 pub(crate) fn list(item: &str, value: &Bound<'_, PyAny>, count: usize) -> PyResult<Vec<f64>> {
     let cure = format!("give one real number, or one for each of the {count} points");
-    let Numbers { values, shape } = numbers(item, value, REAL, &cure)?;
+    for_all(item, numbers(item, value, REAL, &cure)?, count, &cure)
+}
+
+/// Pressures (M,); one number stands for all M, complex ones have phases.
+pub(crate) fn pressures(value: &Bound<'_, PyAny>, count: usize) -> PyResult<Request> {
+    let (item, cure) = ("pressures", format!("give one real or complex number, or one for each of the {count} points"));
+    let (array, kind) = array(item, value, NUMBER, &cure)?;
+    if kind == 'c' {
+        return for_all(item, Numbers::of(&array)?, count, &cure).map(|values| Request::of_complex(&values));
+    }
+    let pressures = for_all(item, Numbers::of(&array)?, count, &cure)?;
+    Ok(Request { pressures: Some(pressures), ..Request::default() })
+}
+
+fn for_all<T: Copy>(item: &str, numbers: Numbers<T>, count: usize, cure: &str) -> PyResult<Vec<T>> {
+    let Numbers { values, shape } = numbers;
     match shape[..] {
         [] => Ok(values.repeat(count)),
         [length] if length == count => Ok(values),
-        _ => Err(invalid(item, &told(&shape), &cure)),
+        _ => Err(invalid(item, &told(&shape), cure)),
     }
 }
 
@@ -81,9 +96,9 @@ pub(crate) fn batch_of_points(item: &str, value: &Bound<'_, PyAny>) -> PyResult<
 
 /// B of numbers (B, M).
 pub(crate) fn batch_size(item: &str, value: Option<&Bound<'_, PyAny>>, size: usize) -> PyResult<usize> {
-    let cure = format!("give real numbers of shape (B, {size}), one row a problem");
+    let cure = format!("give numbers of shape (B, {size}), one row a problem");
     let Some(value) = value else { return Err(invalid(item, "left out", &cure)) };
-    let shape = numbers::<f64>(item, value, REAL, &cure)?.shape;
+    let shape = numbers::<Complex64>(item, value, NUMBER, &cure)?.shape;
     match shape[..] {
         [count, columns] if columns == size && count > 0 => Ok(count),
         _ => Err(invalid(item, &told(&shape), &cure)),
@@ -93,12 +108,28 @@ pub(crate) fn batch_size(item: &str, value: Option<&Bound<'_, PyAny>>, size: usi
 /// Numbers (B, M) of a batch; (M,) stand for every problem, one number for every point.
 pub(crate) fn batch_of_numbers(item: &str, value: &Bound<'_, PyAny>, size: [usize; 2]) -> PyResult<Vec<f64>> {
     let cure = format!("give one real number, {} of them, or an array {}", size[1], told(&size));
-    let Numbers { values, shape } = numbers(item, value, REAL, &cure)?;
+    for_each(item, numbers(item, value, REAL, &cure)?, size, &cure)
+}
+
+/// Pressures (B, M) of a batch, likewise; complex ones have phases.
+pub(crate) fn batch_of_pressures(value: &Bound<'_, PyAny>, size: [usize; 2]) -> PyResult<Request> {
+    let item = "pressures";
+    let cure = format!("give one real or complex number, {} of them, or an array {}", size[1], told(&size));
+    let (array, kind) = array(item, value, NUMBER, &cure)?;
+    if kind == 'c' {
+        return for_each(item, Numbers::of(&array)?, size, &cure).map(|values| Request::of_complex(&values));
+    }
+    let pressures = for_each(item, Numbers::of(&array)?, size, &cure)?;
+    Ok(Request { pressures: Some(pressures), ..Request::default() })
+}
+
+fn for_each<T: Copy>(item: &str, numbers: Numbers<T>, size: [usize; 2], cure: &str) -> PyResult<Vec<T>> {
+    let Numbers { values, shape } = numbers;
     match shape[..] {
         [] => Ok(values.repeat(size[0] * size[1])),
         [length] if length == size[1] => Ok(values.repeat(size[0])),
         _ if shape == size => Ok(values),
-        _ => Err(invalid(item, &told(&shape), &cure)),
+        _ => Err(invalid(item, &told(&shape), cure)),
     }
 }
 
@@ -261,8 +292,8 @@ pub(crate) fn request(
     pressures: Option<&Bound<'_, PyAny>>,
     weights: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Request> {
-    let read = |item, value: Option<&Bound<'_, PyAny>>| value.map(|value| list(item, value, count)).transpose();
-    Ok(Request { pressures: read("pressures", pressures)?, weights: read("weights", weights)? })
+    let given = pressures.map_or_else(|| Ok(Request::default()), |value| self::pressures(value, count))?;
+    Ok(Request { weights: weights.map(|value| list("weights", value, count)).transpose()?, ..given })
 }
 
 /// An aim by its name.

@@ -28,7 +28,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// A request: an array, points (M, 3) in m, and what each shall feel.
 ///
 /// pressures (M,) are peak pressures in Pa; one number stands for all, 0 asks for a quiet point; left out, all are
-/// equal at the level the array can reach together. weights (M,) multiply the points' terms; a point of weight 0
+/// equal at the level the array can reach together. Complex ones ask for phases, too, of the methods that use them. weights (M,) multiply the points' terms; a point of weight 0
 /// takes no part. sound_speed (m/s) or temperature (degrees C), absorption in Np/m, density in kg/m^3;
 /// source_pressure and directivity override the array's.
 ///
@@ -180,19 +180,29 @@ impl Scene {
         let medium = keywords.medium(own.medium())?;
         let points = keywords.take("points")?;
         let points = points.map_or_else(|| Ok(own.points().to_vec()), |points| read::vectors("points", &points))?;
-        let numbers = |item: &str, own: &Option<Vec<f64>>| match keywords.take_or_none(item)? {
-            None => match own {
-                Some(own) if own.len() != points.len() => {
-                    let cure = format!("give {item} for the {} points, or None", points.len());
-                    Err(invalid(item, &format!("kept from {} points", own.len()), &cure))
-                }
-                own => Ok(own.clone()),
-            },
-            Some(value) if value.is_none() => Ok(None),
-            Some(value) => read::list(item, &value, points.len()).map(Some),
+        let kept = |item: &str, own: &Option<Vec<f64>>| match own {
+            Some(own) if own.len() != points.len() => {
+                let cure = format!("give {item} for the {} points, or None", points.len());
+                Err(invalid(item, &format!("kept from {} points", own.len()), &cure))
+            }
+            own => Ok(own.clone()),
         };
-        let Request { pressures, weights } = own.request();
-        let request = Request { pressures: numbers("pressures", pressures)?, weights: numbers("weights", weights)? };
+        let asked = own.request();
+        let given = match keywords.take_or_none("pressures")? {
+            None => Request {
+                pressures: kept("pressures", &asked.pressures)?,
+                phases: asked.phases.clone(),
+                ..Request::default()
+            },
+            Some(value) if value.is_none() => Request::default(),
+            Some(value) => read::pressures(&value, points.len())?,
+        };
+        let weights = match keywords.take_or_none("weights")? {
+            None => kept("weights", &asked.weights)?,
+            Some(value) if value.is_none() => None,
+            Some(value) => Some(read::list("weights", &value, points.len())?),
+        };
+        let request = Request { weights, ..given };
         let plane = match keywords.take_or_none("plane")? {
             None => own.plane,
             Some(plane) if plane.is_none() => None,
@@ -255,10 +265,14 @@ impl Scene {
         rows(py, self.inner.points())
     }
 
-    /// Pressures (M,) in Pa as given, or None.
+    /// Pressures (M,) in Pa as given, complex where they have phases, or None.
     #[getter]
-    fn pressures<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        self.inner.request().pressures.clone().map(|pressures| give::list(py, pressures))
+    fn pressures<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        let request = self.inner.request();
+        match request.complex_pressures() {
+            Some(pressures) => Some(give::list(py, pressures).into_any()),
+            None => request.pressures.clone().map(|pressures| give::list(py, pressures).into_any()),
+        }
     }
 
     /// Weights (M,) as given, or None.
@@ -341,11 +355,13 @@ impl Scene {
         medium: [f64; 4],
         solver: Option<(String, Bound<'_, PyDict>)>,
         plane: Option<Bound<'_, Plane>>,
+        phases: Argument<'_, '_>,
     ) -> PyResult<Self> {
         let [frequency, sound_speed, absorption, density] = medium;
         let medium = Medium { frequency, sound_speed, absorption, density };
         let points = read::vectors("points", points)?;
-        let request = read::request(points.len(), pressures, weights)?;
+        let phases = phases.map(|phases| read::reals("phases", phases)).transpose()?;
+        let request = Request { phases, ..read::request(points.len(), pressures, weights)? };
         let array = array.get();
         let mut scene = midair::Scene::new(array.inner.clone(), medium, points, request).map_err(refused)?;
         scene.solver = solver.map(|(name, options)| read::choice(name, &options)).transpose()?;
@@ -356,8 +372,12 @@ impl Scene {
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
         let Medium { frequency, sound_speed, absorption, density } = self.inner.medium();
         let medium = [frequency, sound_speed, absorption, density];
-        let (pressures, weights) = (self.pressures(py), self.weights(py));
-        let parts = (self.array(), self.points(py)?, pressures, weights, medium, self.solver(py)?, self.plane());
+        // Moduli and phases as they are kept: to the last bit.
+        let Request { pressures, phases, weights } = self.inner.request().clone();
+        let [pressures, phases, weights] =
+            [pressures, phases, weights].map(|list| list.map(|list| give::list(py, list)));
+        let (solver, plane) = (self.solver(py)?, self.plane());
+        let parts = (self.array(), self.points(py)?, pressures, weights, medium, solver, plane, phases);
         restored::<Self>(py, parts)
     }
 

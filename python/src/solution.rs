@@ -120,6 +120,13 @@ impl Solution {
         self.inner.metrics().into()
     }
 
+    /// sqrt(sum w |p - target|^2 / sum w |target|^2) of complex targets over the points of weight above 0, or None where
+    /// pressures have no phases.
+    #[getter]
+    fn complex_error(&self) -> Option<f64> {
+        self.inner.complex_error()
+    }
+
     /// How the solve ended: "done", "out_of_steps" or "stopped".
     #[getter]
     fn status(&self) -> String {
@@ -179,6 +186,7 @@ impl Solution {
             ["asked", "weights", "quantization", "positions"].map(maybe);
         let (pressures, weights) = (pressures?, weights?);
         let (quantization, positions) = (quantization?, positions?);
+        let phases = maybe("asked_phases")?.map(|phases| read::reals("phases", &phases)).transpose()?;
         let subject = part("scene")?;
         let beside = Beside {
             pressures: pressures.as_ref(),
@@ -187,7 +195,10 @@ impl Solution {
             mask: None,
             positions: positions.as_ref(),
         };
-        let subject = Subject::read(&subject, beside)?;
+        let mut subject = Subject::read(&subject, beside)?;
+        if let (Subject::Given(.., request), Some(phases)) = (&mut subject, phases) {
+            request.phases = Some(phases);
+        }
         let status = Status::named(&part("status")?.extract::<String>()?).map_err(refused)?;
         let outcome = (status, read::count("steps", &part("steps")?)?, read::real("scale", &part("scale")?)?);
         let drive = read::drive("drive", &part("drive")?)?;
@@ -211,6 +222,7 @@ impl Solution {
             let (propagation, setup, request) = self.inner.asked();
             record.set_item("scene", Propagation { inner: propagation.clone() })?;
             record.set_item("asked", request.pressures)?;
+            record.set_item("asked_phases", request.phases)?;
             record.set_item("weights", request.weights)?;
             record.set_item("quantization", shown(py, setup.quantization.as_deref())?)?;
             record.set_item("positions", setup.positions.as_deref().map(|at| rows(py, at)).transpose()?)?;

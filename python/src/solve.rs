@@ -109,8 +109,9 @@ pub(crate) fn solve(
     if configured.info.uses_aim {
         choice.aim = Some(problem.aim());
     }
-    if let Some(weak) = Remark::weak(&problem, &*configured.solver, balance) {
-        warn(py, &weak)?;
+    let weak = Remark::weak(&problem, &*configured.solver, balance);
+    for remark in weak.into_iter().chain(Remark::phases_unused(&problem, &*configured.solver)) {
+        warn(py, &remark)?;
     }
     let answer = attend(py, progress, |control| {
         let mut control = if trace { control.traced() } else { control };

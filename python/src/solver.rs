@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use std::time::Instant;
 
 use midair::solvers::{Info, unused};
-use midair::{Ask, Complex32, Session};
+use midair::{Ask, Complex32, Request, Session};
 use numpy::{Ix1, Ix2, PyArray1, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -104,6 +104,19 @@ fn copy(item: &str, value: Argument<'_, '_>, count: usize, kept: &mut Option<Vec
     Ok(())
 }
 
+/// Copies pressures into a request that is kept.
+fn copy_pressures(value: Argument<'_, '_>, count: usize, kept: &mut Request) -> PyResult<()> {
+    kept.phases = None;
+    match value {
+        Some(value) if in_place::<f64, Ix1>(value).is_none() => {
+            let Request { pressures, phases, .. } = read::pressures(value, count)?;
+            (kept.pressures, kept.phases) = (pressures, phases);
+            Ok(())
+        }
+        value => copy("pressures", value, count, &mut kept.pressures),
+    }
+}
+
 #[pymethods]
 impl Solver {
     #[new]
@@ -171,7 +184,7 @@ impl Solver {
             let cure = format!("this solver was made for {most}: make one with points={count}");
             return Err(invalid("points", &format!("{count} of them"), &cure));
         }
-        copy("pressures", pressures, count, &mut ask.request.pressures)?;
+        copy_pressures(pressures, count, &mut ask.request)?;
         copy("weights", weights, count, &mut ask.request.weights)?;
         let transducers = session.transducers();
         let out = out.map(|out| out::borrowed::<Ix1>(out, &[transducers])).transpose()?;
@@ -209,6 +222,12 @@ impl Solver {
     #[getter]
     fn metrics(&self) -> PyResult<Metrics> {
         self.last(|solution| solution.metrics().into())
+    }
+
+    /// The relative complex error of the last call with out, see `Solution.complex_error`.
+    #[getter]
+    fn complex_error(&self) -> PyResult<Option<f64>> {
+        self.last(midair::Solution::complex_error)
     }
 
     /// How the last call with out ended.

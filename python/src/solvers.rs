@@ -53,6 +53,8 @@ pub(crate) struct SolverInfo {
     source: String,
     /// Whether it balances unless told otherwise.
     balance: bool,
+    /// Whether it uses the phases of complex pressures.
+    uses_phases: bool,
     /// Its options by name.
     options: Py<PyDict>,
 }
@@ -60,17 +62,26 @@ pub(crate) struct SolverInfo {
 #[pymethods]
 impl SolverInfo {
     #[staticmethod]
-    fn _restore(name: String, summary: String, source: String, balance: bool, options: Py<PyDict>) -> Self {
-        Self { name, summary, source, balance, options }
+    fn _restore(
+        name: String,
+        summary: String,
+        source: String,
+        balance: bool,
+        uses_phases: bool,
+        options: Py<PyDict>,
+    ) -> Self {
+        Self { name, summary, source, balance, uses_phases, options }
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
-        restored::<Self>(py, (&self.name, &self.summary, &self.source, self.balance, &self.options))
+        let Self { name, summary, source, balance, uses_phases, options } = self;
+        restored::<Self>(py, (name, summary, source, *balance, *uses_phases, options))
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> PyResult<bool> {
         let Ok(other) = other.cast::<Self>() else { return Ok(false) };
-        let parts = |info: &Self| (info.name.clone(), info.summary.clone(), info.source.clone(), info.balance);
+        let texts = |info: &Self| (info.name.clone(), info.summary.clone(), info.source.clone());
+        let parts = |info: &Self| (texts(info), info.balance, info.uses_phases);
         Ok(parts(self) == parts(other.get()) && self.options.bind(other.py()).eq(&other.get().options)?)
     }
 
@@ -93,7 +104,8 @@ pub(crate) fn solvers(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
         }
         let registry::Info { name, summary, source, balance, .. } = *entry.info;
         let [label, summary, source] = [name, summary, source].map(String::from);
-        let info = SolverInfo { name: label, summary, source, balance, options: options.unbind() };
+        let (uses_phases, options) = (entry.uses_phases(), options.unbind());
+        let info = SolverInfo { name: label, summary, source, balance, uses_phases, options };
         dict.set_item(name, Bound::new(py, info)?)?;
     }
     py.import("midair.notebook")?.call_method1("Solvers", (dict,))

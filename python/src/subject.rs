@@ -41,9 +41,9 @@ impl Beside<'_, '_> {
             return Ok(scene.clone());
         }
         let (array, own) = (on_board(scene.array(), mask, quantization)?, &scene.inner);
-        let Request { pressures: own_pressures, weights: own_weights } = own.request().clone();
         let given = read::request(own.points().len(), pressures, weights)?;
-        let request = Request { pressures: given.pressures.or(own_pressures), weights: given.weights.or(own_weights) };
+        let asked = if given.pressures.is_some() { given.clone() } else { own.request().clone() };
+        let request = Request { weights: given.weights.or_else(|| own.request().weights.clone()), ..asked };
         remade(py, scene, (&array, own.medium()), own.points().to_vec(), request, own.plane)
     }
 }

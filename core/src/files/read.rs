@@ -31,13 +31,14 @@ pub(super) fn scene(document: &Node, source: Source<'_>, draw: &mut Draw<'_>) ->
     Ok(scene)
 }
 
-/// Position, pressure and weight.
-type Point = ([f64; 3], Option<f64>, Option<f64>);
+/// Position, and pressure, phase and weight.
+type Point = ([f64; 3], [Option<f64>; 3]);
 
 fn point(item: &Item<'_>) -> Result<Point, Fault> {
     let table = item.table()?;
     let position = table.need("position")?.numbers()?;
-    Ok((position, table.read("pressure", Item::real)?, table.read("weight", Item::real)?))
+    let real = |key: &str| table.read(key, Item::real);
+    Ok((position, [real("pressure")?, real("phase")?, real("weight")?]))
 }
 
 /// Listed points and those drawn, and at which index those of each drawn table begin.
@@ -45,27 +46,29 @@ fn joined(mut points: Vec<Point>, tables: Vec<Drawn>) -> (Vec<Point>, Vec<(usize
     let mut owners = Vec::new();
     for Drawn { path, points: places, request } in tables {
         owners.push((points.len(), path));
+        let Request { pressures, phases, weights } = &request;
         let number = |list: &Option<Vec<f64>>, j: usize| list.as_ref().and_then(|list| list.get(j).copied());
         let each = places.into_iter().enumerate();
-        points.extend(each.map(|(j, place)| (place, number(&request.pressures, j), number(&request.weights, j))));
+        points.extend(each.map(|(j, place)| (place, [pressures, phases, weights].map(|list| number(list, j)))));
     }
     (points, owners)
 }
 
 fn request(points: &[Point], owners: &[(usize, String)]) -> Result<Request, Fault> {
-    let given = points.iter().filter(|(_, pressure, _)| pressure.is_some()).count();
+    let given = points.iter().filter(|(_, [pressure, ..])| pressure.is_some()).count();
     if given != 0 && given != points.len() {
-        let without = points.iter().position(|(_, pressure, _)| pressure.is_none()).unwrap_or_default();
+        let without = points.iter().position(|(_, [pressure, ..])| pressure.is_none()).unwrap_or_default();
         let owner = owners.iter().rev().find(|(first, _)| *first <= without);
         let item = owner.map_or_else(|| format!("points[{without}]"), |(_, path)| path.clone());
         let cure = format!("{given} of {} points have one: give every point a pressure, or none", points.len());
         return Err(Error::invalid(format!("{item}.pressure"), "left out", cure).into());
     }
-    let weighted = points.iter().any(|(.., weight)| weight.is_some());
-    Ok(Request {
-        pressures: points.iter().map(|(_, pressure, _)| *pressure).collect::<Option<Vec<_>>>().filter(|_| given > 0),
-        weights: weighted.then(|| points.iter().map(|(.., weight)| weight.unwrap_or(1.0)).collect()),
-    })
+    // Given at any point, the others' is the default.
+    let list = |key: usize, default: f64| {
+        let any = points.iter().any(|(_, numbers)| numbers[key].is_some());
+        any.then(|| points.iter().map(|(_, numbers)| numbers[key].unwrap_or(default)).collect())
+    };
+    Ok(Request { pressures: list(0, 0.0), phases: list(1, 0.0), weights: list(2, 1.0) })
 }
 
 fn medium(table: &Table<'_>) -> Result<Medium, Fault> {

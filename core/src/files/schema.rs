@@ -51,7 +51,7 @@ const TABLES: &[Table] = &[
     ("array.grid", &[("nx", "20"), ("ny", "20"), ("pitch", "10e-3")]),
     ("array.positions", &[("file", r#""bowl.csv""#)]),
     ("array.quantization", &[("phases", "256"), ("amplitudes", "[0.0, 0.5, 1.0]")]),
-    ("points[]", &[("position", "[0.0, 0.0, 0.15]"), ("pressure", "500.0"), ("weight", "1.0")]),
+    ("points[]", &[("position", "[0.0, 0.0, 0.15]"), ("pressure", "500.0"), ("phase", "1.57"), ("weight", "1.0")]),
     (
         "shape[]",
         &[

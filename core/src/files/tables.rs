@@ -103,6 +103,8 @@ struct PointTable {
     #[serde(skip_serializing_if = "Option::is_none")]
     pressure: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    phase: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     weight: Option<f64>,
 }
 
@@ -162,6 +164,7 @@ impl SceneTable {
         let points = scene.points().iter().enumerate().map(|(j, &position)| PointTable {
             position: Numbers(position),
             pressure: request.pressures.as_ref().map(|pressures| pressures[j]),
+            phase: request.phases.as_ref().map(|phases| phases[j]),
             weight: request.weights.as_ref().map(|weights| weights[j]),
         });
         let solver = scene.solver.as_ref().map(|choice| {

@@ -8,6 +8,8 @@ pub(crate) mod cholesky;
 #[forbid(unsafe_code)]
 pub(crate) mod closed_form;
 #[forbid(unsafe_code)]
+pub(crate) mod double;
+#[forbid(unsafe_code)]
 pub(crate) mod greedy;
 #[forbid(unsafe_code)]
 pub(crate) mod grid;
@@ -41,4 +43,4 @@ pub(crate) use propagate::row::{ControlPoints, Row, row};
 pub(crate) use propagate::rows::Rows;
 pub(crate) use propagate::source::{Source, SourceList};
 pub use simd::instruction_set::InstructionSet;
-pub(crate) use vector::{accumulate, correlate, dot, modulus, project, squares};
+pub(crate) use vector::{accumulate, correlate, dot, modulus, squares};

@@ -44,18 +44,6 @@ pub(crate) fn root<S: Simd>(s: S, a: S::V) -> S::V {
     s.select_less(a, least, s.splat(0.0), s.sqrt_rsqrt(s.max(a, least)).0)
 }
 
-/// sum_j conj(G_j) t_j for real t: (re, im).
-pub(crate) fn project(set: InstructionSet, row: [&[f32]; 2], targets: &[f32]) -> [f32; 2] {
-    dispatch!(set, s => {
-        let (mut re, mut im) = (s.splat(0.0), s.splat(0.0));
-        for ((gr, gi), t) in groups(row[0]).iter().zip(groups(row[1])).zip(groups(targets)) {
-            re = s.fma(s.load(gr), s.load(t), re);
-            im = s.fnma(s.load(gi), s.load(t), im);
-        }
-        [s.reduce_add(re), s.reduce_add(im)]
-    })
-}
-
 /// sum_j conj(G_j) p_j for complex p: (re, im), lanes apart.
 #[inline(always)]
 pub(crate) fn correlation<S: Simd>(s: S, row: [&[f32]; 2], pressure: [&[f32]; 2]) -> [S::V; 2] {

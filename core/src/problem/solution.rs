@@ -105,7 +105,7 @@ impl Solution {
             return Err(Error::invalid("scale", scale, "give at most 1"));
         }
         if let Some(targets) = targets {
-            Request { pressures: Some(targets.clone()), weights: None }.check(points)?;
+            Request { pressures: Some(targets.clone()), ..Request::default() }.check(points)?;
             Arc::make_mut(&mut asked).pascals = targets;
         }
         let work = Workspace::new();
@@ -275,6 +275,13 @@ impl Solution {
         self.asked.metrics(self.pressures.iter().map(|&p| math::modulus(p)))
     }
 
+    /// The relative error of the complex pressures, sqrt(sum w |p_j - target_j|^2 / sum w |target_j|^2) over the points of
+    /// weight above 0, where the targets have phases; `None` where these are free.
+    #[must_use]
+    pub fn complex_error(&self) -> Option<f64> {
+        self.asked.complex_error(&self.pressures)
+    }
+
     /// Reports the last of `steps` steps to `control`, with the answer's own residual, for a solver whose steps (if it
     /// has any) know only an estimate of it. A stop request now still counts as one. No steps, nothing to report.
     pub(crate) fn tell(&mut self, problem: &Problem, steps: usize, control: &mut Control) {
@@ -371,6 +378,7 @@ impl PartialEq for Solution {
             && self.drive == other.drive
             && self.pressures == other.pressures
             && asked.pascals == others.pascals
+            && asked.phases == others.phases
             && asked.weights == others.weights
             && asked.propagation == others.propagation
             && asked.setup == others.setup

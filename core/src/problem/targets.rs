@@ -4,6 +4,8 @@ use alloc::format;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
+use num_complex::{Complex32, Complex64};
+
 use crate::error::Error;
 use crate::kernels::padded;
 use crate::math;
@@ -28,6 +30,8 @@ pub(crate) struct Targets {
     pub(crate) setup: Arc<Setup>,
     /// Targets (M,) in Pa.
     pub(crate) pascals: Vec<f64>,
+    /// Phases of the targets (M,) in rad; none where they are free.
+    pub(crate) phases: Vec<f64>,
     /// Weights (M,).
     pub(crate) weights: Vec<f64>,
     /// Weights of the points of weight above 0, the largest 1, padded with zeros.
@@ -52,6 +56,7 @@ impl Targets {
             propagation,
             setup,
             pascals: Vec::new(),
+            phases: Vec::new(),
             weights: Vec::new(),
             relative_weights: Vec::new(),
             active: Vec::new(),
@@ -71,6 +76,8 @@ impl Targets {
         (self.given, self.weighted) = (request.pressures.is_some(), request.weights.is_some());
         self.pascals.clear();
         self.pascals.extend(all.clone().map(|j| request.pressure(j)));
+        self.phases.clear();
+        self.phases.extend(request.phases.iter().flatten());
         self.weights.clear();
         self.weights.extend(all.clone().map(|j| request.weight(j)));
         self.active.clear();
@@ -84,10 +91,16 @@ impl Targets {
         Ok((self.active.len() < all.end).then(|| self.propagation.select(&self.active)))
     }
 
+    /// Whether the targets have phases.
+    pub(crate) fn phased(&self) -> bool {
+        !self.phases.is_empty()
+    }
+
     /// What was read.
     pub(crate) fn request(&self) -> Request {
         Request {
             pressures: self.given.then(|| self.pascals.clone()),
+            phases: self.phased().then(|| self.phases.clone()),
             weights: self.weighted.then(|| self.weights.clone()),
         }
     }
@@ -141,6 +154,24 @@ impl Targets {
             *out = (self.pascals[j] * factor / self.propagation.reference()) as f32;
         }
         out[self.active.len()..].fill(0.0);
+    }
+
+    /// The relative error of complex pressures (M,) in Pa: the root of sum w |p - target|^2 / sum w |target|^2.
+    pub(crate) fn complex_error(&self, pressures: &[Complex32]) -> Option<f64> {
+        if !self.phased() {
+            return None;
+        }
+        let largest = self.pascals.iter().copied().fold(0.0, f64::max);
+        let heaviest = self.weights.iter().copied().fold(0.0, f64::max);
+        let (mut miss, mut all) = (0.0, 0.0);
+        for &j in &self.active {
+            // Relative to the largest, so that no square of a finite number overflows.
+            let (weight, target) = (self.weights[j] / heaviest, self.pascals[j] / largest);
+            let pressure = Complex64::new(f64::from(pressures[j].re), f64::from(pressures[j].im)) / largest;
+            miss += weight * (pressure - target * math::phasor(self.phases[j])).norm_sqr();
+            all += weight * target * target;
+        }
+        Some(math::sqrt(miss / all))
     }
 
     /// Metrics of pressures |p| (M,) in Pa.

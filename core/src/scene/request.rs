@@ -1,26 +1,58 @@
-//! Request: targets (as pressures) and weights of the control points, and their refusals.
+//! Request: targets (as pressures, with or without phases) and weights of the control points, and their refusals.
 
 use alloc::format;
 use alloc::vec::Vec;
 
-use crate::error::{Error, one_each, real};
+use num_complex::Complex64;
 
-/// Pressures (M,) in Pa and weights (M,) of M points; each may be left out.
+use crate::error::{Error, one_each, real};
+use crate::math;
+
+/// Pressures (M,) in Pa, their phases (M,) in rad and weights (M,) of M points; each may be left out.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "a pair of lists, checked where it is used")]
+#[allow(clippy::exhaustive_structs, reason = "three lists, checked where they are used")]
 pub struct Request {
     /// Peak pressures |p| in Pa; left out all are the balanced level. 0 asks for a quiet point.
     pub pressures: Option<Vec<f64>>,
+    /// Phases of the pressures in rad: the targets are `p_j e^{j phase_j}`. Left out the phases are free.
+    pub phases: Option<Vec<f64>>,
     /// Weights of the points' terms in eq. (7); left out all are 1. A point of weight 0 takes no part.
     pub weights: Option<Vec<f64>>,
 }
 
 impl Request {
-    /// Checks both lists against `points` points.
+    /// A request of complex pressures (M,) in Pa: their moduli and their phases.
+    ///
+    /// ```
+    /// use midair::{Complex64, Request};
+    ///
+    /// let request = Request::of_complex(&[Complex64::new(0.0, 500.0), Complex64::new(-300.0, 0.0)]);
+    /// assert_eq!(request.pressures, Some(vec![500.0, 300.0]));
+    /// assert_eq!(request.phases, Some(vec![std::f64::consts::FRAC_PI_2, std::f64::consts::PI]));
+    /// ```
+    #[must_use]
+    pub fn of_complex(pressures: &[Complex64]) -> Self {
+        // A quiet point has no phase: that of -0 would be pi.
+        let phase = |p: &Complex64| if *p == Complex64::ZERO { 0.0 } else { math::atan2(p.im, p.re) };
+        Self {
+            pressures: Some(pressures.iter().map(|p| math::hypot(p.re, p.im)).collect()),
+            phases: Some(pressures.iter().map(phase).collect()),
+            weights: None,
+        }
+    }
+
+    /// The complex pressures (M,) in Pa, where pressures have phases.
+    #[must_use]
+    pub fn complex_pressures(&self) -> Option<Vec<Complex64>> {
+        let (pressures, phases) = (self.pressures.as_ref()?, self.phases.as_ref()?);
+        Some(pressures.iter().zip(phases).map(|(&p, &phase)| p * math::phasor(phase)).collect())
+    }
+
+    /// Checks all lists against `points` points.
     ///
     /// # Errors
-    /// No points; another length; a value that is negative or not finite; nothing asked for (every pressure 0
-    /// or every weight 0).
+    /// No points; another length; a value that is not finite, or negative and no phase; phases without pressures;
+    /// nothing asked for (every pressure 0 or every weight 0).
     pub fn check(&self, points: usize) -> Result<(), Error> {
         if points == 0 {
             return Err(Error::invalid("points", "empty", "give at least one point"));
@@ -32,6 +64,16 @@ impl Request {
             let refused = |value: &f64| !(value.is_finite() && *value >= 0.0);
             if let Some(j) = values.iter().position(refused) {
                 real(&format!("points[{j}].{}", name.trim_end_matches('s')), values[j], 0.0, false)?;
+            }
+        }
+        if let Some(phases) = &self.phases {
+            one_each("phases", phases.len(), "values", points, "points")?;
+            if self.pressures.is_none() {
+                let cure = "give every point a pressure, or leave the phases out";
+                return Err(Error::invalid("points[0].phase", "given without a pressure", cure));
+            }
+            if let Some(j) = phases.iter().position(|phase| !phase.is_finite()) {
+                return Err(Error::invalid(format!("points[{j}].phase"), phases[j], "give finite numbers, in rad"));
             }
         }
         if self.weights.as_ref().is_some_and(|weights| weights.iter().all(|&w| w == 0.0)) {

@@ -7,7 +7,8 @@ use alloc::vec::Vec;
 use num_complex::Complex32;
 
 use crate::problem::{Metrics, Problem, Solution, Status};
-use crate::solvers::remark::Remark;
+use crate::solvers::method::Solve;
+use crate::solvers::remark::{Remark, weak_part};
 
 /// What comes out of [`crate::Session::solve_batch`] beside the drives, for B problems of M points.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,7 +65,9 @@ fn remarks(outcomes: &[Outcome]) -> Vec<String> {
         let scale = outcomes[k].scale;
         format!("{many} the device has no such amplitude: scale the drives by supply or modulation, those of problems[{k}] by {scale:.4} (batch.scale)")
     });
-    [beyond, weak, scaled].into_iter().flatten().collect()
+    let unused = outcomes.iter().filter(|outcome| outcome.phases_unused).count();
+    let unused = (unused > 0).then(|| format!("in {unused} of {} problems {}", outcomes.len(), Remark::PhasesUnused));
+    [beyond, weak, unused, scaled].into_iter().flatten().collect()
 }
 
 /// How a problem ended.
@@ -78,25 +81,28 @@ pub(super) struct Outcome {
     excess: f64,
     /// The part of the balanced level that weak targets are; else 1.
     weak: f64,
+    /// Whether the targets have phases that the solver does not use.
+    phases_unused: bool,
 }
 
 impl Default for Outcome {
     /// Not begun: silence.
     fn default() -> Self {
         let metrics = Metrics { residual: 1.0, ..Metrics::default() };
-        Self { metrics, scale: 1.0, status: Status::Stopped, steps: 0, excess: 0.0, weak: 1.0 }
+        Self { metrics, scale: 1.0, status: Status::Stopped, steps: 0, excess: 0.0, weak: 1.0, phases_unused: false }
     }
 }
 
 impl Outcome {
-    pub(super) fn of(problem: &Problem, weak: Option<f64>, solution: &Solution) -> Self {
+    pub(super) fn of(problem: &Problem, solver: &dyn Solve, balance: bool, solution: &Solution) -> Self {
         Self {
             metrics: solution.metrics(),
             scale: solution.scale,
             status: solution.status,
             steps: solution.steps,
             excess: problem.excess(),
-            weak: weak.unwrap_or(1.0),
+            weak: weak_part(problem, solver, balance).unwrap_or(1.0),
+            phases_unused: Remark::phases_unused(problem, solver).is_some(),
         }
     }
 }

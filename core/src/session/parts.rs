@@ -5,7 +5,7 @@ use core::ops::Range;
 
 use num_complex::Complex32;
 
-use crate::problem::{Problem, Solution};
+use crate::problem::Solution;
 use crate::session::batch::Outcome;
 
 /// Where the solutions of some problems in a row are written.
@@ -29,12 +29,12 @@ impl Part<'_> {
         self.drives[k * transducers..].fill(Complex32::ZERO);
     }
 
-    /// Keeps the solution of the part's problem `k`, and which part of the balanced level weak targets are.
-    pub(super) fn keep(&mut self, k: usize, problem: &Problem, weak: Option<f64>, solution: &Solution) {
+    /// Keeps the solution of the part's problem `k`.
+    pub(super) fn keep(&mut self, k: usize, solution: &Solution, outcome: Outcome) {
         let (transducers, points) = (solution.drive.len(), solution.pressures.len());
         self.drives[k * transducers..(k + 1) * transducers].copy_from_slice(&solution.drive);
         self.pressures[k * points..(k + 1) * points].copy_from_slice(&solution.pressures);
-        self.outcomes[k] = Outcome::of(problem, weak, solution);
+        self.outcomes[k] = outcome;
     }
 }
 

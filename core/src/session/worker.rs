@@ -12,10 +12,10 @@ use crate::kernels::LANES;
 use crate::problem::{Problem, Setup, Solution, Status};
 use crate::propagation::{Model, Propagation};
 use crate::scene::{Aim, Request, Start};
+use crate::session::batch::Outcome;
 use crate::session::parts::Part;
 use crate::solvers::common::interleaved;
 use crate::solvers::method::Solve;
-use crate::solvers::remark::weak_part;
 use crate::solvers::solve::{solve, solve_interleaved};
 use crate::workspace::Workspace;
 
@@ -159,7 +159,7 @@ impl Worker {
         let problems = &self.problems[..count];
         let (solver, balance, work) = (&*task.solver, task.balance, &mut self.work);
         let mut keep = |k: usize, solution: &Solution| {
-            part.keep(start + k, &problems[k], weak_part(&problems[k], solver, balance), solution);
+            part.keep(start + k, solution, Outcome::of(&problems[k], solver, balance, solution));
         };
         let solutions = solve_interleaved(problems, solver, balance, work);
         if let Some(solutions) = solutions.map_err(|(k, error)| (start + k, error))? {

@@ -37,6 +37,11 @@ pub trait Solve {
     fn finds_level(&self) -> bool {
         false
     }
+
+    /// Whether it uses the phases of the targets, where these have any.
+    fn uses_phases(&self) -> bool {
+        false
+    }
 }
 
 /// What the registry knows of a method beside its options.

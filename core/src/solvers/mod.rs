@@ -6,6 +6,7 @@ pub(crate) mod options;
 
 pub(crate) mod amplitude_limit;
 pub(crate) mod best;
+pub(crate) mod bounded;
 pub(crate) mod common;
 pub(crate) mod descent;
 pub(crate) mod evd;
@@ -28,6 +29,7 @@ pub(crate) mod wgs;
 
 pub use amplitude_limit::AmplitudeLimit;
 pub use best::Best;
+pub use bounded::Bounded;
 pub use common::refinement::refine;
 pub use descent::Descent;
 pub use evd::Evd;

@@ -1,8 +1,9 @@
 //! naive: superposed single foci.
 //!
 //! q_i = `sum_j conj(G_ji) p_j / sum_i |G_ji|^2`: every point is focused on as if it were the only one, at the
-//! amplitude that would give it its pressure; what the foci do to each other is left to chance. The baseline
-//! that every method has to beat (the back-projection with which Marzo et al. 2019 and others start).
+//! amplitude and phase that would give it its pressure (phase 0 where targets have none); what the foci do to each other
+//! is left to chance. The baseline that every method has to beat (the back-projection with which Marzo et al. 2019 and
+//! others start).
 
 use crate::control::Control;
 use crate::error::Error;
@@ -33,25 +34,30 @@ impl Method for Naive {
 impl Solve for Naive {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let propagation = problem.propagation();
-        let mut buffers = [(); 3].map(|()| work.floats.take(propagation.lanes()));
-        let [re, im, share] = &mut buffers;
+        let mut buffers = [(); 4].map(|()| work.floats.take(propagation.lanes()));
+        let [re, im, share, imag] = &mut buffers;
         for i in 0..propagation.transducers() {
             control.pulse()?;
             propagation.row(i, re, im);
             kernels::squares(propagation.instruction_set(), [re, im], share);
         }
-        for (share, target) in share.iter_mut().zip(problem.targets()) {
+        for ((share, imag), target) in share.iter_mut().zip(imag.iter_mut()).zip(problem.complex_targets()) {
             // A quiet point and one out of reach have no focus.
-            *share = if *share > 0.0 { target / *share } else { 0.0 };
+            let inverse = |part: f64| if *share > 0.0 { part as f32 / *share } else { 0.0 };
+            (*share, *imag) = (inverse(target.re), inverse(target.im));
         }
         let mut drive = work.complexes.take(propagation.transducers());
         for (i, q) in drive.iter_mut().enumerate() {
             control.pulse()?;
             propagation.row(i, re, im);
-            let [sum_re, sum_im] = kernels::project(propagation.instruction_set(), [re, im], share);
+            let [sum_re, sum_im] = kernels::correlate(propagation.instruction_set(), [re, im], [share, imag]);
             *q = Complex32::new(sum_re, sum_im);
         }
         self.limit.apply(&mut drive);
         Solution::new(problem, drive.into_vec(), (Status::Done, 1), 1, work, control)
+    }
+
+    fn uses_phases(&self) -> bool {
+        true
     }
 }

@@ -10,6 +10,7 @@ use crate::error;
 use crate::error::{Error, same_name};
 use crate::scene::{Choice, Options};
 use crate::solvers::best::Best;
+use crate::solvers::bounded::Bounded;
 use crate::solvers::descent::Descent;
 use crate::solvers::evd::Evd;
 use crate::solvers::fast::Fast;
@@ -38,6 +39,7 @@ pub static SOLVERS: &[Entry] = &[
     Entry::of::<Wgs>(),
     Entry::of::<Evd>(),
     Entry::of::<Sdp>(),
+    Entry::of::<Bounded>(),
     Entry::of::<Tikhonov>(),
     Entry::of::<Naive>(),
 ];
@@ -77,6 +79,12 @@ impl Entry {
     #[must_use]
     pub fn options(&self) -> Vec<OptionInfo> {
         (self.list)()
+    }
+
+    /// Whether it uses the phases of the targets, where these have any.
+    #[must_use]
+    pub fn uses_phases(&self) -> bool {
+        (self.make)(&Options::new()).is_ok_and(|made| made.solver.uses_phases())
     }
 
     /// The method with some options set.

@@ -1,18 +1,22 @@
-//! Remarks: what a caller should hear beside an answer (targets beyond reach or too weak, a scale left over).
+//! Remarks: what a caller should hear beside an answer (targets beyond reach or too weak, phases left out of account,
+//! a scale left over).
 
 use core::fmt;
 
 use crate::problem::{Beyond, Problem, Solution};
 use crate::solvers::method::Solve;
+use crate::solvers::registry::SOLVERS;
 
 /// What a caller should hear beside an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::exhaustive_enums, reason = "the three ways in which an answer is another than was asked")]
+#[allow(clippy::exhaustive_enums, reason = "the four ways in which an answer is another than was asked")]
 pub enum Remark {
     /// What was asked for and cannot be had.
     Beyond(Beyond),
     /// The part of the balanced level that the targets are: below half of it, and nothing balanced them.
     Weak(f64),
+    /// The targets have phases, and the solver does not use them.
+    PhasesUnused,
     /// What is left to supply or modulation: the device has no amplitude for the answer.
     Scaled(f64),
 }
@@ -25,6 +29,14 @@ impl fmt::Display for Remark {
                 f.write_str("targets are ")?;
                 if *part < 0.01 { write!(f, "{part:.1e}") } else { write!(f, "{part:.2}") }?;
                 f.write_str(" of the balanced level: foci this weak come out smeared, balance=True cures it")
+            }
+            Self::PhasesUnused => {
+                f.write_str("the phases of the pressures are not used by this solver, only |p|: these use them: ")?;
+                let users = SOLVERS.iter().filter(|entry| entry.uses_phases());
+                users.enumerate().try_for_each(|(k, entry)| {
+                    let gap = if k == 0 { "" } else { ", " };
+                    write!(f, "{gap}{}", entry.info.name)
+                })
             }
             Self::Scaled(scale) => write!(
                 f,
@@ -39,6 +51,12 @@ impl Remark {
     #[must_use]
     pub fn weak(problem: &Problem, solver: &dyn Solve, balance: bool) -> Option<Self> {
         weak_part(problem, solver, balance).map(Self::Weak)
+    }
+
+    /// That the targets have phases which the solver does not use.
+    #[must_use]
+    pub fn phases_unused(problem: &Problem, solver: &dyn Solve) -> Option<Self> {
+        (problem.target_phases().is_some() && !solver.uses_phases()).then_some(Self::PhasesUnused)
     }
 
     /// That something is left to supply or modulation.

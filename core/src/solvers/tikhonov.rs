@@ -1,8 +1,8 @@
-//! tikhonov: regularised pseudo-inverse at zero target phases.
+//! tikhonov: regularised pseudo-inverse at the targets' phases, 0 where they have none.
 //!
 //! q = G^H (G G^H + mu I)^-1 p, the M x M dual of least squares damped by mu = regularization * mean diag(G G^H),
-//! with p the targets at phase 0. Weights multiply rows of G and p by their square roots. Where the phases at the
-//! points are free, 0 is a poor choice: the paper's methods differ in how they choose better.
+//! with p the targets, of phase 0 where they have none. Weights multiply rows of G and p by their square roots. Where
+//! the phases at the points are free, 0 is a poor choice: the paper's methods differ in how they choose better.
 
 use crate::control::Control;
 use crate::error::{Error, real};
@@ -27,7 +27,7 @@ options! {
 impl Method for Tikhonov {
     const INFO: Info = Info::new(
         "tikhonov",
-        "regularised pseudo-inverse, all target phases 0",
+        "regularised pseudo-inverse, target phases 0 unless given",
         "Tikhonov's regularisation of G q = p",
     )
     .within(1e-3);
@@ -57,13 +57,18 @@ impl Solve for Tikhonov {
         let shift = (self.regularization as f32).max(1e-6) * trace / count as f32;
         let solver = Hermitian::damped(propagation.instruction_set(), &matrix, count, shift, work, control)?;
         let mut phasors = Planar::zeros(1, propagation.lanes(), work);
-        for k in 0..count {
-            phasors.re[k] = sqrtf(problem.weights()[k]) * problem.targets()[k];
+        for (k, target) in problem.complex_targets().enumerate() {
+            let root = sqrtf(problem.weights()[k]);
+            (phasors.re[k], phasors.im[k]) = (root * target.re as f32, root * target.im as f32);
         }
         solver.solve(&mut phasors);
         phasors.scale((0..count).map(|k| sqrtf(problem.weights()[k])));
         let mut drive = back_project(propagation, &phasors, |_| 1.0, work, control)?;
         self.limit.apply(&mut drive);
         Solution::new(problem, drive, (Status::Done, 1), 1, work, control)
+    }
+
+    fn uses_phases(&self) -> bool {
+        true
     }
 }

@@ -30,7 +30,7 @@ const SOURCE: Source<'static> = Source { name: "drawn.toml", folder: None };
 /// A door that draws two points for each table, of one pressure and no weight.
 fn pair(name: &str) -> (Vec<[f64; 3]>, Request) {
     let z = if name == "image" { 0.2 } else { 0.1 };
-    (vec![[0.01, 0.0, z], [0.02, 0.0, z]], Request { pressures: Some(vec![700.0, 800.0]), weights: None })
+    (vec![[0.01, 0.0, z], [0.02, 0.0, z]], Request { pressures: Some(vec![700.0, 800.0]), ..Request::default() })
 }
 
 #[test]

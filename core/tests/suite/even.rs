@@ -99,7 +99,7 @@ fn no_point_is_louder_than_asked() {
         let factor = 10.0_f64.powi(seed as i32 % 5 - 2);
         let pressures = (0..count).map(|j| factor * P1 * (1.0 + j as f64) / 10.0).collect();
         let weights = Some((0..count).map(|j| 1.0 + (j % 3) as f64).collect());
-        let request = Request { pressures: Some(pressures), weights };
+        let request = Request { pressures: Some(pressures), weights, ..Request::default() };
         let problem = problem(&Scene::new(array(), Medium::default(), points, request).expect("a scene"));
         for solver in [&Uniform::default() as &dyn Solve, &Best::default()] {
             let solution = solved(&problem, solver);

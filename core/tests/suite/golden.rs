@@ -232,7 +232,7 @@ fn every_method_has_the_bits_of_the_scalar_set() {
         // More points than lanes, and no multiple of them.
         let points: Vec<[f64; 3]> =
             (0..19).map(|j| [f64::from(j % 5) * 0.012 - 0.02, f64::from(j / 5) * 0.013 - 0.02, 0.12]).collect();
-        let request = Request { pressures: None, weights: Some(vec![1.5; points.len()]) };
+        let request = Request { weights: Some(vec![1.5; points.len()]), ..Request::default() };
         let scene = Scene::new(array.expect("an array"), medium, points, request).expect("a scene");
         for entry in solvers::SOLVERS {
             let [simd, scalar] = [InstructionSet::best(), InstructionSet::SCALAR].map(|set| {

@@ -126,7 +126,7 @@ fn crooked(points: usize, seed: u64) -> Scene {
     let transducer = Transducer { directivity: Directivity::T4010a1, ..Transducer::default() };
     let array = array.with_transducer(transducer).expect("a transducer");
     let medium = Medium { absorption: 0.15, sound_speed: 346.1, ..Medium::default() };
-    let request = Request { pressures: Some(pressures), weights: Some(weights) };
+    let request = Request { pressures: Some(pressures), weights: Some(weights), ..Request::default() };
     Scene::new(array, medium, places, request).expect("a scene")
 }
 

@@ -51,7 +51,7 @@ fn apart(count: usize, seed: u64) -> Vec<[f64; 3]> {
 }
 
 fn request(pressures: &[f64]) -> Request {
-    Request { pressures: Some(pressures.to_vec()), weights: None }
+    Request { pressures: Some(pressures.to_vec()), ..Request::default() }
 }
 
 #[test]
@@ -59,7 +59,7 @@ fn odd_scenes_get_finite_answers() {
     let small = || Array::grid(4, 4, 10e-3).expect("a grid");
     let at = |z: f64| vec![[0.0, 0.0, z], [0.01, 0.0, z], [0.01, 0.0, z]];
     let pair = vec![[0.0, 0.0, 0.1], [0.02, 0.0, 0.1]];
-    let beside = Request { pressures: None, weights: Some(vec![1.0, 0.0]) };
+    let beside = Request { weights: Some(vec![1.0, 0.0]), ..Request::default() };
     let scenes = [
         ("N = 1", Array::grid(1, 1, 1e-2).expect("a grid"), at(0.1), Request::default()),
         ("M = 1", small(), vec![[0.0, 0.01, 0.12]], Request::default()),
@@ -215,10 +215,10 @@ fn balancing_keeps_weak_foci_as_good_as_strong_ones() {
     for entry in SOLVERS {
         let (strong, weak) = (raw(entry, &strong).metrics(), solved(entry, &problem(&weak), true).metrics());
         // The same drive divided by 100: f32 rounding is all that differs, but a rounded target may turn a tie. A
-        // method that finds its own level makes the strong foci as loud as it can, the weak ones as asked.
-        let wanted = if entry.info.uses_aim { 1.0 } else { strong.accuracy };
+        // method that finds its own level makes the strong foci as good as it can, the weak ones as asked.
+        let wanted = if made(entry).solver.finds_level() { 1.0 } else { strong.accuracy };
         assert!((wanted - weak.accuracy).abs() < 0.02, "{}: {strong:?} {weak:?}", entry.info.name);
-        assert!((strong.sigma - weak.sigma).abs() < 0.02, "{}: {strong:?} {weak:?}", entry.info.name);
+        assert!(weak.sigma < strong.sigma + 0.02, "{}: {strong:?} {weak:?}", entry.info.name);
     }
 }
 
@@ -226,7 +226,8 @@ fn balancing_keeps_weak_foci_as_good_as_strong_ones() {
 fn a_point_of_weight_0_and_a_common_factor_of_weights_change_no_bit() {
     let points = random_points(5, 0.1, 10);
     let with = |points: &[[f64; 3]], weights: Vec<f64>| {
-        let request = Request { pressures: Some(vec![0.5; points.len()]), weights: Some(weights) };
+        let request =
+            Request { pressures: Some(vec![0.5; points.len()]), weights: Some(weights), ..Request::default() };
         problem(&Scene::new(preset("paper20"), Medium::default(), points.to_vec(), request).expect("a scene"))
     };
     let weights = vec![1.0, 2.0, 0.5, 1.0, 3.0];
@@ -290,4 +291,34 @@ fn what_cannot_be_answered_is_refused_before_any_solver() {
     refused(dead, vec![[0.0, 0.0, 0.1]], "points[0] is reached by no transducer");
     refused(baffled(), vec![[0.0, 0.0, 0.1], [0.0, 0.0, -0.1]], "points[1] is reached by no transducer");
     refused(grid(), vec![[0.0, 0.0, 1e9]], "points[0].position");
+}
+
+#[test]
+fn phases_of_the_targets_change_the_answers_of_those_who_use_them() {
+    let (points, level) = (apart(5, 12), 1.0);
+    let asked = |phases: Option<Vec<f64>>| {
+        let request = Request { pressures: Some(vec![level; 5]), phases, weights: None };
+        problem(&Scene::new(preset("paper20"), Medium::default(), points.clone(), request).expect("a scene"))
+    };
+    let phases: Vec<f64> = (0..5).map(|j| 1.0 + f64::from(j * j)).collect();
+    for entry in SOLVERS {
+        let name = entry.info.name;
+        let [free, zero, given, later] =
+            [None, Some(vec![0.0; 5]), Some(phases.clone()), Some(phases.iter().map(|phase| phase + 0.7).collect())]
+                .map(|phases| solved(entry, &asked(phases), false));
+        assert!(free.complex_error().is_none() && given.complex_error().is_some(), "{name}");
+        if !entry.uses_phases() {
+            assert_eq!(free.drive, given.drive, "{name}");
+            continue;
+        }
+        // Free phases are 0; a common phase turns the whole answer.
+        assert_eq!(free.drive, zero.drive, "{name}");
+        assert!(free.drive != given.drive, "{name}");
+        let errors = [&given, &later].map(|solution| solution.complex_error().expect("phases"));
+        assert!(errors[0] < 0.5 && (errors[0] - errors[1]).abs() < 1e-3, "{name}: {errors:?}");
+        for (own, later) in widen(&given.drive).iter().zip(widen(&later.drive)) {
+            let turned = own * Complex64::cis(0.7);
+            assert!((turned - later).norm() < 0.02, "{name}: {turned} and {later}");
+        }
+    }
 }

@@ -87,7 +87,7 @@ fn metrics_do_not_depend_on_the_unit() {
 fn uneven() -> Scene {
     let pressures = vec![900.0, 300.0, 0.0, 500.0, 700.0, 400.0, 600.0];
     let weights = vec![1.0, 2.0, 3.0, 0.0, 0.5, 1.0, 1.5];
-    let request = Request { pressures: Some(pressures), weights: Some(weights) };
+    let request = Request { pressures: Some(pressures), weights: Some(weights), ..Request::default() };
     let medium = Medium { sound_speed: 346.0, density: 1.2, ..Medium::default() };
     Scene::new(preset("autd3"), medium, random_points(7, 0.08, 3), request).expect("a scene")
 }

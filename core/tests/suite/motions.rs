@@ -51,7 +51,11 @@ impl Parts {
             .and_then(|array| array.with_transducer(transducer))
             .and_then(|array| array.with_response(Some(self.response.clone())))
             .expect("an array");
-        let request = Request { pressures: Some(self.pressures.clone()), weights: Some(self.weights.clone()) };
+        let request = Request {
+            pressures: Some(self.pressures.clone()),
+            weights: Some(self.weights.clone()),
+            ..Request::default()
+        };
         let medium = Medium { absorption: 0.15, ..Medium::default() };
         Scene::new(array, medium, self.points.clone(), request).expect("a scene")
     }

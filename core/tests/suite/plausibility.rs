@@ -10,7 +10,7 @@ fn points() -> Vec<[f64; 3]> {
 }
 
 fn told(array: Array, medium: Medium, points: Vec<[f64; 3]>, pressures: Option<Vec<f64>>) -> Vec<String> {
-    let scene = Scene::new(array, medium, points, Request { pressures, weights: None }).expect("an answer");
+    let scene = Scene::new(array, medium, points, Request { pressures, ..Request::default() }).expect("an answer");
     scene.doubts().iter().map(ToString::to_string).collect()
 }
 
@@ -124,11 +124,11 @@ fn two_pressures_in_one_place_are_told_and_what_a_wave_can_do_is_not() {
     // A point of weight 0 takes no part; thousands in one place are looked through in bounded time.
     let heap = |last: f64| {
         let pressures = (0..20_000).map(|j| if j == 17 { last } else { 500.0 }).collect();
-        let request = Request { pressures: Some(pressures), weights: None };
+        let request = Request { pressures: Some(pressures), ..Request::default() };
         Scene::new(preset("autd3"), air, vec![[0.0, 0.0, 0.15]; 20_000], request).expect("a scene").doubts().len()
     };
     assert_eq!([heap(500.0), heap(0.0)], [0, 1]);
-    let request = Request { pressures: Some(vec![500.0, 0.0]), weights: Some(vec![1.0, 0.0]) };
+    let request = Request { pressures: Some(vec![500.0, 0.0]), weights: Some(vec![1.0, 0.0]), ..Request::default() };
     let scene = Scene::new(preset("autd3"), air, vec![[0.0, 0.0, 0.15]; 2], request).expect("a scene");
     assert_eq!(scene.doubts(), []);
 }

@@ -239,7 +239,7 @@ fn a_stored_matrix_gets_the_answer_of_the_computed_one() {
     for (count, seed) in [(1, 1), (8, 2), (38, 3), (64, 4)] {
         let scene = scene(preset("paper20"), random_points(count, 0.1, seed), None);
         let computed = problem(&scene);
-        let request = Request { pressures: Some(computed.targets_in_pascals().to_vec()), weights: None };
+        let request = Request { pressures: Some(computed.targets_in_pascals().to_vec()), ..Request::default() };
         let stored = Problem::with_propagation(stored(&scene), Setup::default(), &request).expect("a problem");
         let order = Order::Given(Rng::new(seed).permutation(400));
         let greedy = Greedy { order, ..Greedy::default() };

@@ -47,7 +47,7 @@ prop_compose! {
         // Every sixth pressure or so is a quiet point's.
         let pressures = points.iter().map(|(_, pressure, _)| if *pressure < 60.0 { 0.0 } else { *pressure }).collect();
         let weights = points.iter().map(|(.., weight)| f64::from(*weight)).collect();
-        let request = Request { pressures: given.then_some(pressures), weights: weighted.then_some(weights) };
+        let request = Request { pressures: given.then_some(pressures), weights: weighted.then_some(weights), ..Request::default() };
         let medium = Medium { absorption, ..Medium::default() };
         Scene::new(array, medium, points.into_iter().map(|(place, ..)| place).collect(), request).ok()
     }

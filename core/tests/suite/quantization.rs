@@ -289,8 +289,11 @@ fn uniform_stays_even_on_the_grid() {
 fn the_sweep_keeps_zeros_amplitudes_and_unequal_targets() {
     let mask: Vec<bool> = (0..400).map(|i| i % 5 != 0).collect();
     let array = device(quantization(16, &[0.0, 0.5, 1.0])).with_mask(Some(mask)).expect("a mask");
-    let request =
-        Request { pressures: Some(vec![1.0, 0.5, 0.0, 0.8, 0.6]), weights: Some(vec![1.0, 2.0, 1.0, 0.0, 1.0]) };
+    let request = Request {
+        pressures: Some(vec![1.0, 0.5, 0.0, 0.8, 0.6]),
+        weights: Some(vec![1.0, 2.0, 1.0, 0.0, 1.0]),
+        ..Request::default()
+    };
     let scene = Scene::new(array, Medium::default(), random_points(5, 0.08, 27), request).expect("a scene");
     let problem = problem(&scene);
     let mut drive = even(&scene);

@@ -24,7 +24,7 @@ fn spread(factor: impl Fn(usize, usize) -> f64) -> Vec<Complex64> {
 
 fn problem(matrix: &[Complex64], pressures: Option<Vec<f64>>) -> Result<Problem, Error> {
     let propagation = Propagation::from_matrix(matrix, POINTS)?;
-    Problem::with_propagation(propagation, Setup::default(), &Request { pressures, weights: None })
+    Problem::with_propagation(propagation, Setup::default(), &Request { pressures, ..Request::default() })
 }
 
 fn reach(matrix: &[Complex64]) -> Vec<f64> {

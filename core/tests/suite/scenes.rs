@@ -6,7 +6,7 @@ use crate::oracle;
 
 /// A scene with default air.
 pub(crate) fn scene(array: Array, points: Vec<[f64; 3]>, pressures: Option<Vec<f64>>) -> Scene {
-    Scene::new(array, Medium::default(), points, Request { pressures, weights: None }).expect("a valid scene")
+    Scene::new(array, Medium::default(), points, Request { pressures, ..Request::default() }).expect("a valid scene")
 }
 
 /// A preset of one board.

@@ -23,7 +23,7 @@ fn asked(k: usize) -> Ask {
     let mut rng = Rng::new(k as u64);
     let pressures = (0..M).map(|_| 0.2 + rng.uniform()).collect();
     let weights = (k % 3 == 2).then(|| (0..M).map(|j| if j == k % M { 0.0 } else { 1.0 }).collect());
-    let request = Request { pressures: Some(pressures), weights };
+    let request = Request { pressures: Some(pressures), weights, ..Request::default() };
     Ask { points: random_points(M, 0.1, k as u64), request, start: None, aim: None }
 }
 
@@ -184,7 +184,7 @@ fn some(points: usize, count: usize, given: bool) -> Vec<Ask> {
         let mut rng = Rng::new((100 * points + k) as u64);
         // From 0, a quiet point, to more than the array can give.
         let pressures = given.then(|| (0..points).map(|j| 2e3 * ((j + 1) % 3) as f64 * rng.uniform()).collect());
-        let request = Request { pressures, weights: None };
+        let request = Request { pressures, ..Request::default() };
         Ask { points: random_points(points, 0.05, k as u64), request, start: None, aim: None }
     };
     (0..count).map(ask).collect()
@@ -225,7 +225,7 @@ fn problems_in_lanes_are_lone_solves_bit_for_bit() {
 fn problems_of_unlike_sizes_are_lone_solves_bit_for_bit() {
     let ask = |k: usize| {
         let weights = (0..M).map(|j| if j < k % M { 0.0 } else { 0.1 + j as f64 }).collect();
-        let request = Request { pressures: None, weights: Some(weights) };
+        let request = Request { weights: Some(weights), ..Request::default() };
         Ask { points: random_points(M, 0.05, k as u64), request, start: None, aim: None }
     };
     let asks: Vec<Ask> = (0..16).map(ask).collect();

@@ -58,7 +58,7 @@ fn one_point_is_bounded_by_its_reach_and_two_coincident_points_by_theirs() {
 fn quiet_and_weightless_points_do_not_bind_and_units_cancel() {
     let points = random_points(5, 0.08, 31);
     let with = |pressures: Vec<f64>, weights: Option<Vec<f64>>| {
-        let request = Request { pressures: Some(pressures), weights };
+        let request = Request { pressures: Some(pressures), weights, ..Request::default() };
         let scene = Scene::new(preset("paper20"), Medium::default(), points.clone(), request).expect("a scene");
         bound(&problem(&scene), &mut Control::none()).expect("a bound")
     };
@@ -80,7 +80,8 @@ fn more_points_than_the_bound_takes_are_refused() {
 fn reach_is_the_sum_of_the_moduli_and_the_balanced_level() {
     let mask: Vec<bool> = (0..400).map(|i| i % 4 != 0).collect();
     let array = preset("paper20").with_mask(Some(mask)).expect("a mask");
-    let request = Request { pressures: Some(vec![0.2, 0.1, 0.0]), weights: Some(vec![1.0, 2.0, 1.0]) };
+    let request =
+        Request { pressures: Some(vec![0.2, 0.1, 0.0]), weights: Some(vec![1.0, 2.0, 1.0]), ..Request::default() };
     let scene = Scene::new(array, Medium::default(), random_points(3, 0.08, 33), request).expect("a scene");
     let reach = problem(&scene).reach(&mut Control::none()).expect("nobody stops it");
     for (j, alone) in reach.alone.iter().enumerate() {

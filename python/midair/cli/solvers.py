@@ -35,6 +35,9 @@ def solvers_command(name: str | None = None, *, json: Annotated[bool, Parameter(
         for option, about in info.options.items():
             table.add_row("", option, str(about.default), about.doc)
         table.add_row(
+            "", "phases", "used" if info.uses_phases else "not used", "Phases of complex pressures."
+        )
+        table.add_row(
             "", "balance", str(info.balance), "Solve at the balanced level, reduce the drives afterwards."
         )
     console.print(table)
@@ -61,4 +64,5 @@ def _print_uses(solver: tuple[str, SolverInfo]) -> None:
 
 def _record(info: SolverInfo) -> dict[str, Any]:
     options = {name: {"default": about.default, "doc": about.doc} for name, about in info.options.items()}
-    return {"summary": info.summary, "source": info.source, "balance": info.balance, "options": options}
+    known = {"summary": info.summary, "source": info.source, "balance": info.balance}
+    return {**known, "uses_phases": info.uses_phases, "options": options}

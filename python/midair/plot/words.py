@@ -16,7 +16,7 @@ def heading(fields: Sequence[Field]) -> list[str]:
     if solution is not None:
         lines = [solver(solution), told(solution, scene)]
     else:
-        lines = [] if scene.pressures is None else [asked(scene.pressures, scene)]
+        lines = [] if scene.pressures is None else [asked(np.abs(scene.pressures), scene)]
     return [*lines, *filter(None, [marks(fields)])]
 
 

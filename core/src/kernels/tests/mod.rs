@@ -6,6 +6,7 @@ mod cholesky;
 mod closed_form;
 mod closed_form_interleaved;
 mod directivity;
+mod double;
 mod energies;
 mod error_diffusion;
 mod greedy;
@@ -287,24 +288,6 @@ fn modulus_and_squares_are_those_of_complex_numbers() {
                 assert_near(moduli[j], modulus, 2.0 * ROUNDING * modulus, "modulus");
                 // The squares, their sum, and theirs with what was there.
                 assert_near(sums[j], sum + modulus * modulus, 3.0 * ROUNDING * (sum + modulus * modulus), "square");
-            }
-        }
-    }
-}
-
-#[test]
-fn project_is_the_conjugate_sum() {
-    for set in InstructionSet::all() {
-        for count in LENGTHS {
-            let mut rng = Rng::new(count as u64);
-            let [re, im] = [(); 2].map(|()| numbers(&mut rng, count, -1.0, 1.0));
-            let targets = numbers(&mut rng, count, 0.0, 2.0);
-            let sum = |part: &dyn Fn(usize) -> f64| (0..count).map(part).sum::<f64>();
-            let got = super::project(set, [&re, &im], &targets);
-            for (got, list, sign) in [(got[0], &re, 1.0), (got[1], &im, -1.0)] {
-                // A product, at most five sums in a lane and four across: ten roundings.
-                let most = sum(&|j| (wide(list[j]) * wide(targets[j])).abs());
-                assert_near(got, sign * sum(&|j| wide(list[j]) * wide(targets[j])), 10.0 * ROUNDING * most, "sum");
             }
         }
     }

@@ -14,8 +14,9 @@ pub(crate) fn random(points: usize, transducers: usize, work: &Workspace) -> (Pr
     let matrix: Vec<Complex64> = (0..points * transducers).map(|_| number()).collect();
     let pressures = Some((1..=points).map(|j| j as f64).collect());
     let propagation = Propagation::from_matrix(&matrix, points).expect("propagation");
-    let problem = Problem::with_propagation(propagation, Setup::default(), &Request { pressures, weights: None })
-        .expect("a problem");
+    let problem =
+        Problem::with_propagation(propagation, Setup::default(), &Request { pressures, ..Request::default() })
+            .expect("a problem");
     let rows = Rows::new(&problem, work, &mut Control::none()).expect("a few numbers");
     let mut wave = Wave::new(&rows, work);
     let drive: Vec<Complex64> = (0..transducers).map(|_| number() * 0.7).collect();
@@ -80,7 +81,7 @@ fn rows_made_alike_ask_for_one_modulus_and_end_with_the_quiet_ones() {
     let work = Workspace::new();
     let matrix: Vec<Complex64> = (0..5 * 37).map(|k| Complex64::cis(f64::from(k))).collect();
     let propagation = Propagation::from_matrix(&matrix, 5).expect("propagation");
-    let request = Request { pressures: Some(alloc::vec![2.0, 0.0, 4.0, 1.0, 0.0]), weights: None };
+    let request = Request { pressures: Some(alloc::vec![2.0, 0.0, 4.0, 1.0, 0.0]), ..Request::default() };
     let problem = Problem::with_propagation(propagation, Setup::default(), &request).expect("a problem");
     let rows = Rows::alike(&problem, &work, &mut Control::none()).expect("a few numbers");
     assert_eq!((&rows.order[..], rows.targeted), (&[0, 2, 3, 1, 4][..], 3));
