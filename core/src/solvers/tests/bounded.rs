@@ -49,7 +49,7 @@ fn least_error(matrix: &[Complex64], targets: &[Complex64], weights: &[f64]) -> 
         };
         let next: Vec<Complex64> = (0..transducers).map(next).collect();
         let uphill: f64 = (0..transducers).map(|i| ((ahead[i] - next[i]).conj() * (next[i] - q[i])).re).sum();
-        let later = if uphill > 0.0 { 1.0 } else { (1.0 + f64::sqrt(1.0 + 4.0 * momentum * momentum)) / 2.0 };
+        let later = if uphill > 0.0 { 1.0 } else { f64::midpoint(1.0, f64::sqrt(1.0 + 4.0 * momentum * momentum)) };
         let carry = if uphill > 0.0 { 0.0 } else { (momentum - 1.0) / later };
         ahead = (0..transducers).map(|i| next[i] + (next[i] - q[i]) * carry).collect();
         (q, momentum) = (next, later);
