@@ -21,6 +21,7 @@ use crate::reach::Reach;
 use crate::read;
 use crate::ready::Ready;
 use crate::setting::Keywords;
+use crate::signature::{read_signature, shown_signature};
 use crate::solution::Solution;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -30,7 +31,9 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// pressures (M,) are peak pressures in Pa; one number stands for all, 0 asks for a quiet point; left out, all are
 /// equal at the level the array can reach together. weights (M,) multiply the points' terms; a point of weight 0
 /// takes no part. sound_speed (m/s) or temperature (degrees C), absorption in Np/m, density in kg/m^3;
-/// source_pressure and directivity override the array's.
+/// source_pressure and directivity override the array's. signature turns the foci into traps: "trap", "twin", "vortex" or
+/// complex factors (N,) or (M, N) of modulus 1, which multiply the responses while it is solved; pressures are then those
+/// of the foci, and `field` and `gorkov` tell the real ones.
 ///
 /// >>> import midair
 /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]])
@@ -59,7 +62,7 @@ impl Hash for Scene {
 }
 
 /// What `Scene.replace` takes.
-const PARTS: [&str; 12] = [
+const PARTS: [&str; 13] = [
     "array",
     "points",
     "pressures",
@@ -71,6 +74,7 @@ const PARTS: [&str; 12] = [
     "density",
     "source_pressure",
     "directivity",
+    "signature",
     "plane",
 ];
 
@@ -81,9 +85,10 @@ pub(crate) fn remade(
     (array, medium): (&Array, Medium),
     points: Vec<[f64; 3]>,
     request: Request,
-    plane: Option<midair::Plane>,
+    (plane, signature): (Option<midair::Plane>, Option<midair::Signature>),
 ) -> PyResult<Scene> {
-    let mut scene = midair::Scene::new(array.inner.clone(), medium, points, request).map_err(refused)?;
+    let scene = midair::Scene::new(array.inner.clone(), medium, points, request);
+    let mut scene = scene.and_then(|scene| scene.with_signature(signature)).map_err(refused)?;
     scene.solver.clone_from(&own.inner.solver);
     scene.plane = plane;
     let (scene, told) = (Scene::with(array, scene)?, own.doubts());
@@ -110,7 +115,12 @@ impl Scene {
     }
 
     pub(crate) fn problem(&self, control: &mut Control) -> Result<midair::Problem, midair::Error> {
-        midair::Problem::of_model(&self.ready.model, self.inner.points(), self.inner.request(), control)
+        midair::Problem::of_model(&self.model(), self.inner.points(), self.inner.request(), control)
+    }
+
+    /// Its array and medium under its signature: what it is solved with.
+    fn model(&self) -> midair::Model {
+        self.ready.model.clone().with_signature(self.inner.signature().cloned())
     }
 
     fn doubts(&self) -> Vec<Doubt> {
@@ -123,7 +133,7 @@ impl Scene {
     #[new]
     #[pyo3(signature = (
         array, points, pressures=None, *, weights=None, frequency=None, sound_speed=None, temperature=None,
-        absorption=None, density=None, source_pressure=None, directivity=None
+        absorption=None, density=None, source_pressure=None, directivity=None, signature=None
     ))]
     #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
     fn new(
@@ -139,6 +149,7 @@ impl Scene {
         density: Argument<'_, '_>,
         source_pressure: Argument<'_, '_>,
         directivity: Argument<'_, '_>,
+        signature: Argument<'_, '_>,
     ) -> PyResult<Self> {
         let default = Medium::default();
         let speed = sound_speed.map(|speed| read::real("sound_speed", speed)).transpose()?;
@@ -154,8 +165,9 @@ impl Scene {
         // Without points there is nothing to compare lengths with; the core says so.
         let request =
             if points.is_empty() { Request::default() } else { read::request(points.len(), pressures, weights)? };
-        let scene = midair::Scene::new(array.inner.clone(), medium, points, request).map_err(refused)?;
-        Self::with(&array, scene)?.told(py)
+        let signature = signature.map(|value| read_signature(value, array.inner.len())).transpose()?;
+        let scene = midair::Scene::new(array.inner.clone(), medium, points, request);
+        Self::with(&array, scene.and_then(|scene| scene.with_signature(signature)).map_err(refused)?)?.told(py)
     }
 
     /// The same scene with other parts, named as the constructor names them, or another `plane`; what is left out stays,
@@ -201,10 +213,15 @@ impl Scene {
                 Err(_) => return Err(invalid("plane", &quoted(&plane), "give a midair.Plane or None")),
             },
         };
+        let signature = match keywords.take_or_none("signature")? {
+            None => own.signature().cloned(),
+            Some(signature) if signature.is_none() => None,
+            Some(signature) => Some(read_signature(&signature, array.inner.len())?),
+        };
         if let Some(name) = keywords.left() {
             return Err(refused(midair::Error::unknown("part of a scene", name, PARTS)));
         }
-        remade(py, self, (&array, medium), points, request, plane)
+        remade(py, self, (&array, medium), points, request, (plane, signature))
     }
 
     /// Reads a scene file: JSON by its ending .json, TOML by .toml, else by looking at it.
@@ -310,15 +327,21 @@ impl Scene {
         Ok(Some((choice.name.clone(), read::option_dict(py, &choice.table())?)))
     }
 
+    /// What turns the foci into traps: "trap", "twin", "vortex", complex factors (N,) or (M, N), or None.
+    #[getter]
+    fn signature<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        shown_signature(py, self.inner.signature(), self.inner.array().len())
+    }
+
     /// The plane the scene file asks pictures of, or None.
     #[getter]
     fn plane(&self) -> Option<Plane> {
         self.inner.plane.map(|inner| Plane { inner })
     }
 
-    /// G (M, N) in Pa, complex64: the pressure at point j of transducer i at full drive, eq. (5).
+    /// G (M, N) in Pa, complex64: the pressure at point j of transducer i at full drive, eq. (5), times the signature.
     fn propagation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
-        let matrix = |mut control: Control<'_>| self.ready.model.propagation(self.inner.points())?.matrix(&mut control);
+        let matrix = |mut control: Control<'_>| self.model().propagation(self.inner.points())?.matrix(&mut control);
         let matrix = attend(py, None, matrix)?;
         give::table(py, matrix, [self.inner.points().len(), self.inner.array().len()])
     }
@@ -341,13 +364,16 @@ impl Scene {
         medium: [f64; 4],
         solver: Option<(String, Bound<'_, PyDict>)>,
         plane: Option<Bound<'_, Plane>>,
+        signature: Argument<'_, '_>,
     ) -> PyResult<Self> {
         let [frequency, sound_speed, absorption, density] = medium;
         let medium = Medium { frequency, sound_speed, absorption, density };
         let points = read::vectors("points", points)?;
         let request = read::request(points.len(), pressures, weights)?;
         let array = array.get();
-        let mut scene = midair::Scene::new(array.inner.clone(), medium, points, request).map_err(refused)?;
+        let signature = signature.map(|value| read_signature(value, array.inner.len())).transpose()?;
+        let scene = midair::Scene::new(array.inner.clone(), medium, points, request);
+        let mut scene = scene.and_then(|scene| scene.with_signature(signature)).map_err(refused)?;
         scene.solver = solver.map(|(name, options)| read::choice(name, &options)).transpose()?;
         scene.plane = plane.map(|plane| plane.get().inner);
         Self::with(array, scene)
@@ -357,7 +383,8 @@ impl Scene {
         let Medium { frequency, sound_speed, absorption, density } = self.inner.medium();
         let medium = [frequency, sound_speed, absorption, density];
         let (pressures, weights) = (self.pressures(py), self.weights(py));
-        let parts = (self.array(), self.points(py)?, pressures, weights, medium, self.solver(py)?, self.plane());
+        let (solver, signature) = (self.solver(py)?, self.signature(py)?);
+        let parts = (self.array(), self.points(py)?, pressures, weights, medium, solver, self.plane(), signature);
         restored::<Self>(py, parts)
     }
 

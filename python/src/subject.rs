@@ -44,7 +44,7 @@ impl Beside<'_, '_> {
         let Request { pressures: own_pressures, weights: own_weights } = own.request().clone();
         let given = read::request(own.points().len(), pressures, weights)?;
         let request = Request { pressures: given.pressures.or(own_pressures), weights: given.weights.or(own_weights) };
-        remade(py, scene, (&array, own.medium()), own.points().to_vec(), request, own.plane)
+        remade(py, scene, (&array, own.medium()), own.points().to_vec(), request, (own.plane, own.signature().cloned()))
     }
 }
 
