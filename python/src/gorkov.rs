@@ -80,11 +80,10 @@ impl Gorkov {
 /// exact, in double precision.
 ///
 /// >>> import midair
-/// >>> array = midair.Array([[0, 0, -0.05], [0, 0, 0.05]], [[0, 0, 1], [0, 0, -1]])
-/// >>> scene = midair.Scene(array, [[0, 0, 0]], signature="trap")
+/// >>> scene = midair.Scene(midair.Array.grid(16, 16, 10.5e-3), [[0, 0, 0.08]], signature="trap")
 /// >>> trap = midair.gorkov(scene, midair.solve(scene))
-/// >>> bool(trap.stiffness[0, 2] > 0), bool(abs(trap.force).max() < 1e-12)
-/// (True, True)
+/// >>> bool((trap.stiffness > 0).all())
+/// True
 #[pyfunction]
 #[pyo3(signature = (scene, drive, points=None, *, radius=None, density=None, sound_speed=None))]
 pub(crate) fn gorkov(

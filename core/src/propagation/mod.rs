@@ -64,6 +64,9 @@ enum Rows {
     },
 }
 
+/// Array, points (M, 3) in m and signature that a G was made of.
+type Origin<'a> = (&'a Array, &'a [[f64; 3]], Option<&'a Signature>);
+
 /// By what G is made of, not by the kernels that make it.
 impl PartialEq for Propagation {
     fn eq(&self, other: &Self) -> bool {
@@ -211,8 +214,8 @@ impl Propagation {
         }
     }
 
-    /// Array, points (M, 3) in m and signature behind it, where these are known.
-    pub(crate) fn origin(&self) -> Option<(&Array, &[[f64; 3]], Option<&Signature>)> {
+    /// What it was made of, where that is known.
+    pub(crate) fn origin(&self) -> Option<Origin<'_>> {
         match &self.rows {
             Rows::Computed { sources, points, .. } => Some((&sources.array, points, None)),
             Rows::Stored { signed, .. } => {

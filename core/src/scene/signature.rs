@@ -84,7 +84,7 @@ impl Signature {
                 format!("give one for each of the {transducers} transducers, or as many for each of {points} points");
             return Err(Error::invalid("signature", format!("{} factors", factors.len()), cure));
         }
-        let refused = |s: &Complex64| !((math::hypot(s.re, s.im) - 1.0).abs() <= ROUNDING);
+        let refused = |s: &Complex64| !(1.0 - ROUNDING..=1.0 + ROUNDING).contains(&math::hypot(s.re, s.im));
         match factors.iter().position(refused) {
             None => Ok(()),
             Some(at) => {

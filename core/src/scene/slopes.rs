@@ -81,3 +81,7 @@ fn bessel(y: f64, order: f64) -> [f64; 4] {
     let [f, f1, f2, f3] = values;
     [f, -f1 / 2.0, f2 / 8.0, -f3 / 48.0]
 }
+
+#[cfg(test)]
+#[path = "tests/slopes.rs"]
+mod tests;

@@ -29,5 +29,6 @@ mod range;
 mod registry;
 mod scenes;
 mod session;
+mod traps;
 mod unsafe_code;
 mod upper_bound;
