@@ -1,9 +1,9 @@
 """How strong traps between two OpenMPD boards are, by signature: the table of docs/traps.md, as Markdown.
 
-Ten scenes each of 1, 2, 4 and 8 points at random, 20 mm apart or more, up to 50 mm from the axis along x and
-y and 20 mm along z. A scene's figure is the least stiffness over its points and axes, as a part of what L-BFGS
-finds over all phases from two starts (python/tests/traps.py); "held" counts the scenes of which every stiffness
-is above 0. About a minute; OMP_NUM_THREADS=1 helps where the cores are few.
+Ten scenes each of 1, 2, 4 and 8 points at random, 20 mm apart or more, up to 50 mm from the axis along x
+and y and 20 mm along z. A scene's figure is the least stiffness over its points and axes, as a part of what
+L-BFGS finds over all phases from two starts (python/tests/traps.py); "held" counts the scenes of which every
+stiffness is above 0. About a minute; OMP_NUM_THREADS=1 helps where the cores are few.
 """
 
 import sys
@@ -25,7 +25,7 @@ def main() -> None:
     positions, normals = traps.openmpd()
     array = midair.Array(positions, normals)
     methods = ["trap, one solve", "trap, evened", "twin", "vortex"]
-    print("| | " + " | ".join(f"M = {count}" for count in (1, 2, 4, 8)) + " |")
+    print("| | " + " | ".join(f"M = {count}" for count in (1, 2, 4, 8)) + " |", "|---" * 5 + "|", sep="\n")
     rows = {method: [] for method in methods}
     for count in (1, 2, 4, 8):
         parts = {method: [] for method in methods}
