@@ -224,6 +224,11 @@ impl Propagation {
         }
     }
 
+    /// The points (M, 3) in m, where these are known.
+    pub(crate) fn control_points(&self) -> Option<&[[f64; 3]]> {
+        self.origin().map(|(_, points, _)| points)
+    }
+
     /// What to change where no transducer has any effect at a point.
     pub(crate) fn cure_of_silence(&self) -> &'static str {
         match self.origin() {
