@@ -74,7 +74,7 @@ impl Gorkov {
 /// counted in, at points (P, 3) in m; left out they are the scene's.
 ///
 /// radius in m, density in kg/m^3 and sound_speed in m/s are the sphere's; left out it is a bead of expanded polystyrene,
-/// 1e-3, 29 and 900 (Marzo et al., Nature Communications 6, 8661, 2015). The field is the real one, without the scene's
+/// 1e-3, 29 (Marzo et al., Nature Communications 6, 8661, 2015) and 900. The field is the real one, without the scene's
 /// signature, in its air. U = V [f1 <p^2>/(2 rho c^2) - 3/4 f2 rho <v^2>] after Bruus, Lab on a Chip 12, 1014 (2012), which
 /// is for spheres small beside the wavelength, without viscosity, gravity and the push of waves that run. Derivatives are
 /// exact, in double precision.

@@ -22,8 +22,9 @@ const LARGEST: f64 = 0.125;
 
 /// A sphere that is to be trapped.
 ///
-/// The default is a bead of expanded polystyrene, 2 mm across, 29 kg/m^3 and 900 m/s: the values of A. Marzo et al.,
-/// "Holographic acoustic elements for manipulation of levitated objects", Nature Communications 6, 8661 (2015).
+/// The default is a bead of expanded polystyrene, 2 mm across and 29 kg/m^3: the density of the beads of A. Marzo et al.,
+/// "Holographic acoustic elements for manipulation of levitated objects", Nature Communications 6, 8661 (2015). Its sound
+/// speed, 900 m/s, hardly matters: with the 1052 m/s of others a standing wave holds it 0.1 % better.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::exhaustive_structs, reason = "three numbers, checked where they are used")]
 pub struct Particle {
