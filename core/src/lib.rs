@@ -79,11 +79,11 @@ pub use error::Error;
 pub use kernels::InstructionSet;
 pub use num_complex::{Complex32, Complex64};
 pub use problem::{Beyond, Metrics, Problem, Reach, Setup, Solution, Status, bound};
-pub use propagation::{Model, Propagation, field};
+pub use propagation::{Gorkov, Model, Particle, Propagation, field, gorkov};
 pub use rng::Rng;
 pub use scene::{
-    Aim, Array, Axis, Choice, Directivity, Doubt, Medium, OptionValue, Options, Origin, Plane, Request, Scene, Start,
-    Transducer, Value, presets, spell, word,
+    Aim, Array, Axis, Choice, Directivity, Doubt, Medium, OptionValue, Options, Origin, Plane, Request, Scene,
+    Signature, Start, Transducer, Value, presets, spell, word,
 };
 pub use session::{Ask, Batch, Session};
 pub use solvers::options::{Configure, OptionInfo};

@@ -30,6 +30,7 @@ class Setting(Board, total=False):
     density: float | None
     source_pressure: float | None
     directivity: _Directivity | None
+    signature: str | ArrayLike | None
 
 class Solver(Setting, total=False):
     points: int | None

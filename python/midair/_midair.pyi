@@ -20,6 +20,7 @@ __all__ = [
     "Batch",
     "BatchMetrics",
     "Field",
+    "Gorkov",
     "Metrics",
     "OptionInfo",
     "Plane",
@@ -34,6 +35,7 @@ __all__ = [
     "SolverInfo",
     "bound",
     "field",
+    "gorkov",
     "judge",
     "preset_name",
     "presets",
@@ -139,6 +141,7 @@ class Scene:
         density: float | None = None,
         source_pressure: float | None = None,
         directivity: _Directivity | None = None,
+        signature: str | ArrayLike | None = None,
     ) -> Scene: ...
     @staticmethod
     def load(path: str | PathLike[str]) -> Scene: ...
@@ -162,6 +165,7 @@ class Scene:
         density: float | None = None,
         source_pressure: float | None = None,
         directivity: _Directivity | None = None,
+        signature: str | ArrayLike | None = ...,
         plane: Plane | None = ...,
     ) -> Scene: ...
     def propagation(self) -> NDArray[np.complex64]: ...
@@ -189,10 +193,25 @@ class Scene:
     @property
     def solver(self) -> tuple[str, dict[str, _Option]] | None: ...
     @property
+    def signature(self) -> str | NDArray[np.complex128] | None: ...
+    @property
     def plane(self) -> Plane | None: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def _repr_html_(self) -> str: ...
+
+@final
+class Gorkov:
+    @property
+    def potential(self) -> NDArray[np.float64]: ...
+    @property
+    def force(self) -> NDArray[np.float64]: ...
+    @property
+    def stiffness(self) -> NDArray[np.float64]: ...
+    @property
+    def hessian(self) -> NDArray[np.float64]: ...
+    def __len__(self) -> int: ...
+    def __eq__(self, other: object, /) -> bool: ...
 
 @final
 class Reach:
@@ -382,3 +401,12 @@ def presets() -> dict[str, PresetInfo]: ...
 def preset_name(name: str) -> str: ...
 def scene_files(path: str | PathLike[str], text: bytes | None = None) -> list[Path]: ...
 def solver_name(name: str) -> str: ...
+def gorkov(
+    scene: Scene,
+    drive: ArrayLike | Solution,
+    points: ArrayLike | None = None,
+    *,
+    radius: float | None = None,
+    density: float | None = None,
+    sound_speed: float | None = None,
+) -> Gorkov: ...

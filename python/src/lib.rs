@@ -9,6 +9,7 @@ mod field;
 mod files;
 mod function;
 mod give;
+mod gorkov;
 mod instruction_set;
 mod judge;
 mod limits;
@@ -23,8 +24,10 @@ mod quantization;
 mod reach;
 mod read;
 mod ready;
+mod replace;
 mod scene;
 mod setting;
+mod signature;
 mod solution;
 mod solve;
 mod solver;
@@ -49,6 +52,8 @@ mod _midair {
     use super::field::{Field, field};
     #[pymodule_export]
     use super::files::scene_files;
+    #[pymodule_export]
+    use super::gorkov::{Gorkov, gorkov};
     #[pymodule_export]
     use super::judge::{bound, judge};
     #[pymodule_export]

@@ -10,7 +10,7 @@ use crate::numbers::{Numbers, array, numbers, quoted, told};
 
 /// Kinds of numbers, in numpy's letters.
 const REAL: &str = "iuf";
-const NUMBER: &str = "iufc";
+pub(crate) const NUMBER: &str = "iufc";
 
 /// Vectors (K, 3).
 pub(crate) fn vectors(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 3]>> {

@@ -12,15 +12,15 @@ use pyo3::types::PyDict;
 
 use crate::array::{Array, adjusted};
 use crate::ctrl_c::attend;
-use crate::error::{invalid, refused, warn_all};
+use crate::error::{refused, warn_all};
 use crate::give::{self, rows};
-use crate::numbers::quoted;
 use crate::pickle::{Reduced, restored};
 use crate::plane::Plane;
 use crate::reach::Reach;
 use crate::read;
 use crate::ready::Ready;
-use crate::setting::Keywords;
+use crate::replace::replaced;
+use crate::signature::{read_signature, shown_signature};
 use crate::solution::Solution;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -30,7 +30,9 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// pressures (M,) are peak pressures in Pa; one number stands for all, 0 asks for a quiet point; left out, all are
 /// equal at the level the array can reach together. Complex ones ask for phases, too, of the methods that use them. weights (M,) multiply the points' terms; a point of weight 0
 /// takes no part. sound_speed (m/s) or temperature (degrees C), absorption in Np/m, density in kg/m^3;
-/// source_pressure and directivity override the array's.
+/// source_pressure and directivity override the array's. signature turns the foci into traps: "trap", "twin", "vortex" or
+/// complex factors (N,) or (M, N) of modulus 1, which multiply the responses while it is solved; pressures are then those
+/// of the foci, and `field` and `gorkov` tell the real ones.
 ///
 /// >>> import midair
 /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]])
@@ -58,39 +60,6 @@ impl Hash for Scene {
     }
 }
 
-/// What `Scene.replace` takes.
-const PARTS: [&str; 12] = [
-    "array",
-    "points",
-    "pressures",
-    "weights",
-    "frequency",
-    "sound_speed",
-    "temperature",
-    "absorption",
-    "density",
-    "source_pressure",
-    "directivity",
-    "plane",
-];
-
-/// A scene with other parts, the solver of its file kept, and a warning of what is hardly meant of them.
-pub(crate) fn remade(
-    py: Python<'_>,
-    own: &Scene,
-    (array, medium): (&Array, Medium),
-    points: Vec<[f64; 3]>,
-    request: Request,
-    plane: Option<midair::Plane>,
-) -> PyResult<Scene> {
-    let mut scene = midair::Scene::new(array.inner.clone(), medium, points, request).map_err(refused)?;
-    scene.solver.clone_from(&own.inner.solver);
-    scene.plane = plane;
-    let (scene, told) = (Scene::with(array, scene)?, own.doubts());
-    warn_all(py, scene.doubts().iter().filter(|doubt| !told.contains(doubt)))?;
-    Ok(scene)
-}
-
 impl Scene {
     /// A scene of the core.
     pub(crate) fn of(inner: midair::Scene) -> PyResult<Self> {
@@ -99,7 +68,7 @@ impl Scene {
     }
 
     /// A scene of an array that may be ready.
-    fn with(array: &Array, inner: midair::Scene) -> PyResult<Self> {
+    pub(crate) fn with(array: &Array, inner: midair::Scene) -> PyResult<Self> {
         Ok(Self { ready: array.ready(inner.medium())?, inner: Arc::new(inner) })
     }
 
@@ -110,10 +79,15 @@ impl Scene {
     }
 
     pub(crate) fn problem(&self, control: &mut Control) -> Result<midair::Problem, midair::Error> {
-        midair::Problem::of_model(&self.ready.model, self.inner.points(), self.inner.request(), control)
+        midair::Problem::of_model(&self.model(), self.inner.points(), self.inner.request(), control)
     }
 
-    fn doubts(&self) -> Vec<Doubt> {
+    /// Its array and medium under its signature: what it is solved with.
+    fn model(&self) -> midair::Model {
+        self.ready.model.clone().with_signature(self.inner.signature().cloned())
+    }
+
+    pub(crate) fn doubts(&self) -> Vec<Doubt> {
         self.ready.doubts.iter().cloned().chain(self.inner.own_doubts()).collect()
     }
 }
@@ -123,7 +97,7 @@ impl Scene {
     #[new]
     #[pyo3(signature = (
         array, points, pressures=None, *, weights=None, frequency=None, sound_speed=None, temperature=None,
-        absorption=None, density=None, source_pressure=None, directivity=None
+        absorption=None, density=None, source_pressure=None, directivity=None, signature=None
     ))]
     #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
     fn new(
@@ -139,6 +113,7 @@ impl Scene {
         density: Argument<'_, '_>,
         source_pressure: Argument<'_, '_>,
         directivity: Argument<'_, '_>,
+        signature: Argument<'_, '_>,
     ) -> PyResult<Self> {
         let default = Medium::default();
         let speed = sound_speed.map(|speed| read::real("sound_speed", speed)).transpose()?;
@@ -154,8 +129,9 @@ impl Scene {
         // Without points there is nothing to compare lengths with; the core says so.
         let request =
             if points.is_empty() { Request::default() } else { read::request(points.len(), pressures, weights)? };
-        let scene = midair::Scene::new(array.inner.clone(), medium, points, request).map_err(refused)?;
-        Self::with(&array, scene)?.told(py)
+        let signature = signature.map(|value| read_signature(value, array.inner.len())).transpose()?;
+        let scene = midair::Scene::new(array.inner.clone(), medium, points, request);
+        Self::with(&array, scene.and_then(|scene| scene.with_signature(signature)).map_err(refused)?)?.told(py)
     }
 
     /// The same scene with other parts, named as the constructor names them, or another `plane`; what is left out stays,
@@ -167,54 +143,7 @@ impl Scene {
     /// array([200.])
     #[pyo3(signature = (**changes))]
     fn replace(&self, py: Python<'_>, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        let Some(changes) = changes else { return Ok(self.clone()) };
-        let (own, keywords) = (&*self.inner, Keywords::of(changes)?);
-        let array = match keywords.take("array")? {
-            None => self.array(),
-            Some(array) => match array.cast::<Array>() {
-                Ok(array) => array.get().clone(),
-                Err(_) => return Err(invalid("array", &quoted(&array), "give a midair.Array")),
-            },
-        };
-        let array = keywords.transducer(array)?;
-        let medium = keywords.medium(own.medium())?;
-        let points = keywords.take("points")?;
-        let points = points.map_or_else(|| Ok(own.points().to_vec()), |points| read::vectors("points", &points))?;
-        let kept = |item: &str, own: &Option<Vec<f64>>| match own {
-            Some(own) if own.len() != points.len() => {
-                let cure = format!("give {item} for the {} points, or None", points.len());
-                Err(invalid(item, &format!("kept from {} points", own.len()), &cure))
-            }
-            own => Ok(own.clone()),
-        };
-        let asked = own.request();
-        let given = match keywords.take_or_none("pressures")? {
-            None => Request {
-                pressures: kept("pressures", &asked.pressures)?,
-                phases: asked.phases.clone(),
-                ..Request::default()
-            },
-            Some(value) if value.is_none() => Request::default(),
-            Some(value) => read::pressures(&value, points.len())?,
-        };
-        let weights = match keywords.take_or_none("weights")? {
-            None => kept("weights", &asked.weights)?,
-            Some(value) if value.is_none() => None,
-            Some(value) => Some(read::list("weights", &value, points.len())?),
-        };
-        let request = Request { weights, ..given };
-        let plane = match keywords.take_or_none("plane")? {
-            None => own.plane,
-            Some(plane) if plane.is_none() => None,
-            Some(plane) => match plane.cast::<Plane>() {
-                Ok(plane) => Some(plane.get().inner),
-                Err(_) => return Err(invalid("plane", &quoted(&plane), "give a midair.Plane or None")),
-            },
-        };
-        if let Some(name) = keywords.left() {
-            return Err(refused(midair::Error::unknown("part of a scene", name, PARTS)));
-        }
-        remade(py, self, (&array, medium), points, request, plane)
+        changes.map_or_else(|| Ok(self.clone()), |changes| replaced(py, self, changes))
     }
 
     /// Reads a scene file: JSON by its ending .json, TOML by .toml, else by looking at it.
@@ -324,15 +253,21 @@ impl Scene {
         Ok(Some((choice.name.clone(), read::option_dict(py, &choice.table())?)))
     }
 
+    /// What turns the foci into traps: "trap", "twin", "vortex", complex factors (N,) or (M, N), or None.
+    #[getter]
+    fn signature<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        shown_signature(py, self.inner.signature(), self.inner.array().len())
+    }
+
     /// The plane the scene file asks pictures of, or None.
     #[getter]
     fn plane(&self) -> Option<Plane> {
         self.inner.plane.map(|inner| Plane { inner })
     }
 
-    /// G (M, N) in Pa, complex64: the pressure at point j of transducer i at full drive, eq. (5).
+    /// G (M, N) in Pa, complex64: the pressure at point j of transducer i at full drive, eq. (5), times the signature.
     fn propagation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
-        let matrix = |mut control: Control<'_>| self.ready.model.propagation(self.inner.points())?.matrix(&mut control);
+        let matrix = |mut control: Control<'_>| self.model().propagation(self.inner.points())?.matrix(&mut control);
         let matrix = attend(py, None, matrix)?;
         give::table(py, matrix, [self.inner.points().len(), self.inner.array().len()])
     }
@@ -356,6 +291,7 @@ impl Scene {
         solver: Option<(String, Bound<'_, PyDict>)>,
         plane: Option<Bound<'_, Plane>>,
         phases: Argument<'_, '_>,
+        signature: Argument<'_, '_>,
     ) -> PyResult<Self> {
         let [frequency, sound_speed, absorption, density] = medium;
         let medium = Medium { frequency, sound_speed, absorption, density };
@@ -363,7 +299,9 @@ impl Scene {
         let phases = phases.map(|phases| read::reals("phases", phases)).transpose()?;
         let request = Request { phases, ..read::request(points.len(), pressures, weights)? };
         let array = array.get();
-        let mut scene = midair::Scene::new(array.inner.clone(), medium, points, request).map_err(refused)?;
+        let signature = signature.map(|value| read_signature(value, array.inner.len())).transpose()?;
+        let scene = midair::Scene::new(array.inner.clone(), medium, points, request);
+        let mut scene = scene.and_then(|scene| scene.with_signature(signature)).map_err(refused)?;
         scene.solver = solver.map(|(name, options)| read::choice(name, &options)).transpose()?;
         scene.plane = plane.map(|plane| plane.get().inner);
         Self::with(array, scene)
@@ -376,8 +314,8 @@ impl Scene {
         let Request { pressures, phases, weights } = self.inner.request().clone();
         let [pressures, phases, weights] =
             [pressures, phases, weights].map(|list| list.map(|list| give::list(py, list)));
-        let (solver, plane) = (self.solver(py)?, self.plane());
-        let parts = (self.array(), self.points(py)?, pressures, weights, medium, solver, plane, phases);
+        let (solver, plane, signature) = (self.solver(py)?, self.plane(), self.signature(py)?);
+        let parts = (self.array(), self.points(py)?, pressures, weights, medium, solver, plane, phases, signature);
         restored::<Self>(py, parts)
     }
 

@@ -16,6 +16,7 @@ use crate::quantization::{on_board, shown};
 use crate::read;
 use crate::ready::Ready;
 use crate::scene::Scene;
+use crate::signature::{read_signature, shown_signature};
 use crate::subject::{Beside, given};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
@@ -45,7 +46,10 @@ pub(crate) enum Source {
 impl PartialEq for Source {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
-            (Self::Model(own), Self::Model(other)) => own.array() == other.array() && own.medium() == other.medium(),
+            (Self::Model(own), Self::Model(other)) => {
+                let same = own.array() == other.array() && own.medium() == other.medium();
+                same && own.signature() == other.signature()
+            }
             (Self::Given(own, setup), Self::Given(other, its)) => own == other && setup == its,
             _ => false,
         }
@@ -82,6 +86,8 @@ impl Source {
                 keywords.set_item("sound_speed", sound_speed)?;
                 keywords.set_item("absorption", absorption)?;
                 keywords.set_item("density", density)?;
+                let shown = shown_signature(py, model.signature(), model.array().len())?;
+                keywords.set_item("signature", shown)?;
                 Bound::new(py, Array::from(model.array().clone()))?.into_any()
             }
             Self::Given(propagation, setup) => {
@@ -152,7 +158,7 @@ impl<'py> Keywords<'py> {
 }
 
 impl Setting {
-    /// From a Scene (its array and medium), an Array or a Propagation, and keywords: the Scene's, `quantization`, `mask`,
+    /// From a Scene (its array and medium), an Array or a Propagation, and keywords: the Scene's, `signature`, `quantization`, `mask`,
     /// `balance`, `aim`, and the solver's options.
     pub(crate) fn read(
         object: &Bound<'_, PyAny>,
@@ -163,6 +169,7 @@ impl Setting {
             Some(keywords) => keywords.copy()?,
             None => PyDict::new(object.py()),
         });
+        let signature = keywords.take_or_none("signature")?;
         let [balance, aim, quantization, mask, positions] =
             ["balance", "aim", "quantization", "mask", "positions"].map(|name| keywords.take(name));
         let (balance, aim, quantization, mask, positions) = (balance?, aim?, quantization?, mask?, positions?);
@@ -187,6 +194,13 @@ impl Setting {
             Ok::<_, PyErr>((configured, choice.balance == Some(true)))
         };
         let (session, info, source) = if let Ok(matrix) = object.cast::<Propagation>() {
+            if signature.is_some_and(|signature| !signature.is_none()) {
+                return Err(invalid(
+                    "signature",
+                    "given",
+                    "multiply the matrix by it: it goes with a Scene or an Array",
+                ));
+            }
             let (propagation, setup) = given(&matrix.get().inner, beside)?;
             let (configured, balance) = configured(setup.quantization.as_deref())?;
             let source = Source::Given(propagation.clone(), Arc::new(setup.clone()));
@@ -196,21 +210,27 @@ impl Setting {
             if positions.is_some() {
                 return Err(invalid("positions", "given", "an array has its own: they go with Propagation"));
             }
-            let (array, medium, told) = if let Ok(scene) = object.cast::<Scene>() {
+            let (array, medium, told, own) = if let Ok(scene) = object.cast::<Scene>() {
                 let scene = scene.get();
-                (scene.array(), scene.inner.medium(), &scene.ready.doubts[..])
+                (scene.array(), scene.inner.medium(), &scene.ready.doubts[..], scene.inner.signature())
             } else if let Ok(array) = object.cast::<Array>() {
-                (array.get().clone(), Medium::default(), &[][..])
+                (array.get().clone(), Medium::default(), &[][..], None)
             } else {
                 let kind = object.get_type().qualname()?;
                 return Err(PyTypeError::new_err(format!(
                     "expected a midair.Scene, midair.Array or midair.Propagation first, not {kind}"
                 )));
             };
+            let signature = match signature {
+                None => own.cloned(),
+                Some(none) if none.is_none() => None,
+                Some(signature) => Some(read_signature(&signature, array.inner.len())?),
+            };
             let Ready { model, doubts } = &*keywords.ready(array, medium, beside)?;
             warn_all(object.py(), doubts.iter().filter(|doubt| !told.contains(doubt)))?;
             let (configured, balance) = configured(model.array().quantization())?;
-            (Session::new(model.clone(), configured.solver, balance), configured.info, Source::Model(model.clone()))
+            let model = model.clone().with_signature(signature);
+            (Session::new(model.clone(), configured.solver, balance), configured.info, Source::Model(model))
         };
         Ok(Self { session, choice, info, source })
     }

@@ -11,7 +11,8 @@ use crate::instruction_set::instruction_set;
 use crate::propagation::Propagation;
 use crate::quantization::{on_board, read_quantization};
 use crate::read;
-use crate::scene::{Scene, remade};
+use crate::replace::remade;
+use crate::scene::Scene;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
@@ -44,7 +45,7 @@ impl Beside<'_, '_> {
         let given = read::request(own.points().len(), pressures, weights)?;
         let asked = if given.pressures.is_some() { given.clone() } else { own.request().clone() };
         let request = Request { weights: given.weights.or_else(|| own.request().weights.clone()), ..asked };
-        remade(py, scene, (&array, own.medium()), own.points().to_vec(), request, own.plane)
+        remade(py, scene, (&array, own.medium()), own.points().to_vec(), request, (own.plane, own.signature().cloned()))
     }
 }
 

@@ -37,7 +37,7 @@ def test_errors_are_of_the_kinds_that_people_catch() -> None:
 def test_keywords_have_the_names_and_order_of_the_design() -> None:
     parameters = {
         midair.Scene: "array points pressures weights frequency sound_speed temperature absorption density "
-        "source_pressure directivity",
+        "source_pressure directivity signature",
         midair.Array: "positions normals source_pressure directivity response mask quantization",
         midair.Plane: "z size pixels center axis at",
         midair.solve: "scene solver pressures weights quantization mask positions balance aim start progress "
@@ -47,6 +47,7 @@ def test_keywords_have_the_names_and_order_of_the_design() -> None:
         midair.bound: "scene pressures weights mask",
         midair.judge: "scene drive pressures weights mask",
         midair.field: "scene drive plane",
+        midair.gorkov: "scene drive points radius density sound_speed",
         midair.plot: "what ax quantity vmax",
     }
     for function, names in parameters.items():

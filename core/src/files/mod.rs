@@ -108,7 +108,7 @@ fn parse<'a>(bytes: &'a [u8], format: Format, source: Source<'_>) -> Result<(&'a
 /// Writes a scene as text that [`read`] reads as the same scene.
 ///
 /// # Errors
-/// A seed that TOML cannot hold (above 2^63 - 1).
+/// A seed that TOML cannot hold (above 2^63 - 1); a signature of given factors.
 pub fn write(scene: &Scene, format: Format, provenance: &Provenance) -> Result<String, Error> {
     let table = SceneTable::of(scene, provenance)?;
     let fault = |reason: &str| Error::File { place: "scene".into(), reason: reason.into() };

@@ -13,7 +13,9 @@ use crate::files::item::{Item, Table};
 use crate::files::node::Node;
 use crate::files::positions;
 use crate::files::source::Source;
-use crate::scene::{Array, Axis, Choice, Directivity, Medium, Options, Plane, Request, Scene, Transducer, Value};
+use crate::scene::{
+    Array, Axis, Choice, Directivity, Medium, Options, Plane, Request, Scene, Signature, Transducer, Value,
+};
 use crate::solvers::registry;
 
 /// The scene of a document.
@@ -25,7 +27,8 @@ pub(super) fn scene(document: &Node, source: Source<'_>, draw: &mut Draw<'_>) ->
     let places = points.into_iter().map(|(position, ..)| position).collect();
     let medium = root.read("medium", |item| medium(&item.table()?))?.unwrap_or_default();
     let array = array(&root.need("array")?.table()?, source)?;
-    let mut scene = Scene::new(array, medium, places, request)?;
+    let signature = root.read("signature", signature)?;
+    let mut scene = Scene::new(array, medium, places, request)?.with_signature(signature)?;
     scene.plane = root.read("plane", |item| plane(&item.table()?, &scene))?;
     scene.solver = root.read("solver", |item| choice(&item.open_table()?, scene.array().quantization()))?;
     Ok(scene)
@@ -69,6 +72,10 @@ fn request(points: &[Point], owners: &[(usize, String)]) -> Result<Request, Faul
         any.then(|| points.iter().map(|(_, numbers)| numbers[key].unwrap_or(default)).collect())
     };
     Ok(Request { pressures: list(0, 0.0), phases: list(1, 0.0), weights: list(2, 1.0) })
+}
+
+fn signature(item: &Item<'_>) -> Result<Signature, Fault> {
+    Signature::named(item.text()?).map_err(|error| Fault::at("signature", error))
 }
 
 fn medium(table: &Table<'_>) -> Result<Medium, Fault> {

@@ -17,6 +17,7 @@ const TABLES: &[Table] = &[
             ("points", r#"[{"position": [0.0, 0.0, 0.15]}]"#),
             ("shape", r#"[{"kind": "circle", "center": [0.0, 0.0, 0.15], "radius": 0.03}]"#),
             ("image", r#"[{"file": "logo.png", "size": 0.08, "z": 0.15, "pixels": 18}]"#),
+            ("signature", r#""trap""#),
             ("solver", r#"{"name": "greedy"}"#),
             ("plane", r#"{"z": 0.15}"#),
             ("version", r#""1.0""#),

@@ -26,6 +26,8 @@ pub(super) struct SceneTable {
     version: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     status: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    signature: Option<String>,
     medium: MediumTable,
     array: ArrayTable,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -171,9 +173,15 @@ impl SceneTable {
             let options = choice.table().into_iter().map(|(key, value)| Ok((key, (&value).try_into()?)));
             Ok(SolverTable { name: choice.name.clone(), options: options.collect::<Result<_, Error>>()? })
         });
+        let signature = scene.signature().map(|signature| {
+            let cure =
+                "files know trap, twin and vortex: take the factors away and give them to the scene that is read";
+            signature.name().map(Into::into).ok_or_else(|| Error::invalid("signature", "a list of factors", cure))
+        });
         Ok(SceneTable {
             version: provenance.version.clone(),
             status: provenance.status.clone(),
+            signature: signature.transpose()?,
             medium: MediumTable {
                 frequency: Some(medium.frequency),
                 sound_speed: Some(medium.sound_speed),

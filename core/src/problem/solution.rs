@@ -67,7 +67,8 @@ impl fmt::Display for Status {
 pub struct Solution {
     /// Drives q (N,), |q| <= 1.
     pub drive: Vec<Complex32>,
-    /// Complex pressures (M,) in Pa (peak) at all of the caller's points, by one f32 pass over the rows.
+    /// Complex pressures (M,) in Pa (peak) at all of the caller's points, by one f32 pass over the rows. Under a signature
+    /// those of the foci that it turned into traps, sum G s q; [`crate::field()`] tells the real ones.
     pub pressures: Vec<Complex32>,
     /// How the solve ended.
     pub status: Status,
@@ -323,8 +324,9 @@ impl Solution {
     #[must_use]
     pub fn scene(&self) -> Option<Scene> {
         let Targets { propagation, setup, .. } = &*self.asked;
-        let (array, points) = (propagation.array()?, propagation.control_points()?);
-        Scene::new(array.clone(), setup.medium, points.to_vec(), self.asked.request()).ok()
+        let (array, points, signature) = propagation.origin()?;
+        let scene = Scene::new(array.clone(), setup.medium, points.to_vec(), self.asked.request()).ok()?;
+        scene.with_signature(signature.cloned()).ok()
     }
 
     /// The targets (M,) in Pa that the metrics refer to.

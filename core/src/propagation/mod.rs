@@ -1,11 +1,15 @@
 //! Propagation matrix G, row by row: computed from positions when asked, or given.
 
 pub(crate) mod field;
+pub(crate) mod gorkov;
+pub(crate) mod jet;
 pub(crate) mod model;
 pub(crate) mod products;
+pub(crate) mod signed;
 pub(crate) mod sources;
 
 pub use field::field;
+pub use gorkov::{Gorkov, Particle, gorkov};
 pub use model::Model;
 pub(crate) use products::{back_project, field_of, gram};
 pub(crate) use sources::Sources;
@@ -23,7 +27,8 @@ use crate::kernels;
 use crate::kernels::propagate::rows;
 use crate::kernels::{ControlPoints, InstructionSet, Row, Run, padded};
 use crate::math;
-use crate::scene::{Array, Scene, UNITS};
+use crate::propagation::signed::Signed;
+use crate::scene::{Array, Scene, Signature, UNITS};
 
 /// Entries of G that are written out together, some points at a time: the memory of the others is not touched yet.
 const ENTRIES_A_BLOCK: usize = 1 << 18;
@@ -54,15 +59,20 @@ enum Rows {
         matrix: Arc<[Complex64]>,
         planar: Arc<[Vec<f32>; 2]>,
         reference: f64,
+        /// The array, points and signature that they were made of, where a scene's signature made them.
+        signed: Option<Arc<Signed>>,
     },
 }
+
+/// Array, points (M, 3) in m and signature that a G was made of.
+type Origin<'a> = (&'a Array, &'a [[f64; 3]], Option<&'a Signature>);
 
 /// By what G is made of, not by the kernels that make it.
 impl PartialEq for Propagation {
     fn eq(&self, other: &Self) -> bool {
         match (&self.rows, &other.rows) {
-            (Rows::Stored { matrix, .. }, Rows::Stored { matrix: others, .. }) => {
-                self.count == other.count && matrix == others
+            (Rows::Stored { matrix, signed, .. }, Rows::Stored { matrix: others, signed: theirs, .. }) => {
+                self.count == other.count && matrix == others && signed == theirs
             }
             (Rows::Computed { sources, points, .. }, Rows::Computed { sources: others, points: elsewhere, .. }) => {
                 sources.array == others.array && sources.medium == others.medium && points == elsewhere
@@ -73,7 +83,7 @@ impl PartialEq for Propagation {
 }
 
 impl Propagation {
-    /// G of a scene's array at its points.
+    /// G of a scene's array at its points, whatever its signature.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         Self::at(Arc::new(Sources::new(scene.array(), scene.medium())), scene.points().into(), InstructionSet::best())
@@ -84,6 +94,18 @@ impl Propagation {
         let frame = Arc::new(sources.frame(&points));
         let count = points.len();
         Self { count, rows: Rows::Computed { sources, frame, points }, set }
+    }
+
+    /// G under a signature, at points that have been checked.
+    pub(crate) fn signed(
+        sources: Arc<Sources>,
+        points: Arc<[[f64; 3]]>,
+        signature: Signature,
+        set: InstructionSet,
+    ) -> Result<Self, Error> {
+        let (count, reference) = (points.len(), sources.reference());
+        let signed = Signed::new(sources, points, signature)?;
+        Ok(Self::stored(signed.matrix(), count, reference, set, Some(signed.into())))
     }
 
     /// The same by the kernels of another instruction set than the machine's best.
@@ -119,10 +141,16 @@ impl Propagation {
         }
         let transposed = (0..matrix.len()).map(|k| matrix[(k % points) * transducers + k / points]).collect();
         let reference = if mean > 0.0 { mean } else { 1.0 };
-        Ok(Self::stored(transposed, points, reference, InstructionSet::best()))
+        Ok(Self::stored(transposed, points, reference, InstructionSet::best(), None))
     }
 
-    fn stored(matrix: Arc<[Complex64]>, count: usize, reference: f64, set: InstructionSet) -> Self {
+    fn stored(
+        matrix: Arc<[Complex64]>,
+        count: usize,
+        reference: f64,
+        set: InstructionSet,
+        signed: Option<Arc<Signed>>,
+    ) -> Self {
         let lanes = padded(count);
         let unit = 1.0 / reference;
         let mut planar = [(); 2].map(|()| vec![0.0; matrix.len() / count * lanes]);
@@ -132,7 +160,7 @@ impl Propagation {
                 planar[1][i * lanes + j] = (g.im * unit) as f32;
             }
         }
-        Self { count, rows: Rows::Stored { matrix, planar: Arc::new(planar), reference }, set }
+        Self { count, rows: Rows::Stored { matrix, planar: Arc::new(planar), reference, signed }, set }
     }
 
     /// The same with some transducers of a given matrix switched off: where the mask (N,) is false, G is 0, and so is then
@@ -141,7 +169,7 @@ impl Propagation {
     /// # Errors
     /// Another number of entries than transducers, a computed G.
     pub fn with_mask(mut self, mask: &[bool]) -> Result<Self, Error> {
-        let Rows::Stored { matrix, planar, .. } = &mut self.rows else {
+        let Rows::Stored { matrix, planar, signed: None, .. } = &mut self.rows else {
             return Err(Error::invalid("mask", "given", "an array has its own: give it there"));
         };
         let transducers = matrix.len() / self.count;
@@ -186,30 +214,29 @@ impl Propagation {
         }
     }
 
+    /// What it was made of, where that is known.
+    pub(crate) fn origin(&self) -> Option<Origin<'_>> {
+        match &self.rows {
+            Rows::Computed { sources, points, .. } => Some((&sources.array, points, None)),
+            Rows::Stored { signed, .. } => {
+                signed.as_ref().map(|signed| (&signed.sources.array, &*signed.points, Some(&signed.signature)))
+            }
+        }
+    }
+
     /// The points (M, 3) in m, where these are known.
     pub(crate) fn control_points(&self) -> Option<&[[f64; 3]]> {
-        match &self.rows {
-            Rows::Computed { points, .. } => Some(points),
-            Rows::Stored { .. } => None,
-        }
+        self.origin().map(|(_, points, _)| points)
     }
 
     /// What to change where no transducer has any effect at a point.
     pub(crate) fn cure_of_silence(&self) -> &'static str {
-        match self.array() {
+        match self.origin() {
             None => "give its row of the matrix an entry that is neither 0 nor masked, or ask for pressure 0 there",
-            Some(array) if (0..array.len()).all(|i| array.effect(i) == Complex64::ZERO) => {
+            Some((array, ..)) if (0..array.len()).all(|i| array.effect(i) == Complex64::ZERO) => {
                 "all are off, switch some on in the array's mask and response"
             }
             Some(_) => "move it in front of the array, turn a normal or ask for pressure 0 there",
-        }
-    }
-
-    /// The array that G is computed from.
-    pub(crate) fn array(&self) -> Option<&Array> {
-        match &self.rows {
-            Rows::Computed { sources, .. } => Some(&sources.array),
-            Rows::Stored { .. } => None,
         }
     }
 
@@ -270,9 +297,12 @@ impl Propagation {
                     }
                 }
             }
-            Rows::Stored { matrix, reference, .. } => {
-                for row in matrix.chunks(self.count) {
+            Rows::Stored { matrix, reference, signed, .. } => {
+                for (i, row) in matrix.chunks(self.count).enumerate() {
                     control.pulse()?;
+                    if let Some(signed) = signed {
+                        signed.sources.check_distances(i, &signed.points)?;
+                    }
                     for (reach, g) in reach.iter_mut().zip(row) {
                         *reach += math::hypot(g.re, g.im) / reference;
                     }
@@ -284,8 +314,15 @@ impl Propagation {
 
     /// The same transducers at other points, in the same memory where nobody else holds it.
     pub(crate) fn carry(&mut self, points: &[[f64; 3]]) -> Result<(), Error> {
-        let Rows::Computed { sources, frame, points: old } = &mut self.rows else {
-            return Err(Error::given_points());
+        let (sources, frame, old) = match &mut self.rows {
+            Rows::Computed { sources, frame, points } => (sources, frame, points),
+            Rows::Stored { signed: Some(signed), .. } => {
+                signed.sources.check_points(points)?;
+                let Signed { sources, signature, .. } = Signed::clone(signed);
+                *self = Self::signed(sources, points.into(), signature, self.set)?;
+                return Ok(());
+            }
+            Rows::Stored { .. } => return Err(Error::given_points()),
         };
         sources.check_points(points)?;
         match (Arc::get_mut(frame), Arc::get_mut(old)) {
@@ -341,10 +378,11 @@ impl Propagation {
                 let points = chosen.iter().map(|&j| points[j]).collect();
                 Self::at(Arc::clone(sources), points, self.set)
             }
-            Rows::Stored { matrix, reference, .. } => {
+            Rows::Stored { matrix, reference, signed, .. } => {
                 let rows = matrix.chunks(self.count);
                 let picked = rows.flat_map(|row| chosen.iter().map(move |&j| row[j])).collect();
-                Self::stored(picked, chosen.len(), *reference, self.set)
+                let signed = signed.as_ref().map(|signed| signed.select(chosen).into());
+                Self::stored(picked, chosen.len(), *reference, self.set, signed)
             }
         }
     }
@@ -353,7 +391,7 @@ impl Propagation {
     pub(crate) fn stretched(&self, factors: &[f64]) -> Self {
         let entry = |k: usize| self.exact(k % self.count, k / self.count) * factors[k % self.count];
         let entries = (0..self.transducers() * self.count).map(entry).collect();
-        Self::stored(entries, self.count, self.reference(), self.set)
+        Self::stored(entries, self.count, self.reference(), self.set, None)
     }
 
     fn padded_points<'a>(&self, frame: &'a [Vec<f32>; 3]) -> ControlPoints<'a> {

@@ -107,13 +107,15 @@ impl Sources {
 
     /// Refuses points nearer to transducer `i` than a hundredth of the wavelength.
     pub(crate) fn check_distances(&self, i: usize, points: &[[f64; 3]]) -> Result<(), Error> {
+        points.iter().enumerate().try_for_each(|(j, &point)| self.check_distance(i, j, point))
+    }
+
+    /// Refuses point `j` nearer to transducer `i` than that.
+    pub(crate) fn check_distance(&self, i: usize, j: usize, point: [f64; 3]) -> Result<(), Error> {
         let least = self.medium.wavelength() / 100.0;
-        let position = self.array.positions()[i];
-        for (point, at) in points.iter().enumerate() {
-            let distance = distance(position, *at);
-            if distance < least {
-                return Err(Error::TooNear { point, transducer: i, distance, least });
-            }
+        let distance = distance(self.array.positions()[i], point);
+        if distance < least {
+            return Err(Error::TooNear { point: j, transducer: i, distance, least });
         }
         Ok(())
     }

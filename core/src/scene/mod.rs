@@ -12,6 +12,8 @@ pub(crate) mod plane;
 pub(crate) mod plausibility;
 pub mod presets;
 pub(crate) mod request;
+pub(crate) mod signature;
+pub(crate) mod slopes;
 pub(crate) mod start;
 pub(crate) mod transducer;
 pub(crate) mod value;
@@ -27,6 +29,7 @@ pub use plane::{Axis, Plane};
 pub use plausibility::Doubt;
 pub(crate) use plausibility::{Vicinity, contrary};
 pub use request::Request;
+pub use signature::Signature;
 pub use start::Start;
 pub(crate) use start::check_drive;
 pub use transducer::{Directivity, Transducer};
@@ -55,6 +58,7 @@ pub struct Scene {
     medium: Medium,
     points: Vec<[f64; 3]>,
     request: Request,
+    signature: Option<Signature>,
     /// The solver a scene file names.
     pub solver: Option<Choice>,
     /// The plane a scene file asks pictures of.
@@ -71,7 +75,23 @@ impl Scene {
         check_array(&array, medium)?;
         request.check(points.len())?;
         check_places(array.centre(), medium, "points", ".position", &points)?;
-        Ok(Self { array, medium, points, request, solver: None, plane: None })
+        Ok(Self { array, medium, points, request, signature: None, solver: None, plane: None })
+    }
+
+    /// The same scene with foci to be turned into traps by a signature, or with none.
+    ///
+    /// # Errors
+    /// Given factors of another modulus than 1, or not one for each transducer (and point).
+    pub fn with_signature(mut self, signature: Option<Signature>) -> Result<Self, Error> {
+        signature.as_ref().map_or(Ok(()), |signature| signature.check(self.array.len(), self.points.len()))?;
+        self.signature = signature;
+        Ok(self)
+    }
+
+    /// What turns the foci into traps.
+    #[must_use]
+    pub fn signature(&self) -> Option<&Signature> {
+        self.signature.as_ref()
     }
 
     /// The array.

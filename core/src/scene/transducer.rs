@@ -38,7 +38,7 @@ pub enum Directivity {
 }
 
 /// D of the T4010A1 at 0, 10, ..., 90 degrees (values of the AUTD3 software's transducer table).
-const T4010A1: [f64; 10] = [1.0, 1.0, 1.0, 0.8913, 0.7079, 0.5012, 0.3548, 0.2512, 0.1995, 0.1778];
+pub(crate) const T4010A1: [f64; 10] = [1.0, 1.0, 1.0, 0.8913, 0.7079, 0.5012, 0.3548, 0.2512, 0.1995, 0.1778];
 
 /// The directivities that a scene file knows, with the parameter that a bare name stands for.
 const KNOWN: [Directivity; 5] = [
@@ -146,6 +146,11 @@ fn jinc(x: f64) -> f64 {
 /// The monotone cubic through `values` at 0, 1, 2, ... (Fritsch and Butland 1984: harmonic-mean slopes, so that
 /// no overshoot is invented between measured values; one-sided three-point slopes at the ends).
 fn pchip(values: &[f64; 10], x: f64) -> f64 {
+    pchip_piece(values, x)[0]
+}
+
+/// The same as its Taylor coefficients at x.
+pub(crate) fn pchip_piece(values: &[f64; 10], x: f64) -> [f64; 4] {
     let step = |i: usize| values[i + 1] - values[i];
     let slope = |i: usize| -> f64 {
         let end = |first: f64, second: f64| {
@@ -168,7 +173,7 @@ fn pchip(values: &[f64; 10], x: f64) -> f64 {
     let i = (x as usize).min(8);
     let u = x - i as f64;
     let [c0, c1, c2, c3] = hermite(values[i], values[i + 1], slope(i), slope(i + 1));
-    ((c3 * u + c2) * u + c1) * u + c0
+    [((c3 * u + c2) * u + c1) * u + c0, (3.0 * c3 * u + 2.0 * c2) * u + c1, 3.0 * c3 * u + c2, c3]
 }
 
 /// The cubic c0 + c1 u + c2 u^2 + c3 u^3 with the given values and slopes at u = 0 and u = 1.

@@ -1,7 +1,7 @@
 //! The scene file: what it says.
 
 use midair::files::{Format, Provenance, Source, read, read_from, references, write};
-use midair::{Axis, Directivity, Error, Plane, Scene, Value};
+use midair::{Axis, Directivity, Error, Plane, Scene, Signature, Value};
 
 const WHOLE: &str = r#"
 [medium]
@@ -73,6 +73,7 @@ response = [[1, 0], [0.5, -0.25]]";
         with("grid = { nx = 4, ny = 3, pitch = 10e-3 }", "preset = \"autd3\"\ntiles = [2, 1]"),
         with("directivity = { piston = 4.5e-3 }", "directivity = \"t4010a1\""),
         with("z = 0.15", "axis = \"y\"\nat = 0.01\ncenter = [0.02, 0.1]"),
+        with("[medium]", "signature = \"twin\"\n[medium]"),
         with("order = \"rows\"", "order = [3, 1, 0, 2, 4, 5, 6, 7, 8, 9, 10, 11]\nseed = 9007199254740993"),
     ];
     for text in texts {
@@ -165,4 +166,19 @@ fn positions_may_lie_in_a_file_beside_the_scene() {
     let named = references(text.as_bytes(), Format::Toml, source).expect("a document");
     assert_eq!(named, [folder.join("bowl.csv")]);
     std::fs::remove_dir(&folder).expect("an empty folder");
+}
+
+#[test]
+fn a_signature_is_read_by_name() {
+    let text = |name: &str| with("[medium]", &format!("signature = {name}\n[medium]"));
+    assert_eq!(toml(&text("\"Vortex\"")).expect("a scene").signature(), Some(&Signature::Vortex));
+    let refused = |name: &str| toml(&text(name)).unwrap_err().to_string();
+    assert!(
+        refused("\"bottle\"").contains("line 2, column 13: unknown signature \"bottle\": known are trap, twin, vortex")
+    );
+    assert!(refused("[1, 1]").contains("signature"), "{}", refused("[1, 1]"));
+    let given = Signature::Given(vec![midair::Complex64::ONE; 12].into());
+    let scene = toml(WHOLE).and_then(|scene| scene.with_signature(Some(given))).expect("a scene");
+    let refused = write(&scene, Format::Toml, &Provenance::default()).unwrap_err().to_string();
+    assert!(refused.starts_with("signature is a list of factors: files know trap, twin and vortex"), "{refused}");
 }

@@ -30,5 +30,6 @@ mod range;
 mod registry;
 mod scenes;
 mod session;
+mod traps;
 mod unsafe_code;
 mod upper_bound;

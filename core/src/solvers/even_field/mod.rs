@@ -17,8 +17,6 @@ pub(crate) mod search;
 pub(crate) mod targets;
 pub(crate) mod weighted_sweeps;
 
-use alloc::vec::Vec;
-
 use crate::control::Control;
 use crate::error::Error;
 use crate::linalg::Planar;
@@ -47,15 +45,13 @@ pub(crate) fn solve(
     let moduli = work.floats.take(problem.propagation().lanes());
     // A start that is given is the only one.
     let plans = if problem.has_start() { &plans[plans.len() - 1..] } else { plans };
-    let (plan, steps) = (&plans[0], common_level::MOST_STEPS);
-    let more = plan.for_regular();
-    let denser: Vec<Plan> = plans.iter().map(|plan| plan.for_crowded(rows.targeted)).collect();
+    let (plan, steps) = (plans[0], common_level::MOST_STEPS);
     let mut run = Run { problem, rows, plan, work, control, step: 0, steps, stopped: false, moduli };
     let mut search = Search::new(rows, work);
-    let symmetric = problem.propagation().control_points().is_some_and(regular::regular);
-    let extra = (symmetric && !problem.has_start()).then_some(&more);
+    let symmetric = problem.propagation().control_points().is_some_and(|points| regular::regular(points, work));
+    let extra = (symmetric && !problem.has_start()).then(|| plan.for_regular());
     let mut crowded = false;
-    for plan in plans.iter().chain(extra) {
+    for plan in plans.iter().copied().chain(extra) {
         crowded |= search.level(&mut run, &foci, plan)?;
         if run.stopped || crowded {
             break;
@@ -67,8 +63,8 @@ pub(crate) fn solve(
         nearest = Some(targets::approach(&mut run, &mut search)?);
     }
     if crowded && !(wanted && search.reaches(rows.target)) {
-        for plan in &denser {
-            search.climb(&mut run, &foci, plan)?;
+        for plan in plans {
+            search.climb(&mut run, &foci, plan.for_crowded(rows.targeted))?;
         }
     }
     if let Some(nearest) = nearest

@@ -6,6 +6,7 @@ use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::{Buffer, Workspace};
 
 /// How much work to spend.
+#[derive(Clone, Copy)]
 pub(crate) struct Plan {
     /// Point phases tried: one on G, several on the matrix of couplings.
     pub(crate) starts: usize,
@@ -67,7 +68,7 @@ impl Wave<'_> {
 pub(super) struct Run<'a, 'b, 'w> {
     pub(super) problem: &'a Problem,
     pub(super) rows: &'a Rows<'w>,
-    pub(super) plan: &'a Plan,
+    pub(super) plan: Plan,
     pub(super) work: &'w Workspace,
     pub(super) control: &'a mut Control<'b>,
     pub(super) step: usize,

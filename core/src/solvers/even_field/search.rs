@@ -54,9 +54,9 @@ impl<'w> Search<'w> {
     ///
     /// # Errors
     /// More memory than allowed.
-    pub(super) fn level<'a>(&mut self, run: &mut Run<'a, '_, 'w>, foci: &Foci, plan: &'a Plan) -> Result<bool, Error> {
+    pub(super) fn level(&mut self, run: &mut Run<'_, '_, 'w>, foci: &Foci, plan: Plan) -> Result<bool, Error> {
         let (rows, mut crowded) = (run.rows, false);
-        let starts = Starts::new(run.problem, rows, foci, plan, run.work, run.control)?;
+        let starts = Starts::new(run.problem, rows, foci, &plan, run.work, run.control)?;
         run.plan = plan;
         run.steps += starts.count * (1 + plan.sweeps + MOST_STEPS);
         for start in 0..starts.count {
@@ -77,9 +77,9 @@ impl<'w> Search<'w> {
     ///
     /// # Errors
     /// More memory than allowed.
-    pub(super) fn climb<'a>(&mut self, run: &mut Run<'a, '_, 'w>, foci: &Foci, plan: &'a Plan) -> Result<(), Error> {
+    pub(super) fn climb(&mut self, run: &mut Run<'_, '_, 'w>, foci: &Foci, plan: Plan) -> Result<(), Error> {
         let rows = run.rows;
-        let starts = Starts::new(run.problem, rows, foci, plan, run.work, run.control)?;
+        let starts = Starts::new(run.problem, rows, foci, &plan, run.work, run.control)?;
         run.plan = plan;
         run.steps += starts.count * (1 + plan.sweeps + CLIMB_STEPS + MOST_STEPS);
         for start in 0..starts.count {

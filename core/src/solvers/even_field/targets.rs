@@ -45,7 +45,7 @@ pub(crate) fn met(
         return Ok(None);
     }
     let rows = &Rows::alike(problem, work, control)?;
-    let plan = &Plan::alone(0, f64::from(NEARLY));
+    let plan = Plan::alone(0, f64::from(NEARLY));
     let moduli = work.floats.take(propagation.lanes());
     let steps = steps + MOST_STEPS;
     let mut run = Run { problem, rows, plan, work, control, step, steps, stopped: false, moduli };

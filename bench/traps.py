@@ -1,0 +1,51 @@
+"""How strong traps between two OpenMPD boards are, by signature: the table of docs/traps.md, as Markdown.
+
+Ten scenes each of 1, 2, 4 and 8 points at random, 20 mm apart or more, up to 50 mm from the axis along x
+and y and 20 mm along z. A scene's figure is the least stiffness over its points and axes, as a part of what
+L-BFGS finds over all phases from two starts (python/tests/traps.py); "held" counts the scenes of which every
+stiffness is above 0. About a minute; OMP_NUM_THREADS=1 helps where the cores are few.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import midair
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "python" / "tests"))
+
+import traps
+
+SCENES = 10
+
+
+def main() -> None:
+    """Solve the scenes and print the table."""
+    positions, normals = traps.openmpd()
+    array = midair.Array(positions, normals)
+    methods = ["trap, one solve", "trap, evened", "twin", "vortex"]
+    print("| | " + " | ".join(f"M = {count}" for count in (1, 2, 4, 8)) + " |", "|---" * 5 + "|", sep="\n")
+    rows = {method: [] for method in methods}
+    for count in (1, 2, 4, 8):
+        parts = {method: [] for method in methods}
+        for seed in range(SCENES):
+            points = traps.scattered(count, [0.05, 0.05, 0.02], 0.02, seed)
+            scene = midair.Scene(array, points, signature="trap")
+            evened = traps.evened(scene)
+            start = np.random.default_rng(seed).uniform(0, 2 * np.pi, len(positions))
+            best = traps.least(scene, traps.direct(positions, points, [np.angle(evened), start])).min()
+            drives = {"trap, one solve": midair.solve(scene), "trap, evened": evened}
+            for name in ("twin", "vortex"):
+                drives[name] = midair.solve(scene.replace(signature=name))
+            for method, drive in drives.items():
+                parts[method].append(traps.least(scene, drive).min() / best)
+        for method, found in parts.items():
+            held = sum(part > 0 for part in found)
+            rows[method].append(f"{np.mean(found):.2f} ({min(found):.2f}), {held} of {SCENES} held")
+    for method, cells in rows.items():
+        print(f"| {method} | " + " | ".join(cells) + " |")
+
+
+if __name__ == "__main__":
+    main()

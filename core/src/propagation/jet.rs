@@ -1,0 +1,140 @@
+//! Jet: a function of a place by its Taylor polynomial of degree 3 around a point, so that derivatives are exact.
+
+/// Number of monomials x^a y^b z^c of degree up to 3.
+const TERMS: usize = 20;
+
+/// Exponents of the monomials, by degree.
+const EXPONENTS: [[u8; 3]; TERMS] = {
+    let mut exponents = [[0; 3]; TERMS];
+    let (mut next, mut degree) = (0, 0);
+    while degree <= 3 {
+        let mut a = degree + 1;
+        while a > 0 {
+            a -= 1;
+            let mut b = degree - a + 1;
+            while b > 0 {
+                b -= 1;
+                exponents[next] = [a, b, degree - a - b];
+                next += 1;
+            }
+        }
+        degree += 1;
+    }
+    exponents
+};
+
+/// The place of a monomial among them.
+const fn place(of: [u8; 3]) -> usize {
+    let mut at = 0;
+    while EXPONENTS[at][0] != of[0] || EXPONENTS[at][1] != of[1] || EXPONENTS[at][2] != of[2] {
+        at += 1;
+    }
+    at
+}
+
+/// Number of pairs of monomials whose product is one of them.
+const PAIRS: usize = 84;
+
+/// Those pairs, and the place of their product.
+const PRODUCTS: [[usize; 3]; PAIRS] = {
+    let mut products = [[0; 3]; PAIRS];
+    let (mut next, mut i) = (0, 0);
+    while i < TERMS {
+        let mut j = 0;
+        while j < TERMS {
+            let (a, b) = (EXPONENTS[i], EXPONENTS[j]);
+            let sum = [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+            if sum[0] + sum[1] + sum[2] <= 3 {
+                products[next] = [i, j, place(sum)];
+                next += 1;
+            }
+            j += 1;
+        }
+        i += 1;
+    }
+    products
+};
+
+/// Coefficients of the monomials in the displacement from the point, constant first.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Jet([f64; TERMS]);
+
+impl Jet {
+    pub(crate) const ZERO: Self = Self([0.0; TERMS]);
+
+    /// `value` + `slope` . d + `curvature` |d|^2.
+    pub(crate) fn quadratic(value: f64, slope: [f64; 3], curvature: f64) -> Self {
+        let mut jet = Self::ZERO;
+        jet.0[0] = value;
+        for axis in 0..3 {
+            jet.0[1 + axis] = slope[axis];
+            jet.0[place(second(axis, axis))] = curvature;
+        }
+        jet
+    }
+
+    /// Adds `factor` times another.
+    pub(crate) fn add(&mut self, other: &Self, factor: f64) {
+        self.0.iter_mut().zip(&other.0).for_each(|(own, other)| *own += factor * other);
+    }
+
+    pub(crate) fn times(&self, other: &Self) -> Self {
+        let mut product = Self::ZERO;
+        for [i, j, at] in PRODUCTS {
+            product.0[at] += self.0[i] * other.0[j];
+        }
+        product
+    }
+
+    /// First, second and third power of what it is above its value: what functions of it are series in.
+    pub(crate) fn powers(&self) -> [Self; 3] {
+        let mut first = *self;
+        first.0[0] = 0.0;
+        let second = first.times(&first);
+        [first, second, second.times(&first)]
+    }
+
+    /// A function by its Taylor coefficients at a value, of what has these [`Jet::powers`] there.
+    pub(crate) fn series(coefficients: [f64; 4], powers: &[Self; 3]) -> Self {
+        let mut jet = Self::ZERO;
+        jet.0[0] = coefficients[0];
+        powers.iter().zip(&coefficients[1..]).for_each(|(power, coefficient)| jet.add(power, *coefficient));
+        jet
+    }
+
+    /// The derivative along an axis: exact up to degree 2.
+    pub(crate) fn derivative(&self, axis: usize) -> Self {
+        let mut derivative = Self::ZERO;
+        for (exponents, coefficient) in EXPONENTS.iter().zip(&self.0) {
+            if exponents[axis] > 0 {
+                let mut lower = *exponents;
+                lower[axis] -= 1;
+                derivative.0[place(lower)] += f64::from(exponents[axis]) * coefficient;
+            }
+        }
+        derivative
+    }
+
+    /// The value at the point.
+    pub(crate) fn value(&self) -> f64 {
+        self.0[0]
+    }
+
+    /// The gradient at the point.
+    pub(crate) fn gradient(&self) -> [f64; 3] {
+        [self.0[1], self.0[2], self.0[3]]
+    }
+
+    /// The second derivatives at the point.
+    pub(crate) fn hessian(&self) -> [[f64; 3]; 3] {
+        [0, 1, 2].map(|x| [0, 1, 2].map(|y| if x == y { 2.0 } else { 1.0 } * self.0[place(second(x, y))]))
+    }
+}
+
+/// The exponents of a product of two coordinates.
+fn second(x: usize, y: usize) -> [u8; 3] {
+    let mut exponents = [0; 3];
+    exponents[x] += 1;
+    exponents[y] += 1;
+    exponents
+}

@@ -1,0 +1,158 @@
+//! Signature: what turns a focus into a trap, a factor of modulus 1 for each transducer and point.
+
+use alloc::format;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+use num_complex::Complex64;
+
+use crate::error::{Error, find};
+use crate::math;
+use crate::scene::Array;
+
+/// Factors s_ji that multiply the transducers' responses while a scene is solved, and are no part of what is played: a
+/// drive q whose `sum_i G_ji s_ji q_i` is a strong focus at point j has the real field `sum_i G_ji q_i`, a trap there.
+///
+/// The array's axis a is the direction that its normals have most in common (the leading eigenvector of the sum of
+/// n n^T); its sides, seen from a point x, are the transducers below it, (x - x_i) a > 0, and those above it. All of it
+/// is taken at each point anew.
+///
+/// Twin traps and vortices are those of Marzo et al., Nature Communications 6, 8661 (2015).
+///
+/// ```
+/// use midair::{Array, Control, Medium, Problem, Request, Scene, Signature, Workspace, solvers::Uniform};
+///
+/// let point = [0.0, 0.0, 0.1];
+/// let array = Array::grid(16, 16, 10.5e-3)?;
+/// let scene = Scene::new(array, Medium::default(), vec![point], Request::default())?;
+/// let scene = scene.with_signature(Some(Signature::Twin))?;
+/// let problem = Problem::new(&scene)?;
+/// let solution = midair::solve(&problem, &Uniform::default(), true, &mut Workspace::new(), &mut Control::none())?;
+/// // The focus that was turned into a trap, and the silence that is in its place.
+/// let model = midair::Model::of(&scene, midair::InstructionSet::best());
+/// let field = midair::field(&model, &solution.drive, &[point], &mut Control::none())?;
+/// assert!(solution.pressures[0].norm() > 5e3 && field[0].norm() < 1.0);
+/// # Ok::<(), midair::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Signature {
+    /// The strongest trap in all three axes that this array is known to make at a point. Where its sides face each other,
+    /// and the weaker one gives at least half the other's pressure: pi for the side above, a standing wave with a node of
+    /// the pressure at the point. Else [`Signature::Vortex`], whose least stiffness is the best of the known ones.
+    Trap,
+    /// pi for the half of the array at x below the point's (at y, for an array along x): the two halves cancel in a plane
+    /// through the point.
+    Twin,
+    /// The azimuth of each transducer around the array's axis through the point.
+    Vortex,
+    /// Factors of modulus 1: (N,) for all points, or (M, N), point by point.
+    Given(Arc<[Complex64]>),
+}
+
+/// The signatures known by name.
+const KNOWN: [(&str, Signature); 3] =
+    [("trap", Signature::Trap), ("twin", Signature::Twin), ("vortex", Signature::Vortex)];
+
+/// The weaker side's part of the stronger one's pressure from which on a standing wave traps better than a vortex: found
+/// with two boards of 16 x 16 at 10.5 mm, 236.5 mm apart, and points from the middle to one of them.
+const FACING: f64 = 0.5;
+
+/// Moduli that are 1 to rounding in f32.
+const ROUNDING: f64 = 1e-6;
+
+impl Signature {
+    /// The signature of a name.
+    ///
+    /// # Errors
+    /// A name of none.
+    pub fn named(name: &str) -> Result<Self, Error> {
+        find("signature", name, &KNOWN, |known| known.0).map(|known| known.1.clone())
+    }
+
+    /// Its name; given factors have none.
+    #[must_use]
+    pub fn name(&self) -> Option<&'static str> {
+        KNOWN.iter().find(|(_, known)| known == self).map(|known| known.0)
+    }
+
+    /// Refuses factors that are of another modulus than 1, or too many or few.
+    pub(crate) fn check(&self, transducers: usize, points: usize) -> Result<(), Error> {
+        let Self::Given(factors) = self else { return Ok(()) };
+        if factors.len() != transducers && factors.len() != transducers * points {
+            let cure =
+                format!("give one for each of the {transducers} transducers, or as many for each of {points} points");
+            return Err(Error::invalid("signature", format!("{} factors", factors.len()), cure));
+        }
+        let refused = |s: &Complex64| !(1.0 - ROUNDING..=1.0 + ROUNDING).contains(&math::hypot(s.re, s.im));
+        match factors.iter().position(refused) {
+            None => Ok(()),
+            Some(at) => {
+                let item = format!("signature[{}, {}]", at / transducers, at % transducers);
+                Err(Error::invalid(item, factors[at], "give factors of modulus 1, e^{j phase}"))
+            }
+        }
+    }
+
+    /// The factors (N,) of point `j` at `point`; `reach` (N,) is |G| of each transducer there.
+    pub(crate) fn factors(&self, array: &Array, j: usize, point: [f64; 3], reach: &[f64]) -> Vec<Complex64> {
+        let n = array.len();
+        if let Self::Given(factors) = self {
+            let own = if factors.len() == n { 0..n } else { j * n..(j + 1) * n };
+            return factors[own].to_vec();
+        }
+        let [across, third, axis] = frame(array.normals());
+        let from = array.positions().iter().map(|from| [0, 1, 2].map(|x| from[x] - point[x]));
+        let sign = |below: bool| Complex64::new(if below { -1.0 } else { 1.0 }, 0.0);
+        if *self == Self::Twin {
+            return from.map(|from| sign(dot(from, across) < 0.0)).collect();
+        }
+        if *self == Self::Trap {
+            let above: Vec<bool> = from.clone().map(|from| dot(from, axis) > 0.0).collect();
+            let mut sides = [0.0; 2];
+            above.iter().zip(reach).for_each(|(&above, reach)| sides[usize::from(above)] += reach);
+            if sides[0].min(sides[1]) >= FACING * sides[0].max(sides[1]) {
+                return above.into_iter().map(sign).collect();
+            }
+        }
+        from.map(|from| {
+            let [x, y] = [dot(from, across), dot(from, third)];
+            let r = math::hypot(x, y);
+            if r > 0.0 { Complex64::new(x / r, y / r) } else { Complex64::ONE }
+        })
+        .collect()
+    }
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|x| a[x] * b[x]).sum()
+}
+
+/// Unit vectors: across the array (as near to x as can be, or to y for an array along x), the third of a right-handed
+/// frame, and the array's axis, its largest component above 0.
+fn frame(normals: &[[f64; 3]]) -> [[f64; 3]; 3] {
+    let mut scatter = [[0.0; 3]; 3];
+    for n in normals {
+        for (row, x) in scatter.iter_mut().zip(n) {
+            row.iter_mut().zip(n).for_each(|(entry, y)| *entry += x * y);
+        }
+    }
+    // Squared over and over, a matrix tends to the projection on its leading eigenvector.
+    for _ in 0..40 {
+        let trace = scatter[0][0] + scatter[1][1] + scatter[2][2];
+        let old = scatter.map(|row| row.map(|entry| entry / trace));
+        scatter = [0, 1, 2].map(|x| [0, 1, 2].map(|y| (0..3).map(|k| old[x][k] * old[k][y]).sum()));
+    }
+    let largest = (0..3).fold(0, |best, x| if scatter[x][x] > scatter[best][best] { x } else { best });
+    let axis = normalised(scatter[largest]);
+    let near = if axis[0].abs() > 0.9 { [0.0, 1.0, 0.0] } else { [1.0, 0.0, 0.0] };
+    let along = dot(near, axis);
+    let across = normalised([0, 1, 2].map(|x| near[x] - along * axis[x]));
+    let third = [[1, 2], [2, 0], [0, 1]].map(|[y, z]| axis[y] * across[z] - axis[z] * across[y]);
+    [across, third, axis]
+}
+
+fn normalised(v: [f64; 3]) -> [f64; 3] {
+    let length = math::sqrt(dot(v, v));
+    v.map(|x| x / length)
+}

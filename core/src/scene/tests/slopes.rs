@@ -1,0 +1,67 @@
+//! Tests of `slopes`.
+
+use super::*;
+
+/// A bound on the fourth Taylor coefficient.
+fn most(s: f64) -> f64 {
+    1.0 + s * s + 0.1 * s * s * s + 1e-4 * s * s * s * s
+}
+
+#[test]
+fn slopes_are_those_of_the_directivity() {
+    // Around the arguments where the series gives way, and for beams of many lobes.
+    let h = 1e-3;
+    for directivity in [
+        Directivity::Point,
+        Directivity::Piston(4.5e-3),
+        Directivity::Piston(50e-3),
+        Directivity::Sinc(9e-3),
+        Directivity::Sinc(60e-3),
+        Directivity::Cos(0.0),
+        Directivity::Cos(1.0),
+        Directivity::Cos(3.376),
+    ] {
+        for step in 1..=197 {
+            let c = 0.005 * f64::from(step);
+            let [d, d1, d2, d3] = directivity.taylor(c, 739.0);
+            assert!((d - directivity.value(c, 739.0)).abs() < 1e-13, "{directivity:?} at {c}");
+            // Its polynomial against itself nearby, to the fourth order.
+            for x in [-h, h] {
+                let near = directivity.taylor((c + x).min(1.0), 739.0)[0];
+                let error = (((d3 * x + d2) * x + d1) * x + d - near).abs();
+                // D is a function of s sin^2(theta), whose derivatives are below 1e-4 at the fourth order.
+                let square = |x: f64| (739.0 * x) * (739.0 * x);
+                let fourth = match directivity {
+                    Directivity::Piston(radius) => most(square(radius)),
+                    Directivity::Sinc(width) => most(square(width / 2.0)),
+                    _ => 50.0 / (c * c * c),
+                };
+                assert!(error <= fourth * h * h * h * h + 1e-14, "{directivity:?} at {c}: {error:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn measured_slopes_are_those_of_the_cubics_between_the_angles() {
+    let directivity = Directivity::T4010a1;
+    for degrees in [3.0_f64, 12.0, 17.0, 23.0, 36.0, 55.0, 78.0, 84.0] {
+        let c = math::cos(degrees.to_radians());
+        let [d, d1, d2, d3] = directivity.taylor(c, 739.0);
+        assert!((d - directivity.value(c, 739.0)).abs() < 1e-14);
+        for x in [-2e-4, 2e-4] {
+            let near = directivity.value(c + x, 739.0);
+            assert!((((d3 * x + d2) * x + d1) * x + d - near).abs() < 1e-11, "{degrees} degrees");
+        }
+    }
+}
+
+#[test]
+fn a_baffle_and_the_axis_have_slopes_too() {
+    for directivity in [Directivity::Piston(4.5e-3), Directivity::Sinc(9e-3), Directivity::T4010a1] {
+        assert_eq!(directivity.taylor(-0.1, 739.0), [0.0; 4]);
+        let front = directivity.taylor(1.0, 739.0);
+        assert!(front[0] == 1.0 && front.iter().all(|slope| slope.is_finite()));
+        assert_eq!(directivity.taylor(1.0 + 1e-15, 739.0), front);
+    }
+}

@@ -1,0 +1,150 @@
+//! Traps: Gor'kov's potential against its own differences, and signatures through every way to a solution.
+
+use core::ops::ControlFlow;
+
+use midair::solvers::Uniform;
+use midair::{
+    Array, Ask, Complex32, Complex64, Control, Directivity, Error, InstructionSet, Medium, Model, Particle, Problem,
+    Progress, Propagation, Request, Scene, Session, Signature, Transducer, Workspace, gorkov,
+};
+
+/// Two boards of 8 x 8 that face each other along an axis, 0.1 m apart.
+fn facing(axis: usize) -> Array {
+    let (mut positions, mut normals) = (Vec::new(), Vec::new());
+    for (side, i) in [-1.0, 1.0].into_iter().flat_map(|side| (0..64).map(move |i| (side, i))) {
+        let [u, v] = [f64::from(i % 8) - 3.5, f64::from(i / 8) - 3.5];
+        let (mut position, mut normal) = ([0.0105 * u, 0.0105 * v, 0.05 * side], [0.0, 0.0, -side]);
+        position.rotate_right((axis + 1) % 3);
+        normal.rotate_right((axis + 1) % 3);
+        positions.push(position);
+        normals.push(normal);
+    }
+    let transducer = Transducer { directivity: Directivity::Piston(4.5e-3), ..Transducer::default() };
+    Array::new(positions, Some(normals)).and_then(|array| array.with_transducer(transducer)).expect("an array")
+}
+
+fn scene(axis: usize, points: &[[f64; 3]], signature: Signature) -> Scene {
+    let scene = Scene::new(facing(axis), Medium::default(), points.to_vec(), Request::default());
+    scene.and_then(|scene| scene.with_signature(Some(signature))).expect("a scene")
+}
+
+fn solved(scene: &Scene) -> midair::Solution {
+    let problem = Problem::new(scene).expect("a problem");
+    midair::solve(&problem, &Uniform::default(), true, &mut Workspace::new(), &mut Control::none()).expect("a drive")
+}
+
+#[test]
+fn force_and_stiffness_are_the_slopes_of_the_potential() {
+    let scene = scene(2, &[[0.004, -0.003, 0.006]], Signature::Trap);
+    let drive = solved(&scene).drive;
+    let model = Model::of(&scene, InstructionSet::best());
+    let felt =
+        |at: [f64; 3]| gorkov(&model, &drive, &[at], Particle::default(), &mut Control::none()).expect("a force");
+    let at = [0.0052, -0.0017, 0.0071];
+    let here = felt(at);
+    let h = 2e-6;
+    for axis in 0..3 {
+        let [low, high] = [-h, h].map(|h| {
+            let mut near = at;
+            near[axis] += h;
+            felt(near)
+        });
+        let force = (low.potential[0] - high.potential[0]) / (2.0 * h);
+        let strongest = here.force[0].iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        assert!((force - here.force[0][axis]).abs() < 1e-5 * strongest);
+        let stiffest = here.hessian[0][2][2].abs();
+        for other in 0..3 {
+            let slope = (low.force[0][other] - high.force[0][other]) / (2.0 * h);
+            assert!((slope - here.hessian[0][axis][other]).abs() < 1e-5 * stiffest);
+            assert_eq!(here.hessian[0][axis][other], here.hessian[0][other][axis]);
+        }
+    }
+}
+
+#[test]
+fn boards_trap_whatever_axis_they_face_along() {
+    for axis in 0..3 {
+        let scene = scene(axis, &[[0.0; 3], [0.01, 0.01, 0.01]], Signature::Trap);
+        let model = Model::of(&scene, InstructionSet::best());
+        let felt = gorkov(&model, &solved(&scene).drive, scene.points(), Particle::default(), &mut Control::none());
+        for stiffness in felt.expect("a force").hessian {
+            assert!((0..3).all(|x| stiffness[x][x] > 0.0), "axis {axis}: {stiffness:?}");
+        }
+    }
+}
+
+#[test]
+fn a_single_board_has_a_vortex_for_a_trap() {
+    let array = Array::grid(16, 16, 10.5e-3).expect("an array");
+    let of = |signature| {
+        let scene = Scene::new(array.clone(), Medium::default(), vec![[0.01, 0.0, 0.1]], Request::default());
+        let scene = scene.and_then(|scene| scene.with_signature(Some(signature))).expect("a scene");
+        Problem::new(&scene).expect("a problem").propagation().clone()
+    };
+    let (trap, vortex) = (of(Signature::Trap), of(Signature::Vortex));
+    assert!((0..256).all(|i| trap.exact(0, i) == vortex.exact(0, i)));
+    assert!((0..256).any(|i| trap.exact(0, i) != of(Signature::Twin).exact(0, i)));
+}
+
+#[test]
+fn a_session_and_points_without_weight_keep_the_signature() {
+    let points = [[0.0; 3], [0.01, 0.0, 0.01], [0.0, -0.01, 0.02]];
+    let whole = scene(2, &points, Signature::Trap);
+    let expected = solved(&whole);
+    assert_eq!(expected.scene().as_ref(), Some(&whole));
+    let model = Model::of(&whole, InstructionSet::best());
+    let mut session = Session::new(model, std::sync::Arc::new(Uniform::default()) as std::sync::Arc<_>, true);
+    // Other points and numbers of points in between.
+    for count in [1, 3, 2, 3] {
+        let ask = Ask { points: points[..count].to_vec(), ..Ask::default() };
+        let solution = session.solve(&ask, &mut Control::none()).expect("a drive");
+        assert!(count < 3 || solution.drive == expected.drive);
+    }
+    let request = Request { weights: Some(vec![1.0, 0.0, 1.0]), ..Request::default() };
+    let weighted = Scene::new(whole.array().clone(), Medium::default(), points.to_vec(), request);
+    let weighted = weighted.and_then(|scene| scene.with_signature(Some(Signature::Trap))).expect("a scene");
+    let two = scene(2, &[points[0], points[2]], Signature::Trap);
+    assert_eq!(solved(&weighted).drive, solved(&two).drive);
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let array = facing(2);
+    let make = |factors: Vec<Complex64>| {
+        let scene = Scene::new(array.clone(), Medium::default(), vec![[0.0; 3]; 2], Request::default());
+        scene.and_then(|scene| scene.with_signature(Some(Signature::Given(factors.into())))).map(|_| ())
+    };
+    assert!(make(vec![Complex64::I; 128]).is_ok() && make(vec![Complex64::I; 256]).is_ok());
+    let told = |answer: Result<(), Error>| answer.expect_err("a refusal").to_string();
+    assert!(told(make(vec![Complex64::I; 384])).starts_with("signature is 384 factors: give one for each of the 128"));
+    let mut factors = vec![Complex64::I; 256];
+    factors[130] = Complex64::new(f64::NAN, 0.0);
+    assert!(told(make(factors)).starts_with("signature[1, 2] is NaN"));
+    let signed = Problem::new(&scene(2, &[[0.0; 3]], Signature::Twin)).expect("a problem").propagation().clone();
+    assert!(signed.with_mask(&[true; 128]).is_err());
+    let real = Propagation::of(&scene(2, &[[0.0; 3]], Signature::Twin));
+    assert!((0..128).all(|i| real.exact(0, i).re == real.exact(0, 127 - i).re));
+}
+
+/// One who says stop whenever asked.
+struct Stop;
+
+impl midair::Observe for Stop {
+    fn step(&mut self, _: Progress<'_>) -> ControlFlow<()> {
+        ControlFlow::Break(())
+    }
+
+    fn pulse(&mut self) -> ControlFlow<()> {
+        ControlFlow::Break(())
+    }
+}
+
+#[test]
+fn a_potential_can_be_stopped() {
+    let model = Model::new(&facing(2), Medium::default(), InstructionSet::best()).expect("a model");
+    let points = vec![[0.0, 0.0, 0.01]; 1000];
+    let drive = vec![Complex32::ONE; 128];
+    let mut stop = Stop;
+    let answer = gorkov(&model, &drive, &points, Particle::default(), &mut Control::watched(&mut stop));
+    assert_eq!(answer.expect_err("a stop"), Error::Stopped);
+}

@@ -1,0 +1,40 @@
+//! `signature=`: what turns foci into traps, as Python gives and shows it.
+
+use midair::{Complex64, Signature};
+use pyo3::prelude::*;
+use pyo3::types::PyString;
+
+use crate::error::{invalid, refused};
+use crate::give;
+use crate::numbers::{Numbers, numbers, told};
+use crate::read::NUMBER;
+
+/// A name, or factors (N,) or (M, N) for `transducers` of them.
+pub(crate) fn read_signature(value: &Bound<'_, PyAny>, transducers: usize) -> PyResult<Signature> {
+    if let Ok(name) = value.cast::<PyString>() {
+        return Signature::named(&name.to_string()).map_err(refused);
+    }
+    let cure = "give \"trap\", \"twin\", \"vortex\" or complex factors of shape (N,) or (M, N)";
+    let Numbers { values, shape } = numbers::<Complex64>("signature", value, NUMBER, cure)?;
+    if shape.len() > 2 || shape.last() != Some(&transducers) {
+        return Err(invalid("signature", &told(&shape), cure));
+    }
+    Ok(Signature::Given(values.into()))
+}
+
+/// A signature as it was given, its factors complex128.
+pub(crate) fn shown_signature<'py>(
+    py: Python<'py>,
+    signature: Option<&Signature>,
+    transducers: usize,
+) -> PyResult<Option<Bound<'py, PyAny>>> {
+    Ok(match signature {
+        Some(Signature::Given(factors)) if factors.len() == transducers => {
+            Some(give::list(py, factors.to_vec()).into_any())
+        }
+        Some(Signature::Given(factors)) => {
+            Some(give::table(py, factors.to_vec(), [factors.len() / transducers, transducers])?.into_any())
+        }
+        named => named.and_then(Signature::name).map(|name| PyString::new(py, name).into_any()),
+    })
+}
