@@ -94,6 +94,20 @@ class SolveFast(Solve, Fast): ...
 class SolverFast(Solver, Fast): ...
 class BatchFast(Batch, Fast): ...
 
+class Descent(TypedDict, total=False):
+    """least squares over all phases: pictures, and more points than can be even."""
+    steps: int | None
+    """Steps of the best start, at most."""
+    tolerance: float | None
+    """Ends when ten steps lower the error (the root of the residual) by less than this part of it."""
+    starts: int | None
+    """Starts, each followed for a fifth of the steps: all transducers in phase, then random phases at the points."""
+    seed: int | None
+    """Seed of these phases, 0 to 2^64 - 1."""
+class SolveDescent(Solve, Descent): ...
+class SolverDescent(Solver, Descent): ...
+class BatchDescent(Batch, Descent): ...
+
 class Lm(TypedDict, total=False):
     """Levenberg-Marquardt on all phases, |q| = 1."""
     steps: int | None

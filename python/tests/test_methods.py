@@ -162,14 +162,14 @@ def test_wgs_is_even_and_does_not_oscillate() -> None:
             assert even.uniformity >= plain.uniformity - 1e-6
 
 
-STARTED = ("uniform", "best", "lm", "gspat", "gs", "wgs", "sdp")
+STARTED = ("uniform", "best", "descent", "lm", "gspat", "gs", "wgs", "sdp", "bounded")
 
 
 @pytest.mark.parametrize("name", sorted(midair.solvers()))
 def test_a_start_is_used_or_refused(name: str) -> None:
     where = scene(4, 0)
     if name not in STARTED:
-        with pytest.raises(midair.SceneError, match="uniform, best, lm, gspat, gs, wgs, sdp"):
+        with pytest.raises(midair.SceneError, match="uniform, best, descent, lm, gspat, gs, wgs, sdp, bounded"):
             midair.solve(where, name, start=np.zeros(4))
         return
     first = midair.solve(where, name)

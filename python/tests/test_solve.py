@@ -14,7 +14,7 @@ REGRET = 1e-6
 
 #: One step a transducer, one step an iteration.
 KINDS = ("greedy", "wgs")
-BALANCED = {"fast", "wgs", "uniform", "best"}
+BALANCED = {"fast", "descent", "wgs", "uniform", "best"}
 WITH_AIM = {"uniform", "best"}
 
 

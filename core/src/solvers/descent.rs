@@ -57,7 +57,8 @@ impl Solve for Descent {
         if status != Status::Stopped
             && let Some(even) = met(problem, &drive, steps, work, control)?
         {
-            (drive, status) = (even, Status::Done);
+            work.complexes.give(core::mem::replace(&mut drive, even));
+            status = Status::Done;
         }
         Solution::new(problem, drive, (status, steps.0), steps.1, work, control)
     }

@@ -1,5 +1,6 @@
-//! Remarks: what a caller should hear beside an answer (targets beyond reach or too weak, phases left out of account,
-//! a scale left over).
+//! Remarks: what a caller should hear beside an answer.
+//!
+//! Targets beyond reach or too weak, phases left out of account, a scale left over.
 
 use core::fmt;
 

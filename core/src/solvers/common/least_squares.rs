@@ -183,6 +183,7 @@ impl<'w> Run<'w> {
             let drives = start.drives(problem.propagation().transducers(), work);
             let full = |q: &Complex32| if *q == Complex32::ZERO { Complex32::ONE } else { *q };
             wave.play_at_full(rows, drives.iter().map(full));
+            work.complexes.give(drives);
         }
         let mut run = Self {
             measure: Measure::Powers,

@@ -1,7 +1,5 @@
 //! Quasi-Newton directions of limited memory (L-BFGS; Nocedal and Wright 2006, algorithm 7.4).
 
-use alloc::collections::VecDeque;
-
 use crate::workspace::{Buffer, Workspace};
 
 /// Steps remembered: in trials 10 to 30 are alike.
@@ -12,7 +10,8 @@ const LEAST_CURVATURE: f64 = 1e-8;
 
 /// The last steps and changes of the gradient, the latest last.
 pub(crate) struct QuasiNewton<'w> {
-    pairs: VecDeque<Pair<'w>>,
+    pairs: [Option<Pair<'w>>; MEMORY],
+    count: usize,
     pub(crate) work: &'w Workspace,
 }
 
@@ -46,19 +45,17 @@ fn add(factor: f64, a: &[f32], b: &mut [f32]) {
 
 impl<'w> QuasiNewton<'w> {
     pub(crate) fn new(work: &'w Workspace) -> Self {
-        Self { pairs: VecDeque::with_capacity(MEMORY), work }
+        Self { pairs: [const { None }; MEMORY], count: 0, work }
     }
 
     /// Whether no step is remembered.
     pub(crate) fn knows_nothing(&self) -> bool {
-        self.pairs.is_empty()
+        self.count == 0
     }
 
     /// Forgets all steps; whether there were any.
     pub(crate) fn forget(&mut self) -> bool {
-        let any = !self.pairs.is_empty();
-        self.pairs.clear();
-        any
+        core::mem::take(&mut self.count) > 0
     }
 
     /// Remembers a step and by how much it changed the gradient.
@@ -73,24 +70,31 @@ impl<'w> QuasiNewton<'w> {
             own
         };
         let pair = Pair { step: copy(step), change: copy(change), inverse: 1.0 / curvature };
-        if self.pairs.len() == MEMORY {
-            self.pairs.pop_front();
+        if self.count == MEMORY {
+            self.pairs.rotate_left(1);
+            self.count -= 1;
         }
-        self.pairs.push_back(pair);
+        self.pairs[self.count] = Some(pair);
+        self.count += 1;
+    }
+
+    /// The pairs, the latest last.
+    fn known(&self) -> impl DoubleEndedIterator<Item = &Pair<'w>> {
+        self.pairs[..self.count].iter().flatten()
     }
 
     /// Replaces a gradient g by -H g, H the inverse of the curvature as far as it is known; by -g where nothing is.
     pub(crate) fn descend(&self, gradient: &mut [f32]) {
         let mut shares = [0.0; MEMORY];
-        for (share, pair) in shares.iter_mut().zip(self.pairs.iter().rev()) {
+        for (share, pair) in shares.iter_mut().zip(self.known().rev()) {
             *share = pair.inverse * dot(&pair.step, gradient);
             add(-*share, &pair.change, gradient);
         }
-        let scale = self.pairs.back().map_or(1.0, |pair| 1.0 / (pair.inverse * dot(&pair.change, &pair.change)));
+        let scale = self.known().next_back().map_or(1.0, |pair| 1.0 / (pair.inverse * dot(&pair.change, &pair.change)));
         for g in &mut *gradient {
             *g *= -scale as f32;
         }
-        for (share, pair) in shares[..self.pairs.len()].iter().rev().zip(&self.pairs) {
+        for (share, pair) in shares[..self.count].iter().rev().zip(self.known()) {
             let back = pair.inverse * dot(&pair.change, gradient);
             // The direction has been negated: so has the share.
             add(-share - back, &pair.step, gradient);

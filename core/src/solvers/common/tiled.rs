@@ -81,6 +81,11 @@ impl<'w> Rows<'w> {
         Ok(Self { order, targeted, count, lanes, scale, target, set: propagation.instruction_set(), planes })
     }
 
+    /// Real equations of even fields: one a targeted point, two a quiet one.
+    pub(crate) fn equations(&self) -> usize {
+        2 * self.order.len() - self.targeted
+    }
+
     /// Multiplies row `k` by `factor`.
     pub(crate) fn rescale(&mut self, k: usize, factor: f32) {
         self.scale[k] *= factor;

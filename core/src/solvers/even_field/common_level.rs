@@ -145,7 +145,7 @@ impl<'w> Newton<'w> {
         control: &mut Control,
     ) -> Result<Self, Error> {
         let (targeted, all) = (rows.targeted, rows.order.len());
-        let mut dual = Dual::new(rows, 2 * all - targeted, work, control)?;
+        let mut dual = Dual::new(rows, rows.equations(), work, control)?;
         let [f, g] = &mut dual.factors;
         g[targeted..all].fill(-1.0);
         f[all..].fill(1.0);

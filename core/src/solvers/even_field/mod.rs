@@ -25,7 +25,7 @@ use crate::scene::Aim;
 use crate::solvers::common::tiled::Rows;
 use crate::solvers::even_field::common_level::Manner;
 use crate::solvers::even_field::point_phases::Foci;
-use crate::solvers::even_field::run::{Plan, Run};
+use crate::solvers::even_field::run::{Plan, Run, TOO_MANY};
 use crate::solvers::even_field::search::Search;
 use crate::workspace::Workspace;
 
@@ -62,9 +62,9 @@ pub(crate) fn solve(
     if crowded && wanted && !run.stopped && !problem.has_start() {
         nearest = Some(targets::approach(&mut run, &mut search)?);
     }
-    if crowded && !(wanted && search.reaches(rows.target)) {
+    if crowded && rows.equations() <= TOO_MANY && !(wanted && search.reaches(rows.target)) {
         for plan in plans {
-            search.climb(&mut run, &foci, plan.for_crowded(rows.targeted))?;
+            search.climb(&mut run, &foci, plan.for_crowded(rows.equations()))?;
         }
     }
     if let Some(nearest) = nearest

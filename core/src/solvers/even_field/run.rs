@@ -20,8 +20,11 @@ pub(crate) struct Plan {
     pub(crate) tolerance: f32,
 }
 
-/// Points of which a step takes milliseconds.
+/// Equations of which a step takes milliseconds ...
 const MANY: usize = 200;
+
+/// ... and tens of milliseconds: their level is not raised any further.
+pub(super) const TOO_MANY: usize = 500;
 
 impl Plan {
     /// One start, found on G itself.
@@ -36,8 +39,8 @@ impl Plan {
 
     /// For crowded points, of which the energy of a start says less of the level it ends at: more starts, and more of them
     /// carried on the less a step costs.
-    pub(super) fn for_crowded(&self, points: usize) -> Self {
-        let more = if points > MANY { 1 } else { 2 };
+    pub(super) fn for_crowded(&self, equations: usize) -> Self {
+        let more = if equations > MANY { 1 } else { 2 };
         Self { starts: self.starts.max(16), finalists: self.finalists.max(2) * more, ..*self }
     }
 }

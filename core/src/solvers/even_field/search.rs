@@ -63,7 +63,7 @@ impl<'w> Search<'w> {
             raise(run, &starts, start, &mut self.trial);
             let before = self.trial.level(rows);
             let Polish { even, dependent } = polish(run, Manner::separate(None), &mut self.trial)?;
-            let many = dependent > 1 && dependent as f32 >= DEPENDENT * rows.targeted as f32;
+            let many = dependent > 1 && dependent as f32 >= DEPENDENT * rows.equations() as f32;
             crowded |= !even || (many && self.trial.level(rows) < KEPT * before);
             self.offer(rows, even);
             if run.stopped {
