@@ -79,10 +79,10 @@ impl<'w> Dual<'w> {
         Cholesky::new(self.set, matrix, self.size, control)
     }
 
-    /// How many equations a factor leaves less than `part` of their diagonal entry.
-    pub(crate) fn dependent(&self, cholesky: &Cholesky, part: f32) -> usize {
+    /// Of how many of the first `count` equations a factor leaves less than `part` of the diagonal entry.
+    pub(crate) fn dependent(&self, cholesky: &Cholesky, count: usize, part: f32) -> usize {
         let lanes = self.lanes();
-        let left = cholesky.pivots(self.size).enumerate();
+        let left = cholesky.pivots(self.size).enumerate().take(count);
         left.filter(|(k, pivot)| *pivot < part * self.matrix[k * lanes + k]).count()
     }
 

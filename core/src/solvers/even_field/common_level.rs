@@ -37,7 +37,7 @@ const LEAST_WEIGHT: f32 = 1e-6;
 pub(super) struct Polish {
     /// Whether it is even to the plan's tolerance.
     pub(super) even: bool,
-    /// Equations that depend on those before them, as they were at the first step: see [`DEPENDENT`].
+    /// Targeted points that depend on those before them, as they were at the first step: see [`DEPENDENT`].
     pub(super) dependent: usize,
 }
 
@@ -217,7 +217,7 @@ impl<'w> Newton<'w> {
             kept => kept,
         };
         let Some((cholesky, rise)) = factor else { return Ok(false) };
-        self.dependent.get_or_insert_with(|| self.dual.dependent(&cholesky, DEPENDENT));
+        self.dependent.get_or_insert_with(|| self.dual.dependent(&cholesky, rows.targeted, DEPENDENT));
         // From the mean level, since s times one solution less another would cancel most digits.
         let middle = wave.level(rows);
         let mut dual = self.dual.work.floats.take(rise.len());

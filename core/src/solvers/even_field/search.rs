@@ -63,8 +63,10 @@ impl<'w> Search<'w> {
             raise(run, &starts, start, &mut self.trial);
             let before = self.trial.level(rows);
             let Polish { even, dependent } = polish(run, Manner::separate(None), &mut self.trial)?;
-            let many = dependent > 1 && dependent as f32 >= DEPENDENT * rows.equations() as f32;
-            crowded |= !even || (many && self.trial.level(rows) < KEPT * before);
+            let many = dependent > 1 && dependent as f32 >= DEPENDENT * rows.targeted as f32;
+            let level = self.trial.level(rows);
+            let uneven = !even && self.trial.unevenness(rows, level) > NEARLY;
+            crowded |= uneven || (many && level < KEPT * before);
             self.offer(rows, even);
             if run.stopped {
                 break;

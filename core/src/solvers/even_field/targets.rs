@@ -15,15 +15,20 @@ use crate::solvers::even_field::run::{Plan, Run};
 use crate::solvers::even_field::search::{NEARLY, Search};
 use crate::workspace::Workspace;
 
-/// More points than that are a picture: an even field of theirs takes seconds.
+/// More points than that are a picture: an even field of theirs takes seconds ...
 const PICTURE: usize = 400;
+
+/// ... unless fewer than that are to sound: few points amid a quiet zone.
+const LIT: usize = 64;
 
 /// The largest part of a target that a drive may be off by for all targets to be still in reach of it.
 const NEAR: f32 = 0.3;
 
 /// Whether a problem has more points than an even field is looked for, with targets to be met.
 pub(crate) fn too_many(problem: &Problem) -> bool {
-    problem.aim() == Aim::Target && problem.propagation().points() > PICTURE && !problem.has_start()
+    let lit = problem.targets().iter().filter(|&&target| target > 0.0).count();
+    let picture = problem.propagation().points() > PICTURE && lit >= LIT;
+    picture && problem.aim() == Aim::Target && !problem.has_start()
 }
 
 /// A drive near by with |q| = 1 that meets every target, if Gauss-Newton steps find one in time; `steps` are those done, of
