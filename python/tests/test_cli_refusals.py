@@ -53,7 +53,7 @@ FILES: dict[str, tuple[bytes, str]] = {
     "all weights 0": (SCENE.replace("900.0", "900.0\nweight = 0").encode(), "weights"),
     "responses of three numbers": (changed("[array]", f"[array]\nresponse = {[[1, 0, 0]] * 30}"), "line 3"),
     "a center of three numbers": (SCENE.encode() + b"\n[plane]\ncenter = [0.0, 0.0, 0.0]\n", "line 14"),
-    "a line break in a name": (SCENE.encode() + b'\n[solver]\nname = "gr\\needy"\n', "greedy, fast, descent, lm"),
+    "a line break in a name": (SCENE.encode() + b'\n[solver]\nname = "gr\\needy"\n', "greedy, fast, descent"),
     "a line break in an option": (SCENE.encode() + b'\n[solver]\nname = "greedy"\nseed = "1\\n2"\n', "seed"),
 }  # fmt: skip
 

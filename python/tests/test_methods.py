@@ -169,7 +169,9 @@ STARTED = ("uniform", "best", "descent", "lm", "gspat", "gs", "wgs", "sdp", "bou
 def test_a_start_is_used_or_refused(name: str) -> None:
     where = scene(4, 0)
     if name not in STARTED:
-        with pytest.raises(midair.SceneError, match="uniform, best, descent, lm, gspat, gs, wgs, sdp, bounded"):
+        with pytest.raises(
+            midair.SceneError, match="uniform, best, descent, lm, gspat, gs, wgs, sdp, bounded"
+        ):
             midair.solve(where, name, start=np.zeros(4))
         return
     first = midair.solve(where, name)
