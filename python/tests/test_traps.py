@@ -19,6 +19,18 @@ BOARDS = {
 }
 
 
+@pytest.mark.parametrize("preset", ["openmpd_pair", "tinylev"])
+def test_presets_have_the_geometry_of_their_boards(preset: str) -> None:
+    array = midair.Array.preset(preset)
+    positions, normals = {"openmpd_pair": traps.openmpd, "tinylev": traps.tinylev}[preset]()
+    apart = np.linalg.norm(array.positions[:, None] - positions, axis=2)
+    nearest = apart.argmin(axis=1)
+    assert sorted(nearest) == list(range(len(positions)))
+    # The rings' radii and heights are given to 10 um.
+    assert apart.min(axis=1).max() < 2e-5
+    assert np.allclose(array.normals, normals[nearest], atol=1e-3)
+
+
 @pytest.mark.parametrize("absorption", [0.0, 0.9])
 @pytest.mark.parametrize(
     "directivity", ["point", {"piston": 4.5e-3}, {"piston": 9e-3}, {"sinc": 9e-3}, {"cos": 3.376}, "t4010a1"]

@@ -145,7 +145,9 @@ impl Array {
         }
         count("array.tiles", tiles[0].saturating_mul(tiles[1]).saturating_mul(preset.count))?;
         let origin = Origin::Preset { name: preset.name, tiles };
-        let array = Self::new((preset.positions)(tiles), None)?;
+        let positions = (preset.positions)(tiles);
+        let normals = preset.normal.map(|normal| positions.iter().map(|&place| normal(place)).collect());
+        let array = Self::new(positions, normals)?;
         Ok(Self { origin, transducer: preset.transducer, ..array }.with_quantization(preset.quantization()?))
     }
 

@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use crate::device::quantization::Quantization;
 use crate::error;
 use crate::error::Error;
+use crate::math;
 use crate::scene::geometry::lattice;
 use crate::scene::transducer::{Directivity, Transducer};
 
@@ -27,6 +28,8 @@ pub struct Preset {
     /// Phases and amplitudes (evenly spaced from 0 to 1) of its device, where it has such quantization.
     pub grid: Option<[u32; 2]>,
     pub(crate) positions: fn([usize; 2]) -> Vec<[f64; 3]>,
+    /// Where the transducers face from their positions, unless all face +z.
+    pub(crate) normal: Option<fn([f64; 3]) -> [f64; 3]>,
 }
 
 impl Preset {
@@ -41,7 +44,7 @@ const PAPER: Transducer = Transducer { source_pressure: 1e-3, directivity: Direc
 const SUZUKI: &str = "Suzuki et al., IEEE Trans. Haptics 14(4), 2021, section IV";
 
 /// Every preset.
-pub const PRESETS: [Preset; 3] = [
+pub const PRESETS: [Preset; 5] = [
     Preset {
         name: "paper20",
         summary: "20 x 20 at 10 mm, the paper's figures 3 to 5",
@@ -51,6 +54,7 @@ pub const PRESETS: [Preset; 3] = [
         transducer: PAPER,
         grid: None,
         positions: |_| lattice([20, 20], 10e-3),
+        normal: None,
     },
     Preset {
         name: "paper36",
@@ -61,6 +65,7 @@ pub const PRESETS: [Preset; 3] = [
         transducer: PAPER,
         grid: None,
         positions: |_| lattice([36, 36], 10e-3),
+        normal: None,
     },
     Preset {
         name: "autd3",
@@ -72,6 +77,29 @@ pub const PRESETS: [Preset; 3] = [
         // 8 bits each. The firmware's pulse widths make the sound pressure proportional to the intensity value.
         grid: Some([256, 256]),
         positions: autd3,
+        normal: None,
+    },
+    Preset {
+        name: "openmpd_pair",
+        summary: "two OpenMPD boards of 256 transducers, face to face 236.5 mm apart around the origin",
+        source: "OpenMPD board file (16 x 16 at 10.5 mm, x slow, y from + to -) and AcousTools 1.2, Boards.py (gap, P0, piston)",
+        count: 512,
+        tiles: false,
+        transducer: Transducer { source_pressure: 3.4, directivity: Directivity::Piston(4.5e-3) },
+        grid: Some([128, 64]),
+        positions: |_| openmpd_pair(),
+        normal: Some(|[_, _, z]| [0.0, 0.0, -z.signum()]),
+    },
+    Preset {
+        name: "tinylev",
+        summary: "TinyLev: two caps of 36 transducers around the origin, on a sphere of 120 mm",
+        source: "Marzo, Barnes, Drinkwater, Rev. Sci. Instrum. 88, 085105, 2017; rings, P0 and sinc of Ultraino's TinyLev file",
+        count: 72,
+        tiles: false,
+        transducer: Transducer { source_pressure: 2.53, directivity: Directivity::Sinc(9e-3) },
+        grid: None,
+        positions: |_| tinylev(),
+        normal: Some(|place| place.map(|x| -x)),
     },
 ];
 
@@ -103,4 +131,27 @@ fn autd3(tiles: [usize; 2]) -> Vec<[f64; 3]> {
         }
     }
     positions
+}
+
+/// The board below, then the one above.
+fn openmpd_pair() -> Vec<[f64; 3]> {
+    const SITES: usize = 16;
+    const PITCH: f64 = 10.5e-3;
+    const GAP: f64 = 236.5e-3;
+    let place = |site: usize| (site as f64 - 0.5 * (SITES as f64 - 1.0)) * PITCH;
+    let board = |z: f64| (0..SITES * SITES).map(move |i| [place(i / SITES), -place(i % SITES), z]);
+    board(-0.5 * GAP).chain(board(0.5 * GAP)).collect()
+}
+
+/// The cap below, then the one above, each from its innermost ring outwards.
+fn tinylev() -> Vec<[f64; 3]> {
+    /// Transducers, radius and distance from the middle plane.
+    const RINGS: [(u32, f64, f64); 3] = [(6, 10.3e-3, 59.11e-3), (12, 20.5e-3, 56.38e-3), (18, 30.0e-3, 51.96e-3)];
+    let ring = |side: f64, (count, radius, height): (u32, f64, f64)| {
+        (0..count).map(move |k| {
+            let angle = core::f64::consts::TAU * f64::from(k) / f64::from(count);
+            [radius * math::cos(angle), radius * math::sin(angle), side * height]
+        })
+    };
+    [-1.0, 1.0].into_iter().flat_map(|side| RINGS.into_iter().flat_map(move |rings| ring(side, rings))).collect()
 }

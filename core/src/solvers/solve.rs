@@ -7,7 +7,7 @@ use num_complex::Complex32;
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::problem::{Problem, Solution};
+use crate::problem::{Problem, Solution, Status};
 use crate::solvers::method::Solve;
 use crate::workspace::Workspace;
 
@@ -58,8 +58,23 @@ pub fn solve(
     let quantized = |solution: Solution| quantized(solution, factor, work, control);
     match solution.and_then(quantized) {
         Err(Error::Stopped) => Ok(Solution::silent(problem, work)),
-        solution => solution,
+        // The end of another method's descent is not what was asked for.
+        Ok(mut solution) => {
+            if other.is_some() && missed(&solution) {
+                solution.status = Status::OutOfSteps;
+            }
+            Ok(solution)
+        }
+        error => error,
     }
+}
+
+/// The error, relative to the targets, above which these are missed.
+const MISS: f64 = 0.01;
+
+/// Whether an answer that calls itself done misses its targets.
+fn missed(solution: &Solution) -> bool {
+    solution.status == Status::Done && solution.metrics().residual > MISS * MISS
 }
 
 /// The answer on the device's grid, balancing undone.

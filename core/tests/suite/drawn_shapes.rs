@@ -120,6 +120,8 @@ fn pictures_end_where_long_descents_end_and_the_default_takes_them_to_descent() 
     // L-BFGS in f64 on the moduli, two seconds from each of ten starts: .038 to .058.
     assert!(error(&own) <= 0.055, "{}", error(&own));
     assert_eq!(own.drive, usual.drive);
+    // What was missed is not called done.
+    assert_eq!(usual.status, Status::OutOfSteps);
 }
 
 #[test]
