@@ -133,7 +133,10 @@ fn a_near_miss_is_told_what_was_meant_and_an_option_of_others_who_has_it() {
         }
     }
     let text = Array::preset("autd4", [1, 1]).expect_err("unknown").to_string();
-    assert_eq!(text, "unknown preset \"autd4\": did you mean autd3? known are paper20, paper36, autd3, openmpd_pair, tinylev");
+    assert_eq!(
+        text,
+        "unknown preset \"autd4\": did you mean autd3? known are paper20, paper36, autd3, openmpd_pair, tinylev"
+    );
 }
 
 #[test]
