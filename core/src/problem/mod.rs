@@ -1,5 +1,6 @@
 //! Problem: G, targets and weights of the points that take part, in units of the reference.
 
+pub(crate) mod complex_targets;
 pub(crate) mod feasibility;
 pub(crate) mod metrics;
 pub(crate) mod range;
@@ -25,7 +26,6 @@ use crate::control::Control;
 use crate::device::quantization::Quantization;
 use crate::error::{Error, one_each};
 use crate::kernels::InstructionSet;
-use crate::math;
 use crate::problem::targets::Targets;
 use crate::propagation::{Model, Propagation};
 use crate::scene::{Aim, Request, Scene, Start, check_drive};
@@ -291,31 +291,9 @@ impl Problem {
         &self.scaled
     }
 
-    /// The phases of the targets in rad, where they have any: over the points of weight above 0.
-    #[must_use]
-    pub fn target_phases(&self) -> Option<impl Iterator<Item = f64> + '_> {
-        let Targets { phases, active, .. } = &*self.targets;
-        self.targets.phased().then(|| active.iter().map(|&j| phases[j]))
-    }
-
-    /// Targets as complex numbers in units of the reference, over the points of weight above 0: of phase 0 where their
-    /// phases are free.
-    pub(crate) fn complex_targets(&self) -> impl Iterator<Item = Complex64> + '_ {
-        let Targets { phases, active, .. } = &*self.targets;
-        let phasor = |j: usize| phases.get(j).map_or(Complex64::ONE, |&phase| math::phasor(phase));
-        self.scaled.iter().zip(active).map(move |(&target, &j)| f64::from(target) * phasor(j))
-    }
-
     /// The same in Pa, without padding: targets |p_j| of the points of weight above 0, balanced where that was asked for.
     pub fn active_targets_in_pascals(&self) -> impl Iterator<Item = f64> + '_ {
         self.targets.active.iter().map(|&j| self.targets.pascals[j] * self.factor)
-    }
-
-    /// The same as complex numbers, where the targets have phases.
-    #[must_use]
-    pub fn complex_targets_in_pascals(&self) -> Option<impl Iterator<Item = Complex64> + '_> {
-        let phases = self.target_phases()?;
-        Some(self.active_targets_in_pascals().zip(phases).map(|(target, phase)| target * math::phasor(phase)))
     }
 
     /// Weights, the largest 1, padded with zeros.

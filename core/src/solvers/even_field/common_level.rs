@@ -13,8 +13,8 @@ use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::run::Run;
 use crate::workspace::{Buffer, Workspace};
 
-/// Steps at most between separate points: four are enough where the points are fewer than a quarter of the transducers, ten where they are
-/// half as many.
+/// Steps at most between separate points: four are enough where the points are fewer than a quarter of the transducers,
+/// ten where they are half as many.
 pub(super) const MOST_STEPS: usize = 20;
 
 /// Damping of the first step between separate points ...
