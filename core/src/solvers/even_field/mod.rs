@@ -62,17 +62,17 @@ pub(crate) fn solve(
     if crowded && wanted && !run.stopped && !problem.has_start() {
         nearest = Some(targets::approach(&mut run, &mut search)?);
     }
-    if crowded && rows.equations() <= TOO_MANY && !(wanted && search.reaches(rows.target)) {
+    if crowded && !run.stopped && rows.equations() <= TOO_MANY && !(wanted && search.reaches(rows.target)) {
         for plan in plans {
             search.climb(&mut run, &foci, plan.for_crowded(rows.equations()))?;
         }
     }
-    if let Some(nearest) = nearest
-        && !run.stopped
-        && !search.even
-    {
-        // No even field was found: the nearest to the targets, then.
-        return Solution::new(problem, nearest, (Status::OutOfSteps, run.step), run.steps, work, run.control);
+    if let Some(nearest) = nearest {
+        if !run.stopped && !search.even {
+            // No even field was found: the nearest to the targets, then.
+            return Solution::new(problem, nearest, (Status::OutOfSteps, run.step), run.steps, work, run.control);
+        }
+        work.complexes.give(nearest);
     }
     let Search { mut best, mut even, lowest, trial: mut wave } = search;
     // With many points the target may lie above the level where free steps end, and still be in reach.

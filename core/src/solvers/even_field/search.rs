@@ -10,7 +10,7 @@ use crate::solvers::even_field::weighted_sweeps::raise;
 use crate::workspace::Workspace;
 
 /// Points are crowded where this part of them, and more than one, depends on others, ...
-const DEPENDENT: f32 = 0.2;
+const CROWDED: f32 = 0.2;
 
 /// ... and the steps to an even field left less than this part of the level. Of separate points, a tenth depends on others,
 /// and .97 or more of the level is kept.
@@ -63,7 +63,7 @@ impl<'w> Search<'w> {
             raise(run, &starts, start, &mut self.trial);
             let before = self.trial.level(rows);
             let Polish { even, dependent } = polish(run, Manner::separate(None), &mut self.trial)?;
-            let many = dependent > 1 && dependent as f32 >= DEPENDENT * rows.targeted as f32;
+            let many = dependent > 1 && dependent as f32 >= CROWDED * rows.targeted as f32;
             let level = self.trial.level(rows);
             let uneven = !even && self.trial.unevenness(rows, level) > NEARLY;
             crowded |= uneven || (many && level < KEPT * before);
