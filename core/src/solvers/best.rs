@@ -3,11 +3,11 @@
 use alloc::boxed::Box;
 
 use crate::control::Control;
-use crate::error::Error;
+use crate::error::{Error, real};
 use crate::problem::{Problem, Solution};
 use crate::solvers::descent::Descent;
 use crate::solvers::even_field;
-use crate::solvers::even_field::run::Plan;
+use crate::solvers::even_field::run::{Plan, QUIET};
 use crate::solvers::even_field::targets::too_many;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::solvers::uniform::Uniform;
@@ -22,6 +22,8 @@ options! {
         pub steps: u32 = 12,
         /// Ends when no point is off the common level by more than this part of it.
         pub tolerance: f64 = 1e-5,
+        /// What a quiet point may leak, relative to the loudest point; divided by its weight, relative to the targets'.
+        pub quiet: f64 = QUIET,
         /// Seed of the point phases, 0 to 2^64 - 1.
         pub seed: u64 = 0,
     }
@@ -38,20 +40,22 @@ impl Method for Best {
         if self.starts == 0 {
             return Err(Error::invalid("starts", self.starts, "give at least 1"));
         }
-        check_iteration(self.steps, self.tolerance)
+        check_iteration(self.steps, self.tolerance)?;
+        real("quiet", self.quiet, 0.0, false).map(|_| ())
     }
 }
 
 impl Solve for Best {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         // What `uniform` finds is among what it chooses from.
-        let as_uniform = Plan::alone(Uniform::default().steps, self.tolerance);
+        let as_uniform = Plan::alone(Uniform::default().steps, self.tolerance, self.quiet);
         let plan = Plan {
             starts: self.starts as usize,
             finalists: FINALISTS,
             seed: self.seed,
             sweeps: self.steps as usize,
             tolerance: self.tolerance as f32,
+            quiet: self.quiet as f32,
         };
         even_field::solve(problem, &[as_uniform, plan], work, control)
     }

@@ -3,11 +3,11 @@
 use alloc::boxed::Box;
 
 use crate::control::Control;
-use crate::error::Error;
+use crate::error::{Error, real};
 use crate::problem::{Problem, Solution};
 use crate::solvers::descent::Descent;
 use crate::solvers::even_field;
-use crate::solvers::even_field::run::Plan;
+use crate::solvers::even_field::run::{Plan, QUIET};
 use crate::solvers::even_field::targets::too_many;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
@@ -19,6 +19,8 @@ options! {
         pub steps: u32 = 4,
         /// Ends when no point is off the common level by more than this part of it.
         pub tolerance: f64 = 1e-5,
+        /// What a quiet point may leak, relative to the loudest point; divided by its weight, relative to the targets'.
+        pub quiet: f64 = QUIET,
     }
 }
 
@@ -33,13 +35,14 @@ impl Method for Uniform {
     .with_aim();
 
     fn check(&self) -> Result<(), Error> {
-        check_iteration(self.steps, self.tolerance)
+        check_iteration(self.steps, self.tolerance)?;
+        real("quiet", self.quiet, 0.0, false).map(|_| ())
     }
 }
 
 impl Solve for Uniform {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
-        even_field::solve(problem, &[Plan::alone(self.steps, self.tolerance)], work, control)
+        even_field::solve(problem, &[Plan::alone(self.steps, self.tolerance, self.quiet)], work, control)
     }
 
     fn instead(&self, problem: &Problem) -> Option<Box<dyn Solve>> {

@@ -7,6 +7,7 @@ use num_complex::Complex32;
 use crate::control::{Control, bytes};
 use crate::error::Error;
 use crate::kernels::InstructionSet;
+use crate::kernels::lanes::BLOCK;
 use crate::kernels::tiles;
 use crate::kernels::tiles::Tiles;
 use crate::math::sqrtf;
@@ -37,48 +38,63 @@ pub(crate) struct Rows<'w> {
 impl<'w> Rows<'w> {
     /// G as it is, point by point.
     pub(crate) fn new(problem: &Problem, work: &'w Workspace, control: &mut Control) -> Result<Self, Error> {
-        Self::ordered(problem, 0..problem.propagation().points() as u32, work, control)
+        Self::of(problem, work.counting(problem.propagation().points()), work, control)
     }
 
-    /// Each row divided by its point's target and multiplied by the largest, so that all points ask for the same; the quiet
-    /// ones come last, as they are.
-    pub(crate) fn alike(problem: &Problem, work: &'w Workspace, control: &mut Control) -> Result<Self, Error> {
-        let targets = problem.targets();
-        let targeted = |j: &u32| targets[*j as usize] > 0.0;
-        let all = 0..problem.propagation().points() as u32;
-        let points = all.clone().filter(targeted).chain(all.filter(|j| !targeted(j)));
-        let mut rows = Self::ordered(problem, points, work, control)?;
-        for k in 0..rows.targeted {
-            let own = targets[rows.order[k] as usize];
-            if own < rows.target {
-                rows.rescale(k, (rows.target / own).min(MOST_RAISED));
+    /// Each row divided by its point's target and multiplied by the largest, so that all points ask for the same. The
+    /// `quiet` points come last, each multiplied by its weight relative to the heaviest target's, so that all may leak the
+    /// same.
+    pub(crate) fn alike(
+        problem: &Problem,
+        quiet: &[u32],
+        work: &'w Workspace,
+        control: &mut Control,
+    ) -> Result<Self, Error> {
+        let (targets, weights) = (problem.targets(), problem.weights());
+        let targeted = (0..problem.propagation().points() as u32).filter(|&j| targets[j as usize] > 0.0);
+        let heaviest = targeted.clone().map(|j| weights[j as usize]).fold(0.0, f32::max);
+        let mut points = work.indices.take(targeted.clone().count() + quiet.len());
+        points.iter_mut().zip(targeted.chain(quiet.iter().copied())).for_each(|(own, j)| *own = j);
+        let mut rows = Self::of(problem, points, work, control)?;
+        for k in 0..rows.order.len() {
+            let j = rows.order[k] as usize;
+            let factor = if k < rows.targeted { rows.target / targets[j] } else { weights[j] / heaviest };
+            if factor != 1.0 {
+                rows.rescale(k, factor.clamp(1.0 / MOST_RAISED, MOST_RAISED));
             }
         }
         Ok(rows)
     }
 
-    /// The points' rows of G in an order of theirs.
-    fn ordered(
+    /// The rows of G of some points, those with a target first, in an order of theirs.
+    pub(crate) fn of(
         problem: &Problem,
-        points: impl Iterator<Item = u32>,
+        order: Buffer<'w, u32>,
         work: &'w Workspace,
         control: &mut Control,
     ) -> Result<Self, Error> {
         let (propagation, targets) = (problem.propagation(), problem.targets());
-        let mut order = work.indices.take(propagation.points());
-        order.iter_mut().zip(points).for_each(|(own, j)| *own = j);
-        let mut scale = work.floats.take(propagation.points());
+        let mut scale = work.floats.take_any(order.len());
         scale.fill(1.0);
-        let (count, lanes) = (tiles::height(propagation.points()), tiles::lanes(propagation.transducers()));
-        let sides = [propagation.transducers(), propagation.points()];
+        let (count, lanes) = (tiles::height(order.len()), tiles::lanes(propagation.transducers()));
+        let sides = [propagation.transducers(), order.len()];
         control.room("the matrix G", sides, bytes(8, &[tiles::size(count, lanes)]))?;
         let mut planes = [(); 2].map(|()| Aligned::take(tiles::size(count, lanes), work));
         let [re, im] = &mut planes;
         let members = 0..propagation.transducers();
         tiles::pack(propagation.instruction_set(), propagation.rows(), members, &order, [re, im], control)?;
-        let targeted = targets.iter().filter(|&&target| target > 0.0).count();
+        let targeted = order.iter().filter(|&&j| targets[j as usize] > 0.0).count();
         let target = targets.iter().copied().fold(0.0, f32::max);
         Ok(Self { order, targeted, count, lanes, scale, target, set: propagation.instruction_set(), planes })
+    }
+
+    /// Writes conj(G) of row `k` over the transducers.
+    pub(crate) fn conjugate(&self, k: usize, [out_re, out_im]: [&mut [f32]; 2]) {
+        let [re, im] = self.tiles().rows(k / BLOCK);
+        let tiles = re.iter().zip(im).flat_map(|(re, im)| re[k % BLOCK].iter().zip(&im[k % BLOCK]));
+        for ((re, im), (out_re, out_im)) in tiles.zip(out_re.iter_mut().zip(out_im)) {
+            (*out_re, *out_im) = (*re, -im);
+        }
     }
 
     /// Real equations of even fields: one a targeted point, two a quiet one.

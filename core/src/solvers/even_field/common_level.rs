@@ -30,6 +30,10 @@ const SLOW: f64 = 0.01;
 /// The largest change of a phase in rad: beyond it |P| is no longer near its tangent.
 pub(super) const MOST_ROTATION: f32 = 1.0;
 
+/// The part of what a quiet point may leak that a step aims at: of those between the points that are made silent, and of a
+/// step's own error, there is as much again.
+const WITHIN: f32 = 0.3;
+
 /// The least weight that differs from 0.
 const LEAST_WEIGHT: f32 = 1e-6;
 
@@ -51,18 +55,25 @@ pub(super) struct Manner {
     level: Option<f32>,
     /// Damping of the first step, relative to the mean diagonal entry of J J^T.
     damping: f32,
+    /// The least damping.
+    least: f32,
     most: usize,
 }
 
 impl Manner {
     /// For separate points: to a level, or to the nearest by.
     pub(super) fn separate(level: Option<f32>) -> Self {
-        Self { level, damping: DAMPING, most: MOST_STEPS }
+        Self { level, damping: DAMPING, least: 0.0, most: MOST_STEPS }
     }
 
     /// For crowded points: to a level, the smooth part of a field first.
     pub(super) fn crowded(level: f32) -> Self {
-        Self { level: Some(level), damping: CROWDED_DAMPING, most: 2 * MOST_STEPS }
+        Self { level: Some(level), damping: CROWDED_DAMPING, least: 0.0, most: 2 * MOST_STEPS }
+    }
+
+    /// For crowded quiet points that may leak `quiet` of a level: what makes less than that is left alone.
+    pub(super) fn silent(level: f32, quiet: f32) -> Self {
+        Self { level: Some(level), damping: CROWDED_DAMPING, least: quiet * quiet, most: 2 * MOST_STEPS }
     }
 }
 
@@ -71,16 +82,16 @@ impl Manner {
 /// # Errors
 /// More memory than allowed.
 pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, manner: Manner, wave: &mut Wave<'w>) -> Result<Polish, Error> {
-    let Manner { level, mut damping, most } = manner;
+    let Manner { level, mut damping, least, most } = manner;
     let (rows, work) = (run.rows, run.work);
-    let mut newton = Newton::new(run.problem, rows, work, run.control)?;
+    let mut newton = Newton::new(run.problem, rows, run.plan.quiet, work, run.control)?;
     let [mut trial, mut begun] = [(); 2].map(|()| Wave::new(rows, work));
     begun.copy(wave);
     let mut even = false;
     let (mut renew, mut fresh) = (true, false);
     for step in 0..=most {
         let level_here = |wave: &Wave| level.unwrap_or_else(|| wave.level(rows));
-        even = wave.unevenness(rows, level_here(wave)) <= run.plan.tolerance;
+        even = wave.unevenness(rows, level_here(wave), run.plan.quiet) <= run.plan.tolerance;
         if even || run.stopped || step == most {
             break;
         }
@@ -97,7 +108,7 @@ pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, manner: Manner, wave: &mut W
         let after = if tried { newton.cost(rows, &trial, level_here(&trial)) } else { f64::INFINITY };
         if after < before {
             core::mem::swap(wave, &mut trial);
-            damping *= 0.1;
+            damping = (0.1 * damping).max(least);
             renew = after > SLOW * before;
             fresh = false;
         } else {
@@ -114,16 +125,6 @@ pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, manner: Manner, wave: &mut W
     Ok(Polish { even, dependent: newton.dependent.unwrap_or(0) })
 }
 
-/// The left side of an equation: |P|, Re P or Im P.
-pub(super) fn value(rows: &Rows, wave: &Wave, equation: usize) -> f32 {
-    let points = rows.order.len();
-    match equation {
-        k if k < rows.targeted => wave.moduli[k],
-        k if k < points => wave.field[0][k],
-        k => wave.field[1][k - points + rows.targeted],
-    }
-}
-
 /// The factor of J J^T, damped, and the solution for a rise of the level.
 type Factor<'w> = (Cholesky<'w>, Buffer<'w, f32>);
 
@@ -135,12 +136,15 @@ pub(super) struct Newton<'w> {
     /// 1 / weight of each equation.
     ease: Buffer<'w, f32>,
     pub(super) rotations: Buffer<'w, f32>,
+    /// What a quiet point may leak, relative to the level.
+    quiet: f32,
 }
 
 impl<'w> Newton<'w> {
     pub(super) fn new(
         problem: &Problem,
         rows: &Rows,
+        quiet: f32,
         work: &'w Workspace,
         control: &mut Control,
     ) -> Result<Self, Error> {
@@ -154,13 +158,27 @@ impl<'w> Newton<'w> {
         for (ease, &j) in ease.iter_mut().zip(points) {
             *ease = 1.0 / problem.weights()[j as usize].max(LEAST_WEIGHT);
         }
-        Ok(Self { dual, factor: None, dependent: None, ease, rotations: work.floats.take_any(rows.lanes) })
+        Ok(Self { dual, factor: None, dependent: None, ease, rotations: work.floats.take_any(rows.lanes), quiet })
     }
 
     /// The weighted squares of what is missing from `level`, relative to it.
     fn cost(&self, rows: &Rows, wave: &Wave, level: f32) -> f64 {
-        let missing = |k: usize| value(rows, wave, k) / level - if k < rows.targeted { 1.0 } else { 0.0 };
+        let missing = |k: usize| self.missing(rows, wave, k, level) / level;
         (0..self.dual.size).map(|k| f64::from(missing(k) * missing(k) / self.ease[k])).sum()
+    }
+
+    /// What is missing from an equation at a level: a quiet point has less to lose the nearer it is to what it may leak.
+    pub(super) fn missing(&self, rows: &Rows, wave: &Wave, equation: usize, level: f32) -> f32 {
+        let points = rows.order.len();
+        let (value, modulus) = match equation {
+            k if k < rows.targeted => return level - wave.moduli[k],
+            k if k < points => (wave.field[0][k], wave.moduli[k]),
+            k => {
+                let k = k - points + rows.targeted;
+                (wave.field[1][k], wave.moduli[k])
+            }
+        };
+        if modulus <= WITHIN * self.quiet * level { 0.0 } else { value * (WITHIN * self.quiet * level / modulus - 1.0) }
     }
 
     /// Derivatives at a wave, in a metric of the transducers.
@@ -221,8 +239,9 @@ impl<'w> Newton<'w> {
         // From the mean level, since s times one solution less another would cancel most digits.
         let middle = wave.level(rows);
         let mut dual = self.dual.work.floats.take(rise.len());
+        let missing = |k: usize| self.missing(rows, wave, k, middle);
         for (k, dual) in dual.iter_mut().enumerate().take(self.dual.size) {
-            *dual = if k < rows.targeted { middle } else { 0.0 } - value(rows, wave, k);
+            *dual = missing(k);
         }
         cholesky.solve(&mut dual);
         let sum = |values: &[f32]| values[..rows.targeted].iter().map(|&x| f64::from(x)).sum::<f64>();

@@ -14,19 +14,21 @@ pub(crate) mod point_phases;
 pub(crate) mod regular;
 pub(crate) mod run;
 pub(crate) mod search;
+pub(crate) mod silence;
 pub(crate) mod targets;
 pub(crate) mod weighted_sweeps;
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::linalg::Planar;
 use crate::problem::{Problem, Solution, Status};
 use crate::scene::Aim;
 use crate::solvers::common::tiled::Rows;
+use crate::solvers::even_field::ascent::Pace;
 use crate::solvers::even_field::common_level::Manner;
 use crate::solvers::even_field::point_phases::Foci;
 use crate::solvers::even_field::run::{Plan, Run, TOO_MANY};
 use crate::solvers::even_field::search::Search;
+use crate::solvers::even_field::silence::Silence;
 use crate::workspace::Workspace;
 
 /// An even drive, at the level that the problem aims at: the best that any of some plans finds.
@@ -39,7 +41,8 @@ pub(crate) fn solve(
     work: &Workspace,
     control: &mut Control,
 ) -> Result<Solution, Error> {
-    let mut rows = Rows::alike(problem, work, control)?;
+    let silence = Silence::of(problem, plans[0].quiet, work, control)?;
+    let mut rows = Rows::alike(problem, &silence.points, work, control)?;
     let foci = Foci::of(&mut rows, work, control)?;
     let rows = &rows;
     let moduli = work.floats.take(problem.propagation().lanes());
@@ -51,10 +54,17 @@ pub(crate) fn solve(
     let symmetric = problem.propagation().control_points().is_some_and(|points| regular::regular(points, work));
     let extra = (symmetric && !problem.has_start()).then(|| plan.for_regular());
     let mut crowded = false;
-    for plan in plans.iter().copied().chain(extra) {
-        crowded |= search.level(&mut run, &foci, plan)?;
-        if run.stopped || crowded {
-            break;
+    if silence.crowded {
+        for plan in plans {
+            search.climb(&mut run, &foci, *plan, (Pace::SILENT, |level| Manner::silent(level, plan.quiet)))?;
+        }
+        crowded = !search.even;
+    } else {
+        for plan in plans.iter().copied().chain(extra) {
+            crowded |= search.level(&mut run, &foci, plan)?;
+            if run.stopped || crowded {
+                break;
+            }
         }
     }
     let wanted = problem.aim() == Aim::Target;
@@ -64,7 +74,7 @@ pub(crate) fn solve(
     }
     if crowded && !run.stopped && rows.equations() <= TOO_MANY && !(wanted && search.reaches(rows.target)) {
         for plan in plans {
-            search.climb(&mut run, &foci, plan.for_crowded(rows.equations()))?;
+            search.climb(&mut run, &foci, plan.for_crowded(rows.equations()), (Pace::LOUD, Manner::crowded))?;
         }
     }
     if let Some(nearest) = nearest {
@@ -97,18 +107,17 @@ pub(crate) fn solve(
     for q in &mut drive {
         *q *= amplitude as f32;
     }
-    let mut field = Planar::zeros(1, problem.propagation().lanes(), work);
-    for (field, own) in [&mut field.re, &mut field.im].into_iter().zip(&best.field) {
-        for (k, &j) in rows.order.iter().enumerate() {
-            field[j as usize] = own[k] / rows.scale[k] * amplitude as f32;
-        }
-    }
     let status = match (run.stopped, even) {
         (true, _) => Status::Stopped,
         (_, true) => Status::Done,
         _ => Status::OutOfSteps,
     };
-    let solution = Solution::of_field(problem, drive, &field, status, run.step, work, run.control)?;
+    let solution = if rows.order.len() == problem.propagation().points() {
+        let field = best.heard(problem, rows, amplitude as f32, work);
+        Solution::of_field(problem, drive, &field, status, run.step, work, run.control)?
+    } else {
+        Solution::new(problem, drive, (status, run.step), run.steps, work, run.control)?
+    };
     let mut solution = solution.scaled(scale);
     if !run.stopped && quantization.is_some_and(|quantization| quantization.phases().is_some()) {
         solution = solution.on_grid();

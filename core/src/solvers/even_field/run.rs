@@ -1,6 +1,7 @@
 //! A run under way: how much work to spend, steps reported to the caller, and how even a field is.
 
 use crate::control::Control;
+use crate::linalg::Planar;
 use crate::problem::Problem;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::{Buffer, Workspace};
@@ -18,7 +19,15 @@ pub(crate) struct Plan {
     pub(crate) sweeps: usize,
     /// Even enough: the largest deviation from the common level, relative to it.
     pub(crate) tolerance: f32,
+    /// What a quiet point may leak, relative to the level.
+    pub(crate) quiet: f32,
 }
+
+/// A quiet point counts from this many times what it may leak on: the last tenth would take as many steps as all before.
+const ABOVE: f32 = 1.1;
+
+/// What a quiet point may leak unless told otherwise: 60 dB below the level.
+pub(crate) const QUIET: f64 = 1e-3;
 
 /// Equations of which a step takes milliseconds ...
 const MANY: usize = 200;
@@ -28,8 +37,9 @@ pub(super) const TOO_MANY: usize = 500;
 
 impl Plan {
     /// One start, found on G itself.
-    pub(crate) const fn alone(sweeps: u32, tolerance: f64) -> Self {
-        Self { starts: 1, finalists: 1, seed: 0, sweeps: sweeps as usize, tolerance: tolerance as f32 }
+    pub(crate) const fn alone(sweeps: u32, tolerance: f64, quiet: f64) -> Self {
+        let (tolerance, quiet) = (tolerance as f32, quiet as f32);
+        Self { starts: 1, finalists: 1, seed: 0, sweeps: sweeps as usize, tolerance, quiet }
     }
 
     /// Beside one start for points that lie regularly: it may have broken a tie for the worse.
@@ -46,6 +56,17 @@ impl Plan {
 }
 
 impl Wave<'_> {
+    /// The field at `amplitude` in the problem's order and unit, of rows that are all of its points.
+    pub(super) fn heard<'w>(&self, problem: &Problem, rows: &Rows, amplitude: f32, work: &'w Workspace) -> Planar<'w> {
+        let mut field = Planar::zeros(1, problem.propagation().lanes(), work);
+        for (field, own) in [&mut field.re, &mut field.im].into_iter().zip(&self.field) {
+            for (k, &j) in rows.order.iter().enumerate() {
+                field[j as usize] = own[k] / rows.scale[k] * amplitude;
+            }
+        }
+        field
+    }
+
     /// |P| of the weakest targeted point.
     pub(super) fn lowest(&self, rows: &Rows) -> f32 {
         self.moduli[..rows.targeted].iter().copied().fold(f32::INFINITY, f32::min)
@@ -56,14 +77,14 @@ impl Wave<'_> {
         self.moduli[..rows.targeted].iter().sum::<f32>() / rows.targeted as f32
     }
 
-    /// The largest deviation from `level`, the quiet points' from silence, relative to it.
-    pub(super) fn unevenness(&self, rows: &Rows, level: f32) -> f32 {
+    /// The largest deviation from `level`, and what quiet points leak above the part `quiet` of it, relative to it.
+    pub(super) fn unevenness(&self, rows: &Rows, level: f32, quiet: f32) -> f32 {
         if level == 0.0 {
             return f32::INFINITY;
         }
-        let (targeted, quiet) = self.moduli.split_at(rows.targeted);
-        let deviations = targeted.iter().map(|x| (x / level - 1.0).abs()).chain(quiet.iter().map(|x| x / level));
-        deviations.fold(0.0, f32::max)
+        let (targeted, silent) = self.moduli[..rows.order.len()].split_at(rows.targeted);
+        let deviations = targeted.iter().map(|x| (x / level - 1.0).abs());
+        deviations.chain(silent.iter().map(|x| x / level - ABOVE * quiet)).fold(0.0, f32::max)
     }
 }
 

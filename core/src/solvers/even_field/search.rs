@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::solvers::common::tiled::{Rows, Wave};
-use crate::solvers::even_field::ascent::{CLIMB_STEPS, climb};
+use crate::solvers::even_field::ascent::{Pace, climb};
 use crate::solvers::even_field::common_level::{MOST_STEPS, Manner, Polish, polish};
 use crate::solvers::even_field::point_phases::{Foci, Starts};
 use crate::solvers::even_field::run::{Plan, Run};
@@ -65,7 +65,7 @@ impl<'w> Search<'w> {
             let Polish { even, dependent } = polish(run, Manner::separate(None), &mut self.trial)?;
             let many = dependent > 1 && dependent as f32 >= CROWDED * rows.targeted as f32;
             let level = self.trial.level(rows);
-            let uneven = !even && self.trial.unevenness(rows, level) > NEARLY;
+            let uneven = !even && self.trial.unevenness(rows, level, run.plan.quiet) > NEARLY;
             crowded |= uneven || (many && level < KEPT * before);
             self.offer(rows, even);
             if run.stopped {
@@ -79,20 +79,27 @@ impl<'w> Search<'w> {
     ///
     /// # Errors
     /// More memory than allowed.
-    pub(super) fn climb(&mut self, run: &mut Run<'_, '_, 'w>, foci: &Foci, plan: Plan) -> Result<(), Error> {
+    pub(super) fn climb(
+        &mut self,
+        run: &mut Run<'_, '_, 'w>,
+        foci: &Foci,
+        plan: Plan,
+        (pace, manner): (Pace, impl Fn(f32) -> Manner),
+    ) -> Result<(), Error> {
         let rows = run.rows;
         let starts = Starts::new(run.problem, rows, foci, &plan, run.work, run.control)?;
         run.plan = plan;
-        run.steps += starts.count * (1 + plan.sweeps + CLIMB_STEPS + MOST_STEPS);
+        run.steps += starts.count * (1 + plan.sweeps + pace.steps + MOST_STEPS);
         for start in 0..starts.count {
             if run.stopped {
                 break;
             }
             raise(run, &starts, start, &mut self.trial);
-            climb(run, &mut self.trial)?;
+            climb(run, pace, &mut self.trial)?;
             let level = self.trial.level(rows);
-            polish(run, Manner::crowded(level), &mut self.trial)?;
-            let even = self.trial.unevenness(rows, self.trial.level(rows)) <= plan.tolerance.max(NEARLY);
+            polish(run, manner(level), &mut self.trial)?;
+            let level = self.trial.level(rows);
+            let even = self.trial.unevenness(rows, level, plan.quiet) <= plan.tolerance.max(NEARLY);
             self.offer(rows, even);
         }
         Ok(())

@@ -11,8 +11,9 @@ use crate::scene::Aim;
 use crate::solvers::common::least_squares::{Task, least_squares};
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::common_level::{MOST_STEPS, Manner, polish};
-use crate::solvers::even_field::run::{Plan, Run};
+use crate::solvers::even_field::run::{Plan, QUIET, Run};
 use crate::solvers::even_field::search::{NEARLY, Search};
+use crate::solvers::even_field::silence::Silence;
 use crate::workspace::Workspace;
 
 /// More points than that are a picture: an even field of theirs takes seconds ...
@@ -44,19 +45,18 @@ pub(crate) fn met(
     control: &mut Control,
 ) -> Result<Option<Vec<Complex32>>, Error> {
     let propagation = problem.propagation();
-    let asked = problem.targets().iter().take(propagation.points());
-    let equations: usize = asked.map(|&target| if target > 0.0 { 1 } else { 2 }).sum();
-    if equations > propagation.transducers() {
+    let plan = Plan::alone(0, f64::from(NEARLY), QUIET);
+    let silence = Silence::of(problem, plan.quiet, work, control)?;
+    let rows = &Rows::alike(problem, &silence.points, work, control)?;
+    if !silence.enough || rows.equations() > propagation.transducers() {
         return Ok(None);
     }
-    let rows = &Rows::alike(problem, work, control)?;
-    let plan = Plan::alone(0, f64::from(NEARLY));
     let moduli = work.floats.take(propagation.lanes());
     let steps = steps + MOST_STEPS;
     let mut run = Run { problem, rows, plan, work, control, step, steps, stopped: false, moduli };
     let mut wave = Wave::new(rows, work);
     wave.play_at_full(rows, drive.iter().copied());
-    let near = wave.unevenness(rows, rows.target) <= NEAR;
+    let near = wave.unevenness(rows, rows.target, run.plan.quiet) <= NEAR;
     let met = near && polish(&mut run, Manner::crowded(rows.target), &mut wave)?.even;
     Ok(met.then(|| wave.drives(propagation.transducers(), work)))
 }
@@ -76,10 +76,11 @@ pub(super) fn approach<'w>(run: &mut Run<'_, '_, 'w>, search: &mut Search<'w>) -
     let mut drive = found.drive;
     search.trial.play_at_full(rows, drive.iter().copied());
     let level = search.trial.level(rows);
-    if !run.stopped && search.trial.unevenness(rows, level) <= NEAR {
+    if !run.stopped && search.trial.unevenness(rows, level, run.plan.quiet) <= NEAR {
         polish(run, Manner::crowded(level), &mut search.trial)?;
     }
-    let even = search.trial.unevenness(rows, search.trial.level(rows)) <= run.plan.tolerance.max(NEARLY);
+    let even =
+        search.trial.unevenness(rows, search.trial.level(rows), run.plan.quiet) <= run.plan.tolerance.max(NEARLY);
     search.offer(rows, even);
     for q in &mut drive {
         *q /= factor;

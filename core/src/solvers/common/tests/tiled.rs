@@ -83,7 +83,7 @@ fn rows_made_alike_ask_for_one_modulus_and_end_with_the_quiet_ones() {
     let propagation = Propagation::from_matrix(&matrix, 5).expect("propagation");
     let request = Request { pressures: Some(alloc::vec![2.0, 0.0, 4.0, 1.0, 0.0]), ..Request::default() };
     let problem = Problem::with_propagation(propagation, Setup::default(), &request).expect("a problem");
-    let rows = Rows::alike(&problem, &work, &mut Control::none()).expect("a few numbers");
+    let rows = Rows::alike(&problem, &[1, 4], &work, &mut Control::none()).expect("a few numbers");
     assert_eq!((&rows.order[..], rows.targeted), (&[0, 2, 3, 1, 4][..], 3));
     assert_eq!(rows.scale[..], [2.0, 1.0, 4.0, 1.0, 1.0]);
     let mut wave = Wave::new(&rows, &work);

@@ -1,0 +1,118 @@
+//! Silence: of crowded quiet points, a few that speak for all.
+//!
+//! At points a fraction of a wavelength apart a field has far fewer degrees of freedom than there are points. They are taken
+//! one after another, each time the one of which most is left beside those taken, until little is left of any: Cholesky
+//! factorisation of G G^H with pivoting (Higham, Accuracy and Stability of Numerical Algorithms, 2002, section 10.3),
+//! a row at a time. Where those taken are silent, so are the others, up to that little part.
+
+use crate::control::{Control, bytes};
+use crate::error::Error;
+use crate::kernels::tiles::products;
+use crate::kernels::{padded, vector};
+use crate::math::sqrtf;
+use crate::problem::Problem;
+use crate::solvers::common::tiled::{Rows, Wave};
+use crate::workspace::{Buffer, Workspace};
+
+/// The least part of |G_j| that f32 tells from rounding.
+const LEAST: f32 = 1e-3;
+
+/// Less than this part of |G_j| is left of a point that depends on others ...
+const DEPENDENT: f32 = 0.5;
+
+/// ... and quiet points are crowded where more than this part of them does.
+const CROWDED: f32 = 0.2;
+
+/// The part of the transducers' phases that quiet points may take, two each: beyond it the level gives way.
+const MOST: f32 = 0.8;
+
+/// The quiet points that are to be made silent.
+pub(super) struct Silence<'w> {
+    /// Indices into the problem's points.
+    pub(super) points: Buffer<'w, u32>,
+    /// Whether the array has the freedom to silence them all.
+    pub(super) enough: bool,
+    /// Whether many depend on others.
+    pub(super) crowded: bool,
+}
+
+impl<'w> Silence<'w> {
+    /// Those that speak for all where each may leak `quiet` of the largest target.
+    ///
+    /// # Errors
+    /// More memory than allowed; a stop.
+    pub(super) fn of(problem: &Problem, quiet: f32, work: &'w Workspace, control: &mut Control) -> Result<Self, Error> {
+        let propagation = problem.propagation();
+        let silent = |j: &u32| problem.targets()[*j as usize] == 0.0;
+        let all = 0..propagation.points() as u32;
+        let count = all.clone().filter(silent).count();
+        let free = MOST * propagation.transducers() as f32 - (propagation.points() - count) as f32;
+        let most = (free / 2.0).max(0.0) as usize;
+        let mut points = work.indices.take(count);
+        points.iter_mut().zip(all.filter(silent)).for_each(|(own, j)| *own = j);
+        if count < 2 {
+            return Ok(Self { points, enough: count <= most, crowded: false });
+        }
+        let rows = Rows::of(problem, points, work, control)?;
+        independent(&rows, quiet.max(LEAST), most, work, control)
+    }
+}
+
+/// The rows' points on which the others depend but for `part` of their moduli, `most` at most.
+fn independent<'w>(
+    rows: &Rows,
+    part: f32,
+    most: usize,
+    work: &'w Workspace,
+    control: &mut Control,
+) -> Result<Silence<'w>, Error> {
+    let (count, lanes) = (rows.order.len(), padded(rows.count));
+    let mut own = work.floats.take(count);
+    products::powers(rows.set, rows.tiles(), &mut own);
+    let mut left = work.floats.take(count);
+    left.copy_from_slice(&own);
+    let most = most.min(count);
+    control.room("the couplings of the quiet points", [count, most], bytes(8, &[most, lanes]))?;
+    let mut factor = [(); 2].map(|()| work.floats.take(most * lanes));
+    let mut column = [(); 2].map(|()| work.floats.take(lanes));
+    let mut taken = work.indices.take(most);
+    let mut wave = Wave::new(rows, work);
+    let mut separate = count;
+    for step in 0..=most {
+        control.pulse()?;
+        let share = |k: usize| if own[k] > 0.0 { left[k] / own[k] } else { 0.0 };
+        let next = (0..count).fold(0, |next, k| if share(k) > share(next) { k } else { next });
+        if share(next) < DEPENDENT * DEPENDENT {
+            separate = separate.min(step);
+        }
+        let done = share(next) <= part * part;
+        if done || step == most {
+            let mut points = work.indices.take(step);
+            points.iter_mut().zip(&taken).for_each(|(point, &k)| *point = rows.order[k as usize]);
+            let crowded = count - separate.min(step) > (CROWDED * count as f32) as usize;
+            return Ok(Silence { points, enough: done, crowded });
+        }
+        taken[step] = next as u32;
+        // The column of G G^H: the field of the drive conj(G_next).
+        rows.conjugate(next, wave.drive.each_mut().map(|plane| &mut plane[..]));
+        wave.hear(rows);
+        let [re, im] = &mut column;
+        re[..rows.count].copy_from_slice(&wave.field[0]);
+        im[..rows.count].copy_from_slice(&wave.field[1]);
+        for before in 0..step {
+            let row = before * lanes..(before + 1) * lanes;
+            let [known_re, known_im] = factor.each_ref().map(|plane| &plane[row.clone()]);
+            vector::accumulate(rows.set, [known_re, known_im], [-known_re[next], known_im[next]], re, im);
+        }
+        let scale = 1.0 / sqrtf(left[next]);
+        for (factor, column) in factor.iter_mut().zip(&column) {
+            let new = &mut factor[step * lanes..(step + 1) * lanes];
+            new.iter_mut().zip(&column[..]).for_each(|(new, column)| *new = scale * column);
+        }
+        for (k, left) in left.iter_mut().enumerate() {
+            let [re, im] = factor.each_ref().map(|plane| plane[step * lanes + k]);
+            *left = if k == next { 0.0 } else { (*left - re * re - im * im).max(0.0) };
+        }
+    }
+    unreachable!("the last step returns")
+}
