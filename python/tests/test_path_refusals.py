@@ -93,6 +93,7 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: path.morph(POINT, POINT, duration=0),
         "duration is 0: give a number above 0",
     ),
+    "a morph in no time": (lambda: path.morph(POINT, POINT, duration=1e-320), "give a longer one"),
     "a morph of both": (
         lambda: path.morph(POINT, POINT, duration=1, speed=1),
         "duration is 1 and speed is 1: give one",
@@ -149,6 +150,9 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: AM.frames(150),
         "rate is 150.0: the modulation needs 200 frames a second at least",
     ),
+    "slow frames beside": (lambda: (AM & still(0.1)).frames(150), "the modulation needs 200 frames"),
+    "slow frames after": (lambda: AM.then(still(0.0)).frames(150), "the modulation needs 200 frames"),
+    "slow frames twice": (lambda: AM.with_am(10).frames(150), "the modulation needs 200 frames"),
     "a number for times": (lambda: ring().at(0.5), "times is 0.5: give a list of finite times in s"),
     "an endless time": (lambda: ring().targets([0, math.inf]), "times is [0, inf]: give a list of finite"),
     "words for times": (lambda: ring().speed(["now"]), "times is ['now']: give a list of finite times"),
@@ -177,6 +181,11 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "another M without fade": (
         lambda: still(0.0).then(still(0.0, 0.1)),
         "M changes from 1 to 2 at the joint: give a fade",
+    ),
+    "two points in one": (lambda: still(0.0).then(still(0.0, 0.0)), "M changes from 1 to 2 at the joint"),
+    "two points of one": (
+        lambda: still(0.0, 0.01).then(still(0.0, 0.0)),
+        "point 1 of the second path starts 10 mm",
     ),
     "a louder point": (
         lambda: still(0.0, pressures=1).then(still(0.0, pressures=2)),

@@ -99,6 +99,20 @@ def test_points_that_stay_keep_their_slot_and_silent_slots_are_used_again() -> N
     there(*joined.frames(1e3), 0)
 
 
+def test_silent_slots_wait_where_they_were_or_will_be() -> None:
+    a, b, c, d, e = (still(0.01 * k) for k in range(5))
+    turns = b.then(c, fade=0.05).then(d, fade=0.05).then(e, fade=0.05)
+    for joined, slots, reused in ((turns, 2, 2), (a.then(turns, fade=0.05), 3, 2)):
+        points, targets = joined.frames(1e3)
+        assert joined.points == slots
+        assert (points[:, :, 2] == Z).all()
+        # A slot goes where its next point will be, once, as that begins to rise.
+        moved = steps(points) > 0
+        assert moved.sum() == reused
+        assert (targets[:-1][moved] == 0).all()
+        assert (targets[2:][moved[:-1]] > 0).all()
+
+
 def test_a_target_that_jumps_fades_where_it_is() -> None:
     joined = still(0.0, pressures=1000).then(still(0.0, pressures=2000), fade=0.1)
     assert joined.points == 1

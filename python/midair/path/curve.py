@@ -21,7 +21,7 @@ class Curve(ABC):
 
     @abstractmethod
     def after(self, ways: Numbers) -> Numbers:
-        """Places (..., 3) after ways (...) from its start, in m; around where it is closed."""
+        """Places (..., 3) after ways (...) in m from its start; those of lines end where the lines do."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,7 @@ class Lines(Curve):
 
     def after(self, ways: Numbers) -> Numbers:
         """Places on the lines."""
-        return reached(self.vertices, self.along, ways % self.length if self.closed else ways)
+        return reached(self.vertices, self.along, ways)
 
 
 def lines(vertices: Numbers, closed: bool) -> Lines:

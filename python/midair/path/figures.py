@@ -67,10 +67,8 @@ def line(
     frequency : how often a second, there and back where asked
     pressures : in Pa; left out, balanced
     """
-    ends, closed = (
-        np.stack([vector("start", start), vector("end", end)]),
-        flag("there_and_back", there_and_back),
-    )
+    ends = np.stack([vector("start", start), vector("end", end)])
+    closed = flag("there_and_back", there_and_back)
     if (ends[0] == ends[1]).all():
         raise refused("end", ends[1], "it is where the start is, give another point")
     return walk(lines(ends, closed), speed=speed, frequency=frequency, pressures=pressures)

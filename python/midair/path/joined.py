@@ -117,7 +117,7 @@ def then(first: Piece, second: Piece, fade: float | None) -> Piece:
         parts = [Part(part.piece, part.slots, np.concatenate([part.idle, new])) for part in parts]
     if not np.allclose(before, after, rtol=ROUNDING, atol=0):
         if fade is None:
-            raise SceneError(f"{_jump(end, begin, goes_on)}: give a fade in s, such as fade=0.05")
+            raise SceneError(f"{_jump(end, begin, slots, goes_on)}: give a fade in s, such as fade=0.05")
         rest = Fade(
             points=points,
             duration=fade,
@@ -179,15 +179,15 @@ def _slots(end: State, begin: State) -> tuple[NDArray[np.int64], NDArray[np.bool
     return slots, goes_on
 
 
-def _jump(end: State, begin: State, goes_on: NDArray[np.bool_]) -> str:
+def _jump(end: State, begin: State, slots: NDArray[np.int64], goes_on: NDArray[np.bool_]) -> str:
     """What does not meet."""
     counts = [int((state.targets > 0).sum()) for state in (end, begin)]
     if counts[0] != counts[1]:
         return f"M changes from {counts[0]} to {counts[1]} at the joint"
     starts = np.flatnonzero((begin.targets > 0) & ~goes_on)
     if len(starts):
-        ends = end.places[end.targets > 0]
+        left = np.setdiff1d(np.flatnonzero(end.targets > 0), slots[goes_on])
         point = int(starts[0])
-        apart = np.linalg.norm(ends - begin.places[point], axis=1).min()
+        apart = np.linalg.norm(end.places[left] - begin.places[point], axis=1).min()
         return f"point {point} of the second path starts {apart * 1e3:.4g} mm from where the first ends"
     return f"targets jump from {shown(end.targets.tolist())} to {shown(begin.targets.tolist())} at the joint"

@@ -64,6 +64,8 @@ def from_array(
     """
     rate, closed = number("rate", rate, above=0), flag("closed", closed)
     frames = point_sets("points", points)
+    if not len(frames) / rate < np.inf:
+        raise refused("rate", rate, f"the path would last {len(frames) / rate:g} s, give another")
     return _sampled(frames, len(frames) - (not closed), rate, closed, pressures)
 
 
@@ -99,6 +101,8 @@ def morph(
         duration = lasting(furthest, 1, speed=speed, frequency=None)
     else:
         duration = number("duration", duration, above=0)
+    if not 1 / duration < np.inf:
+        raise refused("duration", duration, "give a longer one")
     return _sampled(np.stack(ends), 1, 1 / duration, False, pressures)
 
 
@@ -111,8 +115,6 @@ def _set(item: str, value: ArrayLike) -> Numbers:
 
 
 def _sampled(frames: Numbers, steps: int, rate: float, closed: bool, pressures: ArrayLike | None) -> Path:
-    if not 0 < steps / rate < np.inf:
-        raise refused("rate", rate, f"the path would last {steps / rate:g} s, give another")
     count, points, _ = frames.shape
     return Path(
         Samples(
