@@ -12,7 +12,7 @@ SI units, e^{-jwt}, peak pressures: every convention is in docs/conventions.md.
 
 from importlib.metadata import version as _version
 
-from . import shape
+from . import path, shape
 from ._midair import (
     Array,
     Batch,
@@ -72,6 +72,7 @@ __all__ = [
     "gorkov",
     "image",
     "judge",
+    "path",
     "plot",
     "presets",
     "shape",

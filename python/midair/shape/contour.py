@@ -32,9 +32,9 @@ ROUNDING = 1e-9
 
 def points_along(contours: Iterable[Contour], step: float) -> Points:
     """Points (M, 3) along contours of vertices (K, 3)."""
-    measured = [_measured(*contour) for contour in contours]
-    few(sum(along[-1] for _, along, _ in measured), step)
-    return spaced(np.concatenate([_even(*contour, step) for contour in measured]), step)
+    found = [(*measured(*contour), contour[1]) for contour in contours]
+    few(sum(along[-1] for _, along, _ in found), step)
+    return spaced(np.concatenate([_even(*contour, step) for contour in found]), step)
 
 
 def few(length: float, step: float) -> None:
@@ -84,15 +84,20 @@ def ways(straight: bool) -> Points:
     return np.linspace(0.0, 1.0, 2 if straight else PIECES + 1)
 
 
-def _measured(vertices: Points, closed: bool) -> tuple[Points, Points, bool]:
+def measured(vertices: Points, closed: bool) -> tuple[Points, Points]:
     """The vertices, the first once more where the contour closes, and the way along it to each."""
     vertices = np.concatenate([vertices, vertices[:1]]) if closed else vertices
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(vertices, axis=0), axis=1))])
-    return vertices, along, closed
+    return vertices, along
+
+
+def reached(vertices: Points, along: Points, ways: Points) -> Points:
+    """Where one is on a contour after each of `ways` (...) along it: (..., 3)."""
+    return np.stack([np.interp(ways, along, axis) for axis in vertices.T], axis=-1)
 
 
 def _even(vertices: Points, along: Points, closed: bool, step: float) -> Points:
     """Points at equal steps along a contour; the end of one that closes is its beginning."""
     steps = count(along[-1], step)
     at = along[-1] * np.arange(steps if closed else steps + 1) / steps
-    return np.stack([np.interp(at, along, axis) for axis in vertices.T], axis=1)
+    return reached(vertices, along, at)

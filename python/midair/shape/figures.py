@@ -30,6 +30,16 @@ def circle(
     """
     step, radius = number("step", step, above=0), number("radius", radius, above=0)
     center, normal = vector("center", center), vector("normal", normal)
+    across, up = axes(normal)
+    few(2 * math.pi * radius, step)
+    steps = count(2 * math.pi * radius, step)
+    angles = 2 * math.pi * np.arange(steps) / steps
+    ring = np.cos(angles)[:, None] * across + np.sin(angles)[:, None] * up
+    return spaced(center + radius * ring, step)
+
+
+def axes(normal: Points) -> tuple[Points, Points]:
+    """Unit vectors normal to `normal`: along x as far as it allows (else along y), and to the left."""
     size = math.hypot(*normal)
     if not 0 < size < math.inf:
         raise refused("normal", normal, "give a direction such as [0, 0, 1]")
@@ -38,12 +48,7 @@ def circle(
     axis = np.eye(3)[0 if abs(normal[0]) < 0.999 else 1]
     across = axis - normal * (axis @ normal)
     across /= math.hypot(*across)
-    up = np.cross(normal, across)
-    few(2 * math.pi * radius, step)
-    steps = count(2 * math.pi * radius, step)
-    angles = 2 * math.pi * np.arange(steps) / steps
-    ring = np.cos(angles)[:, None] * across + np.sin(angles)[:, None] * up
-    return spaced(center + radius * ring, step)
+    return across, np.cross(normal, across)
 
 
 def polyline(points: ArrayLike, *, step: float = STEP, closed: bool = False) -> Points:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from io import StringIO
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -15,37 +16,44 @@ from .contour import MOST_POINTS, STEP, Contour, Points, box, placed, points_alo
 
 
 def svg(path: str | PathLike[str], *, size: float, z: float, step: float = STEP) -> Points:
-    """Points (M, 3) in m on the paths and basic shapes of an SVG file, their middle at (0, 0, z).
+    """Points (M, 3) in m on the paths and basic shapes of an SVG file or text, their middle at (0, 0, z).
 
     size : the longer side of what is drawn, in m
 
     y points up, as in the picture. Colours, widths and fillings are passed over, and so is text that was not
     turned into paths.
     """
-    step, size, z = number("step", step, above=0), number("size", size, above=0), number("z", z)
-    file = existing("path", path, "give an SVG file")
+    step = number("step", step, above=0)
+    return points_along(outlines("shape.svg", path, size, z), step)
+
+
+def outlines(caller: str, path: str | PathLike[str], size: float, z: float) -> list[Contour]:
+    """What an SVG file or text draws, as contours in m, for the function `caller`."""
+    size, z = number("size", size, above=0), number("z", z)
+    written = isinstance(path, str) and path.lstrip().startswith("<")
+    name = Path("SVG text") if written else existing("path", path, "give an SVG file")
     try:
         import svgelements
     except ImportError as error:
-        raise SceneError('shape.svg needs svgelements: pip install "midair[shapes]"') from error
+        raise SceneError(f'{caller} needs svgelements: pip install "midair[shapes]"') from error
     try:
-        drawing = svgelements.SVG.parse(str(file))
+        drawing = svgelements.SVG.parse(StringIO(str(path)) if written else str(name))
         found = [
-            contour for part in _parts(svgelements, file, drawing) for contour in _contours(svgelements, part)
+            contour for part in _parts(svgelements, name, drawing) for contour in _contours(svgelements, part)
         ]
     except SceneError:
         raise
     # Whatever a damaged file makes the parser raise.
     except Exception as error:
-        raise refused("path", file, "it cannot be read as SVG, give another file") from error
+        raise refused("path", name, "it cannot be read as SVG, give another file") from error
     if not found:
-        raise refused("path", file, "nothing is drawn in it, give one with paths or basic shapes")
+        raise refused("path", name, "nothing is drawn in it, give one with paths or basic shapes")
     least, most = box(found)
     longer = float((most - least).max())
     if not 0 < longer < np.inf:
-        raise refused("path", file, f"what it draws is {shown(longer)} large, give another file")
+        raise refused("path", name, f"what it draws is {shown(longer)} large, give another file")
     scale = size / longer
-    return points_along(placed(found, (scale, -scale), z), step)
+    return placed(found, (scale, -scale), z)
 
 
 def _parts(svgelements: Any, file: Path, drawing: Any) -> Iterator[list[Any]]:

@@ -1,0 +1,135 @@
+"""Path: control points and their targets as functions of time, and how paths are put together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..shape.arguments import number, refused
+from .arguments import instants
+from .beside import beside
+from .joined import then
+from .modulated import Shape, modulated
+from .piece import ROUNDING, Numbers, Piece
+
+#: Frames times points of one answer; 10^8 are 3.2 GB.
+MOST_FRAMES = 100_000_000
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Path:
+    """M control points that move for a time, with a target for each; nothing about it changes.
+
+    Targets are in Pa (peak) where `pressures` were given, and then `pascals` is true. Where they were left
+    out, targets are relative to full: 1, times what modulation and fades leave of it, for a solver that
+    balances. A point whose target is 0 is not there: such a one is to be left out of that frame's scene.
+
+    `a & b` are the points of both at the same time, `a.then(b)` those of b after those of a.
+    """
+
+    _piece: Piece
+
+    @property
+    def points(self) -> int:
+        """M, the number of points, the same at all times."""
+        return self._piece.points
+
+    @property
+    def duration(self) -> float:
+        """In s."""
+        return self._piece.duration
+
+    @property
+    def closed(self) -> bool:
+        """Whether the end joins the start, so that the path can go around for ever."""
+        return self._piece.closed
+
+    @property
+    def pascals(self) -> bool:
+        """Whether targets are in Pa (pressures were given), or relative to full (they were left out)."""
+        return self._piece.pascals
+
+    def at(self, times: ArrayLike) -> Numbers:
+        """Places (T, M, 3) in m at times (T,) in s.
+
+        A closed path goes around; one that is open stands still before its start and after its end.
+        """
+        return self._piece.place(self._piece.within(instants(times)))
+
+    def targets(self, times: ArrayLike) -> Numbers:
+        """Targets (T, M) at times (T,) in s: in Pa where pressures were given, else relative to full."""
+        return self._piece.level(self._piece.within(instants(times)))
+
+    def speed(self, times: ArrayLike) -> Numbers:
+        """Speeds (T, M) in m/s at times (T,) in s within the path; at a corner, the speed after it."""
+        return self._piece.pace(self._piece.within(instants(times)))
+
+    def frames(self, rate: float) -> tuple[Numbers, Numbers]:
+        """Places (T, M, 3) and targets (T, M) at i / rate, i = 0, 1, ..., of round(duration rate) frames.
+
+        One more where the path is open: its end. The step over the seam of a closed path is like any other
+        where duration times rate is whole.
+        """
+        rate = number("rate", rate, above=0)
+        # The end of an open path is a frame, that of a closed one the first.
+        count = np.rint(self.duration * rate) + (not self.closed)
+        if count < 2:
+            raise refused(
+                "rate", rate, f"that is {count:g} frames in {self.duration:.6g} s, give a larger one"
+            )
+        if count * self.points > MOST_FRAMES:
+            large = f"{count:g} frames of {self.points} points are too many for one answer"
+            raise refused("rate", rate, f"{large}, take them in parts by at(times) and targets(times)")
+        if rate < 2 * self._piece.modulation * (1 - ROUNDING):
+            least = 2 * self._piece.modulation
+            raise refused(
+                "rate", rate, f"the modulation needs {least:g} frames a second at least, give as many"
+            )
+        times = np.arange(int(count)) / rate
+        return self.at(times), self.targets(times)
+
+    def beside(self, other: Path) -> Path:
+        """The points of both at the same time: this path's first; also `path & other`.
+
+        Both last equally long; or both are closed, their durations in a ratio of whole numbers, and go around
+        until both are at their start again.
+        """
+        return Path(beside(self._piece, _piece("other", other)))
+
+    def __and__(self, other: Any) -> Path:
+        """Both at the same time, as `beside`."""
+        return self.beside(other)
+
+    def then(self, other: Path, fade: float | None = None) -> Path:
+        """The other path after this one.
+
+        fade : in s, used where the end of this path and the start of the other differ in points, places or
+            targets. For so long all points stand still, and targets go from one value to the other (to and
+            from 0 where points vanish and appear) along a raised cosine. Left out, such paths are refused.
+
+        The new path is closed where its end joins its start.
+        """
+        seconds = None if fade is None else number("fade", fade, above=0)
+        return Path(then(self._piece, _piece("other", other), seconds))
+
+    def with_am(self, frequency: float, shape: Shape = "sqrt", depth: float = 1.0) -> Path:
+        """The path with its targets times 1 - depth + depth s(t): amplitude modulation at a frequency in Hz.
+
+        With c = cos(2 pi frequency t), s is sqrt((1 + c) / 2) for "sqrt", whose force on a hand has one line
+        in its spectrum and the mean 1/2; (1 + c) / 2 for "cosine", of mean force 3/8; 1, then 0 for "square".
+        A closed path holds a whole number of periods.
+        """
+        return Path(modulated(self._piece, frequency, shape, depth))
+
+    def __repr__(self) -> str:
+        """Points, duration and whether it closes."""
+        return f"Path(points={self.points}, duration={self.duration:.6g}, closed={self.closed})"
+
+
+def _piece(item: str, path: Any) -> Piece:
+    if not isinstance(path, Path):
+        raise refused(item, path, "give a path, such as midair.path.circle(...)")
+    return path._piece

@@ -1,0 +1,129 @@
+"""Points given frame by frame, on straight lines between the frames."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .._midair import SceneError
+from ..shape.arguments import flag, number, refused
+from .arguments import FARTHEST, changing_pressures, constant_pressures, point_sets, real
+from .path import Path
+from .piece import ROUNDING, Numbers, Piece, mixed
+from .walk import lasting
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Samples(Piece):
+    """K frames at a rate; a closed piece goes on from the last to the first."""
+
+    rate: float
+    #: (K, M, 3) in m.
+    frames: Numbers
+    #: (K, M).
+    targets: Numbers
+
+    def place(self, times: Numbers) -> Numbers:
+        """Places between two frames."""
+        before, after, share = self._between(times)
+        return mixed(self.frames[before], self.frames[after], share[:, None, None])
+
+    def pace(self, times: Numbers) -> Numbers:
+        """Distances of two frames by their time."""
+        before, after, _ = self._between(times)
+        apart: Numbers = np.linalg.norm(self.frames[after] - self.frames[before], axis=2)
+        return self.rate * apart
+
+    def level(self, times: Numbers) -> Numbers:
+        """Targets between two frames."""
+        before, after, share = self._between(times)
+        return mixed(self.targets[before], self.targets[after], share[:, None])
+
+    def _between(self, times: Numbers) -> tuple[np.ndarray, np.ndarray, Numbers]:
+        """The frame before and the frame after each time, and the part of the way from one to the other."""
+        ways = times * self.rate
+        ways = np.where(np.abs(ways - np.rint(ways)) < ROUNDING * (1 + ways), np.rint(ways), ways)
+        count = len(self.frames)
+        before = np.floor(ways).astype(np.int64).clip(0, count - 1 if self.closed else count - 2)
+        return before, (before + 1) % count, ways - before
+
+
+def from_array(
+    points: ArrayLike,
+    *,
+    rate: float,
+    pressures: ArrayLike | None = None,
+    closed: bool = False,
+) -> Path:
+    """A path through frames of points (T, M, 3) in m, at `rate` frames a second, straight between them.
+
+    pressures : in Pa, one number, (M,) or (T, M), straight between frames, too; left out, balanced
+    closed : whether the last frame goes on to the first
+    """
+    rate, closed = number("rate", rate, above=0), flag("closed", closed)
+    frames = point_sets("points", points)
+    if not len(frames) / rate < np.inf:
+        raise refused("rate", rate, f"the path would last {len(frames) / rate:g} s, give another")
+    return _sampled(frames, len(frames) - (not closed), rate, closed, pressures)
+
+
+def morph(
+    from_points: ArrayLike,
+    to_points: ArrayLike,
+    *,
+    duration: float | None = None,
+    speed: float | None = None,
+    pressures: ArrayLike | None = None,
+) -> Path:
+    """A path from points (M, 3) to as many others in m, each straight and at constant speed.
+
+    duration : in s; or
+    speed : in m/s, of the point that goes furthest
+    pressures : in Pa, one number or (M,); left out, balanced
+    """
+    if duration is not None and speed is not None:
+        raise SceneError(
+            f"duration is {duration} and speed is {speed}: give one of them, leave out the other"
+        )
+    if duration is None and speed is None:
+        raise SceneError("duration and speed are left out: give duration in s, or speed in m/s")
+    ends = [_set(item, value) for item, value in (("from_points", from_points), ("to_points", to_points))]
+    counts = [len(end) for end in ends]
+    if counts[0] != counts[1]:
+        told = f"M changes from {counts[0]} to {counts[1]} between from_points and to_points"
+        raise SceneError(f"{told}: give as many, or join paths with a fade, a.then(b, fade=)")
+    if pressures is not None:
+        pressures = constant_pressures(pressures, counts[0])
+    if duration is None:
+        furthest = float(np.linalg.norm(ends[1] - ends[0], axis=1).max())
+        duration = lasting(furthest, 1, speed=speed, frequency=None)
+    else:
+        duration = number("duration", duration, above=0)
+    if not 1 / duration < np.inf:
+        raise refused("duration", duration, "give a longer one")
+    return _sampled(np.stack(ends), 1, 1 / duration, False, pressures)
+
+
+def _set(item: str, value: ArrayLike) -> Numbers:
+    cure = f"give points x 3 finite numbers in m, at most {FARTHEST:g}"
+    found = real(item, value, cure)
+    if found.ndim != 2 or found.shape[1:] != (3,) or not len(found) or not (np.abs(found) <= FARTHEST).all():
+        raise refused(item, value, cure)
+    return found
+
+
+def _sampled(frames: Numbers, steps: int, rate: float, closed: bool, pressures: ArrayLike | None) -> Path:
+    count, points, _ = frames.shape
+    return Path(
+        Samples(
+            points=points,
+            duration=steps / rate,
+            closed=closed,
+            pascals=pressures is not None,
+            rate=rate,
+            frames=frames,
+            targets=changing_pressures(pressures, count, points),
+        )
+    )
