@@ -41,6 +41,7 @@ from ._midair import (
     solvers,
 )
 from .compare import Comparison, compare
+from .motion import Sequence
 from .picture import Picture, image
 from .plot import plot
 from .sweep import sweep
@@ -63,6 +64,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "SceneWarning",
+    "Sequence",
     "Solution",
     "Solver",
     "SolverInfo",
