@@ -41,7 +41,7 @@ from ._midair import (
     solvers,
 )
 from .compare import Comparison, compare
-from .motion import Sequence
+from .motion import Felt, Sequence, SequenceMetrics
 from .picture import Picture, image
 from .plot import plot
 from .sweep import sweep
@@ -52,6 +52,7 @@ __all__ = [
     "Batch",
     "BatchMetrics",
     "Comparison",
+    "Felt",
     "Field",
     "Gorkov",
     "Metrics",
@@ -65,6 +66,7 @@ __all__ = [
     "SceneError",
     "SceneWarning",
     "Sequence",
+    "SequenceMetrics",
     "Solution",
     "Solver",
     "SolverInfo",

@@ -77,6 +77,8 @@ def test_codes_are_phases_and_their_changes_whole_steps() -> None:
     assert sequence.drives == pytest.approx(drives, abs=1e-6)
     same = made(drives, array=array, closed=True)
     assert same.codes is None
+    # A transducer that is off plays nothing, whatever it is given.
+    assert made(drives + (np.arange(36) == 7), array=array, closed=True) == same
     assert sequence.pressures == pytest.approx(same.pressures, rel=1e-5)
     assert sequence.changes == pytest.approx(same.changes, abs=1e-6)
     steps = sequence.each_change(0, FRAMES) * 256 / (2 * np.pi)
@@ -300,6 +302,7 @@ NAN = np.full((FRAMES, 3, 3), np.nan)
             "drives is 9: give codes from 0 to 7",
         ),
         ({"quantization": {"phases": 1}}, "quantization.phases is 1: give 2 to 65536"),
+        ({"drives": np.ma.masked_less(wild().real, 0)}, 'drives is "a masked array": fill'),
         ({"rate": 0}, "rate is 0: give a number above 0"),
         ({"rate": np.nan}, "rate is nan: give a finite number"),
         ({"change": -1.0}, "change is -1.0: give a number of at least 0"),

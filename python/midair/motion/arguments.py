@@ -106,6 +106,8 @@ def resolved(low: float, high: float, rate: float, count: int) -> bool:
 
 
 def _real(item: str, given: Any) -> NDArray[np.float64]:
+    if np.ma.is_masked(given):
+        raise refused(item, "a masked array", "fill what it hides")
     try:
         found = np.asarray(given)
     except ValueError:

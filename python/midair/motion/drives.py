@@ -65,6 +65,8 @@ def read(given: Any, array: Array, phases: int | None) -> Drives:
     live = array.mask.copy()
     if array.response is not None:
         live &= array.response != 0
+    if np.ma.is_masked(given):
+        raise refused("drives", "a masked array", "fill what it hides")
     found = np.asarray(given)
     if found.ndim != 2 or found.shape[1] != len(array) or not len(found):
         raise refused("drives.shape", found.shape, f"give (T, {len(array)}), a drive for each frame")
@@ -80,6 +82,7 @@ def read(given: Any, array: Array, phases: int | None) -> Drives:
             frame, one = np.argwhere(~within)[0]
             frame += frames.start
             raise refused(f"drives[{frame}, {one}]", found[frame, one], "give |q| of at most 1")
+    drives[:, ~live] = 0
     drives.flags.writeable = False
     return Drives(drives, live, None)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from os import PathLike
@@ -50,21 +49,10 @@ def save(path: str | PathLike[str], arrays: dict[str, Any], scene: Scene, settin
         np.savez(part, **arrays, scene=scene.json(), setting=output.to_json(setting))
 
 
-def load(path: str | PathLike[str]) -> tuple[dict[str, Any], Scene, dict[str, Any]]:
-    """The arrays, scene and setting of a file."""
-    name = " ".join(str(path).split())
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {key: file[key] for key in KEYS}
-        scene: Scene = Scene.parse(str(arrays.pop("scene")))
-        setting = dict(json.loads(str(arrays.pop("setting"))))
-    except FileNotFoundError:
-        raise
-    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
-        raise damaged(name) from error
-    return arrays, scene, setting
-
-
-def damaged(name: str) -> SceneError:
-    """The refusal of a file."""
-    return SceneError(f'sequence file "{name}" is damaged, or none: give what sequence.save wrote')
+def load(path: str | PathLike[str]) -> dict[str, Any]:
+    """The arguments of the sequence that a file holds, not checked."""
+    with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
+        arrays = {key: file[key] for key in KEYS}
+    scene: Scene = Scene.parse(str(arrays.pop("scene")))
+    setting = dict(json.loads(str(arrays.pop("setting"))))
+    return {"array": scene.array, **arrays, **setting}

@@ -101,7 +101,8 @@ class Sequence(Frames):
 
     def each_change(self, start: int, stop: int) -> NDArray[np.float32]:
         """|Phase change| (stop - start, N) in rad of every transducer in some frames, as in `changes`."""
-        return self._drives.changes(slice(start, stop), self._closed)
+        first, last, _ = slice(start, stop).indices(len(self))
+        return self._drives.changes(slice(first, max(first, last)), self._closed)
 
     @cached_property
     def metrics(self) -> SequenceMetrics:
@@ -204,19 +205,23 @@ class Sequence(Frames):
     def save(self, path: str | PathLike[str]) -> None:
         """Write it as .npz: points, targets, drives (or codes), scene (array and air) and setting as JSON."""
         arrays = {"points": self._points, "targets": self._targets, "drives": self._drives.held}
-        files.save(path, arrays, self._scene, {**self._setting(), "medium": self._medium()})
+        files.save(path, arrays, self._scene, {**self._setting(), **self._medium()})
 
     @staticmethod
     def load(path: str | PathLike[str]) -> Sequence:
         """Read what `save` wrote, to the last bit. A file is never run."""
-        arrays, scene, setting = files.load(path)
+        name = " ".join(str(path).split())
         try:
-            medium = setting.pop("medium")
-            return Sequence(scene.array, **arrays, **setting, **medium)
+            return Sequence(**files.load(path))
         except SceneError as error:
-            raise SceneError(f'sequence file "{path}": {error}') from error
-        except (TypeError, KeyError) as error:
-            raise files.damaged(str(path)) from error
+            raise SceneError(f'sequence file "{name}": {error}') from error
+        except OSError:
+            raise
+        # Whatever a damaged file makes zip, NumPy and JSON raise.
+        except Exception as error:
+            raise SceneError(
+                f'sequence file "{name}" is damaged, or none: give what sequence.save wrote'
+            ) from error
 
     def to_xarray(self) -> Dataset:
         """Points, targets, pressures, changes and drives (or codes), with dimensions, as xarray.Dataset."""
