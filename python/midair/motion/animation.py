@@ -62,9 +62,10 @@ def animate(
                 if progress is not None:
                     progress(done, count)
         except BaseException:
-            # It may be waiting for pictures; what it has written is removed.
-            with suppress(Exception):
-                writer.finish()
+            # ffmpeg waits for pictures; what it has written is removed.
+            if part.suffix == ".mp4":
+                with suppress(Exception):
+                    writer.finish()
             raise
         writer.finish()
 
