@@ -41,6 +41,7 @@ from ._midair import (
     solvers,
 )
 from .compare import Comparison, compare
+from .motion import Felt, Sequence, SequenceMetrics
 from .picture import Picture, image
 from .plot import plot
 from .sweep import sweep
@@ -51,6 +52,7 @@ __all__ = [
     "Batch",
     "BatchMetrics",
     "Comparison",
+    "Felt",
     "Field",
     "Gorkov",
     "Metrics",
@@ -63,6 +65,8 @@ __all__ = [
     "Scene",
     "SceneError",
     "SceneWarning",
+    "Sequence",
+    "SequenceMetrics",
     "Solution",
     "Solver",
     "SolverInfo",

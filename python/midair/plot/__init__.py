@@ -2,29 +2,42 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 from .._midair import Field, SceneError, Solution, field
+from ..motion import Sequence
 from .answer import answer
 from .colours import Quantity, colours
+from .motion import motion
 from .panel import add_bar, draw, grid
 from .sheet import contact_sheet
 from .words import heading, place
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["Quantity", "answer", "contact_sheet", "plot"]
 
 
+@overload
+def plot(what: Sequence) -> Figure: ...
+@overload
 def plot(
     what: Field | Solution,
     ax: Axes | None = None,
     *,
     quantity: Quantity = "pressure",
     vmax: float | None = None,
-) -> Axes:
-    """Draw a field on a plane, or the field of a solution in the plane through its points.
+) -> Axes: ...
+def plot(
+    what: Field | Solution | Sequence,
+    ax: Axes | None = None,
+    *,
+    quantity: Quantity = "pressure",
+    vmax: float | None = None,
+) -> Axes | Figure:
+    """Draw a field on a plane, the field of a solution in the plane through its points, or a sequence.
 
     ax : the axes to draw in; left out, matplotlib's present ones
     quantity : |p| in Pa ("pressure"), the radiation pressure on a wall in Pa ("radiation"), the sound
@@ -34,7 +47,14 @@ def plot(
 
     Points of the plane are dots, quiet ones crosses; points off it are hollow rings where they project. Where
     it takes several planes to show the points, each has a panel if ax is left out. Returns the (first) axes.
+
+    Of a `midair.Sequence`, which takes none of these arguments: waterfalls of |p| / target at the points and
+    of the transducers' phase changes, and the spectrum of the radiation pressure. Returns the figure.
     """
+    if isinstance(what, Sequence):
+        if ax is not None or quantity != "pressure" or vmax is not None:
+            raise SceneError("a sequence has a figure of its own: leave ax, quantity and vmax out")
+        return motion(what)
     if isinstance(what, Solution):
         if what.scene is None:
             raise SceneError(
@@ -42,7 +62,8 @@ def plot(
             )
         what = field(what.scene, what)
     if not isinstance(what, Field):
-        raise TypeError(f"expected a midair.Field or midair.Solution first, not {type(what).__qualname__}")
+        kinds = "a midair.Field, midair.Solution or midair.Sequence"
+        raise TypeError(f"expected {kinds} first, not {type(what).__qualname__}")
     if what.plane is None:
         raise SceneError("field is at single points: a picture needs a midair.Plane")
     panels = what.panels

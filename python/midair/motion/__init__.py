@@ -1,0 +1,7 @@
+"""Motion: sequences of frames in time, and what the points and a hand get of them."""
+
+from .felt import Felt
+from .metrics import SequenceMetrics
+from .sequence import Sequence
+
+__all__ = ["Felt", "Sequence", "SequenceMetrics"]

@@ -1,0 +1,48 @@
+"""Propagation to points that move: rows of G block by block, and |p| of each frame's drive at its points."""
+
+from __future__ import annotations
+
+import re
+import warnings
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._midair import Scene, SceneError, SceneWarning
+from .blocks import blocks
+from .drives import Drives
+
+
+def rows(
+    scene: Scene, points: NDArray[np.float64], name: str = "points", first: int = 0
+) -> NDArray[np.complex64]:
+    """G (..., N) at points (..., 3) in a scene's air; an error names the point, the first being `first`."""
+    shape = points.shape[:-1]
+    with warnings.catch_warnings():
+        # The scene itself has told of what is hardly meant.
+        warnings.simplefilter("ignore", SceneWarning)
+        try:
+            matrix = scene.replace(points=points.reshape(-1, 3)).propagation()
+        except SceneError as error:
+            found = re.match(r"points\[(\d+)\](.*)", str(error))
+            if found is None:
+                raise
+            index = list(np.unravel_index(int(found[1]), shape))
+            index[0] += first
+            raise SceneError(f"{name}[{', '.join(map(str, index))}]{found[2]}") from None
+    return matrix.reshape(*shape, -1)
+
+
+def pressures(scene: Scene, points: NDArray[np.float64], drives: Drives) -> NDArray[np.float64]:
+    """|p| (T, M) in Pa: p_j(t) = sum_i G_ji(t) q_i(t)."""
+    frames, count, _ = points.shape
+    found = np.empty((frames, count))
+    for part in blocks(frames, count * len(scene.array)):
+        found[part] = moduli(rows(scene, points[part], first=part.start), drives[part])
+    return found
+
+
+def moduli(matrices: NDArray[np.complex64], drives: NDArray[np.complex64]) -> NDArray[np.float32]:
+    """|p| (..., M) by matrices (..., M, N) and drives (..., N)."""
+    found: NDArray[np.float32] = np.abs(np.matmul(matrices, drives[..., None])[..., 0])
+    return found
