@@ -41,6 +41,7 @@ from ._midair import (
     solvers,
 )
 from .compare import Comparison, compare
+from .ear import Ear, ear
 from .motion import Felt, Sequence, SequenceMetrics
 from .picture import Picture, image
 from .plot import plot
@@ -52,6 +53,7 @@ __all__ = [
     "Batch",
     "BatchMetrics",
     "Comparison",
+    "Ear",
     "Felt",
     "Field",
     "Gorkov",
@@ -72,6 +74,7 @@ __all__ = [
     "SolverInfo",
     "bound",
     "compare",
+    "ear",
     "field",
     "gorkov",
     "image",

@@ -122,7 +122,8 @@ pub(crate) fn solve(
     let (inner, trace) = answer?;
     let elapsed = clock.elapsed().as_secs_f64();
     let beyond = attend(py, None, |mut control| problem.beyond(&mut control))?;
-    for remark in [beyond.map(Remark::Beyond), Remark::scaled(&inner)].into_iter().flatten() {
+    let leak = Remark::leak(&problem, &*configured.solver, &inner);
+    for remark in [beyond.map(Remark::Beyond), leak, Remark::scaled(&inner)].into_iter().flatten() {
         warn(py, &remark)?;
     }
     Ok(Solution::new(inner, Arc::new(choice), elapsed).of(subject.scene(), trace))

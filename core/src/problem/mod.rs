@@ -26,6 +26,7 @@ use crate::control::Control;
 use crate::device::quantization::Quantization;
 use crate::error::{Error, one_each};
 use crate::kernels::InstructionSet;
+use crate::math;
 use crate::problem::targets::Targets;
 use crate::propagation::{Model, Propagation};
 use crate::scene::{Aim, Request, Scene, Start, check_drive};
@@ -336,6 +337,20 @@ impl Problem {
     /// The points with a pressure and a weight above 0.
     pub(crate) fn targeted(&self) -> Vec<usize> {
         self.targets.active.iter().copied().filter(|&j| self.targets.pascals[j] > 0.0).collect()
+    }
+
+    /// The most that a quiet point leaks, times its weight over the targets' largest, relative to the loudest targeted one;
+    /// `pressures` are those of the caller's points.
+    pub(crate) fn weighted_leak(&self, pressures: &[Complex32]) -> f64 {
+        let Targets { active, pascals, weights, .. } = &*self.targets;
+        let modulus = |j: &&usize| math::modulus(pressures[**j]);
+        let quiet = active.iter().filter(|&&j| pascals[j] == 0.0);
+        let targeted = active.iter().filter(|&&j| pascals[j] > 0.0);
+        let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+        let leak = most(&mut quiet.map(|j| modulus(&j) * weights[*j]));
+        let heaviest = most(&mut targeted.clone().map(|j| weights[*j]));
+        let loudest = most(&mut targeted.map(|j| modulus(&j)));
+        if leak == 0.0 { 0.0 } else { leak / heaviest / loudest }
     }
 
     /// Whether every given target is below half the balanced level: solved without balancing, greedy drives

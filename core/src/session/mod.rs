@@ -55,7 +55,7 @@ pub struct Session {
     workers: Vec<Worker>,
     solution: Option<Solution>,
     /// Which kinds of remark it has made.
-    told: [bool; 4],
+    told: [bool; 5],
     /// Whether it has looked for the proof that targets cannot be had together.
     looked: bool,
     /// Where points are looked for, until one was found outside.
@@ -91,7 +91,7 @@ impl Session {
 
     fn of(task: Task, vicinity: Option<Vicinity>) -> Self {
         let compared = vicinity.is_none();
-        Self { task, workers: Vec::new(), solution: None, told: [false; 4], looked: false, vicinity, compared }
+        Self { task, workers: Vec::new(), solution: None, told: [false; 5], looked: false, vicinity, compared }
     }
 
     /// Solves one request. The solution stays readable until the next call.
@@ -198,7 +198,7 @@ impl Session {
     /// nothing but the one time that it looks for the proof of [`Problem::beyond`].
     pub fn remarks(&mut self) -> impl Iterator<Item = Remark> + use<> {
         let (Some(problem), Some(solution)) = (self.problem(), self.solution()) else {
-            return [None; 4].into_iter().flatten();
+            return [None; 5].into_iter().flatten();
         };
         let mut beyond = problem.beyond_alone();
         let look = beyond.is_none() && problem.is_doubtful() && !self.looked;
@@ -207,7 +207,8 @@ impl Session {
         }
         let weak = Remark::weak(problem, &*self.task.solver, self.task.balance);
         let unused = Remark::phases_unused(problem, &*self.task.solver);
-        let mut remarks = [beyond.map(Remark::Beyond), weak, unused, Remark::scaled(solution)];
+        let leak = Remark::leak(problem, &*self.task.solver, solution);
+        let mut remarks = [beyond.map(Remark::Beyond), weak, unused, leak, Remark::scaled(solution)];
         self.looked |= look;
         for (told, remark) in self.told.iter_mut().zip(&mut remarks) {
             *remark = remark.filter(|_| !*told);

@@ -67,4 +67,8 @@ impl Solve for Best {
     fn finds_level(&self) -> bool {
         true
     }
+
+    fn quiet(&self) -> Option<f64> {
+        Some(self.quiet)
+    }
 }

@@ -38,6 +38,12 @@ pub trait Solve {
         false
     }
 
+    /// What it lets a quiet point leak, relative to the loudest point, where it holds quiet points to a tolerance.
+    #[doc(hidden)]
+    fn quiet(&self) -> Option<f64> {
+        None
+    }
+
     /// Whether it uses the phases of the targets, where these have any.
     fn uses_phases(&self) -> bool {
         false

@@ -4,13 +4,14 @@
 
 use core::fmt;
 
-use crate::problem::{Beyond, Problem, Solution};
+use crate::problem::{Beyond, Problem, Solution, Status};
+use crate::solvers::even_field::silence::silenceable;
 use crate::solvers::method::Solve;
 use crate::solvers::registry::SOLVERS;
 
 /// What a caller should hear beside an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::exhaustive_enums, reason = "the four ways in which an answer is another than was asked")]
+#[allow(clippy::exhaustive_enums, reason = "the five ways in which an answer is another than was asked")]
 pub enum Remark {
     /// What was asked for and cannot be had.
     Beyond(Beyond),
@@ -20,6 +21,15 @@ pub enum Remark {
     PhasesUnused,
     /// What is left to supply or modulation: the device has no amplitude for the answer.
     Scaled(f64),
+    /// Quiet points leak more than the solver was to allow.
+    Leak {
+        /// The most, relative to the loudest point, times the point's weight over the targets' largest.
+        leak: f64,
+        /// What was allowed.
+        quiet: f64,
+        /// Quiet points a wavelength apart that so many transducers can silence beside the targets.
+        able: usize,
+    },
 }
 
 impl fmt::Display for Remark {
@@ -39,6 +49,11 @@ impl fmt::Display for Remark {
                     write!(f, "{gap}{}", entry.info.name)
                 })
             }
+            Self::Leak { leak, quiet, able } => write!(
+                f,
+                "quiet points leak {leak:.1e} of the loudest point where quiet={quiet} allows less: the array silences about \
+                 {able} that are a wavelength apart, allow more or ask for fewer"
+            ),
             Self::Scaled(scale) => write!(
                 f,
                 "the device has no such amplitude: scale all drives by {scale:.4} by supply or modulation (solution.scale)"
@@ -58,6 +73,15 @@ impl Remark {
     #[must_use]
     pub fn phases_unused(problem: &Problem, solver: &dyn Solve) -> Option<Self> {
         (problem.target_phases().is_some() && !solver.uses_phases()).then_some(Self::PhasesUnused)
+    }
+
+    /// That quiet points leak at least twice what the solver was to allow.
+    #[must_use]
+    pub fn leak(problem: &Problem, solver: &dyn Solve, solution: &Solution) -> Option<Self> {
+        let quiet = solver.quiet()?;
+        let leak = problem.weighted_leak(&solution.pressures);
+        let able = silenceable(problem.propagation().transducers(), problem.targeted().len());
+        (solution.status != Status::Stopped && leak >= 2.0 * quiet).then_some(Self::Leak { leak, quiet, able })
     }
 
     /// That something is left to supply or modulation.

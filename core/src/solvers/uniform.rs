@@ -52,4 +52,8 @@ impl Solve for Uniform {
     fn finds_level(&self) -> bool {
         true
     }
+
+    fn quiet(&self) -> Option<f64> {
+        Some(self.quiet)
+    }
 }

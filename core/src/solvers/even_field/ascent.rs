@@ -40,7 +40,7 @@ impl Pace {
 
     /// For crowded quiet points around a few targets: their equations are linear, and there are many. A least damping of
     /// 1e-5 costs 4 % of the level beside a disc of 172 points, one of 1e-3 lets them leak twice as much.
-    pub(super) const SILENT: Self = Self { damping: 1e-2, shrink: 0.5, least: 1e-4, steps: 16 };
+    pub(super) const SILENT: Self = Self { damping: 1e-2, shrink: 0.5, least: 1e-4, steps: 22 };
 }
 
 /// The least curvature D_i, relative to the mean: a transducer that hardly counts turns no further.

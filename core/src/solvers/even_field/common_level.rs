@@ -23,6 +23,9 @@ const DAMPING: f32 = 1e-6;
 /// ... and between crowded ones.
 const CROWDED_DAMPING: f32 = 1e-3;
 
+/// Targets amid crowded quiet points are even where none is off by more than this part of the level.
+const SILENT: f32 = 1e-4;
+
 /// Derivatives serve once more while a step leaves less than this part of the squares: most of a step's time goes into
 /// them.
 const SLOW: f64 = 0.01;
@@ -57,23 +60,31 @@ pub(super) struct Manner {
     damping: f32,
     /// The least damping.
     least: f32,
+    /// Even enough, where the plan asks for more.
+    tolerance: f32,
     most: usize,
 }
 
 impl Manner {
     /// For separate points: to a level, or to the nearest by.
     pub(super) fn separate(level: Option<f32>) -> Self {
-        Self { level, damping: DAMPING, least: 0.0, most: MOST_STEPS }
+        Self { level, damping: DAMPING, least: 0.0, tolerance: 0.0, most: MOST_STEPS }
     }
 
     /// For crowded points: to a level, the smooth part of a field first.
     pub(super) fn crowded(level: f32) -> Self {
-        Self { level: Some(level), damping: CROWDED_DAMPING, least: 0.0, most: 2 * MOST_STEPS }
+        Self { level: Some(level), damping: CROWDED_DAMPING, least: 0.0, tolerance: 0.0, most: 2 * MOST_STEPS }
     }
 
     /// For crowded quiet points that may leak `quiet` of a level: what makes less than that is left alone.
     pub(super) fn silent(level: f32, quiet: f32) -> Self {
-        Self { level: Some(level), damping: CROWDED_DAMPING, least: quiet * quiet, most: 2 * MOST_STEPS }
+        Self {
+            level: Some(level),
+            damping: CROWDED_DAMPING,
+            least: quiet * quiet,
+            tolerance: SILENT,
+            most: 2 * MOST_STEPS,
+        }
     }
 }
 
@@ -82,7 +93,7 @@ impl Manner {
 /// # Errors
 /// More memory than allowed.
 pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, manner: Manner, wave: &mut Wave<'w>) -> Result<Polish, Error> {
-    let Manner { level, mut damping, least, most } = manner;
+    let Manner { level, mut damping, least, tolerance, most } = manner;
     let (rows, work) = (run.rows, run.work);
     let mut newton = Newton::new(run.problem, rows, run.plan.quiet, work, run.control)?;
     let [mut trial, mut begun] = [(); 2].map(|()| Wave::new(rows, work));
@@ -91,7 +102,7 @@ pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, manner: Manner, wave: &mut W
     let (mut renew, mut fresh) = (true, false);
     for step in 0..=most {
         let level_here = |wave: &Wave| level.unwrap_or_else(|| wave.level(rows));
-        even = wave.unevenness(rows, level_here(wave), run.plan.quiet) <= run.plan.tolerance;
+        even = wave.unevenness(rows, level_here(wave), run.plan.quiet) <= run.plan.tolerance.max(tolerance);
         if even || run.stopped || step == most {
             break;
         }

@@ -26,6 +26,11 @@ const CROWDED: f32 = 0.2;
 /// The part of the transducers' phases that quiet points may take, two each: beyond it the level gives way.
 const MOST: f32 = 0.8;
 
+/// How many independent quiet points so many transducers can silence beside some targets.
+pub(crate) fn silenceable(transducers: usize, targets: usize) -> usize {
+    ((MOST * transducers as f32 - targets as f32) / 2.0).max(0.0) as usize
+}
+
 /// The quiet points that are to be made silent.
 pub(super) struct Silence<'w> {
     /// Indices into the problem's points.
@@ -46,8 +51,7 @@ impl<'w> Silence<'w> {
         let silent = |j: &u32| problem.targets()[*j as usize] == 0.0;
         let all = 0..propagation.points() as u32;
         let count = all.clone().filter(silent).count();
-        let free = MOST * propagation.transducers() as f32 - (propagation.points() - count) as f32;
-        let most = (free / 2.0).max(0.0) as usize;
+        let most = silenceable(propagation.transducers(), propagation.points() - count);
         let mut points = work.indices.take(count);
         points.iter_mut().zip(all.filter(silent)).for_each(|(own, j)| *own = j);
         if count < 2 {
