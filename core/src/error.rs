@@ -62,6 +62,14 @@ pub enum Error {
         /// Why.
         error: Box<Error>,
     },
+    /// One frame of a sequence that cannot be answered.
+    #[error("frames[{index}]: {error}")]
+    InFrame {
+        /// Which one.
+        index: usize,
+        /// Why.
+        error: Box<Error>,
+    },
     /// More memory than allowed, or than there is.
     #[error(
         "{what} of N = {transducers} transducers and M = {points} points needs {:.3} GB, the limit is {:.3} GB: give fewer points or transducers, a method without it, or a higher limit",

@@ -85,7 +85,7 @@ pub use scene::{
     Aim, Array, Axis, Choice, Directivity, Doubt, Medium, OptionValue, Options, Origin, Plane, Request, Scene,
     Signature, Start, Transducer, Value, presets, spell, word,
 };
-pub use session::{Ask, Batch, Session};
+pub use session::{Ask, Batch, Frames, Session};
 pub use solvers::options::{Configure, OptionInfo};
 pub use solvers::{Solve, solve::solve};
 pub use threads::Threads;

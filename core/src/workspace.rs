@@ -43,6 +43,10 @@ impl<T: Clone + Default> Pool<T> {
 
 impl<T> Pool<T> {
     fn fitting(&self, len: usize) -> Vec<T> {
+        if len == 0 {
+            // Not one that somebody else could use.
+            return Vec::new();
+        }
         let mut free = self.free.borrow_mut();
         let fits = (0..free.len()).filter(|&k| free[k].capacity() >= len);
         match fits.min_by_key(|&k| free[k].capacity()) {

@@ -20,7 +20,8 @@ pyo3::create_exception!(
 
 /// A core error as the exception that users see.
 pub(crate) fn refused(error: midair::Error) -> PyErr {
-    let cause = if let midair::Error::InBatch { error, .. } = &error { error } else { &error };
+    use midair::Error::{InBatch, InFrame};
+    let cause = if let InBatch { error, .. } | InFrame { error, .. } = &error { error } else { &error };
     match cause {
         midair::Error::Memory { .. } => PyMemoryError::new_err(format!("{error} (MIDAIR_MEMORY in the environment)")),
         _ => SceneError::new_err(error.to_string()),

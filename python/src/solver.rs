@@ -3,9 +3,9 @@
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use std::time::Instant;
 
-use midair::solvers::{Info, unused};
-use midair::{Ask, Complex32, Request, Session};
-use numpy::{Ix1, Ix2, PyArray1, PyUntypedArrayMethods};
+use midair::solvers::{Info, Last, unused};
+use midair::{Ask, Complex32, Frames, Request, Session};
+use numpy::{Ix1, Ix2, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -21,6 +21,9 @@ use crate::setting::{Setting, Source, answered};
 use crate::solution::{Solution, begin};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+
+/// What `glide` remembers, as Python has it.
+type Remembered<'py> = (Bound<'py, PyArray2<Complex32>>, Bound<'py, PyArray1<f32>>);
 
 /// One array, one method, many requests: it owns its memory, so that from its second call on nothing is allocated
 /// if `out` is given.
@@ -65,7 +68,7 @@ impl Solver {
     }
 
     /// What `read` takes of the last solution.
-    fn last<T>(&self, read: impl FnOnce(&midair::Solution) -> T) -> PyResult<T> {
+    fn answer<T>(&self, read: impl FnOnce(&midair::Solution) -> T) -> PyResult<T> {
         self.state()?.session.solution().map(read).ok_or_else(|| {
             invalid("solution", "none yet", "call the solver with out= first; without out= the answer is returned")
         })
@@ -206,46 +209,113 @@ impl Solver {
         Ok(Bound::new(py, solution)?.into_any().unbind())
     }
 
+    /// Drives (T, N), complex64, of T frames one after another: points (T, M, 3) in m, pressures (T, M) in Pa, 0 where a
+    /// point is not there; left out all are there at the balanced level. `glide` goes on from its last frame, from call
+    /// to call; a solver that uses a start has the last drive of this call as it. A frame without points is silent.
+    #[pyo3(signature = (points, pressures=None))]
+    fn follow<'py>(
+        &self,
+        py: Python<'py>,
+        points: &Bound<'py, PyAny>,
+        pressures: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
+        let mut state = self.state()?;
+        let State { session, ask, .. } = &mut *state;
+        if session.given_points().is_some() {
+            return Err(invalid("points", "given", "a matrix has its own points, which do not move"));
+        }
+        let (points, [frames, count]) = read::batch_of_points("points", points)?;
+        let targets = pressures.map(|value| read::batch_of_pressures(value, [frames, count])).transpose()?;
+        let targets = targets.as_ref().and_then(|request| request.pressures.as_deref());
+        let transducers = session.transducers();
+        let mut drives = vec![Complex32::ZERO; frames * transducers];
+        let starts = self.info.uses_start && self.info.name != "glide";
+        ask.request = Request::default();
+        let path = Frames { points: &points, targets, count };
+        attend(py, None, |mut control| session.follow(path, starts, ask, &mut drives, &mut control))?;
+        ask.start = None;
+        let remarks = session.remarks();
+        drop(state);
+        warn_all(py, remarks)?;
+        give::table(py, drives, [frames, transducers])
+    }
+
+    /// Forgets the last frame: the next one is solved as the first.
+    fn reset(&self) -> PyResult<()> {
+        self.state()?.session.last().clear();
+        Ok(())
+    }
+
+    /// What `glide` remembers of its last frame, to go on from with `restore`: complex64 (3, N) drives at full amplitude as
+    /// they were found and as they were played, and the envelopes; float32 (M,) weights. None before the first.
+    fn last<'py>(&self, py: Python<'py>) -> PyResult<Option<Remembered<'py>>> {
+        let mut state = self.state()?;
+        let last = state.session.last();
+        if last.is_empty() {
+            return Ok(None);
+        }
+        let (drives, weights) = last.parts();
+        let table = give::table(py, drives.concat(), [3, drives[0].len()])?;
+        Ok(Some((table, give::list(py, weights.to_vec()))))
+    }
+
+    /// Goes on from what `last` gave.
+    fn restore(&self, drives: PyReadonlyArray2<'_, Complex32>, weights: PyReadonlyArray1<'_, f32>) -> PyResult<()> {
+        let mut state = self.state()?;
+        let (shape, transducers) = (drives.shape(), state.session.transducers());
+        if shape != [3, transducers] {
+            return Err(invalid(
+                "drives",
+                &format!("of shape {shape:?}"),
+                &format!("give (3, {transducers}), of last()"),
+            ));
+        }
+        let rows = drives.as_array();
+        let parts = [0, 1, 2].map(|k| rows.row(k).to_vec());
+        *state.session.last() = Last::restore(parts, weights.as_array().to_vec());
+        Ok(())
+    }
+
     /// Drives q (N,) of the last call with out, complex64.
     #[getter]
     fn drive<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<Complex32>>> {
-        self.last(|solution| give::list(py, solution.drive.clone()))
+        self.answer(|solution| give::list(py, solution.drive.clone()))
     }
 
     /// Complex pressures (M,) of the last call with out in Pa (peak), complex64.
     #[getter]
     fn pressures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<Complex32>>> {
-        self.last(|solution| give::list(py, solution.pressures.clone()))
+        self.answer(|solution| give::list(py, solution.pressures.clone()))
     }
 
     /// How good the last call with out was.
     #[getter]
     fn metrics(&self) -> PyResult<Metrics> {
-        self.last(|solution| solution.metrics().into())
+        self.answer(|solution| solution.metrics().into())
     }
 
     /// The relative complex error of the last call with out, see `Solution.complex_error`.
     #[getter]
     fn complex_error(&self) -> PyResult<Option<f64>> {
-        self.last(midair::Solution::complex_error)
+        self.answer(midair::Solution::complex_error)
     }
 
     /// How the last call with out ended.
     #[getter]
     fn status(&self) -> PyResult<String> {
-        self.last(|solution| solution.status.to_string())
+        self.answer(|solution| solution.status.to_string())
     }
 
     /// What supply or modulation have to multiply the drives by; 1 unless the device has no such amplitude.
     #[getter]
     fn scale(&self) -> PyResult<f64> {
-        self.last(|solution| solution.scale)
+        self.answer(|solution| solution.scale)
     }
 
     /// Steps of the last call with out.
     #[getter]
     fn steps(&self) -> PyResult<usize> {
-        self.last(|solution| solution.steps)
+        self.answer(|solution| solution.steps)
     }
 
     /// Seconds of the last call.

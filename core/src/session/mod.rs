@@ -1,10 +1,12 @@
 //! Session: one array and one method, one request or many, all memory kept between them.
 
 pub(crate) mod batch;
+pub(crate) mod follow;
 pub(crate) mod parts;
 pub(crate) mod worker;
 
 pub use batch::Batch;
+pub use follow::Frames;
 pub use worker::Ask;
 
 use alloc::format;
@@ -24,9 +26,10 @@ use crate::scene::{Doubt, Vicinity, contrary};
 use crate::session::batch::Outcome;
 use crate::session::parts::{Part, parts};
 use crate::session::worker::{Requests, Task, Transducers, Worker};
+use crate::solvers::last::Last;
 use crate::solvers::method::Solve;
 use crate::solvers::remark::Remark;
-use crate::solvers::solve::solve;
+use crate::solvers::solve::solve_after;
 
 /// Entries of G that a thread goes through between two calls of the control: some 100 us of `fast`, many times what it
 /// costs to wake a thread.
@@ -54,6 +57,8 @@ pub struct Session {
     task: Task,
     workers: Vec<Worker>,
     solution: Option<Solution>,
+    /// The last frame, where the solver remembers it.
+    last: Last,
     /// Which kinds of remark it has made.
     told: [bool; 5],
     /// Whether it has looked for the proof that targets cannot be had together.
@@ -91,7 +96,16 @@ impl Session {
 
     fn of(task: Task, vicinity: Option<Vicinity>) -> Self {
         let compared = vicinity.is_none();
-        Self { task, workers: Vec::new(), solution: None, told: [false; 5], looked: false, vicinity, compared }
+        Self {
+            task,
+            workers: Vec::new(),
+            solution: None,
+            last: Last::default(),
+            told: [false; 5],
+            looked: false,
+            vicinity,
+            compared,
+        }
     }
 
     /// Solves one request. The solution stays readable until the next call.
@@ -110,8 +124,13 @@ impl Session {
         self.task.read(problems, 0, ask)?;
         let problem = &mut problems[0];
         problem.measure(control)?;
-        let solution = solve(problem, &*self.task.solver, self.task.balance, work, control)?;
+        let solution = solve_after(problem, &*self.task.solver, self.task.balance, &mut self.last, work, control)?;
         Ok(self.solution.insert(solution))
+    }
+
+    /// The last frame as the solver remembers it; cleared, the next one is solved as the first.
+    pub fn last(&mut self) -> &mut Last {
+        &mut self.last
     }
 
     /// Solves B = `count` requests of M = `points` points each. `ask` is called with a problem's index and writes down

@@ -8,6 +8,7 @@ use crate::device::quantization::Quantization;
 use crate::error::{Error, real};
 use crate::problem::{Problem, Solution};
 use crate::scene::Options;
+use crate::solvers::last::Last;
 use crate::solvers::options::Configure;
 use crate::workspace::Workspace;
 
@@ -31,6 +32,27 @@ pub trait Solve {
     #[doc(hidden)]
     fn instead(&self, _problem: &Problem) -> Option<Box<dyn Solve>> {
         None
+    }
+
+    /// Solves the frame after the last, where it remembers that.
+    ///
+    /// # Errors
+    /// As [`Solve::solve`].
+    #[doc(hidden)]
+    fn follow(
+        &self,
+        problem: &Problem,
+        _last: &mut Last,
+        work: &mut Workspace,
+        control: &mut Control,
+    ) -> Result<Solution, Error> {
+        self.solve(problem, work, control)
+    }
+
+    /// Whether it does.
+    #[doc(hidden)]
+    fn remembers(&self) -> bool {
+        false
     }
 
     /// Whether it brings its answer to the problem's level by itself, so that there is nothing to balance.

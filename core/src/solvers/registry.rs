@@ -14,6 +14,7 @@ use crate::solvers::bounded::Bounded;
 use crate::solvers::descent::Descent;
 use crate::solvers::evd::Evd;
 use crate::solvers::fast::Fast;
+use crate::solvers::glide::Glide;
 use crate::solvers::greedy::Greedy;
 use crate::solvers::gs::Gs;
 use crate::solvers::gspat::Gspat;
@@ -32,6 +33,7 @@ pub static SOLVERS: &[Entry] = &[
     Entry::of::<Best>(),
     Entry::of::<Greedy>(),
     Entry::of::<Fast>(),
+    Entry::of::<Glide>(),
     Entry::of::<Descent>(),
     Entry::of::<Lm>(),
     Entry::of::<Gspat>(),

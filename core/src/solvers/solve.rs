@@ -8,6 +8,7 @@ use num_complex::Complex32;
 use crate::control::Control;
 use crate::error::Error;
 use crate::problem::{Problem, Solution, Status};
+use crate::solvers::last::Last;
 use crate::solvers::method::Solve;
 use crate::workspace::Workspace;
 
@@ -47,11 +48,23 @@ pub fn solve(
     work: &mut Workspace,
     control: &mut Control,
 ) -> Result<Solution, Error> {
+    solve_after(problem, solver, balance, &mut Last::default(), work, control)
+}
+
+/// As [`solve`], of the frame after the last for a solver that remembers that.
+pub(crate) fn solve_after(
+    problem: &Problem,
+    solver: &dyn Solve,
+    balance: bool,
+    last: &mut Last,
+    work: &mut Workspace,
+    control: &mut Control,
+) -> Result<Solution, Error> {
     let other = solver.instead(problem);
     let (solver, balance) = other.as_deref().map_or((solver, balance), |other| (other, true));
     let factor = factor(problem, solver, balance);
     let prepared = problem.prepared(factor, work);
-    let solution = solver.solve(prepared.as_ref().unwrap_or(problem), work, control);
+    let solution = solver.follow(prepared.as_ref().unwrap_or(problem), last, work, control);
     if let Some(prepared) = prepared {
         prepared.recycle(work);
     }

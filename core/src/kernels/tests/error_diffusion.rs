@@ -99,6 +99,7 @@ impl Even {
             phases: &Phases::new(count),
             weights: &self.weights,
             targeted: self.targeted,
+            most: f32::INFINITY,
             memory: &mut memory,
         };
         let field = field.each_ref().map(|plane| &plane[..]);

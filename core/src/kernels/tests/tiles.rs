@@ -105,9 +105,9 @@ fn a_sweep_aims_every_transducer_and_hears_it() {
             for plane in &mut wanted {
                 plane.resize(height(count).max(plane.len()), 0.0);
             }
-            let mut memory = vec![f32::NAN; tiles::sweep_floats(height(count))];
+            let mut memory = vec![f32::NAN; tiles::unit::sweep_floats(height(count))];
             let [drive, _] = scene.play(|wave| {
-                tiles::sweep(set, scene.tiles(), [&wanted[0], &wanted[1]], wave, &mut memory);
+                tiles::unit::sweep(set, scene.tiles(), [&wanted[0], &wanted[1]], wave, &mut memory);
             });
             for i in 0..transducers {
                 let part =
@@ -136,7 +136,7 @@ fn a_drive_is_played_as_it_is_and_made_full() {
         let [full, _] = scene.play(|mut wave| {
             copy(&mut wave);
             let [re, im] = &mut wave.drive;
-            tiles::normalise(set, [re, im]);
+            tiles::unit::normalise(set, [re, im]);
             tiles::play(set, scene.tiles(), wave);
         });
         for i in 0..37 {
@@ -174,7 +174,8 @@ fn a_turn_is_a_change_of_phase() {
             (from[0][i], from[1][i]) = (libm::cos(phase) as f32, libm::sin(phase) as f32);
         }
         let turns = over(rng, transducers);
-        let [drive, _] = scene.play(|wave| tiles::turn(set, scene.tiles(), [&from[0], &from[1]], &turns, 0.5, wave));
+        let [drive, _] =
+            scene.play(|wave| tiles::unit::turn(set, scene.tiles(), [&from[0], &from[1]], &turns, 0.5, wave));
         assert_eq!(drive[0], Complex64::ZERO);
         for i in 1..transducers {
             let angle = libm::atan(0.5 * wide(turns[i]));

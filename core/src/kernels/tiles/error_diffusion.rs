@@ -37,6 +37,8 @@ pub(crate) struct Task<'a> {
     pub(crate) weights: &'a [f32],
     /// Points with a target, which come first; the others are quiet.
     pub(crate) targeted: usize,
+    /// The largest code, up or down.
+    pub(crate) most: f32,
     /// [`floats`] numbers.
     pub(crate) memory: &'a mut [f32],
 }
@@ -186,7 +188,8 @@ pub(crate) fn diffuse(
     control: &mut Control,
 ) -> Result<(), Error> {
     dispatch!(set, s => {
-        let Task { tiles, phases, weights, targeted, memory } = task;
+        let Task { tiles, phases, weights, targeted, most, memory } = task;
+        let phases = (phases, most);
         let mut points = Points::new(s, weights, targeted, field, memory);
         let (qr, qi, codes) = (groups_mut(qr), groups_mut(qi), groups_mut(codes));
         let (mut re, mut im, mut own) = (qr.chunks_mut(MOST), qi.chunks_mut(MOST), codes.chunks_mut(MOST));
@@ -225,7 +228,7 @@ fn round_tiles<S: Simd, const K: usize>(
     s: S,
     tiles: Tiles<'_>,
     tile: usize,
-    phases: &Phases,
+    (phases, most_code): (&Phases, f32),
     points: &mut Points<'_>,
     [own_re, own_im]: [&mut [Lanes]; 2],
     codes: &mut [Lanes],
@@ -259,10 +262,12 @@ fn round_tiles<S: Simd, const K: usize>(
     let slope = 2.0 / core::f32::consts::TAU * s.reduce_add(slope);
     let far = s.splat(slope / points.weigh_change(s).max(f32::MIN_POSITIVE));
     let (most, count) = (s.splat(MOST_ROTATION), s.splat(phases.count()));
+    let (highest, lowest) = (s.splat(most_code), s.splat(-most_code));
     let lists = own_re.iter_mut().zip(own_im).zip(codes);
     for (((re, im), codes), (&q, (&down, change))) in lists.zip(q.iter().zip(down.iter().zip(&mut change))) {
         let rotation = s.max(s.min(s.mul(down, far), most), s.sub(zero, most));
         let code = Phases::codes(s, s.fma(rotation, count, phases.places(s, q)));
+        let code = s.max(s.min(code, highest), lowest);
         // Transducers without effect stay silent.
         let new = phases.phasors(s, code, q);
         s.store(code, codes);
@@ -283,7 +288,7 @@ fn exchange<S: Simd>(
     s: S,
     tiles: Tiles<'_>,
     tile: usize,
-    phases: &Phases,
+    (phases, most_code): (&Phases, f32),
     points: &mut Points<'_>,
     [own_re, own_im]: [&mut Lanes; 2],
     codes: &mut Lanes,
@@ -317,7 +322,10 @@ fn exchange<S: Simd>(
             }
         }
     }
+    // Not beyond the largest code.
+    let after = s.add(s.load(codes), s.select_less(s.splat(0.0), odd, s.splat(1.0), s.splat(-1.0)));
     let change = s.fnma(s.splat(2.0), s.abs(odd), both);
+    let change = s.select_less(s.splat(most_code), s.abs(after), s.splat(f32::MAX), change);
     let least = s.reduce_min(change);
     if s.less(least, zero) == 0 {
         return false;

@@ -6,6 +6,7 @@
 pub(crate) mod error_diffusion;
 pub(crate) mod phases;
 pub(crate) mod products;
+pub(crate) mod unit;
 
 use core::ops::Range;
 
@@ -13,8 +14,8 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::lanes::{BLOCK, Block, LANES, Lanes, groups, groups_mut};
 use crate::kernels::propagate::rows::Rows;
+use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::simd::{Simd, TINY};
 use crate::kernels::vector::add_wave;
 
 /// Length of a vector over the transducers: whole pairs of tiles.
@@ -138,15 +139,6 @@ pub(crate) fn rescale(plane: &mut [f32], lanes: usize, k: usize, factor: f32) {
     }
 }
 
-/// z/|z|, 0 where |z|^2 is below [`TINY`].
-#[inline(always)]
-fn unit<S: Simd>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
-    let square = s.fma(re, re, s.mul(im, im));
-    let tiny = s.splat(TINY);
-    let inverse = s.select_less(square, tiny, s.splat(0.0), s.rsqrt(s.max(square, tiny)));
-    [s.mul(re, inverse), s.mul(im, inverse)]
-}
-
 /// P = G q, four rows at a time.
 #[inline(always)]
 fn sound<S: Simd>(s: S, tiles: Tiles<'_>, [qr, qi]: [&[Lanes]; 2], [re, im]: [&mut [f32]; 2]) {
@@ -170,18 +162,6 @@ fn hear<S: Simd>(s: S, sums: [[S::V; 2]; BLOCK], re: &mut [f32; BLOCK], im: &mut
     for ([real, imag], (re, im)) in sums.into_iter().zip(re.iter_mut().zip(im)) {
         (*re, *im) = (s.reduce_add(real), s.reduce_add(imag));
     }
-}
-
-/// Makes every |q| 1, 0 staying 0.
-pub(crate) fn normalise(set: InstructionSet, drive: [&mut [f32]; 2]) {
-    dispatch!(set, s => {
-        let [qr, qi] = drive.map(groups_mut);
-        for (qr, qi) in qr.iter_mut().zip(qi) {
-            let [re, im] = unit(s, [s.load(qr), s.load(qi)]);
-            s.store(re, qr);
-            s.store(im, qi);
-        }
-    });
 }
 
 /// P = G q of the wave's own drive.
@@ -227,65 +207,21 @@ pub(crate) fn correlate(set: InstructionSet, tiles: Tiles<'_>, pressures: [&[f32
     });
 }
 
-/// Numbers of memory that [`sweep`] needs for `rows` (whole blocks).
-pub(crate) const fn sweep_floats(rows: usize) -> usize {
-    2 * rows * LANES
-}
-
-/// q = b/|b| with b = sum_j conj(G_j) p_j, 0 where b is, and P = G q, in one pass over G: two tiles are still in the nearest
-/// cache when they are heard. `memory` holds the lanes of P meanwhile.
-pub(crate) fn sweep(set: InstructionSet, tiles: Tiles<'_>, wanted: [&[f32]; 2], wave: Wave<'_>, memory: &mut [f32]) {
+/// Multiplies G of each transducer by its q: drives are then relative to these.
+pub(crate) fn rotate_columns(set: InstructionSet, [re, im]: [&mut [f32]; 2], [qr, qi]: [&[f32]; 2]) {
     dispatch!(set, s => {
-        let Wave { drive: [qr, qi], field: [re, im] } = wave;
-        let (qr, qi) = (groups_mut(qr), groups_mut(qi));
-        let [pr, pi] = wanted.map(|plane| plane.as_chunks::<BLOCK>().0);
-        memory.fill(0.0);
-        let parts = blocks_mut(memory).as_chunks_mut::<2>().0;
-        for t in (0..qr.len()).step_by(2) {
-            let q = correlated(s, tiles, t, [pr, pi]).map(#[inline(always)] |b| unit(s, b));
-            for (tile, [real, imag]) in q.into_iter().enumerate() {
-                s.store(real, &mut qr[t + tile]);
-                s.store(imag, &mut qi[t + tile]);
-            }
-            for ([gr, gi], [re, im]) in tiles.columns::<2>(t).zip(&mut *parts) {
-                for row in 0..BLOCK {
-                    let mut sum = [s.load(&re[row]), s.load(&im[row])];
-                    for (tile, q) in q.into_iter().enumerate() {
-                        sum = add_wave(s, [s.load(&gr[tile][row]), s.load(&gi[tile][row])], q, sum);
-                    }
-                    s.store(sum[0], &mut re[row]);
-                    s.store(sum[1], &mut im[row]);
+        let each = stride(qr.len());
+        for (re, im) in blocks_mut(re).chunks_exact_mut(each).zip(blocks_mut(im).chunks_exact_mut(each)) {
+            for ((re, im), (qr, qi)) in re.iter_mut().zip(im).zip(groups(qr).iter().zip(groups(qi))) {
+                let q = [s.load(qr), s.load(qi)];
+                for (re, im) in re.iter_mut().zip(im) {
+                    let zero = [s.splat(0.0); 2];
+                    let [real, imag] = add_wave(s, [s.load(re), s.load(im)], q, zero);
+                    s.store(real, re);
+                    s.store(imag, im);
                 }
             }
         }
-        let field = re.as_chunks_mut().0.iter_mut().zip(im.as_chunks_mut().0);
-        for ([real, imag], (re, im)) in parts.iter().zip(field) {
-            let sum = |row: usize| [s.load(&real[row]), s.load(&imag[row])];
-            hear(s, [sum(0), sum(1), sum(2), sum(3)], re, im);
-        }
-    });
-}
-
-/// q = (r + j f d r) / |.| of another drive r and turns d, and P = G q: e^{jfd} r but for (f d)^3/3.
-pub(crate) fn turn(
-    set: InstructionSet,
-    tiles: Tiles<'_>,
-    from: [&[f32]; 2],
-    turns: &[f32],
-    factor: f32,
-    wave: Wave<'_>,
-) {
-    dispatch!(set, s => {
-        let ([re, im], turns) = (from.map(groups), groups(turns));
-        let [qr, qi] = wave.drive.map(groups_mut);
-        for (((re, im), turn), (qr, qi)) in re.iter().zip(im).zip(turns).zip(qr.iter_mut().zip(&mut *qi)) {
-            let (re, im) = (s.load(re), s.load(im));
-            let turn = s.mul(s.splat(factor), s.load(turn));
-            let [real, imag] = unit(s, [s.fnma(turn, im, re), s.fma(turn, re, im)]);
-            s.store(real, qr);
-            s.store(imag, qi);
-        }
-        sound(s, tiles, [qr, qi], wave.field);
     });
 }
 

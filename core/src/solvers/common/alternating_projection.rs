@@ -5,6 +5,7 @@ use num_complex::Complex32;
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::tiles;
+use crate::kernels::tiles::unit::Arc;
 use crate::linalg::Planar;
 use crate::math;
 use crate::problem::Problem;
@@ -23,7 +24,7 @@ pub(crate) struct Projector<'w> {
 impl<'w> Projector<'w> {
     pub(crate) fn new(rows: &Rows, work: &'w Workspace) -> Self {
         let wanted = [(); 2].map(|()| work.floats.take(rows.count));
-        Self { wanted, memory: Aligned::take(tiles::sweep_floats(rows.count), work) }
+        Self { wanted, memory: Aligned::take(tiles::unit::sweep_floats(rows.count), work) }
     }
 
     /// Wants p_j = a_j P_j/|P_j|: the phases of a wave's field with other moduli a; phase 0 where there is silence.
@@ -40,7 +41,13 @@ impl<'w> Projector<'w> {
     /// q_i = b_i/|b_i| with b = G^H p of the pressures wanted, 0 where b_i is, and P = G q.
     pub(crate) fn project(&mut self, rows: &Rows, wave: &mut Wave) {
         let Self { wanted: [re, im], memory } = self;
-        wave.set(|wave| tiles::sweep(rows.set, rows.tiles(), [re, im], wave, memory));
+        wave.set(|wave| tiles::unit::sweep(rows.set, rows.tiles(), [re, im], wave, memory));
+    }
+
+    /// As [`Projector::project`], each q within an arc around 1.
+    pub(crate) fn project_within(&mut self, rows: &Rows, arc: Arc, wave: &mut Wave) {
+        let Self { wanted: [re, im], memory } = self;
+        wave.set(|wave| tiles::unit::sweep_within(rows.set, rows.tiles(), [re, im], arc, wave, memory));
     }
 
     /// The wave of the problem's start, else of q = 1.

@@ -10,6 +10,7 @@ use crate::kernels::InstructionSet;
 use crate::kernels::lanes::BLOCK;
 use crate::kernels::tiles;
 use crate::kernels::tiles::Tiles;
+use crate::kernels::tiles::unit::Arc;
 use crate::math::sqrtf;
 use crate::problem::Problem;
 use crate::workspace::{Aligned, Buffer, Workspace};
@@ -102,6 +103,11 @@ impl<'w> Rows<'w> {
         2 * self.order.len() - self.targeted
     }
 
+    /// Multiplies the column of each transducer by its q: drives are relative to these from then on.
+    pub(crate) fn rotate(&mut self, [re, im]: &[Buffer<'_, f32>; 2]) {
+        tiles::rotate_columns(self.set, self.planes.each_mut().map(|plane| &mut plane[..]), [re, im]);
+    }
+
     /// Multiplies row `k` by `factor`.
     pub(crate) fn rescale(&mut self, k: usize, factor: f32) {
         self.scale[k] *= factor;
@@ -136,6 +142,11 @@ impl<'w> Wave<'w> {
     pub(crate) fn set(&mut self, kernel: impl FnOnce(tiles::Wave<'_>)) {
         let [drive, field] = [&mut self.drive, &mut self.field].map(|pair| pair.each_mut().map(|plane| &mut plane[..]));
         kernel(tiles::Wave { drive, field });
+        self.measure();
+    }
+
+    /// Reads the moduli off the field.
+    pub(crate) fn measure(&mut self) {
         for (modulus, (re, im)) in self.moduli.iter_mut().zip(self.field[0].iter().zip(&self.field[1])) {
             *modulus = sqrtf(re * re + im * im);
         }
@@ -155,11 +166,12 @@ impl<'w> Wave<'w> {
     /// As [`Wave::play`], with every |q| made 1, 0 staying 0.
     pub(crate) fn play_at_full(&mut self, rows: &Rows, drive: impl Iterator<Item = Complex32>) {
         self.take(rows, drive);
-        tiles::normalise(rows.set, self.drive.each_mut().map(|plane| &mut plane[..]));
+        tiles::unit::normalise(rows.set, self.drive.each_mut().map(|plane| &mut plane[..]));
         self.hear(rows);
     }
 
-    fn take(&mut self, rows: &Rows, drive: impl Iterator<Item = Complex32>) {
+    /// Takes another `drive`, 0 for transducers without effect; the field is still that of the old one.
+    pub(crate) fn take(&mut self, rows: &Rows, drive: impl Iterator<Item = Complex32>) {
         let [re, im] = &mut self.drive;
         re.fill(0.0);
         im.fill(0.0);
@@ -171,7 +183,13 @@ impl<'w> Wave<'w> {
     /// Rotates each q of the wave `from` by the phase atan(`factor` `rotations`) at |q| = 1, 0 staying 0, and P = G q.
     pub(crate) fn rotate(&mut self, rows: &Rows, from: &Wave<'_>, rotations: &[f32], factor: f32) {
         let [re, im] = &from.drive;
-        self.set(|wave| tiles::turn(rows.set, rows.tiles(), [re, im], rotations, factor, wave));
+        self.set(|wave| tiles::unit::turn(rows.set, rows.tiles(), [re, im], rotations, factor, wave));
+    }
+
+    /// As [`Wave::rotate`], each q within an arc around 1.
+    pub(crate) fn rotate_within(&mut self, rows: &Rows, from: &Wave<'_>, rotations: &[f32], arc: Arc) {
+        let [re, im] = &from.drive;
+        self.set(|wave| tiles::unit::turn_within(rows.set, rows.tiles(), [re, im], rotations, arc, wave));
     }
 
     pub(crate) fn copy(&mut self, other: &Wave<'_>) {

@@ -137,22 +137,22 @@ pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, manner: Manner, wave: &mut W
 }
 
 /// The factor of J J^T, damped, and the solution for a rise of the level.
-type Factor<'w> = (Cholesky<'w>, Buffer<'w, f32>);
+pub(crate) type Factor<'w> = (Cholesky<'w>, Buffer<'w, f32>);
 
 /// The linear system at a wave: the targeted points' moduli, then the quiet ones' real and imaginary parts.
-pub(super) struct Newton<'w> {
-    pub(super) dual: Dual<'w>,
+pub(crate) struct Newton<'w> {
+    pub(crate) dual: Dual<'w>,
     factor: Option<Factor<'w>>,
     dependent: Option<usize>,
     /// 1 / weight of each equation.
     ease: Buffer<'w, f32>,
-    pub(super) rotations: Buffer<'w, f32>,
+    pub(crate) rotations: Buffer<'w, f32>,
     /// What a quiet point may leak, relative to the level.
     quiet: f32,
 }
 
 impl<'w> Newton<'w> {
-    pub(super) fn new(
+    pub(crate) fn new(
         problem: &Problem,
         rows: &Rows,
         quiet: f32,
@@ -193,7 +193,7 @@ impl<'w> Newton<'w> {
     }
 
     /// Derivatives at a wave, in a metric of the transducers.
-    pub(super) fn update(
+    pub(crate) fn update(
         &mut self,
         rows: &Rows,
         wave: &Wave,
@@ -211,7 +211,7 @@ impl<'w> Newton<'w> {
     }
 
     /// The factor of the damped matrix and the solution for a rise of the level; `None` if f32 cannot factor it.
-    pub(super) fn factored(
+    pub(crate) fn factored(
         &self,
         rows: &Rows,
         damping: f32,
@@ -225,6 +225,27 @@ impl<'w> Newton<'w> {
         rise[..rows.targeted].fill(1.0);
         cholesky.solve(&mut rise);
         Ok(Some((cholesky, rise)))
+    }
+
+    /// The multipliers y of the shortest step J^T y from a wave to a level, or to the one that is nearest by.
+    pub(crate) fn shortest(
+        &self,
+        rows: &Rows,
+        wave: &Wave,
+        (cholesky, rise): &Factor<'w>,
+        level: Option<f32>,
+    ) -> Buffer<'w, f32> {
+        // From the mean level, since s times one solution less another would cancel most digits.
+        let middle = wave.level(rows);
+        let mut dual = self.dual.work.floats.take(rise.len());
+        for (k, dual) in dual.iter_mut().enumerate().take(self.dual.size) {
+            *dual = self.missing(rows, wave, k, middle);
+        }
+        cholesky.solve(&mut dual);
+        let sum = |values: &[f32]| values[..rows.targeted].iter().map(|&x| f64::from(x)).sum::<f64>();
+        let shift = level.map_or_else(|| (-sum(&dual) / sum(rise)) as f32, |level| level - middle);
+        dual.iter_mut().zip(&rise[..]).for_each(|(dual, rise)| *dual += shift * rise);
+        dual
     }
 
     /// Writes the wave after a step into `trial`, with new derivatives or the last ones; `false` if f32 cannot factor the
@@ -247,24 +268,15 @@ impl<'w> Newton<'w> {
         };
         let Some((cholesky, rise)) = factor else { return Ok(false) };
         self.dependent.get_or_insert_with(|| self.dual.dependent(&cholesky, rows.targeted, DEPENDENT));
-        // From the mean level, since s times one solution less another would cancel most digits.
-        let middle = wave.level(rows);
-        let mut dual = self.dual.work.floats.take(rise.len());
-        let missing = |k: usize| self.missing(rows, wave, k, middle);
-        for (k, dual) in dual.iter_mut().enumerate().take(self.dual.size) {
-            *dual = missing(k);
-        }
-        cholesky.solve(&mut dual);
-        let sum = |values: &[f32]| values[..rows.targeted].iter().map(|&x| f64::from(x)).sum::<f64>();
-        let shift = level.map_or_else(|| (-sum(&dual) / sum(&rise)) as f32, |level| level - middle);
-        dual.iter_mut().zip(&rise).for_each(|(dual, rise)| *dual += shift * rise);
+        let factor = (cholesky, rise);
+        let dual = self.shortest(rows, wave, &factor, level);
         let most = self.dual.back(&dual, &mut self.rotations);
-        self.factor = Some((cholesky, rise));
-        let factor = if most > MOST_ROTATION { MOST_ROTATION / most } else { 1.0 };
+        self.factor = Some(factor);
+        let part = if most > MOST_ROTATION { MOST_ROTATION / most } else { 1.0 };
         if !most.is_finite() {
             return Ok(false);
         }
-        trial.rotate(rows, wave, &self.rotations, factor);
+        trial.rotate(rows, wave, &self.rotations, part);
         Ok(true)
     }
 }

@@ -6,6 +6,7 @@
 //!
 //! Rows of G are divided by their targets, so that all points ask for the same; the quiet ones come last.
 
+pub(crate) mod answer;
 pub(crate) mod ascent;
 pub(crate) mod coincident;
 pub(crate) mod common_level;
@@ -23,6 +24,7 @@ use crate::error::Error;
 use crate::problem::{Problem, Solution, Status};
 use crate::scene::Aim;
 use crate::solvers::common::tiled::Rows;
+use crate::solvers::even_field::answer::Answer;
 use crate::solvers::even_field::ascent::Pace;
 use crate::solvers::even_field::common_level::Manner;
 use crate::solvers::even_field::point_phases::Foci;
@@ -100,28 +102,11 @@ pub(crate) fn solve(
         // At full drive, where the grid is finest.
         run.stopped = on_grid::round(problem, rows, quantization, even, &mut best, work, run.control).is_err();
     }
-    let mut drive = best.drives(problem.propagation().transducers(), work);
-    let loudest = best.moduli[..rows.targeted].iter().copied().fold(0.0, f32::max);
-    let factor = if wanted && loudest > rows.target { f64::from(rows.target / loudest) } else { 1.0 };
-    let (amplitude, scale) = quantization.map_or((factor, 1.0), |quantization| quantization.lowered(factor));
-    for q in &mut drive {
-        *q *= amplitude as f32;
-    }
+    let drive = best.drives(problem.propagation().transducers(), work);
     let status = match (run.stopped, even) {
         (true, _) => Status::Stopped,
         (_, true) => Status::Done,
         _ => Status::OutOfSteps,
     };
-    let solution = if rows.order.len() == problem.propagation().points() {
-        let field = best.heard(problem, rows, amplitude as f32, work);
-        Solution::of_field(problem, drive, &field, status, run.step, work, run.control)?
-    } else {
-        Solution::new(problem, drive, (status, run.step), run.steps, work, run.control)?
-    };
-    let mut solution = solution.scaled(scale);
-    if !run.stopped && quantization.is_some_and(|quantization| quantization.phases().is_some()) {
-        solution = solution.on_grid();
-    }
-    solution.tell(problem, run.steps, run.control);
-    Ok(solution)
+    Answer { drive, status, steps: (run.step, run.steps) }.brought_down(problem, rows, &best, work, run.control)
 }

@@ -38,8 +38,14 @@ pub(super) fn round(
         }
         let mut memory = work.floats.take_any(floats(points));
         let mut codes = work.floats.take_any(rows.lanes);
-        let task =
-            Task { tiles: rows.tiles(), phases, weights: &weights, targeted: rows.targeted, memory: &mut memory };
+        let task = Task {
+            tiles: rows.tiles(),
+            phases,
+            weights: &weights,
+            targeted: rows.targeted,
+            most: f32::INFINITY,
+            memory: &mut memory,
+        };
         let drive = wave.drive.each_mut().map(|plane| &mut plane[..]);
         let field = wave.field.each_ref().map(|plane| &plane[..points]);
         diffuse(rows.set, task, drive, field, &mut codes, control)?;

@@ -57,7 +57,7 @@ impl Plan {
 
 impl Wave<'_> {
     /// The field at `amplitude` in the problem's order and unit, of rows that are all of its points.
-    pub(super) fn heard<'w>(&self, problem: &Problem, rows: &Rows, amplitude: f32, work: &'w Workspace) -> Planar<'w> {
+    pub(crate) fn heard<'w>(&self, problem: &Problem, rows: &Rows, amplitude: f32, work: &'w Workspace) -> Planar<'w> {
         let mut field = Planar::zeros(1, problem.propagation().lanes(), work);
         for (field, own) in [&mut field.re, &mut field.im].into_iter().zip(&self.field) {
             for (k, &j) in rows.order.iter().enumerate() {
@@ -73,12 +73,12 @@ impl Wave<'_> {
     }
 
     /// The mean |P| of the targeted points.
-    pub(super) fn level(&self, rows: &Rows) -> f32 {
+    pub(crate) fn level(&self, rows: &Rows) -> f32 {
         self.moduli[..rows.targeted].iter().sum::<f32>() / rows.targeted as f32
     }
 
     /// The largest deviation from `level`, and what quiet points leak above the part `quiet` of it, relative to it.
-    pub(super) fn unevenness(&self, rows: &Rows, level: f32, quiet: f32) -> f32 {
+    pub(crate) fn unevenness(&self, rows: &Rows, level: f32, quiet: f32) -> f32 {
         if level == 0.0 {
             return f32::INFINITY;
         }

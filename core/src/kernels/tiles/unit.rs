@@ -1,0 +1,147 @@
+//! Drives of modulus 1: sweeps back from the points, rotations, and both kept within an arc around 1.
+
+use crate::kernels::lanes::{BLOCK, LANES, groups, groups_mut};
+use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::simd::{Simd, TINY};
+use crate::kernels::tiles::{Tiles, Wave, add_wave, blocks_mut, correlated, hear, sound};
+
+/// z/|z|, 0 where |z|^2 is below [`TINY`].
+#[inline(always)]
+fn unit<S: Simd>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
+    let square = s.fma(re, re, s.mul(im, im));
+    let tiny = s.splat(TINY);
+    let inverse = s.select_less(square, tiny, s.splat(0.0), s.rsqrt(s.max(square, tiny)));
+    [s.mul(re, inverse), s.mul(im, inverse)]
+}
+
+/// cos and sin of the most that a drive may rotate away from 1.
+pub(crate) type Arc = [f32; 2];
+
+/// A phasor brought into an arc around 1, to the end that is nearer.
+#[inline(always)]
+fn within<S: Simd>(s: S, [re, im]: [S::V; 2], arc: Arc) -> [S::V; 2] {
+    let [cos, sin] = arc.map(|part| s.splat(part));
+    let end = s.select_less(im, s.splat(0.0), s.sub(s.splat(0.0), sin), sin);
+    [s.max(re, cos), s.select_less(re, cos, end, im)]
+}
+
+/// Makes every |q| 1, 0 staying 0.
+pub(crate) fn normalise(set: InstructionSet, drive: [&mut [f32]; 2]) {
+    dispatch!(set, s => {
+        let [qr, qi] = drive.map(groups_mut);
+        for (qr, qi) in qr.iter_mut().zip(qi) {
+            let [re, im] = unit(s, [s.load(qr), s.load(qi)]);
+            s.store(re, qr);
+            s.store(im, qi);
+        }
+    });
+}
+
+/// Numbers of memory that [`sweep`] needs for `rows` (whole blocks).
+pub(crate) const fn sweep_floats(rows: usize) -> usize {
+    2 * rows * LANES
+}
+
+/// q = b/|b| with b = sum_j conj(G_j) p_j, 0 where b is, and P = G q, in one pass over G: two tiles are still in the nearest
+/// cache when they are heard. `memory` holds the lanes of P meanwhile.
+pub(crate) fn sweep(set: InstructionSet, tiles: Tiles<'_>, wanted: [&[f32]; 2], wave: Wave<'_>, memory: &mut [f32]) {
+    dispatch!(set, s => swept::<_, false>(s, tiles, wanted, wave, memory, [-1.0, 0.0]));
+}
+
+/// As [`sweep`], each q brought into an arc around 1.
+pub(crate) fn sweep_within(
+    set: InstructionSet,
+    tiles: Tiles<'_>,
+    wanted: [&[f32]; 2],
+    arc: Arc,
+    wave: Wave<'_>,
+    memory: &mut [f32],
+) {
+    dispatch!(set, s => swept::<_, true>(s, tiles, wanted, wave, memory, arc));
+}
+
+#[inline(always)]
+fn swept<S: Simd, const WITHIN: bool>(
+    s: S,
+    tiles: Tiles<'_>,
+    wanted: [&[f32]; 2],
+    wave: Wave<'_>,
+    memory: &mut [f32],
+    arc: Arc,
+) {
+    let Wave { drive: [qr, qi], field: [re, im] } = wave;
+    let (qr, qi) = (groups_mut(qr), groups_mut(qi));
+    let [pr, pi] = wanted.map(|plane| plane.as_chunks::<BLOCK>().0);
+    memory.fill(0.0);
+    let parts = blocks_mut(memory).as_chunks_mut::<2>().0;
+    for t in (0..qr.len()).step_by(2) {
+        let q = correlated(s, tiles, t, [pr, pi]).map(
+            #[inline(always)]
+            |b| if WITHIN { within(s, unit(s, b), arc) } else { unit(s, b) },
+        );
+        for (tile, [real, imag]) in q.into_iter().enumerate() {
+            s.store(real, &mut qr[t + tile]);
+            s.store(imag, &mut qi[t + tile]);
+        }
+        for ([gr, gi], [re, im]) in tiles.columns::<2>(t).zip(&mut *parts) {
+            for row in 0..BLOCK {
+                let mut sum = [s.load(&re[row]), s.load(&im[row])];
+                for (tile, q) in q.into_iter().enumerate() {
+                    sum = add_wave(s, [s.load(&gr[tile][row]), s.load(&gi[tile][row])], q, sum);
+                }
+                s.store(sum[0], &mut re[row]);
+                s.store(sum[1], &mut im[row]);
+            }
+        }
+    }
+    let field = re.as_chunks_mut().0.iter_mut().zip(im.as_chunks_mut().0);
+    for ([real, imag], (re, im)) in parts.iter().zip(field) {
+        let sum = |row: usize| [s.load(&real[row]), s.load(&imag[row])];
+        hear(s, [sum(0), sum(1), sum(2), sum(3)], re, im);
+    }
+}
+
+/// q = (r + j f d r) / |.| of another drive r and turns d, and P = G q: e^{jfd} r but for (f d)^3/3.
+pub(crate) fn turn(
+    set: InstructionSet,
+    tiles: Tiles<'_>,
+    from: [&[f32]; 2],
+    turns: &[f32],
+    factor: f32,
+    wave: Wave<'_>,
+) {
+    dispatch!(set, s => turned::<_, false>(s, tiles, from, (turns, factor, [-1.0, 0.0]), wave));
+}
+
+/// As [`turn`] by the whole turns, each q brought into an arc around 1.
+pub(crate) fn turn_within(
+    set: InstructionSet,
+    tiles: Tiles<'_>,
+    from: [&[f32]; 2],
+    turns: &[f32],
+    arc: Arc,
+    wave: Wave<'_>,
+) {
+    dispatch!(set, s => turned::<_, true>(s, tiles, from, (turns, 1.0, arc), wave));
+}
+
+#[inline(always)]
+fn turned<S: Simd, const WITHIN: bool>(
+    s: S,
+    tiles: Tiles<'_>,
+    from: [&[f32]; 2],
+    (turns, factor, arc): (&[f32], f32, Arc),
+    wave: Wave<'_>,
+) {
+    let ([re, im], turns) = (from.map(groups), groups(turns));
+    let [qr, qi] = wave.drive.map(groups_mut);
+    for (((re, im), turn), (qr, qi)) in re.iter().zip(im).zip(turns).zip(qr.iter_mut().zip(&mut *qi)) {
+        let (re, im) = (s.load(re), s.load(im));
+        let turn = s.mul(s.splat(factor), s.load(turn));
+        let q = unit(s, [s.fnma(turn, im, re), s.fma(turn, re, im)]);
+        let [real, imag] = if WITHIN { within(s, q, arc) } else { q };
+        s.store(real, qr);
+        s.store(imag, qi);
+    }
+    sound(s, tiles, [qr, qi], wave.field);
+}

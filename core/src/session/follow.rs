@@ -1,0 +1,107 @@
+//! Follow: frames in time, one after another, each with the last one as its start.
+
+use alloc::boxed::Box;
+use alloc::format;
+
+use num_complex::Complex32;
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::problem::Status;
+use crate::scene::Start;
+use crate::session::{Ask, Session};
+
+/// Points that move: T frames of M points.
+#[derive(Clone, Copy, Debug)]
+#[allow(clippy::exhaustive_structs, reason = "three lists, checked where they are used")]
+pub struct Frames<'a> {
+    /// Points (T, M, 3) in m.
+    pub points: &'a [[f64; 3]],
+    /// Targets (T, M) in Pa, 0 where a point is not there in that frame; left out all are there, at the balanced level.
+    pub targets: Option<&'a [f64]>,
+    /// M.
+    pub count: usize,
+}
+
+impl Session {
+    /// Solves T frames one after another into `drives` (T, N). A solver that remembers its last frame goes on from it, from
+    /// call to call until [`Session::reset`]; one that uses a start has the last drive as it. `ask` says what else is asked, and is
+    /// memory. A frame without points is silent.
+    ///
+    /// # Errors
+    /// Lists that do not fit each other, what [`Session::solve`] refuses of a frame, named by its index; a stop.
+    ///
+    /// ```
+    /// use midair::{Array, Ask, Complex32, Control, Frames, InstructionSet, Medium, Model, Session, solvers};
+    ///
+    /// let array = Array::grid(16, 16, 10e-3)?;
+    /// let model = Model::new(&array, Medium::default(), InstructionSet::best())?;
+    /// let mut session = Session::new(model, solvers::find("glide")?.configure(&[].into())?.solver, true);
+    /// let points: Vec<[f64; 3]> = (0..20).map(|t| [5e-5 * f64::from(t), 0.0, 0.15]).collect();
+    /// let mut drives = vec![Complex32::ZERO; 20 * 256];
+    /// let frames = Frames { points: &points, targets: None, count: 1 };
+    /// session.follow(frames, false, &mut Ask::default(), &mut drives, &mut Control::none())?;
+    /// let change = |t: usize, i: usize| (drives[256 * t + i] * drives[256 * (t - 1) + i].conj()).arg().abs();
+    /// assert!((1..20).all(|t| (0..256).all(|i| change(t, i) < 0.2)));
+    /// # Ok::<(), midair::Error>(())
+    /// ```
+    pub fn follow(
+        &mut self,
+        frames: Frames<'_>,
+        starts: bool,
+        ask: &mut Ask,
+        drives: &mut [Complex32],
+        control: &mut Control,
+    ) -> Result<(), Error> {
+        let (transducers, Frames { points, targets, count }) = (self.transducers(), frames);
+        let steps = drives.len() / transducers;
+        let fits = |length: usize| length == steps * count;
+        if count == 0 || !fits(points.len()) || targets.is_some_and(|targets| !fits(targets.len())) {
+            let cure = format!("give {steps} frames of {count} points and as many targets");
+            return Err(Error::invalid("points", format!("{} of them", points.len()), cure));
+        }
+        let mut before: Option<usize> = None;
+        for t in 0..steps {
+            let frame = t * count..(t + 1) * count;
+            ask.points.clear();
+            let pressures = match targets {
+                None => {
+                    ask.points.extend_from_slice(&points[frame]);
+                    None
+                }
+                Some(targets) => {
+                    let mut kept = ask.request.pressures.take().unwrap_or_default();
+                    kept.clear();
+                    for (point, &target) in points[frame.clone()].iter().zip(&targets[frame]) {
+                        if target != 0.0 {
+                            ask.points.push(*point);
+                            kept.push(target);
+                        }
+                    }
+                    Some(kept)
+                }
+            };
+            ask.request.pressures = pressures;
+            let row = t * transducers..(t + 1) * transducers;
+            if ask.points.is_empty() {
+                drives[row].fill(Complex32::ZERO);
+                continue;
+            }
+            ask.start = match before {
+                Some(before) if starts => Some(Start::Drive(drives[before..before + transducers].to_vec())),
+                _ => None,
+            };
+            let solution = self.solve(ask, &mut control.part()).map_err(|error| match error {
+                Error::Stopped => Error::Stopped,
+                error => Error::InFrame { index: t, error: Box::new(error) },
+            })?;
+            if solution.status == Status::Stopped {
+                return Err(Error::Stopped);
+            }
+            drives[row.clone()].copy_from_slice(&solution.drive);
+            before = Some(row.start);
+            control.pulse()?;
+        }
+        Ok(())
+    }
+}

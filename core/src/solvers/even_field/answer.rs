@@ -1,0 +1,57 @@
+//! The answer: full drives that make points even, brought down to the targets.
+
+use alloc::vec::Vec;
+
+use num_complex::Complex32;
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::problem::{Problem, Solution, Status};
+use crate::scene::Aim;
+use crate::solvers::common::tiled::{Rows, Wave};
+use crate::workspace::Workspace;
+
+/// Full drives (N,), on the board's grid where it has phases, and what became of the search for them.
+pub(crate) struct Answer {
+    pub(crate) drive: Vec<Complex32>,
+    pub(crate) status: Status,
+    /// Steps done, of how many.
+    pub(crate) steps: (usize, usize),
+}
+
+impl Answer {
+    /// Brings the drives down to the problem's targets where these are met; `wave` is their field at the rows.
+    ///
+    /// # Errors
+    /// More memory than allowed.
+    pub(crate) fn brought_down(
+        self,
+        problem: &Problem,
+        rows: &Rows,
+        wave: &Wave,
+        work: &Workspace,
+        control: &mut Control,
+    ) -> Result<Solution, Error> {
+        let Self { mut drive, status, steps: (step, steps) } = self;
+        let quantization = problem.quantization();
+        let loudest = wave.moduli[..rows.targeted].iter().copied().fold(0.0, f32::max);
+        let lower = problem.aim() == Aim::Target && loudest > rows.target;
+        let factor = if lower { f64::from(rows.target / loudest) } else { 1.0 };
+        let (amplitude, scale) = quantization.map_or((factor, 1.0), |quantization| quantization.lowered(factor));
+        for q in &mut drive {
+            *q *= amplitude as f32;
+        }
+        let solution = if rows.order.len() == problem.propagation().points() {
+            let field = wave.heard(problem, rows, amplitude as f32, work);
+            Solution::of_field(problem, drive, &field, status, step, work, control)?
+        } else {
+            Solution::new(problem, drive, (status, step), steps, work, control)?
+        };
+        let mut solution = solution.scaled(scale);
+        if status != Status::Stopped && quantization.is_some_and(|quantization| quantization.phases().is_some()) {
+            solution = solution.on_grid();
+        }
+        solution.tell(problem, steps, control);
+        Ok(solution)
+    }
+}

@@ -1,0 +1,345 @@
+//! glide: even points in motion, every phase within a bound of the last frame's.
+//!
+//! ```text
+//! psi = arg(G' q')                         point phases that the last drive q' makes at the new points
+//! sweeps:  S_i = sum_j w_j e^{j psi_j} conj(G_ji);   q_i = S_i/|S_i|, brought to within `change` of q'_i;
+//!          psi and w_j by the field of q (weighted Gerchberg-Saxton)
+//! steps:   the shortest step of the phases not at their bound to |P_j| = s t_j, s free; within the bound again
+//! ```
+//!
+//! The last frame's point phases are those that move fewest transducers, the global phase among them. A transducer that
+//! is held back by its bound stands where the waves to the points cancel, and is hardly missed. With an envelope of time constant
+//! tau, y' = (q - y)/tau, the field at a frame's end is P = a G y + (1 - a) G q with a = e^{-1/(rate tau)}: that one is made
+//! even.
+//!
+//! Drives are relative to the last ones throughout: G's columns are multiplied by q', the bound is an arc around 1, and on a
+//! board's grid it is a largest code.
+
+use core::f64::consts::{PI, TAU};
+
+use alloc::format;
+use alloc::vec::Vec;
+
+use num_complex::Complex32;
+
+use crate::control::Control;
+use crate::device::quantization::Quantization;
+use crate::error::{Error, real};
+use crate::kernels::tiles::error_diffusion;
+use crate::kernels::tiles::unit::Arc;
+use crate::math;
+use crate::problem::{Problem, Solution, Status};
+use crate::scene::Aim;
+use crate::solvers::common::alternating_projection::Projector;
+use crate::solvers::common::tiled::{Rows, Wave};
+use crate::solvers::even_field;
+use crate::solvers::even_field::answer::Answer;
+use crate::solvers::even_field::common_level::Newton;
+use crate::solvers::even_field::run::{Plan, QUIET};
+use crate::solvers::last::Last;
+use crate::solvers::method::{Info, Method, Solve};
+use crate::solvers::uniform::Uniform;
+use crate::workspace::{Buffer, Workspace};
+
+options! {
+    /// Even points in motion, |q| = 1 before the level is brought down. Time O(N M^2 + M^3) a frame, memory O(N M + M^2).
+    pub struct Glide {
+        /// The most that a phase changes from the last frame to this one, in rad; pi and more leaves phases free.
+        pub change: f64 = PI / 16.0,
+        /// Time constant of the transducers' envelopes in s; 0 leaves it out of account.
+        pub tau: f64 = 0.0,
+        /// Frames a second, of which an envelope makes use.
+        pub rate: f64 = 10e3,
+        /// Weighted Gerchberg-Saxton sweeps a frame.
+        pub sweeps: u32 = 3,
+        /// Gauss-Newton steps a frame at most.
+        pub steps: u32 = 3,
+    }
+}
+
+/// Even enough: what a phase step of 2 pi/65536 makes of a point.
+const EVEN: f32 = 1e-5;
+
+/// A frame is done where no point is further than this part off the level.
+const NEARLY: f32 = 0.01;
+
+/// Damping of a step, relative to the mean diagonal entry of J J^T.
+const DAMPING: f32 = 1e-6;
+
+/// The most that a weight may change in a sweep.
+const MOST_CHANGE: f32 = 2.0;
+
+/// A phase is at its bound where the cosine of its change is no further than this from that of the bound.
+const AT_BOUND: f32 = 1e-6;
+
+impl Method for Glide {
+    const INFO: Info = Info::new(
+        "glide",
+        "even points in motion, phases within a bound of the last frame's",
+        "point phases of the last drive, clipped weighted Gerchberg-Saxton, Gauss-Newton on |P| = s p",
+    )
+    .balanced()
+    .with_start()
+    .with_aim();
+
+    fn check(&self) -> Result<(), Error> {
+        real("change", self.change, 0.0, false)?;
+        real("tau", self.tau, 0.0, false)?;
+        real("rate", self.rate, 0.0, true).map(|_| ())
+    }
+}
+
+impl Solve for Glide {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+        let Some(drive) = problem.start_drive() else { return first(problem, work, control) };
+        let mut last = Last::taken(work, drive.len());
+        let solution =
+            begin(&mut last, problem, drive).and_then(|()| self.next(problem, &mut last, false, work, control));
+        last.recycle(work);
+        solution
+    }
+
+    fn follow(
+        &self,
+        problem: &Problem,
+        last: &mut Last,
+        work: &mut Workspace,
+        control: &mut Control,
+    ) -> Result<Solution, Error> {
+        let mut free = false;
+        if let Some(drive) = problem.start_drive() {
+            begin(last, problem, drive)?;
+        } else if last.played.len() != problem.propagation().transducers() {
+            let first = first(&problem.clone().with_aim(Aim::Max), work, control)?;
+            last.begin(first.drive.iter().map(|&q| unit(q)));
+            first.recycle(work);
+            free = true;
+        }
+        self.next(problem, last, free, work, control)
+    }
+
+    fn finds_level(&self) -> bool {
+        true
+    }
+
+    fn remembers(&self) -> bool {
+        true
+    }
+}
+
+impl Glide {
+    /// The frame after the last, its phases bound to that one's unless they are `free`.
+    fn next(
+        &self,
+        problem: &Problem,
+        last: &mut Last,
+        free: bool,
+        work: &Workspace,
+        control: &mut Control,
+    ) -> Result<Solution, Error> {
+        let mut frame = Frame::new(self, free, problem, last, work, control)?;
+        frame.sweep(self, &mut last.weights);
+        let status = frame.level(self, problem, work, control)?;
+        frame.finish(problem, status, last, work, control)
+    }
+}
+
+/// The first frame: as `uniform` solves it.
+fn first(problem: &Problem, work: &Workspace, control: &mut Control) -> Result<Solution, Error> {
+    let plan = Plan::alone(Uniform::default().steps, f64::from(EVEN), QUIET);
+    even_field::solve(problem, &[plan], work, control)
+}
+
+/// q/|q|, 0 staying 0.
+fn unit(q: Complex32) -> Complex32 {
+    let (re, im) = math::unit(q.re, q.im);
+    if q == Complex32::ZERO { q } else { Complex32::new(re, im) }
+}
+
+/// Takes a drive as the last one, of which every transducer that reaches a point has a phase.
+fn begin(last: &mut Last, problem: &Problem, drive: &[Complex32]) -> Result<(), Error> {
+    let propagation = problem.propagation();
+    for (i, q) in drive.iter().enumerate().filter(|(_, q)| **q == Complex32::ZERO) {
+        if (0..propagation.points()).any(|j| propagation.exact(j, i).norm() > 0.0) {
+            let cure = "a transducer that is off has no phase to begin with: give |q| above 0, or no start";
+            return Err(Error::invalid(format!("start[{i}]"), q.re, cure));
+        }
+    }
+    last.begin(drive.iter().map(|&q| unit(q)));
+    Ok(())
+}
+
+/// One frame under way: drives relative to those played last.
+struct Frame<'w> {
+    rows: Rows<'w>,
+    wave: Wave<'w>,
+    trial: Wave<'w>,
+    projector: Projector<'w>,
+    /// a G y, what the envelopes so far still make at the points; nothing without an envelope.
+    rest: Option<[Buffer<'w, f32>; 2]>,
+    /// The part of an envelope that a frame replaces.
+    part: f32,
+    arc: Arc,
+    /// The largest code on the board's grid; infinite where phases are free.
+    most: f32,
+}
+
+impl<'w> Frame<'w> {
+    fn new(
+        glide: &Glide,
+        free: bool,
+        problem: &Problem,
+        last: &Last,
+        work: &'w Workspace,
+        control: &mut Control,
+    ) -> Result<Self, Error> {
+        let mut rows = Rows::alike(problem, &[], work, control)?;
+        let mut wave = Wave::new(&rows, work);
+        let kept = if glide.tau > 0.0 { math::exp(-1.0 / (glide.rate * glide.tau)) } else { 0.0 };
+        let part = (1.0 - kept) as f32;
+        let rest = (kept > 0.0).then(|| {
+            wave.play(&rows, last.envelope.iter().map(|y| y * kept as f32));
+            [0, 1].map(|plane: usize| {
+                let mut rest = work.floats.take_any(rows.count);
+                rest.copy_from_slice(&wave.field[plane]);
+                rest
+            })
+        });
+        wave.take(&rows, last.played.iter().map(|q| q * part));
+        rows.rotate(&wave.drive);
+        wave.take(&rows, last.wave.iter().zip(&last.played).map(|(q, played)| q * played.conj()));
+        let phases = problem.quantization().and_then(Quantization::phases);
+        let step = phases.map(|count| TAU / f64::from(count));
+        let codes = step.map_or(f64::INFINITY, |step| math::floor(glide.change / step * (1.0 + 1e-9)));
+        let change = if free { PI } else { step.map_or(glide.change, |step| codes * step).min(PI) };
+        let most = if change < PI { codes as f32 } else { f32::INFINITY };
+        let arc = [math::cos(change), math::sin(change)].map(|x| x as f32);
+        let (trial, projector) = (Wave::new(&rows, work), Projector::new(&rows, work));
+        let mut frame = Self { rows, wave, trial, projector, rest, part, arc, most };
+        frame.wave.hear(&frame.rows);
+        add(&mut frame.wave, frame.rest.as_ref());
+        Ok(frame)
+    }
+
+    /// Weighted sweeps within the arc, from the point phases of the wave.
+    fn sweep(&mut self, glide: &Glide, weights: &mut Vec<f32>) {
+        let Self { rows, wave, projector, rest, arc, .. } = self;
+        if weights.len() != rows.targeted {
+            weights.clear();
+            weights.resize(rows.targeted, 1.0);
+        }
+        // One point has no weight to find.
+        let sweeps = if rows.targeted == 1 { glide.sweeps.min(1) } else { glide.sweeps };
+        for _ in 0..sweeps {
+            projector.want(wave, weights);
+            projector.project_within(rows, *arc, wave);
+            add(wave, rest.as_ref());
+            let level = wave.level(rows);
+            let mut largest = 0.0_f32;
+            for (weight, &modulus) in weights.iter_mut().zip(&wave.moduli) {
+                let change = if modulus > 0.0 { level / modulus } else { MOST_CHANGE };
+                *weight *= change.clamp(1.0 / MOST_CHANGE, MOST_CHANGE);
+                largest = largest.max(*weight);
+            }
+            for weight in weights.iter_mut() {
+                *weight /= largest;
+            }
+        }
+    }
+
+    /// Gauss-Newton steps of the phases that are not at their bound; whether all points are nearly even then.
+    fn level(
+        &mut self,
+        glide: &Glide,
+        problem: &Problem,
+        work: &'w Workspace,
+        control: &mut Control,
+    ) -> Result<Status, Error> {
+        let Self { rows, wave, trial, rest, arc, .. } = self;
+        let mut mask = work.floats.take_any(rows.lanes);
+        let mut newton = Newton::new(problem, rows, 0.0, work, control)?;
+        let mut off = wave.unevenness(rows, wave.level(rows), 0.0);
+        for _ in 0..glide.steps {
+            if off <= EVEN {
+                break;
+            }
+            let free = |cos: f32| if cos > arc[0] + AT_BOUND || arc[0] <= -1.0 { 1.0 } else { 0.0 };
+            mask.iter_mut().zip(&wave.drive[0][..]).for_each(|(mask, &cos)| *mask = free(cos));
+            newton.update(rows, wave, Some(&mask), control)?;
+            let Some(factor) = newton.factored(rows, DAMPING, control)? else { break };
+            let dual = newton.shortest(rows, wave, &factor, None);
+            if !newton.dual.back(&dual, &mut newton.rotations).is_finite() {
+                break;
+            }
+            trial.rotate_within(rows, wave, &newton.rotations, *arc);
+            add(trial, rest.as_ref());
+            let after = trial.unevenness(rows, trial.level(rows), 0.0);
+            if after.is_nan() || after >= off {
+                break;
+            }
+            off = after;
+            core::mem::swap(wave, trial);
+        }
+        Ok(if off <= NEARLY { Status::Done } else { Status::OutOfSteps })
+    }
+
+    /// The answer: on the board's grid, brought down to the targets, and remembered.
+    fn finish(
+        mut self,
+        problem: &Problem,
+        status: Status,
+        last: &mut Last,
+        work: &'w Workspace,
+        control: &mut Control,
+    ) -> Result<Solution, Error> {
+        let Self { rows, wave, rest, part, most, .. } = &mut self;
+        let drives = wave.drive[0].iter().zip(&wave.drive[1]).map(|(&re, &im)| Complex32::new(re, im));
+        last.wave.iter_mut().zip(&last.played).zip(drives).for_each(|((q, played), d)| *q = unit(d * played));
+        let grid = problem.quantization().map(Quantization::grid);
+        if let Some(phases) = grid.and_then(|grid| grid.phases.as_ref()) {
+            let mut weights = work.floats.take_any(rows.targeted);
+            weights.fill(1.0);
+            let mut memory = work.floats.take_any(error_diffusion::floats(rows.targeted));
+            let mut codes = work.floats.take_any(rows.lanes);
+            let (most, targeted) = (*most, rows.targeted);
+            let task = error_diffusion::Task {
+                tiles: rows.tiles(),
+                phases,
+                weights: &weights,
+                targeted,
+                most,
+                memory: &mut memory,
+            };
+            let field = wave.field.each_ref().map(|plane| &plane[..targeted]);
+            let drive = wave.drive.each_mut().map(|plane| &mut plane[..]);
+            error_diffusion::diffuse(rows.set, task, drive, field, &mut codes, control)?;
+        }
+        for (i, played) in last.played.iter_mut().enumerate() {
+            *played = unit(*played * Complex32::new(wave.drive[0][i], wave.drive[1][i]));
+        }
+        if let Some(grid) = grid {
+            grid.round(rows.set, 1.0, 1.0, &mut last.played);
+        }
+        for (y, q) in last.envelope.iter_mut().zip(&last.played) {
+            *y += (q - *y) * *part;
+        }
+        if grid.is_some() || rest.is_some() {
+            // What the answer tells is the field of its drives at rest.
+            wave.hear(rows);
+            let scale = 1.0 / *part;
+            wave.field.iter_mut().chain([&mut wave.moduli]).for_each(|list| list.iter_mut().for_each(|x| *x *= scale));
+        }
+        let mut drive = work.complexes.take(last.played.len()).into_vec();
+        drive.copy_from_slice(&last.played);
+        Answer { drive, status, steps: (1, 1) }.brought_down(problem, rows, wave, work, control)
+    }
+}
+
+/// Adds what the envelopes still make to a wave's field.
+fn add(wave: &mut Wave<'_>, rest: Option<&[Buffer<'_, f32>; 2]>) {
+    let Some(rest) = rest else { return };
+    for (field, rest) in wave.field.iter_mut().zip(rest) {
+        field.iter_mut().zip(&rest[..]).for_each(|(field, rest)| *field += rest);
+    }
+    wave.measure();
+}

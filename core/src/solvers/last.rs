@@ -1,0 +1,71 @@
+//! The last frame, as a solver that follows moving points remembers it.
+
+use alloc::vec::Vec;
+
+use num_complex::Complex32;
+
+use crate::workspace::Workspace;
+
+/// What a solver keeps from frame to frame; empty before the first.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Last {
+    /// Drives (N,) at full amplitude as they were found, before a board's grid.
+    pub(crate) wave: Vec<Complex32>,
+    /// The same as they were played: what the next frame's phases may differ from by so much.
+    pub(crate) played: Vec<Complex32>,
+    /// The transducers' envelopes (N,), of drives at full amplitude.
+    pub(crate) envelope: Vec<Complex32>,
+    /// Weights of the points.
+    pub(crate) weights: Vec<f32>,
+}
+
+impl Last {
+    /// Whether there is a last frame.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.played.is_empty()
+    }
+
+    /// Its drives (N,) at full amplitude as they were found and as they were played, the envelopes (N,) and the weights of
+    /// the points: what [`Last::restore`] goes on from.
+    #[must_use]
+    pub fn parts(&self) -> ([&[Complex32]; 3], &[f32]) {
+        ([&self.wave, &self.played, &self.envelope], &self.weights)
+    }
+
+    /// A last frame of [`Last::parts`].
+    #[must_use]
+    pub fn restore([wave, played, envelope]: [Vec<Complex32>; 3], weights: Vec<f32>) -> Self {
+        Self { wave, played, envelope, weights }
+    }
+
+    /// Forgets it; the memory is kept.
+    pub fn clear(&mut self) {
+        for drives in [&mut self.wave, &mut self.played, &mut self.envelope] {
+            drives.clear();
+        }
+        self.weights.clear();
+    }
+
+    /// One in the memory of a workspace.
+    pub(crate) fn taken(work: &Workspace, transducers: usize) -> Self {
+        let [wave, played, envelope] = [(); 3].map(|()| work.complexes.empty(transducers));
+        Self { wave, played, envelope, weights: work.floats.empty(1) }
+    }
+
+    /// Gives that back.
+    pub(crate) fn recycle(self, work: &Workspace) {
+        for list in [self.wave, self.played, self.envelope] {
+            work.complexes.give(list);
+        }
+        work.floats.give(self.weights);
+    }
+
+    /// Begins with full drives that have been played for long.
+    pub(crate) fn begin(&mut self, drives: impl Iterator<Item = Complex32>) {
+        self.clear();
+        self.played.extend(drives);
+        self.wave.extend_from_slice(&self.played);
+        self.envelope.extend_from_slice(&self.played);
+    }
+}
