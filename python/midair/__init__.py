@@ -42,7 +42,7 @@ from ._midair import (
 )
 from .compare import Comparison, compare
 from .ear import Ear, ear
-from .motion import Felt, Sequence, SequenceMetrics
+from .motion import Felt, Sequence, SequenceMetrics, sequence, stream
 from .picture import Picture, image
 from .plot import plot
 from .sweep import sweep
@@ -82,9 +82,11 @@ __all__ = [
     "path",
     "plot",
     "presets",
+    "sequence",
     "shape",
     "solve",
     "solve_batch",
     "solvers",
+    "stream",
     "sweep",
 ]

@@ -48,6 +48,8 @@ class Uniform(TypedDict, total=False):
     """Weighted Gerchberg-Saxton sweeps before the Gauss-Newton steps."""
     tolerance: float | None
     """Ends when no point is off the common level by more than this part of it."""
+    quiet: float | None
+    """What a quiet point may leak, relative to the loudest point; divided by its weight, relative to the targets'."""
 class SolveUniform(Solve, Uniform): ...
 class SolverUniform(Solver, Uniform): ...
 class BatchUniform(Batch, Uniform): ...
@@ -60,6 +62,8 @@ class Best(TypedDict, total=False):
     """Weighted Gerchberg-Saxton sweeps from each of the four best."""
     tolerance: float | None
     """Ends when no point is off the common level by more than this part of it."""
+    quiet: float | None
+    """What a quiet point may leak, relative to the loudest point; divided by its weight, relative to the targets'."""
     seed: int | None
     """Seed of the point phases, 0 to 2^64 - 1."""
 class SolveBest(Solve, Best): ...
@@ -93,6 +97,22 @@ class Fast(TypedDict, total=False):
 class SolveFast(Solve, Fast): ...
 class SolverFast(Solver, Fast): ...
 class BatchFast(Batch, Fast): ...
+
+class Glide(TypedDict, total=False):
+    """even points in motion, phases within a bound of the last frame's."""
+    change: float | None
+    """The most that a phase changes from the last frame to this one, in rad; pi and more leaves phases free."""
+    tau: float | None
+    """Time constant of the transducers' envelopes in s; 0 leaves it out of account."""
+    rate: float | None
+    """Frames a second, of which an envelope makes use."""
+    sweeps: int | None
+    """Weighted Gerchberg-Saxton sweeps a frame."""
+    steps: int | None
+    """Gauss-Newton steps a frame at most."""
+class SolveGlide(Solve, Glide): ...
+class SolverGlide(Solver, Glide): ...
+class BatchGlide(Batch, Glide): ...
 
 class Descent(TypedDict, total=False):
     """least squares over all phases: pictures, and more points than can be even."""
@@ -216,6 +236,7 @@ class Every(TypedDict, total=False):
     """Options of all solvers, for the one that a scene file names."""
     steps: int | None
     tolerance: float | None
+    quiet: float | None
     starts: int | None
     seed: int | None
     phases: int | None
@@ -224,7 +245,9 @@ class Every(TypedDict, total=False):
     order: Literal["random", "rows", "columns"] | Sequence[int] | NDArray[np.integer] | None
     block: int | None
     sweeps: int | None
+    change: float | None
     tau: float | None
+    rate: float | None
     eps: float | None
     limit: Literal["clamp", "normalize", "full"] | None
     gamma: float | None

@@ -47,11 +47,11 @@ class Ear:
         return scene.replace(points=points, pressures=np.r_[own, silence], weights=weights)
 
     def spl(self, scene: Scene, drive: ArrayLike | Solution) -> float:
-        """The highest sound pressure level at the box's points: dB re 20 uPa (rms), 20 log10(|p|/sqrt(2)/20 uPa).
+        """The highest sound pressure level at the box's points: 20 log10(|p|/sqrt(2)/20 uPa) in dB.
 
         `drive` (N,), or a solution of the scene with or without the box. -inf in silence.
         """
-        loudest = float(np.abs(field(scene, drive, self.points).pressures).max())
+        loudest = float(np.abs(field(scene, drive, self.points).pressure).max())
         return -np.inf if loudest == 0.0 else float(20 * np.log10(loudest / np.sqrt(2) / REFERENCE))
 
 
@@ -59,10 +59,11 @@ def ear(position: Any, *, size: float = 0.01, step: float = STEP) -> Ear:
     """A cube of quiet points around a position (3,) in m.
 
     size : its side in m
-    step : between neighbouring points at most, in m: a quarter of a wavelength leaves nothing loud between them
+    step : between neighbouring points at most, in m: a quarter of a wavelength
+        leaves nothing loud between them
 
-    Solvers that hold quiet points to a tolerance (`quiet=` of `uniform` and `best`) silence it to that part of the loudest
-    point; the level says what is left, it does not say what an ear bears.
+    Solvers that hold quiet points to a tolerance (`quiet=` of `uniform` and `best`) silence it to that part
+    of the loudest point. The level says what is left, not what an ear bears.
     """
     middle = vector("position", position)
     size, step = number("size", size, above=0), number("step", step, above=0)

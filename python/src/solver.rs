@@ -23,7 +23,7 @@ use crate::solution::{Solution, begin};
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// What `glide` remembers, as Python has it.
-type Remembered<'py> = (Bound<'py, PyArray2<Complex32>>, Bound<'py, PyArray1<f32>>);
+type Remembered<'py> = (Bound<'py, PyArray2<Complex32>>, Bound<'py, PyArray1<f32>>, f32);
 
 /// One array, one method, many requests: it owns its memory, so that from its second call on nothing is allocated
 /// if `out` is given.
@@ -247,20 +247,25 @@ impl Solver {
     }
 
     /// What `glide` remembers of its last frame, to go on from with `restore`: complex64 (3, N) drives at full amplitude as
-    /// they were found and as they were played, and the envelopes; float32 (M,) weights. None before the first.
+    /// they were found and as they were played, and the envelopes; float32 (M,) weights, and how uneven the points were. None before the first.
     fn last<'py>(&self, py: Python<'py>) -> PyResult<Option<Remembered<'py>>> {
         let mut state = self.state()?;
         let last = state.session.last();
         if last.is_empty() {
             return Ok(None);
         }
-        let (drives, weights) = last.parts();
+        let (drives, weights, unevenness) = last.parts();
         let table = give::table(py, drives.concat(), [3, drives[0].len()])?;
-        Ok(Some((table, give::list(py, weights.to_vec()))))
+        Ok(Some((table, give::list(py, weights.to_vec()), unevenness)))
     }
 
     /// Goes on from what `last` gave.
-    fn restore(&self, drives: PyReadonlyArray2<'_, Complex32>, weights: PyReadonlyArray1<'_, f32>) -> PyResult<()> {
+    fn restore(
+        &self,
+        drives: PyReadonlyArray2<'_, Complex32>,
+        weights: PyReadonlyArray1<'_, f32>,
+        unevenness: f32,
+    ) -> PyResult<()> {
         let mut state = self.state()?;
         let (shape, transducers) = (drives.shape(), state.session.transducers());
         if shape != [3, transducers] {
@@ -272,7 +277,7 @@ impl Solver {
         }
         let rows = drives.as_array();
         let parts = [0, 1, 2].map(|k| rows.row(k).to_vec());
-        *state.session.last() = Last::restore(parts, weights.as_array().to_vec());
+        *state.session.last() = Last::restore(parts, weights.as_array().to_vec(), unevenness);
         Ok(())
     }
 

@@ -55,8 +55,18 @@ pub(crate) struct SolverInfo {
     balance: bool,
     /// Whether it uses the phases of complex pressures.
     uses_phases: bool,
+    /// Whether it uses a start.
+    uses_start: bool,
+    /// Whether it uses an aim.
+    uses_aim: bool,
     /// Its options by name.
     options: Py<PyDict>,
+}
+
+impl SolverInfo {
+    fn uses(&self) -> [bool; 3] {
+        [self.uses_phases, self.uses_start, self.uses_aim]
+    }
 }
 
 #[pymethods]
@@ -67,21 +77,22 @@ impl SolverInfo {
         summary: String,
         source: String,
         balance: bool,
-        uses_phases: bool,
+        uses: [bool; 3],
         options: Py<PyDict>,
     ) -> Self {
-        Self { name, summary, source, balance, uses_phases, options }
+        let [uses_phases, uses_start, uses_aim] = uses;
+        Self { name, summary, source, balance, uses_phases, uses_start, uses_aim, options }
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
-        let Self { name, summary, source, balance, uses_phases, options } = self;
-        restored::<Self>(py, (name, summary, source, *balance, *uses_phases, options))
+        let Self { name, summary, source, balance, options, .. } = self;
+        restored::<Self>(py, (name, summary, source, *balance, self.uses(), options))
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> PyResult<bool> {
         let Ok(other) = other.cast::<Self>() else { return Ok(false) };
         let texts = |info: &Self| (info.name.clone(), info.summary.clone(), info.source.clone());
-        let parts = |info: &Self| (texts(info), info.balance, info.uses_phases);
+        let parts = |info: &Self| (texts(info), info.balance, info.uses());
         Ok(parts(self) == parts(other.get()) && self.options.bind(other.py()).eq(&other.get().options)?)
     }
 
@@ -105,7 +116,8 @@ pub(crate) fn solvers(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
         let registry::Info { name, summary, source, balance, .. } = *entry.info;
         let [label, summary, source] = [name, summary, source].map(String::from);
         let (uses_phases, options) = (entry.uses_phases(), options.unbind());
-        let info = SolverInfo { name: label, summary, source, balance, uses_phases, options };
+        let registry::Info { uses_start, uses_aim, .. } = *entry.info;
+        let info = SolverInfo { name: label, summary, source, balance, uses_phases, uses_start, uses_aim, options };
         dict.set_item(name, Bound::new(py, info)?)?;
     }
     py.import("midair.notebook")?.call_method1("Solvers", (dict,))

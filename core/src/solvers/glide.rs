@@ -60,6 +60,15 @@ options! {
 /// Even enough: what a phase step of 2 pi/65536 makes of a point.
 const EVEN: f32 = 1e-5;
 
+/// Times as many sweeps in the first frame, which is free: points at rest then leave its phases where they are.
+const FIRST: u32 = 10;
+
+/// On a board's grid a frame is left out where the last one's codes are no less even than they were, but for this factor, ...
+const NO_WORSE: f32 = 1.05;
+
+/// ... and nearly as loud as others could be.
+const AS_LOUD: f32 = 1.0 - 2e-4;
+
 /// A frame is done where no point is further than this part off the level.
 const NEARLY: f32 = 0.01;
 
@@ -179,6 +188,8 @@ struct Frame<'w> {
     rest: Option<[Buffer<'w, f32>; 2]>,
     /// The part of an envelope that a frame replaces.
     part: f32,
+    /// Whether it is the first.
+    free: bool,
     arc: Arc,
     /// The largest code on the board's grid; infinite where phases are free.
     most: f32,
@@ -215,7 +226,7 @@ impl<'w> Frame<'w> {
         let most = if change < PI { codes as f32 } else { f32::INFINITY };
         let arc = [math::cos(change), math::sin(change)].map(|x| x as f32);
         let (trial, projector) = (Wave::new(&rows, work), Projector::new(&rows, work));
-        let mut frame = Self { rows, wave, trial, projector, rest, part, arc, most };
+        let mut frame = Self { rows, wave, trial, projector, rest, part, free, arc, most };
         frame.wave.hear(&frame.rows);
         add(&mut frame.wave, frame.rest.as_ref());
         Ok(frame)
@@ -223,13 +234,17 @@ impl<'w> Frame<'w> {
 
     /// Weighted sweeps within the arc, from the point phases of the wave.
     fn sweep(&mut self, glide: &Glide, weights: &mut Vec<f32>) {
-        let Self { rows, wave, projector, rest, arc, .. } = self;
+        let Self { rows, wave, projector, rest, arc, free, .. } = self;
         if weights.len() != rows.targeted {
             weights.clear();
             weights.resize(rows.targeted, 1.0);
         }
         // One point has no weight to find.
-        let sweeps = if rows.targeted == 1 { glide.sweeps.min(1) } else { glide.sweeps };
+        let sweeps = match rows.targeted {
+            1 => glide.sweeps.min(1),
+            _ if *free => glide.sweeps * FIRST,
+            _ => glide.sweeps,
+        };
         for _ in 0..sweeps {
             projector.want(wave, weights);
             projector.project_within(rows, *arc, wave);
@@ -292,7 +307,7 @@ impl<'w> Frame<'w> {
         work: &'w Workspace,
         control: &mut Control,
     ) -> Result<Solution, Error> {
-        let Self { rows, wave, rest, part, most, .. } = &mut self;
+        let Self { rows, wave, trial, rest, part, most, .. } = &mut self;
         let drives = wave.drive[0].iter().zip(&wave.drive[1]).map(|(&re, &im)| Complex32::new(re, im));
         last.wave.iter_mut().zip(&last.played).zip(drives).for_each(|((q, played), d)| *q = unit(d * played));
         let grid = problem.quantization().map(Quantization::grid);
@@ -310,9 +325,19 @@ impl<'w> Frame<'w> {
                 most,
                 memory: &mut memory,
             };
-            let field = wave.field.each_ref().map(|plane| &plane[..targeted]);
-            let drive = wave.drive.each_mut().map(|plane| &mut plane[..]);
-            error_diffusion::diffuse(rows.set, task, drive, field, &mut codes, control)?;
+            trial.play(rows, last.played.iter().map(|q| q * q.conj()));
+            add(trial, rest.as_ref());
+            let off = |wave: &Wave| wave.unevenness(rows, wave.level(rows), 0.0);
+            if off(trial) <= NO_WORSE * last.unevenness && trial.level(rows) >= AS_LOUD * wave.level(rows) {
+                core::mem::swap(wave, trial);
+            } else {
+                let field = wave.field.each_ref().map(|plane| &plane[..targeted]);
+                let drive = wave.drive.each_mut().map(|plane| &mut plane[..]);
+                error_diffusion::diffuse(rows.set, task, drive, field, &mut codes, control)?;
+                wave.hear(rows);
+                add(wave, rest.as_ref());
+                last.unevenness = off(wave);
+            }
         }
         for (i, played) in last.played.iter_mut().enumerate() {
             *played = unit(*played * Complex32::new(wave.drive[0][i], wave.drive[1][i]));

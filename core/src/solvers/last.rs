@@ -17,6 +17,8 @@ pub struct Last {
     pub(crate) envelope: Vec<Complex32>,
     /// Weights of the points.
     pub(crate) weights: Vec<f32>,
+    /// How uneven the last new codes left the points.
+    pub(crate) unevenness: f32,
 }
 
 impl Last {
@@ -27,16 +29,16 @@ impl Last {
     }
 
     /// Its drives (N,) at full amplitude as they were found and as they were played, the envelopes (N,) and the weights of
-    /// the points: what [`Last::restore`] goes on from.
+    /// the points and how uneven these were: what [`Last::restore`] goes on from.
     #[must_use]
-    pub fn parts(&self) -> ([&[Complex32]; 3], &[f32]) {
-        ([&self.wave, &self.played, &self.envelope], &self.weights)
+    pub fn parts(&self) -> ([&[Complex32]; 3], &[f32], f32) {
+        ([&self.wave, &self.played, &self.envelope], &self.weights, self.unevenness)
     }
 
     /// A last frame of [`Last::parts`].
     #[must_use]
-    pub fn restore([wave, played, envelope]: [Vec<Complex32>; 3], weights: Vec<f32>) -> Self {
-        Self { wave, played, envelope, weights }
+    pub fn restore([wave, played, envelope]: [Vec<Complex32>; 3], weights: Vec<f32>, unevenness: f32) -> Self {
+        Self { wave, played, envelope, weights, unevenness }
     }
 
     /// Forgets it; the memory is kept.
@@ -45,12 +47,13 @@ impl Last {
             drives.clear();
         }
         self.weights.clear();
+        self.unevenness = 0.0;
     }
 
     /// One in the memory of a workspace.
     pub(crate) fn taken(work: &Workspace, transducers: usize) -> Self {
         let [wave, played, envelope] = [(); 3].map(|()| work.complexes.empty(transducers));
-        Self { wave, played, envelope, weights: work.floats.empty(1) }
+        Self { wave, played, envelope, weights: work.floats.empty(1), unevenness: 0.0 }
     }
 
     /// Gives that back.

@@ -3,5 +3,6 @@
 from .felt import Felt
 from .metrics import SequenceMetrics
 from .sequence import Sequence
+from .solve import sequence, stream
 
-__all__ = ["Felt", "Sequence", "SequenceMetrics"]
+__all__ = ["Felt", "Sequence", "SequenceMetrics", "sequence", "stream"]

@@ -74,7 +74,9 @@ def read(given: Any, array: Array, phases: int | None) -> Drives:
         return Drives(_codes(found, phases), live, phases)
     if found.dtype.kind not in "fc":
         raise refused("drives.dtype", str(found.dtype), "give complex drives or whole phase codes")
-    drives = np.array(found, np.complex64)
+    # A file's own, which may be larger than memory, stay where they are.
+    mapped = isinstance(given, np.memmap) and found.dtype == np.complex64
+    drives = found if mapped else np.array(found, np.complex64)
     for frames in blocks(*drives.shape):
         # What is not a number is not within either.
         within = np.abs(drives[frames]) <= 1 + SLACK
@@ -82,8 +84,9 @@ def read(given: Any, array: Array, phases: int | None) -> Drives:
             frame, one = np.argwhere(~within)[0]
             frame += frames.start
             raise refused(f"drives[{frame}, {one}]", found[frame, one], "give |q| of at most 1")
-    drives[:, ~live] = 0
-    drives.flags.writeable = False
+    if not mapped:
+        drives[:, ~live] = 0
+        drives.flags.writeable = False
     return Drives(drives, live, None)
 
 

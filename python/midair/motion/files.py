@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
+import struct
+import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from os import PathLike
@@ -11,9 +14,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.lib import format as npy
+from numpy.typing import NDArray
 
 from .. import output
 from .._midair import Scene, SceneError
+
+#: Drives of so many bytes are read where they lie, a block at a time.
+LARGE = 1 << 28
 
 #: What a file has to hold.
 KEYS = ("points", "targets", "drives", "scene", "setting")
@@ -49,10 +57,30 @@ def save(path: str | PathLike[str], arrays: dict[str, Any], scene: Scene, settin
         np.savez(part, **arrays, scene=scene.json(), setting=output.to_json(setting))
 
 
+def _mapped(path: str | PathLike[str]) -> NDArray[Any] | None:
+    """Drives where they lie in a large file that was not compressed; None otherwise."""
+    with zipfile.ZipFile(path) as archive:
+        entry = archive.getinfo("drives.npy")
+    if entry.compress_type != zipfile.ZIP_STORED or entry.file_size < LARGE:
+        return None
+    with open(path, "rb") as stream:
+        # The local header: 26 bytes, then the lengths of the name and of what else there is.
+        stream.seek(entry.header_offset + 26)
+        stream.seek(sum(struct.unpack("<HH", stream.read(4))), os.SEEK_CUR)
+        version = npy.read_magic(stream)
+        read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
+        shape, fortran, dtype = read(stream)
+        if fortran or dtype.hasobject:
+            return None
+        return np.memmap(path, dtype, "r", stream.tell(), shape)
+
+
 def load(path: str | PathLike[str]) -> dict[str, Any]:
     """The arguments of the sequence that a file holds, not checked."""
     with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
-        arrays = {key: file[key] for key in KEYS}
+        arrays = {key: file[key] for key in KEYS if key != "drives"}
+        mapped = _mapped(path)
+        arrays["drives"] = file["drives"] if mapped is None else mapped
     scene: Scene = Scene.parse(str(arrays.pop("scene")))
     setting = dict(json.loads(str(arrays.pop("setting"))))
     return {"array": scene.array, **arrays, **setting}

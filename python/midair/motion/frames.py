@@ -124,7 +124,7 @@ class Frames:
     __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        made = partial(type(self), **self._setting(), **self._medium())
+        made = partial(type(self), **self.setting())
         return made, (self.array, self._points, self._targets, self._drives.held)
 
     def __repr__(self) -> str:
@@ -155,6 +155,10 @@ class Frames:
         how = f"{'closed' if self._closed else 'open'}{f', by {self._solver}' if self._solver else ''}"
         size = f"{frames} frames at {self._rate:g} Hz, {count} points, {len(self.array)} transducers"
         return f"Sequence of {size}: {how}"
+
+    def setting(self) -> dict[str, Any]:
+        """All but array, points, targets and drives, as the arguments that make it again."""
+        return {**self._setting(), **self._medium()}
 
     def _setting(self) -> dict[str, Any]:
         names = ("rate", "closed", "change", "quantization", "solver")

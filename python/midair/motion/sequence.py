@@ -205,7 +205,7 @@ class Sequence(Frames):
     def save(self, path: str | PathLike[str]) -> None:
         """Write it as .npz: points, targets, drives (or codes), scene (array and air) and setting as JSON."""
         arrays = {"points": self._points, "targets": self._targets, "drives": self._drives.held}
-        files.save(path, arrays, self._scene, {**self._setting(), **self._medium()})
+        files.save(path, arrays, self._scene, self.setting())
 
     @staticmethod
     def load(path: str | PathLike[str]) -> Sequence:

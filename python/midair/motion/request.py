@@ -1,0 +1,123 @@
+"""What a sequence is asked: path, rate and bound, read once; and the speed that the bound allows."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from math import ceil, pi
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._midair import Array, Scene, SceneError, SceneWarning
+from ..path import Path, read
+from ..shape.arguments import number, refused
+from .frames import AIR
+
+#: The bound where none is given, in rad a frame: at 10 kHz the shift of 312 Hz that a transducer follows.
+CHANGE = pi / 16
+
+#: Frames that are looked at for the speed limit at most.
+LOOKED = 200
+
+
+@dataclass(frozen=True)
+class Request:
+    """Points (T, M, 3) in m, targets (T, M) in Pa, and how they are to be solved.
+
+    aim : "target", or "max" where nothing was asked but points
+    """
+
+    array: Array
+    points: NDArray[np.float64]
+    targets: NDArray[np.float64]
+    rate: float
+    change: float
+    closed: bool
+    aim: str
+    air: dict[str, Any]
+    options: dict[str, Any]
+
+
+def bound(rate: float, change: Any, change_rate: Any) -> float:
+    """The bound in rad a frame, told so or in rad/s."""
+    if change is not None and change_rate is not None:
+        raise refused("change_rate", change_rate, "change is given, too: give one of them")
+    if change_rate is not None:
+        return number("change_rate", change_rate, least=0) / rate
+    return CHANGE if change is None else number("change", change, least=0)
+
+
+def request(
+    array: Array,
+    path: Path | ArrayLike,
+    rate: Any,
+    bounds: tuple[Any, Any],
+    closed: Any,
+    pressures: ArrayLike | None,
+    aim: str | None,
+    options: dict[str, Any],
+) -> Request:
+    """Read all of it, and refuse what does not fit."""
+    if not isinstance(array, Array):
+        raise TypeError(f"expected a midair.Array first, not {type(array).__qualname__}")
+    frames = number("rate", rate, above=0)
+    points, targets, loops = read(path, frames, pressures)
+    if closed and isinstance(path, Path) and not loops:
+        raise refused("closed", closed, "the path's end is not its start, leave it out")
+    air = {name: options.pop(name) for name in AIR if name in options}
+    told = pressures is not None or (isinstance(path, Path) and path.pascals)
+    asked = np.ones(points.shape[:2]) if targets is None else np.asarray(targets)
+    if not told:
+        # Relative to what the array can do at the first frame.
+        asked = asked * Scene(array, points[0], **air).reach().level
+    if aim is None:
+        aim = "max" if targets is None else "target"
+    rad = bound(frames, *bounds)
+    return Request(array, points, asked, frames, rad, bool(closed), aim, air, options)
+
+
+def warn_of_speed(asked: Request) -> None:
+    """Warn where points move faster than the bound lets a focus follow (docs/motion.md).
+
+    A focus that moves by d along e between two frames turns transducer i by k d (u_i e), u_i from it to the
+    focus, of which one phase is free for all: half the spread of k d (u_i e) is needed.
+    """
+    needed, speed = _needed(asked)
+    if needed <= asked.change * (1 + 1e-9) or asked.change == 0:
+        return
+    faster = ceil(asked.rate * needed / asked.change / 100) / 10
+    text = (
+        f"{speed:.3g} m/s needs {needed:.2g} rad a frame, {asked.change:.3g} allowed: the level falls; "
+        f"{faster:g} kHz or pi/{max(int(pi / needed), 1)} would do"
+    )
+    warnings.warn(text, SceneWarning, stacklevel=3)
+
+
+def _needed(asked: Request) -> tuple[float, float]:
+    """The largest bound that a point needs, and its speed, over some frames."""
+    points, there = asked.points, asked.targets > 0
+    steps = np.arange(1, len(points), max((len(points) - 1) // LOOKED, 1))
+    scene = Scene(asked.array, points[0], **asked.air)
+    wavenumber = 2 * pi * scene.frequency / scene.sound_speed
+    most, speed = 0.0, 0.0
+    for step in steps:
+        both = there[step] & there[step - 1]
+        moved = (points[step] - points[step - 1])[both]
+        rays = points[step][both][:, None] - asked.array.positions
+        rays /= np.maximum(np.linalg.norm(rays, axis=2, keepdims=True), 1e-9)
+        along = np.einsum("jik,jk->ji", rays, moved)
+        spread = wavenumber * np.ptp(along, axis=1) / 2
+        if spread.size and spread.max() > most:
+            most = float(spread.max())
+            speed = float(np.linalg.norm(moved[spread.argmax()]) * asked.rate)
+    return most, speed
+
+
+def no_seam(closed: bool, ahead: Any) -> None:
+    """Refuse a closed curve that is solved without knowing its end."""
+    if closed and ahead == 0:
+        raise SceneError(
+            'closed is True, but ahead is 0: give ahead="all", that the last frame meets the first'
+        )

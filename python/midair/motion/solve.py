@@ -1,0 +1,163 @@
+"""`midair.sequence` and `midair.stream`: frames solved one after another, each within a bound of the last."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from os import PathLike
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._midair import Array, SceneError, Solver
+from ..path import Path
+from ..shape.arguments import number, refused
+from . import store
+from .ahead import whole
+from .request import Request, bound, no_seam, request, warn_of_speed
+from .sequence import Sequence
+
+#: Frames between two calls of progress, and in one piece of a file.
+BLOCK = 1024
+
+
+def sequence(
+    array: Array,
+    path: Path | ArrayLike,
+    solver: str = "glide",
+    *,
+    rate: float,
+    change: float | None = None,
+    change_rate: float | None = None,
+    tau: float | None = None,
+    closed: bool = False,
+    ahead: int | str = 0,
+    pressures: ArrayLike | None = None,
+    aim: str | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    resume: str | PathLike[str] | None = None,
+    **options: Any,
+) -> Sequence:
+    """Drives for points that move, frame after frame, no phase changing by more than a bound.
+
+    path : a `midair.path`, or points (T, M, 3) in m, a frame a row
+    solver : "glide" holds the bound; others are started from the last drive where they use a start, and hold
+        the bound if they have an option `change`
+    rate : frames a second
+    change, change_rate : the bound, in rad a frame or in rad/s; left out pi/16 a frame, pi for none
+    tau : time constant of the transducers' envelopes in s, which `glide` takes into account
+    closed : whether the last frame goes on to the first, within the bound; needs ahead="all"
+    ahead : 0, each frame knows the one before; "all", tracks over the whole sequence
+    pressures : targets in Pa: one, (M,) or (T, M), 0 where a point is not there; left out the
+        path's own, else the balanced level of the first frame, times modulation and fades
+    aim : "target" or "max", as `midair.solve` has it; left out "max" where nothing but points is asked
+    progress : called with (frames done, frames)
+    resume : an .npz file written as the frames are found, in the memory of a block; stopped and called
+        again with the same arguments it goes on, to the same bits
+    options : of the solver, and the air: frequency, sound_speed, temperature, absorption, density
+
+    Warns where points move faster than the bound allows. Raises SceneError for whatever is not in order.
+
+    >>> import midair
+    >>> array = midair.Array.preset("autd3")
+    >>> ring = midair.path.circle([0, 0, 0.15], 0.01, frequency=50, points=2)
+    >>> sequence = midair.sequence(array, ring, rate=10e3)
+    >>> sequence.metrics.uniformity > 0.99, sequence.metrics.largest_change <= 0.1964
+    (True, True)
+    """
+    asked = request(array, path, rate, (change, change_rate), closed, pressures, aim, dict(options))
+    no_seam(asked.closed, ahead)
+    warn_of_speed(asked)
+    if ahead == "all":
+        if resume is not None:
+            raise SceneError(
+                'resume is given, but ahead is "all": all frames are found together, leave it out'
+            )
+        drives = whole(asked, solver, progress)
+        return _told(asked, drives, solver)
+    if ahead != 0:
+        raise refused("ahead", ahead, 'give 0 or "all"')
+    follow = _follower(asked, solver, tau)
+    if resume is not None:
+        setting = {"solver": solver, "tau": tau, "aim": asked.aim, "options": asked.options}
+        return store.solved(resume, asked, setting, follow, BLOCK, progress)
+    blocks = []
+    for first in range(0, len(asked.points), BLOCK):
+        block = slice(first, first + BLOCK)
+        blocks.append(follow.follow(asked.points[block], asked.targets[block]))
+        if progress is not None:
+            progress(min(first + BLOCK, len(asked.points)), len(asked.points))
+    return _told(asked, np.concatenate(blocks), solver)
+
+
+def stream(
+    array: Array,
+    frames: Iterable[Any],
+    solver: str = "glide",
+    *,
+    rate: float,
+    change: float | None = None,
+    change_rate: float | None = None,
+    tau: float | None = None,
+    aim: str | None = None,
+    **options: Any,
+) -> Iterator[NDArray[np.complex64]]:
+    """The drive (N,) of each of endless frames, as it comes.
+
+    A frame is points (M, 3), or a pair of points and pressures (M,). The arguments are those of
+    `midair.sequence`. M may change: what appears or vanishes at once makes a jolt as large as the bound lets
+    it be.
+
+    >>> import midair
+    >>> array = midair.Array.preset("autd3")
+    >>> hand = ([[0.001 * t, 0.0, 0.15]] for t in range(5))
+    >>> drives = list(midair.stream(array, hand, rate=1e3))
+    >>> len(drives), drives[0].shape
+    (5, (249,))
+    """
+    each = number("rate", rate, above=0)
+    found = _solver(array, solver, each, bound(each, change, change_rate), tau, {"aim": aim, **options})
+    return _streamed(found, frames)
+
+
+def _streamed(found: Solver, frames: Iterable[Any]) -> Iterator[NDArray[np.complex64]]:
+    for frame in frames:
+        points, pressures = frame if isinstance(frame, tuple) else (frame, None)
+        asked = None if pressures is None else np.asarray(pressures, np.float64)[None]
+        yield found.follow(np.asarray(points, np.float64)[None], asked)[0]
+
+
+def _follower(asked: Request, solver: str, tau: float | None) -> Solver:
+    options = {"aim": asked.aim, **asked.air, **asked.options}
+    return _solver(asked.array, solver, asked.rate, asked.change, tau, options)
+
+
+def _solver(
+    array: Array, solver: str, rate: float, change: float, tau: float | None, options: dict[str, Any]
+) -> Solver:
+    from .._midair import solvers
+
+    info = solvers().get(solver)
+    known = () if info is None else info.options
+    if tau is not None and info is not None and "tau" not in known:
+        raise refused("tau", tau, f"{solver} takes no account of it, leave it out or use glide")
+    if info is not None and not info.uses_aim:
+        options = {name: value for name, value in options.items() if name != "aim"}
+    own = {"change": change, "tau": tau, "rate": rate}
+    given = {name: value for name, value in own.items() if value is not None and name in known}
+    return Solver(array, solver, **{**given, **options})
+
+
+def _told(asked: Request, drives: NDArray[Any], solver: str) -> Sequence:
+    return Sequence(
+        asked.array,
+        asked.points,
+        asked.targets,
+        drives,
+        rate=asked.rate,
+        closed=asked.closed,
+        change=asked.change,
+        solver=solver,
+        quantization=asked.options.get("quantization"),
+        **asked.air,
+    )
