@@ -17,7 +17,7 @@ TRIALS := 1000
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook setup demo test test-rust test-python test-portable lint fuzz sanitize bench bench-peers figures paper golden map stubs pins clean
+.PHONY: help outlook setup demo test test-rust test-python test-portable lint fuzz sanitize bench bench-peers figures motion paper golden map stubs pins clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -111,6 +111,9 @@ bench/.envs/%.so: bench/workers/%.cpp
 
 figures: setup ## Draw docs/quality-time.png
 	OPENBLAS_NUM_THREADS=1 $(PYTHON) bench/figures.py
+
+motion: setup ## Print the table of docs/motion.md
+	$(PYTHON) bench/motion.py
 
 paper: setup ## Make the paper's figures anew (TRIALS=1000) and docs/paper.md from their tables
 	OPENBLAS_NUM_THREADS=1 $(BIN)/midair reproduce all --trials $(TRIALS) --output out/paper

@@ -30,7 +30,7 @@ def points(table: str, keys: str, folder: Path | None) -> Drawn:
     given = tomllib.loads(keys)
     weight = number("weight", given.pop("weight"), least=0) if "weight" in given else None
     if table == "image":
-        picture = _called(image, "image", given, folder)
+        picture = called(image, "image", given, folder)
         return picture.points, picture.pressures, weight
     if "kind" not in given:
         raise SceneError(f"kind is left out: give one of {', '.join(SHAPES)}")
@@ -38,10 +38,10 @@ def points(table: str, keys: str, folder: Path | None) -> Drawn:
     if kind not in SHAPES:
         raise refused("kind", kind, f"give one of {', '.join(SHAPES)}")
     pressure = number("pressure", given.pop("pressure"), least=0) if "pressure" in given else None
-    return _called(SHAPES[kind], kind, given, folder), pressure, weight
+    return called(SHAPES[kind], kind, given, folder), pressure, weight
 
 
-def _called(draw: Callable[..., Any], kind: str, given: dict[str, Any], folder: Path | None) -> Any:
+def called(draw: Callable[..., Any], kind: str, given: dict[str, Any], folder: Path | None) -> Any:
     """What a function makes of a table's keys, which are its arguments; `file` is its path."""
     named = {("file" if name == "path" else name): one for name, one in signature(draw).parameters.items()}
     needed = [name for name, one in named.items() if one.default is Parameter.empty]

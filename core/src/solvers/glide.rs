@@ -53,12 +53,15 @@ options! {
         /// Weighted Gerchberg-Saxton sweeps a frame.
         pub sweeps: u32 = 3,
         /// Gauss-Newton steps a frame at most.
-        pub steps: u32 = 3,
+        pub steps: u32 = 6,
     }
 }
 
 /// Even enough: what a phase step of 2 pi/65536 makes of a point.
 const EVEN: f32 = 1e-5;
+
+/// Tries of a step, each half as far as the one before.
+const HALVINGS: usize = 4;
 
 /// Times as many sweeps in the first frame, which is free: points at rest then leave its phases where they are.
 const FIRST: u32 = 10;
@@ -71,9 +74,6 @@ const AS_LOUD: f32 = 1.0 - 2e-4;
 
 /// A frame is done where no point is further than this part off the level.
 const NEARLY: f32 = 0.01;
-
-/// Damping of a step, relative to the mean diagonal entry of J J^T.
-const DAMPING: f32 = 1e-6;
 
 /// The most that a weight may change in a sweep.
 const MOST_CHANGE: f32 = 2.0;
@@ -274,26 +274,39 @@ impl<'w> Frame<'w> {
         let mut mask = work.floats.take_any(rows.lanes);
         let mut newton = Newton::new(problem, rows, 0.0, work, control)?;
         let mut off = wave.unevenness(rows, wave.level(rows), 0.0);
+        // Whether phases at their bound may leave it, where those that are not there do not suffice.
+        let mut inward = false;
         for _ in 0..glide.steps {
             if off <= EVEN {
                 break;
             }
-            let free = |cos: f32| if cos > arc[0] + AT_BOUND || arc[0] <= -1.0 { 1.0 } else { 0.0 };
-            mask.iter_mut().zip(&wave.drive[0][..]).for_each(|(mask, &cos)| *mask = free(cos));
-            newton.update(rows, wave, Some(&mask), control)?;
-            let Some(factor) = newton.factored(rows, DAMPING, control)? else { break };
-            let dual = newton.shortest(rows, wave, &factor, None);
-            if !newton.dual.back(&dual, &mut newton.rotations).is_finite() {
+            let held = |cos: f32| cos <= arc[0] + AT_BOUND && arc[0] > -1.0;
+            if inward && !newton.direction(rows, wave, None, control)? {
                 break;
             }
-            trial.rotate_within(rows, wave, &newton.rotations, *arc);
-            add(trial, rest.as_ref());
-            let after = trial.unevenness(rows, trial.level(rows), 0.0);
-            if after.is_nan() || after >= off {
+            let sides = wave.drive[0].iter().zip(&wave.drive[1]).zip(&newton.rotations[..]);
+            for (mask, ((&cos, &sin), &rotation)) in mask.iter_mut().zip(sides) {
+                *mask = if held(cos) && !(inward && rotation * sin < 0.0) { 0.0 } else { 1.0 };
+            }
+            if !newton.direction(rows, wave, Some(&mask), control)? {
                 break;
             }
-            off = after;
-            core::mem::swap(wave, trial);
+            // Phases that meet their bound on the way fall short of their part of a step: half of it may do better.
+            let mut better = false;
+            for _ in 0..HALVINGS {
+                trial.rotate_within(rows, wave, &newton.rotations, *arc);
+                add(trial, rest.as_ref());
+                let after = trial.unevenness(rows, trial.level(rows), 0.0);
+                if after < off {
+                    (off, better) = (after, true);
+                    core::mem::swap(wave, trial);
+                    break;
+                }
+                newton.rotations.iter_mut().for_each(|rotation| *rotation *= 0.5);
+            }
+            if !better && core::mem::replace(&mut inward, true) {
+                break;
+            }
         }
         Ok(if off <= NEARLY { Status::Done } else { Status::OutOfSteps })
     }

@@ -18,6 +18,7 @@ mod greedy;
 mod laws;
 mod map;
 mod metrics;
+mod motion;
 mod motions;
 #[allow(dead_code, unreachable_pub, reason = "an independent reference, also for tests to come")]
 mod oracle;

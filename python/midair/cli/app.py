@@ -13,6 +13,7 @@ from cyclopts import App, CycloptsError, UnusedCliTokensError
 from .. import SceneError, SceneWarning, __version__
 from ..ctrl_c import Terminated, terminable
 from .compare import compare_command
+from .motion import motion_command
 from .new import new_command
 from .presets import presets_command
 from .reproduce import reproduce_command
@@ -36,6 +37,7 @@ app.command(solvers_command, name="solvers")
 app.command(presets_command, name="presets")
 app.command(reproduce_command, name="reproduce")
 app.command(sweep_command, name="sweep")
+app.command(motion_command, name="motion")
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:

@@ -248,6 +248,21 @@ impl<'w> Newton<'w> {
         dual
     }
 
+    /// Writes the shortest step to the nearest level into `rotations`, in a metric of the transducers; `false` if f32 cannot
+    /// find one.
+    pub(crate) fn direction(
+        &mut self,
+        rows: &Rows,
+        wave: &Wave,
+        metric: Option<&[f32]>,
+        control: &mut Control,
+    ) -> Result<bool, Error> {
+        self.update(rows, wave, metric, control)?;
+        let Some(factor) = self.factored(rows, DAMPING, control)? else { return Ok(false) };
+        let dual = self.shortest(rows, wave, &factor, None);
+        Ok(self.dual.back(&dual, &mut self.rotations).is_finite())
+    }
+
     /// Writes the wave after a step into `trial`, with new derivatives or the last ones; `false` if f32 cannot factor the
     /// system.
     fn step(

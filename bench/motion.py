@@ -1,0 +1,91 @@
+"""Motion: evenness, level and changes of `glide`, by an independent forward model in f64.
+
+Prints the table of docs/motion.md.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+import midair
+
+RATE = 10e3
+FRAMES = 200
+KINDS = ("circles", "lines", "along x", "around")
+
+
+def paths(kind: str, count: int, speed: float, seed: int) -> NDArray[np.float64]:
+    """Points (T, M, 3) in m over four AUTD3 boards, 0.2 m above them."""
+    rng = np.random.default_rng(seed)
+    start = rng.uniform(-0.05, 0.05, (count, 2))
+    t = np.arange(FRAMES)[:, None] / RATE
+    if kind == "circles":
+        radius, phase = rng.uniform(0.01, 0.02, count), rng.uniform(0, 2 * np.pi, count)
+        angle = speed / radius * t + phase
+        flat = start + np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=-1)
+    elif kind == "lines":
+        angle = rng.uniform(0, 2 * np.pi, count)
+        flat = start + speed * (t - t.mean())[..., None] * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    elif kind == "along x":
+        flat = start + speed * (t - t.mean())[..., None] * [1.0, 0.0]
+    else:
+        angle = speed / 0.04 * t[..., None]
+        turned = np.stack([-start[:, 1], start[:, 0]], axis=-1)
+        flat = np.cos(angle) * start + np.sin(angle) * turned
+    return np.concatenate([flat, np.full((FRAMES, count, 1), 0.2)], axis=2)
+
+
+def moduli(
+    array: midair.Array, points: NDArray[np.float64], drives: NDArray[np.complex64], tau: float
+) -> NDArray[np.float64]:
+    """|p| (T, M) at the frames' ends: eq. (5) in f64, with envelopes of a time constant."""
+    kept = np.exp(-1 / (RATE * tau)) if tau else 0.0
+    number, heard = 2 * np.pi * 40e3 / 340, np.zeros(points.shape[:2])
+    envelope = drives[0].astype(complex)
+    for frame, (places, drive) in enumerate(zip(points, drives, strict=True)):
+        envelope = kept * envelope + (1 - kept) * drive
+        distance = np.linalg.norm(places[:, None] - array.positions, axis=2)
+        heard[frame] = np.abs((np.exp(1j * number * distance) / distance) @ envelope)
+    return heard
+
+
+def row(
+    array: midair.Array, count: int, speed: float, parts: int, tau: float
+) -> tuple[float, float, float, float, float]:
+    """Worst change over the bound, uniformity at rest and in motion, least and mean level, over all kinds."""
+    change = np.pi / parts
+    ratios, even, moving, levels = [], [], [], []
+    for index, kind in enumerate(KINDS):
+        points = paths(kind, count, speed, 7 + index)
+        points[..., :2] += array.positions.mean(axis=0)[:2]
+        solver = midair.Solver(array, "glide", change=change, tau=tau, rate=RATE, aim="max", absorption=0)
+        drives = solver.follow(points)
+        turned = np.abs(np.angle(drives[1:] * drives[:-1].conj()))
+        ratios.append(turned.max() / change)
+        rest, motion = (moduli(array, points, drives, time)[10:] for time in (0.0, 0.2e-3))
+        even.append((rest.min(axis=1) / rest.max(axis=1)).min())
+        moving.append((motion.min(axis=1) / motion.max(axis=1)).min())
+        cold = midair.solve_batch(array, points[10::19], solver="uniform", aim="max", absorption=0)
+        known = moduli(array, points[10::19], cold.drives, 0.0)
+        levels.append(rest[::19].mean() / known.mean())
+    return max(ratios), min(even), min(moving), min(levels), float(np.mean(levels))
+
+
+def main() -> None:
+    """Print the table."""
+    array = midair.Array.preset("autd3", (2, 2))
+    print("| M | speed | bound | tau | change / bound | uniformity | in motion | level, each | mean |")
+    print("|---|---|---|---|---|---|---|---|---|")
+    for count in (4, 16):
+        for speed, parts, tau in ((0.5, 16, 0.0), (0.5, 32, 0.0), (2.0, 32, 0.0), (2.0, 8, 0.2e-3)):
+            ratio, even, moving, least, mean = row(array, count, speed, parts, tau)
+            told = f"{tau * 1e3:g} ms" if tau else "-"
+            print(
+                f"| {count} | {speed:g} m/s | pi/{parts} | {told} | {ratio:.3f} | {even:.4f} | {moving:.3f} "
+                f"| {least:.3f} | {mean:.3f} |"
+            )
+
+
+if __name__ == "__main__":
+    main()

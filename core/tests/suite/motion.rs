@@ -1,0 +1,154 @@
+//! Motion: frames that follow one another, judged in f64: bounds, evenness, rest, and what is refused.
+
+use std::f64::consts::PI;
+
+use midair::solvers::Glide;
+use midair::{
+    Aim, Array, Ask, Complex32, Complex64, Control, Frames, InstructionSet, Medium, Model, Problem, Quantization,
+    Request, Session, Start, Workspace,
+};
+
+const SIDE: usize = 16;
+const COUNT: usize = 3;
+
+fn array(phases: Option<u32>) -> Array {
+    let board = phases.map(|phases| Quantization::new(Some(phases), None).expect("phases"));
+    Array::grid(SIDE, SIDE, 10e-3).expect("a grid").with_quantization(board)
+}
+
+/// Three points on circles of their own at .5 m/s and 10 kHz.
+fn circles(frames: usize) -> Vec<[f64; 3]> {
+    let at = |t: usize, j: usize| {
+        let (radius, middle) = (0.01 + 0.003 * j as f64, 0.04 * j as f64 - 0.04);
+        let angle = 0.5 / radius * t as f64 / 10e3 + j as f64;
+        [middle + radius * angle.cos(), radius * angle.sin(), 0.15]
+    };
+    (0..frames).flat_map(|t| (0..COUNT).map(move |j| at(t, j))).collect()
+}
+
+fn session(array: &Array, glide: Glide) -> Session {
+    let model = Model::new(array, Medium::default(), InstructionSet::best()).expect("an array");
+    Session::new(model, Box::new(glide) as Box<dyn midair::Solve + Send + Sync>, true)
+}
+
+fn followed(session: &mut Session, points: &[[f64; 3]]) -> Vec<Complex32> {
+    let mut drives = vec![Complex32::ZERO; points.len() / COUNT * SIDE * SIDE];
+    let frames = Frames { points, targets: None, count: COUNT };
+    session.follow(frames, false, &mut Ask::default(), &mut drives, &mut Control::none()).expect("drives");
+    drives
+}
+
+/// |p| of a frame in f64.
+fn moduli(array: &Array, points: &[[f64; 3]], drive: &[Complex32]) -> Vec<f64> {
+    let wavenumber = 2.0 * PI * 40e3 / Medium::default().sound_speed;
+    let pressure = |point: &[f64; 3]| {
+        let wave = |(from, q): (&[f64; 3], &Complex32)| {
+            let distance = (0..3).map(|x| (point[x] - from[x]).powi(2)).sum::<f64>().sqrt();
+            Complex64::cis(wavenumber * distance) / distance * Complex64::new(f64::from(q.re), f64::from(q.im))
+        };
+        array.positions().iter().zip(drive).map(wave).sum::<Complex64>().norm()
+    };
+    points.iter().map(pressure).collect()
+}
+
+fn change(a: Complex32, b: Complex32) -> f64 {
+    f64::from((a * b.conj()).arg()).abs()
+}
+
+#[test]
+fn points_in_motion_are_even_within_the_bound() {
+    let points = circles(60);
+    for (phases, even) in [(None, 0.999), (Some(256), 0.998), (Some(32), 0.97)] {
+        let array = array(phases);
+        let bound = PI / 16.0;
+        let drives = followed(&mut session(&array, Glide { change: bound, ..Glide::default() }), &points);
+        let frames: Vec<&[Complex32]> = drives.chunks(SIDE * SIDE).collect();
+        for pair in frames.windows(2) {
+            let largest = pair[0].iter().zip(pair[1]).map(|(a, b)| change(*a, *b)).fold(0.0, f64::max);
+            assert!(largest <= bound + 1e-6, "{phases:?}: {largest}");
+            if let Some(phases) = phases {
+                let codes = largest * f64::from(phases) / (2.0 * PI);
+                assert!((codes - codes.round()).abs() < 1e-3, "{codes} codes of {phases}");
+            }
+        }
+        for (t, frame) in frames.iter().enumerate() {
+            let heard = moduli(&array, &points[t * COUNT..(t + 1) * COUNT], frame);
+            let (low, high) = heard.iter().fold((f64::MAX, 0.0_f64), |(low, high), &p| (low.min(p), high.max(p)));
+            assert!(low / high > even, "{phases:?}, frame {t}: {}", low / high);
+        }
+    }
+}
+
+#[test]
+fn points_at_rest_leave_every_code_where_it_is() {
+    let points: Vec<[f64; 3]> = circles(1).into_iter().cycle().take(40 * COUNT).collect();
+    let drives = followed(&mut session(&array(Some(256)), Glide::default()), &points);
+    let frames: Vec<&[Complex32]> = drives.chunks(SIDE * SIDE).collect();
+    assert!(frames[20..].windows(2).all(|pair| pair[0] == pair[1]));
+}
+
+#[test]
+fn no_change_keeps_the_drive_and_a_half_turn_frees_it() {
+    let points = circles(30);
+    let array = array(None);
+    let kept = followed(&mut session(&array, Glide { change: 0.0, ..Glide::default() }), &points);
+    assert!(kept.chunks(SIDE * SIDE).all(|frame| frame.iter().zip(&kept).all(|(a, b)| change(*a, *b) < 1e-3)));
+    let free = |change: f64| followed(&mut session(&array, Glide { change, ..Glide::default() }), &points);
+    assert_eq!(free(PI), free(10.0));
+}
+
+#[test]
+fn a_frame_goes_on_from_a_drive_and_refuses_one_without_a_phase() {
+    let array = array(None);
+    let points = circles(2);
+    let model = Model::new(&array, Medium::default(), InstructionSet::best()).expect("an array");
+    let problem = |t: usize| {
+        let own = &points[t * COUNT..(t + 1) * COUNT];
+        Problem::of_model(&model, own, &Request::default(), &mut Control::none()).expect("a problem").with_aim(Aim::Max)
+    };
+    let solve = |problem: &Problem| {
+        midair::solve(problem, &Glide::default(), true, &mut Workspace::new(), &mut Control::none())
+    };
+    let first = solve(&problem(0)).expect("a drive").drive;
+    let next = problem(1).with_start(Start::Drive(first.clone())).expect("a start");
+    let next = solve(&next).expect("a drive").drive;
+    assert!(first.iter().zip(&next).all(|(a, b)| change(*a, *b) <= PI / 16.0 + 1e-6));
+    let mut off = first;
+    off[7] = Complex32::ZERO;
+    let refused = solve(&problem(1).with_start(Start::Drive(off)).expect("a start")).expect_err("no phase");
+    assert!(refused.to_string().starts_with("start[7] is 0"), "{refused}");
+}
+
+#[test]
+fn a_sequence_stopped_and_gone_on_with_has_the_same_bits() {
+    let (points, array) = (circles(30), array(Some(256)));
+    let glide = || Glide { tau: 2e-4, change: PI / 8.0, ..Glide::default() };
+    let whole = followed(&mut session(&array, glide()), &points);
+    let mut first = session(&array, glide());
+    let begun = followed(&mut first, &points[..10 * COUNT]);
+    let mut other = session(&array, glide());
+    *other.last() = first.last().clone();
+    let rest = followed(&mut other, &points[10 * COUNT..]);
+    assert_eq!(whole, [begun, rest].concat());
+}
+
+#[test]
+fn frames_that_do_not_fit_and_points_that_are_not_there() {
+    let array = array(None);
+    let mut session = session(&array, Glide::default());
+    let points = circles(2);
+    let mut drives = vec![Complex32::ONE; 2 * SIDE * SIDE];
+    let mut follow = |points: &[[f64; 3]], targets: Option<&[f64]>| {
+        let frames = Frames { points, targets, count: COUNT };
+        session.follow(frames, false, &mut Ask::default(), &mut drives, &mut Control::none()).map(|()| drives.clone())
+    };
+    assert!(follow(&points[1..], None).is_err());
+    let targets = [500.0, 0.0, 500.0, 0.0, 0.0, 0.0];
+    let found = follow(&points, Some(&targets)).expect("drives");
+    assert!(found[..SIDE * SIDE].iter().any(|q| q.norm() > 0.0));
+    assert!(found[SIDE * SIDE..].iter().all(|q| *q == Complex32::ZERO), "a frame without points is silent");
+    let mut lost = points.clone();
+    lost[4] = [0.0, 0.0, f64::NAN];
+    let error = follow(&lost, None).expect_err("not a number");
+    assert!(error.to_string().starts_with("frames[1]: "), "{error}");
+}
