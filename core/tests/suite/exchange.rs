@@ -147,20 +147,23 @@ fn points_in_motion_stay_even_and_loud_with_every_change_within_the_bound() {
 }
 
 #[test]
-fn points_at_rest_come_to_rest_and_change_0_keeps_the_last_drive() {
+fn a_frame_at_rest_is_never_worse_than_the_last_and_change_0_keeps_it() {
     for points in [1, 4, 16] {
         let greedy = Greedy { phases: 256, change: PI / 16.0, ..Greedy::default() };
         let asked = boards(&[0.0, 1.0], &circles(points, 0), None);
-        let mut last = solved(&greedy, &asked).drive;
-        for frame in 0..40 {
-            let now = solved(&greedy, &started(asked.clone(), &last)).drive;
-            let moved = now.iter().zip(&last).filter(|(a, b)| a != b).count();
-            eprintln!("M = {points}, frame {frame}: {moved} moved, by {}", largest_step(&now, &last));
+        let mut last = solved(&greedy, &asked);
+        for frame in 0..10 {
+            let now = solved(&greedy, &started(asked.clone(), &last.drive));
+            // The pressures' own rounding.
+            let [before, after] = [&last, &now].map(|solution| solution.metrics().residual);
+            assert!(after <= before + 1e-6, "M = {points}, frame {frame}: {after} after {before}");
+            // Of one focus all phases are right but for one that all share.
+            assert!(points > 1 || frame < 5 || now.drive == last.drive, "frame {frame}");
             last = now;
         }
         let still = Greedy { change: 0.0, ..greedy };
-        let elsewhere = started(boards(&[0.0, 1.0], &circles(points, 900), None), &last);
-        assert_eq!(solved(&still, &elsewhere).drive, last);
+        let elsewhere = started(boards(&[0.0, 1.0], &circles(points, 900), None), &last.drive);
+        assert_eq!(solved(&still, &elsewhere).drive, last.drive);
     }
 }
 
@@ -168,16 +171,21 @@ fn points_at_rest_come_to_rest_and_change_0_keeps_the_last_drive() {
 fn a_balanced_answer_is_carried_on_at_its_own_level() {
     let amplitudes: Vec<f64> = (0..=255).map(|k| f64::from(k) / 255.0).collect();
     let greedy = Greedy { phases: 256, change: PI / 16.0, ..Greedy::default() };
-    let mut last: Option<Vec<Complex32>> = None;
-    for frame in 0..20 {
+    let balanced = |frame: usize, last: Option<&[Complex32]>| {
         let asked = boards(&amplitudes, &circles(4, frame), Some(vec![300.0; 4]));
-        let asked = if let Some(last) = &last { started(asked, last) } else { asked };
-        let (work, none) = (&mut Workspace::new(), &mut Control::none());
-        let found = midair::solve(&asked, &greedy, true, work, none).expect("an answer");
+        let asked = if let Some(last) = last { started(asked, last) } else { asked };
+        midair::solve(&asked, &greedy, true, &mut Workspace::new(), &mut Control::none()).expect("an answer")
+    };
+    let first = balanced(0, None);
+    assert!(first.drive.iter().all(|q| q.norm() < 0.05), "far below full drive");
+    let mut last = first.drive.clone();
+    for frame in 1..20 {
+        let found = balanced(frame, Some(&last));
         let Metrics { accuracy, uniformity, .. } = found.metrics();
-        eprintln!("{frame}: {accuracy} {uniformity} {}", found.drive[0].norm());
-        assert!(last.is_none_or(|last| largest_step(&found.drive, &last) <= 8), "frame {frame}");
-        last = Some(found.drive);
+        // Taken for the field of the balanced level, the weak drives would be next to none, and all be turned anew.
+        assert!(accuracy > first.metrics().accuracy && uniformity > 0.98, "frame {frame}: {accuracy}, {uniformity}");
+        assert!(largest_step(&found.drive, &last) <= 8, "frame {frame}");
+        last = found.drive;
     }
 }
 

@@ -21,7 +21,7 @@ use crate::kernels;
 use crate::kernels::greedy::objective::Term;
 use crate::kernels::{Candidates, LANES, PhaseRange, PointGroup};
 use crate::linalg::Planar;
-use crate::math::{atan2, modulus};
+use crate::math::{atan2, ceil, floor, modulus, round};
 use crate::problem::{Problem, Solution, Status};
 use crate::propagation::field_of;
 use crate::workspace::Workspace;
@@ -107,11 +107,11 @@ fn within(q: Complex32, change: f64, phases: usize, grid: usize) -> Option<Phase
         return Some(PhaseRange::whole(phases));
     }
     let (turns, grid, count) = (atan2(q.im.into(), q.re.into()) / TAU, grid as f64, phases as f64);
-    let known = libm::round(turns * grid) / grid;
+    let known = round(turns * grid) / grid;
     let on_grid = (turns - known).abs() <= ROUNDING;
     let (present, slack) = if on_grid { (known * count, STEP_ROUNDING) } else { (turns * count, ROUNDING * count) };
     let reach = (change / TAU * count).min(count) + slack;
-    let [low, nearest, high] = [libm::ceil(present - reach), libm::round(present), libm::floor(present + reach)];
+    let [low, nearest, high] = [ceil(present - reach), round(present), floor(present + reach)];
     if low > high {
         return None;
     }
