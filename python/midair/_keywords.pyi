@@ -248,7 +248,6 @@ class Every(TypedDict, total=False):
     change: float | None
     block: int | None
     sweeps: int | None
-    change: float | None
     tau: float | None
     rate: float | None
     eps: float | None
