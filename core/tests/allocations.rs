@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use midair::{
     Array, Ask, Complex32, Control, InstructionSet, Medium, Model, Problem, Quantization, Request, Rng, Scene, Session,
-    Solve, Workspace, solvers,
+    Solve, Start, Workspace, solvers,
 };
 
 struct Counting;
@@ -66,6 +66,25 @@ fn the_second_solve_of_a_size_allocates_nothing() {
             assert_eq!(allocations, 0, "{} allocates in its second solve", entry.info.name);
             assert!(solution.expect("an answer").drive.iter().any(|q| q.norm() > 0.0));
         }
+    }
+}
+
+#[test]
+fn an_exchange_allocates_nothing_in_its_second_solve() {
+    let board = Quantization::new(Some(32), Some(vec![0.0, 0.25, 1.0])).expect("quantization");
+    for (quantization, balance) in [(None, false), (Some(&board), false), (Some(&board), true)] {
+        let greedy = solvers::Greedy { change: 0.5, ..solvers::Greedy::default() };
+        let [first, second] = [1, 2].map(|seed| {
+            let start = Start::Drive(vec![Complex32::ONE; 63]);
+            problem(seed, balance.then_some(1.0), quantization).with_start(start).expect("a start")
+        });
+        let mut work = Workspace::new();
+        let solution = midair::solve(&first, &greedy, balance, &mut work, &mut Control::none());
+        solution.expect("an answer").recycle(&work);
+        let before = COUNT.get();
+        let solution = midair::solve(&second, &greedy, balance, &mut work, &mut Control::none());
+        assert_eq!(COUNT.get() - before, 0, "balance {balance}, {quantization:?}");
+        assert!(solution.expect("an answer").drive.iter().any(|q| q.norm() > 0.0));
     }
 }
 

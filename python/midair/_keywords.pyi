@@ -82,6 +82,8 @@ class Greedy(TypedDict, total=False):
     """Order of the updates: "random", "rows", "columns" or a permutation of 0..N."""
     seed: int | None
     """Seed of the random order, 0 to 2^64 - 1."""
+    change: float | None
+    """The most that a phase turns by from a start drive, in rad, 0 or above; less than 2 pi/phases turns none."""
 class SolveGreedy(Solve, Greedy): ...
 class SolverGreedy(Solver, Greedy): ...
 class BatchGreedy(Batch, Greedy): ...
@@ -243,9 +245,9 @@ class Every(TypedDict, total=False):
     amplitudes: int | None
     objective: Literal["l2", "l1"] | None
     order: Literal["random", "rows", "columns"] | Sequence[int] | NDArray[np.integer] | None
+    change: float | None
     block: int | None
     sweeps: int | None
-    change: float | None
     tau: float | None
     rate: float | None
     eps: float | None

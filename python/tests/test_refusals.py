@@ -254,6 +254,7 @@ OPTIONS: dict[str, list[object]] = {
     "phases": [1, 65537, 2.5, 4.0, NAN, "x", "16", True, [4], 10**30, np.True_, object(), {}, 1j],
     "amplitudes": [0, -1, 257, 1.5, "x", False, [[1]]],
     "objective": ["l3", "L22", 2, True, NAN],
+    "change": [-0.1, NAN, np.inf, "x", True, [1.0]],
     "seed": [-1, 2**64, 10**30, 0.5, "x", True, NAN],
     "order": ["row", "", 3, True, [], [0] * 16, range(1, 17), range(15), range(17), [-1, *range(15)],
               [2**40, *range(15)], np.arange(16.0), [[*range(16)]], ["a"] * 16, [True] * 16],
@@ -267,7 +268,13 @@ def test_option_of_greedy_is_refused_by_name(option: str) -> None:
 
 
 def test_options_at_the_ends_of_their_ranges_are_taken() -> None:
-    edges = {"phases": [2, 65536], "amplitudes": [1, 256], "seed": [0, 2**64 - 1], "order": [range(16)]}
+    edges = {
+        "phases": [2, 65536],
+        "amplitudes": [1, 256],
+        "seed": [0, 2**64 - 1],
+        "order": [range(16)],
+        "change": [0, 1e9],
+    }
     for option, values in edges.items():
         for value in values:
             assert usable(midair.solve(scene(), "greedy", **{option: value}))
@@ -275,7 +282,7 @@ def test_options_at_the_ends_of_their_ranges_are_taken() -> None:
 
 
 def test_keywords_that_a_solver_does_not_use_are_refused() -> None:
-    for solver in ("greedy", "naive"):
+    for solver in ("fast", "naive"):
         for given in ({"start": np.ones(16)}, {"start": midair.solve(scene())}, {"aim": "max"}):
             refused(lambda solver=solver, given=given: midair.solve(scene(), solver, **given), *given, solver)
 

@@ -50,7 +50,15 @@ def test_solvers_tell_their_options_and_defaults() -> None:
         assert solution.options == {**options, "balance": info.balance, **aim}
         assert same_bits(midair.solve(small(), name, **options).drive, solution.drive)
     greedy = {name: about.default for name, about in solvers["greedy"].options.items()}
-    assert greedy == {"phases": 16, "amplitudes": 1, "objective": "l2", "order": "random", "seed": 0}
+    expected = {
+        "phases": 16,
+        "amplitudes": 1,
+        "objective": "l2",
+        "order": "random",
+        "seed": 0,
+        "change": np.pi,
+    }
+    assert greedy == expected
     assert solvers["naive"].options["limit"].default == "clamp"
 
 

@@ -30,10 +30,10 @@ pub(crate) mod tiles;
 #[forbid(unsafe_code)]
 pub(crate) mod vector;
 
-pub(crate) use greedy::candidates::{Candidates, table};
+pub(crate) use greedy::candidates::{Candidates, PhaseRange, table};
+pub(crate) use greedy::exchange::{exchange, keep, rotate};
 pub(crate) use greedy::objective::{L1, L2};
 pub(crate) use greedy::point_group::PointGroup;
-pub(crate) use greedy::rotate::{keep, rotate};
 pub(crate) use lanes::{LANES, padded};
 pub(crate) use matrix::{add_waves, correlate_rows};
 pub(crate) use propagate::field::add_field;

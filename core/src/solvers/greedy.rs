@@ -4,24 +4,25 @@
 //! field at the points is kept and updated (eq. 9), so that the whole costs O(K L M N). No matrix is stored: a
 //! row of G is used once and forgotten. Energies are compared by their *differences*: at N = 10^4 a transducer
 //! changes the energy by less than an f32 sum of it can show.
+//!
+//! Given a start, the last frame's drive, it exchanges each transducer's wave for the best within a bound on the change of
+//! phase, see [`crate::solvers::common::exchange`].
 
 use alloc::format;
 use alloc::vec::Vec;
 
-use num_complex::Complex32;
-
 use crate::control::Control;
 use crate::device::quantization::Quantization;
-use crate::error::{Error, same_name};
+use crate::error::{Error, real, same_name};
 use crate::kernels::greedy;
 use crate::kernels::greedy::interleaved;
 use crate::kernels::greedy::{Pass, Search};
 use crate::kernels::{Candidates, L1, L2, LANES, PointGroup, table};
 use crate::linalg::Planar;
-use crate::math::modulus;
 use crate::problem::{Problem, Solution, Status};
 use crate::rng::Rng;
 use crate::scene::{OptionValue, Options, Value, words};
+use crate::solvers::common::exchange::{Exchange, moduli};
 use crate::solvers::common::interleaved::InterleavedBatch;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::{Buffer, Workspace};
@@ -51,7 +52,8 @@ pub enum Order {
 }
 
 options! {
-    /// Greedy search. Time O(K L M N), memory O(N + M + K L).
+    /// Greedy search. Time O(K L M N), memory O(N + M + K L). From a start drive each transducer's wave is exchanged for the
+    /// best one whose phase is within `change` of the old.
     pub struct Greedy {
         /// Phase quantization L, 2 to 65536, or a divisor of the device's: phases are 2 pi l/L.
         pub phases: u32 = 16,
@@ -63,6 +65,8 @@ options! {
         pub order: Order = Order::Random,
         /// Seed of the random order, 0 to 2^64 - 1.
         pub seed: u64 = 0,
+        /// The most that a phase turns by from a start drive, in rad, 0 or above; less than 2 pi/phases turns none.
+        pub change: f64 = core::f64::consts::PI,
     }
 }
 
@@ -148,6 +152,7 @@ impl Method for Greedy {
         "greedy with brute-force search over phases and amplitudes",
         "Suzuki et al., IEEE Trans. Haptics 14(4), 2021, Algorithm 2",
     )
+    .with_start()
     .within(0.02);
 
     fn device_defaults(quantization: &Quantization) -> Options {
@@ -164,7 +169,7 @@ impl Method for Greedy {
                 return Err(Error::invalid(item, value, cure));
             }
         }
-        Ok(())
+        real("change", self.change, 0.0, false).map(|_| ())
     }
 }
 
@@ -203,10 +208,28 @@ impl Greedy {
 impl Solve for Greedy {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         self.check()?;
+        if problem.start_phases().is_some() {
+            return Err(Error::invalid(
+                "start",
+                "point phases",
+                "greedy goes on from a drive: give one value a transducer",
+            ));
+        }
         let propagation = problem.propagation();
         let (count, lanes) = (propagation.transducers(), propagation.lanes());
         let order = self.order(problem, work)?;
         let candidates = self.candidates(problem, work)?;
+        if let Some(last) = problem.start_drive() {
+            let exchange = Exchange { candidates: &candidates, order: &order, change: self.change };
+            let solution = match self.objective {
+                Objective::L2 => exchange.solve::<L2>(problem, last, work, control),
+                Objective::L1 => exchange.solve::<L1>(problem, last, work, control),
+            };
+            for buffer in candidates.into_buffers() {
+                work.floats.give(buffer);
+            }
+            return solution;
+        }
         let mut floats = work.floats.take(greedy::floats(candidates.phases));
         let mut indices = work.indices.take(greedy::indices(lanes, candidates.phases));
         let mut groups = work.points.take(lanes / LANES);
@@ -225,9 +248,7 @@ impl Solve for Greedy {
         let search = Search { candidates: &candidates, floats: &mut floats, indices: &mut indices };
         let mut status = Status::Done;
         let mut report = |updates: usize, points: &[PointGroup]| {
-            let pressures = points.iter().flat_map(|group| group.re.into_iter().zip(group.im));
-            let moduli = pressures.map(|(re, im)| modulus(Complex32::new(re, im)));
-            let go = control.step(updates, count, || problem.residual_of(moduli.clone())).is_continue();
+            let go = control.step(updates, count, || problem.residual_of(moduli(points))).is_continue();
             if !go {
                 status = Status::Stopped;
             }
@@ -250,7 +271,7 @@ impl Solve for Greedy {
         self.check().ok()?;
         let first = problems.first()?;
         let fits = interleaved::fits(self.phases as usize, self.amplitudes as usize);
-        if self.objective != Objective::L2 || !fits {
+        if self.objective != Objective::L2 || !fits || problems.iter().any(Problem::has_start) {
             return None;
         }
         let mut batch = InterleavedBatch::of(problems, work)?;

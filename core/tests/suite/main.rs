@@ -6,6 +6,7 @@ mod constants;
 mod drawn;
 mod drawn_shapes;
 mod even;
+mod exchange;
 mod field;
 #[cfg(feature = "scene-file")]
 mod files;

@@ -199,6 +199,24 @@ impl Search<'_> {
         regrets
     }
 
+    /// As [`Search::regrets`] for an exchange: each step takes the transducer's part in `start` out of the field before, and
+    /// its candidates are those within `change` rad of that part's phase, or `start` where there are none.
+    pub fn exchange_regrets(&self, start: &[Complex64], drive: &[Complex64], change: f64) -> Vec<f64> {
+        let unit = Some(self.silent_energy()).filter(|&energy| energy > 0.0).unwrap_or(1.0);
+        let mut field = field(self.propagation, start);
+        let mut regrets = Vec::new();
+        for &i in self.order {
+            self.add(&mut field, i, -start[i]);
+            let near = |q: Complex64| start[i] == ZERO || (q * start[i].conj()).arg().abs() <= change + 1e-6;
+            let candidates = self.candidates(&field, i).into_iter().filter(|&(q, _)| near(q));
+            let least = candidates.map(|(_, change)| change).reduce(f64::min);
+            let least = least.unwrap_or_else(|| self.change(&field, i, start[i]));
+            regrets.push((self.change(&field, i, drive[i]) - least) / unit);
+            self.add(&mut field, i, drive[i]);
+        }
+        regrets
+    }
+
     fn live(&self) -> impl Iterator<Item = usize> {
         (0..self.targets.len()).filter(|&j| self.weights[j] > 0.0)
     }

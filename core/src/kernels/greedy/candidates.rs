@@ -11,6 +11,25 @@ pub(crate) const fn table(phases: usize) -> usize {
     phases + LANES
 }
 
+/// Phases of a grid around one of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct PhaseRange {
+    /// The phase l that is searched first,
+    pub(crate) from: usize,
+    /// and how many after it
+    pub(crate) above: usize,
+    /// and before it, all different.
+    pub(crate) below: usize,
+}
+
+impl PhaseRange {
+    /// All of `phases`.
+    #[inline(always)]
+    pub(crate) fn whole(phases: usize) -> Self {
+        Self { from: 0, above: phases - 1, below: 0 }
+    }
+}
+
 /// Candidate drives a e^{j phi}: amplitudes outer, phases inner.
 pub(crate) struct Candidates {
     /// cos and sin of the phases, and the first ones again up to [`table`]: a copy never wins against its original.

@@ -22,12 +22,12 @@
 
 pub(crate) mod candidates;
 pub(crate) mod energies;
+pub(crate) mod exchange;
 pub(crate) mod interleaved;
 pub(crate) mod large_grid;
 pub(crate) mod moments;
 pub(crate) mod objective;
 pub(crate) mod point_group;
-pub(crate) mod rotate;
 pub(crate) mod search;
 pub(crate) mod shortlist;
 

@@ -3,7 +3,7 @@
 //! Sixteen candidates lie in the lanes and the points pass by one after another, so that nothing is padded in the points
 //! and no sum runs across lanes.
 
-use crate::kernels::greedy::candidates::Candidates;
+use crate::kernels::greedy::candidates::{Candidates, PhaseRange};
 use crate::kernels::greedy::objective::{Term, rise};
 use crate::kernels::greedy::point_group::PointGroup;
 use crate::kernels::lanes::{LANES, Lanes, groups};
@@ -109,15 +109,42 @@ pub(crate) fn best<S: Simd, T: Term>(
         }
         return winner.index;
     }
-    for k in 0..amplitudes {
-        for first in (0..phases).step_by(LANES) {
-            let drives = candidates.drives(s, candidates.amplitude(k), first);
-            let changes = add_changes::<S, T>(s, points, 0..points.count, drives, zero);
-            winner = winner.or(s, changes, |lane| k * phases + first + lane, tolerance);
+    best_within::<S, T>(s, points, candidates, PhaseRange::whole(phases), tolerance)
+}
+
+/// As [`best`], among the phases of a range at all amplitudes.
+#[inline(always)]
+pub(crate) fn best_within<S: Simd, T: Term>(
+    s: S,
+    points: Points<'_>,
+    candidates: &Candidates,
+    range: PhaseRange,
+    tolerance: f32,
+) -> usize {
+    let phases = candidates.phases;
+    let wrap = |l: usize| if l < phases { l } else { l - phases };
+    let parts = [(range.from, range.above + 1), (wrap(range.from + phases - range.below), range.below)];
+    let mut winner = Winner::NONE;
+    for k in 0..candidates.amplitudes {
+        for (start, count) in parts {
+            for step in (0..count).step_by(LANES) {
+                let first = wrap(start + step);
+                let drives = candidates.drives(s, candidates.amplitude(k), first);
+                let mut changes = add_changes::<S, T>(s, points, 0..points.count, drives, s.splat(0.0));
+                if count - step < LANES {
+                    // What follows in the table is not in the range.
+                    let used = s.splat((count - step) as f32);
+                    changes = s.select_less(s.load(&LANE), used, changes, s.splat(f32::INFINITY));
+                }
+                winner = winner.or(s, changes, |lane| k * phases + wrap(first + lane), tolerance);
+            }
         }
     }
     winner.index
 }
+
+/// The number of each lane.
+const LANE: Lanes = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
 
 /// As [`best`], among candidates given by their index in rising order: here the points lie in the lanes.
 #[inline(always)]

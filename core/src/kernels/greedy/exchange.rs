@@ -1,0 +1,101 @@
+//! Exchange: one transducer's wave is taken out of the field and put back by the drive that serves the points best.
+//!
+//! ```text
+//! P -= G q                                  the others alone
+//! q = argmin of eq. (7)'s change over the candidates of a range of phases, by eq. (7) itself
+//! P += G q
+//! ```
+
+use crate::kernels::greedy::candidates::{Candidates, PhaseRange};
+use crate::kernels::greedy::objective::{L2, Term};
+use crate::kernels::greedy::point_group::PointGroup;
+use crate::kernels::greedy::search;
+use crate::kernels::greedy::search::Points;
+use crate::kernels::lanes::{groups, groups_mut};
+use crate::kernels::simd::Simd;
+use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+
+/// Writes the state of a field's points: targets and weights, pressures, all padded alike.
+pub(crate) fn keep(set: InstructionSet, asked: [&[f32]; 2], field: [&[f32]; 2], points: &mut [PointGroup]) {
+    dispatch!(set, s => {
+        let one = [s.splat(1.0), s.splat(0.0)];
+        let lists = groups(asked[0]).iter().zip(groups(asked[1])).zip(groups(field[0]).iter().zip(groups(field[1])));
+        for (group, ((target, weight), (re, im))) in points.iter_mut().zip(lists) {
+            *group = PointGroup::silent(s, target, weight);
+            group.add(s, [re, im], one);
+        }
+    });
+}
+
+/// Exchanges the drive of the transducer with this `row` of G in the field of `count` points and returns the new one: the
+/// best candidate of the `range`, the present drive where there is no range, 0 where it has no effect.
+pub(crate) fn exchange<T: Term>(
+    set: InstructionSet,
+    row: [&[f32]; 2],
+    present: [f32; 2],
+    candidates: &Candidates,
+    range: Option<PhaseRange>,
+    (points, count): (&mut [PointGroup], usize),
+) -> [f32; 2] {
+    dispatch!(set, s => {
+        let choose = |others: Points<'_>| {
+            let tolerance = search::tolerance::<_, T>(s, others);
+            match range {
+                _ if tolerance == 0.0 => [0.0; 2],
+                Some(range) => candidates.drive(search::best_within::<_, T>(s, others, candidates, range, tolerance)),
+                None => present,
+            }
+        };
+        replace(s, row, present, (points, count), choose)
+    })
+}
+
+/// Exchanges a transducer's wave, its `row` times `drive`, for the wave times the best of some rotations, and returns the
+/// index of that one. `wave` is memory for a row.
+pub(crate) fn rotate(
+    set: InstructionSet,
+    row: [&[f32]; 2],
+    drive: [f32; 2],
+    rotations: &Candidates,
+    points: (&mut [PointGroup], usize),
+    [re, im]: [&mut [f32]; 2],
+) -> usize {
+    dispatch!(set, s => {
+        let (qr, qi) = (s.splat(drive[0]), s.splat(drive[1]));
+        let rows = groups(row[0]).iter().zip(groups(row[1]));
+        for ((gr, gi), (re, im)) in rows.zip(groups_mut(re).iter_mut().zip(groups_mut(im))) {
+            let (gr, gi) = (s.load(gr), s.load(gi));
+            s.store(s.fnma(gi, qi, s.mul(gr, qr)), re);
+            s.store(s.fma(gi, qr, s.mul(gr, qi)), im);
+        }
+        let mut choice = 0;
+        let choose = |others: Points<'_>| {
+            let tolerance = search::tolerance::<_, L2>(s, others);
+            choice = search::best::<_, L2>(s, others, rotations, false, tolerance);
+            rotations.drive(choice)
+        };
+        replace(s, [re, im], [1.0, 0.0], points, choose);
+        choice
+    })
+}
+
+/// P -= G q, P += G q' with the q' that is chosen for the field of the others, and returned.
+#[inline(always)]
+fn replace<S: Simd>(
+    s: S,
+    row: [&[f32]; 2],
+    present: [f32; 2],
+    (points, count): (&mut [PointGroup], usize),
+    choose: impl FnOnce(Points<'_>) -> [f32; 2],
+) -> [f32; 2] {
+    let add = |points: &mut [PointGroup], [re, im]: [f32; 2]| {
+        let q = [s.splat(re), s.splat(im)];
+        for (group, (gr, gi)) in points.iter_mut().zip(groups(row[0]).iter().zip(groups(row[1]))) {
+            group.add(s, [gr, gi], q);
+        }
+    };
+    add(points, present.map(|part| -part));
+    let chosen = choose(Points { groups: points, row, count });
+    add(points, chosen);
+    chosen
+}

@@ -1,0 +1,125 @@
+//! Exchange: the last drive carried on, one transducer after another taken out of the field and put back.
+//!
+//! ```text
+//! P = G q of the last drive
+//! for each transducer i in order:
+//!     P -= G_i q_i
+//!     q_i = argmin of eq. (7) over the candidates whose phase is within `change` of that of q_i
+//!     P += G_i q_i
+//! ```
+//!
+//! From silence a transducer that may turn by little only would decide before the others are there, and all would end at
+//! an end of their arcs. Here each sees the waves of all others, those not yet exchanged as they were.
+
+use core::f64::consts::TAU;
+
+use num_complex::Complex32;
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::kernels;
+use crate::kernels::greedy::objective::Term;
+use crate::kernels::{Candidates, LANES, PhaseRange, PointGroup};
+use crate::linalg::Planar;
+use crate::math::{atan2, ceil, floor, modulus, round};
+use crate::problem::{Problem, Solution, Status};
+use crate::propagation::field_of;
+use crate::workspace::Workspace;
+
+/// What a phase of a drive may be off a grid by its rounding to f32, in turns.
+const ROUNDING: f64 = 3e-8;
+
+/// By how much a whole number of phase steps may exceed the bound, in steps: the rounding of `change`.
+const STEP_ROUNDING: f64 = 1e-9;
+
+/// One pass over all transducers.
+pub(crate) struct Exchange<'a> {
+    pub(crate) candidates: &'a Candidates,
+    /// The transducers in the order of their updates.
+    pub(crate) order: &'a [u32],
+    /// The most that a phase turns by, in rad.
+    pub(crate) change: f64,
+}
+
+impl Exchange<'_> {
+    /// The drive that follows `last`, which is first brought to the device's grid. Where no candidate is within the bound
+    /// a drive stays; a drive of 0 has no phase and may take any. Time O(N M) times the candidates within the bound,
+    /// memory O(N + M).
+    pub(crate) fn solve<T: Term>(
+        &self,
+        problem: &Problem,
+        last: &[Complex32],
+        work: &Workspace,
+        control: &mut Control,
+    ) -> Result<Solution, Error> {
+        let propagation = problem.propagation();
+        let (set, lanes, count) = (propagation.instruction_set(), propagation.lanes(), propagation.points());
+        let phases = self.candidates.phases;
+        let mut grid = phases;
+        let mut drive = work.complexes.take(last.len());
+        drive.copy_from_slice(last);
+        if let Some(quantization) = problem.quantization() {
+            quantization.grid().round(set, 1.0, 1.0, &mut drive);
+            grid = quantization.phases().map_or(phases, |phases| phases as usize);
+        }
+        // A balanced answer was divided by the problem's factor.
+        for q in drive.iter_mut().filter(|_| problem.factor() > 1.0) {
+            *q *= problem.factor().min(1.0 / modulus(*q)) as f32;
+        }
+        let mut field = field_of(propagation, &drive, work, control)?;
+        let mut points = work.points.take(lanes / LANES);
+        kernels::keep(set, [problem.targets(), problem.weights()], field.row(0), &mut points);
+        let mut row = Planar::zeros(1, lanes, work);
+        let (mut status, mut updates) = (Status::Done, 0);
+        for &i in self.order {
+            let q = &mut drive[i as usize];
+            propagation.row(i as usize, &mut row.re, &mut row.im);
+            let range = within(*q, self.change, phases, grid);
+            let field = (&mut points[..], count);
+            let [re, im] = kernels::exchange::<T>(set, row.row(0), [q.re, q.im], self.candidates, range, field);
+            *q = Complex32::new(re, im);
+            updates += 1;
+            if control.step(updates, last.len(), || problem.residual_of(moduli(&points))).is_break() {
+                status = Status::Stopped;
+                break;
+            }
+        }
+        let pressures = field.re.chunks_exact_mut(LANES).zip(field.im.chunks_exact_mut(LANES));
+        for (group, (re, im)) in points.iter().zip(pressures) {
+            re.copy_from_slice(&group.re);
+            im.copy_from_slice(&group.im);
+        }
+        // What stays was rounded to the device's grid, and the candidates lie on it.
+        Ok(Solution::of_field(problem, drive.into_vec(), &field, status, updates, work, control)?.on_grid())
+    }
+}
+
+/// |P| at the points, and 0 for the padding.
+pub(crate) fn moduli(points: &[PointGroup]) -> impl Iterator<Item = f64> + Clone {
+    let pressures = points.iter().flat_map(|group| group.re.into_iter().zip(group.im));
+    pressures.map(|(re, im)| modulus(Complex32::new(re, im)))
+}
+
+/// Those of `phases` phases 2 pi l/L that are within `change` rad of the phase of q, the nearest first; all of them for
+/// q = 0, none where there are none. A phase on a `grid`, of which they are a part, is compared in whole steps.
+fn within(q: Complex32, change: f64, phases: usize, grid: usize) -> Option<PhaseRange> {
+    if q == Complex32::ZERO {
+        return Some(PhaseRange::whole(phases));
+    }
+    let (turns, grid, count) = (atan2(q.im.into(), q.re.into()) / TAU, grid as f64, phases as f64);
+    let known = round(turns * grid) / grid;
+    let on_grid = (turns - known).abs() <= ROUNDING;
+    let (present, slack) = if on_grid { (known * count, STEP_ROUNDING) } else { (turns * count, ROUNDING * count) };
+    let reach = (change / TAU * count).min(count) + slack;
+    let [low, nearest, high] = [ceil(present - reach), round(present), floor(present + reach)];
+    if low > high {
+        return None;
+    }
+    let from = (nearest as i64).rem_euclid(phases as i64) as usize;
+    let [below, above] = [nearest - low, high - nearest].map(|steps| steps as usize);
+    if below + above < phases {
+        Some(PhaseRange { from, above, below })
+    } else {
+        Some(PhaseRange { from, ..PhaseRange::whole(phases) })
+    }
+}
