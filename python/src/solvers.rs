@@ -43,30 +43,25 @@ impl OptionInfo {
 }
 
 /// What is known of a solver.
-#[pyclass(frozen, get_all, module = "midair")]
+#[pyclass(frozen, module = "midair")]
 pub(crate) struct SolverInfo {
     /// Its name.
+    #[pyo3(get)]
     name: String,
     /// What it does, in one line.
+    #[pyo3(get)]
     summary: String,
     /// Paper and equation.
+    #[pyo3(get)]
     source: String,
     /// Whether it balances unless told otherwise.
+    #[pyo3(get)]
     balance: bool,
-    /// Whether it uses the phases of complex pressures.
-    uses_phases: bool,
-    /// Whether it uses a start.
-    uses_start: bool,
-    /// Whether it uses an aim.
-    uses_aim: bool,
+    /// Whether it uses the phases of complex pressures, a start and an aim.
+    uses: [bool; 3],
     /// Its options by name.
+    #[pyo3(get)]
     options: Py<PyDict>,
-}
-
-impl SolverInfo {
-    fn uses(&self) -> [bool; 3] {
-        [self.uses_phases, self.uses_start, self.uses_aim]
-    }
 }
 
 #[pymethods]
@@ -80,19 +75,36 @@ impl SolverInfo {
         uses: [bool; 3],
         options: Py<PyDict>,
     ) -> Self {
-        let [uses_phases, uses_start, uses_aim] = uses;
-        Self { name, summary, source, balance, uses_phases, uses_start, uses_aim, options }
+        Self { name, summary, source, balance, uses, options }
+    }
+
+    /// Whether it uses the phases of complex pressures.
+    #[getter]
+    fn uses_phases(&self) -> bool {
+        self.uses[0]
+    }
+
+    /// Whether it uses a start.
+    #[getter]
+    fn uses_start(&self) -> bool {
+        self.uses[1]
+    }
+
+    /// Whether it uses an aim.
+    #[getter]
+    fn uses_aim(&self) -> bool {
+        self.uses[2]
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
-        let Self { name, summary, source, balance, options, .. } = self;
-        restored::<Self>(py, (name, summary, source, *balance, self.uses(), options))
+        let Self { name, summary, source, balance, uses, options } = self;
+        restored::<Self>(py, (name, summary, source, *balance, *uses, options))
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> PyResult<bool> {
         let Ok(other) = other.cast::<Self>() else { return Ok(false) };
         let texts = |info: &Self| (info.name.clone(), info.summary.clone(), info.source.clone());
-        let parts = |info: &Self| (texts(info), info.balance, info.uses());
+        let parts = |info: &Self| (texts(info), info.balance, info.uses);
         Ok(parts(self) == parts(other.get()) && self.options.bind(other.py()).eq(&other.get().options)?)
     }
 
@@ -113,11 +125,10 @@ pub(crate) fn solvers(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
             let info = OptionInfo { default, doc: option.doc.into(), words, list: option.list };
             options.set_item(option.name, Bound::new(py, info)?)?;
         }
-        let registry::Info { name, summary, source, balance, .. } = *entry.info;
+        let registry::Info { name, summary, source, balance, uses_start, uses_aim, .. } = *entry.info;
         let [label, summary, source] = [name, summary, source].map(String::from);
-        let (uses_phases, options) = (entry.uses_phases(), options.unbind());
-        let registry::Info { uses_start, uses_aim, .. } = *entry.info;
-        let info = SolverInfo { name: label, summary, source, balance, uses_phases, uses_start, uses_aim, options };
+        let uses = [entry.uses_phases(), uses_start, uses_aim];
+        let info = SolverInfo { name: label, summary, source, balance, uses, options: options.unbind() };
         dict.set_item(name, Bound::new(py, info)?)?;
     }
     py.import("midair.notebook")?.call_method1("Solvers", (dict,))

@@ -162,7 +162,7 @@ def test_wgs_is_even_and_does_not_oscillate() -> None:
             assert even.uniformity >= plain.uniformity - 1e-6
 
 
-STARTED = ("uniform", "best", "descent", "lm", "gspat", "gs", "wgs", "sdp", "bounded")
+STARTED = ("uniform", "best", "greedy", "glide", "descent", "lm", "gspat", "gs", "wgs", "sdp", "bounded")
 
 
 @pytest.mark.parametrize("name", sorted(midair.solvers()))
@@ -170,7 +170,7 @@ def test_a_start_is_used_or_refused(name: str) -> None:
     where = scene(4, 0)
     if name not in STARTED:
         with pytest.raises(
-            midair.SceneError, match="uniform, best, descent, lm, gspat, gs, wgs, sdp, bounded"
+            midair.SceneError, match="uniform, best, greedy, glide, descent, lm, gspat, gs, wgs, sdp, bounded"
         ):
             midair.solve(where, name, start=np.zeros(4))
         return

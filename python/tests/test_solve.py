@@ -14,8 +14,8 @@ REGRET = 1e-6
 
 #: One step a transducer, one step an iteration.
 KINDS = ("greedy", "wgs")
-BALANCED = {"fast", "descent", "wgs", "uniform", "best"}
-WITH_AIM = {"uniform", "best"}
+BALANCED = {"fast", "descent", "glide", "wgs", "uniform", "best"}
+WITH_AIM = {"uniform", "best", "glide"}
 
 
 def shuffled(count: int, seed: int) -> list[int]:

@@ -1,0 +1,217 @@
+"""`midair.sequence` and `midair.stream`: bounds, targets, files that go on, warnings and refusals."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import midair
+
+RATE = 10e3
+
+
+@pytest.fixture(scope="module")
+def board() -> midair.Array:
+    return midair.Array.grid(16, 16, 10e-3, quantization={"phases": 256})
+
+
+@pytest.fixture(scope="module")
+def ring() -> midair.path.Path:
+    return midair.path.circle([0, 0, 0.15], 0.01, frequency=10, points=2)
+
+
+def test_a_path_is_even_within_the_bound(board, ring):
+    frames = ring.frames(RATE)[0][:120]
+    found = midair.sequence(board, frames, rate=RATE, change=np.pi / 16)
+    assert found.drives.shape == (120, 256)
+    assert found.solver == "glide"
+    assert found.change == pytest.approx(np.pi / 16)
+    assert found.metrics.largest_change <= np.pi / 16 + 1e-6
+    assert found.metrics.uniformity > 0.99
+    # In whole codes of the board.
+    steps = found.changes * 256 / (2 * np.pi)
+    np.testing.assert_allclose(steps, steps.round(), atol=1e-3)
+    # The same bound, told in rad/s.
+    other = midair.sequence(board, frames, rate=RATE, change_rate=np.pi / 16 * RATE)
+    assert np.array_equal(found.drives, other.drives)
+
+
+def test_targets_in_pascals_are_met_and_modulation_is_played(ring):
+    array = midair.Array.grid(16, 16, 10e-3)
+    still = midair.path.line([-0.005, 0, 0.15], [0.005, 0, 0.15], speed=0.5, pressures=500.0)
+    found = midair.sequence(array, still.with_am(200, "sqrt"), rate=RATE)
+    there = found.targets > 25
+    np.testing.assert_allclose(found.pressures[there], found.targets[there], rtol=2e-3)
+    relative = midair.sequence(array, ring.with_am(200, "cosine"), rate=RATE)
+    assert relative.targets.min() == pytest.approx(0.0, abs=1e-6 * relative.targets.max())
+    loud = relative.targets > 0.1 * relative.targets.max()
+    np.testing.assert_allclose(relative.pressures[loud], relative.targets[loud], rtol=0.03)
+
+
+def test_envelopes_are_taken_into_account(board):
+    fast = midair.path.line([-0.03, 0, 0.15], [0.03, 0, 0.15], speed=2.0) & midair.path.line(
+        [0.03, 0.03, 0.15], [-0.03, 0.03, 0.15], speed=2.0
+    )
+    tau = 2e-4
+    plain, heeded = (
+        midair.sequence(board, fast, rate=RATE, change=np.pi / 8, tau=time).judge(tau, substeps=1).uniformity
+        for time in (None, tau)
+    )
+    assert heeded > plain
+    assert heeded > 0.97
+
+
+def test_other_solvers_are_started_from_the_last_drive(board, ring):
+    frames = ring.frames(RATE)[0][:20]
+    warm = midair.sequence(board, frames, "greedy", rate=RATE, change=np.pi / 16)
+    assert warm.metrics.largest_change <= np.pi / 16 + 1e-6
+    assert midair.sequence(board, frames, "uniform", rate=RATE).metrics.uniformity > 0.9
+    with pytest.raises(midair.SceneError, match=r"^tau is 0\.0002: greedy takes no account of it"):
+        midair.sequence(board, frames, "greedy", rate=RATE, tau=2e-4)
+
+
+def test_a_file_goes_on_where_it_was_to_the_same_bits(board, ring, tmp_path, monkeypatch):
+    monkeypatch.setattr("midair.motion.solve.BLOCK", 16)
+    frames = ring.frames(RATE)[0][:50]
+    whole = midair.sequence(board, frames, rate=RATE, change=np.pi / 16)
+    file = tmp_path / "motion.npz"
+
+    class Enough(Exception):
+        pass
+
+    def stop(done: int, total: int) -> None:
+        assert total == 50
+        if done >= 32:
+            raise Enough
+
+    with pytest.raises(Enough):
+        midair.sequence(board, frames, rate=RATE, change=np.pi / 16, resume=file, progress=stop)
+    assert not file.exists()
+    with pytest.raises(midair.SceneError, match="belongs to another request"):
+        midair.sequence(board, frames, rate=RATE, change=np.pi / 8, resume=file)
+    seen = []
+    found = midair.sequence(
+        board, frames, rate=RATE, change=np.pi / 16, resume=file, progress=lambda done, _: seen.append(done)
+    )
+    assert seen == [48, 50]
+    assert found == whole
+    assert midair.Sequence.load(file) == whole
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["motion.npz"]
+
+
+def test_a_stream_yields_a_drive_a_frame(board, ring):
+    frames = ring.frames(RATE)[0]
+    whole = midair.sequence(board, frames[:5], rate=RATE)
+    drives = midair.stream(board, iter(frames), rate=RATE)
+    for drive, known in zip(itertools.islice(drives, 5), whole.drives, strict=True):
+        assert np.array_equal(drive, known)
+    loud = list(midair.stream(board, [(frames[0], [500.0, 250.0])], rate=RATE))
+    got = abs(midair.Scene(board, frames[0]).propagation() @ loud[0])
+    np.testing.assert_allclose(got, [500, 250], rtol=0.02)
+
+
+def test_a_path_above_the_speed_limit_is_told(board):
+    quick = midair.path.line([-0.03, 0, 0.15], [0.03, 0, 0.15], speed=10.0)
+    with pytest.warns(
+        midair.SceneWarning, match=r"10 m/s needs .* rad a frame, 0\.196 allowed.*kHz or pi/\d+ would do"
+    ):
+        found = midair.sequence(board, quick, rate=RATE)
+    assert found.metrics.largest_change <= np.pi / 16 + 1e-6
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"rate": 0}, "rate is 0: give a number above 0"),
+        ({"rate": float("nan")}, "rate is nan"),
+        ({"change": -0.1}, "change is -0.1"),
+        ({"change": 0.1, "change_rate": 3.0}, "change_rate is 3.0: change is given, too"),
+        ({"closed": True}, "closed is True"),
+        ({"ahead": 3}, "ahead is 3"),
+        ({"tau": -1.0}, "tau is -1.0"),
+        ({"solver": "glid"}, 'solver "glid" is unknown'),
+        ({"pressures": [1.0, 2.0, 3.0]}, "pressures has shape"),
+        ({"aim": "loud"}, "aim"),
+    ],
+)
+def test_bad_requests_are_refused_in_a_line(board, given, told):
+    line = midair.path.line([-0.01, 0, 0.15], [0.01, 0, 0.15], speed=0.5)
+    with pytest.raises(midair.SceneError) as refused:
+        midair.sequence(board, line, **{"rate": RATE, **given})
+    assert told in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_point_on_a_transducer_and_frames_of_other_sizes_are_named(board):
+    through = np.array([[[0.005, 0.005, z]] for z in (0.002, 0.001, 0.0)])
+    with pytest.raises(midair.SceneError, match=r"frames\[2\]"):
+        midair.sequence(board, through, rate=RATE)
+    with pytest.raises(midair.SceneError, match="M changes from 1 to 2 at frame 1"):
+        midair.sequence(board, [[[0, 0, 0.1]], [[0, 0, 0.1], [0, 0.01, 0.1]]], rate=RATE)
+
+
+SCENE = """
+[array]
+grid = { nx = 16, ny = 16, pitch = 10e-3 }
+
+[motion]
+rate = 10e3
+change = 0.2
+
+[[motion.path]]
+kind = "circle"
+center = [0.0, 0.0, 0.15]
+radius = 0.01
+frequency = 50
+"""
+
+
+def ran(*words: object) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "midair", "motion", *map(str, words)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_the_command_writes_what_it_is_asked_for(tmp_path: Path):
+    scene = tmp_path / "orbit.toml"
+    scene.write_text(SCENE)
+    out, image = tmp_path / "orbit.npz", tmp_path / "orbit.png"
+    done = ran(scene, "-o", out, "--image", image)
+    assert done.returncode == 0, done.stderr
+    assert "200 frames of 1 points" in done.stdout
+    assert image.read_bytes().startswith(b"\x89PNG")
+    assert len(midair.Sequence.load(out)) == 200
+    told = ran(scene, "--json", "--solvers", "glide,uniform")
+    assert set(json.loads(told.stdout)) == {"glide", "uniform"}
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (("rate = 10e3", ""), "motion.rate is left out"),
+        (("[motion]", "[[points]]\nposition = [0, 0, 0.1]\n[motion]"), "points is given"),
+        (('kind = "circle"', 'kind = "spiral"'), 'motion.path[0]: kind is "spiral"'),
+        (("radius = 0.01", ""), "motion.path[0]: radius is left out"),
+        (("change = 0.2", "chnge = 0.2"), "motion.chnge is 0.2"),
+        (("[motion]", "[notion]"), "[motion] is left out"),
+        (("frequency = 50", "frequency = 50\nam = 3"), "motion.path[0]: am is 3"),
+        (("rate = 10e3", "rate = "), "scene file"),
+    ],
+)
+def test_a_bad_scene_file_is_refused_in_a_line(tmp_path: Path, change: tuple[str, str], told: str):
+    scene = tmp_path / "orbit.toml"
+    scene.write_text(SCENE.replace(*change))
+    done = ran(scene)
+    assert done.returncode == 2
+    assert told in done.stderr
+    assert done.stderr.startswith("error: ")
+    assert done.stderr.count("\n") == 1
