@@ -1,6 +1,6 @@
 """The compiled core. Shapes: N transducers, M points; SI units."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Literal, TypeAlias, final
@@ -400,6 +400,17 @@ def judge(
     weights: _Numbers = None,
     mask: _Numbers = None,
 ) -> Metrics: ...
+def tracks(
+    scene: Scene,
+    points: ArrayLike,
+    targets: ArrayLike,
+    *,
+    change: float,
+    phases: int,
+    closed: bool,
+    rounds: int,
+    progress: Callable[[int, int, float], object] | None = None,
+) -> NDArray[np.uint16]: ...
 def solvers() -> dict[str, SolverInfo]: ...
 def presets() -> dict[str, PresetInfo]: ...
 def preset_name(name: str) -> str: ...

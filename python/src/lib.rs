@@ -1,5 +1,6 @@
 //! The Python door: NumPy in, NumPy out, the GIL released; it reads arguments, calls the core once, decides nothing.
 
+mod ahead;
 mod array;
 mod batch;
 mod ctrl_c;
@@ -42,6 +43,8 @@ mod _midair {
     use numpy::PyArray1;
     use pyo3::prelude::*;
 
+    #[pymodule_export]
+    use super::ahead::tracks;
     #[pymodule_export]
     use super::array::{Array, PresetInfo, presets};
     #[pymodule_export]

@@ -83,7 +83,7 @@ impl Scene {
     }
 
     /// Its array and medium under its signature: what it is solved with.
-    fn model(&self) -> midair::Model {
+    pub(crate) fn model(&self) -> midair::Model {
         self.ready.model.clone().with_signature(self.inner.signature().cloned())
     }
 

@@ -73,8 +73,8 @@ def sequence(
             raise SceneError(
                 'resume is given, but ahead is "all": all frames are found together, leave it out'
             )
-        drives = whole(asked, solver, progress)
-        return _told(asked, drives, solver)
+        drives, board = whole(asked, solver, progress)
+        return _told(asked, drives, solver, board)
     if ahead != 0:
         raise refused("ahead", ahead, 'give 0 or "all"')
     follow = _follower(asked, solver, tau)
@@ -87,7 +87,7 @@ def sequence(
         blocks.append(follow.follow(asked.points[block], asked.targets[block]))
         if progress is not None:
             progress(min(first + BLOCK, len(asked.points)), len(asked.points))
-    return _told(asked, np.concatenate(blocks), solver)
+    return _told(asked, np.concatenate(blocks), solver, asked.options.get("quantization"))
 
 
 def stream(
@@ -148,7 +148,7 @@ def _solver(
     return Solver(array, solver, **{**given, **options})
 
 
-def _told(asked: Request, drives: NDArray[Any], solver: str) -> Sequence:
+def _told(asked: Request, drives: NDArray[Any], solver: str, board: Any) -> Sequence:
     return Sequence(
         asked.array,
         asked.points,
@@ -158,6 +158,6 @@ def _told(asked: Request, drives: NDArray[Any], solver: str) -> Sequence:
         closed=asked.closed,
         change=asked.change,
         solver=solver,
-        quantization=asked.options.get("quantization"),
+        quantization=board,
         **asked.air,
     )
