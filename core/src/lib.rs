@@ -57,6 +57,8 @@ mod linalg;
 #[forbid(unsafe_code)]
 mod math;
 #[forbid(unsafe_code)]
+pub mod motion;
+#[forbid(unsafe_code)]
 mod problem;
 #[forbid(unsafe_code)]
 mod propagation;

@@ -28,6 +28,8 @@ mod tests;
 #[forbid(unsafe_code)]
 pub(crate) mod tiles;
 #[forbid(unsafe_code)]
+pub(crate) mod track;
+#[forbid(unsafe_code)]
 pub(crate) mod vector;
 
 pub(crate) use greedy::candidates::{Candidates, PhaseRange, table};

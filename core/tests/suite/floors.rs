@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms from the ground up; one may use what stands before it, and itself.
-const FLOORS: [&str; 16] = [
+const FLOORS: [&str; 17] = [
     "error",
     "threads",
     "control",
@@ -19,6 +19,7 @@ const FLOORS: [&str; 16] = [
     "propagation",
     "problem",
     "solvers",
+    "motion",
     "session",
     "files",
     "lib",

@@ -1,0 +1,69 @@
+//! One step of the best track over a circle of phases: the best that can be behind each of them, and what each adds.
+
+use crate::kernels::simd::Simd;
+use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+
+/// Numbers of memory that [`advance`] needs.
+pub(crate) const fn advance_floats(levels: usize, reach: usize) -> usize {
+    2 * (levels + 2 * reach)
+}
+
+/// out_l = max over |d| <= `reach` of from_{l+d}, indices modulo their number, less `base`, plus re cos_l + im sin_l of the
+/// `circle`. The same bits by every set. Time O(L log reach): a window's maximum is that of two of half its width.
+pub(crate) fn advance(
+    set: InstructionSet,
+    from: &[f32],
+    reach: usize,
+    (base, [re, im], circle): (f32, [f32; 2], [&[f32]; 2]),
+    memory: &mut [f32],
+    out: &mut [f32],
+) {
+    dispatch!(set, s => step(s, from, reach, (base, [re, im], circle), memory, out));
+}
+
+#[inline(always)]
+fn step<S: Simd>(
+    _: S,
+    from: &[f32],
+    reach: usize,
+    (base, [re, im], [cos, sin]): (f32, [f32; 2], [&[f32]; 2]),
+    memory: &mut [f32],
+    out: &mut [f32],
+) {
+    let (levels, width) = (from.len(), 2 * reach + 1);
+    let gains = cos.iter().zip(sin).map(
+        #[inline(always)]
+        |(cos, sin)| re * cos + im * sin - base,
+    );
+    if width >= levels {
+        let best = from.iter().copied().fold(f32::NEG_INFINITY, greater);
+        out.iter_mut().zip(gains).for_each(|(out, gain)| *out = best + gain);
+        return;
+    }
+    let (mut here, mut there) = memory.split_at_mut(levels + 2 * reach);
+    here[..reach].copy_from_slice(&from[levels - reach..]);
+    here[reach..reach + levels].copy_from_slice(from);
+    here[reach + levels..].copy_from_slice(&from[..reach]);
+    let (mut covered, mut len) = (1, here.len());
+    while 2 * covered <= width {
+        len -= covered;
+        widest(&here[..len], &here[covered..], &mut there[..len]);
+        core::mem::swap(&mut here, &mut there);
+        covered *= 2;
+    }
+    widest(&here[..levels], &here[width - covered..], out);
+    out.iter_mut().zip(gains).for_each(|(out, gain)| *out += gain);
+}
+
+/// out = the greater of a and b.
+#[inline(always)]
+fn widest(a: &[f32], b: &[f32], out: &mut [f32]) {
+    for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
+        *out = greater(*a, *b);
+    }
+}
+
+#[inline(always)]
+fn greater(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}

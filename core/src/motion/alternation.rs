@@ -1,0 +1,148 @@
+//! Alternation: best tracks for given point phases and weights, then the phases and weights that the tracks ask for.
+//!
+//! For point phases psi_j(t) and weights w_j(t) the waves S_i(t) = sum_j w_j e^{j psi_j} conj(G_ji) leave every transducer
+//! alone, and its best track is found exactly. Its field then says the phases anew (Gerchberg-Saxton over all frames at
+//! once), and the weights of points too weak or too loud (Di Leonardo et al., Opt. Express 15(4), 2007).
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::math::{sqrtf, unit};
+use crate::motion::frames::{Frames, Visit};
+use crate::motion::track::{Circle, Tracker};
+
+/// How much of a point's phasor is taken from its field's before the new phase is read: the field says mostly what the phase
+/// was. In trials it halves the rounds; with 0.8 they end nowhere.
+const ECHO: f32 = 0.5;
+
+/// The most that a weight may change in a round.
+const MOST_CHANGE: f32 = 2.0;
+
+/// What the pace of a weight is multiplied by where it goes on as before, and where it turns back.
+const PACES: [f32; 2] = [1.2, 0.5];
+
+/// What is wanted at the points of all frames.
+pub(super) struct Wanted {
+    /// w_j (T, M); 0 for a point that is not there.
+    weights: Vec<f32>,
+    /// The part of the way to level/|P_j| that a weight goes in a round (T, M): two or three points would take turns.
+    paces: Vec<f32>,
+    /// Whether a point was too weak (T, M).
+    weak: Vec<bool>,
+    /// e^{j psi_j} (T, M), re and im, over the lanes of a row.
+    phasors: [Vec<f32>; 2],
+}
+
+impl Wanted {
+    /// The phases of a field (T, M), and weights at which each point's own wave is as strong as it is to be.
+    pub(super) fn of(frames: &Frames, field: &[Vec<f32>; 2]) -> Self {
+        let weight = |(target, reach): (&f32, &f32)| if *target > 0.0 { target / (reach * reach) } else { 0.0 };
+        let mut own = Self {
+            weights: frames.targets.iter().zip(&frames.reach).map(weight).collect(),
+            paces: vec![0.0; frames.targets.len()],
+            weak: vec![false; frames.targets.len()],
+            phasors: [(); 2].map(|()| vec![0.0; frames.lanes()]),
+        };
+        own.read(frames, field);
+        own.paces.fill(1.0);
+        own
+    }
+
+    /// Reads phases and weights from a field; what is wanted of a frame counts as much as of any other.
+    pub(super) fn read(&mut self, frames: &Frames, [re, im]: &[Vec<f32>; 2]) {
+        for first in (0..self.weights.len()).step_by(frames.points) {
+            let there = (first..first + frames.points).filter(|&k| frames.targets[k] > 0.0);
+            let modulus = |k: usize| sqrtf(re[k] * re[k] + im[k] * im[k]);
+            let parts = there.clone().map(|k| modulus(k) / frames.targets[k]);
+            let level = parts.sum::<f32>() / there.clone().count() as f32;
+            let mut sum = 0.0;
+            for k in there.clone() {
+                let modulus = modulus(k);
+                if modulus > 0.0 {
+                    let [old_re, old_im] = [self.phasors[0][k], self.phasors[1][k]];
+                    let (re, im) = unit(re[k] / modulus - ECHO * old_re, im[k] / modulus - ECHO * old_im);
+                    (self.phasors[0][k], self.phasors[1][k]) = (re, im);
+                    let change = (level * frames.targets[k] / modulus).clamp(1.0 / MOST_CHANGE, MOST_CHANGE);
+                    let turned = usize::from((change > 1.0) != self.weak[k]);
+                    self.paces[k] = (self.paces[k] * PACES[turned]).min(1.0);
+                    self.weak[k] = change > 1.0;
+                    self.weights[k] *= 1.0 + self.paces[k] * (change - 1.0);
+                }
+                sum += self.weights[k] * frames.targets[k];
+            }
+            if level > 0.0 {
+                there.for_each(|k| self.weights[k] /= sum * level);
+            }
+        }
+    }
+
+    /// w_j e^{j psi_j}, over the lanes of a row.
+    fn pull(&self) -> [Vec<f32>; 2] {
+        self.phasors.each_ref().map(|plane| {
+            let mut pull = vec![0.0; plane.len()];
+            pull.iter_mut().zip(plane).zip(&self.weights).for_each(|((pull, part), weight)| *pull = part * weight);
+            pull
+        })
+    }
+}
+
+/// The best tracks for what is wanted, into `codes` (N, T); their field (T, M).
+pub(super) fn follow(
+    frames: &Frames,
+    wanted: &Wanted,
+    (circle, closed): (&Circle, bool),
+    codes: &mut [u16],
+    control: &mut Control,
+) -> Result<[Vec<f32>; 2], Error> {
+    let [pull_re, pull_im] = &wanted.pull();
+    let worker = || (Tracker::new(circle, frames.count, frames.set()), [(); 2].map(|()| vec![0.0; frames.count]));
+    frames.gather(
+        codes,
+        &worker,
+        &|(tracker, waves), Visit { row: [re, im], codes, sum }, control| {
+            for frame in 0..frames.count {
+                let mut wave = [0.0_f32; 2];
+                for k in frame * frames.points..(frame + 1) * frames.points {
+                    wave[0] += re[k] * pull_re[k] + im[k] * pull_im[k];
+                    wave[1] += re[k] * pull_im[k] - im[k] * pull_re[k];
+                }
+                (waves[0][frame], waves[1][frame]) = (wave[0], wave[1]);
+            }
+            tracker.follow([&waves[0], &waves[1]], closed, codes, control)?;
+            play(frames, circle, Visit { row: [re, im], codes, sum });
+            Ok(())
+        },
+        control,
+    )
+}
+
+/// The field (T, M) of given `codes` (N, T).
+pub(super) fn field(
+    frames: &Frames,
+    circle: &Circle,
+    codes: &mut [u16],
+    control: &mut Control,
+) -> Result<[Vec<f32>; 2], Error> {
+    frames.gather(
+        codes,
+        &|| (),
+        &|(), visit, _| {
+            play(frames, circle, visit);
+            Ok(())
+        },
+        control,
+    )
+}
+
+/// Adds what a transducer's codes make at the points.
+fn play(frames: &Frames, circle: &Circle, Visit { row: [re, im], codes, sum: [sum_re, sum_im] }: Visit<'_>) {
+    for (frame, &code) in codes.iter().enumerate() {
+        let [qr, qi] = circle.drive(code);
+        for k in frame * frames.points..(frame + 1) * frames.points {
+            sum_re[k] += re[k] * qr - im[k] * qi;
+            sum_im[k] += re[k] * qi + im[k] * qr;
+        }
+    }
+}

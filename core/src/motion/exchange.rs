@@ -1,0 +1,167 @@
+//! Exchange: single phases moved where their neighbours in time leave room, until each frame is even.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use crate::control::{Control, bytes};
+use crate::error::Error;
+use crate::math::sqrtf;
+use crate::motion::frames::{Frames, TOGETHER};
+use crate::motion::track::Circle;
+
+/// min |P_j|/t_j over max |P_j|/t_j that is even enough: a little above 0.995, for rows of G are good to 2e-4.
+const EVEN: f32 = 0.9965;
+
+/// Passes over the frames at most: what a frame could not do, it may once its neighbours have moved.
+const PASSES: usize = 3;
+
+/// Rounds over the transducers of a frame at most.
+const ROUNDS: usize = 30;
+
+/// A round that leaves more than this part of the error is a frame's last.
+const KEPT: f32 = 0.99;
+
+/// Moves codes (T, N) that all hold the bound, so that they hold it still.
+pub(super) fn even_out(
+    frames: &Frames,
+    circle: &Circle,
+    closed: bool,
+    codes: &mut [u16],
+    control: &mut Control,
+) -> Result<(), Error> {
+    let (transducers, points) = (frames.transducers, frames.points);
+    let lanes = frames.blocks[0].lanes();
+    control.room("G of some frames", [transducers, points], bytes(8, &[transducers, lanes]))?;
+    let mut rows = [(); 2].map(|()| vec![0.0; transducers * lanes]);
+    for _ in 0..PASSES {
+        let mut even = true;
+        for (b, block) in frames.blocks.iter().enumerate() {
+            let lanes = block.lanes();
+            let [re, im] = &mut rows;
+            for (i, (re, im)) in re.chunks_mut(lanes).zip(im.chunks_mut(lanes)).take(transducers).enumerate() {
+                control.pulse()?;
+                block.row(i, re, im);
+            }
+            for frame in b * TOGETHER..frames.count.min((b + 1) * TOGETHER) {
+                let first = frame % TOGETHER * points;
+                let mut one = One {
+                    frames,
+                    circle,
+                    targets: &frames.targets[frame * points..(frame + 1) * points],
+                    rows: rows.each_ref().map(|plane| &plane[first..]),
+                    lanes,
+                    own: frame * transducers,
+                    neighbours: neighbours(frame, frames.count, closed).map(|other| other.map(|t| t * transducers)),
+                    field: vec![[0.0; 2]; points],
+                };
+                even &= one.settle(codes, control)?;
+            }
+        }
+        if even {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// The frames before and after one.
+fn neighbours(frame: usize, count: usize, closed: bool) -> [Option<usize>; 2] {
+    let round = |other: usize| closed.then_some(other);
+    let before = frame.checked_sub(1).or(round(count - 1));
+    [before, if frame + 1 < count { Some(frame + 1) } else { round(0) }]
+}
+
+/// One frame.
+struct One<'a> {
+    frames: &'a Frames<'a>,
+    circle: &'a Circle,
+    targets: &'a [f32],
+    /// G of all transducers, those of transducer i from i `lanes` on.
+    rows: [&'a [f32]; 2],
+    lanes: usize,
+    /// Where its codes begin, and those of the frames before and after.
+    own: usize,
+    neighbours: [Option<usize>; 2],
+    field: Vec<[f32; 2]>,
+}
+
+impl One<'_> {
+    /// Moves its codes until it is even or nothing helps; whether it is even.
+    fn settle(&mut self, codes: &mut [u16], control: &mut Control) -> Result<bool, Error> {
+        for i in 0..self.frames.transducers {
+            self.turn(i, [0.0; 2], self.circle.drive(codes[self.own + i]));
+        }
+        let mut last = f32::INFINITY;
+        for _ in 0..ROUNDS {
+            let level = self.level();
+            let mut error = self.error(level);
+            if self.is_even() || error > KEPT * last {
+                break;
+            }
+            last = error;
+            for i in 0..self.frames.transducers {
+                control.pulse()?;
+                error = self.exchange(i, level, error, codes);
+                if self.is_even() {
+                    return Ok(true);
+                }
+            }
+        }
+        Ok(self.is_even())
+    }
+
+    /// Moves a transducer by the one phase that leaves the least error; that error.
+    fn exchange(&mut self, i: usize, level: f32, mut error: f32, codes: &mut [u16]) -> f32 {
+        let code = codes[self.own + i];
+        let mut best = code;
+        for new in [-1, 1].map(|step| self.circle.moved(code, step)) {
+            let mut others = self.neighbours.iter().flatten().map(|other| codes[other + i]);
+            if others.all(|other| self.circle.between(new, other) <= self.circle.reach) {
+                let [old, new_drive] = [best, new].map(|code| self.circle.drive(code));
+                self.turn(i, old, new_drive);
+                let left = self.error(level);
+                if left < error {
+                    (error, best) = (left, new);
+                } else {
+                    self.turn(i, new_drive, old);
+                }
+            }
+        }
+        codes[self.own + i] = best;
+        error
+    }
+
+    /// P += G (new - old) of a transducer that is on.
+    fn turn(&mut self, i: usize, old: [f32; 2], new: [f32; 2]) {
+        if self.frames.is_on(i) {
+            let [qr, qi] = [new[0] - old[0], new[1] - old[1]];
+            let [re, im] = self.rows.map(|plane| &plane[i * self.lanes..]);
+            for ((p, gr), gi) in self.field.iter_mut().zip(re).zip(im) {
+                p[0] += gr * qr - gi * qi;
+                p[1] += gr * qi + gi * qr;
+            }
+        }
+    }
+
+    /// |P_j|/t_j of the points that are there.
+    fn parts(&self) -> impl Iterator<Item = f32> {
+        let there = self.field.iter().zip(self.targets).filter(|(_, target)| **target > 0.0);
+        there.map(|([re, im], target)| sqrtf(re * re + im * im) / target)
+    }
+
+    /// Their mean s.
+    fn level(&self) -> f32 {
+        let (count, sum) = self.parts().fold((0, 0.0), |(count, sum), part| (count + 1, sum + part));
+        sum / count.max(1) as f32
+    }
+
+    /// The sum of (|P_j|/t_j - s)^2.
+    fn error(&self, level: f32) -> f32 {
+        self.parts().map(|part| (part - level) * (part - level)).sum()
+    }
+
+    fn is_even(&self) -> bool {
+        let [least, most] = self.parts().fold([f32::INFINITY, 0.0], |[least, most], x| [least.min(x), most.max(x)]);
+        least >= EVEN * most
+    }
+}

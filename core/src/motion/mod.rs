@@ -1,0 +1,10 @@
+//! Motion: drives of frames that follow one another, no transducer turning by more than it is allowed.
+
+pub(crate) mod ahead;
+pub(crate) mod alternation;
+pub(crate) mod exchange;
+pub(crate) mod first;
+pub(crate) mod frames;
+pub(crate) mod track;
+
+pub use ahead::{Ahead, ahead};

@@ -1,0 +1,96 @@
+//! Tests of `track`: against all tracks there are.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use super::{Circle, Tracker};
+use crate::control::Control;
+use crate::kernels::InstructionSet;
+use crate::math::phasor;
+use crate::rng::Rng;
+
+const FRAMES: usize = 6;
+
+/// sum_t Re(conj(S) q), in double precision.
+fn gain(waves: &[Vec<f32>; 2], levels: usize, codes: &[u16]) -> f64 {
+    let one = |(frame, &code): (usize, &u16)| {
+        let q = phasor(core::f64::consts::TAU * f64::from(code) / levels as f64);
+        f64::from(waves[0][frame]) * q.re + f64::from(waves[1][frame]) * q.im
+    };
+    codes.iter().enumerate().map(one).sum()
+}
+
+fn apart(levels: usize, a: u16, b: u16) -> usize {
+    let distance = usize::from(a.abs_diff(b));
+    distance.min(levels - distance)
+}
+
+/// Every track within reach that begins with `codes`, told to `tell`.
+fn all_tracks(levels: usize, reach: usize, codes: &mut Vec<u16>, tell: &mut dyn FnMut(&[u16])) {
+    if codes.len() == FRAMES {
+        return tell(codes);
+    }
+    for next in 0..levels as u16 {
+        if codes.last().is_none_or(|&last| apart(levels, last, next) <= reach) {
+            codes.push(next);
+            all_tracks(levels, reach, codes, tell);
+            codes.pop();
+        }
+    }
+}
+
+fn best(waves: &[Vec<f32>; 2], levels: usize, reach: usize, closed: bool, first: Option<u16>) -> f64 {
+    let mut most = f64::NEG_INFINITY;
+    all_tracks(levels, reach, &mut first.into_iter().collect(), &mut |codes| {
+        if !closed || apart(levels, codes[0], codes[FRAMES - 1]) <= reach {
+            most = most.max(gain(waves, levels, codes));
+        }
+    });
+    most
+}
+
+#[test]
+fn no_track_is_better() {
+    let mut rng = Rng::new(3);
+    let mut closed_best = 0;
+    for (levels, reach) in [(8, 0), (8, 1), (8, 2), (8, 4), (5, 1), (5, 2), (2, 0), (2, 1), (3, 1)] {
+        for _ in 0..8 {
+            let waves = [(); 2].map(|()| (0..FRAMES).map(|_| (2.0 * rng.uniform() - 1.0) as f32).collect::<Vec<_>>());
+            for set in InstructionSet::all() {
+                let circle = Circle::new(levels, reach);
+                let mut tracker = Tracker::new(&circle, FRAMES, set);
+                for closed in [false, true] {
+                    let mut codes = vec![0; FRAMES];
+                    let planes = [&waves[0][..], &waves[1][..]];
+                    tracker.follow(planes, closed, &mut codes, &mut Control::none()).expect("nobody stops it");
+                    let ends = closed.then(|| (codes[FRAMES - 1], codes[0]));
+                    let steps = codes.windows(2).map(|pair| (pair[0], pair[1])).chain(ends);
+                    assert!(steps.into_iter().all(|(a, b)| apart(levels, a, b) <= reach), "{levels} {reach} {codes:?}");
+                    let found = gain(&waves, levels, &codes);
+                    let most = best(&waves, levels, reach, closed, closed.then_some(codes[0]));
+                    assert!((found - most).abs() < 1e-5, "{levels} {reach} {closed}: {found} of {most}");
+                    if closed && set == InstructionSet::SCALAR {
+                        closed_best += usize::from(found > best(&waves, levels, reach, true, None) - 1e-5);
+                    }
+                }
+            }
+        }
+    }
+    // Six frames are too short for the middle of two laps to be always the best start.
+    assert!(closed_best > 66, "{closed_best} of 72");
+}
+
+#[test]
+fn what_asks_for_nothing_stays() {
+    let circle = Circle::new(256, 4);
+    let mut tracker = Tracker::new(&circle, FRAMES, InstructionSet::best());
+    let mut codes = vec![9; FRAMES];
+    let nothing = [0.0; FRAMES];
+    tracker.follow([&nothing, &nothing], true, &mut codes, &mut Control::none()).expect("nobody stops it");
+    assert_eq!(codes, [0; FRAMES]);
+    // A wave in the last frame alone is waited for where it comes.
+    let mut pull = [0.0; FRAMES];
+    pull[FRAMES - 1] = -1.0;
+    tracker.follow([&pull, &nothing], false, &mut codes, &mut Control::none()).expect("nobody stops it");
+    assert_eq!(codes, [128; FRAMES]);
+}
