@@ -42,8 +42,7 @@ pub(crate) fn tracks<'py>(
         rounds: whole("rounds", rounds)?,
     };
     let threads = limits::threads(py)?;
-    let codes = attend(py, progress, |control| {
-        ahead(&model, &points, &targets, frames, &how, None, &mut control.on(threads))
-    })?;
+    let codes =
+        attend(py, progress, |control| ahead(&model, &points, &targets, frames, &how, None, &mut control.on(threads)))?;
     give::table(py, codes, [frames, model.array().len()])
 }

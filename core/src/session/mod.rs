@@ -124,7 +124,8 @@ impl Session {
         self.task.read(problems, 0, ask)?;
         let problem = &mut problems[0];
         problem.measure(control)?;
-        let solution = solve_after(problem, &*self.task.solver, self.task.balance, &mut self.last, work, control)?;
+        let last = Some(&mut self.last);
+        let solution = solve_after(problem, &*self.task.solver, self.task.balance, last, work, control)?;
         Ok(self.solution.insert(solution))
     }
 

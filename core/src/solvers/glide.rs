@@ -29,7 +29,6 @@ use crate::kernels::tiles::error_diffusion;
 use crate::kernels::tiles::unit::Arc;
 use crate::math;
 use crate::problem::{Problem, Solution, Status};
-use crate::scene::Aim;
 use crate::solvers::common::alternating_projection::Projector;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field;
@@ -100,10 +99,8 @@ impl Method for Glide {
 
 impl Solve for Glide {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
-        let Some(drive) = problem.start_drive() else { return first(problem, work, control) };
-        let mut last = Last::taken(work, drive.len());
-        let solution =
-            begin(&mut last, problem, drive).and_then(|()| self.next(problem, &mut last, false, work, control));
+        let mut last = Last::taken(work, problem.propagation().transducers());
+        let solution = self.follow(problem, &mut last, work, control);
         last.recycle(work);
         solution
     }
@@ -119,7 +116,12 @@ impl Solve for Glide {
         if let Some(drive) = problem.start_drive() {
             begin(last, problem, drive)?;
         } else if last.played.len() != problem.propagation().transducers() {
-            let first = first(&problem.clone().with_aim(Aim::Max), work, control)?;
+            // Of which only the phases count. Its steps are not the frame's.
+            let plan = Plan::alone(Uniform::default().steps, f64::from(EVEN), QUIET);
+            let first = even_field::solve(problem, &[plan], work, &mut control.part())?;
+            if first.status == Status::Stopped {
+                return Ok(first);
+            }
             last.begin(first.drive.iter().map(|&q| unit(q)));
             first.recycle(work);
             free = true;
@@ -153,12 +155,6 @@ impl Glide {
     }
 }
 
-/// The first frame: as `uniform` solves it.
-fn first(problem: &Problem, work: &Workspace, control: &mut Control) -> Result<Solution, Error> {
-    let plan = Plan::alone(Uniform::default().steps, f64::from(EVEN), QUIET);
-    even_field::solve(problem, &[plan], work, control)
-}
-
 /// q/|q|, 0 staying 0.
 fn unit(q: Complex32) -> Complex32 {
     let (re, im) = math::unit(q.re, q.im);
@@ -168,11 +164,10 @@ fn unit(q: Complex32) -> Complex32 {
 /// Takes a drive as the last one, of which every transducer that reaches a point has a phase.
 fn begin(last: &mut Last, problem: &Problem, drive: &[Complex32]) -> Result<(), Error> {
     let propagation = problem.propagation();
-    for (i, q) in drive.iter().enumerate().filter(|(_, q)| **q == Complex32::ZERO) {
-        if (0..propagation.points()).any(|j| propagation.exact(j, i).norm() > 0.0) {
-            let cure = "a transducer that is off has no phase to begin with: give |q| above 0, or no start";
-            return Err(Error::invalid(format!("start[{i}]"), q.re, cure));
-        }
+    let reaches = |i: usize| (0..propagation.points()).any(|j| propagation.exact(j, i).norm() > 0.0);
+    if let Some(i) = drive.iter().enumerate().position(|(i, q)| *q == Complex32::ZERO && reaches(i)) {
+        let cure = "a transducer that is off has no phase to begin with: give |q| above 0, or no start";
+        return Err(Error::invalid(format!("start[{i}]"), 0, cure));
     }
     last.begin(drive.iter().map(|&q| unit(q)));
     Ok(())
@@ -200,11 +195,12 @@ impl<'w> Frame<'w> {
         glide: &Glide,
         free: bool,
         problem: &Problem,
-        last: &Last,
+        last: &mut Last,
         work: &'w Workspace,
         control: &mut Control,
     ) -> Result<Self, Error> {
         let mut rows = Rows::alike(problem, &[], work, control)?;
+        last.reach(|i| rows.tiles().reaches(i));
         let mut wave = Wave::new(&rows, work);
         let kept = if glide.tau > 0.0 { math::exp(-1.0 / (glide.rate * glide.tau)) } else { 0.0 };
         let part = (1.0 - kept) as f32;

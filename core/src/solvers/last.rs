@@ -64,6 +64,17 @@ impl Last {
         work.floats.give(self.weights);
     }
 
+    /// Turns transducers off that reach no point, and on, at any phase, those that reach one again.
+    pub(crate) fn reach(&mut self, reaches: impl Fn(usize) -> bool) {
+        for (i, (played, wave)) in self.played.iter_mut().zip(&mut self.wave).enumerate() {
+            match (reaches(i), *played == Complex32::ZERO) {
+                (true, true) => (*played, *wave) = (Complex32::ONE, Complex32::ONE),
+                (false, false) => (*played, *wave) = (Complex32::ZERO, Complex32::ZERO),
+                _ => {}
+            }
+        }
+    }
+
     /// Begins with full drives that have been played for long.
     pub(crate) fn begin(&mut self, drives: impl Iterator<Item = Complex32>) {
         self.clear();

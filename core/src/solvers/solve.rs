@@ -48,7 +48,7 @@ pub fn solve(
     work: &mut Workspace,
     control: &mut Control,
 ) -> Result<Solution, Error> {
-    solve_after(problem, solver, balance, &mut Last::default(), work, control)
+    solve_after(problem, solver, balance, None, work, control)
 }
 
 /// As [`solve`], of the frame after the last for a solver that remembers that.
@@ -56,7 +56,7 @@ pub(crate) fn solve_after(
     problem: &Problem,
     solver: &dyn Solve,
     balance: bool,
-    last: &mut Last,
+    last: Option<&mut Last>,
     work: &mut Workspace,
     control: &mut Control,
 ) -> Result<Solution, Error> {
@@ -64,7 +64,11 @@ pub(crate) fn solve_after(
     let (solver, balance) = other.as_deref().map_or((solver, balance), |other| (other, true));
     let factor = factor(problem, solver, balance);
     let prepared = problem.prepared(factor, work);
-    let solution = solver.follow(prepared.as_ref().unwrap_or(problem), last, work, control);
+    let own = prepared.as_ref().unwrap_or(problem);
+    let solution = match last {
+        Some(last) => solver.follow(own, last, work, control),
+        None => solver.solve(own, work, control),
+    };
     if let Some(prepared) = prepared {
         prepared.recycle(work);
     }

@@ -131,13 +131,16 @@ fn a_level_out_of_reach_is_the_highest() {
 }
 
 #[test]
-fn quiet_points_are_silent() {
+fn quiet_points_are_as_silent_as_asked() {
     for seed in 0..5 {
         let mut pressures = vec![P1 / 3.0; 9];
         (pressures[2], pressures[7]) = (0.0, 0.0);
         let quiet = problem(&scene(array(), random_points(9, 0.1, 70 + seed), Some(pressures)));
-        let metrics = solved(&quiet, &Uniform::default()).metrics();
-        assert!(metrics.leak <= 1e-4 && metrics.sigma <= 1e-4 && metrics.level > 0.7, "{seed}: {metrics:?}");
+        for allowed in [1e-4, 1e-3, 1e-2] {
+            let metrics = solved(&quiet, &Uniform { quiet: allowed, ..Uniform::default() }).metrics();
+            let leak = metrics.leak / metrics.level;
+            assert!(leak <= 1.11 * allowed && metrics.sigma <= 1e-4 && metrics.level > 0.7, "{seed}: {metrics:?}");
+        }
     }
 }
 

@@ -2,8 +2,8 @@
 //!
 //! The drive b = G^H v has the energy v^H (G G^H) v. With the moduli of v fixed, each phase in turn is set to what
 //! the other points' waves make at its point: Gerchberg-Saxton as GS-PAT runs it, but point after point and without a
-//! point's own echo, which would only hold its phase back. One start goes over G itself; many share the M x M matrix of
-//! couplings, sixteen side by side.
+//! point's own echo, which would only hold its phase back. One start goes over G itself; many, or that of few points, share
+//! the M x M matrix of couplings, sixteen side by side.
 
 use crate::control::{Control, bytes};
 use crate::error::Error;
@@ -23,6 +23,9 @@ const ROUNDS: usize = 8;
 
 /// Rounds on G itself, each as long as a sweep: in trials two fewer or more are a thousandth of the level at 64 points.
 const ROUNDS_ALONE: usize = 8;
+
+/// Up to that many points the matrix takes less time than the rounds on G.
+const FEW: usize = 16;
 
 /// Starts whose energies agree to this part are one start.
 const ALIKE: f32 = 1e-5;
@@ -105,7 +108,7 @@ impl<'w> Starts<'w> {
         Ok(Self { count: 1, weights, phasors: own, echoes: work.floats.take(1) })
     }
 
-    /// One point added after another, on G itself: with one start that takes less time than the matrix.
+    /// One point added after another: on G itself, unless the points are so few that their matrix takes less time.
     fn alone(
         rows: &Rows,
         weights: Buffer<'w, f32>,
@@ -113,6 +116,9 @@ impl<'w> Starts<'w> {
         work: &'w Workspace,
         control: &mut Control,
     ) -> Result<Self, Error> {
+        if rows.targeted <= FEW {
+            return Couplings::new(rows, powers, work, control)?.alone(weights, visits, work, control);
+        }
         let mut phasors = [(); 2].map(|()| work.floats.take(rows.targeted));
         let mut wave = [(); 2].map(|()| work.floats.take(rows.lanes));
         let [re, im] = &mut phasors;
@@ -164,6 +170,42 @@ impl<'w> Couplings<'w> {
         [&self.matrix[0], &self.matrix[1]]
     }
 
+    /// |v_k| times the norm of row k.
+    fn shares(&self, weights: &[f32], work: &'w Workspace) -> Buffer<'w, f32> {
+        let mut shares = work.floats.take(self.points);
+        for ((share, weight), norm) in shares.iter_mut().zip(weights).zip(&self.norms) {
+            *share = weight * norm;
+        }
+        shares
+    }
+
+    /// One point added after another: all others are silent at first.
+    fn alone(
+        &self,
+        weights: Buffer<'w, f32>,
+        visits: &[u32],
+        work: &'w Workspace,
+        control: &mut Control,
+    ) -> Result<Starts<'w>, Error> {
+        let shares = self.shares(&weights, work);
+        let mut vectors = [(); 2].map(|()| work.floats.take(self.points * LANES));
+        let [re, im] = &mut vectors;
+        if let Some(&first) = visits.first() {
+            re[first as usize * LANES..][..LANES].fill(shares[first as usize]);
+        }
+        let energy = phases::align(self.set, self.planes(), &shares, visits, ROUNDS_ALONE, [re, im], control)?[0];
+        let mut phasors = [(); 2].map(|()| work.floats.take(self.points));
+        for (k, share) in shares.iter().enumerate() {
+            let [x, y] = [&vectors[0], &vectors[1]].map(|plane| plane[k * LANES] / share);
+            // Where no other wave comes the phase is 0.
+            (phasors[0][k], phasors[1][k]) = if [x, y] == [0.0; 2] { (1.0, 0.0) } else { (x, y) };
+        }
+        let own = shares.iter().map(|share| share * share).sum::<f32>();
+        let mut echoes = work.floats.take(1);
+        echoes[0] = own / (own + energy);
+        Ok(Starts { count: 1, weights, phasors, echoes })
+    }
+
     /// The phases of the greatest energies that any of the plan's starts ends in.
     fn search(
         &self,
@@ -175,11 +217,7 @@ impl<'w> Couplings<'w> {
     ) -> Result<Starts<'w>, Error> {
         let points = self.points;
         let groups = plan.starts.div_ceil(LANES);
-        // v_k times the norm of row k.
-        let mut shares = work.floats.take(points);
-        for ((share, weight), norm) in shares.iter_mut().zip(&weights).zip(&self.norms) {
-            *share = weight * norm;
-        }
+        let shares = self.shares(&weights, work);
         let mut energies = work.floats.take(groups * LANES);
         let mut found = [(); 2].map(|()| work.floats.take(groups * points * LANES));
         let mut turns = work.floats.take(points * LANES);

@@ -26,6 +26,9 @@ const CROWDED: f32 = 0.2;
 /// The part of the transducers' phases that quiet points may take, two each: beyond it the level gives way.
 const MOST: f32 = 0.8;
 
+/// So few quiet points are made silent one by one, crowded or not.
+const FEW: usize = 8;
+
 /// How many independent quiet points so many transducers can silence beside some targets.
 pub(crate) fn silenceable(transducers: usize, targets: usize) -> usize {
     ((MOST * transducers as f32 - targets as f32) / 2.0).max(0.0) as usize
@@ -54,7 +57,7 @@ impl<'w> Silence<'w> {
         let most = silenceable(propagation.transducers(), propagation.points() - count);
         let mut points = work.indices.take(count);
         points.iter_mut().zip(all.filter(silent)).for_each(|(own, j)| *own = j);
-        if count < 2 {
+        if count <= FEW {
             return Ok(Self { points, enough: count <= most, crowded: false });
         }
         let rows = Rows::of(problem, points, work, control)?;
