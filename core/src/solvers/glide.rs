@@ -161,6 +161,11 @@ fn unit(q: Complex32) -> Complex32 {
     if q == Complex32::ZERO { q } else { Complex32::new(re, im) }
 }
 
+/// q/|q| of a q that is 1 but for rounding, or 0: a step of Newton's for the root.
+fn settled(q: Complex32) -> Complex32 {
+    q * (1.5 - 0.5 * q.norm_sqr())
+}
+
 /// Takes a drive as the last one, of which every transducer that reaches a point has a phase.
 fn begin(last: &mut Last, problem: &Problem, drive: &[Complex32]) -> Result<(), Error> {
     let propagation = problem.propagation();
@@ -318,7 +323,7 @@ impl<'w> Frame<'w> {
     ) -> Result<Solution, Error> {
         let Self { rows, wave, trial, rest, part, most, .. } = &mut self;
         let drives = wave.drive[0].iter().zip(&wave.drive[1]).map(|(&re, &im)| Complex32::new(re, im));
-        last.wave.iter_mut().zip(&last.played).zip(drives).for_each(|((q, played), d)| *q = unit(d * played));
+        last.wave.iter_mut().zip(&last.played).zip(drives).for_each(|((q, played), d)| *q = settled(d * played));
         let grid = problem.quantization().map(Quantization::grid);
         if let Some(phases) = grid.and_then(|grid| grid.phases.as_ref()) {
             let mut weights = work.floats.take_any(rows.targeted);
@@ -349,7 +354,7 @@ impl<'w> Frame<'w> {
             }
         }
         for (i, played) in last.played.iter_mut().enumerate() {
-            *played = unit(*played * Complex32::new(wave.drive[0][i], wave.drive[1][i]));
+            *played = settled(*played * Complex32::new(wave.drive[0][i], wave.drive[1][i]));
         }
         if let Some(grid) = grid {
             grid.round(rows.set, 1.0, 1.0, &mut last.played);
