@@ -215,3 +215,30 @@ def test_a_bad_scene_file_is_refused_in_a_line(tmp_path: Path, change: tuple[str
     assert told in done.stderr
     assert done.stderr.startswith("error: ")
     assert done.stderr.count("\n") == 1
+
+
+def test_tracks_over_the_whole_sequence_close_without_a_seam(board):
+    circles = midair.path.circle([-0.02, 0, 0.15], 0.004, frequency=100) & midair.path.circle(
+        [0.02, 0, 0.15], 0.004, frequency=100
+    )
+    steps = []
+    found = midair.sequence(
+        board,
+        circles,
+        rate=RATE,
+        change=np.pi / 16,
+        ahead="all",
+        closed=True,
+        progress=lambda *at: steps.append(at),
+    )
+    assert found.closed
+    assert found.drives.shape == (100, 256)
+    assert max(found.metrics.seam, found.metrics.largest_change) <= np.pi / 16 + 1e-6
+    assert found.metrics.uniformity > 0.99
+    assert steps[-1][0] == steps[-1][1]
+    quiet = midair.sequence(
+        board, circles, rate=RATE, change=np.pi / 16, ahead="all", closed=True, pressures=300.0
+    )
+    np.testing.assert_allclose(quiet.pressures, 300, rtol=0.02)
+    with pytest.raises(midair.SceneError, match='solver is "uniform"'):
+        midair.sequence(board, circles, "uniform", rate=RATE, ahead="all")
