@@ -33,6 +33,12 @@ def sane(thing: object, where: str) -> int:
         return sane(thing.metrics, where)
     if isinstance(thing, midair.Metrics | midair.BatchMetrics):
         return columns({name: getattr(thing, name) for name in ("accuracy", "sigma", "level")}, where)
+    if isinstance(thing, midair.Sequence):
+        assert (np.abs(thing.drives[:]) <= 1 + 1e-6).all(), where
+        metrics = thing.metrics
+        assert LEAST <= metrics.level <= MOST, f"{where}: level {metrics.level}"
+        assert metrics.uniformity > UNEVEN, f"{where}: uniformity {metrics.uniformity}"
+        return 1
     if isinstance(thing, midair.Field):
         assert np.abs(thing.pressure).max() > 0, f"{where} is silent"
         return sane(thing.pressure, where)

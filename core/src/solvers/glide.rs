@@ -99,7 +99,8 @@ impl Method for Glide {
 
 impl Solve for Glide {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
-        let mut last = Last::taken(work, problem.propagation().transducers());
+        let propagation = problem.propagation();
+        let mut last = Last::taken(work, propagation.transducers(), propagation.points());
         let solution = self.follow(problem, &mut last, work, control);
         last.recycle(work);
         solution
@@ -325,6 +326,7 @@ impl<'w> Frame<'w> {
         let drives = wave.drive[0].iter().zip(&wave.drive[1]).map(|(&re, &im)| Complex32::new(re, im));
         last.wave.iter_mut().zip(&last.played).zip(drives).for_each(|((q, played), d)| *q = settled(d * played));
         let grid = problem.quantization().map(Quantization::grid);
+        let mut kept = false;
         if let Some(phases) = grid.and_then(|grid| grid.phases.as_ref()) {
             let mut weights = work.floats.take_any(rows.targeted);
             weights.fill(1.0);
@@ -342,7 +344,8 @@ impl<'w> Frame<'w> {
             trial.play(rows, last.played.iter().map(|q| q * q.conj()));
             add(trial, rest.as_ref());
             let off = |wave: &Wave| wave.unevenness(rows, wave.level(rows), 0.0);
-            if off(trial) <= NO_WORSE * last.unevenness && trial.level(rows) >= AS_LOUD * wave.level(rows) {
+            kept = off(trial) <= NO_WORSE * last.unevenness && trial.level(rows) >= AS_LOUD * wave.level(rows);
+            if kept {
                 core::mem::swap(wave, trial);
             } else {
                 let field = wave.field.each_ref().map(|plane| &plane[..targeted]);
@@ -353,11 +356,13 @@ impl<'w> Frame<'w> {
                 last.unevenness = off(wave);
             }
         }
-        for (i, played) in last.played.iter_mut().enumerate() {
-            *played = settled(*played * Complex32::new(wave.drive[0][i], wave.drive[1][i]));
-        }
-        if let Some(grid) = grid {
-            grid.round(rows.set, 1.0, 1.0, &mut last.played);
+        if !kept {
+            for (i, played) in last.played.iter_mut().enumerate() {
+                *played = settled(*played * Complex32::new(wave.drive[0][i], wave.drive[1][i]));
+            }
+            if let Some(grid) = grid {
+                grid.round(rows.set, 1.0, 1.0, &mut last.played);
+            }
         }
         for (y, q) in last.envelope.iter_mut().zip(&last.played) {
             *y += (q - *y) * *part;

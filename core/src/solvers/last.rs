@@ -51,9 +51,9 @@ impl Last {
     }
 
     /// One in the memory of a workspace.
-    pub(crate) fn taken(work: &Workspace, transducers: usize) -> Self {
+    pub(crate) fn taken(work: &Workspace, transducers: usize, points: usize) -> Self {
         let [wave, played, envelope] = [(); 3].map(|()| work.complexes.empty(transducers));
-        Self { wave, played, envelope, weights: work.floats.empty(1), unevenness: 0.0 }
+        Self { wave, played, envelope, weights: work.floats.empty(points), unevenness: 0.0 }
     }
 
     /// Gives that back.

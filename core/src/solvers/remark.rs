@@ -62,6 +62,10 @@ impl fmt::Display for Remark {
     }
 }
 
+/// Times what was allowed that quiet points leak when it is told: crowded ones, of which a few speak for all, leak up to three
+/// times as much between these.
+const LOUD: f64 = 4.0;
+
 impl Remark {
     /// That targets are weak, where a solver takes them as they stand.
     #[must_use]
@@ -75,13 +79,13 @@ impl Remark {
         (problem.target_phases().is_some() && !solver.uses_phases()).then_some(Self::PhasesUnused)
     }
 
-    /// That quiet points leak at least twice what the solver was to allow.
+    /// That quiet points leak much more than the solver was to allow.
     #[must_use]
     pub fn leak(problem: &Problem, solver: &dyn Solve, solution: &Solution) -> Option<Self> {
         let quiet = solver.quiet()?;
         let leak = problem.weighted_leak(&solution.pressures);
         let able = silenceable(problem.propagation().transducers(), problem.targeted().len());
-        (solution.status != Status::Stopped && leak >= 2.0 * quiet).then_some(Self::Leak { leak, quiet, able })
+        (solution.status != Status::Stopped && leak >= LOUD * quiet).then_some(Self::Leak { leak, quiet, able })
     }
 
     /// That something is left to supply or modulation.

@@ -30,7 +30,7 @@ def whole(
     if unknown := asked.options.keys() - {"quantization"}:
         name = min(unknown)
         raise refused(name, asked.options[name], 'ahead="all" has no such option, leave it out')
-    board = dict(asked.options.get("quantization") or asked.array.quantization or {})
+    board = asked.board
     scene = Scene(asked.array, asked.points[0], **asked.air)
     codes = tracks(
         scene,

@@ -63,7 +63,7 @@ def _read(file: Path, folder: Path) -> Document:
         raise SceneError("[motion] is left out: it says what moves, as docs/motion.md shows")
     for name in ("points", "shape", "image"):
         if name in given:
-            raise refused(name, "given", "points that move stand in [motion], leave them out")
+            raise SceneError(f"{name} is given: points that move stand in [motion], leave it out")
     if "path" in motion and "file" in motion:
         raise refused("motion.file", motion["file"], "[[motion.path]] is given, too: give one of them")
     moving = (

@@ -60,6 +60,13 @@ class Drives:
         return turned
 
 
+def coded(drives: NDArray[np.complex64], phases: int) -> NDArray[Any]:
+    """Codes of drives at full amplitude on a board's phases; of those that are 0, code 0."""
+    codes = np.rint(np.angle(drives) * (phases / (2 * np.pi))).astype(np.int32) % phases
+    small: NDArray[Any] = codes.astype(np.uint8 if phases <= 256 else np.uint16)
+    return small
+
+
 def read(given: Any, array: Array, phases: int | None) -> Drives:
     """Drives (T, N) as given: complex of |q| <= 1, or whole numbers below the number of phases."""
     live = array.mask.copy()

@@ -39,6 +39,16 @@ class Request:
     air: dict[str, Any]
     options: dict[str, Any]
 
+    @property
+    def board(self) -> dict[str, Any]:
+        """The board's quantization: as an option says, else the array's own."""
+        return dict(self.options.get("quantization") or self.array.quantization or {})
+
+    def codes(self, solver: str) -> int | None:
+        """The board's phases where all drives are at full amplitude, so that codes tell them."""
+        sounds = bool((self.targets > 0).any(axis=1).all())
+        return self.board.get("phases") if solver == "glide" and self.aim == "max" and sounds else None
+
 
 def bound(rate: float, change: Any, change_rate: Any) -> float:
     """The bound in rad a frame, told so or in rad/s."""

@@ -14,6 +14,7 @@ from ..path import Path
 from ..shape.arguments import number, refused
 from . import store
 from .ahead import whole
+from .drives import coded
 from .request import Request, bound, no_seam, request, warn_of_speed
 from .sequence import Sequence
 
@@ -78,13 +79,15 @@ def sequence(
     if ahead != 0:
         raise refused("ahead", ahead, 'give 0 or "all"')
     follow = _follower(asked, solver, tau)
+    phases = asked.codes(solver)
     if resume is not None:
         setting = {"solver": solver, "tau": tau, "aim": asked.aim, "options": asked.options}
         return store.solved(resume, asked, setting, follow, BLOCK, progress)
     blocks = []
     for first in range(0, len(asked.points), BLOCK):
         block = slice(first, first + BLOCK)
-        blocks.append(follow.follow(asked.points[block], asked.targets[block]))
+        drives = follow.follow(asked.points[block], asked.targets[block])
+        blocks.append(drives if phases is None else coded(drives, phases))
         if progress is not None:
             progress(min(first + BLOCK, len(asked.points)), len(asked.points))
     return _told(asked, np.concatenate(blocks), solver, asked.options.get("quantization"))

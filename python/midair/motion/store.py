@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from .. import output
 from .._midair import Scene, SceneError, Solver
 from . import files
+from .drives import coded
 from .request import Request
 from .sequence import Sequence
 
@@ -42,11 +43,12 @@ def solved(
     output.check(target, (".npz",))
     folder = target.with_name(target.name + ENDING)
     own = _fingerprint(asked, setting, block)
-    total = len(asked.points)
+    total, phases = len(asked.points), asked.codes(setting["solver"])
     done = _begin(folder, own, follow, block)
     for first in range(done, total, block):
         frames = slice(first, first + block)
-        _keep(folder, first, follow.follow(asked.points[frames], asked.targets[frames]), follow)
+        drives = follow.follow(asked.points[frames], asked.targets[frames])
+        _keep(folder, first, drives if phases is None else coded(drives, phases), follow)
         if progress is not None:
             progress(min(first + block, total), total)
     _assemble(target, folder, asked, setting, block)
@@ -85,7 +87,7 @@ def _begin(folder: Path, own: str, follow: Solver, block: int) -> int:
         return int(kept["done"])
 
 
-def _keep(folder: Path, first: int, drives: NDArray[np.complex64], follow: Solver) -> None:
+def _keep(folder: Path, first: int, drives: NDArray[Any], follow: Solver) -> None:
     """Write a piece, then that it is done."""
     part = folder / "piece.part"
     with part.open("wb") as stream:
@@ -123,7 +125,8 @@ def _assemble(target: Path, folder: Path, asked: Request, setting: dict[str, Any
             with archive.open(f"{name}.npy", "w", force_zip64=True) as stream:
                 npy.write_array(stream, np.asanyarray(values), allow_pickle=False)
         with archive.open("drives.npy", "w", force_zip64=True) as stream:
-            header = {"descr": "<c8", "fortran_order": False, "shape": shape}
+            descr = npy.dtype_to_descr(np.load(pieces[0], mmap_mode="r").dtype)
+            header = {"descr": descr, "fortran_order": False, "shape": shape}
             npy.write_array_header_2_0(stream, header)
             for piece in pieces:
                 stream.write(np.load(piece, allow_pickle=False).tobytes())

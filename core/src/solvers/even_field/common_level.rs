@@ -169,6 +169,10 @@ impl<'w> Newton<'w> {
         for (ease, &j) in ease.iter_mut().zip(points) {
             *ease = 1.0 / problem.weights()[j as usize].max(LEAST_WEIGHT);
         }
+        // A quiet point's weight is in its row already: its equations are damped like the others, relative to themselves.
+        for (ease, scale) in ease[targeted..].iter_mut().zip(rows.scale[targeted..].iter().cycle()) {
+            *ease = (scale * scale).max(f32::MIN_POSITIVE);
+        }
         Ok(Self { dual, factor: None, dependent: None, ease, rotations: work.floats.take_any(rows.lanes), quiet })
     }
 
