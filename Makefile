@@ -112,7 +112,7 @@ bench/.envs/%.so: bench/workers/%.cpp
 figures: setup ## Draw docs/quality-time.png
 	OPENBLAS_NUM_THREADS=1 $(PYTHON) bench/figures.py
 
-motion: setup ## Print the table of docs/motion.md
+motion: setup ## Print the table of docs/motion.md and draw docs/motion.png
 	$(PYTHON) bench/motion.py
 
 paper: setup ## Make the paper's figures anew (TRIALS=1000) and docs/paper.md from their tables

@@ -42,6 +42,9 @@ COLOURS = {method.solver: method.colour for method in (*methods.PAPER, methods.G
     "wgs": "#008b8b",
     "tikhonov": "#808000",
     "naive": "#b8860b",
+    "glide": "#00a000",
+    "descent": "#0050ff",
+    "bounded": "#9400d3",
 }
 
 

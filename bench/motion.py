@@ -1,11 +1,15 @@
 """Motion: evenness, level and changes of `glide`, by an independent forward model in f64.
 
-Prints the table of docs/motion.md.
+Prints the table of docs/motion.md and draws docs/motion.png.
 """
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.colors import PowerNorm
 from numpy.typing import NDArray
 
 import midair
@@ -72,9 +76,46 @@ def row(
     return max(ratios), min(even), min(moving), min(levels), float(np.mean(levels))
 
 
+def draw(array: midair.Array, path: Path) -> None:
+    """Phase changes of every transducer, and evenness in motion, frame by frame with and without a memory."""
+    points = paths("circles", 8, 0.5, 3)
+    points[..., :2] += array.positions.mean(axis=0)[:2]
+    cold = midair.Solver(array, "uniform", aim="max", absorption=0)
+    drives = {
+        "uniform, each frame by itself": np.array([cold(frame).drive for frame in points]),
+        "glide, bound pi/16": midair.Solver(array, "glide", aim="max", absorption=0).follow(points),
+    }
+    figure, axes = plt.subplots(1, 3, figsize=(12, 3.6), layout="constrained", width_ratios=(1, 1, 1.1))
+    time = np.arange(FRAMES) / RATE * 1e3
+    for axis, (name, own) in zip(axes, drives.items(), strict=False):
+        changes = np.abs(np.angle(own[1:] * own[:-1].conj()))
+        image = axis.imshow(
+            changes.T,
+            aspect="auto",
+            norm=PowerNorm(0.4, 0, np.pi),
+            origin="lower",
+            extent=(0, time[-1], 0, len(array)),
+            cmap="magma",
+        )
+        axis.set(title=name, xlabel="time / ms", ylabel="transducer")
+        heard = moduli(array, points, own, 0.2e-3)
+        axes[2].plot(time, heard.min(axis=1) / heard.max(axis=1), label=name)
+    figure.colorbar(image, ax=axes[:2], label="phase change / rad a frame")
+    axes[2].set(
+        title="8 foci at 0.5 m/s, envelopes of 0.2 ms",
+        xlabel="time / ms",
+        ylabel="weakest / loudest focus",
+        ylim=(0, 1.05),
+    )
+    axes[2].legend(loc="lower right")
+    axes[2].grid(alpha=0.3)
+    figure.savefig(path, dpi=130)
+
+
 def main() -> None:
-    """Print the table."""
+    """Print the table and draw the picture."""
     array = midair.Array.preset("autd3", (2, 2))
+    draw(array, Path(__file__).parents[1] / "docs" / "motion.png")
     print("| M | speed | bound | tau | change / bound | uniformity | in motion | level, each | mean |")
     print("|---|---|---|---|---|---|---|---|---|")
     for count in (4, 16):
