@@ -25,8 +25,8 @@ pub struct Frames<'a> {
 
 impl Session {
     /// Solves T frames one after another into `drives` (T, N). A solver that remembers its last frame goes on from it, from
-    /// call to call until [`Session::reset`]; one that uses a start has the last drive as it. `ask` says what else is asked, and is
-    /// memory. A frame without points is silent.
+    /// call to call until [`Session::last`] is cleared; with `starts` the others have the last drive as their start. `ask`
+    /// says what else is asked, and is memory. A frame without points is silent.
     ///
     /// # Errors
     /// Lists that do not fit each other, what [`Session::solve`] refuses of a frame, named by its index; a stop.

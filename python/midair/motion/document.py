@@ -48,7 +48,7 @@ class Document:
 def read(file: Path) -> Document:
     """The sequence that a scene file asks for. Its errors name the file."""
     try:
-        return _read(existing("scene file", file, "give a .toml or .json file"), file.parent)
+        return _read(existing("path", file, "give a .toml or .json file"), file.parent)
     except (tomllib.TOMLDecodeError, json.JSONDecodeError, UnicodeDecodeError) as error:
         raise SceneError(f'scene file "{file}": {" ".join(str(error).split())}') from error
     except SceneError as error:
