@@ -77,6 +77,9 @@ const NEARLY: f32 = 0.01;
 /// The most that a weight may change in a sweep.
 const MOST_CHANGE: f32 = 2.0;
 
+/// Frames that an envelope may take: of a slower one a frame replaces nothing that f32 could tell.
+const MOST_FRAMES: f64 = 1000.0;
+
 /// A phase is at its bound where the cosine of its change is no further than this from that of the bound.
 const AT_BOUND: f32 = 1e-6;
 
@@ -93,7 +96,12 @@ impl Method for Glide {
     fn check(&self) -> Result<(), Error> {
         real("change", self.change, 0.0, false)?;
         real("tau", self.tau, 0.0, false)?;
-        real("rate", self.rate, 0.0, true).map(|_| ())
+        real("rate", self.rate, 0.0, true)?;
+        if self.tau * self.rate > MOST_FRAMES {
+            let cure = format!("give at most {:e} s, the time of {MOST_FRAMES} frames", MOST_FRAMES / self.rate);
+            return Err(Error::invalid("tau", self.tau, cure));
+        }
+        Ok(())
     }
 }
 
@@ -150,7 +158,7 @@ impl Glide {
         control: &mut Control,
     ) -> Result<Solution, Error> {
         let mut frame = Frame::new(self, free, problem, last, work, control)?;
-        frame.sweep(self, &mut last.weights);
+        frame.sweep(self, &mut last.weights, control)?;
         let status = frame.level(self, problem, work, control)?;
         frame.finish(problem, status, last, work, control)
     }
@@ -235,7 +243,7 @@ impl<'w> Frame<'w> {
     }
 
     /// Weighted sweeps within the arc, from the point phases of the wave.
-    fn sweep(&mut self, glide: &Glide, weights: &mut Vec<f32>) {
+    fn sweep(&mut self, glide: &Glide, weights: &mut Vec<f32>, control: &mut Control) -> Result<(), Error> {
         let Self { rows, wave, projector, rest, arc, free, .. } = self;
         if weights.len() != rows.targeted {
             weights.clear();
@@ -244,10 +252,11 @@ impl<'w> Frame<'w> {
         // One point has no weight to find.
         let sweeps = match rows.targeted {
             1 => glide.sweeps.min(1),
-            _ if *free => glide.sweeps * FIRST,
+            _ if *free => glide.sweeps.saturating_mul(FIRST),
             _ => glide.sweeps,
         };
         for _ in 0..sweeps {
+            control.pulse()?;
             projector.want(wave, weights);
             projector.project_within(rows, *arc, wave);
             add(wave, rest.as_ref());
@@ -262,6 +271,7 @@ impl<'w> Frame<'w> {
                 *weight /= largest;
             }
         }
+        Ok(())
     }
 
     /// Gauss-Newton steps of the phases that are not at their bound; whether all points are nearly even then.

@@ -133,6 +133,17 @@ fn a_sequence_stopped_and_gone_on_with_has_the_same_bits() {
 }
 
 #[test]
+fn options_out_of_range_are_refused() {
+    let refused = |name: &str, value: f64| {
+        let options = midair::Options::from([(name.into(), midair::Value::Real(value))]);
+        midair::solvers::find("glide").expect("glide").configure(&options).err().expect("refused").to_string()
+    };
+    assert!(refused("change", -0.1).starts_with("change is -0.1"));
+    assert!(refused("tau", 1.0).starts_with("tau is 1: give at most 1e-1 s"), "{}", refused("tau", 1.0));
+    assert!(refused("rate", 0.0).starts_with("rate is 0"));
+}
+
+#[test]
 fn frames_that_do_not_fit_and_points_that_are_not_there() {
     let array = array(None);
     let mut session = session(&array, Glide::default());
