@@ -104,6 +104,14 @@ def test_a_file_goes_on_where_it_was_to_the_same_bits(board, ring, tmp_path, mon
     assert seen == [48, 50]
     assert found == whole
     assert midair.Sequence.load(file) == whole
+    # Large ones stay where they lie.
+    monkeypatch.setattr("midair.motion.files.LARGE", 0)
+    assert midair.Sequence.load(file) == whole
+    free = midair.Array.grid(16, 16, 10e-3)
+    other = midair.sequence(free, frames[:20], rate=RATE, resume=tmp_path / "free.npz")
+    assert isinstance(midair.Sequence.load(tmp_path / "free.npz")._drives.held.base, np.memmap)
+    assert other == midair.sequence(free, frames[:20], rate=RATE)
+    (tmp_path / "free.npz").unlink()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["motion.npz"]
 
 

@@ -78,7 +78,7 @@ def read(given: Any, array: Array, phases: int | None) -> Drives:
     if found.ndim != 2 or found.shape[1] != len(array) or not len(found):
         raise refused("drives.shape", found.shape, f"give (T, {len(array)}), a drive for each frame")
     if found.dtype.kind in "iu":
-        return Drives(_codes(found, phases), live, phases)
+        return Drives(_codes(found, phases, copy=not isinstance(given, np.memmap)), live, phases)
     if found.dtype.kind not in "fc":
         raise refused("drives.dtype", str(found.dtype), "give complex drives or whole phase codes")
     # A file's own, which may be larger than memory, stay where they are.
@@ -97,7 +97,7 @@ def read(given: Any, array: Array, phases: int | None) -> Drives:
     return Drives(drives, live, None)
 
 
-def _codes(found: NDArray[Any], phases: int | None) -> NDArray[Any]:
+def _codes(found: NDArray[Any], phases: int | None, *, copy: bool) -> NDArray[Any]:
     if phases is None:
         raise refused(
             "quantization",
@@ -107,6 +107,6 @@ def _codes(found: NDArray[Any], phases: int | None) -> NDArray[Any]:
     least, most = found.min(), found.max()
     if least < 0 or most >= phases:
         raise refused("drives", least if least < 0 else most, f"give codes from 0 to {phases - 1}")
-    codes = found.astype(np.uint8 if phases <= 256 else np.uint16)
+    codes: NDArray[Any] = found.astype(np.uint8 if phases <= 256 else np.uint16, copy=copy)
     codes.flags.writeable = False
     return codes
