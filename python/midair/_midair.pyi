@@ -44,6 +44,7 @@ __all__ = [
     "solve_batch",
     "solver_name",
     "solvers",
+    "tracks",
 ]
 
 _Numbers: TypeAlias = ArrayLike | None
