@@ -8,6 +8,7 @@ use num_complex::Complex32;
 use crate::error::Error;
 use crate::kernels::InstructionSet;
 use crate::kernels::grid::{Amplitudes, Grid, Phases};
+use crate::math;
 
 /// Phase counts that make sense: fewer than 2 are none, more than 2^16 are finer than f32 drives.
 const PHASES: core::ops::RangeInclusive<u32> = 2..=1 << 16;
@@ -23,6 +24,14 @@ const SLACK: f64 = 5e-5;
 
 /// The part of a pressure that an amplitude of the table has to keep to be taken for it.
 const KEPT: f64 = 0.9;
+
+/// What comes out of rounding the number of steps in a change where it is a whole number.
+const STEP_ROUNDING: f64 = 1e-9;
+
+/// The whole steps of `phases` phases that are within a change in rad.
+pub(crate) fn steps_within(change: f64, phases: u32) -> f64 {
+    math::floor(change / core::f64::consts::TAU * f64::from(phases) + STEP_ROUNDING)
+}
 
 /// What the channels of a device can do: L phases 2 pi l/L and a table of amplitudes, each of which may be left
 /// out for a device that is continuous in it.

@@ -5,6 +5,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use crate::control::{Control, bytes};
+use crate::device::quantization::steps_within;
 use crate::error::{Error, real};
 use crate::motion::alternation::{Wanted, field, follow};
 use crate::motion::exchange::even_out;
@@ -26,9 +27,6 @@ pub struct Ahead {
     /// Rounds of tracks, point phases and weights.
     pub rounds: u32,
 }
-
-/// What comes out of rounding floor(change L / 2 pi) where it is a whole number.
-const ROUNDING: f64 = 1e-9;
 
 /// Codes (T, N) of a whole sequence: every transducer on the best track over all its frames, drives e^{j 2 pi l/L}.
 ///
@@ -115,8 +113,7 @@ impl Ahead {
         if self.rounds == 0 {
             return Err(Error::invalid("rounds", 0, "give at least 1: the first finds the tracks"));
         }
-        let levels = f64::from(self.phases);
-        let reach = (change * levels / core::f64::consts::TAU + ROUNDING).min(levels) as usize;
+        let reach = steps_within(change, self.phases).min(self.phases.into()) as usize;
         Ok(Circle::new(self.phases as usize, reach))
     }
 }

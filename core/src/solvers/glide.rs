@@ -23,7 +23,7 @@ use alloc::vec::Vec;
 use num_complex::Complex32;
 
 use crate::control::Control;
-use crate::device::quantization::Quantization;
+use crate::device::quantization::{Quantization, steps_within};
 use crate::error::{Error, real};
 use crate::kernels::tiles::error_diffusion;
 use crate::kernels::tiles::unit::Arc;
@@ -231,7 +231,7 @@ impl<'w> Frame<'w> {
         wave.take(&rows, last.wave.iter().zip(&last.played).map(|(q, played)| q * played.conj()));
         let phases = problem.quantization().and_then(Quantization::phases);
         let step = phases.map(|count| TAU / f64::from(count));
-        let codes = step.map_or(f64::INFINITY, |step| math::floor(glide.change / step * (1.0 + 1e-9)));
+        let codes = phases.map_or(f64::INFINITY, |count| steps_within(glide.change, count));
         let change = if free { PI } else { step.map_or(glide.change, |step| codes * step).min(PI) };
         let most = if change < PI { codes as f32 } else { f32::INFINITY };
         let arc = [math::cos(change), math::sin(change)].map(|x| x as f32);

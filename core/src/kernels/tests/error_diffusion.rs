@@ -70,7 +70,7 @@ impl Even {
         (0..self.points).map(|k| wide(self.weights[k]) * off(k) * off(k)).sum()
     }
 
-    fn diffused(&self, set: InstructionSet, count: u32) -> (Vec<Complex64>, Vec<f32>) {
+    fn diffused(&self, set: InstructionSet, count: u32, most: f32) -> (Vec<Complex64>, Vec<f32>) {
         let part = |of: fn(&Complex64) -> f64| {
             let mut plane = vec![0.0; TRANSDUCERS * padded(self.points)];
             for (i, row) in plane.chunks_mut(padded(self.points)).enumerate() {
@@ -99,7 +99,7 @@ impl Even {
             phases: &Phases::new(count),
             weights: &self.weights,
             targeted: self.targeted,
-            most: f32::INFINITY,
+            most,
             memory: &mut memory,
         };
         let field = field.each_ref().map(|plane| &plane[..]);
@@ -123,7 +123,7 @@ fn points_stay_alike_on_the_grid() {
             let mut plain: Vec<_> = even.drive.iter().map(near).collect();
             plain[DEAD] = Complex64::ZERO;
             for set in InstructionSet::all() {
-                let (drive, codes) = even.diffused(set, count);
+                let (drive, codes) = even.diffused(set, count, f32::INFINITY);
                 assert_eq!(drive[DEAD], Complex64::ZERO, "{set}");
                 for (i, (q, &code)) in drive.iter().zip(&codes).enumerate().filter(|(i, _)| *i != DEAD) {
                     assert!(code.fract() == 0.0 && wide(code).abs() <= f64::from(count));
@@ -134,7 +134,25 @@ fn points_stay_alike_on_the_grid() {
                 let (left, rounded) = (even.cost(&drive), even.cost(&plain));
                 // One point is alike however it is rounded. In trials 1/30 to 1/3000 of the squares were left.
                 assert!(left <= 0.1 * rounded + 1e-6, "{set}, M = {points}, L = {count}: {left} for {rounded}");
-                assert_eq!(drive, even.diffused(set, count).0, "{set}: the same again");
+                assert_eq!(drive, even.diffused(set, count, f32::INFINITY).0, "{set}: the same again");
+            }
+        }
+    }
+}
+
+#[test]
+fn no_code_is_beyond_the_largest() {
+    for (points, quiet) in [(1, 0), (4, 0), (9, 2), (17, 0)] {
+        let even = Even::new(points, quiet);
+        for (count, most) in [(32, 1.0), (256, 8.0), (256, 0.0)] {
+            for set in InstructionSet::all() {
+                let (drive, codes) = even.diffused(set, count, most);
+                for (i, (q, &code)) in drive.iter().zip(&codes).enumerate().filter(|(i, _)| *i != DEAD) {
+                    assert!(code.fract() == 0.0 && code.abs() <= most, "{set}: transducer {i} has {code}");
+                    let phasor = Complex64::from_polar(1.0, TAU * wide(code) / f64::from(count));
+                    assert!((q - phasor).norm() < 1e-7, "{set}: transducer {i}");
+                }
+                assert!(most == 0.0 || codes.iter().any(|code| code.abs() == most), "{set}: the bound binds");
             }
         }
     }

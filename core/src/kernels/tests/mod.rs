@@ -1,6 +1,7 @@
 //! Every kernel against plain f64 loops, at every length up to four whole groups of lanes and a remainder, over
 //! dirty memory.
 
+mod arc;
 mod batch;
 mod cholesky;
 mod closed_form;

@@ -17,16 +17,16 @@ use crate::kernels::tiles::{phases, products};
 use crate::rng::Rng;
 
 /// Rows of G and the same as tiles, every second point doubled and the points in turn from the last.
-struct Scene {
+pub(super) struct Scene {
     points: usize,
     transducers: usize,
-    planes: [Vec<f32>; 2],
+    pub(super) planes: [Vec<f32>; 2],
     /// G as the tiles hold it, point by point.
-    matrix: Vec<Vec<Complex64>>,
+    pub(super) matrix: Vec<Vec<Complex64>>,
 }
 
 impl Scene {
-    fn new(points: usize, transducers: usize, set: InstructionSet) -> Self {
+    pub(super) fn new(points: usize, transducers: usize, set: InstructionSet) -> Self {
         let mut rng = Rng::new((1000 * points + transducers) as u64);
         let wide_row = padded(points);
         let mut stored = [(); 2].map(|()| Vec::new());
@@ -52,12 +52,12 @@ impl Scene {
         Self { points, transducers, planes, matrix }
     }
 
-    fn tiles(&self) -> Tiles<'_> {
+    pub(super) fn tiles(&self) -> Tiles<'_> {
         Tiles { planes: [&self.planes[0], &self.planes[1]], lanes: lanes(self.transducers) }
     }
 
     /// Lets a kernel play; the drive and the field, whose padding must be silent.
-    fn play(&self, kernel: impl FnOnce(Wave<'_>)) -> [Vec<Complex64>; 2] {
+    pub(super) fn play(&self, kernel: impl FnOnce(Wave<'_>)) -> [Vec<Complex64>; 2] {
         let dirty = |size: usize| [(); 2].map(|()| vec![f32::NAN; size]);
         let (mut drive, mut field) = (dirty(lanes(self.transducers)), dirty(height(self.points)));
         let [drive_, field_] = [&mut drive, &mut field].map(|pair| pair.each_mut().map(Vec::as_mut_slice));

@@ -17,7 +17,7 @@ fn unit<S: Simd>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
 /// cos and sin of the most that a drive may rotate away from 1.
 pub(crate) type Arc = [f32; 2];
 
-/// A phasor brought into an arc around 1, to the end that is nearer.
+/// A phasor brought into an arc around 1, to the end that is nearer; 0 too, which has no effect where G is 0.
 #[inline(always)]
 fn within<S: Simd>(s: S, [re, im]: [S::V; 2], arc: Arc) -> [S::V; 2] {
     let [cos, sin] = arc.map(|part| s.splat(part));
