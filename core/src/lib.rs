@@ -76,6 +76,8 @@ mod threads;
 mod workspace;
 
 pub use control::{Control, Observe, Progress};
+pub use device::board::Board;
+pub use device::code::Code;
 pub use device::quantization::Quantization;
 pub use error::Error;
 pub use kernels::InstructionSet;

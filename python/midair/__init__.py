@@ -40,6 +40,7 @@ from ._midair import (
     solve_batch,
     solvers,
 )
+from .boards.board import Board
 from .compare import Comparison, compare
 from .ear import Ear, ear
 from .motion import Felt, Sequence, SequenceMetrics, sequence, stream
@@ -52,6 +53,7 @@ __all__ = [
     "Array",
     "Batch",
     "BatchMetrics",
+    "Board",
     "Comparison",
     "Ear",
     "Felt",

@@ -162,6 +162,14 @@ impl Array {
         on_board(adjusted(array.into(), source_pressure, directivity, response)?, mask, quantization)
     }
 
+    /// An array from a file: OpenMPD's .pat, Ultraino's .xml.gz, HandyBeam's .xml, AUTD3's geometry .json, or .csv of x, y, z
+    /// and nx, ny, nz in m. Keywords override what its format brings.
+    #[staticmethod]
+    #[pyo3(signature = (path, **keywords))]
+    fn from_file<'py>(path: &Bound<'py, PyAny>, keywords: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
+        path.py().import("midair.files")?.getattr("read_array")?.call((path,), keywords)
+    }
+
     /// The names of the presets; `midair.presets()` tells more.
     #[staticmethod]
     fn presets() -> Vec<&'static str> {
@@ -259,17 +267,27 @@ pub(crate) struct PresetInfo {
     tiles: bool,
     /// P0 in Pa m.
     source_pressure: f64,
+    /// The board that plays it, or None.
+    board: Option<String>,
 }
 
 #[pymethods]
 impl PresetInfo {
     #[staticmethod]
-    fn _restore(summary: String, source: String, count: usize, tiles: bool, source_pressure: f64) -> Self {
-        Self { summary, source, count, tiles, source_pressure }
+    fn _restore(
+        summary: String,
+        source: String,
+        count: usize,
+        tiles: bool,
+        source_pressure: f64,
+        board: Option<String>,
+    ) -> Self {
+        Self { summary, source, count, tiles, source_pressure, board }
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
-        restored::<Self>(py, (&self.summary, &self.source, self.count, self.tiles, self.source_pressure))
+        let Self { summary, source, count, tiles, source_pressure, board } = self;
+        restored::<Self>(py, (summary, source, count, tiles, source_pressure, board))
     }
 
     fn __repr__(&self) -> String {
@@ -288,6 +306,7 @@ pub(crate) fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
             count: preset.count,
             tiles: preset.tiles,
             source_pressure: preset.transducer.source_pressure,
+            board: preset.board.map(Into::into),
         };
         dict.set_item(preset.name, Bound::new(py, info)?)?;
     }

@@ -3,6 +3,7 @@
 mod ahead;
 mod array;
 mod batch;
+mod codec;
 mod ctrl_c;
 mod draw;
 mod error;
@@ -49,6 +50,8 @@ mod _midair {
     use super::array::{Array, PresetInfo, presets};
     #[pymodule_export]
     use super::batch::{Batch, solve_batch};
+    #[pymodule_export]
+    use super::codec::Codec;
     #[pymodule_export]
     use super::error::{SceneError, SceneWarning};
     #[pymodule_export]

@@ -1,3 +1,7 @@
-//! What a board can play; no sockets.
+//! What a board can play, and the bytes that make it play; no sockets.
 
+pub(crate) mod board;
+mod boards;
+pub(crate) mod code;
+pub(crate) mod format;
 pub(crate) mod quantization;

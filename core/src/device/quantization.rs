@@ -69,12 +69,6 @@ impl Quantization {
         Ok(Self { amplitudes, grid })
     }
 
-    /// `phases` phases and `amplitudes` amplitudes evenly spaced from 0 to 1, as most boards have them.
-    pub(crate) fn evenly(phases: u32, amplitudes: u32) -> Result<Self, Error> {
-        let steps = f64::from(amplitudes) - 1.0;
-        Self::new(Some(phases), Some((0..amplitudes).map(|k| f64::from(k) / steps).collect()))
-    }
-
     /// Number of phases L, `None` where any phase can be had.
     #[must_use]
     pub fn phases(&self) -> Option<u32> {

@@ -2,6 +2,7 @@
 
 use alloc::vec::Vec;
 
+use crate::device::board;
 use crate::device::quantization::Quantization;
 use crate::error;
 use crate::error::Error;
@@ -25,8 +26,9 @@ pub struct Preset {
     pub tiles: bool,
     /// Its transducers.
     pub transducer: Transducer,
-    /// Phases and amplitudes (evenly spaced from 0 to 1) of its device, where it has such quantization.
-    pub grid: Option<[u32; 2]>,
+    /// The board that plays it, where there is one that can play any drive: its quantization is the array's, and the array's
+    /// order is the board's ([`Board::new`](crate::Board::new)).
+    pub board: Option<&'static str>,
     pub(crate) positions: fn([usize; 2]) -> Vec<[f64; 3]>,
     /// Where the transducers face from their positions, unless all face +z.
     pub(crate) normal: Option<fn([f64; 3]) -> [f64; 3]>,
@@ -35,16 +37,25 @@ pub struct Preset {
 impl Preset {
     /// The quantization of its device.
     pub(crate) fn quantization(&self) -> Result<Option<Quantization>, Error> {
-        self.grid.map(|[phases, amplitudes]| Quantization::evenly(phases, amplitudes)).transpose()
+        self.board.map(board::quantization).transpose()
     }
 }
 
 /// P0 = 1e-3 Pa m is eq. (5) with lengths in millimetres.
 const PAPER: Transducer = Transducer { source_pressure: 1e-3, directivity: Directivity::Point };
+/// Ultraino's transducers of 10 mm.
+const ULTRAINO: Transducer = Transducer { source_pressure: 2.4, directivity: Directivity::Sinc(9e-3) };
+/// Murata MA40S4S at 20 V.
+const MURATA: Transducer = Transducer { source_pressure: 3.4, directivity: Directivity::Piston(4.5e-3) };
+const HANDYBEAM: Transducer = Transducer { source_pressure: 3.4, directivity: Directivity::Cos(3.376) };
+const OPENMPD: &str =
+    "OpenMPD board file (16 x 16 at 10.5 mm, x slow, y from + to -) and AcousTools 1.2, Boards.py (gap, P0, piston)";
+/// Of boards above and below the origin, to the plane between them.
+const INWARDS: fn([f64; 3]) -> [f64; 3] = |[_, _, z]| [0.0, 0.0, -z.signum()];
 const SUZUKI: &str = "Suzuki et al., IEEE Trans. Haptics 14(4), 2021, section IV";
 
 /// Every preset.
-pub const PRESETS: [Preset; 5] = [
+pub const PRESETS: [Preset; 13] = [
     Preset {
         name: "paper20",
         summary: "20 x 20 at 10 mm, the paper's figures 3 to 5",
@@ -52,7 +63,7 @@ pub const PRESETS: [Preset; 5] = [
         count: 400,
         tiles: false,
         transducer: PAPER,
-        grid: None,
+        board: None,
         positions: |_| lattice([20, 20], 10e-3),
         normal: None,
     },
@@ -63,7 +74,7 @@ pub const PRESETS: [Preset; 5] = [
         count: 1296,
         tiles: false,
         transducer: PAPER,
-        grid: None,
+        board: None,
         positions: |_| lattice([36, 36], 10e-3),
         normal: None,
     },
@@ -74,21 +85,53 @@ pub const PRESETS: [Preset; 5] = [
         count: 249,
         tiles: true,
         transducer: Transducer { source_pressure: 4.386, directivity: Directivity::Point },
-        // 8 bits each. The firmware's pulse widths make the sound pressure proportional to the intensity value.
-        grid: Some([256, 256]),
+        board: Some("autd3"),
         positions: autd3,
         normal: None,
     },
     Preset {
-        name: "openmpd_pair",
-        summary: "two OpenMPD boards of 256 transducers, face to face 236.5 mm apart around the origin",
-        source: "OpenMPD board file (16 x 16 at 10.5 mm, x slow, y from + to -) and AcousTools 1.2, Boards.py (gap, P0, piston)",
+        name: "sonicsurface",
+        summary: "SonicSurface, 16 x 16 at 10.5 mm",
+        source: "SonicSurface, Python class (positions, centred as in Ultraino's file of the board); P0 and sinc of that file",
+        count: 256,
+        tiles: false,
+        transducer: ULTRAINO,
+        board: Some("sonicsurface"),
+        positions: |_| lattice([16, 16], 10.5e-3),
+        normal: None,
+    },
+    Preset {
+        name: "sonicsurface_pair",
+        summary: "two SonicSurfaces face to face 243 mm apart around the origin, the upper turned about y",
+        source: "as sonicsurface; the gap: 3dprintzothar, SonicSurface build log",
         count: 512,
         tiles: false,
-        transducer: Transducer { source_pressure: 3.4, directivity: Directivity::Piston(4.5e-3) },
-        grid: Some([128, 64]),
-        positions: |_| openmpd_pair(),
-        normal: Some(|[_, _, z]| [0.0, 0.0, -z.signum()]),
+        transducer: ULTRAINO,
+        board: Some("sonicsurface"),
+        positions: |_| facing(&lattice([16, 16], 10.5e-3), 243e-3),
+        normal: Some(INWARDS),
+    },
+    Preset {
+        name: "openmpd_board",
+        summary: "OpenMPD board, 16 x 16 at 10.5 mm, x slow, y from + to -",
+        source: OPENMPD,
+        count: 256,
+        tiles: false,
+        transducer: MURATA,
+        board: Some("openmpd"),
+        positions: |_| openmpd(),
+        normal: None,
+    },
+    Preset {
+        name: "openmpd_pair",
+        summary: "two OpenMPD boards face to face 236.5 mm apart around the origin, the upper turned about y",
+        source: OPENMPD,
+        count: 512,
+        tiles: false,
+        transducer: MURATA,
+        board: Some("openmpd"),
+        positions: |_| facing(&openmpd(), 236.5e-3),
+        normal: Some(INWARDS),
     },
     Preset {
         name: "tinylev",
@@ -97,9 +140,64 @@ pub const PRESETS: [Preset; 5] = [
         count: 72,
         tiles: false,
         transducer: Transducer { source_pressure: 2.53, directivity: Directivity::Sinc(9e-3) },
-        grid: None,
-        positions: |_| tinylev(),
+        board: None,
+        positions: |_| levitator([(6, 10.3e-3, 59.11e-3), (12, 20.5e-3, 56.38e-3), (18, 30.0e-3, 51.96e-3)]),
         normal: Some(|place| place.map(|x| -x)),
+    },
+    Preset {
+        name: "biglev",
+        summary: "BigLev: two caps of 36 transducers of 16 mm around the origin, on a sphere of 192 mm",
+        source: "Ultraino's BigLev file: rings and P0; sinc as wide as its transducers",
+        count: 72,
+        tiles: false,
+        transducer: Transducer { source_pressure: 5.4, directivity: Directivity::Sinc(16e-3) },
+        board: None,
+        positions: |_| levitator([(6, 16.4e-3, 94.58e-3), (12, 32.8e-3, 90.21e-3), (18, 48.0e-3, 83.14e-3)]),
+        normal: Some(|place| place.map(|x| -x)),
+    },
+    Preset {
+        name: "ultraino_flat8x8",
+        summary: "Ultraino's flat array, 8 x 8 at 10 mm",
+        source: "Ultraino's file flat 8x8: order, P0 and sinc",
+        count: 64,
+        tiles: false,
+        transducer: ULTRAINO,
+        board: Some("mega64"),
+        positions: |_| lattice([8, 8], 10e-3),
+        normal: None,
+    },
+    Preset {
+        name: "spherical_cap64",
+        summary: "Ultraino's bowl of 64 transducers around a focus 55.5 mm above the origin",
+        source: "Ultraino's file sphericalCap64: rings, order, P0 and sinc",
+        count: 64,
+        tiles: false,
+        transducer: ULTRAINO,
+        board: Some("mega64"),
+        positions: |_| bowl(),
+        normal: Some(|[x, y, z]| [-x, -y, BOWL_FOCUS - z]),
+    },
+    Preset {
+        name: "dragonfly",
+        summary: "Ultrahaptics UHEV1 and Dragonfly, 16 x 16 at 10.47 mm; no drives of one's own on the device",
+        source: "HandyBeam, tx_array_library (pitch) and its cos^3.376; P0 assumed, as of the Murata MA40S4S",
+        count: 256,
+        tiles: false,
+        transducer: HANDYBEAM,
+        board: None,
+        positions: |_| lattice([16, 16], 10.47e-3),
+        normal: None,
+    },
+    Preset {
+        name: "stratos",
+        summary: "Ultraleap STRATOS USX, 16 x 16 at 10.3 mm; no drives of one's own on the device",
+        source: "HandyBeam, tx_array_library (pitch) and its cos^3.376; P0 assumed, as of the Murata MA40S4S",
+        count: 256,
+        tiles: false,
+        transducer: HANDYBEAM,
+        board: None,
+        positions: |_| lattice([16, 16], 10.3e-3),
+        normal: None,
     },
 ];
 
@@ -133,25 +231,49 @@ fn autd3(tiles: [usize; 2]) -> Vec<[f64; 3]> {
     positions
 }
 
-/// The board below, then the one above.
-fn openmpd_pair() -> Vec<[f64; 3]> {
-    const SITES: usize = 16;
-    const PITCH: f64 = 10.5e-3;
-    const GAP: f64 = 236.5e-3;
-    let place = |site: usize| (site as f64 - 0.5 * (SITES as f64 - 1.0)) * PITCH;
-    let board = |z: f64| (0..SITES * SITES).map(move |i| [place(i / SITES), -place(i % SITES), z]);
-    board(-0.5 * GAP).chain(board(0.5 * GAP)).collect()
+/// A board around z = 0 and one facing it, each in its own order: the one below, then the one above, turned about y.
+fn facing(board: &[[f64; 3]], gap: f64) -> Vec<[f64; 3]> {
+    let below = board.iter().map(|&[x, y, _]| [x, y, -0.5 * gap]);
+    below.chain(board.iter().map(|&[x, y, _]| [-x, y, 0.5 * gap])).collect()
 }
 
-/// The cap below, then the one above, each from its innermost ring outwards.
-fn tinylev() -> Vec<[f64; 3]> {
-    /// Transducers, radius and distance from the middle plane.
-    const RINGS: [(u32, f64, f64); 3] = [(6, 10.3e-3, 59.11e-3), (12, 20.5e-3, 56.38e-3), (18, 30.0e-3, 51.96e-3)];
-    let ring = |side: f64, (count, radius, height): (u32, f64, f64)| {
-        (0..count).map(move |k| {
-            let angle = core::f64::consts::TAU * f64::from(k) / f64::from(count);
-            [radius * math::cos(angle), radius * math::sin(angle), side * height]
-        })
-    };
-    [-1.0, 1.0].into_iter().flat_map(|side| RINGS.into_iter().flat_map(move |rings| ring(side, rings))).collect()
+/// One OpenMPD board.
+fn openmpd() -> Vec<[f64; 3]> {
+    let own = lattice([16, 16], 10.5e-3);
+    (0..256).map(|i| [own[i / 16][0], -own[i % 16][0], 0.0]).collect()
+}
+
+/// A ring of transducers counterclockwise, the first at an angle from +x.
+fn ring(count: u32, radius: f64, height: f64, first: f64) -> impl Iterator<Item = [f64; 3]> {
+    (0..count).map(move |k| {
+        let angle = first + core::f64::consts::TAU * f64::from(k) / f64::from(count);
+        [radius * math::cos(angle), radius * math::sin(angle), height]
+    })
+}
+
+/// Rings of transducers, their radii and distances from the middle plane: the cap below, then the one above, each from its
+/// innermost ring outwards.
+fn levitator(rings: [(u32, f64, f64); 3]) -> Vec<[f64; 3]> {
+    let cap =
+        |side: f64| rings.into_iter().flat_map(move |(count, radius, height)| ring(count, radius, side * height, 0.0));
+    [-1.0, 1.0].into_iter().flat_map(cap).collect()
+}
+
+/// Height of the focus of Ultraino's bowl, whose radius is 72.7 mm.
+const BOWL_FOCUS: f64 = 55.5e-3;
+
+/// From the rim to the middle, as Ultraino's file has them: each ring from +y on, the third half a step later.
+fn bowl() -> Vec<[f64; 3]> {
+    const RINGS: [(u32, f64, f64, f64); 5] = [
+        (28, 56.75e-3, 10.14e-3, 0.0),
+        (14, 45.26e-3, -1.35e-3, 0.0),
+        (14, 31.49e-3, -10.0e-3, 0.5),
+        (7, 16.0e-3, -15.41e-3, 0.0),
+        (1, 0.0, -17.19e-3, 0.0),
+    ];
+    let first = |count: u32, steps: f64| core::f64::consts::TAU * (0.25 + steps / f64::from(count));
+    RINGS
+        .into_iter()
+        .flat_map(|(count, radius, height, steps)| ring(count, radius, height, first(count, steps)))
+        .collect()
 }

@@ -135,7 +135,7 @@ fn a_near_miss_is_told_what_was_meant_and_an_option_of_others_who_has_it() {
     let text = Array::preset("autd4", [1, 1]).expect_err("unknown").to_string();
     assert_eq!(
         text,
-        "unknown preset \"autd4\": did you mean autd3? known are paper20, paper36, autd3, openmpd_pair, tinylev"
+        "unknown preset \"autd4\": did you mean autd3? known are paper20, paper36, autd3, sonicsurface, sonicsurface_pair, openmpd_board, openmpd_pair, tinylev, biglev, ultraino_flat8x8, spherical_cap64, dragonfly, stratos"
     );
 }
 

@@ -1,0 +1,97 @@
+//! ultrasonic-homies rev 1: two FPGAs of 128 channels; words switch channels off, a burst sets phases and switches on.
+
+use crate::device::code::{Code, Levels, Steps};
+use crate::device::format::{Format, Line, Reader, Writer};
+use crate::error::Error;
+
+const CHANNELS: usize = 128;
+/// Where a word begins and ends.
+const SUFFIX: u8 = 0x55;
+const PREFIX: u8 = 0xaa;
+/// A word of phase, channel and enable bit.
+const ENABLE: u8 = 1;
+/// A word that tells how many bytes follow: phase and channel of each transducer that is on.
+const BURST: u8 = 2;
+/// A frame of one FPGA is longest where nothing is on; zeros, which the receiver passes over, make all as long.
+const SIZE: usize = 8 * CHANNELS;
+
+pub(crate) const FORMAT: Format = Format {
+    name: "homies",
+    summary: "ultrasonic-homies rev 1, an FPGA on each channel of its FT2232H, B first",
+    source: "ultrasonic-homies, receiver.sv and phase_parser.sv",
+    channels: CHANNELS,
+    most_boards: 2,
+    steps: Steps { phases: 256, levels: Levels::OnOff },
+    // At 1 MB/s a FIFO, far below what it is built for.
+    line: Line::Frames(900.0),
+    apart: true,
+    order: |transducer| transducer,
+    size: |boards| SIZE * boards,
+    encode,
+    decode,
+    wake: &[],
+};
+
+/// A receiver out of step takes these bytes for the ends of a word: the phase step beside them is played.
+fn spared(phase: u16) -> u8 {
+    match phase as u8 {
+        SUFFIX => SUFFIX - 1,
+        PREFIX => PREFIX + 1,
+        phase => phase,
+    }
+}
+
+fn encode(boards: usize, code: &dyn Fn(usize) -> Code, frame: &mut [u8]) {
+    frame.fill(0);
+    for (fpga, part) in frame.chunks_exact_mut(SIZE).take(boards).enumerate() {
+        let mut bytes = Writer::new(part);
+        let codes: [Code; CHANNELS] = core::array::from_fn(|channel| code(fpga * CHANNELS + channel));
+        let on = || codes.iter().enumerate().filter(|(_, code)| code.level > 0);
+        for channel in (0..CHANNELS).filter(|&channel| codes[channel].level == 0) {
+            word(&mut bytes, ENABLE, [0, channel as u8, 0, 0]);
+        }
+        let count = on().count();
+        if count > 0 {
+            word(&mut bytes, BURST, (2 * count as u32).to_le_bytes());
+        }
+        for (channel, code) in on() {
+            bytes.put(spared(code.phase));
+            bytes.put(channel as u8);
+        }
+    }
+}
+
+fn word(bytes: &mut Writer<'_>, command: u8, data: [u8; 4]) {
+    [SUFFIX].into_iter().chain(data).chain([command, 0, PREFIX]).for_each(|byte| bytes.put(byte));
+}
+
+fn decode(boards: usize, frame: &[u8], put: &mut dyn FnMut(usize, Code)) -> Result<(), Error> {
+    let mut bytes = Reader::new(frame);
+    for fpga in 0..boards {
+        let end = (fpga + 1) * SIZE;
+        while bytes.at < end {
+            if bytes.byte(|byte| byte == SUFFIX || byte == 0, "85 where a word begins, or 0 between words")? == 0 {
+                continue;
+            }
+            let data = [bytes.get()?, bytes.get()?, bytes.get()?, bytes.get()?];
+            let command = bytes.byte(|byte| matches!(byte, ENABLE | BURST), "the command 1 or 2")?;
+            bytes.byte(|byte| byte == 0, "0 as the command's upper byte")?;
+            bytes.byte(|byte| byte == PREFIX, "170 where a word ends")?;
+            if command == ENABLE {
+                let code = Code { phase: data[0].into(), level: (data[2] & 1).into() };
+                put(fpga * CHANNELS + channel(&bytes, data[1])?, code);
+                continue;
+            }
+            for _ in 0..u32::from_le_bytes(data) / 2 {
+                let [phase, number] = [bytes.get()?, bytes.get()?];
+                put(fpga * CHANNELS + channel(&bytes, number)?, Code { phase: phase.into(), level: 1 });
+            }
+        }
+    }
+    bytes.end()
+}
+
+fn channel(bytes: &Reader<'_>, number: u8) -> Result<usize, Error> {
+    let channel = usize::from(number);
+    if channel < CHANNELS { Ok(channel) } else { Err(bytes.fault(number, "channels of 0 to 127")) }
+}

@@ -1,0 +1,7 @@
+//! The bytes of each board, a family a file.
+
+pub(super) mod autd3;
+pub(super) mod homies;
+pub(super) mod openmpd;
+pub(super) mod sonicsurface;
+pub(super) mod ultraino;

@@ -1,0 +1,74 @@
+//! SonicSurface: codes of 256 channels between a start and a swap byte; two boards are selected in turn and swap as one.
+
+use crate::device::code::{Code, Levels, Steps};
+use crate::device::format::{Format, Line, Reader, Writer};
+use crate::error::Error;
+
+const CHANNELS: usize = 256;
+/// The phase code that switches a channel off.
+const OFF: u8 = 32;
+/// Selects the primary board for what follows; the secondary is the next number.
+const SELECT: u8 = 192;
+const START: u8 = 254;
+/// Exchanges the two banks of every board.
+const SWAP: u8 = 253;
+/// Lets the shift clocks run, which a stray 150 stops.
+const CLOCKS: u8 = 151;
+
+pub(crate) const FORMAT: Format = Format {
+    name: "sonicsurface",
+    summary: "SonicSurface boards over a serial line, one or two",
+    source: "SonicSurface firmware, Distribute.vhd and PhaseLine.vhd; order of the channels: its Python class",
+    channels: CHANNELS,
+    most_boards: 2,
+    steps: Steps { phases: 32, levels: Levels::OnOff },
+    line: Line::Serial(230_400),
+    apart: false,
+    order,
+    size: |boards| if boards == 1 { CHANNELS + 2 } else { (CHANNELS + 2) * boards + 1 },
+    encode,
+    decode,
+    wake: &[CLOCKS],
+};
+
+/// Transducers row by row; channels in squares of four columns, two rows at a time.
+fn order(transducer: usize) -> usize {
+    const PAIR: [[usize; 4]; 2] = [[0, 7, 1, 2], [4, 3, 6, 5]];
+    let [row, column] = [transducer / 16, transducer % 16];
+    64 * (column / 4) + 8 * (row / 2) + PAIR[row % 2][column % 4]
+}
+
+fn encode(boards: usize, code: &dyn Fn(usize) -> Code, frame: &mut [u8]) {
+    let mut bytes = Writer::new(frame);
+    for board in 0..boards {
+        if boards > 1 {
+            bytes.put(SELECT + board as u8);
+        }
+        bytes.put(START);
+        for channel in 0..CHANNELS {
+            let Code { phase, level } = code(board * CHANNELS + channel);
+            bytes.put(if level == 0 { OFF } else { phase as u8 });
+        }
+    }
+    bytes.put(SWAP);
+}
+
+fn decode(boards: usize, frame: &[u8], put: &mut dyn FnMut(usize, Code)) -> Result<(), Error> {
+    let mut bytes = Reader::new(frame);
+    for board in 0..boards {
+        if boards > 1 {
+            bytes.byte(
+                |byte| byte == SELECT + board as u8,
+                "192 before the first board's phases, 193 before the second's",
+            )?;
+        }
+        bytes.byte(|byte| byte == START, "254 before the phases")?;
+        for channel in 0..CHANNELS {
+            let phase = bytes.byte(|byte| byte <= OFF, "phases of 0 to 31, or 32 for off")?;
+            let code = Code { phase: phase.into(), level: 1 };
+            put(board * CHANNELS + channel, if phase == OFF { Code::default() } else { code });
+        }
+    }
+    bytes.byte(|byte| byte == SWAP, "253 at the end")?;
+    bytes.end()
+}

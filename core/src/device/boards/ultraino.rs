@@ -1,0 +1,178 @@
+//! Ultraino's Arduinos: which pins are high in each tick of a period, a bit a pin, four bits a byte.
+
+use alloc::format;
+
+use crate::device::code::{Code, Levels, Steps};
+use crate::device::format::{Format, Line, Reader, Writer};
+use crate::error::Error;
+
+/// Exchanges the two buffers.
+const SWAP: u8 = 0x00;
+/// A Nano's: back to the first byte of the buffer.
+const RESET: u8 = 0x10;
+
+const BAUD: Line = Line::Serial(115_200);
+const SOURCE: &str = "Ultraino: firmware of the driver boards and the classes of its Java program that write to them";
+
+pub(crate) const MEGA64: Format = Format {
+    name: "mega64",
+    summary: "Ultraino's Arduino MEGA boards of 64, up to 14 in a chain",
+    source: SOURCE,
+    channels: 64,
+    most_boards: 14,
+    steps: Steps { phases: 10, levels: Levels::Widths },
+    line: BAUD,
+    apart: false,
+    order: |transducer| transducer,
+    size: |boards| 200 * boards + DURATIONS.len() + 1,
+    encode: |boards, code, frame| {
+        let mut bytes = Writer::new(frame);
+        for board in 0..boards {
+            write::<64>(10, 10, board, &|channel| PINS[channel], code, &mut bytes);
+        }
+        DURATIONS.into_iter().chain([SWAP]).for_each(|byte| bytes.put(byte));
+    },
+    decode: |boards, frame, put| {
+        let mut bytes = Reader::new(frame);
+        for board in 0..boards {
+            read::<64>(10, 10, board, &|channel| PINS[channel], None, put, &mut bytes)?;
+        }
+        for expected in DURATIONS.into_iter().chain([SWAP]) {
+            bytes.byte(|byte| byte == expected, "the durations 1 and 0, 16 and 0 after the data")?;
+        }
+        bytes.end()
+    },
+    wake: &[],
+};
+
+/// One pattern for one period, over and over: durations 1 and 0, two bits a byte, most significant first, taken by the last.
+const DURATIONS: [u8; 9] = [0x30, 0x30, 0x30, 0x70, 0x30, 0x30, 0x30, 0x30, 0x10];
+
+/// The pin of each channel of a MEGA64: its port, in the order A C L B K F H D G J, times 8 and the bit of the port.
+const PINS: [usize; 64] = [
+    51, 52, 53, 54, 28, 29, 30, 31, 47, 46, 45, 44, 43, 42, 41, 40, 56, 57, 58, 59, 48, 49, 72, 69, 39, 38, 37, 36, 35,
+    34, 33, 32, 21, 23, 65, 63, 9, 11, 13, 15, 20, 22, 64, 66, 8, 10, 12, 14, 24, 25, 26, 27, 16, 17, 18, 19, 7, 6, 5,
+    4, 3, 2, 1, 0,
+];
+
+pub(crate) const NANO16: Format = Format {
+    name: "nano16",
+    summary: "Ultraino's Arduino Nano of 16 channels",
+    source: SOURCE,
+    channels: 16,
+    most_boards: 1,
+    steps: Steps { phases: 16, levels: Levels::OnOff },
+    line: BAUD,
+    apart: false,
+    order: |transducer| transducer,
+    size: |_| 65,
+    encode: |_, code, frame| write_nano::<16>(16, code, frame),
+    decode: |_, frame, put| read_nano::<16>(16, frame, put),
+    wake: &[RESET],
+};
+
+pub(crate) const NANO: Format = Format {
+    name: "nano",
+    summary: "Ultraino's Arduino Nano of 8 channels",
+    source: SOURCE,
+    channels: 8,
+    most_boards: 1,
+    steps: Steps { phases: 24, levels: Levels::OnOff },
+    line: BAUD,
+    apart: false,
+    order: |transducer| transducer,
+    size: |_| 49,
+    encode: |_, code, frame| write_nano::<8>(24, code, frame),
+    decode: |_, frame, put| read_nano::<8>(24, frame, put),
+    wake: &[],
+};
+
+/// A Nano's pulses are half a period long: level 1 is as many ticks.
+fn write_nano<const N: usize>(ticks: u16, code: &dyn Fn(usize) -> Code, frame: &mut [u8]) {
+    let mut bytes = Writer::new(frame);
+    let pulse = |channel| {
+        let Code { phase, level } = code(channel);
+        Code { phase, level: level * ticks / 2 }
+    };
+    write::<N>(ticks, N / 8, 0, &|channel| channel, &pulse, &mut bytes);
+    bytes.put(SWAP);
+}
+
+fn read_nano<const N: usize>(ticks: u16, frame: &[u8], put: &mut dyn FnMut(usize, Code)) -> Result<(), Error> {
+    let mut bytes = Reader::new(frame);
+    let mut on = |channel, Code { phase, level }| put(channel, Code { phase, level: level.min(1) });
+    read::<N>(ticks, N / 8, 0, &|channel| channel, Some(ticks / 2), &mut on, &mut bytes)?;
+    bytes.byte(|byte| byte == SWAP, "0 at the end")?;
+    bytes.end()
+}
+
+/// The ports in each tick of a board's N channels: high for `level` ticks from `phase` on. The low half of a byte is the
+/// number of the board, counted from 1, which each board of a chain counts down and passes on.
+fn write<const N: usize>(
+    ticks: u16,
+    ports: usize,
+    board: usize,
+    pin: &dyn Fn(usize) -> usize,
+    code: &dyn Fn(usize) -> Code,
+    bytes: &mut Writer<'_>,
+) {
+    let mut channels = [None; 80];
+    for channel in 0..N {
+        channels[pin(channel)] = Some(code(board * N + channel));
+    }
+    let address = board as u8 + 1;
+    for tick in 0..ticks {
+        for port in 0..ports {
+            let high = |&bit: &usize| {
+                channels[8 * port + bit].is_some_and(|Code { phase, level }| (tick + ticks - phase) % ticks < level)
+            };
+            let byte: u8 = (0..8).filter(high).map(|bit| 1 << bit).sum();
+            bytes.put(byte & 0xf0 | address);
+            bytes.put(byte << 4 | address);
+        }
+    }
+}
+
+/// Pulses back from their ticks; each is in one piece, `width` ticks long where that is given.
+fn read<const N: usize>(
+    ticks: u16,
+    ports: usize,
+    board: usize,
+    pin: &dyn Fn(usize) -> usize,
+    width: Option<u16>,
+    put: &mut dyn FnMut(usize, Code),
+    bytes: &mut Reader<'_>,
+) -> Result<(), Error> {
+    let mut high = [0_u32; 80];
+    let addressed = |byte: u8| usize::from(byte & 0x0f) == board + 1;
+    for tick in 0..ticks {
+        for port in 0..ports {
+            let upper = bytes.byte(addressed, "the board's number, counted from 1, in the lower four bits")?;
+            let lower = bytes.byte(addressed, "the board's number, counted from 1, in the lower four bits")?;
+            let byte = upper & 0xf0 | lower >> 4;
+            for bit in 0..8 {
+                high[8 * port + bit] |= u32::from(byte >> bit & 1) << tick;
+            }
+        }
+    }
+    for channel in 0..N {
+        let pulse = high[pin(channel)];
+        let at = |tick: u16| pulse >> (tick % ticks) & 1;
+        let begins = (0..ticks).filter(|&tick| at(tick) == 1 && at(tick + ticks - 1) == 0);
+        let level = pulse.count_ones() as u16;
+        let code = match (begins.clone().count(), begins.last()) {
+            (0, _) if pulse == 0 => Code::default(),
+            (1, Some(phase)) if level <= ticks / 2 && width.is_none_or(|width| level == width) => Code { phase, level },
+            _ => {
+                let cure = "give one pulse a period, at most half of it long";
+                return Err(Error::invalid(
+                    format!("pulse of channel {}", board * N + channel),
+                    format!("{pulse:#b}"),
+                    cure,
+                ));
+            }
+        };
+        put(board * N + channel, code);
+    }
+    Ok(())
+}

@@ -1,0 +1,119 @@
+//! Format: the bytes that a board's firmware reads, as data and two functions.
+
+use alloc::format;
+
+use crate::device::boards::{autd3, homies, openmpd, sonicsurface, ultraino};
+use crate::device::code::{Code, Steps};
+use crate::error::Error;
+
+/// A kind of board.
+pub(crate) struct Format {
+    pub(crate) name: &'static str,
+    /// What it is, in one line.
+    pub(crate) summary: &'static str,
+    /// Where its bytes are read.
+    pub(crate) source: &'static str,
+    /// Channels of one board.
+    pub(crate) channels: usize,
+    /// Boards that can play together.
+    pub(crate) most_boards: usize,
+    pub(crate) steps: Steps,
+    pub(crate) line: Line,
+    /// Whether each board is on a line of its own.
+    pub(crate) apart: bool,
+    /// The channel of transducer i of one board, in the order of its preset.
+    pub(crate) order: fn(usize) -> usize,
+    /// Bytes of a frame of so many boards.
+    pub(crate) size: fn(usize) -> usize,
+    /// Writes the codes of the channels of so many boards into a frame of that size.
+    pub(crate) encode: Encode,
+    /// Reads them back.
+    pub(crate) decode: Decode,
+    /// Bytes before the off frames that silence a board whatever it was told before.
+    pub(crate) wake: &'static [u8],
+}
+
+pub(crate) type Encode = fn(boards: usize, code: &dyn Fn(usize) -> Code, frame: &mut [u8]);
+pub(crate) type Decode = fn(boards: usize, frame: &[u8], put: &mut dyn FnMut(usize, Code)) -> Result<(), Error>;
+
+/// What carries the bytes.
+#[derive(Clone, Copy)]
+pub(crate) enum Line {
+    /// A serial line of so many bits a second, ten to a byte.
+    Serial(u32),
+    /// Anything else, by the frames a second that it carries.
+    Frames(f64),
+}
+
+/// Every board.
+pub(crate) const FORMATS: [Format; 7] = [
+    autd3::FORMAT,
+    sonicsurface::FORMAT,
+    openmpd::FORMAT,
+    ultraino::MEGA64,
+    ultraino::NANO16,
+    ultraino::NANO,
+    homies::FORMAT,
+];
+
+/// Bytes that are written one after the other.
+pub(crate) struct Writer<'a> {
+    free: core::slice::IterMut<'a, u8>,
+}
+
+impl<'a> Writer<'a> {
+    pub(crate) fn new(frame: &'a mut [u8]) -> Self {
+        Self { free: frame.iter_mut() }
+    }
+
+    pub(crate) fn put(&mut self, byte: u8) {
+        // A frame has the size that its format tells.
+        if let Some(next) = self.free.next() {
+            *next = byte;
+        }
+    }
+}
+
+/// Bytes that are read one after the other.
+pub(crate) struct Reader<'a> {
+    frame: &'a [u8],
+    pub(crate) at: usize,
+}
+
+impl<'a> Reader<'a> {
+    pub(crate) fn new(frame: &'a [u8]) -> Self {
+        Self { frame, at: 0 }
+    }
+
+    pub(crate) fn get(&mut self) -> Result<u8, Error> {
+        let Some(&byte) = self.frame.get(self.at) else {
+            return Err(Error::invalid(
+                "frame",
+                format!("{} bytes", self.frame.len()),
+                "it breaks off: give whole frames",
+            ));
+        };
+        self.at += 1;
+        Ok(byte)
+    }
+
+    /// The next byte, which `fits`; where it does not, `what` should have been there.
+    pub(crate) fn byte(&mut self, fits: impl FnOnce(u8) -> bool, what: &str) -> Result<u8, Error> {
+        let byte = self.get()?;
+        if fits(byte) { Ok(byte) } else { Err(self.fault(byte, what)) }
+    }
+
+    /// Refuses the byte just read.
+    pub(crate) fn fault(&self, byte: u8, what: &str) -> Error {
+        Error::invalid(format!("frame[{}]", self.at - 1), byte, format!("give {what}"))
+    }
+
+    /// Refuses bytes that are left.
+    pub(crate) fn end(&self) -> Result<(), Error> {
+        if self.at == self.frame.len() {
+            return Ok(());
+        }
+        let cure = format!("it ends after {} bytes: give one frame", self.at);
+        Err(Error::invalid("frame", format!("{} bytes", self.frame.len()), cure))
+    }
+}

@@ -1,0 +1,1 @@
+"""Boards: the bytes that make them play, and the links that carry these."""

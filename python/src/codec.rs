@@ -1,0 +1,133 @@
+//! `Codec`: frames of bytes of a board, behind `midair.Board`.
+
+use midair::{Board, Complex32};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+
+use crate::error::{invalid, refused};
+use crate::give;
+use crate::quantization;
+use crate::read;
+
+type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+
+/// Drives (N,) to the bytes of a board's frame, and back.
+#[pyclass(frozen, module = "midair._midair")]
+pub(crate) struct Codec {
+    board: Board,
+}
+
+#[pymethods]
+impl Codec {
+    #[new]
+    #[pyo3(signature = (name, transducers, *, channels=None, corrections=None, live=None))]
+    fn new(
+        name: &Bound<'_, PyAny>,
+        transducers: usize,
+        channels: Argument<'_, '_>,
+        corrections: Argument<'_, '_>,
+        live: Argument<'_, '_>,
+    ) -> PyResult<Self> {
+        let mut board = Board::new(&read::name(name)?, transducers).map_err(refused)?;
+        if let Some(channels) = channels {
+            let Ok(channels) = channels.extract() else {
+                return Err(invalid("channels", &crate::numbers::quoted(channels), "give whole numbers (N,)"));
+            };
+            board = board.with_channels(channels).map_err(refused)?;
+        }
+        if let Some(corrections) = corrections {
+            board = board.with_corrections(&read::reals("corrections", corrections)?).map_err(refused)?;
+        }
+        if let Some(live) = live {
+            board = board.with_live(read::flags("live", live)?).map_err(refused)?;
+        }
+        Ok(Self { board })
+    }
+
+    /// The kinds of boards, each with a line that says what it is and where its bytes are read.
+    #[staticmethod]
+    fn kinds(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+        let kinds = PyDict::new(py);
+        for name in Board::names() {
+            let board = Board::new(name, 1).map_err(refused)?;
+            kinds.set_item(name, (board.summary(), board.source()))?;
+        }
+        Ok(kinds)
+    }
+
+    /// The frame of a drive (N,).
+    fn encode<'py>(&self, py: Python<'py>, drive: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyBytes>> {
+        let drive = read::drive("drive", drive)?;
+        let mut frame = vec![0; self.board.frame_size()];
+        self.board.encode(&drive, &mut frame).map_err(refused)?;
+        Ok(PyBytes::new(py, &frame))
+    }
+
+    /// The drive (N,) of a frame.
+    fn decode<'py>(&self, py: Python<'py>, frame: &[u8]) -> PyResult<Bound<'py, PyArray1<Complex32>>> {
+        let mut drive = vec![Complex32::ZERO; self.board.len()];
+        self.board.decode(frame, &mut drive).map_err(refused)?;
+        Ok(give::list(py, drive))
+    }
+
+    /// The frame that plays nothing.
+    #[getter]
+    fn off_frame<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.board.off_frame())
+    }
+
+    /// The bytes that silence the boards from any state.
+    #[getter]
+    fn silence<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.board.silence())
+    }
+
+    /// The board's name.
+    #[getter]
+    fn name(&self) -> &'static str {
+        self.board.name()
+    }
+
+    /// Number of boards.
+    #[getter]
+    fn boards(&self) -> usize {
+        self.board.boards()
+    }
+
+    /// Number of lines; a frame is as many parts of one length, one after the other.
+    #[getter]
+    fn lines(&self) -> usize {
+        self.board.lines()
+    }
+
+    /// The most boards that play together.
+    #[getter]
+    fn most_boards(&self) -> usize {
+        self.board.most_boards()
+    }
+
+    /// The channel of each transducer (N,).
+    #[getter]
+    fn channels<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        give::list(py, self.board.channels().iter().map(|&channel| channel as i64).collect())
+    }
+
+    /// Bits a second of its serial line, or None.
+    #[getter]
+    fn baud(&self) -> Option<u32> {
+        self.board.baud()
+    }
+
+    /// Frames a second that its line can carry.
+    #[getter]
+    fn rate(&self) -> f64 {
+        self.board.rate()
+    }
+
+    /// Its grid, as an array has it.
+    #[getter]
+    fn quantization<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        quantization::shown(py, Some(&self.board.quantization().map_err(refused)?))
+    }
+}
