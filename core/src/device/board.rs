@@ -166,6 +166,12 @@ impl Board {
         self.format.most_boards
     }
 
+    /// Number of channels of its boards.
+    #[must_use]
+    pub fn channel_count(&self) -> usize {
+        self.transducers.len()
+    }
+
     /// The channel of each transducer (N,).
     #[must_use]
     pub fn channels(&self) -> &[usize] {
@@ -284,7 +290,3 @@ impl Board {
 pub(crate) fn quantization(name: &str) -> Result<Quantization, Error> {
     error::find("board", name, &FORMATS, |format| format.name)?.steps.quantization()
 }
-
-#[cfg(test)]
-#[path = "tests/board.rs"]
-mod tests;

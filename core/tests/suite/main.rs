@@ -1,6 +1,7 @@
 //! The tests of the core, in one binary.
 #![forbid(unsafe_code)]
 
+mod boards;
 mod constants;
 #[cfg(feature = "scene-file")]
 mod drawn;
