@@ -12,6 +12,7 @@ from cyclopts import App, CycloptsError, UnusedCliTokensError
 
 from .. import SceneError, SceneWarning, __version__
 from ..ctrl_c import Terminated, terminable
+from .boards import boards_command
 from .compare import compare_command
 from .motion import motion_command
 from .new import new_command
@@ -38,6 +39,7 @@ app.command(presets_command, name="presets")
 app.command(reproduce_command, name="reproduce")
 app.command(sweep_command, name="sweep")
 app.command(motion_command, name="motion")
+app.command(boards_command, name="boards")
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:

@@ -1,7 +1,8 @@
-"""`midair presets`: the list of arrays known by name, or one of them in full."""
+"""`midair presets`: the list of arrays known by name, or one of them in full; and a picture of them."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
@@ -11,19 +12,30 @@ from rich.table import Table
 
 from .. import Array, output, presets
 from .._midair import preset_name
-from .tables import console
+from ..plot.arrays import arrays
+from .images import write_image
+from .scene import check_outputs
+from .tables import console, print_written
 
 
-def presets_command(name: str | None = None, *, json: Annotated[bool, Parameter(negative=())] = False) -> int:
+def presets_command(
+    name: str | None = None,
+    *,
+    image: Path | None = None,
+    json: Annotated[bool, Parameter(negative=())] = False,
+) -> int:
     """List the arrays known by name.
 
     Parameters
     ----------
     name
         A preset, for what is known of it alone.
+    image
+        Where a picture goes, of the transducers and their order: .png, .svg, .pdf or .jpg.
     json
         Print one JSON document in place of the table.
     """
+    check_outputs((image, output.IMAGES))
     names = list(presets()) if name is None else [preset_name(name)]
     if json:
         print(output.to_json({name: _record(name) for name in names}))
@@ -31,11 +43,16 @@ def presets_command(name: str | None = None, *, json: Annotated[bool, Parameter(
         _print_list()
     else:
         _print_one(names[0])
+    if image is not None:
+        write_image(image, arrays({name: Array.preset(name) for name in names}))
+        if not json:
+            print_written(image)
     return 0
 
 
 def _print_list() -> None:
-    table = Table("preset", "transducers", "tiles", "P0 / Pa m", "what it is", "source", box=box.SIMPLE_HEAD)
+    columns = "preset", "transducers", "tiles", "P0 / Pa m", "board", "what it is", "source"
+    table = Table(*columns, box=box.SIMPLE_HEAD)
     for name, info in presets().items():
         tiles = "yes" if info.tiles else "no"
         table.add_row(
@@ -43,6 +60,7 @@ def _print_list() -> None:
             str(info.count),
             tiles,
             f"{info.source_pressure:g}",
+            info.board or "-",
             info.summary,
             info.source,
         )
@@ -61,6 +79,7 @@ def _print_one(name: str) -> None:
         "tiles": "yes, as in --tiles 2,2" if record["tiles"] else "no",
         "P0": f"{record['source_pressure']:g} Pa m",
         "directivity": str(record["directivity"]),
+        "board": record["board"] or "none that plays drives",
         "phases": str(phases),
         "amplitudes": "any" if amplitudes is None else str(len(amplitudes)),
         "source": record["source"],
@@ -80,6 +99,7 @@ def _record(name: str) -> dict[str, Any]:
         "count": info.count,
         "tiles": info.tiles,
         "source_pressure": info.source_pressure,
+        "board": info.board,
         "directivity": array.directivity,
         "extent": np.ptp(array.positions, axis=0)[:2],
         "quantization": array.quantization,
