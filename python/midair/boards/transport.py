@@ -38,6 +38,9 @@ TRANSPORTS = {
     "file": ("simulated", "FileTransport"),
 }
 
+#: Those behind which nothing emits.
+SIMULATED = ("null", "loop", "file")
+
 
 def open_transport(description: dict[str, Any]) -> Transport:
     """The transport that a description, made of what JSON holds, tells of.
