@@ -41,6 +41,9 @@ from ._midair import (
     solvers,
 )
 from .boards.board import Board
+from .boards.connection import Connection, connect
+from .boards.errors import BoardBusy, BoardError, BoardLost, BoardNotFound, BoardPermission, BoardTimeout
+from .boards.ports import Port, ports
 from .compare import Comparison, compare
 from .ear import Ear, ear
 from .motion import Felt, Sequence, SequenceMetrics, sequence, stream
@@ -54,7 +57,14 @@ __all__ = [
     "Batch",
     "BatchMetrics",
     "Board",
+    "BoardBusy",
+    "BoardError",
+    "BoardLost",
+    "BoardNotFound",
+    "BoardPermission",
+    "BoardTimeout",
     "Comparison",
+    "Connection",
     "Ear",
     "Felt",
     "Field",
@@ -63,6 +73,7 @@ __all__ = [
     "OptionInfo",
     "Picture",
     "Plane",
+    "Port",
     "PresetInfo",
     "Propagation",
     "Reach",
@@ -76,6 +87,7 @@ __all__ = [
     "SolverInfo",
     "bound",
     "compare",
+    "connect",
     "ear",
     "field",
     "gorkov",
@@ -83,6 +95,7 @@ __all__ = [
     "judge",
     "path",
     "plot",
+    "ports",
     "presets",
     "sequence",
     "shape",

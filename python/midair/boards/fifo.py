@@ -1,0 +1,122 @@
+"""FIFOs of FTDI's chips, by pyftdi, as OpenMPD and ultrasonic-homies have them. Untested on hardware.
+
+A FIFO takes bytes as fast as the board plays frames, and stops the line where the board's memory is full.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import Any
+
+from pyftdi.ftdi import Ftdi, FtdiError
+from usb.core import USBError
+
+from .errors import BoardBusy, BoardError, BoardLost, BoardNotFound, BoardPermission, BoardTimeout
+
+#: A board that takes nothing for so long, in ms, is stalled.
+STALLED_MS = 1000
+
+#: As OpenMPD's own driver has them: a packet that is not full is sent after 2 ms; bytes a USB transfer.
+LATENCY_MS = 2
+CHUNK = 65536
+
+#: errno of Linux and macOS, which the drivers of USB repeat.
+NO_ACCESS, BUSY = 13, 16
+TIMED_OUT = (60, 110)
+
+
+class FifoTransport:
+    """Boards of a FIFO each, which a frame is dealt out to in parts of one length.
+
+    serials : the serial number of each chip, in the order of the frame's parts
+    silence : hexadecimal, the bytes that make the boards silent from any state, in as many parts
+    """
+
+    def __init__(self, *, serials: list[str], silence: str) -> None:
+        self._serials = serials
+        self._silence = bytes.fromhex(silence)
+        self._chips: list[Any] = []
+        try:
+            for serial in serials:
+                self._chips.append(_open(serial))
+            self.silence()
+        except BaseException:
+            self.close()
+            raise
+
+    def play(self, frame: bytes) -> None:
+        """Write each board's part; returns when the chips have taken them."""
+        self._deal(frame)
+
+    def silence(self) -> None:
+        """Write what turns everything off; what the chips hold is played in a few ms."""
+        self._deal(self._silence)
+
+    def modulate(self, hz: float | None) -> None:
+        """Refused."""
+        if hz is not None:
+            raise BoardError("this board cannot modulate: stream drives of changing amplitude")
+
+    def upload(self, frames: bytes, count: int, rate: float) -> None:
+        """Refused."""
+        raise BoardError("this board holds no sequence: use stream")
+
+    def close(self) -> None:
+        """Let go of the chips."""
+        for chip in self._chips:
+            with suppress(Exception):
+                chip.close()
+
+    def _deal(self, content: bytes) -> None:
+        part = len(content) // len(self._chips)
+        failed: BoardError | None = None
+        for k, (chip, serial) in enumerate(zip(self._chips, self._serials, strict=True)):
+            try:
+                chip.write_data(content[k * part : (k + 1) * part])
+            except (FtdiError, USBError) as error:
+                # What is for the other boards is written all the same: it may turn them off.
+                failed = _failed(serial, error)
+        if failed is not None:
+            raise failed
+
+
+def _open(serial: str) -> Any:
+    """The chip of a serial number, empty."""
+    chip = Ftdi()
+    try:
+        chip.open_from_url(f"ftdi://::{serial}/1")
+        chip.timeouts = (STALLED_MS, STALLED_MS)
+        chip.set_latency_timer(LATENCY_MS)
+        chip.write_data_set_chunksize(CHUNK)
+        chip.purge_buffers()
+    except (FtdiError, USBError, ValueError, OSError) as error:
+        number = _number(error)
+        if number == NO_ACCESS:
+            raise BoardPermission(
+                f'device "{serial}" may not be opened by you: allow it by a rule of udev (pyftdi\'s '
+                "documentation has one)"
+            ) from error
+        if number == BUSY:
+            raise BoardBusy(f'device "{serial}" is in use: close the other program that holds it') from error
+        raise BoardNotFound(
+            f'device "{serial}" is not there ({_reason(error)}): plug the board in; the serial number is '
+            "its FTDI chip's"
+        ) from error
+    return chip
+
+
+def _failed(serial: str, error: Exception) -> BoardError:
+    if _number(error) in TIMED_OUT:
+        return BoardTimeout(f'device "{serial}" took nothing for {STALLED_MS / 1e3:g} s: check its power')
+    return BoardLost(f'device "{serial}" is gone ({_reason(error)}): plug the board in and connect again')
+
+
+def _number(error: Exception) -> int | None:
+    """The system's number of an error, its own or that of the one behind it."""
+    found = getattr(error, "errno", None)
+    behind = error.__cause__ or error.__context__
+    return found if found is not None or behind is None else getattr(behind, "errno", None)
+
+
+def _reason(error: Exception) -> str:
+    return " ".join(str(error).split()) or type(error).__name__

@@ -1,0 +1,222 @@
+"""Guard: the process that owns a device, and turns it off when its owner ends, hangs or asks for it.
+
+It learns of its owner's end by the end of the pipe between them, and by its parent's number, which changes
+even where a forked child of the owner holds the pipe open. It is of a session of its own, so that what ends
+the owner's terminal does not end it.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import signal
+import sys
+import threading
+import time
+from collections import deque
+from contextlib import suppress
+from queue import Empty, SimpleQueue
+from typing import Any
+
+from . import wire
+from .errors import BoardError
+from .transport import Transport, open_transport
+from .wire import Kind
+
+#: How often the guard looks whether its owner lives, in s.
+TICK = 0.02
+
+Message = tuple[Kind, int, bytes]
+
+
+class Guard:
+    """What the guard holds: the transport, what it plays, and for how long nobody called.
+
+    hold : s without a call after which everything is turned off
+    parent : the number of the owner's process
+    inbox, replies : whence messages come, and the pipe by which they are answered
+    """
+
+    def __init__(
+        self,
+        transport: Transport,
+        hold: float,
+        parent: int,
+        inbox: SimpleQueue[Message | None],
+        replies: int,
+    ) -> None:
+        self._transport = transport
+        self._hold = hold
+        self._parent = parent
+        self._inbox = inbox
+        self._replies = replies
+        self._waiting: deque[tuple[float, int, bytes]] = deque()
+        self._called = time.monotonic()
+        self._hz: float | None = None
+        self._playing: list[bytes] = []
+        self._uploaded = (0.0, 1.0)
+        self._lost = False
+        self._frames = 0
+        self._lapses = 0
+
+    def run(self) -> None:
+        """Serve until the owner closes or is gone."""
+        while os.getppid() == self._parent:
+            try:
+                message = self._inbox.get(timeout=self._pause())
+            except Empty:
+                message = (Kind.STATUS, 0, b"")
+            if message is None:
+                return
+            kind, number, content = message
+            if kind == Kind.CLOSE:
+                return
+            self._serve(kind, number, content)
+            if self._waiting and self._waiting[0][0] <= time.monotonic():
+                _, number, frame = self._waiting.popleft()
+                self._attempt(number, self._play, frame)
+            if self._playing and time.monotonic() - self._called >= self._hold:
+                self._lapses += 1
+                self._attempt(0, self._off)
+
+    def _pause(self) -> float:
+        """How long there is nothing to do unless a message comes, in s."""
+        now = time.monotonic()
+        due = self._waiting[0][0] if self._waiting else math.inf
+        return max(0.0, min(TICK, due - now, self._called + self._hold - now if self._playing else math.inf))
+
+    def _serve(self, kind: Kind, number: int, content: bytes) -> None:
+        if kind not in (Kind.STATUS, Kind.EMITTING):
+            self._called = time.monotonic()
+        if kind == Kind.PLAY:
+            (due,) = wire.WHEN.unpack_from(content)
+            self._waiting.append((due, number, content[wire.WHEN.size :]))
+        elif kind == Kind.OFF:
+            self._attempt(number, self._off)
+        elif kind == Kind.MODULATE:
+            (hz,) = wire.MODULATION.unpack(content)
+            self._attempt(number, self._modulate, None if math.isnan(hz) else hz)
+        elif kind == Kind.UPLOAD:
+            count, rate = wire.UPLOADED.unpack_from(content)
+            self._attempt(number, self._upload, content[wire.UPLOADED.size :], count, rate)
+        elif kind == Kind.EMITTING:
+            self._answer(Kind.FRAME, number, self._now())
+        else:
+            self._answer(Kind.DONE, number, self.status())
+
+    def _attempt(self, number: int, act: Any, *arguments: Any) -> None:
+        """Do something with the device, and answer how it went; number 0 is nobody's call."""
+        try:
+            act(*arguments)
+        except BoardError as error:
+            told = {"kind": type(error).__name__, "message": str(error)}
+            self._lost = type(error) is not BoardError
+            failed, self._waiting, self._playing = self._waiting, deque(), []
+            for each in (number, *(other for _, other, _ in failed)):
+                self._answer(Kind.FAILED, each, self.status(**told))
+            with suppress(BoardError):
+                self._transport.silence()
+        else:
+            self._lost = False
+            self._answer(Kind.DONE, number, self.status())
+
+    def _play(self, frame: bytes) -> None:
+        # The frame may be in the air although the line failed behind it.
+        self._playing, self._uploaded = [frame], (0.0, 1.0)
+        self._transport.play(frame)
+        self._frames += 1
+
+    def _upload(self, frames: bytes, count: int, rate: float) -> None:
+        length = len(frames) // count
+        self._playing = [frames[k : k + length] for k in range(0, len(frames), length)]
+        self._uploaded = (time.monotonic(), rate)
+        self._transport.upload(frames, count, rate)
+        self._frames += count
+
+    def _modulate(self, hz: float | None) -> None:
+        self._transport.modulate(hz)
+        self._hz = hz
+
+    def _off(self) -> None:
+        """Turn everything off; frames that wait for their time are dropped."""
+        dropped, self._waiting, self._playing = self._waiting, deque(), []
+        try:
+            self._transport.silence()
+        finally:
+            for _, number, _ in dropped:
+                self._answer(Kind.DONE, number, self.status())
+
+    def _now(self) -> bytes:
+        """The frame that plays now; of an uploaded sequence, by the clock."""
+        if not self._playing:
+            return b""
+        begin, rate = self._uploaded
+        return self._playing[int((time.monotonic() - begin) * rate) % len(self._playing)]
+
+    def status(self, **more: str) -> bytes:
+        """What an owner may want to know, as JSON."""
+        playing = "off" if not self._playing else "playing" if self._hz is None else "modulating"
+        state = "lost" if self._lost else playing
+        told = {"state": state, "frames": self._frames, "lapses": self._lapses, **more}
+        return json.dumps(told).encode()
+
+    def _answer(self, kind: Kind, number: int, content: bytes) -> None:
+        # Number 0 is nobody's call; an owner that is gone is noticed by `run`.
+        if number:
+            with suppress(wire.Gone):
+                wire.write(self._replies, kind, number, content)
+
+
+def main() -> None:
+    """Open what the first message describes, serve its owner, and leave the device off."""
+    parent = os.getppid()
+    requests, replies = _pipes()
+    inbox: SimpleQueue[Message | None] = SimpleQueue()
+    threading.Thread(target=_listen, args=(requests, inbox), daemon=True).start()
+    first = inbox.get()
+    if first is None:
+        return
+    _, number, content = first
+    setting = json.loads(content)
+    sys.path[:] = setting["path"]
+    signal.signal(signal.SIGTERM, _end)
+    transport: Transport | None = None
+    try:
+        transport = open_transport(setting["transport"])
+        guard = Guard(transport, setting["hold"], parent, inbox, replies)
+        wire.write(replies, Kind.DONE, number, guard.status())
+        guard.run()
+    except (BoardError, ImportError) as error:
+        told = {"kind": type(error).__name__, "message": str(error)}
+        with suppress(wire.Gone):
+            wire.write(replies, Kind.FAILED, number, json.dumps(told).encode())
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        if transport is not None:
+            with suppress(Exception):
+                transport.silence()
+            transport.close()
+
+
+def _pipes() -> tuple[int, int]:
+    """The pipes from and to the owner, taken away from what a library might print or read."""
+    requests, replies = os.dup(0), os.dup(1)
+    nothing = os.open(os.devnull, os.O_RDWR)
+    os.dup2(nothing, 0)
+    os.dup2(nothing, 1)
+    return requests, replies
+
+
+def _listen(requests: int, inbox: SimpleQueue[Message | None]) -> None:
+    """Hand every message to the inbox, and None behind the last one."""
+    with suppress(wire.Gone):
+        while True:
+            inbox.put(wire.read(requests))
+    inbox.put(None)
+
+
+def _end(number: int, frame: object) -> None:
+    """SIGTERM: end, by way of what turns the device off."""
+    signal.signal(number, signal.SIG_IGN)
+    raise SystemExit

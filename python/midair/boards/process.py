@@ -1,0 +1,156 @@
+"""The owner's end of a guard process: calls, answers, and what is done where the guard itself is gone."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import threading
+from concurrent.futures import Future, InvalidStateError
+from concurrent.futures import TimeoutError as NoAnswer
+from contextlib import suppress
+from itertools import count
+from pathlib import Path
+from queue import SimpleQueue
+from typing import Any
+
+from . import wire
+from .errors import KINDS, BoardError, BoardLost, BoardTimeout
+from .transport import SIMULATED, open_transport
+from .wire import Kind
+
+#: How long a call is waited for, in s, and one that opens a device: more than the transports' own limits.
+PATIENCE = 12.0
+OPENING = 70.0
+
+#: How long a guard may take to turn its device off and end, in s.
+ENDING = 3.0
+
+
+class GuardProcess:
+    """A guard that was started for a device, and the two threads that speak with it.
+
+    Signals interrupt the main thread only, so that no message is ever cut in two.
+
+    transport : what `open_transport` makes the device's transport of
+    hold : s without a call after which the guard turns everything off
+    """
+
+    def __init__(self, transport: dict[str, Any], hold: float) -> None:
+        self._transport = transport
+        self._owner = os.getpid()
+        self._numbers = count(1)
+        self._calls: dict[int, Future[bytes]] = {}
+        self._outbox: SimpleQueue[tuple[Kind, int, bytes] | None] = SimpleQueue()
+        self._closing = False
+        self._lock = threading.Lock()
+        self._process = subprocess.Popen(
+            [sys.executable, "-I", "-S", str(Path(__file__).with_name("start.py"))],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+        self._threads = [threading.Thread(target=act, daemon=True) for act in (self._write, self._read)]
+        for thread in self._threads:
+            thread.start()
+        path = [os.path.abspath(entry) for entry in sys.path]
+        setting = json.dumps({"path": path, "transport": transport, "hold": hold})
+        try:
+            self.answer(self.ask(Kind.OPEN, setting.encode()), OPENING)
+        except BaseException:
+            self.close()
+            raise
+
+    def call(self, kind: Kind, content: bytes = b"") -> bytes:
+        """Ask, and wait for the answer."""
+        return self.answer(self.ask(kind, content))
+
+    def ask(self, kind: Kind, content: bytes = b"") -> Future[bytes]:
+        """Send a message; what comes back is its answer."""
+        if self._owner != os.getpid():
+            raise BoardError(
+                f"this connection is that of process {self._owner}: connect in the process that plays"
+            )
+        number, future = next(self._numbers), Future[bytes]()
+        with self._lock:
+            if self._closing:
+                raise BoardError("this connection is closed: connect again")
+            self._calls[number] = future
+        if self._process.poll() is not None:
+            self._abandon()
+        self._outbox.put((kind, number, content))
+        return future
+
+    def answer(self, future: Future[bytes], patience: float = PATIENCE) -> bytes:
+        """Wait for an answer, and raise the error that it may be."""
+        try:
+            return future.result(patience)
+        except NoAnswer as error:
+            raise BoardTimeout(
+                f"the board's guard did not answer in {patience:g} s: connect again"
+            ) from error
+
+    def close(self) -> None:
+        """Let the guard turn everything off and end. Never raises, never hangs."""
+        if self._owner != os.getpid():
+            return
+        with self._lock:
+            already, self._closing = self._closing, True
+        if already:
+            return
+        self._outbox.put((Kind.CLOSE, 0, b""))
+        self._outbox.put(None)
+        reader = self._threads[1]
+        if reader is threading.current_thread():
+            return
+        reader.join(ENDING)
+        if reader.is_alive():
+            self._process.kill()
+            reader.join()
+            self._silence()
+
+    def _write(self) -> None:
+        """Pass messages on until there are no more."""
+        assert self._process.stdin is not None
+        with self._process.stdin as pipe, suppress(wire.Gone):
+            while (message := self._outbox.get()) is not None:
+                wire.write(pipe.fileno(), *message)
+
+    def _read(self) -> None:
+        """Hand answers to those who wait for them; at the end of a guard that nobody closed, turn off."""
+        assert self._process.stdout is not None
+        with self._process.stdout as pipe, suppress(wire.Gone):
+            while True:
+                kind, number, content = wire.read(pipe.fileno())
+                future = self._calls.pop(number)
+                # Who was interrupted waits no more.
+                with suppress(InvalidStateError):
+                    if kind == Kind.FAILED:
+                        told = json.loads(content)
+                        future.set_exception(KINDS.get(told["kind"], BoardError)(told["message"]))
+                    else:
+                        future.set_result(content)
+        self._process.wait()
+        if not self._closing:
+            self._silence()
+            self._abandon()
+
+    def _abandon(self) -> None:
+        """Tell everybody who waits that the guard is gone."""
+        while self._calls:
+            _, future = self._calls.popitem()
+            with suppress(InvalidStateError):
+                future.set_exception(
+                    BoardLost("the board's guard process has ended, everything was turned off: connect again")
+                )
+
+    def _silence(self) -> None:
+        """Turn the device off without the guard."""
+        if self._transport["kind"] not in SIMULATED:
+            with suppress(Exception):
+                transport = open_transport(self._transport)
+                with suppress(Exception):
+                    transport.silence()
+                transport.close()

@@ -1,0 +1,124 @@
+"""Serial ports, by pyserial."""
+
+from __future__ import annotations
+
+import errno
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from typing import Any
+
+import serial
+
+from .errors import BoardBusy, BoardError, BoardLost, BoardNotFound, BoardPermission, BoardTimeout
+from .line import LineTransport
+
+#: A line that takes nothing for so long, in s, is stalled. What the system buffers before that comes on top:
+#: half a second of it at 230400 Bd.
+STALLED = 0.7
+
+#: An Arduino that restarts when its port is opened listens to its boot loader for so long, in s.
+RESTART = 2.0
+
+#: How long the system's buffer is left alone between two looks at it, in s.
+LOOK = 1e-3
+
+#: What pyserial raises where a port is gone: the system's errors, and the terminal's, which are none of them.
+FAILURES: tuple[type[Exception], ...] = (OSError, ValueError)
+with suppress(ImportError):
+    import termios
+
+    FAILURES = (*FAILURES, termios.error)
+
+
+class SerialTransport(LineTransport):
+    """A board at a serial port that no other program may open meanwhile.
+
+    port : its name, "/dev/ttyUSB0" or "COM3"
+    restarts : whether opening the port may restart the board, as it does an Arduino
+    line : what a LineTransport takes
+    """
+
+    def __init__(self, *, port: str, restarts: bool = False, **line: Any) -> None:
+        super().__init__(**line)
+        self._name = port
+        self._port = serial.Serial(write_timeout=STALLED, exclusive=True)
+        self._port.port = port
+        # The rise of this line restarts an Arduino; Linux raises it all the same, so a restart is waited for.
+        self._port.dtr = not restarts
+        try:
+            self._port.baudrate = line["baud"]
+            self._port.open()
+        except FAILURES as error:
+            raise _refused(port, error) from error
+        try:
+            self.silence()
+            if restarts and self._has_control_lines():
+                time.sleep(RESTART)
+                self.silence()
+        except BaseException:
+            self.close()
+            raise
+
+    def _write(self, content: bytes) -> None:
+        with self._told():
+            # The adapter's own clock may be slower than ours.
+            patience = time.monotonic() + STALLED
+            while self._port.out_waiting > len(content):
+                if time.monotonic() > patience:
+                    raise serial.SerialTimeoutException
+                time.sleep(LOOK)
+            self._port.write(content)
+
+    def close(self) -> None:
+        """Let the line carry its last bytes and let go of the port."""
+        self._stop()
+        self._drain()
+        with suppress(*FAILURES):
+            self._port.close()
+
+    def _has_control_lines(self) -> bool:
+        """Whether the port has a line that could restart a board; a pseudo-terminal has none."""
+        try:
+            _ = self._port.cts
+        except FAILURES:
+            return False
+        return True
+
+    @contextmanager
+    def _told(self) -> Iterator[None]:
+        """Turns what pyserial raises into an error of ours."""
+        try:
+            yield
+        except serial.SerialTimeoutException as error:
+            # What the line has not carried must not come out before what turns everything off.
+            with suppress(*FAILURES):
+                self._port.reset_output_buffer()
+            raise BoardTimeout(
+                f'port "{self._name}" took nothing for {STALLED} s: check the board\'s power and cable'
+            ) from error
+        except FAILURES as error:
+            raise BoardLost(
+                f'port "{self._name}" is gone ({_reason(error)}): plug the board in and connect again'
+            ) from error
+
+
+def _refused(port: str, error: Exception) -> BoardError:
+    """Why a port cannot be opened, and what helps."""
+    number, reason = getattr(error, "errno", None), _reason(error)
+    if number in (errno.ENOENT, errno.ENXIO, errno.ENODEV) or "FileNotFoundError" in reason:
+        return BoardNotFound(f'port "{port}" is not there: plug the board in; `midair ports` lists the ports')
+    # On Windows a port that is in use is one without permission.
+    if number in (errno.EAGAIN, errno.EBUSY) or "PermissionError" in reason:
+        return BoardBusy(f'port "{port}" is in use: close the other program that holds it')
+    if number in (errno.EACCES, errno.EPERM):
+        return BoardPermission(
+            f'port "{port}" may not be opened by you: join its group, on Debian by '
+            f"`sudo usermod -aG dialout $USER`, and log in again"
+        )
+    return BoardError(f'port "{port}" cannot be opened ({reason}): give a serial port')
+
+
+def _reason(error: Exception) -> str:
+    """The system's words, as one line."""
+    return " ".join(str(getattr(error, "strerror", None) or error).split()) or type(error).__name__

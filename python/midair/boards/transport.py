@@ -1,0 +1,54 @@
+"""Transport: what carries frames to a device, in the guard process; and the one place where each is made.
+
+Nothing here imports midair itself or NumPy: a guard starts in a few hundredths of a second.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any, Protocol
+
+
+class Transport(Protocol):
+    """A device that takes frames. Every method but `close` raises `BoardError` or one of its kinds."""
+
+    def play(self, frame: bytes) -> None:
+        """Send a frame; returns when the line has taken it. At most two frames wait in the line."""
+
+    def silence(self) -> None:
+        """Turn everything off, now; at any time, more than once."""
+
+    def modulate(self, hz: float | None) -> None:
+        """Modulate the amplitude of what plays, and of what will, at `hz`; None for no modulation."""
+
+    def upload(self, frames: bytes, count: int, rate: float) -> None:
+        """Let the device play `count` frames at `rate` a second by itself, over and over."""
+
+    def close(self) -> None:
+        """Let go of the device. Never raises, never hangs."""
+
+
+#: The module and class of each kind of transport; the class takes the rest of a description as keywords.
+TRANSPORTS = {
+    "serial": ("serial_port", "SerialTransport"),
+    "fifo": ("fifo", "FifoTransport"),
+    "autd3": ("autd3", "Autd3Transport"),
+    "null": ("simulated", "NullTransport"),
+    "loop": ("simulated", "LoopTransport"),
+    "file": ("simulated", "FileTransport"),
+}
+
+#: Those behind which nothing emits.
+SIMULATED = ("null", "loop", "file")
+
+
+def open_transport(description: dict[str, Any]) -> Transport:
+    """The transport that a description, made of what JSON holds, tells of.
+
+    {"kind": "serial", "port": ..., "baud": ..., ...} or {"kind": "autd3", "address": ..., "poses": [...]}:
+    `kind` names the class, the other entries are its arguments. Opening it leaves the device silent.
+    """
+    given = dict(description)
+    module, name = TRANSPORTS[given.pop("kind")]
+    made: Transport = getattr(import_module(f"{__package__}.{module}"), name)(**given)
+    return made

@@ -1,0 +1,65 @@
+"""Messages between a program and the guard of its board, over two pipes.
+
+A message is its kind, a number that its answer repeats, the length of its content, and the content.
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+from enum import IntEnum
+
+
+class Kind(IntEnum):
+    """What a message asks for, or how it is answered."""
+
+    OPEN = 1  # JSON: the transport's description, and hold in s
+    PLAY = 2  # when, by the monotonic clock in s (0: now), and the frame
+    OFF = 3
+    MODULATE = 4  # hz, NaN for no modulation
+    UPLOAD = 5  # count and rate, and the frames
+    STATUS = 6
+    EMITTING = 7
+    CLOSE = 8
+    DONE = 16  # JSON: the guard's status
+    FAILED = 17  # JSON: status, and the error's kind and message
+    FRAME = 18  # the frame that plays now; empty where nothing does
+
+
+HEADER = struct.Struct("<BQI")
+WHEN = struct.Struct("<d")
+MODULATION = struct.Struct("<d")
+UPLOADED = struct.Struct("<Id")
+
+
+class Gone(Exception):
+    """Nobody is at the other end."""
+
+
+def write(pipe: int, kind: Kind, number: int, content: bytes = b"") -> None:
+    """Write a message whole."""
+    rest = memoryview(HEADER.pack(kind, number, len(content)) + content)
+    while rest:
+        try:
+            rest = rest[os.write(pipe, rest) :]
+        except OSError as error:
+            raise Gone from error
+
+
+def read(pipe: int) -> tuple[Kind, int, bytes]:
+    """Wait for a message and read it whole."""
+    kind, number, length = HEADER.unpack(_exactly(pipe, HEADER.size))
+    return Kind(kind), number, _exactly(pipe, length)
+
+
+def _exactly(pipe: int, length: int) -> bytes:
+    found = bytearray()
+    while len(found) < length:
+        try:
+            more = os.read(pipe, length - len(found))
+        except OSError as error:
+            raise Gone from error
+        if not more:
+            raise Gone
+        found += more
+    return bytes(found)

@@ -1,0 +1,111 @@
+"""A SonicSurface at the end of a pseudo-terminal, modelled on what its firmware does with each byte."""
+
+import os
+import threading
+import time
+import tty
+
+import pytest
+
+OFF = 32
+
+
+class Surface:
+    """The receiving end: two banks of codes per board, exchanged by 253; at power-up everything is on."""
+
+    def __init__(self, boards=1):
+        self.banks = [[[0] * 256, [0] * 256] for _ in range(boards)]
+        self.selected = set(range(boards))
+        self.address = 0
+        self.clocks = True
+        self.played = []  # (time, codes of all boards) at each commit
+
+    def take(self, byte, at):
+        if byte == 254:
+            self.address = 0
+        elif byte == 253:
+            for banks in self.banks:
+                banks.reverse()
+            self.address = 0
+            self.played.append((at, [code for banks in self.banks for code in banks[0]]))
+        elif byte in (192, 193):
+            self.selected = {byte - 192} & set(range(len(self.banks)))
+        elif byte in (150, 151):
+            self.clocks = byte == 151
+        elif self.address < 256:
+            for board in self.selected:
+                self.banks[board][1][self.address] = byte
+            self.address += 1
+
+    @property
+    def loud(self):
+        return any(code != OFF for banks in self.banks for code in banks[0])
+
+    @property
+    def silent(self):
+        """Off in both banks of every board, clocks running."""
+        codes = {code for banks in self.banks for bank in banks for code in bank}
+        return codes == {OFF} and self.clocks
+
+
+class Line:
+    """A pseudo-terminal whose far end is a Surface: `port` is its name, `times` when each byte came."""
+
+    def __init__(self, boards=1):
+        self.master, slave = os.openpty()
+        tty.setraw(slave)
+        self.port = os.ttyname(slave)
+        self.slave = slave
+        self.surface = Surface(boards)
+        self.taken = bytearray()
+        self.times = []
+        self.lock = threading.Lock()
+        self.changed = threading.Condition(self.lock)
+        self.reading = threading.Event()
+        self.reading.set()
+        self.thread = threading.Thread(target=self._read, daemon=True)
+        self.thread.start()
+
+    def _read(self):
+        while True:
+            self.reading.wait()
+            try:
+                more = os.read(self.master, 65536)
+            except OSError:
+                return
+            at = time.monotonic()
+            with self.lock:
+                self.taken += more
+                self.times += [at] * len(more)
+                for byte in more:
+                    self.surface.take(byte, at)
+                self.changed.notify_all()
+
+    def wait(self, condition, seconds=5.0):
+        """The time at which a condition of the surface held."""
+        with self.lock:
+            assert self.changed.wait_for(lambda: condition(self.surface), seconds), "it never came"
+            return time.monotonic()
+
+    def commits(self, since=0.0):
+        with self.lock:
+            return [(at, codes) for at, codes in self.surface.played if at >= since]
+
+    def unplug(self):
+        """Take the cable away; the reader is woken by its end."""
+        os.close(self.slave)
+        self.slave = -1
+        os.close(self.master)
+        self.master = -1
+
+    def close(self):
+        for end in (self.slave, self.master):
+            if end >= 0:
+                os.close(end)
+
+
+@pytest.fixture
+def line():
+    made = Line()
+    yield made
+    made.close()

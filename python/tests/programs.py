@@ -1,0 +1,114 @@
+"""Programs that play and end in some way; each is forked for a line "act port hold" of input.
+
+Output tells their numbers, when they play, and when they have ended.
+"""
+
+import ctypes
+import os
+import sys
+import time
+
+import midair
+import numpy as np
+
+DRIVE = np.ones(256)
+
+
+def wait_for_word():
+    sys.stdin.readline()
+
+
+def bare(surface):
+    time.sleep(30)
+
+
+def solve(surface):
+    points = np.random.default_rng(0).uniform([-0.05, -0.05, 0.1], [0.05, 0.05, 0.2], (64, 3))
+    while True:
+        surface.send(midair.solve(midair.Scene(surface.board.array, points), "greedy"))
+
+
+def send(surface):
+    while True:
+        surface.send(DRIVE)
+
+
+def stream(surface):
+    surface.stream(DRIVE for _ in range(10**6))
+
+
+def modulate(surface):
+    surface.modulate(200)
+    time.sleep(30)
+
+
+def forked(surface):
+    """A child that lives on holds the owner's end of the pipe."""
+    if os.fork() == 0:
+        os.closerange(0, 3)
+        time.sleep(3)
+        os._exit(0)
+    time.sleep(30)
+
+
+def spin(surface):
+    while True:
+        pass
+
+
+def native(surface):
+    """Hang with the lock of the interpreter held."""
+    ctypes.PyDLL(None).sleep(30)
+
+
+def exception(surface):
+    wait_for_word()
+    raise ValueError("of the program")
+
+
+def segfault(surface):
+    wait_for_word()
+    ctypes.string_at(0)
+
+
+def exit(surface):
+    wait_for_word()
+    os._exit(1)
+
+
+def forgotten(surface):
+    """Neither closed nor kept."""
+    wait_for_word()
+
+
+ACTS = {act.__name__: act for act in (bare, solve, send, stream, modulate, forked)}
+ACTS |= {act.__name__: act for act in (spin, native, exception, segfault, exit, forgotten)}
+ACTS["sleep"] = bare
+
+
+def play(name, port, hold):
+    surface = midair.connect(f"sonicsurface:{port}", hold=float(hold))
+    surface.send(DRIVE)
+    os.write(1, b"playing\n")
+    if name in ("bare", "forgotten"):
+        ACTS[name](surface)
+    else:
+        with surface:
+            ACTS[name](surface)
+
+
+def main():
+    # Unbuffered by hand: a line is read by the fork that it is for.
+    while line := sys.stdin.readline():
+        process = os.fork()
+        if process == 0:
+            os.write(1, f"{os.getpid()}\n".encode())
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+            return play(*line.split())
+        os.waitpid(process, 0)
+        os.write(1, b"ended\n")
+    return None
+
+
+if __name__ == "__main__":
+    main()

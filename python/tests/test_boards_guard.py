@@ -1,0 +1,138 @@
+"""Nobody holds it, nothing plays: programs that play on a pseudo-terminal die in every way, and it falls silent.
+
+MIDAIR_DEATHS=20 lets each die twenty times.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from lines import Line
+
+DEATHS = int(os.environ.get("MIDAIR_DEATHS", "2"))
+ALLOWED = 0.25
+HOLD = 0.3
+
+#: How a program ends, and the signal that ends it, if it does not do so itself.
+ENDS = {
+    "sleep": [signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP],
+    "send": [signal.SIGKILL, signal.SIGINT],
+    "stream": [signal.SIGKILL, signal.SIGTERM, signal.SIGINT],
+    "modulate": [signal.SIGKILL, signal.SIGINT],
+    "solve": [signal.SIGKILL, signal.SIGINT],
+    "bare": [signal.SIGINT, signal.SIGTERM],
+    "forked": [signal.SIGKILL],
+    "exception": [None],
+    "segfault": [None],
+    "exit": [None],
+    "forgotten": [None],
+}
+CASES = [(act, number) for act, numbers in ENDS.items() for number in numbers]
+
+
+@pytest.fixture(scope="module")
+def programs():
+    """A process that has imported midair and forks a program for each line it reads."""
+    script = str(Path(__file__).with_name("programs.py"))
+    with subprocess.Popen(
+        [sys.executable, script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as process:
+        yield process
+        process.stdin.close()
+
+
+@pytest.fixture
+def line():
+    made = Line()
+    yield made
+    made.close()
+
+
+def started(programs, act, line, hold=60.0):
+    """Start a program, wait until it plays, and give its number."""
+    programs.stdin.write(f"{act} {line.port} {hold}\n")
+    programs.stdin.flush()
+    process = int(programs.stdout.readline())
+    line.wait(lambda surface: surface.loud, 20)
+    assert programs.stdout.readline() == "playing\n"
+    time.sleep(0.05)
+    return process
+
+
+def ended(programs):
+    """Wait for the end of the program."""
+    assert programs.stdout.readline() == "ended\n"
+
+
+@pytest.mark.parametrize("_", range(DEATHS))
+@pytest.mark.parametrize(("act", "number"), CASES, ids=lambda value: getattr(value, "name", value))
+def test_what_ends_is_off(programs, line, act, number, _):
+    process = started(programs, act, line)
+    if number is None:
+        programs.stdin.write("go\n")
+        programs.stdin.flush()
+    else:
+        os.kill(process, number)
+    begin = time.monotonic()
+    assert line.wait(lambda surface: surface.silent) - begin < ALLOWED
+    ended(programs)
+    time.sleep(0.02)
+    assert line.surface.silent
+    assert line.taken[0] == 151
+    assert [codes for _, codes in line.commits()[:2]] == [[32] * 256] * 2
+
+
+@pytest.mark.parametrize("_", range(DEATHS))
+@pytest.mark.parametrize("act", ["stopped", "spin", "native"])
+def test_what_hangs_is_off_after_the_hold(programs, line, act, _):
+    begin = time.monotonic()
+    process = started(programs, "sleep" if act == "stopped" else act, line, HOLD)
+    begin = time.monotonic()
+    if act == "stopped":
+        os.kill(process, signal.SIGSTOP)
+    assert line.wait(lambda surface: surface.silent) - begin < HOLD + ALLOWED
+    os.kill(process, signal.SIGKILL)
+    ended(programs)
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM], ids=lambda number: number.name)
+@pytest.mark.parametrize("_", range(DEATHS))
+def test_a_guard_that_is_killed_is_missed(line, number, _):
+    import midair
+
+    with midair.connect(f"sonicsurface:{line.port}") as surface:
+        surface.send([1] * 256)
+        line.wait(lambda surface: surface.loud)
+        os.kill(surface._guard._process.pid, number)
+        begin = time.monotonic()
+        assert line.wait(lambda surface: surface.silent) - begin < ALLOWED
+        with pytest.raises(midair.BoardLost, match="guard"):
+            surface.send([1] * 256)
+        with pytest.raises(midair.BoardLost, match="guard"):
+            surface.off()
+        assert surface.state == "lost"
+        assert not surface.emitting.any()
+    assert surface.state == "closed"
+
+
+def test_a_guard_survives_what_is_meant_for_its_owner(line):
+    import midair
+
+    with midair.connect(f"sonicsurface:{line.port}") as surface:
+        guard = surface._guard._process.pid
+        assert os.getsid(guard) == guard
+        surface.send([1] * 256)
+        for number in (signal.SIGINT, signal.SIGHUP):
+            os.kill(guard, number)
+        time.sleep(0.1)
+        assert surface.state == "playing"
+        assert line.surface.loud
+    with suppress(ProcessLookupError):
+        os.kill(guard, 0)
+        pytest.fail("the guard lives on")
+    assert line.surface.silent
