@@ -40,10 +40,19 @@ from ._midair import (
     solve_batch,
     solvers,
 )
-from .boards.board import Board
-from .boards.connection import Connection, connect
-from .boards.errors import BoardBusy, BoardError, BoardLost, BoardNotFound, BoardPermission, BoardTimeout
-from .boards.ports import Port, ports
+from .boards import (
+    Board,
+    BoardBusy,
+    BoardError,
+    BoardLost,
+    BoardNotFound,
+    BoardPermission,
+    BoardTimeout,
+    Connection,
+    Port,
+    connect,
+    ports,
+)
 from .compare import Comparison, compare
 from .ear import Ear, ear
 from .motion import Felt, Sequence, SequenceMetrics, sequence, stream

@@ -276,7 +276,7 @@ impl Board {
 
     fn check(&self, drive: &[Complex32]) -> Result<(), Error> {
         one_each("drive", drive.len(), "of them", self.len(), "transducers")?;
-        match drive.iter().position(|&q| !(math::modulus(q) <= 1.0 + SLACK)) {
+        match drive.iter().position(|&q| !q.is_finite() || math::modulus(q) > 1.0 + SLACK) {
             None => Ok(()),
             Some(i) => {
                 let value = format!("{} + {}j", drive[i].re, drive[i].im);

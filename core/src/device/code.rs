@@ -39,7 +39,7 @@ pub(crate) struct Steps {
 
 impl Steps {
     /// The highest level.
-    pub(crate) fn most(&self) -> u16 {
+    pub(crate) fn most(self) -> u16 {
         match self.levels {
             Levels::OnOff => 1,
             Levels::Even(most) => most,
@@ -48,7 +48,7 @@ impl Steps {
     }
 
     /// The amplitude of a level.
-    fn amplitude(&self, level: u16) -> f64 {
+    fn amplitude(self, level: u16) -> f64 {
         match self.levels {
             Levels::OnOff | Levels::Even(_) => f64::from(level) / f64::from(self.most()),
             Levels::Widths => math::sin(PI * f64::from(level) / f64::from(self.phases)),
@@ -56,7 +56,7 @@ impl Steps {
     }
 
     /// The nearest level: of amplitudes, or of widths, which are even in arcsin.
-    fn level(&self, amplitude: f64) -> u16 {
+    fn level(self, amplitude: f64) -> u16 {
         let amplitude = amplitude.min(1.0);
         let steps = match self.levels {
             Levels::OnOff | Levels::Even(_) => amplitude * f64::from(self.most()),
@@ -67,7 +67,7 @@ impl Steps {
 
     /// Steps from a phase to where its pulse begins: a pulse narrower than half a period begins later, for its middle to
     /// stay where it is.
-    fn shift(&self, level: u16) -> f64 {
+    fn shift(self, level: u16) -> f64 {
         match self.levels {
             Levels::OnOff | Levels::Even(_) => 0.0,
             Levels::Widths => 0.25 * f64::from(self.phases) - 0.5 * f64::from(level),
@@ -78,7 +78,7 @@ impl Steps {
     ///
     /// Steps are made whole before they are brought into 0 to L - 1: of a phase just below 0 the remainder in floating point
     /// would be L, which is no phase, and on some boards off.
-    pub(crate) fn code(&self, drive: Complex32, correction: f64) -> Code {
+    pub(crate) fn code(self, drive: Complex32, correction: f64) -> Code {
         let level = self.level(math::modulus(drive));
         if level == 0 {
             return Code::default();
@@ -89,14 +89,14 @@ impl Steps {
     }
 
     /// The drive that a code plays.
-    pub(crate) fn drive(&self, code: Code, correction: f64) -> Complex32 {
+    pub(crate) fn drive(self, code: Code, correction: f64) -> Complex32 {
         let turns = (f64::from(code.phase) - self.shift(code.level)) / f64::from(self.phases) + correction;
         let drive = math::phasor(TAU * turns) * self.amplitude(code.level);
         Complex32::new(drive.re as f32, drive.im as f32)
     }
 
     /// The phases and amplitudes that go together: of pulses those widths whose middles lie on the L phases, with them off.
-    pub(crate) fn quantization(&self) -> Result<Quantization, Error> {
+    pub(crate) fn quantization(self) -> Result<Quantization, Error> {
         let whole = |&level: &u16| level == 0 || self.shift(level) == math::floor(self.shift(level));
         let amplitudes: Vec<f64> = (0..=self.most()).filter(whole).map(|level| self.amplitude(level)).collect();
         Quantization::new(Some(self.phases.into()), Some(amplitudes))

@@ -91,11 +91,13 @@ fn every_preset_makes_the_array_it_describes() {
         assert_eq!(array.len(), entry.count, "{}", entry.name);
         assert_eq!(array.transducer(), entry.transducer, "{}", entry.name);
         assert!(!entry.summary.is_empty() && !entry.source.is_empty(), "{} has no source", entry.name);
-        // In z = 0 and radiating to +z, or around the origin and facing it.
+        // In z = 0 and radiating to +z, around the origin and facing it, or a bowl around an axis.
         let flat = array.positions().iter().all(|p| p[2] == 0.0) && array.normals().iter().all(|n| n[2] == 1.0);
         let faces = |(p, n): (&[f64; 3], &[f64; 3])| p[2] * n[2] < 0.0 && (0..3).all(|axis| p[axis] * n[axis] <= 0.0);
         let around = array.positions().iter().zip(array.normals()).all(faces);
-        assert!(flat || around, "{} radiates elsewhere", entry.name);
+        let towards = |(p, n): (&[f64; 3], &[f64; 3])| n[2] > 0.0 && (0..2).all(|axis| p[axis] * n[axis] <= 0.0);
+        let bowl = array.positions().iter().zip(array.normals()).all(towards);
+        assert!(flat || around || bowl, "{} radiates elsewhere", entry.name);
         let tiled = Array::preset(entry.name, [2, 3]);
         assert_eq!(tiled.map(|array| array.len()).ok(), entry.tiles.then_some(6 * entry.count), "{}", entry.name);
         assert!(Array::preset(entry.name, [1, 0]).is_err(), "{} of no boards", entry.name);

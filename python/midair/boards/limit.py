@@ -50,6 +50,6 @@ class Limit:
         if above[worst] > 0:
             place = ", ".join(f"{x:.4g}" for x in self._scene.points[worst])
             raise BoardError(
-                f"limit at ({place}) m is {self._most[worst]:.4g} Pa, this drive makes {pressures[worst]:.4g} Pa: "
-                "ask for less, or for a quiet point there"
+                f"limit at ({place}) m is {self._most[worst]:.4g} Pa, this drive makes "
+                f"{pressures[worst]:.4g} Pa: ask for less, or for a quiet point there"
             )

@@ -10,12 +10,15 @@ from typing import NoReturn
 
 from cyclopts import App, CycloptsError, UnusedCliTokensError
 
-from .. import SceneError, SceneWarning, __version__
+from .. import BoardError, SceneError, SceneWarning, __version__
 from ..ctrl_c import Terminated, terminable
 from .boards import boards_command
 from .compare import compare_command
 from .motion import motion_command
 from .new import new_command
+from .off import off_command
+from .play import play_command
+from .ports import ports_command
 from .presets import presets_command
 from .reproduce import reproduce_command
 from .solve import solve_command
@@ -40,6 +43,9 @@ app.command(reproduce_command, name="reproduce")
 app.command(sweep_command, name="sweep")
 app.command(motion_command, name="motion")
 app.command(boards_command, name="boards")
+app.command(ports_command, name="ports")
+app.command(play_command, name="play")
+app.command(off_command, name="off")
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
@@ -89,7 +95,7 @@ def _run(arguments: Sequence[str]) -> int:
     except CycloptsError as error:
         tell(f"error: {one_line(error)} See {usage(arguments)}")
         return REFUSED
-    except (SceneError, OSError) as error:
+    except (SceneError, BoardError, OSError) as error:
         tell(f"error: {one_line(error)}")
         return REFUSED
     except MemoryError as error:

@@ -45,6 +45,20 @@ class Document:
     options: dict[str, Any]
 
 
+def moves(file: Path) -> bool:
+    """Whether a scene file has the table [motion]; one that cannot be read has not."""
+    try:
+        given = _parsed(file)
+    except (OSError, ValueError):
+        return False
+    return isinstance(given, dict) and "motion" in given
+
+
+def _parsed(file: Path) -> Any:
+    text = file.read_text(encoding="utf-8")
+    return json.loads(text) if file.suffix.lower() == ".json" else tomllib.loads(text)
+
+
 def read(file: Path) -> Document:
     """The sequence that a scene file asks for. Its errors name the file."""
     try:
@@ -56,8 +70,7 @@ def read(file: Path) -> Document:
 
 
 def _read(file: Path, folder: Path) -> Document:
-    text = file.read_text(encoding="utf-8")
-    given = json.loads(text) if file.suffix.lower() == ".json" else tomllib.loads(text)
+    given = _parsed(file)
     motion = given.pop("motion", None) if isinstance(given, dict) else None
     if not isinstance(motion, dict):
         raise SceneError("[motion] is left out: it says what moves, as docs/motion.md shows")

@@ -158,9 +158,9 @@ fn read<const N: usize>(
     for channel in 0..N {
         let pulse = high[pin(channel)];
         let at = |tick: u16| pulse >> (tick % ticks) & 1;
-        let begins = (0..ticks).filter(|&tick| at(tick) == 1 && at(tick + ticks - 1) == 0);
+        let mut begins = (0..ticks).filter(|&tick| at(tick) == 1 && at(tick + ticks - 1) == 0);
         let level = pulse.count_ones() as u16;
-        let code = match (begins.clone().count(), begins.last()) {
+        let code = match (begins.clone().count(), begins.next_back()) {
             (0, _) if pulse == 0 => Code::default(),
             (1, Some(phase)) if level <= ticks / 2 && width.is_none_or(|width| level == width) => Code { phase, level },
             _ => {

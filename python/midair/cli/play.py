@@ -1,0 +1,211 @@
+"""`midair play`: a drive, a scene or a sequence on a board, until the time is over or Ctrl-C."""
+
+from __future__ import annotations
+
+import math
+import re
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from itertools import count
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from cyclopts import Parameter
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.live import Live
+
+from .. import (
+    Array,
+    Board,
+    Connection,
+    Scene,
+    SceneError,
+    Sequence,
+    Solution,
+    connect,
+    presets,
+    read,
+    sequence,
+    solve,
+)
+from ..boards.address import DEFAULT, parse
+from ..ear import REFERENCE
+from ..motion import document
+from .progress import progress_bar
+from .streams import tell
+
+#: Seconds of a unit of --for.
+UNITS = {"ms": 1e-3, "s": 1.0, "": 1.0, "min": 60.0, "h": 3600.0}
+
+#: A drive that stays is sent anew every so many seconds, well before the hold runs out.
+AGAIN = 10.0
+
+#: Seconds between two looks at what the board does.
+LOOK = 0.1
+
+
+def play_command(
+    what: Path,
+    *,
+    on: str,
+    duration: Annotated[str | None, Parameter(name="--for")] = None,
+    modulate: float | None = None,
+    solver: str | None = None,
+) -> int:
+    """Play a scene, a drive or a sequence on a board. Ctrl-C turns it off.
+
+    Parameters
+    ----------
+    what
+        A scene file, which is solved first; or what midair solve -o and midair motion -o wrote.
+    on
+        The board and where it is: sonicsurface:/dev/ttyUSB0, autd3, null, sonicsurface:loop (docs/boards.md).
+    duration
+        How long: 10s, 500ms, 2min. Left out, a drive plays until Ctrl-C, a sequence once, or for ever if it is
+        closed.
+    modulate
+        Amplitude modulation in Hz, of boards that can.
+    solver
+        Name of the solver of a scene file; left out, the file's own, else the default.
+    """
+    seconds = _seconds(duration)
+    place = parse(on)
+    name = place.board or DEFAULT
+    thing = _thing(what, solver, lambda array: _board(name, array))
+    board = _board(name, thing.array if isinstance(thing, Sequence) else _scene(thing).array)
+    with connect(on, board=board) as connection, _status(connection, on, _loudness(thing), seconds) as show:
+        if modulate is not None:
+            connection.modulate(modulate)
+        if isinstance(thing, Sequence):
+            connection.stream(_frames(thing, seconds, show), rate=thing.rate)
+        else:
+            _hold(connection, thing, seconds, show)
+    return 0
+
+
+def _seconds(text: str | None) -> float | None:
+    """10s, 500ms, 2min or a number of seconds."""
+    if text is None:
+        return None
+    found = re.fullmatch(r"(\d+\.?\d*|\.\d+)\s*(ms|s|min|h|)", text.strip())
+    seconds = float(found[1]) * UNITS[found[2]] if found else math.nan
+    if not seconds > 0:
+        raise SceneError(f'--for is "{text}": give a time such as 10s, 500ms or 2min')
+    return seconds
+
+
+def _thing(path: Path, solver: str | None, board: Callable[[Array], Board]) -> Solution | Sequence:
+    """What is to be played: solved, if it is a scene."""
+    if path.suffix.lower() not in (".toml", ".json"):
+        found = read(path)
+        if solver is not None:
+            raise SceneError(f"--solver is {solver}: {path} is solved already, leave it out")
+        if not isinstance(found, Solution | Sequence) or (
+            isinstance(found, Solution) and found.scene is None
+        ):
+            raise SceneError(
+                f'"{path}" does not say what array it is for: give what midair solve or motion wrote'
+            )
+        return found
+    if document.moves(path):
+        asked = document.read(path)
+        with progress_bar("solving") as show:
+            return sequence(
+                board(asked.array).array,
+                asked.path,
+                solver or asked.solver,
+                progress=show,
+                **asked.settings,
+                **asked.air,
+            )
+    scene = Scene.load(path)
+    return solve(scene.replace(array=board(scene.array).array), solver)
+
+
+def _scene(solution: Solution) -> Scene:
+    assert solution.scene is not None
+    return solution.scene
+
+
+def _board(name: str, array: Array) -> Board:
+    """The boards of a name behind an array: its own, or as many of them as the array has."""
+    own = Board(name)
+    if len(array) != len(own.array) and (name in presets() and not len(array) % len(own.array)):
+        return Board(name, array)
+    if len(array) != len(own.array):
+        cure = f'give a scene of its array, preset = "{name}"' if name in presets() else "give as many"
+        raise SceneError(f"the array has {len(array)} transducers, {name} {len(own.array)}: {cure}")
+    return Board(name, array)
+
+
+def _hold(
+    connection: Connection, solution: Solution, seconds: float | None, show: Callable[[], None]
+) -> None:
+    """Play one drive."""
+    begin = time.monotonic()
+    for k in count():
+        if k % round(AGAIN / LOOK) == 0:
+            connection.send(solution)
+        left = math.inf if seconds is None else begin + seconds - time.monotonic()
+        if left <= 0:
+            return
+        time.sleep(min(LOOK, left))
+        show()
+
+
+def _frames(
+    sequence: Sequence, seconds: float | None, show: Callable[[], None]
+) -> Iterator[NDArray[np.complex64]]:
+    """The frames of a sequence, over and over if it is closed or a time is given."""
+    frames = len(sequence)
+    once = seconds is None and not sequence.closed
+    last = frames if once else math.inf if seconds is None else round(seconds * sequence.rate)
+    shown = 0.0
+    for k in count():
+        if k >= last:
+            return
+        yield sequence.drive(k % frames)
+        if time.monotonic() - shown > LOOK:
+            shown = time.monotonic()
+            show()
+
+
+def _loudness(thing: Solution | Sequence) -> float:
+    """The sound pressure level at the loudest point, in dB."""
+    loudest = float(np.abs(thing.pressures).max(initial=0.0))
+    return 20 * math.log10(max(loudest, 1e-30) / math.sqrt(2) / REFERENCE)
+
+
+@contextmanager
+def _status(
+    connection: Connection, on: str, level: float, seconds: float | None
+) -> Iterator[Callable[[], None]]:
+    """A line that follows what the board does, and one at the end; without a terminal a first and a last one."""
+    terminal = Console(stderr=True)
+    begin = time.monotonic()
+    sound = f"{level:.0f} dB SPL at the loudest point"
+
+    def line() -> str:
+        passed, stats = time.monotonic() - begin, connection.stats
+        until = "" if seconds is None else f" of {seconds:g} s"
+        rate = f"{stats.frames / max(passed, 1e-3):.4g} frames/s, {stats.late} late"
+        return f"{connection.state} on {on}, {passed:.1f} s{until}, {rate}, {sound}. Ctrl-C turns it off"
+
+    live = Live(console=terminal, transient=True, auto_refresh=False)
+    moves = terminal.is_terminal and not terminal.is_dumb_terminal
+    if moves:
+        live.start()
+    else:
+        tell(f"playing on {on}, {sound}. Ctrl-C turns it off")
+    try:
+        yield lambda: live.update(line(), refresh=True) if moves else None
+    finally:
+        if moves:
+            live.stop()
+        stats = connection.stats
+        connection.close()
+        passed = time.monotonic() - begin
+        tell(f"off after {passed:.1f} s: {stats.frames} frames, {stats.late} late")
