@@ -32,21 +32,19 @@ def read_array(
     mask: ArrayLike | None = None,
     quantization: Mapping[str, Any] | None = None,
 ) -> Array:
-    """An array from a file, in m; what is not given is the file's, else its format's, else that of `midair.Array`.
+    """An array from a file, in m: a keyword that is given counts, else what the file or its format says.
 
-    | file | of | order | P0 in Pa m | directivity | more |
-    |---|---|---|---|---|---|
-    | `.pat` | OpenMPD, a board | the file's | 3.4 | piston 4.5 mm | gains are responses; the board's grid |
-    | `.xml.gz`, `.xml` | Ultraino | orderNumber | `power`, else 2.53 | sinc of `apperture`, else 9 mm | y up is turned to z up |
-    | `.xml` | HandyBeam | Index | | cos 3.376 | ABX "X" is off in the mask |
-    | `.json` | AUTD3, Geometry.to_json | boards | 4.386 | point | the board's grid |
-    | `.csv` | x,y,z or x,y,z,nx,ny,nz | the file's | | | as in scene files |
+    - `.pat`, a board of OpenMPD: P0 3.4 Pa m, piston of 4.5 mm; gains are responses; the board's quantization.
+    - `.xml.gz` or `.xml` of Ultraino, by orderNumber: P0 is `power`, else 2.53; sinc of `apperture`, else 9 mm.
+      Its y is up: (x, y, z) is here (x, -z, y).
+    - `.xml` of HandyBeam, by Index: cos 3.376; a transducer with ABX "X" is off in the mask.
+    - `.json` of AUTD3, as Geometry.to_json writes, board after board: the preset's P0, directivity, quantization.
+    - `.csv`: x,y,z or x,y,z,nx,ny,nz, as scene files read them.
 
-    Positions are those of the file, not centred; a flat board of OpenMPD, Ultraino or HandyBeam lies in z = 0 and
-    radiates to +z. Ultraino's (x, y, z) is here (x, -z, y). Phase corrections are no part of an array: a board
-    applies them when it plays. Raises SceneError for a file that is not in order, naming the line.
+    What no file says is that of `midair.Array`. Positions are those of the file, not centred; a flat board of
+    OpenMPD, Ultraino or HandyBeam lies in z = 0 and radiates to +z. Phase corrections are no part of an array:
+    a board applies them when it plays. A file that is not in order is a SceneError that names the line.
     """
-    name = str(path)
     found = _layout(path)
     given = {
         "source_pressure": source_pressure,
@@ -61,7 +59,7 @@ def read_array(
     try:
         return Array(found.positions, found.normals, **keywords)
     except SceneError as error:
-        raise SceneError(f'file "{" ".join(name.split())}": {error}') from error
+        raise fault(path, None, str(error)) from error
 
 
 def _layout(path: str | PathLike[str]) -> Layout:
@@ -95,4 +93,4 @@ def _xml(path: str | PathLike[str]) -> Layout:
     if data[:2] == b"\x1f\x8b":
         data = unpacked(path, data, "gzip", MOST_BYTES)
     root = xml.parse(path, data)
-    return (ultraino if root.name == "java" else handybeam).read(path, root)
+    return ultraino.read(path, root) if root.name == "java" else handybeam.read(path, root)

@@ -1,4 +1,4 @@
-"""What a file holds, read whole up to a limit, and what is wrong with it told by file, line, value and cure."""
+"""What a file holds, read whole up to a limit; what is wrong with it, told by file, line, value and cure."""
 
 from __future__ import annotations
 

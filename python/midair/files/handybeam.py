@@ -1,7 +1,7 @@
-"""HandyBeam's arrays, `.xml` of "Acoustic Renderer" (ultraleap/HandyBeam, tx_array_library.py): geometry in mm.
+"""HandyBeam's arrays, `.xml` of "Acoustic Renderer" (ultraleap/HandyBeam, tx_array_library.py), in mm.
 
-System/Transducers/Transducer has Index, Xmm, Ymm, Zmm, and ABX, "X" where a transducer is off. Normals are +z;
-HandyBeam's directivity is cos(theta)^3.376.
+System/Transducers/Transducer has Index, Xmm, Ymm, Zmm, and ABX, "X" where a transducer is off. Normals are
++z; HandyBeam's directivity is cos(theta)^3.376.
 """
 
 from __future__ import annotations

@@ -28,4 +28,5 @@ def turned(quaternions: NDArray[np.float64], vector: Sequence[float]) -> NDArray
     unit = quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True)
     w, u = unit[:, :1], unit[:, 1:]
     given = np.broadcast_to(np.array(vector, np.float64), u.shape)
-    return given + 2 * np.cross(u, np.cross(u, given) + w * given)
+    found: NDArray[np.float64] = given + 2 * np.cross(u, np.cross(u, given) + w * given)
+    return found

@@ -1,7 +1,7 @@
-"""`.pat`: a board of OpenMPD, as its laboratories measured it (Docs/GS_PAT_BoardFileFormat of RMResearch/OpenMPD).
+"""`.pat`: a board of OpenMPD as it was measured (RMResearch/OpenMPD, Docs/GS_PAT_BoardFileFormat).
 
 Seven lines: the serial number; 256 transducers; 128 divisions of a period; positions "(x, y, z)," in m; the pin
-of each transducer; phase corrections in degrees; gains, 1 or, of a dead transducer, 0. Lists end with a comma.
+of each transducer; phase corrections in degrees; gains, 1, or 0 of a dead transducer. Lists end with a comma.
 """
 
 from __future__ import annotations
@@ -73,10 +73,10 @@ def read(path: str | PathLike[str]) -> Pat:
         raise fault(path, 7, f"gain {gains[gains < 0][0]:g} is negative: give 1, or 0 where it is dead")
     if len(lines) > len(LINES):
         raise fault(path, 8, f"{len(lines)} lines: a .pat file has seven")
-    pins = pins.astype(np.int64)
-    for values in (positions, pins, corrections, gains):
+    board = Pat(lines[0].strip(), positions, divisions, pins.astype(np.int64), corrections, gains)
+    for values in (board.positions, board.pins, board.corrections, board.gains):
         values.flags.writeable = False
-    return Pat(lines[0].strip(), positions, divisions, pins, corrections, gains)
+    return board
 
 
 def _whole(path: str | PathLike[str], line: int, found: str, least: int, most: int) -> int:

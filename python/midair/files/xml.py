@@ -1,4 +1,4 @@
-"""XML as a tree, by expat: no document type, no entities of its own, no more depth or elements than a file needs."""
+"""XML as a tree, by expat: no document type, no entities of its own, bounds on depth and elements."""
 
 from __future__ import annotations
 
