@@ -43,6 +43,7 @@ from ._midair import (
 from .boards.board import Board
 from .compare import Comparison, compare
 from .ear import Ear, ear
+from .files import read, write
 from .motion import Felt, Sequence, SequenceMetrics, sequence, stream
 from .picture import Picture, image
 from .plot import plot
@@ -84,6 +85,7 @@ __all__ = [
     "path",
     "plot",
     "presets",
+    "read",
     "sequence",
     "shape",
     "solve",
@@ -91,4 +93,5 @@ __all__ = [
     "solvers",
     "stream",
     "sweep",
+    "write",
 ]

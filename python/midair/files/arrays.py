@@ -34,16 +34,17 @@ def read_array(
 ) -> Array:
     """An array from a file, in m: a keyword that is given counts, else what the file or its format says.
 
-    - `.pat`, a board of OpenMPD: P0 3.4 Pa m, piston of 4.5 mm; gains are responses; the board's quantization.
-    - `.xml.gz` or `.xml` of Ultraino, by orderNumber: P0 is `power`, else 2.53; sinc of `apperture`, else 9 mm.
-      Its y is up: (x, y, z) is here (x, -z, y).
+    - `.pat`, a board of OpenMPD: P0 3.4 Pa m, piston of 4.5 mm, the board's grid; gains are responses.
+    - `.xml.gz` or `.xml` of Ultraino, by orderNumber: P0 is `power`, else 2.53; sinc of
+      `apperture`, else 9 mm. Its y is up: (x, y, z) is here (x, -z, y).
     - `.xml` of HandyBeam, by Index: cos 3.376; a transducer with ABX "X" is off in the mask.
-    - `.json` of AUTD3, as Geometry.to_json writes, board after board: the preset's P0, directivity, quantization.
+    - `.json` of AUTD3, as Geometry.to_json writes, board after board: as the preset `autd3`.
     - `.csv`: x,y,z or x,y,z,nx,ny,nz, as scene files read them.
 
-    What no file says is that of `midair.Array`. Positions are those of the file, not centred; a flat board of
-    OpenMPD, Ultraino or HandyBeam lies in z = 0 and radiates to +z. Phase corrections are no part of an array:
-    a board applies them when it plays. A file that is not in order is a SceneError that names the line.
+    What no file says is that of `midair.Array`. Positions are those of the file, not centred; a flat board
+    of OpenMPD, Ultraino or HandyBeam lies in z = 0 and radiates to +z. Phase corrections are no part of an
+    array: a board applies them when it plays. A file that is not in order is a SceneError that names the
+    line.
     """
     found = _layout(path)
     given = {

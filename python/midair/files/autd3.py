@@ -1,7 +1,8 @@
 """AUTD3's geometry, `.json`, as Geometry.to_json of autd3-core 0.12 writes it.
 
-It is a list of boards, {"origin": [x, y, z], "rotation": [w, x, y, z]}. The origin, in mm, is that of transducer 0,
-the rotation a unit quaternion. A board has 249 transducers (autd3-core, devices/autd3.rs) and radiates along its +z.
+It is a list of boards, {"origin": [x, y, z], "rotation": [w, x, y, z]}. The origin, in mm, is that of
+transducer 0, the rotation a unit quaternion. A board has 249 transducers (autd3-core, devices/autd3.rs) and
+radiates along its +z.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """java.beans.XMLDecoder: the objects that its XML makes, as trees of properties; nothing of Java is run.
 
-An `object` or `void` element is a call: with `class` it makes an object; with `property` it sets it to its one
-argument, without argument it gets it; `method` is what it says. Elements in it that are values are its arguments;
-`void` elements act upon its value, which is made when the first of them, or an `idref` to it, needs it.
+An `object` or `void` element is a call: with `class` it makes an object; with `property` it sets it to its
+one argument, without argument it gets it; `method` is what it says. Elements in it that are values are its
+arguments; `void` elements act upon its value, which is made when the first of them, or an `idref` to it,
+needs it.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """`.pat`: a board of OpenMPD as it was measured (RMResearch/OpenMPD, Docs/GS_PAT_BoardFileFormat).
 
-Seven lines: the serial number; 256 transducers; 128 divisions of a period; positions "(x, y, z)," in m; the pin
-of each transducer; phase corrections in degrees; gains, 1, or 0 of a dead transducer. Lists end with a comma.
+Seven lines: the serial number; 256 transducers; 128 divisions of a period; positions "(x, y, z)," in m; the
+pin of each transducer; phase corrections in degrees; gains, 1, or 0 of a dead transducer. Lists end with a
+comma.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """Ultraino's arrays, `.xml.gz` or `.xml` (asiermarzo/Ultraino, arrays/): a Simulation by XMLDecoder of Java.
 
-Its y is up: a flat array lies in y = 0 and faces +y. Here it lies in z = 0 and faces +z: (x, y, z) is turned
-to (x, -z, y), normals too. A transducer has the width `apperture`, the directivity sin(x)/x (CalcField.java) and
-`power`, its pressure times distance at full drive in Pa m. Phase corrections are for who plays, and not read.
+Its y is up: a flat array lies in y = 0 and faces +y. Here it lies in z = 0 and faces +z: (x, y, z) is
+turned to (x, -z, y), normals too. A transducer has the width `apperture`, the directivity sin(x)/x
+(CalcField.java) and `power`, its pressure times distance at full drive in Pa m. Phase corrections are for
+who plays, and not read.
 """
 
 from __future__ import annotations
