@@ -13,6 +13,7 @@ from cyclopts import App, CycloptsError, UnusedCliTokensError
 from .. import SceneError, SceneWarning, __version__
 from ..ctrl_c import Terminated, terminable
 from .compare import compare_command
+from .export import export_command
 from .motion import motion_command
 from .new import new_command
 from .presets import presets_command
@@ -38,6 +39,7 @@ app.command(presets_command, name="presets")
 app.command(reproduce_command, name="reproduce")
 app.command(sweep_command, name="sweep")
 app.command(motion_command, name="motion")
+app.command(export_command, name="export")
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:

@@ -79,7 +79,7 @@ def _layout(path: str | PathLike[str]) -> Layout:
 def _openmpd(path: str | PathLike[str]) -> Layout:
     """P0 as AcousTools has it, Murata's MA40S4S as a piston."""
     found = pat.read(path)
-    grid = Array.preset("openmpd_pair").quantization or {}
+    grid = Array.preset("openmpd_board").quantization or {}
     return Layout(
         found.positions,
         source_pressure=3.4,

@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import SceneError
+from ..boards.board import Board
 from .content import content, fault
-from .played import Encoder, Played, one_or_more
+from .played import Played, one_or_more
 
-CURE = 'give board=, such as midair.Board("sonicsurface")'
+CURE = 'give board=, such as "sonicsurface"'
 
 
-def write(path: Path, drives: Played, board: Encoder | None) -> None:
+def write(path: Path, drives: Played, board: Board | None) -> None:
     """Write `board.encode` of each drive."""
     if board is None:
         raise SceneError(f"board is left out, and .bin holds the frames of one: {CURE}")
@@ -24,7 +25,7 @@ def write(path: Path, drives: Played, board: Encoder | None) -> None:
             stream.write(board.encode(drive.astype(np.complex64)))
 
 
-def read(path: str | PathLike[str], board: Encoder | None) -> NDArray[np.complex64]:
+def read(path: str | PathLike[str], board: Board | None) -> NDArray[np.complex64]:
     """Read drives by `board.decode`, (N,) of one frame, else (T, N)."""
     if board is None:
         raise fault(path, None, f"it holds frames, and board is left out: {CURE}")

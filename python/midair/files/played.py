@@ -4,35 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, Protocol
+from os import PathLike
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import Array, SceneError, Solution
+from ..boards.board import Board
 from ..motion import Sequence
 from ..shape.arguments import shown
 
 #: A drive beyond full by more is none; so much do the solvers' f32 leave.
 ROUNDING = 1e-5
-
-
-class Encoder(Protocol):
-    """What is needed of a `midair.Board`."""
-
-    @property
-    def array(self) -> Array:
-        """The array of its drives."""
-
-    @property
-    def off_frame(self) -> bytes:
-        """A frame that plays nothing, as long as any."""
-
-    def encode(self, drive: Any, /) -> bytes:
-        """The frame of a drive (N,)."""
-
-    def decode(self, frame: bytes, /) -> NDArray[np.complex64]:
-        """The drive (N,) of a frame."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +40,7 @@ class Played:
         return found[0] if self.alone else found
 
 
-def played(drives: Any, board: Encoder | None) -> Played:
+def played(drives: Any, board: Board | None) -> Played:
     """Drives of a Solution, a Sequence, or numbers (N,) or (T, N); the array may be the board's."""
     array = None if board is None else board.array
     if isinstance(drives, Solution):
@@ -76,12 +60,11 @@ def played(drives: Any, board: Encoder | None) -> Played:
     return found
 
 
-def encoder(board: Any) -> Encoder | None:
-    """A board, or nothing."""
-    if board is not None and not hasattr(board, "encode"):
-        raise SceneError(f"board is {shown(board)}: give a midair.Board")
-    found: Encoder | None = board
-    return found
+def known(board: Board | str | PathLike[str] | None) -> Board | None:
+    """A board, or the one of a name or .pat file."""
+    if board is None or isinstance(board, Board):
+        return board
+    return Board(board)
 
 
 def one_or_more(drives: NDArray[np.complex64]) -> NDArray[np.complex64]:

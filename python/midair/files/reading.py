@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import Solution
+from ..boards.board import Board
 from ..motion import Sequence
 from . import acoustools, archive, board_frames, control_points, holo, one_drive, pair
 from .content import content, fault, text
 from .control_points import ControlPoints
-from .played import Encoder, encoder
+from .played import known
 from .table import number, rows
 
 CSV = (
@@ -23,7 +24,7 @@ CSV = (
 
 
 def read(
-    path: str | PathLike[str], *, board: Encoder | None = None
+    path: str | PathLike[str], *, board: Board | str | PathLike[str] | None = None
 ) -> Solution | Sequence | NDArray[np.complex64] | ControlPoints:
     """Read what `midair.write`, `save` or another program wrote.
 
@@ -34,7 +35,7 @@ def read(
     | `.csv` of a drive | the drive (N,) |
     | `.csv` of control points | times, points, intensities and frequencies: midair.files.ControlPoints |
 
-    board : the midair.Board whose frames a .bin holds
+    board : the midair.Board, its name or .pat file, whose frames a .bin holds
 
     Which .csv it is, its first row tells, and of Ultraino's, which has none, the name. Drives of 512
     transducers from AcousTools are in the order of `Array.preset("openmpd_pair")`. Nothing in a file is
@@ -49,7 +50,7 @@ def read(
     if ending == ".holo":
         return holo.read(path)
     if ending == ".bin":
-        return board_frames.read(path, encoder(board))
+        return board_frames.read(path, known(board))
     if ending == ".csv":
         return _csv(path)
     raise fault(path, None, "it has no known ending: give .npz, .json, .csv, .holo or .bin")

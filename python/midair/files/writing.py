@@ -8,13 +8,14 @@ from typing import Any
 
 from .. import output
 from .._midair import SceneError, Solution
+from ..boards.board import Board
 from ..motion import Sequence
 from ..motion.files import whole
 from ..path import Path
 from ..shape.arguments import refused, shown, word
 from . import acoustools, archive, board_frames, control_points, holo, one_drive, pair
 from .control_points import ControlPoints
-from .played import Encoder, Played, encoder, played
+from .played import Played, known, played
 
 ENDINGS = (".npz", ".csv", ".json", ".holo", ".bin")
 #: What `Solution.save` writes.
@@ -26,7 +27,7 @@ def write(
     path: str | PathLike[str],
     drives: Any,
     *,
-    board: Encoder | None = None,
+    board: Board | str | PathLike[str] | None = None,
     layout: str | None = None,
     rate: float | None = None,
     modulate: float | None = None,
@@ -34,7 +35,7 @@ def write(
     """Write drives (or control points) to a file, whole or not at all.
 
     drives : a Solution, a Sequence, or complex drives (N,) or (T, N), |q| <= 1
-    board : a midair.Board; needed for .bin, and tells the array of drives that are numbers
+    board : a midair.Board, its name or .pat file; needed for .bin, and tells the array of bare drives
     layout : of a .csv, below; left out, it follows from what is written
 
     | ending | what is written | of |
@@ -69,7 +70,8 @@ def write(
     elif saves or (isinstance(drives, Sequence) and chosen == ".npz"):
         drives.save(file)
     else:
-        _write(file, chosen, played(drives, encoder(board)), board)
+        player = known(board)
+        _write(file, chosen, played(drives, player), player)
 
 
 def _layout(file: File, drives: Any, layout: str | None) -> str:
@@ -89,7 +91,7 @@ def _layout(file: File, drives: Any, layout: str | None) -> str:
     return found
 
 
-def _write(file: File, layout: str, drives: Played, board: Encoder | None) -> None:
+def _write(file: File, layout: str, drives: Played, board: Board | None) -> None:
     if layout == "ultraino":
         pair.write(file, drives)
         return
