@@ -55,6 +55,7 @@ from .boards import (
 )
 from .compare import Comparison, compare
 from .ear import Ear, ear
+from .files import read, write
 from .motion import Felt, Sequence, SequenceMetrics, sequence, stream
 from .picture import Picture, image
 from .plot import plot
@@ -106,6 +107,7 @@ __all__ = [
     "plot",
     "ports",
     "presets",
+    "read",
     "sequence",
     "shape",
     "solve",
@@ -113,4 +115,5 @@ __all__ = [
     "solvers",
     "stream",
     "sweep",
+    "write",
 ]

@@ -8,8 +8,9 @@ import os
 import sys
 import time
 
-import midair
 import numpy as np
+
+import midair
 
 DRIVE = np.ones(256)
 

@@ -12,6 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+
 from lines import Line
 
 DEATHS = int(os.environ.get("MIDAIR_DEATHS", "2"))

@@ -14,6 +14,7 @@ from .. import BoardError, SceneError, SceneWarning, __version__
 from ..ctrl_c import Terminated, terminable
 from .boards import boards_command
 from .compare import compare_command
+from .export import export_command
 from .motion import motion_command
 from .new import new_command
 from .off import off_command
@@ -46,6 +47,7 @@ app.command(boards_command, name="boards")
 app.command(ports_command, name="ports")
 app.command(play_command, name="play")
 app.command(off_command, name="off")
+app.command(export_command, name="export")
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:

@@ -64,8 +64,7 @@ def play_command(
     on
         The board and where it is: sonicsurface:/dev/ttyUSB0, autd3, null, sonicsurface:loop (docs/boards.md).
     duration
-        How long: 10s, 500ms, 2min. Left out, a drive plays until Ctrl-C, a sequence once, or for ever if it is
-        closed.
+        How long: 10s, 500ms, 2min. Left out, a drive and a closed sequence play until Ctrl-C, an open one once.
     modulate
         Amplitude modulation in Hz, of boards that can.
     solver
@@ -183,7 +182,7 @@ def _loudness(thing: Solution | Sequence) -> float:
 def _status(
     connection: Connection, on: str, level: float, seconds: float | None
 ) -> Iterator[Callable[[], None]]:
-    """A line that follows what the board does, and one at the end; without a terminal a first and a last one."""
+    """A line that follows what the board does, and one at the end; one at the begin where no terminal is."""
     terminal = Console(stderr=True)
     begin = time.monotonic()
     sound = f"{level:.0f} dB SPL at the loudest point"

@@ -1,0 +1,32 @@
+"""Layout: what a file says of an array, as `midair.Array` takes it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """Positions and normals (N, 3) in m, and what else a format says, as the keywords of `midair.Array`."""
+
+    positions: NDArray[np.float64]
+    normals: NDArray[np.float64] | None = None
+    source_pressure: float | None = None
+    directivity: Any = None
+    response: NDArray[np.float64] | None = None
+    mask: NDArray[np.bool_] | None = None
+    quantization: Any = None
+
+
+def turned(quaternions: NDArray[np.float64], vector: Sequence[float]) -> NDArray[np.float64]:
+    """A vector (3,) turned by quaternions (B, 4), w x y z, of any length: v + 2 u x (u x v + w v), (B, 3)."""
+    unit = quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True)
+    w, u = unit[:, :1], unit[:, 1:]
+    given = np.broadcast_to(np.array(vector, np.float64), u.shape)
+    found: NDArray[np.float64] = given + 2 * np.cross(u, np.cross(u, given) + w * given)
+    return found
