@@ -78,19 +78,24 @@ def write(path: Path, drives: Played) -> None:
 
 def read(path: str | PathLike[str], found: bytes | None = None) -> NDArray[np.complex64]:
     """Read drives of amplitude 1, (N,) of one frame, else (T, N)."""
-    lines = list(rows(text(path, content(path) if found is None else found)))
-    line, head = lines[0]
+    data = content(path) if found is None else found
+    table = rows(text(path, data))
+    line, head = next(table)
     frames, transducers = (int(number(cell) or 0) for cell in head)
-    if frames < 1 or transducers < 1:
-        raise fault(path, line, f'"{",".join(head)}" is the first row: give frames,transducers')
-    if len(lines) != frames + 1:
-        raise fault(
-            path, line, f"{frames} frames are told and {len(lines) - 1} are there: get the file again"
-        )
+    # A number takes two bytes at least, with what follows it.
+    if not 2 <= 2 * frames * transducers <= len(data):
+        told = f"{frames} frames of {transducers} transducers are told, more than the file can hold"
+        raise fault(path, line, f"{told}: get the file again")
     order = csv_order(None, transducers)
     drives = np.empty((frames, transducers), np.complex64)
-    for frame, (line, cells) in enumerate(lines[1:]):
+    frame = 0
+    for line, cells in table:
+        if frame == frames:
+            raise fault(path, line, f"{frames} frames are told and more are there: get the file again")
         if len(cells) != transducers:
             raise fault(path, line, f"{len(cells)} phases: give one for each of {transducers} transducers")
         drives[frame, order] = np.exp(1j * numbers(path, line, cells))
+        frame += 1
+    if frame < frames:
+        raise fault(path, line, f"{frames} frames are told and {frame} are there: get the file again")
     return one_or_more(drives)

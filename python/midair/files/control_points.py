@@ -97,13 +97,14 @@ def write(path: File, given: ControlPoints) -> None:
 
 def read(path: str | PathLike[str], found: bytes | None = None) -> ControlPoints:
     """Read frames: rows of one t."""
-    (head, names), *table = rows(text(path, content(path) if found is None else found))
+    table = rows(text(path, content(path) if found is None else found))
+    head, names = next(table)
     where = columns(path, head, names, COLUMNS, CURE)
     wanted = (*COLUMNS, FREQUENCY) if FREQUENCY in where else COLUMNS
-    if not table:
+    each = [(line, picked(path, line, row, where, wanted)) for line, row in table]
+    if not each:
         raise fault(path, None, f"no point is in it: {CURE}")
-    values = np.array([picked(path, line, row, where, wanted) for line, row in table])
-    lines = [line for line, _ in table]
+    lines, values = [line for line, _ in each], np.array([row for _, row in each])
     _check(path, lines, values)
     starts = np.flatnonzero(np.diff(values[:, 0], prepend=-np.inf))
     counts = np.diff(np.append(starts, len(values)))

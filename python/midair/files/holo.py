@@ -19,7 +19,7 @@ from .acoustools import own_order
 from .content import MOST_BYTES, content, fault, unpacked
 from .played import Played, one_or_more
 
-#: Steps of a period and of the amplitude, the phase of code 0 in steps below 0, and what ends a list.
+#: Steps of a period and of the amplitude, the phase of a step, what ends a list, and bytes of a number.
 STEPS = 32
 STEP = 2 * 3.1415 / STEPS
 END = 63
@@ -66,8 +66,10 @@ def read(path: str | PathLike[str]) -> NDArray[np.complex64]:
     if len(codes) != 2 * frames * (transducers + 1) or not np.array_equal(ends, expected):
         told = f"{len(ends)} lists are in it, and not all of {transducers} numbers"
         raise fault(path, None, f"{told}: give phases and amplitudes of every frame, each list of one length")
-    lists = codes.reshape(frames, 2, transducers + 1)[:, :, :-1].astype(np.float64)
+    lists = codes.reshape(frames, 2, transducers + 1)[:, :, :-1]
+    code = np.arange(STEPS + 1)
+    phase = np.exp(1j * STEP * (code - STEPS // 2)).astype(np.complex64)
+    amplitude = (code / STEPS).astype(np.float32)
     drives = np.empty((frames, transducers), np.complex64)
-    phases, amplitudes = (lists[:, 0] - STEPS // 2) * STEP, lists[:, 1] / STEPS
-    drives[:, own_order(None, transducers)] = amplitudes * np.exp(1j * phases)
+    drives[:, own_order(None, transducers)] = phase[lists[:, 0]] * amplitude[lists[:, 1]]
     return one_or_more(drives)

@@ -43,7 +43,8 @@ def write(path: Path, drives: Played) -> None:
 
 def read(path: str | PathLike[str], found: bytes | None = None) -> NDArray[np.complex64]:
     """Read the drive (N,)."""
-    (head, names), *table = rows(text(path, content(path) if found is None else found))
+    table = rows(text(path, content(path) if found is None else found))
+    head, names = next(table)
     where = columns(path, head, names, NEEDED, CURE)
     indexed = "index" in where
     wanted = (*NEEDED, "index") if indexed else NEEDED

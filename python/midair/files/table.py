@@ -41,7 +41,8 @@ def numbers(
         row = np.array(found, np.float64)
     except ValueError:
         row = np.array([np.nan])
-    if not np.isfinite(row).all():
+    # Python's numbers may have underscores.
+    if not np.isfinite(row).all() or "_" in "".join(found):
         for index, cell in enumerate(found):
             if number(cell) is None:
                 name = names[index] if names else f"column {index + 1}"
