@@ -1,4 +1,4 @@
-"""Nobody holds it, nothing plays: programs that play on a pseudo-terminal die in every way, and it falls silent.
+"""Nobody holds it, nothing plays: programs that play on a pseudo-terminal die in every way, and it is off.
 
 MIDAIR_DEATHS=20 lets each die twenty times.
 """
@@ -51,7 +51,7 @@ def programs():
 def line():
     made = Line()
     yield made
-    made.close()
+    made.unplug()
 
 
 def started(programs, act, line, hold=60.0):

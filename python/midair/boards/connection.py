@@ -25,16 +25,18 @@ from .board import Board
 from .errors import BoardError, BoardLost, BoardTimeout
 from .limit import Limit
 from .process import PATIENCE, GuardProcess
-from .wire import Kind
+from .wire import Kind, Late
 
-#: Frames of a stream that may be on their way at a time: one that plays next, one behind it.
+#: Frames of a stream that are on their way at a time, at least: one that plays next, one behind it. Of frames
+#: that are there already, as many as last for LEAD s, so that a busy computer does not stop them.
 AHEAD = 2
+LEAD = 0.2
 
 #: Transducers further than this from where they were solved for, in m, are not those of the board.
 APART = 0.5e-3
 
 #: What a stream may do with a frame that comes too late.
-LATE = ("skip", "wait", "error")
+LATE = {"skip": Late.SKIP, "wait": Late.WAIT, "error": Late.ERROR}
 
 
 @dataclass(frozen=True)
@@ -66,13 +68,13 @@ class Connection:
         self._place = address.where or address.kind
         self._limit = limit
         self._late = 0
-        self._told: dict[str, Any] = {"state": "off", "frames": 0, "lapses": 0}
+        self._told: dict[str, Any] = {"state": "off", "frames": 0, "late": 0, "lapses": 0}
         self._guard = GuardProcess(describe(address, board), hold)
         self._finalizer = weakref.finalize(self, self._guard.close)
 
     def send(self, drive: ArrayLike | Solution) -> None:
         """Play a drive (N,) or a solution until something else comes; waits while two frames wait already."""
-        self._call(Kind.PLAY, wire.WHEN.pack(0.0) + self._encode(drive))
+        self._call(Kind.PLAY, wire.WHEN.pack(0.0, 0.0, Late.WAIT) + self._encode(drive))
 
     def stream(
         self,
@@ -101,7 +103,8 @@ class Connection:
                 'give a lower one, or late="skip"'
             )
         try:
-            self._stream(frames, 1 / pace, late)
+            known = isinstance(drives, Sequence | np.ndarray | list | tuple)
+            self._stream(frames, 1 / pace, LATE[late], math.ceil(LEAD * pace) if known else 0)
         except BaseException:
             self._quiet()
             raise
@@ -171,7 +174,7 @@ class Connection:
         if self._finalizer.alive:
             with suppress(BoardLost):
                 self._call(Kind.STATUS)
-        return Stats(self._told["frames"], self._late, self._told["lapses"])
+        return Stats(self._told["frames"], self._late + self._told["late"], self._told["lapses"])
 
     def __repr__(self) -> str:
         return f"<midair.Connection to {self.board.name} at {self._place}: {self.state}>"
@@ -232,8 +235,10 @@ class Connection:
                 "drives", given, "give (T, N), a midair.Sequence or a generator of drives"
             ) from None
 
-    def _stream(self, drives: Iterator[ArrayLike | Solution], period: float, late: str) -> None:
-        """Hand the frames to the guard shortly before their time, which the guard waits for."""
+    def _stream(self, drives: Iterator[ArrayLike | Solution], period: float, late: Late, ahead: int) -> None:
+        """Hand the frames to the guard before their time, which the guard waits for."""
+        ahead = max(AHEAD, ahead)
+        patience = PATIENCE + ahead * period
         under_way: deque[Future[bytes]] = deque()
         due = math.inf
         while True:
@@ -246,19 +251,21 @@ class Connection:
                 due = now
             if now > due + period:
                 self._late += 1
-                if late == "error":
-                    raise BoardTimeout(f"a frame is {1e3 * (now - due):.3g} ms late: give a lower rate")
-                if late == "skip" and asked > due + period:
+                if late == Late.ERROR:
+                    raise BoardTimeout(
+                        f"a frame of the stream is {1e3 * (now - due):.3g} ms late: give a lower rate"
+                    )
+                if late == Late.SKIP and asked > due + period:
                     due += period
                     continue
                 due = now
-            frame = wire.WHEN.pack(due) + self._encode(drive)
+            frame = wire.WHEN.pack(due, due + period, late) + self._encode(drive)
             under_way.append(self._guard.ask(Kind.PLAY, frame))
             due += period
-            if len(under_way) >= AHEAD:
-                self._note(under_way.popleft(), PATIENCE + AHEAD * period)
+            if len(under_way) >= ahead:
+                self._note(under_way.popleft(), patience)
         for each in under_way:
-            self._note(each, PATIENCE + AHEAD * period)
+            self._note(each, patience)
         # The last frame has its time, too.
         if math.isfinite(due):
             time.sleep(max(0.0, due - time.monotonic()))
@@ -276,9 +283,9 @@ def connect(
 
     address : a board and where it is, as "autd3" (those that are found), "autd3:eth0" (on a network
         interface), "autd3:emulator", "sonicsurface:/dev/ttyUSB0", "mega64:PORT", "nano16:PORT", "nano:PORT",
-        "openmpd:SERIAL", "openmpd:SERIAL+SERIAL", "homies:SERIAL"; or no device at all: "sonicsurface:loop"
-        is as slow as the line of one, "sonicsurface:null" takes everything at once, "null" is that of an
-        AUTD3, "file:frames.bin" writes the frames
+        "openmpd:SERIAL", "openmpd:SERIAL+SERIAL", "homies:SERIAL+SERIAL"; or no device at all:
+        "sonicsurface:loop" is as slow as the line of one, "sonicsurface:null" takes everything at once,
+        "null" is that of an AUTD3, "file:frames.bin" writes the frames
     array : its transducers, where they are not those of the board's preset
     board : a `midair.Board` of one's own, or a name where the address has none
     hold : s without a call to send, stream, upload, modulate or off, after which everything is turned off
