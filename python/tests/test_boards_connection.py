@@ -70,10 +70,9 @@ def test_addresses_that_are_none(address, message):
     [
         ({"hold": 0}, "hold is 0: give a number above 0"),
         ({"hold": np.nan}, "hold is nan"),
-        ({"board": "mega64"}, None),
+        ({"board": "mega64"}, "names another"),
         ({"board": midair.Board("mega64")}, "names another"),
         ({"board": midair.Board("sonicsurface"), "array": midair.Array.preset("autd3")}, "leave one of them"),
-        ({"array": midair.Array.preset("autd3")}, "249"),
         ({"limit": 3}, "limit is 3: give"),
         ({"limit": {"positions": [[0, 0, 0.1]]}}, "limit is"),
         ({"limit": {"positions": [[0, 0]], "pressure": 1}}, "limit is"),
@@ -83,13 +82,9 @@ def test_addresses_that_are_none(address, message):
     ],
 )
 def test_arguments_that_are_refused(keywords, message):
-    if message is None:
-        with pytest.raises(midair.SceneError, match="names another"):
-            midair.connect("sonicsurface:null", **keywords)
-    else:
-        with pytest.raises(midair.SceneError, match=message) as caught:
-            midair.connect("sonicsurface:null", **keywords)
-        assert "\n" not in str(caught.value)
+    with pytest.raises(midair.SceneError, match=message) as caught:
+        midair.connect("sonicsurface:null", **keywords)
+    assert "\n" not in str(caught.value)
 
 
 def test_what_is_sent_is_emitted(loop):
@@ -123,10 +118,10 @@ def test_drives_that_are_refused_change_nothing(loop):
 def test_a_solution_for_another_array_is_refused(loop):
     other = midair.Array.grid(16, 16, 10e-3)
     solution = midair.solve(midair.Scene(other, [[0, 0, 0.15]]))
-    with pytest.raises(midair.SceneError, match="transducer 0 lies 5.3 mm from the board's: solve for"):
+    with pytest.raises(midair.SceneError, match=r"transducer 0 lies 5\.3 mm from the board's: solve"):
         loop.send(solution)
     solution = midair.solve(midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]]))
-    with pytest.raises(midair.SceneError, match="249 transducers: sonicsurface has 256"):
+    with pytest.raises(midair.SceneError, match="249 transducers, sonicsurface has 256: solve"):
         loop.send(solution)
     with midair.connect("sonicsurface:loop", array=other) as mine:
         mine.send(midair.solve(midair.Scene(other, [[0, 0, 0.15]])))
@@ -229,6 +224,7 @@ def test_hold_turns_off_until_the_next_frame():
         loop.send(ONES)
         assert loop.state == "playing"
         loop.stream([ONES] * 10, rate=20)
+        loop.stream(([ONES] * 2), rate=2)
         assert loop.state == "playing"
         assert loop.stats.lapses == 1
 

@@ -1,5 +1,7 @@
 """FIFOs: the bytes that each chip is given and what its errors become, with a chip that is none."""
 
+from typing import ClassVar
+
 import pytest
 from pyftdi.ftdi import FtdiError
 from usb.core import USBError, USBTimeoutError
@@ -13,7 +15,7 @@ class Chip:
     """What stands for an FTDI chip."""
 
     there = ("A", "B")
-    opened = {}
+    opened: ClassVar = {}
 
     def open_from_url(self, url):
         scheme, _, serial = url.removesuffix("/1").rpartition(":")

@@ -8,7 +8,7 @@ import time
 import weakref
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
-from concurrent.futures import Future
+from concurrent.futures import Future, wait
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -16,7 +16,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Solution
+from .._midair import Array, SceneError, Solution
 from ..motion import Sequence
 from ..shape.arguments import number, refused
 from . import wire
@@ -31,6 +31,9 @@ from .wire import Kind, Late
 #: that are there already, as many as last for LEAD s, so that a busy computer does not stop them.
 AHEAD = 2
 LEAD = 0.2
+
+#: How often somebody who waits says so while the hold runs.
+HOLDS = 4
 
 #: Transducers further than this from where they were solved for, in m, are not those of the board.
 APART = 0.5e-3
@@ -66,6 +69,7 @@ class Connection:
     def __init__(self, address: Address, board: Board, hold: float, limit: Limit | None) -> None:
         self.board = board
         self._place = address.where or address.kind
+        self._hold = hold
         self._limit = limit
         self._late = 0
         self._told: dict[str, Any] = {"state": "off", "frames": 0, "late": 0, "lapses": 0}
@@ -183,13 +187,24 @@ class Connection:
         """Ask the guard and note what it tells; turn off where that was stopped midway."""
         asked = self._guard.ask(kind, content)
         try:
-            self._note(asked, PATIENCE)
+            self._note(asked)
         except BaseException:
             self._quiet()
             raise
 
-    def _note(self, asked: Future[bytes], patience: float) -> None:
+    def _note(self, asked: Future[bytes], patience: float = PATIENCE) -> None:
         self._told = json.loads(self._guard.answer(asked, patience))
+
+    def _answered(self, asked: Future[bytes], patience: float) -> None:
+        self._wait(patience, asked)
+        self._note(asked, 0.0)
+
+    def _wait(self, seconds: float, asked: Future[bytes]) -> None:
+        """Wait until a call is answered; the guard is told now and then that somebody waits."""
+        until = time.monotonic() + seconds
+        while (left := until - time.monotonic()) > 0 and not asked.done():
+            wait([asked], min(left, self._hold / HOLDS))
+            self._guard.ask(Kind.HOLD)
 
     def _quiet(self) -> None:
         """Turn off what was stopped midway, without waiting for it."""
@@ -209,17 +224,15 @@ class Connection:
         """Refuse what was solved for transducers that lie elsewhere than the board's."""
         mine, theirs = self.board.array.positions, array.positions
         if len(mine) != len(theirs):
-            raise refused(
-                "drive", f"{len(theirs)} transducers", f"{self.board.name} has {len(mine)}, use its array"
-            )
-        apart = np.linalg.norm(mine - theirs, axis=1)
-        if apart.max() > APART:
+            found = f"{len(theirs)} transducers, {self.board.name} has {len(mine)}"
+        elif (apart := np.linalg.norm(mine - theirs, axis=1)).max() > APART:
             at = int(apart.argmax())
-            raise refused(
-                "drive",
-                f"for an array whose transducer {at} lies {1e3 * apart[at]:.3g} mm from the board's",
-                "solve for connection.board.array, or connect with array=",
-            )
+            found = f"an array whose transducer {at} lies {1e3 * apart[at]:.3g} mm from the board's"
+        else:
+            return
+        raise SceneError(
+            f"the drive was solved for {found}: solve for connection.board.array, or connect with array="
+        )
 
     def _drives(self, given: Any) -> Iterator[ArrayLike | Solution]:
         """The drives of a stream, one by one."""
@@ -263,12 +276,12 @@ class Connection:
             under_way.append(self._guard.ask(Kind.PLAY, frame))
             due += period
             if len(under_way) >= ahead:
-                self._note(under_way.popleft(), patience)
+                self._answered(under_way.popleft(), patience)
         for each in under_way:
-            self._note(each, patience)
+            self._answered(each, patience)
         # The last frame has its time, too.
         if math.isfinite(due):
-            time.sleep(max(0.0, due - time.monotonic()))
+            self._wait(due - time.monotonic(), Future())
 
 
 def connect(
@@ -306,10 +319,12 @@ def connect(
     """
     place = parse(address)
     seconds = number("hold", hold, above=0)
-    if not isinstance(board, Board):
-        board = Board(place.board or board or DEFAULT, array)
-    elif array is not None:
+    if isinstance(board, Board) and array is not None:
         raise refused("array", array, "the board has its own, leave one of them out")
+    if board is None:
+        board = place.board or DEFAULT
+    if not isinstance(board, Board):
+        board = Board(board, array)
     if place.kind_of_board not in (None, board.name):
         raise refused("board", board.name, f'the address "{address}" names another, leave one of them out')
     return Connection(place, board, seconds, None if limit is None else Limit(limit, board.array))

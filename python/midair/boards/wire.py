@@ -20,7 +20,8 @@ class Kind(IntEnum):
     UPLOAD = 5  # count and rate, and the frames
     STATUS = 6
     EMITTING = 7
-    CLOSE = 8
+    HOLD = 8  # nothing: the owner lives and waits for what it asked for
+    CLOSE = 9
     DONE = 16  # JSON: the guard's status
     FAILED = 17  # JSON: status, and the error's kind and message
     FRAME = 18  # the frame that plays now; empty where nothing does
