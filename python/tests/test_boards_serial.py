@@ -10,7 +10,7 @@ import pytest
 import midair
 from lines import OFF, Line
 
-FRAMES = 10_000 if os.environ.get("MIDAIR_DEATHS") else 500
+FRAMES = 10_000 if os.environ.get("MIDAIR_SLOW") else 300
 RATE = 23040 / 258
 
 
