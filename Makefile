@@ -17,7 +17,7 @@ TRIALS := 1000
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook setup demo test test-rust test-python test-portable lint fuzz sanitize bench bench-peers figures motion paper golden map stubs pins clean
+.PHONY: help outlook setup demo test test-rust test-python test-portable test-boards lint fuzz sanitize bench bench-peers figures motion paper golden map stubs pins clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -62,6 +62,9 @@ test-python: setup ## The package: tests, stubs, types
 
 test-portable: ## The core on 64-bit ARM and WebAssembly, emulated (Debian's packages)
 	core/tests/portable.sh
+
+test-boards: setup ## Boards: programs that play end in every way, 20 times each, and 10,000 frames a link (8 min)
+	MIDAIR_SLOW=1 $(PYTHON) -m pytest $(wildcard python/tests/test_boards*.py)
 
 lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
 	$(call step,lint: Rust is formatted (2 s),$(CARGO) fmt --check)

@@ -1,11 +1,10 @@
 """A SonicSurface at the end of a pseudo-terminal, modelled on what its firmware does with each byte."""
 
 import os
+import select
 import threading
 import time
 import tty
-
-import pytest
 
 OFF = 32
 
@@ -61,14 +60,16 @@ class Line:
         self.times = []
         self.lock = threading.Lock()
         self.changed = threading.Condition(self.lock)
+        self.there = True
         self.reading = threading.Event()
         self.reading.set()
         self.thread = threading.Thread(target=self._read, daemon=True)
         self.thread.start()
 
     def _read(self):
-        while True:
-            self.reading.wait()
+        while self.there:
+            if not (self.reading.wait(0.01) and select.select([self.master], [], [], 0.01)[0]):
+                continue
             try:
                 more = os.read(self.master, 65536)
             except OSError:
@@ -92,20 +93,9 @@ class Line:
             return [(at, codes) for at, codes in self.surface.played if at >= since]
 
     def unplug(self):
-        """Take the cable away; the reader is woken by its end."""
-        os.close(self.slave)
-        self.slave = -1
-        os.close(self.master)
-        self.master = -1
-
-    def close(self):
-        for end in (self.slave, self.master):
-            if end >= 0:
-                os.close(end)
-
-
-@pytest.fixture
-def line():
-    made = Line()
-    yield made
-    made.close()
+        """Take the cable away."""
+        if self.there:
+            self.there = False
+            self.thread.join()
+            os.close(self.slave)
+            os.close(self.master)

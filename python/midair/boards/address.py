@@ -36,7 +36,7 @@ LINKS = {
     "mega64": Link("serial", "PORT", restarts=True),
     "nano16": Link("serial", "PORT", restarts=True),
     "nano": Link("serial", "PORT", restarts=True),
-    "homies": Link("fifo", "SERIAL"),
+    "homies": Link("fifo", "SERIAL+SERIAL"),
 }
 
 #: Boards that play a sequence by themselves, and those that modulate.
@@ -112,7 +112,12 @@ def describe(address: Address, board: Board) -> dict[str, Any]:
         line = {"baud": board.baud, "silence": silence, "off": off, "swap": link.swap}
         return {"kind": "serial", "port": address.where, "restarts": link.restarts, **line}
     if address.kind == "fifo":
-        return {"kind": "fifo", "serials": _serials(address, board), "silence": silence}
+        return {
+            "kind": "fifo",
+            "serials": _serials(address, board),
+            "length": len(board.off_frame),
+            "silence": silence,
+        }
     from .poses import poses
 
     where = f"autd3:{address.where}" if address.where else "autd3"

@@ -8,7 +8,7 @@ import time
 import weakref
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
-from concurrent.futures import Future
+from concurrent.futures import Future, wait
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -16,7 +16,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Solution
+from .._midair import Array, SceneError, Solution
 from ..motion import Sequence
 from ..shape.arguments import number, refused
 from . import wire
@@ -25,16 +25,21 @@ from .board import Board
 from .errors import BoardError, BoardLost, BoardTimeout
 from .limit import Limit
 from .process import PATIENCE, GuardProcess
-from .wire import Kind
+from .wire import Kind, Late
 
-#: Frames of a stream that may be on their way at a time: one that plays next, one behind it.
+#: Frames of a stream that are on their way at a time, at least: one that plays next, one behind it. Of frames
+#: that are there already, as many as last for LEAD s, so that a busy computer does not stop them.
 AHEAD = 2
+LEAD = 0.2
+
+#: How often somebody who waits says so while the hold runs.
+HOLDS = 4
 
 #: Transducers further than this from where they were solved for, in m, are not those of the board.
 APART = 0.5e-3
 
 #: What a stream may do with a frame that comes too late.
-LATE = ("skip", "wait", "error")
+LATE = {"skip": Late.SKIP, "wait": Late.WAIT, "error": Late.ERROR}
 
 
 @dataclass(frozen=True)
@@ -64,15 +69,16 @@ class Connection:
     def __init__(self, address: Address, board: Board, hold: float, limit: Limit | None) -> None:
         self.board = board
         self._place = address.where or address.kind
+        self._hold = hold
         self._limit = limit
         self._late = 0
-        self._told: dict[str, Any] = {"state": "off", "frames": 0, "lapses": 0}
+        self._told: dict[str, Any] = {"state": "off", "frames": 0, "late": 0, "lapses": 0}
         self._guard = GuardProcess(describe(address, board), hold)
         self._finalizer = weakref.finalize(self, self._guard.close)
 
     def send(self, drive: ArrayLike | Solution) -> None:
         """Play a drive (N,) or a solution until something else comes; waits while two frames wait already."""
-        self._call(Kind.PLAY, wire.WHEN.pack(0.0) + self._encode(drive))
+        self._call(Kind.PLAY, wire.WHEN.pack(0.0, 0.0, Late.WAIT) + self._encode(drive))
 
     def stream(
         self,
@@ -101,7 +107,8 @@ class Connection:
                 'give a lower one, or late="skip"'
             )
         try:
-            self._stream(frames, 1 / pace, late)
+            known = isinstance(drives, Sequence | np.ndarray | list | tuple)
+            self._stream(frames, 1 / pace, LATE[late], math.ceil(LEAD * pace) if known else 0)
         except BaseException:
             self._quiet()
             raise
@@ -171,7 +178,7 @@ class Connection:
         if self._finalizer.alive:
             with suppress(BoardLost):
                 self._call(Kind.STATUS)
-        return Stats(self._told["frames"], self._late, self._told["lapses"])
+        return Stats(self._told["frames"], self._late + self._told["late"], self._told["lapses"])
 
     def __repr__(self) -> str:
         return f"<midair.Connection to {self.board.name} at {self._place}: {self.state}>"
@@ -180,13 +187,24 @@ class Connection:
         """Ask the guard and note what it tells; turn off where that was stopped midway."""
         asked = self._guard.ask(kind, content)
         try:
-            self._note(asked, PATIENCE)
+            self._note(asked)
         except BaseException:
             self._quiet()
             raise
 
-    def _note(self, asked: Future[bytes], patience: float) -> None:
+    def _note(self, asked: Future[bytes], patience: float = PATIENCE) -> None:
         self._told = json.loads(self._guard.answer(asked, patience))
+
+    def _answered(self, asked: Future[bytes], patience: float) -> None:
+        self._wait(patience, asked)
+        self._note(asked, 0.0)
+
+    def _wait(self, seconds: float, asked: Future[bytes]) -> None:
+        """Wait until a call is answered; the guard is told now and then that somebody waits."""
+        until = time.monotonic() + seconds
+        while (left := until - time.monotonic()) > 0 and not asked.done():
+            wait([asked], min(left, self._hold / HOLDS))
+            self._guard.ask(Kind.HOLD)
 
     def _quiet(self) -> None:
         """Turn off what was stopped midway, without waiting for it."""
@@ -206,17 +224,15 @@ class Connection:
         """Refuse what was solved for transducers that lie elsewhere than the board's."""
         mine, theirs = self.board.array.positions, array.positions
         if len(mine) != len(theirs):
-            raise refused(
-                "drive", f"{len(theirs)} transducers", f"{self.board.name} has {len(mine)}, use its array"
-            )
-        apart = np.linalg.norm(mine - theirs, axis=1)
-        if apart.max() > APART:
+            found = f"{len(theirs)} transducers, {self.board.name} has {len(mine)}"
+        elif (apart := np.linalg.norm(mine - theirs, axis=1)).max() > APART:
             at = int(apart.argmax())
-            raise refused(
-                "drive",
-                f"for an array whose transducer {at} lies {1e3 * apart[at]:.3g} mm from the board's",
-                "solve for connection.board.array, or connect with array=",
-            )
+            found = f"an array whose transducer {at} lies {1e3 * apart[at]:.3g} mm from the board's"
+        else:
+            return
+        raise SceneError(
+            f"the drive was solved for {found}: solve for connection.board.array, or connect with array="
+        )
 
     def _drives(self, given: Any) -> Iterator[ArrayLike | Solution]:
         """The drives of a stream, one by one."""
@@ -232,8 +248,10 @@ class Connection:
                 "drives", given, "give (T, N), a midair.Sequence or a generator of drives"
             ) from None
 
-    def _stream(self, drives: Iterator[ArrayLike | Solution], period: float, late: str) -> None:
-        """Hand the frames to the guard shortly before their time, which the guard waits for."""
+    def _stream(self, drives: Iterator[ArrayLike | Solution], period: float, late: Late, ahead: int) -> None:
+        """Hand the frames to the guard before their time, which the guard waits for."""
+        ahead = max(AHEAD, ahead)
+        patience = PATIENCE + ahead * period
         under_way: deque[Future[bytes]] = deque()
         due = math.inf
         while True:
@@ -246,22 +264,24 @@ class Connection:
                 due = now
             if now > due + period:
                 self._late += 1
-                if late == "error":
-                    raise BoardTimeout(f"a frame is {1e3 * (now - due):.3g} ms late: give a lower rate")
-                if late == "skip" and asked > due + period:
+                if late == Late.ERROR:
+                    raise BoardTimeout(
+                        f"a frame of the stream is {1e3 * (now - due):.3g} ms late: give a lower rate"
+                    )
+                if late == Late.SKIP and asked > due + period:
                     due += period
                     continue
                 due = now
-            frame = wire.WHEN.pack(due) + self._encode(drive)
+            frame = wire.WHEN.pack(due, due + period, late) + self._encode(drive)
             under_way.append(self._guard.ask(Kind.PLAY, frame))
             due += period
-            if len(under_way) >= AHEAD:
-                self._note(under_way.popleft(), PATIENCE + AHEAD * period)
+            if len(under_way) >= ahead:
+                self._answered(under_way.popleft(), patience)
         for each in under_way:
-            self._note(each, PATIENCE + AHEAD * period)
+            self._answered(each, patience)
         # The last frame has its time, too.
         if math.isfinite(due):
-            time.sleep(max(0.0, due - time.monotonic()))
+            self._wait(due - time.monotonic(), Future())
 
 
 def connect(
@@ -276,9 +296,9 @@ def connect(
 
     address : a board and where it is, as "autd3" (those that are found), "autd3:eth0" (on a network
         interface), "autd3:emulator", "sonicsurface:/dev/ttyUSB0", "mega64:PORT", "nano16:PORT", "nano:PORT",
-        "openmpd:SERIAL", "openmpd:SERIAL+SERIAL", "homies:SERIAL"; or no device at all: "sonicsurface:loop"
-        is as slow as the line of one, "sonicsurface:null" takes everything at once, "null" is that of an
-        AUTD3, "file:frames.bin" writes the frames
+        "openmpd:SERIAL", "openmpd:SERIAL+SERIAL", "homies:SERIAL+SERIAL"; or no device at all:
+        "sonicsurface:loop" is as slow as the line of one, "sonicsurface:null" takes everything at once,
+        "null" is that of an AUTD3, "file:frames.bin" writes the frames
     array : its transducers, where they are not those of the board's preset
     board : a `midair.Board` of one's own, or a name where the address has none
     hold : s without a call to send, stream, upload, modulate or off, after which everything is turned off
@@ -299,10 +319,12 @@ def connect(
     """
     place = parse(address)
     seconds = number("hold", hold, above=0)
-    if not isinstance(board, Board):
-        board = Board(place.board or board or DEFAULT, array)
-    elif array is not None:
+    if isinstance(board, Board) and array is not None:
         raise refused("array", array, "the board has its own, leave one of them out")
+    if board is None:
+        board = place.board or DEFAULT
+    if not isinstance(board, Board):
+        board = Board(board, array)
     if place.kind_of_board not in (None, board.name):
         raise refused("board", board.name, f'the address "{address}" names another, leave one of them out')
     return Connection(place, board, seconds, None if limit is None else Limit(limit, board.array))

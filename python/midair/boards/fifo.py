@@ -28,12 +28,14 @@ TIMED_OUT = (60, 110)
 class FifoTransport:
     """Boards of a FIFO each, which a frame is dealt out to in parts of one length.
 
-    serials : the serial number of each chip, in the order of the frame's parts
-    silence : hexadecimal, the bytes that make the boards silent from any state, in as many parts
+    serials : the serial number of each chip, in the order of a frame's parts
+    length : bytes of a frame
+    silence : hexadecimal, the frames that make the boards silent from any state
     """
 
-    def __init__(self, *, serials: list[str], silence: str) -> None:
+    def __init__(self, *, serials: list[str], length: int, silence: str) -> None:
         self._serials = serials
+        self._part = length // len(serials)
         self._silence = bytes.fromhex(silence)
         self._chips: list[Any] = []
         try:
@@ -68,14 +70,14 @@ class FifoTransport:
                 chip.close()
 
     def _deal(self, content: bytes) -> None:
-        part = len(content) // len(self._chips)
         failed: BoardError | None = None
-        for k, (chip, serial) in enumerate(zip(self._chips, self._serials, strict=True)):
+        for k in range(len(content) // self._part):
+            one = k % len(self._chips)
             try:
-                chip.write_data(content[k * part : (k + 1) * part])
+                self._chips[one].write_data(content[k * self._part : (k + 1) * self._part])
             except (FtdiError, USBError) as error:
                 # What is for the other boards is written all the same: it may turn them off.
-                failed = _failed(serial, error)
+                failed = _failed(self._serials[one], error)
         if failed is not None:
             raise failed
 

@@ -16,18 +16,30 @@ import threading
 import time
 from collections import deque
 from contextlib import suppress
+from dataclasses import dataclass
 from queue import Empty, SimpleQueue
 from typing import Any
 
 from . import wire
-from .errors import BoardError
+from .errors import BoardError, BoardTimeout
 from .transport import Transport, open_transport
-from .wire import Kind
+from .wire import Kind, Late
 
 #: How often the guard looks whether its owner lives, in s.
 TICK = 0.02
 
 Message = tuple[Kind, int, bytes]
+
+
+@dataclass(frozen=True)
+class Waiting:
+    """A frame that waits for its time; `number` is its message's."""
+
+    due: float
+    latest: float
+    late: Late
+    number: int
+    frame: bytes
 
 
 class Guard:
@@ -43,7 +55,7 @@ class Guard:
         transport: Transport,
         hold: float,
         parent: int,
-        inbox: SimpleQueue[Message | None],
+        inbox: SimpleQueue[Message],
         replies: int,
     ) -> None:
         self._transport = transport
@@ -51,47 +63,51 @@ class Guard:
         self._parent = parent
         self._inbox = inbox
         self._replies = replies
-        self._waiting: deque[tuple[float, int, bytes]] = deque()
+        self._waiting: deque[Waiting] = deque()
         self._called = time.monotonic()
         self._hz: float | None = None
         self._playing: list[bytes] = []
         self._uploaded = (0.0, 1.0)
         self._lost = False
         self._frames = 0
+        self._late = 0
         self._lapses = 0
 
     def run(self) -> None:
         """Serve until the owner closes or is gone."""
         while os.getppid() == self._parent:
-            try:
-                message = self._inbox.get(timeout=self._pause())
-            except Empty:
-                message = (Kind.STATUS, 0, b"")
-            if message is None:
-                return
-            kind, number, content = message
-            if kind == Kind.CLOSE:
-                return
-            self._serve(kind, number, content)
-            if self._waiting and self._waiting[0][0] <= time.monotonic():
-                _, number, frame = self._waiting.popleft()
-                self._attempt(number, self._play, frame)
+            # All that has come goes before what is due: "off" overtakes frames, which the next ones outdate.
+            for kind, number, content in self._come():
+                if kind == Kind.CLOSE:
+                    return
+                self._serve(kind, number, content)
+            if self._waiting and self._waiting[0].due <= time.monotonic():
+                self._play_next()
             if self._playing and time.monotonic() - self._called >= self._hold:
                 self._lapses += 1
                 self._attempt(0, self._off)
 
+    def _come(self) -> list[Message]:
+        """The messages that have come, after a pause."""
+        found = []
+        with suppress(Empty):
+            found.append(self._inbox.get(timeout=self._pause()))
+            while True:
+                found.append(self._inbox.get_nowait())
+        return found
+
     def _pause(self) -> float:
         """How long there is nothing to do unless a message comes, in s."""
         now = time.monotonic()
-        due = self._waiting[0][0] if self._waiting else math.inf
+        due = self._waiting[0].due if self._waiting else math.inf
         return max(0.0, min(TICK, due - now, self._called + self._hold - now if self._playing else math.inf))
 
     def _serve(self, kind: Kind, number: int, content: bytes) -> None:
         if kind not in (Kind.STATUS, Kind.EMITTING):
             self._called = time.monotonic()
         if kind == Kind.PLAY:
-            (due,) = wire.WHEN.unpack_from(content)
-            self._waiting.append((due, number, content[wire.WHEN.size :]))
+            due, latest, late = wire.WHEN.unpack_from(content)
+            self._waiting.append(Waiting(due, latest, Late(late), number, content[wire.WHEN.size :]))
         elif kind == Kind.OFF:
             self._attempt(number, self._off)
         elif kind == Kind.MODULATE:
@@ -111,21 +127,33 @@ class Guard:
             act(*arguments)
         except BoardError as error:
             told = {"kind": type(error).__name__, "message": str(error)}
-            self._lost = type(error) is not BoardError
+            self._lost |= type(error) is not BoardError
             failed, self._waiting, self._playing = self._waiting, deque(), []
-            for each in (number, *(other for _, other, _ in failed)):
+            for each in (number, *(other.number for other in failed)):
                 self._answer(Kind.FAILED, each, self.status(**told))
             with suppress(BoardError):
                 self._transport.silence()
         else:
-            self._lost = False
             self._answer(Kind.DONE, number, self.status())
 
-    def _play(self, frame: bytes) -> None:
+    def _play_next(self) -> None:
+        """Play the first frame that waits, unless it is too late for it."""
+        first, now = self._waiting.popleft(), time.monotonic()
+        if first.late == Late.SKIP and self._waiting and self._waiting[0].due <= now:
+            self._late += 1
+            self._answer(Kind.DONE, first.number, self.status())
+        else:
+            self._attempt(first.number, self._play, first)
+
+    def _play(self, first: Waiting) -> None:
+        behind = time.monotonic() - first.due
+        if first.late == Late.ERROR and first.due + behind > first.latest:
+            raise BoardTimeout(f"a frame of the stream is {1e3 * behind:.3g} ms late: give a lower rate")
         # The frame may be in the air although the line failed behind it.
-        self._playing, self._uploaded = [frame], (0.0, 1.0)
-        self._transport.play(frame)
+        self._playing, self._uploaded = [first.frame], (0.0, 1.0)
+        self._transport.play(first.frame)
         self._frames += 1
+        self._lost = False
 
     def _upload(self, frames: bytes, count: int, rate: float) -> None:
         length = len(frames) // count
@@ -133,6 +161,7 @@ class Guard:
         self._uploaded = (time.monotonic(), rate)
         self._transport.upload(frames, count, rate)
         self._frames += count
+        self._lost = False
 
     def _modulate(self, hz: float | None) -> None:
         self._transport.modulate(hz)
@@ -144,8 +173,8 @@ class Guard:
         try:
             self._transport.silence()
         finally:
-            for _, number, _ in dropped:
-                self._answer(Kind.DONE, number, self.status())
+            for each in dropped:
+                self._answer(Kind.DONE, each.number, self.status())
 
     def _now(self) -> bytes:
         """The frame that plays now; of an uploaded sequence, by the clock."""
@@ -158,8 +187,8 @@ class Guard:
         """What an owner may want to know, as JSON."""
         playing = "off" if not self._playing else "playing" if self._hz is None else "modulating"
         state = "lost" if self._lost else playing
-        told = {"state": state, "frames": self._frames, "lapses": self._lapses, **more}
-        return json.dumps(told).encode()
+        told = {"state": state, "frames": self._frames, "late": self._late, "lapses": self._lapses}
+        return json.dumps(told | more).encode()
 
     def _answer(self, kind: Kind, number: int, content: bytes) -> None:
         # Number 0 is nobody's call; an owner that is gone is noticed by `run`.
@@ -172,12 +201,11 @@ def main() -> None:
     """Open what the first message describes, serve its owner, and leave the device off."""
     parent = os.getppid()
     requests, replies = _pipes()
-    inbox: SimpleQueue[Message | None] = SimpleQueue()
+    inbox: SimpleQueue[Message] = SimpleQueue()
     threading.Thread(target=_listen, args=(requests, inbox), daemon=True).start()
-    first = inbox.get()
-    if first is None:
+    kind, number, content = inbox.get()
+    if kind == Kind.CLOSE:
         return
-    _, number, content = first
     setting = json.loads(content)
     sys.path[:] = setting["path"]
     signal.signal(signal.SIGTERM, _end)
@@ -208,12 +236,12 @@ def _pipes() -> tuple[int, int]:
     return requests, replies
 
 
-def _listen(requests: int, inbox: SimpleQueue[Message | None]) -> None:
-    """Hand every message to the inbox, and None behind the last one."""
+def _listen(requests: int, inbox: SimpleQueue[Message]) -> None:
+    """Hand every message to the inbox, and one that closes when the owner is gone."""
     with suppress(wire.Gone):
         while True:
             inbox.put(wire.read(requests))
-    inbox.put(None)
+    inbox.put((Kind.CLOSE, 0, b""))
 
 
 def _end(number: int, frame: object) -> None:

@@ -14,22 +14,31 @@ class Kind(IntEnum):
     """What a message asks for, or how it is answered."""
 
     OPEN = 1  # JSON: the transport's description, and hold in s
-    PLAY = 2  # when, by the monotonic clock in s (0: now), and the frame
+    PLAY = 2  # when, by the monotonic clock in s (0: now), the latest time, what then; and the frame
     OFF = 3
     MODULATE = 4  # hz, NaN for no modulation
     UPLOAD = 5  # count and rate, and the frames
     STATUS = 6
     EMITTING = 7
-    CLOSE = 8
+    HOLD = 8  # nothing: the owner lives and waits for what it asked for
+    CLOSE = 9
     DONE = 16  # JSON: the guard's status
     FAILED = 17  # JSON: status, and the error's kind and message
     FRAME = 18  # the frame that plays now; empty where nothing does
 
 
 HEADER = struct.Struct("<BQI")
-WHEN = struct.Struct("<d")
+WHEN = struct.Struct("<ddB")
 MODULATION = struct.Struct("<d")
 UPLOADED = struct.Struct("<Id")
+
+
+class Late(IntEnum):
+    """What becomes of a frame that comes late: it waits, is skipped if the next is due, or is an error."""
+
+    WAIT = 0
+    SKIP = 1
+    ERROR = 2
 
 
 class Gone(Exception):

@@ -1,0 +1,101 @@
+"""FIFOs: the bytes that each chip is given and what its errors become, with a chip that is none."""
+
+from typing import ClassVar
+
+import pytest
+from pyftdi.ftdi import FtdiError
+from usb.core import USBError, USBTimeoutError
+
+import midair
+from midair.boards import fifo
+from midair.boards.fifo import FifoTransport
+
+
+class Chip:
+    """What stands for an FTDI chip."""
+
+    there = ("A", "B")
+    opened: ClassVar = {}
+
+    def open_from_url(self, url):
+        scheme, _, serial = url.removesuffix("/1").rpartition(":")
+        assert scheme == "ftdi://:"
+        if serial not in self.there:
+            raise FtdiError(f"No USB device with S/N {serial}")
+        self.written, self.failing, self.closed = bytearray(), None, False
+        self.opened[serial] = self
+
+    def set_latency_timer(self, latency):
+        assert latency == 2
+
+    def write_data_set_chunksize(self, size):
+        assert size == 65536
+
+    def purge_buffers(self):
+        pass
+
+    def write_data(self, content):
+        if self.failing is not None:
+            raise FtdiError("Usb bulk write error") from self.failing
+        self.written += content
+
+    def close(self):
+        self.closed = True
+
+
+@pytest.fixture(autouse=True)
+def chips(monkeypatch):
+    monkeypatch.setattr(fifo, "Ftdi", Chip)
+    monkeypatch.setattr(Chip, "opened", {})
+    return Chip.opened
+
+
+def transport(board, *serials):
+    return FifoTransport(serials=list(serials), length=len(board.off_frame), silence=board.silence.hex())
+
+
+def test_a_pair_is_dealt_its_parts(chips):
+    board = midair.Board("openmpd_pair")
+    pair = transport(board, "A", "B")
+    half = len(board.off_frame) // 2
+    frame = bytes(range(256)) * 2 + bytes(reversed(range(256))) * 2
+    pair.play(frame)
+    pair.silence()
+    pair.close()
+    times = len(board.silence) // len(board.off_frame)
+    for chip, part in ((chips["A"], slice(0, half)), (chips["B"], slice(half, None))):
+        off = times * board.off_frame[part]
+        assert chip.written == off + frame[part] + off
+        assert chip.closed
+
+
+def test_a_chip_that_is_not_there():
+    with pytest.raises(midair.BoardNotFound, match='device "C" is not there'):
+        transport(midair.Board("openmpd"), "C")
+
+
+@pytest.mark.parametrize(
+    ("failing", "kind"),
+    [
+        (USBTimeoutError("timed out", errno=110), midair.BoardTimeout),
+        (USBError("No such device", errno=19), midair.BoardLost),
+    ],
+)
+def test_a_chip_that_fails_does_not_keep_the_other_on(chips, failing, kind):
+    board = midair.Board("openmpd_pair")
+    pair = transport(board, "A", "B")
+    pair.play(bytes(1024))
+    chips["A"].failing = failing
+    chips["B"].written.clear()
+    with pytest.raises(kind, match='device "A"'):
+        pair.silence()
+    assert chips["B"].written == board.silence[: len(board.silence) // 2]
+    pair.close()
+
+
+def test_what_it_cannot_do():
+    pair = transport(midair.Board("openmpd"), "A")
+    with pytest.raises(midair.BoardError, match="cannot modulate"):
+        pair.modulate(200)
+    with pytest.raises(midair.BoardError, match="holds no sequence"):
+        pair.upload(bytes(512), 1, 100.0)

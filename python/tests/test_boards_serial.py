@@ -1,0 +1,301 @@
+"""Serial ports over pseudo-terminals: bytes, pace, modulation, and what happens when the line fails."""
+
+import errno
+import os
+import time
+
+import numpy as np
+import pytest
+
+import midair
+from lines import OFF, Line
+
+FRAMES = 10_000 if os.environ.get("MIDAIR_SLOW") else 300
+RATE = 23040 / 258
+
+
+@pytest.fixture
+def line():
+    made = Line()
+    yield made
+    made.unplug()
+
+
+@pytest.fixture
+def surface(line):
+    with midair.connect(f"sonicsurface:{line.port}") as surface:
+        line.wait(lambda far: far.silent)
+        yield surface
+
+
+def drives(count, seed=1):
+    """Drives on the board's grid, some transducers off, and the codes they have."""
+    random = np.random.default_rng(seed)
+    codes = random.integers(0, 33, (count, 256))
+    return np.where(codes == OFF, 0, np.exp(2j * np.pi * codes / 32)), codes
+
+
+def as_played(surface, played):
+    """Drives from the codes of channels, by the order that the board's array has."""
+    codes = np.array(played)[:, surface.board.channels]
+    return np.where(codes == OFF, 0, np.exp(2j * np.pi * codes / 32))
+
+
+def test_every_frame_arrives_once_and_in_order(line, surface):
+    sent, _ = drives(FRAMES)
+    begin = time.monotonic()
+    surface.stream(sent, late="wait")
+    took = time.monotonic() - begin
+    assert took > (FRAMES - 2) / RATE
+    assert took < 1.1 * FRAMES / RATE + 1
+    line.wait(lambda far: len(far.played) == FRAMES + 2)
+    played = [codes for _, codes in line.commits()]
+    np.testing.assert_allclose(as_played(surface, played[2:]), sent, atol=1e-12)
+    assert (surface.stats.frames, surface.stats.lapses) == (FRAMES, 0)
+    np.testing.assert_allclose(surface.emitting, sent[-1], atol=1e-6)
+
+
+def test_first_and_last_bytes_are_off_in_both_banks(line):
+    with midair.connect(f"sonicsurface:{line.port}") as surface:
+        line.wait(lambda far: far.silent)
+        assert bytes(line.taken) == surface.board.silence
+        surface.send(np.ones(256))
+        line.wait(lambda far: far.loud)
+    assert bytes(line.taken[-len(surface.board.silence) :]) == surface.board.silence
+    assert line.surface.silent
+
+
+def test_two_boards_commit_at_once():
+    line = Line(boards=2)
+    with midair.connect(f"sonicsurface_pair:{line.port}") as pair:
+        drive = np.r_[np.ones(256), -np.ones(256)]
+        pair.send(drive)
+        line.wait(lambda far: far.loud)
+        assert line.commits()[-1][1] == [0] * 256 + [16] * 256
+        np.testing.assert_allclose(pair.emitting, drive, atol=1e-6)
+    assert line.surface.silent
+    line.unplug()
+
+
+def test_at_most_two_frames_are_ahead_of_the_line(line, surface):
+    begin = time.monotonic()
+    for _ in range(20):
+        surface.send(np.ones(256))
+    assert time.monotonic() - begin > 17 / RATE
+    with line.lock:
+        taken = np.arange(1, len(line.times) + 1)
+        times = np.array(line.times)
+    carried = 23040 * (times - times[0])
+    # The bytes that silence come before the first frame.
+    assert (taken - carried).max() < 2 * 258 + 517
+
+
+def test_a_stream_keeps_time(line, surface):
+    sent, _ = drives(30)
+    since = time.monotonic()
+    begin = time.monotonic()
+    surface.stream(sent, rate=50)
+    assert time.monotonic() - begin == pytest.approx(30 / 50, abs=0.05)
+    times = np.array([at for at, _ in line.commits(since)])
+    assert len(times) == 30
+    off_beat = times - np.arange(30) / 50
+    assert np.median(abs(off_beat - np.median(off_beat))) < 4e-3
+    assert surface.stats.late == 0
+
+
+def test_a_stream_above_the_rate_skips(line, surface):
+    sent, _ = drives(200)
+    begin = time.monotonic()
+    surface.stream(sent, rate=400, late="skip")
+    assert time.monotonic() - begin < 0.7
+    stats = surface.stats
+    assert stats.frames + stats.late == 200
+    assert 0.7 * 0.5 * RATE < stats.frames < 0.5 * RATE + 5
+    played = as_played(surface, [codes for _, codes in line.commits()][2:])
+    # What was played is of the stream, in its order, and keeps up with it.
+    order = [int(abs(sent - one).sum(axis=1).argmin()) for one in played]
+    assert order == sorted(set(order))
+    assert order[-1] > 180
+
+
+def test_a_stream_above_the_rate_is_an_error_where_asked(surface):
+    with pytest.raises(midair.BoardTimeout, match=r"rate is 400 frames/s, sonicsurface takes 89\.3"):
+        surface.stream(drives(3)[0], rate=400, late="error")
+    surface.stream(drives(3)[0], rate=30, late="error")
+    assert surface.stats.frames == 3
+
+
+def test_a_late_frame_is_an_error_where_asked(line, surface):
+    def slow():
+        for drive in drives(3)[0]:
+            yield drive
+            time.sleep(0.2)
+
+    with pytest.raises(midair.BoardTimeout, match="ms late"):
+        surface.stream(slow(), rate=50, late="error")
+    line.wait(lambda far: far.silent)
+    assert surface.state == "off"
+
+
+def test_a_slow_generator_is_played_as_it_comes(surface):
+    def slow():
+        for drive in drives(8)[0]:
+            time.sleep(0.05)
+            yield drive
+
+    surface.stream(slow(), rate=50)
+    stats = surface.stats
+    assert (stats.frames, stats.late) == (8, 7)
+
+
+def test_a_generator_that_fails_is_turned_off(line, surface):
+    def failing():
+        yield np.ones(256)
+        yield np.ones(256)
+        raise RuntimeError("of the generator")
+
+    with pytest.raises(RuntimeError, match="of the generator"):
+        surface.stream(failing(), rate=20)
+    line.wait(lambda far: far.silent)
+
+
+def test_modulation_commits_twice_a_period_and_ends_off(line, surface):
+    surface.send(np.ones(256))
+    line.wait(lambda far: far.loud)
+    since = time.monotonic()
+    surface.modulate(200)
+    begin = time.monotonic()
+    assert surface.state == "modulating"
+    time.sleep(max(0.0, begin + 1 - time.monotonic()))
+    surface.off()
+    line.wait(lambda far: far.silent)
+    commits = line.commits(since)
+    swaps = commits[1:-2]
+    assert abs(len(swaps) - 400) <= 4
+    loud = [any(code != OFF for code in codes) for _, codes in commits[:-2]]
+    assert loud == [k % 2 == 1 for k in range(len(loud))]
+    times = np.array([at for at, _ in swaps])
+    # Evenly spaced, as far as a busy computer lets us see, and without drift.
+    off_beat = (times - times[0]) / 2.5e-3 - np.arange(len(times))
+    assert np.median(np.diff(times)) == pytest.approx(2.5e-3, rel=0.1)
+    assert np.median(abs(off_beat - np.median(off_beat))) < 0.5
+    assert surface.state == "off"
+
+
+def test_a_new_frame_is_modulated_until_no_modulation_is_asked_for(line, surface):
+    surface.modulate(100)
+    assert surface.state == "off"
+    surface.send(np.ones(256))
+    assert surface.state == "modulating"
+    time.sleep(0.1)
+    surface.send(-np.ones(256))
+    np.testing.assert_allclose(surface.emitting, -1, atol=1e-6)
+    time.sleep(0.1)
+    surface.modulate(None)
+    assert surface.state == "playing"
+    time.sleep(0.05)
+    before = len(line.commits())
+    time.sleep(0.1)
+    assert len(line.commits()) == before
+    assert line.commits()[-1][1] == [16] * 256
+
+
+def test_a_modulation_that_the_line_cannot_carry_is_refused(surface):
+    with pytest.raises(midair.BoardError, match="modulate is given 5000 Hz"):
+        surface.modulate(5000)
+
+
+def test_a_stalled_reader_is_a_timeout(line, surface):
+    surface.send(np.ones(256))
+    line.wait(lambda far: far.loud)
+    line.reading.clear()
+    begin = time.monotonic()
+    with pytest.raises(midair.BoardTimeout, match="took nothing"):
+        surface.stream((np.ones(256) for _ in range(1000)), rate=RATE)
+    assert time.monotonic() - begin < 2
+    assert surface.state == "lost"
+    begin = time.monotonic()
+    surface.close()
+    assert time.monotonic() - begin < 4
+    line.reading.set()
+    line.wait(lambda far: far.silent)
+
+
+def test_a_stalled_reader_that_reads_again_is_off(line, surface):
+    line.reading.clear()
+    with pytest.raises(midair.BoardTimeout):
+        surface.stream((np.ones(256) for _ in range(1000)), rate=RATE)
+    line.reading.set()
+    line.wait(lambda far: far.silent)
+    surface.send(np.ones(256))
+    line.wait(lambda far: far.loud)
+    assert surface.state == "playing"
+
+
+def test_an_unplugged_board_is_lost(line, surface):
+    surface.send(np.ones(256))
+    line.unplug()
+    with pytest.raises(midair.BoardLost, match="is gone"):
+        surface.send(np.ones(256))
+    with pytest.raises(midair.BoardLost, match="is gone"):
+        surface.off()
+    with pytest.raises(midair.BoardLost, match="is gone"):
+        surface.stream([np.ones(256)] * 3)
+    assert surface.state == "lost"
+    assert not surface.emitting.any()
+    begin = time.monotonic()
+    surface.close()
+    surface.close()
+    assert time.monotonic() - begin < 1
+    assert surface.state == "closed"
+
+
+def test_a_modulated_board_that_is_unplugged_is_lost(line, surface):
+    surface.send(np.ones(256))
+    surface.modulate(100)
+    line.unplug()
+    time.sleep(0.1)
+    with pytest.raises(midair.BoardLost):
+        surface.send(np.ones(256))
+
+
+def test_a_port_is_held_by_one(line, surface):
+    with pytest.raises(midair.BoardBusy, match=f'port "{line.port}" is in use'):
+        midair.connect(f"sonicsurface:{line.port}")
+    surface.close()
+    midair.connect(f"sonicsurface:{line.port}").close()
+
+
+def test_a_port_that_is_not_there(tmp_path):
+    with pytest.raises(midair.BoardNotFound, match="midair ports"):
+        midair.connect(f"sonicsurface:{tmp_path}/tty")
+    (tmp_path / "file").touch()
+    with pytest.raises(midair.BoardError, match="give a serial port"):
+        midair.connect(f"sonicsurface:{tmp_path}/file")
+
+
+def test_ports_that_may_not_be_opened():
+    from midair.boards.serial_port import _refused
+
+    assert isinstance(_refused("p", OSError(errno.EACCES, "Permission denied")), midair.BoardPermission)
+    assert "dialout" in str(_refused("p", OSError(errno.EACCES, "Permission denied")))
+    assert isinstance(_refused("p", OSError("PermissionError(13, 'Access is denied.')")), midair.BoardBusy)
+    assert isinstance(_refused("COM9", OSError("FileNotFoundError(2, ...)")), midair.BoardNotFound)
+
+
+@pytest.mark.parametrize(("name", "count"), [("mega64", 64), ("nano16", 16), ("nano", 8)])
+def test_boards_of_other_bytes(line, name, count):
+    with midair.connect(f"{name}:{line.port}") as board:
+        drive = np.exp(2j * np.pi * np.arange(count) / 8)
+        board.send(drive)
+        length = len(board.board.silence) + len(board.board.off_frame)
+        line.wait(lambda far: len(line.taken) >= length)
+        assert bytes(line.taken) == board.board.silence + board.board.encode(drive)
+        with pytest.raises(midair.BoardError, match=f"{name} cannot modulate"):
+            board.modulate(200)
+        assert board.state == "playing"
+    assert bytes(line.taken).endswith(board.board.silence)
+
+
+def test_ports_lists_and_opens_none(line):
+    assert all(isinstance(port, midair.Port) for port in midair.ports())
