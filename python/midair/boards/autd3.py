@@ -177,52 +177,60 @@ class Autd3Transport:
 
     async def _stop(self) -> None:
         async with self._lock:
-            await self._answered(lambda client: client.silent_stop())
+            await self._answered(lambda: self._there().silent_stop())
             self._divider, self._bank = commands.PHASE_STEPS, PatternBank.B0
 
     async def _leave(self) -> None:
-        client, self._client = self._client, None
-        if client is not None:
-            await client.close()
+        try:
+            await self._there().close()
+        finally:
+            self._client = None
 
     async def _deliver(self, command: Command, before: int | None = None) -> None:
         """Send a command datagram by datagram, each until every board has acknowledged it."""
         for frame in autd3.Frames.encode(self._geometry, command):
 
-            async def send(client: Client, frame: autd3.Frame = frame) -> None:
-                (await (await client.send_frame(frame))).check()
+            async def send(frame: autd3.Frame = frame) -> None:
+                if before not in (None, self._silenced):
+                    raise _Overtaken
+                (await (await self._there().send_frame(frame))).check()
 
-            await self._answered(send, before)
+            await self._answered(send)
 
-    async def _answered(self, ask: Callable[[Client], Awaitable[None]], before: int | None = None) -> None:
-        """Ask the boards until they answer; given up when `silence` was called more than `before` times."""
+    def _there(self) -> Client:
+        """The client while there is one. Nobody else may keep it: heartbeats go out as long as anybody does."""
+        if self._client is None:
+            raise BoardLost(f"{self._address}: the boards were lost; connect again")
+        return self._client
 
-        async def attempt() -> None:
-            if self._client is None:
-                raise BoardLost(f"{self._address}: the boards were lost or let go; connect again")
-            if before not in (None, self._silenced):
-                raise _Overtaken
-            await ask(self._client)
-
+    async def _answered(self, ask: Callable[[], Awaitable[None]]) -> None:
+        """Ask the boards until all of them answer."""
         try:
-            return await self._retried(attempt)
+            await self._retried(ask)
+            states = self._there().state_checker().check().devices
+            lost = [k for k, state in enumerate(states) if state == autd3.DeviceState.Lost]
+            if not lost:
+                return
+            # The client goes on with the others without a word.
+            said = f"board {lost[0]} stopped answering"
         except autd3.Autd3Error as error:
-            code, said = error.code, str(error)
-        if code in (autd3.Autd3Error.DEVICE, autd3.Autd3Error.INVALID_ARGUMENT):
-            raise BoardError(f"{self._address}: {said}")
-        # Without a client no heartbeats go out, and boards that are still there mute themselves. Out here, because
-        # the error above keeps the client.
+            said = str(error)
+            if error.code in (autd3.Autd3Error.DEVICE, autd3.Autd3Error.INVALID_ARGUMENT):
+                raise BoardError(f"{self._address}: {said}") from error
+        # Boards that still answer are turned off. The others mute themselves when no heartbeats come any more.
+        with suppress(autd3.Autd3Error):
+            await self._there().silent_stop()
         self._client = None
         raise BoardLost(
-            f"{self._address}: {said}, asked {1 + RETRIES} times: unplugged, rebooted or taken over by "
-            "another program; they mute themselves in half a second; connect again"
+            f"{self._address}: {said}: unplugged, rebooted or taken over by another program; boards that still "
+            "play mute themselves in half a second; connect again"
         )
 
-    async def _retried(self, attempt: Callable[[], Awaitable[None]]) -> None:
+    async def _retried(self, ask: Callable[[], Awaitable[None]]) -> None:
         """Datagrams are lost now and then, and nothing below asks for them again."""
         for retries_left in range(RETRIES, -1, -1):
             try:
-                return await attempt()
+                return await ask()
             except autd3.Autd3Error as error:
                 if error.code != autd3.Autd3Error.TIMEOUT or not retries_left:
                     raise
