@@ -198,7 +198,7 @@ class Autd3Transport:
             await self._answered(send)
 
     def _there(self) -> Client:
-        """The client while there is one. Nobody else may keep it: heartbeats go out as long as anybody does."""
+        """The client while there is one. Nobody else may keep it: its heartbeats go on while one does."""
         if self._client is None:
             raise BoardLost(f"{self._address}: the boards were lost; connect again")
         return self._client
@@ -217,13 +217,13 @@ class Autd3Transport:
             said = str(error)
             if error.code in (autd3.Autd3Error.DEVICE, autd3.Autd3Error.INVALID_ARGUMENT):
                 raise BoardError(f"{self._address}: {said}") from error
-        # Boards that still answer are turned off. The others mute themselves when no heartbeats come any more.
+        # Boards that still answer are turned off. The others mute themselves without heartbeats.
         with suppress(autd3.Autd3Error):
             await self._there().silent_stop()
         self._client = None
         raise BoardLost(
-            f"{self._address}: {said}: unplugged, rebooted or taken over by another program; boards that still "
-            "play mute themselves in half a second; connect again"
+            f"{self._address}: {said}: unplugged, rebooted or taken over by another program; boards that "
+            "still play mute themselves in half a second; connect again"
         )
 
     async def _retried(self, ask: Callable[[], Awaitable[None]]) -> None:
