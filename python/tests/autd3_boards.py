@@ -55,10 +55,11 @@ def some_boards(count: int) -> midair.Array:
 
 
 def codes(drive: oracle.Complex) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """Phase and intensity codes (boards, 249) of a drive."""
+    """Phase and intensity codes (boards, 249) of a drive, both 0 where it is too weak to be played."""
     drive = np.asarray(drive, complex).reshape(-1, 249)
     phases = np.floor(np.angle(drive) / (2 * math.pi) * 256 + 0.5) % 256
-    return phases.astype(np.uint8), np.floor(255 * np.abs(drive) + 0.5).astype(np.uint8)
+    intensities = np.floor(255 * np.abs(drive) + 0.5)
+    return np.where(intensities > 0, phases, 0).astype(np.uint8), intensities.astype(np.uint8)
 
 
 def frame(drive: oracle.Complex) -> bytes:

@@ -140,14 +140,17 @@ LIMITS = {
     "slow rate": (lambda: commands.divider(0.5), "the nearest is 0.610360875868"),
     "short frame": (
         lambda: commands.pattern(bytes(497), 1),
-        "1 frames of 497 bytes in all: 1 AUTD3 boards take 498",
+        "1 frame for 1 AUTD3 board: 497 bytes, not 498; give 498 a board and frame",
     ),
-    "frame of more boards": (lambda: commands.pattern(bytes(996), 1), "1 frames of 996 bytes in all"),
-    "one frame": (lambda: sequence(1), "sequence of 1 frames: an AUTD3 board holds 2 to 1024"),
+    "frame of more boards": (
+        lambda: commands.pattern(bytes(996), 1),
+        "1 frame for 1 AUTD3 board: 996 bytes, not 498",
+    ),
+    "one frame": (lambda: sequence(1), "sequence of 1 frame: an AUTD3 board holds 2 to 1024"),
     "too many frames": (lambda: sequence(1025), "sequence of 1025 frames: an AUTD3 board holds 2 to 1024"),
     "frames cut off": (
         lambda: sequence(5, bytes(498 * 4)),
-        "5 frames of 1992 bytes in all: 1 AUTD3 boards take 2490",
+        "5 frames for 1 AUTD3 board: 1992 bytes, not 2490",
     ),
     "IPv4": (
         lambda: Autd3Transport("autd3:192.168.0.2", FLAT),
@@ -162,7 +165,7 @@ LIMITS = {
         lambda: Autd3Transport("autd3:nope7", FLAT),
         "autd3:nope7: interface nope7 does not exist",
     ),
-    "no boards": (lambda: Autd3Transport("autd3", []), "autd3: 0 boards; 1 to 128 go by one connection"),
+    "no boards": (lambda: Autd3Transport("autd3", []), "autd3: 0 boards, give 1 to 128"),
     "many boards": (lambda: Autd3Transport("autd3", FLAT * 129), "129 boards"),
 }
 FLAT = [((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))]

@@ -47,11 +47,12 @@ def columns(record: Record) -> tuple[np.ndarray, np.ndarray]:
 def test_boards_play_the_codes_of_solutions(count: int) -> None:
     array = some_boards(count)
     drives = [solution.drive for solution in solutions(array, SOLUTIONS, count)]
+    board = midair.Board("autd3", array)
 
     def play(recorder: Recorder) -> None:
         at_once(recorder)
         for drive in drives:
-            recorder.send(commands.pattern(frame(drive), count))
+            recorder.send(commands.pattern(board.encode(drive), count))
             recorder.tick(PERIOD)
 
     phases, pulses = columns(Emulator(commands.geometry(poses(array))).record(play))

@@ -1,12 +1,15 @@
 """AUTD3 boards over UDP: every frame comes, also where datagrams are lost; boards that are gone are told.
 
-MIDAIR_SLOW=1 in the environment sends 10,000 frames where a normal run sends some hundred.
+MIDAIR_SLOW=1 in the environment sends 10,000 frames where a normal run sends 300, and ends programs in more ways.
 """
 
 import gc
 import json
 import os
 import random
+import signal
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -24,7 +27,8 @@ from midair.boards.errors import BoardError, BoardLost, BoardNotFound
 from midair.boards.poses import poses
 from midair.boards.transport import open_transport
 
-FRAMES = 10_000 if os.environ.get("MIDAIR_SLOW") else 500
+SLOW = bool(os.environ.get("MIDAIR_SLOW"))
+FRAMES = 10_000 if SLOW else 300
 BOARDS = 2
 SIZE = 498
 POSES = poses(midair.Array.preset("autd3", tiles=(BOARDS, 1)))
@@ -104,7 +108,7 @@ def test_every_frame_comes_where_datagrams_are_lost(wire: Wire, seed: int) -> No
         boards.play(frame)
     said = each_board(wire)
     boards.close()
-    assert wire.lost > FRAMES // 100
+    assert wire.lost > FRAMES // 50
     assert sorted(said) == sorted(wanted(sent))
 
 
@@ -188,7 +192,7 @@ def test_lost_boards_are_told_and_left(wire: Wire, boards: Autd3Transport) -> No
 
 
 def test_a_dead_line_is_told_within_half_a_second_and_closes(wire: Wire) -> None:
-    for ask in ("play", "silence", "close"):
+    for ask in ("play", "close"):
         wire.lose = lambda _: False
         boards = described(f"autd3:{wire.address}")
         wire.lose = lambda _: True
@@ -197,7 +201,7 @@ def test_a_dead_line_is_told_within_half_a_second_and_closes(wire: Wire) -> None
             boards.close()
         else:
             with pytest.raises(BoardLost):
-                boards.play(frames(1)[0]) if ask == "play" else boards.silence()
+                boards.play(frames(1)[0])
         assert time.perf_counter() - begin < 1.5
         boards.close()
 
@@ -248,12 +252,57 @@ def test_a_board_too_many_is_told() -> None:
         described(f"autd3:{address}")
 
 
+PROGRAM = """
+import sys, time, midair
+array = midair.Array.preset("autd3", tiles=(2, 1))
+boards = midair.connect(sys.argv[1], array=array)
+boards.send([1.0] * 498)
+print("plays", flush=True)
+time.sleep(60)
+"""
+
+
+@pytest.mark.parametrize("end", ["SIGKILL", "SIGTERM", "SIGINT"] if SLOW else ["SIGKILL"])
+def test_boards_are_silent_when_their_program_is_ended(wire: Wire, end: str) -> None:
+    command = [sys.executable, "-c", PROGRAM, f"autd3:{wire.address}"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as program:
+        assert program.stdout
+        assert program.stdout.readline() == b"plays\n"
+        assert not any(silent(told[-1]) for told in each_board(wire))
+        program.send_signal(signal.Signals[end])
+        begin = time.perf_counter()
+        while not all(silent(told[-1]) for told in each_board(wire)) and time.perf_counter() - begin < 2:
+            time.sleep(0.005)
+        assert time.perf_counter() - begin < 0.25
+        assert program.wait(5) != 0
+
+
+def test_a_connection_plays_on_the_emulator(wire: Wire) -> None:
+    array = midair.Array.preset("autd3", tiles=(BOARDS, 1))
+    drives = np.exp(2j * np.pi * np.random.default_rng(1).integers(0, 256, (5, len(array))) / 256)
+    with midair.connect(f"autd3:{wire.address}", array=array) as boards:
+        wire.told.clear()
+        boards.stream(drives, rate=50, late="wait")
+        assert sorted(each_board(wire)) == sorted(wanted([boards.board.encode(drive) for drive in drives]))
+        assert boards.emitting == pytest.approx(drives[-1], abs=1e-6)
+        boards.modulate(200)
+        assert boards.state == "modulating"
+        with pytest.raises(BoardError, match="modulation at 1001 Hz: an AUTD3 board modulates at"):
+            boards.modulate(1001)
+        boards.send(drives[0])
+        boards.off()
+        assert boards.state == "off"
+        assert all(silent(told[-1]) for told in each_board(wire))
+        boards.send(drives[0])
+    assert all(silent(told[-1]) for told in each_board(wire))
+
+
 def test_the_emulator_has_an_address() -> None:
     boards = described("autd3:emulator")
     boards.play(frames(1)[0])
     boards.modulate(200)
     boards.upload(b"".join(frames(2)), 2, 100)
     boards.silence()
-    with pytest.raises(BoardError, match="1 frames of 10 bytes in all"):
+    with pytest.raises(BoardError, match="1 frame for 2 AUTD3 boards: 10 bytes, not 996"):
         boards.play(bytes(10))
     boards.close()

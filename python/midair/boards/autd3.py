@@ -50,9 +50,7 @@ class Autd3Transport:
         self._address = address
         self._boards = len(poses)
         if not 1 <= self._boards <= autd3.MAX_DEVICES:
-            raise BoardError(
-                f"{address}: {self._boards} boards; 1 to {autd3.MAX_DEVICES} go by one connection"
-            )
+            raise BoardError(f"{address}: {self._boards} boards, give 1 to {autd3.MAX_DEVICES}")
         self._geometry = commands.geometry(poses)
         self._client: Client | None = None
         self._bank = PatternBank.B0
@@ -156,8 +154,8 @@ class Autd3Transport:
                 raise BoardError(f"{self._address}: {error}") from error
             raise BoardNotFound(
                 f"{self._address}: {str(error).removeprefix('network error: ')}; the array stands for "
-                f"{self._boards} boards: check power, cables and firewall (UDP port {PORT}), and of several "
-                "networks name the one, as autd3:eth0"
+                f"{commands.counted(self._boards, 'board')}: check power, cables and firewall (UDP port {PORT}), "
+                "and of several networks name the one, as autd3:eth0"
             ) from error
         await self._stop()
 

@@ -53,7 +53,8 @@ def sequence(frames: bytes, count: int, boards: int, divider: int, bank: Pattern
     least, most = PATTERNS
     if not least <= count <= most:
         raise BoardError(
-            f"sequence of {count} frames: an AUTD3 board holds {least} to {most}; send one, stream more"
+            f"sequence of {counted(count, 'frame')}: an AUTD3 board holds {least} to {most}: send one, "
+            "stream more"
         )
     _check_length(frames, count, boards)
     size = len(frames) // count
@@ -95,13 +96,18 @@ def silencer(divider: int) -> SetSilencer:
     return SetSilencer(FixedCompletionTime(time(INTENSITY_STEPS), time(PHASE_STEPS), strict_mode=False))
 
 
+def counted(number: int, thing: str) -> str:
+    """A number of things, in words."""
+    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
+
+
 def _check_length(frames: bytes, count: int, boards: int) -> None:
     """The packages take buffers of more boards than there are without a word."""
     wanted = count * boards * 2 * TRANSDUCERS
     if len(frames) != wanted:
         raise BoardError(
-            f"{count} frames of {len(frames)} bytes in all: {boards} AUTD3 boards take {wanted}, "
-            f"{2 * TRANSDUCERS} a board and frame"
+            f"{counted(count, 'frame')} for {counted(boards, 'AUTD3 board')}: {len(frames)} bytes, not "
+            f"{wanted}; give {2 * TRANSDUCERS} a board and frame"
         )
 
 
