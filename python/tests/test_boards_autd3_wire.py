@@ -1,6 +1,6 @@
 """AUTD3 boards over UDP: every frame comes, also where datagrams are lost; boards that are gone are told.
 
-MIDAIR_SLOW=1 in the environment sends 10,000 frames where a normal run sends 300, and ends programs in more ways.
+MIDAIR_SLOW=1 sends 10,000 frames, not 300, and ends programs in more ways.
 """
 
 import gc

@@ -154,7 +154,7 @@ class Autd3Transport:
                 raise BoardError(f"{self._address}: {error}") from error
             raise BoardNotFound(
                 f"{self._address}: {str(error).removeprefix('network error: ')}; the array stands for "
-                f"{commands.counted(self._boards, 'board')}: check power, cables and firewall (UDP port {PORT}), "
+                f"{commands.counted(self._boards, 'board')}: check power, cables and firewall (UDP {PORT}), "
                 "and of several networks name the one, as autd3:eth0"
             ) from error
         await self._stop()
