@@ -1,0 +1,209 @@
+"""AUTD3 boards: where those of an array lie, what they take, and what is refused before anything is sent."""
+
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import midair
+from autd3_boards import SITES, boards, matrix, some_boards
+from midair.boards import autd3_commands as commands
+from midair.boards.autd3 import Autd3Transport
+from midair.boards.errors import BoardError
+from midair.boards.poses import poses
+
+
+def random_poses(rng: np.random.Generator, count: int) -> list[tuple[list[float], np.ndarray]]:
+    """Boards anywhere in a room of 4 m, turned anyhow."""
+    turns = rng.normal(size=(count, 4))
+    turns /= np.linalg.norm(turns, axis=1, keepdims=True)
+    return [
+        (origin.tolist(), turn)
+        for origin, turn in zip(rng.uniform(-2000, 2000, (count, 3)), turns, strict=True)
+    ]
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_poses_are_found_again(count: int) -> None:
+    rng = np.random.default_rng(count)
+    for _ in range(25):
+        given = random_poses(rng, count)
+        for (origin, rotation), found in zip(given, poses(boards(*given)), strict=True):
+            assert found.origin == pytest.approx(origin, abs=1e-6)
+            assert matrix(np.array(found.rotation)) == pytest.approx(matrix(rotation), abs=1e-9)
+            assert math.hypot(*found.rotation) == pytest.approx(1, abs=1e-12)
+            assert found.rotation[0] >= 0
+
+
+def test_the_preset_has_boards_that_are_not_turned() -> None:
+    found = poses(midair.Array.preset("autd3", tiles=(2, 2)))
+    assert [pose.rotation for pose in found] == [(1, 0, 0, 0)] * 4
+    origins = np.array([pose.origin for pose in found])
+    assert origins - origins[0] == pytest.approx(
+        np.array([[0, 0, 0], [192, 0, 0], [0, 151.4, 0], [192, 151.4, 0]])
+    )
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_autd3_places_transducers_where_the_array_has_them(count: int) -> None:
+    rng = np.random.default_rng(10 + count)
+    for array in [boards(*random_poses(rng, count)) for _ in range(10)] + [
+        midair.Array.preset("autd3", (count, 1))
+    ]:
+        geometry = commands.geometry(poses(array))
+        places = np.concatenate([device.positions() for device in geometry])
+        normals = np.concatenate([device.directions() for device in geometry])
+        assert 1e3 * array.positions == pytest.approx(places, abs=0.01)
+        assert array.normals == pytest.approx(normals, abs=1e-5)
+
+
+def moved(index: int, by: list[float]) -> midair.Array:
+    array = some_boards(2)
+    places = array.positions.copy()
+    places[index] += by
+    return midair.Array(places, array.normals)
+
+
+FLIPPED = np.tile([0.0, 0, -1], (249, 1))
+REFUSED = {
+    "other array": (
+        lambda: midair.Array.grid(20, 20, 0.01),
+        "array of 400 transducers is none of AUTD3 boards: each has 249",
+    ),
+    "grid of 249": (
+        lambda: midair.Array.grid(83, 3, 0.01),
+        "transducers 0 to 248 are no AUTD3 board: transducer ",
+    ),
+    "one moved": (
+        lambda: moved(300, [2e-5, 0, 0]),
+        "transducers 249 to 497 are no AUTD3 board: transducer 300 lies 0.0199 mm",
+    ),
+    "mirrored": (
+        lambda: midair.Array(SITES * [-1e-3, 1e-3, 1e-3]),
+        "transducers 0 to 248 are no AUTD3 board: transducer ",
+    ),
+    "backwards": (
+        lambda: midair.Array(SITES * 1e-3, FLIPPED),
+        "transducer 0 faces [0.0, 0.0, -1.0], the board [0.0, 0.0, 1.0]",
+    ),
+    "other order": (lambda: midair.Array(SITES[::-1] * 1e-3 * [1, -1, 1]), "are no AUTD3 board"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_is_no_autd3_board_is_told(name: str) -> None:
+    make, told = REFUSED[name]
+    with pytest.raises(midair.SceneError) as caught:
+        poses(make())
+    assert told in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_transducer_may_lie_a_hundredth_of_a_millimetre_off() -> None:
+    assert len(poses(moved(300, [5e-6, 0, -5e-6]))) == 2
+
+
+@pytest.mark.parametrize("hz", [0.0625, 1, 37, 137.5, 150, 200, 440.1, 999, 1000])
+def test_sines_have_whole_periods(hz: float) -> None:
+    buffer = np.frombuffer(commands._sine(hz), np.uint8)
+    assert 4 <= len(buffer) <= 65536
+    periods = hz * len(buffer) / 4000
+    assert periods == pytest.approx(round(periods), abs=1e-6)
+    wanted = 127.5 * (1 + np.sin(2 * np.pi * hz * np.arange(len(buffer)) / 4000))
+    assert np.abs(buffer - wanted).max() <= 0.5 + 1e-6
+
+
+def test_the_nearest_sine_that_is_told_can_be_had() -> None:
+    with pytest.raises(BoardError) as caught:
+        commands.modulation(100.00001)
+    told = str(caught.value)
+    assert "modulation at 100.00001 Hz: no whole number of periods fits the 65536 samples" in told
+    commands.modulation(float(told.split()[-2]))
+
+
+LIMITS = {
+    "slow sine": (
+        lambda: commands.modulation(0.01),
+        "modulation at 0.01 Hz: an AUTD3 board modulates at 0.0610352 to 1000 Hz",
+    ),
+    "fast sine": (lambda: commands.modulation(1000.5), "modulation at 1000.5 Hz"),
+    "no sine": (lambda: commands.modulation(math.nan), "modulation at nan Hz"),
+    "rate between": (
+        lambda: commands.divider(999),
+        "rate 999 frames/s: an AUTD3 board plays 40 kHz divided by a whole number",
+    ),
+    "nearest rate": (lambda: commands.divider(3e4), "the nearest is 40000"),
+    "no rate": (lambda: commands.divider(0.0), "rate 0 frames/s"),
+    "endless rate": (lambda: commands.divider(math.inf), "rate inf frames/s"),
+    "slow rate": (lambda: commands.divider(0.5), "the nearest is 0.610360875868"),
+    "short frame": (
+        lambda: commands.pattern(bytes(497), 1),
+        "1 frame for 1 AUTD3 board: 497 bytes, not 498; give 498 a board and frame",
+    ),
+    "frame of more boards": (
+        lambda: commands.pattern(bytes(996), 1),
+        "1 frame for 1 AUTD3 board: 996 bytes, not 498",
+    ),
+    "one frame": (lambda: sequence(1), "sequence of 1 frame: an AUTD3 board holds 2 to 1024"),
+    "too many frames": (lambda: sequence(1025), "sequence of 1025 frames: an AUTD3 board holds 2 to 1024"),
+    "frames cut off": (
+        lambda: sequence(5, bytes(498 * 4)),
+        "5 frames for 1 AUTD3 board: 1992 bytes, not 2490",
+    ),
+    "IPv4": (
+        lambda: Autd3Transport("autd3:192.168.0.2", FLAT),
+        "autd3:192.168.0.2: AUTD3 boards speak IPv6 only",
+    ),
+    "no place": (lambda: Autd3Transport("autd3:", FLAT), "give a network interface, as autd3:eth0"),
+    "port left out": (
+        lambda: Autd3Transport("autd3:[::1]", FLAT),
+        'is not an IPv6 socket address such as "[::1]:44336"',
+    ),
+    "no network": (
+        lambda: Autd3Transport("autd3:nope7", FLAT),
+        "autd3:nope7: interface nope7 does not exist",
+    ),
+    "no boards": (lambda: Autd3Transport("autd3", []), "autd3: 0 boards, give 1 to 128"),
+    "many boards": (lambda: Autd3Transport("autd3", FLAT * 129), "129 boards"),
+}
+FLAT = [((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))]
+
+
+def sequence(count: int, frames: bytes | None = None) -> object:
+    given = bytes(498 * count) if frames is None else frames
+    return commands.sequence(given, count, 1, 40, commands.PatternBank.B0)
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_limits_are_told_in_one_line(name: str) -> None:
+    ask, told = LIMITS[name]
+    with pytest.raises(BoardError) as caught:
+        ask()
+    assert told in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("rate", [40000, 20000, 40000 / 3, 1000, 40000 / 65535])
+def test_rates_are_whole_periods(rate: float) -> None:
+    assert commands.divider(rate) == round(40000 / rate)
+
+
+def python(code: str) -> str:
+    return subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
+
+
+def test_midair_loads_without_autd3() -> None:
+    out = python(
+        "import sys, midair, midair.boards.poses; print([name for name in sys.modules if 'autd3' in name])"
+    )
+    assert out.strip() == "[]"
+
+
+def test_the_missing_extra_is_named() -> None:
+    code = "try: import midair.boards.autd3\nexcept Exception as error: print(repr(error))"
+    assert (
+        python(f"import sys; sys.modules['autd3'] = None\n{code}").strip()
+        == """BoardError('AUTD3 boards need autd3: pip install "midair[autd3]"')"""
+    )
