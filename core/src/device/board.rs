@@ -259,12 +259,10 @@ impl Board {
         frame
     }
 
-    /// Bytes that silence the boards whatever they were told before: off frames for both banks of those that have two, after
-    /// what they may need to listen.
+    /// Bytes that silence the boards whatever they were told before, in both banks of those that have two.
     #[must_use]
     pub fn silence(&self) -> Vec<u8> {
-        let off = self.off_frame();
-        [self.format.wake, &off, &off].concat()
+        (self.format.silence)(self.boards, &self.off_frame())
     }
 
     fn code(&self, drive: &[Complex32], channel: usize) -> Code {

@@ -1,6 +1,7 @@
 //! Format: the bytes that a board's firmware reads, as data and two functions.
 
 use alloc::format;
+use alloc::vec::Vec;
 
 use crate::device::boards::{autd3, homies, openmpd, sonicsurface, ultraino};
 use crate::device::code::{Code, Steps};
@@ -29,8 +30,18 @@ pub(crate) struct Format {
     pub(crate) encode: Encode,
     /// Reads them back.
     pub(crate) decode: Decode,
-    /// Bytes before the off frames that silence a board whatever it was told before.
-    pub(crate) wake: &'static [u8],
+    /// Silences so many boards whatever they were told before, half a frame included, by their off frame.
+    pub(crate) silence: fn(boards: usize, off: &[u8]) -> Vec<u8>,
+}
+
+/// One off frame completes what was cut, the next is whole, and both banks of a board that has two are off.
+pub(crate) fn twice(_: usize, off: &[u8]) -> Vec<u8> {
+    off.repeat(2)
+}
+
+/// As `twice`, for boards that go on with half a frame where it was cut: the frame that completes it is none.
+pub(crate) fn thrice(_: usize, off: &[u8]) -> Vec<u8> {
+    off.repeat(3)
 }
 
 pub(crate) type Encode = fn(boards: usize, code: &dyn Fn(usize) -> Code, frame: &mut [u8]);

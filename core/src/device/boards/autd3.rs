@@ -1,7 +1,7 @@
 //! AUTD3: of each device 249 phase bytes, then 249 intensity bytes.
 
 use crate::device::code::{Code, Levels, Steps};
-use crate::device::format::{Format, Line, Reader};
+use crate::device::format::{Format, Line, Reader, twice};
 use crate::error::Error;
 
 const CHANNELS: usize = 249;
@@ -13,14 +13,14 @@ pub(crate) const FORMAT: Format = Format {
     channels: CHANNELS,
     most_boards: 128,
     steps: Steps { phases: 256, levels: Levels::Even(255) },
-    // One packet a device and frame, acknowledged: 2000 to 7000 over loopback.
-    line: Line::Frames(2000.0),
+    // Frames are acknowledged (up to 1500 a second over loopback), and phases take 1 ms to follow.
+    line: Line::Frames(1000.0),
     apart: false,
     order: |transducer| transducer,
     size: |boards| 2 * CHANNELS * boards,
     encode,
     decode,
-    wake: &[],
+    silence: twice,
 };
 
 fn encode(boards: usize, code: &dyn Fn(usize) -> Code, frame: &mut [u8]) {

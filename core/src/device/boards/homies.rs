@@ -1,7 +1,7 @@
 //! ultrasonic-homies rev 1: two FPGAs of 128 channels; words switch channels off, a burst sets phases and switches on.
 
 use crate::device::code::{Code, Levels, Steps};
-use crate::device::format::{Format, Line, Reader, Writer};
+use crate::device::format::{Format, Line, Reader, Writer, twice};
 use crate::error::Error;
 
 const CHANNELS: usize = 128;
@@ -12,7 +12,7 @@ const PREFIX: u8 = 0xaa;
 const ENABLE: u8 = 1;
 /// A word that tells how many bytes follow: phase and channel of each transducer that is on.
 const BURST: u8 = 2;
-/// A frame of one FPGA is longest where nothing is on; zeros, which the receiver passes over, make all as long.
+/// A frame of one FPGA is longest where a word tells each channel, all off but one; zeros, which the receiver passes over, make all as long.
 const SIZE: usize = 8 * CHANNELS;
 
 pub(crate) const FORMAT: Format = Format {
@@ -29,7 +29,7 @@ pub(crate) const FORMAT: Format = Format {
     size: |boards| SIZE * boards,
     encode,
     decode,
-    wake: &[],
+    silence: twice,
 };
 
 /// A receiver out of step takes these bytes for the ends of a word: the phase step beside them is played.
@@ -50,13 +50,16 @@ fn encode(boards: usize, code: &dyn Fn(usize) -> Code, frame: &mut [u8]) {
         for channel in (0..CHANNELS).filter(|&channel| codes[channel].level == 0) {
             word(&mut bytes, ENABLE, [0, channel as u8, 0, 0]);
         }
-        let count = on().count();
-        if count > 0 {
-            word(&mut bytes, BURST, (2 * count as u32).to_le_bytes());
-        }
-        for (channel, code) in on() {
-            bytes.put(spared(code.phase));
-            bytes.put(channel as u8);
+        match (on().count(), on().next()) {
+            (1, Some((channel, code))) => word(&mut bytes, ENABLE, [spared(code.phase), channel as u8, 1, 0]),
+            (0, _) => {}
+            (count, _) => {
+                word(&mut bytes, BURST, (2 * count as u32).to_le_bytes());
+                for (channel, code) in on() {
+                    bytes.put(spared(code.phase));
+                    bytes.put(channel as u8);
+                }
+            }
         }
     }
 }
@@ -82,7 +85,11 @@ fn decode(boards: usize, frame: &[u8], put: &mut dyn FnMut(usize, Code)) -> Resu
                 put(fpga * CHANNELS + channel(&bytes, data[1])?, code);
                 continue;
             }
-            for _ in 0..u32::from_le_bytes(data) / 2 {
+            let count = u32::from_le_bytes(data);
+            if count % 2 > 0 {
+                return Err(bytes.fault(PREFIX, "an even number of bytes in the word before it"));
+            }
+            for _ in 0..count / 2 {
                 let [phase, number] = [bytes.get()?, bytes.get()?];
                 put(fpga * CHANNELS + channel(&bytes, number)?, Code { phase: phase.into(), level: 1 });
             }

@@ -1,7 +1,7 @@
 //! OpenMPD: of each board 256 bytes of phases, then 256 of pulse widths, by pin.
 
 use crate::device::code::{Code, Levels, Steps};
-use crate::device::format::{Format, Line, Reader};
+use crate::device::format::{Format, Line, Reader, thrice};
 use crate::error::Error;
 
 const CHANNELS: usize = 256;
@@ -23,7 +23,7 @@ pub(crate) const FORMAT: Format = Format {
     size: |boards| 2 * CHANNELS * boards,
     encode,
     decode,
-    wake: &[],
+    silence: thrice,
 };
 
 /// Transducers with x slow and y downwards; pins in squares of four columns, two rows at a time.

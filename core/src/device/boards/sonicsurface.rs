@@ -1,5 +1,7 @@
 //! SonicSurface: codes of 256 channels between a start and a swap byte; two boards are selected in turn and swap as one.
 
+use alloc::vec::Vec;
+
 use crate::device::code::{Code, Levels, Steps};
 use crate::device::format::{Format, Line, Reader, Writer};
 use crate::error::Error;
@@ -28,7 +30,7 @@ pub(crate) const FORMAT: Format = Format {
     size: |boards| if boards == 1 { CHANNELS + 2 } else { (CHANNELS + 2) * boards + 1 },
     encode,
     decode,
-    wake: &[CLOCKS],
+    silence,
 };
 
 /// Transducers row by row; channels in squares of four columns, two rows at a time.
@@ -36,6 +38,13 @@ fn order(transducer: usize) -> usize {
     const PAIR: [[usize; 4]; 2] = [[0, 7, 1, 2], [4, 3, 6, 5]];
     let [row, column] = [transducer / 16, transducer % 16];
     64 * (column / 4) + 8 * (row / 2) + PAIR[row % 2][column % 4]
+}
+
+/// Both boards, twice for both banks; one that plays alone, which is a primary, is the one selected at the end.
+fn silence(boards: usize, _: &[u8]) -> Vec<u8> {
+    let select = if boards == 1 { [SELECT + 1, SELECT] } else { [SELECT, SELECT + 1] };
+    let off = select.map(|board| [&[board, START][..], &[OFF; CHANNELS]].concat()).concat();
+    [&[CLOCKS], &off[..], &[SWAP], &off, &[SWAP]].concat()
 }
 
 fn encode(boards: usize, code: &dyn Fn(usize) -> Code, frame: &mut [u8]) {

@@ -3,7 +3,7 @@
 use alloc::format;
 
 use crate::device::code::{Code, Levels, Steps};
-use crate::device::format::{Format, Line, Reader, Writer};
+use crate::device::format::{Format, Line, Reader, Writer, thrice};
 use crate::error::Error;
 
 /// Exchanges the two buffers.
@@ -42,7 +42,7 @@ pub(crate) const MEGA64: Format = Format {
         }
         bytes.end()
     },
-    wake: &[],
+    silence: thrice,
 };
 
 /// One pattern for one period, over and over: durations 1 and 0, two bits a byte, most significant first, taken by the last.
@@ -68,7 +68,7 @@ pub(crate) const NANO16: Format = Format {
     size: |_| 65,
     encode: |_, code, frame| write_nano::<16>(16, code, frame),
     decode: |_, frame, put| read_nano::<16>(16, frame, put),
-    wake: &[RESET],
+    silence: |_, off| [&[RESET], off, off].concat(),
 };
 
 pub(crate) const NANO: Format = Format {
@@ -84,7 +84,7 @@ pub(crate) const NANO: Format = Format {
     size: |_| 49,
     encode: |_, code, frame| write_nano::<8>(24, code, frame),
     decode: |_, frame, put| read_nano::<8>(24, frame, put),
-    wake: &[],
+    silence: thrice,
 };
 
 /// A Nano's pulses are half a period long: level 1 is as many ticks.
