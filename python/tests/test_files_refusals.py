@@ -342,6 +342,14 @@ REQUESTS: dict[str, tuple[str, Any, dict[str, Any], str]] = {
     ),
     "no board": ("a.bin", FRAMES, {}, "board is left out, and .bin holds the frames of one"),
     "another board": ("a.bin", FRAMES, {"board": "autd3"}, "drives of 6 transducers, board of 249"),
+    "another array": (
+        "a.bin",
+        midair.Sequence(
+            midair.Array.grid(16, 16, 8e-3), np.full((2, 1, 3), 0.1), 1.0, np.ones((2, 256)) + 0j, rate=9.0
+        ),
+        {"board": "sonicsurface"},
+        "the drives' transducer 0 lies .* mm from the board's: solve for the board's array",
+    ),
     "unknown board": ("a.bin", FRAMES, {"board": "stratos"}, "board is"),
     "name of a pair": (
         "a.csv",
