@@ -126,6 +126,17 @@ def test_a_pair_that_stands_in_another_order_is_written_by_place(tmp_path: Path)
         midair.write(tmp_path / f"one.{name}", one, layout=layout)
         midair.write(tmp_path / f"other.{name}", other, layout=layout)
         assert (tmp_path / f"one.{name}").read_bytes() == (tmp_path / f"other.{name}").read_bytes()
+    surfaces = midair.Board("sonicsurface_pair")
+    still = midair.Sequence(surfaces.array, points, 1.0, np.stack([drive] * 2), rate=100.0)
+    midair.write(tmp_path / "full.csv", still, layout="acoustools")
+    back = midair.read(tmp_path / "full.csv", board=surfaces)
+    np.testing.assert_allclose(back, [drive] * 2, atol=1e-6)
+    assert np.abs(midair.read(tmp_path / "full.csv") - drive).max() > 0.1
+    midair.write(tmp_path / "full.holo", still)
+    back = midair.read(tmp_path / "full.holo", board="sonicsurface_pair")
+    assert np.abs(back - drive).max() < PI / 32 + 1e-3
+    with pytest.raises(midair.SceneError, match="drives of 512 transducers, an array of 249"):
+        midair.read(tmp_path / "full.holo", board="autd3")
     far = midair.Array(pair.positions * 1.5, pair.normals)
     strange = midair.Sequence(far, points, 1.0, np.stack([drive] * 2), rate=100.0)
     with pytest.raises(midair.SceneError, match="not those of two OpenMPD boards"):

@@ -111,15 +111,21 @@ ARRAYS: dict[str, tuple[str, Callable[[], bytes], str]] = {
     "flat origin": (
         "a.json",
         lambda: boards(origin=[0, 0]),
-        "origin of board 1 is .0, 0.: give .x, y, z., in mm",
+        "origin of board 1 is .0.0, 0.0.: give .x, y, z., in mm",
     ),
     "origin of words": ("a.json", lambda: boards(origin=[0, 0, "1"]), "origin of board 1"),
     "origin beyond": (
         "a.json",
         lambda: boards(origin=[0, 0, float("nan")]),
-        "origin of board 1 is .0, 0, NaN.",
+        "origin of board 1 is .0.0, 0.0, NaN.",
     ),
     "huge origin": ("a.json", lambda: b'[{"origin": [0, 0, 1e999], "rotation": [1, 0, 0, 0]}]', "Infinity"),
+    "a long number": (
+        "a.json",
+        lambda: boards(origin=[0, 0, 10**400]),
+        "origin of board 1 is .0.0, 0.0, Infinity",
+    ),
+    "a longer number": ("a.json", lambda: b"[" + b"1" * 9999 + b"]", "origin of board 0 is null"),
     "long rotation": (
         "a.json",
         lambda: boards(rotation=[1, 0, 0, 0.1]),
@@ -336,6 +342,14 @@ REQUESTS: dict[str, tuple[str, Any, dict[str, Any], str]] = {
     ),
     "no board": ("a.bin", FRAMES, {}, "board is left out, and .bin holds the frames of one"),
     "another board": ("a.bin", FRAMES, {"board": "autd3"}, "drives of 6 transducers, board of 249"),
+    "another array": (
+        "a.bin",
+        midair.Sequence(
+            midair.Array.grid(16, 16, 8e-3), np.full((2, 1, 3), 0.1), 1.0, np.ones((2, 256)) + 0j, rate=9.0
+        ),
+        {"board": "sonicsurface"},
+        "the drives' transducer 0 lies .* mm from the board's: solve for the board's array",
+    ),
     "unknown board": ("a.bin", FRAMES, {"board": "stratos"}, "board is"),
     "name of a pair": (
         "a.csv",

@@ -2,8 +2,8 @@
 
 Two boards of OpenMPD, 512 transducers: its own order is the top board first, x slow, then y, both from the
 lowest. In its .csv, which OpenMPD reads, the top board is reversed, and so is each run of 16 of the bottom
-board. Drives are those of `Array.preset("openmpd_pair")`, or of any array whose transducers stand like that
-one's. Arrays of any other number of transducers keep their order. The first line is `frames,transducers`,
+board. Our drives are those of `Array.preset("openmpd_pair")`, or of an array whose transducers stand like
+these. Arrays of any other number of transducers keep their order. The first line is `frames,transducers`,
 then there are phases in rad, a line a frame; there are no amplitudes.
 """
 
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import Array, SceneError, SceneWarning
-from .content import content, fault, text
+from .content import fault, text
 from .played import Played, one_or_more
 from .table import number, numbers, rows
 
@@ -33,6 +33,8 @@ FULL = 1 - 1e-3
 
 def own_order(array: Array | None, transducers: int) -> NDArray[np.intp]:
     """Indices (N,) of our transducers in AcousTools' order."""
+    if array is not None and len(array) != transducers:
+        raise SceneError(f"drives of {transducers} transducers, an array of {len(array)}: give another board")
     if transducers != PAIR:
         return np.arange(transducers)
     array = Array.preset("openmpd_pair") if array is None else array
@@ -76,9 +78,8 @@ def write(path: Path, drives: Played) -> None:
         warnings.warn(f"{told}: {cure}", SceneWarning, stacklevel=4)
 
 
-def read(path: str | PathLike[str], found: bytes | None = None) -> NDArray[np.complex64]:
-    """Read drives of amplitude 1, (N,) of one frame, else (T, N)."""
-    data = content(path) if found is None else found
+def read(path: str | PathLike[str], data: bytes, array: Array | None = None) -> NDArray[np.complex64]:
+    """Read drives of an array, of amplitude 1, (N,) of one frame, else (T, N)."""
     table = rows(text(path, data))
     line, head = next(table)
     frames, transducers = (int(number(cell) or 0) for cell in head)
@@ -86,7 +87,7 @@ def read(path: str | PathLike[str], found: bytes | None = None) -> NDArray[np.co
     if not 2 <= 2 * frames * transducers <= len(data):
         told = f"{frames} frames of {transducers} transducers are told, more than the file can hold"
         raise fault(path, line, f"{told}: get the file again")
-    order = csv_order(None, transducers)
+    order = csv_order(array, transducers)
     drives = np.empty((frames, transducers), np.complex64)
     frame = 0
     for line, cells in table:

@@ -25,7 +25,7 @@ MOST_BOARDS = 128
 def read(path: str | PathLike[str]) -> Layout:
     """Read boards one after another, each in the order of its transducers."""
     try:
-        boards = json.loads(text(path))
+        boards = json.loads(text(path), parse_int=float)
     except json.JSONDecodeError as error:
         reason = f"it is no JSON ({error.msg}): give what Geometry.to_json wrote"
         raise fault(path, error.lineno, reason) from error
@@ -62,7 +62,7 @@ def read(path: str | PathLike[str]) -> Layout:
 def _numbers(path: str | PathLike[str], index: int, board: Any, name: str, axes: str) -> NDArray[np.float64]:
     found = board.get(name) if isinstance(board, dict) else None
     plain = isinstance(found, list) and len(found) == len(axes)
-    if not plain or not all(type(one) in (int, float) and np.isfinite(one) for one in found or []):
+    if not plain or not all(type(one) is float and np.isfinite(one) for one in found or []):
         told = json.dumps(found)[:60]
         cure = f"give [{', '.join(axes)}]{', in mm' if name == 'origin' else ', a unit quaternion'}"
         raise fault(path, None, f"{name} of board {index} is {told}: {cure}")

@@ -21,7 +21,7 @@ from ..motion import Sequence
 from ..path import Path
 from ..path.arguments import FARTHEST, real
 from ..shape.arguments import number
-from .content import content, fault, text
+from .content import fault, text
 from .table import columns, picked, rows
 
 COLUMNS = ("t", "x", "y", "z", "intensity")
@@ -95,9 +95,9 @@ def write(path: File, given: ControlPoints) -> None:
             table.writerows([time, *row] for row in np.concatenate(parts, axis=1).tolist())
 
 
-def read(path: str | PathLike[str], found: bytes | None = None) -> ControlPoints:
+def read(path: str | PathLike[str], data: bytes) -> ControlPoints:
     """Read frames: rows of one t."""
-    table = rows(text(path, content(path) if found is None else found))
+    table = rows(text(path, data))
     head, names = next(table)
     where = columns(path, head, names, COLUMNS, CURE)
     wanted = (*COLUMNS, FREQUENCY) if FREQUENCY in where else COLUMNS

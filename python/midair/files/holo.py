@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import SceneError
+from .._midair import Array, SceneError
 from .acoustools import own_order
 from .content import MOST_BYTES, content, fault, unpacked
 from .played import Played, one_or_more
@@ -44,8 +44,8 @@ def write(path: Path, drives: Played) -> None:
         stream.write(packer.flush())
 
 
-def read(path: str | PathLike[str]) -> NDArray[np.complex64]:
-    """Read drives, (N,) of one frame, else (T, N)."""
+def read(path: str | PathLike[str], array: Array | None = None) -> NDArray[np.complex64]:
+    """Read drives of an array, (N,) of one frame, else (T, N)."""
     data = unpacked(path, content(path), "zlib")
     if not data or len(data) % BYTES:
         raise fault(path, None, f"{len(data)} bytes are in it: give whole numbers of {BYTES} bytes each")
@@ -71,5 +71,5 @@ def read(path: str | PathLike[str]) -> NDArray[np.complex64]:
     phase = np.exp(1j * STEP * (code - STEPS // 2)).astype(np.complex64)
     amplitude = (code / STEPS).astype(np.float32)
     drives = np.empty((frames, transducers), np.complex64)
-    drives[:, own_order(None, transducers)] = phase[lists[:, 0]] * amplitude[lists[:, 1]]
+    drives[:, own_order(array, transducers)] = phase[lists[:, 0]] * amplitude[lists[:, 1]]
     return one_or_more(drives)

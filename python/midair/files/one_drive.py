@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import SceneError
-from .content import content, fault, text
+from .content import fault, text
 from .played import ROUNDING, Played
 from .table import columns, picked, rows
 
@@ -41,9 +41,9 @@ def write(path: Path, drives: Played) -> None:
         table.writerows([index, *place, *rest] for index, (place, *rest) in enumerate(values))
 
 
-def read(path: str | PathLike[str], found: bytes | None = None) -> NDArray[np.complex64]:
+def read(path: str | PathLike[str], data: bytes) -> NDArray[np.complex64]:
     """Read the drive (N,)."""
-    table = rows(text(path, content(path) if found is None else found))
+    table = rows(text(path, data))
     head, names = next(table)
     where = columns(path, head, names, NEEDED, CURE)
     indexed = "index" in where

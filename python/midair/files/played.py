@@ -16,7 +16,11 @@ from ..motion import Sequence
 from ..shape.arguments import shown
 
 #: A drive beyond full by more is none; so much do the solvers' f32 leave.
-ROUNDING = 1e-5
+ROUNDING = 1e-6
+
+
+#: In m: an array whose transducers lie farther from the board's is another one.
+APART = 0.5e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +61,12 @@ def played(drives: Any, board: Board | None) -> Played:
     if board is not None and len(board.array) != found.transducers:
         told = f"drives of {found.transducers} transducers, board of {len(board.array)}"
         raise SceneError(f"{told}: give drives for the board's array, or another board")
+    if board is not None and found.array is not None:
+        apart = np.linalg.norm(found.array.positions - board.array.positions, axis=1)
+        at = int(apart.argmax())
+        if apart[at] > APART:
+            told = f"the drives' transducer {at} lies {1e3 * apart[at]:.3g} mm from the board's"
+            raise SceneError(f"{told}: solve for the board's array, or give midair.Board(..., array)")
     return found
 
 

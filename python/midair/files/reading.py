@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Solution
+from .._midair import Array, Solution
 from ..boards.board import Board
 from ..motion import Sequence
 from . import acoustools, archive, board_frames, control_points, holo, one_drive, pair
@@ -38,25 +38,26 @@ def read(
     board : the midair.Board, its name or .pat file, whose frames a .bin holds
 
     Which .csv it is, its first row tells, and of Ultraino's, which has none, the name. Drives of 512
-    transducers from AcousTools are in the order of `Array.preset("openmpd_pair")`. Nothing in a file is
-    run. Raises SceneError for a file that is not in order, naming the line.
+    transducers from AcousTools are in the order of the board's array, left out `openmpd_pair`. Nothing in a
+    file is run. Raises SceneError for a file that is not in order, naming the line.
     """
-    ending = Path(path).suffix.lower()
+    ending, player = Path(path).suffix.lower(), known(board)
+    array = None if player is None else player.array
     if ending == ".npz":
         return archive.read(path)
     if ending == ".json":
         content(path)
         return Solution.load(path)
     if ending == ".holo":
-        return holo.read(path)
+        return holo.read(path, array)
     if ending == ".bin":
-        return board_frames.read(path, known(board))
+        return board_frames.read(path, player)
     if ending == ".csv":
-        return _csv(path)
+        return _csv(path, array)
     raise fault(path, None, "it has no known ending: give .npz, .json, .csv, .holo or .bin")
 
 
-def _csv(path: str | PathLike[str]) -> NDArray[np.complex64] | ControlPoints:
+def _csv(path: str | PathLike[str], array: Array | None) -> NDArray[np.complex64] | ControlPoints:
     data = content(path)
     line, head = next(rows(text(path, data)), (0, [""]))
     if not line:
@@ -74,7 +75,7 @@ def _csv(path: str | PathLike[str]) -> NDArray[np.complex64] | ControlPoints:
     if both is not None and (not counted or all(one.exists() for one in both)):
         return pair.read(*both)
     if counted:
-        return acoustools.read(path, data)
+        return acoustools.read(path, data, array)
     if names >= {"x", "y", "z"}:
         raise fault(path, line, "it holds transducers: read them by midair.files.read_array")
     raise fault(path, line, f'"{",".join(head)[:60]}" begins no table of drives: {CSV}')
