@@ -3,6 +3,7 @@
 import math
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -57,6 +58,16 @@ def test_autd3_places_transducers_where_the_array_has_them(count: int) -> None:
         normals = np.concatenate([device.directions() for device in geometry])
         assert 1e3 * array.positions == pytest.approx(places, abs=0.01)
         assert array.normals == pytest.approx(normals, abs=1e-5)
+
+
+@pytest.mark.parametrize("count", [1, 4])
+def test_what_autd3_writes_of_the_boards_is_the_array(count: int, tmp_path: Path) -> None:
+    array = some_boards(count)
+    path = tmp_path / "boards.json"
+    path.write_text(commands.geometry(poses(array)).to_json())
+    again = midair.Array.from_file(path)
+    assert again.positions == pytest.approx(array.positions, abs=1e-6)
+    assert again.normals == pytest.approx(array.normals, abs=1e-6)
 
 
 def moved(index: int, by: list[float]) -> midair.Array:
@@ -195,10 +206,8 @@ def python(code: str) -> str:
 
 
 def test_midair_loads_without_autd3() -> None:
-    out = python(
-        "import sys, midair, midair.boards.poses; print([name for name in sys.modules if name.startswith('autd3')])"
-    )
-    assert out.strip() == "[]"
+    listed = "[name for name in sys.modules if name.startswith('autd3')]"
+    assert python(f"import sys, midair, midair.boards.poses; print({listed})").strip() == "[]"
 
 
 def test_the_missing_extra_is_named() -> None:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import Array, SceneError
+from ..files.layout import turned
 
 _Rows = NDArray[np.float64]
 
@@ -46,10 +47,10 @@ def _pose(sites: _Rows, places: _Rows, normals: _Rows, k: int) -> Pose:
     """The pose that brings the sites of a board, in mm, to the places; refused where none does."""
     first, last = k * len(sites), (k + 1) * len(sites) - 1
     rotation = _rotation(sites - sites.mean(0), places - places.mean(0))
-    turn = _matrix(rotation)
-    origin = places.mean(0) - turn @ sites.mean(0)
-    off = np.linalg.norm(origin + sites @ turn.T - places, axis=1)
-    lean = np.linalg.norm(normals - turn[:, 2], axis=1)
+    axes = np.stack([turned(rotation[None], axis)[0] for axis in np.eye(3).tolist()])
+    origin = places.mean(0) - sites.mean(0) @ axes
+    off = np.linalg.norm(origin + sites @ axes - places, axis=1)
+    lean = np.linalg.norm(normals - axes[2], axis=1)
     refused = f"transducers {first} to {last} are no AUTD3 board"
     if off.max() > TOLERANCE_MM:
         raise SceneError(
@@ -59,7 +60,7 @@ def _pose(sites: _Rows, places: _Rows, normals: _Rows, k: int) -> Pose:
     if lean.max() > LEAN:
         at = int(lean.argmax())
         raise SceneError(
-            f"{refused}: transducer {first + at} faces {_told(normals[at])}, the board {_told(turn[:, 2])}; "
+            f"{refused}: transducer {first + at} faces {_told(normals[at])}, the board {_told(axes[2])}; "
             "give normals that way, or count the rows from the other end"
         )
     x, y, z = origin.tolist()
@@ -86,11 +87,3 @@ def _rotation(start: _Rows, end: _Rows) -> _Rows:
     matrix[1:, 1:] = s + s.T - np.trace(s) * np.eye(3)
     largest: _Rows = np.linalg.eigh(matrix).eigenvectors[:, -1]
     return largest if largest[0] >= 0 else -largest
-
-
-def _matrix(quaternion: _Rows) -> _Rows:
-    """The rotation matrix of a unit quaternion (w, x, y, z)."""
-    w, v = quaternion[0], quaternion[1:]
-    cross = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
-    turned: _Rows = (w * w - v @ v) * np.eye(3) + 2 * np.outer(v, v) + 2 * w * cross
-    return turned

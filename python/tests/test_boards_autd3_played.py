@@ -1,0 +1,144 @@
+"""What AUTD3 boards play, sample by sample, of all that a transport tells them one after the other."""
+
+from typing import Any
+
+import autd3
+import numpy as np
+import pytest
+from autd3.commands import FixedCompletionTime, Pattern, SetSilencer
+from autd3_emulator import Emulator, Recorder
+from autd3_pattern import PhaseBuffer
+
+from autd3_boards import codes, frame, some_boards, widths
+from midair.boards import autd3_commands as commands
+from midair.boards.autd3 import Autd3Transport
+from midair.boards.poses import poses
+
+BOARDS = 2
+ARRAY = some_boards(BOARDS)
+RNG = np.random.default_rng(1)
+#: Drives whose phases never go round, which the emulator's silencer would lose count of.
+DRIVES = RNG.uniform(0, 1, (9, len(ARRAY))) * np.exp(
+    2j * np.pi * RNG.integers(64, 192, (9, len(ARRAY))) / 256
+)
+WANTED = [
+    np.concatenate([phase.ravel(), widths(amplitude).ravel()]) for phase, amplitude in map(codes, DRIVES)
+]
+
+
+class Told:
+    """A client of autd3 that keeps what it is told, for a `Recorder`, which stays in one thread."""
+
+    def __init__(self) -> None:
+        self.log: list[Any] = []
+        self.devices: list[Any] = []
+
+    async def open(self, *_: object) -> "Told":
+        return self
+
+    async def send_frame(self, frame: autd3.Frame) -> Any:
+        self.log.append(frame)
+
+        async def answer() -> "Told":
+            return self
+
+        return answer()
+
+    async def silent_stop(self) -> None:
+        """As the package's documents and its source have it."""
+        stop = [SetSilencer(FixedCompletionTime(strict_mode=False)), Pattern(PhaseBuffer(BOARDS), 0)]
+        self.log += [one for command in stop for one in autd3.Frames.encode(GEOMETRY, command)]
+
+    async def close(self) -> None:
+        await self.silent_stop()
+
+    def check(self) -> "Told":
+        return self
+
+    def state_checker(self) -> "Told":
+        return self
+
+
+GEOMETRY = commands.geometry(poses(ARRAY))
+
+
+@pytest.fixture
+def told(monkeypatch: pytest.MonkeyPatch) -> Told:
+    made = Told()
+    monkeypatch.setattr(autd3, "Client", made)
+    return made
+
+
+def samples(told: Told) -> np.ndarray:
+    """Phases and pulse widths (T, 2 N), from what was told and the times that were waited in between."""
+
+    def play(recorder: Recorder) -> None:
+        for each in told.log:
+            if isinstance(each, int):
+                recorder.tick(autd3.Duration.from_micros(25 * each))
+            else:
+                recorder.send_frame(each)
+
+    record = Emulator(GEOMETRY).record(play)
+    return np.concatenate([record.phase().to_numpy().T, record.pulse_width().to_numpy().T], axis=1)
+
+
+def sequence(*which: int) -> bytes:
+    return b"".join(frame(DRIVES[k]) for k in which)
+
+
+def test_one_thing_after_the_other(told: Told) -> None:
+    boards = Autd3Transport("autd3", poses(ARRAY))
+    steps: list[tuple[Any, set[int | None]]] = [
+        (lambda: None, {None}),
+        (lambda: boards.play(frame(DRIVES[0])), {0}),
+        (lambda: boards.play(frame(DRIVES[1])), {1}),
+        (lambda: boards.upload(sequence(2, 3), 2, 40000), {2, 3}),
+        (lambda: boards.upload(sequence(4, 5, 6), 3, 20000), {4, 5, 6}),
+        (lambda: boards.upload(sequence(7, 8), 2, 1000), {7, 8}),
+        (lambda: boards.play(frame(DRIVES[0])), {0}),
+        (lambda: boards.upload(sequence(1, 2, 3), 3, 8000), {1, 2, 3}),
+        (boards.silence, {None}),
+        (boards.silence, {None}),
+        (lambda: boards.upload(sequence(4, 5), 2, 800), {4, 5}),
+        (boards.close, {None}),
+    ]
+    # A step is as long as the slowest sequence twice over; its first half is left to the silencer.
+    half = 120
+    for act, _ in steps:
+        act()
+        told.log.append(2 * half)
+    played = samples(told).reshape(len(steps), 2 * half, -1)[:, half:]
+    for (_, expected), rows in zip(steps, played, strict=True):
+        seen = [played_by(row) for row in rows]
+        assert set(seen) - {-1} == expected
+        assert seen.count(-1) <= (0 if len(expected) < 2 else 39 * half // 40)
+
+
+def played_by(row: np.ndarray) -> int | None:
+    """Which drive plays, None where none does; -1 for what lies between two."""
+    if not row[len(ARRAY) :].any():
+        return None
+    return next((k for k, wanted in enumerate(WANTED) if np.array_equal(row, wanted)), -1)
+
+
+def test_modulation_goes_on_over_frames_and_silence(told: Told) -> None:
+    boards = Autd3Transport("autd3", poses(ARRAY))
+    boards.modulate(500)
+    for _ in range(2):
+        boards.play(frame(np.ones(len(ARRAY))))
+        told.log.append(800)
+        boards.silence()
+        told.log.append(800)
+    boards.play(frame(np.ones(len(ARRAY))))
+    boards.modulate(None)
+    told.log.append(800)
+    boards.close()
+    widest = samples(told)[:, len(ARRAY)].reshape(5, 800)[:, 100:]
+    for k in (0, 2):
+        assert widest[k].min() < 5
+        assert widest[k].max() > 240
+        # 500 Hz is 80 samples.
+        assert np.array_equal(widest[k][80:], widest[k][:-80])
+    assert not widest[[1, 3]].any()
+    assert (widest[4] == 256).all()
