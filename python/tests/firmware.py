@@ -1,0 +1,387 @@
+"""What boards make of the bytes they receive: plain models of their firmware, a byte at a time.
+
+Each model listens to one line (`receive`) and tells what its channels emit (`drive`, in the order of the
+board's channels) from the physics of its pulses. Nothing here knows how midair makes bytes. The models
+start as the boards power up, and follow Firmware/FPGA */src of upnalab/SonicSurface, FPGA_3.4.2/src of
+RMResearch/OpenMPD_Hardware, DriverBoards of asiermarzo/Ultraino and fpga/shared of
+ultrasonic-homies/ultrasonic-holography; AUTD3's frame is midair's own: codes, not a protocol.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Codes = NDArray[np.int64]
+Levels = NDArray[np.bool]
+Complex = NDArray[np.complex128]
+
+
+def harmonic(levels: Levels) -> Complex:
+    """The drive of each channel from its pin's levels (ticks, channels) over a period.
+
+    An output s(t) = Re q e^{-jwt} has q = (2/T) integral of s e^{jwt}; a square wave of half a period is 1.
+    """
+    ticks = len(levels)
+    middles = np.exp(2j * np.pi * (np.arange(ticks) + 0.5) / ticks)
+    return np.sin(np.pi / ticks) * (middles @ levels)
+
+
+def pulses(starts: Codes, widths: Codes, ticks: int) -> Complex:
+    """The drive of pulses that go high at tick `start` for `width` ticks of a period."""
+    return _pulses(ticks)[np.ravel(starts), np.ravel(widths)]
+
+
+@cache
+def _pulses(ticks: int) -> Complex:
+    from_zero = harmonic(np.tri(ticks, k=-1, dtype=bool).T)
+    return np.exp(2j * np.pi * np.arange(ticks)[:, None] / ticks) * from_zero
+
+
+class Line(Protocol):
+    """One line and the boards that listen to it."""
+
+    def receive(self, data: bytes) -> None: ...
+
+    @property
+    def drive(self) -> Complex: ...
+
+
+class Autd3:
+    """Boards of 249: of each the phase codes, then the intensity codes; whole frames only."""
+
+    def __init__(self, boards: int) -> None:
+        self.codes = np.zeros((boards, 2, 249), np.int64)
+
+    def receive(self, data: bytes) -> None:
+        for at in range(0, len(data), self.codes.size):
+            frame = np.frombuffer(data[at : at + self.codes.size], np.uint8)
+            self.codes = frame.astype(np.int64).reshape(self.codes.shape)
+
+    @property
+    def drive(self) -> Complex:
+        phases, intensities = self.codes[:, 0].ravel(), self.codes[:, 1].ravel()
+        return intensities / 255 * np.exp(2j * np.pi * phases / 256)
+
+    @property
+    def pulse_widths(self) -> Codes:
+        """Ticks of 512 that the device makes of the intensities."""
+        return np.rint(512 / np.pi * np.arcsin(self.codes[:, 1].ravel() / 255)).astype(np.int64)
+
+
+class SonicSurface:
+    """A board of the primary firmware (192) or of the secondary (193): two banks, changed over by 253."""
+
+    def __init__(self, name: int = 192) -> None:
+        self.name = name
+        self.selected = True
+        self.clocks = True
+        self.address = 0
+        self.playing = [0] * 256
+        self.waiting = [0] * 256
+
+    def receive(self, data: bytes) -> None:
+        for byte in data:
+            if byte == 254 and self.selected:
+                self.address = 0
+            elif byte == 253:
+                self.playing, self.waiting = self.waiting, self.playing
+                self.address = 0
+            elif byte in (150, 151):
+                self.clocks = byte == 151
+            elif byte in (192, 193):
+                self.selected = byte == self.name
+            elif self.selected:
+                self.waiting[self.address % 256] = 32 if byte == 32 else byte & 31
+                self.address += 1
+
+    @property
+    def drive(self) -> Complex:
+        codes = np.array(self.playing)
+        return pulses(codes & 31, np.where(codes == 32, 0, 16), 32)
+
+
+class SonicSurfaces:
+    """A primary and a secondary board on one line."""
+
+    def __init__(self, boards: int) -> None:
+        self.boards = [SonicSurface(192 + k) for k in range(boards)]
+
+    def receive(self, data: bytes) -> None:
+        for board in self.boards:
+            board.receive(data)
+
+    @property
+    def drive(self) -> Complex:
+        return np.concatenate([board.drive for board in self.boards])
+
+
+class OpenMpd:
+    """A board behind its FIFO, which hands over 512 bytes at a time; what is left is cleared by `idle`."""
+
+    CHUNK = 512
+
+    def __init__(self) -> None:
+        self.fifo = bytearray()
+        self.count = 0
+        self.swapping = False
+        self.divider = 4
+        self.divider_bits = 0
+        self.writing = [0] * 512
+        self.playing = [0] * 512
+        self._command(0x80)
+        for _ in range(511):
+            self._command(0)
+        self._command(None)
+
+    def receive(self, data: bytes) -> None:
+        self.fifo += data
+        while len(self.fifo) >= self.CHUNK:
+            for byte in self.fifo[: self.CHUNK]:
+                self._command(byte)
+            self._command(None)
+            del self.fifo[: self.CHUNK]
+
+    def idle(self) -> None:
+        """Nothing comes for 1.22 s."""
+        self.fifo.clear()
+
+    def _command(self, byte: int | None) -> None:
+        """A clock of the reader, with the byte that it brings or with none."""
+        if self.swapping:  # the byte that falls into this clock is lost
+            self.swapping = False
+            self.writing, self.playing = self.playing, self.writing
+            return
+        if byte is None or (self.count == 0 and byte < 128):
+            return
+        self.writing[self.count] = byte & 127
+        bit = byte >> 7
+        if 26 <= self.count < 34:
+            at = self.count - 26
+            self.divider_bits = (self.divider_bits & ~(1 << at)) | bit << at
+        elif self.count == 34 and bit:
+            self.divider = self.divider_bits
+        self.count = (self.count + 1) % 512
+        self.swapping = self.count == 0
+
+    @property
+    def drive(self) -> Complex:
+        return pulses(np.array(self.playing[:256]), np.array(self.playing[256:]), 128)
+
+
+class Arduino:
+    """What the Arduino sketches share: two banks, nibbles for board 1, others passed on as one less.
+
+    Nano's sketch is not published: it is taken to be Nano16's with 24 divisions of one port. Bytes beyond
+    a bank, which overwrite other memory of the board, are dropped.
+    """
+
+    def __init__(self, divisions: int, ports: int, room: int = 1) -> None:
+        self.divisions, self.ports = divisions, ports
+        size = divisions * ports
+        self.playing = bytearray(size * room)
+        self.playing[: size // 2] = b"\xff" * (size // 2)
+        self.waiting = bytearray(size * room)
+        self.index = 0
+        self.sent = bytearray()
+
+    def receive(self, data: bytes) -> None:
+        for byte in data:
+            if byte == 0x00:
+                self.sent.append(byte)
+                self.playing, self.waiting = self.waiting, self.playing
+                self.index = 0
+                self.swapped()
+            elif byte & 15 == 1:
+                at, low = divmod(self.index, 2)
+                if at < len(self.waiting):
+                    self.waiting[at] = self.waiting[at] | byte >> 4 if low else byte & 0xF0
+                self.index += 1
+            elif self.command(byte):
+                self.sent.append(byte)
+            else:
+                self.sent.append((byte - 1) % 256)
+
+    def swapped(self) -> None:
+        pass
+
+    def command(self, byte: int) -> bool:
+        """Nano16's reset of the index."""
+        if byte == 0x10:
+            self.index = 0
+        return byte == 0x10
+
+    def levels(self, pattern: int = 0) -> Levels:
+        size = self.divisions * self.ports
+        data = np.frombuffer(bytes(self.playing[pattern * size : (pattern + 1) * size]), np.uint8)
+        return np.unpackbits(data.reshape(self.divisions, self.ports), axis=1, bitorder="little") == 1
+
+    @property
+    def drive(self) -> Complex:
+        return harmonic(self.levels())
+
+
+class Mega64(Arduino):
+    """A board of 64 pins on ten ports, 32 patterns with durations in periods; `drive` is the first one's."""
+
+    # fmt: off
+    PINS = (
+        51, 52, 53, 54, 28, 29, 30, 31, 47, 46, 45, 44, 43, 42, 41, 40, 56, 57, 58, 59, 48, 49,
+        72, 69, 39, 38, 37, 36, 35, 34, 33, 32, 21, 23, 65, 63, 9, 11, 13, 15, 20, 22, 64, 66,
+        8, 10, 12, 14, 24, 25, 26, 27, 16, 17, 18, 19, 7, 6, 5, 4, 3, 2, 1, 0,
+    )
+    # fmt: on
+
+    def __init__(self) -> None:
+        super().__init__(10, 10, room=32)
+        self.durations = [1] + [0] * 31
+        self.coming = list(self.durations)
+        self.at = 0
+
+    def swapped(self) -> None:
+        self.at = 0
+
+    def command(self, byte: int) -> bool:
+        if byte & 0x3F == 0x30:
+            which, quarter = divmod(self.at, 4)
+            if which < 32:
+                kept = self.coming[which] if quarter else 0
+                self.coming[which] = kept | (byte & 0xC0) >> 2 * quarter
+            self.at += 1
+        elif byte == 0x10:
+            self.durations = list(self.coming)
+            self.at = 0
+        else:
+            return False
+        return True
+
+    @property
+    def patterns(self) -> int:
+        """How many patterns are played one after the other, by the durations that came."""
+        return self.durations.index(0, 1) if 0 in self.durations[1:] else 32
+
+    @property
+    def drive(self) -> Complex:
+        return harmonic(self.levels()[:, list(self.PINS)])
+
+
+class Chain:
+    """MEGA64 boards, each fed by what the one before it sends."""
+
+    def __init__(self, boards: int) -> None:
+        self.boards = [Mega64() for _ in range(boards)]
+
+    def receive(self, data: bytes) -> None:
+        for board in self.boards:
+            board.receive(data)
+            data = bytes(board.sent)
+            board.sent.clear()
+
+    @property
+    def drive(self) -> Complex:
+        return np.concatenate([board.drive for board in self.boards])
+
+
+class Homies:
+    """One of the two FPGAs of 128 channels. Modulation is left out; an unknown command locks it up."""
+
+    def __init__(self) -> None:
+        self.window = 0
+        self.burst = -1
+        self.locked = False
+        self.latest = 0
+        self.phases = np.zeros(128, np.int64)
+        self.calibration = np.zeros(128, np.int64)
+        self.enabled = np.zeros(128, bool)
+
+    def receive(self, data: bytes) -> None:
+        for byte in data:
+            if self.burst >= 0:
+                self._burst(byte)
+            elif not self.locked:
+                self.window = self.window >> 8 | byte << 56
+                if byte == 0xAA and self.window & 0xFF == 0x55:
+                    self._obey(self.window >> 40 & 0xFFFF, self.window >> 8 & 0xFFFFFFFF)
+
+    def _obey(self, command: int, data: int) -> None:
+        self.window = 0
+        if command == 1:
+            self._set(data & 0xFF, data >> 8 & 0xFF, data >> 16 & 1)
+        elif command == 2:
+            self.burst, self.latest = data, data & 0xFF
+        elif command == 3:
+            self.calibration = self.phases.copy()
+        else:
+            self.locked = True
+
+    def _burst(self, byte: int) -> None:
+        """Pairs of phase and channel, counted down in bytes; a count of 0 swallows one."""
+        if self.burst % 2 == 0:
+            self.latest = byte
+        else:
+            self._set(self.latest, byte, 1)
+        self.burst = self.burst - 1 if self.burst > 1 else -1
+
+    def _set(self, phase: int, channel: int, enable: int) -> None:
+        if channel < 128:
+            self.phases[channel] = phase
+            self.enabled[channel] = bool(enable)
+
+    @property
+    def drive(self) -> Complex:
+        starts = (self.phases + self.calibration) % 256
+        return pulses(starts, np.where(self.enabled, 128, 0), 256)
+
+
+class Rig:
+    """The boards of a kind and their lines; a frame is as many equal parts as there are lines."""
+
+    def __init__(self, kind: str, boards: int = 1) -> None:
+        lines: dict[str, Any] = {
+            "autd3": lambda: [Autd3(boards)],
+            "sonicsurface": lambda: [SonicSurfaces(boards)],
+            "openmpd": lambda: [OpenMpd() for _ in range(boards)],
+            "mega64": lambda: [Chain(boards)],
+            "nano16": lambda: [Arduino(16, 2)],
+            "nano": lambda: [Arduino(24, 1)],
+            "homies": lambda: [Homies() for _ in range(boards)],
+        }
+        self.lines: Sequence[Line] = lines[kind]()
+
+    def receive(self, frame: bytes) -> None:
+        part, rest = divmod(len(frame), len(self.lines))
+        assert rest == 0, "a frame is equal parts for its lines"
+        for k, line in enumerate(self.lines):
+            line.receive(frame[k * part : (k + 1) * part])
+
+    def play(self, frame: bytes, channels: Codes) -> Complex:
+        """The drive of the transducers on these channels while the frame is played."""
+        self.receive(frame)
+        return self.drive[channels]
+
+    @property
+    def drive(self) -> Complex:
+        return np.concatenate([line.drive for line in self.lines])
+
+
+#: Ticks of a period and the widths of pulses that a kind of board can play; AUTD3 has codes instead.
+TICKS = {"sonicsurface": 32, "openmpd": 128, "mega64": 10, "nano16": 16, "nano": 24, "homies": 256}
+WIDTHS = {"openmpd": range(65), "mega64": range(6)}
+
+
+#: The drive of a half wave that starts with the period, which is called phase 0 on boards of pulses.
+TURN = dict.fromkeys(TICKS, 1j) | {"autd3": 1.0}
+
+
+def playable(kind: str) -> Complex:
+    """All drives that the pulses (or codes) of a kind can make, (widths, starts) in a row."""
+    if kind == "autd3":
+        phases, amplitudes = np.arange(256) / 256, np.arange(256) / 255
+        return np.ravel(amplitudes * np.exp(2j * np.pi * phases[:, None]))
+    ticks = TICKS[kind]
+    starts, widths = np.meshgrid(np.arange(ticks), np.array(WIDTHS.get(kind, (0, ticks // 2))))
+    return pulses(starts, widths, ticks) / TURN[kind]
