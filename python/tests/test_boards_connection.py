@@ -268,7 +268,7 @@ def test_a_file_begins_and_ends_off(tmp_path):
     board = midair.Board("sonicsurface")
     codes = [board.encode(ONES), board.encode(-ONES)]
     with midair.connect(f"file:{path}", board="sonicsurface") as file:
-        file.stream([ONES, -ONES], late="wait")
+        file.stream([ONES, -ONES])
         with pytest.raises(midair.BoardError, match="no modulation"):
             file.modulate(200)
     assert path.read_bytes() == b"".join([board.off_frame, *codes, board.off_frame])

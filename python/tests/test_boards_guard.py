@@ -121,6 +121,19 @@ def test_a_guard_that_is_killed_is_missed(line, number, _):
     assert surface.state == "closed"
 
 
+def test_a_guard_that_hangs_is_replaced(line):
+    import midair
+
+    surface = midair.connect(f"sonicsurface:{line.port}")
+    surface.send([1] * 256)
+    line.wait(lambda surface: surface.loud)
+    os.kill(surface._guard._process.pid, signal.SIGSTOP)
+    begin = time.monotonic()
+    surface.close()
+    assert time.monotonic() - begin < 4
+    line.wait(lambda surface: surface.silent)
+
+
 def test_a_guard_survives_what_is_meant_for_its_owner(line):
     import midair
 

@@ -90,7 +90,8 @@ class Connection:
         """Play drives one after another; the last one goes on playing.
 
         drives : (T, N), a midair.Sequence, or what gives drives or solutions one by one, as a generator
-        rate : frames a second; left out, the sequence's own, or what the board's line can carry
+        rate : frames a second; left out, the sequence's own, or as many as the board takes, of which none is
+            late
         late : with a frame that comes more than a period late because the board is slow: "skip" leaves it out
             and keeps to the clock, "wait" plays it and moves the clock, "error" raises BoardTimeout. A frame
             that a generator was slow to give is played when it comes, unless that is an error.
@@ -108,7 +109,8 @@ class Connection:
             )
         try:
             known = isinstance(drives, Sequence | np.ndarray | list | tuple)
-            self._stream(frames, 1 / pace, LATE[late], math.ceil(LEAD * pace) if known else 0)
+            then = None if rate is None else LATE[late]
+            self._stream(frames, 1 / pace, then, math.ceil(LEAD * pace) if known else 0)
         except BaseException:
             self._quiet()
             raise
@@ -248,21 +250,19 @@ class Connection:
                 "drives", given, "give (T, N), a midair.Sequence or a generator of drives"
             ) from None
 
-    def _stream(self, drives: Iterator[ArrayLike | Solution], period: float, late: Late, ahead: int) -> None:
-        """Hand the frames to the guard before their time, which the guard waits for."""
+    def _stream(
+        self, drives: Iterator[ArrayLike | Solution], period: float, late: Late | None, ahead: int
+    ) -> None:
+        """Hand frames to the guard before their time, which it waits for; with None for `late`, at once."""
         ahead = max(AHEAD, ahead)
         patience = PATIENCE + ahead * period
         under_way: deque[Future[bytes]] = deque()
         due = math.inf
-        while True:
-            asked = time.monotonic()
-            drive = next(drives, None)
-            if drive is None:
-                break
+        for asked, drive in _timed(drives):
             now = time.monotonic()
-            if math.isinf(due):
+            if late is None or math.isinf(due):
                 due = now
-            if now > due + period:
+            elif now > due + period:
                 self._late += 1
                 if late == Late.ERROR:
                     raise BoardTimeout(
@@ -272,7 +272,7 @@ class Connection:
                     due += period
                     continue
                 due = now
-            frame = wire.WHEN.pack(due, due + period, late) + self._encode(drive)
+            frame = wire.WHEN.pack(due, due + period, late or Late.WAIT) + self._encode(drive)
             under_way.append(self._guard.ask(Kind.PLAY, frame))
             due += period
             if len(under_way) >= ahead:
@@ -282,6 +282,14 @@ class Connection:
         # The last frame has its time, too.
         if math.isfinite(due):
             self._wait(due - time.monotonic(), Future())
+
+
+def _timed(drives: Iterator[ArrayLike | Solution]) -> Iterator[tuple[float, ArrayLike | Solution]]:
+    """Each drive with the time at which it was asked for."""
+    asked = time.monotonic()
+    for drive in drives:
+        yield asked, drive
+        asked = time.monotonic()
 
 
 def connect(
