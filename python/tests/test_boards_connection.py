@@ -37,7 +37,7 @@ def loop():
         ("mega64:/dev/ttyACM0", "mega64", "serial", "/dev/ttyACM0"),
         ("nano16:/dev/ttyACM0", "nano16", "serial", "/dev/ttyACM0"),
         ("nano:/dev/ttyACM0", "nano", "serial", "/dev/ttyACM0"),
-        ("homies:A+B", "homies", "fifo", "A+B"),
+        ("homies:A", "homies", "fifo", "A"),
         ("null", None, "null", ""),
         ("file:/tmp/a:b.bin", None, "file", "/tmp/a:b.bin"),
     ],

@@ -27,10 +27,11 @@ from .limit import Limit
 from .process import PATIENCE, GuardProcess
 from .wire import Kind, Late
 
-#: Frames of a stream that are on their way at a time, at least: one that plays next, one behind it. Of frames
-#: that are there already, as many as last for LEAD s, so that a busy computer does not stop them.
+#: Frames of a stream that are on their way at a time: one that plays next and one behind it, or as many as last
+#: so long, in s, lest a busy computer stop them. What is made as it plays is not to come much later for that.
 AHEAD = 2
 LEAD = 0.2
+LIVE = 0.04
 
 #: How often somebody who waits says so while the hold runs.
 HOLDS = 4
@@ -110,7 +111,8 @@ class Connection:
         try:
             known = isinstance(drives, Sequence | np.ndarray | list | tuple)
             then = None if rate is None else LATE[late]
-            self._stream(frames, 1 / pace, then, math.ceil(LEAD * pace) if known else 0)
+            ahead = max(AHEAD, math.ceil(pace * (LEAD if known else LIVE)))
+            self._stream(frames, 1 / pace, then, ahead)
         except BaseException:
             self._quiet()
             raise
@@ -254,7 +256,6 @@ class Connection:
         self, drives: Iterator[ArrayLike | Solution], period: float, late: Late | None, ahead: int
     ) -> None:
         """Hand frames to the guard before their time, which it waits for; with None for `late`, at once."""
-        ahead = max(AHEAD, ahead)
         patience = PATIENCE + ahead * period
         under_way: deque[Future[bytes]] = deque()
         due = math.inf
@@ -304,7 +305,7 @@ def connect(
 
     address : a board and where it is, as "autd3" (those that are found), "autd3:eth0" (on a network
         interface), "autd3:emulator", "sonicsurface:/dev/ttyUSB0", "mega64:PORT", "nano16:PORT", "nano:PORT",
-        "openmpd:SERIAL", "openmpd:SERIAL+SERIAL", "homies:SERIAL+SERIAL"; or no device at all:
+        "openmpd:SERIAL", "openmpd:SERIAL+SERIAL", "homies:SERIAL"; or no device at all:
         "sonicsurface:loop" is as slow as the line of one, "sonicsurface:null" takes everything at once,
         "null" is that of an AUTD3, "file:frames.bin" writes the frames
     array : its transducers, where they are not those of the board's preset

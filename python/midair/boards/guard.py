@@ -28,9 +28,6 @@ from .wire import Kind, Late
 #: How often the guard looks whether its owner lives, in s.
 TICK = 0.02
 
-#: Of the process, as nice has them.
-PRIORITY = -10
-
 Message = tuple[Kind, int, bytes]
 
 
@@ -203,9 +200,6 @@ class Guard:
 def main() -> None:
     """Open what the first message describes, serve its owner, and leave the device off."""
     parent = os.getppid()
-    # Where the system allows it, what keeps time goes before what computes.
-    with suppress(OSError, AttributeError):
-        os.setpriority(os.PRIO_PROCESS, 0, PRIORITY)
     requests, replies = _pipes()
     inbox: SimpleQueue[Message] = SimpleQueue()
     threading.Thread(target=_listen, args=(requests, inbox), daemon=True).start()

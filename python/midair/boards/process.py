@@ -62,6 +62,8 @@ class GuardProcess:
         try:
             self.answer(self.ask(Kind.OPEN, setting.encode()), OPENING)
         except BaseException:
+            # Who does not want it any more does not wait until it is open.
+            self._process.terminate()
             self.close()
             raise
 
