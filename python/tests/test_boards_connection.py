@@ -279,7 +279,7 @@ def test_a_file_begins_and_ends_off(tmp_path):
 def test_ctrl_c_stops_a_stream_and_turns_it_off(loop):
     import signal
 
-    threading.Timer(0.3, signal.raise_signal, [signal.SIGINT]).start()
+    threading.Timer(0.3, os.kill, [os.getpid(), signal.SIGINT]).start()
     begin = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
         loop.stream(ONES for _ in range(10**9))

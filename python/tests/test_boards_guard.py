@@ -127,7 +127,7 @@ def test_an_opening_that_is_interrupted_is_given_up(monkeypatch, tmp_path):
 
     (tmp_path / "serial.py").write_text("import time\ntime.sleep(30)\n")
     monkeypatch.syspath_prepend(tmp_path)
-    threading.Timer(0.5, signal.raise_signal, [signal.SIGINT]).start()
+    threading.Timer(0.5, os.kill, [os.getpid(), signal.SIGINT]).start()
     begin = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
         midair.connect("sonicsurface:/dev/ttyUSB0")

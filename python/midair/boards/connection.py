@@ -27,8 +27,8 @@ from .limit import Limit
 from .process import PATIENCE, GuardProcess
 from .wire import Kind, Late
 
-#: Frames of a stream that are on their way at a time: one that plays next and one behind it, or as many as last
-#: so long, in s, lest a busy computer stop them. What is made as it plays is not to come much later for that.
+#: Frames of a stream that are on their way at a time: one that plays next and one behind it, or as many as
+#: last so long, in s, lest a busy computer stop them; fewer of those that are made while they play.
 AHEAD = 2
 LEAD = 0.2
 LIVE = 0.04
@@ -266,9 +266,7 @@ class Connection:
             elif now > due + period:
                 self._late += 1
                 if late == Late.ERROR:
-                    raise BoardTimeout(
-                        f"a frame of the stream is {1e3 * (now - due):.3g} ms late: give a lower rate"
-                    )
+                    raise BoardTimeout(wire.LATE.format(1e3 * (now - due)))
                 if late == Late.SKIP and asked > due + period:
                     due += period
                     continue
