@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -293,7 +294,10 @@ def test_a_forked_child_does_not_speak_for_its_owner(loop):
     loop.send(ONES)
     script = "the child's word"
     read, write = os.pipe()
-    child = os.fork()
+    with warnings.catch_warnings():
+        # From Python 3.12 on, forks of programs with threads warn.
+        warnings.simplefilter("ignore", DeprecationWarning)
+        child = os.fork()
     if child == 0:
         try:
             loop.send(ONES)

@@ -10,7 +10,7 @@ import pytest
 import midair
 from lines import OFF, Line
 
-FRAMES = 10_000 if os.environ.get("MIDAIR_SLOW") else 300
+FRAMES = 10_000 if os.environ.get("MIDAIR_SLOW") else 200
 RATE = 23040 / 258
 
 
