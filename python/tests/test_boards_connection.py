@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -37,7 +38,7 @@ def loop():
         ("mega64:/dev/ttyACM0", "mega64", "serial", "/dev/ttyACM0"),
         ("nano16:/dev/ttyACM0", "nano16", "serial", "/dev/ttyACM0"),
         ("nano:/dev/ttyACM0", "nano", "serial", "/dev/ttyACM0"),
-        ("homies:A+B", "homies", "fifo", "A+B"),
+        ("homies:A", "homies", "fifo", "A"),
         ("null", None, "null", ""),
         ("file:/tmp/a:b.bin", None, "file", "/tmp/a:b.bin"),
     ],
@@ -268,7 +269,7 @@ def test_a_file_begins_and_ends_off(tmp_path):
     board = midair.Board("sonicsurface")
     codes = [board.encode(ONES), board.encode(-ONES)]
     with midair.connect(f"file:{path}", board="sonicsurface") as file:
-        file.stream([ONES, -ONES], late="wait")
+        file.stream([ONES, -ONES])
         with pytest.raises(midair.BoardError, match="no modulation"):
             file.modulate(200)
     assert path.read_bytes() == b"".join([board.off_frame, *codes, board.off_frame])
@@ -279,7 +280,7 @@ def test_a_file_begins_and_ends_off(tmp_path):
 def test_ctrl_c_stops_a_stream_and_turns_it_off(loop):
     import signal
 
-    threading.Timer(0.3, signal.raise_signal, [signal.SIGINT]).start()
+    threading.Timer(0.3, os.kill, [os.getpid(), signal.SIGINT]).start()
     begin = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
         loop.stream(ONES for _ in range(10**9))
@@ -293,7 +294,10 @@ def test_a_forked_child_does_not_speak_for_its_owner(loop):
     loop.send(ONES)
     script = "the child's word"
     read, write = os.pipe()
-    child = os.fork()
+    with warnings.catch_warnings():
+        # From Python 3.12 on, forks of programs with threads warn.
+        warnings.simplefilter("ignore", DeprecationWarning)
+        child = os.fork()
     if child == 0:
         try:
             loop.send(ONES)

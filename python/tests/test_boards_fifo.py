@@ -1,5 +1,6 @@
 """FIFOs: the bytes that each chip is given and what its errors become, with a chip that is none."""
 
+import json
 from typing import ClassVar
 
 import pytest
@@ -8,7 +9,8 @@ from usb.core import USBError, USBTimeoutError
 
 import midair
 from midair.boards import fifo
-from midair.boards.fifo import FifoTransport
+from midair.boards.address import describe, parse
+from midair.boards.transport import open_transport
 
 
 class Chip:
@@ -18,12 +20,13 @@ class Chip:
     opened: ClassVar = {}
 
     def open_from_url(self, url):
-        scheme, _, serial = url.removesuffix("/1").rpartition(":")
+        place, _, interface = url.rpartition("/")
+        scheme, _, serial = place.rpartition(":")
         assert scheme == "ftdi://:"
         if serial not in self.there:
             raise FtdiError(f"No USB device with S/N {serial}")
         self.written, self.failing, self.closed = bytearray(), None, False
-        self.opened[serial] = self
+        self.opened[serial if interface == "1" else f"{serial}/{interface}"] = self
 
     def set_latency_timer(self, latency):
         assert latency == 2
@@ -50,13 +53,16 @@ def chips(monkeypatch):
     return Chip.opened
 
 
-def transport(board, *serials):
-    return FifoTransport(serials=list(serials), length=len(board.off_frame), silence=board.silence.hex())
+def transport(address):
+    """What the guard makes of an address, and the board."""
+    place = parse(address)
+    board = midair.Board(place.board)
+    # JSON is what carries the description.
+    return open_transport(json.loads(json.dumps(describe(place, board)))), board
 
 
 def test_a_pair_is_dealt_its_parts(chips):
-    board = midair.Board("openmpd_pair")
-    pair = transport(board, "A", "B")
+    pair, board = transport("openmpd:A+B")
     half = len(board.off_frame) // 2
     frame = bytes(range(256)) * 2 + bytes(reversed(range(256))) * 2
     pair.play(frame)
@@ -69,9 +75,18 @@ def test_a_pair_is_dealt_its_parts(chips):
         assert chip.closed
 
 
+def test_two_lines_of_one_chip(chips):
+    homies, board = transport("homies:A")
+    frame = board.encode([1] * 256)
+    homies.play(frame)
+    half, off = len(frame) // 2, len(board.silence) // 2
+    assert chips["A"].written[off:] == frame[:half]
+    assert chips["A/2"].written[off:] == frame[half:]
+
+
 def test_a_chip_that_is_not_there():
     with pytest.raises(midair.BoardNotFound, match='device "C" is not there'):
-        transport(midair.Board("openmpd"), "C")
+        transport("openmpd:C")
 
 
 @pytest.mark.parametrize(
@@ -82,8 +97,7 @@ def test_a_chip_that_is_not_there():
     ],
 )
 def test_a_chip_that_fails_does_not_keep_the_other_on(chips, failing, kind):
-    board = midair.Board("openmpd_pair")
-    pair = transport(board, "A", "B")
+    pair, board = transport("openmpd:A+B")
     pair.play(bytes(1024))
     chips["A"].failing = failing
     chips["B"].written.clear()
@@ -94,7 +108,7 @@ def test_a_chip_that_fails_does_not_keep_the_other_on(chips, failing, kind):
 
 
 def test_what_it_cannot_do():
-    pair = transport(midair.Board("openmpd"), "A")
+    pair, _ = transport("openmpd:A")
     with pytest.raises(midair.BoardError, match="cannot modulate"):
         pair.modulate(200)
     with pytest.raises(midair.BoardError, match="holds no sequence"):

@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -119,6 +120,31 @@ def test_a_guard_that_is_killed_is_missed(line, number, _):
         assert surface.state == "lost"
         assert not surface.emitting.any()
     assert surface.state == "closed"
+
+
+def test_an_opening_that_is_interrupted_is_given_up(monkeypatch, tmp_path):
+    import midair
+
+    (tmp_path / "serial.py").write_text("import time\ntime.sleep(30)\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    threading.Timer(0.5, os.kill, [os.getpid(), signal.SIGINT]).start()
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        midair.connect("sonicsurface:/dev/ttyUSB0")
+    assert time.monotonic() - begin < 1
+
+
+def test_a_guard_that_hangs_is_replaced(line):
+    import midair
+
+    surface = midair.connect(f"sonicsurface:{line.port}")
+    surface.send([1] * 256)
+    line.wait(lambda surface: surface.loud)
+    os.kill(surface._guard._process.pid, signal.SIGSTOP)
+    begin = time.monotonic()
+    surface.close()
+    assert time.monotonic() - begin < 4
+    line.wait(lambda surface: surface.silent)
 
 
 def test_a_guard_survives_what_is_meant_for_its_owner(line):

@@ -10,7 +10,7 @@ import pytest
 import midair
 from lines import OFF, Line
 
-FRAMES = 10_000 if os.environ.get("MIDAIR_SLOW") else 300
+FRAMES = 10_000 if os.environ.get("MIDAIR_SLOW") else 200
 RATE = 23040 / 258
 
 
@@ -44,7 +44,7 @@ def as_played(surface, played):
 def test_every_frame_arrives_once_and_in_order(line, surface):
     sent, _ = drives(FRAMES)
     begin = time.monotonic()
-    surface.stream(sent, late="wait")
+    surface.stream(sent)
     took = time.monotonic() - begin
     assert took > (FRAMES - 2) / RATE
     assert took < 1.1 * FRAMES / RATE + 1
@@ -175,10 +175,8 @@ def test_modulation_commits_twice_a_period_and_ends_off(line, surface):
     loud = [any(code != OFF for code in codes) for _, codes in commits[:-2]]
     assert loud == [k % 2 == 1 for k in range(len(loud))]
     times = np.array([at for at, _ in swaps])
-    # Evenly spaced, as far as a busy computer lets us see, and without drift.
-    off_beat = (times - times[0]) / 2.5e-3 - np.arange(len(times))
-    assert np.median(np.diff(times)) == pytest.approx(2.5e-3, rel=0.1)
-    assert np.median(abs(off_beat - np.median(off_beat))) < 0.5
+    # No drift; a busy computer shows no more of how even they are (test_boards_line.py does).
+    assert np.median(times[-100:]) - np.median(times[:100]) == pytest.approx(0.75, abs=0.02)
     assert surface.state == "off"
 
 

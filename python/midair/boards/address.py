@@ -36,12 +36,15 @@ LINKS = {
     "mega64": Link("serial", "PORT", restarts=True),
     "nano16": Link("serial", "PORT", restarts=True),
     "nano": Link("serial", "PORT", restarts=True),
-    "homies": Link("fifo", "SERIAL+SERIAL"),
+    "homies": Link("fifo", "SERIAL"),
 }
 
 #: Boards that play a sequence by themselves, and those that modulate.
 HOLDS_SEQUENCE = ("autd3",)
 MODULATES = ("autd3", "sonicsurface")
+
+#: The board whose lines are the interfaces of one FTDI chip.
+ONE_CHIP = "homies"
 
 #: What a link needs: the package's name, the name it is imported by, and the extra that brings it.
 NEEDS = {
@@ -112,24 +115,22 @@ def describe(address: Address, board: Board) -> dict[str, Any]:
         line = {"baud": board.baud, "silence": silence, "off": off, "swap": link.swap}
         return {"kind": "serial", "port": address.where, "restarts": link.restarts, **line}
     if address.kind == "fifo":
-        return {
-            "kind": "fifo",
-            "serials": _serials(address, board),
-            "length": len(board.off_frame),
-            "silence": silence,
-        }
+        length = len(board.off_frame)
+        return {"kind": "fifo", "places": _places(address, board), "length": length, "silence": silence}
     from .poses import poses
 
     where = f"autd3:{address.where}" if address.where else "autd3"
     return {"kind": "autd3", "address": where, "poses": poses(board.array)}
 
 
-def _serials(address: Address, board: Board) -> list[str]:
-    """The serial numbers of the devices, one for each board."""
+def _places(address: Address, board: Board) -> list[tuple[str, int]]:
+    """The serial number and interface of each line: a chip each, or those of one chip."""
     serials = address.where.split("+")
+    if serials[0] and len(serials) == 1 and board.name == ONE_CHIP:
+        return [(serials[0], 1 + line) for line in range(board.lines)]
     if len(serials) != board.lines or not all(serials):
         raise refused("address", f"{address.board}:{address.where}", f"give {board.lines} serial numbers")
-    return serials
+    return [(serial, 1) for serial in serials]
 
 
 def _examples() -> list[str]:

@@ -27,10 +27,11 @@ from .limit import Limit
 from .process import PATIENCE, GuardProcess
 from .wire import Kind, Late
 
-#: Frames of a stream that are on their way at a time, at least: one that plays next, one behind it. Of frames
-#: that are there already, as many as last for LEAD s, so that a busy computer does not stop them.
+#: Frames of a stream that are on their way at a time: one that plays next and one behind it, or as many as
+#: last so long, in s, lest a busy computer stop them; fewer of those that are made while they play.
 AHEAD = 2
 LEAD = 0.2
+LIVE = 0.04
 
 #: How often somebody who waits says so while the hold runs.
 HOLDS = 4
@@ -90,7 +91,8 @@ class Connection:
         """Play drives one after another; the last one goes on playing.
 
         drives : (T, N), a midair.Sequence, or what gives drives or solutions one by one, as a generator
-        rate : frames a second; left out, the sequence's own, or what the board's line can carry
+        rate : frames a second; left out, the sequence's own, or as many as the board takes, of which none is
+            late
         late : with a frame that comes more than a period late because the board is slow: "skip" leaves it out
             and keeps to the clock, "wait" plays it and moves the clock, "error" raises BoardTimeout. A frame
             that a generator was slow to give is played when it comes, unless that is an error.
@@ -108,7 +110,9 @@ class Connection:
             )
         try:
             known = isinstance(drives, Sequence | np.ndarray | list | tuple)
-            self._stream(frames, 1 / pace, LATE[late], math.ceil(LEAD * pace) if known else 0)
+            then = None if rate is None else LATE[late]
+            ahead = max(AHEAD, math.ceil(pace * (LEAD if known else LIVE)))
+            self._stream(frames, 1 / pace, then, ahead)
         except BaseException:
             self._quiet()
             raise
@@ -248,31 +252,26 @@ class Connection:
                 "drives", given, "give (T, N), a midair.Sequence or a generator of drives"
             ) from None
 
-    def _stream(self, drives: Iterator[ArrayLike | Solution], period: float, late: Late, ahead: int) -> None:
-        """Hand the frames to the guard before their time, which the guard waits for."""
-        ahead = max(AHEAD, ahead)
+    def _stream(
+        self, drives: Iterator[ArrayLike | Solution], period: float, late: Late | None, ahead: int
+    ) -> None:
+        """Hand frames to the guard before their time, which it waits for; with None for `late`, at once."""
         patience = PATIENCE + ahead * period
         under_way: deque[Future[bytes]] = deque()
         due = math.inf
-        while True:
-            asked = time.monotonic()
-            drive = next(drives, None)
-            if drive is None:
-                break
+        for asked, drive in _timed(drives):
             now = time.monotonic()
-            if math.isinf(due):
+            if late is None or math.isinf(due):
                 due = now
-            if now > due + period:
+            elif now > due + period:
                 self._late += 1
                 if late == Late.ERROR:
-                    raise BoardTimeout(
-                        f"a frame of the stream is {1e3 * (now - due):.3g} ms late: give a lower rate"
-                    )
+                    raise BoardTimeout(wire.LATE.format(1e3 * (now - due)))
                 if late == Late.SKIP and asked > due + period:
                     due += period
                     continue
                 due = now
-            frame = wire.WHEN.pack(due, due + period, late) + self._encode(drive)
+            frame = wire.WHEN.pack(due, due + period, late or Late.WAIT) + self._encode(drive)
             under_way.append(self._guard.ask(Kind.PLAY, frame))
             due += period
             if len(under_way) >= ahead:
@@ -282,6 +281,14 @@ class Connection:
         # The last frame has its time, too.
         if math.isfinite(due):
             self._wait(due - time.monotonic(), Future())
+
+
+def _timed(drives: Iterator[ArrayLike | Solution]) -> Iterator[tuple[float, ArrayLike | Solution]]:
+    """Each drive with the time at which it was asked for."""
+    asked = time.monotonic()
+    for drive in drives:
+        yield asked, drive
+        asked = time.monotonic()
 
 
 def connect(
@@ -296,7 +303,7 @@ def connect(
 
     address : a board and where it is, as "autd3" (those that are found), "autd3:eth0" (on a network
         interface), "autd3:emulator", "sonicsurface:/dev/ttyUSB0", "mega64:PORT", "nano16:PORT", "nano:PORT",
-        "openmpd:SERIAL", "openmpd:SERIAL+SERIAL", "homies:SERIAL+SERIAL"; or no device at all:
+        "openmpd:SERIAL", "openmpd:SERIAL+SERIAL", "homies:SERIAL"; or no device at all:
         "sonicsurface:loop" is as slow as the line of one, "sonicsurface:null" takes everything at once,
         "null" is that of an AUTD3, "file:frames.bin" writes the frames
     array : its transducers, where they are not those of the board's preset

@@ -28,19 +28,20 @@ TIMED_OUT = (60, 110)
 class FifoTransport:
     """Boards of a FIFO each, which a frame is dealt out to in parts of one length.
 
-    serials : the serial number of each chip, in the order of a frame's parts
+    places : the chip's serial number and the interface (2 for the second one of an FT2232H) of each FIFO, in
+        the order of a frame's parts
     length : bytes of a frame
     silence : hexadecimal, the frames that make the boards silent from any state
     """
 
-    def __init__(self, *, serials: list[str], length: int, silence: str) -> None:
-        self._serials = serials
-        self._part = length // len(serials)
+    def __init__(self, *, places: list[tuple[str, int]], length: int, silence: str) -> None:
+        self._places = places
+        self._part = length // len(places)
         self._silence = bytes.fromhex(silence)
         self._chips: list[Any] = []
         try:
-            for serial in serials:
-                self._chips.append(_open(serial))
+            for serial, interface in places:
+                self._chips.append(_open(serial, interface))
             self.silence()
         except BaseException:
             self.close()
@@ -77,16 +78,16 @@ class FifoTransport:
                 self._chips[one].write_data(content[k * self._part : (k + 1) * self._part])
             except (FtdiError, USBError) as error:
                 # What is for the other boards is written all the same: it may turn them off.
-                failed = _failed(self._serials[one], error)
+                failed = _failed(self._places[one][0], error)
         if failed is not None:
             raise failed
 
 
-def _open(serial: str) -> Any:
-    """The chip of a serial number, empty."""
+def _open(serial: str, interface: int) -> Any:
+    """An empty FIFO of the chip of a serial number."""
     chip = Ftdi()
     try:
-        chip.open_from_url(f"ftdi://::{serial}/1")
+        chip.open_from_url(f"ftdi://::{serial}/{interface}")
         chip.timeouts = (STALLED_MS, STALLED_MS)
         chip.set_latency_timer(LATENCY_MS)
         chip.write_data_set_chunksize(CHUNK)

@@ -64,6 +64,7 @@ class Guard:
         self._inbox = inbox
         self._replies = replies
         self._waiting: deque[Waiting] = deque()
+        self._put_by: list[Message] = []
         self._called = time.monotonic()
         self._hz: float | None = None
         self._playing: list[bytes] = []
@@ -89,9 +90,15 @@ class Guard:
 
     def _come(self) -> list[Message]:
         """The messages that have come, after a pause."""
+        found, self._put_by = self._put_by, []
+        with suppress(Empty):
+            found.append(self._inbox.get(timeout=0 if found else self._pause()))
+        return found + self._more()
+
+    def _more(self) -> list[Message]:
+        """The messages that are there already."""
         found = []
         with suppress(Empty):
-            found.append(self._inbox.get(timeout=self._pause()))
             while True:
                 found.append(self._inbox.get_nowait())
         return found
@@ -126,15 +133,24 @@ class Guard:
         try:
             act(*arguments)
         except BoardError as error:
-            told = {"kind": type(error).__name__, "message": str(error)}
             self._lost |= type(error) is not BoardError
-            failed, self._waiting, self._playing = self._waiting, deque(), []
-            for each in (number, *(other.number for other in failed)):
-                self._answer(Kind.FAILED, each, self.status(**told))
-            with suppress(BoardError):
-                self._transport.silence()
+            self._fail(number, error)
         else:
             self._answer(Kind.DONE, number, self.status())
+
+    def _fail(self, number: int, error: BoardError) -> None:
+        """Answer that a call failed, and with it whatever was sent before this could be known; turn off."""
+        told = {"kind": type(error).__name__, "message": str(error)}
+        for message in self._more():
+            if message[0] == Kind.PLAY:
+                self._serve(*message)
+            else:
+                self._put_by.append(message)
+        failed, self._waiting, self._playing = self._waiting, deque(), []
+        for each in (number, *(other.number for other in failed)):
+            self._answer(Kind.FAILED, each, self.status(**told))
+        with suppress(BoardError):
+            self._transport.silence()
 
     def _play_next(self) -> None:
         """Play the first frame that waits, unless it is too late for it."""
@@ -142,16 +158,16 @@ class Guard:
         if first.late == Late.SKIP and self._waiting and self._waiting[0].due <= now:
             self._late += 1
             self._answer(Kind.DONE, first.number, self.status())
+        elif first.late == Late.ERROR and now > first.latest:
+            self._late += 1
+            self._fail(first.number, BoardTimeout(wire.LATE.format(1e3 * (now - first.due))))
         else:
-            self._attempt(first.number, self._play, first)
+            self._attempt(first.number, self._play, first.frame)
 
-    def _play(self, first: Waiting) -> None:
-        behind = time.monotonic() - first.due
-        if first.late == Late.ERROR and first.due + behind > first.latest:
-            raise BoardTimeout(f"a frame of the stream is {1e3 * behind:.3g} ms late: give a lower rate")
+    def _play(self, frame: bytes) -> None:
         # The frame may be in the air although the line failed behind it.
-        self._playing, self._uploaded = [first.frame], (0.0, 1.0)
-        self._transport.play(first.frame)
+        self._playing, self._uploaded = [frame], (0.0, 1.0)
+        self._transport.play(frame)
         self._frames += 1
         self._lost = False
 

@@ -27,6 +27,8 @@ OPENING = 70.0
 #: How long a guard may take to turn its device off and end, in s.
 ENDING = 3.0
 
+CLOSED = "this connection is closed: connect again"
+
 
 class GuardProcess:
     """A guard that was started for a device, and the two threads that speak with it.
@@ -44,7 +46,7 @@ class GuardProcess:
         self._calls: dict[int, Future[bytes]] = {}
         self._outbox: SimpleQueue[tuple[Kind, int, bytes] | None] = SimpleQueue()
         self._closing = False
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()
         self._process = subprocess.Popen(
             [sys.executable, "-I", "-S", str(Path(__file__).with_name("start.py"))],
             stdin=subprocess.PIPE,
@@ -60,6 +62,8 @@ class GuardProcess:
         try:
             self.answer(self.ask(Kind.OPEN, setting.encode()), OPENING)
         except BaseException:
+            # Who does not want it any more does not wait until it is open.
+            self._process.terminate()
             self.close()
             raise
 
@@ -76,7 +80,7 @@ class GuardProcess:
         number, future = next(self._numbers), Future[bytes]()
         with self._lock:
             if self._closing:
-                raise BoardError("this connection is closed: connect again")
+                raise BoardError(CLOSED)
             self._calls[number] = future
         if self._process.poll() is not None:
             self._abandon()
@@ -88,22 +92,19 @@ class GuardProcess:
         try:
             return future.result(patience)
         except NoAnswer as error:
-            raise BoardTimeout(
-                f"the board's guard did not answer in {patience:g} s: connect again"
-            ) from error
+            raise BoardTimeout("the board's guard does not answer: connect again") from error
 
     def close(self) -> None:
         """Let the guard turn everything off and end. Never raises, never hangs."""
         if self._owner != os.getpid():
             return
-        with self._lock:
-            already, self._closing = self._closing, True
-        if already:
-            return
         self._outbox.put((Kind.CLOSE, 0, b""))
         self._outbox.put(None)
+        with self._lock:
+            already, self._closing = self._closing, True
         reader = self._threads[1]
-        if reader is threading.current_thread():
+        # What nobody holds is collected in whatever thread.
+        if already or reader is threading.current_thread():
             return
         reader.join(ENDING)
         if reader.is_alive():
@@ -124,9 +125,9 @@ class GuardProcess:
         with self._process.stdout as pipe, suppress(wire.Gone):
             while True:
                 kind, number, content = wire.read(pipe.fileno())
-                future = self._calls.pop(number)
-                # Who was interrupted waits no more.
-                with suppress(InvalidStateError):
+                # A call that was given up has no future any more.
+                with suppress(KeyError, InvalidStateError):
+                    future = self._calls.pop(number)
                     if kind == Kind.FAILED:
                         told = json.loads(content)
                         future.set_exception(KINDS.get(told["kind"], BoardError)(told["message"]))
@@ -135,16 +136,15 @@ class GuardProcess:
         self._process.wait()
         if not self._closing:
             self._silence()
-            self._abandon()
+        self._abandon()
 
     def _abandon(self) -> None:
         """Tell everybody who waits that the guard is gone."""
+        lost = "the board's guard process has ended, everything was turned off: connect again"
         while self._calls:
-            _, future = self._calls.popitem()
-            with suppress(InvalidStateError):
-                future.set_exception(
-                    BoardLost("the board's guard process has ended, everything was turned off: connect again")
-                )
+            with suppress(KeyError, InvalidStateError):
+                _, future = self._calls.popitem()
+                future.set_exception(BoardError(CLOSED) if self._closing else BoardLost(lost))
 
     def _silence(self) -> None:
         """Turn the device off without the guard."""

@@ -14,8 +14,8 @@ from .errors import BoardBusy, BoardError, BoardLost, BoardNotFound, BoardPermis
 from .line import LineTransport
 
 #: A line that takes nothing for so long, in s, is stalled. What the system buffers before that comes on top:
-#: half a second of it at 230400 Bd.
-STALLED = 0.7
+#: 0.6 s of it at 230400 Bd, 1.5 s at 115200 Bd, over a pseudo-terminal.
+STALLED = 0.3
 
 #: An Arduino that restarts when its port is opened listens to its boot loader for so long, in s.
 RESTART = 2.0

@@ -32,6 +32,9 @@ WHEN = struct.Struct("<ddB")
 MODULATION = struct.Struct("<d")
 UPLOADED = struct.Struct("<Id")
 
+#: What a frame that is late, by ms, is told to be where that is an error.
+LATE = "a frame of the stream is {:.3g} ms late: give a lower rate"
+
 
 class Late(IntEnum):
     """What becomes of a frame that comes late: it waits, is skipped if the next is due, or is an error."""
