@@ -41,27 +41,8 @@ CASES: dict[tuple[str, int], Callable[[], Board]] = {
 every = pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case[0]}-{case[1]}")
 single = pytest.mark.parametrize("kind", [*TICKS, "autd3"])
 
-
+#: Boards that read a stream of bytes.
 BYTEWISE = [case for case in CASES if case[0] != "autd3" and case[1] < 14]
-
-
-def known_wrong(kinds: dict[str | tuple[str, int], str]) -> pytest.MarkDecorator:
-    """Every case, with those marked where midair is known to be wrong now, and why."""
-    return pytest.mark.parametrize(
-        "case",
-        [
-            pytest.param(
-                case,
-                id=f"{case[0]}-{case[1]}",
-                marks=[
-                    pytest.mark.xfail(strict=True, reason=reason)
-                    for kind, reason in kinds.items()
-                    if kind in (case[0], case)
-                ],
-            )
-            for case in BYTEWISE
-        ],
-    )
 
 
 def made(case: tuple[str, int]) -> tuple[Board, Rig]:

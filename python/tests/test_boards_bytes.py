@@ -13,7 +13,6 @@ from rigs import (
     decoded,
     every,
     forbidden,
-    known_wrong,
     made,
     of_kind,
     off_grid,
@@ -77,7 +76,7 @@ def test_homies_never_sends_the_phases_that_frame_its_words(code: int) -> None:
         assert set(line.phases) in ({code - 1}, {code + 1})
 
 
-@known_wrong({"homies": "127 words and a burst of one are 1026 bytes: the frame is cut before the pair"})
+@every
 def test_any_number_of_transducers_may_be_on(case: tuple[str, int]) -> None:
     board, rig = made(case)
     size = len(board.array)
@@ -327,9 +326,6 @@ def test_broken_frames_are_refused_in_a_line_or_read_as_they_are_played(case: tu
             )
 
 
-@pytest.mark.xfail(
-    strict=True, reason="the odd byte is dropped; the board counts down and takes channels first"
-)
 def test_a_burst_of_homies_with_an_odd_count_is_refused_or_read_as_it_is_played() -> None:
     board, rig = made(("homies", 1))
     frame = bytearray(board.encode(np.exp(TURNING * np.arange(128) / 128)))

@@ -9,7 +9,7 @@ import firmware
 import midair
 from firmware import Rig, SonicSurface
 from midair.boards.board import Board
-from rigs import every, known_wrong, made, off_grid, played
+from rigs import BYTEWISE, every, made, off_grid, played
 
 # Off
 
@@ -105,11 +105,7 @@ def test_silence_silences_at_power_up_and_after_frames(case: tuple[str, int]) ->
         assert silenced(case, board, before)
 
 
-ONE_BANK = "the first of the two off frames goes on where the broken one stopped: one bank keeps drives"
-STUCK = "two off frames end within the FIFO's 512 bytes: the board plays on what was cut, a third cures it"
-
-
-@known_wrong({"openmpd": STUCK, "mega64": ONE_BANK, "nano": ONE_BANK})
+@pytest.mark.parametrize("case", BYTEWISE, ids=lambda case: f"{case[0]}-{case[1]}")
 def test_silence_silences_after_a_frame_that_was_cut_anywhere(case: tuple[str, int]) -> None:
     board, _ = made(case)
     rng = np.random.default_rng(22)
@@ -118,14 +114,7 @@ def test_silence_silences_after_a_frame_that_was_cut_anywhere(case: tuple[str, i
         assert silenced(case, board, [whole + whole[: int(share * len(whole))] for whole in frame])
 
 
-@known_wrong(
-    {
-        "openmpd": STUCK,
-        "mega64": ONE_BANK,
-        "nano": ONE_BANK,
-        ("sonicsurface", 1): "a stray 193 leaves the board unselected, and it hears no silence",
-    }
-)
+@pytest.mark.parametrize("case", BYTEWISE, ids=lambda case: f"{case[0]}-{case[1]}")
 def test_silence_silences_after_random_bytes(case: tuple[str, int]) -> None:
     board, _ = made(case)
     rng = np.random.default_rng(23)
@@ -146,9 +135,6 @@ def test_openmpd_is_silent_after_a_cut_frame_once_its_fifo_was_cleared() -> None
         assert not rig.drive.any()
 
 
-@pytest.mark.xfail(
-    strict=True, reason="frames of one board never select it: 193 of a pair's frame is still in force"
-)
 def test_one_sonicsurface_hears_its_silence_after_frames_for_two() -> None:
     board, rig = made(("sonicsurface", 1))
     rig.receive(made(("sonicsurface", 2))[0].encode(np.ones(512)))

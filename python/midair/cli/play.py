@@ -64,7 +64,7 @@ def play_command(
     on
         The board and where it is: sonicsurface:/dev/ttyUSB0, autd3, null, sonicsurface:loop (docs/boards.md).
     duration
-        How long: 10s, 500ms, 2min. Left out, a drive and a closed sequence play until Ctrl-C, an open one once.
+        How long: 10s, 500ms, 2min. Left out, until Ctrl-C; an open sequence once.
     modulate
         Amplitude modulation in Hz, of boards that can.
     solver
