@@ -1,7 +1,6 @@
-"""`.csv` of one drive, as `Solution.save` writes it: index,x,y,z,amplitude,phase, a row a transducer (m, 0
-to 1, rad).
+"""`.csv` of one drive, as `Solution.save` writes it: a row index,x,y,z,amplitude,phase a transducer.
 
-Where no array is known, positions are left out.
+Positions are in m, amplitudes 0 to 1, phases in rad. Where no array is known, positions are left out.
 """
 
 from __future__ import annotations
