@@ -25,7 +25,7 @@ PATIENCE = 12.0
 OPENING = 70.0
 
 #: How long a guard may take to turn its device off and end, in s.
-ENDING = 3.0
+ENDING = 2.0
 
 CLOSED = "this connection is closed: connect again"
 
