@@ -71,6 +71,13 @@ def test_one_frame_waits_behind_the_one_that_the_line_carries(clock):
     np.testing.assert_allclose(kept.times() - 100, np.r_[0, np.arange(9)] * frame, atol=1e-9)
 
 
+def test_less_of_a_long_frame_waits(clock):
+    kept = Kept(clock)
+    for _ in range(3):
+        kept.play(bytes(2304))
+    np.testing.assert_allclose(kept.times() - 100, [0, 0.1 - 0.025, 0.2 - 0.025], atol=1e-9)
+
+
 def test_silence_waits_for_nothing(clock):
     kept = Kept(clock)
     kept.play(bytes(258))

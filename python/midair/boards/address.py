@@ -100,7 +100,7 @@ def parse(address: Any) -> Address:
 def describe(address: Address, board: Board) -> dict[str, Any]:
     """What `open_transport` makes the transport of, as JSON holds it."""
     silence, off = board.silence.hex(), board.off_frame.hex()
-    link = LINKS.get(board.name, Link("null", ""))
+    link = LINKS[board.name]
     if address.kind == "null":
         return {"kind": "null"}
     if address.kind == "file":

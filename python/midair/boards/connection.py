@@ -207,8 +207,8 @@ class Connection:
         """Wait until a call is answered; the guard is told now and then that somebody waits."""
         until = time.monotonic() + seconds
         while (left := until - time.monotonic()) > 0 and not asked.done():
-            wait([asked], min(left, self._hold / HOLDS))
-            self._guard.ask(Kind.HOLD)
+            if wait([asked], min(left, self._hold / HOLDS)).not_done:
+                self._guard.ask(Kind.HOLD)
 
     def _quiet(self) -> None:
         """Turn off what was stopped midway, without waiting for it."""

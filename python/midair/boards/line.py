@@ -13,6 +13,10 @@ from .errors import BoardError
 #: Bits that a serial line takes for a byte: a start bit, eight bits, a stop bit.
 BITS = 10
 
+#: Of long frames, as those of boards in a chain are, less than one is in the line when the next one comes: so
+#: much of its time, in s.
+MOST_AHEAD = 0.025
+
 #: The part of a line's time that swaps may take.
 MOST_SWAPS = 0.2
 
@@ -94,7 +98,8 @@ class LineTransport(ABC):
         ).start()
 
     def _pace(self, frame: bytes) -> None:
-        time.sleep(max(0.0, self._free - time.monotonic() - len(frame) * self._byte))
+        ahead = min(len(frame) * self._byte, MOST_AHEAD)
+        time.sleep(max(0.0, self._free - time.monotonic() - ahead))
         self._give(frame)
 
     def _give(self, content: bytes) -> None:

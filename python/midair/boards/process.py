@@ -25,7 +25,7 @@ PATIENCE = 12.0
 OPENING = 70.0
 
 #: How long a guard may take to turn its device off and end, in s.
-ENDING = 3.0
+ENDING = 2.0
 
 CLOSED = "this connection is closed: connect again"
 
@@ -45,15 +45,9 @@ class GuardProcess:
         self._numbers = count(1)
         self._calls: dict[int, Future[bytes]] = {}
         self._outbox: SimpleQueue[tuple[Kind, int, bytes] | None] = SimpleQueue()
-        self._closing = False
+        self._opened = self._closing = False
         self._lock = threading.RLock()
-        self._process = subprocess.Popen(
-            [sys.executable, "-I", "-S", str(Path(__file__).with_name("start.py"))],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
-        )
+        self._process = _started()
         self._threads = [threading.Thread(target=act, daemon=True) for act in (self._write, self._read)]
         for thread in self._threads:
             thread.start()
@@ -66,6 +60,7 @@ class GuardProcess:
             self._process.terminate()
             self.close()
             raise
+        self._opened = True
 
     def call(self, kind: Kind, content: bytes = b"") -> bytes:
         """Ask, and wait for the answer."""
@@ -147,10 +142,25 @@ class GuardProcess:
                 future.set_exception(BoardError(CLOSED) if self._closing else BoardLost(lost))
 
     def _silence(self) -> None:
-        """Turn the device off without the guard."""
-        if self._transport["kind"] not in SIMULATED:
+        """Turn the device off without the guard, if that had it."""
+        if self._opened and self._transport["kind"] not in SIMULATED:
             with suppress(Exception):
                 transport = open_transport(self._transport)
                 with suppress(Exception):
                     transport.silence()
                 transport.close()
+
+
+def _started() -> subprocess.Popen[bytes]:
+    """A guard between two pipes, in a session of its own, with the interpreter's own library and no more."""
+    try:
+        return subprocess.Popen(
+            [sys.executable, "-I", "-S", str(Path(__file__).with_name("start.py"))],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+    except OSError as error:
+        told = f'the guard process "{sys.executable}" cannot be started ({error.strerror})'
+        raise BoardError(f"{told}: end other programs, or give more memory") from error
