@@ -1,6 +1,6 @@
-"""Motion: evenness, level and changes of `glide`, by an independent forward model in f64.
+"""Motion: evenness, level and changes of `glide` and of tracks, by an independent forward model in f64.
 
-Prints the table of docs/motion.md and draws docs/motion.png.
+Prints the tables of docs/motion.md and draws docs/motion.png.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import midair
 RATE = 10e3
 FRAMES = 200
 KINDS = ("circles", "lines", "along x", "around")
+AHEAD = (0, 10, 30, "all")
 
 
 def paths(kind: str, count: int, speed: float, seed: int) -> NDArray[np.float64]:
@@ -76,6 +77,22 @@ def row(
     return max(ratios), min(even), min(moving), min(levels), float(np.mean(levels))
 
 
+def foreseen(array: midair.Array, count: int, speed: float, parts: int) -> tuple[list[float], list[float]]:
+    """Mean level and least uniformity, over all kinds, the more frames are known in advance."""
+    levels, even = np.empty((len(AHEAD), len(KINDS))), np.empty((len(AHEAD), len(KINDS)))
+    for index, kind in enumerate(KINDS):
+        points = paths(kind, count, speed, 7 + index)
+        points[..., :2] += array.positions.mean(axis=0)[:2]
+        cold = midair.solve_batch(array, points[10::19], solver="uniform", aim="max", absorption=0)
+        known = moduli(array, points[10::19], cold.drives, 0.0).mean()
+        for order, ahead in enumerate(AHEAD):
+            own = midair.sequence(array, points, rate=RATE, change=np.pi / parts, ahead=ahead, absorption=0)
+            rest = moduli(array, points, own.drives, 0.0)[10:]
+            even[order, index] = (rest.min(axis=1) / rest.max(axis=1)).min()
+            levels[order, index] = rest[::19].mean() / known
+    return levels.mean(axis=1).tolist(), even.min(axis=1).tolist()
+
+
 def draw(array: midair.Array, path: Path) -> None:
     """Phase changes of every transducer, and evenness in motion, frame by frame with and without a memory."""
     points = paths("circles", 8, 0.5, 3)
@@ -126,6 +143,13 @@ def main() -> None:
                 f"| {count} | {speed:g} m/s | pi/{parts} | {told} | {ratio:.3f} | {even:.4f} | {moving:.3f} "
                 f"| {least:.3f} | {mean:.3f} |"
             )
+    print("| M | speed | bound | " + " | ".join(f"ahead={ahead}" for ahead in AHEAD) + " |")
+    print("|---|---|---" + "|---" * len(AHEAD) + "|")
+    for count in (4, 16):
+        for speed, parts in ((0.5, 16), (0.5, 32), (2.0, 16), (2.0, 32)):
+            both = zip(*foreseen(array, count, speed, parts), strict=True)
+            told = " | ".join(f"{level:.3f} ({even:.4f})" for level, even in both)
+            print(f"| {count} | {speed:g} m/s | pi/{parts} | {told} |", flush=True)
 
 
 if __name__ == "__main__":

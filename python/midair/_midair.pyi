@@ -451,6 +451,7 @@ def tracks(
     phases: int,
     closed: bool,
     rounds: int,
+    start: NDArray[np.uint16] | None = None,
     progress: Callable[[int, int, float], object] | None = None,
 ) -> NDArray[np.uint16]: ...
 def solvers() -> dict[str, SolverInfo]: ...

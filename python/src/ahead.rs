@@ -1,7 +1,7 @@
-//! Tracks over a whole sequence, for `midair.sequence(..., ahead="all")`.
+//! Tracks over a whole sequence or the next few frames of it, for `midair.sequence(..., ahead=)`.
 
-use midair::motion::{Ahead, ahead};
-use numpy::PyArray2;
+use midair::motion::{Ahead, Ends, ahead};
+use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::ctrl_c::attend;
@@ -15,9 +15,9 @@ type Argument<'a, 'py> = &'a Bound<'py, PyAny>;
 
 /// Codes (T, N) of a whole sequence, uint16: array and air of a scene, points (T, M, 3) in m and targets (T, M) in Pa, 0 where
 /// a point is not there. No phase of `phases` changes by more than `change` rad from frame to frame, nor, closed, from the last
-/// to the first. progress is called with (step, steps, residual).
+/// to the first. With a `start` (T, N) its first frame stays. progress is called with (step, steps, residual).
 #[pyfunction]
-#[pyo3(signature = (scene, points, targets, *, change, phases, closed, rounds, progress=None))]
+#[pyo3(signature = (scene, points, targets, *, change, phases, closed, rounds, start=None, progress=None))]
 #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
 pub(crate) fn tracks<'py>(
     py: Python<'py>,
@@ -28,6 +28,7 @@ pub(crate) fn tracks<'py>(
     phases: Argument<'_, 'py>,
     closed: Argument<'_, 'py>,
     rounds: Argument<'_, 'py>,
+    start: Option<PyReadonlyArray2<'py, u16>>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyArray2<u16>>> {
     let model = scene.get().model();
@@ -38,11 +39,17 @@ pub(crate) fn tracks<'py>(
     let how = Ahead {
         change: read::real("change", change)?,
         phases: whole("phases", phases)?,
-        closed: read::flag("closed", closed)?,
+        ends: match read::flag("closed", closed)? {
+            _ if start.is_some() => Ends::Held,
+            true => Ends::Closed,
+            false => Ends::Open,
+        },
         rounds: whole("rounds", rounds)?,
     };
+    let start = start.as_ref().map(|codes| codes.as_slice()).transpose()?;
     let threads = limits::threads(py)?;
-    let codes =
-        attend(py, progress, |control| ahead(&model, &points, &targets, frames, &how, None, &mut control.on(threads)))?;
+    let codes = attend(py, progress, |control| {
+        ahead(&model, &points, &targets, frames, &how, start, &mut control.on(threads))
+    })?;
     give::table(py, codes, [frames, model.array().len()])
 }

@@ -52,6 +52,7 @@ LONG = {
     "reach": "many.reach()",
     "judge": "midair.judge(many, drive)",
     "bound": "midair.bound(few)",
+    "ahead": "midair.sequence(board, batch[:, :4], rate=1e3, ahead=500)",
 }
 
 FORKED = """

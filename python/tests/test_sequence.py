@@ -143,7 +143,7 @@ def test_a_path_above_the_speed_limit_is_told(board):
         ({"change": -0.1}, "change is -0.1"),
         ({"change": 0.1, "change_rate": 3.0}, "change_rate is 3.0: change is given, too"),
         ({"closed": True}, "closed is True"),
-        ({"ahead": 3}, "ahead is 3"),
+        ({"ahead": -3}, "ahead is -3"),
         ({"tau": -1.0}, "tau is -1.0"),
         ({"solver": "glid"}, 'unknown solver "glid": did you mean glide?'),
         ({"pressures": [1.0, 2.0, 3.0]}, "pressures has shape"),

@@ -11,7 +11,7 @@ use crate::motion::alternation::{Wanted, field, follow};
 use crate::motion::exchange::even_out;
 use crate::motion::first::guess;
 use crate::motion::frames::Frames;
-use crate::motion::track::Circle;
+use crate::motion::track::{Circle, Ends};
 use crate::propagation::Model;
 
 /// How far a transducer may turn from frame to frame, and how its tracks are sought.
@@ -22,8 +22,8 @@ pub struct Ahead {
     pub change: f64,
     /// Phases L of the device, 2 to 65536: drives are e^{j 2 pi l/L}.
     pub phases: u32,
-    /// Whether the last frame is followed by the first, within the same bound.
-    pub closed: bool,
+    /// What binds the first frame and the last.
+    pub ends: Ends,
     /// Rounds of tracks, point phases and weights.
     pub rounds: u32,
 }
@@ -32,8 +32,8 @@ pub struct Ahead {
 ///
 /// `points` (T, M, 3) in m and `targets` (T, M) in Pa, or in any unit: the points of a frame get pressures in these ratios, as
 /// loud as can be. A point of target 0 is not there in that frame, wherever it is said to be. A transducer without effect
-/// (masked, response 0) keeps the code 0. `start` (T, N) are codes to begin with; left out the drives of
-/// [`crate::solvers::Uniform`], each from the one before.
+/// (masked, response 0) keeps the code 0. `start` (T, N) are codes to begin with, the first of which [`Ends::Held`] keeps; left
+/// out the drives of [`crate::solvers::Uniform`], each from the one before.
 ///
 /// ```text
 /// |l_i(t) - l_i(t-1)| <= w = floor(change L / 2 pi), modulo L, and from the last frame to the first of a closed sequence
@@ -52,13 +52,13 @@ pub struct Ahead {
 /// reached by none; more memory than allowed; a stop.
 ///
 /// ```
-/// use midair::motion::{Ahead, ahead};
+/// use midair::motion::{Ahead, Ends, ahead};
 /// use midair::{Array, Control, InstructionSet, Medium, Model};
 ///
 /// let model = Model::new(&Array::grid(8, 8, 10e-3)?, Medium::default(), InstructionSet::best())?;
 /// // Two points that part at 2 m/s, a frame every 0.1 ms.
 /// let points: Vec<_> = (0..20).flat_map(|t| [-1.0, 1.0].map(|side| [side * (0.01 + 1e-4 * f64::from(t)), 0.0, 0.1])).collect();
-/// let how = Ahead { change: 0.1, phases: 256, closed: false, rounds: 5 };
+/// let how = Ahead { change: 0.1, phases: 256, ends: Ends::Open, rounds: 5 };
 /// let codes = ahead(&model, &points, &[1.0; 40], 20, &how, None, &mut Control::none())?;
 /// // 0.1 rad are 4 phases of 256.
 /// let step = |k: usize| (codes[k + 64] + 256 - codes[k]) % 256;
@@ -84,7 +84,10 @@ pub fn ahead(
     let mut codes = vec![0; transducers * count];
     let steps = ahead.rounds as usize + 1;
     let guess = match start {
-        None => guess(&frames, ahead.closed, control)?,
+        None if ahead.ends == Ends::Held => {
+            return Err(Error::invalid("start", "left out", "give codes, the first of which are held"));
+        }
+        None => guess(&frames, ahead.ends == Ends::Closed, control)?,
         Some(start) => {
             check_start(start, count, transducers, ahead.phases)?;
             transpose(start, count, &mut codes);
@@ -94,13 +97,13 @@ pub fn ahead(
     let mut wanted = Wanted::of(&frames, &guess);
     step(&frames, (1, steps), &guess, control)?;
     for round in 0..ahead.rounds as usize {
-        let field = follow(&frames, &wanted, (&circle, ahead.closed), &mut codes, control)?;
+        let field = follow(&frames, &wanted, (&circle, ahead.ends), &mut codes, control)?;
         step(&frames, (round + 2, steps), &field, control)?;
         wanted.read(&frames, &field);
     }
     let mut by_frames = vec![0; codes.len()];
     transpose(&codes, transducers, &mut by_frames);
-    even_out(&frames, &circle, ahead.closed, &mut by_frames, control)?;
+    even_out(&frames, &circle, ahead.ends, &mut by_frames, control)?;
     Ok(by_frames)
 }
 

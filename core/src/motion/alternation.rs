@@ -11,7 +11,7 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::math::{sqrtf, unit};
 use crate::motion::frames::{Frames, Visit};
-use crate::motion::track::{Circle, Tracker};
+use crate::motion::track::{Circle, Ends, Tracker};
 
 /// How much of a point's phasor is taken from its field's before the new phase is read: the field says mostly what the phase
 /// was. In trials it halves the rounds; with 0.8 they end nowhere.
@@ -92,7 +92,7 @@ impl Wanted {
 pub(super) fn follow(
     frames: &Frames,
     wanted: &Wanted,
-    (circle, closed): (&Circle, bool),
+    (circle, ends): (&Circle, Ends),
     codes: &mut [u16],
     control: &mut Control,
 ) -> Result<[Vec<f32>; 2], Error> {
@@ -110,7 +110,7 @@ pub(super) fn follow(
                 }
                 (waves[0][frame], waves[1][frame]) = (wave[0], wave[1]);
             }
-            tracker.follow([&waves[0], &waves[1]], closed, codes, control)?;
+            tracker.follow([&waves[0], &waves[1]], ends, codes, control)?;
             play(frames, circle, Visit { row: [re, im], codes, sum });
             Ok(())
         },

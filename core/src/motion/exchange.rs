@@ -7,7 +7,7 @@ use crate::control::{Control, bytes};
 use crate::error::Error;
 use crate::math::sqrtf;
 use crate::motion::frames::{Frames, TOGETHER};
-use crate::motion::track::Circle;
+use crate::motion::track::{Circle, Ends};
 
 /// min |P_j|/t_j over max |P_j|/t_j that is even enough: a little above 0.995, for rows of G are good to 2e-4.
 const EVEN: f32 = 0.9965;
@@ -25,7 +25,7 @@ const KEPT: f32 = 0.99;
 pub(super) fn even_out(
     frames: &Frames,
     circle: &Circle,
-    closed: bool,
+    ends: Ends,
     codes: &mut [u16],
     control: &mut Control,
 ) -> Result<(), Error> {
@@ -33,6 +33,7 @@ pub(super) fn even_out(
     let lanes = frames.blocks[0].lanes();
     control.room("G of some frames", [transducers, points], bytes(8, &[transducers, lanes]))?;
     let mut rows = [(); 2].map(|()| vec![0.0; transducers * lanes]);
+    let free = usize::from(ends == Ends::Held);
     for _ in 0..PASSES {
         let mut even = true;
         for (b, block) in frames.blocks.iter().enumerate() {
@@ -42,7 +43,7 @@ pub(super) fn even_out(
                 control.pulse()?;
                 block.row(i, re, im);
             }
-            for frame in b * TOGETHER..frames.count.min((b + 1) * TOGETHER) {
+            for frame in free.max(b * TOGETHER)..frames.count.min((b + 1) * TOGETHER) {
                 let first = frame % TOGETHER * points;
                 let mut one = One {
                     frames,
@@ -51,7 +52,8 @@ pub(super) fn even_out(
                     rows: rows.each_ref().map(|plane| &plane[first..]),
                     lanes,
                     own: frame * transducers,
-                    neighbours: neighbours(frame, frames.count, closed).map(|other| other.map(|t| t * transducers)),
+                    neighbours: neighbours(frame, frames.count, ends == Ends::Closed)
+                        .map(|other| other.map(|t| t * transducers)),
                     field: vec![[0.0; 2]; points],
                 };
                 even &= one.settle(codes, control)?;

@@ -8,3 +8,4 @@ pub(crate) mod frames;
 pub(crate) mod track;
 
 pub use ahead::{Ahead, ahead};
+pub use track::Ends;

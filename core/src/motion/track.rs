@@ -46,6 +46,18 @@ impl Circle {
     }
 }
 
+/// What binds tracks at their ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(clippy::exhaustive_enums, reason = "a sequence has no more ends")]
+pub enum Ends {
+    /// Nothing.
+    Open,
+    /// The last frame is followed by the first, within the bound.
+    Closed,
+    /// The first frame stays as it is, and the others go on from there.
+    Held,
+}
+
 /// The memory in which tracks are found.
 pub(super) struct Tracker<'a> {
     circle: &'a Circle,
@@ -61,36 +73,42 @@ impl<'a> Tracker<'a> {
         Self { circle, set, best: vec![0.0; frames * circle.levels], memory }
     }
 
-    /// Writes the best track along the waves (T,). One that is `closed` comes back to where it began: it begins as a track
-    /// of two laps goes through their middle, and is the best of all that begin there.
+    /// Writes the best track along the waves (T,). One that is held begins where `codes` do. One that is closed comes
+    /// back to where it began: it begins as a track of two laps goes through their middle, and is the best of all that begin
+    /// there.
     pub(super) fn follow(
         &mut self,
         waves: [&[f32]; 2],
-        closed: bool,
+        ends: Ends,
         codes: &mut [u16],
         control: &mut Control,
     ) -> Result<(), Error> {
         let levels = self.circle.levels;
-        let last = (codes.len() - 1) * levels;
-        self.best[..levels].fill(0.0);
-        self.meet(waves, 0);
-        self.lap(waves, 0, control)?;
-        if closed {
-            self.step(waves, codes.len() - 1, 0, 0);
+        if ends != Ends::Held {
+            self.best[..levels].fill(0.0);
+            self.meet(waves, 0);
             self.lap(waves, 0, control)?;
+            if ends == Ends::Closed {
+                self.step(waves, codes.len() - 1, 0, 0);
+                self.lap(waves, 0, control)?;
+            }
+            self.back(self.end(codes.len() - 1), codes);
         }
-        let ends = &self.best[last..];
-        let end = (0..levels).fold(0, |best, l| if ends[l] > ends[best] { l } else { best });
-        self.back(end as u16, codes);
-        if closed {
+        if ends != Ends::Open {
             let start = codes[0];
             self.best[..levels].fill(f32::NEG_INFINITY);
             self.best[usize::from(start)] = 0.0;
             self.lap(waves, usize::from(start), control)?;
-            let end = self.near(codes.len() - 1, start);
-            self.back(end, codes);
+            let last = codes.len() - 1;
+            self.back(if ends == Ends::Closed { self.near(last, start) } else { self.end(last) }, codes);
         }
         Ok(())
+    }
+
+    /// The best phase of a frame.
+    fn end(&self, frame: usize) -> u16 {
+        let best = &self.best[frame * self.circle.levels..][..self.circle.levels];
+        (0..best.len()).fold(0, |end, l| if best[l] > best[end] { l } else { end }) as u16
     }
 
     /// Adds what each phase gains in a frame to the best before it.

@@ -63,15 +63,23 @@ class Drives:
 def coded(drives: NDArray[np.complex64], phases: int) -> NDArray[Any]:
     """Codes of drives at full amplitude on a board's phases; of those that are 0, code 0."""
     codes = np.rint(np.angle(drives) * (phases / (2 * np.pi))).astype(np.int32) % phases
-    small: NDArray[Any] = codes.astype(np.uint8 if phases <= 256 else np.uint16)
+    return narrow(codes, phases)
+
+
+def narrow(codes: NDArray[Any], phases: int, *, copy: bool = True) -> NDArray[Any]:
+    """Codes in as few bytes as they need."""
+    small: NDArray[Any] = codes.astype(np.uint8 if phases <= 256 else np.uint16, copy=copy)
     return small
+
+
+def sounding(array: Array) -> NDArray[np.bool_]:
+    """(N,) False where a transducer is masked or dead."""
+    return array.mask if array.response is None else array.mask & (array.response != 0)
 
 
 def read(given: Any, array: Array, phases: int | None) -> Drives:
     """Drives (T, N) as given: complex of |q| <= 1, or whole numbers below the number of phases."""
-    live = array.mask.copy()
-    if array.response is not None:
-        live &= array.response != 0
+    live = sounding(array)
     if np.ma.is_masked(given):
         raise refused("drives", "a masked array", "fill what it hides")
     found = np.asarray(given)
@@ -107,6 +115,6 @@ def _codes(found: NDArray[Any], phases: int | None, *, copy: bool) -> NDArray[An
     least, most = found.min(), found.max()
     if least < 0 or most >= phases:
         raise refused("drives", least if least < 0 else most, f"give codes from 0 to {phases - 1}")
-    codes: NDArray[Any] = found.astype(np.uint8 if phases <= 256 else np.uint16, copy=copy)
+    codes = narrow(found, phases, copy=copy)
     codes.flags.writeable = False
     return codes

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Array, Scene, SceneError, SceneWarning
 from ..path import Path, read
-from ..shape.arguments import number, refused
+from ..shape.arguments import number, refused, whole
 from .frames import AIR
 
 #: The bound where none is given, in rad a frame: at 10 kHz the shift of 312 Hz that a transducer follows.
@@ -44,10 +44,10 @@ class Request:
         """The board's quantization: as an option says, else the array's own."""
         return dict(self.options.get("quantization") or self.array.quantization or {})
 
-    def codes(self, solver: str) -> int | None:
-        """The board's phases where all drives are at full amplitude, so that codes tell them."""
-        sounds = bool((self.targets > 0).any(axis=1).all())
-        return self.board.get("phases") if solver == "glide" and self.aim == "max" and sounds else None
+    @property
+    def full(self) -> bool:
+        """Whether all drives are at full amplitude."""
+        return self.aim == "max" and bool((self.targets > 0).any(axis=1).all())
 
 
 def bound(rate: float, change: Any, change_rate: Any) -> float:
@@ -108,7 +108,7 @@ def warn_of_speed(asked: Request) -> None:
 def _needed(asked: Request) -> tuple[float, float]:
     """The largest bound that a point needs, and its speed, over some frames."""
     points, there = asked.points, asked.targets > 0
-    steps = np.arange(1, len(points), max((len(points) - 1) // LOOKED, 1))
+    steps = np.arange(0 if asked.closed else 1, len(points), max((len(points) - 1) // LOOKED, 1))
     scene = Scene(asked.array, points[0], **asked.air)
     wavenumber = 2 * pi * scene.frequency / scene.sound_speed
     most, speed = 0.0, 0.0
@@ -125,9 +125,15 @@ def _needed(asked: Request) -> tuple[float, float]:
     return most, speed
 
 
-def no_seam(closed: bool, ahead: Any) -> None:
-    """Refuse a closed curve that is solved without knowing its end."""
-    if closed and ahead == 0:
+def sight(ahead: Any, closed: bool) -> int | None:
+    """The frames that are known in advance, None for all of them; a closed curve has to know its end."""
+    if isinstance(ahead, str) and ahead == "all":
+        return None
+    if isinstance(ahead, str):
+        raise refused("ahead", ahead, 'give a whole number of frames, or "all"')
+    frames = whole("ahead", ahead, least=0)
+    if closed:
         raise SceneError(
-            'closed is True, but ahead is 0: give ahead="all", that the last frame meets the first'
+            f'closed is True, but ahead is {frames}: give ahead="all", that the last frame meets the first'
         )
+    return frames

@@ -9,13 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, SceneError, Solver
+from .._midair import Array, Scene, SceneError, Solver
 from ..path import Path
-from ..shape.arguments import number, refused
+from ..shape.arguments import number, refused, whole
 from . import store
-from .ahead import whole
-from .drives import coded
-from .request import Request, bound, no_seam, request, warn_of_speed
+from .ahead import Tracks, board_of, check
+from .found import Followed, Foreseen, Found
+from .frames import AIR
+from .horizon import streamed
+from .request import Request, bound, request, sight, warn_of_speed
 from .sequence import Sequence
 
 #: Frames between two calls of progress, and in one piece of a file.
@@ -48,7 +50,8 @@ def sequence(
     change, change_rate : the bound, in rad a frame or in rad/s; left out pi/16 a frame, pi for none
     tau : time constant of the transducers' envelopes in s, which `glide` takes into account
     closed : whether the last frame goes on to the first, within the bound; needs ahead="all"
-    ahead : 0, each frame knows the one before; "all", tracks over the whole sequence
+    ahead : 0, each frame knows the one before; n, the next n frames, too; "all", tracks over the whole
+        sequence
     pressures : targets in Pa: one, (M,) or (T, M), 0 where a point is not there; left out the
         path's own, else the balanced level of the first frame, times modulation and fades
     aim : "target" or "max", as `midair.solve` has it; left out "max" where nothing but points is asked
@@ -67,30 +70,30 @@ def sequence(
     (True, True)
     """
     asked = request(array, path, rate, (change, change_rate), closed, pressures, aim, dict(options))
-    no_seam(asked.closed, ahead)
+    known = sight(ahead, asked.closed)
     warn_of_speed(asked)
-    if ahead == "all":
+    if known is None:
         if resume is not None:
             raise SceneError(
                 'resume is given, but ahead is "all": all frames are found together, leave it out'
             )
-        drives, board = whole(asked, solver, progress)
-        return _told(asked, drives, solver, board)
-    if ahead != 0:
-        raise refused("ahead", ahead, 'give 0 or "all"')
-    follow = _follower(asked, solver, tau)
-    phases = asked.codes(solver)
+        tracks = _tracks(asked, solver, tau)
+        codes = tracks.find(asked.points, asked.targets, closed=asked.closed, progress=progress)
+        return _told(asked, tracks.played(asked.points, asked.targets, codes), solver, tracks.board)
+    found: Found = (
+        Foreseen(asked, _tracks(asked, solver, tau), known)
+        if known
+        else Followed(asked, _follower(asked, solver, tau), solver == "glide")
+    )
     if resume is not None:
-        setting = {"solver": solver, "tau": tau, "aim": asked.aim, "options": asked.options}
-        return store.solved(resume, asked, setting, follow, BLOCK, progress)
+        setting = {"solver": solver, "tau": tau, "aim": asked.aim, "options": asked.options, "ahead": known}
+        return store.solved(resume, asked, setting, found, BLOCK, progress)
     blocks = []
     for first in range(0, len(asked.points), BLOCK):
-        block = slice(first, first + BLOCK)
-        drives = follow.follow(asked.points[block], asked.targets[block])
-        blocks.append(drives if phases is None else coded(drives, phases))
+        blocks.append(found.block(slice(first, first + BLOCK)))
         if progress is not None:
             progress(min(first + BLOCK, len(asked.points)), len(asked.points))
-    return _told(asked, np.concatenate(blocks), solver, asked.options.get("quantization"))
+    return _told(asked, np.concatenate(blocks), solver, found.board)
 
 
 def stream(
@@ -102,10 +105,11 @@ def stream(
     change: float | None = None,
     change_rate: float | None = None,
     tau: float | None = None,
+    ahead: int = 0,
     aim: str | None = None,
     **options: Any,
 ) -> Iterator[NDArray[np.complex64]]:
-    """The drive (N,) of each of endless frames, as it comes.
+    """The drive (N,) of each of endless frames, as it comes; with `ahead`, so many frames later.
 
     A frame is points (M, 3), or a pair of points and pressures (M,). The arguments are those of
     `midair.sequence`. M may change: what appears or vanishes at once makes a jolt as large as the bound lets
@@ -119,8 +123,11 @@ def stream(
     (5, (249,))
     """
     each = number("rate", rate, above=0)
-    found = _solver(array, solver, each, bound(each, change, change_rate), tau, {"aim": aim, **options})
-    return _streamed(found, frames)
+    most = bound(each, change, change_rate)
+    if whole("ahead", ahead, least=0):
+        check(solver, tau, aim, options.keys() - set(AIR))
+        return streamed(array, frames, most, ahead, aim, options)
+    return _streamed(_solver(array, solver, each, most, tau, {"aim": aim, **options}), frames)
 
 
 def _streamed(found: Solver, frames: Iterable[Any]) -> Iterator[NDArray[np.complex64]]:
@@ -128,6 +135,13 @@ def _streamed(found: Solver, frames: Iterable[Any]) -> Iterator[NDArray[np.compl
         points, pressures = frame if isinstance(frame, tuple) else (frame, None)
         asked = None if pressures is None else np.asarray(pressures, np.float64)[None]
         yield found.follow(np.asarray(points, np.float64)[None], asked)[0]
+
+
+def _tracks(asked: Request, solver: str, tau: float | None) -> Tracks:
+    check(solver, tau, asked.aim, asked.options)
+    scene = Scene(asked.array, asked.points[0], **asked.air)
+    board = board_of(asked.board)
+    return Tracks(scene, asked.change, board, lowered=asked.aim == "target", coded=asked.full)
 
 
 def _follower(asked: Request, solver: str, tau: float | None) -> Solver:

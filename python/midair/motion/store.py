@@ -17,14 +17,11 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from .. import output
-from .._midair import Scene, SceneError, Solver
+from .._midair import Scene, SceneError
 from . import files
-from .drives import coded
+from .found import Found
 from .request import Request
 from .sequence import Sequence
-
-#: What a solver remembers of its last frame.
-REMEMBERED = ("drives", "weights", "unevenness")
 
 #: What the folder beside the file is called.
 ENDING = ".resume"
@@ -34,7 +31,7 @@ def solved(
     path: str | PathLike[str],
     asked: Request,
     setting: dict[str, Any],
-    follow: Solver,
+    found: Found,
     block: int,
     progress: Callable[[int, int], object] | None,
 ) -> Sequence:
@@ -43,15 +40,13 @@ def solved(
     output.check(target, (".npz",))
     folder = target.with_name(target.name + ENDING)
     own = _fingerprint(asked, setting, block)
-    total, phases = len(asked.points), asked.codes(setting["solver"])
-    done = _begin(folder, own, follow, block)
+    total = len(asked.points)
+    done = _begin(folder, own, found)
     for first in range(done, total, block):
-        frames = slice(first, first + block)
-        drives = follow.follow(asked.points[frames], asked.targets[frames])
-        _keep(folder, first, drives if phases is None else coded(drives, phases), follow)
+        _keep(folder, first, found.block(slice(first, first + block)), found)
         if progress is not None:
             progress(min(first + block, total), total)
-    _assemble(target, folder, asked, setting, block)
+    _assemble(target, folder, asked, setting, found.board, block)
     shutil.rmtree(folder)
     return Sequence.load(target)
 
@@ -67,8 +62,8 @@ def _fingerprint(asked: Request, setting: dict[str, Any], block: int) -> str:
     return digest.hexdigest()
 
 
-def _begin(folder: Path, own: str, follow: Solver, block: int) -> int:
-    """The frames that are done already, the solver brought to where it was."""
+def _begin(folder: Path, own: str, found: Found) -> int:
+    """The frames that are done already, the rest to be found from there."""
     told = folder / "request"
     if not folder.exists():
         folder.mkdir()
@@ -82,27 +77,32 @@ def _begin(folder: Path, own: str, follow: Solver, block: int) -> int:
     if not state.exists():
         return 0
     with np.load(state, allow_pickle=False) as kept:
-        if "drives" in kept:
-            follow.restore(kept["drives"], kept["weights"], float(kept["unevenness"]))
-        return int(kept["done"])
+        done = int(kept["done"])
+        found.restore(done, {name: kept[name] for name in kept.files if name != "done"})
+        return done
 
 
-def _keep(folder: Path, first: int, drives: NDArray[Any], follow: Solver) -> None:
+def _keep(folder: Path, first: int, drives: NDArray[Any], found: Found) -> None:
     """Write a piece, then that it is done."""
     part = folder / "piece.part"
     with part.open("wb") as stream:
         np.save(stream, drives)
     part.replace(folder / f"{first:012d}.npy")
-    last = follow.last()
-    remembered: dict[str, Any] = {} if last is None else dict(zip(REMEMBERED, last, strict=True))
     with part.open("wb") as stream:
-        np.savez(stream, done=first + len(drives), **remembered)
+        np.savez(stream, done=first + len(drives), **found.state())
         stream.flush()
         os.fsync(stream.fileno())
     part.replace(folder / "state.npz")
 
 
-def _assemble(target: Path, folder: Path, asked: Request, setting: dict[str, Any], block: int) -> None:
+def _assemble(
+    target: Path,
+    folder: Path,
+    asked: Request,
+    setting: dict[str, Any],
+    board: dict[str, Any] | None,
+    block: int,
+) -> None:
     """The file that `Sequence.save` writes, its drives copied piece after piece."""
     pieces = [folder / f"{first:012d}.npy" for first in range(0, len(asked.points), block)]
     shape = (len(asked.points), len(asked.array))
@@ -115,7 +115,7 @@ def _assemble(target: Path, folder: Path, asked: Request, setting: dict[str, Any
         closed=asked.closed,
         change=asked.change,
         solver=setting["solver"],
-        quantization=asked.options.get("quantization"),
+        quantization=board,
         **asked.air,
     )
     texts = {"scene": empty.scene(0).json(), "setting": output.to_json(empty.setting())}

@@ -8,7 +8,7 @@ use core::ops::ControlFlow;
 
 use num_complex::Complex64;
 
-use super::{Ahead, ahead};
+use super::{Ahead, Ends, ahead};
 use crate::control::{Control, Progress};
 use crate::error::Error;
 use crate::kernels::InstructionSet;
@@ -19,8 +19,8 @@ use crate::scene::{Aim, Array, Medium, Request};
 use crate::solvers::{Solve, Uniform};
 use crate::workspace::Workspace;
 
-const OPEN: Ahead = Ahead { change: PI / 16.0, phases: 256, closed: false, rounds: 6 };
-const CLOSED: Ahead = Ahead { closed: true, ..OPEN };
+const OPEN: Ahead = Ahead { change: PI / 16.0, phases: 256, ends: Ends::Open, rounds: 6 };
+const CLOSED: Ahead = Ahead { ends: Ends::Closed, ..OPEN };
 
 fn model(array: &Array) -> Model {
     Model::new(array, Medium::default(), InstructionSet::best()).expect("a model")
@@ -47,7 +47,7 @@ fn solved(model: &Model, points: &[[f64; 3]], targets: &[f64], frames: usize, ho
 fn largest_step(codes: &[u16], transducers: usize, how: &Ahead) -> u16 {
     let apart = |a: u16, b: u16| a.abs_diff(b).min(how.phases as u16 - a.abs_diff(b));
     let next = |k: usize| (k + transducers) % codes.len();
-    let steps = if how.closed { codes.len() } else { codes.len() - transducers };
+    let steps = if how.ends == Ends::Closed { codes.len() } else { codes.len() - transducers };
     (0..steps).map(|k| apart(codes[k], codes[next(k)])).max().expect("steps")
 }
 
@@ -172,6 +172,28 @@ fn a_start_is_gone_on_from() {
     assert!(levels[1] > levels[0] - 2e-3, "{levels:?}");
 }
 
+#[test]
+fn a_first_frame_is_held() {
+    let model = model(&grid());
+    let points = circles(20, 400);
+    let once = solved(&model, &points, &[1.0; 60], 20, &OPEN);
+    // Of the frames from the tenth on; what comes after it is as loud as before, and so is it itself.
+    let mut start = once[256 * 10..].to_vec();
+    for code in &mut start[256..] {
+        *code = 0;
+    }
+    let how = Ahead { ends: Ends::Held, ..OPEN };
+    let again = ahead(&model, &points[30..], &[1.0; 30], 10, &how, Some(&start), &mut Control::none()).expect("codes");
+    assert_eq!(again[..256], start[..256]);
+    assert!(largest_step(&again, 256, &how) <= 8);
+    check(&judged(&model, &points[30..], &[1.0; 30], &again, 256), 0.97);
+    // A drive that is nothing to these points keeps what follows within the bound all the same.
+    start.fill(7);
+    let away = ahead(&model, &points[30..], &[1.0; 30], 10, &how, Some(&start), &mut Control::none()).expect("codes");
+    assert!(away[..256].iter().all(|&code| code == 7));
+    assert_eq!(largest_step(&away, 256, &how), 8);
+}
+
 #[cfg(feature = "parallel")]
 #[test]
 fn threads_leave_no_trace() {
@@ -181,7 +203,9 @@ fn threads_leave_no_trace() {
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         let mut control = Control::none().on(Threads::of(pool.into()));
-        ahead(&model, &points, &[1.0; 72], 24, &CLOSED, None, &mut control).expect("codes")
+        let closed = ahead(&model, &points, &[1.0; 72], 24, &CLOSED, None, &mut control).expect("codes");
+        let held = Ahead { ends: Ends::Held, ..OPEN };
+        [ahead(&model, &points, &[1.0; 72], 24, &held, Some(&closed), &mut control).expect("codes"), closed]
     };
     let alone = with(1);
     assert!([2, 3].into_iter().all(|threads| with(threads) == alone));
@@ -235,6 +259,7 @@ fn what_cannot_be_meant_is_refused_by_name() {
     odd[7] = model.array().positions()[5];
     let error = text(&odd, &[1.0; 12], 4, OPEN, None);
     assert!(error.starts_with("points[2, 1] is 0.000e0 m from transducer 5: "), "{error}");
+    assert!(how(Ahead { ends: Ends::Held, ..OPEN }).starts_with("start is left out: "));
     assert!(text(&points, &[1.0; 12], 4, OPEN, Some(&[0; 3])).starts_with("start is 3 codes: "));
     let mut start = [0; 1024];
     start[300] = 256;

@@ -3,7 +3,7 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
-use super::{Circle, Tracker};
+use super::{Circle, Ends, Tracker};
 use crate::control::Control;
 use crate::kernels::InstructionSet;
 use crate::math::phasor;
@@ -59,16 +59,20 @@ fn no_track_is_better() {
             for set in InstructionSet::all() {
                 let circle = Circle::new(levels, reach);
                 let mut tracker = Tracker::new(&circle, FRAMES, set);
-                for closed in [false, true] {
-                    let mut codes = vec![0; FRAMES];
+                for end in [Ends::Open, Ends::Closed, Ends::Held] {
+                    let closed = end == Ends::Closed;
+                    let held = (end == Ends::Held).then_some(levels as u16 / 2);
+                    let mut codes = vec![held.unwrap_or(0); FRAMES];
                     let planes = [&waves[0][..], &waves[1][..]];
-                    tracker.follow(planes, closed, &mut codes, &mut Control::none()).expect("nobody stops it");
+                    tracker.follow(planes, end, &mut codes, &mut Control::none()).expect("nobody stops it");
                     let ends = closed.then(|| (codes[FRAMES - 1], codes[0]));
                     let steps = codes.windows(2).map(|pair| (pair[0], pair[1])).chain(ends);
                     assert!(steps.into_iter().all(|(a, b)| apart(levels, a, b) <= reach), "{levels} {reach} {codes:?}");
                     let found = gain(&waves, levels, &codes);
-                    let most = best(&waves, levels, reach, closed, closed.then_some(codes[0]));
-                    assert!((found - most).abs() < 1e-5, "{levels} {reach} {closed}: {found} of {most}");
+                    assert!(held.is_none_or(|first| first == codes[0]));
+                    let first = if closed { Some(codes[0]) } else { held };
+                    let most = best(&waves, levels, reach, closed, first);
+                    assert!((found - most).abs() < 1e-5, "{levels} {reach} {end:?}: {found} of {most}");
                     if closed && set == InstructionSet::SCALAR {
                         closed_best += usize::from(found > best(&waves, levels, reach, true, None) - 1e-5);
                     }
@@ -86,11 +90,11 @@ fn what_asks_for_nothing_stays() {
     let mut tracker = Tracker::new(&circle, FRAMES, InstructionSet::best());
     let mut codes = vec![9; FRAMES];
     let nothing = [0.0; FRAMES];
-    tracker.follow([&nothing, &nothing], true, &mut codes, &mut Control::none()).expect("nobody stops it");
+    tracker.follow([&nothing, &nothing], Ends::Closed, &mut codes, &mut Control::none()).expect("nobody stops it");
     assert_eq!(codes, [0; FRAMES]);
     // A wave in the last frame alone is waited for where it comes.
     let mut pull = [0.0; FRAMES];
     pull[FRAMES - 1] = -1.0;
-    tracker.follow([&pull, &nothing], false, &mut codes, &mut Control::none()).expect("nobody stops it");
+    tracker.follow([&pull, &nothing], Ends::Open, &mut codes, &mut Control::none()).expect("nobody stops it");
     assert_eq!(codes, [128; FRAMES]);
 }
