@@ -130,10 +130,13 @@ class Solver:
 {batch}'''
 
 
-def kind(option: midair.OptionInfo) -> list[str]:
+def kind(name: str, option: midair.OptionInfo) -> list[str]:
     """The types that an option takes."""
     words = ", ".join(f'"{word}"' for word in option.words)
     own = f"Literal[{words}]" if words else type(option.default).__name__
+    if name == "objective":
+        # `solve` takes a function, too.
+        return [own, "Callable[[NDArray[np.complex64], NDArray[np.float64], NDArray[np.float64]], ArrayLike]"]
     return [own, "Sequence[int]", "NDArray[np.integer]"] if option.list else [own]
 
 
@@ -146,8 +149,8 @@ def keywords() -> str:
         for option_name, option in info.options.items():
             # `lambda` is a word of Python's own.
             key = "lambda_" if option_name == "lambda" else option_name
-            every[key] = list(dict.fromkeys([*every.get(key, []), *kind(option)]))
-            fields += [f"{key}: {' | '.join(kind(option))} | None", f'"""{option.doc}"""']
+            every[key] = list(dict.fromkeys([*every.get(key, []), *kind(option_name, option)]))
+            fields += [f"{key}: {' | '.join(kind(option_name, option))} | None", f'"""{option.doc}"""']
     fields = [f"{key}: {' | '.join(kinds)} | None" for key, kinds in every.items()]
     classes["Every"] = ['"""Options of all solvers, for the one that a scene file names."""', *fields]
     text = [KEYWORDS]

@@ -76,7 +76,7 @@ class Greedy(TypedDict, total=False):
     """Phase quantization L, 2 to 65536, or a divisor of the device's: phases are 2 pi l/L."""
     amplitudes: int | None
     """Amplitude quantization K, 1 to 256: amplitudes are (k+1)/K or as many of the device's, never off."""
-    objective: Literal["l2", "l1"] | None
+    objective: Literal["l2", "l1"] | Callable[[NDArray[np.complex64], NDArray[np.float64], NDArray[np.float64]], ArrayLike] | None
     """What is minimised: "l2" (squared errors, the paper's text) or "l1" (its authors' code)."""
     order: Literal["random", "rows", "columns"] | Sequence[int] | NDArray[np.integer] | None
     """Order of the updates: "random", "rows", "columns" or a permutation of 0..N."""
@@ -84,6 +84,8 @@ class Greedy(TypedDict, total=False):
     """Seed of the random order, 0 to 2^64 - 1."""
     change: float | None
     """The most that a phase turns by from a start drive, in rad, 0 or above; less than 2 pi/phases turns none."""
+    sweeps: int | None
+    """Passes over all transducers, 1 to 1000: after the first each one decides again, in the field of all others."""
 class SolveGreedy(Solve, Greedy): ...
 class SolverGreedy(Solver, Greedy): ...
 class BatchGreedy(Batch, Greedy): ...
@@ -243,11 +245,11 @@ class Every(TypedDict, total=False):
     seed: int | None
     phases: int | None
     amplitudes: int | None
-    objective: Literal["l2", "l1"] | None
+    objective: Literal["l2", "l1"] | Callable[[NDArray[np.complex64], NDArray[np.float64], NDArray[np.float64]], ArrayLike] | None
     order: Literal["random", "rows", "columns"] | Sequence[int] | NDArray[np.integer] | None
     change: float | None
-    block: int | None
     sweeps: int | None
+    block: int | None
     tau: float | None
     rate: float | None
     eps: float | None

@@ -19,6 +19,10 @@ static INFO: Info = Info::new("function", "a function in Python", "the caller's 
 pub(crate) struct Raised(Arc<Mutex<Option<PyErr>>>);
 
 impl Raised {
+    pub(crate) fn keep(&self, error: PyErr) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+    }
+
     pub(crate) fn check(&self) -> PyResult<()> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).take().map_or(Ok(()), Err)
     }
@@ -82,7 +86,7 @@ impl Solve for Function {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let matrix = problem.plain_propagation().matrix(control)?;
         let drive = Python::attach(|py| self.call(py, matrix, problem)).map_err(|error| {
-            *self.raised.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+            self.raised.keep(error);
             Error::invalid("solver", &self.name, "it raised an exception")
         })?;
         Solution::checked(problem, drive, work, control).map_err(|error| match error {

@@ -6,6 +6,7 @@ mod batch;
 mod codec;
 mod ctrl_c;
 mod draw;
+mod energy;
 mod error;
 mod field;
 mod files;

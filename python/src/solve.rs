@@ -4,12 +4,13 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use midair::Workspace;
-use midair::solvers::{self as registry, Remark};
+use midair::solvers::{self as registry, Greedy, Method, Remark};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::ctrl_c::attend;
-use crate::error::{refused, warn};
+use crate::energy;
+use crate::error::{invalid, refused, warn};
 use crate::function::Function;
 use crate::read;
 use crate::solution::{Solution, begin};
@@ -41,6 +42,8 @@ fn chosen(
 /// solver is a name of `solvers()`; left out it is the scene file's, else the default. Its options are keywords. It may
 /// also be a function: solver(propagation, targets, weights, **options) is given G (M, N) in Pa, targets (M,) in Pa and
 /// weights (M,), the largest 1, of the points of weight above 0, and returns a drive (N,) of moduli up to 1.
+/// greedy's objective, too, may be a function: objective(pressures, targets, weights) is given the pressures (K, M) in Pa
+/// that each of K candidates would make, and returns what each costs (K,); the lowest is taken, one transducer after another.
 /// balance=True solves at the level the array can reach and reduces the drives afterwards; None is the method's
 /// own habit. start (a drive, point phases or a Solution) and aim ("target" or "max") are for the methods that
 /// use them. progress(step, steps, residual) is called every step and stops the solve by returning False;
@@ -75,10 +78,11 @@ pub(crate) fn solve(
 ) -> PyResult<Solution> {
     let subject = Subject::read(scene, Beside { pressures, weights, quantization, mask, positions })?;
     let function = solver.map(|solver| Function::read(solver, options)).transpose()?.flatten();
-    let raised = function.as_ref().map(Function::raised);
+    let (energy, options) = if function.is_some() { (None, None) } else { energy::Function::take(options)? };
+    let raised = function.as_ref().map(Function::raised).or(energy.as_ref().map(energy::Function::raised));
     let mut choice = match &function {
         Some(function) => function.choice(py)?,
-        None => chosen(&subject, solver, options)?,
+        None => chosen(&subject, solver, options.as_ref())?,
     };
     read::callback(progress.as_ref().map(|callback| callback.bind(py)), "step, steps, residual")?;
     if let Some(aim) = aim {
@@ -87,6 +91,13 @@ pub(crate) fn solve(
     let configured = match function {
         Some(function) => function.configured(&choice)?,
         None => registry::configure(&choice, subject.quantization()).map_err(refused)?,
+    };
+    let configured = match energy {
+        Some(_) if configured.info.name != Greedy::INFO.name => {
+            return Err(invalid("objective", "a function", "greedy alone takes one: name it, or leave this out"));
+        }
+        Some(energy) => energy.configured(py, configured.options)?,
+        None => configured,
     };
     if start.is_some() && !configured.info.uses_start {
         return Err(refused(registry::unused("start", &choice.name, |info| info.uses_start)));

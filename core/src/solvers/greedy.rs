@@ -17,12 +17,12 @@ use crate::error::{Error, real, same_name};
 use crate::kernels::greedy;
 use crate::kernels::greedy::interleaved;
 use crate::kernels::greedy::{Pass, Search};
-use crate::kernels::{Candidates, L1, L2, LANES, PointGroup, table};
+use crate::kernels::{Candidates, L1, L2, LANES, PhaseRange, PointGroup, table};
 use crate::linalg::Planar;
 use crate::problem::{Problem, Solution, Status};
 use crate::rng::Rng;
 use crate::scene::{OptionValue, Options, Value, words};
-use crate::solvers::common::exchange::{Exchange, moduli};
+use crate::solvers::common::exchange::{Exchange, collect, moduli};
 use crate::solvers::common::interleaved::InterleavedBatch;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::{Buffer, Workspace};
@@ -52,7 +52,7 @@ pub enum Order {
 }
 
 options! {
-    /// Greedy search. Time O(K L M N), memory O(N + M + K L). From a start drive each transducer's wave is exchanged for the
+    /// Greedy search. Time O(K L M N) a sweep, memory O(N + M + K L). From a start drive each transducer's wave is exchanged for the
     /// best one whose phase is within `change` of the old.
     pub struct Greedy {
         /// Phase quantization L, 2 to 65536, or a divisor of the device's: phases are 2 pi l/L.
@@ -67,6 +67,8 @@ options! {
         pub seed: u64 = 0,
         /// The most that a phase turns by from a start drive, in rad, 0 or above; less than 2 pi/phases turns none.
         pub change: f64 = core::f64::consts::PI,
+        /// Passes over all transducers, 1 to 1000: after the first each one decides again, in the field of all others.
+        pub sweeps: u32 = 1,
     }
 }
 
@@ -163,7 +165,12 @@ impl Method for Greedy {
     }
 
     fn check(&self) -> Result<(), Error> {
-        for (item, value, range) in [("phases", self.phases, 2..=65_536), ("amplitudes", self.amplitudes, 1..=256)] {
+        let sizes = [
+            ("phases", self.phases, 2..=65_536),
+            ("amplitudes", self.amplitudes, 1..=256),
+            ("sweeps", self.sweeps, 1..=1000),
+        ];
+        for (item, value, range) in sizes {
             if !range.contains(&value) {
                 let cure = format!("give {} to {}", range.start(), range.end());
                 return Err(Error::invalid(item, value, cure));
@@ -174,6 +181,16 @@ impl Method for Greedy {
 }
 
 impl Greedy {
+    /// The transducers in the order of their updates, and the candidates of each.
+    pub(crate) fn search<'w>(
+        &self,
+        problem: &Problem,
+        work: &'w Workspace,
+    ) -> Result<(Buffer<'w, u32>, Candidates), Error> {
+        self.check()?;
+        Ok((self.order(problem, work)?, self.candidates(problem, work)?))
+    }
+
     /// The transducers in the order of their updates.
     fn order<'w>(&self, problem: &Problem, work: &'w Workspace) -> Result<Buffer<'w, u32>, Error> {
         let mut order = work.counting(problem.propagation().transducers());
@@ -220,7 +237,8 @@ impl Solve for Greedy {
         let order = self.order(problem, work)?;
         let candidates = self.candidates(problem, work)?;
         if let Some(last) = problem.start_drive() {
-            let exchange = Exchange { candidates: &candidates, order: &order, change: self.change };
+            let exchange =
+                Exchange { candidates: &candidates, order: &order, change: self.change, sweeps: self.sweeps as usize };
             let solution = match self.objective {
                 Objective::L2 => exchange.solve::<L2>(problem, last, work, control),
                 Objective::L1 => exchange.solve::<L1>(problem, last, work, control),
@@ -246,9 +264,9 @@ impl Solve for Greedy {
             memory: &mut rows,
         };
         let search = Search { candidates: &candidates, floats: &mut floats, indices: &mut indices };
-        let mut status = Status::Done;
+        let (mut status, all) = (Status::Done, self.sweeps as usize * count);
         let mut report = |updates: usize, points: &[PointGroup]| {
-            let go = control.step(updates, count, || problem.residual_of(moduli(points))).is_continue();
+            let go = control.step(updates, all, || problem.residual_of(moduli(points))).is_continue();
             if !go {
                 status = Status::Stopped;
             }
@@ -256,10 +274,21 @@ impl Solve for Greedy {
         };
         let pressures = [&mut field.re[..], &mut field.im[..]];
         let (set, drives) = (propagation.instruction_set(), &mut drive[..]);
-        let steps = match self.objective {
+        let mut steps = match self.objective {
             Objective::L2 => greedy::pass::<L2>(set, pass, search, drives, pressures, &mut report),
             Objective::L1 => greedy::pass::<L1>(set, pass, search, drives, pressures, &mut report),
         };
+        if self.sweeps > 1 && status == Status::Done {
+            let sweeps = self.sweeps as usize - 1;
+            let again = Exchange { candidates: &candidates, order: &order, change: self.change, sweeps };
+            let whole = |_: usize| Some(PhaseRange::whole(candidates.phases));
+            let steps_of = [steps, all];
+            (status, steps) = match self.objective {
+                Objective::L2 => again.sweep::<L2>(problem, &mut drive, &mut groups, whole, steps_of, work, control),
+                Objective::L1 => again.sweep::<L1>(problem, &mut drive, &mut groups, whole, steps_of, work, control),
+            };
+            collect(&groups, &mut field);
+        }
         for buffer in candidates.into_buffers() {
             work.floats.give(buffer);
         }
@@ -271,7 +300,7 @@ impl Solve for Greedy {
         self.check().ok()?;
         let first = problems.first()?;
         let fits = interleaved::fits(self.phases as usize, self.amplitudes as usize);
-        if self.objective != Objective::L2 || !fits || problems.iter().any(Problem::has_start) {
+        if self.objective != Objective::L2 || self.sweeps > 1 || !fits || problems.iter().any(Problem::has_start) {
             return None;
         }
         let mut batch = InterleavedBatch::of(problems, work)?;

@@ -228,3 +228,25 @@ fn what_greedy_cannot_go_on_from_is_refused_in_one_line() {
     let told = "start is point phases: greedy goes on from a drive: give one value a transducer";
     assert_eq!(refused(&Greedy::default(), &phases), told);
 }
+
+#[test]
+fn every_sweep_lowers_the_residual_and_keeps_the_bound_of_a_start() {
+    let points = random_points(6, 0.1, 4);
+    let asked = problem(&scene(preset("paper20"), points.clone(), None));
+    let residual = |sweeps: u32| {
+        let solution = solved(&Greedy { sweeps, ..Greedy::default() }, &asked);
+        assert_eq!(solution.steps, 400 * sweeps as usize);
+        solution.metrics().residual
+    };
+    let residuals: Vec<f64> = [1, 2, 3, 6].map(residual).to_vec();
+    assert!(residuals.is_sorted_by(|a, b| a > b), "{residuals:?}");
+    assert!(residuals[1] < 0.9 * residuals[0], "{residuals:?}");
+    let last = drive(400, 16, true, 7);
+    let greedy = Greedy { sweeps: 4, change: 2.0 * PI / 16.0, ..Greedy::default() };
+    let found = solved(&greedy, &started(asked, &last));
+    for (new, old) in found.drive.iter().zip(&last) {
+        assert!((new * old.conj()).arg().abs() < 2.0 * PI as f32 / 16.0 + 1e-5);
+    }
+    let told = |sweeps: u32| Greedy { sweeps, ..Greedy::default() }.check().expect_err("refused").to_string();
+    assert_eq!(told(0), "sweeps is 0: give 1 to 1000");
+}

@@ -1,15 +1,16 @@
-//! Exchange: the last drive carried on, one transducer after another taken out of the field and put back.
+//! Exchange: a drive bettered, one transducer after another taken out of the field and put back.
 //!
 //! ```text
-//! P = G q of the last drive
-//! for each transducer i in order:
+//! P = G q of the drive to begin with
+//! for each sweep, for each transducer i in order:
 //!     P -= G_i q_i
-//!     q_i = argmin of eq. (7) over the candidates whose phase is within `change` of that of q_i
+//!     q_i = argmin of eq. (7) over the candidates whose phase is within `change` of that of the last q_i
 //!     P += G_i q_i
 //! ```
 //!
 //! From silence a transducer that may turn by little only would decide before the others are there, and all would end at
-//! an end of their arcs. Here each sees the waves of all others, those not yet exchanged as they were.
+//! an end of their arcs. Here each sees the waves of all others, those not yet exchanged as they were. After a pass from
+//! silence, further sweeps let the first transducers decide again, now that the others are there.
 
 use core::f64::consts::TAU;
 
@@ -32,13 +33,14 @@ const ROUNDING: f64 = 3e-8;
 /// By how much a whole number of phase steps may exceed the bound, in steps: the rounding of `change`.
 const STEP_ROUNDING: f64 = 1e-9;
 
-/// One pass over all transducers.
+/// Sweeps over all transducers.
 pub(crate) struct Exchange<'a> {
     pub(crate) candidates: &'a Candidates,
     /// The transducers in the order of their updates.
     pub(crate) order: &'a [u32],
-    /// The most that a phase turns by, in rad.
+    /// The most that a phase turns by from the last drive, in rad.
     pub(crate) change: f64,
+    pub(crate) sweeps: usize,
 }
 
 impl Exchange<'_> {
@@ -53,8 +55,7 @@ impl Exchange<'_> {
         control: &mut Control,
     ) -> Result<Solution, Error> {
         let propagation = problem.propagation();
-        let (set, lanes, count) = (propagation.instruction_set(), propagation.lanes(), propagation.points());
-        let phases = self.candidates.phases;
+        let (set, lanes, phases) = (propagation.instruction_set(), propagation.lanes(), self.candidates.phases);
         let mut grid = phases;
         let mut drive = work.complexes.take(last.len());
         drive.copy_from_slice(last);
@@ -66,31 +67,56 @@ impl Exchange<'_> {
         for q in drive.iter_mut().filter(|_| problem.factor() > 1.0) {
             *q *= problem.factor().min(1.0 / modulus(*q)) as f32;
         }
+        let mut begin = work.complexes.take(last.len());
+        begin.copy_from_slice(&drive);
         let mut field = field_of(propagation, &drive, work, control)?;
         let mut points = work.points.take(lanes / LANES);
         kernels::keep(set, [problem.targets(), problem.weights()], field.row(0), &mut points);
-        let mut row = Planar::zeros(1, lanes, work);
-        let (mut status, mut updates) = (Status::Done, 0);
-        for &i in self.order {
-            let q = &mut drive[i as usize];
-            propagation.row(i as usize, &mut row.re, &mut row.im);
-            let range = within(*q, self.change, phases, grid);
-            let field = (&mut points[..], count);
-            let [re, im] = kernels::exchange::<T>(set, row.row(0), [q.re, q.im], self.candidates, range, field);
-            *q = Complex32::new(re, im);
-            updates += 1;
-            if control.step(updates, last.len(), || problem.residual_of(moduli(&points))).is_break() {
-                status = Status::Stopped;
-                break;
-            }
-        }
-        let pressures = field.re.chunks_exact_mut(LANES).zip(field.im.chunks_exact_mut(LANES));
-        for (group, (re, im)) in points.iter().zip(pressures) {
-            re.copy_from_slice(&group.re);
-            im.copy_from_slice(&group.im);
-        }
+        let steps = [0, self.sweeps * last.len()];
+        let ranges = |i: usize| within(begin[i], self.change, phases, grid);
+        let (status, updates) = self.sweep::<T>(problem, &mut drive, &mut points, ranges, steps, work, control);
+        collect(&points, &mut field);
         // What stays was rounded to the device's grid, and the candidates lie on it.
         Ok(Solution::of_field(problem, drive.into_vec(), &field, status, updates, work, control)?.on_grid())
+    }
+    /// Sweeps over a drive whose field the `points` hold: each transducer takes the best of its range of candidates. Of
+    /// `steps` the first is the number of updates before, the second that of all; tells the updates after.
+    #[allow(clippy::too_many_arguments, reason = "a drive, its field, and what a control is told")]
+    pub(crate) fn sweep<T: Term>(
+        &self,
+        problem: &Problem,
+        drive: &mut [Complex32],
+        points: &mut [PointGroup],
+        range: impl Fn(usize) -> Option<PhaseRange>,
+        [mut updates, all]: [usize; 2],
+        work: &Workspace,
+        control: &mut Control,
+    ) -> (Status, usize) {
+        let propagation = problem.propagation();
+        let (set, count) = (propagation.instruction_set(), propagation.points());
+        let mut row = Planar::zeros(1, propagation.lanes(), work);
+        for &i in (0..self.sweeps).flat_map(|_| self.order) {
+            let i = i as usize;
+            propagation.row(i, &mut row.re, &mut row.im);
+            let (present, range) = ([drive[i].re, drive[i].im], range(i));
+            let [re, im] =
+                kernels::exchange::<T>(set, row.row(0), present, self.candidates, range, (&mut *points, count));
+            drive[i] = Complex32::new(re, im);
+            updates += 1;
+            if control.step(updates, all, || problem.residual_of(moduli(points))).is_break() {
+                return (Status::Stopped, updates);
+            }
+        }
+        (Status::Done, updates)
+    }
+}
+
+/// The pressures of the points, from their groups to a field.
+pub(crate) fn collect(points: &[PointGroup], field: &mut Planar<'_>) {
+    let pressures = field.re.chunks_exact_mut(LANES).zip(field.im.chunks_exact_mut(LANES));
+    for (group, (re, im)) in points.iter().zip(pressures) {
+        re.copy_from_slice(&group.re);
+        im.copy_from_slice(&group.im);
     }
 }
 

@@ -1,0 +1,153 @@
+//! greedy by an energy of one's own: the search of Algorithm 2 (Suzuki et al. 2021) with another objective than eq. (7).
+//!
+//! Each transducer's turn evaluates all candidates at once, N turns a sweep. Nothing is known of the energy, so that there
+//! are no short cuts: O(K L M) a turn, and what the energy itself takes.
+
+use alloc::boxed::Box;
+use alloc::format;
+use alloc::vec;
+use alloc::vec::Vec;
+
+use num_complex::Complex32;
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::math::modulus;
+use crate::problem::{Problem, Solution, Status};
+use crate::solvers::greedy::Greedy;
+use crate::solvers::method::{Info, Solve};
+use crate::workspace::Workspace;
+
+/// By how much a later candidate must be better, relative to the largest value: the rounding of sums in f32.
+const ROUNDING: f64 = 1e-7;
+
+/// What the fields of candidates cost; the lowest is taken.
+pub trait Energy: Send + Sync {
+    /// Writes the values (K,) of K candidates. `fields` (K, M) are the pressures p_j in Pa that each would make, one
+    /// candidate after another.
+    ///
+    /// # Errors
+    /// Whatever ends the solve; the best so far is lost then.
+    fn evaluate(&self, fields: &[Complex32], asked: &Asked, values: &mut [f64]) -> Result<(), Error>;
+}
+
+/// What is asked for at the M points of weight above 0.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[allow(clippy::exhaustive_structs, reason = "handed to energies, made only here")]
+pub struct Asked {
+    /// Targets (M,) in Pa.
+    pub targets: Vec<f64>,
+    /// Weights (M,), the largest 1.
+    pub weights: Vec<f64>,
+}
+
+/// Greedy search by an [`Energy`]: phases, amplitudes, order, seed and sweeps of `greedy`, from silence.
+///
+/// ```
+/// use midair::solvers::{Asked, Energy, Greedy, GreedyBy};
+/// use midair::{Array, Complex32, Control, Error, Medium, Problem, Request, Scene, Workspace};
+///
+/// /// As loud as can be, wherever.
+/// struct Loud;
+/// impl Energy for Loud {
+///     fn evaluate(&self, fields: &[Complex32], asked: &Asked, values: &mut [f64]) -> Result<(), Error> {
+///         for (value, field) in values.iter_mut().zip(fields.chunks(asked.targets.len())) {
+///             *value = -field.iter().map(|p| f64::from(p.norm_sqr())).sum::<f64>();
+///         }
+///         Ok(())
+///     }
+/// }
+///
+/// let array = Array::grid(8, 8, 0.01)?;
+/// let scene = Scene::new(array, Medium::default(), vec![[0.0, 0.0, 0.1]], Request::default())?;
+/// let solver = GreedyBy::new(Greedy::default(), Box::new(Loud));
+/// let problem = Problem::new(&scene)?;
+/// let solution = midair::solve(&problem, &solver, false, &mut Workspace::new(), &mut Control::none())?;
+/// assert!(solution.metrics().level > 0.98);
+/// # Ok::<(), Error>(())
+/// ```
+pub struct GreedyBy {
+    greedy: Greedy,
+    energy: Box<dyn Energy>,
+}
+
+impl GreedyBy {
+    /// What is known of it.
+    pub const INFO: Info = Info::new(
+        "greedy",
+        "greedy with brute-force search by an energy of one's own",
+        "Suzuki et al., IEEE Trans. Haptics 14(4), 2021, Algorithm 2 and section VI",
+    );
+
+    /// The search of `greedy` by an energy in place of its `objective`.
+    #[must_use]
+    pub fn new(greedy: Greedy, energy: Box<dyn Energy>) -> Self {
+        Self { greedy, energy }
+    }
+}
+
+impl Solve for GreedyBy {
+    fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
+        let greedy = &self.greedy;
+        let propagation = problem.propagation();
+        let (points, lanes) = (propagation.points(), propagation.lanes());
+        let (order, candidates) = greedy.search(problem, work)?;
+        let asked = Asked {
+            targets: problem.active_targets_in_pascals().collect(),
+            weights: problem.weights()[..points].iter().map(|&weight| weight.into()).collect(),
+        };
+        let unit = propagation.reference();
+        let [mut re, mut im] = [(); 2].map(|()| work.floats.take(lanes));
+        let mut drive = work.complexes.take(propagation.transducers());
+        let mut field = vec![Complex32::ZERO; points];
+        let mut fields = vec![Complex32::ZERO; candidates.count() * points];
+        let mut values = vec![0.0; candidates.count()];
+        let (mut status, mut steps, all) = (Status::Done, 0, order.len() * greedy.sweeps as usize);
+        for &i in (0..greedy.sweeps).flat_map(|_| &*order) {
+            let i = i as usize;
+            propagation.row(i, &mut re, &mut im);
+            let g = |j: usize| Complex32::new((f64::from(re[j]) * unit) as f32, (f64::from(im[j]) * unit) as f32);
+            // A dead transducer stays off.
+            if (0..points).any(|j| g(j) != Complex32::ZERO) {
+                for (j, p) in field.iter_mut().enumerate() {
+                    *p -= g(j) * drive[i];
+                }
+                let silent = field.iter().all(|&p| p == Complex32::ZERO);
+                for (k, chunk) in fields.chunks_mut(points).enumerate() {
+                    let [re, im] = candidates.drive(k);
+                    chunk.iter_mut().enumerate().for_each(|(j, p)| *p = field[j] + g(j) * Complex32::new(re, im));
+                }
+                self.energy.evaluate(&fields, &asked, &mut values)?;
+                // In silence all phases are alike, and the first is taken.
+                let step = if silent { candidates.phases } else { 1 };
+                let best = best(&values, step)?;
+                let [re, im] = candidates.drive(best);
+                drive[i] = Complex32::new(re, im);
+                field.copy_from_slice(&fields[best * points..][..points]);
+            }
+            steps += 1;
+            let moduli = || field.iter().map(|&p| modulus(p) / unit).chain((points..lanes).map(|_| 0.0));
+            if control.step(steps, all, || problem.residual_of(moduli())).is_break() {
+                status = Status::Stopped;
+                break;
+            }
+        }
+        for buffer in candidates.into_buffers() {
+            work.floats.give(buffer);
+        }
+        let drive = drive.into_vec();
+        // Its steps were told one by one.
+        Ok(Solution::new(problem, drive, (status, steps), all, work, &mut Control::none())?.on_grid())
+    }
+}
+
+/// The first of the lowest values, of every `step`th.
+fn best(values: &[f64], step: usize) -> Result<usize, Error> {
+    if let Some(k) = values.iter().position(|value| !value.is_finite()) {
+        let cure = "give a finite number for each candidate";
+        return Err(Error::invalid(format!("energy[{k}]"), format!("{:?}", values[k]), cure));
+    }
+    let slack = ROUNDING * values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let better = |best: usize, k: usize| if values[k] < values[best] - slack { k } else { best };
+    Ok((0..values.len()).step_by(step).fold(0, better))
+}

@@ -1,0 +1,83 @@
+//! An energy written in Python: what the fields of greedy's candidates cost.
+
+use midair::solvers::{Asked, Configured, Energy, Greedy, GreedyBy};
+use midair::{Complex32, Configure, Error, Options, Value};
+use numpy::{IntoPyArray, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::error::{invalid, refused};
+use crate::function::Raised;
+use crate::read;
+
+/// A function of candidates' pressures (K, M), targets (M,) and weights (M,), and what it raised.
+pub(crate) struct Function {
+    function: Py<PyAny>,
+    raised: Raised,
+}
+
+impl Function {
+    /// The `objective` among the options of greedy, if it is a function; it is taken out of them.
+    pub(crate) fn take<'py>(
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<(Option<Self>, Option<Bound<'py, PyDict>>)> {
+        let Some(options) = options else { return Ok((None, None)) };
+        match options.get_item("objective")? {
+            Some(function) if function.is_callable() => {
+                let rest = options.copy()?;
+                rest.del_item("objective")?;
+                Ok((Some(Self { function: function.unbind(), raised: Raised::default() }), Some(rest)))
+            }
+            _ => Ok((None, Some(options.clone()))),
+        }
+    }
+
+    /// Where what it raises is kept.
+    pub(crate) fn raised(&self) -> Raised {
+        self.raised.clone()
+    }
+
+    /// The search by it, with the options of a configured greedy.
+    pub(crate) fn configured(self, py: Python<'_>, mut options: Options) -> PyResult<Configured> {
+        let mut greedy = Greedy::default();
+        for (name, value) in &options {
+            greedy.set(name, value).map_err(refused)?;
+        }
+        // Labelled by its name, or its class's.
+        let function = self.function.bind(py);
+        let name = function.getattr("__name__").and_then(|name| name.extract());
+        let name = name.or_else(|_| function.get_type().name()?.extract())?;
+        options.insert("objective".into(), Value::Text(name));
+        let solver = Box::new(GreedyBy::new(greedy, Box::new(self)));
+        Ok(Configured { info: &GreedyBy::INFO, options, solver })
+    }
+
+    fn call(&self, py: Python<'_>, fields: &[Complex32], asked: &Asked, count: usize) -> PyResult<Vec<f64>> {
+        let fields = fields.to_vec().into_pyarray(py).reshape([count, asked.targets.len()])?;
+        let targets = asked.targets.clone().into_pyarray(py);
+        let weights = asked.weights.clone().into_pyarray(py);
+        let values = self.function.bind(py).call1((fields, targets, weights))?;
+        let values = read::reals("objective", &values)?;
+        if values.len() == count {
+            return Ok(values);
+        }
+        let cure = format!("return one for each of the {count} candidates");
+        Err(invalid("objective", &format!("{} values", values.len()), &cure))
+    }
+}
+
+impl Energy for Function {
+    fn evaluate(&self, fields: &[Complex32], asked: &Asked, values: &mut [f64]) -> Result<(), Error> {
+        let found = Python::attach(|py| self.call(py, fields, asked, values.len()));
+        match found {
+            Ok(found) => {
+                values.copy_from_slice(&found);
+                Ok(())
+            }
+            Err(error) => {
+                self.raised.keep(error);
+                Err(Error::invalid("objective", "a function", "it raised an exception"))
+            }
+        }
+    }
+}
