@@ -55,11 +55,13 @@ from .boards import (
 )
 from .compare import Comparison, compare
 from .ear import Ear, ear
+from .exposure import Exposed, Exposure, exposure
 from .files import read, write
 from .motion import Felt, Sequence, SequenceMetrics, sequence, stream
 from .picture import Picture, image
 from .plot import plot
 from .sweep import sweep
+from .tolerance import Kept, Tolerance, tolerate
 
 __version__ = _version("midair")
 __all__ = [
@@ -76,9 +78,12 @@ __all__ = [
     "Comparison",
     "Connection",
     "Ear",
+    "Exposed",
+    "Exposure",
     "Felt",
     "Field",
     "Gorkov",
+    "Kept",
     "Metrics",
     "OptionInfo",
     "Picture",
@@ -95,10 +100,12 @@ __all__ = [
     "Solution",
     "Solver",
     "SolverInfo",
+    "Tolerance",
     "bound",
     "compare",
     "connect",
     "ear",
+    "exposure",
     "field",
     "gorkov",
     "image",
@@ -115,5 +122,6 @@ __all__ = [
     "solvers",
     "stream",
     "sweep",
+    "tolerate",
     "write",
 ]
