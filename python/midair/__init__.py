@@ -60,6 +60,7 @@ from .files import read, write
 from .motion import Felt, Sequence, SequenceMetrics, sequence, stream
 from .picture import Picture, image
 from .plot import plot
+from .streaming import Streaming, streaming
 from .sweep import sweep
 from .tolerance import Kept, Tolerance, tolerate
 
@@ -100,6 +101,7 @@ __all__ = [
     "Solution",
     "Solver",
     "SolverInfo",
+    "Streaming",
     "Tolerance",
     "bound",
     "compare",
@@ -121,6 +123,7 @@ __all__ = [
     "solve_batch",
     "solvers",
     "stream",
+    "streaming",
     "sweep",
     "tolerate",
     "write",

@@ -79,7 +79,9 @@ class Exposure:
         for place in self.places:
             if place.name == name:
                 return place
-        raise KeyError(f'no place is named "{name}": there are {", ".join(place.name for place in self.places)}')
+        raise KeyError(
+            f'no place is named "{name}": there are {", ".join(place.name for place in self.places)}'
+        )
 
     def __len__(self) -> int:
         return len(self.places)
@@ -95,14 +97,16 @@ class Exposure:
         }
         return cells if not any(table["frame"]) else {**cells, "frame": [*map(str, table["frame"])]}
 
-    def _against(self) -> str:
+    @property
+    def heading(self) -> str:
+        """The limit in words."""
         return f'limit "{self.limit.name}", {self.limit.spl:g} dB: {self.limit.source}'
 
     def __repr__(self) -> str:
-        return f"{columns.plain(self.cells())}\n{self._against()}"
+        return f"{columns.plain(self.cells())}\n{self.heading}"
 
     def _repr_html_(self) -> str:
-        return columns.html(self.cells(), self._against())
+        return columns.html(self.cells(), self.heading)
 
 
 def exposure(
@@ -119,9 +123,9 @@ def exposure(
     places : by name a position (3,) in m, a box as two corners (2, 3), or a `midair.Ear`, which is its box
     limit : "howard" (110 dB), "acgih" (115), "acgih air" (145), "irpa" (100), or a level in dB
 
-    SPL = 20 log10(|p|/sqrt(2)/20 uPa) of a steady wave. A box is sampled every eighth of a wavelength and searched
-    about its loudest samples. The air is free: a head or a wall, which reflects, adds up to 6 dB. A limit is what
-    its source says about levels; what a person bears is nothing that this can tell.
+    SPL = 20 log10(|p|/sqrt(2)/20 uPa) of a steady wave. A box is sampled every eighth of a wavelength and
+    searched about its loudest samples. The air is free: a head or a wall, which reflects, adds up to 6 dB. A
+    limit is what its source says about levels; what a person bears is nothing that this can tell.
 
     >>> import midair
     >>> scene = midair.Scene(midair.Array.preset("autd3"), [[0.09, 0.07, 0.15]])
@@ -155,7 +159,9 @@ def exposure(
 def _boxes(places: Any) -> dict[str, tuple[Points, Points]]:
     """The lowest and highest corner of each place."""
     if not isinstance(places, Mapping) or not places:
-        raise refused("places", places, 'give a dict of names and positions, such as {"left ear": [0, 0.1, 0.5]}')
+        raise refused(
+            "places", places, 'give a dict of names and positions, such as {"left ear": [0, 0.1, 0.5]}'
+        )
     boxes = {}
     for name, place in places.items():
         if not isinstance(name, str):
@@ -176,8 +182,8 @@ def _keep_off(scene: Scene, name: str, low: Points, high: Points) -> None:
     nearest = float(np.linalg.norm(positions - positions.clip(low, high), axis=1).min())
     if nearest < scene.wavelength:
         raise SceneError(
-            f'places["{name}"] is a box {1e3 * nearest:.2g} mm from a transducer: give one at least a wavelength,'
-            f" {1e3 * scene.wavelength:.2g} mm, away"
+            f'places["{name}"] is a box {1e3 * nearest:.2g} mm from a transducer: give one at least'
+            f" a wavelength away, {1e3 * scene.wavelength:.2g} mm"
         )
 
 

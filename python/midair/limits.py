@@ -32,7 +32,7 @@ LIMITS = {
             "howard",
             110.0,
             (25e3, 50e3),
-            "consensus of the limits reviewed by Howard, Hansen and Zander 2004, at work, under 4 hours a day",
+            "consensus of the limits reviewed by Howard, Hansen and Zander 2004, under 4 hours a day",
         ),
         Limit(
             "acgih",
@@ -61,7 +61,7 @@ def limit_of(scene: Scene, asked: Any) -> Limit:
     low, high = found.band
     if not low <= scene.frequency <= high:
         raise SceneError(
-            f'limit "{found.name}" is for {low / 1e3:g} to {high / 1e3:g} kHz, not {scene.frequency / 1e3:g} kHz:'
-            " give a level in dB that is meant for it"
+            f'limit "{found.name}" is for {low / 1e3:g} to {high / 1e3:g} kHz,'
+            f" not {scene.frequency / 1e3:g} kHz: give a level in dB that is meant for it"
         )
     return found

@@ -13,8 +13,8 @@ from .shape.arguments import refused
 Points: TypeAlias = NDArray[np.float64]
 Levels: TypeAlias = Callable[[Points], NDArray[np.float64]]
 
-#: Samples a wavelength. No part of p is shorter than the wavelength, so that at a distance d from its maximum P
-#: |p| is at least P cos(k d) (Duffin and Schaeffer 1938): half a cell's diagonal hides 2.2 dB at most.
+#: Samples a wavelength. No part of p is shorter than that, so that at a distance d from its maximum P, |p| is
+#: at least P cos(k d) (Duffin and Schaeffer 1938): half a cell's diagonal hides 2.2 dB, before the search.
 FINE = 8
 
 #: Points taken at once, so that Ctrl-C is heard between them, and most of a box.

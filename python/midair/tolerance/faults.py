@@ -54,7 +54,7 @@ def faulty(scene: Scene, faults: Mapping[str, float], seed: int, trial: int) -> 
 def _responses(scene: Scene, factors: NDArray[np.float64] | Responses) -> Scene:
     array = scene.array
     own = 1.0 if array.response is None else array.response
-    return _changed(scene, array.positions, array.normals, own * factors.astype(complex))
+    return _changed(scene, array.positions, array.normals, np.asarray(own * factors, complex))
 
 
 def _changed(
@@ -68,7 +68,6 @@ def _changed(
         directivity=array.directivity,
         response=response,
         mask=array.mask,
-        quantization=array.quantization,
     )
     return scene.replace(array=changed)
 

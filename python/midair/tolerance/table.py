@@ -98,12 +98,14 @@ class Tolerance:
         return draw(self)
 
     def __repr__(self) -> str:
-        return f"{columns.plain(self.cells())}\n{self._heading()}"
+        return f"{columns.plain(self.cells())}\n{self.heading}"
 
     def _repr_html_(self) -> str:
-        return columns.html(self.cells(), self._heading())
+        return columns.html(self.cells(), self.heading)
 
-    def _heading(self) -> str:
+    @property
+    def heading(self) -> str:
+        """What the table's numbers are, and of how many trials."""
         stopped = ", stopped" if self.status == "stopped" else ""
         return f"parts kept of level and uniformity, {self.trials} trials a row{stopped}"
 

@@ -58,8 +58,8 @@ def tolerate(
     progress : called with (trials done, trials); False stops, and what is done is told
 
     What is kept is `midair.judge`'s level, the mean of |p|/target, and uniformity, min/max of it, over those
-    without faults. Of many transducers in step a phase error s (rad) leaves exp(-s^2/2) of the level, dead ones
-    1 - d, reversed ones 1 - 2 d.
+    without faults. Of many transducers in step, a phase error s (rad) leaves exp(-s^2/2) of the level, dead
+    ones 1 - d, reversed ones 1 - 2 d.
 
     >>> import midair
     >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
@@ -130,7 +130,7 @@ class Trials:
             "seed": self._seed,
         }
         starts = range(0, self._trials, SIZE)
-        jobs = [Job(trials_of, settings, start, min(start + SIZE, self._trials)) for start in starts]
+        jobs = (Job(trials_of, settings, start, min(start + SIZE, self._trials)) for start in starts)
 
         def receive(job: Job, arrays: Arrays) -> None:
             self._done.append(arrays)
