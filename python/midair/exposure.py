@@ -200,12 +200,14 @@ def _of_frames(scene: Scene, sequence: Sequence) -> Blocks:
     """|p| (P, T) of the frames of a sequence."""
     if sequence.array != scene.array:
         raise SceneError("drive is a sequence of another array: give sequence.scene(0) as the scene")
+    # Only array and air count here.
+    bare = scene.replace(pressures=None, weights=None, signature=None)
     drives = sequence.drives
     size = max(WORK // drives.size, 1)
 
     def blocks(points: Points) -> Iterator[NDArray[np.float64]]:
         for first in range(0, len(points), size):
-            matrix = rows(scene, points[first : first + size], "places", first)
+            matrix = rows(bare, points[first : first + size], "places", first)
             yield np.abs(matrix @ drives.T).astype(np.float64)
 
     return blocks

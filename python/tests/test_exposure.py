@@ -58,7 +58,7 @@ def test_a_focus_in_a_box_is_found_where_it_is() -> None:
     point = np.array([0.013, -0.021, 0.2])
     scene = midair.Scene(ARRAY, [point])
     drive = midair.solve(scene, "naive").drive
-    box = point + [[-0.03, -0.02, 0], [0.017, 0.05, 0.04]]
+    box = np.array([[-0.03, -0.02, 0], [0.017, 0.05, 0.04]]) + point
     found = midair.exposure(scene, drive, {"box": box}).worst
     assert found.spl >= spl(moduli(drive, point[None]))[0] - 0.01
     np.testing.assert_allclose(found.position[:2], point[:2], atol=2e-3)
