@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from .._midair import Scene, SceneError, SceneWarning, judge, solve
+from .._midair import Scene, SceneError, judge, solve
 from ..shape.arguments import whole
 from ..sweep.engine import Arrays, Job, Settings, Stopped, go_on, run
 from .faults import faulty, sizes
@@ -172,13 +171,10 @@ def trials_of(settings: Settings, start: int, stop: int) -> Arrays:
 
     rows = groups(settings["faults"])
     found = {name: np.empty((stop - start, 2)) for name in rows}
-    with warnings.catch_warnings():
-        # Faults may look like a slip of a unit, which they are not.
-        warnings.simplefilter("ignore", SceneWarning)
-        whole = measured(scene)
-        for trial in range(start, stop):
-            for name, faults in rows.items():
-                if not go_on():
-                    raise Stopped
-                found[name][trial - start] = measured(faulty(scene, faults, settings["seed"], trial))
+    for trial in range(start, stop):
+        for name, faults in rows.items():
+            if not go_on():
+                raise Stopped
+            found[name][trial - start] = measured(faulty(scene, faults, settings["seed"], trial))
+    whole = measured(scene)
     return {name: values / whole for name, values in found.items()}
