@@ -145,12 +145,22 @@ def test_the_table_is_of_its_trials() -> None:
         ({"phase": 1, "trials": 0}, "trials is 0"),
         ({"phase": 1, "seed": -1}, "seed is -1"),
         ({"temperature": 1000}, "temperature is 1000"),
+        ({"position": 0.5}, "position is 0.5: give at most 0.01"),
         ({"phase": 1, "threads": 0}, "threads is 0"),
     ],
 )
 def test_bad_requests_are_refused(asked: dict[str, float], told: str) -> None:
     with pytest.raises(midair.SceneError, match=told):
         midair.tolerate(SCENE, "naive", **asked)
+
+
+def test_few_transducers_that_are_all_dead_keep_nothing() -> None:
+    one = midair.Scene(midair.Array([[0, 0, 0]]), [[0, 0, 0.1]])
+    table = midair.tolerate(one, "naive", dead=0.5, trials=40)
+    assert set(np.round(table["dead"].level, 6)) == {0, 1}
+    assert 10 < table["dead"].level.sum() < 30
+    whole = midair.tolerate(one, "naive", reversed=1, trials=3)["reversed"]
+    np.testing.assert_allclose(whole.level, 1)
 
 
 def test_a_silent_scene_is_refused() -> None:

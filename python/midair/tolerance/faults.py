@@ -23,7 +23,7 @@ MOST = {
     "reversed": 1.0,
     "temperature": 50.0,
     "tilt": 45.0,
-    "position": 0.1,
+    "position": 0.01,
 }
 
 Responses: TypeAlias = NDArray[np.complex128]
