@@ -55,11 +55,14 @@ from .boards import (
 )
 from .compare import Comparison, compare
 from .ear import Ear, ear
+from .exposure import Exposed, Exposure, exposure
 from .files import read, write
 from .motion import Felt, Sequence, SequenceMetrics, sequence, stream
 from .picture import Picture, image
 from .plot import plot
+from .streaming import Streaming, streaming
 from .sweep import sweep
+from .tolerance import Kept, Tolerance, tolerate
 
 __version__ = _version("midair")
 __all__ = [
@@ -76,9 +79,12 @@ __all__ = [
     "Comparison",
     "Connection",
     "Ear",
+    "Exposed",
+    "Exposure",
     "Felt",
     "Field",
     "Gorkov",
+    "Kept",
     "Metrics",
     "OptionInfo",
     "Picture",
@@ -95,10 +101,13 @@ __all__ = [
     "Solution",
     "Solver",
     "SolverInfo",
+    "Streaming",
+    "Tolerance",
     "bound",
     "compare",
     "connect",
     "ear",
+    "exposure",
     "field",
     "gorkov",
     "image",
@@ -114,6 +123,8 @@ __all__ = [
     "solve_batch",
     "solvers",
     "stream",
+    "streaming",
     "sweep",
+    "tolerate",
     "write",
 ]

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+import midair
+
 BIN = Path(sys.executable).parent
 
 #: There so that a hang is a failure and not a hung suite.
@@ -123,3 +125,12 @@ def test_a_scheduler_that_does_not_answer_is_one_line_within_ten_seconds(tmp_pat
     assert err.count("\n") == 1
     assert f'scheduler "{address}" does not answer' in err
     assert not list(tmp_path.glob("*.csv"))
+
+
+def test_trials_of_faults_are_the_same_on_the_cluster(cluster: Cluster) -> None:
+    array = midair.Array.grid(12, 12, 10e-3)
+    scene = midair.Scene(array, [[-0.02, 0, 0.12], [0.03, 0.01, 0.12]])
+    asked = {"phase": 20, "tilt": 1, "temperature": 5, "trials": 40}
+    near, far = (midair.tolerate(scene, scheduler=address, **asked) for address in (None, cluster.address))
+    assert far.status == "done"
+    assert near.to_dict() == far.to_dict()

@@ -15,6 +15,7 @@ from ..ctrl_c import Terminated, terminable
 from .boards import boards_command
 from .compare import compare_command
 from .export import export_command
+from .exposure import exposure_command
 from .motion import motion_command
 from .new import new_command
 from .off import off_command
@@ -27,6 +28,7 @@ from .solvers import solvers_command
 from .status import FAULT, INTERRUPTED, REFUSED, UNREAD, fault, one_line
 from .streams import abandon, prepare, tell
 from .sweep import sweep_command
+from .tolerate import tolerate_command
 
 app = App(
     name="midair",
@@ -42,6 +44,8 @@ app.command(solvers_command, name="solvers")
 app.command(presets_command, name="presets")
 app.command(reproduce_command, name="reproduce")
 app.command(sweep_command, name="sweep")
+app.command(tolerate_command, name="tolerate")
+app.command(exposure_command, name="exposure")
 app.command(motion_command, name="motion")
 app.command(boards_command, name="boards")
 app.command(ports_command, name="ports")

@@ -54,20 +54,21 @@ def typed_scene(
         raise SceneError(f"--preset is left out: say which array, as in {example}; midair presets lists them")
     if not at:
         raise SceneError(f"--at is left out: give the points, as in {example} --at 0.02,0,0.15")
-    points = [_numbers("--at", point, 3, "three numbers in m, such as --at 0,0,0.15") for point in at]
+    points = [numbers("--at", point, 3, "three numbers in m, such as --at 0,0,0.15") for point in at]
     pressures = None
     if pressure is not None:
         each = f", or {len(points)} with commas between, one a point" if len(points) > 1 else ""
         cure = f"one pressure in Pa{each}"
-        pressures = _numbers("--pressure", pressure, (1, len(points)), cure)
-    boards = _numbers("--tiles", tiles or "1,1", 2, "boards along x and y, such as --tiles 2,2")
+        pressures = numbers("--pressure", pressure, (1, len(points)), cure)
+    boards = numbers("--tiles", tiles or "1,1", 2, "boards along x and y, such as --tiles 2,2")
     if not all(number.is_integer() for number in boards):
         raise SceneError(f"--tiles is {tiles}: give whole numbers, such as --tiles 2,2")
     array = Array.preset(preset, (int(boards[0]), int(boards[1])))
     return Scene(array, points, pressures[0] if pressures and len(pressures) == 1 else pressures)
 
 
-def _numbers(name: str, text: str, count: int | tuple[int, ...], cure: str) -> list[float]:
+def numbers(name: str, text: str, count: int | tuple[int, ...], cure: str) -> list[float]:
+    """Finite numbers as typed, with commas between; the cure says how many."""
     try:
         numbers = [float(number) for number in text.strip("[]() ").split(",")]
     except ValueError:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 
 from rich import box
@@ -47,6 +47,11 @@ def print_solutions(
     """Metrics side by side, under the solvers' names unless told otherwise."""
     solutions = list(solutions)
     columns = cells(solutions, names or [solution.solver for solution in solutions], gaps)
+    print_columns(columns)
+
+
+def print_columns(columns: Mapping[str, list[str]]) -> None:
+    """Columns of text as a table."""
     table = Table(*columns, box=box.SIMPLE_HEAD, pad_edge=False)
     for row in zip(*columns.values(), strict=True):
         table.add_row(*row)

@@ -1,0 +1,213 @@
+"""`midair.exposure`: sound pressure levels at named places, beside a limit and who named it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import columns
+from ._midair import Scene, SceneError, Solution, field
+from .ear import REFERENCE, Ear
+from .limits import Limit, limit_of
+from .loudest import Points, loudest
+from .motion import Sequence
+from .motion.propagation import rows
+from .shape.arguments import refused, vector
+
+#: Products of a transducer, a point and a frame taken at once: a fraction of a second.
+WORK = 200_000_000
+
+#: |p| (P, T) in Pa at points (P, 3) in each frame, the points block by block.
+Blocks: TypeAlias = Callable[[Points], Iterator[NDArray[np.float64]]]
+
+
+@dataclass(frozen=True)
+class Exposed:
+    """One place of a `midair.Exposure`.
+
+    name : as given
+    spl : 20 log10(|p|/sqrt(2)/20 uPa) in dB, of a box at its loudest place; -inf in silence
+    position : where, (x, y, z) in m
+    frame : of a sequence, the loudest one there; 0 otherwise
+    """
+
+    name: str
+    spl: float
+    position: tuple[float, float, float]
+    frame: int
+
+
+@dataclass(frozen=True, repr=False)
+class Exposure:
+    """Levels at named places, from `midair.exposure`: prints as a table, `["left ear"]` is a place.
+
+    places : each an `Exposed`, in the order given
+    limit : name, spl in dB, band in Hz and source of what they stand beside
+    """
+
+    places: tuple[Exposed, ...]
+    limit: Limit
+
+    @property
+    def worst(self) -> Exposed:
+        """The place with the highest level."""
+        return max(self.places, key=lambda place: place.spl)
+
+    @property
+    def above(self) -> tuple[str, ...]:
+        """Names of the places where the level is above the limit."""
+        return tuple(place.name for place in self.places if place.spl > self.limit.spl)
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        """The table as columns: place, spl in dB, over (the limit, in dB), x, y, z in m, frame."""
+        x, y, z = zip(*(place.position for place in self.places), strict=True)
+        return {
+            "place": [place.name for place in self.places],
+            "spl": [place.spl for place in self.places],
+            "over": [place.spl - self.limit.spl for place in self.places],
+            "x": list(x),
+            "y": list(y),
+            "z": list(z),
+            "frame": [place.frame for place in self.places],
+        }
+
+    def __getitem__(self, name: str) -> Exposed:
+        for place in self.places:
+            if place.name == name:
+                return place
+        raise KeyError(
+            f'no place is named "{name}": there are {", ".join(place.name for place in self.places)}'
+        )
+
+    def __len__(self) -> int:
+        return len(self.places)
+
+    def cells(self) -> dict[str, list[str]]:
+        """The table as text for people; the frame only where there are several."""
+        table = self.to_dict()
+        cells = {
+            "place": table["place"],
+            "SPL / dB": [f"{spl:.1f}" for spl in table["spl"]],
+            "over limit / dB": [f"{over:+.1f}" for over in table["over"]],
+            "at x, y, z / mm": [", ".join(f"{1e3 * x:.1f}" for x in place.position) for place in self.places],
+        }
+        return cells if not any(table["frame"]) else {**cells, "frame": [*map(str, table["frame"])]}
+
+    @property
+    def heading(self) -> str:
+        """The limit in words."""
+        return f'limit "{self.limit.name}", {self.limit.spl:g} dB: {self.limit.source}'
+
+    def __repr__(self) -> str:
+        return f"{columns.plain(self.cells())}\n{self.heading}"
+
+    def _repr_html_(self) -> str:
+        return columns.html(self.cells(), self.heading)
+
+
+def exposure(
+    scene: Scene,
+    drive: ArrayLike | Solution | Sequence,
+    places: Mapping[str, ArrayLike | Ear],
+    *,
+    limit: str | float = "howard",
+) -> Exposure:
+    """Sound pressure levels at named places, beside a limit and its source.
+
+    drive : (N,), a Solution, or a Sequence of the scene's array, of which each place gets its loudest frame,
+        at rest
+    places : by name a position (3,) in m, a box as two corners (2, 3), or a `midair.Ear`, which is its box
+    limit : "howard" (110 dB), "acgih" (115), "acgih air" (145), "irpa" (100), or a level in dB
+
+    SPL = 20 log10(|p|/sqrt(2)/20 uPa) of a steady wave. A box is sampled every eighth of a wavelength and
+    searched about its loudest samples. The air is free: a head or a wall, which reflects, adds up to 6 dB. A
+    limit is what its source says about levels; what a person bears is nothing that this can tell.
+
+    >>> import midair
+    >>> scene = midair.Scene(midair.Array.preset("autd3"), [[0.09, 0.07, 0.15]])
+    >>> found = midair.exposure(scene, midair.solve(scene), {"left ear": [0.09, 0.07, 0.6]})
+    >>> found.above
+    ('left ear',)
+    """
+    if not isinstance(scene, Scene):
+        raise TypeError(f"expected a midair.Scene first, not {type(scene).__qualname__}")
+    named = limit_of(scene, limit)
+    boxes = _boxes(places)
+    blocks = _of_frames(scene, drive) if isinstance(drive, Sequence) else _of_one(scene, drive)
+
+    def levels(points: Points) -> NDArray[np.float64]:
+        return np.concatenate([block.max(axis=1) for block in blocks(points)])
+
+    found = []
+    for name, (low, high) in boxes.items():
+        place = low
+        if (high > low).any():
+            _keep_off(scene, name, low, high)
+            place, _ = loudest(name, low, high, scene.wavelength, levels)
+        (there,) = np.concatenate(list(blocks(place[None])))
+        frame = int(there.argmax())
+        spl = -np.inf if there[frame] == 0 else 20 * np.log10(there[frame] / np.sqrt(2) / REFERENCE)
+        x, y, z = map(float, place)
+        found.append(Exposed(name, float(spl), (x, y, z), frame))
+    return Exposure(tuple(found), named)
+
+
+def _boxes(places: Any) -> dict[str, tuple[Points, Points]]:
+    """The lowest and highest corner of each place."""
+    if not isinstance(places, Mapping) or not places:
+        raise refused(
+            "places", places, 'give a dict of names and positions, such as {"left ear": [0, 0.1, 0.5]}'
+        )
+    boxes = {}
+    for name, place in places.items():
+        if not isinstance(name, str):
+            raise refused("places", name, "give names as text")
+        if isinstance(place, Ear):
+            corners = place.points
+        elif np.ndim(place) == 2 and len(place) == 2:
+            corners = np.stack([vector(f'places["{name}"]', corner) for corner in place])
+        else:
+            corners = vector(f'places["{name}"]', place)[None]
+        boxes[name] = corners.min(axis=0), corners.max(axis=0)
+    return boxes
+
+
+def _keep_off(scene: Scene, name: str, low: Points, high: Points) -> None:
+    """Refuse a box so near to a transducer that the loudest place is the transducer's own."""
+    positions = scene.array.positions
+    nearest = float(np.linalg.norm(positions - positions.clip(low, high), axis=1).min())
+    if nearest < scene.wavelength:
+        raise SceneError(
+            f'places["{name}"] is a box {1e3 * nearest:.2g} mm from a transducer: give one at least'
+            f" a wavelength away, {1e3 * scene.wavelength:.2g} mm"
+        )
+
+
+def _of_one(scene: Scene, drive: ArrayLike | Solution) -> Blocks:
+    """|p| (P, 1) of one drive."""
+
+    def blocks(points: Points) -> Iterator[NDArray[np.float64]]:
+        yield np.abs(field(scene, drive, points).pressure)[:, None].astype(np.float64)
+
+    return blocks
+
+
+def _of_frames(scene: Scene, sequence: Sequence) -> Blocks:
+    """|p| (P, T) of the frames of a sequence."""
+    if sequence.array != scene.array:
+        raise SceneError("drive is a sequence of another array: give sequence.scene(0) as the scene")
+    # Only array and air count here.
+    bare = scene.replace(pressures=None, weights=None, signature=None)
+    drives = sequence.drives
+    size = max(WORK // drives.size, 1)
+
+    def blocks(points: Points) -> Iterator[NDArray[np.float64]]:
+        for first in range(0, len(points), size):
+            matrix = rows(bare, points[first : first + size], "places", first)
+            yield np.abs(matrix @ drives.T).astype(np.float64)
+
+    return blocks
