@@ -53,6 +53,7 @@ from .boards import (
     connect,
     ports,
 )
+from .calibration import Calibration, calibrate, calibration_drives
 from .compare import Comparison, compare
 from .ear import Ear, ear
 from .files import read, write
@@ -73,6 +74,7 @@ __all__ = [
     "BoardNotFound",
     "BoardPermission",
     "BoardTimeout",
+    "Calibration",
     "Comparison",
     "Connection",
     "Ear",
@@ -96,6 +98,8 @@ __all__ = [
     "Solver",
     "SolverInfo",
     "bound",
+    "calibrate",
+    "calibration_drives",
     "compare",
     "connect",
     "ear",

@@ -13,6 +13,7 @@ from cyclopts import App, CycloptsError, UnusedCliTokensError
 from .. import BoardError, SceneError, SceneWarning, __version__
 from ..ctrl_c import Terminated, terminable
 from .boards import boards_command
+from .calibrate import calibrate_command
 from .compare import compare_command
 from .export import export_command
 from .motion import motion_command
@@ -43,6 +44,7 @@ app.command(presets_command, name="presets")
 app.command(reproduce_command, name="reproduce")
 app.command(sweep_command, name="sweep")
 app.command(motion_command, name="motion")
+app.command(calibrate_command, name="calibrate")
 app.command(boards_command, name="boards")
 app.command(ports_command, name="ports")
 app.command(play_command, name="play")
