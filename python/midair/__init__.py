@@ -61,6 +61,7 @@ from .motion import Felt, Sequence, SequenceMetrics, sequence, stream
 from .picture import Picture, image
 from .plot import plot
 from .sweep import sweep
+from .tuning import Tuning, tune
 
 __version__ = _version("midair")
 __all__ = [
@@ -97,6 +98,7 @@ __all__ = [
     "Solution",
     "Solver",
     "SolverInfo",
+    "Tuning",
     "bound",
     "calibrate",
     "calibration_drives",
@@ -119,5 +121,6 @@ __all__ = [
     "solvers",
     "stream",
     "sweep",
+    "tune",
     "write",
 ]

@@ -11,7 +11,7 @@ from .._midair import SceneError
 from ..shape.arguments import refused
 from .model import Complex, Real
 
-#: So many readings at one microphone's very maximum, and this part of all, are a converter's end and no chance.
+#: So many readings at one microphone's very maximum, and this part of all, are a converter's end.
 CLIPPED, CLIPPED_PART = 4, 0.01
 
 
@@ -21,9 +21,7 @@ def drives_of(value: Any, transducers: int) -> Complex:
         "drives", value, f"give drives (K, {transducers}), as midair.calibration_drives makes them"
     )
     if found.ndim != 2 or found.shape[1] != transducers or not len(found):
-        raise SceneError(
-            f"drives have shape {found.shape}: give (K, {transducers}), a row of {transducers} transducers for each drive"
-        )
+        raise SceneError(f"drives have shape {found.shape}: give (K, {transducers}), a row for each drive")
     if np.abs(found).max() > 1 + 1e-5:
         raise SceneError(f"drives reach {np.abs(found).max():.4g}: 1 is full drive, give what was played")
     if not np.abs(found).max():
@@ -38,17 +36,17 @@ def readings_of(value: Any, drives: int, microphones: int, phased: bool | None) 
         found = found[:, None]
     if found.shape != (drives, microphones):
         raise SceneError(
-            f"readings have shape {found.shape}: give ({drives}, {microphones}), a row for each drive and a column "
-            "for each microphone"
+            f"readings have shape {found.shape}: give ({drives}, {microphones}), "
+            "a row for each drive and a column for each microphone"
         )
     if phased and not np.iscomplexobj(found):
         raise SceneError("readings are real, but complex=True: give complex ones, or leave complex out")
     if phased is False:
         found = np.abs(found)
     if not np.iscomplexobj(found) and found.min() < 0:
-        k, m = np.unravel_index(int(found.argmin()), found.shape)
+        k, at = np.unravel_index(int(found.argmin()), found.shape)
         raise SceneError(
-            f"readings[{k}, {m}] is {found[k, m]:.4g}: |p| is never negative, give moduli or complex ones"
+            f"readings[{k}, {at}] is {found[k, at]:.4g}: |p| is never negative, give moduli or complex ones"
         )
     for m, heard in enumerate(found.T):
         if not np.abs(heard).max():
@@ -56,7 +54,7 @@ def readings_of(value: Any, drives: int, microphones: int, phased: bool | None) 
                 f"readings[:, {m}] are all 0: microphone {m} hears nothing, mend it or leave it out"
             )
         _not_clipped(heard, m)
-    return found.astype(np.complex128 if np.iscomplexobj(found) else np.float64)
+    return found.astype(np.complex128) if np.iscomplexobj(found) else found.astype(np.float64)
 
 
 def _not_clipped(heard: NDArray[Any], m: int) -> None:
@@ -66,7 +64,7 @@ def _not_clipped(heard: NDArray[Any], m: int) -> None:
         many = int(np.sum(np.abs(part) > top * (1 - 1e-6)))
         if many >= max(CLIPPED, CLIPPED_PART * len(part)):
             raise SceneError(
-                f"readings[:, {m}] are clipped: {many} of {len(part)} are {top:.4g} Pa, the end of its range; "
+                f"readings[:, {m}] are clipped: {many} of {len(part)} are {top:.4g} Pa, its end; "
                 "measure at a lower intensity or farther away"
             )
 
@@ -97,7 +95,6 @@ def _numbers(item: str, value: Any, cure: str) -> NDArray[Any]:
         raise SceneError(f"{item} hide entries under a mask: leave out the whole drive instead")
     if not np.isfinite(found).all():
         place = ", ".join(map(str, np.argwhere(~np.isfinite(found))[0]))
-        raise SceneError(
-            f"{item}[{place}] is {found[~np.isfinite(found)][0]}: give finite numbers, or leave out that drive"
-        )
+        value = found[~np.isfinite(found)][0]
+        raise SceneError(f"{item}[{place}] is {value}: give finite numbers, or leave out that drive")
     return found

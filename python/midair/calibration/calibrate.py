@@ -16,7 +16,7 @@ from .fit import Fitted, fit
 from .model import Complex, Model, Priors
 from .result import Calibration
 
-#: Below this part of the median modulus a transducer is dead, if believing it alive is two standard deviations off.
+#: Below DEAD times the median modulus a transducer is dead, if ALIVE times is two standard deviations off.
 DEAD, ALIVE = 0.4, 0.75
 #: A phase off by more than this many rad is a transducer connected the wrong way round.
 REVERSED = np.radians(115)
@@ -56,11 +56,11 @@ def calibrate(
     pose_error : how far that may be off, in m and rad
     progress : called with (step, steps)
 
-    All errors are standard deviations. Also fitted is the one number of the directivity: an exponent of the cosine
+    All errors are standard deviations. The directivity's one number is fitted, too: an exponent of the cosine
     for "point" and "cos", the size of a piston or strip. Raises `SceneError` for what cannot be readings.
 
-    Least squares by Levenberg-Marquardt from what the array says, the readings trusted to 30 % of their root mean
-    square first and .6 times tighter a step down to their noise (docs/measuring.md).
+    Least squares by Levenberg-Marquardt from what the array says, the readings trusted to 30 % of their root
+    mean square first and .6 times tighter a step down to their noise (docs/measuring.md).
     """
     given = scene_or_array
     if not isinstance(given, Array | Scene):
@@ -123,8 +123,8 @@ def _enough(heard: Any, played: Complex) -> None:
     if count < sounding:
         each = "0.5 complex ones" if np.iscomplexobj(heard) else "1"
         raise SceneError(
-            f"readings are too few: {heard.size} of {sounding} transducers; at least {each} a transducer are needed, "
-            "4 of |p| are plenty"
+            f"readings are too few: {heard.size} of {sounding} transducers; "
+            f"at least {each} a transducer are needed, 4 of |p| are plenty"
         )
 
 
@@ -145,8 +145,8 @@ def _result(scene: Scene, model: Model, found: Fitted, believed: Complex, played
     loudness = float(np.abs(found.responses[sounding]).mean() / max(np.abs(believed[sounding]).mean(), 1e-30))
     if not 1 / LOUDNESS < loudness < LOUDNESS:
         warnings.warn(
-            f"readings are {loudness:.3g} times as loud as the array's source_pressure says: give peak pressures in Pa, "
-            "or the responses mean only ratios",
+            f"readings are {loudness:.3g} times as loud as the array's source_pressure says: "
+            "give peak pressures in Pa, or the responses mean only ratios",
             SceneWarning,
             stacklevel=4,
         )

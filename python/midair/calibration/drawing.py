@@ -20,8 +20,14 @@ def draw(calibration: Calibration) -> Figure:
     left, middle, right = figure.subplots(1, 3)
     places = calibration.array.positions * 1e3
     shades = (
-        (left, calibration.gain, "gain", "viridis", {"vmin": 0.0}),
-        (middle, np.degrees(calibration.phase), "phase in degrees", "twilight", {"vmin": -180, "vmax": 180}),
+        (left, calibration.gain, "gain", "viridis", {"vmin": 0.0, "vmax": float(calibration.gain.max())}),
+        (
+            middle,
+            np.degrees(calibration.phase),
+            "phase in degrees",
+            "twilight",
+            {"vmin": -180.0, "vmax": 180.0},
+        ),
     )
     for ax, values, title, colours, ends in shades:
         _over_array(ax, places, values, colours, ends)

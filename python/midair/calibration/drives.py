@@ -17,9 +17,9 @@ MOST = 100_000_000
 def calibration_drives(
     array: Array | Scene, readings_per_transducer: float = 4.0, *, microphones: int = 4, seed: int = 0
 ) -> NDArray[np.complex64]:
-    """Drives (K, N) to play for `midair.calibrate`: all transducers at full drive and random phases of the board.
+    """Drives (K, N) to play for `midair.calibrate`: full drive, random phases of the board.
 
-    readings_per_transducer : K times the microphones over N, rounded up; 4 of |p| are plenty, 2 complex ones, too
+    readings_per_transducer : K times the microphones over N; 4 of |p| or 2 complex ones are plenty
     microphones : how many listen
     seed : of the phases
 
@@ -42,7 +42,8 @@ def calibration_drives(
     if count * len(array) > MOST:
         cure = f"that makes {count} drives of {len(array)} transducers, give less"
         raise refused("readings_per_transducer", readings_per_transducer, cure)
-    phases = (array.quantization or {}).get("phases") or PHASES
+    quantization = array.quantization or {}
+    phases = int(quantization.get("phases") or PHASES)
     drives = np.zeros((count, len(array)), np.complex64)
     codes = np.random.default_rng(seed).integers(0, phases, (count, len(played)))
     drives[:, played] = np.exp(2j * np.pi * codes / phases)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from .model import Complex, Model, Real
 
-#: Readings are first trusted to this part of their root mean square, then so many times tighter a step. Without it
-#: the fit ends in false minima where noise is small and readings are few.
+#: Readings are first trusted to this part of their root mean square, then so many times tighter a step.
+#: Without it the fit ends in false minima where noise is small and readings are few.
 FIRST_TRUST, TIGHTER = 0.3, 0.6
 #: Steps at most. Once trusted to their noise, the fit ends when a step gains less than this part of its cost.
 STEPS, GAIN = 40, 1e-3
@@ -63,11 +64,10 @@ def fit(
     noise: float,
     progress: Callable[[int, int], object],
 ) -> Fitted:
-    """Responses x and the state s with the least |f(x, s) - readings|^2 / noise^2 + their distance from the priors.
+    """Responses and state of the least misfit, weighed against their distance from what was believed.
 
-    Readings (K, M) of drives (K, N): moduli, or complex. `prior` is the standard deviation of re and im of each
-    response, relative to their mean modulus; None learns it from step to step, as the spread that the responses have.
-    `noise` in Pa is the least that readings are taken to have.
+    Readings (K, M) of drives (K, N): moduli, or complex. `prior` is the standard deviation of re and im of
+    each response, relative to their mean modulus; None learns it from step to step, as their spread. `noise` in Pa is the least that readings are taken to have.
     """
     phased = np.iscomplexobj(readings)
     centre, state = _start(model, drives, readings, believed)
@@ -131,16 +131,17 @@ def _start(
     """
     phased = np.iscomplexobj(readings)
     reach = 3 * model.spread[0]
-    best, start = -1.0, (believed, model.start)
+    best = -1.0
+    start = believed, model.start
     for offset in np.arange(-reach, reach + SPEED_STEP, SPEED_STEP) if reach else [0.0]:
         state = model.start.copy()
         state = model.moved(state, np.eye(len(model.free))[0] * offset) if reach else state
         p = _heard(drives, believed, model.matrix(state), phased)
         product = np.vdot(p, readings) / np.linalg.norm(p)
         if abs(product) > best:
-            loudness = np.linalg.norm(readings) / np.linalg.norm(p)
+            loudness = float(np.linalg.norm(readings) / np.linalg.norm(p))
             turned = product / abs(product) if phased else 1.0
-            best, start = abs(product), (believed * loudness * turned, state)
+            best, start = float(abs(product)), (believed * (loudness * turned), state)
     return start
 
 
@@ -177,16 +178,16 @@ def _normal(model: Model, drives: Complex, here: Place, spread: Real) -> tuple[R
     return square, slope
 
 
-def _inverse_factor(square: Real) -> Real:
+def _inverse_factor(square: Any) -> Any:
     """The inverse L^-1 of the Cholesky factor of a matrix L L^T."""
     return _lower_inverse(np.linalg.cholesky(square))
 
 
-def _lower_inverse(lower: Real) -> Real:
+def _lower_inverse(lower: Any) -> Any:
     """By halves: of [[A, 0], [B, C]] it is [[A^-1, 0], [-C^-1 B A^-1, C^-1]]."""
     n = len(lower)
     if n <= 64:
-        return np.asarray(np.linalg.inv(lower))
+        return np.linalg.inv(lower)
     half = n // 2
     a, c = _lower_inverse(lower[:half, :half]), _lower_inverse(lower[half:, half:])
     found = np.zeros_like(lower)

@@ -1,4 +1,4 @@
-"""What microphones hear of an array by the core's propagation, and how that changes with air, lobes and places."""
+"""What microphones hear of an array by the core's propagation, and how that changes with air and places."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ Complex = NDArray[np.complex128]
 
 #: The air that a fit may find, in m/s: -60 to 60 degrees C (docs/conventions.md).
 AIR = (293.0, 366.0)
-#: Standard deviations of a directivity's number before any reading: of a cosine's exponent, and of a piston's radius
-#: and a strip's width relative to it. "point" is the cosine to the power of 0.
+#: Standard deviations of a directivity's number before any reading: of a cosine's exponent, and of a
+#: piston's radius and a strip's width relative to it. "point" is the cosine to the power of 0.
 EXPONENT, WIDTH = 2.0, 0.3
 #: And of the phase of a clock: nothing is known of it, in rad.
 CLOCK = 10.0
@@ -38,9 +38,9 @@ class Priors:
 class Model:
     """Pressures at microphones by the state of the world, a vector.
 
-    In this order: the sound speed, the directivity's number, the phase of the readings' clock, places (M, 3) of the microphones, how the second
-    board is moved (3,) in m and turned (3,) about its middle in rad. Its indices are `second`, none where no
-    board's pose is in doubt.
+    In this order: the sound speed, the directivity's number, the phase of the readings' clock, places (M, 3)
+    of the microphones, how the second board is moved (3,) in m and turned (3,) about its middle in rad. Its
+    indices are `second`, none where no board's pose is in doubt.
     """
 
     def __init__(
@@ -74,13 +74,13 @@ class Model:
             # What the fit tries is nothing to warn of.
             warnings.simplefilter("ignore", SceneWarning)
             scene = self._scene.replace(array=array, points=self.microphones(state), sound_speed=state[0])
-        return scene.propagation() * np.exp(1j * state[2])
+        return np.asarray(scene.propagation() * np.exp(1j * state[2]))
 
     def slopes(self, state: Real, matrix: Complex) -> Complex:
         """Derivatives (F, M, N) of the matrix by what is free.
 
-        A wave e^{jkr}/r changes by (jk - 1/r) a metre along its ray and by -jkr/c a m/s; the directivity's number
-        by a difference. That the lobe turns with a place is left to the next step's matrix.
+        A wave e^{jkr}/r changes by (jk - 1/r) a metre along its ray and by -jkr/c a m/s; the directivity's
+        number by a difference. That the lobe turns with a place is left to the next step's matrix.
         """
         positions, _ = self._placed(state)
         rays = self.microphones(state)[:, None] - positions

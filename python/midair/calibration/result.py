@@ -23,9 +23,9 @@ ENDINGS = (".npz", ".toml", ".json")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Calibration:
-    """An array as `midair.calibrate` found it. N transducers, M microphones, K drives; errors are standard deviations."""
+    """An array as `midair.calibrate` found it by K drives at M microphones. Errors: standard deviations."""
 
-    #: (N,) complex, relative to `source_pressure`, their common phase that of the array's own; of dead ones 0.
+    #: (N,) complex, relative to `source_pressure`, in phase with the array's own on the whole; dead: 0.
     response: NDArray[np.complex128]
     #: (N,) of re and of im of each.
     response_error: NDArray[np.float64]
@@ -56,12 +56,12 @@ class Calibration:
     @property
     def gain(self) -> NDArray[np.float64]:
         """|response| (N,)."""
-        return np.abs(self.response)
+        return np.asarray(np.abs(self.response))
 
     @property
     def phase(self) -> NDArray[np.float64]:
         """The responses' phases (N,) in rad."""
-        return np.angle(self.response)
+        return np.asarray(np.angle(self.response))
 
     @property
     def gain_error(self) -> NDArray[np.float64]:

@@ -33,11 +33,11 @@ def calibrate_command(
     Parameters
     ----------
     readings
-        An .npz file with drives (K, N), readings (K, M), microphones (M, 3) in m and scene, the text of a scene file.
+        An .npz file with drives (K, N), readings (K, M), microphones (M, 3) in m and scene, a file's text.
     output_file
         Where the corrected scene goes, .toml or .json; an .npz holds everything.
     scene
-        The scene file, where the readings' file has none; its points are the microphones where that names none.
+        The scene file, where the readings have none; its points are the microphones where they name none.
     noise
         Least standard deviation of a reading, in Pa.
     prior
