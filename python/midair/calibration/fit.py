@@ -67,7 +67,8 @@ def fit(
     """Responses and state of the least misfit, weighed against their distance from what was believed.
 
     Readings (K, M) of drives (K, N): moduli, or complex. `prior` is the standard deviation of re and im of
-    each response, relative to their mean modulus; None learns it from step to step, as their spread. `noise` in Pa is the least that readings are taken to have.
+    each response, relative to their mean modulus; None learns it from step to step, as their spread. `noise`
+    in Pa is the least that readings are taken to have.
     """
     phased = np.iscomplexobj(readings)
     centre, state = _start(model, drives, readings, believed)

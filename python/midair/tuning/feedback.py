@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 
 from .._midair import Scene, solve, solvers
@@ -14,16 +16,18 @@ QUIETEST = 0.1
 
 
 def feedback(player: Player, scene: Scene, targets: Real, solver: str, steps: int) -> None:
-    """t_j <- t_j (mean x / x_j)^0.7 with x_j = |p_j| / target_j as read, and the scene solved for t (slmsuite's).
+    """t_j <- t_j (mean x / x_j)^0.7 with x_j = |p_j| / target_j as read, the scene solved for t.
 
-    It evens out and gains no level: the model stays as it is.
+    The camera feedback of slmsuite. It evens out and gains no level: the model stays as it is.
     """
-    uses_aim = any(each.name == solver and each.uses_aim for each in solvers())
-    options = {"aim": "max"} if uses_aim else {}
+    # Ratios are what is corrected: those that can aim give their loudest at them.
+    aim: Literal["max"] | None = (
+        "max" if any(each.name == solver and each.uses_aim for each in solvers()) else None
+    )
     wanted = targets.copy()
     asked = targets > 0
     for _ in range(steps):
-        drive = solve(scene.replace(pressures=wanted), solver, **options).drive
+        drive = solve(scene.replace(pressures=wanted), solver, aim=aim).drive
         pressures = player(drive)
         player.trace.append(player.value(pressures))
         x = pressures[asked] / targets[asked]

@@ -13,8 +13,8 @@ ROUNDING = 1e-7
 def greedy(player: Player, drive: Complex, order: Indices, phases: int, tries: bool) -> None:
     """One transducer after another takes the phase whose pressures come nearest, all others as they are.
 
-    At any place |p|^2 of a transducer's phase phi is a + b cos phi + c sin phi: three readings determine it at
-    every phase. `tries` reads each of the L phases instead, as the paper has it.
+    At any place |p|^2 of a transducer's phase phi is a + b cos phi + c sin phi: three readings determine
+    it at every phase. `tries` reads each of the L phases instead, as the paper has it.
     """
     turns = 2 * np.pi * np.arange(phases) / phases
     heard = np.arange(phases) if tries or phases <= 3 else np.round(np.arange(3) * phases / 3).astype(int)

@@ -85,7 +85,8 @@ class Player:
         kind = "|p|^2" if self._power else "|p|"
         if found.shape != (self._count,) or found.dtype.kind not in "iuf":
             raise SceneError(
-                f"read gave {found.dtype} of shape {found.shape}: give {kind} at {self._count} places, real numbers"
+                f"read gave {found.dtype} of shape {found.shape}: "
+                f"give {kind} at {self._count} places, real numbers"
             )
         if not np.isfinite(found).all() or found.min() < 0:
             worst = int(np.flatnonzero(~np.isfinite(found) | (found < 0))[0])

@@ -8,7 +8,7 @@ import numpy as np
 
 from .player import Complex, Drive, Player, Real
 
-#: Step and nudge at first, in rad a unit of value and in rad, and how they fall (Spall 1998, IEEE TAES 34, 817).
+#: Step (rad a unit of value) and nudge (rad) at first, and how they fall (Spall 1998, IEEE TAES 34, 817).
 STEP, NUDGE = 4.0, 0.4
 STEP_FALLS, NUDGE_FALLS, DELAY = 0.602, 0.101, 0.1
 

@@ -45,9 +45,9 @@ def tune(
     array_or_scene : a scene whose points are the places, or an array alone with `targets`
     method : "greedy", transducer by transducer, three readings each; "feedback", the model solved for targets
         that are corrected by what is read; "spsa", all phases nudged at random
-    targets : |p| (M,) wanted, in the unit of the readings; left out, the scene's pressures or its balanced level
-    start : "silence" or "model" (the scene solved), a drive (N,) or a Solution; left out, greedy begins in silence,
-        spsa with the model's answer. Feedback always solves
+    targets : |p| (M,) wanted, in the readings' unit; left out, the scene's pressures or balanced level
+    start : "silence" or "model" (the scene solved), a drive (N,) or a Solution; left out, greedy begins in
+        silence, spsa with the model's answer. Feedback always solves
     phases : L, candidates of greedy
     tries : greedy reads each candidate, L readings a transducer as in the paper, in place of three
     steps : of feedback (10, a reading each) and spsa (384, two readings each)
@@ -103,8 +103,8 @@ def tune(
             SceneWarning,
             stacklevel=2,
         )
-    best, drive, pressures = player.best
-    return Tuning(drive, pressures, best, player.readings, status, error, np.array(player.trace))
+    best, played, pressures = player.best
+    return Tuning(played, pressures, best, player.readings, status, error, np.array(player.trace))
 
 
 def _through(work: Callable[[], None], player: Player) -> tuple[Status, Exception | None]:
@@ -178,7 +178,7 @@ def _start(
         raise refused("start", given, f'give "silence", "model" or a finite drive ({len(sounding)},)')
     if np.abs(found).max() > 1 + 1e-5:
         raise refused("start", given, "1 is full drive")
-    return found * sounding
+    return np.asarray(found * sounding, np.complex128)
 
 
 def _on_grid(phases: int, array: Array) -> None:
