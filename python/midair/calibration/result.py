@@ -72,7 +72,8 @@ class Calibration:
     def phase_error(self) -> NDArray[np.float64]:
         """Of each phase (N,) in rad; at most pi / sqrt(3), that of a phase of which nothing is known."""
         unknown = np.pi / np.sqrt(3)
-        return self.response_error / np.maximum(self.gain, np.maximum(self.response_error, 1e-30) / unknown)
+        least = np.maximum(self.response_error, 1e-30) / unknown
+        return np.asarray(self.response_error / np.maximum(self.gain, least))
 
     def __repr__(self) -> str:
         alive = np.delete(self.gain, self.dead)

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from .._midair import Scene, solve, solvers
+from .._midair import Scene, solve, solver_name, solvers
 from .player import Player, Real
 
 #: How much of a deviation is corrected at once.
@@ -21,9 +21,7 @@ def feedback(player: Player, scene: Scene, targets: Real, solver: str, steps: in
     The camera feedback of slmsuite. It evens out and gains no level: the model stays as it is.
     """
     # Ratios are what is corrected: those that can aim give their loudest at them.
-    aim: Literal["max"] | None = (
-        "max" if any(each.name == solver and each.uses_aim for each in solvers()) else None
-    )
+    aim: Literal["max"] | None = "max" if solvers()[solver_name(solver)].uses_aim else None
     wanted = targets.copy()
     asked = targets > 0
     for _ in range(steps):

@@ -19,7 +19,7 @@ class Tuning:
     drive: NDArray[np.complex64]
     #: |p| (M,) with it, as read or as three readings determine it.
     pressures: NDArray[np.float64]
-    #: How far it is from what was asked: the residual of eq. (7) relative to silence; feedback: 1 - uniformity.
+    #: How far it is from what was asked: the residual of eq. (7) over silence's; feedback: 1 - uniformity.
     value: float
     #: How often was read.
     readings: int
