@@ -53,6 +53,7 @@ from .boards import (
     connect,
     ports,
 )
+from .calibration import Calibration, calibrate, calibration_drives
 from .compare import Comparison, compare
 from .ear import Ear, ear
 from .exposure import Exposed, Exposure, exposure
@@ -63,6 +64,7 @@ from .plot import plot
 from .streaming import Streaming, streaming
 from .sweep import sweep
 from .tolerance import Kept, Tolerance, tolerate
+from .tuning import Tuning, tune
 
 __version__ = _version("midair")
 __all__ = [
@@ -76,6 +78,7 @@ __all__ = [
     "BoardNotFound",
     "BoardPermission",
     "BoardTimeout",
+    "Calibration",
     "Comparison",
     "Connection",
     "Ear",
@@ -103,7 +106,10 @@ __all__ = [
     "SolverInfo",
     "Streaming",
     "Tolerance",
+    "Tuning",
     "bound",
+    "calibrate",
+    "calibration_drives",
     "compare",
     "connect",
     "ear",
@@ -126,5 +132,6 @@ __all__ = [
     "streaming",
     "sweep",
     "tolerate",
+    "tune",
     "write",
 ]

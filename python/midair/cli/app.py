@@ -13,6 +13,7 @@ from cyclopts import App, CycloptsError, UnusedCliTokensError
 from .. import BoardError, SceneError, SceneWarning, __version__
 from ..ctrl_c import Terminated, terminable
 from .boards import boards_command
+from .calibrate import calibrate_command
 from .compare import compare_command
 from .export import export_command
 from .exposure import exposure_command
@@ -47,6 +48,7 @@ app.command(sweep_command, name="sweep")
 app.command(tolerate_command, name="tolerate")
 app.command(exposure_command, name="exposure")
 app.command(motion_command, name="motion")
+app.command(calibrate_command, name="calibrate")
 app.command(boards_command, name="boards")
 app.command(ports_command, name="ports")
 app.command(play_command, name="play")

@@ -1,0 +1,197 @@
+"""The fit: responses, sound speed and places from readings, by Levenberg-Marquardt with annealed trust."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .model import Complex, Model, Real
+
+#: Readings are first trusted to this part of their root mean square, then so many times tighter a step.
+#: Without it the fit ends in false minima where noise is small and readings are few.
+FIRST_TRUST, TIGHTER = 0.3, 0.6
+#: Steps at most. Once trusted to their noise, the fit ends when a step gains less than this part of its cost.
+STEPS, GAIN = 40, 1e-3
+#: The most damping of a step that is tried, in units of the prior's curvature.
+MOST_DAMPING = 1e3
+#: Speeds looked through before the first step are so far apart, in m/s.
+SPEED_STEP = 0.5
+#: Drives of a block of the normal equations: what Ctrl-C waits for.
+BLOCK = 256
+#: Where no prior is given, that of re and im of a response to begin with, relative to their mean modulus.
+PRIOR = 0.3
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """Where a fit ended: responses (N,) and state with their standard deviations, held ones with 0."""
+
+    responses: Complex
+    responses_error: Real
+    state: Real
+    state_error: Real
+    #: In Pa.
+    noise: float
+    #: Model minus reading (K, M) in Pa.
+    residuals: Real | Complex
+
+
+@dataclass(frozen=True)
+class Place:
+    """A place on the way: what is held true, and how far that is from the readings."""
+
+    #: How far re and im of the responses, and what of the state is free, are from what was believed.
+    off: Real
+    responses: Complex
+    state: Real
+    residuals: Real | Complex
+
+    @property
+    def misfit(self) -> float:
+        """Sum of the squared residuals."""
+        return float(np.vdot(self.residuals, self.residuals).real)
+
+
+def fit(
+    model: Model,
+    drives: Complex,
+    readings: Real | Complex,
+    believed: Complex,
+    prior: float | None,
+    noise: float,
+    progress: Callable[[int, int], object],
+) -> Fitted:
+    """Responses and state of the least misfit, weighed against their distance from what was believed.
+
+    Readings (K, M) of drives (K, N): moduli, or complex. `prior` is the standard deviation of re and im of
+    each response, relative to their mean modulus; None learns it from step to step, as their spread. `noise`
+    in Pa is the least that readings are taken to have.
+    """
+    phased = np.iscomplexobj(readings)
+    centre, state = _start(model, drives, readings, believed)
+    n, modulus = len(centre), float(np.abs(centre).mean())
+    spread = np.r_[np.full(2 * n, (prior or PRIOR) * modulus), model.spread[model.free]]
+    rms = float(np.sqrt(np.mean(np.abs(readings) ** 2)))
+    count = readings.size * (2 if phased else 1)
+
+    def place(off: Real) -> Place:
+        responses = centre + off[:n] + 1j * off[n : 2 * n]
+        at = model.moved(state, off[2 * n :])
+        return Place(off, responses, at, _heard(drives, responses, model.matrix(at), phased) - readings)
+
+    here = place(np.zeros(len(spread)))
+    trust, damping, noise = max(FIRST_TRUST * rms, noise), 0.0, max(noise, 1e-6 * rms)
+    for step in range(STEPS):
+        progress(step, STEPS)
+        square, slope = _normal(model, drives, here, spread)
+        unknowns = here.off / spread
+        left = np.sum(_inverse_factor(square / trust**2 + np.eye(len(spread))) ** 2, axis=0)
+        # Of the unknowns, what the readings determine takes as many readings with it.
+        found = float(np.sqrt(here.misfit / max(count - np.sum(1 - left), 1.0)))
+        settled = trust <= 1.05 * max(found, noise)
+        trust = max(noise, TIGHTER * trust, min(trust, found))
+        cost = here.misfit / trust**2 + unknowns @ unknowns
+        while True:
+            factor = _inverse_factor(square / trust**2 + (1 + damping) * np.eye(len(spread)))
+            then = unknowns - factor.T @ (factor @ (slope / trust**2 + unknowns))
+            there = place(then * spread)
+            gain = cost - there.misfit / trust**2 - then @ then
+            if gain > 0 or damping > MOST_DAMPING:
+                break
+            damping = max(4 * damping, 0.01)
+        if gain > 0:
+            here, damping = there, damping / 4
+        if settled and gain < GAIN * cost:
+            break
+        if prior is None:
+            spread[: 2 * n] = np.sqrt(np.mean(here.off[: 2 * n] ** 2 + left[: 2 * n] * spread[: 2 * n] ** 2))
+    progress(STEPS, STEPS)
+    error = np.sqrt(left) * spread
+    others = np.zeros(len(state))
+    others[model.free] = error[2 * n :]
+    return Fitted(
+        here.responses,
+        np.sqrt((error[:n] ** 2 + error[n : 2 * n] ** 2) / 2),
+        here.state,
+        others,
+        trust,
+        here.residuals,
+    )
+
+
+def _start(
+    model: Model, drives: Complex, readings: Real | Complex, believed: Complex
+) -> tuple[Complex, Real]:
+    """The believed responses at the loudness of the readings, in the air that fits them best.
+
+    The speeds within three standard deviations are looked through: over a large array a wave slips by more
+    than half a length for a wrong one, which no step would find back from.
+    """
+    phased = np.iscomplexobj(readings)
+    reach = 3 * model.spread[0]
+    best = -1.0
+    start = believed, model.start
+    for offset in np.arange(-reach, reach + SPEED_STEP, SPEED_STEP) if reach else [0.0]:
+        state = model.start.copy()
+        state = model.moved(state, np.eye(len(model.free))[0] * offset) if reach else state
+        p = _heard(drives, believed, model.matrix(state), phased)
+        product = np.vdot(p, readings) / np.linalg.norm(p)
+        if abs(product) > best:
+            loudness = float(np.linalg.norm(readings) / np.linalg.norm(p))
+            turned = product / abs(product) if phased else 1.0
+            best, start = float(abs(product)), (believed * (loudness * turned), state)
+    return start
+
+
+def _heard(drives: Complex, responses: Complex, matrix: Complex, phased: bool) -> Real | Complex:
+    """What the readings (K, M) would be."""
+    p = drives @ (matrix * responses).T
+    return p if phased else np.abs(p)
+
+
+def _normal(model: Model, drives: Complex, here: Place, spread: Real) -> tuple[Real, Real]:
+    """J^T J and J^T r of the residuals r, by the unknowns.
+
+    d|p|/dx_i = conj(p)/|p| G_i q_i (re, -im), and the same of G's derivatives by the state, summed over i.
+    """
+    matrix = model.matrix(here.state)
+    slopes = model.slopes(here.state, matrix) * here.responses
+    square, slope = np.zeros((len(spread), len(spread))), np.zeros(len(spread))
+    for m, row in enumerate(matrix):
+        for begin in range(0, len(drives), BLOCK):
+            q = drives[begin : begin + BLOCK]
+            left = here.residuals[begin : begin + BLOCK, m]
+            each, others = q * row, q @ slopes[:, m].T
+            if np.iscomplexobj(left):
+                rows = np.hstack([each, 1j * each, others])
+                rows, left = np.concatenate([rows.real, rows.imag]), np.concatenate([left.real, left.imag])
+            else:
+                p = each @ here.responses
+                turned = (np.conj(p) / np.maximum(np.abs(p), np.finfo(float).tiny))[:, None]
+                each, others = each * turned, others * turned
+                rows = np.hstack([each.real, -each.imag, others.real])
+            rows *= spread
+            square += rows.T @ rows
+            slope += rows.T @ left
+    return square, slope
+
+
+def _inverse_factor(square: Any) -> Any:
+    """The inverse L^-1 of the Cholesky factor of a matrix L L^T."""
+    return _lower_inverse(np.linalg.cholesky(square))
+
+
+def _lower_inverse(lower: Any) -> Any:
+    """By halves: of [[A, 0], [B, C]] it is [[A^-1, 0], [-C^-1 B A^-1, C^-1]]."""
+    n = len(lower)
+    if n <= 64:
+        return np.linalg.inv(lower)
+    half = n // 2
+    a, c = _lower_inverse(lower[:half, :half]), _lower_inverse(lower[half:, half:])
+    found = np.zeros_like(lower)
+    found[:half, :half], found[half:, half:] = a, c
+    found[half:, :half] = -c @ (lower[half:, :half] @ a)
+    return found

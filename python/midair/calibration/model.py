@@ -1,0 +1,160 @@
+"""What microphones hear of an array by the core's propagation, and how that changes with air and places."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._midair import Array, Scene, SceneWarning
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+#: The air that a fit may find, in m/s: -60 to 60 degrees C (docs/conventions.md).
+AIR = (293.0, 366.0)
+#: Standard deviations of a directivity's number before any reading: of a cosine's exponent, and of a
+#: piston's radius and a strip's width relative to it. "point" is the cosine to the power of 0.
+EXPONENT, WIDTH = 2.0, 0.3
+#: And of the phase of a clock: nothing is known of it, in rad.
+CLOCK = 10.0
+
+
+@dataclass(frozen=True)
+class Priors:
+    """Standard deviations before any reading; 0 holds what it is of."""
+
+    #: In m/s.
+    sound_speed: float
+    #: Of each coordinate of a microphone, in m.
+    microphones: float
+    #: Of the second board: where it lies, in m, and how it is turned, in rad.
+    pose: tuple[float, float]
+
+
+class Model:
+    """Pressures at microphones by the state of the world, a vector.
+
+    In this order: the sound speed, the directivity's number, the phase of the readings' clock, places (M, 3)
+    of the microphones, how the second board is moved (3,) in m and turned (3,) about its middle in rad. Its
+    indices are `second`, none where no board's pose is in doubt.
+    """
+
+    def __init__(
+        self, scene: Scene, microphones: Real, second: NDArray[np.intp], priors: Priors, phased: bool
+    ) -> None:
+        own = scene.array
+        self._kind, number = kind_of(own.directivity)
+        # Responses are what is sought: the core's matrix goes without.
+        self._array = own
+        self._scene = scene.replace(array=self._made(own.positions, own.normals, number))
+        self._second = second
+        self._middle = own.positions[second].mean(0) if len(second) else np.zeros(3)
+        self.start = np.r_[scene.sound_speed, number, 0.0, microphones.ravel(), np.zeros(6)]
+        width = {"cos": EXPONENT, "piston": WIDTH * number, "sinc": WIDTH * number}.get(self._kind, 0.0)
+        pose = np.repeat(priors.pose, 3) if len(second) else np.zeros(6)
+        self.spread = np.r_[
+            priors.sound_speed, width, CLOCK * phased, np.full(microphones.size, priors.microphones), pose
+        ]
+        self.free = np.flatnonzero(self.spread)
+
+    def array(self, state: Real, response: Complex) -> Array:
+        """The array as the state has it."""
+        own = self._array
+        keep = {"response": response, "mask": own.mask, "quantization": own.quantization}
+        return self._made(*self._placed(state), state[1], keep)
+
+    def matrix(self, state: Real) -> Complex:
+        """Pressures (M, N) in Pa at the microphones, of each transducer at full drive and response 1."""
+        array = self._made(*self._placed(state), state[1])
+        with warnings.catch_warnings():
+            # What the fit tries is nothing to warn of.
+            warnings.simplefilter("ignore", SceneWarning)
+            scene = self._scene.replace(array=array, points=self.microphones(state), sound_speed=state[0])
+        return np.asarray(scene.propagation() * np.exp(1j * state[2]))
+
+    def slopes(self, state: Real, matrix: Complex) -> Complex:
+        """Derivatives (F, M, N) of the matrix by what is free.
+
+        A wave e^{jkr}/r changes by (jk - 1/r) a metre along its ray and by -jkr/c a m/s; the directivity's
+        number by a difference. That the lobe turns with a place is left to the next step's matrix.
+        """
+        positions, _ = self._placed(state)
+        rays = self.microphones(state)[:, None] - positions
+        r = np.linalg.norm(rays, axis=2)
+        number = 2 * np.pi * self._scene.frequency / state[0]
+        along = ((1j * number - 1 / r) * matrix / r)[..., None] * rays
+        moved = np.isin(np.arange(len(positions)), self._second)
+        found = np.zeros((len(state), *matrix.shape), np.complex128)
+        found[0] = -1j * number * r / state[0] * matrix
+        if self.spread[1]:
+            step = 0.01 * self.spread[1]
+            nudged = state.copy()
+            nudged[1] += step
+            found[1] = (self.matrix(nudged) - matrix) / step
+        found[2] = 1j * matrix
+        for m in range(len(matrix)):
+            found[3 + 3 * m : 6 + 3 * m, m] = along[m].T
+        arms = positions - self._middle - state[-6:-3]
+        for axis, unit in enumerate(np.eye(3)):
+            found[axis - 6] = -along[..., axis] * moved
+            found[axis - 3] = -np.einsum("mnx,nx->mn", along, np.cross(unit, arms)) * moved
+        return found[self.free]
+
+    def moved(self, state: Real, by: Real) -> Real:
+        """The state after a step of what is free, brought back to what there can be."""
+        found = state.copy()
+        found[self.free] += by
+        found[0] = np.clip(found[0], *AIR)
+        least = 0.0 if self._kind == "cos" else self.start[1] / 10
+        found[1] = np.maximum(found[1], least)
+        return found
+
+    def microphones(self, state: Real) -> Real:
+        """Their places (M, 3) in m."""
+        return state[3:-6].reshape(-1, 3)
+
+    def _made(
+        self, positions: Real, normals: Real, number: float, keep: dict[str, Any] | None = None
+    ) -> Array:
+        own = self._array
+        directivity = (
+            own.directivity if number == kind_of(own.directivity)[1] else {self._kind: float(number)}
+        )
+        if np.isnan(number):
+            directivity = own.directivity
+        return Array(
+            positions, normals, source_pressure=own.source_pressure, directivity=directivity, **(keep or {})
+        )
+
+    def _placed(self, state: Real) -> tuple[Real, Real]:
+        """Positions and normals (N, 3) with the second board where the state has it."""
+        positions, normals = self._array.positions, self._array.normals
+        if not len(self._second):
+            return positions, normals
+        positions, normals = positions.copy(), normals.copy()
+        turned = rotation(state[-3:]).T
+        positions[self._second] = (
+            self._middle + state[-6:-3] + (positions[self._second] - self._middle) @ turned
+        )
+        normals[self._second] = normals[self._second] @ turned
+        return positions, normals
+
+
+def kind_of(directivity: str | dict[str, float]) -> tuple[str, float]:
+    """Kind and number of a directivity, nan where it has none."""
+    if isinstance(directivity, dict):
+        ((kind, number),) = directivity.items()
+        return kind, number
+    return ("cos", 0.0) if directivity == "point" else (directivity, np.nan)
+
+
+def rotation(turn: Real) -> Real:
+    """The matrix that turns by |turn| rad about turn (Rodrigues)."""
+    angle = float(np.linalg.norm(turn))
+    x, y, z = turn / angle if angle else turn
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)

@@ -1,0 +1,121 @@
+"""A calibration: what was found of an array, drawn, and kept in files."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass, fields
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import output
+from .._midair import Array, Scene, SceneError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+#: Files that a calibration is kept in: everything, or the scene alone.
+ENDINGS = (".npz", ".toml", ".json")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Calibration:
+    """An array as `midair.calibrate` found it by K drives at M microphones. Errors: standard deviations."""
+
+    #: (N,) complex, relative to `source_pressure`, in phase with the array's own on the whole; dead: 0.
+    response: NDArray[np.complex128]
+    #: (N,) of re and of im of each.
+    response_error: NDArray[np.float64]
+    #: Indices of those that do not sound, and of those that sound the wrong way round.
+    dead: NDArray[np.intp]
+    reversed: NDArray[np.intp]
+    #: In m/s.
+    sound_speed: float
+    sound_speed_error: float
+    #: (M, 3) in m; errors of 0 where their places were held.
+    microphones: NDArray[np.float64]
+    microphones_error: NDArray[np.float64]
+    #: (6,) of the second board: moved by x, y, z in m and turned about x, y, z in rad, about its middle.
+    pose: NDArray[np.float64]
+    pose_error: NDArray[np.float64]
+    #: Standard deviation of a reading about the model, in Pa: noise, and what the model does not know.
+    noise: float
+    #: (K, M) model minus readings, in Pa.
+    residuals: NDArray[Any]
+    #: The scene with the corrected array and sound speed.
+    scene: Scene
+
+    @property
+    def array(self) -> Array:
+        """The corrected array."""
+        return self.scene.array
+
+    @property
+    def gain(self) -> NDArray[np.float64]:
+        """|response| (N,)."""
+        return np.asarray(np.abs(self.response))
+
+    @property
+    def phase(self) -> NDArray[np.float64]:
+        """The responses' phases (N,) in rad."""
+        return np.asarray(np.angle(self.response))
+
+    @property
+    def gain_error(self) -> NDArray[np.float64]:
+        """Of each gain (N,)."""
+        return self.response_error
+
+    @property
+    def phase_error(self) -> NDArray[np.float64]:
+        """Of each phase (N,) in rad; at most pi / sqrt(3), that of a phase of which nothing is known."""
+        unknown = np.pi / np.sqrt(3)
+        least = np.maximum(self.response_error, 1e-30) / unknown
+        return np.asarray(self.response_error / np.maximum(self.gain, least))
+
+    def __repr__(self) -> str:
+        alive = np.delete(self.gain, self.dead)
+        parts = [
+            f"{len(self.response)} transducers",
+            f"gain {alive.mean():.3g} +- {alive.std():.2g}",
+            f"{len(self.dead)} dead",
+            f"{len(self.reversed)} reversed",
+            f"{self.sound_speed:.2f} +- {self.sound_speed_error:.2g} m/s",
+            f"noise {self.noise:.3g} Pa",
+        ]
+        return f"<Calibration: {', '.join(parts)}>"
+
+    def plot(self) -> Figure:
+        """Gains and phases over the array, dead and reversed ones marked, and the residuals."""
+        from .drawing import draw
+
+        return draw(self)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write everything as .npz, or the corrected scene as .toml or .json."""
+        path = Path(path)
+        output.check(path, ENDINGS)
+        if path.suffix.lower() != ".npz":
+            self.scene.save(path)
+            return
+        kept = {field.name: getattr(self, field.name) for field in fields(self)}
+        buffer = io.BytesIO()
+        np.savez(buffer, **(kept | {"scene": self.scene.json()}))
+        output.write(path, buffer.getvalue())
+
+    @staticmethod
+    def load(path: str | PathLike[str]) -> Calibration:
+        """Read what `save` wrote as .npz."""
+        content = Path(path).read_bytes()
+        try:
+            with np.load(io.BytesIO(content), allow_pickle=False) as archive:
+                found = {field.name: archive[field.name] for field in fields(Calibration)}
+            numbers = {name: value if value.ndim else value.item() for name, value in found.items()}
+            return Calibration(**(numbers | {"scene": Scene.parse(str(found["scene"]))}))
+        # Whatever a damaged file makes zip, NumPy and the scene's reader raise.
+        except Exception as error:
+            raise SceneError(
+                f'calibration file "{path}" is damaged, or none: give what calibration.save wrote as .npz'
+            ) from error

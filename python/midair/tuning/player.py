@@ -1,0 +1,95 @@
+"""Plays drives through the user's reader: counts, checks, and keeps the best."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._midair import SceneError
+from .result import Status
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Indices = NDArray[np.intp]
+Drive = NDArray[np.complex64]
+Read = Callable[[Drive], Any]
+
+
+class Ended(Exception):
+    """Tuning is over before its end."""
+
+    def __init__(self, status: Status) -> None:
+        super().__init__(status)
+        self.status = status
+
+
+class Unreadable(Exception):
+    """The reader raised."""
+
+    def __init__(self, error: Exception) -> None:
+        super().__init__(str(error))
+        self.error = error
+
+
+class Player:
+    """Reads |p| (M,) of drives (N,), at most `budget` times, and keeps the best of what it is offered.
+
+    `value` tells how far pressures are from what is asked; `progress` is called with (readings, of how many).
+    """
+
+    def __init__(
+        self,
+        read: Read,
+        count: int,
+        power: bool,
+        value: Callable[[Real], float],
+        budget: int,
+        progress: Callable[[int, int], object],
+    ) -> None:
+        self._read, self._count, self._power = read, count, power
+        self.value, self.budget, self._progress = value, budget, progress
+        self.readings = 0
+        self.best: tuple[float, Drive, Real] | None = None
+        self.trace: list[float] = []
+
+    def __call__(self, drive: NDArray[Any]) -> Real:
+        """|p| (M,) at the places, read."""
+        if self.readings >= self.budget:
+            raise Ended("out_of_readings")
+        if self._progress(self.readings, self.budget) is False:
+            raise Ended("stopped")
+        played = drive.astype(np.complex64)
+        played.flags.writeable = False
+        try:
+            given = self._read(played)
+            found = self._checked(given)
+        except Exception as error:
+            raise Unreadable(error) from error
+        self.readings += 1
+        self.offer(played, found)
+        return found
+
+    def offer(self, drive: NDArray[Any], pressures: Real) -> None:
+        """Keep a drive if its pressures are nearer to what is asked."""
+        value = self.value(pressures)
+        if self.best is None or value < self.best[0]:
+            kept = drive.astype(np.complex64)
+            kept.flags.writeable = False
+            self.best = (value, kept, pressures)
+
+    def _checked(self, given: Any) -> Real:
+        found = np.atleast_1d(np.asarray(given))
+        kind = "|p|^2" if self._power else "|p|"
+        if found.shape != (self._count,) or found.dtype.kind not in "iuf":
+            raise SceneError(
+                f"read gave {found.dtype} of shape {found.shape}: "
+                f"give {kind} at {self._count} places, real numbers"
+            )
+        if not np.isfinite(found).all() or found.min() < 0:
+            worst = int(np.flatnonzero(~np.isfinite(found) | (found < 0))[0])
+            raise SceneError(f"read gave {found[worst]} at place {worst}: give finite {kind}, never negative")
+        found = found.astype(np.float64)
+        return np.sqrt(found) if self._power else found

@@ -1,0 +1,74 @@
+"""Arrays as no model has them, and microphones that hear them: float64, eq. (5) with a lobe."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import j1
+
+import midair
+
+Complex = NDArray[np.complex128]
+Real = NDArray[np.float64]
+
+#: What the array is believed to be in, and what it is in, in m/s.
+BELIEVED, TRUE_SPEED = 340.0, 346.1
+
+
+@dataclass
+class Rig:
+    """16 x 16 transducers off by gains, phases and places, some dead or reversed; seeded."""
+
+    seed: int
+    gain: float = 0.1
+    phase: float = 20.0
+    dead_part: float = 0.03
+    reversed_part: float = 0.0
+    jitter: float = 0.3e-3
+    radius: float = 0.0
+    microphones: int = 4
+    rng: np.random.Generator = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Draw what is off."""
+        self.rng = rng = np.random.default_rng(self.seed)
+        self.array = midair.Array.grid(16, 16, 10e-3)
+        n = len(self.array)
+        self.positions = self.array.positions + rng.normal(0, self.jitter, (n, 3))
+        phases = np.radians(self.phase) * rng.normal(size=n)
+        self.response = (1 + self.gain * rng.normal(size=n)) * np.exp(1j * phases)
+        drawn = rng.permutation(n)
+        dead, turned = round(self.dead_part * n), round(self.reversed_part * n)
+        self.dead, self.reversed = np.sort(drawn[:dead]), np.sort(drawn[dead : dead + turned])
+        self.response[self.dead] = 0
+        self.response[self.reversed] *= -1
+        corners = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])[: self.microphones] * 0.03
+        drawn_places = corners + rng.uniform(-0.015, 0.015, corners.shape)
+        self.places = np.c_[drawn_places, np.full(len(corners), 0.15)]
+        self.new = np.c_[rng.uniform(-0.04, 0.04, (4, 2)), np.full(4, 0.15)]
+
+    def matrix(self, points: Real) -> Complex:
+        """Pressures (M, N) in Pa at full drive."""
+        rays = points[:, None] - self.positions
+        r = np.linalg.norm(rays, axis=2)
+        number = 2 * np.pi * 40e3 / TRUE_SPEED
+        x = np.maximum(number * self.radius * np.linalg.norm(rays[..., :2], axis=2) / r, 1e-9)
+        return np.asarray(4.386 / r * 2 * j1(x) / x * np.exp(1j * number * r) * self.response)
+
+    def level(self) -> float:
+        """The balanced level of four foci, in Pa: what decibels of noise refer to."""
+        return float(np.abs(self.matrix(self.new)).sum(1).mean() / 2)
+
+    def read(self, drives: NDArray[np.complexfloating], decibels: float, phased: bool = False) -> Complex:
+        """Readings (K, M) with noise so far below the level of the foci."""
+        p = drives @ self.matrix(self.places).T
+        sd = self.level() * 10 ** (-decibels / 20)
+        noise = sd * self.rng.normal(size=(2, *p.shape))
+        return p + (noise[0] + 1j * noise[1]) / np.sqrt(2) if phased else np.abs(np.abs(p) + noise[0])
+
+    def kept(self, array: midair.Array, sound_speed: float) -> float:
+        """Level at points where nobody measured, solved by a model, over that solved by the truth."""
+        truth = self.matrix(self.new)
+        best = midair.solve(midair.Propagation(truth), "uniform").drive
+        found = midair.solve(midair.Scene(array, self.new, sound_speed=sound_speed), "uniform").drive
+        return float(np.abs(truth @ found).mean() / np.abs(truth @ best).mean())

@@ -1,0 +1,219 @@
+"""Calibration, held to arrays and air that the fit does not know."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import midair
+from microphones import BELIEVED, TRUE_SPEED, Rig
+
+
+def calibrated(
+    rig: Rig, readings: float, decibels: float, phased: bool = False, **keywords: Any
+) -> midair.Calibration:
+    drives = midair.calibration_drives(rig.array, readings, microphones=rig.microphones, seed=rig.seed)
+    heard = rig.read(drives, decibels, phased)
+    return midair.calibrate(rig.array, drives, heard, microphones=rig.places, **keywords)
+
+
+@pytest.mark.parametrize("seed", [11, 12])
+@pytest.mark.parametrize(
+    ("radius", "decibels", "least"), [(0.0, 40, 0.98), (0.0, 60, 0.99), (4.5e-3, 60, 0.98)]
+)
+def test_four_readings_give_the_array(seed: int, radius: float, decibels: float, least: float) -> None:
+    rig = Rig(seed, radius=radius)
+    assert rig.kept(rig.array, BELIEVED) < 0.95
+    found = calibrated(rig, 4, decibels)
+    assert rig.kept(found.array, found.sound_speed) > least
+    assert found.dead.tolist() == rig.dead.tolist()
+    assert abs(found.sound_speed - TRUE_SPEED) < (3 if decibels == 40 else 1)
+    assert found.response[found.dead].tolist() == [0] * len(found.dead)
+
+
+def test_fewer_readings_one_microphone_and_phases() -> None:
+    rig = Rig(13)
+    found = calibrated(rig, 2, 60)
+    assert rig.kept(found.array, found.sound_speed) > 0.965
+    found = calibrated(rig, 2, 40, phased=True)
+    assert rig.kept(found.array, found.sound_speed) > 0.985
+    assert abs(found.sound_speed - TRUE_SPEED) < 1
+    rig = Rig(13, microphones=1)
+    found = calibrated(rig, 4, 60)
+    assert rig.kept(found.array, found.sound_speed) > 0.98
+
+
+def test_a_bad_array_is_found_without_a_prior() -> None:
+    rig = Rig(14, gain=0.2, phase=40, dead_part=0.05, reversed_part=0.05)
+    found = calibrated(rig, 4, 60)
+    assert rig.kept(found.array, found.sound_speed) > 0.98
+    assert found.dead.tolist() == rig.dead.tolist()
+    right = np.intersect1d(found.reversed, rig.reversed)
+    assert len(right) >= 0.7 * len(rig.reversed)
+
+
+def test_errors_are_what_they_say() -> None:
+    rig = Rig(15, jitter=0.0, dead_part=0.0)
+    found = calibrated(rig, 6, 50)
+    off = np.vdot(found.response, rig.response)
+    ratio = (found.response - rig.response * abs(off) / off) / found.response_error
+    assert 0.6 < np.sqrt(np.mean(np.abs(ratio) ** 2) / 2) < 1.6
+    assert abs(found.sound_speed - TRUE_SPEED) < 5 * found.sound_speed_error
+    expected = rig.level() * 10 ** (-50 / 20)
+    assert 0.7 * expected < found.noise < 1.5 * expected
+    assert np.sqrt(np.mean(found.residuals**2)) < found.noise
+
+
+def test_microphones_out_of_place_are_found() -> None:
+    rig = Rig(16, jitter=0.1e-3)
+    true = rig.places.copy()
+    drives = midair.calibration_drives(rig.array, 6)
+    heard = rig.read(drives, 60)
+    off = true + np.random.default_rng(1).normal(0, 1e-3, true.shape)
+    found = midair.calibrate(rig.array, drives, heard, microphones=off, microphones_error=1e-3)
+    assert np.abs(found.microphones - true).max() < 0.6 * np.abs(off - true).max()
+    assert rig.kept(found.array, found.sound_speed) > 0.985
+
+
+def test_the_pose_of_a_second_board_is_found() -> None:
+    rig = Rig(17, jitter=0.05e-3, dead_part=0.0)
+    second = slice(128, 256)
+    believed = rig.array.positions.copy()
+    rig.positions[second] += [0.8e-3, -0.5e-3, 1.2e-3]
+    drives = midair.calibration_drives(rig.array, 6)
+    found = midair.calibrate(
+        rig.array, drives, rig.read(drives, 60), microphones=rig.places, second_board=second
+    )
+    assert np.abs(found.pose[:3] - [0.8e-3, -0.5e-3, 1.2e-3]).max() < 0.4e-3
+    assert rig.kept(found.array, found.sound_speed) > 0.98
+    assert np.array_equal(found.array.positions[:128], believed[:128])
+
+
+def test_same_readings_same_bits() -> None:
+    rig = Rig(18)
+    drives = midair.calibration_drives(rig.array, 2)
+    heard = rig.read(drives, 60)
+    first, again = (midair.calibrate(rig.array, drives, heard, microphones=rig.places) for _ in range(2))
+    assert first.response.tobytes() == again.response.tobytes()
+
+
+def test_files_keep_it(tmp_path: Path) -> None:
+    rig = Rig(19)
+    found = calibrated(rig, 2, 60)
+    found.save(tmp_path / "found.npz")
+    again = midair.Calibration.load(tmp_path / "found.npz")
+    assert again.scene == found.scene
+    assert again.sound_speed == found.sound_speed
+    assert np.array_equal(again.residuals, found.residuals)
+    found.save(tmp_path / "found.toml")
+    assert midair.Scene.load(tmp_path / "found.toml").array == found.array
+    assert len(found.plot().axes) >= 3
+    (tmp_path / "half.npz").write_bytes((tmp_path / "found.npz").read_bytes()[:500])
+    with pytest.raises(midair.SceneError, match="damaged, or none"):
+        midair.Calibration.load(tmp_path / "half.npz")
+
+
+def test_drives_are_the_boards() -> None:
+    array = midair.Array.preset("sonicsurface", mask=[True] * 250 + [False] * 6)
+    drives = midair.calibration_drives(array, 2, microphones=2, seed=3)
+    assert drives.shape == (250, 256)
+    codes = np.angle(drives[:, :250]) * 32 / (2 * np.pi)
+    assert np.abs(codes - codes.round()).max() < 1e-4
+    assert not drives[:, 250:].any()
+    assert np.array_equal(drives, midair.calibration_drives(array, 2, microphones=2, seed=3))
+
+
+def spoilt(kind: str, heard: Any) -> Any:
+    heard = heard.copy()
+    if kind == "nan":
+        heard[3, 1] = np.nan
+    elif kind == "few":
+        heard = heard[:20]
+    elif kind == "shape":
+        heard = heard.T
+    elif kind == "clipped":
+        heard = np.minimum(heard, np.quantile(heard, 0.9))
+    elif kind == "negative":
+        heard[2, 0] = -1
+    elif kind == "deaf":
+        heard[:, 2] = 0
+    return heard
+
+
+@pytest.mark.parametrize(
+    ("kind", "told"),
+    [
+        ("nan", r"readings\[3, 1\] is nan: give finite numbers"),
+        ("few", "readings are too few: 80 of 256 transducers"),
+        ("shape", r"readings have shape \(4, 128\): give \(128, 4\)"),
+        ("clipped", r"readings\[:, 0\] are clipped"),
+        ("negative", r"readings\[2, 0\] is -1"),
+        ("deaf", "microphone 2 hears nothing"),
+    ],
+)
+def test_what_are_no_readings_is_refused(kind: str, told: str) -> None:
+    rig = Rig(20)
+    drives = midair.calibration_drives(rig.array, 2)
+    heard = spoilt(kind, rig.read(drives, 60))
+    drives = drives[: len(heard)] if kind == "few" else drives
+    with pytest.raises(midair.SceneError, match=told) as refusal:
+        midair.calibrate(rig.array, drives, heard, microphones=rig.places)
+    assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("keywords", "told"),
+    [
+        ({"microphones": None}, "microphones are left out"),
+        ({"microphones": [0, 0]}, "microphones is"),
+        ({"prior": 0}, "prior is 0: give a number above 0"),
+        ({"noise": -1.0}, "noise is -1.0"),
+        ({"second_board": slice(0, 256)}, "second_board is"),
+        ({"complex": True}, "readings are real, but complex=True"),
+        ({"pose_error": 1}, "pose_error is 1"),
+    ],
+)
+def test_arguments_are_refused(keywords: dict[str, Any], told: str) -> None:
+    rig = Rig(20)
+    drives = midair.calibration_drives(rig.array, 2)
+    with pytest.raises(midair.SceneError, match=told):
+        midair.calibrate(rig.array, drives, rig.read(drives, 60), **({"microphones": rig.places} | keywords))
+
+
+def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from midair.cli import main
+
+    rig = Rig(21)
+    drives = midair.calibration_drives(rig.array, 2)
+    believed = midair.Scene(rig.array, rig.new)
+    kept = {
+        "drives": drives,
+        "readings": rig.read(drives, 60),
+        "microphones": rig.places,
+        "scene": believed.json(),
+    }
+    np.savez(tmp_path / "readings.npz", **kept)
+    picture = tmp_path / "found.png"
+    with pytest.raises(SystemExit) as end:
+        main(
+            [
+                "calibrate",
+                str(tmp_path / "readings.npz"),
+                "-o",
+                str(tmp_path / "array.toml"),
+                "--image",
+                str(picture),
+            ]
+        )
+    assert end.value.code == 0
+    assert "256 transducers" in capsys.readouterr().out
+    assert picture.stat().st_size > 10_000
+    found = midair.Scene.load(tmp_path / "array.toml")
+    assert rig.kept(found.array, found.sound_speed) > 0.96
+    del kept["readings"]
+    np.savez(tmp_path / "readings.npz", **kept)
+    with pytest.raises(SystemExit) as end:
+        main(["calibrate", str(tmp_path / "readings.npz"), "-o", str(tmp_path / "array.toml")])
+    assert end.value.code == 2
+    assert "has no readings: save" in capsys.readouterr().err
