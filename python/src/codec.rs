@@ -110,7 +110,10 @@ impl Codec {
     /// The channel of each transducer (N,).
     #[getter]
     fn channels<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        give::list(py, self.board.channels().iter().map(|&channel| channel as i64).collect())
+        give::list(
+            py,
+            self.board.channels().iter().map(|&channel| i64::try_from(channel).unwrap_or(i64::MAX)).collect(),
+        )
     }
 
     /// Bits a second of its serial line, or None.

@@ -247,6 +247,8 @@ fn every_sweep_lowers_the_residual_and_keeps_the_bound_of_a_start() {
     for (new, old) in found.drive.iter().zip(&last) {
         assert!((new * old.conj()).arg().abs() < 2.0 * PI as f32 / 16.0 + 1e-5);
     }
-    let told = |sweeps: u32| Greedy { sweeps, ..Greedy::default() }.check().expect_err("refused").to_string();
-    assert_eq!(told(0), "sweeps is 0: give 1 to 1000");
+    let none = Greedy { sweeps: 0, ..Greedy::default() };
+    let asked = problem(&scene(preset("paper20"), points, None));
+    let told = midair::solve(&asked, &none, false, &mut Workspace::new(), &mut Control::none()).map(|_| ());
+    assert_eq!(told.expect_err("refused").to_string(), "sweeps is 0: give 1 to 1000");
 }

@@ -62,6 +62,8 @@ class Board:
         kind = presets()[name].board if name in presets() else name
         if not isinstance(kind, str):
             raise refused("board", name, f"no board plays it, give one of {', '.join(Codec.kinds())}")
+        # An unknown name is refused before anything else.
+        Codec(kind, 1)
         if array is None:
             array = _own_array(str(name), kind, tiles)
         elif tiles is not None:

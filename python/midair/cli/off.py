@@ -17,7 +17,7 @@ def off_command(address: str) -> int:
     address
         A board and where it is, such as mega64:/dev/ttyACM0; a port alone is a SonicSurface's.
     """
-    alone = ":" not in address and address != "autd3"
+    alone = ":" not in address and address not in ("autd3", "null")
     # Whoever connects begins and ends with silence.
     with connect(f"{BOARD}:{address}" if alone else address) as board:
         board.off()

@@ -1,0 +1,107 @@
+"""`midair boards`, `ports`, `play` and `off`, on links without a device."""
+
+import json
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+SCENE = '[array]\npreset = "sonicsurface"\n\n[[points]]\nposition = [0.0, 0.0, 0.15]\n'
+
+
+def midair(*words: str, status: int = 0) -> subprocess.CompletedProcess[str]:
+    done = subprocess.run(
+        [sys.executable, "-m", "midair", *words], capture_output=True, text=True, timeout=60
+    )
+    assert done.returncode == status, done.stderr
+    return done
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    return path
+
+
+def test_boards_are_listed_and_told() -> None:
+    known = json.loads(midair("boards", "--json").stdout)
+    assert set(known) == {"autd3", "sonicsurface", "openmpd", "mega64", "nano16", "nano", "homies"}
+    assert known["sonicsurface"]["frame_bytes"] == 258
+    assert known["mega64"]["phases"] == 10
+    assert "230400 baud" in midair("boards", "sonicsurface_pair").stdout
+    assert (
+        'unknown board "sonicsurfac": did you mean sonicsurface?'
+        in midair("boards", "sonicsurfac", status=2).stderr
+    )
+
+
+def test_ports_opens_none() -> None:
+    assert isinstance(json.loads(midair("ports", "--json").stdout), list)
+
+
+def test_a_scene_a_drive_and_a_sequence_are_played(scene: Path, tmp_path: Path) -> None:
+    told = midair(
+        "play", str(scene), "--on", "sonicsurface:loop", "--for", "300ms", "--modulate", "200"
+    ).stderr
+    assert "dB SPL" in told
+    assert "off after 0." in told
+    drive = tmp_path / "drive.npz"
+    midair("solve", str(scene), "-o", str(drive))
+    frames = tmp_path / "frames.bin"
+    midair("play", str(drive), "--on", f"file:{frames}", "--for", "100ms", status=2)
+    midair("play", str(drive), "--on", "sonicsurface:null", "--for", "100ms")
+    motion = tmp_path / "motion.toml"
+    motion.write_text(
+        '[array]\npreset = "sonicsurface"\n\n[motion]\nrate = 40\nchange = 3.2\n\n'
+        '[[motion.path]]\nkind = "line"\nstart = [0, 0, 0.15]\nend = [0.02, 0, 0.15]\nspeed = 0.04\n'
+    )
+    found = re.search(
+        r"(\d+) frames, (\d+) late", midair("play", str(motion), "--on", "sonicsurface:loop").stderr
+    )
+    assert found is not None
+    # A busy machine leaves frames out, and counts them.
+    assert int(found[1]) + int(found[2]) == 21
+
+
+def test_ctrl_c_turns_off(scene: Path) -> None:
+    program = subprocess.Popen(
+        [sys.executable, "-m", "midair", "play", str(scene), "--on", "sonicsurface:loop"],
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert program.stderr is not None
+    assert "playing" in program.stderr.readline()
+    begin = time.monotonic()
+    program.send_signal(signal.SIGINT)
+    rest = program.communicate(timeout=20)[1]
+    assert program.returncode == 130
+    assert "off after" in rest
+    assert time.monotonic() - begin < 5
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--on", "sonicsurface:loop", "--for", "ten"], '--for is "ten": give a time such as'),
+        (["--on", "mega64:loop"], "the array has 256 transducers, mega64 64"),
+        (["--on", "sonicsurface:/dev/no-such-port"], 'port "/dev/no-such-port" is not there'),
+        (["--on", "surface:loop"], "there is no such board"),
+        (["--on", "openmpd:loop", "--modulate", "200"], "the array has"),
+    ],
+)
+def test_what_cannot_be_played_is_one_line(scene: Path, words: list[str], told: str) -> None:
+    error = midair("play", str(scene), *words, status=2).stderr
+    lines = [line for line in error.splitlines() if line.startswith("error")]
+    assert len(lines) == 1
+    if told != "the array has":
+        assert told in lines[0]
+
+
+def test_off_says_which_board_it_was_told_as() -> None:
+    assert "null is off" in midair("off", "null").stdout
+    assert "is not there" in midair("off", "/dev/no-such-port", status=2).stderr
