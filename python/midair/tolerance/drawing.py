@@ -20,7 +20,7 @@ def draw(tolerance: Tolerance) -> Figure:
     from matplotlib.figure import Figure
 
     names = list(tolerance.rows)
-    figure = Figure(figsize=(9, 1.4 + 0.5 * len(names)), layout="constrained")
+    figure = Figure(figsize=(9, 1.8 + 0.5 * len(names)), layout="constrained")
     axes = figure.subplots(1, 2, sharey=True)
     aside = SPREAD * np.random.default_rng(0).uniform(-1, 1, tolerance.trials)
     for ax, what in zip(axes, ("level", "uniformity"), strict=True):
@@ -40,6 +40,6 @@ def draw(tolerance: Tolerance) -> Figure:
     ]
     axes[0].set_yticks(range(len(names)), labels)
     axes[0].invert_yaxis()
-    axes[1].legend(loc="lower left")
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     figure.suptitle(f"{tolerance.solution.solver}, {tolerance.trials} trials a row", fontsize="medium")
     return figure

@@ -106,7 +106,6 @@ class Trials:
         self._faults = sizes(**faults)
         self._trials = whole("trials", trials, least=1)
         self._seed = whole("seed", seed, least=0)
-        self._scene = scene
         self._solution = solve(scene, solver, **options)
         if not self._solution.metrics.level:
             raise SceneError("scene is silent at its points: give pressures above 0 that its array reaches")
@@ -124,7 +123,7 @@ class Trials:
             whole("threads", threads, least=1)
         # Nothing is kept in files, so that the settings need not be JSON.
         settings = {
-            "scene": self._scene,
+            "scene": self._solution.scene,
             "drive": self._solution.drive,
             "targets": self._solution.targets,
             "faults": self._faults,
