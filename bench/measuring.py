@@ -1,8 +1,8 @@
 """Measuring: what calibration and tuning make of arrays that their model does not know.
 
-Prints the tables of docs/measuring.md and draws docs/measuring.png. The rigs are plain float64: transducers off
-their places by 0.3 mm (sd), gains and phases off, some dead, a piston's lobe that the fit is not told, an echo of
-5 % from a wall behind, air of 346.1 m/s believed to be 340.
+Prints the tables of docs/measuring.md and draws docs/measuring.png. The rigs are plain float64: transducers
+off their places by 0.3 mm (sd), gains and phases off, some dead, a piston's lobe that the fit is not told, an
+echo of 5 % from a wall behind, air of 346.1 m/s believed to be 340.
 """
 
 from __future__ import annotations
@@ -125,11 +125,10 @@ def row(
         seconds.append(cpu)
         right = len(np.intersect1d(found.dead, rig.silent))
         dead += [right, len(rig.silent), len(found.dead) - right]
-    print(
-        f"| {name} | {np.mean(models):.3f} | {np.mean(levels):.3f} | {min(levels):.3f} | {np.mean(evens):.2f} "
-        f"| {dead[0]} of {dead[1]}, {dead[2]} | {max(speeds):.1f} | {np.mean(seconds):.1f} |",
-        flush=True,
-    )
+    found_level = f"{np.mean(levels):.3f} | {min(levels):.3f} | {np.mean(evens):.2f}"
+    found_dead = f"{dead[0]} of {dead[1]}, {dead[2]}"
+    told = f"{max(speeds):.1f} | {np.mean(seconds):.1f}"
+    print(f"| {name} | {np.mean(models):.3f} | {found_level} | {found_dead} | {told} |", flush=True)
 
 
 def tuned(name: str, decibels: float | None, method: Any, **keywords: Any) -> None:

@@ -17,6 +17,8 @@ FIRST_TRUST, TIGHTER = 0.3, 0.6
 STEPS, GAIN = 40, 1e-3
 #: The most damping of a step that is tried, in units of the prior's curvature.
 MOST_DAMPING = 1e3
+#: A step that would make the mean response less than this is no step.
+LEAST_SCALE = 0.1
 #: Speeds looked through before the first step are so far apart, in m/s.
 SPEED_STEP = 0.5
 #: Drives of a block of the normal equations: what Ctrl-C waits for.
@@ -78,8 +80,15 @@ def fit(
     rms = float(np.sqrt(np.mean(np.abs(readings) ** 2)))
     count = readings.size * (2 if phased else 1)
 
+    loudness = 2 * n + int(np.searchsorted(model.free, LOUDNESS))
+
     def place(off: Real) -> Place:
         responses = believed + off[:n] + 1j * off[n : 2 * n]
+        # The loudness is the mean response, and the responses are what is left of it.
+        scale = max(float(responses.real.sum() / believed.sum()), LEAST_SCALE)
+        responses /= scale
+        off = np.r_[responses.real - believed, responses.imag, off[2 * n :]]
+        off[loudness] += np.log(scale)
         at = model.moved(state, off[2 * n :])
         return Place(off, responses, at, _heard(drives, responses, model.matrix(at), phased) - readings)
 
@@ -99,7 +108,7 @@ def fit(
             factor = _inverse_factor(square / trust**2 + (1 + damping) * np.eye(len(spread)))
             then = unknowns - factor.T @ (factor @ (slope / trust**2 + unknowns))
             there = place(then * spread)
-            gain = cost - there.misfit / trust**2 - then @ then
+            gain = cost - there.misfit / trust**2 - np.sum((there.off / spread) ** 2)
             if gain > 0 or damping > MOST_DAMPING:
                 break
             damping = max(4 * damping, 0.01)
