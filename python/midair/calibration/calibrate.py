@@ -13,7 +13,7 @@ from .._midair import Array, Scene, SceneError, SceneWarning
 from ..shape.arguments import number, refused
 from .arguments import drives_of, indices_of, readings_of
 from .fit import Fitted, fit
-from .model import Complex, Model, Priors
+from .model import LOUDNESS, Complex, Model, Priors, Real
 from .result import Calibration
 
 #: Below DEAD times the median modulus a transducer is dead, if ALIVE times is two standard deviations off.
@@ -21,7 +21,7 @@ DEAD, ALIVE = 0.4, 0.75
 #: A phase off by more than this many rad is a transducer connected the wrong way round.
 REVERSED = np.radians(115)
 #: Readings this many times louder or quieter than the model are hardly in Pa.
-LOUDNESS = 2.0
+FACTOR = 2.0
 #: Bytes of the normal equations and what is made of them, over those of one such matrix.
 COPIES, MOST_BYTES = 6, 8e9
 
@@ -81,8 +81,8 @@ def calibrate(
     )
     model = Model(scene, places, second, priors, np.iscomplexobj(heard))
     _room(len(array), len(model.free), heard.size)
-    ones = np.ones(len(array), np.complex128)
-    believed = (ones if array.response is None else array.response) * array.mask
+    own = np.ones(len(array)) if array.response is None else np.abs(array.response)
+    believed = np.asarray(own * array.mask, np.float64)
     played = played * array.mask
     found = fit(model, played, heard, believed, spread, least, progress or (lambda *_: None))
     return _result(scene, model, found, believed, played)
@@ -137,23 +137,23 @@ def _room(transducers: int, others: int, readings: int) -> None:
         )
 
 
-def _result(scene: Scene, model: Model, found: Fitted, believed: Complex, played: Complex) -> Calibration:
+def _result(scene: Scene, model: Model, found: Fitted, believed: Real, played: Complex) -> Calibration:
     # One phase is common to all: that of the clock, or none at all where moduli were read.
-    common = np.vdot(believed, found.responses)
-    response = found.responses * np.conj(common) / abs(common)
+    common, scale = np.sum(believed * found.responses), float(np.exp(found.state[LOUDNESS]))
+    response = found.responses * (scale * np.conj(common) / abs(common)) * model.phases
     sounding = np.any(played, axis=0)
-    loudness = float(np.abs(found.responses[sounding]).mean() / max(np.abs(believed[sounding]).mean(), 1e-30))
-    if not 1 / LOUDNESS < loudness < LOUDNESS:
+    loudness = float(np.abs(response[sounding]).mean() / max(believed[sounding].mean(), 1e-30))
+    if not 1 / FACTOR < loudness < FACTOR:
         warnings.warn(
             f"readings are {loudness:.3g} times as loud as the array's source_pressure says: "
             "give peak pressures in Pa, or the responses mean only ratios",
             SceneWarning,
             stacklevel=4,
         )
-    gain, error = np.abs(response), found.responses_error
+    gain, error = np.abs(response), found.responses_error * scale
     median = float(np.median(gain[sounding]))
     dead = np.flatnonzero(sounding & (gain < DEAD * median) & (gain + 2 * error < ALIVE * median))
-    off = np.abs(np.angle(response * np.conj(believed)))
+    off = np.abs(np.angle(response * np.conj(model.phases)))
     reversed_ = np.setdiff1d(np.flatnonzero(sounding & (off > REVERSED) & (gain > 2 * error)), dead)
     response[dead] = 0
     # What was not played is known no better than before.

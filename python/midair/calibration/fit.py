@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .model import Complex, Model, Real
+from .model import AIR, CLOCK, LOUDNESS, SPEED, Complex, Model, Real
 
 #: Readings are first trusted to this part of their root mean square, then so many times tighter a step.
 #: Without it the fit ends in false minima where noise is small and readings are few.
@@ -17,6 +17,8 @@ FIRST_TRUST, TIGHTER = 0.3, 0.6
 STEPS, GAIN = 40, 1e-3
 #: The most damping of a step that is tried, in units of the prior's curvature.
 MOST_DAMPING = 1e3
+#: A step that would make the mean response less than this is no step.
+LEAST_SCALE = 0.1
 #: Speeds looked through before the first step are so far apart, in m/s.
 SPEED_STEP = 0.5
 #: Drives of a block of the normal equations: what Ctrl-C waits for.
@@ -59,26 +61,34 @@ def fit(
     model: Model,
     drives: Complex,
     readings: Real | Complex,
-    believed: Complex,
+    believed: Real,
     prior: float | None,
     noise: float,
     progress: Callable[[int, int], object],
 ) -> Fitted:
     """Responses and state of the least misfit, weighed against their distance from what was believed.
 
-    Readings (K, M) of drives (K, N): moduli, or complex. `prior` is the standard deviation of re and im of
-    each response, relative to their mean modulus; None learns it from step to step, as their spread. `noise`
-    in Pa is the least that readings are taken to have.
+    Readings (K, M) of drives (K, N): moduli, or complex. `believed` are the responses' moduli: re and im are
+    along and across the phases that the model's array has. `prior` is their standard deviation, relative to
+    the mean modulus; None learns it from step to step, as the spread of each. `noise` in Pa is the least that
+    readings are taken to have.
     """
     phased = np.iscomplexobj(readings)
-    centre, state = _start(model, drives, readings, believed)
-    n, modulus = len(centre), float(np.abs(centre).mean())
+    state = _start(model, drives, readings, believed)
+    n, modulus = len(believed), float(believed.mean())
     spread = np.r_[np.full(2 * n, (prior or PRIOR) * modulus), model.spread[model.free]]
     rms = float(np.sqrt(np.mean(np.abs(readings) ** 2)))
     count = readings.size * (2 if phased else 1)
 
+    loudness = 2 * n + int(np.searchsorted(model.free, LOUDNESS))
+
     def place(off: Real) -> Place:
-        responses = centre + off[:n] + 1j * off[n : 2 * n]
+        responses = believed + off[:n] + 1j * off[n : 2 * n]
+        # The loudness is the mean response, and the responses are what is left of it.
+        scale = max(float(responses.real.sum() / believed.sum()), LEAST_SCALE)
+        responses /= scale
+        off = np.r_[responses.real - believed, responses.imag, off[2 * n :]]
+        off[loudness] += np.log(scale)
         at = model.moved(state, off[2 * n :])
         return Place(off, responses, at, _heard(drives, responses, model.matrix(at), phased) - readings)
 
@@ -98,7 +108,7 @@ def fit(
             factor = _inverse_factor(square / trust**2 + (1 + damping) * np.eye(len(spread)))
             then = unknowns - factor.T @ (factor @ (slope / trust**2 + unknowns))
             there = place(then * spread)
-            gain = cost - there.misfit / trust**2 - then @ then
+            gain = cost - there.misfit / trust**2 - np.sum((there.off / spread) ** 2)
             if gain > 0 or damping > MOST_DAMPING:
                 break
             damping = max(4 * damping, 0.01)
@@ -107,7 +117,8 @@ def fit(
         if settled and gain < GAIN * cost:
             break
         if prior is None:
-            spread[: 2 * n] = np.sqrt(np.mean(here.off[: 2 * n] ** 2 + left[: 2 * n] * spread[: 2 * n] ** 2))
+            squares = here.off[: 2 * n] ** 2 + left[: 2 * n] * spread[: 2 * n] ** 2
+            spread[: 2 * n] = np.repeat(np.sqrt(squares.reshape(2, n).mean(axis=1)), n)
     progress(STEPS, STEPS)
     error = np.sqrt(left) * spread
     others = np.zeros(len(state))
@@ -122,31 +133,28 @@ def fit(
     )
 
 
-def _start(
-    model: Model, drives: Complex, readings: Real | Complex, believed: Complex
-) -> tuple[Complex, Real]:
-    """The believed responses at the loudness of the readings, in the air that fits them best.
+def _start(model: Model, drives: Complex, readings: Real | Complex, believed: Real) -> Real:
+    """What is believed, at the loudness of the readings and in the air that fits them best.
 
     The speeds within three standard deviations are looked through: over a large array a wave slips by more
     than half a length for a wrong one, which no step would find back from.
     """
     phased = np.iscomplexobj(readings)
-    reach = 3 * model.spread[0]
-    best = -1.0
-    start = believed, model.start
+    reach = 3 * model.spread[SPEED]
+    best, start = -1.0, model.start
     for offset in np.arange(-reach, reach + SPEED_STEP, SPEED_STEP) if reach else [0.0]:
         state = model.start.copy()
-        state = model.moved(state, np.eye(len(model.free))[0] * offset) if reach else state
+        state[SPEED] = np.clip(state[SPEED] + offset, *AIR)
         p = _heard(drives, believed, model.matrix(state), phased)
         product = np.vdot(p, readings) / np.linalg.norm(p)
         if abs(product) > best:
-            loudness = float(np.linalg.norm(readings) / np.linalg.norm(p))
-            turned = product / abs(product) if phased else 1.0
-            best, start = float(abs(product)), (believed * (loudness * turned), state)
-    return start
+            state[LOUDNESS] = np.log(np.linalg.norm(readings) / np.linalg.norm(p))
+            state[CLOCK] = np.angle(product) if phased else 0.0
+            best, start = float(abs(product)), state
+    return np.asarray(start)
 
 
-def _heard(drives: Complex, responses: Complex, matrix: Complex, phased: bool) -> Real | Complex:
+def _heard(drives: Complex, responses: Real | Complex, matrix: Complex, phased: bool) -> Real | Complex:
     """What the readings (K, M) would be."""
     p = drives @ (matrix * responses).T
     return p if phased else np.abs(p)

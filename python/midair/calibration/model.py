@@ -19,8 +19,10 @@ AIR = (293.0, 366.0)
 #: Standard deviations of a directivity's number before any reading: of a cosine's exponent, and of a
 #: piston's radius and a strip's width relative to it. "point" is the cosine to the power of 0.
 EXPONENT, WIDTH = 2.0, 0.3
-#: And of the phase of a clock: nothing is known of it, in rad.
-CLOCK = 10.0
+#: And of a clock's phase in rad and the loudness's logarithm: nothing is known of them.
+UNKNOWN = 10.0
+#: Where a state has what.
+SPEED, NUMBER, CLOCK, LOUDNESS, PLACES = range(5)
 
 
 @dataclass(frozen=True)
@@ -38,9 +40,9 @@ class Priors:
 class Model:
     """Pressures at microphones by the state of the world, a vector.
 
-    In this order: the sound speed, the directivity's number, the phase of the readings' clock, places (M, 3)
-    of the microphones, how the second board is moved (3,) in m and turned (3,) about its middle in rad. Its
-    indices are `second`, none where no board's pose is in doubt.
+    In this order: the sound speed, the directivity's number, the phase of the readings' clock, the logarithm
+    of their loudness, places (M, 3) of the microphones, how the second board is moved (3,) in m and turned
+    (3,) about its middle in rad. Its indices are `second`, none where no board's pose is in doubt.
     """
 
     def __init__(
@@ -48,16 +50,22 @@ class Model:
     ) -> None:
         own = scene.array
         self._kind, number = kind_of(own.directivity)
-        # Responses are what is sought: the core's matrix goes without.
+        # Responses are what is sought: the core's matrix goes without, the model's has their phases alone.
+        self.phases = np.exp(1j * np.angle(np.ones(len(own)) if own.response is None else own.response))
         self._array = own
         self._scene = scene.replace(array=self._made(own.positions, own.normals, number))
         self._second = second
         self._middle = own.positions[second].mean(0) if len(second) else np.zeros(3)
-        self.start = np.r_[scene.sound_speed, number, 0.0, microphones.ravel(), np.zeros(6)]
+        self.start = np.r_[scene.sound_speed, number, 0.0, 0.0, microphones.ravel(), np.zeros(6)]
         width = {"cos": EXPONENT, "piston": WIDTH * number, "sinc": WIDTH * number}.get(self._kind, 0.0)
         pose = np.repeat(priors.pose, 3) if len(second) else np.zeros(6)
         self.spread = np.r_[
-            priors.sound_speed, width, CLOCK * phased, np.full(microphones.size, priors.microphones), pose
+            priors.sound_speed,
+            width,
+            UNKNOWN * phased,
+            UNKNOWN,
+            np.full(microphones.size, priors.microphones),
+            pose,
         ]
         self.free = np.flatnonzero(self.spread)
 
@@ -65,16 +73,16 @@ class Model:
         """The array as the state has it."""
         own = self._array
         keep = {"response": response, "mask": own.mask, "quantization": own.quantization}
-        return self._made(*self._placed(state), state[1], keep)
+        return self._made(*self._placed(state), state[NUMBER], keep)
 
     def matrix(self, state: Real) -> Complex:
-        """Pressures (M, N) in Pa at the microphones, of each transducer at full drive and response 1."""
-        array = self._made(*self._placed(state), state[1])
+        """Pressures (M, N) in Pa at the microphones, of each transducer at full drive and a modulus of 1."""
+        array = self._made(*self._placed(state), state[NUMBER])
         with warnings.catch_warnings():
             # What the fit tries is nothing to warn of.
             warnings.simplefilter("ignore", SceneWarning)
-            scene = self._scene.replace(array=array, points=self.microphones(state), sound_speed=state[0])
-        return np.asarray(scene.propagation() * np.exp(1j * state[2]))
+            scene = self._scene.replace(array=array, points=self.microphones(state), sound_speed=state[SPEED])
+        return np.asarray(scene.propagation() * self.phases * np.exp(1j * state[CLOCK] + state[LOUDNESS]))
 
     def slopes(self, state: Real, matrix: Complex) -> Complex:
         """Derivatives (F, M, N) of the matrix by what is free.
@@ -85,19 +93,19 @@ class Model:
         positions, _ = self._placed(state)
         rays = self.microphones(state)[:, None] - positions
         r = np.linalg.norm(rays, axis=2)
-        number = 2 * np.pi * self._scene.frequency / state[0]
+        number = 2 * np.pi * self._scene.frequency / state[SPEED]
         along = ((1j * number - 1 / r) * matrix / r)[..., None] * rays
         moved = np.isin(np.arange(len(positions)), self._second)
         found = np.zeros((len(state), *matrix.shape), np.complex128)
-        found[0] = -1j * number * r / state[0] * matrix
-        if self.spread[1]:
-            step = 0.01 * self.spread[1]
+        found[SPEED] = -1j * number * r / state[SPEED] * matrix
+        if self.spread[NUMBER]:
+            step = 0.01 * self.spread[NUMBER]
             nudged = state.copy()
-            nudged[1] += step
-            found[1] = (self.matrix(nudged) - matrix) / step
-        found[2] = 1j * matrix
+            nudged[NUMBER] += step
+            found[NUMBER] = (self.matrix(nudged) - matrix) / step
+        found[CLOCK], found[LOUDNESS] = 1j * matrix, matrix
         for m in range(len(matrix)):
-            found[3 + 3 * m : 6 + 3 * m, m] = along[m].T
+            found[PLACES + 3 * m : PLACES + 3 * m + 3, m] = along[m].T
         arms = positions - self._middle - state[-6:-3]
         for axis, unit in enumerate(np.eye(3)):
             found[axis - 6] = -along[..., axis] * moved
@@ -108,24 +116,21 @@ class Model:
         """The state after a step of what is free, brought back to what there can be."""
         found = state.copy()
         found[self.free] += by
-        found[0] = np.clip(found[0], *AIR)
-        least = 0.0 if self._kind == "cos" else self.start[1] / 10
-        found[1] = np.maximum(found[1], least)
+        found[SPEED] = np.clip(found[SPEED], *AIR)
+        least = 0.0 if self._kind == "cos" else self.start[NUMBER] / 10
+        found[NUMBER] = np.maximum(found[NUMBER], least)
         return found
 
     def microphones(self, state: Real) -> Real:
         """Their places (M, 3) in m."""
-        return state[3:-6].reshape(-1, 3)
+        return state[PLACES:-6].reshape(-1, 3)
 
     def _made(
         self, positions: Real, normals: Real, number: float, keep: dict[str, Any] | None = None
     ) -> Array:
         own = self._array
-        directivity = (
-            own.directivity if number == kind_of(own.directivity)[1] else {self._kind: float(number)}
-        )
-        if np.isnan(number):
-            directivity = own.directivity
+        same = np.isnan(number) or number == kind_of(own.directivity)[1]
+        directivity = own.directivity if same else {self._kind: float(number)}
         return Array(
             positions, normals, source_pressure=own.source_pressure, directivity=directivity, **(keep or {})
         )

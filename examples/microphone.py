@@ -1,0 +1,93 @@
+"""Tune four foci by a microphone on a sound card, or by a simulated one for those who have none.
+
+    python examples/microphone.py                    simulated: an array that its model does not know
+    python examples/microphone.py --device 3         a sound card: a microphone at each focus, a channel each
+
+The sound card's part needs the extra midair[sound] and a card of 96 kHz or more. It is untested on hardware.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+import midair
+
+FREQUENCY = 40e3
+#: Seconds of sound that a reading takes, and that the air takes to settle after a drive.
+LISTEN, SETTLE = 10e-3, 5e-3
+
+
+def simulated(scene: midair.Scene, seed: int = 0) -> Callable[[Any], Any]:
+    """Readings of an array with gains of 10 %, phases of 20 degrees, 3 % dead, in air of 346.1 m/s; 60 dB."""
+    rng = np.random.default_rng(seed)
+    n = len(scene.array)
+    response = (1 + 0.1 * rng.normal(size=n)) * np.exp(1j * np.radians(20) * rng.normal(size=n))
+    response[rng.choice(n, n * 3 // 100, replace=False)] = 0
+    matrix = scene.replace(sound_speed=346.1).propagation() * response
+    noise = 1e-3 * float(scene.reach().level.mean())
+    return lambda drive: np.abs(np.abs(matrix @ drive) + noise * rng.normal(size=len(matrix)))
+
+
+def sound_card(
+    play: Callable[[Any], object], device: int, channels: int, rate: float, pascals: float
+) -> Callable[[Any], Any]:
+    """Readings of a sound card: the amplitude at 40 kHz of each channel, `pascals` at its full scale.
+
+    The card's clock is its own: only |p| comes out.
+    """
+    try:
+        import sounddevice
+    except (ImportError, OSError) as error:
+        raise SystemExit(
+            f"error: no sounddevice ({error}): pip install 'midair[sound]', and PortAudio"
+        ) from None
+    count = round((SETTLE + LISTEN) * rate)
+    kept = round(LISTEN * rate)
+    window = np.hanning(kept)[:, None]
+    tone = window * np.exp(-2j * np.pi * FREQUENCY / rate * np.arange(kept))[:, None]
+
+    def read(drive: Any) -> Any:
+        play(drive)
+        heard = sounddevice.rec(count, samplerate=rate, channels=channels, device=device, blocking=True)
+        if np.abs(heard).max() > 0.99:
+            raise midair.SceneError("the sound card clips: turn its gain down, or play at a lower intensity")
+        return pascals * 2 * np.abs(np.sum(heard[-kept:] * tone, axis=0)) / window.sum()
+
+    return read
+
+
+def main() -> None:
+    """Tune, and say what came of it."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument(
+        "--device", type=int, help="number of the sound card (python -m sounddevice lists them)"
+    )
+    parser.add_argument("--rate", type=float, default=192e3, help="samples a second")
+    parser.add_argument("--pascals", type=float, default=20.0, help="peak pressure at the card's full scale")
+    parser.add_argument("--board", default="autd3", help="kind of board that plays")
+    given = parser.parse_args()
+    if given.device is None:
+        array = midair.Array.grid(16, 16, 10e-3)
+        scene = midair.Scene(array, [[x, y, 0.15] for x in (-0.02, 0.02) for y in (-0.02, 0.02)])
+        read = simulated(scene)
+        print("the model's answer:", np.round(read(midair.solve(scene, "uniform").drive)), "Pa")
+        for method in ("feedback", "greedy"):
+            found = midair.tune(read, scene, method, start="model")  # type: ignore[arg-type]
+            print(f"{method}, {found.readings} readings:", np.round(found.pressures), "Pa")
+        return
+    array = midair.Array.preset(given.board)
+    middle = array.positions.mean(axis=0)
+    points = middle + np.array([[x, y, 0.15] for x in (-0.02, 0.02) for y in (-0.02, 0.02)])
+    scene = midair.Scene(array, points)
+    with midair.connect(given.board) as board:
+        read = sound_card(board.send, given.device, len(points), given.rate, given.pascals)
+        found = midair.tune(read, scene, "feedback")
+    print(found.status, np.round(found.pressures), "Pa")
+
+
+if __name__ == "__main__":
+    main()
