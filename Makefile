@@ -17,7 +17,7 @@ TRIALS := 1000
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook setup demo test test-rust test-python test-portable test-boards lint fuzz sanitize bench bench-peers figures motion exposure paper golden map stubs pins clean
+.PHONY: help outlook setup demo test test-rust test-python test-portable test-boards lint fuzz sanitize bench bench-peers figures motion exposure obstacles paper golden map stubs pins clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -120,6 +120,9 @@ motion: setup ## Print the table of docs/motion.md and draw docs/motion.png
 
 exposure: setup ## Print the tables of docs/exposure.md and draw docs/tolerance.png and docs/streaming.png
 	OPENBLAS_NUM_THREADS=1 $(PYTHON) bench/exposure.py
+
+obstacles: setup ## Print the table of docs/obstacles.md and draw docs/obstacles.png
+	$(PYTHON) bench/obstacles.py
 
 paper: setup ## Make the paper's figures anew (TRIALS=1000) and docs/paper.md from their tables
 	OPENBLAS_NUM_THREADS=1 $(BIN)/midair reproduce all --trials $(TRIALS) --output out/paper

@@ -90,11 +90,16 @@ def test_every_solver_meets_the_same_waves(solver: str) -> None:
 
 def test_every_door_takes_obstacles(tmp_path: Path) -> None:
     scene = midair.Scene(array(), POINTS, obstacles=[WALL], frequency=39e3)
-    assert scene.obstacles == [WALL] and scene.replace(obstacles=None).obstacles == []
-    assert scene != scene.replace(obstacles=[]) and scene.replace(pressures=100.0).obstacles == [WALL]
+    assert scene.obstacles == [WALL]
+    assert scene.replace(obstacles=None).obstacles == []
+    assert scene != scene.replace(obstacles=[])
+    assert scene.replace(pressures=100.0).obstacles == [WALL]
     for same in (copy.deepcopy(scene), pickle.loads(pickle.dumps(scene))):
-        assert same == scene and hash(same) == hash(scene) and same.obstacles == [WALL]
-    assert pickle.loads(pickle.dumps(WALL)) == WALL and hash(WALL) == hash(copy.copy(WALL))
+        assert same == scene
+        assert hash(same) == hash(scene)
+        assert same.obstacles == [WALL]
+    assert pickle.loads(pickle.dumps(WALL)) == WALL
+    assert hash(WALL) == hash(copy.copy(WALL))
     assert repr(WALL) == 'Wall(point=(0.06, 0.3, -2.0), normal=(-3.0, 0.0, 0.0), kind="rigid")'
     for ending in ("toml", "json"):
         scene.save(tmp_path / f"scene.{ending}")
@@ -153,7 +158,8 @@ def test_pictures_show_where_they_are() -> None:
 def test_what_cannot_be_is_refused_in_a_line(given: Any, told: str) -> None:
     with pytest.raises(midair.SceneError) as refusal:
         midair.Scene(array(), POINTS, obstacles=given)
-    assert told in str(refusal.value) and "\n" not in str(refusal.value)
+    assert told in str(refusal.value)
+    assert "\n" not in str(refusal.value)
 
 
 def test_walls_and_files_are_refused_by_name() -> None:

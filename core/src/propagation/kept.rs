@@ -36,14 +36,12 @@ impl Kept {
     pub(crate) fn checked(self) -> Result<Self, Error> {
         let (transducers, points) = (self.sources.array.len(), self.points.len());
         self.signature.as_ref().map_or(Ok(()), |signature| signature.check(transducers, points))?;
-        let mut most = MOST_ENTRIES;
-        if let Some(scattering) = &self.scattering {
-            scattering.obstacles.check_points(&self.points)?;
-            most = 8 * MOST_ENTRIES / (1 + scattering.images.len()).max(8);
-        }
-        if transducers.saturating_mul(points) > most {
+        self.scattering.as_ref().map_or(Ok(()), |all| all.obstacles.check_points(&self.points))?;
+        let waves = self.scattering.as_ref().map_or(1, |scattering| 1 + scattering.images.len());
+        let most = (8 * MOST_ENTRIES / waves.max(8) / transducers).max(1);
+        if points > most {
             let why = if self.scattering.is_some() { "obstacles" } else { "a signature" };
-            let cure = format!("with {why} G is kept: give at most {}", (most / transducers).max(1));
+            let cure = format!("with {why} G is kept: give at most {most}");
             return Err(Error::invalid("points", format!("{points} of them"), cure));
         }
         Ok(self)

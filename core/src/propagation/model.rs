@@ -1,5 +1,6 @@
 //! Model of G: an array in a medium, prepared once for control points that change.
 
+use alloc::string::String;
 use alloc::sync::Arc;
 
 use crate::error::Error;
@@ -102,6 +103,17 @@ impl Model {
             return Ok(Propagation::at(sources, points.into(), self.set));
         }
         Propagation::kept(Kept { sources, points: points.into(), scattering, signature }, self.set)
+    }
+
+    /// Bytes that G at a point is kept in, in f64 and f32; 0 where it is computed when asked.
+    pub(crate) fn bytes_a_point(&self) -> usize {
+        let kept = self.scattering.is_some() || self.signature.is_some();
+        if kept { 24 * self.array().len() } else { 0 }
+    }
+
+    /// Refuses a point inside an obstacle by its name.
+    pub(crate) fn check_point(&self, point: [f64; 3], name: impl FnOnce() -> String) -> Result<(), Error> {
+        self.scattering.as_ref().map_or(Ok(()), |scattering| scattering.obstacles.check_point(point, name))
     }
 
     /// The array.

@@ -1,6 +1,7 @@
 //! Obstacles: what the waves meet beside the array, checked once against it.
 
 use alloc::format;
+use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
@@ -146,13 +147,15 @@ impl Obstacles {
 
     /// Refuses points inside an obstacle.
     pub(crate) fn check_points(&self, points: &[[f64; 3]]) -> Result<(), Error> {
-        for (j, &point) in points.iter().enumerate() {
-            if let Some(k) = self.around(point) {
-                let cure = format!("behind the wall obstacles[{k}], where no sound is: bring it to the array's side");
-                return Err(Error::invalid(format!("points[{j}].position"), format!("{point:?}"), cure));
-            }
-        }
-        Ok(())
+        let each = |(j, &point): (usize, &[f64; 3])| self.check_point(point, || format!("points[{j}].position"));
+        points.iter().enumerate().try_for_each(each)
+    }
+
+    /// Refuses a point inside an obstacle by its name.
+    pub(crate) fn check_point(&self, point: [f64; 3], name: impl FnOnce() -> String) -> Result<(), Error> {
+        let Some(k) = self.around(point) else { return Ok(()) };
+        let cure = format!("behind the wall obstacles[{k}], where no sound is: bring it to the array's side");
+        Err(Error::invalid(name(), format!("{point:?}"), cure))
     }
 }
 

@@ -48,7 +48,11 @@ def sides(field: Field) -> tuple[int, int]:
 def paint(
     field: Field, ax: Axes, values: NDArray[np.float64], colour_map: str, ends: tuple[float, float]
 ) -> AxesImage:
-    """An image in the plane of a field, and its obstacles: values (pixels, pixels), and those at the ends of the colour map."""
+    """An image in the plane of a field, with its obstacles.
+
+    values : (pixels, pixels)
+    ends : those at the ends of the colour map
+    """
     across, up = ("xyz"[axis] for axis in sides(field))
     u, v = (getattr(field, name) * 1e3 for name in (across, up))
     edge = (u[1] - u[0]) / 2

@@ -170,7 +170,8 @@ def _scenes(tables: Tables, folder: Path) -> tuple[list[Base], list[Path]]:
             scene, name = Scene.load(folder / one), str(one)
         own = json.loads(scene.json())
         if "obstacles" in own:
-            raise SceneError(f"scenes: {name} has obstacles, which sweeps do not take: solve it by midair.solve")
+            cure = "which sweeps do not take: leave them out, or solve it by midair.solve"
+            raise SceneError(f"scenes: {name} has obstacles, {cure}")
         base = {"array": array_table(scene.array), "medium": own["medium"], "points": _listed(own["points"])}
         bases.append((f"scene {name}", base, {"scene": name}))
     return bases, files
