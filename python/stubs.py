@@ -14,13 +14,13 @@ FOLDER = Path(__file__).parent / "midair"
 
 KEYWORDS = '''"""Keywords by solver and call: its options, and what goes beside them. Made by `make stubs`."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Literal, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._midair import Solution, _Directivity, _Quantization
+from ._midair import Solution, Wall, _Directivity, _Quantization
 
 class Board(TypedDict, total=False):
     quantization: _Quantization | None
@@ -45,6 +45,7 @@ class Setting(Board, total=False):
     source_pressure: float | None
     directivity: _Directivity | None
     signature: str | ArrayLike | None
+    obstacles: Iterable[Wall] | None
 
 class Solver(Setting, total=False):
     points: int | None

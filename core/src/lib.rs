@@ -86,8 +86,8 @@ pub use problem::{Beyond, Metrics, Problem, Reach, Setup, Solution, Status, boun
 pub use propagation::{Gorkov, Model, Particle, Propagation, field, gorkov};
 pub use rng::Rng;
 pub use scene::{
-    Aim, Array, Axis, Choice, Directivity, Doubt, Medium, OptionValue, Options, Origin, Plane, Request, Scene,
-    Signature, Start, Transducer, Value, presets, spell, word,
+    Aim, Array, Axis, Choice, Directivity, Doubt, Medium, Obstacle, OptionValue, Options, Origin, Plane, Request,
+    Scene, Signature, Start, Surface, Transducer, Value, presets, spell, word,
 };
 pub use session::{Ask, Batch, Frames, Session};
 pub use solvers::options::{Configure, OptionInfo};

@@ -64,6 +64,7 @@ def scene(scene: Scene) -> str:
         ("sound speed", f"{scene.sound_speed:.5g} m/s"),
         ("wavelength", f"{1e3 * scene.wavelength:.4g} mm"),
         *([] if scene.solver is None else [("solver", scene.solver[0])]),
+        *([("obstacles", str(scene.obstacles))] if scene.obstacles else []),
     )
     return facts + _table(
         rows, ("point", "x / mm", "y / mm", "z / mm", "pressure / Pa", "weight"), len(scene.points)

@@ -195,7 +195,7 @@ impl Field {
 
 /// The field p = G q of a drive (N,), or of a Solution with its scale counted in, on a plane or at points (P, 3) in m.
 ///
-/// Left out, the plane is the scene's own, else one through its points: normal to z, y or x, and several where they do
+/// Inside an obstacle it is 0. Left out, the plane is the scene's own, else one through its points: normal to z, y or x, and several where they do
 /// not lie in one (`panels`).
 #[pyfunction]
 #[pyo3(signature = (scene, drive, plane=None))]
@@ -207,7 +207,7 @@ pub(crate) fn field(
 ) -> PyResult<Field> {
     let solution = drive.cast::<Solution>().ok().map(|solution| solution.clone().unbind());
     let drive = played(drive)?;
-    let Scene { inner, ready } = scene.get();
+    let (inner, model) = (&scene.get().inner, scene.get().model());
     let places: Vec<Places> = match plane {
         None => inner.picture_planes().into_iter().map(Places::Plane).collect(),
         Some(plane) => match plane.cast::<Plane>() {
@@ -226,8 +226,8 @@ pub(crate) fn field(
         let control = &mut control.on(threads);
         let mut sample = |places: Places| {
             let pressure = match &places {
-                Places::Plane(plane) => midair::field(&ready.model, &drive, &plane.points(), control),
-                Places::Points(points) => midair::field(&ready.model, &drive, points, control),
+                Places::Plane(plane) => midair::field(&model, &drive, &plane.points(), control),
+                Places::Points(points) => midair::field(&model, &drive, points, control),
             };
             Ok(Picture { places, pressure: pressure?.into() })
         };

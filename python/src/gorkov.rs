@@ -95,7 +95,7 @@ pub(crate) fn gorkov(
     density: Argument<'_, '_>,
     sound_speed: Argument<'_, '_>,
 ) -> PyResult<Gorkov> {
-    let Scene { inner, ready } = scene.get();
+    let (inner, model) = (&scene.get().inner, scene.get().model());
     let drive = played(drive)?;
     let points = points.map(|points| read::vectors("points", points)).transpose()?;
     let points = points.as_deref().unwrap_or(inner.points());
@@ -106,8 +106,7 @@ pub(crate) fn gorkov(
         sound_speed: read::real_or("sound_speed", sound_speed, default.sound_speed)?,
     };
     let threads = limits::threads(py)?;
-    let felt =
-        attend(py, None, |control| midair::gorkov(&ready.model, &drive, points, particle, &mut control.on(threads)))?;
+    let felt = attend(py, None, |control| midair::gorkov(&model, &drive, points, particle, &mut control.on(threads)))?;
     warn_all(py, particle.remark(inner.medium()))?;
     let midair::Gorkov { potential, force, hessian, .. } = felt;
     Ok(Gorkov { potential, force, hessian })

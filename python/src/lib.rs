@@ -19,6 +19,7 @@ mod limits;
 mod metrics;
 mod names;
 mod numbers;
+mod obstacle;
 mod out;
 mod pickle;
 mod plane;
@@ -67,6 +68,8 @@ mod _midair {
     use super::metrics::{BatchMetrics, Metrics};
     #[pymodule_export]
     use super::names::{preset_name, solver_name};
+    #[pymodule_export]
+    use super::obstacle::Wall;
     #[pymodule_export]
     use super::plane::Plane;
     #[pymodule_export]

@@ -23,6 +23,16 @@ pub(crate) fn vectors(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64
     }
 }
 
+/// One place or direction (3,).
+pub(crate) fn place(item: &str, value: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
+    let cure = "give three real numbers";
+    let Numbers { values, shape } = numbers(item, value, REAL, cure)?;
+    match (values.first_chunk(), &shape[..]) {
+        (Some(place), [3]) => Ok(*place),
+        _ => Err(invalid(item, &told(&shape), cure)),
+    }
+}
+
 /// Numbers (M,); one number stands for all M.
 pub(crate) fn list(item: &str, value: &Bound<'_, PyAny>, count: usize) -> PyResult<Vec<f64>> {
     let cure = format!("give one real number, or one for each of the {count} points");

@@ -7,6 +7,7 @@ use pyo3::types::PyDict;
 use crate::array::Array;
 use crate::error::{invalid, refused, warn_all};
 use crate::numbers::quoted;
+use crate::obstacle::read_obstacles;
 use crate::plane::Plane;
 use crate::read;
 use crate::scene::Scene;
@@ -14,7 +15,7 @@ use crate::setting::Keywords;
 use crate::signature::read_signature;
 
 /// What `Scene.replace` takes.
-const PARTS: [&str; 13] = [
+const PARTS: [&str; 14] = [
     "array",
     "points",
     "pressures",
@@ -27,6 +28,7 @@ const PARTS: [&str; 13] = [
     "source_pressure",
     "directivity",
     "signature",
+    "obstacles",
     "plane",
 ];
 
@@ -37,10 +39,11 @@ pub(crate) fn remade(
     (array, medium): (&Array, Medium),
     points: Vec<[f64; 3]>,
     request: Request,
-    (plane, signature): (Option<midair::Plane>, Option<midair::Signature>),
+    (plane, signature, obstacles): (Option<midair::Plane>, Option<midair::Signature>, Vec<midair::Obstacle>),
 ) -> PyResult<Scene> {
     let scene = midair::Scene::new(array.inner.clone(), medium, points, request);
-    let mut scene = scene.and_then(|scene| scene.with_signature(signature)).map_err(refused)?;
+    let scene = scene.and_then(|scene| scene.with_signature(signature)?.with_obstacles(obstacles));
+    let mut scene = scene.map_err(refused)?;
     scene.solver.clone_from(&own.inner.solver);
     scene.plane = plane;
     let (scene, told) = (Scene::with(array, scene)?, own.doubts());
@@ -98,8 +101,10 @@ pub(crate) fn replaced(py: Python<'_>, scene: &Scene, changes: &Bound<'_, PyDict
         Some(signature) if signature.is_none() => None,
         Some(signature) => Some(read_signature(&signature, array.inner.len())?),
     };
+    let obstacles = keywords.take_or_none("obstacles")?;
+    let obstacles = obstacles.map_or_else(|| Ok(own.obstacles().to_vec()), |given| read_obstacles(&given))?;
     if let Some(name) = keywords.left() {
         return Err(refused(midair::Error::unknown("part of a scene", name, PARTS)));
     }
-    remade(py, scene, (&array, medium), points, request, (plane, signature))
+    remade(py, scene, (&array, medium), points, request, (plane, signature, obstacles))
 }

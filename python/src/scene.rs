@@ -14,6 +14,7 @@ use crate::array::{Array, adjusted};
 use crate::ctrl_c::attend;
 use crate::error::{refused, warn_all};
 use crate::give::{self, rows};
+use crate::obstacle::{read_obstacles, shown_obstacles};
 use crate::pickle::{Reduced, restored};
 use crate::plane::Plane;
 use crate::reach::Reach;
@@ -32,7 +33,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// takes no part. sound_speed (m/s) or temperature (degrees C), absorption in Np/m, density in kg/m^3;
 /// source_pressure and directivity override the array's. signature turns the foci into traps: "trap", "twin", "vortex" or
 /// complex factors (N,) or (M, N) of modulus 1, which multiply the responses while it is solved; pressures are then those
-/// of the foci, and `field` and `gorkov` tell the real ones.
+/// of the foci, and `field` and `gorkov` tell the real ones. obstacles are what the waves meet, a list of midair.Wall.
 ///
 /// >>> import midair
 /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]])
@@ -44,6 +45,8 @@ pub(crate) struct Scene {
     pub(crate) inner: Arc<midair::Scene>,
     /// Its array and medium.
     pub(crate) ready: Arc<Ready>,
+    /// Those behind its obstacles, under its signature.
+    model: midair::Model,
 }
 
 impl PartialEq for Scene {
@@ -69,7 +72,10 @@ impl Scene {
 
     /// A scene of an array that may be ready.
     pub(crate) fn with(array: &Array, inner: midair::Scene) -> PyResult<Self> {
-        Ok(Self { ready: array.ready(inner.medium())?, inner: Arc::new(inner) })
+        let ready = array.ready(inner.medium())?;
+        let model = ready.model.clone().with_signature(inner.signature().cloned());
+        let model = model.with_obstacles(inner.obstacles()).map_err(refused)?;
+        Ok(Self { ready, model, inner: Arc::new(inner) })
     }
 
     /// The same, and a warning of what is hardly meant of it.
@@ -82,9 +88,9 @@ impl Scene {
         midair::Problem::of_model(&self.model(), self.inner.points(), self.inner.request(), control)
     }
 
-    /// Its array and medium under its signature: what it is solved with.
+    /// Its array and medium behind its obstacles, under its signature: what it is solved with.
     pub(crate) fn model(&self) -> midair::Model {
-        self.ready.model.clone().with_signature(self.inner.signature().cloned())
+        self.model.clone()
     }
 
     pub(crate) fn doubts(&self) -> Vec<Doubt> {
@@ -97,7 +103,7 @@ impl Scene {
     #[new]
     #[pyo3(signature = (
         array, points, pressures=None, *, weights=None, frequency=None, sound_speed=None, temperature=None,
-        absorption=None, density=None, source_pressure=None, directivity=None, signature=None
+        absorption=None, density=None, source_pressure=None, directivity=None, signature=None, obstacles=None
     ))]
     #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
     fn new(
@@ -114,6 +120,7 @@ impl Scene {
         source_pressure: Argument<'_, '_>,
         directivity: Argument<'_, '_>,
         signature: Argument<'_, '_>,
+        obstacles: Argument<'_, '_>,
     ) -> PyResult<Self> {
         let default = Medium::default();
         let speed = sound_speed.map(|speed| read::real("sound_speed", speed)).transpose()?;
@@ -130,8 +137,10 @@ impl Scene {
         let request =
             if points.is_empty() { Request::default() } else { read::request(points.len(), pressures, weights)? };
         let signature = signature.map(|value| read_signature(value, array.inner.len())).transpose()?;
+        let obstacles = obstacles.map_or_else(|| Ok(Vec::new()), read_obstacles)?;
         let scene = midair::Scene::new(array.inner.clone(), medium, points, request);
-        Self::with(&array, scene.and_then(|scene| scene.with_signature(signature)).map_err(refused)?)?.told(py)
+        let scene = scene.and_then(|scene| scene.with_signature(signature)?.with_obstacles(obstacles));
+        Self::with(&array, scene.map_err(refused)?)?.told(py)
     }
 
     /// The same scene with other parts, named as the constructor names them, or another `plane`; what is left out stays,
@@ -259,6 +268,12 @@ impl Scene {
         shown_signature(py, self.inner.signature(), self.inner.array().len())
     }
 
+    /// What the waves meet: a list of midair.Wall.
+    #[getter]
+    fn obstacles<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        shown_obstacles(py, self.inner.obstacles())
+    }
+
     /// The plane the scene file asks pictures of, or None.
     #[getter]
     fn plane(&self) -> Option<Plane> {
@@ -292,6 +307,7 @@ impl Scene {
         plane: Option<Bound<'_, Plane>>,
         phases: Argument<'_, '_>,
         signature: Argument<'_, '_>,
+        obstacles: &Bound<'_, PyAny>,
     ) -> PyResult<Self> {
         let [frequency, sound_speed, absorption, density] = medium;
         let medium = Medium { frequency, sound_speed, absorption, density };
@@ -301,7 +317,9 @@ impl Scene {
         let array = array.get();
         let signature = signature.map(|value| read_signature(value, array.inner.len())).transpose()?;
         let scene = midair::Scene::new(array.inner.clone(), medium, points, request);
-        let mut scene = scene.and_then(|scene| scene.with_signature(signature)).map_err(refused)?;
+        let obstacles = read_obstacles(obstacles)?;
+        let scene = scene.and_then(|scene| scene.with_signature(signature)?.with_obstacles(obstacles));
+        let mut scene = scene.map_err(refused)?;
         scene.solver = solver.map(|(name, options)| read::choice(name, &options)).transpose()?;
         scene.plane = plane.map(|plane| plane.get().inner);
         Self::with(array, scene)
@@ -315,7 +333,9 @@ impl Scene {
         let [pressures, phases, weights] =
             [pressures, phases, weights].map(|list| list.map(|list| give::list(py, list)));
         let (solver, plane, signature) = (self.solver(py)?, self.plane(), self.signature(py)?);
-        let parts = (self.array(), self.points(py)?, pressures, weights, medium, solver, plane, phases, signature);
+        let obstacles = self.obstacles(py)?;
+        let points = self.points(py)?;
+        let parts = (self.array(), points, pressures, weights, medium, solver, plane, phases, signature, obstacles);
         restored::<Self>(py, parts)
     }
 

@@ -11,6 +11,7 @@ use pyo3::types::{PyDict, PyDictMethods};
 use crate::array::{Array, adjusted};
 use crate::error::{invalid, refused, warn_all};
 use crate::give::rows;
+use crate::obstacle::{read_obstacles, shown_obstacles};
 use crate::propagation::Propagation;
 use crate::quantization::{on_board, shown};
 use crate::read;
@@ -48,7 +49,7 @@ impl PartialEq for Source {
         match (self, other) {
             (Self::Model(own), Self::Model(other)) => {
                 let same = own.array() == other.array() && own.medium() == other.medium();
-                same && own.signature() == other.signature()
+                same && own.signature() == other.signature() && own.obstacles() == other.obstacles()
             }
             (Self::Given(own, setup), Self::Given(other, its)) => own == other && setup == its,
             _ => false,
@@ -88,6 +89,7 @@ impl Source {
                 keywords.set_item("density", density)?;
                 let shown = shown_signature(py, model.signature(), model.array().len())?;
                 keywords.set_item("signature", shown)?;
+                keywords.set_item("obstacles", shown_obstacles(py, model.obstacles())?)?;
                 Bound::new(py, Array::from(model.array().clone()))?.into_any()
             }
             Self::Given(propagation, setup) => {
@@ -158,8 +160,8 @@ impl<'py> Keywords<'py> {
 }
 
 impl Setting {
-    /// From a Scene (its array and medium), an Array or a Propagation, and keywords: the Scene's, `signature`, `quantization`, `mask`,
-    /// `balance`, `aim`, and the solver's options.
+    /// From a Scene (its array and medium), an Array or a Propagation, and keywords: the Scene's, `signature`, `obstacles`,
+    /// `quantization`, `mask`, `balance`, `aim`, and the solver's options.
     pub(crate) fn read(
         object: &Bound<'_, PyAny>,
         solver: Argument<'_, '_>,
@@ -169,7 +171,7 @@ impl Setting {
             Some(keywords) => keywords.copy()?,
             None => PyDict::new(object.py()),
         });
-        let signature = keywords.take_or_none("signature")?;
+        let (signature, obstacles) = (keywords.take_or_none("signature")?, keywords.take_or_none("obstacles")?);
         let [balance, aim, quantization, mask, positions] =
             ["balance", "aim", "quantization", "mask", "positions"].map(|name| keywords.take(name));
         let (balance, aim, quantization, mask, positions) = (balance?, aim?, quantization?, mask?, positions?);
@@ -201,6 +203,9 @@ impl Setting {
                     "multiply the matrix by it: it goes with a Scene or an Array",
                 ));
             }
+            if obstacles.is_some_and(|obstacles| !obstacles.is_none()) {
+                return Err(invalid("obstacles", "given", "a matrix has them in it: they go with a Scene or an Array"));
+            }
             let (propagation, setup) = given(&matrix.get().inner, beside)?;
             let (configured, balance) = configured(setup.quantization.as_deref())?;
             let source = Source::Given(propagation.clone(), Arc::new(setup.clone()));
@@ -210,11 +215,12 @@ impl Setting {
             if positions.is_some() {
                 return Err(invalid("positions", "given", "an array has its own: they go with Propagation"));
             }
-            let (array, medium, told, own) = if let Ok(scene) = object.cast::<Scene>() {
+            let (array, medium, told, own, behind) = if let Ok(scene) = object.cast::<Scene>() {
                 let scene = scene.get();
-                (scene.array(), scene.inner.medium(), &scene.ready.doubts[..], scene.inner.signature())
+                let (doubts, own) = (&scene.ready.doubts[..], scene.inner.signature());
+                (scene.array(), scene.inner.medium(), doubts, own, scene.inner.obstacles())
             } else if let Ok(array) = object.cast::<Array>() {
-                (array.get().clone(), Medium::default(), &[][..], None)
+                (array.get().clone(), Medium::default(), &[][..], None, &[][..])
             } else {
                 let kind = object.get_type().qualname()?;
                 return Err(PyTypeError::new_err(format!(
@@ -229,7 +235,8 @@ impl Setting {
             let Ready { model, doubts } = &*keywords.ready(array, medium, beside)?;
             warn_all(object.py(), doubts.iter().filter(|doubt| !told.contains(doubt)))?;
             let (configured, balance) = configured(model.array().quantization())?;
-            let model = model.clone().with_signature(signature);
+            let obstacles = obstacles.map_or_else(|| Ok(behind.to_vec()), |given| read_obstacles(&given))?;
+            let model = model.clone().with_signature(signature).with_obstacles(&obstacles).map_err(refused)?;
             (Session::new(model.clone(), configured.solver, balance), configured.info, Source::Model(model))
         };
         Ok(Self { session, choice, info, source })

@@ -37,7 +37,7 @@ def test_errors_are_of_the_kinds_that_people_catch() -> None:
 def test_keywords_have_the_names_and_order_of_the_design() -> None:
     parameters = {
         midair.Scene: "array points pressures weights frequency sound_speed temperature absorption density "
-        "source_pressure directivity signature",
+        "source_pressure directivity signature obstacles",
         midair.Array: "positions normals source_pressure directivity response mask quantization",
         midair.Plane: "z size pixels center axis at",
         midair.solve: "scene solver pressures weights quantization mask positions balance aim start progress "

@@ -1,4 +1,4 @@
-//! From the tables of a scene file (`[medium]`, `[array]`, `[[points]]`, what is drawn, `[solver]`, `[plane]`) to a scene.
+//! From the tables of a scene file (`[medium]`, `[array]`, `[[points]]`, what is drawn, `[[obstacles]]`, `[solver]`, `[plane]`) to a scene.
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -14,7 +14,8 @@ use crate::files::node::Node;
 use crate::files::positions;
 use crate::files::source::Source;
 use crate::scene::{
-    Array, Axis, Choice, Directivity, Medium, Options, Plane, Request, Scene, Signature, Transducer, Value,
+    Array, Axis, Choice, Directivity, Medium, Obstacle, OptionValue, Options, Plane, Request, Scene, Signature,
+    Surface, Transducer, Value,
 };
 use crate::solvers::registry;
 
@@ -28,7 +29,9 @@ pub(super) fn scene(document: &Node, source: Source<'_>, draw: &mut Draw<'_>) ->
     let medium = root.read("medium", |item| medium(&item.table()?))?.unwrap_or_default();
     let array = array(&root.need("array")?.table()?, source)?;
     let signature = root.read("signature", signature)?;
-    let mut scene = Scene::new(array, medium, places, request)?.with_signature(signature)?;
+    let obstacles = root.read("obstacles", |all| all.each(obstacle, "give tables, each with a point and a normal"))?;
+    let scene = Scene::new(array, medium, places, request)?.with_signature(signature)?;
+    let mut scene = scene.with_obstacles(obstacles.unwrap_or_default())?;
     scene.plane = root.read("plane", |item| plane(&item.table()?, &scene))?;
     scene.solver = root.read("solver", |item| choice(&item.open_table()?, scene.array().quantization()))?;
     Ok(scene)
@@ -72,6 +75,16 @@ fn request(points: &[Point], owners: &[(usize, String)]) -> Result<Request, Faul
         any.then(|| points.iter().map(|(_, numbers)| numbers[key].unwrap_or(default)).collect())
     };
     Ok(Request { pressures: list(0, 0.0), phases: list(1, 0.0), weights: list(2, 1.0) })
+}
+
+fn obstacle(item: &Item<'_>) -> Result<Obstacle, Fault> {
+    let table = item.table()?;
+    let kind = table.read("kind", |kind| {
+        let known = Surface::read(&kind.path, &Value::Text(kind.text()?.into()));
+        known.map_err(|error| Fault::at(kind.path.as_str(), error))
+    })?;
+    let (point, normal) = (table.need("point")?.numbers()?, table.need("normal")?.numbers()?);
+    Ok(Obstacle::Wall { point, normal, kind: kind.unwrap_or_default() })
 }
 
 fn signature(item: &Item<'_>) -> Result<Signature, Fault> {

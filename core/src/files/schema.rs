@@ -17,6 +17,7 @@ const TABLES: &[Table] = &[
             ("points", r#"[{"position": [0.0, 0.0, 0.15]}]"#),
             ("shape", r#"[{"kind": "circle", "center": [0.0, 0.0, 0.15], "radius": 0.03}]"#),
             ("image", r#"[{"file": "logo.png", "size": 0.08, "z": 0.15, "pixels": 18}]"#),
+            ("obstacles", r#"[{"point": [0.1, 0.0, 0.0], "normal": [-1.0, 0.0, 0.0]}]"#),
             ("signature", r#""trap""#),
             ("solver", r#"{"name": "greedy"}"#),
             ("plane", r#"{"z": 0.15}"#),
@@ -87,6 +88,7 @@ const TABLES: &[Table] = &[
             ("weight", "1.0"),
         ],
     ),
+    ("obstacles[]", &[("point", "[0.1, 0.0, 0.0]"), ("normal", "[-1.0, 0.0, 0.0]"), ("kind", r#""rigid""#)]),
     ("solver", &[("name", r#""greedy""#), ("balance", "true"), ("aim", r#""max""#)]),
     (
         "plane",

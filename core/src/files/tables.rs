@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::error::Error;
 use crate::files::quantization::QuantizationTable;
-use crate::scene::{Array, Axis, Origin, Plane, Scene, Transducer, Value};
+use crate::scene::{Array, Axis, Obstacle, Origin, Plane, Scene, Transducer, Value};
 
 /// How a scene was solved, written beside it so that a result can be replayed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,6 +34,8 @@ pub(super) struct SceneTable {
     solver: Option<SolverTable>,
     #[serde(skip_serializing_if = "Option::is_none")]
     plane: Option<PlaneTable>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    obstacles: Vec<ObstacleTable>,
     points: Vec<PointTable>,
 }
 
@@ -97,6 +99,13 @@ struct GridTable {
 enum DirectivityTable {
     Name(String),
     Parameter(BTreeMap<String, f64>),
+}
+
+#[derive(Serialize)]
+struct ObstacleTable {
+    point: Numbers<3>,
+    normal: Numbers<3>,
+    kind: String,
 }
 
 #[derive(Serialize)]
@@ -192,6 +201,7 @@ impl SceneTable {
             array: ArrayTable::of(scene.array()),
             solver: solver.transpose()?,
             plane: scene.plane.map(PlaneTable::of),
+            obstacles: scene.obstacles().iter().map(ObstacleTable::of).collect(),
             points: points.collect(),
         })
     }
@@ -225,6 +235,13 @@ impl ArrayTable {
             quantization: QuantizationTable::of(array),
             ..origin
         }
+    }
+}
+
+impl ObstacleTable {
+    fn of(obstacle: &Obstacle) -> Self {
+        let Obstacle::Wall { point, normal, kind } = *obstacle;
+        Self { point: Numbers(point), normal: Numbers(normal), kind: kind.name().into() }
     }
 }
 

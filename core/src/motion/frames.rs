@@ -68,7 +68,10 @@ impl<'a> Frames<'a> {
         let medium = model.medium();
         for (k, point) in points.iter().enumerate().filter(|(k, _)| targets[*k] > 0.0) {
             check_places(model.array().centre(), medium, &format!("points{}", name(k)), "", &[*point])?;
+            model.check_point(*point, || format!("points{}", name(k)))?;
         }
+        let kept = bytes(model.bytes_a_point(), &[points.len()]);
+        control.room("G of all frames, kept behind obstacles", [model.array().len(), points.len()], kept)?;
         let mut own = Self {
             model,
             count: frames,

@@ -324,9 +324,11 @@ impl Solution {
     #[must_use]
     pub fn scene(&self) -> Option<Scene> {
         let Targets { propagation, setup, .. } = &*self.asked;
-        let (array, points, signature) = propagation.origin()?;
+        let (array, points, kept) = propagation.origin()?;
         let scene = Scene::new(array.clone(), setup.medium, points.to_vec(), self.asked.request()).ok()?;
-        scene.with_signature(signature.cloned()).ok()
+        let signature = kept.and_then(|kept| kept.signature.clone());
+        let obstacles = kept.and_then(|kept| kept.scattering.as_ref()).map_or(&[][..], |all| all.obstacles.given());
+        scene.with_obstacles(obstacles.to_vec()).and_then(|scene| scene.with_signature(signature)).ok()
     }
 
     /// The targets (M,) in Pa that the metrics refer to.

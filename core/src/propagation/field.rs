@@ -21,7 +21,7 @@ const STRETCH: usize = 1 << 21;
 /// Complex pressures (P,) in Pa (peak) of a drive (N,) at any `points` (P, 3) in m: p = G q.
 ///
 /// A point nearer to a transducer than a hundredth of the wavelength counts as that far away, so that a picture
-/// is always finite. With feature `parallel` the points go over all threads; the result does not depend on how many
+/// is always finite; inside an obstacle the pressure is 0. With feature `parallel` the points go over all threads; the result does not depend on how many
 /// there are.
 ///
 /// # Errors
@@ -75,15 +75,21 @@ fn chunk(
     out: &mut [Complex32],
     control: &mut Control,
 ) -> Result<(), Error> {
-    let sources = &model.sources;
-    let [x, y, z] = &sources.frame(points);
-    let control_points = ControlPoints { coordinates: [x, y, z], count: points.len() };
     let [mut re, mut im] = [(); 2].map(|()| vec![0.0; padded(points.len())]);
-    let transducers = &sources.transducers;
-    kernels::add_field(model.set, &sources.radiation, transducers, drive, control_points, [&mut re, &mut im], control)?;
-    let scale = |x: f32| (f64::from(x) * sources.reference()) as f32;
+    let images = model.scattering.as_ref().map_or(&[][..], |scattering| &scattering.images);
+    for sources in core::iter::once(&*model.sources).chain(images) {
+        let [x, y, z] = &sources.frame(points);
+        let control_points = ControlPoints { coordinates: [x, y, z], count: points.len() };
+        let (transducers, into) = (&sources.transducers, [&mut re[..], &mut im[..]]);
+        kernels::add_field(model.set, &sources.radiation, transducers, drive, control_points, into, control)?;
+    }
+    let scale = |x: f32| (f64::from(x) * model.sources.reference()) as f32;
     for (out, (re, im)) in out.iter_mut().zip(re.iter().zip(&im)) {
         *out = Complex32::new(scale(*re), scale(*im));
+    }
+    if let Some(scattering) = &model.scattering {
+        let hidden = out.iter_mut().zip(points).filter(|(_, point)| scattering.obstacles.around(**point).is_some());
+        hidden.for_each(|(out, _)| *out = Complex32::ZERO);
     }
     Ok(())
 }

@@ -110,6 +110,7 @@ pub fn gorkov(
         return Err(Error::invalid("points", "empty", "give at least one point"));
     }
     check_places(array.centre(), medium, "points", "", points)?;
+    model.scattering.as_ref().map_or(Ok(()), |scattering| scattering.obstacles.check_points(points))?;
     real("radius", particle.radius, 0.0, true)?;
     real("density", particle.density, 0.0, true)?;
     real("sound_speed", particle.sound_speed, 0.0, true)?;
@@ -119,7 +120,7 @@ pub fn gorkov(
     let factors = particle.factors(medium);
     control.each(parts, &|(part, (out, points)): (usize, (&mut [Felt], &[[f64; 3]])), control| {
         for (j, (out, point)) in out.iter_mut().zip(points).enumerate() {
-            *out = at(&model.sources, drive, (part * CHUNK + j, *point), factors, control)?;
+            *out = at(model, drive, (part * CHUNK + j, *point), factors, control)?;
         }
         Ok(())
     })?;
@@ -134,23 +135,26 @@ pub fn gorkov(
 type Felt = (f64, [f64; 3], [[f64; 3]; 3]);
 
 fn at(
-    sources: &Sources,
+    model: &Model,
     drive: &[Complex32],
     (j, point): (usize, [f64; 3]),
     [compression, motion]: [f64; 2],
     control: &mut Control,
 ) -> Result<Felt, Error> {
     let [mut re, mut im] = [Jet::ZERO; 2];
-    for (i, q) in drive.iter().enumerate() {
-        control.pulse()?;
-        sources.check_distance(i, j, point)?;
-        let q = Complex64::new(f64::from(q.re), f64::from(q.im)) * sources.array.effect(i);
-        if q != Complex64::ZERO {
-            let [own_re, own_im] = jet(sources, i, point);
-            re.add(&own_re, q.re);
-            re.add(&own_im, -q.im);
-            im.add(&own_im, q.re);
-            im.add(&own_re, q.im);
+    let images = model.scattering.as_ref().map_or(&[][..], |scattering| &scattering.images);
+    for sources in core::iter::once(&*model.sources).chain(images) {
+        for (i, q) in drive.iter().enumerate() {
+            control.pulse()?;
+            sources.check_distance(i, j, point)?;
+            let q = Complex64::new(f64::from(q.re), f64::from(q.im)) * sources.array.effect(i);
+            if q != Complex64::ZERO {
+                let [own_re, own_im] = jet(sources, i, point);
+                re.add(&own_re, q.re);
+                re.add(&own_im, -q.im);
+                im.add(&own_im, q.re);
+                im.add(&own_re, q.im);
+            }
         }
     }
     let mut potential = Jet::ZERO;

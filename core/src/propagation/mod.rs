@@ -3,9 +3,10 @@
 pub(crate) mod field;
 pub(crate) mod gorkov;
 pub(crate) mod jet;
+pub(crate) mod kept;
 pub(crate) mod model;
 pub(crate) mod products;
-pub(crate) mod signed;
+pub(crate) mod scattering;
 pub(crate) mod sources;
 
 pub use field::field;
@@ -27,8 +28,8 @@ use crate::kernels;
 use crate::kernels::propagate::rows;
 use crate::kernels::{ControlPoints, InstructionSet, Row, Run, padded};
 use crate::math;
-use crate::propagation::signed::Signed;
-use crate::scene::{Array, Scene, Signature, UNITS};
+use crate::propagation::kept::Kept;
+use crate::scene::{Array, Scene, UNITS};
 
 /// Entries of G that are written out together, some points at a time: the memory of the others is not touched yet.
 const ENTRIES_A_BLOCK: usize = 1 << 18;
@@ -59,20 +60,20 @@ enum Rows {
         matrix: Arc<[Complex64]>,
         planar: Arc<[Vec<f32>; 2]>,
         reference: f64,
-        /// The array, points and signature that they were made of, where a scene's signature made them.
-        signed: Option<Arc<Signed>>,
+        /// What they were made of, where a scene's obstacles or signature made them.
+        kept: Option<Arc<Kept>>,
     },
 }
 
-/// Array, points (M, 3) in m and signature that a G was made of.
-type Origin<'a> = (&'a Array, &'a [[f64; 3]], Option<&'a Signature>);
+/// Array and points (M, 3) in m that a G was made of, and obstacles and signature where it has any.
+type Origin<'a> = (&'a Array, &'a [[f64; 3]], Option<&'a Kept>);
 
 /// By what G is made of, not by the kernels that make it.
 impl PartialEq for Propagation {
     fn eq(&self, other: &Self) -> bool {
         match (&self.rows, &other.rows) {
-            (Rows::Stored { matrix, signed, .. }, Rows::Stored { matrix: others, signed: theirs, .. }) => {
-                self.count == other.count && matrix == others && signed == theirs
+            (Rows::Stored { matrix, kept, .. }, Rows::Stored { matrix: others, kept: theirs, .. }) => {
+                self.count == other.count && matrix == others && kept == theirs
             }
             (Rows::Computed { sources, points, .. }, Rows::Computed { sources: others, points: elsewhere, .. }) => {
                 sources.array == others.array && sources.medium == others.medium && points == elsewhere
@@ -83,7 +84,7 @@ impl PartialEq for Propagation {
 }
 
 impl Propagation {
-    /// G of a scene's array at its points, whatever its signature.
+    /// G of a scene's array at its points, whatever its signature and obstacles.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         Self::at(Arc::new(Sources::new(scene.array(), scene.medium())), scene.points().into(), InstructionSet::best())
@@ -96,16 +97,10 @@ impl Propagation {
         Self { count, rows: Rows::Computed { sources, frame, points }, set }
     }
 
-    /// G under a signature, at points that have been checked.
-    pub(crate) fn signed(
-        sources: Arc<Sources>,
-        points: Arc<[[f64; 3]]>,
-        signature: Signature,
-        set: InstructionSet,
-    ) -> Result<Self, Error> {
-        let (count, reference) = (points.len(), sources.reference());
-        let signed = Signed::new(sources, points, signature)?;
-        Ok(Self::stored(signed.matrix(), count, reference, set, Some(signed.into())))
+    /// G behind obstacles or under a signature, at points that have been checked.
+    pub(crate) fn kept(kept: Kept, set: InstructionSet) -> Result<Self, Error> {
+        let (count, reference, kept) = (kept.points.len(), kept.sources.reference(), kept.checked()?);
+        Ok(Self::stored(kept.matrix(), count, reference, set, Some(kept.into())))
     }
 
     /// The same by the kernels of another instruction set than the machine's best.
@@ -149,7 +144,7 @@ impl Propagation {
         count: usize,
         reference: f64,
         set: InstructionSet,
-        signed: Option<Arc<Signed>>,
+        kept: Option<Arc<Kept>>,
     ) -> Self {
         let lanes = padded(count);
         let unit = 1.0 / reference;
@@ -160,7 +155,7 @@ impl Propagation {
                 planar[1][i * lanes + j] = (g.im * unit) as f32;
             }
         }
-        Self { count, rows: Rows::Stored { matrix, planar: Arc::new(planar), reference, signed }, set }
+        Self { count, rows: Rows::Stored { matrix, planar: Arc::new(planar), reference, kept }, set }
     }
 
     /// The same with some transducers of a given matrix switched off: where the mask (N,) is false, G is 0, and so is then
@@ -169,7 +164,7 @@ impl Propagation {
     /// # Errors
     /// Another number of entries than transducers, a computed G.
     pub fn with_mask(mut self, mask: &[bool]) -> Result<Self, Error> {
-        let Rows::Stored { matrix, planar, signed: None, .. } = &mut self.rows else {
+        let Rows::Stored { matrix, planar, kept: None, .. } = &mut self.rows else {
             return Err(Error::invalid("mask", "given", "an array has its own: give it there"));
         };
         let transducers = matrix.len() / self.count;
@@ -218,9 +213,7 @@ impl Propagation {
     pub(crate) fn origin(&self) -> Option<Origin<'_>> {
         match &self.rows {
             Rows::Computed { sources, points, .. } => Some((&sources.array, points, None)),
-            Rows::Stored { signed, .. } => {
-                signed.as_ref().map(|signed| (&signed.sources.array, &*signed.points, Some(&signed.signature)))
-            }
+            Rows::Stored { kept, .. } => kept.as_ref().map(|kept| (&kept.sources.array, &*kept.points, Some(&**kept))),
         }
     }
 
@@ -297,11 +290,11 @@ impl Propagation {
                     }
                 }
             }
-            Rows::Stored { matrix, reference, signed, .. } => {
+            Rows::Stored { matrix, reference, kept, .. } => {
                 for (i, row) in matrix.chunks(self.count).enumerate() {
                     control.pulse()?;
-                    if let Some(signed) = signed {
-                        signed.sources.check_distances(i, &signed.points)?;
+                    if let Some(kept) = kept {
+                        kept.sources.check_distances(i, &kept.points)?;
                     }
                     for (reach, g) in reach.iter_mut().zip(row) {
                         *reach += math::hypot(g.re, g.im) / reference;
@@ -316,10 +309,9 @@ impl Propagation {
     pub(crate) fn carry(&mut self, points: &[[f64; 3]]) -> Result<(), Error> {
         let (sources, frame, old) = match &mut self.rows {
             Rows::Computed { sources, frame, points } => (sources, frame, points),
-            Rows::Stored { signed: Some(signed), .. } => {
-                signed.sources.check_points(points)?;
-                let Signed { sources, signature, .. } = Signed::clone(signed);
-                *self = Self::signed(sources, points.into(), signature, self.set)?;
+            Rows::Stored { kept: Some(kept), .. } => {
+                kept.sources.check_points(points)?;
+                *self = Self::kept(Kept { points: points.into(), ..Kept::clone(kept) }, self.set)?;
                 return Ok(());
             }
             Rows::Stored { .. } => return Err(Error::given_points()),
@@ -378,11 +370,11 @@ impl Propagation {
                 let points = chosen.iter().map(|&j| points[j]).collect();
                 Self::at(Arc::clone(sources), points, self.set)
             }
-            Rows::Stored { matrix, reference, signed, .. } => {
+            Rows::Stored { matrix, reference, kept, .. } => {
                 let rows = matrix.chunks(self.count);
                 let picked = rows.flat_map(|row| chosen.iter().map(move |&j| row[j])).collect();
-                let signed = signed.as_ref().map(|signed| signed.select(chosen).into());
-                Self::stored(picked, chosen.len(), *reference, self.set, signed)
+                let kept = kept.as_ref().map(|kept| kept.select(chosen).into());
+                Self::stored(picked, chosen.len(), *reference, self.set, kept)
             }
         }
     }

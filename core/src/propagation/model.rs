@@ -1,12 +1,15 @@
 //! Model of G: an array in a medium, prepared once for control points that change.
 
+use alloc::string::String;
 use alloc::sync::Arc;
 
 use crate::error::Error;
 use crate::kernels::InstructionSet;
 use crate::propagation::Propagation;
+use crate::propagation::kept::Kept;
+use crate::propagation::scattering::Scattering;
 use crate::propagation::sources::Sources;
-use crate::scene::{Array, Medium, Scene, Signature, check_array};
+use crate::scene::{Array, Medium, Obstacle, Obstacles, Scene, Signature, check_array};
 
 /// An array in a medium, made ready once for points that change: what a scene is for points that do not.
 ///
@@ -22,6 +25,7 @@ use crate::scene::{Array, Medium, Scene, Signature, check_array};
 pub struct Model {
     pub(crate) sources: Arc<Sources>,
     pub(crate) set: InstructionSet,
+    pub(crate) scattering: Option<Arc<Scattering>>,
     signature: Option<Signature>,
 }
 
@@ -32,17 +36,52 @@ impl Model {
     /// As [`Scene::new`]: a medium out of range, a beam too narrow or a transducer too far away for f32 phases.
     pub fn new(array: &Array, medium: Medium, set: InstructionSet) -> Result<Self, Error> {
         check_array(array, medium)?;
-        Ok(Self { sources: Arc::new(Sources::new(array, medium)), set, signature: None })
+        Ok(Self { sources: Arc::new(Sources::new(array, medium)), set, scattering: None, signature: None })
     }
 
     /// That of a scene, which has been checked.
     #[must_use]
     pub fn of(scene: &Scene, set: InstructionSet) -> Self {
-        Self {
-            sources: Arc::new(Sources::new(scene.array(), scene.medium())),
-            set,
-            signature: scene.signature().cloned(),
-        }
+        let sources = Arc::new(Sources::new(scene.array(), scene.medium()));
+        let bare = Self { sources, set, scattering: None, signature: scene.signature().cloned() };
+        bare.scattered(scene.checked_obstacles())
+    }
+
+    /// The same behind obstacles, in place of those that it has: rows of G are then what comes straight from the
+    /// transducers plus what the obstacles send on, in double precision, and so are fields and pressures.
+    ///
+    /// A wall is exact, by image sources with eq. (5)'s directivity and absorption. So are two or three at right angles;
+    /// of two that face each other three reflections are counted.
+    ///
+    /// # Errors
+    /// As [`Scene::with_obstacles`].
+    ///
+    /// ```
+    /// use midair::{Array, InstructionSet, Medium, Model, Obstacle, Surface};
+    ///
+    /// let bare = Model::new(&Array::grid(1, 1, 10e-3)?, Medium::default(), InstructionSet::best())?;
+    /// let wall = Obstacle::Wall { point: [0.1, 0.0, 0.0], normal: [1.0, 0.0, 0.0], kind: Surface::Rigid };
+    /// let model = bare.clone().with_obstacles(&[wall])?;
+    /// // On a rigid wall the pressure is twice what it is without.
+    /// let [own, alone] = [model, bare].map(|model| model.propagation(&[[0.1, 0.0, 0.2]]).unwrap().exact(0, 0));
+    /// assert!((own / alone - 2.0).norm() < 1e-12);
+    /// # Ok::<(), midair::Error>(())
+    /// ```
+    pub fn with_obstacles(self, obstacles: &[Obstacle]) -> Result<Self, Error> {
+        let checked = Obstacles::new(obstacles.to_vec(), self.array(), self.medium())?;
+        Ok(self.scattered(&checked))
+    }
+
+    fn scattered(mut self, obstacles: &Obstacles) -> Self {
+        let some = !obstacles.is_empty();
+        self.scattering = some.then(|| Arc::new(Scattering::new(&self.sources, obstacles.clone())));
+        self
+    }
+
+    /// The obstacles.
+    #[must_use]
+    pub fn obstacles(&self) -> &[Obstacle] {
+        self.scattering.as_ref().map_or(&[], |scattering| scattering.obstacles.given())
     }
 
     /// The same under a signature: what it is solved with. The field of a drive is that of the array itself.
@@ -54,15 +93,27 @@ impl Model {
     /// G at some points (M, 3) in m, times the factors of the signature if there is one.
     ///
     /// # Errors
-    /// No point, a coordinate that is not finite or too far away; factors that do not fit, and more than 2^20 entries under
-    /// a signature.
+    /// No point, a coordinate that is not finite or too far away; one inside an obstacle; factors that do not fit, and more
+    /// than 2^20 entries under a signature or behind obstacles (fewer of many images).
     pub fn propagation(&self, points: &[[f64; 3]]) -> Result<Propagation, Error> {
         self.sources.check_points(points)?;
         let sources = Arc::clone(&self.sources);
-        match &self.signature {
-            None => Ok(Propagation::at(sources, points.into(), self.set)),
-            Some(signature) => Propagation::signed(sources, points.into(), signature.clone(), self.set),
+        let (scattering, signature) = (self.scattering.clone(), self.signature.clone());
+        if scattering.is_none() && signature.is_none() {
+            return Ok(Propagation::at(sources, points.into(), self.set));
         }
+        Propagation::kept(Kept { sources, points: points.into(), scattering, signature }, self.set)
+    }
+
+    /// Bytes that G at a point is kept in, in f64 and f32; 0 where it is computed when asked.
+    pub(crate) fn bytes_a_point(&self) -> usize {
+        let kept = self.scattering.is_some() || self.signature.is_some();
+        if kept { 24 * self.array().len() } else { 0 }
+    }
+
+    /// Refuses a point inside an obstacle by its name.
+    pub(crate) fn check_point(&self, point: [f64; 3], name: impl FnOnce() -> String) -> Result<(), Error> {
+        self.scattering.as_ref().map_or(Ok(()), |scattering| scattering.obstacles.check_point(point, name))
     }
 
     /// The array.

@@ -265,6 +265,25 @@ impl Array {
         self.response.as_ref().map_or(Complex64::ONE, |response| response[i])
     }
 
+    /// The same transducers elsewhere: what a mirror makes of their places and directions, in opposite phase where it says so.
+    pub(crate) fn moved(
+        &self,
+        place: impl Fn([f64; 3]) -> [f64; 3],
+        direction: impl Fn([f64; 3]) -> [f64; 3],
+        opposite: bool,
+    ) -> Self {
+        let positions: Arc<[[f64; 3]]> = self.positions.iter().map(|&position| place(position)).collect();
+        let response = opposite.then(|| (0..self.len()).map(|i| -self.effect(i)).collect());
+        Self {
+            bounds: bounds(&positions),
+            positions,
+            normals: self.normals.iter().map(|&normal| direction(normal)).collect(),
+            response: response.or_else(|| self.response.clone()),
+            origin: Origin::Positions,
+            ..self.clone()
+        }
+    }
+
     /// How the array came about.
     #[must_use]
     pub fn origin(&self) -> &Origin {

@@ -21,6 +21,11 @@ pub(crate) fn check_array(array: &Array, medium: Medium) -> Result<(), Error> {
     check(&corners).or_else(|_| check(array.positions()))
 }
 
+/// The farthest in m from the array's middle along an axis.
+pub(crate) fn reach(medium: Medium) -> f64 {
+    MOST_WAVELENGTHS * medium.wavelength()
+}
+
 /// Refuses places that are not finite or too far away from the array's middle for phases in f32.
 pub(crate) fn check_places(
     centre: [f64; 3],
@@ -29,7 +34,7 @@ pub(crate) fn check_places(
     part: &str,
     places: &[[f64; 3]],
 ) -> Result<(), Error> {
-    let reach = MOST_WAVELENGTHS * medium.wavelength();
+    let reach = reach(medium);
     for (k, place) in places.iter().enumerate() {
         let far = (0..3).any(|axis| (place[axis] - centre[axis]).abs() > reach);
         if far || !place.iter().all(|x| x.is_finite()) {

@@ -21,6 +21,11 @@ pub(crate) fn bounds(points: &[[f64; 3]]) -> [[f64; 2]; 3] {
     })
 }
 
+/// a . b.
+pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|axis| a[axis] * b[axis]).sum()
+}
+
 /// The distance of two places.
 pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     math::sqrt((0..3).map(|axis| (a[axis] - b[axis]) * (a[axis] - b[axis])).sum())

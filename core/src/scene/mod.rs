@@ -7,6 +7,7 @@ pub(crate) mod extent;
 pub(crate) mod geometry;
 pub(crate) mod medium;
 pub(crate) mod neighbours;
+pub(crate) mod obstacle;
 pub(crate) mod pattern;
 pub(crate) mod plane;
 pub(crate) mod plausibility;
@@ -25,6 +26,8 @@ pub use choice::Choice;
 pub(crate) use extent::{check_array, check_places};
 pub(crate) use geometry::distance;
 pub use medium::Medium;
+pub(crate) use obstacle::Obstacles;
+pub use obstacle::{Obstacle, Surface};
 pub use plane::{Axis, Plane};
 pub use plausibility::Doubt;
 pub(crate) use plausibility::{Vicinity, contrary};
@@ -59,6 +62,7 @@ pub struct Scene {
     points: Vec<[f64; 3]>,
     request: Request,
     signature: Option<Signature>,
+    obstacles: Obstacles,
     /// The solver a scene file names.
     pub solver: Option<Choice>,
     /// The plane a scene file asks pictures of.
@@ -75,7 +79,8 @@ impl Scene {
         check_array(&array, medium)?;
         request.check(points.len())?;
         check_places(array.centre(), medium, "points", ".position", &points)?;
-        Ok(Self { array, medium, points, request, signature: None, solver: None, plane: None })
+        let obstacles = Obstacles::default();
+        Ok(Self { array, medium, points, request, signature: None, obstacles, solver: None, plane: None })
     }
 
     /// The same scene with foci to be turned into traps by a signature, or with none.
@@ -86,6 +91,43 @@ impl Scene {
         signature.as_ref().map_or(Ok(()), |signature| signature.check(self.array.len(), self.points.len()))?;
         self.signature = signature;
         Ok(self)
+    }
+
+    /// The same scene with these obstacles in place of its own: see [`Obstacle`]. What the waves do then is told by
+    /// [`crate::Model::with_obstacles`].
+    ///
+    /// # Errors
+    /// Numbers that are not finite, a normal of length 0; one that crosses the array, or has a point behind it; walls that
+    /// are neither parallel nor at right angles, more than six of them.
+    ///
+    /// ```
+    /// use midair::{Array, Medium, Obstacle, Request, Scene, Surface};
+    ///
+    /// let array = Array::preset("paper20", [1, 1])?;
+    /// let scene = Scene::new(array, Medium::default(), vec![[0.0, 0.0, 0.15]], Request::default())?;
+    /// let wall = |z| Obstacle::Wall { point: [0.0, 0.0, z], normal: [0.0, 0.0, -1.0], kind: Surface::Rigid };
+    /// assert_eq!(scene.clone().with_obstacles(vec![wall(0.2)])?.obstacles().len(), 1);
+    /// assert_eq!(
+    ///     scene.with_obstacles(vec![wall(0.1)]).unwrap_err().to_string(),
+    ///     "points[0].position is [0.0, 0.0, 0.15]: behind the wall obstacles[0], where no sound is: bring it to the array's side"
+    /// );
+    /// # Ok::<(), midair::Error>(())
+    /// ```
+    pub fn with_obstacles(mut self, obstacles: Vec<Obstacle>) -> Result<Self, Error> {
+        self.obstacles = Obstacles::new(obstacles, &self.array, self.medium)?;
+        self.obstacles.check_points(&self.points)?;
+        Ok(self)
+    }
+
+    /// The obstacles.
+    #[must_use]
+    pub fn obstacles(&self) -> &[Obstacle] {
+        self.obstacles.given()
+    }
+
+    /// The same, checked.
+    pub(crate) fn checked_obstacles(&self) -> &Obstacles {
+        &self.obstacles
     }
 
     /// What turns the foci into traps.

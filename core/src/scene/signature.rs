@@ -9,6 +9,7 @@ use num_complex::Complex64;
 use crate::error::{Error, find};
 use crate::math;
 use crate::scene::Array;
+use crate::scene::geometry::dot;
 
 /// Factors s_ji that multiply the transducers' responses while a scene is solved, and are no part of what is played: a
 /// drive q whose `sum_i G_ji s_ji q_i` is a strong focus at point j has the real field `sum_i G_ji q_i`, a trap there.
@@ -122,10 +123,6 @@ impl Signature {
         })
         .collect()
     }
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|x| a[x] * b[x]).sum()
 }
 
 /// Unit vectors: across the array (as near to x as can be, or to y for an array along x), the third of a right-handed

@@ -91,7 +91,8 @@ def _read(file: Path, folder: Path) -> Document:
     first = moving.at([0.0])[0] if isinstance(moving, Moving) else moving[0]
     points = [{"position": list(point)} for point in np.asarray(first).tolist()]
     scene: Scene = Scene.parse(json.dumps({**given, "points": points}), name=file.name, folder=folder)
-    air = {name: getattr(scene, name) for name in ("frequency", "sound_speed", "absorption", "density")}
+    names = ("frequency", "sound_speed", "absorption", "density", "obstacles")
+    air = {name: getattr(scene, name) for name in names}
     solver, options = scene.solver or ("glide", {})
     return Document(scene.array, moving, air, motion, solver, dict(options))
 

@@ -52,7 +52,7 @@ def whole(path: str | PathLike[str], endings: tuple[str, ...]) -> Iterator[Path]
 
 
 def save(path: str | PathLike[str], arrays: dict[str, Any], scene: Scene, setting: dict[str, Any]) -> None:
-    """Write arrays, the array and air as the JSON text of a scene, and what else there is as JSON."""
+    """Write arrays, the array, air and obstacles as the JSON text of a scene, and the rest as JSON."""
     with whole(path, (".npz",)) as part:
         np.savez(part, **arrays, scene=scene.json(), setting=output.to_json(setting))
 
@@ -83,4 +83,4 @@ def load(path: str | PathLike[str]) -> dict[str, Any]:
         arrays["drives"] = file["drives"] if mapped is None else mapped
     scene: Scene = Scene.parse(str(arrays.pop("scene")))
     setting = dict(json.loads(str(arrays.pop("setting"))))
-    return {"array": scene.array, **arrays, **setting}
+    return {"array": scene.array, "obstacles": scene.obstacles, **arrays, **setting}

@@ -16,8 +16,8 @@ from ..shape.arguments import flag, number, word
 from . import arguments
 from . import drives as driven
 
-#: What the air may be told by, and what is kept of it.
-AIR = ("frequency", "sound_speed", "temperature", "absorption", "density")
+#: What the air and what is in it may be told by, and what is kept of it.
+AIR = ("frequency", "sound_speed", "temperature", "absorption", "density", "obstacles")
 KEPT = ("frequency", "sound_speed", "absorption", "density")
 
 
@@ -124,7 +124,7 @@ class Frames:
     __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        made = partial(type(self), **self.setting())
+        made = partial(type(self), obstacles=self._scene.obstacles, **self.setting())
         return made, (self.array, self._points, self._targets, self._drives.held)
 
     def __repr__(self) -> str:
@@ -157,7 +157,7 @@ class Frames:
         return f"Sequence of {size}: {how}"
 
     def setting(self) -> dict[str, Any]:
-        """All but array, points, targets and drives, as the arguments that make it again."""
+        """All but array, obstacles, points, targets and drives, as the arguments that make it again."""
         return {**self._setting(), **self._medium()}
 
     def _setting(self) -> dict[str, Any]:

@@ -12,25 +12,31 @@ from .._midair import Scene, SceneError, SceneWarning
 from .blocks import blocks
 from .drives import Drives
 
+#: Entries of G at once behind obstacles, where it is kept in double precision.
+MOST_KEPT = 1 << 17
+
 
 def rows(
     scene: Scene, points: NDArray[np.float64], name: str = "points", first: int = 0
 ) -> NDArray[np.complex64]:
     """G (..., N) at points (..., 3) in a scene's air; an error names the point, the first being `first`."""
-    shape = points.shape[:-1]
+    shape, flat = points.shape[:-1], points.reshape(-1, 3)
+    part = max(MOST_KEPT // len(scene.array), 1) if scene.obstacles else len(flat)
+    blocks = []
     with warnings.catch_warnings():
         # The scene itself has told of what is hardly meant.
         warnings.simplefilter("ignore", SceneWarning)
-        try:
-            matrix = scene.replace(points=points.reshape(-1, 3)).propagation()
-        except SceneError as error:
-            found = re.match(r"points\[(\d+)\](.*)", str(error))
-            if found is None:
-                raise
-            index = list(np.unravel_index(int(found[1]), shape))
-            index[0] += first
-            raise SceneError(f"{name}[{', '.join(map(str, index))}]{found[2]}") from None
-    return matrix.reshape(*shape, -1)
+        for start in range(0, len(flat), part):
+            try:
+                blocks.append(scene.replace(points=flat[start : start + part]).propagation())
+            except SceneError as error:
+                found = re.match(r"points\[(\d+)\](.*)", str(error))
+                if found is None:
+                    raise
+                index = list(np.unravel_index(start + int(found[1]), shape))
+                index[0] += first
+                raise SceneError(f"{name}[{', '.join(map(str, index))}]{found[2]}") from None
+    return np.concatenate(blocks).reshape(*shape, -1)
 
 
 def pressures(scene: Scene, points: NDArray[np.float64], drives: Drives) -> NDArray[np.float64]:

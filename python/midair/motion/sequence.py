@@ -42,7 +42,7 @@ class Sequence(Frames):
     change : the bound that held when it was solved, in rad a frame, if any
     quantization : the board, as `midair.Array` takes it; left out, the array's own; codes need its phases
     solver : the name of what solved it
-    medium : frequency, sound_speed or temperature, absorption and density, as `midair.Scene` takes them
+    medium : frequency, sound_speed or temperature, absorption, density and obstacles, as for `midair.Scene`
 
     A sequence does not change, compares by value and pickles. Raises SceneError for whatever is not in order.
 

@@ -10,6 +10,7 @@ import numpy as np
 from .._midair import Field
 from . import words
 from .colours import Colours
+from .obstacles import outline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,7 +48,11 @@ def sides(field: Field) -> tuple[int, int]:
 def paint(
     field: Field, ax: Axes, values: NDArray[np.float64], colour_map: str, ends: tuple[float, float]
 ) -> AxesImage:
-    """An image in the plane of a field: values (pixels, pixels), and those at the ends of the colour map."""
+    """An image in the plane of a field, with its obstacles.
+
+    values : (pixels, pixels)
+    ends : those at the ends of the colour map
+    """
     across, up = ("xyz"[axis] for axis in sides(field))
     u, v = (getattr(field, name) * 1e3 for name in (across, up))
     edge = (u[1] - u[0]) / 2
@@ -63,6 +68,7 @@ def paint(
     # Seen where a phase means nothing.
     ax.set_facecolor("lightgrey")
     ax.set(xlim=(u[0] - edge, u[-1] + edge), ylim=(v[0] - edge, v[-1] + edge))
+    outline(field, ax, sides(field))
     # Inside a row or column that shares its axes the neighbours' labels will do.
     if ax.xaxis.get_tick_params()["labelbottom"]:
         ax.set_xlabel(f"{across} / mm")

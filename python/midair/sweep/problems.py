@@ -169,6 +169,9 @@ def _scenes(tables: Tables, folder: Path) -> tuple[list[Base], list[Path]]:
             files += scene_files(folder / one)
             scene, name = Scene.load(folder / one), str(one)
         own = json.loads(scene.json())
+        if "obstacles" in own:
+            cure = "which sweeps do not take: leave them out, or solve it by midair.solve"
+            raise SceneError(f"scenes: {name} has obstacles, {cure}")
         base = {"array": array_table(scene.array), "medium": own["medium"], "points": _listed(own["points"])}
         bases.append((f"scene {name}", base, {"scene": name}))
     return bases, files

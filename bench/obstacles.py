@@ -1,0 +1,71 @@
+"""Obstacles: foci before walls, solved with and without them, and the picture of docs/obstacles.md.
+
+Prints its table; every number is judged by a sum of images in f64 that is written out here.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.colors import PowerNorm
+from numpy.typing import NDArray
+
+import midair
+
+SOLVERS = ("naive", "fast", "greedy", "uniform")
+#: A wall beside the points, 45 mm from the array's axis.
+SIDE = 0.045
+POINTS = np.array([[-0.03, 0, 0.15], [-0.01, 0, 0.15], [0.01, 0, 0.15], [0.03, 0, 0.15]])
+
+
+def heard(
+    array: midair.Array, points: NDArray[np.float64], drive: NDArray[np.complex64]
+) -> NDArray[np.float64]:
+    """|p| at points (P, 3): eq. (5) of point sources and their images in the rigid wall, in f64."""
+    k, found = 2 * np.pi * 40e3 / 340, np.zeros(len(points), complex)
+    for places in (array.positions, array.positions * [-1, 1, 1] + [2 * SIDE, 0, 0]):
+        r = np.linalg.norm(points[:, None] - places, axis=2)
+        found += (array.source_pressure * np.exp(1j * k * r) / r) @ drive
+    return np.abs(found)
+
+
+def main() -> None:
+    """The table, and the picture."""
+    # Its last column stands 5 mm from the wall.
+    array = midair.Array.grid(9, 16, 10e-3)
+    scene = midair.Scene(array, POINTS)
+    wall = midair.Wall([SIDE, 0, 0], [-1, 0, 0])
+    behind = scene.replace(obstacles=[wall])
+    print("| method | wall ignored: mean Pa, min/max | wall in the scene: mean Pa, min/max |")
+    print("|---|---|---|")
+    plane = midair.Plane(axis="y", at=0, size=0.12, pixels=240, center=(0, 0.12))
+    figure, axes = plt.subplots(1, 2, figsize=(9, 4), layout="constrained", sharey=True)
+    for solver in SOLVERS:
+        cells = []
+        for ax, asked in zip(axes, (scene, behind), strict=True):
+            solution = midair.solve(asked, solver)
+            p = heard(array, POINTS, solution.drive)
+            cells.append(f"{p.mean():.0f}, {p.min() / p.max():.3f}")
+            if solver == "uniform":
+                draw(ax, behind, solution.drive, plane)
+        print(f"| `{solver}` | {cells[0]} | {cells[1]} |")
+    axes[0].set_title("solved without the wall", fontsize="medium")
+    axes[1].set_title("solved with the wall", fontsize="medium")
+    axes[0].set_ylabel("z / mm")
+    figure.savefig(Path(__file__).parent.parent / "docs" / "obstacles.png", dpi=90)
+
+
+def draw(ax: plt.Axes, scene: midair.Scene, drive: NDArray[np.complex64], plane: midair.Plane) -> None:
+    """|p| of a drive before the wall."""
+    field = midair.field(scene, drive, plane)
+    x, z = 1e3 * field.x, 1e3 * field.z
+    ax.pcolormesh(x, z, np.abs(field.pressure), norm=PowerNorm(0.6, 0, 4000), cmap="inferno", rasterized=True)
+    ax.plot(*1e3 * POINTS[:, [0, 2]].T, "o", mfc="none", mec="deepskyblue")
+    ax.axvline(1e3 * SIDE, color="orange")
+    ax.set(xlabel="x / mm", aspect="equal")
+
+
+if __name__ == "__main__":
+    main()
