@@ -34,6 +34,7 @@ __all__ = [
     "Solution",
     "Solver",
     "SolverInfo",
+    "Wall",
     "bound",
     "field",
     "gorkov",

@@ -179,3 +179,24 @@ def test_walls_and_files_are_refused_by_name() -> None:
     behind = midair.Solver(midair.Scene(array(), POINTS, obstacles=[WALL]), "fast")
     with pytest.raises(midair.SceneError, match=r"points\[0\].*behind the wall obstacles\[0\]"):
         behind([[0.07, 0, 0.1]])
+
+
+def test_sweeps_say_that_they_take_none(tmp_path: Path) -> None:
+    scene = midair.Scene(array(), POINTS, obstacles=[WALL])
+    with pytest.raises(midair.SceneError, match="scenes: 0 has obstacles, which sweeps do not take"):
+        midair.sweep({"scenes": [scene], "solver": [{"name": "fast"}]}, tmp_path / "sweep")
+
+
+def test_more_points_than_are_kept_are_refused_and_a_sequence_of_them_is_not() -> None:
+    board = midair.Array.preset("paper20")
+    path = np.tile([0, 0, 0.15], (3000, 1, 1))
+    path[:, 0, 0] = np.linspace(-0.01, 0.01, 3000)
+    scene = midair.Scene(board, path[:, 0], obstacles=[midair.Wall([0.12, 0, 0], [1, 0, 0])])
+    with pytest.raises(
+        midair.SceneError, match="points is 3000 of them: with obstacles G is kept: give at most 2621"
+    ):
+        scene.propagation()
+    drives = np.ones((3000, 400), np.complex64)
+    sequence = midair.Sequence(board, path, np.ones((3000, 1)), drives, rate=1e3, obstacles=scene.obstacles)
+    p = abs(midair.field(scene, drives[0], path[::1000, 0]).pressure)
+    assert np.allclose(sequence.pressures[::1000, 0], p, rtol=1e-4)
