@@ -90,6 +90,19 @@ def test_the_pose_of_a_second_board_is_found() -> None:
     assert np.array_equal(found.array.positions[:128], believed[:128])
 
 
+def test_readings_of_another_order_are_told_of() -> None:
+    rig = Rig(22)
+    drives = midair.calibration_drives(rig.array, 4)
+    heard = rig.read(drives, 60)[::-1]
+    with pytest.warns(midair.SceneWarning, match="readings are off the model by"):
+        midair.calibrate(rig.array, drives, heard, microphones=rig.places)
+    with pytest.warns(midair.SceneWarning, match="times as loud as"):
+        midair.calibrate(rig.array, drives, 10 * heard[::-1], microphones=rig.places)
+    off = midair.Array(rig.array.positions, mask=np.zeros(256, bool))
+    with pytest.raises(midair.SceneError, match="array has no transducer that was played"):
+        midair.calibrate(off, drives, heard, microphones=rig.places)
+
+
 def test_same_readings_same_bits() -> None:
     rig = Rig(18)
     drives = midair.calibration_drives(rig.array, 2)

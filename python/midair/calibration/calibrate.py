@@ -22,6 +22,8 @@ DEAD, ALIVE = 0.4, 0.75
 REVERSED = np.radians(115)
 #: Readings this many times louder or quieter than the model are hardly in Pa.
 FACTOR = 2.0
+#: Readings off the model by more than this part of their root mean square are hardly of this array.
+UNEXPLAINED = 0.35
 #: Bytes of the normal equations and what is made of them, over those of one such matrix.
 COPIES, MOST_BYTES = 6, 8e9
 
@@ -83,9 +85,13 @@ def calibrate(
     _room(len(array), len(model.free), heard.size)
     own = np.ones(len(array)) if array.response is None else np.abs(array.response)
     believed = np.asarray(own * array.mask, np.float64)
+    if not believed[np.any(played, axis=0)].any():
+        raise SceneError(
+            "array has no transducer that was played: its mask or responses of 0 hold them all off"
+        )
     played = played * array.mask
     found = fit(model, played, heard, believed, spread, least, progress or (lambda *_: None))
-    return _result(scene, model, found, believed, played)
+    return _result(scene, model, found, believed, played, heard)
 
 
 def _scene(given: Scene | Array, microphones: ArrayLike | None) -> Scene:
@@ -137,7 +143,9 @@ def _room(transducers: int, others: int, readings: int) -> None:
         )
 
 
-def _result(scene: Scene, model: Model, found: Fitted, believed: Real, played: Complex) -> Calibration:
+def _result(
+    scene: Scene, model: Model, found: Fitted, believed: Real, played: Complex, heard: Any
+) -> Calibration:
     # One phase is common to all: that of the clock, or none at all where moduli were read.
     common, scale = np.sum(believed * found.responses), float(np.exp(found.state[LOUDNESS]))
     response = found.responses * (scale * np.conj(common) / abs(common)) * model.phases
@@ -148,7 +156,15 @@ def _result(scene: Scene, model: Model, found: Fitted, believed: Real, played: C
             f"readings are {loudness:.3g} times as loud as the array's source_pressure says: "
             "give peak pressures in Pa, or the responses mean only ratios",
             SceneWarning,
-            stacklevel=4,
+            stacklevel=3,
+        )
+    loud = float(np.sqrt(np.mean(np.abs(heard) ** 2)))
+    if found.noise > UNEXPLAINED * loud:
+        warnings.warn(
+            f"readings are off the model by {found.noise / loud:.0%} of their root mean square: "
+            "check the places of the microphones, and that drives and readings are in one order",
+            SceneWarning,
+            stacklevel=3,
         )
     gain, error = np.abs(response), found.responses_error * scale
     median = float(np.median(gain[sounding]))

@@ -128,7 +128,7 @@ def fit(
         np.sqrt((error[:n] ** 2 + error[n : 2 * n] ** 2) / 2),
         here.state,
         others,
-        trust,
+        max(found, noise),
         here.residuals,
     )
 
