@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import count
@@ -23,6 +24,7 @@ from .. import (
     Connection,
     Scene,
     SceneError,
+    SceneWarning,
     Sequence,
     Solution,
     connect,
@@ -32,6 +34,7 @@ from .. import (
     solve,
 )
 from ..boards.address import DEFAULT, parse
+from ..boards.connection import APART
 from ..ear import REFERENCE
 from ..motion import document
 from .progress import progress_bar
@@ -39,6 +42,13 @@ from .streams import tell
 
 #: Seconds of a unit of --for.
 UNITS = {"ms": 1e-3, "s": 1.0, "": 1.0, "min": 60.0, "h": 3600.0}
+
+#: Boards that are always whole, and the presets of one and of two.
+FIXED = {
+    "autd3": ("autd3", "autd3"),
+    "sonicsurface": ("sonicsurface", "sonicsurface_pair"),
+    "openmpd": ("openmpd_board", "openmpd_pair"),
+}
 
 #: A drive that stays is sent anew every so many seconds, well before the hold runs out.
 AGAIN = 10.0
@@ -130,14 +140,22 @@ def _scene(solution: Solution) -> Scene:
 
 
 def _board(name: str, array: Array) -> Board:
-    """The boards of a name behind an array: its own, or as many of them as the array has."""
-    own = Board(name)
-    if len(array) != len(own.array) and (name in presets() and not len(array) % len(own.array)):
-        return Board(name, array)
-    if len(array) != len(own.array):
-        cure = f'give a scene of its array, preset = "{name}"' if name in presets() else "give as many"
-        raise SceneError(f"the array has {len(array)} transducers, {name} {len(own.array)}: {cure}")
-    return Board(name, array)
+    """The boards of a name behind an array: whole ones; where they stand otherwise, it is told."""
+    board = Board(name, array)
+    if board.name not in FIXED:
+        return board
+    one, pair = FIXED[board.name]
+    if len(array) % presets()[one].count:
+        cure = f'give a scene of its array, preset = "{one}"'
+        raise SceneError(
+            f"the array has {len(array)} transducers, {board.name} {presets()[one].count}: {cure}"
+        )
+    # AUTD3 finds its poses in the positions.
+    known = array if board.name == "autd3" else Array.preset((one, pair)[board.boards - 1])
+    if np.abs(known.positions - array.positions).max() > APART:
+        order = "its transducers are taken to be in that board's order"
+        warnings.warn(f"the array stands otherwise than {board.name}: {order}", SceneWarning, stacklevel=2)
+    return board
 
 
 def _hold(
