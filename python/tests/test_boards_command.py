@@ -105,3 +105,9 @@ def test_what_cannot_be_played_is_one_line(scene: Path, words: list[str], told: 
 def test_off_says_which_board_it_was_told_as() -> None:
     assert "null is off" in midair("off", "null").stdout
     assert "is not there" in midair("off", "/dev/no-such-port", status=2).stderr
+
+
+def test_a_file_of_what_moves_is_sent_to_the_command_for_it(tmp_path: Path) -> None:
+    path = tmp_path / "motion.toml"
+    path.write_text(SCENE.split("[[points]]")[0] + "[motion]\nrate = 40\n")
+    assert "it has [motion], midair motion solves it" in midair("solve", str(path), status=2).stderr
