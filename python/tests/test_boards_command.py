@@ -104,6 +104,7 @@ def test_what_cannot_be_played_is_one_line(scene: Path, words: list[str], told: 
 
 def test_off_says_which_board_it_was_told_as() -> None:
     assert "null is off" in midair("off", "null").stdout
+    assert "a file plays nothing" in midair("off", "file:mine.bin", status=2).stderr
     assert "is not there" in midair("off", "/dev/no-such-port", status=2).stderr
 
 

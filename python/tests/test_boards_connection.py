@@ -274,7 +274,22 @@ def test_a_file_begins_and_ends_off(tmp_path):
             file.modulate(200)
     assert path.read_bytes() == b"".join([board.off_frame, *codes, board.off_frame])
     with pytest.raises(midair.BoardError, match="cannot be written"):
-        midair.connect(f"file:{tmp_path}")
+        midair.connect(f"file:{tmp_path}/none/frames.bin")
+    with pytest.raises(midair.SceneError, match=r"give one that ends in \.bin"):
+        midair.connect(f"file:{tmp_path}/mine.txt")
+
+
+def test_a_board_that_is_louder_than_asked_is_told_once():
+    board = midair.Board("sonicsurface")
+    soft = midair.Scene(board.array, [[0, 0, 0.15]], pressures=500)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        solution = midair.solve(soft)
+    assert solution.scale < 0.3
+    with midair.connect("sonicsurface:null") as null:
+        with pytest.warns(midair.SceneWarning, match=r"plays 5\.5\d* times the pressures asked for"):
+            null.send(solution)
+        null.send(solution)
 
 
 def test_ctrl_c_stops_a_stream_and_turns_it_off(loop):

@@ -83,6 +83,8 @@ def parse(address: Any) -> Address:
     if name == "file":
         if not where:
             raise refused("address", text, "give file:PATH")
+        if not where.lower().endswith(".bin"):
+            raise refused("address", text, "a file of frames is written over, give one that ends in .bin")
         return Address(None, "file", os.path.abspath(where))
     kind = name.removesuffix(PAIR)
     if kind not in LINKS:

@@ -156,6 +156,8 @@ def _files(name: Any) -> list[str]:
         paths = [fspath(one) for one in several]
     except TypeError:
         raise refused("board", name, "give a name, or one or two .pat files") from None
+    if not paths:
+        raise refused("board", name, "give a name, or one or two .pat files")
     return paths if not isinstance(name, str) or name.lower().endswith(".pat") else []
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import time
+import warnings
 import weakref
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
@@ -16,7 +17,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, SceneError, Solution
+from .._midair import Array, SceneError, SceneWarning, Solution
 from ..motion import Sequence
 from ..shape.arguments import number, refused
 from . import wire
@@ -73,6 +74,7 @@ class Connection:
         self._hold = hold
         self._limit = limit
         self._late = 0
+        self._warned = False
         self._told: dict[str, Any] = {"state": "off", "frames": 0, "late": 0, "lapses": 0}
         self._guard = GuardProcess(describe(address, board), hold)
         self._finalizer = weakref.finalize(self, self._guard.close)
@@ -217,12 +219,25 @@ class Connection:
 
     def _encode(self, drive: ArrayLike | Solution) -> bytes:
         """The frame of a drive, refused where it is too loud or was solved for transducers elsewhere."""
-        if isinstance(drive, Solution) and drive.scene is not None:
-            self._placed(drive.scene.array)
+        if isinstance(drive, Solution):
+            if drive.scene is not None:
+                self._placed(drive.scene.array)
+            self._warn(drive.scale)
         frame = self.board.encode(drive)
         if self._limit is not None:
             self._limit.check(self.board.decode(frame))
         return frame
+
+    def _warn(self, scale: float) -> None:
+        """Say once that a board cannot play as softly as was asked."""
+        if scale < 1 and not self._warned:
+            self._warned = True
+            text = (
+                f"the board plays {1 / scale:.3g} times the pressures asked for, "
+                f"{-20 * math.log10(scale):.3g} dB more: turn its supply or modulation down to {scale:.3g}, "
+                "or ask for more"
+            )
+            warnings.warn(text, SceneWarning, stacklevel=4)
 
     def _placed(self, array: Array) -> None:
         """Refuse what was solved for transducers that lie elsewhere than the board's."""

@@ -74,10 +74,6 @@ class FileTransport(NullTransport):
         """Close the file."""
         self._file.close()
 
-    @staticmethod
-    def _refused(path: str, error: OSError) -> BoardError:
-        return BoardError(f'file "{path}" cannot be written ({error.strerror}): give another, or make room')
-
 
 class LoopTransport(LineTransport):
     """A line that takes its time as a real one does, and leads nowhere."""

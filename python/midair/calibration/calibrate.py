@@ -24,6 +24,8 @@ REVERSED = np.radians(115)
 FACTOR = 2.0
 #: Readings off the model by more than this part of their root mean square are hardly of this array.
 UNEXPLAINED = 0.35
+#: A prior this wide says nothing; a wider one only costs digits.
+MOST_PRIOR = 10
 #: Bytes of the normal equations and what is made of them, over those of one such matrix.
 COPIES, MOST_BYTES = 6, 8e9
 
@@ -75,6 +77,8 @@ def calibrate(
     _enough(heard, played)
     least = number("noise", noise, least=0) if noise is not None else 0.0
     spread = number("prior", prior, above=0) if prior is not None else None
+    if spread is not None and spread > MOST_PRIOR:
+        raise refused("prior", prior, f"give at most {MOST_PRIOR}, or leave it out to have it learnt")
     second = indices_of(second_board, len(array))
     priors = Priors(
         number("sound_speed_error", sound_speed_error, least=0),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .. import connect
+from .. import SceneError, connect
 from .tables import console
 
 #: What an address begins with where it is a port alone.
@@ -18,6 +18,8 @@ def off_command(address: str) -> int:
         A board and where it is, such as mega64:/dev/ttyACM0; a port alone is a SonicSurface's.
     """
     alone = ":" not in address and address not in ("autd3", "null")
+    if address.startswith("file:"):
+        raise SceneError(f'address is "{address}": a file plays nothing, give a board')
     # Whoever connects begins and ends with silence.
     with connect(f"{BOARD}:{address}" if alone else address) as board:
         board.off()

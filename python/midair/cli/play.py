@@ -92,6 +92,8 @@ def play_command(
             connection.stream(_frames(thing, seconds, show), rate=thing.rate)
         else:
             _hold(connection, thing, seconds, show)
+        # A board that is gone is told, not said to be off.
+        connection.off()
     return 0
 
 
@@ -191,8 +193,9 @@ def _frames(
 
 
 def _loudness(thing: Solution | Sequence) -> float:
-    """The sound pressure level at the loudest point, in dB."""
-    loudest = float(np.abs(thing.pressures).max(initial=0.0))
+    """The sound pressure level at the loudest point, in dB, of what the board plays: it knows of no scale."""
+    scale = thing.scale if isinstance(thing, Solution) else 1.0
+    loudest = float(np.abs(thing.pressures).max(initial=0.0)) / scale
     return 20 * math.log10(max(loudest, 1e-30) / math.sqrt(2) / REFERENCE)
 
 

@@ -96,9 +96,7 @@ def _write(file: File, layout: str, drives: Played, board: Board | None) -> None
         pair.write(file, drives)
         return
     if layout == ".json":
-        raise SceneError(
-            f'output "{shown(file)}": .json holds a Solution of a scene, give .npz, .csv or .holo'
-        )
+        raise SceneError(f"output {shown(file)}: .json holds a Solution of a scene, give .npz, .csv or .holo")
     with whole(file, ENDINGS) as part:
         if layout == ".bin":
             board_frames.write(part, drives, board)
