@@ -5,6 +5,7 @@ Output tells their numbers, when they play, and when they have ended.
 
 import ctypes
 import os
+import signal
 import sys
 import time
 
@@ -99,6 +100,8 @@ def play(name, port, hold):
 
 
 def main():
+    # Under nohup it would be ignored.
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
     # Unbuffered by hand: a line is read by the fork that it is for.
     while line := sys.stdin.readline():
         process = os.fork()

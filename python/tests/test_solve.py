@@ -57,6 +57,7 @@ def test_solvers_tell_their_options_and_defaults() -> None:
         "order": "random",
         "seed": 0,
         "change": np.pi,
+        "sweeps": 1,
     }
     assert greedy == expected
     assert solvers["naive"].options["limit"].default == "clamp"

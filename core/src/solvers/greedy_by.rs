@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 
 use num_complex::Complex32;
 
-use crate::control::Control;
+use crate::control::{Control, bytes};
 use crate::error::Error;
 use crate::math::modulus;
 use crate::problem::{Problem, Solution, Status};
@@ -97,6 +97,8 @@ impl Solve for GreedyBy {
             weights: problem.weights()[..points].iter().map(|&weight| weight.into()).collect(),
         };
         let unit = propagation.reference();
+        let candidates_bytes = bytes(16, &[candidates.count(), points]);
+        control.room("the fields of the candidates", [propagation.transducers(), points], candidates_bytes)?;
         let [mut re, mut im] = [(); 2].map(|()| work.floats.take(lanes));
         let mut drive = work.complexes.take(propagation.transducers());
         let mut field = vec![Complex32::ZERO; points];
@@ -145,7 +147,7 @@ impl Solve for GreedyBy {
 fn best(values: &[f64], step: usize) -> Result<usize, Error> {
     if let Some(k) = values.iter().position(|value| !value.is_finite()) {
         let cure = "give a finite number for each candidate";
-        return Err(Error::invalid(format!("energy[{k}]"), format!("{:?}", values[k]), cure));
+        return Err(Error::invalid(format!("objective[{k}]"), format!("{:?}", values[k]), cure));
     }
     let slack = ROUNDING * values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
     let better = |best: usize, k: usize| if values[k] < values[best] - slack { k } else { best };

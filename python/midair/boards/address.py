@@ -129,7 +129,8 @@ def _places(address: Address, board: Board) -> list[tuple[str, int]]:
     """The serial number and interface of each line: a chip each, or those of one chip."""
     serials = address.where.split("+")
     if serials[0] and len(serials) == 1 and board.name == ONE_CHIP:
-        return [(serials[0], 1 + line) for line in range(board.lines)]
+        # Its first FPGA is on the chip's channel B, which is interface 2.
+        return [(serials[0], 2 - line) for line in range(board.lines)]
     if len(serials) != board.lines or not all(serials):
         raise refused("address", f"{address.board}:{address.where}", f"give {board.lines} serial numbers")
     return [(serial, 1) for serial in serials]

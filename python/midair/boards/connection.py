@@ -63,7 +63,8 @@ class Connection:
 
     A guard process owns the device. It turns everything off when the connection is closed, when the program
     ends in whatever way, and when no call to send, stream, upload, modulate or off came for `hold` s; the
-    next frame plays again. What is stopped by an error or Ctrl-C midway in a call is turned off, too.
+    next frame plays again. What is stopped by an error or Ctrl-C midway in a call is turned off, too; a frame
+    that is refused before it is sent changes nothing.
     """
 
     board: Board
@@ -113,7 +114,8 @@ class Connection:
         try:
             known = isinstance(drives, Sequence | np.ndarray | list | tuple)
             then = None if rate is None else LATE[late]
-            ahead = max(AHEAD, math.ceil(pace * (LEAD if known else LIVE)))
+            # Faster than the board takes them, frames would only pile up.
+            ahead = max(AHEAD, math.ceil(min(pace, self.board.rate) * (LEAD if known else LIVE)))
             self._stream(frames, 1 / pace, then, ahead)
         except BaseException:
             self._quiet()
@@ -123,6 +125,8 @@ class Connection:
         """Let the board play a sequence by itself, over and over, where it can hold one (AUTD3)."""
         if self.board.name not in HOLDS_SEQUENCE:
             raise BoardError(f"{self.board.name} holds no sequence: use stream")
+        if not isinstance(sequence, Sequence):
+            raise refused("sequence", sequence, "give a midair.Sequence")
         frames = [self._encode(drive) for drive in self._drives(sequence)]
         self._call(Kind.UPLOAD, wire.UPLOADED.pack(len(frames), sequence.rate) + b"".join(frames))
 
@@ -291,8 +295,11 @@ class Connection:
             due += period
             if len(under_way) >= ahead:
                 self._answered(under_way.popleft(), patience)
+        # Nothing is sent any more, but somebody waits.
         for each in under_way:
+            self._guard.ask(Kind.HOLD)
             self._answered(each, patience)
+        self._guard.ask(Kind.HOLD)
         # The last frame has its time, too.
         if math.isfinite(due):
             self._wait(due - time.monotonic(), Future())

@@ -30,8 +30,8 @@ class Limit:
             raise refused("limit", given, form)
         more = {**given}
         positions, pressure = more.pop("positions"), more.pop("pressure")
-        points = positions.points if isinstance(positions, Ear) else np.atleast_2d(positions)
         try:
+            points = positions.points if isinstance(positions, Ear) else np.atleast_2d(positions)
             self._scene = Scene(array, points, **more)
             most = np.asarray(pressure, np.float64)
             self._most = np.broadcast_to(most, len(self._scene.points))
@@ -47,7 +47,7 @@ class Limit:
         pressures = np.abs(field(self._scene, drive, self._scene.points).pressure)
         above = pressures - self._most
         worst = int(np.argmax(above))
-        if above[worst] > 0:
+        if not above[worst] <= 0:
             place = ", ".join(f"{x:.4g}" for x in self._scene.points[worst])
             raise BoardError(
                 f"limit at ({place}) m is {self._most[worst]:.4g} Pa, this drive makes "

@@ -17,6 +17,9 @@ BITS = 10
 #: much of its time, in s.
 MOST_AHEAD = 0.025
 
+#: Slower than this, in Hz, on and off are frames.
+LEAST_HZ = 0.05
+
 #: The part of a line's time that swaps may take.
 MOST_SWAPS = 0.2
 
@@ -59,8 +62,10 @@ class LineTransport(ABC):
     def modulate(self, hz: float | None) -> None:
         """Swap the banks, one with the frame and one that is off, 2 hz times a second."""
         most = MOST_SWAPS / (2 * self._byte)
-        if hz is not None and hz > most:
-            raise BoardError(f"modulate is given {hz:g} Hz: give at most {most:.4g}, for the line's sake")
+        if hz is not None and not LEAST_HZ <= hz <= most:
+            raise BoardError(
+                f"modulate is given {hz:g} Hz: give {LEAST_HZ:g} to {most:.4g}, for the line's sake"
+            )
         with self._lock:
             self._steady()
             swapped, self._hz = self._hz is not None, hz

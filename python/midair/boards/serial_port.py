@@ -17,6 +17,9 @@ from .line import LineTransport
 #: 0.6 s of it at 230400 Bd, 1.5 s at 115200 Bd, over a pseudo-terminal.
 STALLED = 0.3
 
+#: Bytes that are given to the system at a time.
+PIECE = 512
+
 #: An Arduino that restarts when its port is opened listens to its boot loader for so long, in s.
 RESTART = 2.0
 
@@ -57,6 +60,11 @@ class SerialTransport(LineTransport):
                 time.sleep(RESTART)
                 self.silence()
         except BaseException:
+            # It would begin to emit behind its boot loader.
+            if restarts and self._has_control_lines():
+                with suppress(BoardError):
+                    time.sleep(RESTART)
+                    self.silence()
             self.close()
             raise
 
@@ -68,7 +76,9 @@ class SerialTransport(LineTransport):
                 if time.monotonic() > patience:
                     raise serial.SerialTimeoutException
                 time.sleep(LOOK)
-            self._port.write(content)
+            # The limit on the time of a write is for as much as the line carries well within it.
+            for at in range(0, len(content), PIECE):
+                self._port.write(content[at : at + PIECE])
 
     def close(self) -> None:
         """Let the line carry its last bytes and let go of the port."""

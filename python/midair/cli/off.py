@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from .. import SceneError, connect
+from .. import Array, SceneError, connect
+from ..boards.address import LINKS, PAIR
 from .tables import console
+
+#: Boards of 64 in a chain.
+MOST_MEGA64 = 14
 
 #: What an address begins with where it is a port alone.
 BOARD = "sonicsurface"
@@ -17,11 +21,14 @@ def off_command(address: str) -> int:
     address
         A board and where it is, such as mega64:/dev/ttyACM0; a port alone is a SonicSurface's.
     """
-    alone = ":" not in address and address not in ("autd3", "null")
+    alone = address.partition(":")[0].removesuffix(PAIR) not in (*LINKS, "null")
     if address.startswith("file:"):
         raise SceneError(f'address is "{address}": a file plays nothing, give a board')
     # Whoever connects begins and ends with silence.
-    with connect(f"{BOARD}:{address}" if alone else address) as board:
+    whole = f"{BOARD}:{address}" if alone else address
+    # Whatever the length of its chain.
+    array = Array.grid(64, MOST_MEGA64, 10e-3) if whole.startswith("mega64:") else None
+    with connect(whole, array=array) as board:
         board.off()
     told = f"{board.board.name} at {address} is off"
     cure = f"; it was told so as a {BOARD}, other boards take midair off BOARD:{address}" if alone else ""

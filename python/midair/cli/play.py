@@ -103,7 +103,7 @@ def _seconds(text: str | None) -> float | None:
         return None
     found = re.fullmatch(r"(\d+\.?\d*|\.\d+)\s*(ms|s|min|h|)", text.strip())
     seconds = float(found[1]) * UNITS[found[2]] if found else math.nan
-    if not seconds > 0:
+    if not 0 < seconds < math.inf:
         raise SceneError(f'--for is "{text}": give a time such as 10s, 500ms or 2min')
     return seconds
 

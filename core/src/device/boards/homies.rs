@@ -5,14 +5,15 @@ use crate::device::format::{Format, Line, Reader, Writer, twice};
 use crate::error::Error;
 
 const CHANNELS: usize = 128;
-/// Where a word begins and ends.
+/// The lowest byte of a word, sent first, and the highest, sent last.
 const SUFFIX: u8 = 0x55;
 const PREFIX: u8 = 0xaa;
 /// A word of phase, channel and enable bit.
 const ENABLE: u8 = 1;
 /// A word that tells how many bytes follow: phase and channel of each transducer that is on.
 const BURST: u8 = 2;
-/// A frame of one FPGA is longest where a word tells each channel, all off but one; zeros, which the receiver passes over, make all as long.
+/// A frame of one FPGA is longest where a word tells each channel, all off but one; zeros, which the receiver passes over,
+/// make all as long.
 const SIZE: usize = 8 * CHANNELS;
 
 pub(crate) const FORMAT: Format = Format {
