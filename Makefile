@@ -56,7 +56,7 @@ test-rust: ## The core: tests, doctests, each feature set, no_std, a solver adde
 	$(call step,core: the steps of docs/extending.md on a copy (1 min),core/tests/extending.sh)
 
 test-python: setup ## The package: tests, stubs, types
-	$(call step,package: tests (3 min),$(PYTHON) -m pytest)
+	$(call step,package: tests (6 min),$(PYTHON) -m pytest)
 	$(call step,package: stubs against the extension (20 s),$(PYTHON) -m mypy.stubtest midair._midair)
 	$(call step,package: types (20 s),$(PYTHON) -m mypy python/midair)
 

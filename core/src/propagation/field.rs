@@ -21,8 +21,8 @@ const STRETCH: usize = 1 << 21;
 /// Complex pressures (P,) in Pa (peak) of a drive (N,) at any `points` (P, 3) in m: p = G q.
 ///
 /// A point nearer to a transducer than a hundredth of the wavelength counts as that far away, so that a picture
-/// is always finite; inside an obstacle the pressure is 0. With feature `parallel` the points go over all threads; the result does not depend on how many
-/// there are.
+/// is always finite; inside an obstacle the pressure is 0. With feature `parallel` the points go over all threads; the
+/// result does not depend on how many there are.
 ///
 /// # Errors
 /// A drive that does not fit the array, no points, a coordinate that is not finite or too far away; more memory than

@@ -135,7 +135,7 @@ pub const PRESETS: [Preset; 13] = [
     },
     Preset {
         name: "tinylev",
-        summary: "TinyLev: two caps of 36 transducers around the origin, on a sphere of 120 mm",
+        summary: "TinyLev: two caps of 36 transducers around the origin, on a sphere 120 mm across",
         source: "Marzo, Barnes, Drinkwater, Rev. Sci. Instrum. 88, 085105, 2017; rings, P0 and sinc of Ultraino's TinyLev file",
         count: 72,
         tiles: false,
@@ -146,7 +146,7 @@ pub const PRESETS: [Preset; 13] = [
     },
     Preset {
         name: "biglev",
-        summary: "BigLev: two caps of 36 transducers of 16 mm around the origin, on a sphere of 192 mm",
+        summary: "BigLev: two caps of 36 transducers of 16 mm around the origin, on a sphere 192 mm across",
         source: "Ultraino's BigLev file: rings and P0; sinc as wide as its transducers",
         count: 72,
         tiles: false,

@@ -7,6 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 from rich import box
+from rich.markup import escape
 from rich.table import Table
 
 from .. import output, ports
@@ -30,6 +31,8 @@ def ports_command(*, json: Annotated[bool, Parameter(negative=())] = False) -> i
         return 0
     table = Table("port", "what the system calls it", "maker", "serial number", box=box.SIMPLE_HEAD)
     for port in found:
-        table.add_row(port.name, port.description, port.maker or "-", port.serial_number or "-")
+        cells = (port.name, port.description, port.maker or "-", port.serial_number or "-")
+        # What a maker wrote is no markup.
+        table.add_row(*map(escape, cells))
     console.print(table)
     return 0

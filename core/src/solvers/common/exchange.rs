@@ -79,6 +79,7 @@ impl Exchange<'_> {
         // What stays was rounded to the device's grid, and the candidates lie on it.
         Ok(Solution::of_field(problem, drive.into_vec(), &field, status, updates, work, control)?.on_grid())
     }
+
     /// Sweeps over a drive whose field the `points` hold: each transducer takes the best of its range of candidates. Of
     /// `steps` the first is the number of updates before, the second that of all; tells the updates after.
     #[allow(clippy::too_many_arguments, reason = "a drive, its field, and what a control is told")]
