@@ -216,11 +216,12 @@ def _status(
 
     live = Live(console=terminal, transient=True, auto_refresh=False)
     moves = terminal.is_terminal and not terminal.is_dumb_terminal
-    if moves:
-        live.start()
-    else:
-        tell(f"playing on {on}, {sound}. Ctrl-C turns it off")
     try:
+        # Ctrl-C may follow at once upon being told of.
+        if moves:
+            live.start()
+        else:
+            tell(f"playing on {on}, {sound}. Ctrl-C turns it off")
         yield lambda: live.update(line(), refresh=True) if moves else None
     finally:
         if moves:

@@ -1,8 +1,8 @@
 //! AUTD3: of each device 249 phase bytes, then 249 intensity bytes.
 
-use crate::device::code::{Code, Levels, Steps};
-use crate::device::format::{Format, Line, Reader, twice};
-use crate::error::Error;
+use crate::device::boards::planes;
+use crate::device::code::{Levels, Steps};
+use crate::device::format::{Format, Line, twice};
 
 const CHANNELS: usize = 249;
 
@@ -18,32 +18,7 @@ pub(crate) const FORMAT: Format = Format {
     apart: false,
     order: |transducer| transducer,
     size: |boards| 2 * CHANNELS * boards,
-    encode,
-    decode,
+    encode: |boards, code, frame| planes::write::<CHANNELS>(boards, 0, code, frame),
+    decode: |boards, frame, put| planes::read::<CHANNELS>(boards, [0, 255], frame, put),
     silence: twice,
 };
-
-fn encode(boards: usize, code: &dyn Fn(usize) -> Code, frame: &mut [u8]) {
-    for (board, bytes) in frame.chunks_exact_mut(2 * CHANNELS).take(boards).enumerate() {
-        for channel in 0..CHANNELS {
-            let Code { phase, level } = code(board * CHANNELS + channel);
-            bytes[channel] = phase as u8;
-            bytes[CHANNELS + channel] = level as u8;
-        }
-    }
-}
-
-fn decode(boards: usize, frame: &[u8], put: &mut dyn FnMut(usize, Code)) -> Result<(), Error> {
-    let mut bytes = Reader::new(frame);
-    for board in 0..boards {
-        let mut phases = [0; CHANNELS];
-        for phase in &mut phases {
-            *phase = bytes.get()?;
-        }
-        for (channel, phase) in phases.into_iter().enumerate() {
-            let level = bytes.get()?;
-            put(board * CHANNELS + channel, Code { phase: phase.into(), level: level.into() });
-        }
-    }
-    bytes.end()
-}
