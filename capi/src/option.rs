@@ -130,13 +130,13 @@ impl Setting {
 
 /// An option that no method has, with the names known here beside the method's.
 fn with_own_names(error: Error) -> Error {
-    let Error::Unknown { kind, name, hint, known } = error else { return error };
-    let Error::Unknown { hint: other, known: own, .. } = Error::unknown("", name.clone(), OWN.map(|(name, _)| name))
-    else {
-        return Error::Unknown { kind, name, hint, known };
-    };
-    let hint = if hint.is_empty() { other } else { hint };
-    Error::Unknown { kind, name, hint, known: format!("{known}, {own}") }
+    let Error::Unknown { kind, name, mut hint, mut known } = error else { return error };
+    let names = OWN.iter().map(|(name, _)| *name).chain(["balance", "aim"]);
+    if let Error::Unknown { hint: own, known: names, .. } = Error::unknown("", &*name, names) {
+        hint = if hint.is_empty() { own } else { hint };
+        known = format!("{known}, {names}");
+    }
+    Error::Unknown { kind, name, hint, known }
 }
 
 /// Whether a number is whole, and no larger than those that f64 has every one of.
