@@ -25,7 +25,7 @@
 #define MIDAIR_ABI 1
 
 // What became of a call. Everything but MIDAIR_RESULT_OK left the caller's buffers as they were, but the message.
-typedef enum midair_result {
+typedef enum {
     // Done. The message is empty, or remarks that the caller should hear, a line each.
     MIDAIR_RESULT_OK = 0,
     // An argument cannot be meant. The message names it, its value and the cure.
@@ -37,7 +37,7 @@ typedef enum midair_result {
 } midair_result;
 
 // How a solve ended.
-typedef enum midair_status {
+typedef enum {
     // The method ran to its end.
     MIDAIR_STATUS_DONE = 0,
     // The method's steps ran out before its tolerance was met.
@@ -57,7 +57,7 @@ typedef struct midair_board midair_board;
 typedef struct midair_session midair_session;
 
 // A complex number, the same in memory as C's `float _Complex` and C++'s `std::complex<float>`.
-typedef struct midair_complex {
+typedef struct {
     // Real part.
     float re;
     // Imaginary part.
@@ -65,7 +65,7 @@ typedef struct midair_complex {
 } midair_complex;
 
 // How good a drive is, over the points with a pressure and a weight above 0, x = |p| / pressure asked for.
-typedef struct midair_metrics {
+typedef struct {
     // Sum of |p| over the sum of the pressures asked for.
     double accuracy;
     // Standard deviation of x / max x.
@@ -81,15 +81,15 @@ typedef struct midair_metrics {
 } midair_metrics;
 
 // What a solve tells beside the drive.
-typedef struct midair_answer {
+typedef struct {
     // How it ended.
-    enum midair_status status;
+    midair_status status;
     // Steps taken.
     size_t steps;
     // What supply or modulation have to multiply the drive by; 1 unless the board has no such amplitude.
     double scale;
     // How good it is, the scale counted in.
-    struct midair_metrics metrics;
+    midair_metrics metrics;
 } midair_answer;
 
 #ifdef __cplusplus
@@ -97,151 +97,151 @@ extern "C" {
 #endif // __cplusplus
 
 // Makes the array of a preset, such as "autd3" or "paper20", of tiles_x by tiles_y boards (1 by 1 for a single one).
-enum midair_result midair_array_preset(const char *name,
-                                       size_t tiles_x,
-                                       size_t tiles_y,
-                                       struct midair_array **array,
-                                       char *message,
-                                       size_t message_size);
+midair_result midair_array_preset(const char *name,
+                                  size_t tiles_x,
+                                  size_t tiles_y,
+                                  midair_array **array,
+                                  char *message,
+                                  size_t message_size);
 
 // Makes a flat grid of nx by ny transducers, pitch metres apart, centred in z = 0, x fastest, that radiate to +z.
-enum midair_result midair_array_grid(size_t nx,
-                                     size_t ny,
-                                     double pitch,
-                                     struct midair_array **array,
-                                     char *message,
-                                     size_t message_size);
+midair_result midair_array_grid(size_t nx,
+                                size_t ny,
+                                double pitch,
+                                midair_array **array,
+                                char *message,
+                                size_t message_size);
 
 // Makes an array of count transducers at positions (count, 3) in m that look along normals (count, 3); with normals
 // NULL along +z.
-enum midair_result midair_array_new(const double *positions,
-                                    const double *normals,
-                                    size_t count,
-                                    struct midair_array **array,
-                                    char *message,
-                                    size_t message_size);
+midair_result midair_array_new(const double *positions,
+                               const double *normals,
+                               size_t count,
+                               midair_array **array,
+                               char *message,
+                               size_t message_size);
 
 // Number of transducers N; 0 for NULL.
-size_t midair_array_count(const struct midair_array *array);
+size_t midair_array_count(const midair_array *array);
 
 // Writes positions (count, 3) in m and unit normals (count, 3), count being N; either may be NULL.
-enum midair_result midair_array_positions(const struct midair_array *array,
-                                          double *positions,
-                                          double *normals,
-                                          size_t count,
-                                          char *message,
-                                          size_t message_size);
+midair_result midair_array_positions(const midair_array *array,
+                                     double *positions,
+                                     double *normals,
+                                     size_t count,
+                                     char *message,
+                                     size_t message_size);
 
 // Frees an array. Sessions made of it go on. NULL is nothing to free.
-void midair_array_free(struct midair_array *array);
+void midair_array_free(midair_array *array);
 
 // Makes as many boards of a kind, such as "sonicsurface" or "openmpd", as an array of so many transducers needs, in the
 // order of the kind's preset.
-enum midair_result midair_board_new(const char *name,
-                                    size_t transducers,
-                                    struct midair_board **board,
-                                    char *message,
-                                    size_t message_size);
+midair_result midair_board_new(const char *name,
+                               size_t transducers,
+                               midair_board **board,
+                               char *message,
+                               size_t message_size);
 
 // Bytes of a frame, for all boards; 0 for NULL.
-size_t midair_board_frame_size(const struct midair_board *board);
+size_t midair_board_frame_size(const midair_board *board);
 
 // Writes the frame that makes the boards play a drive of so many transducers, size being midair_board_frame_size().
-enum midair_result midair_board_encode(const struct midair_board *board,
-                                       const struct midair_complex *drive,
-                                       size_t transducers,
-                                       uint8_t *frame,
-                                       size_t size,
-                                       char *message,
-                                       size_t message_size);
+midair_result midair_board_encode(const midair_board *board,
+                                  const midair_complex *drive,
+                                  size_t transducers,
+                                  uint8_t *frame,
+                                  size_t size,
+                                  char *message,
+                                  size_t message_size);
 
 // Bytes that silence the boards; 0 for NULL.
-size_t midair_board_silence_size(const struct midair_board *board);
+size_t midair_board_silence_size(const midair_board *board);
 
 // Writes the bytes that silence the boards whatever they were told before, size being midair_board_silence_size().
-enum midair_result midair_board_silence(const struct midair_board *board,
-                                        uint8_t *bytes,
-                                        size_t size,
-                                        char *message,
-                                        size_t message_size);
+midair_result midair_board_silence(const midair_board *board,
+                                   uint8_t *bytes,
+                                   size_t size,
+                                   char *message,
+                                   size_t message_size);
 
 // Frees a board. NULL is nothing to free.
-void midair_board_free(struct midair_board *board);
+void midair_board_free(midair_board *board);
 
 // Makes a session of an array and a method, such as "uniform" or "fast", in air of 340 m/s at 40 kHz. The session keeps
 // what it needs of the array, which may be freed.
-enum midair_result midair_session_new(const struct midair_array *array,
-                                      const char *method,
-                                      struct midair_session **session,
-                                      char *message,
-                                      size_t message_size);
+midair_result midair_session_new(const midair_array *array,
+                                 const char *method,
+                                 midair_session **session,
+                                 char *message,
+                                 size_t message_size);
 
 // Sets an option to a number: of the medium ("frequency", "sound_speed", "temperature", "absorption", "density"), of the
 // transducers ("source_pressure", "directivity.piston", "directivity.sinc", "directivity.cos"), or of the method. A session
 // whose options are set begins anew.
-enum midair_result midair_session_set_number(struct midair_session *session,
-                                             const char *name,
-                                             double value,
-                                             char *message,
-                                             size_t message_size);
+midair_result midair_session_set_number(midair_session *session,
+                                        const char *name,
+                                        double value,
+                                        char *message,
+                                        size_t message_size);
 
 // Sets an option to a text: "directivity" ("point", "t4010a1", ...), "quantization" (a board's name, or "none" for any
 // drive), "balance" ("true" or "false"), "aim" ("target" or "max"), or one of the method.
-enum midair_result midair_session_set_text(struct midair_session *session,
-                                           const char *name,
-                                           const char *value,
-                                           char *message,
-                                           size_t message_size);
+midair_result midair_session_set_text(midair_session *session,
+                                      const char *name,
+                                      const char *value,
+                                      char *message,
+                                      size_t message_size);
 
 // Sets an option to a list: "mask" (N, 1 for on and 0 for off), "response" (N, 2; real and imaginary part), or one of the
 // method.
-enum midair_result midair_session_set_numbers(struct midair_session *session,
-                                              const char *name,
-                                              const double *values,
-                                              size_t count,
-                                              char *message,
-                                              size_t message_size);
+midair_result midair_session_set_numbers(midair_session *session,
+                                         const char *name,
+                                         const double *values,
+                                         size_t count,
+                                         char *message,
+                                         size_t message_size);
 
 // Finds a drive for points (count, 3) in m and writes it to drive (transducers,), transducers being N. pressures (count,)
 // are peak |p| in Pa; with NULL all are the level that the array reaches at all points at once. weights (count,) may be
 // NULL, for 1 everywhere, and answer, too. Warnings in the message come once a session for each kind; without a message
 // they are not looked for.
-enum midair_result midair_session_solve(struct midair_session *session,
-                                        const double *points,
-                                        const double *pressures,
-                                        const double *weights,
-                                        size_t count,
-                                        struct midair_complex *drive,
-                                        size_t transducers,
-                                        struct midair_answer *answer,
-                                        char *message,
-                                        size_t message_size);
+midair_result midair_session_solve(midair_session *session,
+                                   const double *points,
+                                   const double *pressures,
+                                   const double *weights,
+                                   size_t count,
+                                   midair_complex *drive,
+                                   size_t transducers,
+                                   midair_answer *answer,
+                                   char *message,
+                                   size_t message_size);
 
 // Judges a drive (transducers,) at points (count, 3) in m, in double precision; pressures and weights (count,) as in
 // midair_session_solve().
-enum midair_result midair_session_judge(struct midair_session *session,
-                                        const struct midair_complex *drive,
-                                        size_t transducers,
-                                        const double *points,
-                                        const double *pressures,
-                                        const double *weights,
-                                        size_t count,
-                                        struct midair_metrics *metrics,
-                                        char *message,
-                                        size_t message_size);
+midair_result midair_session_judge(midair_session *session,
+                                   const midair_complex *drive,
+                                   size_t transducers,
+                                   const double *points,
+                                   const double *pressures,
+                                   const double *weights,
+                                   size_t count,
+                                   midair_metrics *metrics,
+                                   char *message,
+                                   size_t message_size);
 
 // Writes the complex pressures (count,) in Pa (peak) of a drive (transducers,) at any points (count, 3) in m.
-enum midair_result midair_session_field(struct midair_session *session,
-                                        const struct midair_complex *drive,
-                                        size_t transducers,
-                                        const double *points,
-                                        size_t count,
-                                        struct midair_complex *pressures,
-                                        char *message,
-                                        size_t message_size);
+midair_result midair_session_field(midair_session *session,
+                                   const midair_complex *drive,
+                                   size_t transducers,
+                                   const double *points,
+                                   size_t count,
+                                   midair_complex *pressures,
+                                   char *message,
+                                   size_t message_size);
 
 // Frees a session. NULL is nothing to free.
-void midair_session_free(struct midair_session *session);
+void midair_session_free(midair_session *session);
 
 // Version of the library, such as "0.1.0". The text lives as long as the library is loaded.
 const char *midair_version(void);
