@@ -2,8 +2,8 @@
 
 use midair::solvers::{configure, find};
 use midair::{
-    Array, Board, Choice, Complex64, Directivity, Error, InstructionSet, Medium, Model, OptionValue, Options, Session,
-    Transducer, Value, word,
+    Aim, Array, Board, Choice, Complex64, Directivity, Error, InstructionSet, Medium, Model, OptionValue, Options,
+    Session, Transducer, Value, word,
 };
 
 use crate::instruction_set::instruction_set;
@@ -70,6 +70,11 @@ impl Setting {
         let model = Model::new(&self.array, self.medium, set)?;
         let balance = self.choice.balance.unwrap_or(configured.info.balance);
         Ok((model.clone(), Session::new(model, configured.solver, balance)))
+    }
+
+    /// How loud the points are to be; left out it is the request's own.
+    pub(crate) fn aim(&self) -> Option<Aim> {
+        self.choice.aim
     }
 
     /// What is hardly meant of array and medium, a line each.
