@@ -12,7 +12,13 @@ METRICS = ["accuracy", "sigma", "uniformity", "level", "residual", "leak"]
 ANSWER = np.dtype(
     [("status", "i4"), ("steps", "u8"), *((name, "f8") for name in ["scale", *METRICS])], align=True
 )
-RETURNED = {"midair_result": c_int, "size_t": c_size_t, "uint32_t": c_uint32, "const char *": c_char_p, "void": None}
+RETURNED = {
+    "midair_result": c_int,
+    "size_t": c_size_t,
+    "uint32_t": c_uint32,
+    "const char *": c_char_p,
+    "void": None,
+}
 
 
 def kind(argument: str) -> type:

@@ -11,6 +11,7 @@ from library import Library
 
 Build = Callable[..., Path]
 PAGE = ROOT / "docs" / "c.md"
+EXAMPLES = sorted((ROOT / "examples").glob("c*/solve.c*"))
 
 
 @pytest.mark.parametrize(
@@ -30,7 +31,7 @@ def test_headers_stand_alone(flags: list[str], tmp_path: Path, compiler: list[st
     run(*compiler, *STRICT, "-c", source, *flags, "-o", tmp_path / "object")
 
 
-@pytest.mark.parametrize("source", sorted((ROOT / "examples").glob("c*/solve.c*")), ids=lambda path: path.name)
+@pytest.mark.parametrize("source", EXAMPLES, ids=lambda path: path.name)
 def test_examples(compiled: Build, source: Path) -> None:
     lines = run(compiled(source)).splitlines()
     assert len(lines) == 3
@@ -54,7 +55,8 @@ def test_the_page_lists_every_function(library: Library) -> None:
 
 
 def test_a_static_link(prefix: Path, flags: list[str], tmp_path: Path) -> None:
-    said = run("pkg-config", "--static", "--libs", "midair", PKG_CONFIG_PATH=str(prefix / "lib" / "pkgconfig"))
+    folder = str(prefix / "lib" / "pkgconfig")
+    said = run("pkg-config", "--static", "--libs", "midair", PKG_CONFIG_PATH=folder)
     others = [word for word in said.split() if word != "-lmidair"]
     library, program = prefix / "lib" / "libmidair.a", tmp_path / "solve"
     source = ROOT / "examples" / "c" / "solve.c"

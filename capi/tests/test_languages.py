@@ -3,7 +3,6 @@
 import json
 import shutil
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -15,13 +14,14 @@ FIRST = "256 transducers: level 1.000, uniformity "
 
 
 def test_ctypes(prefix: Path) -> None:
-    lines = run(sys.executable, ROOT / "examples" / "ctypes" / "solve.py", prefix / "lib" / "libmidair.so").splitlines()
+    program = ROOT / "examples" / "ctypes" / "solve.py"
+    lines = run(sys.executable, program, prefix / "lib" / "libmidair.so").splitlines()
     assert lines[0].startswith(FIRST)
     assert lines[1].startswith("a frame of 258 bytes: 254 ")
 
 
 @pytest.fixture(scope="module")
-def package(prefix: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+def package(prefix: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The package as npm installs it: packed, unpacked and built."""
     need("node", "npm", "cc", "pkg-config")
     folder = tmp_path_factory.mktemp("node")
@@ -31,7 +31,7 @@ def package(prefix: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[
     packed = run("npm", "pack", "--offline", "--silent", NODE, cwd=folder).split()[-1]
     run("tar", "xzf", packed, cwd=folder)
     run("node", "build.js", cwd=folder / "package", PKG_CONFIG_PATH=str(prefix / "lib" / "pkgconfig"))
-    yield folder / "package"
+    return folder / "package"
 
 
 def test_node(package: Path) -> None:
@@ -48,7 +48,7 @@ def test_node(package: Path) -> None:
         ("new Session('autd3', 'fast', { block: -1 })", "block is -1"),
         ("new Session('autd3', 'fast', { block: {} })", "give a number or a text for an option"),
         ("new Session('autd3', 'fast').solve([[0, 0]])", "give a session and points as a Float64Array"),
-        ("new Session('autd3', 'fast').solve([[0, 0, 0.1]], [1, 2])", "give pressures as a Float64Array of one for each"),
+        ("new Session('autd3', 'fast').solve([[0, 0, 0.1]], [1, 2])", "give pressures as a Float64Array"),
         ("binding.solve({}, new Float64Array(3))", "give a session and points"),
         ("binding.open(new Session('autd3'), 'autd3', 'fast')", "give an object without a session"),
         ("frame('sonicsurface', [1, 2])", "give the name of a board and a drive as a Float32Array"),

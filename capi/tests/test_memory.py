@@ -12,7 +12,8 @@ from conftest import ROOT, need, run
 Build = Callable[..., Path]
 MANY = ROOT / "capi" / "tests" / "many_calls.c"
 PROGRAMS = [MANY, *sorted((ROOT / "examples").glob("c*/solve.c*"))]
-VALGRIND = ["valgrind", "--leak-check=full", "--show-leak-kinds=all", "--errors-for-leak-kinds=all", "--error-exitcode=9"]
+LEAKS = ["--leak-check=full", "--show-leak-kinds=all", "--errors-for-leak-kinds=all"]
+VALGRIND = ["valgrind", *LEAKS, "--error-exitcode=9"]
 #: A handle that nobody frees.
 FORGETFUL = """
 #include <midair.h>

@@ -2,7 +2,6 @@
 
 import threading
 from collections.abc import Callable, Iterator
-from ctypes import c_void_p
 from types import SimpleNamespace
 
 import numpy as np
@@ -40,28 +39,56 @@ def misaligned(dtype: type, count: int) -> np.ndarray:
     return np.zeros(count * np.dtype(dtype).itemsize + 1, np.uint8)[1:].view(dtype)
 
 
-REFUSED: dict[str, tuple[Callable[[SimpleNamespace], tuple[object, ...]], str]] = {
+Call = Callable[[SimpleNamespace], tuple[object, ...]]
+
+
+def number(name: str, value: float) -> Call:
+    return lambda h: ("session_set_number", h.session, name, value)
+
+
+def text(name: str, value: str) -> Call:
+    return lambda h: ("session_set_text", h.session, name, value)
+
+
+def numbers(name: str, *values: float) -> Call:
+    return lambda h: ("session_set_numbers", h.session, name, np.array(values), len(values))
+
+
+def asked(**changed: object) -> Call:
+    return lambda h: solve(h, **changed)
+
+
+REFUSED: dict[str, tuple[Call, str]] = {
     # Names.
-    "preset": (lambda h: ("array_preset", "autd4", 1, 1, h.place), 'unknown preset "autd4": did you mean autd3?'),
+    "preset": (
+        lambda h: ("array_preset", "autd4", 1, 1, h.place),
+        'unknown preset "autd4": did you mean autd3?',
+    ),
     "no preset": (lambda h: ("array_preset", None, 1, 1, h.place), "preset is NULL: give text"),
-    "latin": (lambda h: ("array_preset", b"\xe9", 1, 1, h.place), "preset is \N{REPLACEMENT CHARACTER}: give text in UTF-8"),
-    "method": (lambda h: ("session_new", h.array, "fsat", h.place), 'unknown solver "fsat": did you mean fast?'),
+    "latin": (
+        lambda h: ("array_preset", b"\xe9", 1, 1, h.place),
+        "preset is \N{REPLACEMENT CHARACTER}: give text in UTF-8",
+    ),
+    "method": (
+        lambda h: ("session_new", h.array, "fsat", h.place),
+        'unknown solver "fsat": did you mean fast?',
+    ),
     "board": (lambda h: ("board_new", "mega65", 64, h.place), 'unknown board "mega65": did you mean mega64?'),
-    "option": (lambda h: ("session_set_number", h.session, "phase", 8), 'unknown option of greedy "phase": did you mean phases?'),
+    "option": (number("phase", 8), 'unknown option of greedy "phase": did you mean phases?'),
     "medium": (
-        lambda h: ("session_set_number", h.session, "frequncy", 8),
+        number("frequncy", 8),
         'unknown option of greedy "frequncy": did you mean frequency? known are phases',
     ),
-    "word": (lambda h: ("session_set_text", h.session, "objective", "l3"), 'objective is "l3": give "l2" or "l1"'),
-    "flag": (lambda h: ("session_set_text", h.session, "balance", "yes"), 'solver.balance is "yes": give true or false'),
-    "flag by number": (lambda h: ("session_set_number", h.session, "balance", 1), "solver.balance is 1: give true or false"),
-    "aim": (lambda h: ("session_set_text", h.session, "aim", "max"), 'aim is given to "greedy": leave it out'),
+    "word": (text("objective", "l3"), 'objective is "l3": give "l2" or "l1"'),
+    "flag": (text("balance", "yes"), 'solver.balance is "yes": give true or false'),
+    "flag by number": (number("balance", 1), "solver.balance is 1: give true or false"),
+    "aim": (text("aim", "max"), 'aim is given to "greedy": leave it out'),
     "directivity": (
-        lambda h: ("session_set_text", h.session, "directivity", "pistol"),
+        text("directivity", "pistol"),
         'unknown directivity "pistol": did you mean piston?',
     ),
     "quantization": (
-        lambda h: ("session_set_text", h.session, "quantization", "non"),
+        text("quantization", "non"),
         'unknown board "non": known are ',
     ),
     # Numbers.
@@ -72,50 +99,59 @@ REFUSED: dict[str, tuple[Callable[[SimpleNamespace], tuple[object, ...]], str]] 
         lambda h: ("array_new", np.array([[0, NAN, 0]]), None, 1, h.place),
         "array.positions[0] is [0.0, NaN, 0.0]: give three finite numbers",
     ),
-    "no positions": (lambda h: ("array_new", None, None, 0, h.place), "array.positions is empty: give at least one"),
+    "no positions": (
+        lambda h: ("array_new", None, None, 0, h.place),
+        "array.positions is empty: give at least one",
+    ),
     "frequency": (
-        lambda h: ("session_set_number", h.session, "frequency", NAN),
+        number("frequency", NAN),
         "medium.frequency is NaN: give a finite number",
     ),
-    "frequency of -1": (lambda h: ("session_set_number", h.session, "frequency", -1), "medium.frequency is -1.0: give a number above 0"),
+    "frequency of -1": (number("frequency", -1), "medium.frequency is -1.0: give a number above 0"),
     "text for a number": (
-        lambda h: ("session_set_text", h.session, "frequency", "40k"),
+        text("frequency", "40k"),
         'medium.frequency is "40k": give a finite number',
     ),
-    "radius": (lambda h: ("session_set_number", h.session, "directivity.piston", 4.5), "directivity.piston is 4.5: give metres"),
+    "radius": (number("directivity.piston", 4.5), "directivity.piston is 4.5: give metres"),
     "part of a phase": (
-        lambda h: ("session_set_number", h.session, "phases", 2.5),
+        number("phases", 2.5),
         "phases is 2.5: give a whole number",
     ),
-    "mask": (lambda h: ("session_set_numbers", h.session, "mask", np.array([1, 0.5]), 2), "array.mask[1] is 0.5: give 0 for off or 1"),
+    "mask": (numbers("mask", 1, 0.5), "array.mask[1] is 0.5: give 0 for off or 1"),
     "short mask": (
-        lambda h: ("session_set_numbers", h.session, "mask", np.ones(3), 3),
+        numbers("mask", 1, 1, 1),
         "array.mask is 3 values: give one for each of the 64 transducers",
     ),
     "mask by number": (
-        lambda h: ("session_set_number", h.session, "mask", 1),
+        number("mask", 1),
         "array.mask is no list: set it with midair_session_set_numbers",
     ),
     "directivity by number": (
-        lambda h: ("session_set_number", h.session, "directivity", 1),
+        number("directivity", 1),
         "array.directivity is no text: set it with midair_session_set_text",
     ),
     "odd response": (
-        lambda h: ("session_set_numbers", h.session, "response", np.ones(3), 3),
+        numbers("response", 1, 1, 1),
         "array.response is 3 numbers: give re and im of each transducer",
     ),
     "order": (
-        lambda h: ("session_set_numbers", h.session, "order", np.array([0.0, NAN]), 2),
+        numbers("order", 0, NAN),
         "order[1] is NaN: give whole numbers",
     ),
     "point": (
-        lambda h: solve(h, points=np.array([[0, NAN, 0.15]])),
+        asked(points=np.array([[0, NAN, 0.15]])),
         "points[0].position is [0.0, NaN, 0.15]: give three finite numbers",
     ),
-    "point on a transducer": (lambda h: solve(h, points=np.array([[0.00525, 0.00525, 0]])), "points[0] is 0.000e0 m from transducer"),
-    "pressure": (lambda h: solve(h, pressures=np.array([-3.0])), "points[0].pressure is -3.0: give a number of at least 0"),
-    "weight": (lambda h: solve(h, weights=np.array([NAN])), "points[0].weight is NaN: give a finite number"),
-    "no points": (lambda h: solve(h, points=None, count=0), "points is empty: give at least one point"),
+    "point on a transducer": (
+        asked(points=np.array([[0.00525, 0.00525, 0]])),
+        "points[0] is 0.000e0 m from transducer",
+    ),
+    "pressure": (
+        asked(pressures=np.array([-3.0])),
+        "points[0].pressure is -3.0: give a number of at least 0",
+    ),
+    "weight": (asked(weights=np.array([NAN])), "points[0].weight is NaN: give a finite number"),
+    "no points": (asked(points=None, count=0), "points is empty: give at least one point"),
     "drive of NaN": (
         lambda h: ("session_field", h.session, np.full(64, NAN, np.complex64), 64, POINT, 1, h.drive),
         "drive[0] is NaN+0i: give finite numbers",
@@ -125,15 +161,24 @@ REFUSED: dict[str, tuple[Callable[[SimpleNamespace], tuple[object, ...]], str]] 
         "drive[0] is 2 + 0j: give finite drives of at most 1",
     ),
     # NULL, short and misaligned buffers.
-    "array": (lambda h: ("session_new", None, "fast", h.place), "array is NULL: make one with midair_array_new() or the like"),
-    "session": (lambda h: solve(h, session=None), "session is NULL: make one with midair_session_new()"),
-    "no board": (lambda h: ("board_encode", None, h.drive, 64, np.zeros(3, np.uint8), 3), "board is NULL: make one"),
+    "array": (
+        lambda h: ("session_new", None, "fast", h.place),
+        "array is NULL: make one with midair_array_new() or the like",
+    ),
+    "session": (asked(session=None), "session is NULL: make one with midair_session_new()"),
+    "no board": (
+        lambda h: ("board_encode", None, h.drive, 64, np.zeros(3, np.uint8), 3),
+        "board is NULL: make one",
+    ),
     "place": (lambda h: ("array_grid", 8, 8, 0.01, None), "array is NULL: give an address"),
-    "points": (lambda h: solve(h, points=None), "points is NULL: give an address"),
-    "drive": (lambda h: solve(h, drive=None), "drive is NULL: give an address"),
+    "points": (asked(points=None), "points is NULL: give an address"),
+    "drive": (asked(drive=None), "drive is NULL: give an address"),
     "name": (lambda h: ("session_set_number", h.session, None, 1), "name is NULL: give text"),
-    "metrics": (lambda h: ("session_judge", h.session, h.drive, 64, POINT, None, None, 1, None), "metrics is NULL: give an address"),
-    "short drive": (lambda h: solve(h, transducers=63), "drive is room for 63: give room for 64"),
+    "metrics": (
+        lambda h: ("session_judge", h.session, h.drive, 64, POINT, None, None, 1, None),
+        "metrics is NULL: give an address",
+    ),
+    "short drive": (asked(transducers=63), "drive is room for 63: give room for 64"),
     "short drive to judge": (
         lambda h: ("session_judge", h.session, h.drive, 63, POINT, None, None, 1, h.metrics),
         "drive is 63 values: give one for each of the 64 transducers",
@@ -142,14 +187,23 @@ REFUSED: dict[str, tuple[Callable[[SimpleNamespace], tuple[object, ...]], str]] 
         lambda h: ("board_encode", h.board, h.drive, 64, np.zeros(3, np.uint8), 3),
         "frame is room for 3: give room for 210",
     ),
-    "short silence": (lambda h: ("board_silence", h.board, np.zeros(3, np.uint8), 3), "bytes is room for 3: give room for 630"),
-    "short positions": (lambda h: ("array_positions", h.array, np.zeros(9), None, 3), "positions is room for 3: give room for 64"),
-    "crowded board": (lambda h: ("board_new", "nano", 9, h.place), "transducers is 9: nano has 1 to 8 channels"),
-    "misaligned points": (lambda h: solve(h, points=misaligned(np.float64, 3)), "points is at address 0x"),
-    "misaligned drive": (lambda h: solve(h, drive=misaligned(np.complex64, 64)), "drive is at address 0x"),
-    "misaligned answer": (lambda h: solve(h, answer=misaligned(np.float64, 9)), "answer is at address 0x"),
-    "count": (lambda h: solve(h, count=2**61), "points is 2305843009213693952 of them: no memory holds so many"),
-}  # fmt: skip
+    "short silence": (
+        lambda h: ("board_silence", h.board, np.zeros(3, np.uint8), 3),
+        "bytes is room for 3: give room for 630",
+    ),
+    "short positions": (
+        lambda h: ("array_positions", h.array, np.zeros(9), None, 3),
+        "positions is room for 3: give room for 64",
+    ),
+    "crowded board": (
+        lambda h: ("board_new", "nano", 9, h.place),
+        "transducers is 9: nano has 1 to 8 channels",
+    ),
+    "misaligned points": (asked(points=misaligned(np.float64, 3)), "points is at address 0x"),
+    "misaligned drive": (asked(drive=misaligned(np.complex64, 64)), "drive is at address 0x"),
+    "misaligned answer": (asked(answer=misaligned(np.float64, 9)), "answer is at address 0x"),
+    "count": (asked(count=2**61), "points is 2305843009213693952 of them: no memory holds so many"),
+}
 
 
 @pytest.mark.parametrize("case", REFUSED)
@@ -201,8 +255,9 @@ def test_frees_take_null(library: Library) -> None:
 def test_warnings_are_told_once(library: Library, have: SimpleNamespace) -> None:
     session = library.session(have.array, "greedy")
     loud = np.array([1e6])
-    assert "points[0].pressure is 1000000 Pa, beyond reach" in library.done(*solve(have, session=session, pressures=loud))
-    assert library.done(*solve(have, session=session, pressures=loud)) == ""
+    call = solve(have, session=session, pressures=loud)
+    assert "points[0].pressure is 1000000 Pa, beyond reach" in library.done(*call)
+    assert library.done(*call) == ""
     # Set anew it begins anew; an array in doubt is told when that is known.
     said = library.done("session_set_number", session, "frequency", 40.0)
     assert said.startswith("medium.frequency is 40 Hz")
@@ -245,8 +300,8 @@ def test_version_and_interface(library: Library) -> None:
     assert library.plain("abi") == library.abi
 
 
-def test_a_null_handle_is_not_followed(library: Library) -> None:
-    null = c_void_p()
-    for name in ("session_set_number", "session_set_text", "session_set_numbers"):
-        rest = {"session_set_number": (1.0,), "session_set_text": ("a",), "session_set_numbers": (np.ones(1), 1)}[name]
-        assert library.call(name, null, "frequency", *rest) == (INVALID, "session is NULL: make one with midair_session_new() or the like")
+@pytest.mark.parametrize("make", [number("phases", 8), text("aim", "max"), numbers("mask", 1)])
+def test_options_of_no_session_are_refused(library: Library, make: Call) -> None:
+    nobody = SimpleNamespace(session=None)
+    refused = (INVALID, "session is NULL: make one with midair_session_new() or the like")
+    assert library.call(*make(nobody)) == refused

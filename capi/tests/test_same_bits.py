@@ -81,7 +81,8 @@ def test_lists(library: Library) -> None:
     mask, order = rng.random(40) < 0.8, rng.permutation(40)
     response = rng.normal(size=40) + 1j * rng.normal(size=40)
     session = library.new("session_new", array, "greedy")
-    for name, values in [("mask", mask.astype(float)), ("order", order.astype(float)), ("response", response.view(float))]:
+    lists = {"mask": mask.astype(float), "order": order.astype(float), "response": response.view(float)}
+    for name, values in lists.items():
         library.done("session_set_numbers", session, name, values, len(values))
     mine = midair.Array(positions, normals, mask=mask, response=response)
     same(library, session, midair.Solver(mine, "greedy", order=order), POINTS, PRESSURES)
@@ -114,7 +115,7 @@ def test_many_requests_of_one_session(library: Library, grid: c_void_p) -> None:
     solver = midair.Solver(midair.Array.grid(12, 10, 0.0105), "glide")
     out = np.zeros(120, np.complex64)
     for step in range(20):
-        points = POINTS + [1e-4 * step, 0, 0]
+        points = POINTS + np.array([1e-4 * step, 0, 0])
         solver(points, out=out)
         drive, _ = library.solve(session, 120, points)
         assert drive.tobytes() == out.tobytes(), step
@@ -125,7 +126,7 @@ def test_field_and_judge(library: Library, grid: c_void_p) -> None:
     scene = midair.Scene(midair.Array.grid(12, 10, 0.0105), POINTS, PRESSURES, weights=WEIGHTS)
     session = library.session(grid, "fast")
     drive, _ = library.solve(session, 120, POINTS, PRESSURES)
-    places = np.random.default_rng(2).uniform(-0.1, 0.1, (500, 3)) + [0, 0, 0.2]
+    places = np.random.default_rng(2).uniform(-0.1, 0.1, (500, 3)) + np.array([0, 0, 0.2])
     field = np.zeros(500, np.complex64)
     library.done("session_field", session, drive, 120, places, 500, field)
     assert field.tobytes() == midair.field(scene, drive, places).pressure.tobytes()

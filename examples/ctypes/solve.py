@@ -2,7 +2,8 @@
 
     python examples/ctypes/solve.py /usr/local/lib/libmidair.so.1
 
-The package `midair` does all of this and more; this is how any language with a foreign function interface calls the library.
+The package `midair` does all of this and more; this is how a language with a foreign function interface calls
+the library.
 """
 
 from __future__ import annotations
@@ -30,13 +31,16 @@ class Complex(Structure):
     _fields_ = (("re", c_float), ("im", c_float))
 
 
+NUMBERS = ["scale", "accuracy", "sigma", "uniformity", "level", "residual", "leak"]
+
+
 class Answer(Structure):
     """midair_answer, its metrics in a row."""
 
     _fields_ = (
         ("status", c_int),
         ("steps", c_size_t),
-        *((name, c_double) for name in "scale accuracy sigma uniformity level residual leak".split()),
+        *((name, c_double) for name in NUMBERS),
     )
 
 
