@@ -196,6 +196,6 @@ impl Given<'_> {
 
 /// Each number as what it stands for.
 fn entries<T>(item: &str, list: &[f64], cure: &str, read: impl Fn(f64) -> Option<T>) -> Result<Vec<T>, Error> {
-    let entry = |(i, &number)| read(number).ok_or_else(|| Error::invalid(format!("{item}[{i}]"), number, cure));
-    list.iter().enumerate().map(entry).collect()
+    let refused = |i, number| Error::invalid(format!("{item}[{i}]"), format_args!("{number:?}"), cure);
+    list.iter().enumerate().map(|(i, &number)| read(number).ok_or_else(|| refused(i, number))).collect()
 }

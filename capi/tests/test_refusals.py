@@ -51,7 +51,7 @@ def text(name: str, value: str) -> Call:
 
 
 def numbers(name: str, *values: float) -> Call:
-    return lambda h: ("session_set_numbers", h.session, name, np.array(values), len(values))
+    return lambda h: ("session_set_numbers", h.session, name, np.array(values, float), len(values))
 
 
 def asked(**changed: object) -> Call:
