@@ -1,5 +1,8 @@
 //! Propagation matrix G, row by row: computed from positions when asked, or given.
 
+pub(crate) mod bodies;
+pub(crate) mod boundary;
+pub(crate) mod element;
 pub(crate) mod field;
 pub(crate) mod gorkov;
 pub(crate) mod jet;
@@ -8,7 +11,9 @@ pub(crate) mod model;
 pub(crate) mod products;
 pub(crate) mod scattering;
 pub(crate) mod sources;
+pub(crate) mod sphere;
 
+pub use boundary::Boundary;
 pub use field::field;
 pub use gorkov::{Gorkov, Particle, gorkov};
 pub use model::Model;
