@@ -121,6 +121,10 @@ motion: setup ## Print the table of docs/motion.md and draw docs/motion.png
 exposure: setup ## Print the tables of docs/exposure.md and draw docs/tolerance.png and docs/streaming.png
 	OPENBLAS_NUM_THREADS=1 $(PYTHON) bench/exposure.py
 
+obstacles: setup ## Foci beside walls and bodies, and the pictures of docs/obstacles.md (1 min)
+	$(PYTHON) bench/obstacles.py
+	$(PYTHON) bench/bodies.py
+
 measuring: setup ## Print the tables of docs/measuring.md and draw docs/measuring.png
 	OPENBLAS_NUM_THREADS=1 $(PYTHON) bench/measuring.py
 

@@ -1,4 +1,4 @@
-"""Tables of a scene file that the core cannot draw: [shape] and [image] as points, an obstacle's file as a mesh."""
+"""Tables of a scene file that the core cannot draw: [shape] and [image], and obstacles in files."""
 
 from __future__ import annotations
 

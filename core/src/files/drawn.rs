@@ -71,8 +71,11 @@ pub(super) fn drawn(root: &Table<'_>, draw: &mut Draw<'_>) -> Result<Vec<Drawn>,
     Ok(found)
 }
 
-/// The mesh of an obstacle's table, vertices and faces.
-pub(super) fn mesh(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<(Vec<[f64; 3]>, Vec<[u32; 3]>), Fault> {
+/// Vertices (V, 3) in m and faces (F, 3).
+type Surface = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+
+/// The mesh of an obstacle's table.
+pub(super) fn mesh(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Surface, Fault> {
     match one("obstacles", item, draw)? {
         Drawing::Mesh(vertices, faces) => Ok((vertices, faces)),
         Drawing::Points(..) => Err(item.refused("it is drawn as points: a mesh is wanted")),

@@ -166,8 +166,7 @@ impl Obstacles {
                 let [x, y, z] = mesh.extent();
                 let value = format!("{count:.0} elements ({x:.3} x {y:.3} x {z:.3} m, {} faces)", mesh.faces().len());
                 let cure = format!(
-                    "give a smaller or coarser one, up to {MOST_ELEMENTS:.0} elements of {:.1e} m^2; a file in mm wants scale 1e-3",
-                    area
+                    "give a smaller or coarser one, up to {MOST_ELEMENTS:.0} elements of {area:.1e} m^2; a file in mm wants scale 1e-3"
                 );
                 return Err(Error::invalid(format!("obstacles[{k}]"), value, cure));
             }

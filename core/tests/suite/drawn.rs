@@ -118,8 +118,8 @@ fn what_is_no_table_of_known_keys_never_reaches_the_door() {
 
 #[test]
 fn pressures_are_of_all_or_none_across_tables() {
-    let (points, request) = pair("shape");
-    let none = told(SCENE, Format::Toml, &Ok((points, Request { pressures: None, ..request })));
+    let Drawing::Points(points, request) = pair("shape") else { unreachable!() };
+    let none = told(SCENE, Format::Toml, &Ok(Drawing::Points(points, Request { pressures: None, ..request })));
     assert!(none.starts_with("drawn.toml, line 13, column 1: shape[0].pressure is left out: 1 of 7 points"), "{none}");
 }
 

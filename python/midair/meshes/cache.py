@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-
 #: Bytes that are kept; beyond, the oldest go.
 MOST = 1_000_000_000
 

@@ -55,9 +55,7 @@ def _sphere(sphere: Sphere, plane: Plane, ax: Axes, axes: tuple[int, int]) -> No
         middle = (1e3 * sphere.center[axes[0]], 1e3 * sphere.center[axes[1]])
         radius = 1e3 * np.sqrt(sphere.radius**2 - away**2)
         style = STYLES[sphere.kind]
-        ax.add_patch(
-            Circle(middle, radius, fill=False, edgecolor=COLOUR, linewidth=WIDTH, linestyle=style)
-        )
+        ax.add_patch(Circle(middle, radius, fill=False, edgecolor=COLOUR, linewidth=WIDTH, linestyle=style))
 
 
 def _mesh(mesh: Mesh, plane: Plane, ax: Axes, axes: tuple[int, int]) -> None:

@@ -105,6 +105,22 @@ fn a_sphere_is_its_classical_series() {
     }
 }
 
+/// The parts of a triangle of the unit sphere that is cut in four, again and again.
+fn cut(corners: [[f64; 3]; 3], left: u32, each: &mut dyn FnMut([[f64; 3]; 3])) {
+    if left == 0 {
+        return each(corners);
+    }
+    let [a, b, c] = corners;
+    let [ab, bc, ca] = [[a, b], [b, c], [c, a]].map(|[p, q]| {
+        let sum = [0, 1, 2].map(|x| p[x] + q[x]);
+        let length = sum.iter().map(|x| x * x).sum::<f64>().sqrt();
+        sum.map(|x| x / length)
+    });
+    for part in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]] {
+        cut(part, left - 1, each);
+    }
+}
+
 /// A sphere of triangles: an octahedron whose faces are cut in four, `cuts` times.
 fn ball(center: [f64; 3], radius: f64, cuts: u32, kind: Surface) -> Obstacle {
     let mut vertices: Vec<[f64; 3]> = Vec::new();
@@ -117,20 +133,6 @@ fn ball(center: [f64; 3], radius: f64, cuts: u32, kind: Surface) -> Obstacle {
             vertices.len() - 1
         }) as u32
     };
-    fn cut(corners: [[f64; 3]; 3], left: u32, each: &mut dyn FnMut([[f64; 3]; 3])) {
-        if left == 0 {
-            return each(corners);
-        }
-        let [a, b, c] = corners;
-        let [ab, bc, ca] = [[a, b], [b, c], [c, a]].map(|[p, q]| {
-            let sum = [0, 1, 2].map(|x| p[x] + q[x]);
-            let length = sum.iter().map(|x| x * x).sum::<f64>().sqrt();
-            sum.map(|x| x / length)
-        });
-        for part in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]] {
-            cut(part, left - 1, each);
-        }
-    }
     let mut faces = Vec::new();
     for signs in 0..8 {
         let sign = |bit: u32| if signs >> bit & 1 == 1 { -1.0 } else { 1.0 };
