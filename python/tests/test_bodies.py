@@ -96,6 +96,20 @@ def test_a_sphere_is_its_series(kind: Any, radius: float, away: float) -> None:
     assert np.abs(pressure - expected @ drive).max() < 1e-5 * np.abs(expected @ drive).max()
 
 
+@pytest.mark.filterwarnings("ignore:array.positions")
+def test_a_sphere_of_pistons_is_what_least_squares_find() -> None:
+    told = json.loads((Path(__file__).parent / "sphere_pistons.json").read_text())
+    air = {name: told[name] for name in ("frequency", "sound_speed")}
+    for case in told["cases"]:
+        sphere = midair.Sphere(case["center"], case["radius"], case["kind"])
+        array = midair.Array(
+            case["sources"], case["normals"], directivity=case["directivity"], source_pressure=1.0
+        )
+        found = midair.Scene(array, case["points"], obstacles=[sphere], **air).propagation()
+        expected = np.array(case["totals"]) @ [1, 1j]
+        assert np.abs(found - expected.T).max() < 1e-5 * np.abs(expected).max()
+
+
 @pytest.mark.parametrize("kind", ["rigid", "soft"])
 @pytest.mark.parametrize("frequency", [40e3, 4 * np.pi / RADIUS * 340 / (2 * np.pi)])
 def test_a_mesh_of_a_sphere_is_the_sphere(kind: Any, frequency: float) -> None:

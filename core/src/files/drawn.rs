@@ -1,5 +1,6 @@
-//! Tables that a door draws: `[shape]` and `[image]` as points, an obstacle's file as a mesh. The core knows nothing of fonts,
-//! drawings, pictures and models.
+//! Tables that a door draws: `[shape]` and `[image]` as points, an obstacle's file as a mesh.
+//!
+//! The core knows nothing of fonts, drawings, pictures and models.
 
 use alloc::format;
 use alloc::string::{String, ToString};

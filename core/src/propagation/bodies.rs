@@ -1,5 +1,7 @@
-//! Bodies: what spheres and meshes add to G, H S: waves or surface elements heard at a point times what each transducer
-//! makes of them. S is found once; a point that moves needs its own row of H alone.
+//! Bodies: what spheres and meshes add to G.
+//!
+//! It is H S: waves or surface elements heard at a point times what each transducer makes of them. S is found once; a point
+//! that moves needs its own row of H alone.
 
 use alloc::sync::Arc;
 use alloc::vec;
