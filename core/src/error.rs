@@ -107,16 +107,6 @@ impl Error {
         Self::Invalid { item: one_line(&item.into()), value: one_line(&value.to_string()), cure: cure.into() }
     }
 
-    /// The same of `mesh`, told as that of an obstacle.
-    pub(crate) fn of(self, obstacle: &str) -> Self {
-        match self {
-            Self::Invalid { item, value, cure } => {
-                Self::Invalid { item: item.replacen("mesh", obstacle, 1), value, cure }
-            }
-            other => other,
-        }
-    }
-
     /// An answer that f32 has lost.
     pub(crate) fn lost() -> Self {
         let cure = "G and the pressures span too many orders of magnitude for this solver: \

@@ -116,8 +116,17 @@ fn obstacle(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Obstacle, Fault> {
         table.need("file")?.text()?;
         mesh(item, draw)?
     };
-    let made = Mesh::new(vertices, faces, kind).map_err(|error| Fault::at(item.path.as_str(), error.of(&item.path)))?;
+    let made = Mesh::new(vertices, faces, kind).map_err(|error| of_obstacle(error, item))?;
     Ok(Obstacle::Mesh(Arc::new(made)))
+}
+
+/// A refusal of `mesh`, told as that of an obstacle.
+fn of_obstacle(error: Error, item: &Item<'_>) -> Fault {
+    let error = match error {
+        Error::Invalid { item: name, value, cure } => Error::invalid(name.replacen("mesh", &item.path, 1), value, cure),
+        other => other,
+    };
+    Fault::at(item.path.as_str(), error)
 }
 
 /// Three indices of vertices.

@@ -21,7 +21,7 @@ use num_complex::{Complex32, Complex64};
 use crate::control::{Control, bytes};
 use crate::error::Error;
 use crate::propagation::element::{Element, influence};
-use crate::propagation::scattering::{Reflection, reflections};
+use crate::propagation::reflection::{Reflection, reflections};
 use crate::propagation::sources::Sources;
 use crate::scene::{Array, Medium, Obstacle, Obstacles, check_array, element_size};
 

@@ -9,6 +9,7 @@ pub(crate) mod jet;
 pub(crate) mod kept;
 pub(crate) mod model;
 pub(crate) mod products;
+pub(crate) mod reflection;
 pub(crate) mod scattering;
 pub(crate) mod sources;
 pub(crate) mod sphere;
