@@ -10,6 +10,8 @@ export VIRTUAL_ENV := $(CURDIR)/.venv
 CARGO := cargo
 CORE := -p midair --features scene-file,parallel
 SHOWN := naive,greedy,uniform
+BUILT := $(or $(CARGO_TARGET_DIR),target)/release
+PREFIX := /usr/local
 TRIALS := 1000
 
 # A step: says what it does, how long that takes on two cores where nothing is built yet, how long it took, and its name
@@ -17,7 +19,7 @@ TRIALS := 1000
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook setup demo test test-rust test-python test-portable test-boards lint fuzz sanitize bench bench-peers figures motion exposure measuring obstacles paper golden map stubs pins wheels clean
+.PHONY: help outlook setup demo capi install test test-rust test-python test-capi test-portable test-boards lint fuzz sanitize bench bench-capi bench-peers figures motion exposure measuring obstacles paper golden map header stubs pins wheels clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -40,7 +42,16 @@ demo: setup ## Solve the paper's fig. 2 by naive, greedy and uniform; leaves a p
 	$(call step,its drive as a file (2 s),$(BIN)/midair solve docs/scenes/smiley.toml --output out/demo/drive.npz)
 	@echo; echo "The picture is $(CURDIR)/out/demo/field.png, the drive $(CURDIR)/out/demo/drive.npz."
 
-test: outlook lint test-rust test-python ## Every test of every language
+capi: ## Build the C library: libmidair.so and libmidair.a in target/release
+	$(call step,C library: built (2 min),$(CARGO) build --release -p midair-capi)
+
+install: $(BUILT)/libmidair.so ## Install the C library: headers, libraries, midair.pc (PREFIX=/usr/local)
+	capi/install.sh $(BUILT) $(PREFIX)
+
+$(BUILT)/libmidair.so:
+	$(MAKE) --no-print-directory capi
+
+test: outlook lint test-rust test-python test-capi ## Every test of every language
 	@echo; echo "== all passed"
 
 outlook:
@@ -61,6 +72,10 @@ test-python: setup ## The package: tests, stubs, types
 	$(call step,package: stubs against the extension (20 s),$(PYTHON) -m mypy.stubtest midair._midair)
 	$(call step,package: types (20 s),$(PYTHON) -m mypy python/midair)
 
+test-capi: setup capi ## The C library: header, same bits as the package, refusals, memory, examples of four languages
+	$(call step,C library: header and unit tests (2 min),$(CARGO) test --quiet -p midair-capi)
+	$(call step,C library: tests (40 s),$(PYTHON) -m pytest capi/tests)
+
 test-portable: ## The core on 64-bit ARM and WebAssembly, emulated (Debian's packages)
 	core/tests/portable.sh
 
@@ -71,9 +86,10 @@ lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
 	$(call step,lint: Rust is formatted (2 s),$(CARGO) fmt --check)
 	$(call step,lint: clippy on the core (30 s),$(CARGO) clippy --all-targets $(CORE) -- -D warnings)
 	$(call step,lint: clippy on the extension (30 s),$(CARGO) clippy --all-targets -p midair-python -- -D warnings)
+	$(call step,lint: clippy on the C library (30 s),$(CARGO) clippy --all-targets --no-deps -p midair-capi -- -D warnings)
 	$(call step,lint: the core's documentation (5 s),RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps $(CORE))
-	$(call step,lint: Python (2 s),$(BIN)/ruff check python bench fuzz examples)
-	$(call step,lint: Python is formatted (2 s),$(BIN)/ruff format --check python bench fuzz examples)
+	$(call step,lint: Python (2 s),$(BIN)/ruff check python capi bench fuzz examples)
+	$(call step,lint: Python is formatted (2 s),$(BIN)/ruff format --check python capi bench fuzz examples)
 
 fuzz: fuzz/.tools/bin/cargo-fuzz fuzz/.venv/ready ## Guided fuzzing, recorded (TIME=60 seconds or RUNS a target, TARGETS="scene solve")
 	nice -n 19 $(PYTHON) fuzz/run.py --time $(TIME) --runs $(RUNS) $(TARGETS)
@@ -95,6 +111,9 @@ fuzz/.venv/ready: fuzz/requirements.txt .venv/ready
 
 bench: ## Ratios: to the textbook loop, of boards' grids and transducers; latency; methods over M and N (2 min once built)
 	$(CARGO) bench --quiet -p midair --features parallel
+
+bench-capi: capi ## How much longer a solve takes through the C library than in Rust
+	MIDAIR_LIBRARY=$(abspath $(BUILT)/libmidair.so) $(CARGO) bench --quiet -p midair-capi --bench overhead
 
 RIVALS := autd3/ready textbook.so planar.so $(if $(ACOUSTOOLS),acoustools/ready)
 
@@ -135,6 +154,9 @@ paper: setup ## Make the paper's figures anew (TRIALS=1000) and docs/paper.md fr
 
 map: ## Write the map in CONTRIBUTING.md anew
 	MIDAIR_MAP=write $(CARGO) test --quiet -p midair --features scene-file,parallel --test suite map
+
+header: ## Write capi/include/midair.h anew, from capi/src
+	MIDAIR_HEADER=write $(CARGO) test --quiet -p midair-capi --test header
 
 stubs: setup ## Write the typed overloads of every solver anew, from the registry
 	$(PYTHON) python/stubs.py

@@ -1,10 +1,17 @@
-//! Unsafe code stands where instructions, an allocator or a program without std need it, and nowhere else.
+//! Unsafe code stands where instructions, an allocator, a caller in C or a program without std need it, and nowhere else.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// All of it.
-const ALLOWED: [&str; 8] = [
+const ALLOWED: [&str; 15] = [
+    "capi/benches/overhead.rs",
+    "capi/src/array.rs",
+    "capi/src/board.rs",
+    "capi/src/memory.rs",
+    "capi/src/outcome.rs",
+    "capi/src/session.rs",
+    "capi/src/version.rs",
     "core/benches/methods.rs",
     "core/src/kernels/simd/avx2.rs",
     "core/src/kernels/simd/avx512.rs",
@@ -39,7 +46,7 @@ fn has_unsafe(text: &str) -> bool {
 fn unsafe_code_stands_in_few_files() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a folder");
     let mut paths = Vec::new();
-    for folder in ["core", "python", "fuzz"] {
+    for folder in ["core", "python", "capi", "fuzz"] {
         files(&root.join(folder), &mut paths);
     }
     assert!(paths.len() > 150, "only {} files were found", paths.len());

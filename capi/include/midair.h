@@ -1,0 +1,256 @@
+/* midair: drives for airborne ultrasound phased arrays, so that given points in the air feel given pressures.
+ *
+ * This file is made from capi/src by cbindgen: do not edit it. docs/c.md is the page for users, docs/conventions.md
+ * states units, signs and rules.
+ *
+ * Every function that can fail returns MIDAIR_RESULT_OK, which is 0, or what went wrong, and writes a line that names
+ * the item, its value and the cure to message, a buffer of message_size bytes, cut to fit and ended by NUL. With
+ * MIDAIR_RESULT_OK the message is empty or holds warnings, a line each. NULL in its place is no message.
+ *
+ * SI units; points, positions and normals are x, y, z in a row; texts are UTF-8 ended by NUL, and names ignore case,
+ * "-" and "_". Lists hold as many entries as the count beside them says; a complex number is one. Lists that are
+ * written overlap no other of the same call. A call that fails leaves them as they were, and a new handle NULL.
+ *
+ * Arrays and boards never change: threads may share them. A session is used by one thread at a time. A handle is freed
+ * once, by its own function, after its last use.
+ */
+
+#ifndef MIDAIR_H
+#define MIDAIR_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+// The binary interface that this header describes; midair_abi() of a library that fits gives the same number.
+#define MIDAIR_ABI 1
+
+// What became of a call. Everything but MIDAIR_RESULT_OK left the caller's buffers as they were, but the message.
+typedef enum {
+    // Done. The message is empty, or remarks that the caller should hear, a line each.
+    MIDAIR_RESULT_OK = 0,
+    // An argument cannot be meant. The message names it, its value and the cure.
+    MIDAIR_RESULT_INVALID = 1,
+    // More memory than allowed, or than there is.
+    MIDAIR_RESULT_MEMORY = 2,
+    // A fault of the library's own, to be reported.
+    MIDAIR_RESULT_FAULT = 3,
+} midair_result;
+
+// How a solve ended.
+typedef enum {
+    // The method ran to its end.
+    MIDAIR_STATUS_DONE = 0,
+    // The method's steps ran out before its tolerance was met.
+    MIDAIR_STATUS_OUT_OF_STEPS = 1,
+    // It was stopped; the answer is the best so far.
+    MIDAIR_STATUS_STOPPED = 2,
+} midair_status;
+
+// An array of transducers. It never changes: any number of threads may use it at the same time.
+typedef struct midair_array midair_array;
+
+// The boards behind an array. It never changes: any number of threads may use it at the same time.
+typedef struct midair_board midair_board;
+
+// An array, a method with its options, and the memory of their solves. One thread at a time may use a session;
+// different sessions may be used by different threads at the same time.
+typedef struct midair_session midair_session;
+
+// A complex number, the same in memory as C's `float _Complex` and C++'s `std::complex<float>`.
+typedef struct {
+    // Real part.
+    float re;
+    // Imaginary part.
+    float im;
+} midair_complex;
+
+// How good a drive is, over the points with a pressure and a weight above 0, x = |p| / pressure asked for.
+typedef struct {
+    // Sum of |p| over the sum of the pressures asked for.
+    double accuracy;
+    // Standard deviation of x / max x.
+    double sigma;
+    // min x / max x.
+    double uniformity;
+    // Mean x.
+    double level;
+    // Sum of the squared misses, weighted, relative to silence.
+    double residual;
+    // Largest |p| at a point of pressure 0 over the largest pressure asked for.
+    double leak;
+} midair_metrics;
+
+// What a solve tells beside the drive.
+typedef struct {
+    // How it ended.
+    midair_status status;
+    // Steps taken.
+    size_t steps;
+    // What supply or modulation have to multiply the drive by; 1 unless the board has no such amplitude.
+    double scale;
+    // How good it is, the scale counted in.
+    midair_metrics metrics;
+} midair_answer;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+// Makes the array of a preset, such as "autd3" or "paper20", of tiles_x by tiles_y boards (1 by 1 for a single one).
+midair_result midair_array_preset(const char *name,
+                                  size_t tiles_x,
+                                  size_t tiles_y,
+                                  midair_array **array,
+                                  char *message,
+                                  size_t message_size);
+
+// Makes a flat grid of nx by ny transducers, pitch metres apart, centred in z = 0, x fastest, that radiate to +z.
+midair_result midair_array_grid(size_t nx,
+                                size_t ny,
+                                double pitch,
+                                midair_array **array,
+                                char *message,
+                                size_t message_size);
+
+// Makes an array of count transducers at positions (count, 3) in m that look along normals (count, 3); with normals
+// NULL along +z.
+midair_result midair_array_new(const double *positions,
+                               const double *normals,
+                               size_t count,
+                               midair_array **array,
+                               char *message,
+                               size_t message_size);
+
+// Number of transducers N; 0 for NULL.
+size_t midair_array_count(const midair_array *array);
+
+// Writes positions (count, 3) in m and unit normals (count, 3), count being N; either may be NULL.
+midair_result midair_array_positions(const midair_array *array,
+                                     double *positions,
+                                     double *normals,
+                                     size_t count,
+                                     char *message,
+                                     size_t message_size);
+
+// Frees an array. Sessions made of it go on. NULL is nothing to free.
+void midair_array_free(midair_array *array);
+
+// Makes as many boards of a kind, such as "sonicsurface" or "openmpd", as an array of so many transducers needs, in the
+// order of the kind's preset.
+midair_result midair_board_new(const char *name,
+                               size_t transducers,
+                               midair_board **board,
+                               char *message,
+                               size_t message_size);
+
+// Bytes of a frame, for all boards; 0 for NULL.
+size_t midair_board_frame_size(const midair_board *board);
+
+// Writes the frame that makes the boards play a drive of so many transducers, size being midair_board_frame_size().
+midair_result midair_board_encode(const midair_board *board,
+                                  const midair_complex *drive,
+                                  size_t transducers,
+                                  uint8_t *frame,
+                                  size_t size,
+                                  char *message,
+                                  size_t message_size);
+
+// Bytes that silence the boards; 0 for NULL.
+size_t midair_board_silence_size(const midair_board *board);
+
+// Writes the bytes that silence the boards whatever they were told before, size being midair_board_silence_size().
+midair_result midair_board_silence(const midair_board *board,
+                                   uint8_t *bytes,
+                                   size_t size,
+                                   char *message,
+                                   size_t message_size);
+
+// Frees a board. NULL is nothing to free.
+void midair_board_free(midair_board *board);
+
+// Makes a session of an array and a method, such as "uniform" or "fast", in air of 340 m/s at 40 kHz. The session keeps
+// what it needs of the array, which may be freed.
+midair_result midair_session_new(const midair_array *array,
+                                 const char *method,
+                                 midair_session **session,
+                                 char *message,
+                                 size_t message_size);
+
+// Sets an option to a number: of the medium ("frequency", "sound_speed", "temperature", "absorption", "density"), of the
+// transducers ("source_pressure", "directivity.piston", "directivity.sinc", "directivity.cos"), or of the method. A session
+// whose options are set begins anew.
+midair_result midair_session_set_number(midair_session *session,
+                                        const char *name,
+                                        double value,
+                                        char *message,
+                                        size_t message_size);
+
+// Sets an option to a text: "directivity" ("point", "t4010a1", ...), "quantization" (a board's name, or "none" for any
+// drive), "balance" ("true" or "false"), "aim" ("target" or "max"), or one of the method.
+midair_result midair_session_set_text(midair_session *session,
+                                      const char *name,
+                                      const char *value,
+                                      char *message,
+                                      size_t message_size);
+
+// Sets an option to a list: "mask" (N, 1 for on and 0 for off), "response" (N, 2; real and imaginary part), or one of the
+// method.
+midair_result midair_session_set_numbers(midair_session *session,
+                                         const char *name,
+                                         const double *values,
+                                         size_t count,
+                                         char *message,
+                                         size_t message_size);
+
+// Finds a drive for points (count, 3) in m and writes it to drive (transducers,), transducers being N. pressures (count,)
+// are peak |p| in Pa; with NULL all are the level that the array reaches at all points at once. weights (count,) may be
+// NULL, for 1 everywhere, and answer, too. Warnings in the message come once a session for each kind; without a message
+// they are not looked for.
+midair_result midair_session_solve(midair_session *session,
+                                   const double *points,
+                                   const double *pressures,
+                                   const double *weights,
+                                   size_t count,
+                                   midair_complex *drive,
+                                   size_t transducers,
+                                   midair_answer *answer,
+                                   char *message,
+                                   size_t message_size);
+
+// Judges a drive (transducers,) at points (count, 3) in m, in double precision; pressures and weights (count,) as in
+// midair_session_solve().
+midair_result midair_session_judge(midair_session *session,
+                                   const midair_complex *drive,
+                                   size_t transducers,
+                                   const double *points,
+                                   const double *pressures,
+                                   const double *weights,
+                                   size_t count,
+                                   midair_metrics *metrics,
+                                   char *message,
+                                   size_t message_size);
+
+// Writes the complex pressures (count,) in Pa (peak) of a drive (transducers,) at any points (count, 3) in m.
+midair_result midair_session_field(midair_session *session,
+                                   const midair_complex *drive,
+                                   size_t transducers,
+                                   const double *points,
+                                   size_t count,
+                                   midair_complex *pressures,
+                                   char *message,
+                                   size_t message_size);
+
+// Frees a session. NULL is nothing to free.
+void midair_session_free(midair_session *session);
+
+// Version of the library, such as "0.1.0". The text lives as long as the library is loaded.
+const char *midair_version(void);
+
+// Number of the library's binary interface, to be compared with MIDAIR_ABI.
+uint32_t midair_abi(void);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* MIDAIR_H */

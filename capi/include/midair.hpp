@@ -1,0 +1,231 @@
+// midair for C++17: the functions of midair.h as classes that free what they hold and throw what is refused.
+//
+// A header alone; programs link with midair. Units and rules are those of midair.h.
+#ifndef MIDAIR_HPP
+#define MIDAIR_HPP
+
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "midair.h"
+
+namespace midair {
+
+using Point = std::array<double, 3>;
+using Points = std::vector<Point>;
+using Complex = std::complex<float>;
+
+/// What was refused: one line that names the item, its value and the cure.
+class Error : public std::runtime_error {
+public:
+    Error(midair_result result, const std::string &message) : std::runtime_error(message), result(result) {}
+
+    const midair_result result;
+};
+
+namespace detail {
+
+/// Calls a function with a buffer for its message; returns its warnings.
+template <class Function, class... Arguments> std::string call(Function function, Arguments... arguments) {
+    char message[1024];
+    const midair_result result = function(arguments..., message, sizeof message);
+    if (result != MIDAIR_RESULT_OK) {
+        throw Error(result, message);
+    }
+    return message;
+}
+
+/// Numbers, one for each of count owners, or NULL where there are none.
+inline const double *list(const char *item, const std::vector<double> &values, std::size_t count) {
+    if (!values.empty() && values.size() != count) {
+        throw Error(MIDAIR_RESULT_INVALID, std::string(item) + " is " + std::to_string(values.size()) +
+                                               " values: give one for each of the " + std::to_string(count) + " points");
+    }
+    return values.empty() ? nullptr : values.data();
+}
+
+inline const double *flat(const Points &points) { return points.empty() ? nullptr : points.data()->data(); }
+
+inline midair_complex *plain(Complex *values) { return reinterpret_cast<midair_complex *>(values); }
+
+inline const midair_complex *plain(const Complex *values) { return reinterpret_cast<const midair_complex *>(values); }
+
+struct Free {
+    void operator()(midair_array *array) const { midair_array_free(array); }
+    void operator()(midair_session *session) const { midair_session_free(session); }
+    void operator()(midair_board *board) const { midair_board_free(board); }
+};
+
+template <class Handle> using Owned = std::unique_ptr<Handle, Free>;
+
+} // namespace detail
+
+/// N transducers.
+class Array {
+public:
+    /// At positions that look along normals; left out along +z.
+    explicit Array(const Points &positions, const Points &normals = {}) {
+        if (!normals.empty() && normals.size() != positions.size()) {
+            throw Error(MIDAIR_RESULT_INVALID, "normals is " + std::to_string(normals.size()) +
+                                                   " of them: give one for each of the " +
+                                                   std::to_string(positions.size()) + " positions");
+        }
+        make(midair_array_new, detail::flat(positions), detail::flat(normals), positions.size());
+    }
+
+    /// A preset, such as "autd3", of so many boards.
+    static Array preset(const std::string &name, std::size_t tiles_x = 1, std::size_t tiles_y = 1) {
+        Array array;
+        array.make(midair_array_preset, name.c_str(), tiles_x, tiles_y);
+        return array;
+    }
+
+    /// A flat grid, pitch metres apart.
+    static Array grid(std::size_t nx, std::size_t ny, double pitch) {
+        Array array;
+        array.make(midair_array_grid, nx, ny, pitch);
+        return array;
+    }
+
+    /// N.
+    std::size_t size() const { return midair_array_count(get()); }
+
+    Points positions() const {
+        Points positions(size());
+        detail::call(midair_array_positions, get(), positions.data()->data(), nullptr, size());
+        return positions;
+    }
+
+    Points normals() const {
+        Points normals(size());
+        detail::call(midair_array_positions, get(), nullptr, normals.data()->data(), size());
+        return normals;
+    }
+
+    const midair_array *get() const { return handle.get(); }
+
+private:
+    Array() = default;
+
+    template <class Function, class... Arguments> void make(Function function, Arguments... arguments) {
+        midair_array *made = nullptr;
+        detail::call(function, arguments..., &made);
+        handle.reset(made);
+    }
+
+    detail::Owned<midair_array> handle;
+};
+
+/// A drive and what midair_answer tells of it.
+struct Solution : midair_answer {
+    std::vector<Complex> drive;
+};
+
+/// An array and a method: used by one thread at a time.
+class Session {
+public:
+    Session(const Array &array, const std::string &method) : transducers(array.size()) {
+        midair_session *made = nullptr;
+        warnings = detail::call(midair_session_new, array.get(), method.c_str(), &made);
+        handle.reset(made);
+    }
+
+    void set(const std::string &name, double value) {
+        warnings = detail::call(midair_session_set_number, handle.get(), name.c_str(), value);
+    }
+
+    void set(const std::string &name, const std::string &value) {
+        warnings = detail::call(midair_session_set_text, handle.get(), name.c_str(), value.c_str());
+    }
+
+    void set(const std::string &name, const std::vector<double> &values) {
+        warnings =
+            detail::call(midair_session_set_numbers, handle.get(), name.c_str(), values.data(), values.size());
+    }
+
+    /// A drive for points; pressures and weights are one for each point, or left out.
+    Solution solve(const Points &points, const std::vector<double> &pressures = {},
+                   const std::vector<double> &weights = {}) {
+        Solution solution;
+        solution.drive.resize(transducers);
+        static_cast<midair_answer &>(solution) =
+            solve_into(solution.drive.data(), transducers, points, pressures, weights);
+        return solution;
+    }
+
+    /// The same into a buffer of the caller's, of N complex numbers: from the second call of a size on nothing is allocated.
+    midair_answer solve_into(Complex *drive, std::size_t count, const Points &points,
+                             const std::vector<double> &pressures = {}, const std::vector<double> &weights = {}) {
+        midair_answer answer;
+        const std::size_t each = points.size();
+        warnings = detail::call(midair_session_solve, handle.get(), detail::flat(points),
+                                detail::list("pressures", pressures, each), detail::list("weights", weights, each),
+                                each, detail::plain(drive), count, &answer);
+        return answer;
+    }
+
+    /// The metrics of any drive.
+    midair_metrics judge(const std::vector<Complex> &drive, const Points &points,
+                         const std::vector<double> &pressures = {}, const std::vector<double> &weights = {}) const {
+        midair_metrics metrics;
+        const std::size_t each = points.size();
+        detail::call(midair_session_judge, handle.get(), detail::plain(drive.data()), drive.size(),
+                     detail::flat(points), detail::list("pressures", pressures, each),
+                     detail::list("weights", weights, each), each, &metrics);
+        return metrics;
+    }
+
+    /// Complex pressures in Pa of any drive at any points.
+    std::vector<Complex> field(const std::vector<Complex> &drive, const Points &points) const {
+        std::vector<Complex> pressures(points.size());
+        detail::call(midair_session_field, handle.get(), detail::plain(drive.data()), drive.size(),
+                     detail::flat(points), points.size(), detail::plain(pressures.data()));
+        return pressures;
+    }
+
+    /// What the last call to make, set or solve said, a line each; empty if nothing.
+    const std::string &warning() const { return warnings; }
+
+private:
+    std::size_t transducers;
+    std::string warnings;
+    detail::Owned<midair_session> handle;
+};
+
+/// The boards behind an array of N transducers.
+class Board {
+public:
+    Board(const std::string &name, std::size_t transducers) {
+        midair_board *made = nullptr;
+        detail::call(midair_board_new, name.c_str(), transducers, &made);
+        handle.reset(made);
+    }
+
+    /// The frame that plays a drive.
+    std::vector<std::uint8_t> encode(const std::vector<Complex> &drive) const {
+        std::vector<std::uint8_t> frame(midair_board_frame_size(handle.get()));
+        detail::call(midair_board_encode, handle.get(), detail::plain(drive.data()), drive.size(), frame.data(),
+                     frame.size());
+        return frame;
+    }
+
+    /// The bytes that silence the boards.
+    std::vector<std::uint8_t> silence() const {
+        std::vector<std::uint8_t> bytes(midair_board_silence_size(handle.get()));
+        detail::call(midair_board_silence, handle.get(), bytes.data(), bytes.size());
+        return bytes;
+    }
+
+private:
+    detail::Owned<midair_board> handle;
+};
+
+} // namespace midair
+
+#endif // MIDAIR_HPP

@@ -1,0 +1,106 @@
+//! Arrays: from a preset, a grid or positions; unchanged once made.
+
+use std::ffi::c_char;
+
+use crate::memory::{give, handle, list_or_none, room, text, vectors, write};
+use crate::outcome::{Message, Outcome, outcome};
+
+/// An array of transducers. It never changes: any number of threads may use it at the same time.
+pub struct Array(pub(crate) midair::Array);
+
+/// Makes the array of a preset, such as "autd3" or "paper20", of tiles_x by tiles_y boards (1 by 1 for a single one).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_array_preset(
+    name: *const c_char,
+    tiles_x: usize,
+    tiles_y: usize,
+    array: *mut *mut Array,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    outcome(Message { text: message, size: message_size }, || {
+        // SAFETY: the caller's word for name and array.
+        unsafe {
+            let made = text("preset", name).and_then(|name| midair::Array::preset(name, [tiles_x, tiles_y]));
+            give("array", array, made.map(Array))
+        }
+        .map(|()| "")
+    })
+}
+
+/// Makes a flat grid of nx by ny transducers, pitch metres apart, centred in z = 0, x fastest, that radiate to +z.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_array_grid(
+    nx: usize,
+    ny: usize,
+    pitch: f64,
+    array: *mut *mut Array,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    outcome(Message { text: message, size: message_size }, || {
+        // SAFETY: the caller's word for array.
+        unsafe { give("array", array, midair::Array::grid(nx, ny, pitch).map(Array)) }.map(|()| "")
+    })
+}
+
+/// Makes an array of count transducers at positions (count, 3) in m that look along normals (count, 3); with normals
+/// NULL along +z.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_array_new(
+    positions: *const f64,
+    normals: *const f64,
+    count: usize,
+    array: *mut *mut Array,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    outcome(Message { text: message, size: message_size }, || {
+        // SAFETY: the caller's word for the lists and array.
+        unsafe {
+            let made = vectors("positions", positions, count).and_then(|positions| {
+                let normals = list_or_none("normals", normals.cast::<[f64; 3]>(), count)?;
+                midair::Array::new(positions.to_vec(), normals.map(<[_]>::to_vec))
+            });
+            give("array", array, made.map(Array))
+        }
+        .map(|()| "")
+    })
+}
+
+/// Number of transducers N; 0 for NULL.
+#[unsafe(no_mangle)]
+pub extern "C" fn midair_array_count(array: Option<&Array>) -> usize {
+    array.map_or(0, |array| array.0.len())
+}
+
+/// Writes positions (count, 3) in m and unit normals (count, 3), count being N; either may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_array_positions(
+    array: Option<&Array>,
+    positions: *mut f64,
+    normals: *mut f64,
+    count: usize,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    outcome(Message { text: message, size: message_size }, || {
+        let array = &handle("array", array)?.0;
+        let lists = [("positions", positions, array.positions()), ("normals", normals, array.normals())];
+        let wanted = || lists.iter().filter(|(_, start, _)| !start.is_null());
+        for &(item, start, values) in wanted() {
+            room(item, start.cast::<[f64; 3]>(), count, values.len())?;
+        }
+        for &(_, start, values) in wanted() {
+            // SAFETY: there is room, by the caller's word.
+            unsafe { write(start.cast(), values) };
+        }
+        Ok("")
+    })
+}
+
+/// Frees an array. Sessions made of it go on. NULL is nothing to free.
+#[unsafe(no_mangle)]
+pub extern "C" fn midair_array_free(array: Option<Box<Array>>) {
+    drop(array);
+}

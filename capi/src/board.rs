@@ -1,0 +1,92 @@
+//! Boards: drives to the bytes that make a board play them.
+
+use std::ffi::c_char;
+
+use crate::memory::{Complex, drive as read_drive, give, handle, room, text, write};
+use crate::outcome::{Message, Outcome, outcome};
+
+/// The boards behind an array. It never changes: any number of threads may use it at the same time.
+pub struct Board {
+    inner: midair::Board,
+    silence: Vec<u8>,
+}
+
+/// Makes as many boards of a kind, such as "sonicsurface" or "openmpd", as an array of so many transducers needs, in the
+/// order of the kind's preset.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_board_new(
+    name: *const c_char,
+    transducers: usize,
+    board: *mut *mut Board,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    outcome(Message { text: message, size: message_size }, || {
+        // SAFETY: the caller's word for name and board.
+        unsafe {
+            let made = text("board", name).and_then(|name| midair::Board::new(name, transducers));
+            give("board", board, made.map(|inner| Board { silence: inner.silence(), inner }))
+        }
+        .map(|()| "")
+    })
+}
+
+/// Bytes of a frame, for all boards; 0 for NULL.
+#[unsafe(no_mangle)]
+pub extern "C" fn midair_board_frame_size(board: Option<&Board>) -> usize {
+    board.map_or(0, |board| board.inner.frame_size())
+}
+
+/// Writes the frame that makes the boards play a drive of so many transducers, size being midair_board_frame_size().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_board_encode(
+    board: Option<&Board>,
+    drive: *const Complex,
+    transducers: usize,
+    frame: *mut u8,
+    size: usize,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    outcome(Message { text: message, size: message_size }, || {
+        let board = &handle("board", board)?.inner;
+        room("frame", frame, size, board.frame_size())?;
+        // SAFETY: the caller's word for the drive.
+        let drive = unsafe { read_drive(drive, transducers) }?;
+        let mut bytes = vec![0; size];
+        board.encode(drive, &mut bytes)?;
+        // SAFETY: there is room, by the caller's word.
+        unsafe { write(frame, &bytes) };
+        Ok("")
+    })
+}
+
+/// Bytes that silence the boards; 0 for NULL.
+#[unsafe(no_mangle)]
+pub extern "C" fn midair_board_silence_size(board: Option<&Board>) -> usize {
+    board.map_or(0, |board| board.silence.len())
+}
+
+/// Writes the bytes that silence the boards whatever they were told before, size being midair_board_silence_size().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_board_silence(
+    board: Option<&Board>,
+    bytes: *mut u8,
+    size: usize,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    outcome(Message { text: message, size: message_size }, || {
+        let silence = &handle("board", board)?.silence;
+        room("bytes", bytes, size, silence.len())?;
+        // SAFETY: there is room, by the caller's word.
+        unsafe { write(bytes, silence) };
+        Ok("")
+    })
+}
+
+/// Frees a board. NULL is nothing to free.
+#[unsafe(no_mangle)]
+pub extern "C" fn midair_board_free(board: Option<Box<Board>>) {
+    drop(board);
+}

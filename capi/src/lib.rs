@@ -1,0 +1,16 @@
+//! The C door of midair: arrays, sessions and boards as opaque handles, numbers in the caller's memory.
+//!
+//! Each function reads its arguments, calls the core once and hands the answer over; no formula lives here.
+//! `include/midair.h` is made from this crate by cbindgen, docs/c.md is the page for users.
+#![allow(clippy::missing_safety_doc, reason = "the header says once for all functions what a caller owes")]
+#![allow(unsafe_code, reason = "a C caller hands over addresses; each block says why it may follow them")]
+
+pub mod abi;
+pub mod array;
+pub mod board;
+mod instruction_set;
+pub mod memory;
+mod option;
+pub mod outcome;
+pub mod session;
+pub mod version;

@@ -1,0 +1,125 @@
+//! Memory of the caller's: its handles, texts and lists, read and written.
+
+use std::ffi::{CStr, c_char};
+use std::slice;
+
+use midair::{Complex32, Error};
+
+/// A complex number, the same in memory as C's `float _Complex` and C++'s `std::complex<float>`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Complex {
+    /// Real part.
+    pub re: f32,
+    /// Imaginary part.
+    pub im: f32,
+}
+
+// What `complex` and `write` rely on where they go from one to the other.
+const _: () =
+    assert!(size_of::<Complex>() == size_of::<Complex32>() && align_of::<Complex>() == align_of::<Complex32>());
+
+/// What is behind a handle.
+pub(crate) fn handle<'a, T>(item: &str, handle: Option<&'a T>) -> Result<&'a T, Error> {
+    handle.ok_or_else(|| Error::invalid(item, "NULL", format!("make one with midair_{item}_new() or the like")))
+}
+
+/// Hands a new handle over; NULL in place of one that could not be made.
+///
+/// # Safety
+/// `place` is NULL or an aligned address that may be written.
+pub(crate) unsafe fn give<T>(item: &str, place: *mut *mut T, made: Result<T, Error>) -> Result<(), Error> {
+    check(item, place, 1)?;
+    let (handle, result) = match made {
+        Ok(made) => (Box::into_raw(Box::new(made)), Ok(())),
+        Err(error) => (std::ptr::null_mut(), Err(error)),
+    };
+    // SAFETY: it is not NULL, and may be written by the caller's word.
+    unsafe { place.write(handle) };
+    result
+}
+
+/// A text.
+///
+/// # Safety
+/// `text` is NULL or ends with a NUL.
+pub(crate) unsafe fn text<'a>(item: &str, text: *const c_char) -> Result<&'a str, Error> {
+    if text.is_null() {
+        return Err(Error::invalid(item, "NULL", "give text"));
+    }
+    // SAFETY: it is not NULL, and ends by the caller's word.
+    let text = unsafe { CStr::from_ptr(text) };
+    text.to_str().map_err(|_| Error::invalid(item, text.to_string_lossy(), "give text in UTF-8"))
+}
+
+/// `count` entries from an address on.
+///
+/// # Safety
+/// `start` is NULL or so many entries can be read there while the answer is in use.
+pub(crate) unsafe fn list<'a, T>(item: &str, start: *const T, count: usize) -> Result<&'a [T], Error> {
+    if count == 0 {
+        return Ok(&[]);
+    }
+    check(item, start, count)?;
+    // SAFETY: neither NULL nor misaligned nor longer than any memory; the entries are there by the caller's word.
+    Ok(unsafe { slice::from_raw_parts(start, count) })
+}
+
+/// As [`list`], where NULL stands for a list left out.
+///
+/// # Safety
+/// That of [`list`].
+pub(crate) unsafe fn list_or_none<'a, T>(item: &str, start: *const T, count: usize) -> Result<Option<&'a [T]>, Error> {
+    // SAFETY: as the caller's.
+    if start.is_null() { Ok(None) } else { unsafe { list(item, start, count) }.map(Some) }
+}
+
+/// `count` vectors x, y, z from an address on.
+///
+/// # Safety
+/// That of [`list`], for three times as many entries.
+pub(crate) unsafe fn vectors<'a>(item: &str, start: *const f64, count: usize) -> Result<&'a [[f64; 3]], Error> {
+    // SAFETY: as the caller's; an array of three is three in a row.
+    unsafe { list(item, start.cast::<[f64; 3]>(), count) }
+}
+
+/// A drive.
+///
+/// # Safety
+/// That of [`list`].
+pub(crate) unsafe fn drive<'a>(start: *const Complex, count: usize) -> Result<&'a [Complex32], Error> {
+    // SAFETY: as the caller's; both types are two f32 in a row.
+    unsafe { list("drive", start.cast::<Complex32>(), count) }
+}
+
+/// Refuses a buffer that has another length than what is written to it.
+pub(crate) fn room<T>(item: &str, start: *mut T, count: usize, needed: usize) -> Result<(), Error> {
+    if count != needed {
+        return Err(Error::invalid(item, format!("room for {count}"), format!("give room for {needed}")));
+    }
+    check(item, start, count)
+}
+
+/// Writes a list to where there is [`room`] for it.
+///
+/// # Safety
+/// So many entries may be written from `start` on, which [`room`] did not refuse.
+pub(crate) unsafe fn write<T: Copy>(start: *mut T, values: &[T]) {
+    // SAFETY: as the caller's; memory that the core works in does not lie in a buffer of the caller's.
+    unsafe { start.copy_from_nonoverlapping(values.as_ptr(), values.len()) };
+}
+
+/// Refuses an address where no entry can be.
+fn check<T>(item: &str, start: *const T, count: usize) -> Result<(), Error> {
+    if start.is_null() {
+        return Err(Error::invalid(item, "NULL", "give an address"));
+    }
+    if !start.is_aligned() {
+        let cure = format!("give a multiple of {}, as the compiler's and malloc's are", align_of::<T>());
+        return Err(Error::invalid(item, format!("at address {start:p}"), cure));
+    }
+    if count > isize::MAX as usize / size_of::<T>() {
+        return Err(Error::invalid(item, format!("{count} of them"), "no memory holds so many: look at the count"));
+    }
+    Ok(())
+}

@@ -1,0 +1,201 @@
+//! Options of a session by name: medium, transducers, mask, quantization, and those of the method.
+
+use midair::solvers::{configure, find};
+use midair::{
+    Aim, Array, Board, Choice, Complex64, Directivity, Error, InstructionSet, Medium, Model, OptionValue, Options,
+    Session, Transducer, Value, word,
+};
+
+use crate::instruction_set::instruction_set;
+
+/// A value as C hands it over.
+#[derive(Clone, Copy)]
+pub(crate) enum Given<'a> {
+    Text(&'a str),
+    Number(f64),
+    Numbers(&'a [f64]),
+}
+
+/// What a session is made of.
+#[derive(Clone)]
+pub(crate) struct Setting {
+    array: Array,
+    medium: Medium,
+    choice: Choice,
+}
+
+/// An option that does not belong to the method.
+#[derive(Clone, Copy)]
+enum Own {
+    Frequency,
+    SoundSpeed,
+    Temperature,
+    Absorption,
+    Density,
+    SourcePressure,
+    Directivity,
+    DirectivityOf(&'static str),
+    Response,
+    Mask,
+    Quantization,
+}
+
+const OWN: [(&str, Own); 13] = [
+    ("frequency", Own::Frequency),
+    ("sound_speed", Own::SoundSpeed),
+    ("temperature", Own::Temperature),
+    ("absorption", Own::Absorption),
+    ("density", Own::Density),
+    ("source_pressure", Own::SourcePressure),
+    ("directivity", Own::Directivity),
+    ("directivity.piston", Own::DirectivityOf("piston")),
+    ("directivity.sinc", Own::DirectivityOf("sinc")),
+    ("directivity.cos", Own::DirectivityOf("cos")),
+    ("response", Own::Response),
+    ("mask", Own::Mask),
+    ("quantization", Own::Quantization),
+];
+
+impl Setting {
+    /// An array in the default air, and a method by its name.
+    pub(crate) fn new(array: Array, method: &str) -> Result<Self, Error> {
+        let choice = Choice::new(find(method)?.info.name.into(), Options::new())?;
+        Ok(Self { array, medium: Medium::default(), choice })
+    }
+
+    /// The model and the session that it describes.
+    pub(crate) fn open(&self) -> Result<(Model, Session), Error> {
+        let set: InstructionSet = instruction_set()?;
+        let configured = configure(&self.choice, self.array.quantization()).map_err(with_own_names)?;
+        let model = Model::new(&self.array, self.medium, set)?;
+        let balance = self.choice.balance.unwrap_or(configured.info.balance);
+        Ok((model.clone(), Session::new(model, configured.solver, balance)))
+    }
+
+    /// How loud the points are to be; left out it is the request's own.
+    pub(crate) fn aim(&self) -> Option<Aim> {
+        self.choice.aim
+    }
+
+    /// What is hardly meant of array and medium, a line each.
+    pub(crate) fn doubts(&self) -> Vec<String> {
+        self.array.doubts(self.medium).iter().map(ToString::to_string).collect()
+    }
+
+    /// Sets an option, or sets it anew.
+    pub(crate) fn set(&mut self, name: &str, given: Given<'_>) -> Result<(), Error> {
+        let value = |item: &str| given.number(item);
+        match word("option", &Value::Text(name.into()), &OWN) {
+            Ok(Own::Frequency) => self.medium.frequency = value("medium.frequency")?,
+            Ok(Own::SoundSpeed) => self.medium.sound_speed = value("medium.sound_speed")?,
+            Ok(Own::Temperature) => self.medium.sound_speed = Medium::sound_speed_at(value("medium.temperature")?)?,
+            Ok(Own::Absorption) => self.medium.absorption = value("medium.absorption")?,
+            Ok(Own::Density) => self.medium.density = value("medium.density")?,
+            Ok(Own::SourcePressure) => {
+                let source_pressure = value("array.source_pressure")?;
+                self.radiate(Transducer { source_pressure, ..self.array.transducer() })?;
+            }
+            Ok(Own::Directivity) => self.direct(given.text("array.directivity")?, None)?,
+            Ok(Own::DirectivityOf(name)) => self.direct(name, Some(value(&format!("directivity.{name}"))?))?,
+            Ok(Own::Response) => {
+                let response = given.complexes("array.response")?;
+                self.array = self.array.clone().with_response(Some(response))?;
+            }
+            Ok(Own::Mask) => self.array = self.array.clone().with_mask(Some(given.flags("array.mask")?))?,
+            Ok(Own::Quantization) => {
+                let board = given.text("array.quantization")?;
+                let none = word("quantization", &Value::Text(board.into()), &[("none", ())]).is_ok();
+                let quantization = if none { None } else { Some(Board::new(board, 1)?.quantization()?) };
+                self.array = self.array.clone().with_quantization(quantization);
+            }
+            Err(_) => self.choose(name, given)?,
+        }
+        Ok(())
+    }
+
+    fn radiate(&mut self, transducer: Transducer) -> Result<(), Error> {
+        self.array = self.array.clone().with_transducer(transducer)?;
+        Ok(())
+    }
+
+    fn direct(&mut self, name: &str, parameter: Option<f64>) -> Result<(), Error> {
+        self.radiate(Transducer { directivity: Directivity::named(name, parameter)?, ..self.array.transducer() })
+    }
+
+    /// Sets an option of the method.
+    fn choose(&mut self, name: &str, given: Given<'_>) -> Result<(), Error> {
+        let value = given.value(name)?;
+        let one = Choice::new(self.choice.name.clone(), [(name.into(), value)].into())?;
+        self.choice.options.extend(find(&one.name)?.spelled(&one.options)?);
+        self.choice.balance = one.balance.or(self.choice.balance);
+        self.choice.aim = one.aim.or(self.choice.aim);
+        Ok(())
+    }
+}
+
+/// An option that no method has, with the names known here beside the method's.
+fn with_own_names(error: Error) -> Error {
+    let Error::Unknown { kind, name, mut hint, mut known } = error else { return error };
+    let names = OWN.iter().map(|(name, _)| *name).chain(["balance", "aim"]);
+    if let Error::Unknown { hint: own, known: names, .. } = Error::unknown("", &*name, names) {
+        hint = if hint.is_empty() { own } else { hint };
+        known = format!("{known}, {names}");
+    }
+    Error::Unknown { kind, name, hint, known }
+}
+
+/// Whether a number is whole, and no larger than those that f64 has every one of.
+fn whole(number: f64) -> Option<i64> {
+    (number.fract() == 0.0 && number.abs() <= 9_007_199_254_740_992.0).then_some(number as i64)
+}
+
+impl Given<'_> {
+    /// As an option of a method's.
+    fn value(self, item: &str) -> Result<Value, Error> {
+        Ok(match self {
+            Self::Text("true") => Value::Bool(true),
+            Self::Text("false") => Value::Bool(false),
+            Self::Text(text) => Value::Text(text.into()),
+            Self::Number(number) => whole(number).map_or(Value::Real(number), |whole| Value::Integer(whole.into())),
+            Self::Numbers(list) => Value::Integers(entries(item, list, "give whole numbers", whole)?),
+        })
+    }
+
+    fn number(self, item: &str) -> Result<f64, Error> {
+        f64::read(item, &self.value(item)?)
+    }
+
+    fn text(&self, item: &str) -> Result<&str, Error> {
+        match self {
+            Self::Text(text) => Ok(text),
+            _ => Err(Error::invalid(item, "no text", "set it with midair_session_set_text")),
+        }
+    }
+
+    fn numbers(&self, item: &str) -> Result<&[f64], Error> {
+        match self {
+            Self::Numbers(list) => Ok(list),
+            _ => Err(Error::invalid(item, "no list", "set it with midair_session_set_numbers")),
+        }
+    }
+
+    fn flags(&self, item: &str) -> Result<Vec<bool>, Error> {
+        let flag = |number| (number == 0.0 || number == 1.0).then_some(number == 1.0);
+        entries(item, self.numbers(item)?, "give 0 for off or 1 for on", flag)
+    }
+
+    fn complexes(&self, item: &str) -> Result<Vec<Complex64>, Error> {
+        let (pairs, rest) = self.numbers(item)?.as_chunks();
+        if !rest.is_empty() {
+            let count = 2 * pairs.len() + 1;
+            return Err(Error::invalid(item, format!("{count} numbers"), "give re and im of each transducer"));
+        }
+        Ok(pairs.iter().map(|&[re, im]| Complex64::new(re, im)).collect())
+    }
+}
+
+/// Each number as what it stands for.
+fn entries<T>(item: &str, list: &[f64], cure: &str, read: impl Fn(f64) -> Option<T>) -> Result<Vec<T>, Error> {
+    let entry = |(i, &number)| read(number).ok_or_else(|| Error::invalid(format!("{item}[{i}]"), number, cure));
+    list.iter().enumerate().map(entry).collect()
+}

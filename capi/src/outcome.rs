@@ -1,0 +1,109 @@
+//! Outcome of a call: a result code, a line in the caller's buffer, and no panic that crosses into C.
+
+use std::any::Any;
+use std::ffi::c_char;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use midair::Error;
+
+/// What became of a call. Everything but MIDAIR_RESULT_OK left the caller's buffers as they were, but the message.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// Done. The message is empty, or remarks that the caller should hear, a line each.
+    Ok = 0,
+    /// An argument cannot be meant. The message names it, its value and the cure.
+    Invalid = 1,
+    /// More memory than allowed, or than there is.
+    Memory = 2,
+    /// A fault of the library's own, to be reported.
+    Fault = 3,
+}
+
+/// The caller's buffer for a line of text.
+#[derive(Clone, Copy)]
+pub(crate) struct Message {
+    pub(crate) text: *mut c_char,
+    pub(crate) size: usize,
+}
+
+impl Message {
+    /// Whether there is room for a text.
+    pub(crate) fn is_wanted(self) -> bool {
+        !self.text.is_null() && self.size > 0
+    }
+
+    /// Writes a text and the NUL that ends it, cut after a whole character where the buffer is too short.
+    fn write(self, text: &str) {
+        if !self.is_wanted() {
+            return;
+        }
+        let most = text.len().min(self.size - 1);
+        let end = (0..=most).rev().find(|&end| text.is_char_boundary(end)).unwrap_or(0);
+        let kept = &text[..end];
+        // SAFETY: the buffer is not NULL and, by the caller's word, `size` bytes long; `kept` is at most one less, and
+        // text of ours does not lie in a buffer of the caller's.
+        unsafe {
+            self.text.cast::<u8>().copy_from_nonoverlapping(kept.as_ptr(), kept.len());
+            self.text.add(kept.len()).write(0);
+        }
+    }
+}
+
+/// Does the work of a function: what it says goes to the message, an error or a panic as well.
+pub(crate) fn outcome<T: AsRef<str>>(message: Message, work: impl FnOnce() -> Result<T, Error>) -> Outcome {
+    // A call that panicked has left nothing behind that the next one reads.
+    match catch_unwind(AssertUnwindSafe(work)) {
+        Ok(Ok(said)) => {
+            message.write(said.as_ref());
+            Outcome::Ok
+        }
+        Ok(Err(error)) => {
+            message.write(&error.to_string());
+            if matches!(error, Error::Memory { .. }) { Outcome::Memory } else { Outcome::Invalid }
+        }
+        Err(panic) => {
+            message.write(&format!("a fault of midair's own, please report it: {}", words(&*panic)));
+            Outcome::Fault
+        }
+    }
+}
+
+/// What a panic says.
+fn words(panic: &(dyn Any + Send)) -> &str {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no words")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The outcome and the text of a buffer of `size` bytes.
+    fn told(size: usize, work: impl FnOnce() -> Result<&'static str, Error>) -> (Outcome, String) {
+        let mut buffer = vec![b'?'; size];
+        let outcome = outcome(Message { text: buffer.as_mut_ptr().cast(), size }, work);
+        let end = buffer.iter().position(|&byte| byte == 0).expect("a NUL");
+        (outcome, String::from_utf8(buffer[..end].to_vec()).expect("whole characters"))
+    }
+
+    #[test]
+    fn a_panic_is_an_outcome() {
+        let text = "a fault of midair's own, please report it: two is 3".to_string();
+        let number = 3;
+        assert_eq!(told(80, || panic!("two is {number}")), (Outcome::Fault, text.clone()));
+        assert_eq!(told(80, || panic!("two is 3")), (Outcome::Fault, text));
+    }
+
+    #[test]
+    fn a_message_is_cut_after_a_whole_character() {
+        let refused = || Err(Error::invalid("ä", "ö", "ü"));
+        assert_eq!(told(80, refused), (Outcome::Invalid, "ä is ö: ü".to_string()));
+        for (size, kept) in [(13, "ä is ö: ü"), (12, "ä is ö: "), (9, "ä is ö"), (8, "ä is "), (2, ""), (1, "")]
+        {
+            assert_eq!(told(size, refused).1, kept, "{size} bytes");
+        }
+        let nowhere = Message { text: std::ptr::null_mut(), size: 80 };
+        assert_eq!(outcome(nowhere, || Ok("")), Outcome::Ok);
+    }
+}

@@ -1,0 +1,373 @@
+//! Sessions: one array and one method, many requests, all memory kept between them.
+
+use std::ffi::c_char;
+use std::sync::{Mutex, MutexGuard, TryLockError};
+
+use midair::{Ask, Control, Error, Model, Problem, Request};
+
+use crate::array::Array;
+use crate::memory::{Complex, drive as read_drive, give, handle, list, list_or_none, room, text, vectors, write};
+use crate::option::{Given, Setting};
+use crate::outcome::{Message, Outcome, outcome};
+
+/// An array, a method with its options, and the memory of their solves. One thread at a time may use a session;
+/// different sessions may be used by different threads at the same time.
+pub struct Session(Mutex<State>);
+
+/// What a call changes.
+struct State {
+    setting: Setting,
+    /// What was said of the setting.
+    doubts: Vec<String>,
+    model: Model,
+    session: midair::Session,
+    ask: Ask,
+}
+
+/// How a solve ended.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub enum Status {
+    /// The method ran to its end.
+    Done = 0,
+    /// The method's steps ran out before its tolerance was met.
+    OutOfSteps = 1,
+    /// It was stopped; the answer is the best so far.
+    Stopped = 2,
+}
+
+/// How good a drive is, over the points with a pressure and a weight above 0, x = |p| / pressure asked for.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Metrics {
+    /// Sum of |p| over the sum of the pressures asked for.
+    pub accuracy: f64,
+    /// Standard deviation of x / max x.
+    pub sigma: f64,
+    /// min x / max x.
+    pub uniformity: f64,
+    /// Mean x.
+    pub level: f64,
+    /// Sum of the squared misses, weighted, relative to silence.
+    pub residual: f64,
+    /// Largest |p| at a point of pressure 0 over the largest pressure asked for.
+    pub leak: f64,
+}
+
+/// What a solve tells beside the drive.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Answer {
+    /// How it ended.
+    pub status: Status,
+    /// Steps taken.
+    pub steps: usize,
+    /// What supply or modulation have to multiply the drive by; 1 unless the board has no such amplitude.
+    pub scale: f64,
+    /// How good it is, the scale counted in.
+    pub metrics: Metrics,
+}
+
+impl From<midair::Metrics> for Metrics {
+    fn from(metrics: midair::Metrics) -> Self {
+        let midair::Metrics { accuracy, sigma, uniformity, level, residual, leak } = metrics;
+        Self { accuracy, sigma, uniformity, level, residual, leak }
+    }
+}
+
+impl From<&midair::Solution> for Answer {
+    fn from(solution: &midair::Solution) -> Self {
+        let status = match solution.status {
+            midair::Status::Done => Status::Done,
+            midair::Status::OutOfSteps => Status::OutOfSteps,
+            _ => Status::Stopped,
+        };
+        Self { status, steps: solution.steps, scale: solution.scale, metrics: solution.metrics().into() }
+    }
+}
+
+impl State {
+    /// That of a setting; its doubts that are not among those told before are to be heard.
+    fn open(setting: Setting, told: &[String]) -> Result<(Self, String), Error> {
+        let (model, session) = setting.open()?;
+        let doubts = setting.doubts();
+        let news: Vec<&str> = doubts.iter().filter(|doubt| !told.contains(doubt)).map(String::as_str).collect();
+        let news = news.join("\n");
+        let ask = Ask { aim: setting.aim(), ..Ask::default() };
+        Ok((Self { setting, doubts, model, session, ask }, news))
+    }
+
+    /// What the caller should hear beside the last answer, each kind once in a session.
+    fn remarks(&mut self) -> String {
+        let doubts = self.session.doubts(&self.ask);
+        let doubts = doubts.iter().map(ToString::to_string);
+        let lines: Vec<String> = doubts.chain(self.session.remarks().map(|remark| remark.to_string())).collect();
+        lines.join("\n")
+    }
+}
+
+impl Session {
+    /// That behind a handle.
+    ///
+    /// # Safety
+    /// The handle is NULL or one that was not freed yet.
+    unsafe fn behind<'a>(session: *mut Self) -> Result<&'a Self, Error> {
+        // SAFETY: as the caller's; what changes is behind the lock.
+        handle("session", unsafe { session.as_ref() })
+    }
+
+    fn state(&self) -> Result<MutexGuard<'_, State>, Error> {
+        match self.0.try_lock() {
+            Ok(state) => Ok(state),
+            // A call that panicked has left nothing behind that the next one reads.
+            Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => {
+                Err(Error::invalid("session", "at work in another thread", "give each thread a session of its own"))
+            }
+        }
+    }
+
+    /// Sets an option: the session begins anew.
+    fn set(&self, name: &str, given: Given<'_>) -> Result<String, Error> {
+        let mut state = self.state()?;
+        let mut setting = state.setting.clone();
+        setting.set(name, given)?;
+        let (next, news) = State::open(setting, &state.doubts)?;
+        *state = next;
+        Ok(news)
+    }
+}
+
+/// Copies numbers into a list that is kept.
+fn keep(list: &mut Option<Vec<f64>>, given: Option<&[f64]>) {
+    let Some(given) = given else {
+        *list = None;
+        return;
+    };
+    let kept = list.get_or_insert_default();
+    kept.clear();
+    kept.extend_from_slice(given);
+}
+
+/// Makes a session of an array and a method, such as "uniform" or "fast", in air of 340 m/s at 40 kHz. The session keeps
+/// what it needs of the array, which may be freed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_session_new(
+    array: Option<&Array>,
+    method: *const c_char,
+    session: *mut *mut Session,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    outcome(Message { text: message, size: message_size }, || {
+        let mut news = String::new();
+        // SAFETY: the caller's word for method and session.
+        unsafe {
+            let made = handle("array", array).and_then(|array| {
+                let setting = Setting::new(array.0.clone(), text("method", method)?)?;
+                let (state, said) = State::open(setting, &[])?;
+                news = said;
+                Ok(Session(Mutex::new(state)))
+            });
+            give("session", session, made)
+        }?;
+        Ok(news)
+    })
+}
+
+/// Sets an option to a number: of the medium ("frequency", "sound_speed", "temperature", "absorption", "density"), of the
+/// transducers ("source_pressure", "directivity.piston", "directivity.sinc", "directivity.cos"), or of the method. A session
+/// whose options are set begins anew.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_session_set_number(
+    session: *mut Session,
+    name: *const c_char,
+    value: f64,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    outcome(Message { text: message, size: message_size }, || {
+        // SAFETY: the caller's word for session and name.
+        let (session, name) = unsafe { (Session::behind(session)?, text("name", name)?) };
+        session.set(name, Given::Number(value))
+    })
+}
+
+/// Sets an option to a text: "directivity" ("point", "t4010a1", ...), "quantization" (a board's name, or "none" for any
+/// drive), "balance" ("true" or "false"), "aim" ("target" or "max"), or one of the method.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_session_set_text(
+    session: *mut Session,
+    name: *const c_char,
+    value: *const c_char,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    outcome(Message { text: message, size: message_size }, || {
+        // SAFETY: the caller's word for session, name and value.
+        let (session, name, value) = unsafe { (Session::behind(session)?, text("name", name)?, text("value", value)?) };
+        session.set(name, Given::Text(value))
+    })
+}
+
+/// Sets an option to a list: "mask" (N, 1 for on and 0 for off), "response" (N, 2; real and imaginary part), or one of the
+/// method.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_session_set_numbers(
+    session: *mut Session,
+    name: *const c_char,
+    values: *const f64,
+    count: usize,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    outcome(Message { text: message, size: message_size }, || {
+        // SAFETY: the caller's word for session, name and values.
+        let (session, name) = unsafe { (Session::behind(session)?, text("name", name)?) };
+        // SAFETY: likewise.
+        session.set(name, Given::Numbers(unsafe { list("values", values, count) }?))
+    })
+}
+
+/// Finds a drive for points (count, 3) in m and writes it to drive (transducers,), transducers being N. pressures (count,)
+/// are peak |p| in Pa; with NULL all are the level that the array reaches at all points at once. weights (count,) may be
+/// NULL, for 1 everywhere, and answer, too. Warnings in the message come once a session for each kind; without a message
+/// they are not looked for.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_session_solve(
+    session: *mut Session,
+    points: *const f64,
+    pressures: *const f64,
+    weights: *const f64,
+    count: usize,
+    drive: *mut Complex,
+    transducers: usize,
+    answer: *mut Answer,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    let message = Message { text: message, size: message_size };
+    outcome(message, || {
+        // SAFETY: the caller's word.
+        let mut state = unsafe { Session::behind(session) }?.state()?;
+        let State { session, ask, .. } = &mut *state;
+        room("drive", drive, transducers, session.transducers())?;
+        if !answer.is_null() {
+            room("answer", answer, 1, 1)?;
+        }
+        // SAFETY: the caller's word for the lists.
+        unsafe {
+            ask.points.clear();
+            ask.points.extend_from_slice(vectors("points", points, count)?);
+            keep(&mut ask.request.pressures, list_or_none("pressures", pressures, count)?);
+            keep(&mut ask.request.weights, list_or_none("weights", weights, count)?);
+        }
+        let solution = session.solve(ask, &mut Control::none())?;
+        // SAFETY: there is room, by the caller's word; both complex types are two f32 in a row.
+        unsafe {
+            write(drive.cast(), &solution.drive);
+            if !answer.is_null() {
+                answer.write(solution.into());
+            }
+        }
+        Ok(if message.is_wanted() { state.remarks() } else { String::new() })
+    })
+}
+
+/// Judges a drive (transducers,) at points (count, 3) in m, in double precision; pressures and weights (count,) as in
+/// midair_session_solve().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_session_judge(
+    session: *mut Session,
+    drive: *const Complex,
+    transducers: usize,
+    points: *const f64,
+    pressures: *const f64,
+    weights: *const f64,
+    count: usize,
+    metrics: *mut Metrics,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    outcome(Message { text: message, size: message_size }, || {
+        // SAFETY: the caller's word.
+        let state = unsafe { Session::behind(session) }?.state()?;
+        room("metrics", metrics, 1, 1)?;
+        // SAFETY: the caller's word for the lists.
+        let (drive, points, pressures, weights) = unsafe {
+            (
+                read_drive(drive, transducers)?,
+                vectors("points", points, count)?,
+                list_or_none("pressures", pressures, count)?,
+                list_or_none("weights", weights, count)?,
+            )
+        };
+        let list = |given: Option<&[f64]>| given.map(<[_]>::to_vec);
+        let request = Request { pressures: list(pressures), phases: None, weights: list(weights) };
+        let control = &mut Control::none();
+        let judged = Problem::of_model(&state.model, points, &request, control)?.judge(drive, control)?;
+        // SAFETY: there is room, by the caller's word.
+        unsafe { metrics.write(judged.into()) };
+        Ok("")
+    })
+}
+
+/// Writes the complex pressures (count,) in Pa (peak) of a drive (transducers,) at any points (count, 3) in m.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_session_field(
+    session: *mut Session,
+    drive: *const Complex,
+    transducers: usize,
+    points: *const f64,
+    count: usize,
+    pressures: *mut Complex,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    outcome(Message { text: message, size: message_size }, || {
+        // SAFETY: the caller's word.
+        let state = unsafe { Session::behind(session) }?.state()?;
+        // SAFETY: the caller's word for the lists.
+        let (drive, points) = unsafe { (read_drive(drive, transducers)?, vectors("points", points, count)?) };
+        room("pressures", pressures, count, points.len())?;
+        let field = midair::field(&state.model, drive, points, &mut Control::none())?;
+        // SAFETY: there is room, by the caller's word; both complex types are two f32 in a row.
+        unsafe { write(pressures.cast(), &field) };
+        Ok("")
+    })
+}
+
+/// Frees a session. NULL is nothing to free.
+#[unsafe(no_mangle)]
+pub extern "C" fn midair_session_free(session: Option<Box<Session>>) {
+    drop(session);
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ptr::null_mut;
+
+    use super::*;
+
+    #[test]
+    fn a_session_at_work_elsewhere_is_refused() {
+        let array = midair::Array::grid(4, 4, 0.01).expect("a grid");
+        let (state, _) = State::open(Setting::new(array, "fast").expect("a setting"), &[]).expect("a state");
+        let mut session = Session(Mutex::new(state));
+        let session = &raw mut session;
+        let (mut drive, mut text) = ([Complex { re: 0.0, im: 0.0 }; 16], [0; 100]);
+        let (drive, said, point) = (drive.as_mut_ptr(), text.as_mut_ptr(), [0.0, 0.0, 0.1]);
+        let (points, none) = (point.as_ptr(), std::ptr::null());
+        // SAFETY: a session, a point, room for 16 drives and 100 characters.
+        let solve =
+            || unsafe { midair_session_solve(session, points, none, none, 1, drive, 16, null_mut(), said, 100) };
+        // SAFETY: as above.
+        let held = unsafe { Session::behind(session) }.and_then(Session::state).expect("a session at rest");
+        assert_eq!(solve(), Outcome::Invalid);
+        drop(held);
+        // SAFETY: ended by NUL.
+        let said = unsafe { std::ffi::CStr::from_ptr(said) }.to_str();
+        assert_eq!(said, Ok("session is at work in another thread: give each thread a session of its own"));
+        assert_eq!(solve(), Outcome::Ok);
+    }
+}

@@ -1,0 +1,22 @@
+//! Version of the library and number of its binary interface.
+
+use std::ffi::{CStr, c_char};
+
+use crate::abi::MIDAIR_ABI;
+
+const VERSION: &CStr = match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes()) {
+    Ok(version) => version,
+    Err(_) => panic!("a version without NUL"),
+};
+
+/// Version of the library, such as "0.1.0". The text lives as long as the library is loaded.
+#[unsafe(no_mangle)]
+pub extern "C" fn midair_version() -> *const c_char {
+    VERSION.as_ptr()
+}
+
+/// Number of the library's binary interface, to be compared with MIDAIR_ABI.
+#[unsafe(no_mangle)]
+pub extern "C" fn midair_abi() -> u32 {
+    MIDAIR_ABI
+}

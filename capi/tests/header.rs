@@ -1,0 +1,19 @@
+//! The header is what cbindgen makes of the crate: `make header` writes it anew.
+
+use std::fs;
+use std::path::Path;
+
+#[test]
+fn the_header_is_that_of_the_crate() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let config = cbindgen::Config::from_file(root.join("cbindgen.toml")).expect("a configuration");
+    let mut made = Vec::new();
+    cbindgen::generate_with_config(root, config).expect("a header").write(&mut made);
+    let path = root.join("include/midair.h");
+    if std::env::var("MIDAIR_HEADER").is_ok_and(|what| what == "write") {
+        fs::write(&path, made).expect("written");
+    } else {
+        let kept = fs::read(&path).expect("a header");
+        assert!(kept == made, "capi/include/midair.h is not what capi/src says: run `make header`");
+    }
+}

@@ -1,0 +1,118 @@
+/* Many calls, granted and refused, in one process: many_calls MODE CALLS.
+ *
+ * solves: solves of one session. all: in every call a new array, session and board as well, 1 to 4 points in turns, and what
+ * each function refuses. Ends with failure if memory in use has grown since a tenth of the calls; glibc counts what a
+ * thread keeps for its next calls as in use, unless GLIBC_TUNABLES=glibc.malloc.tcache_count=0.
+ */
+#include <malloc.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <midair.h>
+
+#define N 64
+
+static char message[1024];
+
+static void expect(midair_result result, midair_result wanted)
+{
+    if (result != wanted || (message[0] == '\0') != (wanted == MIDAIR_RESULT_OK)) {
+        fprintf(stderr, "%d instead of %d: %s\n", (int)result, (int)wanted, message);
+        exit(EXIT_FAILURE);
+    }
+}
+
+static void granted(midair_result result) { expect(result, MIDAIR_RESULT_OK); }
+
+static void refused(midair_result result) { expect(result, MIDAIR_RESULT_INVALID); }
+
+static size_t in_use(void)
+{
+    struct mallinfo2 info = mallinfo2();
+    return info.uordblks + info.hblkhd;
+}
+
+static void open_session(midair_array **array, midair_session **session)
+{
+    granted(midair_array_grid(8, 8, 0.0105, array, message, sizeof message));
+    granted(midair_session_new(*array, "fast", session, message, sizeof message));
+}
+
+static void solve(midair_session *session, size_t call, size_t count)
+{
+    double points[12];
+    midair_complex drive[N];
+    midair_answer answer;
+    size_t j;
+    for (j = 0; j < count; j++) {
+        points[3 * j] = 0.02 * cos(0.01 * (double)call + (double)j);
+        points[3 * j + 1] = 0.02 * sin(0.01 * (double)call + (double)j);
+        points[3 * j + 2] = 0.12;
+    }
+    granted(midair_session_solve(session, points, NULL, NULL, count, drive, N, &answer, message, sizeof message));
+}
+
+static void all(size_t call)
+{
+    const double point[3] = {0.0, 0.0, 0.12}, nowhere[3] = {0.0, NAN, 0.12}, ones[N] = {1.0};
+    double positions[3 * N];
+    midair_array *array, *other, *none;
+    midair_session *session, *lost;
+    midair_board *board;
+    midair_metrics metrics;
+    midair_complex drive[N], pressure;
+    unsigned char bytes[4096];
+    open_session(&array, &session);
+    solve(session, call, 1 + call % 4);
+    granted(midair_array_positions(array, positions, NULL, N, message, sizeof message));
+    granted(midair_array_new(positions, NULL, N, &other, message, sizeof message));
+    granted(midair_session_set_numbers(session, "mask", ones, N, message, sizeof message));
+    granted(midair_session_set_text(session, "balance", "true", message, sizeof message));
+    granted(midair_session_set_number(session, "seed", (double)call, message, sizeof message));
+    granted(midair_session_solve(session, point, NULL, NULL, 1, drive, N, NULL, message, sizeof message));
+    granted(midair_session_judge(session, drive, N, point, NULL, NULL, 1, &metrics, message, sizeof message));
+    granted(midair_session_field(session, drive, N, point, 1, &pressure, message, sizeof message));
+    granted(midair_board_new("mega64", N, &board, message, sizeof message));
+    granted(midair_board_encode(board, drive, N, bytes, midair_board_frame_size(board), message, sizeof message));
+    granted(midair_board_silence(board, bytes, midair_board_silence_size(board), message, sizeof message));
+    refused(midair_array_preset("autd4", 1, 1, &none, message, sizeof message));
+    refused(midair_session_new(other, "fsat", &lost, message, sizeof message));
+    refused(midair_session_set_number(session, "block", -1.0, message, sizeof message));
+    refused(midair_session_set_text(session, "balance", "maybe", message, sizeof message));
+    refused(midair_session_set_numbers(session, "response", ones, 3, message, sizeof message));
+    refused(midair_session_solve(session, nowhere, NULL, NULL, 1, drive, N, NULL, message, sizeof message));
+    refused(midair_session_judge(session, drive, 3, point, NULL, NULL, 1, &metrics, message, sizeof message));
+    refused(midair_session_field(session, drive, N, NULL, 1, &pressure, message, sizeof message));
+    refused(midair_board_encode(board, drive, N, bytes, 3, message, sizeof message));
+    midair_board_free(board);
+    midair_session_free(session);
+    midair_array_free(other);
+    midair_array_free(array);
+}
+
+int main(int count, char **arguments)
+{
+    size_t calls = count == 3 ? strtoul(arguments[2], NULL, 10) : 0, call, before = 0;
+    midair_array *array;
+    midair_session *session;
+    open_session(&array, &session);
+    for (call = 0; call < calls; call++) {
+        if (call == calls / 10) {
+            before = in_use();
+        }
+        if (strcmp(arguments[1], "all") == 0) {
+            all(call);
+        } else {
+            solve(session, call, 4);
+        }
+    }
+    if (calls == 0 || in_use() != before) {
+        fprintf(stderr, "%zu calls: %zu bytes in use, %zu after a tenth of them\n", calls, in_use(), before);
+        return EXIT_FAILURE;
+    }
+    midair_session_free(session);
+    midair_array_free(array);
+    return EXIT_SUCCESS;
+}
