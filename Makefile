@@ -19,7 +19,7 @@ TRIALS := 1000
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook setup demo capi install test test-rust test-python test-capi test-portable test-boards lint fuzz sanitize bench bench-capi bench-peers figures motion exposure measuring obstacles paper golden map header stubs pins clean
+.PHONY: help outlook setup demo capi install test test-rust test-python test-capi test-portable test-boards lint fuzz sanitize bench bench-capi bench-peers figures motion exposure measuring obstacles paper golden map header stubs pins wheels clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -65,6 +65,7 @@ test-rust: ## The core: tests, doctests, each feature set, no_std, a solver adde
 	$(call step,core: feature parallel (5 s),$(CARGO) check -p midair --no-default-features --features parallel)
 	$(call step,core: a program without std (30 s),$(CARGO) run --release --manifest-path core/tests/no_std/Cargo.toml)
 	$(call step,core: the steps of docs/extending.md on a copy (1 min),core/tests/extending.sh)
+	$(call step,all crates: the oldest Rust (1 min),core/tests/minimum.sh)
 
 test-python: setup ## The package: tests, stubs, types
 	$(call step,package: tests (6 min),$(PYTHON) -m pytest)
@@ -140,6 +141,10 @@ motion: setup ## Print the table of docs/motion.md and draw docs/motion.png
 exposure: setup ## Print the tables of docs/exposure.md and draw docs/tolerance.png and docs/streaming.png
 	OPENBLAS_NUM_THREADS=1 $(PYTHON) bench/exposure.py
 
+obstacles: setup ## Foci beside walls and bodies, and the pictures of docs/obstacles.md (1 min)
+	$(PYTHON) bench/obstacles.py
+	$(PYTHON) bench/bodies.py
+
 measuring: setup ## Print the tables of docs/measuring.md and draw docs/measuring.png
 	OPENBLAS_NUM_THREADS=1 $(PYTHON) bench/measuring.py
 
@@ -162,6 +167,9 @@ golden: ## Write golden/ anew (a breaking change: say so in CHANGELOG.md)
 pins: ## Pin what pyproject.toml asks for, names and versions only
 	$(BIN)/uv pip compile --quiet --universal --no-header --no-annotate --group dev --no-emit-index-url --output-file constraints.txt pyproject.toml
 	echo "uv==$$($(BIN)/uv --version | cut -d' ' -f2)" >> constraints.txt
+
+wheels: setup ## Wheels for Linux, x86-64 and 64-bit ARM, into dist (10 min)
+	python/wheels.sh
 
 clean: ## Remove what was built
 	$(CARGO) clean

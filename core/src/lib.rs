@@ -83,10 +83,10 @@ pub use error::Error;
 pub use kernels::InstructionSet;
 pub use num_complex::{Complex32, Complex64};
 pub use problem::{Beyond, Metrics, Problem, Reach, Setup, Solution, Status, bound};
-pub use propagation::{Gorkov, Model, Particle, Propagation, field, gorkov};
+pub use propagation::{Boundary, Gorkov, Model, Particle, Propagation, field, gorkov};
 pub use rng::Rng;
 pub use scene::{
-    Aim, Array, Axis, Choice, Directivity, Doubt, Medium, Obstacle, OptionValue, Options, Origin, Plane, Request,
+    Aim, Array, Axis, Choice, Directivity, Doubt, Medium, Mesh, Obstacle, OptionValue, Options, Origin, Plane, Request,
     Scene, Signature, Start, Surface, Transducer, Value, presets, spell, word,
 };
 pub use session::{Ask, Batch, Frames, Session};

@@ -6,7 +6,7 @@ from typing import Literal, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._midair import Solution, Wall, _Directivity, _Quantization
+from ._midair import Mesh, Solution, Sphere, Wall, _Directivity, _Quantization
 
 class Board(TypedDict, total=False):
     quantization: _Quantization | None
@@ -31,7 +31,7 @@ class Setting(Board, total=False):
     source_pressure: float | None
     directivity: _Directivity | None
     signature: str | ArrayLike | None
-    obstacles: Iterable[Wall] | None
+    obstacles: Iterable[Wall | Sphere | Mesh] | None
 
 class Solver(Setting, total=False):
     points: int | None

@@ -19,9 +19,11 @@ __all__ = [
     "Array",
     "Batch",
     "BatchMetrics",
+    "Boundary",
     "Codec",
     "Field",
     "Gorkov",
+    "Mesh",
     "Metrics",
     "OptionInfo",
     "Plane",
@@ -34,6 +36,7 @@ __all__ = [
     "Solution",
     "Solver",
     "SolverInfo",
+    "Sphere",
     "Wall",
     "bound",
     "field",
@@ -149,7 +152,7 @@ class Scene:
         source_pressure: float | None = None,
         directivity: _Directivity | None = None,
         signature: str | ArrayLike | None = None,
-        obstacles: Iterable[Wall] | None = None,
+        obstacles: Iterable[Wall | Sphere | Mesh] | None = None,
     ) -> Scene: ...
     @staticmethod
     def load(path: str | PathLike[str]) -> Scene: ...
@@ -174,7 +177,7 @@ class Scene:
         source_pressure: float | None = None,
         directivity: _Directivity | None = None,
         signature: str | ArrayLike | None = ...,
-        obstacles: Iterable[Wall] | None = ...,
+        obstacles: Iterable[Wall | Sphere | Mesh] | None = ...,
         plane: Plane | None = ...,
     ) -> Scene: ...
     def propagation(self) -> NDArray[np.complex64]: ...
@@ -204,7 +207,7 @@ class Scene:
     @property
     def signature(self) -> str | NDArray[np.complex128] | None: ...
     @property
-    def obstacles(self) -> list[Wall]: ...
+    def obstacles(self) -> list[Wall | Sphere | Mesh]: ...
     @property
     def plane(self) -> Plane | None: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -224,6 +227,52 @@ class Wall:
     def kind(self) -> Literal["rigid", "soft"]: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
+
+@final
+class Sphere:
+    def __new__(
+        cls, center: ArrayLike, radius: float, kind: Literal["rigid", "soft"] = "rigid"
+    ) -> Sphere: ...
+    @property
+    def center(self) -> tuple[float, float, float]: ...
+    @property
+    def radius(self) -> float: ...
+    @property
+    def kind(self) -> Literal["rigid", "soft"]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+
+@final
+class Mesh:
+    def __new__(
+        cls, vertices: ArrayLike, faces: ArrayLike, kind: Literal["rigid", "soft"] = "rigid"
+    ) -> Mesh: ...
+    @staticmethod
+    def from_file(
+        path: str | PathLike[str],
+        *,
+        scale: float | None = None,
+        offset: ArrayLike | None = None,
+        kind: Literal["rigid", "soft"] = "rigid",
+    ) -> Mesh: ...
+    @property
+    def vertices(self) -> NDArray[np.float64]: ...
+    @property
+    def faces(self) -> NDArray[np.uint32]: ...
+    @property
+    def kind(self) -> Literal["rigid", "soft"]: ...
+    @property
+    def volume(self) -> float: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+
+@final
+class Boundary:
+    @property
+    def shape(self) -> tuple[int, int]: ...
+    def content(self) -> bytes: ...
+    def matrix(self, progress: Callable[[int, int, float], object] | None) -> NDArray[np.complex64]: ...
+    def incident(self) -> NDArray[np.complex64]: ...
 
 @final
 class Gorkov:

@@ -1,4 +1,4 @@
-"""Tables [shape] and [image] of a scene file as points, for the core, which knows no fonts and pictures."""
+"""Tables of a scene file that the core cannot draw: [shape] and [image], and obstacles in files."""
 
 from __future__ import annotations
 
@@ -7,6 +7,9 @@ from collections.abc import Callable
 from inspect import Parameter, signature
 from pathlib import Path
 from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ._midair import SceneError
 from .picture import image
@@ -22,6 +25,7 @@ SHAPES: dict[str, Callable[..., Points]] = {
     "svg": svg,
 }
 
+Faces: TypeAlias = NDArray[np.int64]
 Drawn: TypeAlias = tuple[Points, Any, Any]
 
 
@@ -39,6 +43,16 @@ def points(table: str, keys: str, folder: Path | None) -> Drawn:
         raise refused("kind", kind, f"give one of {', '.join(SHAPES)}")
     pressure = number("pressure", given.pop("pressure"), least=0) if "pressure" in given else None
     return called(SHAPES[kind], kind, given, folder), pressure, weight
+
+
+def mesh(keys: str, folder: Path | None) -> tuple[Points, Faces]:
+    """Vertices (V, 3) and faces (F, 3) of an obstacle's file; keys is TOML."""
+    from .meshes.model import read
+
+    given = tomllib.loads(keys)
+    given.pop("kind", None)
+    found: tuple[Points, Faces] = called(read, "an obstacle's file", given, folder)
+    return found
 
 
 def called(draw: Callable[..., Any], kind: str, given: dict[str, Any], folder: Path | None) -> Any:

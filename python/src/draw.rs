@@ -1,12 +1,13 @@
-//! Tables of a scene file that Python draws as points: `[shape]` and `[image]`, by `midair.drawing`.
+//! Tables of a scene file that Python draws: `[shape]` and `[image]` as points, an obstacle's file as a mesh, by `midair.drawing`.
 
 use std::path::Path;
 
 use midair::Request;
-use midair::files::{self, Format, Source};
+use midair::files::{self, Drawing, Format, Source};
 use pyo3::prelude::*;
 
 use crate::error::{SceneError, refused};
+use crate::mesh::indices;
 use crate::read;
 
 type Argument<'py> = Option<Bound<'py, PyAny>>;
@@ -16,7 +17,7 @@ pub(crate) fn scene(py: Python<'_>, bytes: &[u8], format: Format, source: Source
     // What is no refusal of the table, such as Ctrl-C, goes up as it is.
     let mut other = None;
     let mut draw = |name: &str, text: &str| {
-        points(py, name, text, source.folder).map_err(|error| {
+        drawing(py, name, text, source.folder).map_err(|error| {
             let told = error.value(py).to_string();
             if !error.is_instance_of::<SceneError>(py) {
                 other = Some(error);
@@ -26,6 +27,16 @@ pub(crate) fn scene(py: Python<'_>, bytes: &[u8], format: Format, source: Source
     };
     let scene = files::read_drawn(bytes, format, source, &mut draw);
     other.map_or_else(|| scene.map_err(refused), Err)
+}
+
+/// What a table stands for.
+fn drawing(py: Python<'_>, name: &str, text: &str, folder: Option<&Path>) -> PyResult<Drawing> {
+    if name != "obstacles" {
+        return points(py, name, text, folder).map(|(points, request)| Drawing::Points(points, request));
+    }
+    let read = py.import("midair.drawing")?.call_method1("mesh", (text, folder))?;
+    let (vertices, faces): (Bound<'_, PyAny>, Bound<'_, PyAny>) = read.extract()?;
+    Ok(Drawing::Mesh(read::vectors("vertices", &vertices)?, indices(&faces)?))
 }
 
 /// Points of a table, and what is asked of them.

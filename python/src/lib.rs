@@ -3,6 +3,7 @@
 mod ahead;
 mod array;
 mod batch;
+mod bodies;
 mod codec;
 mod ctrl_c;
 mod draw;
@@ -16,6 +17,7 @@ mod gorkov;
 mod instruction_set;
 mod judge;
 mod limits;
+mod mesh;
 mod metrics;
 mod names;
 mod numbers;
@@ -53,6 +55,8 @@ mod _midair {
     #[pymodule_export]
     use super::batch::{Batch, solve_batch};
     #[pymodule_export]
+    use super::bodies::{Sphere, Wall};
+    #[pymodule_export]
     use super::codec::Codec;
     #[pymodule_export]
     use super::error::{SceneError, SceneWarning};
@@ -65,11 +69,11 @@ mod _midair {
     #[pymodule_export]
     use super::judge::{bound, judge};
     #[pymodule_export]
+    use super::mesh::{Boundary, Mesh};
+    #[pymodule_export]
     use super::metrics::{BatchMetrics, Metrics};
     #[pymodule_export]
     use super::names::{preset_name, solver_name};
-    #[pymodule_export]
-    use super::obstacle::Wall;
     #[pymodule_export]
     use super::plane::Plane;
     #[pymodule_export]

@@ -2,16 +2,36 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use midair::{Doubt, Medium, Model};
+use midair::{Doubt, Medium, Model, Obstacle};
 use pyo3::prelude::*;
 
 use crate::error::refused;
 use crate::instruction_set::instruction_set;
+use crate::mesh::behind;
 
 /// An array prepared for a medium, and what is hardly meant of the two: both take O(N) and more, a scene of them O(M).
 pub(crate) struct Ready {
     pub(crate) model: Model,
     pub(crate) doubts: Vec<Doubt>,
+    /// The last obstacles, and the model behind them: what a body sends on takes long to find.
+    behind: Mutex<Option<(Vec<Obstacle>, Model)>>,
+}
+
+impl Ready {
+    /// The model behind obstacles.
+    pub(crate) fn behind(&self, py: Python<'_>, obstacles: &[Obstacle]) -> PyResult<Model> {
+        if obstacles.is_empty() {
+            return Ok(self.model.clone());
+        }
+        // Never locked while others may want the GIL.
+        let kept = || self.behind.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, model)) = kept().as_ref().filter(|(own, _)| own == obstacles) {
+            return Ok(model.clone());
+        }
+        let model = behind(py, &self.model, obstacles)?;
+        *kept() = Some((obstacles.to_vec(), model.clone()));
+        Ok(model)
+    }
 }
 
 /// The last that an array was asked for. Copies share it.
@@ -31,7 +51,7 @@ impl Kept {
             return Ok(Arc::clone(ready));
         }
         let model = Model::new(array, medium, instruction_set()?).map_err(refused)?;
-        let ready = Arc::new(Ready { model, doubts: array.doubts(medium) });
+        let ready = Arc::new(Ready { model, doubts: array.doubts(medium), behind: Mutex::default() });
         Ok(Arc::clone(kept.insert(ready)))
     }
 }

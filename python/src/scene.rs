@@ -33,7 +33,8 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// takes no part. sound_speed (m/s) or temperature (degrees C), absorption in Np/m, density in kg/m^3;
 /// source_pressure and directivity override the array's. signature turns the foci into traps: "trap", "twin", "vortex" or
 /// complex factors (N,) or (M, N) of modulus 1, which multiply the responses while it is solved; pressures are then those
-/// of the foci, and `field` and `gorkov` tell the real ones. obstacles are what the waves meet, a list of midair.Wall.
+/// of the foci, and `field` and `gorkov` tell the real ones. obstacles are what the waves meet, a list of midair.Wall,
+/// Sphere and Mesh.
 ///
 /// >>> import midair
 /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]])
@@ -73,8 +74,8 @@ impl Scene {
     /// A scene of an array that may be ready.
     pub(crate) fn with(array: &Array, inner: midair::Scene) -> PyResult<Self> {
         let ready = array.ready(inner.medium())?;
-        let model = ready.model.clone().with_signature(inner.signature().cloned());
-        let model = model.with_obstacles(inner.obstacles()).map_err(refused)?;
+        let model = Python::attach(|py| ready.behind(py, inner.obstacles()))?;
+        let model = model.with_signature(inner.signature().cloned());
         Ok(Self { ready, model, inner: Arc::new(inner) })
     }
 
@@ -268,7 +269,7 @@ impl Scene {
         shown_signature(py, self.inner.signature(), self.inner.array().len())
     }
 
-    /// What the waves meet: a list of midair.Wall.
+    /// What the waves meet: a list of midair.Wall, Sphere and Mesh.
     #[getter]
     fn obstacles<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         shown_obstacles(py, self.inner.obstacles())

@@ -232,11 +232,12 @@ impl Setting {
                 Some(none) if none.is_none() => None,
                 Some(signature) => Some(read_signature(&signature, array.inner.len())?),
             };
-            let Ready { model, doubts } = &*keywords.ready(array, medium, beside)?;
+            let ready = keywords.ready(array, medium, beside)?;
+            let Ready { model, doubts, .. } = &*ready;
             warn_all(object.py(), doubts.iter().filter(|doubt| !told.contains(doubt)))?;
             let (configured, balance) = configured(model.array().quantization())?;
             let obstacles = obstacles.map_or_else(|| Ok(behind.to_vec()), |given| read_obstacles(&given))?;
-            let model = model.clone().with_signature(signature).with_obstacles(&obstacles).map_err(refused)?;
+            let model = ready.behind(object.py(), &obstacles)?.with_signature(signature);
             (Session::new(model.clone(), configured.solver, balance), configured.info, Source::Model(model))
         };
         Ok(Self { session, choice, info, source })

@@ -1,4 +1,6 @@
-//! Tables that a door draws as points: `[shape]` and `[image]`, whose fonts, drawings and pictures the core knows nothing of.
+//! Tables that a door draws: `[shape]` and `[image]` as points, an obstacle's file as a mesh.
+//!
+//! The core knows nothing of fonts, drawings, pictures and models.
 
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -12,10 +14,20 @@ use crate::files::node::Node;
 use crate::files::schema;
 use crate::scene::Request;
 
-/// Draws a table by its name, `shape` or `image`, and its keys as TOML: points (M, 3) in m and what is asked of them.
+/// What a table is drawn as.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::exhaustive_enums, reason = "what the tables of a scene file stand for")]
+pub enum Drawing {
+    /// Of `shape` and `image`: points (M, 3) in m and what is asked of them.
+    Points(Vec<[f64; 3]>, Request),
+    /// Of `obstacles`: vertices (V, 3) in m and faces (F, 3).
+    Mesh(Vec<[f64; 3]>, Vec<[u32; 3]>),
+}
+
+/// Draws a table by its name, `shape`, `image` or `obstacles`, and its keys as TOML.
 ///
 /// A refusal is one line, `radius is -0.03: give a number above 0`; that of a key is told with its place.
-pub type Draw<'a> = dyn FnMut(&str, &str) -> Result<(Vec<[f64; 3]>, Request), String> + 'a;
+pub type Draw<'a> = dyn FnMut(&str, &str) -> Result<Drawing, String> + 'a;
 
 /// The tables, in the order in which their points follow those of the document.
 const NAMES: [&str; 2] = ["shape", "image"];
@@ -28,13 +40,14 @@ pub(super) struct Drawn {
 }
 
 /// What draws nothing.
-pub(super) fn undrawn(_name: &str, _text: &str) -> Result<(Vec<[f64; 3]>, Request), String> {
-    Err("midair's Python package draws it: load the file there and save the scene, which lists its points".into())
+pub(super) fn undrawn(_name: &str, _text: &str) -> Result<Drawing, String> {
+    Err("midair's Python package draws it: load the file there and save the scene, which lists what it stands for"
+        .into())
 }
 
-/// Each such table of a document.
+/// Each such table of a document, and its obstacles.
 pub(super) fn tables(document: &Node) -> impl Iterator<Item = &Node> {
-    NAMES.iter().filter_map(|name| document.get(name)).flat_map(|node| match node {
+    NAMES.iter().chain(&["obstacles"]).filter_map(|name| document.get(name)).flat_map(|node| match node {
         Node::List(list) => list.as_slice(),
         lone => core::slice::from_ref(lone),
     })
@@ -50,13 +63,30 @@ pub(super) fn drawn(root: &Table<'_>, draw: &mut Draw<'_>) -> Result<Vec<Drawn>,
             _ => item.each(|one| Ok(Item { path: one.path.clone(), node: one.node }), "give a table, or several")?,
         };
         for item in items {
-            item.table()?;
-            let text = toml::to_string(item.node).map_err(|_| item.refused("give numbers, words and lists of them"))?;
-            let (points, request) = draw(name, &text).map_err(|refusal| refused(&item, &refusal))?;
+            let Drawing::Points(points, request) = one(name, &item, draw)? else {
+                return Err(item.refused("it is drawn as a mesh: points are wanted"));
+            };
             found.push(Drawn { path: item.path, points, request });
         }
     }
     Ok(found)
+}
+
+/// Vertices (V, 3) in m and faces (F, 3).
+type Surface = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+
+/// The mesh of an obstacle's table.
+pub(super) fn mesh(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Surface, Fault> {
+    match one("obstacles", item, draw)? {
+        Drawing::Mesh(vertices, faces) => Ok((vertices, faces)),
+        Drawing::Points(..) => Err(item.refused("it is drawn as points: a mesh is wanted")),
+    }
+}
+
+fn one(name: &str, item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Drawing, Fault> {
+    item.table()?;
+    let text = toml::to_string(item.node).map_err(|_| item.refused("give numbers, words and lists of them"))?;
+    draw(name, &text).map_err(|refusal| refused(item, &refusal))
 }
 
 /// A refusal of a key, told as one of the document's.

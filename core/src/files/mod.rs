@@ -13,7 +13,7 @@ mod source;
 mod syntax;
 mod tables;
 
-pub use drawn::Draw;
+pub use drawn::{Draw, Drawing};
 pub use source::{Format, MOST_BYTES, Source};
 pub use tables::Provenance;
 
@@ -59,7 +59,7 @@ pub fn read_from(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Sce
     read_drawn(bytes, format, source, &mut drawn::undrawn)
 }
 
-/// The same of a document whose tables `[shape]` and `[image]` are drawn by the caller.
+/// The same of a document whose tables `[shape]` and `[image]`, and whose obstacles' files, are drawn by the caller.
 ///
 /// # Errors
 /// As [`read_from`], and what `draw` refuses.

@@ -1,20 +1,21 @@
 //! From the tables of a scene file (`[medium]`, `[array]`, `[[points]]`, what is drawn, `[[obstacles]]`, `[solver]`, `[plane]`) to a scene.
 
 use alloc::string::String;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use num_complex::Complex64;
 
 use crate::device::quantization::Quantization;
 use crate::error::Error;
-use crate::files::drawn::{Draw, Drawn, drawn};
+use crate::files::drawn::{Draw, Drawn, drawn, mesh};
 use crate::files::fault::Fault;
 use crate::files::item::{Item, Table};
 use crate::files::node::Node;
 use crate::files::positions;
 use crate::files::source::Source;
 use crate::scene::{
-    Array, Axis, Choice, Directivity, Medium, Obstacle, OptionValue, Options, Plane, Request, Scene, Signature,
+    Array, Axis, Choice, Directivity, Medium, Mesh, Obstacle, OptionValue, Options, Plane, Request, Scene, Signature,
     Surface, Transducer, Value,
 };
 use crate::solvers::registry;
@@ -29,9 +30,9 @@ pub(super) fn scene(document: &Node, source: Source<'_>, draw: &mut Draw<'_>) ->
     let medium = root.read("medium", |item| medium(&item.table()?))?.unwrap_or_default();
     let array = array(&root.need("array")?.table()?, source)?;
     let signature = root.read("signature", signature)?;
-    let obstacles = root.read("obstacles", |all| all.each(obstacle, "give tables, each with a point and a normal"))?;
+    let obstacles = root.get("obstacles").map_or_else(|| Ok(Vec::new()), |all| obstacles(&all, draw))?;
     let scene = Scene::new(array, medium, places, request)?.with_signature(signature)?;
-    let mut scene = scene.with_obstacles(obstacles.unwrap_or_default())?;
+    let mut scene = scene.with_obstacles(obstacles)?;
     scene.plane = root.read("plane", |item| plane(&item.table()?, &scene))?;
     scene.solver = root.read("solver", |item| choice(&item.open_table()?, scene.array().quantization()))?;
     Ok(scene)
@@ -77,14 +78,64 @@ fn request(points: &[Point], owners: &[(usize, String)]) -> Result<Request, Faul
     Ok(Request { pressures: list(0, 0.0), phases: list(1, 0.0), weights: list(2, 1.0) })
 }
 
-fn obstacle(item: &Item<'_>) -> Result<Obstacle, Fault> {
+fn obstacles(all: &Item<'_>, draw: &mut Draw<'_>) -> Result<Vec<Obstacle>, Fault> {
+    let cure = "give tables, each of a wall, a sphere or a mesh";
+    let items = all.each(|one| Ok(Item { path: one.path.clone(), node: one.node }), cure)?;
+    items.iter().map(|item| obstacle(item, draw)).collect()
+}
+
+/// A wall, sphere or mesh, whichever its keys are of.
+fn obstacle(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Obstacle, Fault> {
     let table = item.table()?;
+    let kinds: [&[&str]; 4] =
+        [&["point", "normal"], &["center", "radius"], &["vertices", "faces"], &["file", "scale", "offset"]];
+    let given = kinds.map(|keys| keys.iter().any(|key| table.get(key).is_some()));
+    if given.iter().filter(|given| **given).count() != 1 {
+        let cure =
+            "give point and normal of a wall, center and radius of a sphere, or vertices and faces or a file of a mesh";
+        let value = if given.contains(&true) { "described in two ways" } else { "not described" };
+        return Err(Error::invalid(item.path.as_str(), value, cure).into());
+    }
     let kind = table.read("kind", |kind| {
         let known = Surface::read(&kind.path, &Value::Text(kind.text()?.into()));
         known.map_err(|error| Fault::at(kind.path.as_str(), error))
     })?;
-    let (point, normal) = (table.need("point")?.numbers()?, table.need("normal")?.numbers()?);
-    Ok(Obstacle::Wall { point, normal, kind: kind.unwrap_or_default() })
+    let kind = kind.unwrap_or_default();
+    let [wall, sphere, listed, _] = given;
+    if wall {
+        let (point, normal) = (table.need("point")?.numbers()?, table.need("normal")?.numbers()?);
+        return Ok(Obstacle::Wall { point, normal, kind });
+    }
+    if sphere {
+        let (center, radius) = (table.need("center")?.numbers()?, table.need("radius")?.real()?);
+        return Ok(Obstacle::Sphere { center, radius, kind });
+    }
+    let (vertices, faces) = if listed {
+        (table.need("vertices")?.vectors()?, table.need("faces")?.each(face, "give a list of lists of three indices")?)
+    } else {
+        table.need("file")?.text()?;
+        mesh(item, draw)?
+    };
+    let made = Mesh::new(vertices, faces, kind).map_err(|error| of_obstacle(error, item))?;
+    Ok(Obstacle::Mesh(Arc::new(made)))
+}
+
+/// A refusal of `mesh`, told as that of an obstacle.
+fn of_obstacle(error: Error, item: &Item<'_>) -> Fault {
+    let error = match error {
+        Error::Invalid { item: name, value, cure } => Error::invalid(name.replacen("mesh", &item.path, 1), value, cure),
+        other => other,
+    };
+    Fault::at(item.path.as_str(), error)
+}
+
+/// Three indices of vertices.
+fn face(item: &Item<'_>) -> Result<[u32; 3], Fault> {
+    let corners: [f64; 3] = item.numbers()?;
+    if corners.iter().any(|corner| corner.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(corner)) {
+        return Err(item.refused("give three indices of vertices"));
+    }
+    Ok(corners.map(|corner| corner as u32))
 }
 
 fn signature(item: &Item<'_>) -> Result<Signature, Fault> {

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::error::Error;
 use crate::files::quantization::QuantizationTable;
-use crate::scene::{Array, Axis, Obstacle, Origin, Plane, Scene, Transducer, Value};
+use crate::scene::{Array, Axis, Obstacle, Origin, Plane, Scene, Surface, Transducer, Value};
 
 /// How a scene was solved, written beside it so that a result can be replayed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -101,11 +101,21 @@ enum DirectivityTable {
     Parameter(BTreeMap<String, f64>),
 }
 
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 struct ObstacleTable {
-    point: Numbers<3>,
-    normal: Numbers<3>,
     kind: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    point: Option<Numbers<3>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    normal: Option<Numbers<3>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    center: Option<Numbers<3>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    radius: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    vertices: Option<Vec<Numbers<3>>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    faces: Option<Vec<Vec<u32>>>,
 }
 
 #[derive(Serialize)]
@@ -240,8 +250,20 @@ impl ArrayTable {
 
 impl ObstacleTable {
     fn of(obstacle: &Obstacle) -> Self {
-        let Obstacle::Wall { point, normal, kind } = *obstacle;
-        Self { point: Numbers(point), normal: Numbers(normal), kind: kind.name().into() }
+        let of = |kind: Surface| Self { kind: kind.name().into(), ..Self::default() };
+        match obstacle {
+            Obstacle::Wall { point, normal, kind } => {
+                Self { point: Some(Numbers(*point)), normal: Some(Numbers(*normal)), ..of(*kind) }
+            }
+            Obstacle::Sphere { center, radius, kind } => {
+                Self { center: Some(Numbers(*center)), radius: Some(*radius), ..of(*kind) }
+            }
+            Obstacle::Mesh(mesh) => Self {
+                vertices: Some(listed(mesh.vertices())),
+                faces: Some(mesh.faces().iter().map(|face| face.to_vec()).collect()),
+                ..of(mesh.kind())
+            },
+        }
     }
 }
 

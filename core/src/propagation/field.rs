@@ -3,12 +3,13 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
-use num_complex::Complex32;
+use num_complex::{Complex32, Complex64};
 
 use crate::control::{Control, bytes};
 use crate::error::Error;
 use crate::kernels;
 use crate::kernels::{ControlPoints, padded};
+use crate::propagation::bodies::Bodies;
 use crate::propagation::model::Model;
 use crate::scene::{check_drive, check_places};
 
@@ -49,16 +50,23 @@ pub fn field(
         return Err(Error::invalid("field points", "empty", "give at least one point"));
     }
     check_places(array.centre(), medium, "field points", "", points)?;
+    if let Some(scattering) = &model.scattering {
+        scattering.check()?;
+    }
     control.room("the field", [array.len(), points.len()], bytes(8, &[points.len()]))?;
     let mut pressures = vec![Complex32::ZERO; points.len()];
-    let share = CHUNK * (STRETCH / (CHUNK * array.len())).max(1);
+    let cost = model.scattering.as_ref().map_or(1, |scattering| scattering.cost());
+    let share = CHUNK * (STRETCH / (CHUNK * array.len() * cost)).max(1);
     let stretch = share * control.threads();
+    let bodies = model.scattering.as_ref().and_then(|scattering| scattering.bodies.as_deref());
+    let bodies = bodies.map(|bodies| (bodies, bodies.driven(&model.sources, drive)));
+    let bodies = bodies.as_ref().map(|(bodies, driven)| (*bodies, &driven[..]));
     let steps = points.len().div_ceil(stretch);
     for (step, (out, points)) in pressures.chunks_mut(stretch).zip(points.chunks(stretch)).enumerate() {
         let parts = out.chunks_mut(share).zip(points.chunks(share)).collect();
         control.each(parts, &|(out, points): (&mut [Complex32], &[[f64; 3]]), control| {
             let chunks = out.chunks_mut(CHUNK).zip(points.chunks(CHUNK));
-            chunks.into_iter().try_for_each(|(out, points)| chunk(model, drive, points, out, control))
+            chunks.into_iter().try_for_each(|(out, points)| chunk(model, (drive, bodies), points, out, control))
         })?;
         if control.step(step + 1, steps, || 0.0).is_break() {
             return Err(Error::Stopped);
@@ -70,7 +78,7 @@ pub fn field(
 /// One chunk: the waves of all transducers, added up.
 fn chunk(
     model: &Model,
-    drive: &[Complex32],
+    (drive, bodies): (&[Complex32], Option<(&Bodies, &[Complex64])>),
     points: &[[f64; 3]],
     out: &mut [Complex32],
     control: &mut Control,
@@ -87,9 +95,16 @@ fn chunk(
     for (out, (re, im)) in out.iter_mut().zip(re.iter().zip(&im)) {
         *out = Complex32::new(scale(*re), scale(*im));
     }
-    if let Some(scattering) = &model.scattering {
-        let hidden = out.iter_mut().zip(points).filter(|(_, point)| scattering.obstacles.around(**point).is_some());
-        hidden.for_each(|(out, _)| *out = Complex32::ZERO);
+    let Some(scattering) = &model.scattering else { return Ok(()) };
+    let mut row = Vec::new();
+    for (out, &point) in out.iter_mut().zip(points) {
+        if scattering.obstacles.around(point).is_some() {
+            *out = Complex32::ZERO;
+        } else if let Some((bodies, driven)) = bodies {
+            control.pulse()?;
+            let p = bodies.pressure(driven, point, &mut row);
+            *out += Complex32::new(p.re as f32, p.im as f32);
+        }
     }
     Ok(())
 }

@@ -110,7 +110,14 @@ pub fn gorkov(
         return Err(Error::invalid("points", "empty", "give at least one point"));
     }
     check_places(array.centre(), medium, "points", "", points)?;
-    model.scattering.as_ref().map_or(Ok(()), |scattering| scattering.obstacles.check_points(points))?;
+    if let Some(scattering) = &model.scattering {
+        scattering.obstacles.check_points(points)?;
+        if scattering.bodies.is_some() {
+            let cure = "derivatives of the sound that a sphere or mesh sends on are not known here: leave it out";
+            return Err(Error::invalid("obstacles", "more than walls", cure));
+        }
+        scattering.check()?;
+    }
     real("radius", particle.radius, 0.0, true)?;
     real("density", particle.density, 0.0, true)?;
     real("sound_speed", particle.sound_speed, 0.0, true)?;

@@ -36,8 +36,11 @@ impl Kept {
     pub(crate) fn checked(self) -> Result<Self, Error> {
         let (transducers, points) = (self.sources.array.len(), self.points.len());
         self.signature.as_ref().map_or(Ok(()), |signature| signature.check(transducers, points))?;
-        self.scattering.as_ref().map_or(Ok(()), |all| all.obstacles.check_points(&self.points))?;
-        let waves = self.scattering.as_ref().map_or(1, |scattering| 1 + scattering.images.len());
+        if let Some(scattering) = &self.scattering {
+            scattering.check()?;
+            scattering.obstacles.check_points(&self.points)?;
+        }
+        let waves = self.scattering.as_ref().map_or(1, |scattering| scattering.cost());
         let most = (8 * MOST_ENTRIES / waves.max(8) / transducers).max(1);
         if points > most {
             let why = if self.scattering.is_some() { "obstacles" } else { "a signature" };
@@ -52,9 +55,10 @@ impl Kept {
         let (transducers, points) = (self.sources.array.len(), self.points.len());
         let mut matrix = alloc::vec![Complex64::ZERO; transducers * points];
         for (j, &point) in self.points.iter().enumerate() {
-            let scattered = |i| self.scattering.as_ref().map_or(Complex64::ZERO, |all| all.exact(i, point));
-            let mut row: Vec<Complex64> =
-                (0..transducers).map(|i| self.sources.exact(i, point) + scattered(i)).collect();
+            let mut row: Vec<Complex64> = (0..transducers).map(|i| self.sources.exact(i, point)).collect();
+            if let Some(scattering) = &self.scattering {
+                scattering.add(&self.sources, point, &mut row);
+            }
             if let Some(signature) = &self.signature {
                 let reach: Vec<f64> = row.iter().map(|g| g.norm()).collect();
                 let factors = signature.factors(&self.sources.array, j, point, &reach);

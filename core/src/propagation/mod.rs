@@ -1,14 +1,20 @@
 //! Propagation matrix G, row by row: computed from positions when asked, or given.
 
+pub(crate) mod bodies;
+pub(crate) mod boundary;
+pub(crate) mod element;
 pub(crate) mod field;
 pub(crate) mod gorkov;
 pub(crate) mod jet;
 pub(crate) mod kept;
 pub(crate) mod model;
 pub(crate) mod products;
+pub(crate) mod reflection;
 pub(crate) mod scattering;
 pub(crate) mod sources;
+pub(crate) mod sphere;
 
+pub use boundary::Boundary;
 pub use field::field;
 pub use gorkov::{Gorkov, Particle, gorkov};
 pub use model::Model;

@@ -3,9 +3,13 @@
 use alloc::string::String;
 use alloc::sync::Arc;
 
+use num_complex::Complex32;
+
 use crate::error::Error;
 use crate::kernels::InstructionSet;
 use crate::propagation::Propagation;
+use crate::propagation::bodies::Bodies;
+use crate::propagation::boundary::Boundary;
 use crate::propagation::kept::Kept;
 use crate::propagation::scattering::Scattering;
 use crate::propagation::sources::Sources;
@@ -51,7 +55,8 @@ impl Model {
     /// transducers plus what the obstacles send on, in double precision, and so are fields and pressures.
     ///
     /// A wall is exact, by image sources with eq. (5)'s directivity and absorption. So are two or three at right angles;
-    /// of two that face each other three reflections are counted.
+    /// of two that face each other three reflections are counted. A sphere is exact by its series. A mesh needs the sound on
+    /// its surface, which [`Model::with_sound`] brings: until then it is refused where it matters.
     ///
     /// # Errors
     /// As [`Scene::with_obstacles`].
@@ -70,6 +75,28 @@ impl Model {
     pub fn with_obstacles(self, obstacles: &[Obstacle]) -> Result<Self, Error> {
         let checked = Obstacles::new(obstacles.to_vec(), self.array(), self.medium())?;
         Ok(self.scattered(&checked))
+    }
+
+    /// The same behind the obstacles of a boundary and the sound (E, N) on its elements, in Pa: the solution u of the
+    /// equations of [`Boundary::matrix`] and [`Boundary::incident`].
+    ///
+    /// # Errors
+    /// A boundary of another array or medium, other numbers than E times N, one that is not finite.
+    pub fn with_sound(self, boundary: Arc<Boundary>, sound: &[Complex32]) -> Result<Self, Error> {
+        if !boundary.fits(self.array(), self.medium()) {
+            let cure = "make it of the model's own array and medium";
+            return Err(Error::invalid("boundary", "of another array or medium", cure));
+        }
+        boundary.check_sound(sound)?;
+        let scattering = Scattering::new(&self.sources, boundary.obstacles.clone());
+        let scattering = scattering.with_bodies(Bodies::of_boundary(boundary, sound));
+        Ok(Self { scattering: Some(Arc::new(scattering)), ..self })
+    }
+
+    /// The same behind the obstacles of another model of the same array and medium, prepared there.
+    #[must_use]
+    pub fn behind_those_of(self, other: &Self) -> Self {
+        Self { scattering: other.scattering.clone(), ..self }
     }
 
     fn scattered(mut self, obstacles: &Obstacles) -> Self {

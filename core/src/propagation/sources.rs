@@ -92,6 +92,11 @@ impl Sources {
 
     /// Eq. (5) in double precision, in Pa.
     pub(crate) fn exact(&self, i: usize, point: [f64; 3]) -> Complex64 {
+        self.array.effect(i) * self.sent(i, point)
+    }
+
+    /// The same without the transducer's response.
+    pub(crate) fn sent(&self, i: usize, point: [f64; 3]) -> Complex64 {
         let transducer = self.array.transducer();
         let from = self.array.positions()[i];
         let ray = [0, 1, 2].map(|axis| point[axis] - from[axis]);
@@ -102,7 +107,7 @@ impl Sources {
         let amplitude = transducer.source_pressure / r
             * transducer.directivity.value(cos_theta, k)
             * math::exp(-self.medium.absorption * r);
-        self.array.effect(i) * Complex64::new(amplitude * math::cos(k * r), amplitude * math::sin(k * r))
+        Complex64::new(amplitude * math::cos(k * r), amplitude * math::sin(k * r))
     }
 
     /// Refuses points nearer to transducer `i` than a hundredth of the wavelength.

@@ -1,5 +1,7 @@
 //! Medium: frequency, sound speed, absorption and density of the air.
 
+use num_complex::Complex64;
+
 use crate::error::{Error, real};
 use crate::math;
 
@@ -66,6 +68,11 @@ impl Medium {
     #[must_use]
     pub fn wavenumber(&self) -> f64 {
         core::f64::consts::TAU / self.wavelength()
+    }
+
+    /// k + j alpha in 1/m: of a wave e^{jkr}/r that the air absorbs.
+    pub(crate) fn complex_wavenumber(&self) -> Complex64 {
+        Complex64::new(self.wavenumber(), self.absorption)
     }
 
     /// Radiation pressure in Pa on a rigid wall at normal incidence, |p|^2/(rho c^2) for a peak pressure |p| in Pa.

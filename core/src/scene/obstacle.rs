@@ -5,48 +5,28 @@ use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use crate::error::Error;
-use crate::math;
+use crate::error::{Error, real};
 use crate::scene::array::vector;
-use crate::scene::geometry::dot;
-use crate::scene::value::words;
+use crate::scene::geometry::distance;
+use crate::scene::mesh::{Mesh, area_vector};
+use crate::scene::surface::{ON, Surface};
+use crate::scene::wall::{Mirror, compatible, mirror};
 use crate::scene::{Array, Medium};
 
 /// The most walls of a scene: the sides of a box.
 const MOST_WALLS: usize = 6;
 
-/// Metres that count as none beside an obstacle's surface.
-const ON: f64 = 1e-9;
+/// The largest radius of a sphere in wavelengths, 102 mm at 40 kHz: a head. Its series has 13,000 terms a transducer.
+const LARGEST_SPHERE: f64 = 12.0;
 
-/// Cosines that rounding leaves of a right angle.
-const SQUARE: f64 = 1e-6;
+/// Boundary elements of a scene's meshes: their matrix is then 7 GB.
+const MOST_ELEMENTS: f64 = 30_000.0;
 
-/// What a surface does to a wave.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[allow(clippy::exhaustive_enums, reason = "the two ideal surfaces")]
-pub enum Surface {
-    /// The air cannot move across it: dp/dn = 0. Solids in air.
-    #[default]
-    Rigid,
-    /// It gives way: p = 0 (pressure-release).
-    Soft,
-}
-
-words!(Surface: "rigid" = Surface::Rigid, "soft" = Surface::Soft);
-
-impl Surface {
-    /// "rigid" or "soft".
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Rigid => "rigid",
-            Self::Soft => "soft",
-        }
-    }
-}
+/// The least distance of a body from a transducer, in wavelengths: nearer, what goes to and fro is beyond eq. (5).
+const CLEAR: f64 = 0.25;
 
 /// A body that waves cannot enter.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Obstacle {
     /// A plane without end. Sound is on the array's side; where the array lies in the plane, on that of the normal.
@@ -58,72 +38,72 @@ pub enum Obstacle {
         /// What it does.
         kind: Surface,
     },
+    /// A sphere, the only obstacle of its scene.
+    Sphere {
+        /// Its middle (3,) in m.
+        center: [f64; 3],
+        /// Its radius in m, up to 12 wavelengths.
+        radius: f64,
+        /// What it does.
+        kind: Surface,
+    },
+    /// A body of any shape. Its field is known once the sound on its surface is: see [`crate::Boundary`].
+    Mesh(Arc<Mesh>),
 }
 
-/// The obstacles of a scene, checked, each on one side of the array.
+impl Obstacle {
+    fn noun(&self) -> &'static str {
+        match self {
+            Self::Wall { .. } => "wall",
+            Self::Sphere { .. } => "sphere",
+            Self::Mesh(_) => "mesh",
+        }
+    }
+}
+
+/// The obstacles of a scene, checked, none of which the array is inside of.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Obstacles {
     given: Arc<[Obstacle]>,
-    /// The walls: which obstacle each is, a point of it, its unit normal on the side of the array.
+    /// The walls: which obstacle each is, and the mirror that it is.
     walls: Arc<[(usize, Mirror)]>,
-}
-
-/// A reflecting plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Mirror {
-    point: [f64; 3],
-    normal: [f64; 3],
-    pub(crate) kind: Surface,
-}
-
-impl Mirror {
-    /// Metres in front of it.
-    fn height(&self, place: [f64; 3]) -> f64 {
-        dot([0, 1, 2].map(|x| place[x] - self.point[x]), self.normal)
-    }
-
-    /// The image of a place.
-    pub(crate) fn place(&self, place: [f64; 3]) -> [f64; 3] {
-        let height = self.height(place);
-        [0, 1, 2].map(|x| place[x] - 2.0 * height * self.normal[x])
-    }
-
-    /// The image of a direction.
-    pub(crate) fn direction(&self, direction: [f64; 3]) -> [f64; 3] {
-        let along = dot(direction, self.normal);
-        [0, 1, 2].map(|x| direction[x] - 2.0 * along * self.normal[x])
-    }
 }
 
 impl Obstacles {
     /// Obstacles of an array in a medium.
     ///
     /// # Errors
-    /// Numbers that are not finite, a normal of length 0, a wall that crosses the array or is too far away for phases in
-    /// f32, two walls that are neither parallel nor at a right angle, one behind another, more than six.
+    /// Numbers that are not finite, a normal of length 0, what crosses the array or is too far away for phases in f32; two
+    /// walls that are neither parallel nor at a right angle, one behind another, more than six; a sphere beside others or
+    /// too large; a mesh with more elements than can be solved, or behind a wall.
     pub(crate) fn new(given: Vec<Obstacle>, array: &Array, medium: Medium) -> Result<Self, Error> {
         let mut walls: Vec<(usize, Mirror)> = Vec::new();
         for (k, obstacle) in given.iter().enumerate() {
-            match *obstacle {
+            let item = format!("obstacles[{k}]");
+            match obstacle {
                 Obstacle::Wall { point, normal, kind } => {
-                    let item = format!("obstacles[{k}]");
-                    let mirror = mirror(&item, (point, normal, kind), array)?;
-                    let far = 2.0 * mirror.height(array.centre());
-                    let most = super::extent::reach(medium);
-                    if far > most {
-                        let cure = format!("leave it out or bring it within {:.3e} m", 0.5 * most);
-                        return Err(Error::invalid(item, format!("{:.3e} m from the array", 0.5 * far), cure));
-                    }
+                    let mirror = mirror(&item, (*point, *normal, *kind), array, medium)?;
                     walls.iter().try_for_each(|(other, before)| compatible((k, &mirror), (*other, before)))?;
                     walls.push((k, mirror));
                 }
+                Obstacle::Sphere { center, radius, .. } => {
+                    check_sphere(&item, (*center, *radius), array, medium)?;
+                    if given.len() > 1 {
+                        let cure = "its series knows of no other obstacle: give it as a mesh";
+                        return Err(Error::invalid(item, "a sphere among others", cure));
+                    }
+                }
+                Obstacle::Mesh(mesh) => check_mesh(&item, mesh, array, medium)?,
             }
         }
         if let Some((k, _)) = walls.get(MOST_WALLS) {
             let cure = format!("give at most {MOST_WALLS}, the sides of a box");
             return Err(Error::invalid(format!("obstacles[{k}]"), format!("wall {}", MOST_WALLS + 1), cure));
         }
-        Ok(Self { given: given.into(), walls: walls.into() })
+        let all = Self { given: given.into(), walls: walls.into() };
+        all.check_elements(medium)?;
+        all.check_clear(medium)?;
+        Ok(all)
     }
 
     /// As they were given.
@@ -140,9 +120,21 @@ impl Obstacles {
         self.walls.iter().map(|(_, mirror)| mirror)
     }
 
+    /// The meshes.
+    pub(crate) fn meshes(&self) -> impl Iterator<Item = &Mesh> + Clone {
+        self.given.iter().filter_map(|obstacle| if let Obstacle::Mesh(mesh) = obstacle { Some(&**mesh) } else { None })
+    }
+
     /// The obstacle that a place is inside of, or behind.
     pub(crate) fn around(&self, place: [f64; 3]) -> Option<usize> {
-        self.walls.iter().find(|(_, wall)| wall.height(place) < -ON).map(|(k, _)| *k)
+        let behind = self.walls.iter().find(|(_, wall)| wall.height(place) < -ON).map(|(k, _)| *k);
+        behind.or_else(|| {
+            self.given.iter().position(|obstacle| match obstacle {
+                Obstacle::Wall { .. } => false,
+                Obstacle::Sphere { center, radius, .. } => distance(*center, place) < radius - ON,
+                Obstacle::Mesh(mesh) => mesh.contains(place),
+            })
+        })
     }
 
     /// Refuses points inside an obstacle.
@@ -154,49 +146,96 @@ impl Obstacles {
     /// Refuses a point inside an obstacle by its name.
     pub(crate) fn check_point(&self, point: [f64; 3], name: impl FnOnce() -> String) -> Result<(), Error> {
         let Some(k) = self.around(point) else { return Ok(()) };
-        let cure = format!("behind the wall obstacles[{k}], where no sound is: bring it to the array's side");
+        let cure = match &self.given[k] {
+            Obstacle::Wall { .. } => {
+                format!("behind the wall obstacles[{k}], where no sound is: bring it to the array's side")
+            }
+            body => format!("inside the {} obstacles[{k}], where no sound is: bring it out", body.noun()),
+        };
         Err(Error::invalid(name(), format!("{point:?}"), cure))
     }
+
+    /// Refuses meshes of which no computer solves the boundary; a file in millimetres is such a one.
+    fn check_elements(&self, medium: Medium) -> Result<(), Error> {
+        let [area, _] = element_size(medium);
+        let mut count = 0.0;
+        for (k, obstacle) in self.given.iter().enumerate() {
+            let Obstacle::Mesh(mesh) = obstacle else { continue };
+            count += mesh.triangles().map(|triangle| (size(triangle) / area).max(1.0)).sum::<f64>();
+            if count > MOST_ELEMENTS {
+                let [x, y, z] = mesh.extent();
+                let value = format!("{count:.0} elements ({x:.3} x {y:.3} x {z:.3} m, {} faces)", mesh.faces().len());
+                let cure = format!(
+                    "give a smaller or coarser one, up to {MOST_ELEMENTS:.0} elements of {area:.1e} m^2; a file in mm wants scale 1e-3"
+                );
+                return Err(Error::invalid(format!("obstacles[{k}]"), value, cure));
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses meshes that cross or touch a wall.
+    fn check_clear(&self, medium: Medium) -> Result<(), Error> {
+        let [_, edge] = element_size(medium);
+        for (k, obstacle) in self.given.iter().enumerate() {
+            let Obstacle::Mesh(mesh) = obstacle else { continue };
+            for (other, wall) in &*self.walls {
+                let lowest = mesh.vertices().iter().map(|&vertex| wall.height(vertex)).fold(f64::INFINITY, f64::min);
+                if lowest < 0.5 * edge {
+                    let value = format!("{lowest:.2e} m before the wall obstacles[{other}]");
+                    let cure = format!("leave {:.1e} m between them", 0.5 * edge);
+                    return Err(Error::invalid(format!("obstacles[{k}]"), value, cure));
+                }
+            }
+        }
+        Ok(())
+    }
 }
 
-/// A wall as a mirror that faces the array.
-fn mirror(item: &str, (point, normal, kind): ([f64; 3], [f64; 3], Surface), array: &Array) -> Result<Mirror, Error> {
-    vector(&format!("{item}.point"), &point)?;
-    vector(&format!("{item}.normal"), &normal)?;
-    let largest = normal.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    if largest == 0.0 {
-        return Err(Error::invalid(
-            format!("{item}.normal"),
-            format!("{normal:?}"),
-            "give the direction the wall faces",
-        ));
-    }
-    let scaled = normal.map(|x| x / largest);
-    let length = math::sqrt(dot(scaled, scaled));
-    let mut mirror = Mirror { point, normal: scaled.map(|x| x / length), kind };
-    if mirror.height(array.centre()) < -ON {
-        mirror.normal = mirror.normal.map(|x| -x);
-    }
-    if let Some(i) = array.positions().iter().position(|&position| mirror.height(position) < -ON) {
-        let cure = format!("it crosses the array, transducer {i} is behind it: move the wall or the array");
-        return Err(Error::invalid(item, format!("a wall through {point:?}"), cure));
-    }
-    Ok(mirror)
+/// The largest area in m^2 and the longest edge in m of a boundary element: 2.5 to a wavelength, slivers longer.
+pub(crate) fn element_size(medium: Medium) -> [f64; 2] {
+    let edge = 0.4 * medium.wavelength();
+    [0.433 * edge * edge, 2.0 * edge]
 }
 
-/// Refuses two walls whose images would not do.
-fn compatible((k, own): (usize, &Mirror), (other, before): (usize, &Mirror)) -> Result<(), Error> {
-    let cosine = dot(own.normal, before.normal);
-    if cosine.abs() > SQUARE && cosine.abs() < 1.0 - SQUARE {
-        let angle = math::acos(cosine).to_degrees();
-        let cure = format!(
-            "walls are parallel or at right angles, images are right for no others: turn it to obstacles[{other}]"
-        );
-        return Err(Error::invalid(format!("obstacles[{k}].normal"), format!("turned by {angle:.3} degrees"), cure));
+/// The area of a triangle.
+fn size(triangle: [[f64; 3]; 3]) -> f64 {
+    let twice = area_vector(triangle);
+    0.5 * distance(twice, [0.0; 3])
+}
+
+fn check_sphere(item: &str, (center, radius): ([f64; 3], f64), array: &Array, medium: Medium) -> Result<(), Error> {
+    vector(&format!("{item}.center"), &center)?;
+    let name = format!("{item}.radius");
+    real(&name, radius, 0.0, true)?;
+    let most = LARGEST_SPHERE * medium.wavelength();
+    if radius > most {
+        let cure =
+            format!("give at most {most:.3} m, {LARGEST_SPHERE} wavelengths, or a mesh of the part that matters");
+        return Err(Error::invalid(name, format!("{radius} m"), cure));
     }
-    if cosine > 0.5 {
-        let cure = format!("obstacles[{other}] is parallel to it, one hides the other: leave one out");
-        return Err(Error::invalid(format!("obstacles[{k}]"), "a wall on the same side", cure));
-    }
-    Ok(())
+    super::check_places(array.centre(), medium, "obstacles", ".center", &[center])?;
+    let clear = radius + CLEAR * medium.wavelength();
+    let near = array.positions().iter().position(|&position| distance(position, center) < clear);
+    near.map_or(Ok(()), |i| Err(crossing(item, i, "sphere", medium)))
+}
+
+fn check_mesh(item: &str, mesh: &Mesh, array: &Array, medium: Medium) -> Result<(), Error> {
+    let corners = [0, 1].map(|end| mesh.bounds().map(|bound| bound[end]));
+    super::check_places(array.centre(), medium, "obstacles", ".vertices", &corners)?;
+    let clear = CLEAR * medium.wavelength();
+    let near = array.positions().iter().position(|&position| {
+        let beside = |axis: usize| {
+            let [low, high] = mesh.bounds()[axis];
+            position[axis] > low - clear && position[axis] < high + clear
+        };
+        (0..3).all(beside) && (mesh.contains(position) || mesh.distance(position) < clear)
+    });
+    near.map_or(Ok(()), |i| Err(crossing(item, i, "mesh", medium)))
+}
+
+fn crossing(item: &str, i: usize, noun: &str, medium: Medium) -> Error {
+    let clear = CLEAR * medium.wavelength();
+    let cure = format!("transducer {i} is inside or within {clear:.1e} m of it: move the {noun} or the array");
+    Error::invalid(item, format!("a {noun} that crosses the array"), cure)
 }

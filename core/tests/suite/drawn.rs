@@ -1,7 +1,7 @@
 //! Tables of a scene file that a door draws: handed over once each, joined in order, refused with their place.
 
 use midair::Request;
-use midair::files::{Format, Source, read, read_drawn, references};
+use midair::files::{Drawing, Format, Source, read, read_drawn, references};
 
 const SCENE: &str = r#"
 [array]
@@ -28,9 +28,10 @@ file = "logo.svg"
 const SOURCE: Source<'static> = Source { name: "drawn.toml", folder: None };
 
 /// A door that draws two points for each table, of one pressure and no weight.
-fn pair(name: &str) -> (Vec<[f64; 3]>, Request) {
+fn pair(name: &str) -> Drawing {
     let z = if name == "image" { 0.2 } else { 0.1 };
-    (vec![[0.01, 0.0, z], [0.02, 0.0, z]], Request { pressures: Some(vec![700.0, 800.0]), ..Request::default() })
+    let request = Request { pressures: Some(vec![700.0, 800.0]), ..Request::default() };
+    Drawing::Points(vec![[0.01, 0.0, z], [0.02, 0.0, z]], request)
 }
 
 #[test]
@@ -61,7 +62,7 @@ fn files_of_drawn_tables_belong_to_the_scene() {
 }
 
 /// What a document is refused with, where the door answers so.
-fn told(text: &str, format: Format, answer: &Result<(Vec<[f64; 3]>, Request), String>) -> String {
+fn told(text: &str, format: Format, answer: &Result<Drawing, String>) -> String {
     let error = read_drawn(text.as_bytes(), format, SOURCE, &mut |_, _| answer.clone()).expect_err(text).to_string();
     assert!(!error.contains('\n'), "{error}");
     error
@@ -117,8 +118,8 @@ fn what_is_no_table_of_known_keys_never_reaches_the_door() {
 
 #[test]
 fn pressures_are_of_all_or_none_across_tables() {
-    let (points, request) = pair("shape");
-    let none = told(SCENE, Format::Toml, &Ok((points, Request { pressures: None, ..request })));
+    let Drawing::Points(points, request) = pair("shape") else { unreachable!() };
+    let none = told(SCENE, Format::Toml, &Ok(Drawing::Points(points, Request { pressures: None, ..request })));
     assert!(none.starts_with("drawn.toml, line 13, column 1: shape[0].pressure is left out: 1 of 7 points"), "{none}");
 }
 

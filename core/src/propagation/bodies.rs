@@ -1,0 +1,101 @@
+//! Bodies: what spheres and meshes add to G.
+//!
+//! It is H S: waves or surface elements heard at a point times what each transducer makes of them. S is found once; a point
+//! that moves needs its own row of H alone.
+
+use alloc::sync::Arc;
+use alloc::vec;
+use alloc::vec::Vec;
+
+use num_complex::{Complex32, Complex64};
+
+use crate::propagation::boundary::Boundary;
+use crate::propagation::sources::Sources;
+use crate::propagation::sphere::Sphere;
+
+/// What the sound of bodies is made of.
+#[derive(Clone, Debug)]
+enum Basis {
+    Sphere(Sphere),
+    Boundary(Arc<Boundary>),
+}
+
+/// Bodies and what each transducer makes of them.
+#[derive(Clone, Debug)]
+pub(crate) struct Bodies {
+    basis: Basis,
+    /// S (K, N), wave by wave, real and imaginary parts apart; the transducers' responses left out.
+    answers: [Vec<f32>; 2],
+    transducers: usize,
+}
+
+impl Bodies {
+    pub(crate) fn of_sphere(sphere: Sphere, sources: &Sources) -> Self {
+        let answers = sphere.answers(sources);
+        let answers = [answers.iter().map(|a| a.re as f32).collect(), answers.iter().map(|a| a.im as f32).collect()];
+        Self { basis: Basis::Sphere(sphere), answers, transducers: sources.array.len() }
+    }
+
+    /// Of the sound on a boundary's elements (E, N).
+    pub(crate) fn of_boundary(boundary: Arc<Boundary>, sound: &[Complex32]) -> Self {
+        let answers = [sound.iter().map(|u| u.re).collect(), sound.iter().map(|u| u.im).collect()];
+        let transducers = sound.len() / boundary.elements();
+        Self { basis: Basis::Boundary(boundary), answers, transducers }
+    }
+
+    /// The number of waves or elements.
+    pub(crate) fn len(&self) -> usize {
+        self.answers[0].len() / self.transducers
+    }
+
+    /// How each of them is heard at a point.
+    fn heard(&self, point: [f64; 3], row: &mut Vec<Complex64>) {
+        match &self.basis {
+            Basis::Sphere(sphere) => sphere.row(point, row),
+            Basis::Boundary(boundary) => boundary.row(point, row),
+        }
+    }
+
+    /// What each transducer sends to a point by way of them, its response left out, in Pa.
+    pub(crate) fn sent(&self, point: [f64; 3]) -> Vec<Complex64> {
+        let mut row = Vec::new();
+        self.heard(point, &mut row);
+        let [mut re, mut im] = [(); 2].map(|()| vec![0.0_f32; self.transducers]);
+        for (heard, [own_re, own_im]) in row.iter().zip(self.each()) {
+            let (x, y) = (heard.re as f32, heard.im as f32);
+            for (((re, im), a), b) in re.iter_mut().zip(&mut im).zip(own_re).zip(own_im) {
+                *re += x * a - y * b;
+                *im += x * b + y * a;
+            }
+        }
+        re.into_iter().zip(im).map(|(re, im)| Complex64::new(f64::from(re), f64::from(im))).collect()
+    }
+
+    /// What all transducers make of each wave or element.
+    fn each(&self) -> impl Iterator<Item = [&[f32]; 2]> {
+        let [re, im] = &self.answers;
+        re.chunks_exact(self.transducers).zip(im.chunks_exact(self.transducers)).map(|(re, im)| [re, im])
+    }
+
+    /// The waves or elements in the field of a drive (N,), responses counted in.
+    pub(crate) fn driven(&self, sources: &Sources, drive: &[Complex32]) -> Vec<Complex64> {
+        let played =
+            |(i, q): (usize, &Complex32)| sources.array.effect(i) * Complex64::new(f64::from(q.re), f64::from(q.im));
+        let played: Vec<Complex64> = drive.iter().enumerate().map(played).collect();
+        let sum = |[re, im]: [&[f32]; 2]| {
+            let own = re.iter().zip(im).map(|(&re, &im)| Complex64::new(f64::from(re), f64::from(im)));
+            own.zip(&played).map(|(own, q)| own * q).sum()
+        };
+        self.each().map(sum).collect()
+    }
+
+    /// The pressure at a point of waves or elements so driven, in Pa.
+    pub(crate) fn pressure(&self, driven: &[Complex64], point: [f64; 3], row: &mut Vec<Complex64>) -> Complex64 {
+        self.heard(point, row);
+        row.iter().zip(driven).map(|(heard, driven)| heard * driven).sum()
+    }
+}
+
+#[cfg(test)]
+#[path = "tests/bodies.rs"]
+mod tests;

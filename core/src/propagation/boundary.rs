@@ -1,0 +1,211 @@
+//! Boundary: the sound on the surface of meshes, by boundary elements.
+//!
+//! Unknown on each flat element is u = p where it is rigid, u = (dp/dn)/k where it is soft; with g = e^{jkR}/(4 pi R) the
+//! elements send
+//!
+//! ```text
+//! p(x) = p_i(x) + sum_rigid u int dg/dn_y dS - sum_soft k u int g dS
+//! ```
+//!
+//! At the elements' middles this and j/k times its derivative along their normal, which together have no spurious
+//! resonances of the inside (A. J. Burton and G. F. Miller, Proc. R. Soc. A 323, 201, 1971), are E equations for E unknowns.
+//! The integral of an element at its own middle, where it is hypersingular, is known in closed form but for one over the
+//! angle; a six-point rule does the others, of halves and quarters where they are near.
+
+use alloc::format;
+use alloc::vec;
+use alloc::vec::Vec;
+
+use num_complex::{Complex32, Complex64};
+
+use crate::control::{Control, bytes};
+use crate::error::Error;
+use crate::propagation::element::{Element, influence};
+use crate::propagation::reflection::{Reflection, reflections};
+use crate::propagation::sources::Sources;
+use crate::scene::{Array, Medium, Obstacle, Obstacles, check_array, element_size};
+
+/// A step along a normal for derivatives, in wavelengths: its square and rounding over it are both below 1e-7.
+const STEP: f64 = 1e-4;
+
+/// Entries that a thread goes through between two looks at the control.
+const STRETCH: usize = 1 << 14;
+
+/// The surfaces of meshes as elements, before an array in a medium: A u = b.
+///
+/// A and b come from here, u from any library that solves linear equations; [`crate::Model::with_sound`] then takes u
+/// (E, N), and from there on points move without anybody touching the mesh. Elements are the faces, halved until 2.5 of
+/// them go to a wavelength.
+///
+/// ```
+/// use std::sync::Arc;
+/// use midair::{Array, Boundary, Control, Medium, Mesh, Obstacle, Surface};
+///
+/// let corners = vec![[0.0, 0.0, 0.1], [0.02, 0.0, 0.1], [0.0, 0.02, 0.1], [0.0, 0.0, 0.12]];
+/// let mesh = Mesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], Surface::Rigid)?;
+/// let array = Array::grid(4, 4, 10e-3)?;
+/// let boundary = Boundary::new(&array, Medium::default(), vec![Obstacle::Mesh(Arc::new(mesh))])?;
+/// let elements = boundary.elements();
+/// assert_eq!(boundary.matrix(&mut Control::none())?.len(), elements * elements);
+/// assert_eq!(boundary.incident(&mut Control::none())?.len(), elements * 16);
+/// # Ok::<(), midair::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Boundary {
+    pub(crate) obstacles: Obstacles,
+    /// The array and its images in walls, responses left out.
+    sources: Vec<Sources>,
+    elements: Vec<Element>,
+    /// The elements' images in walls.
+    images: Vec<(f64, Vec<Element>)>,
+}
+
+impl Boundary {
+    /// The boundary of the meshes among some obstacles.
+    ///
+    /// # Errors
+    /// As [`crate::Scene::with_obstacles`]; no mesh among them.
+    pub fn new(array: &Array, medium: Medium, obstacles: Vec<Obstacle>) -> Result<Self, Error> {
+        check_array(array, medium)?;
+        let obstacles = Obstacles::new(obstacles, array, medium)?;
+        let size = element_size(medium);
+        let elements: Vec<Element> = obstacles.meshes().flat_map(|mesh| Element::all(mesh, size)).collect();
+        if elements.is_empty() {
+            return Err(Error::invalid("obstacles", "without a mesh", "walls and spheres need no boundary solved"));
+        }
+        let bare = array.clone().with_response(None)?.with_mask(None)?;
+        let reflections = reflections(array.centre(), &obstacles);
+        let seen = |reflection: &Reflection| elements.iter().map(|element| reflection.element(element)).collect();
+        let images = reflections.iter().map(|reflection| (reflection.sign(), seen(reflection))).collect();
+        let arrays = reflections.iter().map(|reflection| reflection.array(&bare));
+        let sources = core::iter::once(bare.clone()).chain(arrays).map(|array| Sources::new(&array, medium)).collect();
+        Ok(Self { obstacles, sources, elements, images })
+    }
+
+    /// The number of elements E.
+    #[must_use]
+    pub fn elements(&self) -> usize {
+        self.elements.len()
+    }
+
+    /// The number of transducers N.
+    #[must_use]
+    pub fn transducers(&self) -> usize {
+        self.sources[0].array.len()
+    }
+
+    pub(crate) fn medium(&self) -> Medium {
+        self.sources[0].medium
+    }
+
+    /// What the sound on it depends on, as bytes: a key to keep it by.
+    #[must_use]
+    pub fn content(&self) -> Vec<u8> {
+        let (own, medium) = (&self.sources[0].array, self.medium());
+        // {:?} of an f64 is the shortest text that reads as the same number.
+        let medium = [medium.frequency, medium.sound_speed, medium.absorption];
+        let placed = (own.positions(), own.normals(), own.transducer(), medium);
+        format!("{placed:?} {:?}", self.obstacles.given()).into_bytes()
+    }
+
+    /// Whether it belongs to an array, whatever its responses, in a medium.
+    pub(crate) fn fits(&self, array: &Array, medium: Medium) -> bool {
+        let own = &self.sources[0].array;
+        let placed = own.positions() == array.positions() && own.normals() == array.normals();
+        placed && own.transducer() == array.transducer() && self.medium() == medium
+    }
+
+    /// A (E, E), row by row.
+    ///
+    /// # Errors
+    /// More memory than allowed; a stop.
+    pub fn matrix(&self, control: &mut Control) -> Result<Vec<Complex32>, Error> {
+        let count = self.elements.len();
+        control.room("the boundary of the meshes", [self.transducers(), count], bytes(8, &[count, count]))?;
+        let mut matrix = vec![Complex32::ZERO; count * count];
+        let share = STRETCH.div_ceil(count);
+        let steps = count.div_ceil(share);
+        let threads = control.threads();
+        for (step, rows) in matrix.chunks_mut(share * count * threads).enumerate() {
+            let first = step * share * threads;
+            let parts = rows.chunks_mut(count).enumerate().collect();
+            control.each(parts, &|(k, row): (usize, &mut [Complex32]), control| {
+                self.fill(first + k, row);
+                control.pulse()
+            })?;
+            if control.step(((step + 1) * threads).min(steps), steps, || 0.0).is_break() {
+                return Err(Error::Stopped);
+            }
+        }
+        Ok(matrix)
+    }
+
+    /// The equation at the middle of an element.
+    fn fill(&self, e: usize, row: &mut [Complex32]) {
+        let own = &self.elements[e];
+        let (wave, eta) = (self.medium().complex_wavenumber(), self.eta());
+        for (f, (entry, other)) in row.iter_mut().zip(&self.elements).enumerate() {
+            let mut sum = if e == f {
+                own.own_influence(wave, eta) - own.jump()
+            } else {
+                influence(wave, (own.center(), Some((own.normal, eta))), other)
+            };
+            for (sign, images) in &self.images {
+                sum += *sign * influence(wave, (own.center(), Some((own.normal, eta))), &images[f]);
+            }
+            *entry = Complex32::new(-sum.re as f32, -sum.im as f32);
+        }
+    }
+
+    /// b (E, N), element by element: what each transducer alone sends there, p_i + j/k dp_i/dn in Pa.
+    ///
+    /// # Errors
+    /// More memory than allowed; a stop.
+    pub fn incident(&self, control: &mut Control) -> Result<Vec<Complex32>, Error> {
+        let (count, transducers) = (self.elements.len(), self.transducers());
+        control.room("sound that meets the meshes", [transducers, count], bytes(8, &[count, transducers]))?;
+        let mut incident = vec![Complex32::ZERO; count * transducers];
+        let step = STEP * self.medium().wavelength();
+        let parts = incident.chunks_mut(transducers).zip(&self.elements).collect();
+        control.each(parts, &|(row, element): (&mut [Complex32], &Element), control| {
+            let beside = |by: f64| [0, 1, 2].map(|axis| element.center()[axis] + by * element.normal[axis]);
+            let sent = |i: usize, place| self.sources.iter().map(|sources| sources.exact(i, place)).sum::<Complex64>();
+            for (i, entry) in row.iter_mut().enumerate() {
+                let slope = (sent(i, beside(step)) - sent(i, beside(-step))) / (2.0 * step);
+                let met = sent(i, element.center()) + self.eta() * slope;
+                *entry = Complex32::new(met.re as f32, met.im as f32);
+            }
+            control.pulse()
+        })?;
+        Ok(incident)
+    }
+
+    /// j/k: what makes the equations well posed, and with k the best scaled (A. J. Burton and G. F. Miller).
+    fn eta(&self) -> Complex64 {
+        Complex64::new(0.0, 1.0 / self.medium().wavenumber())
+    }
+
+    /// What each element sends to a point for u = 1.
+    pub(crate) fn row(&self, point: [f64; 3], row: &mut Vec<Complex64>) {
+        let wave = self.medium().complex_wavenumber();
+        row.clear();
+        row.extend(self.elements.iter().map(|element| influence(wave, (point, None), element)));
+        for (sign, images) in &self.images {
+            let seen = images.iter().map(|element| *sign * influence(wave, (point, None), element));
+            row.iter_mut().zip(seen).for_each(|(sum, seen)| *sum += seen);
+        }
+    }
+
+    /// Refuses sound (E, N) that is not that of this boundary.
+    pub(crate) fn check_sound(&self, sound: &[Complex32]) -> Result<(), Error> {
+        let wanted = self.elements.len() * self.transducers();
+        if sound.len() != wanted {
+            let cure = format!("give {wanted}, one for each of {} elements and transducer", self.elements.len());
+            return Err(Error::invalid("sound", format!("{} numbers", sound.len()), cure));
+        }
+        if let Some(k) = sound.iter().position(|u| !(u.re.is_finite() && u.im.is_finite())) {
+            return Err(Error::invalid(format!("sound[{k}]"), sound[k], "give finite numbers"));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,247 @@
+//! Element: a flat triangle of a surface, on which the sound is constant, and what it sends.
+
+use core::f64::consts::PI;
+
+use num_complex::Complex64;
+
+use crate::math;
+use crate::scene::geometry::{cross, distance, dot, minus};
+use crate::scene::mesh::{Triangle, area_vector, halved};
+use crate::scene::{Mesh, Surface};
+
+/// Points and weights of a six-point rule on a triangle that is exact for polynomials of degree 4 (D. A. Dunavant, Int. J.
+/// Numer. Meth. Eng. 21, 1129, 1985): the share of two corners, that of the third, the weight.
+const RULE: [[f64; 3]; 2] = [
+    [0.445_948_490_915_965, 0.108_103_018_168_070, 0.223_381_589_678_011],
+    [0.091_576_213_509_771, 0.816_847_572_980_459, 0.109_951_743_655_322],
+];
+
+/// An element is near to a place within so many times its reach: two edges.
+const NEAR: f64 = 3.5;
+
+/// How often a near element is cut in four, at most: within an eighth of its edge it is beyond the rule.
+const MOST_CUTS: u32 = 3;
+
+/// Nodes of Gauss' rule on [-1, 1] and their weights, 8 of them.
+const GAUSS: [[f64; 2]; 4] = [
+    [0.183_434_642_495_649_8, 0.362_683_783_378_362],
+    [0.525_532_409_916_329, 0.313_706_645_877_887_3],
+    [0.796_666_477_413_626_7, 0.222_381_034_453_374_48],
+    [0.960_289_856_497_536_3, 0.101_228_536_290_376_26],
+];
+
+/// A flat triangle and the nodes of its integrals.
+#[derive(Clone, Copy, Debug)]
+struct Patch {
+    corners: Triangle,
+    center: [f64; 3],
+    /// The distance of its farthest corner from its middle.
+    reach: f64,
+    /// The nodes of [`RULE`], and their weights in m^2 over 4 pi.
+    nodes: [([f64; 3], f64); 6],
+}
+
+impl Patch {
+    fn new(corners: Triangle) -> Self {
+        let [a, b, c] = corners;
+        let center = [0, 1, 2].map(|axis| (a[axis] + b[axis] + c[axis]) / 3.0);
+        let twice = area_vector(corners);
+        let scale = 0.5 * math::sqrt(dot(twice, twice)) / (4.0 * PI);
+        let nodes = [0, 1, 2, 3, 4, 5].map(|k| {
+            let ([share, rest, weight], corner) = (RULE[k / 3], k % 3);
+            let shares = [0, 1, 2].map(|other| if other == corner { rest } else { share });
+            ([0, 1, 2].map(|axis| (0..3).map(|other| shares[other] * corners[other][axis]).sum()), weight * scale)
+        });
+        let reach = corners.iter().map(|&corner| distance(corner, center)).fold(0.0, f64::max);
+        Self { corners, center, reach, nodes }
+    }
+
+    fn quarters(&self) -> [Self; 4] {
+        let [a, b, c] = self.corners;
+        let [ab, bc, ca] = [[a, b], [b, c], [c, a]].map(|[p, q]| [0, 1, 2].map(|axis| 0.5 * (p[axis] + q[axis])));
+        [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]].map(Self::new)
+    }
+}
+
+/// A flat triangle with sound on it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Element {
+    patch: Patch,
+    /// Into the air.
+    pub(crate) normal: [f64; 3],
+    pub(crate) kind: Surface,
+}
+
+/// A place and, for the equation there, its normal and the factor of the derivative along it.
+pub(crate) type Place = ([f64; 3], Option<([f64; 3], Complex64)>);
+
+impl Element {
+    /// Those of a mesh, at most so large in m^2 and long in m.
+    pub(crate) fn all(mesh: &Mesh, [area, edge]: [f64; 2]) -> alloc::vec::Vec<Self> {
+        let mut all = alloc::vec::Vec::new();
+        for triangle in mesh.triangles() {
+            halved(triangle, area, edge, &mut |part| all.push(Self::new(part, mesh.kind())));
+        }
+        all
+    }
+
+    fn new(corners: Triangle, kind: Surface) -> Self {
+        let twice = area_vector(corners);
+        let length = math::sqrt(dot(twice, twice));
+        Self { patch: Patch::new(corners), normal: twice.map(|x| x / length), kind }
+    }
+
+    /// The same elsewhere.
+    pub(crate) fn moved(&self, place: impl Fn([f64; 3]) -> [f64; 3], direction: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
+        Self { patch: Patch::new(self.patch.corners.map(place)), normal: direction(self.normal), kind: self.kind }
+    }
+
+    /// Its middle.
+    pub(crate) fn center(&self) -> [f64; 3] {
+        self.patch.center
+    }
+
+    /// What the equation at its middle has beside its integrals: half of p, or half of j/k dp/dn.
+    pub(crate) fn jump(&self) -> Complex64 {
+        match self.kind {
+            Surface::Rigid => Complex64::new(0.5, 0.0),
+            Surface::Soft => Complex64::new(0.0, 0.5),
+        }
+    }
+
+    /// [`influence`] at its own middle, in closed form over the distance. Over a flat element
+    ///
+    /// ```text
+    /// int g dS = 1/(4 pi jk) int (e^{jkR} - 1) dtheta,   int d2g/dn2 dS = jk/2 - 1/(4 pi) int e^{jkR}/R dtheta
+    /// ```
+    ///
+    /// with R(theta) from the middle to the edge, the second by its finite part; the two others are 0.
+    pub(crate) fn own_influence(&self, wave: Complex64, eta: Complex64) -> Complex64 {
+        let turned = Complex64::I * wave;
+        let mut sum = Complex64::ZERO;
+        for k in 0..3 {
+            let [a, b] = [k, (k + 1) % 3].map(|corner| minus(self.patch.corners[corner], self.patch.center));
+            let side = minus(b, a);
+            let length = math::sqrt(dot(side, side));
+            let across = cross(a, b);
+            // The middle's distance from the side, and the angles from its foot to the corners.
+            let height = math::sqrt(dot(across, across)) / length;
+            let [first, last] = [a, b].map(|corner| math::atan2(dot(corner, side) / length, height));
+            for [node, weight] in GAUSS.into_iter().flat_map(|[node, weight]| [[-node, weight], [node, weight]]) {
+                let angle = 0.5 * (first + last) + 0.5 * (last - first) * node;
+                let reach = height / math::cos(angle);
+                let grown = phasor(turned * reach);
+                let value = match self.kind {
+                    Surface::Rigid => grown / reach,
+                    Surface::Soft => (grown - 1.0) / turned,
+                };
+                sum += value * (0.5 * (last - first) * weight / (4.0 * PI));
+            }
+        }
+        match self.kind {
+            Surface::Rigid => eta * (turned * 0.5 - sum),
+            Surface::Soft => -wave.re * sum,
+        }
+    }
+}
+
+/// What an element sends to another place for u = 1: of p, int dg/dn_y dS from a rigid one, -k int g dS from a soft one;
+/// with a normal at the place, a factor times the derivative along it more.
+pub(crate) fn influence(wave: Complex64, place: Place, element: &Element) -> Complex64 {
+    let sum = integral(wave, place, element, &element.patch, MOST_CUTS);
+    match element.kind {
+        Surface::Rigid => sum,
+        Surface::Soft => -wave.re * sum,
+    }
+}
+
+fn integral(wave: Complex64, place: Place, element: &Element, patch: &Patch, cuts: u32) -> Complex64 {
+    let away = distance(place.0, patch.center);
+    if cuts > 0 && away < NEAR * patch.reach {
+        return patch.quarters().iter().map(|part| integral(wave, place, element, part, cuts - 1)).sum();
+    }
+    let turned = Complex64::I * wave;
+    let at_center = phasor(turned * away);
+    // All nodes step by step: none waits for another.
+    let rays = patch.nodes.map(|(node, _)| minus(place.0, node));
+    let distances = rays.map(|ray| math::sqrt(dot(ray, ray)).max(1e-3 * patch.reach));
+    let phasors = near_phasors(turned, distances.map(|r| r - away));
+    let mut sum = Complex64::ZERO;
+    for k in 0..6 {
+        let near = 1.0 / distances[k];
+        let g = phasors[k] * (patch.nodes[k].1 * near);
+        sum += kernel(turned, (rays[k], near, g), place.1, element);
+    }
+    sum * at_center
+}
+
+/// g or dg/dn_y at a node, 1/`near` away along `ray`, and where it is asked for a factor times its derivative along n_x.
+fn kernel(
+    turned: Complex64,
+    (ray, near, g): ([f64; 3], f64, Complex64),
+    derivative: Option<([f64; 3], Complex64)>,
+    element: &Element,
+) -> Complex64 {
+    let slope = g * (turned - near);
+    let from = -dot(ray, element.normal) * near;
+    let Some((normal, factor)) = derivative else {
+        return match element.kind {
+            Surface::Rigid => slope * from,
+            Surface::Soft => g,
+        };
+    };
+    let to = dot(ray, normal) * near;
+    match element.kind {
+        Surface::Soft => g + factor * slope * to,
+        Surface::Rigid => {
+            let curve = slope * (turned - near) + g * (near * near);
+            let mixed = -(dot(normal, element.normal) + to * from) * near;
+            slope * from + factor * (curve * (to * from) + slope * mixed)
+        }
+    }
+}
+
+/// e^z.
+fn phasor(z: Complex64) -> Complex64 {
+    math::phasor(z.im) * math::exp(z.re)
+}
+
+/// e^{turned d} for distances d within an element, by Taylor's polynomials: six of them a call of the library.
+fn near_phasors(turned: Complex64, distances: [f64; 6]) -> [Complex64; 6] {
+    // To 1e-8 up to an angle of 2.5, half a wavelength across.
+    const TERMS: usize = 8;
+    let angles = distances.map(|d| turned.im * d);
+    let squares = angles.map(|angle| angle * angle);
+    let [mut cos, mut sin] = [[0.0; 6]; 2];
+    for term in (0..TERMS).rev() {
+        let [even, odd] = [TAYLOR[2 * term], TAYLOR[2 * term + 1]];
+        for k in 0..6 {
+            cos[k] = cos[k] * squares[k] + even;
+            sin[k] = sin[k] * squares[k] + odd;
+        }
+    }
+    core::array::from_fn(|k| {
+        let x = turned.re * distances[k];
+        let grown = 1.0 + x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x / 24.0)));
+        Complex64::new(cos[k] * grown, angles[k] * sin[k] * grown)
+    })
+}
+
+/// Coefficients of the cosine and, one after each, of the sine over its argument: 1/n! with their signs.
+const TAYLOR: [f64; 16] = {
+    let mut terms = [1.0; 16];
+    let mut n = 1;
+    while n < 16 {
+        terms[n] = terms[n - 1] / n as f64;
+        n += 1;
+    }
+    let mut pair = 1;
+    while pair < 8 {
+        if pair % 2 == 1 {
+            terms[2 * pair] = -terms[2 * pair];
+            terms[2 * pair + 1] = -terms[2 * pair + 1];
+        }
+        pair += 1;
+    }
+    terms
+};

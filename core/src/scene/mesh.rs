@@ -1,0 +1,202 @@
+//! Mesh: a closed surface of triangles, checked once.
+
+use alloc::collections::BTreeMap;
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+
+use crate::error::Error;
+use crate::math;
+use crate::scene::array::vector;
+use crate::scene::geometry::{bounds, cross, distance, dot, minus};
+use crate::scene::surface::Surface;
+
+/// A triangle by its corners, counterclockwise as seen from the air.
+pub(crate) type Triangle = [[f64; 3]; 3];
+
+/// A body that waves cannot enter, by a closed surface of triangles: a hand, a cup, anything that a modeller writes.
+///
+/// ```
+/// use midair::{Mesh, Surface};
+///
+/// // A tetrahedron of 20 mm; each face is counterclockwise as seen from outside.
+/// let corners = vec![[0.0, 0.0, 0.1], [0.02, 0.0, 0.1], [0.0, 0.02, 0.1], [0.0, 0.0, 0.12]];
+/// let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+/// let mesh = Mesh::new(corners.clone(), faces.clone(), Surface::Rigid)?;
+/// assert!((mesh.volume() - 0.02_f64.powi(3) / 6.0).abs() < 1e-18);
+/// assert!(Mesh::new(corners, faces[1..].to_vec(), Surface::Rigid).is_err());
+/// # Ok::<(), midair::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    vertices: Vec<[f64; 3]>,
+    faces: Vec<[u32; 3]>,
+    kind: Surface,
+    bounds: [[f64; 2]; 3],
+    volume: f64,
+}
+
+impl Mesh {
+    /// A surface of `vertices` (V, 3) in m and `faces` (F, 3), each three indices of vertices, counterclockwise as seen from
+    /// outside.
+    ///
+    /// # Errors
+    /// No face, an index beyond the vertices, numbers that are not finite, a face of no area; a hole, an edge of more than
+    /// two faces, faces that do not agree on the outside, or a surface turned inside out.
+    pub fn new(vertices: Vec<[f64; 3]>, faces: Vec<[u32; 3]>, kind: Surface) -> Result<Self, Error> {
+        for (v, vertex) in vertices.iter().enumerate() {
+            vector(&format!("mesh.vertices[{v}]"), vertex)?;
+        }
+        if faces.is_empty() {
+            return Err(Error::invalid("mesh.faces", "empty", "give triangles, three indices of vertices each"));
+        }
+        let name = |f: usize| format!("mesh.faces[{f}]");
+        for (f, face) in faces.iter().enumerate() {
+            if face.iter().any(|&v| v as usize >= vertices.len()) {
+                let cure = format!("give indices below the {} vertices", vertices.len());
+                return Err(Error::invalid(name(f), format!("{face:?}"), cure));
+            }
+        }
+        closed(&faces, name)?;
+        let bounds = bounds(&vertices);
+        let mut mesh = Self { vertices, faces, kind, bounds, volume: 0.0 };
+        for (f, triangle) in mesh.triangles().enumerate() {
+            let twice = area_vector(triangle);
+            if dot(twice, twice) == 0.0 {
+                return Err(Error::invalid(name(f), format!("{:?}", mesh.faces[f]), "it has no area: leave it out"));
+            }
+        }
+        // Of the divergence theorem, about a corner so that rounding stays small.
+        let origin = mesh.vertices[0];
+        mesh.volume = mesh
+            .triangles()
+            .map(|[a, b, c]| dot(minus(a, origin), cross(minus(b, origin), minus(c, origin))) / 6.0)
+            .sum();
+        if mesh.volume <= 0.0 {
+            let value = format!("inside out (volume {:.3e} m^3)", mesh.volume);
+            return Err(Error::invalid("mesh", value, "swap two corners of every face: faces[:, ::-1]"));
+        }
+        Ok(mesh)
+    }
+
+    /// The vertices (V, 3) in m.
+    #[must_use]
+    pub fn vertices(&self) -> &[[f64; 3]] {
+        &self.vertices
+    }
+
+    /// The faces (F, 3), three indices of vertices each.
+    #[must_use]
+    pub fn faces(&self) -> &[[u32; 3]] {
+        &self.faces
+    }
+
+    /// What the surface does.
+    #[must_use]
+    pub fn kind(&self) -> Surface {
+        self.kind
+    }
+
+    /// What it encloses, in m^3.
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        self.volume
+    }
+
+    /// Its triangles.
+    pub(crate) fn triangles(&self) -> impl Iterator<Item = Triangle> + Clone {
+        self.faces.iter().map(|face| face.map(|v| self.vertices[v as usize]))
+    }
+
+    /// The lowest and highest coordinate along each axis.
+    pub(crate) fn bounds(&self) -> [[f64; 2]; 3] {
+        self.bounds
+    }
+
+    /// Its size along each axis in m.
+    pub(crate) fn extent(&self) -> [f64; 3] {
+        self.bounds.map(|[low, high]| high - low)
+    }
+
+    /// The distance in m of a place from its surface.
+    pub(crate) fn distance(&self, place: [f64; 3]) -> f64 {
+        self.triangles().map(|triangle| away(triangle, place)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether a place is inside: the faces' solid angles there add up to 4 pi.
+    pub(crate) fn contains(&self, place: [f64; 3]) -> bool {
+        if (0..3).any(|axis| place[axis] < self.bounds[axis][0] || place[axis] > self.bounds[axis][1]) {
+            return false;
+        }
+        let angles: f64 = self.triangles().map(|corners| solid_angle(corners.map(|corner| minus(corner, place)))).sum();
+        angles > core::f64::consts::TAU
+    }
+}
+
+/// Refuses a surface with a hole, and faces of which one is turned against another.
+fn closed(faces: &[[u32; 3]], name: impl Fn(usize) -> String) -> Result<(), Error> {
+    // Each edge is gone along once in either direction.
+    let mut edges: BTreeMap<[u32; 2], usize> = BTreeMap::new();
+    for (f, &[a, b, c]) in faces.iter().enumerate() {
+        for edge in [[a, b], [b, c], [c, a]] {
+            if let Some(other) = edges.insert(edge, f) {
+                let value = format!("turned against faces[{other}], or doubles its edge {edge:?}");
+                let cure = "list the corners of each face counterclockwise as seen from outside, each face once";
+                return Err(Error::invalid(name(f), value, cure));
+            }
+        }
+    }
+    for ([a, b], f) in &edges {
+        if !edges.contains_key(&[*b, *a]) {
+            let value = format!("beside a hole, along its edge [{a}, {b}]");
+            let cure = "close the surface, or merge vertices that are the same: waves would leak into it";
+            return Err(Error::invalid(name(*f), value, cure));
+        }
+    }
+    Ok(())
+}
+
+/// Twice the area, along the normal.
+pub(crate) fn area_vector([a, b, c]: Triangle) -> [f64; 3] {
+    cross(minus(b, a), minus(c, a))
+}
+
+/// Triangles of at most `area` whose edges are at most `edge` long: others are halved across their longest edge.
+pub(crate) fn halved(triangle: Triangle, area: f64, edge: f64, each: &mut impl FnMut(Triangle)) {
+    let [a, b, c] = triangle;
+    let lengths = [distance(a, b), distance(b, c), distance(c, a)];
+    let longest = (0..3).fold(0, |best, k| if lengths[k] > lengths[best] { k } else { best });
+    let twice = area_vector(triangle);
+    if lengths[longest] <= edge && 0.5 * math::sqrt(dot(twice, twice)) <= area {
+        return each(triangle);
+    }
+    let [p, q, r] = [0, 1, 2].map(|k| triangle[(longest + k) % 3]);
+    let middle = [0, 1, 2].map(|axis| 0.5 * (p[axis] + q[axis]));
+    halved([p, middle, r], area, edge, each);
+    halved([middle, q, r], area, edge, each);
+}
+
+/// The distance of a place from a triangle.
+fn away([a, b, c]: Triangle, place: [f64; 3]) -> f64 {
+    let normal = area_vector([a, b, c]);
+    let inner = [[a, b], [b, c], [c, a]]
+        .iter()
+        .all(|[from, to]| dot(cross(minus(*to, *from), minus(place, *from)), normal) >= 0.0);
+    if inner {
+        return (dot(minus(place, a), normal) / math::sqrt(dot(normal, normal))).abs();
+    }
+    let edge = |[from, to]: [[f64; 3]; 2]| {
+        let along = minus(to, from);
+        let part = (dot(minus(place, from), along) / dot(along, along)).clamp(0.0, 1.0);
+        distance(place, [0, 1, 2].map(|axis| from[axis] + part * along[axis]))
+    };
+    [[a, b], [b, c], [c, a]].map(edge).into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// The solid angle of a triangle as seen from the origin, above 0 from behind (A. Van Oosterom and J. Strackee, "The solid
+/// angle of a plane triangle", IEEE Trans. Biomed. Eng. 30, 125, 1983).
+fn solid_angle([a, b, c]: Triangle) -> f64 {
+    let [x, y, z] = [a, b, c].map(|corner| math::sqrt(dot(corner, corner)));
+    let across = x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y;
+    2.0 * math::atan2(dot(a, cross(b, c)), across)
+}

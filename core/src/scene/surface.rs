@@ -1,0 +1,30 @@
+//! Surface: what that of an obstacle does to a wave.
+
+use crate::scene::value::words;
+
+/// Metres that count as none beside an obstacle's surface.
+pub(crate) const ON: f64 = 1e-9;
+
+/// What a surface does to a wave.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[allow(clippy::exhaustive_enums, reason = "the two ideal surfaces")]
+pub enum Surface {
+    /// The air cannot move across it: dp/dn = 0. Solids in air.
+    #[default]
+    Rigid,
+    /// It gives way: p = 0 (pressure-release).
+    Soft,
+}
+
+words!(Surface: "rigid" = Surface::Rigid, "soft" = Surface::Soft);
+
+impl Surface {
+    /// "rigid" or "soft".
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rigid => "rigid",
+            Self::Soft => "soft",
+        }
+    }
+}

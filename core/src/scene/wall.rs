@@ -1,0 +1,93 @@
+//! Walls: obstacles that are planes without end, as mirrors that face the array.
+
+use alloc::format;
+
+use crate::error::Error;
+use crate::math;
+use crate::scene::array::vector;
+use crate::scene::geometry::dot;
+use crate::scene::surface::{ON, Surface};
+use crate::scene::{Array, Medium};
+
+/// Cosines that rounding leaves of a right angle.
+const SQUARE: f64 = 1e-6;
+
+/// A reflecting plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Mirror {
+    point: [f64; 3],
+    normal: [f64; 3],
+    pub(crate) kind: Surface,
+}
+
+impl Mirror {
+    /// Metres in front of it.
+    pub(crate) fn height(&self, place: [f64; 3]) -> f64 {
+        dot([0, 1, 2].map(|x| place[x] - self.point[x]), self.normal)
+    }
+
+    /// The image of a place.
+    pub(crate) fn place(&self, place: [f64; 3]) -> [f64; 3] {
+        let height = self.height(place);
+        [0, 1, 2].map(|x| place[x] - 2.0 * height * self.normal[x])
+    }
+
+    /// The image of a direction.
+    pub(crate) fn direction(&self, direction: [f64; 3]) -> [f64; 3] {
+        let along = dot(direction, self.normal);
+        [0, 1, 2].map(|x| direction[x] - 2.0 * along * self.normal[x])
+    }
+}
+
+/// A wall as a mirror that faces the array.
+pub(crate) fn mirror(
+    item: &str,
+    (point, normal, kind): ([f64; 3], [f64; 3], Surface),
+    array: &Array,
+    medium: Medium,
+) -> Result<Mirror, Error> {
+    vector(&format!("{item}.point"), &point)?;
+    vector(&format!("{item}.normal"), &normal)?;
+    let largest = normal.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    if largest == 0.0 {
+        return Err(Error::invalid(
+            format!("{item}.normal"),
+            format!("{normal:?}"),
+            "give the direction the wall faces",
+        ));
+    }
+    let scaled = normal.map(|x| x / largest);
+    let length = math::sqrt(dot(scaled, scaled));
+    let mut mirror = Mirror { point, normal: scaled.map(|x| x / length), kind };
+    if mirror.height(array.centre()) < -ON {
+        mirror.normal = mirror.normal.map(|x| -x);
+    }
+    if let Some(i) = array.positions().iter().position(|&position| mirror.height(position) < -ON) {
+        let cure = format!("it crosses the array, transducer {i} is behind it: move the wall or the array");
+        return Err(Error::invalid(item, format!("a wall through {point:?}"), cure));
+    }
+    let far = 2.0 * mirror.height(array.centre());
+    let most = super::extent::reach(medium);
+    if far > most {
+        let cure = format!("leave it out or bring it within {:.3e} m", 0.5 * most);
+        return Err(Error::invalid(item, format!("{:.3e} m from the array", 0.5 * far), cure));
+    }
+    Ok(mirror)
+}
+
+/// Refuses two walls whose images would not do.
+pub(crate) fn compatible((k, own): (usize, &Mirror), (other, before): (usize, &Mirror)) -> Result<(), Error> {
+    let cosine = dot(own.normal, before.normal);
+    if cosine.abs() > SQUARE && cosine.abs() < 1.0 - SQUARE {
+        let angle = math::acos(cosine).to_degrees();
+        let cure = format!(
+            "walls are parallel or at right angles, images are right for no others: turn it to obstacles[{other}]"
+        );
+        return Err(Error::invalid(format!("obstacles[{k}].normal"), format!("turned by {angle:.3} degrees"), cure));
+    }
+    if cosine > 0.5 {
+        let cure = format!("obstacles[{other}] is parallel to it, one hides the other: leave one out");
+        return Err(Error::invalid(format!("obstacles[{k}]"), "a wall on the same side", cure));
+    }
+    Ok(())
+}

@@ -1,0 +1,1 @@
+"""Meshes: files of modellers, and the sound on their surfaces."""

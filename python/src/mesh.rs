@@ -1,0 +1,192 @@
+//! `midair.Mesh`, and its boundary as Python solves it.
+
+use std::hash::{Hash, Hasher};
+use std::sync::Arc;
+
+use midair::{Complex32, Model, Obstacle};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::bodies::surface;
+use crate::ctrl_c::attend;
+use crate::error::{invalid, refused};
+use crate::give::rows;
+use crate::limits;
+use crate::numbers::{Numbers, numbers, told};
+use crate::pickle::{Reduced, restored};
+use crate::read;
+
+/// A body of any shape, of a scene's `obstacles`: vertices (V, 3) in m and faces (F, 3), three indices of vertices each,
+/// counterclockwise as seen from outside; the surface is closed.
+///
+/// kind is "rigid" (a solid) or "soft" (it gives way, p = 0). The sound on its surface is solved by boundary elements, once
+/// for an array, by the extra midair[mesh]. `Mesh.from_file` reads files of modellers.
+///
+/// >>> import midair
+/// >>> corners = [[0, 0, 0.1], [0.02, 0, 0.1], [0, 0.02, 0.1], [0, 0, 0.12]]
+/// >>> midair.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+/// <midair.Mesh of 4 faces, 20 x 20 x 20 mm, rigid>
+#[pyclass(frozen, eq, hash, module = "midair")]
+#[derive(Clone)]
+pub(crate) struct Mesh {
+    pub(crate) inner: Arc<midair::Mesh>,
+}
+
+impl PartialEq for Mesh {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.inner, &other.inner) || self.inner == other.inner
+    }
+}
+
+impl Hash for Mesh {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        (self.inner.faces(), self.inner.volume().to_bits()).hash(state);
+    }
+}
+
+#[pymethods]
+impl Mesh {
+    #[new]
+    #[pyo3(signature = (vertices, faces, kind="rigid"))]
+    fn new(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>, kind: &str) -> PyResult<Self> {
+        let kind = surface("mesh.kind", kind)?;
+        Self::of(read::vectors("mesh.vertices", vertices)?, indices(faces)?, kind)
+    }
+
+    /// A file of a modeller: .stl, .obj, .ply, .off, .glb and what else trimesh reads (the extra midair[mesh]).
+    ///
+    /// scale is the metres of its unit, 1e-3 of a file in millimetres; offset (3,) in m is added then.
+    #[staticmethod]
+    #[pyo3(signature = (path, *, scale=None, offset=None, kind="rigid"))]
+    fn from_file(
+        py: Python<'_>,
+        path: &Bound<'_, PyAny>,
+        scale: Option<&Bound<'_, PyAny>>,
+        offset: Option<&Bound<'_, PyAny>>,
+        kind: &str,
+    ) -> PyResult<Self> {
+        let kind = surface("kind", kind)?;
+        let scale = read::real_or("scale", scale, 1.0)?;
+        let offset = offset.map_or(Ok([0.0; 3]), |offset| read::place("offset", offset))?;
+        let read = py.import("midair.meshes.model")?.call_method1("read", (path, scale, offset))?;
+        let (vertices, faces): (Bound<'_, PyAny>, Bound<'_, PyAny>) = read.extract()?;
+        Self::of(read::vectors("mesh.vertices", &vertices)?, indices(&faces)?, kind)
+    }
+
+    /// The vertices (V, 3) in m.
+    #[getter]
+    fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        rows(py, self.inner.vertices())
+    }
+
+    /// The faces (F, 3), three indices of vertices each.
+    #[getter]
+    fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        let flat = PyArray1::from_slice(py, self.inner.faces().as_flattened());
+        flat.reshape([self.inner.faces().len(), 3])
+    }
+
+    /// "rigid" or "soft".
+    #[getter]
+    fn kind(&self) -> &'static str {
+        self.inner.kind().name()
+    }
+
+    /// What it encloses, in m^3.
+    #[getter]
+    fn volume(&self) -> f64 {
+        self.inner.volume()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        restored::<Self>(py, (self.vertices(py)?, self.faces(py)?, self.kind()))
+    }
+
+    #[staticmethod]
+    fn _restore(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>, kind: &str) -> PyResult<Self> {
+        Self::new(vertices, faces, kind)
+    }
+
+    fn __repr__(&self) -> String {
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for vertex in self.inner.vertices() {
+            (low, high) = ([0, 1, 2].map(|x| vertex[x].min(low[x])), [0, 1, 2].map(|x| vertex[x].max(high[x])));
+        }
+        let [x, y, z] = [0, 1, 2].map(|axis| 1e3 * (high[axis] - low[axis]));
+        format!("<midair.Mesh of {} faces, {x:.0} x {y:.0} x {z:.0} mm, {}>", self.inner.faces().len(), self.kind())
+    }
+}
+
+impl Mesh {
+    fn of(vertices: Vec<[f64; 3]>, faces: Vec<[u32; 3]>, kind: midair::Surface) -> PyResult<Self> {
+        Ok(Self { inner: Arc::new(midair::Mesh::new(vertices, faces, kind).map_err(refused)?) })
+    }
+}
+
+/// Faces (F, 3).
+#[allow(clippy::cast_sign_loss, reason = "below 0 is asked before")]
+pub(crate) fn indices(value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
+    let (item, cure) = ("mesh.faces", "give whole numbers of shape (F, 3), indices of vertices");
+    let Numbers { values, shape } = numbers::<f64>(item, value, "iu", cure)?;
+    match shape[..] {
+        _ if values.is_empty() => Ok(Vec::new()),
+        [_, 3] => {
+            // What is below 0 or beyond is named by the core as a face: -1 becomes the largest index.
+            Ok(values
+                .as_chunks()
+                .0
+                .iter()
+                .map(|face| face.map(|v| if v < 0.0 { u32::MAX } else { v as u32 }))
+                .collect())
+        }
+        _ => Err(invalid(item, &told(&shape), cure)),
+    }
+}
+
+/// The boundary of a scene's meshes: equations whose solution is the sound on their elements.
+#[pyclass(frozen, module = "midair._midair")]
+pub(crate) struct Boundary {
+    inner: Arc<midair::Boundary>,
+}
+
+#[pymethods]
+impl Boundary {
+    /// Elements E and transducers N.
+    #[getter]
+    fn shape(&self) -> (usize, usize) {
+        (self.inner.elements(), self.inner.transducers())
+    }
+
+    /// What the sound depends on, to be hashed.
+    fn content<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.inner.content())
+    }
+
+    /// The equations' matrix (E, E).
+    fn matrix<'py>(&self, py: Python<'py>, progress: Option<Py<PyAny>>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
+        let threads = limits::threads(py)?;
+        let matrix = attend(py, progress, |control| self.inner.matrix(&mut control.on(threads)))?;
+        PyArray1::from_vec(py, matrix).reshape([self.inner.elements(); 2])
+    }
+
+    /// Their right-hand sides (E, N).
+    fn incident<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
+        let threads = limits::threads(py)?;
+        let incident = attend(py, None, |control| self.inner.incident(&mut control.on(threads)))?;
+        PyArray1::from_vec(py, incident).reshape([self.inner.elements(), self.inner.transducers()])
+    }
+}
+
+/// A model behind obstacles; where there are meshes among them, Python solves their boundary.
+pub(crate) fn behind(py: Python<'_>, model: &Model, obstacles: &[Obstacle]) -> PyResult<Model> {
+    if !obstacles.iter().any(|obstacle| matches!(obstacle, Obstacle::Mesh(_))) {
+        return model.clone().with_obstacles(obstacles).map_err(refused);
+    }
+    let boundary = midair::Boundary::new(model.array(), model.medium(), obstacles.to_vec()).map_err(refused)?;
+    let boundary = Arc::new(boundary);
+    let handle = Bound::new(py, Boundary { inner: Arc::clone(&boundary) })?;
+    let sound = py.import("midair.meshes.boundary")?.call_method1("sound", (handle,))?;
+    let sound: PyReadonlyArray2<'_, Complex32> = sound.extract()?;
+    model.clone().with_sound(boundary, sound.as_slice()?).map_err(refused)
+}
