@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._midair import Array, Scene, SceneError, SceneWarning
-from ..shape.arguments import number, refused
+from ..shape.arguments import callback, number, refused
 from .arguments import drives_of, indices_of, readings_of
 from .fit import Fitted, fit
 from .model import LOUDNESS, Complex, Model, Priors, Real
@@ -69,6 +69,7 @@ def calibrate(
     given = scene_or_array
     if not isinstance(given, Array | Scene):
         raise refused("scene_or_array", given, "give a midair.Scene or a midair.Array")
+    callback(progress, "step, steps")
     scene = _scene(given, microphones)
     array = scene.array
     places = scene.points if microphones is None else _places(microphones)

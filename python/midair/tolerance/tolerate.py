@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .._midair import Scene, SceneError, judge, solve
-from ..shape.arguments import whole
+from ..shape.arguments import callback, whole
 from ..sweep.engine import Arrays, Job, Settings, Stopped, go_on, run
 from .faults import faulty, sizes
 from .table import TOGETHER, Kept, Tolerance
@@ -66,6 +66,7 @@ def tolerate(
     >>> bool(0.9 < table["dead"].level.mean() < 1.0)
     True
     """
+    callback(progress, "trials done, trials")
     found = Trials(
         scene,
         solver,

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Array, Scene, SceneError, SceneWarning, Solution, solve
-from ..shape.arguments import flag, refused, whole, word
+from ..shape.arguments import callback, flag, refused, whole, word
 from .feedback import feedback
 from .greedy import greedy
 from .player import Drive, Ended, Player, Read, Real, Unreadable
@@ -66,6 +66,8 @@ def tune(
         raise refused("method", method, f"give one of {', '.join(METHODS)}")
     if not isinstance(array_or_scene, Array | Scene):
         raise refused("array_or_scene", array_or_scene, "give a midair.Scene or a midair.Array")
+    callback(progress, "readings, of how many")
+    seed = whole("seed", seed, least=0)
     scene = array_or_scene if isinstance(array_or_scene, Scene) else None
     array = scene.array if scene is not None else array_or_scene
     assert isinstance(array, Array)
