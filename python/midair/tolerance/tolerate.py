@@ -9,10 +9,13 @@ from typing import Any
 import numpy as np
 
 from .._midair import Scene, SceneError, judge, solve
-from ..shape.arguments import callback, whole
+from ..shape.arguments import callback, refused, whole
 from ..sweep.engine import Arrays, Job, Settings, Stopped, go_on, run
 from .faults import faulty, sizes
 from .table import TOGETHER, Kept, Tolerance
+
+#: Trials at most: means and quantiles are then known to a thousandth of their spread, after minutes to hours.
+MOST_TRIALS = 1_000_000
 
 #: Trials of a job: few enough that a stop loses little.
 SIZE = 10
@@ -106,6 +109,8 @@ class Trials:
             raise TypeError(f"expected a midair.Scene first, not {type(scene).__qualname__}")
         self._faults = sizes(**faults)
         self._trials = whole("trials", trials, least=1)
+        if self._trials > MOST_TRIALS:
+            raise refused("trials", trials, f"give at most {MOST_TRIALS}")
         self._seed = whole("seed", seed, least=0)
         self._solution = solve(scene, solver, **options)
         if not self._solution.metrics.level:
