@@ -58,7 +58,8 @@ def tune(
     progress : called with (readings, of how many) before each; False stops
 
     The best drive found is kept, whatever ends the work: Ctrl-C or progress (status "stopped"), the budget
-    ("out_of_readings"), an error of `read` ("failed", `error`, and a SceneWarning that tells of it).
+    ("out_of_readings"), an error of `read` ("failed", `error`, and a SceneWarning that tells of it). A place
+    that gives 0, or the same, in all readings has a SceneWarning, too.
     """
     if not callable(read):
         raise refused("read", read, "give a function of a drive (N,) that answers |p| (M,)")
@@ -105,6 +106,8 @@ def tune(
             SceneWarning,
             stacklevel=2,
         )
+    if deaf := player.deaf():
+        warnings.warn(deaf, SceneWarning, stacklevel=2)
     best, played, pressures = player.best
     return Tuning(played, pressures, best, player.readings, status, error, np.array(player.trace))
 
