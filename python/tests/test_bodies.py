@@ -259,6 +259,21 @@ def test_files_of_modellers(tmp_path: Path) -> None:
         assert "\n" not in str(refusal.value)
     with pytest.raises(midair.SceneError, match="scale is 0"):
         midair.Mesh.from_file(tmp_path / "ball.stl", scale=0)
+    # Seams of a texture, and a face without area: the surface is closed all the same.
+    corners = [f"v {x} {y} {z}" for x, y, z in vertices] + [f"vt 0.{k} 0.5" for k in range(3 * len(faces))]
+    seams = [
+        "f " + " ".join(f"{v + 1}/{3 * k + c + 1}" for c, v in enumerate(face))
+        for k, face in enumerate(faces)
+    ]
+    (tmp_path / "seams.obj").write_text("\n".join([*corners, *seams, "f 1/1 1/2 2/3"]) + "\n")
+    assert len(midair.Mesh.from_file(tmp_path / "seams.obj", scale=1e-3).faces) == 80
+    (tmp_path / "half.stl").write_bytes((tmp_path / "ball.stl").read_bytes()[:1000])
+    for name, told in [
+        ("", "it is a folder"),
+        ("half.stl", "trimesh cannot read it .*, export it again, as .stl"),
+    ]:
+        with pytest.raises(midair.SceneError, match=told):
+            midair.Mesh.from_file(tmp_path / name)
     # In millimetres taken as metres.
     big = midair.Mesh.from_file(tmp_path / "ball.stl", offset=[0, 0, 20])
     with pytest.raises(midair.SceneError, match=r"obstacles\[0\] is \d+ elements .*; a file in mm wants"):

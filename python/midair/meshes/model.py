@@ -11,11 +11,14 @@ from numpy.typing import NDArray
 from .._midair import SceneError
 from ..shape.arguments import number, path_of, refused
 
+#: Formats that modellers write and trimesh reads without further packages.
+ENDINGS = (".stl", ".obj", ".ply", ".off", ".glb")
+
 
 def read(
     path: str | os.PathLike[str], scale: float = 1.0, offset: Any = (0.0, 0.0, 0.0)
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Vertices (V, 3) in m and faces (F, 3), all bodies of the file together.
+    """Vertices (V, 3) in m, each place once, and faces (F, 3), all bodies of the file together.
 
     scale : metres of the file's unit
     offset : what is added then (3,), in m
@@ -29,17 +32,26 @@ def read(
     file = path_of("path", path)
     trimesh = library()
     if not file.is_file():
-        raise SceneError(f'path is "{file}": there is no such file')
+        told = "it is a folder, device or pipe, give a file" if file.exists() else "there is no such file"
+        raise SceneError(f'path is "{file}": {told}')
     try:
-        # Corners that are the same place are one vertex from then on: .stl lists each face's own.
-        found = trimesh.load(file, force="mesh", process=True)
-    except KeyboardInterrupt:
+        found = trimesh.load(file, force="mesh", process=False)
+        if not len(getattr(found, "faces", ())):
+            raise SceneError(f'path is "{file}": it has no faces, give a surface')
+        if not np.isfinite(found.vertices).all():
+            raise SceneError(f'path is "{file}": it has vertices that are no finite numbers, export it again')
+        # .stl lists the corners of each face anew, .obj and .glb those with a texture's or normal's seam.
+        found.merge_vertices(merge_tex=True, merge_norm=True)
+    except (KeyboardInterrupt, SceneError):
         raise
     except BaseException as error:
-        raise SceneError(f'path is "{file}": trimesh cannot read it ({one_line(error)})') from None
-    if not len(getattr(found, "faces", ())):
-        raise SceneError(f'path is "{file}": it has no faces, give a surface')
-    return np.asarray(found.vertices, float) * scale + away, np.asarray(found.faces, np.int64)
+        cure = f"export it again, as {', '.join(ENDINGS[:-1])} or {ENDINGS[-1]}"
+        raise SceneError(f'path is "{file}": trimesh cannot read it ({reason(error)}), {cure}') from None
+    vertices, faces = np.asarray(found.vertices, float), np.asarray(found.faces, np.int64)
+    # Faces two of whose corners have become one have no area, and their neighbours meet without them.
+    faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
+    with np.errstate(over="ignore"):
+        return vertices * scale + away, faces
 
 
 def library() -> Any:
@@ -51,6 +63,9 @@ def library() -> Any:
     return trimesh
 
 
-def one_line(error: BaseException) -> str:
+def reason(error: BaseException) -> str:
     """What an error says, in a line."""
+    if isinstance(error, ImportError) and isinstance(error.__context__, UnicodeError):
+        # Of bytes that are no text, trimesh says that a package is missing which would guess their letters.
+        error = error.__context__
     return " ".join(f"{type(error).__name__}: {error}".split())
