@@ -11,6 +11,9 @@ use crate::scene::array::vector;
 use crate::scene::geometry::{bounds, cross, distance, dot, minus};
 use crate::scene::surface::Surface;
 
+/// What to do with a face whose corners lie on a line.
+const FLAT: &str = "it has no area: leave it out";
+
 /// A triangle by its corners, counterclockwise as seen from the air.
 pub(crate) type Triangle = [[f64; 3]; 3];
 
@@ -56,6 +59,9 @@ impl Mesh {
                 let cure = format!("give indices below the {} vertices", vertices.len());
                 return Err(Error::invalid(name(f), format!("{face:?}"), cure));
             }
+            if face[0] == face[1] || face[1] == face[2] || face[2] == face[0] {
+                return Err(Error::invalid(name(f), format!("{face:?}"), FLAT));
+            }
         }
         closed(&faces, name)?;
         let bounds = bounds(&vertices);
@@ -63,7 +69,7 @@ impl Mesh {
         for (f, triangle) in mesh.triangles().enumerate() {
             let twice = area_vector(triangle);
             if dot(twice, twice) == 0.0 {
-                return Err(Error::invalid(name(f), format!("{:?}", mesh.faces[f]), "it has no area: leave it out"));
+                return Err(Error::invalid(name(f), format!("{:?}", mesh.faces[f]), FLAT));
             }
         }
         // Of the divergence theorem, about a corner so that rounding stays small.

@@ -165,6 +165,10 @@ impl Obstacles {
             if count > MOST_ELEMENTS {
                 let [x, y, z] = mesh.extent();
                 let value = format!("{count:.0} elements ({x:.3} x {y:.3} x {z:.3} m, {} faces)", mesh.faces().len());
+                if mesh.faces().len() as f64 > MOST_ELEMENTS {
+                    let cure = format!("reduce it to {MOST_ELEMENTS:.0} faces or fewer, in a modeller");
+                    return Err(Error::invalid(format!("obstacles[{k}]"), value, cure));
+                }
                 let cure = format!(
                     "give a smaller or coarser one, up to {MOST_ELEMENTS:.0} elements of {area:.1e} m^2; a file in mm wants scale 1e-3"
                 );
