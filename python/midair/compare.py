@@ -189,6 +189,9 @@ def compare(
 
 def growing(scene: Scene | Propagation, solvers: Solvers, **asked: Any) -> Iterator[Comparison]:
     """The comparison after each solver, so that whoever is interrupted has what was solved before."""
+    if not isinstance(scene, Scene | Propagation):
+        kinds = "midair.Scene or midair.Propagation"
+        raise TypeError(f"expected a {kinds} first, not {type(scene).__qualname__}")
     entries = choices(scene, solvers)
     asked = {key: value for key, value in asked.items() if value is not None}
     beside = {key: asked[key] for key in ("pressures", "weights", "mask") if key in asked}

@@ -120,7 +120,8 @@ def exposure(
 
     drive : (N,), a Solution, or a Sequence of the scene's array, of which each place gets its loudest frame,
         at rest
-    places : by name a position (3,) in m, a box as two corners (2, 3), or a `midair.Ear`, which is its box
+    places : by name a position (3,) in m, a box as two corners (2, 3), or a `midair.Ear`, which is its box;
+        positions lambda/100 at least from every transducer, boxes lambda
     limit : "howard" (110 dB), "acgih" (115), "acgih air" (145), "irpa" (100), or a level in dB
 
     SPL = 20 log10(|p|/sqrt(2)/20 uPa) of a steady wave. A box is sampled every eighth of a wavelength and
@@ -145,8 +146,8 @@ def exposure(
     found = []
     for name, (low, high) in boxes.items():
         place = low
+        _keep_off(scene, name, low, high)
         if (high > low).any():
-            _keep_off(scene, name, low, high)
             place, _ = loudest(name, low, high, scene.wavelength, levels)
         (there,) = np.concatenate(list(blocks(place[None])))
         frame = int(there.argmax())
@@ -177,13 +178,17 @@ def _boxes(places: Any) -> dict[str, tuple[Points, Points]]:
 
 
 def _keep_off(scene: Scene, name: str, low: Points, high: Points) -> None:
-    """Refuse a box so near to a transducer that the loudest place is the transducer's own."""
+    """Refuse a box whose loudest place is a transducer's own, and a position where |p| is not known."""
     positions = scene.array.positions
-    nearest = float(np.linalg.norm(positions - positions.clip(low, high), axis=1).min())
-    if nearest < scene.wavelength:
+    away = np.linalg.norm(positions - positions.clip(low, high), axis=1)
+    nearest = int(away.argmin())
+    box = (high > low).any()
+    least = scene.wavelength if box else scene.wavelength / 100
+    if away[nearest] < least:
+        kind, apart = ("a box ", "a wavelength") if box else ("", "a hundredth of a wavelength")
         raise SceneError(
-            f'places["{name}"] is a box {1e3 * nearest:.2g} mm from a transducer: give one at least'
-            f" a wavelength away, {1e3 * scene.wavelength:.2g} mm"
+            f'places["{name}"] is {kind}{1e3 * away[nearest]:.2g} mm from transducer {nearest}: give one'
+            f" at least {apart} away, {1e3 * least:.2g} mm"
         )
 
 

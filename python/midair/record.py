@@ -5,13 +5,13 @@ from __future__ import annotations
 import io
 import json
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from . import output
 from ._midair import Scene, SceneError, Solution
+from .shape.arguments import path_of
 
 #: What a file has to hold for a solution to be made of it.
 KEYS = ("drive", "pressures", "targets", "scale", "steps", "elapsed")
@@ -24,13 +24,14 @@ def save(path: str | PathLike[str], solution: Solution) -> None:
         raise SceneError(
             "solution.scene is None: a matrix of your own has no scene file, pickle the solution instead"
         )
-    output.check(Path(path), output.DRIVES)
-    output.write_drive(Path(path), scene, solution)
+    target = path_of("path", path)
+    output.check(target, output.DRIVES)
+    output.write_drive(target, scene, solution)
 
 
 def load(path: str | PathLike[str]) -> Solution:
     """Read a solution from an .npz or .json file."""
-    path = Path(path)
+    path = path_of("path", path)
     name = " ".join(str(path).split())
     ending = path.suffix.lower()
     if ending not in {".npz", ".json"}:

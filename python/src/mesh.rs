@@ -181,7 +181,9 @@ impl Boundary {
 /// A model behind obstacles; where there are meshes among them, Python solves their boundary.
 pub(crate) fn behind(py: Python<'_>, model: &Model, obstacles: &[Obstacle]) -> PyResult<Model> {
     if !obstacles.iter().any(|obstacle| matches!(obstacle, Obstacle::Mesh(_))) {
-        return model.clone().with_obstacles(obstacles).map_err(refused);
+        let threads = limits::threads(py)?;
+        let model = model.clone();
+        return attend(py, None, |control| model.with_obstacles_watched(obstacles, &mut control.on(threads)));
     }
     let boundary = midair::Boundary::new(model.array(), model.medium(), obstacles.to_vec()).map_err(refused)?;
     let boundary = Arc::new(boundary);

@@ -93,6 +93,9 @@ def test_ctrl_c_turns_off(scene: Path) -> None:
         (["--on", "sonicsurface:/dev/no-such-port"], 'port "/dev/no-such-port" is not there'),
         (["--on", "surface:loop"], "there is no such board"),
         (["--on", "openmpd:loop", "--modulate", "200"], "openmpd cannot modulate"),
+        (["--on", "openmpd_pair:loop", "--modulate", "200"], "openmpd cannot modulate"),
+        (["--on", "sonicsurface:loop", "--modulate", "nan"], "--modulate is nan: give a finite number"),
+        (["--on", "sonicsurface:loop", "--modulate", "0"], "--modulate is 0.0: give a number above 0"),
     ],
 )
 def test_what_cannot_be_played_is_one_line(scene: Path, words: list[str], told: str) -> None:
@@ -100,6 +103,13 @@ def test_what_cannot_be_played_is_one_line(scene: Path, words: list[str], told: 
     lines = [line for line in error.splitlines() if line.startswith("error")]
     assert len(lines) == 1
     assert told in lines[0]
+
+
+def test_modulation_is_asked_before_anything_is_read_or_solved() -> None:
+    error = midair(
+        "play", "not-there.toml", "--on", "sonicsurface:loop", "--modulate", "nan", status=2
+    ).stderr
+    assert error.startswith("error: --modulate is nan")
 
 
 def test_off_says_which_board_it_was_told_as() -> None:

@@ -8,6 +8,7 @@ import pytest
 
 import midair
 from microphones import BELIEVED, TRUE_SPEED, Rig
+from midair.calibration.fit import inverse_factor
 
 
 def calibrated(
@@ -192,6 +193,38 @@ def test_arguments_are_refused(keywords: dict[str, Any], told: str) -> None:
     drives = midair.calibration_drives(rig.array, 2)
     with pytest.raises(midair.SceneError, match=told):
         midair.calibrate(rig.array, drives, rig.read(drives, 60), **({"microphones": rig.places} | keywords))
+
+
+def test_memory_is_asked_for_before_it_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    rig = Rig(20)
+    drives = midair.calibration_drives(rig.array, 2)
+    heard = rig.read(drives, 60)
+    # 8 bytes, 515 unknowns squared, 6 times.
+    for given, told in [("12MB", "0.012"), ("1e3", "0.000"), (" 2 kb ", "0.000"), ("0", "0.000")]:
+        monkeypatch.setenv("MIDAIR_MEMORY", given)
+        with pytest.raises(MemoryError, match=rf"needs 0\.013 GB, the limit is {told} GB: .*MIDAIR_MEMORY"):
+            midair.calibrate(rig.array, drives, heard, microphones=rig.places)
+    for given in ("lots", "-1", "nan", "1 PB", "MB"):
+        monkeypatch.setenv("MIDAIR_MEMORY", given)
+        with pytest.raises(midair.SceneError, match=f'^MIDAIR_MEMORY is "{given}": give bytes, such as 2e9'):
+            midair.calibrate(rig.array, drives, heard, microphones=rig.places)
+    for given in ("14MB", "1GB", ""):
+        monkeypatch.setenv("MIDAIR_MEMORY", given)
+        midair.calibrate(rig.array, drives, heard, microphones=rig.places)
+
+
+def test_an_inverse_factor_in_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
+    pieces, cholesky = [], np.linalg.cholesky
+    monkeypatch.setattr(np.linalg, "cholesky", lambda square: pieces.append(len(square)) or cholesky(square))
+    for size in (1, 2, 63, 64, 65, 130, 301):
+        rows = np.random.default_rng(size).normal(size=(2 * size, size))
+        square = rows.T @ rows + np.eye(size)
+        found = inverse_factor(square)
+        assert np.array_equal(found, np.tril(found))
+        # Rounding of double precision, times a condition of some tens.
+        assert np.abs(found @ square @ found.T - np.eye(size)).max() < 1e-12
+    # No call of LAPACK, which hears no Ctrl-C, works on a large matrix.
+    assert max(pieces) <= 64
 
 
 def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -116,12 +116,25 @@ def test_silence_is_no_number_above_any_limit() -> None:
         ({"ear": [[0, 0, 0.1], [0, 0, float("inf")]]}, r'places\["ear"\]'),
         ({3: [0, 0, 1]}, "give names as text"),
         ({"room": [[-1, -1, 0.1], [1, 1, 2]]}, r'places\["room"\] is .* points'),
-        ({"hand": [[-0.01, -0.01, 0.001], [0.01, 0.01, 0.1]]}, "mm from a transducer"),
+        (
+            {"hand": [[-0.01, -0.01, 0.001], [0.01, 0.01, 0.1]]},
+            r"is a box 1 mm from transducer \d+: give",
+        ),
+        ({"chip": ARRAY.positions[7]}, r'places\["chip"\] is 0 mm from transducer 7: give .* 0\.085 mm'),
+        ({"chip": ARRAY.positions[7] + [8e-5, 0, 0]}, "is 0.08 mm from transducer 7"),
     ],
 )
 def test_bad_places_are_refused(places: object, told: str) -> None:
     with pytest.raises(midair.SceneError, match=told):
         midair.exposure(SCENE, np.ones(120), places)
+
+
+def test_a_position_a_hundredth_of_a_wavelength_away_is_answered() -> None:
+    near = ARRAY.positions[7] + [0, 0, 8.6e-5]
+    assert np.isfinite(midair.exposure(SCENE, np.ones(120), {"chip": near}).worst.spl)
+    still = midair.sequence(ARRAY, np.array([[[0, 0, 0.1]]] * 3), rate=1000)
+    with pytest.raises(midair.SceneError, match=r'places\["chip"\] is 0 mm from transducer 7'):
+        midair.exposure(still.scene(0), still, {"chip": ARRAY.positions[7]})
 
 
 def test_bad_limits_are_refused() -> None:

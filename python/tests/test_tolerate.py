@@ -50,6 +50,7 @@ def test_every_trial_is_that_of_numpy() -> None:
     sizes = {"phase": 20.0, "gain": 0.1, "dead": 0.1, "reversed": 0.1}
     sizes |= {"temperature": 8.0, "tilt": 2.0, "position": 1e-3}
     table = midair.tolerate(scene, "uniform", trials=12, seed=7, **sizes)
+    assert table.solution is not None
     drive = table.solution.drive.astype(complex)
     whole = played(scene, drive, ARRAY.positions, np.ones(256), 340)
     for trial in range(12):
@@ -143,6 +144,7 @@ def test_the_table_is_of_its_trials() -> None:
         ({"dead": 2}, "dead is 2"),
         ({"tilt": float("nan")}, "tilt is nan"),
         ({"phase": 1, "trials": 0}, "trials is 0"),
+        ({"phase": 1, "trials": 10**9}, "trials is 1000000000: give at most 1000000"),
         ({"phase": 1, "seed": -1}, "seed is -1"),
         ({"temperature": 1000}, "temperature is 1000"),
         ({"position": 0.5}, "position is 0.5: give at most 0.01"),
@@ -166,6 +168,46 @@ def test_few_transducers_that_are_all_dead_keep_nothing() -> None:
 def test_a_silent_scene_is_refused() -> None:
     with pytest.raises(midair.SceneError, match="silent"):
         midair.tolerate(SCENE, lambda *_: np.zeros(256), phase=1)
+    with pytest.raises(midair.SceneError, match="silent"):
+        midair.tolerate(SCENE, drive=np.zeros(256), phase=1)
+
+
+def test_a_drive_is_played_as_it_is() -> None:
+    asked = {"phase": 20, "dead": 0.1, "trials": 20}
+    table = midair.tolerate(SCENE, "naive", **asked)
+    solution = table.solution
+    assert solution is not None
+    for drive in (solution, solution.drive, solution.drive.tolist()):
+        same = midair.tolerate(SCENE, drive=drive, **asked)
+        for name in table.rows:
+            np.testing.assert_array_equal(same[name].level, table[name].level)
+            np.testing.assert_array_equal(same[name].uniformity, table[name].uniformity)
+        assert same.solution == (solution if isinstance(drive, midair.Solution) else None)
+        assert "trials a row" in same.plot().get_suptitle()
+    # A drive that no solver of the scene's board would give, at pressures of the scene's own.
+    rounded = SCENE.replace(
+        array=midair.Array.grid(16, 16, 10e-3, quantization={"phases": 2}), pressures=[1, 2, 3]
+    )
+    half = 0.5 * solution.drive
+    table = midair.tolerate(rounded, drive=half, temperature=5, trials=3, seed=2)
+    warm = faults.faulty(rounded, {"temperature": 5.0}, 2, 1)
+    whole, got = (midair.judge(one, half) for one in (rounded, warm))
+    assert table["temperature"].level[1] == got.level / whole.level
+    assert table["temperature"].uniformity[1] == got.uniformity / whole.uniformity
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ({"drive": np.ones(3)}, "drive is 3 values: give one for each of the 256"),
+        ({"drive": "naive"}, "drive is 'naive': give numbers"),
+        ({"drive": np.ones(256), "solver": "naive"}, 'solver is "naive": drive is played as it is'),
+        ({"drive": np.ones(256), "phases": 8}, "phases is 8: drive is played as it is"),
+    ],
+)
+def test_a_drive_that_cannot_be_played_is_refused(asked: dict[str, object], told: str) -> None:
+    with pytest.raises(midair.SceneError, match=told):
+        midair.tolerate(SCENE, phase=1, **asked)
 
 
 FILE = """
@@ -216,7 +258,7 @@ def test_ctrl_c_is_heard_and_keeps_the_trials_that_are_done(
     press_soon = threading.Timer(1, press)
     press_soon.start()
     with pytest.raises(SystemExit) as left:
-        cli.main(["tolerate", "scene.toml", "--phase", "20", "--json", "--trials", "10000000"])
+        cli.main(["tolerate", "scene.toml", "--phase", "20", "--json", "--trials", "1000000"])
     # Half a second, and as much again where the machine is busy.
     assert time.monotonic() - pressed[0] < 1
     assert left.value.code == 130

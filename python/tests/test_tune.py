@@ -4,6 +4,7 @@ import os
 import signal
 import threading
 import time
+import warnings
 from typing import Any
 
 import numpy as np
@@ -145,6 +146,37 @@ def test_a_reader_that_raises_keeps_the_best() -> None:
 def test_what_is_no_reading_is_refused(given: Any, told: str) -> None:
     with pytest.raises(midair.SceneError, match=told):
         midair.tune(lambda drive: given, scene(Rig(41)))
+
+
+@pytest.mark.parametrize("heard", [0.0, 7.5])
+@pytest.mark.parametrize("method", ["greedy", "feedback", "spsa"])
+def test_a_dead_microphone_is_told_of_once(method: Any, heard: float) -> None:
+    rig = Rig(44)
+    reader = Reader(rig, 60)
+
+    def read(drive: Any) -> Any:
+        found = reader(drive)
+        found[[2, 3]] = heard, max(found[3], 1.0)
+        return found
+
+    with pytest.warns(midair.SceneWarning) as told:
+        found = midair.tune(read, scene(rig), method, budget=50)
+    assert [str(one.message) for one in told] == [
+        f"read gave |p| = {heard:g} at place 2 in all {found.readings} readings: "
+        "a dead microphone, mend it or leave its point out"
+    ]
+
+
+def test_one_drive_says_nothing_of_a_microphone() -> None:
+    # Where the model is right, feedback plays one drive ten times: that all stays the same is no fault.
+    rig = Rig(45)
+    model = scene(rig)
+    heard = model.propagation()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        midair.tune(lambda drive: np.round(np.abs(heard @ drive)), model, "feedback")
+    with pytest.warns(midair.SceneWarning, match=r"\|p\| = 0 at place 0 and 3 more in all 1 readings"):
+        midair.tune(lambda drive: np.zeros(4), model, "feedback")
 
 
 def test_ctrl_c_keeps_the_best_within_half_a_second() -> None:

@@ -9,6 +9,8 @@ use alloc::vec::Vec;
 
 use num_complex::{Complex32, Complex64};
 
+use crate::control::Control;
+use crate::error::Error;
 use crate::propagation::boundary::Boundary;
 use crate::propagation::sources::Sources;
 use crate::propagation::sphere::Sphere;
@@ -30,10 +32,10 @@ pub(crate) struct Bodies {
 }
 
 impl Bodies {
-    pub(crate) fn of_sphere(sphere: Sphere, sources: &Sources) -> Self {
-        let answers = sphere.answers(sources);
+    pub(crate) fn of_sphere(sphere: Sphere, sources: &Sources, control: &mut Control) -> Result<Self, Error> {
+        let answers = sphere.answers(sources, control)?;
         let answers = [answers.iter().map(|a| a.re as f32).collect(), answers.iter().map(|a| a.im as f32).collect()];
-        Self { basis: Basis::Sphere(sphere), answers, transducers: sources.array.len() }
+        Ok(Self { basis: Basis::Sphere(sphere), answers, transducers: sources.array.len() })
     }
 
     /// Of the sound on a boundary's elements (E, N).

@@ -5,6 +5,7 @@ use alloc::sync::Arc;
 
 use num_complex::Complex32;
 
+use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::InstructionSet;
 use crate::propagation::Propagation;
@@ -48,7 +49,8 @@ impl Model {
     pub fn of(scene: &Scene, set: InstructionSet) -> Self {
         let sources = Arc::new(Sources::new(scene.array(), scene.medium()));
         let bare = Self { sources, set, scattering: None, signature: scene.signature().cloned() };
-        bare.scattered(scene.checked_obstacles())
+        bare.scattered(scene.checked_obstacles(), &mut Control::none())
+            .unwrap_or_else(|_| unreachable!("nobody stops it"))
     }
 
     /// The same behind obstacles, in place of those that it has: rows of G are then what comes straight from the
@@ -73,8 +75,16 @@ impl Model {
     /// # Ok::<(), midair::Error>(())
     /// ```
     pub fn with_obstacles(self, obstacles: &[Obstacle]) -> Result<Self, Error> {
+        self.with_obstacles_watched(obstacles, &mut Control::none())
+    }
+
+    /// The same over the control's threads, until it is told to stop: a sphere as large as a head takes seconds.
+    ///
+    /// # Errors
+    /// As [`Model::with_obstacles`]; a stop.
+    pub fn with_obstacles_watched(self, obstacles: &[Obstacle], control: &mut Control) -> Result<Self, Error> {
         let checked = Obstacles::new(obstacles.to_vec(), self.array(), self.medium())?;
-        Ok(self.scattered(&checked))
+        self.scattered(&checked, control)
     }
 
     /// The same behind the obstacles of a boundary and the sound (E, N) on its elements, in Pa: the solution u of the
@@ -88,21 +98,17 @@ impl Model {
             return Err(Error::invalid("boundary", "of another array or medium", cure));
         }
         boundary.check_sound(sound)?;
-        let scattering = Scattering::new(&self.sources, boundary.obstacles.clone());
+        let scattering = Scattering::new(&self.sources, boundary.obstacles.clone(), &mut Control::none())?;
         let scattering = scattering.with_bodies(Bodies::of_boundary(boundary, sound));
         Ok(Self { scattering: Some(Arc::new(scattering)), ..self })
     }
 
-    /// The same behind the obstacles of another model of the same array and medium, prepared there.
-    #[must_use]
-    pub fn behind_those_of(self, other: &Self) -> Self {
-        Self { scattering: other.scattering.clone(), ..self }
-    }
-
-    fn scattered(mut self, obstacles: &Obstacles) -> Self {
-        let some = !obstacles.is_empty();
-        self.scattering = some.then(|| Arc::new(Scattering::new(&self.sources, obstacles.clone())));
-        self
+    fn scattered(mut self, obstacles: &Obstacles, control: &mut Control) -> Result<Self, Error> {
+        self.scattering = None;
+        if !obstacles.is_empty() {
+            self.scattering = Some(Arc::new(Scattering::new(&self.sources, obstacles.clone(), control)?));
+        }
+        Ok(self)
     }
 
     /// The obstacles.

@@ -4,6 +4,7 @@ use alloc::sync::Arc;
 
 use num_complex::Complex64;
 
+use crate::control::Control;
 use crate::error::Error;
 use crate::propagation::bodies::Bodies;
 use crate::propagation::reflection::{Reflection, reflections};
@@ -22,17 +23,20 @@ pub(crate) struct Scattering {
 
 impl Scattering {
     /// Obstacles that have been checked with the sources' array and medium; the sound on meshes is still to be found.
-    pub(crate) fn new(sources: &Sources, obstacles: Obstacles) -> Self {
-        let bodies = obstacles.given().iter().find_map(|obstacle| match obstacle {
+    ///
+    /// # Errors
+    /// A stop.
+    pub(crate) fn new(sources: &Sources, obstacles: Obstacles, control: &mut Control) -> Result<Self, Error> {
+        let sphere = obstacles.given().iter().find_map(|obstacle| match obstacle {
             Obstacle::Sphere { center, radius, kind } => {
-                let sphere = Sphere::new((*center, *radius, *kind), sources.medium, sources.array.positions());
-                Some(Arc::new(Bodies::of_sphere(sphere, sources)))
+                Some(Sphere::new((*center, *radius, *kind), sources.medium, sources.array.positions()))
             }
             _ => None,
         });
+        let bodies = sphere.map(|sphere| Bodies::of_sphere(sphere, sources, control)).transpose()?.map(Arc::new);
         let reflections = reflections(sources.array.centre(), &obstacles);
         let image = |reflection: &Reflection| Sources::new(&reflection.array(&sources.array), sources.medium);
-        Self { images: reflections.iter().map(image).collect(), obstacles, bodies }
+        Ok(Self { images: reflections.iter().map(image).collect(), obstacles, bodies })
     }
 
     /// The same with the bodies' answers.

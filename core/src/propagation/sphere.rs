@@ -16,6 +16,8 @@ use core::f64::consts::{PI, TAU};
 
 use num_complex::Complex64;
 
+use crate::control::Control;
+use crate::error::Error;
 use crate::math;
 use crate::propagation::sources::Sources;
 use crate::scene::{Medium, Surface, distance};
@@ -86,45 +88,60 @@ impl Sphere {
     }
 
     /// The amplitudes (K, N) of the waves that it answers each transducer with, in Pa, its response left out.
-    pub(crate) fn answers(&self, sources: &Sources) -> Vec<Complex64> {
-        let count = self.order + 1;
-        let (heights, weights) = gauss(count);
-        let angles: Vec<f64> = (0..2 * count).map(|l| TAU * l as f64 / (2 * count) as f64).collect();
-        let turns: Vec<Complex64> = (0..2 * count).map(|l| math::phasor(angles[l])).collect();
-        let legendre: Vec<Vec<f64>> = heights.iter().map(|&height| self.legendre(height)).collect();
+    ///
+    /// # Errors
+    /// A stop.
+    pub(crate) fn answers(&self, sources: &Sources, control: &mut Control) -> Result<Vec<Complex64>, Error> {
         let transducers = sources.array.len();
-        let mut answers = vec![Complex64::ZERO; self.waves() * transducers];
-        for i in 0..transducers {
-            for ((&height, &weight), legendre) in heights.iter().zip(&weights).zip(&legendre) {
-                let across = math::sqrt(1.0 - height * height);
-                let met: Vec<Complex64> = turns
-                    .iter()
-                    .map(|turn| self.met(sources, i, [across * turn.re, across * turn.im, height]))
-                    .collect();
-                for m in 0..count {
-                    let [mut even, mut odd] = [Complex64::ZERO; 2];
-                    for (l, met) in met.iter().enumerate() {
-                        let turn = turns[m * l % (2 * count)];
-                        even += met * turn.re;
-                        odd += met * turn.im;
-                    }
-                    let share = weight * TAU / (2 * count) as f64;
-                    for n in m..count {
-                        let scale = share * legendre[at(n, m)];
-                        answers[(n * n + n + m) * transducers + i] += even * scale;
-                        if m > 0 {
-                            answers[(n * n + n - m) * transducers + i] += odd * scale;
-                        }
+        let rules = Rules::new(self);
+        let mut each = vec![Vec::new(); transducers];
+        control.each(
+            each.iter_mut().enumerate().collect(),
+            &|(i, answers): (usize, &mut Vec<Complex64>), control| {
+                *answers = self.answers_to(sources, i, &rules, control)?;
+                Ok(())
+            },
+        )?;
+        Ok((0..self.waves()).flat_map(|wave| each.iter().map(move |answers| answers[wave])).collect())
+    }
+
+    /// The same of one transducer (K,).
+    fn answers_to(
+        &self,
+        sources: &Sources,
+        i: usize,
+        rules: &Rules,
+        control: &mut Control,
+    ) -> Result<Vec<Complex64>, Error> {
+        let count = self.order + 1;
+        let mut answers = vec![Complex64::ZERO; self.waves()];
+        for ((&height, &weight), legendre) in rules.heights.iter().zip(&rules.weights).zip(&rules.legendre) {
+            control.pulse()?;
+            let across = math::sqrt(1.0 - height * height);
+            let direction = |turn: &Complex64| [across * turn.re, across * turn.im, height];
+            let met: Vec<Complex64> = rules.turns.iter().map(|turn| self.met(sources, i, direction(turn))).collect();
+            for m in 0..count {
+                let [mut even, mut odd] = [Complex64::ZERO; 2];
+                for (l, met) in met.iter().enumerate() {
+                    let turn = rules.turns[m * l % (2 * count)];
+                    even += met * turn.re;
+                    odd += met * turn.im;
+                }
+                let share = weight * TAU / (2 * count) as f64;
+                for n in m..count {
+                    let scale = share * legendre[at(n, m)];
+                    answers[n * n + n + m] += even * scale;
+                    if m > 0 {
+                        answers[n * n + n - m] += odd * scale;
                     }
                 }
             }
         }
         for n in 0..count {
             let answer = self.answer(n);
-            let waves = n * n * transducers..(n + 1) * (n + 1) * transducers;
-            answers[waves].iter_mut().for_each(|amplitude| *amplitude *= answer);
+            answers[n * n..(n + 1) * (n + 1)].iter_mut().for_each(|amplitude| *amplitude *= answer);
         }
-        answers
+        Ok(answers)
     }
 
     /// What the surface meets of a transducer in a direction: p, or dp/dr of a rigid one.
@@ -170,6 +187,27 @@ impl Sphere {
             }
         }
         found
+    }
+}
+
+/// Directions in which what the surface meets is looked at.
+struct Rules {
+    /// Gauss' rule in the cosine to the z axis.
+    heights: Vec<f64>,
+    weights: Vec<f64>,
+    /// Legendre functions at each.
+    legendre: Vec<Vec<f64>>,
+    /// e^{j phi} of equal steps.
+    turns: Vec<Complex64>,
+}
+
+impl Rules {
+    fn new(sphere: &Sphere) -> Self {
+        let count = sphere.order + 1;
+        let (heights, weights) = gauss(count);
+        let legendre = heights.iter().map(|&height| sphere.legendre(height)).collect();
+        let turns = (0..2 * count).map(|l| math::phasor(TAU * l as f64 / (2 * count) as f64)).collect();
+        Self { heights, weights, legendre, turns }
     }
 }
 

@@ -99,6 +99,14 @@ def parse(address: Any) -> Address:
     return Address(name, LINKS[kind].kind, where)
 
 
+def can_modulate(board: str) -> None:
+    """Refuse a kind of board that does not modulate."""
+    if board not in MODULATES:
+        raise BoardError(
+            f"{board} cannot modulate: stream drives of changing amplitude, or take {' or '.join(MODULATES)}"
+        )
+
+
 def describe(address: Address, board: Board) -> dict[str, Any]:
     """What `open_transport` makes the transport of, as JSON holds it."""
     silence, off = board.silence.hex(), board.off_frame.hex()

@@ -21,7 +21,7 @@ from .._midair import Array, SceneError, SceneWarning, Solution
 from ..motion import Sequence
 from ..shape.arguments import number, refused
 from . import wire
-from .address import DEFAULT, HOLDS_SEQUENCE, MODULATES, Address, describe, parse
+from .address import DEFAULT, HOLDS_SEQUENCE, Address, can_modulate, describe, parse
 from .board import Board
 from .errors import BoardError, BoardLost, BoardTimeout
 from .limit import Limit
@@ -137,11 +137,7 @@ class Connection:
         """
         if hz is not None:
             hz = number("hz", hz, above=0)
-            if self.board.name not in MODULATES:
-                raise BoardError(
-                    f"{self.board.name} cannot modulate: stream drives of changing amplitude, "
-                    f"or take {' or '.join(MODULATES)}"
-                )
+            can_modulate(self.board.name)
         self._call(Kind.MODULATE, wire.MODULATION.pack(math.nan if hz is None else hz))
 
     def off(self) -> None:

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .. import memory
 from .._midair import Array, Scene, SceneError, SceneWarning
-from ..shape.arguments import number, refused
+from ..shape.arguments import callback, number, refused
 from .arguments import drives_of, indices_of, readings_of
 from .fit import Fitted, fit
 from .model import LOUDNESS, Complex, Model, Priors, Real
@@ -27,7 +28,7 @@ UNEXPLAINED = 0.35
 #: A prior this wide says nothing; a wider one only costs digits.
 MOST_PRIOR = 10
 #: Bytes of the normal equations and what is made of them, over those of one such matrix.
-COPIES, MOST_BYTES = 6, 8e9
+COPIES = 6
 
 
 def calibrate(
@@ -69,6 +70,7 @@ def calibrate(
     given = scene_or_array
     if not isinstance(given, Array | Scene):
         raise refused("scene_or_array", given, "give a midair.Scene or a midair.Array")
+    callback(progress, "step, steps")
     scene = _scene(given, microphones)
     array = scene.array
     places = scene.points if microphones is None else _places(microphones)
@@ -139,11 +141,12 @@ def _enough(heard: Any, played: Complex) -> None:
 
 
 def _room(transducers: int, others: int, readings: int) -> None:
-    size = 8.0 * (2 * transducers + others) ** 2 * COPIES
-    if size > MOST_BYTES:
+    size, most = 8 * (2 * transducers + others) ** 2 * COPIES, memory.limit()
+    if size > most:
         raise MemoryError(
-            f"a fit of {transducers} transducers to {readings} readings takes {size / 1e9:.1f} GB: "
-            "calibrate board by board, the others masked"
+            f"a fit of {transducers} transducers to {readings} readings needs {size * 1e-9:.3f} GB, "
+            f"the limit is {most * 1e-9:.3f} GB: calibrate each board as an array of its own, "
+            "or give a higher limit (MIDAIR_MEMORY in the environment)"
         )
 
 

@@ -98,14 +98,14 @@ def fit(
         progress(step, STEPS)
         square, slope = _normal(model, drives, here, spread)
         unknowns = here.off / spread
-        left = np.sum(_inverse_factor(square / trust**2 + np.eye(len(spread))) ** 2, axis=0)
+        left = np.sum(inverse_factor(square / trust**2 + np.eye(len(spread))) ** 2, axis=0)
         # Of the unknowns, what the readings determine takes as many readings with it.
         found = float(np.sqrt(here.misfit / max(count - np.sum(1 - left), 1.0)))
         settled = trust <= 1.05 * max(found, noise)
         trust = max(noise, TIGHTER * trust, min(trust, found))
         cost = here.misfit / trust**2 + unknowns @ unknowns
         while True:
-            factor = _inverse_factor(square / trust**2 + (1 + damping) * np.eye(len(spread)))
+            factor = inverse_factor(square / trust**2 + (1 + damping) * np.eye(len(spread)))
             then = unknowns - factor.T @ (factor @ (slope / trust**2 + unknowns))
             there = place(then * spread)
             gain = cost - there.misfit / trust**2 - np.sum((there.off / spread) ** 2)
@@ -187,19 +187,19 @@ def _normal(model: Model, drives: Complex, here: Place, spread: Real) -> tuple[R
     return square, slope
 
 
-def _inverse_factor(square: Any) -> Any:
-    """The inverse L^-1 of the Cholesky factor of a matrix L L^T."""
-    return _lower_inverse(np.linalg.cholesky(square))
+def inverse_factor(square: Any) -> Any:
+    """The inverse L^-1 of the Cholesky factor of a matrix L L^T.
 
-
-def _lower_inverse(lower: Any) -> Any:
-    """By halves: of [[A, 0], [B, C]] it is [[A^-1, 0], [-C^-1 B A^-1, C^-1]]."""
-    n = len(lower)
+    By halves, between which Ctrl-C is heard: [[S, T^T], [T, U]] has the factor [[A, 0], [B, C]], A A^T = S,
+    B = T A^-T, C C^T = U - B B^T, and that the inverse [[A^-1, 0], [-C^-1 B A^-1, C^-1]].
+    """
+    n = len(square)
     if n <= 64:
-        return np.linalg.inv(lower)
+        return np.linalg.inv(np.linalg.cholesky(square))
     half = n // 2
-    a, c = _lower_inverse(lower[:half, :half]), _lower_inverse(lower[half:, half:])
-    found = np.zeros_like(lower)
-    found[:half, :half], found[half:, half:] = a, c
-    found[half:, :half] = -c @ (lower[half:, :half] @ a)
+    found = np.zeros_like(square)
+    found[:half, :half] = a = inverse_factor(square[:half, :half])
+    b = square[half:, :half] @ a.T
+    found[half:, half:] = c = inverse_factor(square[half:, half:] - b @ b.T)
+    found[half:, :half] = -c @ (b @ a)
     return found

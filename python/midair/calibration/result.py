@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 from dataclasses import dataclass, fields
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 
 from .. import output
 from .._midair import Array, Scene, SceneError
+from ..shape.arguments import path_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -95,7 +95,7 @@ class Calibration:
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write everything as .npz, or the corrected scene as .toml or .json."""
-        path = Path(path)
+        path = path_of("path", path)
         output.check(path, ENDINGS)
         if path.suffix.lower() != ".npz":
             self.scene.save(path)
@@ -108,7 +108,7 @@ class Calibration:
     @staticmethod
     def load(path: str | PathLike[str]) -> Calibration:
         """Read what `save` wrote as .npz."""
-        content = Path(path).read_bytes()
+        content = path_of("path", path).read_bytes()
         try:
             with np.load(io.BytesIO(content), allow_pickle=False) as archive:
                 found = {field.name: archive[field.name] for field in fields(Calibration)}

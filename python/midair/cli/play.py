@@ -33,10 +33,11 @@ from .. import (
     sequence,
     solve,
 )
-from ..boards.address import DEFAULT, parse
+from ..boards.address import DEFAULT, can_modulate, parse
 from ..boards.connection import APART
 from ..ear import REFERENCE
 from ..motion import document
+from ..shape.arguments import number
 from .progress import progress_bar
 from .streams import tell
 
@@ -83,6 +84,10 @@ def play_command(
     seconds = _seconds(duration)
     place = parse(on)
     name = place.board or DEFAULT
+    if modulate is not None:
+        # Solving may take long; what is asked of the board is known before.
+        number("--modulate", modulate, above=0)
+        can_modulate(place.kind_of_board or DEFAULT)
     thing = _thing(what, solver, lambda array: _board(name, array))
     board = _board(name, thing.array if isinstance(thing, Sequence) else _scene(thing).array)
     with connect(on, board=board) as connection, _status(connection, on, _loudness(thing), seconds) as show:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .._midair import Array, SceneError
+from ..shape.arguments import path_of
 from . import autd3, handybeam, pat, positions, ultraino, xml
 from .content import content, fault, unpacked
 from .layout import Layout
@@ -64,7 +64,7 @@ def read_array(
 
 
 def _layout(path: str | PathLike[str]) -> Layout:
-    ending = "".join(Path(path).suffixes[-2:]).lower()
+    ending = "".join(path_of("path", path).suffixes[-2:]).lower()
     if ending.endswith(".pat"):
         return _openmpd(path)
     if ending.endswith((".xml.gz", ".xml")):

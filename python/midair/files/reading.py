@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from os import PathLike
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from .._midair import Array, Solution
 from ..boards.board import Board
 from ..motion import Sequence
+from ..shape.arguments import path_of
 from . import acoustools, archive, board_frames, control_points, holo, one_drive, pair
 from .content import content, fault, text
 from .control_points import ControlPoints
@@ -41,7 +41,7 @@ def read(
     transducers from AcousTools are in the order of the board's array, left out `openmpd_pair`. Nothing in a
     file is run. Raises SceneError for a file that is not in order, naming the line.
     """
-    ending, player = Path(path).suffix.lower(), known(board)
+    ending, player = path_of("path", path).suffix.lower(), known(board)
     array = None if player is None else player.array
     if ending == ".npz":
         return archive.read(path)

@@ -12,7 +12,7 @@ from ..boards.board import Board
 from ..motion import Sequence
 from ..motion.files import whole
 from ..path import Path
-from ..shape.arguments import refused, shown, word
+from ..shape.arguments import path_of, refused, shown, word
 from . import acoustools, archive, board_frames, control_points, holo, one_drive, pair
 from .control_points import ControlPoints
 from .played import Played, known, played
@@ -56,7 +56,7 @@ def write(
 
     Raises SceneError for what a format cannot hold and for a path that cannot be written.
     """
-    file = File(path)
+    file = path_of("path", path)
     output.check(file, ENDINGS)
     chosen = _layout(file, drives, layout)
     for name, value in (("rate", rate), ("modulate", modulate)):

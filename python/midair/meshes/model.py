@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import SceneError
-from ..shape.arguments import number, refused
+from ..shape.arguments import number, path_of, refused
 
 
 def read(
@@ -27,10 +26,8 @@ def read(
     away = np.asarray(offset, float)
     if away.shape != (3,) or not np.isfinite(away).all():
         raise refused("offset", offset, "give three finite numbers")
-    if not isinstance(path, str | os.PathLike):
-        raise refused("path", path, "give the name of a file")
+    file = path_of("path", path)
     trimesh = library()
-    file = Path(path)
     if not file.is_file():
         raise SceneError(f'path is "{file}": there is no such file')
     try:

@@ -13,7 +13,7 @@ import numpy as np
 
 from .._midair import Plane, SceneError, SceneWarning, field
 from ..plot.panel import sides
-from ..shape.arguments import whole
+from ..shape.arguments import callback, whole
 from . import files
 
 if TYPE_CHECKING:
@@ -42,6 +42,7 @@ def animate(
     """Draw frames, evenly chosen, and write them by the path's ending."""
     from matplotlib.figure import Figure
 
+    callback(progress, "pictures drawn, pictures")
     count = min(len(sequence), PICTURES if frames is None else whole("frames", frames, least=1))
     fps = whole("fps", fps, least=1)
     if plane is not None and not isinstance(plane, Plane):

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from .. import output
 from .._midair import Scene, SceneError
+from ..shape.arguments import path_of
 
 #: Drives of so many bytes are read where they lie, a block at a time.
 LARGE = 1 << 28
@@ -30,7 +31,7 @@ KEYS = ("points", "targets", "drives", "scene", "setting")
 @contextmanager
 def whole(path: str | PathLike[str], endings: tuple[str, ...]) -> Iterator[Path]:
     """A file that becomes `path` if all goes well, and is removed otherwise."""
-    asked = Path(path)
+    asked = path_of("path", path)
     output.check(asked, endings)
     target = output.real(asked)
     # A folder, because the ending tells programs what to write.

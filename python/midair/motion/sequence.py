@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Field, Plane, Scene, SceneError, field
-from ..shape.arguments import number
+from ..shape.arguments import number, path_of
 from . import arguments, files
 from .between import Between, between
 from .blocks import blocks
@@ -210,9 +210,10 @@ class Sequence(Frames):
     @staticmethod
     def load(path: str | PathLike[str]) -> Sequence:
         """Read what `save` wrote, to the last bit. A file is never run."""
-        name = " ".join(str(path).split())
+        source = path_of("path", path)
+        name = " ".join(str(source).split())
         try:
-            return Sequence(**files.load(path))
+            return Sequence(**files.load(source))
         except SceneError as error:
             raise SceneError(f'sequence file "{name}": {error}') from error
         except OSError:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Array, Scene, SceneError, Solver
 from ..path import Path
-from ..shape.arguments import number, refused, whole
+from ..shape.arguments import callback, number, refused, whole
 from . import store
 from .ahead import Tracks, board_of, check
 from .found import Followed, Foreseen, Found
@@ -69,6 +69,7 @@ def sequence(
     >>> sequence.metrics.uniformity > 0.99, sequence.metrics.largest_change <= 0.1964
     (True, True)
     """
+    callback(progress, "frames done, frames")
     asked = request(array, path, rate, (change, change_rate), closed, pressures, aim, dict(options))
     known = sight(ahead, asked.closed)
     warn_of_speed(asked)

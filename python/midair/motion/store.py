@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from .. import output
 from .._midair import Scene, SceneError
+from ..shape.arguments import path_of
 from . import files
 from .found import Found
 from .request import Request
@@ -36,7 +37,7 @@ def solved(
     progress: Callable[[int, int], object] | None,
 ) -> Sequence:
     """Solve what is not yet there of a sequence, piece after piece, and put the file together."""
-    target = Path(path)
+    target = path_of("resume", path)
     output.check(target, (".npz",))
     folder = target.with_name(target.name + ENDING)
     own = _fingerprint(asked, setting, block)

@@ -86,11 +86,22 @@ def _numbers(item: str, value: Any, shape: tuple[int, ...], cure: str) -> NDArra
     return found.astype(np.float64)
 
 
-def existing(item: str, value: Any, cure: str) -> Path:
-    """A file that can be read."""
+def path_of(item: str, value: Any, cure: str = "give the name of a file") -> Path:
+    """The name of a file, which need not be there."""
     if not isinstance(value, str | PathLike):
         raise refused(item, value, cure)
-    path = Path(value)
+    return Path(value)
+
+
+def callback(value: Any, arguments: str) -> None:
+    """Refuse a `progress` that cannot be called with `arguments`."""
+    if value is not None and not callable(value):
+        raise refused("progress", value, f"give a function of ({arguments})")
+
+
+def existing(item: str, value: Any, cure: str) -> Path:
+    """A file that can be read."""
+    path = path_of(item, value, cure)
     if not path.is_file():
         raise refused(item, path, f"there is no such file, {cure}")
     if path.stat().st_size > MOST_BYTES:

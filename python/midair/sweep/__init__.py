@@ -6,10 +6,10 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .._midair import SceneWarning
+from ..shape.arguments import callback, path_of
 from . import chunks, files, table
 from .block import solve_block
 from .engine import Arrays, Job, run
@@ -76,11 +76,15 @@ def work(
     chunk: int = CHUNK,
 ) -> None:
     """A sweep whose rows are handed over in order, `chunk` at most at a time: no table need fit memory."""
-    places = [None if path is None else Path(path) for path in (output, drives)]
+    places = [
+        None if path is None else path_of(name, path)
+        for name, path in (("output", output), ("drives", drives))
+    ]
     kept = files.check(asked, *places)
     if threads is not None:
         whole(threads, "threads", least=1)
     shortfall = Shortfall()
+    callback(progress, "problems done, problems")
     done = first = 0
 
     def tell(items: int) -> None:

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from .._midair import Array, Scene, SceneError, solve, solver_name, solvers
+from ..shape.arguments import path_of
 from .axes import Tables, read_axes
 from .block import METRICS, Settings
 from .plain import plain, short
@@ -59,7 +60,8 @@ def read(source: str | PathLike[str] | Mapping[str, Any], *, drives: bool = Fals
     Paths of scenes are relative to the file's folder. Raises SceneError for whatever is not in order, and
     warns of what is hardly meant.
     """
-    path = None if isinstance(source, Mapping) else Path(source)
+    cure = "give a sweep file or a mapping of its keys"
+    path = None if isinstance(source, Mapping) else path_of("request", source, cure)
     try:
         tables = plain(source if path is None else _parse(path))
     except RecursionError as error:

@@ -41,5 +41,6 @@ def draw(tolerance: Tolerance) -> Figure:
     axes[0].set_yticks(range(len(names)), labels)
     axes[0].invert_yaxis()
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
-    figure.suptitle(f"{tolerance.solution.solver}, {tolerance.trials} trials a row", fontsize="medium")
+    played = "a drive" if tolerance.solution is None else tolerance.solution.solver
+    figure.suptitle(f"{played}, {tolerance.trials} trials a row", fontsize="medium")
     return figure

@@ -54,13 +54,13 @@ class Kept:
 class Tolerance:
     """Level and uniformity kept by faults, from `midair.tolerate`: prints as a table, `["phase"]` is a row.
 
-    solution : what is played
+    solution : what is played; None where a bare drive was given
     faults : their sizes by name, those above 0
     rows : by fault, and "together" where there are several, what its trials kept (`level`, `uniformity`)
     status : "done", or "stopped" where there are fewer trials than asked for
     """
 
-    solution: Solution
+    solution: Solution | None
     faults: Mapping[str, float]
     rows: Mapping[str, Kept]
     status: str

@@ -7,12 +7,16 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from .._midair import Scene, SceneError, judge, solve
-from ..shape.arguments import whole
+from .._midair import Scene, SceneError, Solution, judge, solve
+from ..shape.arguments import callback, refused, whole
 from ..sweep.engine import Arrays, Job, Settings, Stopped, go_on, run
 from .faults import faulty, sizes
 from .table import TOGETHER, Kept, Tolerance
+
+#: Trials at most: means and quantiles are then known to a thousandth of their spread, after minutes to hours.
+MOST_TRIALS = 1_000_000
 
 #: Trials of a job: few enough that a stop loses little.
 SIZE = 10
@@ -26,6 +30,7 @@ def tolerate(
     scene: Scene,
     solver: str | Callable[..., Any] | None = None,
     *,
+    drive: ArrayLike | Solution | None = None,
     phase: float = 0,
     gain: float = 0,
     dead: float = 0,
@@ -43,6 +48,7 @@ def tolerate(
     """Level and uniformity that are kept when a scene's drive is played with faults it was not solved for.
 
     solver, options : as `midair.solve` takes them; the scene is solved once
+    drive : (N,) or a Solution, played as it is and not solved; targets are the scene's, as in `midair.judge`
     phase : error of each transducer, standard deviation in degrees
     gain : error of each transducer's amplitude, standard deviation relative to 1; none is below 0
     dead, reversed : probability that a transducer is silent, or has its wires the wrong way round
@@ -66,9 +72,11 @@ def tolerate(
     >>> bool(0.9 < table["dead"].level.mean() < 1.0)
     True
     """
+    callback(progress, "trials done, trials")
     found = Trials(
         scene,
         solver,
+        drive=drive,
         faults={
             "phase": phase,
             "gain": gain,
@@ -96,6 +104,7 @@ class Trials:
         scene: Scene,
         solver: str | Callable[..., Any] | None,
         *,
+        drive: ArrayLike | Solution | None = None,
         faults: dict[str, float],
         trials: int,
         seed: int,
@@ -105,10 +114,24 @@ class Trials:
             raise TypeError(f"expected a midair.Scene first, not {type(scene).__qualname__}")
         self._faults = sizes(**faults)
         self._trials = whole("trials", trials, least=1)
+        if self._trials > MOST_TRIALS:
+            raise refused("trials", trials, f"give at most {MOST_TRIALS}")
         self._seed = whole("seed", seed, least=0)
-        self._solution = solve(scene, solver, **options)
-        if not self._solution.metrics.level:
+        if drive is None:
+            solution = solve(scene, solver, **options)
+            # With what was asked for by options.
+            assert solution.scene is not None
+            scene, drive, targets = solution.scene, solution, solution.targets
+        else:
+            for name, value in {"solver": solver, **options}.items():
+                if value is not None:
+                    raise refused(name, value, "drive is played as it is, give it or a solver")
+            targets = np.abs(scene.reach().level if scene.pressures is None else scene.pressures)
+        if not judge(scene, drive, pressures=targets).level:
             raise SceneError("scene is silent at its points: give pressures above 0 that its array reaches")
+        self._scene, self._targets = scene, targets
+        self._solution = drive if isinstance(drive, Solution) else None
+        self._drive = np.array(drive) if self._solution is None else self._solution.drive
         self._done: list[Arrays] = []
 
     def run(
@@ -123,9 +146,9 @@ class Trials:
             whole("threads", threads, least=1)
         # Nothing is kept in files, so that the settings need not be JSON.
         settings = {
-            "scene": self._solution.scene,
-            "drive": self._solution.drive,
-            "targets": self._solution.targets,
+            "scene": self._scene,
+            "drive": self._drive,
+            "targets": self._targets,
             "faults": self._faults,
             "seed": self._seed,
         }

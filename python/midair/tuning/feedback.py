@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Literal
 
 import numpy as np
 
-from .._midair import Scene, solve, solver_name, solvers
+from .._midair import Scene, SceneWarning, solve, solver_name, solvers
+from ..shape.arguments import word
 from .player import Player, Real
 
 #: How much of a deviation is corrected at once.
@@ -21,11 +23,15 @@ def feedback(player: Player, scene: Scene, targets: Real, solver: str, steps: in
     The camera feedback of slmsuite. It evens out and gains no level: the model stays as it is.
     """
     # Ratios are what is corrected: those that can aim give their loudest at them.
-    aim: Literal["max"] | None = "max" if solvers()[solver_name(solver)].uses_aim else None
+    aim: Literal["max"] | None = "max" if solvers()[solver_name(word("solver", solver))].uses_aim else None
     wanted = targets.copy()
     asked = targets > 0
-    for _ in range(steps):
-        drive = solve(scene.replace(pressures=wanted), solver, aim=aim).drive
+    for step in range(steps):
+        with warnings.catch_warnings():
+            if step:
+                # What nobody asked for is nothing to warn of.
+                warnings.simplefilter("ignore", SceneWarning)
+            drive = solve(scene.replace(pressures=wanted), solver, aim=aim).drive
         pressures = player(drive)
         player.trace.append(player.value(pressures))
         x = pressures[asked] / targets[asked]

@@ -17,6 +17,9 @@ Indices = NDArray[np.intp]
 Drive = NDArray[np.complex64]
 Read = Callable[[Drive], Any]
 
+#: Changes of the drive after which a microphone that still gives the same hears nothing of it.
+CHANGES = 2
+
 
 class Ended(Exception):
     """Tuning is over before its end."""
@@ -54,6 +57,9 @@ class Player:
         self.readings = 0
         self.best: tuple[float, Drive, Real] | None = None
         self.trace: list[float] = []
+        self._last: Drive | None = None
+        self._changes = 0
+        self._quietest, self._loudest = np.full(count, np.inf), np.zeros(count)
 
     def __call__(self, drive: NDArray[Any]) -> Real:
         """|p| (M,) at the places, read."""
@@ -69,6 +75,9 @@ class Player:
         except Exception as error:
             raise Unreadable(error) from error
         self.readings += 1
+        self._changes += self._last is not None and not np.array_equal(played, self._last)
+        self._last = played
+        self._quietest, self._loudest = np.minimum(found, self._quietest), np.maximum(found, self._loudest)
         self.offer(played, found)
         return found
 
@@ -79,6 +88,18 @@ class Player:
             kept = drive.astype(np.complex64)
             kept.flags.writeable = False
             self.best = (value, kept, pressures)
+
+    def deaf(self) -> str | None:
+        """Places that gave 0 in all readings, or the same whatever the drive, told in a line."""
+        same = (self._loudest == self._quietest) & ((self._loudest == 0) | (self._changes >= CHANGES))
+        if not same.any():
+            return None
+        first, *others = np.flatnonzero(same)
+        where = f"{first} and {len(others)} more" if others else f"{first}"
+        return (
+            f"read gave |p| = {self._loudest[first]:.4g} at place {where} in all {self.readings} readings: "
+            "a dead microphone, mend it or leave its point out"
+        )
 
     def _checked(self, given: Any) -> Real:
         found = np.atleast_1d(np.asarray(given))

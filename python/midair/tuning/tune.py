@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Array, Scene, SceneError, SceneWarning, Solution, solve
-from ..shape.arguments import flag, refused, whole, word
+from ..shape.arguments import callback, flag, refused, whole, word
 from .feedback import feedback
 from .greedy import greedy
 from .player import Drive, Ended, Player, Read, Real, Unreadable
@@ -58,7 +58,8 @@ def tune(
     progress : called with (readings, of how many) before each; False stops
 
     The best drive found is kept, whatever ends the work: Ctrl-C or progress (status "stopped"), the budget
-    ("out_of_readings"), an error of `read` ("failed", `error`, and a SceneWarning that tells of it).
+    ("out_of_readings"), an error of `read` ("failed", `error`, and a SceneWarning that tells of it). A place
+    that gives 0, or the same, in all readings has a SceneWarning, too.
     """
     if not callable(read):
         raise refused("read", read, "give a function of a drive (N,) that answers |p| (M,)")
@@ -66,6 +67,8 @@ def tune(
         raise refused("method", method, f"give one of {', '.join(METHODS)}")
     if not isinstance(array_or_scene, Array | Scene):
         raise refused("array_or_scene", array_or_scene, "give a midair.Scene or a midair.Array")
+    callback(progress, "readings, of how many")
+    seed = whole("seed", seed, least=0)
     scene = array_or_scene if isinstance(array_or_scene, Scene) else None
     array = scene.array if scene is not None else array_or_scene
     assert isinstance(array, Array)
@@ -103,6 +106,8 @@ def tune(
             SceneWarning,
             stacklevel=2,
         )
+    if deaf := player.deaf():
+        warnings.warn(deaf, SceneWarning, stacklevel=2)
     best, played, pressures = player.best
     return Tuning(played, pressures, best, player.readings, status, error, np.array(player.trace))
 
