@@ -19,7 +19,7 @@ TRIALS := 1000
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook setup demo capi install test test-rust test-python test-capi test-portable test-boards lint fuzz sanitize bench bench-capi bench-peers figures motion exposure measuring obstacles paper golden map header stubs pins wheels clean
+.PHONY: help outlook setup demo capi install test test-rust test-python test-capi test-firmware embedded test-portable test-boards lint fuzz sanitize bench bench-capi bench-peers figures motion exposure measuring obstacles paper golden map header stubs pins wheels clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -52,7 +52,7 @@ $(BUILT)/libmidair.so:
 	$(MAKE) --no-print-directory capi
 
 test: outlook lint test-rust test-python ## The core's tests and the package's (the C library's: test-capi)
-	@echo; echo "== all passed. Left out: make test-capi (the C library, 6 min), test-boards, test-portable, fuzz, sanitize"
+	@echo; echo "== all passed. Left out: make test-capi (the C library, 6 min), test-firmware, test-boards, test-portable, fuzz, sanitize"
 
 outlook:
 	@echo "make test: lint, the core's tests, the package's tests; half an hour on two cores, a third of it when built before."
@@ -76,6 +76,12 @@ test-capi: setup capi ## The C library: header, same bits as the package, refusa
 	$(call step,C library: header and unit tests (2 min),$(CARGO) test --quiet -p midair-capi)
 	$(call step,C library: tests (40 s),$(PYTHON) -m pytest capi/tests)
 
+test-firmware: ## Four methods on an emulated microcontroller, to the bit (Debian's packages, 5 min)
+	python3 firmware/test.py
+
+embedded: ## Write the table of docs/embedded.md anew (Debian's packages, 5 min)
+	python3 firmware/measure.py
+
 test-portable: ## The core on 64-bit ARM and WebAssembly, emulated (Debian's packages)
 	core/tests/portable.sh
 
@@ -88,8 +94,8 @@ lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
 	$(call step,lint: clippy on the extension (30 s),$(CARGO) clippy --all-targets -p midair-python -- -D warnings)
 	$(call step,lint: clippy on the C library (30 s),$(CARGO) clippy --all-targets --no-deps -p midair-capi -- -D warnings)
 	$(call step,lint: the core's documentation (5 s),RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps $(CORE))
-	$(call step,lint: Python (2 s),$(BIN)/ruff check python capi bench fuzz examples)
-	$(call step,lint: Python is formatted (2 s),$(BIN)/ruff format --check python capi bench fuzz examples)
+	$(call step,lint: Python (2 s),$(BIN)/ruff check python capi bench firmware fuzz examples)
+	$(call step,lint: Python is formatted (2 s),$(BIN)/ruff format --check python capi bench firmware fuzz examples)
 
 fuzz: fuzz/.tools/bin/cargo-fuzz fuzz/.venv/ready ## Guided fuzzing, recorded (TIME=60 seconds or RUNS a target, TARGETS="scene solve")
 	nice -n 19 $(PYTHON) fuzz/run.py --time $(TIME) --runs $(RUNS) $(TARGETS)

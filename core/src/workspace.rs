@@ -1,7 +1,7 @@
 //! Workspace: the memory of solves, taken and given back.
 
 use alloc::vec::Vec;
-use core::cell::RefCell;
+use core::cell::{Cell, RefCell};
 use core::mem;
 use core::ops::{Deref, DerefMut};
 
@@ -16,6 +16,8 @@ const LINE: usize = 16;
 #[derive(Debug, Default)]
 pub struct Pool<T> {
     free: RefCell<Vec<Vec<T>>>,
+    /// How many it has made, and has room to take back.
+    made: Cell<usize>,
 }
 
 impl<T: Clone + Default> Pool<T> {
@@ -51,7 +53,12 @@ impl<T> Pool<T> {
         let fits = (0..free.len()).filter(|&k| free[k].capacity() >= len);
         match fits.min_by_key(|&k| free[k].capacity()) {
             Some(k) => free.swap_remove(k),
-            None => Vec::with_capacity(len),
+            None => {
+                self.made.set(self.made.get() + 1);
+                let room = self.made.get().saturating_sub(free.len());
+                free.reserve(room);
+                Vec::with_capacity(len)
+            }
         }
     }
 

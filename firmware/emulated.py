@@ -1,0 +1,98 @@
+"""The firmware built and run on an emulated board, and the same frames on this machine.
+
+Debian's compiler and the source of its standard library build it: no target has to be downloaded. Installs
+nothing.
+"""
+
+import os
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+HERE = Path(__file__).parent
+TARGET = "thumbv7em-none-eabihf"
+METHODS = ("fast", "greedy", "naive", "uniform")
+#: At -icount shift=0 an instruction takes 1 ns of the emulated time, a tick of its clock of 25 MHz 40.
+INSTRUCTIONS_A_TICK = 40
+NEEDS = {
+    "/usr/bin/rustc": "rustc-web",
+    "/usr/bin/cargo": "cargo-web",
+    "/usr/lib/rustlib/src/rust/library/Cargo.lock": "rust-web-src",
+    "/usr/bin/qemu-system-arm": "qemu-system-arm",
+}
+LINKERS = ("ld.lld", "ld.lld-19", "ld.lld-14")
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a program told: numbers by name, the bits of each frame's drive, all bytes of its line."""
+
+    numbers: dict[str, int]
+    drives: list[str]
+    line: bytes
+
+    def instructions(self, name: str) -> int:
+        return self.numbers[name] * INSTRUCTIONS_A_TICK
+
+
+def build() -> Path:
+    """Builds every method for the board, and the player of this machine; the folder of the programs."""
+    missing = [package for place, package in NEEDS.items() if not Path(place).exists()]
+    linker = next((found for name in LINKERS if (found := shutil.which(name))), None)
+    if missing or linker is None:
+        names = " ".join(missing + ["lld"] * (linker is None))
+        sys.exit(f"firmware: missing: apt install --no-install-recommends {names}")
+    target = Path(os.environ.get("CARGO_TARGET_DIR", HERE / "target"))
+    # -Zbuild-std asks a stable compiler for this; a rustup toolchain must not step in.
+    own = {
+        "RUSTC_BOOTSTRAP": "1",
+        "RUSTC": "/usr/bin/rustc",
+        "CARGO_TARGET_DIR": str(target),
+        "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER": linker,
+    }
+    env = {key: value for key, value in os.environ.items() if key != "RUSTFLAGS"} | own
+    cargo = ["/usr/bin/cargo", "build", "--quiet", "--release"]
+    subprocess.run(
+        [*cargo, "--bins", "--target", TARGET, "-Zbuild-std=core,alloc"], cwd=HERE, env=env, check=True
+    )
+    subprocess.run([*cargo, "--example", "pc"], cwd=HERE, env=env, check=True)
+    return target
+
+
+def emulated(target: Path, method: str, array: str, board: str, points: int) -> Run:
+    """A method's program on the emulated board."""
+    program = target / TARGET / "release" / method
+    words = [f"arg={word}" for word in (method, array, board, points)]
+    with tempfile.TemporaryDirectory() as folder:
+        line = Path(folder, "line")
+        machine = "qemu-system-arm -M mps2-an386 -display none -monitor none -icount shift=0".split()
+        semihosting = ",".join(["enable=on", "target=native", *words])
+        ends = ["-serial", f"file:{line}", "-semihosting-config", semihosting, "-kernel", str(program)]
+        told = subprocess.run([*machine, *ends], capture_output=True, text=True, timeout=300)
+        if told.returncode != 0:
+            raise RuntimeError(f"{method} {array} {board} {points}: {told.stdout[-500:]}{told.stderr[-500:]}")
+        pairs = [text.split() for text in told.stdout.splitlines()]
+        numbers = {name: int(value) for name, value in pairs if name != "drive"}
+        return Run(numbers, [value for name, value in pairs if name == "drive"], line.read_bytes())
+
+
+def here(target: Path, method: str, array: str, board: str, points: int) -> Run:
+    """The same frames on this machine, by the scalar instruction set."""
+    program = target / "release" / "examples" / "pc"
+    words = [str(program), method, array, board, str(points)]
+    told = subprocess.run(words, capture_output=True, text=True, check=True)
+    pairs = [text.split() for text in told.stdout.splitlines()]
+    line = b"".join(bytes.fromhex(value) for name, value in pairs if name == "frame")
+    return Run({}, [value for name, value in pairs if name == "drive"], line)
+
+
+def flash(target: Path, method: str) -> int:
+    """Bytes of a program that lie in flash: what its ELF file loads."""
+    elf = (target / TARGET / "release" / method).read_bytes()
+    offset, count = struct.unpack_from("<I", elf, 28)[0], struct.unpack_from("<H", elf, 44)[0]
+    headers = [struct.unpack_from("<8I", elf, offset + 32 * k) for k in range(count)]
+    return sum(size for kind, _, _, _, size, *_ in headers if kind == 1)

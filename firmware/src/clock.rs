@@ -1,0 +1,30 @@
+//! Clock: the processor's SysTick, 24 bits that count down.
+
+use cortex_m::peripheral::SYST;
+use cortex_m::peripheral::syst::SystClkSource;
+
+const TOP: u32 = 0x00ff_ffff;
+
+/// A running clock.
+#[allow(missing_debug_implementations, reason = "a register block")]
+pub struct Clock(SYST);
+
+impl Clock {
+    /// Starts it.
+    #[must_use]
+    pub fn new(mut register: SYST) -> Self {
+        register.set_clock_source(SystClkSource::Core);
+        register.set_reload(TOP);
+        register.clear_current();
+        register.enable_counter();
+        Self(register)
+    }
+
+    /// Ticks that something took, up to 2^24.
+    pub fn ticks<R>(&self, work: impl FnOnce() -> R) -> (u32, R) {
+        let _ = &self.0;
+        let start = SYST::get_current();
+        let result = work();
+        (start.wrapping_sub(SYST::get_current()) & TOP, result)
+    }
+}

@@ -1,0 +1,56 @@
+//! Heap: of fixed size, which counts its allocations.
+
+use core::alloc::{GlobalAlloc, Layout};
+use core::mem::MaybeUninit;
+use core::sync::atomic::{AtomicUsize, Ordering};
+
+use embedded_alloc::LlffHeap;
+
+/// Bytes of it: enough for `uniform` at 256 transducers and 8 points.
+const SIZE: usize = 160 << 10;
+
+static mut MEMORY: [MaybeUninit<u8>; SIZE] = [MaybeUninit::uninit(); SIZE];
+
+#[global_allocator]
+static HEAP: Counting = Counting { heap: LlffHeap::empty(), calls: AtomicUsize::new(0), most: AtomicUsize::new(0) };
+
+struct Counting {
+    heap: LlffHeap,
+    calls: AtomicUsize,
+    most: AtomicUsize,
+}
+
+// SAFETY: blocks are those of the heap within.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        // Read and written apart: there is one core, and no interrupt allocates.
+        self.calls.store(self.calls.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
+        // SAFETY: the caller's.
+        let block = unsafe { self.heap.alloc(layout) };
+        self.most.store(self.most.load(Ordering::Relaxed).max(self.heap.used()), Ordering::Relaxed);
+        block
+    }
+
+    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
+        // SAFETY: the caller's.
+        unsafe { self.heap.dealloc(block, layout) }
+    }
+}
+
+/// Makes the heap ready: once, before anything is allocated.
+pub fn begin() {
+    // SAFETY: nobody else names the memory, and the heap itself refuses to begin twice.
+    unsafe { HEAP.heap.init(&raw mut MEMORY as usize, SIZE) }
+}
+
+/// How often something was allocated.
+#[must_use]
+pub fn allocations() -> usize {
+    HEAP.calls.load(Ordering::Relaxed)
+}
+
+/// The most bytes that were in use.
+#[must_use]
+pub fn most() -> usize {
+    HEAP.most.load(Ordering::Relaxed)
+}

@@ -1,0 +1,18 @@
+//! midair on a microcontroller: points in, bytes of a board out, nothing allocated between the first frame and the last.
+//!
+//! [`player`] is what a product would do; the rest is the machine under it, or measures it.
+#![no_std]
+
+extern crate alloc;
+
+#[cfg(target_os = "none")]
+pub mod board;
+#[cfg(target_os = "none")]
+pub mod clock;
+#[cfg(target_os = "none")]
+pub mod heap;
+#[cfg(target_os = "none")]
+pub mod measured;
+pub mod player;
+#[cfg(target_os = "none")]
+pub mod stack;

@@ -1,0 +1,60 @@
+//! Measured: a few frames under an emulator, what they cost, and their drives, told by semihosting.
+
+use midair::{Error, Solve};
+use semihosting::println;
+
+use crate::board::Uart;
+use crate::clock::Clock;
+use crate::player::{FRAMES, Player, array};
+use crate::{heap, stack};
+
+/// Plays frames of an array, a board and a number of points, the three words of the command line, and tells in lines of
+/// `name value`: ticks of set-up, of new points, solving and encoding in the last frame; bytes of heap and stack; the
+/// allocations after the first frame; and of each frame the bits of its drive.
+///
+/// # Errors
+/// What cannot be solved; words that are missing.
+#[inline(always)]
+pub fn run<S: Solve>(solver: S) -> Result<(), Error> {
+    heap::begin();
+    let missing = |what: &str| Error::invalid(what, "missing", "give array, board and number of points");
+    let words = semihosting::experimental::env::args::<128>().map_err(|_| missing("the command line"))?;
+    let mut words = (&words).into_iter().filter_map(Result::ok).skip(1);
+    let (name, board) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
+    let points = words.next().and_then(|word| word.parse().ok()).ok_or_else(|| missing("points"))?;
+
+    let clock = Clock::new(cortex_m::Peripherals::take().ok_or_else(|| missing("the processor"))?.SYST);
+    let mut uart = Uart::new(230_400);
+    let (setup, player) = clock.ticks(|| Player::new(&array(name)?, board, points, solver));
+    let mut player = player?;
+    let mut last = [0; 3];
+    let mut before = 0;
+    for frame in 0..FRAMES {
+        let (turned, result) = clock.ticks(|| player.turn(frame));
+        result?;
+        let (solved, result) = clock.ticks(|| player.solve());
+        result?;
+        let (encoded, bytes) = clock.ticks(|| player.encode());
+        uart.send(bytes?);
+        last = [turned, solved, encoded];
+        if frame == 0 {
+            before = heap::allocations();
+        }
+        // By number, since a text of them all would be allocated.
+        for q in player.drive() {
+            println!("drive {:08x}{:08x}", q.re.to_bits(), q.im.to_bits());
+        }
+    }
+    let [turned, solved, encoded] = last;
+    println!("setup {setup}\npoints {turned}\nsolve {solved}\nencode {encoded}");
+    println!("heap {}\nstack {}\nallocations {}", heap::most(), stack::most(), heap::allocations() - before);
+    Ok(())
+}
+
+/// The end of a program, by its status.
+pub fn end(result: Result<(), Error>) -> ! {
+    if let Err(error) = &result {
+        println!("error {error}");
+    }
+    semihosting::process::exit(result.is_err().into())
+}
