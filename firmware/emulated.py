@@ -69,10 +69,11 @@ def emulated(target: Path, method: str, array: str, board: str, points: int) -> 
     words = [f"arg={word}" for word in (method, array, board, points)]
     with tempfile.TemporaryDirectory() as folder:
         line = Path(folder, "line")
-        machine = "qemu-system-arm -M mps2-an386 -display none -monitor none -icount shift=0".split()
+        machine = ["qemu-system-arm", "-M", "mps2-an386", "-icount", "shift=0"]
+        quiet = ["-display", "none", "-monitor", "none"]
         semihosting = ",".join(["enable=on", "target=native", *words])
         ends = ["-serial", f"file:{line}", "-semihosting-config", semihosting, "-kernel", str(program)]
-        told = subprocess.run([*machine, *ends], capture_output=True, text=True, timeout=300)
+        told = subprocess.run([*machine, *quiet, *ends], capture_output=True, text=True, timeout=300)
         if told.returncode != 0:
             raise RuntimeError(f"{method} {array} {board} {points}: {told.stdout[-500:]}{told.stderr[-500:]}")
         pairs = [text.split() for text in told.stdout.splitlines()]
