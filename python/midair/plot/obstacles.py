@@ -5,8 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.collections import LineCollection
-from matplotlib.patches import Circle
 
 from .._midair import Field, Mesh, Plane, Sphere, Wall
 
@@ -50,6 +48,8 @@ def _wall(wall: Wall, plane: Plane, ax: Axes, axes: tuple[int, int]) -> None:
 
 
 def _sphere(sphere: Sphere, plane: Plane, ax: Axes, axes: tuple[int, int]) -> None:
+    from matplotlib.patches import Circle
+
     away = sphere.center["xyz".index(plane.axis)] - plane.at
     if abs(away) < sphere.radius:
         middle = (1e3 * sphere.center[axes[0]], 1e3 * sphere.center[axes[1]])
@@ -59,6 +59,8 @@ def _sphere(sphere: Sphere, plane: Plane, ax: Axes, axes: tuple[int, int]) -> No
 
 
 def _mesh(mesh: Mesh, plane: Plane, ax: Axes, axes: tuple[int, int]) -> None:
+    from matplotlib.collections import LineCollection
+
     corners = mesh.vertices[mesh.faces]
     heights = corners[..., "xyz".index(plane.axis)] - plane.at
     above = heights >= 0
