@@ -51,15 +51,13 @@ impl<T> Pool<T> {
         }
         let mut free = self.free.borrow_mut();
         let fits = (0..free.len()).filter(|&k| free[k].capacity() >= len);
-        match fits.min_by_key(|&k| free[k].capacity()) {
-            Some(k) => free.swap_remove(k),
-            None => {
-                self.made.set(self.made.get() + 1);
-                let room = self.made.get().saturating_sub(free.len());
-                free.reserve(room);
-                Vec::with_capacity(len)
-            }
+        if let Some(k) = fits.min_by_key(|&k| free[k].capacity()) {
+            return free.swap_remove(k);
         }
+        self.made.set(self.made.get() + 1);
+        let room = self.made.get().saturating_sub(free.len());
+        free.reserve(room);
+        Vec::with_capacity(len)
     }
 
     /// Gives a list back that was taken out of its buffer.
