@@ -54,11 +54,11 @@ impl Model {
     }
 
     /// The same behind obstacles, in place of those that it has: rows of G are then what comes straight from the
-    /// transducers plus what the obstacles send on, in double precision, and so are fields and pressures.
+    /// transducers plus what the obstacles send on, of walls in double precision, and so are fields and pressures.
     ///
     /// A wall is exact, by image sources with eq. (5)'s directivity and absorption. So are two or three at right angles;
-    /// of two that face each other three reflections are counted. A sphere is exact by its series. A mesh needs the sound on
-    /// its surface, which [`Model::with_sound`] brings: until then it is refused where it matters.
+    /// of two that face each other three reflections are counted. A sphere is its series, to 1e-5 of the largest |p|. A
+    /// mesh needs the sound on its surface, which [`Model::with_sound`] brings: until then it is refused where it matters.
     ///
     /// # Errors
     /// As [`Scene::with_obstacles`].

@@ -53,7 +53,8 @@ impl Scattering {
         Err(Error::invalid("obstacles", "a mesh whose surface is not solved", cure))
     }
 
-    /// Adds what each transducer of some sources sends to a point by way of the obstacles, in Pa, in double precision.
+    /// Adds what each transducer of some sources sends to a point by way of the obstacles, in Pa: images in double
+    /// precision, bodies by answers kept in single.
     pub(crate) fn add(&self, sources: &Sources, point: [f64; 3], row: &mut [Complex64]) {
         for image in &*self.images {
             row.iter_mut().enumerate().for_each(|(i, g)| *g += image.exact(i, point));
