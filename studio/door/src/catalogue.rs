@@ -1,0 +1,26 @@
+//! Catalogue: what the page offers, as the core lists it.
+
+use std::fmt::Write;
+
+use midair::solvers::SOLVERS;
+use midair::{Board, presets::PRESETS};
+
+/// Version, presets, solvers and boards: a line each, tabs between.
+pub(crate) fn catalogue() -> String {
+    let mut text = format!("version\t{}\n", env!("CARGO_PKG_VERSION"));
+    for preset in PRESETS {
+        let (tiles, board) = (u8::from(preset.tiles), preset.board.unwrap_or_default());
+        let _ = writeln!(text, "preset\t{}\t{}\t{}\t{tiles}\t{board}", preset.name, preset.summary, preset.count);
+    }
+    for entry in SOLVERS {
+        let aims = u8::from(entry.info.uses_aim);
+        let _ = writeln!(text, "solver\t{}\t{}\t{aims}", entry.info.name, entry.info.summary);
+    }
+    for name in Board::names() {
+        if let Ok(board) = Board::new(name, 1) {
+            let (summary, baud) = (board.summary(), board.baud().unwrap_or_default());
+            let _ = writeln!(text, "board\t{name}\t{summary}\t{}\t{baud}", board.channel_count());
+        }
+    }
+    text
+}

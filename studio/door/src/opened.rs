@@ -1,0 +1,49 @@
+//! Opened: a scene that was read, with the model and the session of its solver.
+
+use midair::files::{self, Format, Provenance};
+use midair::solvers::{DEFAULT, configure};
+use midair::{Ask, Choice, Control, Error, InstructionSet, Model, Options, Problem, Scene, Session};
+
+/// A scene and what solves it.
+pub(crate) struct Opened {
+    pub(crate) scene: Scene,
+    pub(crate) model: Model,
+    pub(crate) session: Session,
+    pub(crate) ask: Ask,
+    set: InstructionSet,
+}
+
+fn format(toml: bool) -> Format {
+    if toml { Format::Toml } else { Format::Json }
+}
+
+impl Opened {
+    /// Reads a scene file's text.
+    pub(crate) fn read(text: &[u8], toml: bool, set: InstructionSet) -> Result<Self, Error> {
+        let scene = files::read(text, format(toml))?;
+        let none = || Choice::new(DEFAULT.into(), Options::new());
+        let choice = scene.solver.clone().map_or_else(none, Ok)?;
+        let configured = configure(&choice, scene.array().quantization())?;
+        let model = Model::of(&scene, set);
+        let session =
+            Session::new(model.clone(), configured.solver, choice.balance.unwrap_or(configured.info.balance));
+        let ask = Ask {
+            points: scene.points().to_vec(),
+            request: scene.request().clone(),
+            aim: choice.aim,
+            ..Ask::default()
+        };
+        Ok(Self { scene, model, session, ask, set })
+    }
+
+    /// The scene as the command line writes it.
+    pub(crate) fn write(&self, toml: bool) -> Result<String, Error> {
+        let version = Some(env!("CARGO_PKG_VERSION").into());
+        files::write(&self.scene, format(toml), &Provenance { version, status: None })
+    }
+
+    /// The problem of the scene.
+    pub(crate) fn problem(&self) -> Result<Problem, Error> {
+        Problem::of_scene(&self.scene, self.set, &mut Control::none())
+    }
+}

@@ -1,0 +1,67 @@
+//! Play: frames that follow one another, and the bytes by which a board plays them.
+
+use midair::{Ask, Board, Complex32, Control, Error, Frames};
+
+use crate::opened::Opened;
+use crate::studio::Studio;
+
+impl Studio {
+    pub(crate) fn follow(&mut self, frames: usize) -> Result<(), Error> {
+        let places: Vec<[f64; 3]> = self.numbers_in.as_chunks().0.to_vec();
+        let Opened { session, ask, scene, model, .. } = self.opened()?;
+        let (count, transducers) = (scene.points().len(), scene.array().len());
+        if frames == 0 || places.len() != frames * count {
+            let cure = format!("give {count} points in each of {frames} frames");
+            return Err(Error::invalid("frames", format!("{} points", places.len()), cure));
+        }
+        let targets = scene.request().pressures.as_ref().map(|each| each.repeat(frames));
+        let mut drives = vec![Complex32::ZERO; frames * transducers];
+        let asked = Frames { points: &places, targets: targets.as_deref(), count };
+        let mut memory = Ask { aim: ask.aim, ..Ask::default() };
+        session.last().clear();
+        session.follow(asked, true, &mut memory, &mut drives, &mut Control::none())?;
+        let mut told = Vec::with_capacity(3 * frames);
+        let mut last: Option<&[Complex32]> = None;
+        for (drive, points) in drives.chunks(transducers).zip(places.chunks(count)) {
+            let turned = last.map_or(0.0, |last| change(last, drive));
+            let pressures = midair::field(model, drive, points, &mut Control::none())?;
+            let moduli = pressures.iter().map(|p| f64::from(p.norm()));
+            let least = moduli.clone().fold(f64::INFINITY, f64::min);
+            told.extend([turned, least, moduli.fold(0.0, f64::max)]);
+            last = Some(drive);
+        }
+        (self.numbers, self.frames) = (told, drives);
+        self.frame(0)
+    }
+
+    pub(crate) fn frame(&mut self, frame: usize) -> Result<(), Error> {
+        let transducers = self.opened()?.scene.array().len();
+        let drive = self.frames.chunks(transducers).nth(frame).map(<[_]>::to_vec);
+        self.take(drive.ok_or_else(|| Error::invalid("frame", frame, "follow so many frames first"))?);
+        Ok(())
+    }
+
+    pub(crate) fn encode(&mut self) -> Result<(), Error> {
+        let board = self.board()?;
+        let mut bytes = vec![0; board.frame_size()];
+        board.encode(&self.drive, &mut bytes)?;
+        self.bytes = bytes;
+        self.numbers = vec![board.baud().map_or(0.0, f64::from)];
+        Ok(())
+    }
+
+    pub(crate) fn silence(&mut self) -> Result<(), Error> {
+        self.bytes = self.board()?.silence();
+        Ok(())
+    }
+
+    fn board(&mut self) -> Result<Board, Error> {
+        let name = String::from_utf8_lossy(&self.text_in).into_owned();
+        Board::new(&name, self.opened()?.scene.array().len())
+    }
+}
+
+/// The largest change of a phase between two drives, in rad.
+fn change(last: &[Complex32], drive: &[Complex32]) -> f64 {
+    last.iter().zip(drive).map(|(a, b)| f64::from((b * a.conj()).arg().abs())).fold(0.0, f64::max)
+}

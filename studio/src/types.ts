@@ -1,0 +1,82 @@
+/** Types that the studio's files share: what a scene asks for, a piece of a field, and how it is to look. */
+
+/** Metres, unless said otherwise. */
+export type Vec3 = [number, number, number];
+
+/** An array: a preset by name, of so many boards, or positions and normals of one's own. */
+export type ArrayChoice =
+  | { preset: string; tiles: [number, number] }
+  | { name: string; positions: Vec3[]; normals: Vec3[] };
+
+/** What the waves meet, as `[[obstacles]]` of a scene file. */
+export type Obstacle =
+  | { point: Vec3; normal: Vec3; kind: "rigid" | "soft" }
+  | { center: Vec3; radius: number; kind: "rigid" | "soft" };
+
+export const MAPS = ["viridis", "cividis", "magma"] as const;
+export const SCALES = ["linear", "squared", "decibel"] as const;
+export const VIEWS = ["slice", "volume", "both"] as const;
+export type MapName = (typeof MAPS)[number];
+export type ScaleName = (typeof SCALES)[number];
+export type View = (typeof VIEWS)[number];
+
+/** One of the two methods that are compared. */
+export type Slot = 0 | 1;
+
+/** Everything that undo, links and files know. */
+export interface State {
+  array: ArrayChoice;
+  /** The board's own phases and amplitudes, or any drive. */
+  quantization: "board" | "none";
+  /** Of the air, in degrees C. */
+  temperature: number;
+  points: Vec3[];
+  /** Peak |p| of each point in Pa, 0 for a quiet one; null: as loud as all can be at once. */
+  pressures: number[] | null;
+  methods: [string, string];
+  /** Foci turned into traps, or "". */
+  signature: "" | "trap" | "twin" | "vortex";
+  obstacles: Obstacle[];
+  /** Where somebody listens. */
+  ear: Vec3 | null;
+  /** The horizontal slice: its height, the length of its sides, its middle. */
+  plane: { z: number; size: number; center: [number, number] };
+  view: View;
+  /** Whose field the 3-D view shows. */
+  slot: Slot;
+  map: MapName;
+  scale: ScaleName;
+  /** What moves, or null. */
+  path: Path | null;
+}
+
+/** All points on one path: turned about the middle of the points, or led along a line. */
+export type Path =
+  | { kind: "circle"; radius: number; frequency: number }
+  | { kind: "line"; length: number; frequency: number };
+
+/** A field's complex pressures on a flat lattice of nu x nv places: corner + u * i/(nu - 1) + v * j/(nv - 1). */
+export interface Lattice {
+  corner: Vec3;
+  u: Vec3;
+  v: Vec3;
+  nu: number;
+  nv: number;
+  /** re and im, i fastest: 2 nu nv numbers. */
+  values: Float32Array;
+}
+
+/** |p| on a box of nx x ny x nz places, x fastest. */
+export interface Volume {
+  least: Vec3;
+  most: Vec3;
+  count: [number, number, number];
+  moduli: Float32Array;
+}
+
+/** How |p| becomes a colour: a map, a scale, and the |p| of its top in Pa. */
+export interface Look {
+  map: MapName;
+  scale: ScaleName;
+  top: number;
+}
