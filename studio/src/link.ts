@@ -1,8 +1,8 @@
 /**
  * Link: a state as the fragment of an address, to be read and changed by hand.
  *
- * `#v=1&a=autd3.2x2&l=board&t=25&m=uniform.naive&p=0,0,180_55,0,180&z=180,180&w=both&c=viridis`: mm, degrees C,
- * Pa. What is left out is as at the beginning.
+ * `#v=1&a=autd3.2x2&l=board&t=25&m=uniform.naive&p=0,0,180_55,0,180&z=180,180&w=both&c=viridis`: mm, Pa and
+ * degrees C. What is left out is as at the beginning.
  *
  * | key | what | key | what |
  * |---|---|---|---|
@@ -16,6 +16,7 @@
  * An array of one's own is in no link: it is `a=own`, which is refused when read.
  */
 
+import { decimal } from "./decimal.ts";
 import { initial, MOST_POINTS } from "./initial.ts";
 import { MAPS, SCALES, VIEWS } from "./types.ts";
 import type { Obstacle, State, Vec3 } from "./types.ts";
@@ -31,7 +32,6 @@ const MOST_OBSTACLES = 8;
 /** Lengths in mm. */
 const FARTHEST = 10_000;
 const LOUDEST = 1e6;
-const NUMBER = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 
 /** What a link gets wrong, in one line. */
 class Wrong extends Error {}
@@ -46,7 +46,7 @@ function word<T extends string>(item: string, text: string, words: readonly T[])
 }
 
 function number(item: string, text: string, least: number, most: number): number {
-  const value = NUMBER.test(text) ? Number(text) : NaN;
+  const value = decimal(text);
   if (value >= least && value <= most) return value + 0;
   return wrong(item, text, `give a number from ${least} to ${most}`);
 }

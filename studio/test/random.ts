@@ -18,7 +18,8 @@ export function generator(seed: number): () => number {
 export function randomState(random: () => number): State {
   const below = (count: number) => Math.floor(random() * count);
   const one = <T>(of: readonly T[]): T => of[below(of.length)];
-  const length = (least: number, most: number) => (Math.round(least * 1e5) + below((most - least) * 1e5)) / 1e5;
+  const length = (least: number, most: number) =>
+    Math.round(1e5 * (least + random() * (most - least))) / 1e5 + 0;
   const place = (): Vec3 => [length(-0.2, 0.2), length(-0.2, 0.2), length(0, 0.4)];
   const kind = () => one(["rigid", "soft"] as const);
   const obstacle = (): Obstacle =>
