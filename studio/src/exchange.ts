@@ -1,9 +1,10 @@
 /** Exchange: scenes, drives, arrays and drawings that come in by file, and go out. */
 
 import type { Context } from "./context.ts";
-import { readArray, readDrive, stateOf, writeDrive } from "./files.ts";
+import { readArray, readDrive, writeDrive } from "./files.ts";
+import { stateOf } from "./scene_file.ts";
 import { drawing, fitting } from "./shapes.ts";
-import type { Slot } from "./types.ts";
+import type { Slot, Vec3 } from "./types.ts";
 
 /** The longer side of a drawing that is dropped in, in m. */
 const SIZE = 0.08;
@@ -49,6 +50,10 @@ function save(name: string, content: BlobPart, type: string): void {
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
+/** The positions of positions and normals. */
+const placesOf = (array: Float64Array) =>
+  Array.from({ length: array.length / 6 }, (_, k) => [...array.subarray(3 * k, 3 * k + 3)] as Vec3);
+
 /** The scene as the command line reads it, with slot A's method. */
 export async function exportScene({ studio, engine }: Context): Promise<void> {
   await studio.settled();
@@ -60,7 +65,7 @@ export async function exportDrive({ studio, alarm }: Context, slot: Slot): Promi
   await studio.settled();
   const { results, array } = studio.view;
   const { answer, refused } = results[slot];
-  if (answer) save("drive.csv", writeDrive(array.subarray(0, array.length / 2), answer.drive), "text/csv");
+  if (answer) save("drive.csv", writeDrive(placesOf(array), answer.drive), "text/csv");
   else alarm(refused);
 }
 

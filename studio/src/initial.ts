@@ -6,7 +6,8 @@ import type { State, Vec3 } from "./types.ts";
 export const MOST_POINTS = 64;
 
 const RING = 0.04;
-const HEIGHT = 0.18;
+/** Of the points above an array, in m. */
+export const HEIGHT = 0.18;
 
 function ring(count: number): Vec3[] {
   const place = (index: number) => (2 * Math.PI * index) / count;

@@ -2,7 +2,7 @@
 
 import "./style.css";
 import { startEngine } from "./engine.ts";
-import { sceneOf, stateOf } from "./files.ts";
+import { sceneOf, stateOf } from "./scene_file.ts";
 import { createHook, type Hook } from "./hook.ts";
 import { initial } from "./initial.ts";
 import { readLink } from "./link.ts";

@@ -2,7 +2,7 @@
 
 import type { Context } from "./context.ts";
 import { choice, element, write } from "./dom.ts";
-import { sceneOf } from "./files.ts";
+import { sceneOf } from "./scene_file.ts";
 import { gridOf } from "./lattices.ts";
 import { labelled } from "./panels.ts";
 import { framesOf } from "./paths.ts";

@@ -6,6 +6,7 @@ import { soundSpeed } from "./lattices.ts";
 import { createMotion } from "./motion.ts";
 import { createPointTable } from "./table.ts";
 import { createShapes } from "./shaping.ts";
+import { HEIGHT } from "./initial.ts";
 import { MAPS, SCALES, type Obstacle, type State } from "./types.ts";
 
 /** The left column. */
@@ -16,6 +17,9 @@ export interface Panels {
 
 /** Boards a side that are offered. */
 const TILES = ["1x1", "2x1", "2x2", "3x2", "3x3"] as const;
+
+/** Presets whose boards face one another, around z = 0. */
+const isFacing = (array: State["array"]) => "preset" in array && /pair|lev/.test(array.preset);
 
 /** What is offered to stand in the way. */
 const OBSTACLES: Record<string, Obstacle[]> = {
@@ -99,9 +103,16 @@ export function createPanels(context: Context): Panels {
   const motion = createMotion(context);
   const boards = labelled(say("boards"), tiles);
 
-  /** Another array: the points keep their places about its middle. */
+  /** Another array: where boards face one another the points go between them, else above. */
   function standing(array: State["array"]): Partial<State> {
-    return { array, obstacles: [] };
+    const { plane, points, array: before } = state();
+    const rise = isFacing(array) === isFacing(before) ? 0 : isFacing(array) ? -plane.z : HEIGHT - plane.z;
+    return {
+      array,
+      obstacles: [],
+      plane: { ...plane, z: plane.z + rise },
+      points: points.map(([x, y, z]) => [x, y, z + rise]),
+    };
   }
 
   /** Obstacles beside the slice's middle. */
@@ -141,6 +152,7 @@ export function createPanels(context: Context): Panels {
       levels.value = now.quantization;
       temperature.value = String(now.temperature);
       write(air, `${now.temperature.toFixed(1)} °C · ${soundSpeed(now.temperature).toFixed(1)} m/s`);
+      height.min = isFacing(now.array) ? "-100" : "20";
       height.value = String(now.plane.z * 1000);
       write(heightText, `${millimetres(now.plane.z)} mm`);
       width.value = String(now.plane.size * 1000);

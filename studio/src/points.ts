@@ -2,9 +2,6 @@
 
 import type { State, Vec3 } from "./types.ts";
 
-/** The most points that the page takes. */
-export const MOST = 64;
-
 const rounded = (point: Vec3) => point.map((x) => Math.round(x * 1e7) / 1e7) as Vec3;
 
 /** The state with a point elsewhere. */

@@ -3,7 +3,8 @@
 import { type Context, millimetres } from "./context.ts";
 import { element } from "./dom.ts";
 import { type Camera, fit, lift, project, slide } from "./painter/camera.ts";
-import { MOST, added, moved, removed } from "./points.ts";
+import { MOST_POINTS } from "./initial.ts";
+import { added, moved, removed } from "./points.ts";
 import type { Vec3 } from "./types.ts";
 
 /** The 3-D view. */
@@ -172,7 +173,7 @@ export function createStage(context: Context): Stage {
     const origin: Vec3 = [plane.center[0], plane.center[1], plane.z];
     const [x, y] = seen(origin);
     const way = slide(current(), [x, y], local(event), plane.z, size());
-    if (!way || points.length >= MOST) return;
+    if (!way || points.length >= MOST_POINTS) return;
     studio.change(added(state(), [origin[0] + way[0], origin[1] + way[1], plane.z]));
     context.announce(say("added", { n: points.length + 1 }));
   };

@@ -2,7 +2,7 @@
 
 import type { Answer } from "./door.ts";
 import type { Engine } from "./engine.ts";
-import { sceneOf } from "./files.ts";
+import { sceneOf } from "./scene_file.ts";
 import { createHistory } from "./history.ts";
 import { boxOf, gridOf } from "./lattices.ts";
 import type { Grid, Outcome } from "./solve.worker.ts";

@@ -2,7 +2,8 @@
 
 import { type Context, millimetres } from "./context.ts";
 import { element } from "./dom.ts";
-import { MOST, added, asked, moved, removed } from "./points.ts";
+import { MOST_POINTS } from "./initial.ts";
+import { added, asked, moved, removed } from "./points.ts";
 import type { Vec3 } from "./types.ts";
 
 const AXES = ["x", "y", "z"];
@@ -24,9 +25,9 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
 
   function extend() {
     const { plane, points } = state();
-    if (points.length >= MOST) return context.alarm(say("tooMany", { count: points.length + 1 }));
+    if (points.length >= MOST_POINTS) return context.alarm(say("tooMany", { count: points.length + 1 }));
     const [x, y] = plane.center;
-    const free = Array.from({ length: MOST }, (_, k): Vec3 => {
+    const free = Array.from({ length: MOST_POINTS }, (_, k): Vec3 => {
       const [radius, angle] = [0.006 * Math.sqrt(k), 2.4 * k];
       return [x + radius * Math.cos(angle), y + radius * Math.sin(angle), plane.z];
     }).find((place) => points.every((point) => Math.hypot(...place.map((at, k) => at - point[k])) > 0.004));

@@ -2,7 +2,7 @@
 
 import style from "./style.css?inline";
 import { type Engine, startEngine } from "./engine.ts";
-import { sceneOf, stateOf } from "./files.ts";
+import { sceneOf, stateOf } from "./scene_file.ts";
 import { initial } from "./initial.ts";
 import { weakest } from "./numbers.ts";
 import { createPage, type Manner, type Page } from "./page.ts";
