@@ -39,7 +39,7 @@ export function createBar(context: Context, deeds: Deeds): { root: HTMLElement; 
     },
   });
   const share = async () => {
-    history.replaceState(null, "", writeLink(studio.view.state));
+    history.replaceState(null, "", `#${writeLink(studio.view.state)}`);
     await navigator.clipboard?.writeText(location.href).catch(() => undefined);
     context.announce(say("shared"));
   };

@@ -115,7 +115,9 @@ export function createCompare(context: Context): Compare {
         "tr",
         {},
         element("th", { scope: "row" }, say(word as Word)),
-        ...values.map((value, slot) => element("td", { className: better === slot ? "better" : "" }, value)),
+        ...values.map((value, slot) =>
+          element("td", { className: better === slot ? "better" : "", colSpan: values.length === 1 ? 2 : 1 }, value),
+        ),
       ),
     );
     const head = element("tr", {}, element("td", {}), ...["A", "B"].map((name) => element("th", { scope: "col" }, name)));

@@ -2,21 +2,21 @@
 
 import type { Context } from "./context.ts";
 import { element } from "./dom.ts";
-import { GALLERY } from "./gallery.ts";
+import { gallery } from "./gallery.ts";
 import { initial } from "./initial.ts";
 
 /** Shows the gallery; a scene that is chosen is opened, and can be undone. */
 export function showGallery(context: Context): void {
   const { studio, say, language } = context;
   const root = document.querySelector(".studio") ?? document.body;
-  const cards = GALLERY.map(({ name, about, state }) => {
+  const cards = gallery.map(({ name, line, state }) => {
     const word = (pair: readonly [string, string]) => pair[language === "ja" ? 1 : 0];
     const choose = () => {
       dialog.close();
       studio.change({ ...initial, map: studio.view.state.map, ...state });
       context.announce(say("opened", { name: word(name) }));
     };
-    const text = element("span", {}, word(about));
+    const text = element("span", {}, word(line));
     return element("li", {}, element("button", { type: "button", onclick: choose }, element("b", {}, word(name)), text));
   });
   const dialog = element(

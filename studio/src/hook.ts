@@ -82,7 +82,7 @@ export function createHook(engine: Engine, studio: Studio, page: () => Page): Ho
       return places.map((place) => (beside(place) ? null : sample(lattice, place)));
     },
     drive: (slot) => pairs(result(slot).answer.drive),
-    permalink: () => new URL(writeLink(studio.view.state), location.href).href,
+    permalink: () => new URL(`#${writeLink(studio.view.state)}`, location.href).href,
     project: (place) => page().project(place),
   };
 }

@@ -4,10 +4,10 @@ import type { Result } from "./studio.ts";
 import type { Slot, State } from "./types.ts";
 import type { Word } from "./words.ts";
 
-/** A row: its word, a text a slot, and whose is better. */
+/** A row: its word, a text a slot or one for both, and whose is better. */
 export interface Row {
   word: Word;
-  values: [string, string];
+  values: [string, string] | [string];
   better: Slot | null;
 }
 
@@ -45,7 +45,7 @@ export function numberRows(results: [Result, Result], bound: number | null, stat
     metric("sigma", -1),
     metric("uniformity", 1),
     metric("level", 1),
-    { word: "bound", values: ["", limit], better: null },
+    { word: "bound", values: [limit], better: null },
     row("weakest", weakest, pressure, 1),
   ];
   if (state.pressures?.includes(0)) rows.push(metric("leak", -1));

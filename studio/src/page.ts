@@ -8,7 +8,8 @@ import type { Engine } from "./engine.ts";
 import { exportPicture, open } from "./exchange.ts";
 import { lookOf } from "./look.ts";
 import { createFlat } from "./painter/canvas2d.ts";
-import { type Painter, createPainter } from "./painter/painter.ts";
+import { createPainter } from "./painter/painter.ts";
+import type { Painter } from "./painter/picture.ts";
 import { createPanels } from "./panels.ts";
 import { createStage } from "./stage.ts";
 import type { Studio } from "./studio.ts";
@@ -135,6 +136,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       obstacles: state.obstacles,
       look,
       theme,
+      moving: view.moving,
     });
     compare.slices.forEach((element, index) => {
       const shown = slices[index];

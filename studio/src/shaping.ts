@@ -2,7 +2,8 @@
 
 import type { Context } from "./context.ts";
 import { choice, element } from "./dom.ts";
-import { circle, fitting, letters, line } from "./shapes.ts";
+import { letters } from "./lettering.ts";
+import { circle, fitting, line } from "./shapes.ts";
 import type { Vec3 } from "./types.ts";
 
 /** Sizes of what is drawn, in m. */

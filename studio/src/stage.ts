@@ -56,7 +56,9 @@ export function createStage(context: Context): Stage {
   const view = element("div", { className: "view3d", role: "group", "aria-label": say("view3d") });
   const root = element("section", { className: "stage" }, view, hint);
   let camera: Camera | null = null;
+  /** What the camera was fitted to: the array, and the view's size as long as nobody has turned it. */
   let fitted = "";
+  let turned = false;
   let gesture = 0;
 
   const size = (): [number, number] => [view.clientWidth || 1, view.clientHeight || 1];
@@ -64,10 +66,11 @@ export function createStage(context: Context): Stage {
   const state = () => studio.view.state;
 
   function current(): Camera {
-    const key = JSON.stringify(state().array);
-    if (camera === null || (fitted !== key && studio.view.array.length > 0)) {
+    const key = JSON.stringify([state().array, turned ? 0 : size(), studio.view.array.length]);
+    if (camera === null || fitted !== key) {
       camera = fit(studio.view.positions, state().points, ...size());
-      if (studio.view.array.length > 0) fitted = key;
+      fitted = key;
+      turned = false;
     }
     return camera;
   }
@@ -133,6 +136,13 @@ export function createStage(context: Context): Stage {
     event.preventDefault();
   }
 
+  /** The camera is somebody's own from now on. */
+  function hold() {
+    turned = true;
+    fitted = JSON.stringify([state().array, 0, studio.view.array.length]);
+    context.repaint();
+  }
+
   function local(event: MouseEvent): [number, number] {
     const box = view.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
@@ -155,7 +165,7 @@ export function createStage(context: Context): Stage {
       ? zoom(current(), apart(before) / Math.max(apart(now), 1))
       : orbit(current(), now[0] - before[0], now[1] - before[1]);
     fingers.set(event.pointerId, now);
-    context.repaint();
+    hold();
   };
   view.onpointerup = view.onpointercancel = (event) => void fingers.delete(event.pointerId);
   view.addEventListener(
@@ -163,7 +173,7 @@ export function createStage(context: Context): Stage {
     (event) => {
       event.preventDefault();
       camera = zoom(current(), Math.exp(event.deltaY * 1e-3));
-      context.repaint();
+      hold();
     },
     { passive: false },
   );

@@ -33,6 +33,8 @@ export interface View {
   normals: Float32Array;
   /** A frame of what moves, in place of the answer of slot A. */
   frame: { drive: Float32Array; lattice: Lattice; points: State["points"] } | null;
+  /** Whether something is being view.moving. */
+  moving: boolean;
 }
 
 /** The state, changed step by step, and what it leads to. */
@@ -40,7 +42,7 @@ export interface Studio {
   readonly view: View;
   /** Changes the state; changes of one gesture are one step of undo. */
   change(partial: Partial<State>, gesture?: string): void;
-  /** Whether something is being dragged: pictures are coarser then. */
+  /** Whether something is being view.moving: pictures are coarser then. */
   moving(is: boolean): void;
   undo(): boolean;
   redo(): boolean;
@@ -81,6 +83,7 @@ export function createStudio(engine: Engine, initial: State): Studio {
     positions: new Float32Array(),
     normals: new Float32Array(),
     frame: null,
+    moving: false,
   };
   const history = createHistory(initial);
   const listeners: (() => void)[] = [];
@@ -88,7 +91,6 @@ export function createStudio(engine: Engine, initial: State): Studio {
   let wanted = 0;
   let shown = "";
   let arrayShown = "";
-  let dragged = false;
   let busy = false;
   let stopped = false;
   let rest = 0;
@@ -105,15 +107,15 @@ export function createStudio(engine: Engine, initial: State): Studio {
     busy = true;
     try {
       for (;;) {
-        const grid = gridOf(view.state, dragged ? COARSE : undefined);
+        const grid = gridOf(view.state, view.moving ? COARSE : undefined);
         if (key(grid) !== shown) await update(grid);
-        else if (!dragged && view.state.view !== "slice" && view.volume === null) await fill();
+        else if (!view.moving && view.state.view !== "slice" && view.volume === null) await fill();
         else break;
       }
     } finally {
       busy = false;
     }
-    if (dragged || stopped) return;
+    if (view.moving || stopped) return;
     waiting.forEach((resolve) => resolve());
     waiting = [];
     clearTimeout(rest);
@@ -207,7 +209,7 @@ export function createStudio(engine: Engine, initial: State): Studio {
       moved(before);
     },
     moving(is) {
-      dragged = is;
+      view.moving = is;
       if (!is) history.rest();
       void pump();
     },

@@ -88,7 +88,7 @@ test("a double click makes a point, in space and on a slice", async () => {
   expect(await points()).toHaveLength(count + 1);
   const [x, y] = await page.evaluate(() => {
     const { center, z } = window.midair!.state().plane as { center: number[]; z: number };
-    return window.midair!.project([center[0] + 0.03, center[1] - 0.045, z]);
+    return window.midair!.project([center[0] + 0.065, center[1] - 0.02, z]);
   });
   await page.mouse.dblclick(x, y);
   expect(await points()).toHaveLength(count + 2);
