@@ -1,4 +1,4 @@
-/** Drawing: points along the lines of an SVG, measured by the browser, of which nothing but geometry is taken. */
+/** Drawing: points along the lines of an SVG, measured by the browser; only its geometry is taken. */
 
 import { along, centred } from "./shapes.ts";
 import type { Contour } from "./shapes.ts";
