@@ -135,7 +135,7 @@ export const gallery: Example[] = [
   {
     name: ["A weak focus", "弱い焦点"],
     line: [
-      "Fig. 7 of the paper: asked for far less than it can, greedy (B) leaves artefacts; balancing (A) cures it.",
+      "Fig. 7 of the paper: greedy (B) leaves artefacts around a weak focus; balancing (A) cures that.",
       "論文の図7。弱い目標ではgreedy (B)に乱れが残り、バランスをとると (A) 消えます。",
     ],
     state: {
