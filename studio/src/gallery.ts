@@ -54,13 +54,13 @@ export const gallery: Example[] = [
   {
     name: ["Letters", "文字"],
     line: [
-      "Strokes as points: few enough that each is loud.",
-      "線を点で描いた文字。点が少ないほど一つ一つが強くなります。",
+      "Strokes of foci 5 mm apart: A keeps all alike, B leaves some weak.",
+      "5 mm間隔の焦点で書いた文字。Aはすべて同じ強さ、Bは弱い点が残ります。",
     ],
     state: {
-      points: fitting((step) => letters("HELLO", 0.04, 0.2, step), 48),
+      points: fitting((step) => letters("OK", 0.05, 0.2, step), 52),
       methods: ["uniform", "gspat"],
-      plane: { z: 0.2, size: 0.2, center: [0, 0] },
+      plane: { z: 0.2, size: 0.14, center: [0, 0] },
       view: "slice",
     },
   },

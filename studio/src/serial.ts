@@ -70,7 +70,7 @@ export function boardOf(catalogue: string, preset: string): SerialBoard | null {
 /**
  * Opens a port and silences the board at it; an error is one line.
  *
- * `encode` makes the bytes of a drive, `silence` are those that turn the board off from any state. `told` hears of
+ * `encode` makes the bytes of a drive, `silence` turns the board off from any state. `told` hears of
  * each new state, with one line where something failed; a player whose first silence failed is "gone".
  */
 export async function connect(
