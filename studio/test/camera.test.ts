@@ -66,7 +66,8 @@ test("fit shows all, wide or narrow", () => {
       left = Math.min(left, x, w - x);
       top = Math.min(top, y, h - y);
     }
-    // The tighter of the two sides keeps 7 % free, no more.
-    expect(Math.min(left / w, top / h)).toBeCloseTo(0.07, 5);
+    // The tighter of the two sides keeps 6 % free and room for the axes, no more.
+    expect(Math.min(left / w, top / h)).toBeGreaterThan(0.0599);
+    expect(Math.min(left / w, top / h)).toBeLessThan(0.15);
   }
 });

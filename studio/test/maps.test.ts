@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { colour, entry, TABLES, ticks } from "../src/painter/maps.ts";
+import { colour, entry, modulusAt, TABLES, ticks, tone } from "../src/painter/maps.ts";
 import type { Look } from "../src/types.ts";
 
 const look = (scale: Look["scale"], top = 6900): Look => ({ map: "viridis", scale, top });
@@ -16,6 +16,7 @@ test("the scales", () => {
   expect(colour(look("squared"), 3450)).toEqual(entry("viridis", 0.25));
   expect(colour(look("decibel"), 690)).toEqual(entry("viridis", 1 - 20 / 30));
   for (const scale of ["linear", "squared", "decibel"] as const) {
+    expect(tone(look(scale), modulusAt(look(scale), 0.3))).toBeCloseTo(0.3, 12);
     expect(colour(look(scale), 0)).toEqual([68, 1, 84]);
     expect(colour(look(scale), 9000)).toEqual([253, 231, 37]);
   }

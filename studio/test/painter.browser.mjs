@@ -39,6 +39,8 @@ try {
     dark: {},
     light: { theme: "light" },
     above: { camera: { target: [0, 0, 0.05], yaw: -2.2, pitch: 0.9, distance: 0.75 }, look: { map: "magma", scale: "decibel", top: 7000 } },
+    moving: { moving: true },
+    slice: { volume: null },
     walls: {
       theme: "light",
       obstacles: [
@@ -53,6 +55,13 @@ try {
     await time();
     console.log(`${name}: ${(await time()).toFixed(0)} ms`);
     if (folder) await page.screenshot({ path: join(folder, `${name}.png`), timeout: 150000 });
+  }
+  if (folder) {
+    await page.setViewportSize({ width: 390, height: 500 });
+    await page.evaluate(() => window.checks.scene(390, 500, {}));
+    await page.screenshot({ path: join(folder, "narrow.png"), timeout: 150000 });
+    await page.evaluate(() => window.checks.scene(390, 500, {}, true));
+    await page.screenshot({ path: join(folder, "flat.png"), fullPage: true, timeout: 150000 });
   }
 } finally {
   await browser.close();

@@ -79,12 +79,22 @@ export function lift(
   return a && b && b[2] - a[2];
 }
 
+function extent(positions: Float32Array, axis: number): number {
+  const values = positions.filter((_, i) => i % 3 === axis);
+  return values.reduce((a, b) => Math.max(a, b), -Infinity) - values.reduce((a, b) => Math.min(a, b), Infinity);
+}
+
 /** A camera that shows all transducers (N x 3, m) and points (m) in a view of that size (CSS px). */
 export function fit(positions: Float32Array, points: Vec3[], width: number, height: number): Camera {
   const camera: Camera = { target: [0, 0, 0], yaw: 0.5, pitch: 0.5, distance: 1 };
   const { right, up, ahead } = frame(camera);
   const all = [...points];
-  for (let i = 0; i < positions.length; i += 3) all.push([positions[i], positions[i + 1], positions[i + 2]]);
+  // Each with room about it for the axes and their marks at the array's edge.
+  const room = 0.1 * Math.max(...[0, 1].map((axis) => extent(positions, axis)), 0.1);
+  for (let i = 0; i < positions.length; i += 3) {
+    const [x, y, z] = positions.subarray(i, i + 3);
+    for (const [a, b] of [[-room, -room], [room, -room], [-room, room], [room, room]]) all.push([x + a, y + b, z]);
+  }
   // Of q's coordinate c and depth d, seen from e: |c - e| <= slope (d + back). All bounds on e and `back` are linear.
   const side = (axis: Vec3, slope: number) => {
     let [most, least] = [-Infinity, Infinity];
@@ -94,8 +104,8 @@ export function fit(positions: Float32Array, points: Vec3[], width: number, heig
     }
     return { middle: (most + least) / 2, back: (most - least) / 2 / slope };
   };
-  const across = side(right, (0.86 * width) / 2 / (FOCAL * height));
-  const upward = side(up, 0.86 / 2 / FOCAL);
+  const across = side(right, (0.88 * width) / 2 / (FOCAL * height));
+  const upward = side(up, 0.88 / 2 / FOCAL);
   const depths = all.map((q) => dot(q, ahead));
   const middle = depths.reduce((sum, d) => sum + d, 0) / depths.length;
   const target = along(along(along([0, 0, 0], across.middle, right), upward.middle, up), middle, ahead);

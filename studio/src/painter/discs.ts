@@ -5,7 +5,7 @@ import type { Picture } from "./picture.ts";
 import { aim, type View } from "./view.ts";
 
 /** Sides of a can. */
-const SIDES = 20;
+const SIDES = 12;
 
 /** Height of a can, in radii. */
 export const HEIGHT = 0.9;
@@ -51,12 +51,12 @@ void main() {
     return;
   }
   vec3 n = part == 1 ? normalize(outward) : axis, light = normalize(vec3(-.35, -.5, .9)), to = normalize(eye - place);
-  float lit = .42 + .58 * max(dot(n, light), 0.);
-  if (part == 1) { colour = vec4(metal * lit * .72, 1); return; }
+  float lit = .5 + .5 * max(dot(n, light), 0.);
+  if (part == 1) { colour = vec4(metal * lit * .8, 1); return; }
   if (dot(n, to) < 0.) { colour = vec4(metal * .45, 1.); if (r > 1.) discard; return; }
   float phase = atan(weight.y, weight.x), amplitude = min(length(weight), 1.);
   // One lightness for all phases, about 40 % saturation.
-  vec3 hue = vec3(.60, .57, .63) + .205 * cos(phase + vec3(0, -2.0944, 2.0944));
+  vec3 hue = vec3(.53, .51, .56) + .17 * cos(phase + vec3(0, -2.0944, 2.0944));
   vec3 face = mix(off, hue, known * amplitude);
   // A dished face in a ring of metal.
   vec3 dish = normalize(n - .5 * smoothstep(.1, .8, r) * outward);
@@ -124,8 +124,8 @@ export function createDiscs(gl: Gl): (view: View, picture: Picture) => void {
     const dark = picture.theme === "dark";
     aim(cans, view);
     cans.set("radius", radius);
-    cans.set("metal", dark ? [0.34, 0.37, 0.42] : [0.86, 0.87, 0.9]);
-    cans.set("off", dark ? [0.1, 0.115, 0.14] : [0.33, 0.35, 0.39]);
+    cans.set("metal", dark ? [0.34, 0.37, 0.42] : [0.93, 0.94, 0.96]);
+    cans.set("off", dark ? [0.1, 0.115, 0.14] : [0.42, 0.44, 0.48]);
     cans.set("known", known ? 1 : 0);
     cans.set("shade", dark ? 0.4 : 0.22);
     mesh.use();

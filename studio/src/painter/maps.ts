@@ -72,6 +72,11 @@ export function tone(look: Look, modulus: number): number {
   return Math.min(Math.max(t, 0), 1);
 }
 
+/** The |p| (Pa) that lies at `t` (0 to 1) on the map: `tone` read backwards. */
+export function modulusAt({ scale, top }: Look, t: number): number {
+  return top * (scale === "linear" ? t : scale === "squared" ? Math.sqrt(t) : 10 ** ((RANGE * (t - 1)) / 20));
+}
+
 /** The colour at `t` (0 to 1) of a map: red, green, blue, 0 to 255, linear between the map's entries. */
 export function entry(map: MapName, t: number): [number, number, number] {
   const table = TABLES[map];
@@ -103,10 +108,10 @@ export function roundStep(least: number): number {
 export function ticks(look: Look): Tick[] {
   const tick = (value: number, label: string) => ({ value, at: tone(look, value), label });
   if (look.scale === "decibel") {
-    return [-30, -20, -10, 0].map((level) => ({
-      ...tick(look.top * 10 ** (level / 20), level ? `${level} dB`.replace("-", "\u2212") : "0"),
-      at: 1 + level / RANGE,
-    }));
+    return [-30, -20, -10, 0].map((level) => {
+      const at = 1 + level / RANGE;
+      return { value: modulusAt(look, at), at, label: level ? `\u2212${-level} dB` : "0" };
+    });
   }
   const [unit, name] = look.top >= 1000 ? [1000, "kPa"] : [1, "Pa"];
   const step = roundStep(look.top / unit / 5);

@@ -16,7 +16,7 @@ import { enter, makeView } from "./view.ts";
 import { createVolume } from "./volume.ts";
 
 /** Steps of a ray through the volume, at rest and while something moves. */
-const STEPS = [96, 40];
+const STEPS = [96, 32];
 
 /** The scene, from programs of that context. */
 function createScene(gl: Gl) {

@@ -64,7 +64,8 @@ export function axes(camera: Camera, bounds: Bounds, floor: number, theme: Pictu
       lines.push({ a: place(i * step), b: place(i * step, 0.35 * room), ink, width: 1.2 });
       labels.push({ place: place(i * step, 1.1 * room), text: `${Math.round(i * step * 1e4) / 10}`, ink: text });
     }
-    labels.push({ place: place((low[axis] + high[axis]) / 2, 2.3 * room), text: `${"xyz"[axis]} mm`, ink: text });
+    const name = axis === 2 ? place(high[2] + 0.6 * room) : place((low[axis] + high[axis]) / 2, 2.3 * room);
+    labels.push({ place: name, text: `${"xyz"[axis]} mm`, ink: text });
   }
   return { lines, labels };
 }
