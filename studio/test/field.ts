@@ -49,7 +49,13 @@ export function pressure(positions: Float32Array, drive: Float32Array, place: Ve
 }
 
 /** The field on a horizontal square lattice of n x n places. */
-export function plane(positions: Float32Array, drive: Float32Array, z: number, size: number, n: number): Lattice {
+export function plane(
+  positions: Float32Array,
+  drive: Float32Array,
+  z: number,
+  size: number,
+  n: number,
+): Lattice {
   const values = new Float32Array(2 * n * n);
   for (let j = 0; j < n; j++) {
     for (let i = 0; i < n; i++) {
