@@ -14,15 +14,19 @@ export function square(side: number): Float32Array {
   return positions;
 }
 
-/** Phases that meet at each of the points in turn: transducer i takes point i mod M. */
+/** Full amplitudes with the phases that the points, each sending a wave, would be heard with. */
 export function focused(positions: Float32Array, points: Vec3[]): Float32Array {
   const drive = new Float32Array((positions.length / 3) * 2);
   for (let i = 0; i < positions.length / 3; i++) {
-    const point = points[(i * 7) % points.length];
-    const r = Math.hypot(...[0, 1, 2].map((axis) => point[axis] - positions[3 * i + axis]));
-    const phase = (-2 * Math.PI * r) / WAVELENGTH;
-    drive[2 * i] = Math.cos(phase);
-    drive[2 * i + 1] = Math.sin(phase);
+    let [re, im] = [0, 0];
+    for (const [j, point] of points.entries()) {
+      const r = Math.hypot(...[0, 1, 2].map((axis) => point[axis] - positions[3 * i + axis]));
+      const phase = (-2 * Math.PI * r) / WAVELENGTH + 2.4 * j * j;
+      re += Math.cos(phase) / r;
+      im += Math.sin(phase) / r;
+    }
+    const size = Math.hypot(re, im);
+    drive.set([re / size, im / size], 2 * i);
   }
   return drive;
 }
@@ -45,7 +49,13 @@ export function pressure(positions: Float32Array, drive: Float32Array, place: Ve
 }
 
 /** The field on a horizontal square lattice of n x n places. */
-export function plane(positions: Float32Array, drive: Float32Array, z: number, size: number, n: number): Lattice {
+export function plane(
+  positions: Float32Array,
+  drive: Float32Array,
+  z: number,
+  size: number,
+  n: number,
+): Lattice {
   const values = new Float32Array(2 * n * n);
   for (let j = 0; j < n; j++) {
     for (let i = 0; i < n; i++) {

@@ -5,7 +5,7 @@ import type { Picture } from "./picture.ts";
 import { aim, type View } from "./view.ts";
 
 /** Sides of a can. */
-const SIDES = 20;
+const SIDES = 12;
 
 /** Height of a can, in radii. */
 export const HEIGHT = 0.9;
@@ -24,7 +24,8 @@ flat out vec3 axis;
 flat out int part;
 void main() {
   // Two directions across the normal, by Frisvad's formula, which needs no branch but straight down.
-  vec3 n = normal, across = n.z < -.9999 ? vec3(0, -1, 0) : vec3(1. - n.x*n.x/(1. + n.z), -n.x*n.y/(1. + n.z), -n.x);
+  vec3 n = normal, across = n.z < -.9999 ? vec3(0, -1, 0)
+    : vec3(1. - n.x*n.x/(1. + n.z), -n.x*n.y/(1. + n.z), -n.x);
   vec3 up = cross(n, across);
   at = shape.xy;
   part = int(shape.w);
@@ -50,13 +51,14 @@ void main() {
     colour = vec4(0, 0, 0, alpha);
     return;
   }
-  vec3 n = part == 1 ? normalize(outward) : axis, light = normalize(vec3(-.35, -.5, .9)), to = normalize(eye - place);
-  float lit = .42 + .58 * max(dot(n, light), 0.);
-  if (part == 1) { colour = vec4(metal * lit * .72, 1); return; }
+  vec3 n = part == 1 ? normalize(outward) : axis;
+  vec3 light = normalize(vec3(-.35, -.5, .9)), to = normalize(eye - place);
+  float lit = .5 + .5 * max(dot(n, light), 0.);
+  if (part == 1) { colour = vec4(metal * lit * .8, 1); return; }
   if (dot(n, to) < 0.) { colour = vec4(metal * .45, 1.); if (r > 1.) discard; return; }
   float phase = atan(weight.y, weight.x), amplitude = min(length(weight), 1.);
   // One lightness for all phases, about 40 % saturation.
-  vec3 hue = vec3(.60, .57, .63) + .205 * cos(phase + vec3(0, -2.0944, 2.0944));
+  vec3 hue = vec3(.53, .51, .56) + .17 * cos(phase + vec3(0, -2.0944, 2.0944));
   vec3 face = mix(off, hue, known * amplitude);
   // A dished face in a ring of metal.
   vec3 dish = normalize(n - .5 * smoothstep(.1, .8, r) * outward);
@@ -73,27 +75,49 @@ void main() {
 /** Corners x, y, z in radii and part: 0 shadow on the floor, 1 side, 2 face. */
 function can(): Float32Array<ArrayBuffer> {
   const square = (size: number, z: number, part: number) =>
-    [[-1, -1], [1, -1], [-1, 1], [-1, 1], [1, -1], [1, 1]].flatMap(([x, y]) => [size * x, size * y, z, part]);
+    [
+      [-1, -1],
+      [1, -1],
+      [-1, 1],
+      [-1, 1],
+      [1, -1],
+      [1, 1],
+    ].flatMap(([x, y]) => [size * x, size * y, z, part]);
   const sides: number[] = [];
   for (let i = 0; i < SIDES; i++) {
-    const [a, b] = [i, i + 1].map((k) => [Math.cos((2 * Math.PI * k) / SIDES), Math.sin((2 * Math.PI * k) / SIDES)]);
-    for (const [corner, z] of [[a, -HEIGHT], [b, -HEIGHT], [a, 0], [a, 0], [b, -HEIGHT], [b, 0]] as const) {
+    const [a, b] = [i, i + 1].map((k) => [
+      Math.cos((2 * Math.PI * k) / SIDES),
+      Math.sin((2 * Math.PI * k) / SIDES),
+    ]);
+    for (const [corner, z] of [
+      [a, -HEIGHT],
+      [b, -HEIGHT],
+      [a, 0],
+      [a, 0],
+      [b, -HEIGHT],
+      [b, 0],
+    ] as const) {
       sides.push(...corner, z, 1);
     }
   }
   return new Float32Array([...square(1.6, -HEIGHT, 0), ...sides, ...square(1, 0, 2)]);
 }
 
-/** The radius (m) of cans that do not touch: half of the least distance from any of the first 64, at most 5 mm. */
+const radii = new WeakMap<Float32Array, number>();
+
+/** The radius (m) of cans that do not touch, at most 5 mm, by the distances from the first 64; found once. */
 export function canRadius(positions: Float32Array): number {
+  const known = radii.get(positions);
+  if (known) return known;
   let least = 0.01087;
   for (let i = 0; i < Math.min(positions.length, 3 * 64); i += 3) {
+    const [x, y, z] = positions.subarray(i, i + 3);
     for (let j = 0; j < positions.length; j += 3) {
-      if (i === j) continue;
-      const away = Math.hypot(...[0, 1, 2].map((axis) => positions[i + axis] - positions[j + axis]));
+      const away = Math.hypot(positions[j] - x, positions[j + 1] - y, positions[j + 2] - z);
       if (away > 0 && away < least) least = away;
     }
   }
+  radii.set(positions, 0.46 * least);
   return 0.46 * least;
 }
 
@@ -105,11 +129,7 @@ export function createDiscs(gl: Gl): (view: View, picture: Picture) => void {
   const setPositions = mesh.part(1, [3], 1);
   const setNormals = mesh.part(2, [3], 1);
   const setDrive = mesh.part(3, [2], 1);
-  let radius = 0;
-  const placed = changes((positions: Float32Array) => {
-    setPositions(new Float32Array(positions));
-    radius = canRadius(positions);
-  });
+  const placed = changes((positions: Float32Array) => setPositions(new Float32Array(positions)));
   const turned = changes((normals: Float32Array) => setNormals(new Float32Array(normals)));
   const driven = changes((drive: Float32Array) => setDrive(new Float32Array(drive)));
   let unknown = new Float32Array(0);
@@ -123,9 +143,9 @@ export function createDiscs(gl: Gl): (view: View, picture: Picture) => void {
     driven(known ? picture.drive! : unknown);
     const dark = picture.theme === "dark";
     aim(cans, view);
-    cans.set("radius", radius);
-    cans.set("metal", dark ? [0.34, 0.37, 0.42] : [0.86, 0.87, 0.9]);
-    cans.set("off", dark ? [0.1, 0.115, 0.14] : [0.33, 0.35, 0.39]);
+    cans.set("radius", canRadius(picture.positions));
+    cans.set("metal", dark ? [0.34, 0.37, 0.42] : [0.93, 0.94, 0.96]);
+    cans.set("off", dark ? [0.1, 0.115, 0.14] : [0.42, 0.44, 0.48]);
     cans.set("known", known ? 1 : 0);
     cans.set("shade", dark ? 0.4 : 0.22);
     mesh.use();

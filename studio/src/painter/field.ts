@@ -1,4 +1,4 @@
-/** The field on the graphics card: textures of spline coefficients and maps, and the slices drawn with them. */
+/** The field on the graphics card: textures of spline coefficients and of maps, slices drawn with them. */
 
 import { MAPS, SCALES, type Lattice, type Look } from "../types.ts";
 import { type Gl, type Program, program, texture } from "./gl.ts";

@@ -16,7 +16,10 @@ const HEAD = "#version 300 es\nprecision highp float;precision highp int;precisi
 /** Compiles and links; attributes are bound by `layout(location = ...)` in the source. */
 export function program(gl: Gl, vertex: string, fragment: string): Program {
   const linked = gl.createProgram();
-  for (const [type, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]] as const) {
+  for (const [type, text] of [
+    [gl.VERTEX_SHADER, vertex],
+    [gl.FRAGMENT_SHADER, fragment],
+  ] as const) {
     const shader = gl.createShader(type)!;
     gl.shaderSource(shader, HEAD + text);
     gl.compileShader(shader);
@@ -50,7 +53,7 @@ export function program(gl: Gl, vertex: string, fragment: string): Program {
   };
 }
 
-/** A vertex array; `part` adds a buffer of floats that fills attributes of those sizes from location `first`. */
+/** A vertex array; `part` adds a buffer of floats for attributes of those sizes from location `first`. */
 export function vertices(gl: Gl) {
   const array = gl.createVertexArray();
   return {

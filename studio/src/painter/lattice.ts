@@ -12,7 +12,13 @@ import type { Lattice, Vec3 } from "../types.ts";
  * Replaces n values (of `stride`, from `start`) at slots 1 to n by their spline's n + 2 coefficients at slots
  * 0 to n + 1. The spline is one cubic over the first two and over the last two intervals ("not a knot").
  */
-function filterLine(c: Float64Array | Float32Array, start: number, stride: number, n: number, ratios: Float64Array): void {
+function filterLine(
+  c: Float64Array | Float32Array,
+  start: number,
+  stride: number,
+  n: number,
+  ratios: Float64Array,
+): void {
   const at = (slot: number) => start + slot * stride;
   const f0 = c[at(1)];
   const f1 = c[at(2)];
@@ -41,15 +47,16 @@ function pivots(n: number): Float64Array {
 const known = new WeakMap<Float32Array, Float32Array<ArrayBuffer>>();
 
 /**
- * The spline coefficients of `lattice`: (nu + 2) x (nv + 2) pairs of re and im, i fastest, a border of one about
- * the places. They are kept for as long as `lattice.values` is: a new field is a new array.
+ * The spline coefficients of `lattice`: (nu + 2) x (nv + 2) pairs of re and im, i fastest, a border of one
+ * about the places. They are kept for as long as `lattice.values` is: a new field is a new array.
  */
 export function coefficients(lattice: Lattice): Float32Array<ArrayBuffer> {
   const { nu, nv, values } = lattice;
   const old = known.get(values);
   if (old) return old;
   if (nu < 4 || nv < 4 || values.length !== 2 * nu * nv) {
-    throw new Error(`lattice: ${nu} x ${nv} places with ${values.length} numbers: needs 4 x 4 or more, 2 nu nv numbers`);
+    const found = `${nu} x ${nv} places with ${values.length} numbers`;
+    throw new Error(`lattice: ${found}: give 4 x 4 places or more and 2 nu nv numbers`);
   }
   const row = 2 * (nu + 2);
   const c = new Float32Array(row * (nv + 2));
@@ -65,10 +72,15 @@ export function coefficients(lattice: Lattice): Float32Array<ArrayBuffer> {
 /** The four weights of a cubic B-spline at `f` (0 to 1) of an interval. */
 function weights(f: number): [number, number, number, number] {
   const g = 1 - f;
-  return [(g * g * g) / 6, (3 * f * f * f - 6 * f * f + 4) / 6, (3 * g * g * g - 6 * g * g + 4) / 6, (f * f * f) / 6];
+  return [
+    (g * g * g) / 6,
+    (3 * f * f * f - 6 * f * f + 4) / 6,
+    (3 * g * g * g - 6 * g * g + 4) / 6,
+    (f * f * f) / 6,
+  ];
 }
 
-/** re and im of p (Pa) at `s`, `t` (0 to 1) along `u` and `v` of the lattice; beyond it, those of its edge. */
+/** re and im of p (Pa) at `s`, `t` (0 to 1) along the lattice's `u` and `v`; beyond it, those of its edge. */
 export function sampleAt(lattice: Lattice, s: number, t: number): [number, number] {
   const { nu, nv } = lattice;
   const c = coefficients(lattice);
@@ -90,10 +102,11 @@ export function sampleAt(lattice: Lattice, s: number, t: number): [number, numbe
   return [re, im];
 }
 
-/** re and im of p (Pa) at `place` (m), brought to the lattice's plane; its `u` and `v` are at right angles. */
+/** re and im of p (Pa) at `place` (m), brought to the lattice's plane; `u` and `v` are at right angles. */
 export function sample(lattice: Lattice, place: Vec3): [number, number] {
   const { corner, u, v } = lattice;
   const d = [place[0] - corner[0], place[1] - corner[1], place[2] - corner[2]];
-  const along = (w: Vec3) => (d[0] * w[0] + d[1] * w[1] + d[2] * w[2]) / (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+  const along = (w: Vec3) =>
+    (d[0] * w[0] + d[1] * w[1] + d[2] * w[2]) / (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
   return sampleAt(lattice, along(u), along(v));
 }

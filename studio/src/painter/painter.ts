@@ -16,7 +16,7 @@ import { enter, makeView } from "./view.ts";
 import { createVolume } from "./volume.ts";
 
 /** Steps of a ray through the volume, at rest and while something moves. */
-const STEPS = [96, 40];
+const STEPS = [96, 32];
 
 /** The scene, from programs of that context. */
 function createScene(gl: Gl) {
@@ -37,7 +37,9 @@ function createScene(gl: Gl) {
     const dark = picture.theme === "dark";
     gl.clear(gl.DEPTH_BUFFER_BIT);
     gl.enable(gl.DEPTH_TEST);
-    const step = roundStep(Math.max(bounds.most[0] - bounds.least[0], bounds.most[1] - bounds.least[1], 0.1) / 4.5);
+    const step = roundStep(
+      Math.max(bounds.most[0] - bounds.least[0], bounds.most[1] - bounds.least[1], 0.1) / 4.5,
+    );
     floor(view, bounds, ground, step, dark);
     discs(view, picture);
     solids.balls(view, obstacles);
@@ -71,7 +73,11 @@ function createScene(gl: Gl) {
 
 /** A painter by WebGL2 on `canvas`; null: there is no WebGL2 (then `createFlat`). */
 export function createPainter(canvas: HTMLCanvasElement): Painter | null {
-  const gl = canvas.getContext("webgl2", { alpha: false, antialias: true, powerPreference: "high-performance" });
+  const gl = canvas.getContext("webgl2", {
+    alpha: false,
+    antialias: true,
+    powerPreference: "high-performance",
+  });
   if (!gl) return null;
   let page = { height: 0, ratio: 1 };
   let lost = false;

@@ -14,7 +14,7 @@ export interface Box {
 /** Red, green, blue, 0 to 255. */
 export type Rgb = [number, number, number];
 
-/** What the 3-D view shows. Lengths in m; an array that changes is a new array: identity tells what to upload. */
+/** What the 3-D view shows. Lengths in m. What changes is a new array: identity tells what to upload. */
 export interface Picture {
   camera: Camera;
   /** N x 3. */
@@ -38,7 +38,7 @@ export interface Picture {
 export interface Painter {
   /** Clears all. Size in CSS px, `ratio` is devicePixelRatio. */
   begin(width: number, height: number, ratio: number, background: Rgb): void;
-  /** The lattice as a flat map that fills `box`, `v` up; `key` names its texture, which follows `lattice.values`. */
+  /** The lattice as a flat map that fills `box`, `v` up; texture `key` follows the identity of its values. */
   slice(box: Box, lattice: Lattice, key: string, look: Look): void;
   /** The 3-D view. */
   scene(box: Box, picture: Picture): void;

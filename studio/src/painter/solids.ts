@@ -15,7 +15,8 @@ out vec3 n, place;
 void main() {
   // A sphere of 24 rings with 48 quads each, without a mesh.
   int quad = gl_VertexID / 6, corner = int[6](0, 1, 2, 2, 1, 3)[gl_VertexID % 6];
-  float yaw = float(quad % 48 + (corner & 1)) / 48. * 6.2831853, down = float(quad / 48 + (corner >> 1)) / 24. * 3.1415927;
+  float yaw = float(quad % 48 + (corner & 1)) / 48. * 6.2831853;
+  float down = float(quad / 48 + (corner >> 1)) / 24. * 3.1415927;
   n = vec3(cos(yaw) * sin(down), sin(yaw) * sin(down), cos(down));
   place = center + radius * n;
   gl_Position = matrix * vec4(place, 1);
@@ -44,7 +45,7 @@ uniform vec4 ink;
 out vec4 colour;
 void main() { colour = vec4(ink.rgb * ink.a, ink.a); }`;
 
-/** The square of a wall that is shown: its corner and sides (m), about the foot of the middle of what is shown. */
+/** The part of a wall that is shown: corner and sides (m) of a square, level with the middle of `bounds`. */
 export function wallSquare(point: Vec3, normal: Vec3, bounds: Bounds): { corner: Vec3; u: Vec3; v: Vec3 } {
   const size = Math.sqrt(dot(normal, normal));
   const n: Vec3 = [normal[0] / size, normal[1] / size, normal[2] / size];

@@ -1,4 +1,4 @@
-/** What stands around the array: how much room is shown, the axes with their marks, the lines down from the points. */
+/** What stands around the array: the axes with their marks, the lines down from the points. */
 
 import type { Vec3 } from "../types.ts";
 import { type Camera, frame } from "./camera.ts";
@@ -62,9 +62,14 @@ export function axes(camera: Camera, bounds: Bounds, floor: number, theme: Pictu
     for (let i = Math.ceil(low[axis] / step - 1e-6); i * step <= high[axis] + 1e-9; i++) {
       if (axis === 2 && i * step < floor) continue;
       lines.push({ a: place(i * step), b: place(i * step, 0.35 * room), ink, width: 1.2 });
-      labels.push({ place: place(i * step, 1.1 * room), text: `${Math.round(i * step * 1e4) / 10}`, ink: text });
+      labels.push({
+        place: place(i * step, 1.1 * room),
+        text: `${Math.round(i * step * 1e4) / 10}`,
+        ink: text,
+      });
     }
-    labels.push({ place: place((low[axis] + high[axis]) / 2, 2.3 * room), text: `${"xyz"[axis]} mm`, ink: text });
+    const name = axis === 2 ? place(high[2] + 0.6 * room) : place((low[axis] + high[axis]) / 2, 2.3 * room);
+    labels.push({ place: name, text: `${"xyz"[axis]} mm`, ink: text });
   }
   return { lines, labels };
 }

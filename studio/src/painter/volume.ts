@@ -3,11 +3,15 @@
 import type { Look, Obstacle, Vec3, Volume } from "../types.ts";
 import { dot } from "./camera.ts";
 import { COLOUR, type FieldPainter } from "./field.ts";
+import { modulusAt } from "./maps.ts";
 import { changes, type Gl, program, texture } from "./gl.ts";
 import { aim, type View } from "./view.ts";
 
 /** Balls that hide what glows behind them; a scene rarely has more. */
 const BALLS = 8;
+
+/** Where on the map the glow begins; most of the room is below it and costs one look each step. */
+const GLOWS = 0.18;
 
 const VERTEX = `
 uniform mat4 matrix;
@@ -25,7 +29,7 @@ uniform sampler3D moduli;
 uniform vec3 eye, least, most;
 uniform vec4 plane;
 uniform vec4 balls[${BALLS}];
-uniform float steps;
+uniform float steps, quiet;
 in vec3 place;
 out vec4 colour;
 void main() {
@@ -50,9 +54,10 @@ void main() {
   vec4 sum = vec4(0);
   for (float t = from + start * stride; t < to; t += stride) {
     vec3 at = (eye + t * way - least) / size;
-    float tones = tone(texture(moduli, (at * (cells - 1.) + .5) / cells).r);
-    float glow = smoothstep(.22, 1., tones);
-    float alpha = 1. - exp(-90. / steps * glow);
+    float modulus = texture(moduli, (at * (cells - 1.) + .5) / cells).r;
+    if (modulus < quiet) continue;
+    float tones = tone(modulus), glow = smoothstep(${GLOWS}, 1., tones);
+    float alpha = 1. - exp(-140. / steps * glow);
     // Towards the box's faces the glow fades out: no cut edges.
     vec3 edge = smoothstep(0., .06, min(at, 1. - at));
     alpha *= edge.x * edge.y * edge.z * (1. - sum.a);
@@ -88,6 +93,7 @@ export function createVolume(gl: Gl, field: FieldPainter): VolumePainter {
     glow.set("least", volume.least);
     glow.set("most", volume.most);
     glow.set("steps", steps);
+    glow.set("quiet", modulusAt(look, GLOWS));
     glow.set("plane", side ? [...side.normal, -dot(side.normal, side.through)] : [0, 0, 0, 1]);
     const balls = obstacles.filter((obstacle) => "radius" in obstacle);
     for (let i = 0; i < BALLS; i++) {
