@@ -2,47 +2,68 @@
 
 import type { Context } from "./context.ts";
 import { element, write } from "./dom.ts";
-import { type Player, connect, guard, kindOf } from "./serial.ts";
+import { type Player, type SerialPortLike, boardOf, connect, guard } from "./serial.ts";
+
+/** What browsers with WebSerial have. */
+type WithSerial = Navigator & { serial?: { requestPort(): Promise<SerialPortLike> } };
 
 /** Makes the button: it asks for a port, plays what slot A finds, and turns the board off. */
 export function createBoardButton(context: Context): HTMLElement {
   const { studio, engine, say } = context;
   const button = element("button", { type: "button", className: "board" }, say("connect"));
   let player: Player | null = null;
+  let unguard = () => undefined as void;
+  /** The drive that the board has, or will have next. */
+  let given: Float32Array | null = null;
 
   async function begin() {
-    const { serial } = navigator as unknown as { serial?: { requestPort(): Promise<never> } };
+    const { serial } = navigator as WithSerial;
     if (!serial) return context.alarm(say("noSerial"));
-    const board = kindOf(studio.view.state.array, engine.catalogue);
-    if (typeof board === "string") return context.alarm(board);
+    const { array } = studio.view.state;
+    const board = "preset" in array ? boardOf(engine.catalogue, array.preset) : null;
+    if (!board) return context.alarm(say("noBoard"));
     const port = await serial.requestPort();
     await studio.settled();
-    const silence = await engine.quick.silence(0, board.name);
-    player = await connect(port, board, () => engine.quick.encode(0, board.name), silence, ended);
-    guard(player, window, document);
-    write(button, say("playing"));
-    button.classList.add("on");
-    context.announce(say("boardOn"));
+    const silence = await engine.slow.silence(studio.scene(0), board.name);
+    const encode = (drive: Float32Array) => engine.slow.encode(studio.scene(0), drive, board.name);
+    player = await connect(port, board, encode, silence, (state, line) => {
+      if (line) context.alarm(line);
+      if (state === "gone") forget();
+      show();
+    });
+    if (player.state === "gone") return forget();
+    unguard = guard(player, window, document);
     play();
   }
 
-  function ended(line: string) {
+  function forget() {
+    unguard();
     player = null;
-    write(button, say("connect"));
-    button.classList.remove("on");
-    if (line) context.alarm(line);
-    else context.announce(say("boardOff"));
+    show();
+  }
+
+  function show() {
+    const plays = player?.state === "playing";
+    write(button, plays ? say("playing") : player ? say("play") : say("connect"));
+    button.classList.toggle("on", plays);
+    context.announce(say(plays ? "boardOn" : "boardOff"));
   }
 
   function play() {
-    const { answer } = studio.view.results[0];
-    if (player && answer) player.play(answer.drive);
+    const drive = studio.view.frame?.drive ?? studio.view.results[0].answer?.drive;
+    if (!player || !drive) return;
+    given = drive;
+    player.play(drive);
   }
 
   button.onclick = () => {
-    if (player) void player.close();
+    if (player?.state === "playing") void player.off();
+    else if (player) play();
     else void begin().catch((error: Error) => error.name === "NotFoundError" || context.alarm(error.message));
   };
-  studio.listen(play);
+  studio.listen(() => {
+    const drive = studio.view.frame?.drive ?? studio.view.results[0].answer?.drive;
+    if (player?.state === "playing" && drive !== given) play();
+  });
   return button;
 }

@@ -1,9 +1,10 @@
 /** Exchange: scenes, drives, arrays and drawings that come in by file, and go out. */
 
 import type { Context } from "./context.ts";
+import { drawing } from "./drawing.ts";
 import { readArray, readDrive, writeDrive } from "./files.ts";
 import { stateOf } from "./scene_file.ts";
-import { fitting } from "./shapes.ts"; const drawing = (..._: unknown[]): Vec3[] => [];
+import { fitting } from "./shapes.ts";
 import type { Slot, Vec3 } from "./types.ts";
 
 /** The longer side of a drawing that is dropped in, in m. */
@@ -20,7 +21,7 @@ export async function open(context: Context, file: File): Promise<void> {
       studio.change(stateOf(JSON.parse(await engine.slow.read(text, ending === "toml")), state));
     } else if (ending === "svg") {
       const [x, y] = state.plane.center;
-      const points = fitting((step) => drawing(text, Math.min(SIZE, state.plane.size), state.plane.z, step));
+      const points = fitting(drawing(text, Math.min(SIZE, state.plane.size), state.plane.z));
       studio.change({ points: points.map(([a, b, z]) => [a + x, b + y, z]), pressures: null, path: null });
     } else if (/^index\b.*\bamplitude\b/.test(text)) {
       await compareDrive(context, readDrive(text));

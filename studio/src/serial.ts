@@ -5,6 +5,8 @@
  * port is opened.
  */
 
+import type { Catalogue } from "./door.ts";
+
 /** What is used of a `SerialPort` of the Web Serial API. */
 export interface SerialPortLike {
   open(options: { baudRate: number }): Promise<void>;
@@ -59,12 +61,10 @@ function sleep(ms: number): Promise<void> {
   return new Promise((done) => setTimeout(done, Math.max(ms, 0)));
 }
 
-/** The serial board that plays a preset, by the door's catalogue; null if none does. */
-export function boardOf(catalogue: string, preset: string): SerialBoard | null {
-  const rows = catalogue.split("\n").map((line) => line.split("\t"));
-  const name = rows.find(([kind, own]) => kind === "preset" && own === preset)?.[5];
-  const baud = Number(rows.find(([kind, own]) => kind === "board" && own === name)?.[4]);
-  return name && baud > 0 ? { name, baud } : null;
+/** The serial board that plays a preset; null if none does. */
+export function boardOf({ presets, boards }: Catalogue, preset: string): SerialBoard | null {
+  const name = presets.find((each) => each.name === preset)?.board;
+  return boards.find((each) => each.name === name && each.baud > 0) ?? null;
 }
 
 /**

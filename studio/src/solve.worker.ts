@@ -62,8 +62,17 @@ const jobs = {
   array: (slot: Slot) => doors[slot].array(),
   field: (slot: Slot, at: Float64Array) => doors[slot].field(at),
   save: (slot: Slot, toml: boolean) => doors[slot].save(toml),
-  encode: (slot: Slot, board: string) => doors[slot].encode(board),
-  silence: (slot: Slot, board: string) => doors[slot].silence(board),
+  /** The bytes by which a board plays a drive. */
+  encode(scene: string, drive: Float32Array, board: string): Uint8Array {
+    doors[2].open(scene);
+    doors[2].load(drive);
+    return doors[2].encode(board);
+  },
+  /** The bytes that turn it off. */
+  silence(scene: string, board: string): Uint8Array {
+    doors[2].open(scene);
+    return doors[2].silence(board);
+  },
   /** A scene file as JSON. */
   read(text: string, toml: boolean): string {
     doors[2].open(text, toml);

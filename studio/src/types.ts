@@ -50,7 +50,7 @@ export interface State {
   path: Path | null;
 }
 
-/** All points on one path: turned about the middle of the points, or led along a line. */
+/** All points carried alike: around their places on a circle, or to and fro along x. */
 export type Path =
   | { kind: "circle"; radius: number; frequency: number }
   | { kind: "line"; length: number; frequency: number };

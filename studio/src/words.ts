@@ -24,7 +24,11 @@ export const WORDS = {
   shared: ["The link is in the clipboard", "リンクをコピーしました"],
   connect: ["Connect a board", "基板に接続 (connect)"],
   playing: ["Playing: turn off", "再生中 (play): 停止"],
-  play: ["Play on {board}", "{board} で再生 (play)"],
+  play: ["Play again", "もう一度再生 (play)"],
+  noBoard: [
+    "No board at a serial port plays this array: choose sonicsurface or ultraino_flat8x8",
+    "このアレイはシリアル接続の基板では再生できません: sonicsurface か ultraino_flat8x8 を選んでください",
+  ],
   boardOff: ["The board is off", "基板は停止しました"],
   boardOn: ["The board plays", "基板が再生中です"],
   noSerial: ["This browser has no WebSerial: take Chrome or Edge", "WebSerial がありません: Chrome か Edge をご利用ください"],

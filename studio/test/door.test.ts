@@ -4,6 +4,7 @@ import { readFileSync, readdirSync } from "node:fs";
 import { expect, test } from "vitest";
 
 import { type Door, compile, openDoor } from "../src/door.ts";
+import { boardOf } from "../src/serial.ts";
 
 const here = import.meta.dirname;
 const module = await compile(readFileSync(`${here}/../built/midair.wasm`));
@@ -83,4 +84,11 @@ test("a board's bytes", () => {
   door.solve();
   expect(door.encode("sonicsurface").length).toBeGreaterThan(256);
   expect(door.silence("sonicsurface")).not.toEqual(door.encode("sonicsurface"));
+});
+
+test("boards at a serial port, by the arrays that they play", () => {
+  const catalogue = door.catalogue();
+  const baud = (preset: string) => boardOf(catalogue, preset)?.baud;
+  expect(["sonicsurface_pair", "ultraino_flat8x8"].map(baud)).toEqual([230400, 115200]);
+  expect(["autd3", "openmpd_pair", "nothing"].map(baud)).toEqual([undefined, undefined, undefined]);
 });

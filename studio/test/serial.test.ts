@@ -1,5 +1,5 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { boardOf, connect, guard } from "../src/serial.ts";
+import { connect, guard } from "../src/serial.ts";
 import type { Player, SerialBoard } from "../src/serial.ts";
 
 const SURFACE = { name: "sonicsurface", baud: 230400 };
@@ -204,21 +204,4 @@ test("blur, a hidden or left page and Escape turn off, until that is ended", () 
     expect(count(event, window)).toBe(0);
   }
   expect(count(new Event("visibilitychange"), document)).toBe(0);
-});
-
-test("boards of presets, by the catalogue", () => {
-  const catalogue = [
-    "version\t1.0.0",
-    "preset\tautd3\tboards\t249\t1\tautd3",
-    "preset\tsonicsurface_pair\ttwo\t512\t0\tsonicsurface",
-    "preset\ttinylev\tcaps\t72\t0\t",
-    "preset\topenmpd_pair\ttwo\t512\t0\topenmpd",
-    "board\tautd3\tdevices\t249\t0",
-    "board\topenmpd\tboards\t256\t0",
-    "board\tsonicsurface\tboards\t256\t230400",
-  ].join("\n");
-  expect(boardOf(catalogue, "sonicsurface_pair")).toEqual(SURFACE);
-  for (const preset of ["autd3", "tinylev", "openmpd_pair", "other"]) {
-    expect(boardOf(catalogue, preset)).toBeNull();
-  }
 });
