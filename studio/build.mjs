@@ -9,7 +9,7 @@ import { viteSingleFile } from "vite-plugin-singlefile";
 
 const here = import.meta.dirname;
 const out = `${here}/built`;
-const common = { root: here, configFile: false, logLevel: "warn", worker: { format: "es" } };
+const common = { root: here, configFile: false, logLevel: "warn", worker: { format: "iife" } };
 const page = (outDir, more, plugins = []) =>
   build({ ...common, base: "./", plugins, build: { outDir, emptyOutDir: true, modulePreload: false, target: "es2022", ...more } });
 

@@ -27,6 +27,10 @@ function hand(worker: Worker): Hand {
     if (refused === undefined) resolve(result);
     else reject(new Error(refused));
   };
+  worker.onerror = (event) => {
+    waiting.forEach(({ reject }) => reject(new Error(event.message || "a worker could not be started")));
+    waiting.clear();
+  };
   const ask = (job: string, given: unknown[]) =>
     new Promise((resolve, reject) => {
       last += 1;

@@ -48,6 +48,15 @@ const zoom = (camera: Camera, factor: number): Camera => ({
   distance: within(camera.distance * factor, 0.05, 5),
 });
 
+/** A point that is held: where it and the pointer were, and whether it is lifted. */
+interface Grip {
+  index: number;
+  point: Vec3;
+  at: [number, number];
+  from: [number, number];
+  lifts: boolean;
+}
+
 /** Makes the stage. */
 export function createStage(context: Context): Stage {
   const { studio, say } = context;
@@ -60,6 +69,7 @@ export function createStage(context: Context): Stage {
   let fitted = "";
   let turned = false;
   let gesture = 0;
+  let grip: Grip | null = null;
 
   const size = (): [number, number] => [view.clientWidth || 1, view.clientHeight || 1];
   const seen = (place: Vec3) => project(current(), place, ...size());
@@ -77,41 +87,54 @@ export function createStage(context: Context): Stage {
 
   function handle(index: number): HTMLButtonElement {
     const button = element("button", { className: "point", type: "button" }, element("span", {}, String(index + 1)));
-    let begin: { at: [number, number]; point: Vec3; from: [number, number]; shift: boolean } | null = null;
-    const start = (event: PointerEvent) => {
-      const point = state().points[index];
-      const [x, y] = seen(point);
-      begin = { at: local(event), point, from: [x, y], shift: event.shiftKey };
-    };
     button.onpointerdown = (event) => {
+      // Where handles overlap, the nearest point is meant.
+      const nearest = nearestTo(local(event));
+      handles[nearest].focus();
+      event.preventDefault();
       button.setPointerCapture(event.pointerId);
-      start(event);
+      grip = grasp(event, nearest);
       gesture += 1;
       studio.moving(true);
     };
-    button.onpointermove = (event) => {
-      if (begin && begin.shift !== event.shiftKey) start(event);
-      if (!begin) return;
-      const { from, at, point } = begin;
-      const now = local(event);
-      const to: [number, number] = [from[0] + now[0] - at[0], from[1] + now[1] - at[1]];
-      if (begin.shift) {
-        const rise = lift(current(), from, to, point, size());
-        if (rise !== null) climb(index, [point[0], point[1], point[2] + rise], `drag ${gesture}`);
-      } else {
-        const way = slide(current(), from, to, point[2], size());
-        if (way) studio.change(moved(state(), index, [point[0] + way[0], point[1] + way[1], point[2]]), `drag ${gesture}`);
-      }
-    };
+    button.onpointermove = (event) => grip && drag(event);
     button.onpointerup = button.onpointercancel = () => {
-      if (!begin) return;
-      begin = null;
+      if (!grip) return;
+      context.announce(handles[grip.index].ariaLabel!);
+      grip = null;
       studio.moving(false);
-      context.announce(button.ariaLabel!);
     };
     button.onkeydown = (event) => press(event, index);
-    button.onfocus = () => view.classList.add("used");
     return button;
+  }
+
+  function nearestTo([x, y]: [number, number]): number {
+    const distances = state().points.map((point) => {
+      const [left, top] = seen(point);
+      return Math.hypot(left - x, top - y);
+    });
+    return distances.indexOf(Math.min(...distances));
+  }
+
+  const grasp = (event: PointerEvent, index: number): Grip => {
+    const point = state().points[index];
+    const [x, y] = seen(point);
+    return { index, point, at: local(event), from: [x, y], lifts: event.shiftKey };
+  };
+
+  function drag(event: PointerEvent) {
+    if (grip!.lifts !== event.shiftKey) grip = grasp(event, grip!.index);
+    const { index, from, at, point, lifts } = grip!;
+    const [x, y] = local(event);
+    const to: [number, number] = [from[0] + x - at[0], from[1] + y - at[1]];
+    const name = `drag ${gesture}`;
+    if (lifts) {
+      const rise = lift(current(), from, to, point, size());
+      if (rise !== null) climb(index, [point[0], point[1], point[2] + rise], name);
+    } else {
+      const way = slide(current(), from, to, point[2], size());
+      if (way) studio.change(moved(state(), index, [point[0] + way[0], point[1] + way[1], point[2]]), name);
+    }
   }
 
   /** A point at another height takes the slice along. */
