@@ -16,7 +16,7 @@ import { type Area, areaOf, enter, makeView } from "./view.ts";
 import { createVolume } from "./volume.ts";
 
 /** Steps of a ray through the volume, at rest and while something moves. */
-const STEPS = [96, 32];
+const STEPS = [96, 48];
 
 /** The scene, from programs of that context. */
 function createScene(gl: Gl) {

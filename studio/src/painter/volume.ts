@@ -11,7 +11,7 @@ import { aim, enter, type View } from "./view.ts";
 const BALLS = 8;
 
 /** Where on the map the glow begins; most of the room is below it and costs one look each step. */
-const GLOWS = 0.18;
+const FAINT = { linear: 0.18, squared: 0.06, decibel: 0.5 };
 
 const VERTEX = `
 uniform mat4 matrix;
@@ -29,7 +29,7 @@ uniform sampler3D moduli;
 uniform vec3 eye, least, most;
 uniform vec4 plane;
 uniform vec4 balls[${BALLS}];
-uniform float steps, quiet;
+uniform float steps, faint, quiet;
 in vec3 place;
 out vec4 colour;
 void main() {
@@ -56,7 +56,7 @@ void main() {
     vec3 at = (eye + t * way - least) / size;
     float modulus = texture(moduli, (at * (cells - 1.) + .5) / cells).r;
     if (modulus < quiet) continue;
-    float tones = tone(modulus), glow = smoothstep(${GLOWS}, 1., tones);
+    float tones = tone(modulus), glow = smoothstep(faint, 1., tones);
     float alpha = 1. - exp(-140. / steps * glow);
     // Towards the box's faces the glow fades out: no cut edges.
     vec3 edge = smoothstep(0., .06, min(at, 1. - at));
@@ -130,7 +130,8 @@ export function createVolume(gl: Gl, field: FieldPainter): VolumePainter {
     glow.set("least", volume.least);
     glow.set("most", volume.most);
     glow.set("steps", steps);
-    glow.set("quiet", modulusAt(look, GLOWS));
+    glow.set("faint", FAINT[look.scale]);
+    glow.set("quiet", modulusAt(look, FAINT[look.scale]));
     glow.set("plane", side ? [...side.normal, -dot(side.normal, side.through)] : [0, 0, 0, 1]);
     const balls = obstacles.filter((obstacle) => "radius" in obstacle);
     for (let i = 0; i < BALLS; i++) {
