@@ -1,5 +1,6 @@
 import { expect, test } from "vitest";
 import { type Camera, fit, lift, project, ray, slide } from "../src/painter/camera.ts";
+import { makeView } from "../src/painter/view.ts";
 import type { Vec3 } from "../src/types.ts";
 import { square } from "./field.ts";
 
@@ -19,6 +20,19 @@ test("the target is in the middle, x to the right, z up", () => {
   const level: Camera = { target: [0, 0, 0], yaw: 0, pitch: 0, distance: 1 };
   expect(project(level, [0.1, 0, 0], width, height)[0]).toBeGreaterThan(width / 2);
   expect(project(level, [0, 0, 0.1], width, height)[1]).toBeLessThan(height / 2);
+});
+
+test("the shaders' matrix is the same projection", () => {
+  const { matrix } = makeView(camera, { x: 0, y: 0, width, height }, [0, 0, width, height], 1);
+  for (const point of points) {
+    const clip = [0, 1, 3].map((row) =>
+      [...point, 1].reduce((sum, value, column) => sum + matrix[4 * column + row] * value, 0),
+    );
+    const [x, y, depth] = project(camera, point, width, height);
+    expect(((clip[0] / clip[2] + 1) / 2) * width).toBeCloseTo(x, 9);
+    expect(((1 - clip[1] / clip[2]) / 2) * height).toBeCloseTo(y, 9);
+    expect(clip[2]).toBeCloseTo(depth, 12);
+  }
 });
 
 test("a ray goes through what is seen there", () => {
@@ -79,8 +93,8 @@ test("fit shows all, wide or narrow", () => {
       left = Math.min(left, x, w - x);
       top = Math.min(top, y, h - y);
     }
-    // The tighter of the two sides keeps 6 % free and room for the axes, no more.
-    expect(Math.min(left / w, top / h)).toBeGreaterThan(0.0599);
-    expect(Math.min(left / w, top / h)).toBeLessThan(0.15);
+    // The tighter of the two sides keeps 4.5 % free and room for the axes, no more.
+    expect(Math.min(left / w, top / h)).toBeGreaterThan(0.0449);
+    expect(Math.min(left / w, top / h)).toBeLessThan(0.12);
   }
 });

@@ -136,8 +136,8 @@ export function fit(positions: Float32Array, points: Vec3[], width: number, heig
     }
     return { middle: (most + least) / 2, back: (most - least) / 2 / slope };
   };
-  const wide = (0.88 * width) / 2 / (FOCAL * height);
-  const high = 0.88 / 2 / FOCAL;
+  const wide = (0.91 * width) / 2 / (FOCAL * height);
+  const high = 0.91 / 2 / FOCAL;
   const back = Math.max(side(right, wide).back, side(up, high).back);
   // From there one side has room to spare: a narrower slope that just holds all puts it in the middle.
   const centre = (axis: Vec3, slope: number) => {

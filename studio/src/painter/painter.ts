@@ -12,11 +12,11 @@ import { roundStep } from "./maps.ts";
 import type { Box, Painter, Picture } from "./picture.ts";
 import { createSolids, wallLines } from "./solids.ts";
 import { axes, boundsOf, guides } from "./stage.ts";
-import { enter, makeView } from "./view.ts";
+import { type Area, areaOf, enter, makeView } from "./view.ts";
 import { createVolume } from "./volume.ts";
 
 /** Steps of a ray through the volume, at rest and while something moves. */
-const STEPS = [96, 32];
+const STEPS = [96, 48];
 
 /** The scene, from programs of that context. */
 function createScene(gl: Gl) {
@@ -28,9 +28,9 @@ function createScene(gl: Gl) {
   const floor = createFloor(gl);
   const labels = createLabels(gl);
 
-  function scene(box: Box, picture: Picture, ratio: number): void {
+  function scene(box: Box, area: Area, picture: Picture, ratio: number): void {
     const { camera, slice, obstacles, look } = picture;
-    const view = makeView(camera, box, ratio);
+    const view = makeView(camera, box, area, ratio);
     const bounds = boundsOf(picture.positions, picture.points);
     const plane = bounds.least[2];
     const ground = plane - HEIGHT * canRadius(picture.positions);
@@ -112,13 +112,14 @@ export function createPainter(canvas: HTMLCanvasElement): Painter | null {
     },
     slice(box, lattice, key, look) {
       if (lost) return;
-      enter(gl, box, page.height, page.ratio);
+      enter(gl, areaOf(box, page.height, page.ratio));
       built.flat(lattice, key, look);
     },
     scene(box, picture) {
       if (lost) return;
-      enter(gl, box, page.height, page.ratio);
-      built.scene(box, picture, page.ratio);
+      const area = areaOf(box, page.height, page.ratio);
+      enter(gl, area);
+      built.scene(box, area, picture, page.ratio);
     },
     get lost() {
       return lost;

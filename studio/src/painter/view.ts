@@ -5,19 +5,20 @@ import type { Gl, Program } from "./gl.ts";
 import type { Box } from "./picture.ts";
 import type { Vec3 } from "../types.ts";
 
-/** One view while it is painted: its matrix, its size in device px, the eye. */
+/** Left, bottom, width, height of a part of the canvas, device px. */
+export type Area = [number, number, number, number];
+
+/** One view while it is painted: its part of the canvas, its matrix, its size in device px, the eye. */
 export interface View {
+  area: Area;
   matrix: number[];
   size: [number, number];
   ratio: number;
   eye: Vec3;
-  right: Vec3;
-  up: Vec3;
-  ahead: Vec3;
 }
 
 /** The same projection as `project`, as a matrix from m to clip space. */
-export function makeView(camera: Camera, box: Box, ratio: number): View {
+export function makeView(camera: Camera, box: Box, area: Area, ratio: number): View {
   const { right, up, ahead, eye } = frame(camera);
   const near = 0.02 * camera.distance;
   const far = 30 * camera.distance;
@@ -34,16 +35,20 @@ export function makeView(camera: Camera, box: Box, ratio: number): View {
       matrix.push(column < 3 ? scale * axis[column] : add - scale * moved);
     }
   }
-  return { matrix, size: [box.width * ratio, box.height * ratio], ratio, eye, right, up, ahead };
+  return { area, matrix, size: [area[2], area[3]], ratio, eye };
 }
 
-/** Draws from now on go to `box` of a page `height` px high, and nowhere else. */
-export function enter(gl: Gl, box: Box, height: number, ratio: number): void {
+/** `box` of a page `height` CSS px high. */
+export function areaOf(box: Box, height: number, ratio: number): Area {
   const left = Math.round(box.x * ratio);
   const bottom = Math.round((height - box.y - box.height) * ratio);
-  const size = [Math.round(box.width * ratio), Math.round(box.height * ratio)] as const;
-  gl.viewport(left, bottom, ...size);
-  gl.scissor(left, bottom, ...size);
+  return [left, bottom, Math.round(box.width * ratio), Math.round(box.height * ratio)];
+}
+
+/** Draws from now on go to `area` and nowhere else. */
+export function enter(gl: Gl, area: Area): void {
+  gl.viewport(...area);
+  gl.scissor(...area);
 }
 
 /** The uniforms that every program of the 3-D view shares. */

@@ -5,13 +5,13 @@ import { dot } from "./camera.ts";
 import { COLOUR, type FieldPainter } from "./field.ts";
 import { modulusAt } from "./maps.ts";
 import { changes, type Gl, program, texture } from "./gl.ts";
-import { aim, type View } from "./view.ts";
+import { aim, enter, type View } from "./view.ts";
 
 /** Balls that hide what glows behind them; a scene rarely has more. */
 const BALLS = 8;
 
 /** Where on the map the glow begins; most of the room is below it and costs one look each step. */
-const GLOWS = 0.18;
+const FAINT = { linear: 0.18, squared: 0.06, decibel: 0.5 };
 
 const VERTEX = `
 uniform mat4 matrix;
@@ -29,7 +29,7 @@ uniform sampler3D moduli;
 uniform vec3 eye, least, most;
 uniform vec4 plane;
 uniform vec4 balls[${BALLS}];
-uniform float steps, quiet;
+uniform float steps, faint, quiet;
 in vec3 place;
 out vec4 colour;
 void main() {
@@ -56,7 +56,7 @@ void main() {
     vec3 at = (eye + t * way - least) / size;
     float modulus = texture(moduli, (at * (cells - 1.) + .5) / cells).r;
     if (modulus < quiet) continue;
-    float tones = tone(modulus), glow = smoothstep(${GLOWS}, 1., tones);
+    float tones = tone(modulus), glow = smoothstep(faint, 1., tones);
     float alpha = 1. - exp(-140. / steps * glow);
     // Towards the box's faces the glow fades out: no cut edges.
     vec3 edge = smoothstep(0., .06, min(at, 1. - at));
@@ -66,6 +66,19 @@ void main() {
   }
   colour = sum;
 }`;
+
+const SPREAD_VERTEX = `
+out vec2 st;
+void main() {
+  st = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+  gl_Position = vec4(st * 2. - 1., 0, 1);
+}`;
+
+const SPREAD_FRAGMENT = `
+uniform sampler2D sheet;
+in vec2 st;
+out vec4 colour;
+void main() { colour = texture(sheet, st); }`;
 
 /** Paints the part of the volume on the positive side of n . x + d = 0, or all of it. */
 export type VolumePainter = (
@@ -80,6 +93,29 @@ export type VolumePainter = (
 export function createVolume(gl: Gl, field: FieldPainter): VolumePainter {
   const glow = program(gl, VERTEX, FRAGMENT);
   const data = texture(gl, gl.TEXTURE_3D, gl.LINEAR);
+  // A glow is smooth: it is marched at half the resolution, a quarter of the rays, and then spread.
+  const spread = program(gl, SPREAD_VERTEX, SPREAD_FRAGMENT);
+  const sheet = texture(gl, gl.TEXTURE_2D, gl.LINEAR);
+  const frame = gl.createFramebuffer();
+  gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+  gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, sheet, 0);
+  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  let size = [0, 0];
+
+  function toSheet(view: View): void {
+    const [width, height] = view.size.map((side) => Math.ceil(side / 2));
+    if (width !== size[0] || height !== size[1]) {
+      size = [width, height];
+      gl.activeTexture(gl.TEXTURE0);
+      gl.bindTexture(gl.TEXTURE_2D, sheet);
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, width, height, 0, gl.RGBA, gl.UNSIGNED_BYTE, null);
+    }
+    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+    enter(gl, [0, 0, width, height]);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+  }
+
   const upload = changes((volume: Volume) => {
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_3D, data);
@@ -87,13 +123,15 @@ export function createVolume(gl: Gl, field: FieldPainter): VolumePainter {
   });
   return (view, volume, look, obstacles, steps, side) => {
     upload(volume);
+    toSheet(view);
     aim(glow, view);
     field.setLook(glow, look);
     glow.bind("moduli", 0, gl.TEXTURE_3D, data);
     glow.set("least", volume.least);
     glow.set("most", volume.most);
     glow.set("steps", steps);
-    glow.set("quiet", modulusAt(look, GLOWS));
+    glow.set("faint", FAINT[look.scale]);
+    glow.set("quiet", modulusAt(look, FAINT[look.scale]));
     glow.set("plane", side ? [...side.normal, -dot(side.normal, side.through)] : [0, 0, 0, 1]);
     const balls = obstacles.filter((obstacle) => "radius" in obstacle);
     for (let i = 0; i < BALLS; i++) {
@@ -105,7 +143,12 @@ export function createVolume(gl: Gl, field: FieldPainter): VolumePainter {
     gl.cullFace(gl.FRONT);
     gl.disable(gl.DEPTH_TEST);
     gl.drawArrays(gl.TRIANGLE_STRIP, 0, 14);
-    gl.enable(gl.DEPTH_TEST);
     gl.disable(gl.CULL_FACE);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    enter(gl, view.area);
+    spread.use();
+    spread.bind("sheet", 0, gl.TEXTURE_2D, sheet);
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+    gl.enable(gl.DEPTH_TEST);
   };
 }
