@@ -1,4 +1,4 @@
-"""The studio from Python: the server of its page, `midair studio`, and `midair.view` with a page that is played."""
+"""The studio from Python: its server, `midair studio`, and `midair.view` with a page that is played."""
 
 import http.client
 import json
@@ -335,7 +335,7 @@ def test_what_the_page_does_not_know_is_refused(scene: Callable[[], midair.Scene
 
 
 def test_solvers_are_method_a() -> None:
-    scene = autd3(pressures=500.0)
+    scene = autd3(pressures=5000.0)
     for name in ("uniform", "greedy"):
         assert json.loads(scene_text(midair.solve(scene, name)))["solver"] == {"name": name}
     with pytest.warns(midair.SceneWarning, match="options of greedy"):
@@ -411,7 +411,7 @@ def test_what_is_dragged_arrives(shown) -> None:
     assert view.points.shape == (0, 3)
     page.tell(pressures=[100, 200])
     assert view.pressures.tolist() == [100, 200]
-    assert midair.solve(view.scene).targets.max() == pytest.approx(200, rel=1e-3)
+    assert midair.judge(view.scene, np.zeros(996)).level == 0
 
 
 def test_what_is_set_is_shown(shown) -> None:

@@ -70,9 +70,9 @@ def _unknown(scene: Scene, written: dict[str, Any]) -> Iterator[str]:
         if written.get(name):
             yield f"the array's {name}"
     if "preset" not in written:
-        usual = Array(scene.array.positions)
+        plain = Array(scene.array.positions)
         for name in ("source_pressure", "directivity"):
-            if (value := getattr(scene.array, name)) != getattr(usual, name):
+            if (value := getattr(scene.array, name)) != getattr(plain, name):
                 yield f"the array's {name} {value}"
     elif written.get("quantization"):
         yield "quantization of one's own beside a preset"
@@ -80,7 +80,7 @@ def _unknown(scene: Scene, written: dict[str, Any]) -> Iterator[str]:
         yield f"{len(scene.points)} points (it takes {MOST_POINTS})"
     if scene.weights is not None and (scene.weights != 1).any():
         yield "weights"
-    if np.iscomplexobj(scene.pressures):
+    if scene.pressures is not None and np.iscomplexobj(scene.pressures):
         yield "phases of pressures"
     if any(isinstance(obstacle, Mesh) for obstacle in scene.obstacles):
         yield "meshes"
@@ -104,6 +104,8 @@ def _has_options(solution: Solution) -> bool:
     assert solution.scene is not None
     scene = solution.scene
     usual = Solver(scene.array, solution.solver).options
-    if "aim" in usual:
-        usual = {**usual, "aim": "max" if scene.pressures is None else "target"}
-    return output.to_json(usual) != output.to_json(solution.options)
+    if solvers()[solution.solver].uses_aim:
+        usual = {"aim": "max" if scene.pressures is None else "target", **usual}
+    # As JSON, because options may be arrays.
+    alike: bool = json.loads(output.to_json(usual)) == json.loads(output.to_json(solution.options))
+    return not alike

@@ -85,9 +85,10 @@ class View:
     def pressures(self) -> NDArray[np.float64] | None:
         """What the points (M,) are to feel in Pa, None for as much as all can; those set here are shown."""
         if self._given is not None:
-            return self._given.pressures
-        pressures = self._state()["pressures"]
-        return None if pressures is None else np.array(pressures, dtype=float)
+            pressures = self._given.pressures
+            return None if pressures is None else pressures.real
+        told = self._state()["pressures"]
+        return None if told is None else np.array(told, dtype=float)
 
     @pressures.setter
     def pressures(self, pressures: ArrayLike | None) -> None:
