@@ -23,6 +23,8 @@ from midair.studio.server import POLICY, Server
 from midair.studio.told import scene_text, shown_scene
 from midair.studio.view import View
 
+ROOT = Path(__file__).parents[2]
+
 #: There so that a hang is a failure and not a hung suite.
 HANG = 60
 
@@ -322,6 +324,7 @@ def test_scenes_survive_the_page() -> None:
             ),
             "directivity",
         ),
+        (lambda: autd3(source_pressure=2.0), "source_pressure 2.0 (its own is 4.386)"),
         (
             lambda: midair.Scene(midair.Array.grid(3, 3, 0.01, quantization={"phases": 8}), [[0, 0, 0.1]]),
             "quantization",
@@ -441,6 +444,19 @@ def test_a_view_that_is_not_built_says_so(tmp_path: Path) -> None:
     pytest.importorskip("anywidget", reason="anywidget is missing")
     with pytest.raises(midair.SceneError, match="make studio"):
         View(autd3(), scene_text(autd3()), folder=tmp_path)
+
+
+def test_the_page_of_the_docs_runs(shown, monkeypatch, built: Path) -> None:
+    # Its blocks need anywidget and a built page, and are not among those that test_docs.py runs.
+    monkeypatch.setattr(View.__init__, "__defaults__", (built,))
+    names: dict[str, object] = {}
+    text = (ROOT / "docs" / "studio.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"^```py\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+    for block in blocks:
+        exec(compile(block, "docs/studio.md", "exec"), names)
+    assert len(blocks) == 2
+    assert names["studio"].points.tolist() == [[0.1, 0.07, 0.2]]
+    assert names["solution"].metrics.uniformity > 0.99
 
 
 @pytest.mark.skipif(not (BUILT / "index.html").is_file(), reason="`make studio` has built nothing")

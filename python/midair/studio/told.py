@@ -30,10 +30,10 @@ def scene_text(what: Scene | Solution) -> str:
     document = json.loads(scene.json())
     if isinstance(what, Solution) and what.solver in solvers():
         document["solver"] = {"name": what.solver}
-    for item in _unknown(scene, document["array"]):
-        raise SceneError(
-            f"the studio has no place for {item}: leave it out (docs/studio.md says what it knows)"
-        )
+    unknown = next(_unknown(scene, document["array"]), None)
+    if unknown is not None:
+        cure = "leave it out (docs/studio.md says what it knows)"
+        raise SceneError(f"the studio has no place for {unknown}: {cure}")
     for item in _passed_over(what):
         warnings.warn(f"the studio does not know {item}: its own are taken", SceneWarning, stacklevel=3)
     return json.dumps(document)
@@ -66,16 +66,16 @@ def _unknown(scene: Scene, written: dict[str, Any]) -> Iterator[str]:
     for name, usual in AIR.items():
         if (value := getattr(scene, name)) != usual:
             yield f"{name} = {value:g} (its own is {usual:g})"
-    for name in ("response", "mask", *([] if "preset" in written else ["quantization"])):
+    for name in ("response", "mask", "quantization"):
         if written.get(name):
             yield f"the array's {name}"
-    if "preset" not in written:
+    if "preset" in written:
+        plain = Array.preset(written["preset"], tuple(written["tiles"]) if "tiles" in written else None)
+    else:
         plain = Array(scene.array.positions)
-        for name in ("source_pressure", "directivity"):
-            if (value := getattr(scene.array, name)) != getattr(plain, name):
-                yield f"the array's {name} {value}"
-    elif written.get("quantization"):
-        yield "quantization of one's own beside a preset"
+    for name in ("source_pressure", "directivity"):
+        if (value := getattr(scene.array, name)) != (its := getattr(plain, name)):
+            yield f"the array's {name} {value} (its own is {its})"
     if len(scene.points) > MOST_POINTS:
         yield f"{len(scene.points)} points (it takes {MOST_POINTS})"
     if scene.weights is not None and (scene.weights != 1).any():
