@@ -1,0 +1,55 @@
+// Builds the studio three times from one source into built/: the site (site/), one HTML file that works from a disk
+// (studio.html), and the notebook's widget (widget.mjs); and copies what the wheel ships into the package.
+import { createHash } from "node:crypto";
+import { cp, mkdir, readFile, rm, writeFile } from "node:fs/promises";
+import { gzipSync } from "node:zlib";
+
+import { build } from "vite";
+import { viteSingleFile } from "vite-plugin-singlefile";
+
+const here = import.meta.dirname;
+const out = `${here}/built`;
+const common = { root: here, configFile: false, logLevel: "warn", worker: { format: "es" } };
+const page = (outDir, more, plugins = []) =>
+  build({ ...common, base: "./", plugins, build: { outDir, emptyOutDir: true, modulePreload: false, target: "es2022", ...more } });
+
+/** A policy for the page: nothing but its own scripts, its own worker and its own files. */
+const policy = (script, style, connect) =>
+  `<meta http-equiv="Content-Security-Policy" content="default-src 'none'; script-src ${script} 'wasm-unsafe-eval'; ` +
+  `style-src ${style}; img-src 'self' data: blob:; connect-src ${connect}; worker-src blob:; base-uri 'none'; form-action 'none'" />`;
+const withPolicy = (html, ...sources) => html.replace("<head>", `<head>\n    ${policy(...sources)}`);
+
+await page(`${out}/site`, { assetsInlineLimit: 0 });
+const index = `${out}/site/index.html`;
+await writeFile(index, withPolicy(await readFile(index, "utf8"), "'self'", "'self'", "'self'"));
+
+await page(`${out}/single`, { assetsInlineLimit: 1e9 }, [viteSingleFile()]);
+const html = await readFile(`${out}/single/index.html`, "utf8");
+const script = html.match(/<script type="module"[^>]*>([\s\S]*?)<\/script>/)[1];
+const hash = createHash("sha256").update(script).digest("base64");
+await writeFile(`${out}/studio.html`, withPolicy(html, `'sha256-${hash}'`, "'unsafe-inline'", "data:"));
+await rm(`${out}/single`, { recursive: true });
+
+await build({
+  ...common,
+  build: {
+    outDir: `${out}/widget`,
+    emptyOutDir: true,
+    target: "es2022",
+    lib: { entry: `${here}/src/widget.ts`, formats: ["es"], fileName: () => "widget.mjs" },
+  },
+});
+await cp(`${out}/widget/widget.mjs`, `${out}/widget.mjs`);
+await rm(`${out}/widget`, { recursive: true });
+
+const shipped = `${here}/../python/midair/studio/built`;
+await rm(shipped, { recursive: true, force: true });
+await mkdir(shipped, { recursive: true });
+await cp(`${out}/site`, shipped, { recursive: true });
+await cp(`${out}/widget.mjs`, `${shipped}/widget.mjs`);
+await cp(`${out}/midair.wasm`, `${shipped}/midair.wasm`);
+
+const kilobytes = async (file) => (gzipSync(await readFile(file), { level: 9 }).length / 1000).toFixed(1);
+for (const file of ["midair.wasm", "widget.mjs", "studio.html"]) {
+  console.log(`${file}: ${await kilobytes(`${out}/${file}`)} kB gzip`);
+}

@@ -1,0 +1,78 @@
+/** Bar: name, undo and redo, gallery, files, board, language, theme and link. */
+
+import { createBoardButton } from "./boardbutton.ts";
+import type { Context } from "./context.ts";
+import { element } from "./dom.ts";
+import { exportDrive, exportScene, open } from "./exchange.ts";
+import { showGallery } from "./gallerybox.ts";
+import { writeLink } from "./link.ts";
+
+/** What the page does for the bar. */
+export interface Deeds {
+  language(): void;
+  theme(): void;
+  picture(): void;
+}
+
+const LOGO =
+  '<svg viewBox="0 0 24 24" width="24" height="24" aria-hidden="true" fill="none" stroke="currentColor" stroke-width="2" ' +
+  'stroke-linecap="round"><circle cx="12" cy="5.5" r="2.4" fill="currentColor" stroke="none"/>' +
+  '<path d="M7.2 9.5a6.6 6.6 0 0 0 9.6 0M4.5 13a11 11 0 0 0 15 0M2 17a15.500 15.500 0 0 0 20 0"/></svg>';
+
+/** Makes the bar. */
+export function createBar(context: Context, deeds: Deeds): { root: HTMLElement; place(): void } {
+  const { studio, say } = context;
+  const button = (text: string, act: () => void, name = text, className = "") =>
+    element("button", { type: "button", onclick: act, className, "aria-label": name, title: name }, text);
+  const step = (way: "undo" | "redo") => {
+    if (studio[way]()) context.announce(say(way === "undo" ? "undone" : "redone"));
+  };
+  const undo = button("↶", () => step("undo"), say("undo"), "icon");
+  const redo = button("↷", () => step("redo"), say("redo"), "icon");
+  const file = element("input", {
+    type: "file",
+    hidden: true,
+    accept: ".toml,.json,.csv,.svg",
+    onchange: () => {
+      if (file.files?.[0]) void open(context, file.files[0]);
+      file.value = "";
+    },
+  });
+  const share = async () => {
+    history.replaceState(null, "", `#${writeLink(studio.view.state)}`);
+    await navigator.clipboard?.writeText(location.href).catch(() => undefined);
+    context.announce(say("shared"));
+  };
+  const name = element("h1", {}, "midair ", element("small", {}, say("studio")));
+  const logo = element("span", { className: "logo", innerHTML: LOGO });
+  const exports = element(
+    "span",
+    { className: "joined", role: "group", "aria-label": say("export") },
+    element("span", { className: "caption", "aria-hidden": "true" }, say("export")),
+    button(say("scene"), () => void exportScene(context).catch(told), say("exportScene")),
+    button(say("drive"), () => void exportDrive(context, studio.view.state.slot).catch(told), say("exportDrive")),
+    button(say("picture"), deeds.picture, say("exportPicture")),
+  );
+  const told = (error: Error) => context.alarm(error.message);
+  const tools = element(
+    "div",
+    { className: "tools", id: "tools" },
+    button(say("gallery"), () => showGallery(context), say("gallery")),
+    button(say("open"), () => file.click(), say("openHint")),
+    exports,
+    createBoardButton(context),
+    button(say("language"), deeds.language, say("language")),
+    button("◐", deeds.theme, say("theme"), "icon"),
+    button(say("share"), () => void share(), say("share"), "filled"),
+    file,
+  );
+  const menu = element("button", { type: "button", className: "menu icon", "aria-label": say("menu"), "aria-controls": "tools", "aria-expanded": "false" }, "☰");
+  menu.onclick = () => menu.setAttribute("aria-expanded", String(tools.classList.toggle("open")));
+  return {
+    root: element("header", { className: "top" }, logo, name, undo, redo, menu, tools),
+    place() {
+      undo.disabled = !studio.canUndo();
+      redo.disabled = !studio.canRedo();
+    },
+  };
+}

@@ -1,0 +1,163 @@
+/** Compare: two methods, their slices on one colour scale, and their numbers. */
+
+import { type Context } from "./context.ts";
+import { choice, element, write } from "./dom.ts";
+import { numberRows } from "./numbers.ts";
+import { entry, ticks } from "./painter/maps.ts";
+import { added, moved } from "./points.ts";
+import type { Look, Slot, Vec3 } from "./types.ts";
+import type { Word } from "./words.ts";
+
+/** The right column. */
+export interface Compare {
+  root: HTMLElement;
+  /** Where the slices are painted. */
+  slices: [HTMLElement, HTMLElement];
+  place(look: Look): void;
+}
+
+const SLOTS: Slot[] = [0, 1];
+
+/** Makes the column. */
+export function createCompare(context: Context): Compare {
+  const { studio, say, engine } = context;
+  const state = () => studio.view.state;
+  const solvers = engine.catalogue.solvers.map(({ name }) => [name, name] as const);
+  const parts = SLOTS.map((slot) => {
+    const letter = "AB"[slot];
+    const method = choice(
+      solvers,
+      state().methods[slot],
+      (name) => studio.change({ methods: state().methods.map((old, k) => (k === slot ? name : old)) as [string, string] }),
+      { "aria-label": say("method", { slot: letter }) },
+    );
+    const badge = element("span", { className: `badge ${letter.toLowerCase()}` }, letter);
+    const summary = element("p", { className: "summary" });
+    const picture = element("div", { className: "slice", role: "img", "aria-label": say("sliceOf", { slot: letter }) });
+    const bar = element("canvas", { className: "bar", width: 1, height: 256, "aria-hidden": "true" });
+    const labels = element("div", { className: "ticks", "aria-hidden": "true" });
+    const refusal = element("p", { className: "refusal" });
+    const root = element(
+      "section",
+      { className: "method", "aria-label": say("method", { slot: letter }) },
+      element("header", {}, badge, method, summary),
+      element("div", { className: "row" }, picture, bar, labels),
+      refusal,
+    );
+    const rings: HTMLElement[] = [];
+    listen(picture, rings);
+    return { root, method, summary, picture, bar, labels, refusal, rings };
+  });
+  const table = element("table", { className: "numbers" });
+  const warnings = element("ul", { className: "warnings" });
+  const root = element("aside", { className: "compare" }, ...parts.map((part) => part.root), table, warnings);
+
+  /** Points are dragged in a slice, too; a double click makes a new one. */
+  function listen(picture: HTMLElement, rings: HTMLElement[]) {
+    let begin: { index: number; at: [number, number]; point: Vec3 } | null = null;
+    let gesture = 0;
+    const metres = (event: MouseEvent): [number, number] => {
+      const box = picture.getBoundingClientRect();
+      const { size, center } = state().plane;
+      return [
+        center[0] + size * ((event.clientX - box.left) / box.width - 0.5),
+        center[1] + size * (0.5 - (event.clientY - box.top) / box.height),
+      ];
+    };
+    picture.onpointerdown = (event) => {
+      const index = rings.indexOf(event.target as HTMLElement);
+      if (index < 0) return;
+      picture.setPointerCapture(event.pointerId);
+      begin = { index, at: metres(event), point: state().points[index] };
+      gesture += 1;
+      studio.moving(true);
+    };
+    picture.onpointermove = (event) => {
+      if (!begin) return;
+      const [x, y] = metres(event);
+      const [px, py, pz] = begin.point;
+      const to: Vec3 = [px + x - begin.at[0], py + y - begin.at[1], pz];
+      studio.change(moved(state(), begin.index, to), `drag slice ${gesture}`);
+    };
+    picture.onpointerup = picture.onpointercancel = () => {
+      if (begin) studio.moving(false);
+      begin = null;
+    };
+    picture.ondblclick = (event) => {
+      const [x, y] = metres(event);
+      studio.change(added(state(), [x, y, state().plane.z]));
+      context.announce(say("added", { n: state().points.length }));
+    };
+  }
+
+  function ring(slot: Slot) {
+    const { picture, rings } = parts[slot];
+    const points = studio.view.frame?.points ?? state().points;
+    while (rings.length > points.length) rings.pop()!.remove();
+    while (rings.length < points.length) {
+      const made = element("i", { className: "ring" });
+      rings.push(made);
+      picture.append(made);
+    }
+    const { size, center, z } = state().plane;
+    rings.forEach((each, index) => {
+      const [x, y, height] = points[index];
+      each.style.left = `${50 + (100 * (x - center[0])) / size}%`;
+      each.style.top = `${50 - (100 * (y - center[1])) / size}%`;
+      each.classList.toggle("off", Math.abs(height - z) > 0.002);
+    });
+  }
+
+  function numbers() {
+    const { results, bound, state: now } = studio.view;
+    const rows = numberRows(results, bound, now).map(({ word, values, better }) =>
+      element(
+        "tr",
+        {},
+        element("th", { scope: "row" }, say(word as Word)),
+        ...values.map((value, slot) =>
+          element("td", { className: better === slot ? "better" : "", colSpan: values.length === 1 ? 2 : 1 }, value),
+        ),
+      ),
+    );
+    const head = element("tr", {}, element("td", {}), ...["A", "B"].map((name) => element("th", { scope: "col" }, name)));
+    table.replaceChildren(element("caption", { className: "hidden" }, say("numbers")), head, ...rows);
+    const lines = [...new Set(results.flatMap((result) => result.warnings))];
+    warnings.replaceChildren(...lines.map((line) => element("li", {}, line)));
+  }
+
+  return {
+    root,
+    slices: [parts[0].picture, parts[1].picture],
+    place(look) {
+      for (const slot of SLOTS) {
+        const { method, summary, bar, labels, refusal } = parts[slot];
+        const { answer, refused } = studio.view.results[slot];
+        if (method.value !== state().methods[slot]) method.value = state().methods[slot];
+        write(summary, answer ? `U ${answer.metrics.uniformity.toFixed(3)}` : "");
+        write(refusal, refused);
+        refusal.hidden = refused === "";
+        paint(bar, look);
+        const text = ticks(look).map(({ at, label }) => {
+          const tick = element("span", {}, label);
+          tick.style.bottom = `${100 * at}%`;
+          return tick;
+        });
+        labels.replaceChildren(...text);
+        ring(slot);
+      }
+      numbers();
+    },
+  };
+}
+
+/** The colour bar: the map from bottom to top. */
+function paint(bar: HTMLCanvasElement, look: Look) {
+  const context = bar.getContext("2d")!;
+  const image = context.createImageData(1, 256);
+  for (let k = 0; k < 256; k += 1) {
+    image.data.set([...entry(look.map, 1 - k / 255), 255], 4 * k);
+  }
+  context.putImageData(image, 0, 0);
+}
+

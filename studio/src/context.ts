@@ -1,0 +1,23 @@
+/** Context: what every part of the page has at hand. */
+
+import type { Engine } from "./engine.ts";
+import type { Studio } from "./studio.ts";
+import type { Language, Word } from "./words.ts";
+
+/** The page's parts share it. */
+export interface Context {
+  engine: Engine;
+  studio: Studio;
+  language: Language;
+  theme: "dark" | "light";
+  say(word: Word, put?: Record<string, string | number>): string;
+  /** Says something to who does not look. */
+  announce(text: string): void;
+  /** Shows one line of what went wrong. */
+  alarm(text: string): void;
+  /** Asks for a new picture. */
+  repaint(): void;
+}
+
+/** Millimetres as they are shown and typed. */
+export const millimetres = (metres: number) => String(Math.round(metres * 1e5) / 100);

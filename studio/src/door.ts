@@ -1,0 +1,240 @@
+/** The WebAssembly door as functions over plain data. Refusals are thrown as one line. */
+
+/** How good a drive is, over the points with a pressure above 0; `weakest` is the least |p| there, in Pa. */
+export interface Metrics {
+  accuracy: number;
+  sigma: number;
+  uniformity: number;
+  level: number;
+  residual: number;
+  leak: number;
+}
+
+/** The answer of a solver. */
+export interface Answer {
+  metrics: Metrics;
+  /** What supply or modulation multiply the drive by. */
+  scale: number;
+  status: "done" | "out_of_steps" | "stopped";
+  steps: number;
+  /** Of each point, in Pa. */
+  targets: number[];
+  /** re and im of each point, in Pa. */
+  pressures: [number, number][];
+  /** re and im of each transducer. */
+  drive: Float32Array;
+  /** What should be heard beside, a line each. */
+  said: string[];
+}
+
+/** An array known by name. */
+export interface Preset {
+  name: string;
+  summary: string;
+  count: number;
+  tiles: boolean;
+  board: string;
+}
+
+/** A method, and whether it knows the aim. */
+export interface Solver {
+  name: string;
+  summary: string;
+  aims: boolean;
+}
+
+/** A board that can be played; `baud` is 0 where it hangs on no serial line. */
+export interface BoardKind {
+  name: string;
+  summary: string;
+  channels: number;
+  baud: number;
+}
+
+/** What the core offers. */
+export interface Catalogue {
+  version: string;
+  presets: Preset[];
+  solvers: Solver[];
+  boards: BoardKind[];
+}
+
+/** What a frame of a sequence is like: the largest change of a phase in rad, the least and the largest |p| in Pa. */
+export interface Frame {
+  change: number;
+  least: number;
+  most: number;
+}
+
+/** A scene that can be solved, looked at and played. */
+export interface Door {
+  catalogue(): Catalogue;
+  /** Opens a scene file's text; what is hardly meant, a line each. */
+  open(text: string, toml?: boolean, scalar?: boolean): string[];
+  /** The scene as the command line writes it. */
+  save(toml: boolean): string;
+  /** Positions (N, 3) in m, then normals (N, 3). */
+  array(): Float64Array;
+  solve(): Answer;
+  judge(): Metrics;
+  load(drive: ArrayLike<number>): void;
+  /** re and im at places (K, 3) in m. */
+  field(places: Float64Array): Float32Array;
+  bound(): number;
+  follow(points: Float64Array, frames: number): Frame[];
+  frame(index: number): Float32Array;
+  encode(board: string): Uint8Array;
+  silence(board: string): Uint8Array;
+  free(): void;
+}
+
+type Call = (...numbers: number[]) => number;
+type Exports = { memory: WebAssembly.Memory } & Record<`studio_${string}`, Call>;
+
+/** Compiles the door; one line where the browser lacks SIMD. */
+export async function compile(bytes: BufferSource): Promise<WebAssembly.Module> {
+  try {
+    return await WebAssembly.compile(bytes);
+  } catch (error) {
+    throw new Error(`this browser cannot run midair (${String(error)}): WebAssembly with SIMD is needed`);
+  }
+}
+
+/** Makes a door of a compiled module. */
+export function openDoor(module: WebAssembly.Module): Door {
+  const wasm = new WebAssembly.Instance(module, {}).exports as unknown as Exports;
+  const studio = wasm.studio_new();
+  const encoder = new TextEncoder();
+  const decoder = new TextDecoder();
+
+  // The memory may have grown, and moved, in a call: views are made after it.
+  const text = () =>
+    decoder.decode(new Uint8Array(wasm.memory.buffer, wasm.studio_text(studio), wasm.studio_text_size(studio)));
+  const numbers = () =>
+    new Float64Array(wasm.memory.buffer, wasm.studio_numbers(studio), wasm.studio_numbers_count(studio)).slice();
+  const bytes = () =>
+    new Uint8Array(wasm.memory.buffer, wasm.studio_bytes(studio), wasm.studio_bytes_size(studio)).slice();
+  const drive = () =>
+    new Float32Array(wasm.memory.buffer, wasm.studio_drive(studio), 2 * wasm.studio_drive_count(studio)).slice();
+  const giveText = (given: string) => {
+    const encoded = encoder.encode(given);
+    const place = wasm.studio_text_in(studio, encoded.length);
+    new Uint8Array(wasm.memory.buffer, place, encoded.length).set(encoded);
+  };
+  const giveNumbers = (given: ArrayLike<number>) => {
+    const place = wasm.studio_numbers_in(studio, given.length);
+    new Float64Array(wasm.memory.buffer, place, given.length).set(given);
+  };
+  const lines = () => text().split("\n").filter(Boolean);
+  const done = (refused: number) => {
+    if (refused) throw new Error(text());
+  };
+
+  return {
+    catalogue() {
+      wasm.studio_catalogue(studio);
+      return read(lines());
+    },
+    open(given, toml = false, scalar = false) {
+      giveText(given);
+      done(wasm.studio_open(studio, Number(toml), Number(scalar)));
+      return lines();
+    },
+    save(toml) {
+      done(wasm.studio_save(studio, Number(toml)));
+      return text();
+    },
+    array() {
+      done(wasm.studio_array(studio));
+      return numbers();
+    },
+    solve() {
+      done(wasm.studio_solve(studio));
+      const found = numbers();
+      const points = (found.length - 9) / 3;
+      const at = (j: number, k: number) => found[9 + 3 * j + k];
+      return {
+        metrics: metrics(found),
+        scale: found[6],
+        status: (["done", "out_of_steps", "stopped"] as const)[found[7]],
+        steps: found[8],
+        targets: Array.from({ length: points }, (_, j) => at(j, 0)),
+        pressures: Array.from({ length: points }, (_, j) => [at(j, 1), at(j, 2)]),
+        drive: drive(),
+        said: lines(),
+      };
+    },
+    judge() {
+      done(wasm.studio_judge(studio));
+      return metrics(numbers());
+    },
+    load(given) {
+      giveNumbers(given);
+      done(wasm.studio_load(studio));
+    },
+    field(places) {
+      giveNumbers(places);
+      done(wasm.studio_field(studio));
+      const count = Math.floor(places.length / 3);
+      return new Float32Array(wasm.memory.buffer, wasm.studio_pressures(studio), 2 * count).slice();
+    },
+    bound() {
+      done(wasm.studio_bound(studio));
+      return numbers()[0];
+    },
+    follow(points, frames) {
+      giveNumbers(points);
+      done(wasm.studio_follow(studio, frames));
+      const found = numbers();
+      return Array.from({ length: frames }, (_, t) => ({
+        change: found[3 * t],
+        least: found[3 * t + 1],
+        most: found[3 * t + 2],
+      }));
+    },
+    frame(index) {
+      done(wasm.studio_frame(studio, index));
+      return drive();
+    },
+    encode(board) {
+      giveText(board);
+      done(wasm.studio_encode(studio));
+      return bytes();
+    },
+    silence(board) {
+      giveText(board);
+      done(wasm.studio_silence(studio));
+      return bytes();
+    },
+    free() {
+      wasm.studio_free(studio);
+    },
+  };
+}
+
+function metrics(found: Float64Array): Metrics {
+  const [accuracy, sigma, uniformity, level, residual, leak] = found;
+  return { accuracy, sigma, uniformity, level, residual, leak };
+}
+
+function read(lines: string[]): Catalogue {
+  const rows = lines.map((line) => line.split("\t"));
+  const of = (kind: string) => rows.filter((row) => row[0] === kind).map((row) => row.slice(1));
+  return {
+    version: of("version")[0][0],
+    presets: of("preset").map(([name, summary, count, tiles, board]) => ({
+      name,
+      summary,
+      count: Number(count),
+      tiles: tiles === "1",
+      board,
+    })),
+    solvers: of("solver").map(([name, summary, aims]) => ({ name, summary, aims: aims === "1" })),
+    boards: of("board").map(([name, summary, channels, baud]) => ({
+      name,
+      summary,
+      channels: Number(channels),
+      baud: Number(baud),
+    })),
+  };
+}

@@ -1,0 +1,98 @@
+/** Drawing: points along the lines of an SVG, measured by the browser; only its geometry is taken. */
+
+import { along, centred } from "./shapes.ts";
+import type { Contour } from "./shapes.ts";
+import type { Vec3 } from "./types.ts";
+
+const SVG = "http://www.w3.org/2000/svg";
+const GEOMETRY: Record<string, string[]> = {
+  g: [],
+  svg: [],
+  path: ["d"],
+  rect: ["x", "y", "width", "height", "rx", "ry"],
+  circle: ["cx", "cy", "r"],
+  ellipse: ["cx", "cy", "rx", "ry"],
+  line: ["x1", "y1", "x2", "y2"],
+  polyline: ["points"],
+  polygon: ["points"],
+};
+const MOST_TEXT = 2e6;
+const MOST_ELEMENTS = 2000;
+/** Straight pieces of all lines together. */
+const MOST_PIECES = 20_000;
+
+function wrong(what: string): never {
+  throw new Error(`the drawing ${what}: give an SVG file with paths or basic shapes`);
+}
+
+/** The text's root; a document that no page shows, so that it runs and loads nothing. */
+function parse(text: string): Element {
+  if (text.length > MOST_TEXT) wrong("is larger than 2 MB");
+  const root = new DOMParser().parseFromString(text, "image/svg+xml").documentElement;
+  if (root.localName !== "svg" || root.querySelector("parsererror")) wrong("cannot be read");
+  if (root.querySelector("script, foreignObject")) wrong("has a script or a page in it");
+  if (root.querySelectorAll("*").length > MOST_ELEMENTS) wrong(`has more than ${MOST_ELEMENTS} elements`);
+  return root;
+}
+
+/** A copy of what is geometry: known elements, their shapes' attributes and transforms. */
+function copied(element: Element): SVGElement | null {
+  if (!Object.hasOwn(GEOMETRY, element.localName)) return null;
+  const nested = element.localName === "svg" ? "g" : element.localName;
+  const copy = document.createElementNS(SVG, nested) as SVGElement;
+  for (const name of [...GEOMETRY[element.localName], "transform"]) {
+    const value = element.getAttribute(name);
+    if (value !== null) copy.setAttribute(name, value);
+  }
+  copy.append(...[...element.children].flatMap((child) => copied(child) ?? []));
+  return copy;
+}
+
+/** A shape as polylines in the drawing's units, one for each of its parts. */
+function walked(shape: SVGGeometryElement, pieces: number): Contour[] {
+  const length = shape.getTotalLength();
+  const matrix = shape.getCTM();
+  if (!(length > 0) || !matrix) return [];
+  // No piece of the line is longer than that in the drawing: what is, is a move to the next part.
+  const longest = 1.01 * (length / pieces) * Math.hypot(matrix.a, matrix.b, matrix.c, matrix.d);
+  const contours: Contour[] = [];
+  let last: Vec3 | null = null;
+  for (let k = 0; k <= pieces; k += 1) {
+    const { x, y } = shape.getPointAtLength((length * k) / pieces).matrixTransform(matrix);
+    const at: Vec3 = [x, y, 0];
+    if (!last || Math.hypot(x - last[0], y - last[1]) > longest) contours.push([]);
+    contours.at(-1)!.push(at);
+    last = at;
+  }
+  return contours;
+}
+
+function outlines(text: string): Contour[] {
+  const canvas = document.createElementNS(SVG, "svg");
+  canvas.setAttribute("style", "position: fixed; width: 1px; height: 1px; visibility: hidden");
+  canvas.append(copied(parse(text)) ?? "");
+  document.body.append(canvas);
+  try {
+    const shapes = [...canvas.querySelectorAll<SVGGeometryElement>("*:not(g)")];
+    const pieces = Math.max(16, Math.min(1000, Math.floor(MOST_PIECES / shapes.length)));
+    return shapes.flatMap((shape) => walked(shape, pieces));
+  } finally {
+    canvas.remove();
+  }
+}
+
+/**
+ * What makes points of a step, all in m, on the lines of an SVG in the plane at z, as `fitting` takes it.
+ *
+ * The longer side is `size` m, the middle at x = y = 0; y points up as in the picture. A fault is one line.
+ */
+export function drawing(text: string, size: number, z: number): (step: number) => Vec3[] {
+  const contours = outlines(text);
+  if (!contours.length) wrong("has no lines");
+  const middle = centred(contours);
+  const side = 2 * middle.flat().reduce((most, [x, y]) => Math.max(most, Math.abs(x), Math.abs(y)), 0);
+  if (!(side > 0 && side < Infinity)) wrong("has no size");
+  const scale = size / side;
+  const placed = middle.map((contour) => contour.map(([x, y]): Vec3 => [scale * x, -scale * y, z]));
+  return (step) => along(placed, step);
+}

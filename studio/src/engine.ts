@@ -1,0 +1,52 @@
+/** The engine: two workers, one that solves and draws slices, one for what takes long. */
+
+import type { Catalogue } from "./door.ts";
+import type { Jobs } from "./solve.worker.ts";
+
+/** A worker as functions that answer later. */
+export type Hand = {
+  [Job in keyof Jobs]: (...given: Parameters<Jobs[Job]>) => Promise<Awaited<ReturnType<Jobs[Job]>>>;
+};
+
+/** Both workers, and what the core offers. */
+export interface Engine {
+  catalogue: Catalogue;
+  quick: Hand;
+  /** For bounds, volumes and sequences. */
+  slow: Hand;
+  dispose(): void;
+}
+
+/** Names a worker's messages and hands the answers out. */
+function hand(worker: Worker): Hand {
+  const waiting = new Map<number, { resolve: (value: unknown) => void; reject: (error: Error) => void }>();
+  let last = 0;
+  worker.onmessage = ({ data: { id, result, refused } }) => {
+    const { resolve, reject } = waiting.get(id)!;
+    waiting.delete(id);
+    if (refused === undefined) resolve(result);
+    else reject(new Error(refused));
+  };
+  const ask = (job: string, given: unknown[]) =>
+    new Promise((resolve, reject) => {
+      last += 1;
+      waiting.set(last, { resolve, reject });
+      worker.postMessage({ id: last, job, given });
+    });
+  return new Proxy({} as Hand, { get: (_, job: string) => (...given: unknown[]) => ask(job, given) });
+}
+
+/** Starts both workers with the door's bytes; `warm` is the text of a small scene. */
+export async function startEngine(makeWorker: () => Worker, wasm: BufferSource, warm: string): Promise<Engine> {
+  const workers = [makeWorker(), makeWorker()];
+  const [quick, slow] = workers.map(hand);
+  const { catalogue, module } = await quick.setup(wasm, warm);
+  const ready = slow.setup(module, warm);
+  ready.catch(() => undefined);
+  return {
+    catalogue,
+    quick,
+    slow,
+    dispose: () => workers.forEach((worker) => worker.terminate()),
+  };
+}

@@ -1,0 +1,76 @@
+/** Exchange: scenes, drives, arrays and drawings that come in by file, and go out. */
+
+import type { Context } from "./context.ts";
+import { readArray, readDrive, writeDrive } from "./files.ts";
+import { stateOf } from "./scene_file.ts";
+import { fitting } from "./shapes.ts"; const drawing = (..._: unknown[]): Vec3[] => [];
+import type { Slot, Vec3 } from "./types.ts";
+
+/** The longer side of a drawing that is dropped in, in m. */
+const SIZE = 0.08;
+
+/** Opens a file by its ending. */
+export async function open(context: Context, file: File): Promise<void> {
+  const { studio, engine } = context;
+  try {
+    const text = await file.text();
+    const ending = file.name.split(".").at(-1)!.toLowerCase();
+    const { state } = studio.view;
+    if (ending === "toml" || ending === "json") {
+      studio.change(stateOf(JSON.parse(await engine.slow.read(text, ending === "toml")), state));
+    } else if (ending === "svg") {
+      const [x, y] = state.plane.center;
+      const points = fitting((step) => drawing(text, Math.min(SIZE, state.plane.size), state.plane.z, step));
+      studio.change({ points: points.map(([a, b, z]) => [a + x, b + y, z]), pressures: null, path: null });
+    } else if (/^index\b.*\bamplitude\b/.test(text)) {
+      await compareDrive(context, readDrive(text));
+    } else {
+      studio.change({ array: readArray(text, file.name) });
+    }
+    context.announce(context.say("opened", { name: file.name }));
+  } catch (error) {
+    context.alarm(`${file.name}: ${(error as Error).message}`);
+  }
+}
+
+/** Shows the field of a drive that came by file, until something changes. */
+async function compareDrive({ studio, engine }: Context, drive: Float32Array): Promise<void> {
+  const { lattice } = studio.view.results[0];
+  if (!lattice) throw new Error("no slice is shown: choose a scene that can be solved first");
+  const values = await engine.slow.slice(studio.scene(0), drive, lattice);
+  studio.show({ drive, lattice: { ...lattice, values }, points: studio.view.state.points });
+}
+
+/** Gives a file to who looks. */
+function save(name: string, content: BlobPart, type: string): void {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([content], { type }));
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+/** The positions of positions and normals. */
+const placesOf = (array: Float64Array) =>
+  Array.from({ length: array.length / 6 }, (_, k) => [...array.subarray(3 * k, 3 * k + 3)] as Vec3);
+
+/** The scene as the command line reads it, with slot A's method. */
+export async function exportScene({ studio, engine }: Context): Promise<void> {
+  await studio.settled();
+  save("scene.toml", await engine.quick.save(0, true), "text/plain");
+}
+
+/** The drive of the slot that is shown, as `midair solve -o drive.csv` writes it. */
+export async function exportDrive({ studio, alarm }: Context, slot: Slot): Promise<void> {
+  await studio.settled();
+  const { results, array } = studio.view;
+  const { answer, refused } = results[slot];
+  if (answer) save("drive.csv", writeDrive(placesOf(array), answer.drive), "text/csv");
+  else alarm(refused);
+}
+
+/** What is painted, as a picture. */
+export function exportPicture(canvas: HTMLCanvasElement, repaint: () => void): void {
+  repaint();
+  canvas.toBlob((blob) => blob && save("field.png", blob, "image/png"));
+}

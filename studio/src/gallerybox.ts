@@ -1,0 +1,31 @@
+/** Gallery: a dialog of scenes to begin with. */
+
+import type { Context } from "./context.ts";
+import { element } from "./dom.ts";
+import { gallery } from "./gallery.ts";
+import { initial } from "./initial.ts";
+
+/** Shows the gallery; a scene that is chosen is opened, and can be undone. */
+export function showGallery(context: Context): void {
+  const { studio, say, language } = context;
+  const root = document.querySelector(".studio") ?? document.body;
+  const cards = gallery.map(({ name, line, state }) => {
+    const word = (pair: readonly [string, string]) => pair[language === "ja" ? 1 : 0];
+    const choose = () => {
+      dialog.close();
+      studio.change({ ...initial, map: studio.view.state.map, ...state });
+      context.announce(say("opened", { name: word(name) }));
+    };
+    const text = element("span", {}, word(line));
+    return element("li", {}, element("button", { type: "button", onclick: choose }, element("b", {}, word(name)), text));
+  });
+  const dialog = element(
+    "dialog",
+    { className: "gallery", "aria-label": say("gallery") },
+    element("header", {}, element("h2", {}, say("gallery")), element("button", { type: "button", className: "icon", "aria-label": say("close"), onclick: () => dialog.close() }, "×")),
+    element("ul", {}, ...cards),
+  );
+  dialog.onclose = () => dialog.remove();
+  root.append(dialog);
+  dialog.showModal();
+}

@@ -1,0 +1,60 @@
+/** History: steps of undo, one a gesture, as text. */
+
+import type { State } from "./types.ts";
+
+/** Steps back and forth. */
+export interface History {
+  /** Keeps a state; one of the same gesture replaces the last, until there is a rest or, of keys, a pause. */
+  keep(state: State, gesture: string): void;
+  rest(): void;
+  undo(): State | null;
+  redo(): State | null;
+  canUndo(): boolean;
+  canRedo(): boolean;
+}
+
+/** Steps that are kept. */
+const MOST = 500;
+
+/** A pause that ends a gesture of keys, in ms. */
+const PAUSE = 800;
+
+/** A history that begins with a state. */
+export function createHistory(initial: State): History {
+  let steps = [JSON.stringify(initial)];
+  let at = 0;
+  let last = "";
+  let when = 0;
+  const read = (): State => JSON.parse(steps[at]);
+  return {
+    keep(state, gesture) {
+      const text = JSON.stringify(state);
+      if (text === steps[at]) return;
+      const now = performance.now();
+      const paused = !gesture.startsWith("drag") && now - when > PAUSE;
+      const same = gesture !== "" && gesture === last && !paused;
+      [last, when] = [gesture, now];
+      steps = steps.slice(0, same ? at : at + 1);
+      steps.push(text);
+      steps = steps.slice(-MOST);
+      at = steps.length - 1;
+    },
+    rest() {
+      last = "";
+    },
+    undo() {
+      last = "";
+      if (at === 0) return null;
+      at -= 1;
+      return read();
+    },
+    redo() {
+      last = "";
+      if (at === steps.length - 1) return null;
+      at += 1;
+      return read();
+    },
+    canUndo: () => at > 0,
+    canRedo: () => at < steps.length - 1,
+  };
+}

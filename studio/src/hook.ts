@@ -1,0 +1,88 @@
+/** The hook for scripts: `window.midair`, plain data in and out. */
+
+import type { Engine } from "./engine.ts";
+import { gridOf } from "./lattices.ts";
+import { readLink, writeLink } from "./link.ts";
+import { weakest } from "./numbers.ts";
+import type { Page } from "./page.ts";
+import { sample } from "./painter/lattice.ts";
+import type { Studio } from "./studio.ts";
+import type { Slot, State, Vec3 } from "./types.ts";
+
+/** What scripts may call; complex numbers are [re, im], lengths metres, pressures Pa. */
+export interface Hook {
+  version: string;
+  /** All that the page knows, as data of its own. */
+  state(): Record<string, unknown>;
+  /** Changes some of the state; refused in one line where it cannot be. */
+  set(partial: Partial<State>): void;
+  /** When answers and pictures are as the state asks; the bound comes later. */
+  settled(): Promise<void>;
+  /** The field of a slot at places, computed. */
+  field(slot: Slot, places: Vec3[]): Promise<[number, number][]>;
+  /** The same as the slice's picture has it, interpolated; null beside the slice. */
+  shown(slot: Slot, places: Vec3[]): ([number, number] | null)[];
+  /** The drive of a slot. */
+  drive(slot: Slot): [number, number][];
+  permalink(): string;
+  /** Where a place is seen in the 3-D view, in CSS px of the window. */
+  project(place: Vec3): [number, number];
+}
+
+const pairs = (values: Float32Array) =>
+  Array.from({ length: values.length / 2 }, (_, k): [number, number] => [values[2 * k], values[2 * k + 1]]);
+
+/** Makes the hook; `page` is the page that is shown. */
+export function createHook(engine: Engine, studio: Studio, page: () => Page): Hook {
+  const result = (slot: Slot) => {
+    const found = studio.view.results[slot];
+    if (!found?.answer || !found.lattice) throw new Error(found?.refused || `slot is ${slot}: give 0 or 1, once settled`);
+    return { answer: found.answer, lattice: found.lattice };
+  };
+  return {
+    version: engine.catalogue.version,
+    state() {
+      const { state, results, bound } = studio.view;
+      const metrics = results.map((each) =>
+        each.answer
+          ? {
+              ...each.answer.metrics,
+              weakest: weakest(each),
+              scale: each.answer.scale,
+              status: each.answer.status,
+              milliseconds: each.milliseconds,
+              heard: state.ear && each.heard,
+            }
+          : null,
+      );
+      const refused = results.map((each) => each.refused);
+      const warnings = results.map((each) => each.warnings);
+      const ready = results.some((each) => each.answer !== null);
+      return structuredClone({ ready, ...state, metrics, bound, refused, warnings });
+    },
+    set(partial) {
+      const { state } = studio.view;
+      const next = { ...state, ...partial, plane: { ...state.plane, ...partial.plane } };
+      const read = readLink(writeLink(next));
+      // Arrays of one's own are in no link; all else must survive one.
+      if (typeof read === "string" && "preset" in next.array) throw new Error(read);
+      studio.change(structuredClone(next));
+    },
+    settled: () => studio.settled(),
+    async field(slot, places) {
+      await studio.settled();
+      result(slot);
+      return pairs(await engine.quick.field(slot, Float64Array.from(places.flat())));
+    },
+    shown(slot, places) {
+      const { lattice } = result(slot);
+      const { corner, u, v } = gridOf(studio.view.state);
+      const beside = ([x, y, z]: Vec3) =>
+        Math.abs(z - corner[2]) > 1e-6 || x < corner[0] || y < corner[1] || x > corner[0] + u[0] || y > corner[1] + v[1];
+      return places.map((place) => (beside(place) ? null : sample(lattice, place)));
+    },
+    drive: (slot) => pairs(result(slot).answer.drive),
+    permalink: () => new URL(`#${writeLink(studio.view.state)}`, location.href).href,
+    project: (place) => page().project(place),
+  };
+}

@@ -1,0 +1,39 @@
+/** Initial: the state that the page begins with. */
+
+import type { State, Vec3 } from "./types.ts";
+
+/** More points than this the page does not take. */
+export const MOST_POINTS = 64;
+
+const RING = 0.04;
+/** Of the points above an array, in m. */
+export const HEIGHT = 0.18;
+
+function ring(count: number): Vec3[] {
+  const place = (index: number) => (2 * Math.PI * index) / count;
+  const round = (x: number) => Math.round(x * 1e5) / 1e5;
+  return Array.from({ length: count }, (_, k) => [
+    round(RING * Math.cos(place(k))),
+    round(RING * Math.sin(place(k))),
+    HEIGHT,
+  ]);
+}
+
+/** Seven points on a ring of 40 mm and one in its middle, 180 mm above four AUTD3 boards. */
+export const initial: State = {
+  array: { preset: "autd3", tiles: [2, 2] },
+  quantization: "board",
+  temperature: 25,
+  points: [...ring(7), [0, 0, HEIGHT]],
+  pressures: null,
+  methods: ["uniform", "naive"],
+  signature: "",
+  obstacles: [],
+  ear: null,
+  plane: { z: HEIGHT, size: 0.18, center: [0, 0] },
+  view: "both",
+  slot: 0,
+  map: "viridis",
+  scale: "linear",
+  path: null,
+};

@@ -1,0 +1,212 @@
+/**
+ * Link: a state as the fragment of an address, to be read and changed by hand.
+ *
+ * `#v=1&a=autd3.2x2&l=board&t=25&m=uniform.naive&p=0,0,180_55,0,180&z=180,180&w=both&c=viridis`: mm, Pa and
+ * degrees C. What is left out is as at the beginning.
+ *
+ * | key | what | key | what |
+ * |---|---|---|---|
+ * | `v` | 1 | `z` | slice: height,size or height,size,x,y of its middle |
+ * | `a` | preset, or preset.2x2 boards | `f` | signature: trap, twin, vortex |
+ * | `l` | levels: board, none | `o` | wall,x,y,z,nx,ny,nz,rigid_ball,x,y,z,radius,soft |
+ * | `t` | temperature of the air | `e` | ear: x,y,z |
+ * | `m` | methods A.B | `g` | path: circle,radius,Hz or line,length,Hz |
+ * | `p` | points: x,y,z or x,y,z,Pa | `w`, `s`, `c`, `k` | view, slot (a, b), map, scale |
+ *
+ * An array of one's own is in no link: it is `a=own`, which is refused when read.
+ */
+
+import { decimal } from "./decimal.ts";
+import { initial, MOST_POINTS } from "./initial.ts";
+import { MAPS, SCALES, VIEWS } from "./types.ts";
+import type { Obstacle, State, Vec3 } from "./types.ts";
+
+const LEVELS = ["board", "none"] as const;
+const SIGNATURES = ["trap", "twin", "vortex"] as const;
+const SLOTS = ["a", "b"] as const;
+const KINDS = ["rigid", "soft"] as const;
+const PATHS = ["circle", "line"] as const;
+
+const MOST_BOARDS = 8;
+const MOST_OBSTACLES = 8;
+/** Lengths in mm. */
+const FARTHEST = 10_000;
+const LOUDEST = 1e6;
+
+/** What a link gets wrong, in one line. */
+class Wrong extends Error {}
+
+function wrong(item: string, value: string, cure: string): never {
+  const shown = value.length > 40 ? `${value.slice(0, 40)}...` : value;
+  throw new Wrong(`${item} is "${shown.replace(/\s/g, " ")}": ${cure}`);
+}
+
+function word<T extends string>(item: string, text: string, words: readonly T[]): T {
+  return words.find((each) => each === text) ?? wrong(item, text, `give ${words.join(", ")}`);
+}
+
+function number(item: string, text: string, least: number, most: number): number {
+  const value = decimal(text);
+  if (value >= least && value <= most) return value + 0;
+  return wrong(item, text, `give a number from ${least} to ${most}`);
+}
+
+/** Metres of a length in mm, to the nearest nm. */
+function metres(item: string, text: string, least = -FARTHEST): number {
+  return Math.round(number(item, text, least, FARTHEST) * 1e6) / 1e9 + 0;
+}
+
+function place(item: string, cells: string[]): Vec3 {
+  return [metres(item, cells[0]), metres(item, cells[1]), metres(item, cells[2])];
+}
+
+/** The cells of a value, where there are so many of them. */
+function cells(item: string, text: string, counts: number[], form: string): string[] {
+  const found = text.split(",");
+  return counts.includes(found.length) ? found : wrong(item, text, `give ${form}`);
+}
+
+function readArray(text: string): State["array"] {
+  if (text === "own") wrong("a", text, "an array of one's own is in no link, load its file");
+  const found = /^([a-z][a-z0-9_]{0,39})(?:\.(\d+)x(\d+))?$/.exec(text);
+  if (!found) return wrong("a", text, "give a preset such as autd3.2x2 or sonicsurface");
+  const boards = (count = "1") => number("boards of a", count, 1, MOST_BOARDS);
+  return { preset: found[1], tiles: [boards(found[2]), boards(found[3])] };
+}
+
+function readMethods(text: string): [string, string] {
+  const found = /^([a-z][a-z0-9_]{0,19})\.([a-z][a-z0-9_]{0,19})$/.exec(text);
+  return found ? [found[1], found[2]] : wrong("m", text, "give two methods such as uniform.naive");
+}
+
+function readPoints(text: string): Pick<State, "points" | "pressures"> {
+  const rows = text === "" ? [] : text.split("_");
+  if (rows.length > MOST_POINTS) wrong("p", `${rows.length} points`, `give at most ${MOST_POINTS}`);
+  const items = rows.map((row, k) => ({ item: `point ${k + 1}`, row }));
+  const parts = items.map(({ item, row }) => cells(item, row, [3, 4], "x,y,z in mm or x,y,z,pressure in Pa"));
+  const loud = parts.filter((part) => part.length === 4).length;
+  if (loud > 0 && loud < parts.length) wrong("p", `${loud} pressures`, "give one to every point or to none");
+  const points = parts.map((part, k) => place(items[k].item, part));
+  const pressure = (part: string[], k: number) => number(`pressure of ${items[k].item}`, part[3], 0, LOUDEST);
+  return { points, pressures: loud > 0 ? parts.map(pressure) : null };
+}
+
+function readPlane(text: string): State["plane"] {
+  const found = cells("z", text, [2, 4], "height,size or height,size,x,y in mm");
+  const [x, y] = found.length === 4 ? [metres("z", found[2]), metres("z", found[3])] : [0, 0];
+  return { z: metres("z", found[0]), size: metres("size of z", found[1], 1), center: [x, y] };
+}
+
+function readObstacle(text: string, index: number): Obstacle {
+  const item = `obstacle ${index + 1}`;
+  const parts = text.split(",");
+  const kind = () => word(`kind of ${item}`, parts[parts.length - 1], KINDS);
+  if (parts[0] === "wall" && parts.length === 8) {
+    const normal = parts.slice(4, 7).map((cell) => number(`normal of ${item}`, cell, -1e6, 1e6)) as Vec3;
+    if (Math.hypot(...normal) === 0) wrong(`normal of ${item}`, "0,0,0", "give a direction such as 0,0,1");
+    return { point: place(item, parts.slice(1)), normal, kind: kind() };
+  }
+  if (parts[0] === "ball" && parts.length === 6) {
+    const radius = metres(`radius of ${item}`, parts[4], 0.1);
+    return { center: place(item, parts.slice(1)), radius, kind: kind() };
+  }
+  return wrong(item, text, "give wall,x,y,z,nx,ny,nz,rigid or ball,x,y,z,radius,rigid");
+}
+
+function readObstacles(text: string): Obstacle[] {
+  const rows = text.split("_");
+  if (rows.length > MOST_OBSTACLES) wrong("o", `${rows.length} obstacles`, `give at most ${MOST_OBSTACLES}`);
+  return rows.map(readObstacle);
+}
+
+function readPath(text: string): State["path"] {
+  const found = cells("g", text, [3], "circle,radius,frequency or line,length,frequency in mm and Hz");
+  const kind = word("g", found[0], PATHS);
+  const size = metres("size of g", found[1], 0.01);
+  const frequency = number("frequency of g", found[2], 0, 1000);
+  return kind === "circle" ? { kind, radius: size, frequency } : { kind, length: size, frequency };
+}
+
+const READERS: Record<string, (text: string) => Partial<State>> = {
+  v: (text) => (text === "1" ? {} : wrong("v", text, "this page reads v=1")),
+  a: (text) => ({ array: readArray(text) }),
+  l: (text) => ({ quantization: word("l", text, LEVELS) }),
+  t: (text) => ({ temperature: number("t", text, -60, 60) }),
+  m: (text) => ({ methods: readMethods(text) }),
+  p: readPoints,
+  z: (text) => ({ plane: readPlane(text) }),
+  w: (text) => ({ view: word("w", text, VIEWS) }),
+  c: (text) => ({ map: word("c", text, MAPS) }),
+  k: (text) => ({ scale: word("k", text, SCALES) }),
+  s: (text) => ({ slot: word("s", text, SLOTS) === "a" ? 0 : 1 }),
+  f: (text) => ({ signature: word("f", text, SIGNATURES) }),
+  o: (text) => ({ obstacles: readObstacles(text) }),
+  e: (text) => ({ ear: place("e", cells("e", text, [3], "x,y,z in mm")) }),
+  g: (text) => ({ path: readPath(text) }),
+};
+
+function read(fragment: string): State {
+  const text = fragment.replace(/^#/, "");
+  const state = structuredClone(initial);
+  const seen = new Set<string>();
+  for (const part of text === "" ? [] : text.split("&")) {
+    const [, key, value] = /^([^=]*)=(.*)$/s.exec(part) ?? wrong("the link's part", part, "give key=value");
+    if (!Object.hasOwn(READERS, key)) wrong("a key", key, `give one of ${Object.keys(READERS).join(" ")}`);
+    if (seen.has(key)) wrong(key, value, "give it once");
+    seen.add(key);
+    Object.assign(state, READERS[key](value));
+  }
+  if (text !== "" && !seen.has("v")) wrong("the link", text, "begin with v=1");
+  return state;
+}
+
+/** The state that a fragment (with or without #) tells of, or one line that says what is wrong with it. */
+export function readLink(fragment: string): State | string {
+  try {
+    return read(decodeURIComponent(fragment));
+  } catch (error) {
+    if (error instanceof Wrong) return error.message;
+    if (error instanceof URIError) return `the link has a broken "%": copy it once more`;
+    throw error;
+  }
+}
+
+/** Millimetres to 0.01 of a length in m. */
+function mm(length: number): string {
+  return String(Math.round(length * 1e5) / 100 + 0);
+}
+
+function writeObstacle(each: Obstacle): string {
+  return "radius" in each
+    ? `ball,${each.center.map(mm)},${mm(each.radius)},${each.kind}`
+    : `wall,${each.point.map(mm)},${each.normal},${each.kind}`;
+}
+
+function writePath(path: NonNullable<State["path"]>): string {
+  return `${path.kind},${mm(path.kind === "circle" ? path.radius : path.length)},${path.frequency}`;
+}
+
+/** The fragment (without #) of a state, its lengths to 0.01 mm. */
+export function writeLink(state: State): string {
+  const { array, pressures, plane } = state;
+  const point = (at: Vec3, k: number) => [...at.map(mm), ...(pressures ? [pressures[k]] : [])].join();
+  const middle = plane.center.some((x) => mm(x) !== "0") ? plane.center.map(mm) : [];
+  const pairs: [string, string | null][] = [
+    ["v", "1"],
+    ["a", "preset" in array ? `${array.preset}.${array.tiles.join("x")}` : "own"],
+    ["l", state.quantization],
+    ["t", String(state.temperature)],
+    ["m", state.methods.join(".")],
+    ["p", state.points.map(point).join("_")],
+    ["z", [mm(plane.z), mm(plane.size), ...middle].join()],
+    ["w", state.view],
+    ["c", state.map],
+    ["k", state.scale === initial.scale ? null : state.scale],
+    ["s", state.slot === 0 ? null : "b"],
+    ["f", state.signature || null],
+    ["o", state.obstacles.map(writeObstacle).join("_") || null],
+    ["e", state.ear && state.ear.map(mm).join()],
+    ["g", state.path && writePath(state.path)],
+  ];
+  return pairs.flatMap(([key, value]) => (value === null ? [] : [`${key}=${value}`])).join("&");
+}

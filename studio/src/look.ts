@@ -1,0 +1,22 @@
+/** Look: one colour scale for both methods. */
+
+import type { View } from "./studio.ts";
+import type { Look } from "./types.ts";
+
+/** A top above so many times the loudest point is something else's, such as a transducer's. */
+const MOST = 1.5;
+
+/** The colour scale of all that is shown: its top is the loudest |p| of both slices. */
+export function lookOf({ state, results, frame }: View): Look {
+  const answers = results.flatMap(({ answer }) => answer ?? []);
+  const points = answers.flatMap(({ pressures }) => pressures).map(([re, im]) => Math.hypot(re, im));
+  const loudest = points.reduce((a, b) => Math.max(a, b), 0);
+  let most = 0;
+  for (const lattice of [...results.map((result) => result.lattice), frame?.lattice]) {
+    if (!lattice) continue;
+    const { values } = lattice;
+    for (let k = 0; k < values.length; k += 2) most = Math.max(most, values[k] ** 2 + values[k + 1] ** 2);
+  }
+  const top = Math.max(loudest, Math.min(Math.sqrt(most), MOST * loudest));
+  return { map: state.map, scale: state.scale, top: top || 1 };
+}

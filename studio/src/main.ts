@@ -1,0 +1,64 @@
+/** The site: starts the engine, reads the link, shows the page. */
+
+import "./style.css";
+import { startEngine } from "./engine.ts";
+import { sceneOf, stateOf } from "./scene_file.ts";
+import { createHook, type Hook } from "./hook.ts";
+import { initial } from "./initial.ts";
+import { readLink } from "./link.ts";
+import { createPage, type Manner, type Page } from "./page.ts";
+import SolveWorker from "./solve.worker.ts?worker&inline";
+import { createStudio } from "./studio.ts";
+import wasmUrl from "../built/midair.wasm?url";
+
+declare global {
+  interface Window {
+    midair?: Hook;
+  }
+}
+
+const root = document.getElementById("studio")!;
+const warm = () =>
+  JSON.stringify(sceneOf({ ...initial, array: { preset: "paper20", tiles: [1, 1] }, points: [[0, 0, 0.15]] }, 0));
+
+async function start() {
+  const wasm = await (await fetch(wasmUrl)).arrayBuffer();
+  const engine = await startEngine(() => new SolveWorker(), wasm, warm());
+  const wrong: string[] = [];
+  let first = initial;
+  if (location.hash.length > 1) {
+    const read = readLink(location.hash);
+    if (typeof read === "string") wrong.push(read);
+    else first = read;
+  }
+  if (new URLSearchParams(location.search).has("scene")) {
+    try {
+      const text = await (await fetch("scene.json")).text();
+      first = stateOf(JSON.parse(await engine.slow.read(text, false)), initial);
+    } catch (error) {
+      wrong.push((error as Error).message);
+    }
+  }
+  const studio = createStudio(engine, first);
+  const manner: Manner = {
+    language: navigator.language.startsWith("ja") ? "ja" : "en",
+    theme: matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark",
+    again(changes) {
+      page.dispose();
+      page = createPage(root, engine, studio, Object.assign(manner, changes));
+    },
+  };
+  let page: Page = createPage(root, engine, studio, manner);
+  window.midair = createHook(engine, studio, () => page);
+  window.addEventListener("hashchange", () => {
+    const read = readLink(location.hash);
+    if (typeof read === "string") page.alarm(read);
+    else studio.change(read);
+  });
+  if (wrong.length) page.alarm(wrong.join("\n"));
+}
+
+start().catch((error: Error) => {
+  root.textContent = error.message;
+  root.setAttribute("role", "alert");
+});

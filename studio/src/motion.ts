@@ -1,0 +1,108 @@
+/** Motion: points on a path, followed by glide frame by frame and shown slowly. */
+
+import type { Context } from "./context.ts";
+import { choice, element, write } from "./dom.ts";
+import { sceneOf } from "./scene_file.ts";
+import { gridOf } from "./lattices.ts";
+import { labelled } from "./panels.ts";
+import { framesOf } from "./paths.ts";
+import type { Path, Vec3 } from "./types.ts";
+
+/** Frames a second that are computed. */
+const RATE = 1000;
+
+/** Frames of a sequence, at most. */
+const MOST = 1000;
+
+/** Frames that a picture goes on by: a turn takes some seconds. */
+const STRIDE = 4;
+
+/** Places along a side of a slice that moves. */
+const COARSE = 80;
+
+/** Makes the controls. */
+export function createMotion(context: Context): { root: HTMLElement; place(): void } {
+  const { studio, engine, say } = context;
+  const state = () => studio.view.state;
+  const kind = choice(
+    (["none", "circle", "line"] as const).map((name) => [name, say(name)]),
+    "none",
+    (name) => studio.change({ path: pathOf(name) }),
+  );
+  const number = (set: (value: number) => Partial<Path>, min: number, max: number) => {
+    const input = element("input", { type: "number", min, max });
+    input.onchange = () => {
+      const { path } = state();
+      const value = Number(input.value);
+      if (path && value >= min && value <= max) studio.change({ path: { ...path, ...set(value) } as Path });
+      place();
+    };
+    return input;
+  };
+  const size = number((mm) => (state().path?.kind === "line" ? { length: mm / 1000 } : { radius: mm / 1000 }), 1, 100);
+  const turns = number((frequency) => ({ frequency }), 1, 100);
+  const move = element("button", { type: "button", className: "small", onclick: toggle }, say("move"));
+  const told = element("p", { className: "told" });
+  const more = element("div", {}, labelled(say("radius"), size), labelled(say("frequency"), turns), move, told);
+  let running = 0;
+
+  function pathOf(name: string): Path | null {
+    if (name === "circle") return { kind: "circle", radius: 0.01, frequency: 4 };
+    return name === "line" ? { kind: "line", length: 0.02, frequency: 4 } : null;
+  }
+
+  function toggle() {
+    if (running) halt();
+    else void run();
+  }
+
+  function halt() {
+    running = 0;
+    studio.show(null);
+    write(move, say("move"));
+  }
+
+  async function run() {
+    const { path, points, plane } = state();
+    if (!path) return;
+    running += 1;
+    const mine = running;
+    const asked = JSON.stringify(state());
+    const still = () => running === mine && JSON.stringify(state()) === asked;
+    write(move, say("rest"));
+    try {
+      const count = Math.min(MOST, Math.round(RATE / path.frequency));
+      const frames = framesOf(points, path, RATE, count / RATE);
+      const scene = { ...sceneOf(state(), 0), solver: { name: "glide", rate: RATE } };
+      const answers = await engine.slow.follow(JSON.stringify(scene), frames, count);
+      const largest = Math.max(...answers.slice(1).map(({ change }) => change));
+      const loudest = Math.max(...answers.map(({ most }) => most));
+      const dip = (100 * Math.min(...answers.map(({ least }) => least))) / loudest;
+      write(told, say("moved", { change: largest.toFixed(2), dip: dip.toFixed(0) }));
+      context.announce(told.textContent!);
+      const grid = gridOf({ ...state(), plane }, COARSE);
+      for (let t = 0; still(); t = (t + STRIDE) % count) {
+        const { drive, lattice } = await engine.slow.frame(t, grid);
+        if (!still()) break;
+        const at = (j: number): Vec3 => [...frames.slice(3 * (t * points.length + j)).slice(0, 3)] as Vec3;
+        studio.show({ drive, lattice, points: points.map((_, j) => at(j)) });
+        await new Promise(requestAnimationFrame);
+      }
+    } catch (error) {
+      context.alarm((error as Error).message);
+    }
+    if (running === mine) halt();
+  }
+
+  function place() {
+    const { path } = state();
+    kind.value = path?.kind ?? "none";
+    more.hidden = path === null;
+    if (path) {
+      size.value = String(1000 * (path.kind === "line" ? path.length : path.radius));
+      turns.value = String(path.frequency);
+    }
+  }
+
+  return { root: element("div", {}, labelled(say("path"), kind), more), place };
+}

@@ -1,0 +1,55 @@
+/** Numbers: what is told of both methods, row by row, the better one marked. */
+
+import type { Result } from "./studio.ts";
+import type { Slot, State } from "./types.ts";
+import type { Word } from "./words.ts";
+
+/** A row: its word, a text a slot or one for both, and whose is better. */
+export interface Row {
+  word: Word;
+  values: [string, string] | [string];
+  better: Slot | null;
+}
+
+/** Sound pressure level of a peak pressure in Pa, in dB. */
+export const decibels = (peak: number) => 20 * Math.log10(peak / Math.SQRT2 / 20e-6);
+
+/** A pressure with its unit. */
+export const pressure = (pascals: number) =>
+  pascals >= 1000 ? `${(pascals / 1000).toFixed(2)} kPa` : `${Number(pascals.toPrecision(3))} Pa`;
+
+/** The least |p| of the points that are not quiet, in Pa. */
+export function weakest({ answer }: Result): number {
+  if (!answer) return 0;
+  const loud = answer.pressures.filter((_, j) => answer.targets[j] > 0).map(([re, im]) => Math.hypot(re, im));
+  return Math.min(...loud);
+}
+
+const NONE = "–";
+
+/** Every row. */
+export function numberRows(results: [Result, Result], bound: number | null, state: State): Row[] {
+  const row = (word: Word, of: (result: Result) => number, text: (value: number) => string, best: number): Row => {
+    const numbers = results.map((result) => (result.answer ? of(result) : NaN));
+    const values = numbers.map((value) => (Number.isNaN(value) ? NONE : text(value))) as [string, string];
+    const ahead = best * (numbers[0] - numbers[1]);
+    const better = values[0] === values[1] || !ahead ? null : ahead > 0 ? 0 : 1;
+    return { word, values, better };
+  };
+  const fixed = (value: number) => value.toFixed(3);
+  const metric = (word: "accuracy" | "sigma" | "uniformity" | "level" | "leak", best: number) =>
+    row(word, (result) => result.answer!.metrics[word], word === "leak" ? (x) => x.toPrecision(2) : fixed, best);
+  const limit = bound === null ? "…" : Number.isNaN(bound) ? NONE : fixed(bound);
+  const rows: Row[] = [
+    metric("accuracy", 0),
+    metric("sigma", -1),
+    metric("uniformity", 1),
+    metric("level", 1),
+    { word: "bound", values: [limit], better: null },
+    row("weakest", weakest, pressure, 1),
+  ];
+  if (state.pressures?.includes(0)) rows.push(metric("leak", -1));
+  if (state.ear) rows.push(row("heard", ({ heard }) => heard, (p) => `${decibels(p).toFixed(1)} dB SPL`, -1));
+  rows.push(row("time", ({ milliseconds }) => milliseconds, (ms) => `${ms.toFixed(1)} ms`, 0));
+  return rows;
+}

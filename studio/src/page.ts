@@ -1,0 +1,203 @@
+/** The page: bar, panels, stage and comparison over one canvas. */
+
+import { createBar } from "./bar.ts";
+import { createCompare } from "./compare.ts";
+import type { Context } from "./context.ts";
+import { element, write } from "./dom.ts";
+import type { Engine } from "./engine.ts";
+import { exportPicture, open } from "./exchange.ts";
+import { lookOf } from "./look.ts";
+import { createFlat } from "./painter/canvas2d.ts";
+import { createPainter } from "./painter/painter.ts";
+import type { Painter } from "./painter/picture.ts";
+import { createPanels } from "./panels.ts";
+import { createStage } from "./stage.ts";
+import type { Studio } from "./studio.ts";
+import { type Slot, VIEWS, type Vec3, type View } from "./types.ts";
+import { type Language, say } from "./words.ts";
+
+/** A page that is shown. */
+export interface Page {
+  /** CSS px of the window. */
+  project(place: Vec3): [number, number];
+  alarm(text: string): void;
+  dispose(): void;
+}
+
+/** How the page is to be. */
+export interface Manner {
+  language: Language;
+  theme: "dark" | "light";
+  /** Without bar and panels, for a notebook's cell. */
+  compact?: boolean;
+  /** A new language or theme: the page is built anew. */
+  again(manner: Partial<Manner>): void;
+}
+
+const BACKGROUNDS: Record<Manner["theme"], [number, number, number]> = {
+  dark: [12, 15, 20],
+  light: [246, 248, 250],
+};
+
+/** Builds the page into an element. */
+export function createPage(root: HTMLElement, engine: Engine, studio: Studio, manner: Manner): Page {
+  const { language, theme } = manner;
+  const status = element("div", { className: "hidden", role: "status", "aria-live": "polite" });
+  const alert = element("div", { className: "alert", role: "alert" });
+  let frame = 0;
+  let gone = false;
+  let announcing = 0;
+  const context: Context = {
+    engine,
+    studio,
+    language,
+    theme,
+    say: (word, put) => say(language, word, put),
+    announce: (text) => {
+      clearTimeout(announcing);
+      announcing = window.setTimeout(() => write(status, text), 50);
+    },
+    alarm(text) {
+      const close = element("button", { type: "button", className: "plain", "aria-label": context.say("close") }, "×");
+      close.onclick = () => alert.replaceChildren();
+      alert.replaceChildren(...(text ? [element("span", {}, text), close] : []));
+    },
+    repaint: () => {
+      frame ||= requestAnimationFrame(paint);
+    },
+  };
+
+  const canvas = element("canvas", { className: "canvas", "aria-hidden": "true" });
+  const stage = createStage(context);
+  const compare = createCompare(context);
+  const panels = createPanels(context);
+  const bar = createBar(context, {
+    language: () => manner.again({ language: language === "en" ? "ja" : "en" }),
+    theme: () => manner.again({ theme: theme === "dark" ? "light" : "dark" }),
+    picture: () => exportPicture(canvas, paint),
+  });
+  const views = segments(context.say("view"), VIEWS.map((view) => [view, context.say(VIEW_WORDS[view])]), (view) =>
+    studio.change({ view: view as View }),
+  );
+  const slots = segments(context.say("shownSlot"), ["A", "B"].map((name, k) => [String(k), name]), (slot) =>
+    studio.change({ slot: Number(slot) as Slot }),
+  );
+  stage.root.append(element("div", { className: "segments" }, views.root, slots.root));
+  const main = element("main", {}, ...(manner.compact ? [] : [panels.root]), stage.root, compare.root);
+  root.classList.add("studio");
+  root.classList.toggle("compact", Boolean(manner.compact));
+  root.dataset.theme = theme;
+  root.lang = language;
+  root.replaceChildren(canvas, ...(manner.compact ? [] : [bar.root]), main, alert, status);
+
+  let painter: Painter = begin();
+  function begin(): Painter {
+    const made = createPainter(canvas) ?? createFlat(canvas);
+    made.onRestored = context.repaint;
+    return made;
+  }
+
+  function place() {
+    const { state } = studio.view;
+    bar.place();
+    if (!manner.compact) panels.place();
+    compare.place(lookOf(studio.view));
+    views.choose(state.view);
+    slots.choose(String(state.slot));
+    const [a, b] = studio.view.results.map(({ answer }) => answer?.metrics.uniformity.toFixed(3) ?? "–");
+    const [methodA, methodB] = state.methods;
+    root.dataset.said = context.say("said", { a, b, methodA, methodB });
+    context.repaint();
+  }
+
+  function paint() {
+    frame = 0;
+    if (gone || painter.lost) return;
+    const outer = canvas.getBoundingClientRect();
+    const box = (place: HTMLElement) => {
+      const { left, top, width, height } = place.getBoundingClientRect();
+      return { x: left - outer.left, y: top - outer.top, width, height };
+    };
+    const { view } = studio;
+    const { state, results } = view;
+    const look = lookOf(view);
+    const slices = results.map(({ lattice }, slot) => (slot === 0 && view.frame ? view.frame.lattice : lattice));
+    const slot = view.frame ? 0 : state.slot;
+    const lattice = slices[slot];
+    painter.begin(outer.width, outer.height, Math.min(devicePixelRatio, 2), BACKGROUNDS[theme]);
+    painter.scene(box(stage.view), {
+      camera: stage.camera(),
+      positions: view.positions,
+      normals: view.normals,
+      drive: view.frame?.drive ?? results[slot].answer?.drive ?? null,
+      slice: lattice && (state.view !== "volume" || !view.volume) ? { lattice, key: "AB"[slot] } : null,
+      volume: state.view === "slice" || view.frame ? null : view.volume,
+      points: view.frame?.points ?? state.points,
+      obstacles: state.obstacles,
+      look,
+      theme,
+      moving: view.moving,
+    });
+    compare.slices.forEach((element, index) => {
+      const shown = slices[index];
+      if (shown) painter.slice(box(element), shown, "AB"[index], look);
+    });
+    stage.place();
+  }
+
+  function press(event: KeyboardEvent) {
+    if (!(event.ctrlKey || event.metaKey) || !["z", "y", "Z"].includes(event.key)) return;
+    if ((event.target as HTMLElement).matches?.("input[type=text], input[type=number]")) return;
+    event.preventDefault();
+    const back = event.key === "z" && !event.shiftKey;
+    if (back ? studio.undo() : studio.redo()) context.announce(context.say(back ? "undone" : "redone"));
+  }
+  const dropped = (event: DragEvent) => {
+    event.preventDefault();
+    const file = event.dataTransfer?.files[0];
+    if (file) void open(context, file);
+  };
+  const over = (event: DragEvent) => event.preventDefault();
+  let told = "";
+  studio.listen(() => {
+    if (gone) return;
+    place();
+    const { said = "" } = root.dataset;
+    if (said !== told) context.announce((told = said));
+  });
+  const size = new ResizeObserver(context.repaint);
+  [canvas, stage.view, ...compare.slices].forEach((each) => size.observe(each));
+  window.addEventListener("scroll", context.repaint, { passive: true, capture: true });
+  root.addEventListener("keydown", press);
+  root.addEventListener("drop", dropped);
+  root.addEventListener("dragover", over);
+  place();
+
+  return {
+    project: stage.project,
+    alarm: context.alarm,
+    dispose() {
+      gone = true;
+      cancelAnimationFrame(frame);
+      size.disconnect();
+      window.removeEventListener("scroll", context.repaint, { capture: true });
+      root.removeEventListener("keydown", press);
+      root.removeEventListener("drop", dropped);
+      root.removeEventListener("dragover", over);
+      painter.dispose();
+    },
+  };
+}
+
+const VIEW_WORDS = { slice: "viewSlice", volume: "viewVolume", both: "viewBoth" } as const;
+
+/** Buttons of which one is chosen. */
+function segments(name: string, pairs: readonly (readonly string[])[], choose: (value: string) => void) {
+  const buttons = pairs.map(([value, text]) =>
+    element("button", { type: "button", value, onclick: () => choose(value) }, text),
+  );
+  return {
+    root: element("div", { className: "joined", role: "group", "aria-label": name }, ...buttons),
+    choose: (value: string) => buttons.forEach((each) => each.setAttribute("aria-pressed", String(each.value === value))),
+  };
+}

@@ -1,0 +1,128 @@
+/** The field on the graphics card: textures of spline coefficients and maps, and the slices drawn with them. */
+
+import { MAPS, SCALES, type Lattice, type Look } from "../types.ts";
+import { type Gl, type Program, program, texture } from "./gl.ts";
+import { coefficients } from "./lattice.ts";
+import { RANGE, TABLES } from "./maps.ts";
+import { aim, type View } from "./view.ts";
+
+/** `tone` and `colour` of maps.ts in GLSL. */
+export const COLOUR = `
+uniform sampler2D map;
+uniform float top;
+uniform float scale;
+float tone(float modulus) {
+  float ratio = modulus / top;
+  float t = scale < .5 ? ratio : scale < 1.5 ? ratio * ratio
+    : 1. + 20. / ${RANGE}. * log(max(ratio, 1e-9)) / log(10.);
+  return clamp(t, 0., 1.);
+}
+vec3 entry(float t) { return texture(map, vec2((t * 255. + .5) / 256., .5)).rgb; }`;
+
+/** `sampleAt` of lattice.ts in GLSL. */
+const SAMPLE = `
+uniform sampler2D field;
+vec4 weights(float f) {
+  float g = 1. - f;
+  return vec4(g*g*g, 3.*f*f*f - 6.*f*f + 4., 3.*g*g*g - 6.*g*g + 4., f*f*f) / 6.;
+}
+vec2 pressure(vec2 st) {
+  vec2 count = vec2(textureSize(field, 0) - 2);
+  vec2 x = clamp(st, 0., 1.) * (count - 1.);
+  vec2 i = min(floor(x), count - 2.);
+  vec4 across = weights(x.x - i.x), up = weights(x.y - i.y);
+  vec2 sum = vec2(0);
+  for (int b = 0; b < 4; b++) for (int a = 0; a < 4; a++)
+    sum += up[b] * across[a] * texelFetch(field, ivec2(i) + ivec2(a, b), 0).rg;
+  return sum;
+}`;
+
+const VERTEX = `
+uniform mat4 matrix;
+uniform vec3 corner, u, v;
+out vec2 st;
+void main() {
+  st = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+  gl_Position = matrix * vec4(corner + st.x * u + st.y * v, 1);
+}`;
+
+const FRAGMENT = `${COLOUR}${SAMPLE}
+uniform float least;
+in vec2 st;
+out vec4 colour;
+void main() {
+  float t = tone(length(pressure(st)));
+  float alpha = mix(least, 1., smoothstep(0., .45, t));
+  colour = vec4(entry(t) * alpha, alpha);
+}`;
+
+/** Takes the unit square to all of the view. */
+const FLAT = [2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, -1, -1, 0, 1];
+
+/** What the painter and the volume need of fields. */
+export interface FieldPainter {
+  /** The map, scale and top of `look` for a program that has COLOUR; the map goes to texture unit 1. */
+  setLook(program: Program, look: Look): void;
+  /** The lattice over all of the view, opaque. */
+  flat(lattice: Lattice, key: string, look: Look): void;
+  /** The lattice where it lies, clear where it is quiet: there its opacity is `least`. */
+  placed(view: View, lattice: Lattice, key: string, look: Look, least: number): void;
+}
+
+export function createField(gl: Gl): FieldPainter {
+  const slices = program(gl, VERTEX, FRAGMENT);
+  const maps = MAPS.map((name) => {
+    const made = texture(gl, gl.TEXTURE_2D, gl.LINEAR);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 256, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, TABLES[name]);
+    return made;
+  });
+  const fields = new Map<string, { texture: WebGLTexture; values: Float32Array | null }>();
+
+  function upload(lattice: Lattice, key: string): WebGLTexture {
+    const kept = fields.get(key) ?? { texture: texture(gl, gl.TEXTURE_2D, gl.NEAREST), values: null };
+    fields.set(key, kept);
+    if (kept.values !== lattice.values) {
+      gl.activeTexture(gl.TEXTURE0);
+      gl.bindTexture(gl.TEXTURE_2D, kept.texture);
+      const { nu, nv } = lattice;
+      const data = coefficients(lattice);
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG32F, nu + 2, nv + 2, 0, gl.RG, gl.FLOAT, data);
+      kept.values = lattice.values;
+    }
+    return kept.texture;
+  }
+
+  function setLook(to: Program, look: Look): void {
+    to.bind("map", 1, gl.TEXTURE_2D, maps[MAPS.indexOf(look.map)]);
+    to.set("top", look.top);
+    to.set("scale", SCALES.indexOf(look.scale));
+  }
+
+  function draw(lattice: Lattice, key: string, look: Look, least: number): void {
+    const data = upload(lattice, key);
+    slices.bind("field", 0, gl.TEXTURE_2D, data);
+    setLook(slices, look);
+    slices.set("least", least);
+    gl.bindVertexArray(null);
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+  }
+
+  return {
+    setLook,
+    flat(lattice, key, look) {
+      slices.use();
+      slices.set("matrix", FLAT);
+      slices.set("corner", [0, 0, 0]);
+      slices.set("u", [1, 0, 0]);
+      slices.set("v", [0, 1, 0]);
+      draw(lattice, key, look, 1);
+    },
+    placed(view, lattice, key, look, least) {
+      aim(slices, view);
+      slices.set("corner", lattice.corner);
+      slices.set("u", lattice.u);
+      slices.set("v", lattice.v);
+      draw(lattice, key, look, least);
+    },
+  };
+}

@@ -1,0 +1,85 @@
+/** Short texts that stand at places of the 3-D view, drawn once by a 2-D canvas. */
+
+import type { Vec3 } from "../types.ts";
+import { type Gl, program, texture, vertices } from "./gl.ts";
+import type { Ink } from "./lines.ts";
+import { aim, type View } from "./view.ts";
+
+/** A text in the middle of which `place` (m) is seen. */
+export interface Label {
+  place: Vec3;
+  text: string;
+  ink: Ink;
+}
+
+const VERTEX = `
+layout(location = 0) in vec3 place;
+layout(location = 1) in vec3 row;
+layout(location = 2) in vec4 ink;
+uniform mat4 matrix;
+uniform vec2 size;
+out vec2 at;
+out vec4 paint;
+void main() {
+  // Whole px: the letters are then as sharp as they were drawn.
+  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+  vec4 p = matrix * vec4(place, 1);
+  vec2 left = floor((p.xy / p.w * .5 + .5) * size - row.yz / 2. + .5);
+  gl_Position = vec4(((left + corner * row.yz) / size * 2. - 1.) * p.w, p.zw);
+  at = vec2(corner.x * row.y, row.x + (1. - corner.y) * row.z);
+  paint = ink;
+}`;
+
+const FRAGMENT = `
+uniform sampler2D letters;
+in vec2 at;
+in vec4 paint;
+out vec4 colour;
+void main() {
+  float cover = texture(letters, at / vec2(textureSize(letters, 0))).a * paint.a;
+  colour = vec4(paint.rgb * cover, cover);
+}`;
+
+/** Paints labels of 11 CSS px; each text is a row of one texture, made anew when the texts change. */
+export function createLabels(gl: Gl): (view: View, labels: Label[]) => void {
+  const signs = program(gl, VERTEX, FRAGMENT);
+  const array = vertices(gl);
+  const set = array.part(0, [3, 3, 4], 1);
+  const sheet = texture(gl, gl.TEXTURE_2D, gl.NEAREST);
+  const paper = document.createElement("canvas");
+  const pen = paper.getContext("2d")!;
+  let written = "";
+  let widths = new Map<string, number>();
+
+  function write(texts: string[], ratio: number): void {
+    const key = `${ratio} ${texts.join("|")}`;
+    if (key === written) return;
+    written = key;
+    const font = `${11 * ratio}px Inter, system-ui, sans-serif`;
+    pen.font = font;
+    widths = new Map(texts.map((text) => [text, Math.ceil(pen.measureText(text).width) + 2]));
+    paper.width = Math.max(1, ...widths.values());
+    paper.height = Math.max(1, texts.length * Math.ceil(16 * ratio));
+    pen.font = font;
+    pen.textBaseline = "middle";
+    texts.forEach((text, i) => pen.fillText(text, 1, (i + 0.5) * Math.ceil(16 * ratio)));
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, sheet);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, paper);
+  }
+
+  return (view, labels) => {
+    const texts = [...new Set(labels.map((label) => label.text))].sort();
+    write(texts, view.ratio);
+    const high = Math.ceil(16 * view.ratio);
+    const row = (text: string) => [texts.indexOf(text) * high, widths.get(text)!, high];
+    set(new Float32Array(labels.flatMap(({ place, text, ink }) => [...place, ...row(text), ...ink])));
+    aim(signs, view);
+    signs.set("size", view.size);
+    signs.bind("letters", 0, gl.TEXTURE_2D, sheet);
+    array.use();
+    gl.depthMask(false);
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, labels.length);
+    gl.depthMask(true);
+  };
+}

@@ -1,0 +1,99 @@
+/**
+ * The field between the places of a lattice: cubic B-splines through re and im.
+ *
+ * A field has no detail below half a wavelength, so splines of the complex pressure through places lambda/5.5
+ * apart give it to a fraction of a per cent; |p| has kinks at its zeros and must not be interpolated.
+ * The coefficients are found here once for each field; `sample` and the shaders then sum 4 x 4 of them.
+ */
+
+import type { Lattice, Vec3 } from "../types.ts";
+
+/**
+ * Replaces n values (of `stride`, from `start`) at slots 1 to n by their spline's n + 2 coefficients at slots
+ * 0 to n + 1. The spline is one cubic over the first two and over the last two intervals ("not a knot").
+ */
+function filterLine(c: Float64Array | Float32Array, start: number, stride: number, n: number, ratios: Float64Array): void {
+  const at = (slot: number) => start + slot * stride;
+  const f0 = c[at(1)];
+  const f1 = c[at(2)];
+  const l1 = c[at(n - 1)];
+  const l0 = c[at(n)];
+  const second = (8 * f1 - f0 - c[at(3)]) / 6;
+  const last = (8 * l1 - l0 - c[at(n - 2)]) / 6;
+  // Between them c[i - 1] + 4 c[i] + c[i + 1] = 6 f[i]: elimination, then back.
+  c[at(2)] = second;
+  for (let i = 3; i <= n - 2; i++) c[at(i)] = (6 * c[at(i)] - c[at(i - 1)]) * ratios[i];
+  c[at(n - 1)] = last;
+  for (let i = n - 2; i >= 3; i--) c[at(i)] -= ratios[i] * c[at(i + 1)];
+  c[at(1)] = 6 * f1 - 4 * c[at(2)] - c[at(3)];
+  c[at(0)] = 6 * f0 - 4 * c[at(1)] - c[at(2)];
+  c[at(n)] = 6 * l1 - 4 * c[at(n - 1)] - c[at(n - 2)];
+  c[at(n + 1)] = 6 * l0 - 4 * c[at(n)] - c[at(n - 1)];
+}
+
+/** The pivots' reciprocals of the elimination in `filterLine`: 1 / (4 - the one before). */
+function pivots(n: number): Float64Array {
+  const ratios = new Float64Array(n + 2);
+  for (let i = 3; i <= n; i++) ratios[i] = 1 / (4 - ratios[i - 1]);
+  return ratios;
+}
+
+const known = new WeakMap<Float32Array, Float32Array<ArrayBuffer>>();
+
+/**
+ * The spline coefficients of `lattice`: (nu + 2) x (nv + 2) pairs of re and im, i fastest, a border of one about
+ * the places. They are kept for as long as `lattice.values` is: a new field is a new array.
+ */
+export function coefficients(lattice: Lattice): Float32Array<ArrayBuffer> {
+  const { nu, nv, values } = lattice;
+  const old = known.get(values);
+  if (old) return old;
+  if (nu < 4 || nv < 4 || values.length !== 2 * nu * nv) {
+    throw new Error(`lattice: ${nu} x ${nv} places with ${values.length} numbers: needs 4 x 4 or more, 2 nu nv numbers`);
+  }
+  const row = 2 * (nu + 2);
+  const c = new Float32Array(row * (nv + 2));
+  for (let j = 0; j < nv; j++) c.set(values.subarray(2 * nu * j, 2 * nu * (j + 1)), row * (j + 1) + 2);
+  const across = pivots(nu);
+  for (let j = 1; j <= nv; j++) for (const part of [0, 1]) filterLine(c, row * j + part, 2, nu, across);
+  const up = pivots(nv);
+  for (let i = 0; i < row; i++) filterLine(c, i, row, nv, up);
+  known.set(values, c);
+  return c;
+}
+
+/** The four weights of a cubic B-spline at `f` (0 to 1) of an interval. */
+function weights(f: number): [number, number, number, number] {
+  const g = 1 - f;
+  return [(g * g * g) / 6, (3 * f * f * f - 6 * f * f + 4) / 6, (3 * g * g * g - 6 * g * g + 4) / 6, (f * f * f) / 6];
+}
+
+/** re and im of p (Pa) at `s`, `t` (0 to 1) along `u` and `v` of the lattice; beyond it, those of its edge. */
+export function sampleAt(lattice: Lattice, s: number, t: number): [number, number] {
+  const { nu, nv } = lattice;
+  const c = coefficients(lattice);
+  const x = Math.min(Math.max(s, 0), 1) * (nu - 1);
+  const y = Math.min(Math.max(t, 0), 1) * (nv - 1);
+  const i = Math.min(Math.floor(x), nu - 2);
+  const j = Math.min(Math.floor(y), nv - 2);
+  const wx = weights(x - i);
+  const wy = weights(y - j);
+  let re = 0;
+  let im = 0;
+  for (let b = 0; b < 4; b++) {
+    for (let a = 0; a < 4; a++) {
+      const k = 2 * ((j + b) * (nu + 2) + i + a);
+      re += wy[b] * wx[a] * c[k];
+      im += wy[b] * wx[a] * c[k + 1];
+    }
+  }
+  return [re, im];
+}
+
+/** re and im of p (Pa) at `place` (m), brought to the lattice's plane; its `u` and `v` are at right angles. */
+export function sample(lattice: Lattice, place: Vec3): [number, number] {
+  const { corner, u, v } = lattice;
+  const d = [place[0] - corner[0], place[1] - corner[1], place[2] - corner[2]];
+  const along = (w: Vec3) => (d[0] * w[0] + d[1] * w[1] + d[2] * w[2]) / (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+  return sampleAt(lattice, along(u), along(v));
+}

@@ -1,0 +1,80 @@
+/** Lines of any width in px, with soft edges. */
+
+import { type Gl, program, vertices } from "./gl.ts";
+import { aim, type View } from "./view.ts";
+import type { Vec3 } from "../types.ts";
+
+/** Red, green, blue, opacity, all 0 to 1. */
+export type Ink = [number, number, number, number];
+
+/** From `a` to `b` (m), `width` in CSS px. */
+export interface Line {
+  a: Vec3;
+  b: Vec3;
+  ink: Ink;
+  width: number;
+}
+
+const VERTEX = `
+layout(location = 0) in vec3 a;
+layout(location = 1) in vec3 b;
+layout(location = 2) in vec4 ink;
+layout(location = 3) in float width;
+uniform mat4 matrix;
+uniform vec2 size;
+out float across;
+out vec4 paint;
+flat out float half_;
+void main() {
+  vec4 p = matrix * vec4(a, 1), q = matrix * vec4(b, 1);
+  // What lies behind the camera is cut off, so that the division below is sound.
+  float near = .001;
+  if (p.w < near) p = mix(p, q, (near - p.w) / max(q.w - p.w, 1e-9));
+  if (q.w < near) q = mix(q, p, (near - q.w) / max(p.w - q.w, 1e-9));
+  vec2 way = (q.xy / q.w - p.xy / p.w) * size;
+  vec2 side = length(way) > 0. ? normalize(vec2(-way.y, way.x)) : vec2(0);
+  half_ = max(width, 1.) / 2.;
+  across = (gl_VertexID & 1) == 0 ? -half_ - 1. : half_ + 1.;
+  vec4 end = gl_VertexID < 2 ? p : q;
+  gl_Position = end + vec4(side * across * 2. / size * end.w, 0, 0);
+  paint = vec4(ink.rgb * ink.a, ink.a) * min(width, 1.);
+}`;
+
+const FRAGMENT = `
+in float across;
+in vec4 paint;
+flat in float half_;
+out vec4 colour;
+void main() { colour = paint * clamp(half_ + .5 - abs(across), 0., 1.); }`;
+
+/** The four sides of the parallelogram at `corner`. */
+export function outline(corner: Vec3, u: Vec3, v: Vec3, ink: Ink, width: number): Line[] {
+  const at = (s: number, t: number): Vec3 => [0, 1, 2].map((k) => corner[k] + s * u[k] + t * v[k]) as Vec3;
+  const corners = [at(0, 0), at(1, 0), at(1, 1), at(0, 1)];
+  return corners.map((a, i) => ({ a, b: corners[(i + 1) % 4], ink, width }));
+}
+
+/** A horizontal circle. */
+export function ring(center: Vec3, radius: number, ink: Ink, width: number): Line[] {
+  const at = (i: number): Vec3 => {
+    const angle = (2 * Math.PI * i) / 28;
+    return [center[0] + radius * Math.cos(angle), center[1] + radius * Math.sin(angle), center[2]];
+  };
+  return Array.from({ length: 28 }, (_, i) => ({ a: at(i), b: at(i + 1), ink, width }));
+}
+
+/** Paints lines; they do not hide what is painted later. */
+export function createLines(gl: Gl): (view: View, lines: Line[]) => void {
+  const strokes = program(gl, VERTEX, FRAGMENT);
+  const array = vertices(gl);
+  const set = array.part(0, [3, 3, 4, 1], 1);
+  return (view, lines) => {
+    set(new Float32Array(lines.flatMap(({ a, b, ink, width }) => [...a, ...b, ...ink, width * view.ratio])));
+    aim(strokes, view);
+    strokes.set("size", view.size);
+    array.use();
+    gl.depthMask(false);
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, lines.length);
+    gl.depthMask(true);
+  };
+}

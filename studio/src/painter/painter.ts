@@ -1,0 +1,128 @@
+/** The painter: one WebGL2 context, one canvas behind the page, any number of views on it. */
+
+import type { Vec3 } from "../types.ts";
+import { along, dot } from "./camera.ts";
+import { canRadius, createDiscs, HEIGHT } from "./discs.ts";
+import { createField } from "./field.ts";
+import { createFloor } from "./floor.ts";
+import type { Gl } from "./gl.ts";
+import { createLabels } from "./labels.ts";
+import { createLines } from "./lines.ts";
+import { roundStep } from "./maps.ts";
+import type { Box, Painter, Picture } from "./picture.ts";
+import { createSolids, wallLines } from "./solids.ts";
+import { axes, boundsOf, guides } from "./stage.ts";
+import { enter, makeView } from "./view.ts";
+import { createVolume } from "./volume.ts";
+
+/** Steps of a ray through the volume, at rest and while something moves. */
+const STEPS = [96, 40];
+
+/** The scene, from programs of that context. */
+function createScene(gl: Gl) {
+  const field = createField(gl);
+  const volume = createVolume(gl, field);
+  const discs = createDiscs(gl);
+  const lines = createLines(gl);
+  const solids = createSolids(gl);
+  const floor = createFloor(gl);
+  const labels = createLabels(gl);
+
+  function scene(box: Box, picture: Picture, ratio: number): void {
+    const { camera, slice, obstacles, look } = picture;
+    const view = makeView(camera, box, ratio);
+    const bounds = boundsOf(picture.positions, picture.points);
+    const plane = bounds.least[2];
+    const ground = plane - HEIGHT * canRadius(picture.positions);
+    const dark = picture.theme === "dark";
+    gl.clear(gl.DEPTH_BUFFER_BIT);
+    gl.enable(gl.DEPTH_TEST);
+    const step = roundStep(Math.max(bounds.most[0] - bounds.least[0], bounds.most[1] - bounds.least[1], 0.1) / 4.5);
+    floor(view, bounds, ground, step, dark);
+    discs(view, picture);
+    solids.balls(view, obstacles);
+    const marks = axes(camera, bounds, ground, picture.theme);
+    lines(view, [...marks.lines, ...guides(picture, plane), ...wallLines(obstacles, bounds)]);
+    solids.walls(view, obstacles, bounds);
+
+    const steps = STEPS[picture.moving ? 1 : 0];
+    const glow = (side: { normal: Vec3; through: Vec3 } | null) => {
+      if (picture.volume) volume(view, picture.volume, look, obstacles, steps, side);
+    };
+    if (slice) {
+      // What glows behind the slice is seen through it, what glows before it covers it.
+      const { corner, u, v } = slice.lattice;
+      const away: Vec3 = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+      const size = Math.sqrt(dot(away, away)) * (dot(along(view.eye, -1, corner), away) < 0 ? -1 : 1);
+      const normal: Vec3 = [away[0] / size, away[1] / size, away[2] / size];
+      glow({ normal: [-normal[0], -normal[1], -normal[2]], through: corner });
+      gl.depthMask(false);
+      field.placed(view, slice.lattice, slice.key, look, dark ? 0.34 : 0.42);
+      gl.depthMask(true);
+      glow({ normal, through: corner });
+    } else {
+      glow(null);
+    }
+    labels(view, marks.labels);
+    gl.disable(gl.DEPTH_TEST);
+  }
+  return { flat: field.flat, scene };
+}
+
+/** A painter by WebGL2 on `canvas`; null: there is no WebGL2 (then `createFlat`). */
+export function createPainter(canvas: HTMLCanvasElement): Painter | null {
+  const gl = canvas.getContext("webgl2", { alpha: false, antialias: true, powerPreference: "high-performance" });
+  if (!gl) return null;
+  let page = { height: 0, ratio: 1 };
+  let lost = false;
+  let built = createScene(gl);
+
+  const lose = (event: Event) => {
+    // Without this the context never comes back.
+    event.preventDefault();
+    lost = true;
+  };
+  const restore = () => {
+    built = createScene(gl);
+    lost = false;
+    painter.onRestored?.();
+  };
+  canvas.addEventListener("webglcontextlost", lose);
+  canvas.addEventListener("webglcontextrestored", restore);
+
+  const painter: Painter = {
+    begin(width, height, ratio, background) {
+      page = { height, ratio };
+      const size = [Math.round(width * ratio), Math.round(height * ratio)];
+      if (canvas.width !== size[0]) canvas.width = size[0];
+      if (canvas.height !== size[1]) canvas.height = size[1];
+      gl.enable(gl.BLEND);
+      gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+      gl.disable(gl.SCISSOR_TEST);
+      const [red, green, blue] = background;
+      gl.clearColor(red / 255, green / 255, blue / 255, 1);
+      gl.clear(gl.COLOR_BUFFER_BIT);
+      gl.enable(gl.SCISSOR_TEST);
+    },
+    slice(box, lattice, key, look) {
+      if (lost) return;
+      enter(gl, box, page.height, page.ratio);
+      built.flat(lattice, key, look);
+    },
+    scene(box, picture) {
+      if (lost) return;
+      enter(gl, box, page.height, page.ratio);
+      built.scene(box, picture, page.ratio);
+    },
+    get lost() {
+      return lost;
+    },
+    onRestored: null,
+    dispose() {
+      canvas.removeEventListener("webglcontextlost", lose);
+      canvas.removeEventListener("webglcontextrestored", restore);
+      gl.getExtension("WEBGL_lose_context")?.loseContext();
+    },
+  };
+  return painter;
+}

@@ -1,0 +1,50 @@
+/** What a painter is asked to paint, by WebGL2 (`createPainter`) or without (`createFlat`). */
+
+import type { Lattice, Look, Obstacle, Vec3, Volume } from "../types.ts";
+import type { Camera } from "./camera.ts";
+
+/** A part of the page, CSS px from its left top corner. */
+export interface Box {
+  x: number;
+  y: number;
+  width: number;
+  height: number;
+}
+
+/** Red, green, blue, 0 to 255. */
+export type Rgb = [number, number, number];
+
+/** What the 3-D view shows. Lengths in m; an array that changes is a new array: identity tells what to upload. */
+export interface Picture {
+  camera: Camera;
+  /** N x 3. */
+  positions: Float32Array;
+  /** N x 3, of length 1. */
+  normals: Float32Array;
+  /** re and im of N drives of modulus 0 to 1; null: not known yet. */
+  drive: Float32Array | null;
+  /** `key` names the texture that the lattice is kept in, as in `Painter.slice`. */
+  slice: { lattice: Lattice; key: string } | null;
+  volume: Volume | null;
+  points: Vec3[];
+  obstacles: Obstacle[];
+  look: Look;
+  theme: "dark" | "light";
+  /** Something moves: the volume takes fewer steps. */
+  moving: boolean;
+}
+
+/** Paints any number of views on one canvas. A frame is `begin`, then its views. */
+export interface Painter {
+  /** Clears all. Size in CSS px, `ratio` is devicePixelRatio. */
+  begin(width: number, height: number, ratio: number, background: Rgb): void;
+  /** The lattice as a flat map that fills `box`, `v` up; `key` names its texture, which follows `lattice.values`. */
+  slice(box: Box, lattice: Lattice, key: string, look: Look): void;
+  /** The 3-D view. */
+  scene(box: Box, picture: Picture): void;
+  /** The graphics card has taken the context away: nothing is painted until `onRestored`. */
+  readonly lost: boolean;
+  /** Called when the painter can paint again: paint. */
+  onRestored: (() => void) | null;
+  dispose(): void;
+}

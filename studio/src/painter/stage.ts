@@ -1,0 +1,81 @@
+/** What stands around the array: how much room is shown, the axes with their marks, the lines down from the points. */
+
+import type { Vec3 } from "../types.ts";
+import { type Camera, frame } from "./camera.ts";
+import type { Label } from "./labels.ts";
+import { type Ink, type Line, outline, ring } from "./lines.ts";
+import { roundStep } from "./maps.ts";
+import type { Picture } from "./picture.ts";
+
+/** A box in space, m. */
+export interface Bounds {
+  least: Vec3;
+  most: Vec3;
+}
+
+/** The box that holds the array and the points, at least 5 cm high. */
+export function boundsOf(positions: Float32Array, points: Vec3[]): Bounds {
+  const least: Vec3 = [Infinity, Infinity, Infinity];
+  const most: Vec3 = [-Infinity, -Infinity, -Infinity];
+  const take = (k: number, value: number) => {
+    least[k] = Math.min(least[k], value);
+    most[k] = Math.max(most[k], value);
+  };
+  positions.forEach((value, i) => take(i % 3, value));
+  points.forEach((point) => point.forEach((value, k) => take(k, value)));
+  take(2, least[2] + 0.05);
+  return { least, most };
+}
+
+const INKS = {
+  dark: { faint: [0.62, 0.68, 0.78, 0.55], strong: [0.93, 0.95, 1, 0.75], text: [0.62, 0.67, 0.75, 1] },
+  light: { faint: [0.3, 0.35, 0.44, 0.6], strong: [0.1, 0.13, 0.2, 0.75], text: [0.32, 0.36, 0.44, 1] },
+} satisfies Record<string, Record<string, Ink>>;
+
+/** The axes along the edges of `bounds` that face the camera, marked in mm. */
+export function axes(camera: Camera, bounds: Bounds, floor: number, theme: Picture["theme"]) {
+  const { ahead, right } = frame(camera);
+  const { faint: ink, text } = INKS[theme];
+  const { least, most } = bounds;
+  const room = 0.05 * Math.max(most[0] - least[0], most[1] - least[1], 0.1);
+  const low: Vec3 = [least[0] - room, least[1] - room, floor];
+  const high: Vec3 = [most[0] + room, most[1] + room, most[2]];
+  // The two floor edges nearest to the camera, and the upright one at the left.
+  const x = ahead[0] > 0 ? low[0] : high[0];
+  const y = ahead[1] > 0 ? low[1] : high[1];
+  const other = (value: number, k: 0 | 1) => (value === low[k] ? high[k] : low[k]);
+  const leftFirst = right[0] * x + right[1] * other(y, 1) < right[0] * other(x, 0) + right[1] * y;
+  const post = leftFirst ? [x, other(y, 1)] : [other(x, 0), y];
+  const step = roundStep(Math.max(...[0, 1, 2].map((k) => high[k] - low[k])) / 4.5);
+  const out = [Math.sign(x - (low[0] + high[0]) / 2), Math.sign(y - (low[1] + high[1]) / 2)];
+  const edges: { axis: 0 | 1 | 2; at: Vec3; tick: Vec3 }[] = [
+    { axis: 0, at: [0, y, floor], tick: [0, out[1], 0] },
+    { axis: 1, at: [x, 0, floor], tick: [out[0], 0, 0] },
+    { axis: 2, at: [post[0], post[1], 0], tick: leftFirst ? [0, -out[1], 0] : [-out[0], 0, 0] },
+  ];
+  const lines: Line[] = [];
+  const labels: Label[] = [];
+  for (const { axis, at, tick } of edges) {
+    const place = (value: number, away = 0): Vec3 =>
+      [0, 1, 2].map((k) => (k === axis ? value : at[k]) + away * tick[k]) as Vec3;
+    lines.push({ a: place(low[axis]), b: place(high[axis]), ink, width: 1.2 });
+    for (let i = Math.ceil(low[axis] / step - 1e-6); i * step <= high[axis] + 1e-9; i++) {
+      if (axis === 2 && i * step < floor) continue;
+      lines.push({ a: place(i * step), b: place(i * step, 0.35 * room), ink, width: 1.2 });
+      labels.push({ place: place(i * step, 1.1 * room), text: `${Math.round(i * step * 1e4) / 10}`, ink: text });
+    }
+    labels.push({ place: place((low[axis] + high[axis]) / 2, 2.3 * room), text: `${"xyz"[axis]} mm`, ink: text });
+  }
+  return { lines, labels };
+}
+
+/** From each point down to the plane of the array, with a ring at its foot; and the slice's border. */
+export function guides(picture: Picture, plane: number): Line[] {
+  const { faint, strong } = INKS[picture.theme];
+  const foot = picture.points.flatMap(([x, y, z]): Line[] => [
+    { a: [x, y, z], b: [x, y, plane], ink: faint, width: 1 },
+    ...ring([x, y, plane], 0.003, strong, 1.2),
+  ]);
+  const lattice = picture.slice?.lattice;
+  return lattice ? [...foot, ...outline(lattice.corner, lattice.u, lattice.v, faint, 1)] : foot;
+}

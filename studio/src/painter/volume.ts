@@ -1,0 +1,105 @@
+/** The volume of |p| as a glow: a march along each ray through a 3-D texture, front to back. */
+
+import type { Look, Obstacle, Vec3, Volume } from "../types.ts";
+import { dot } from "./camera.ts";
+import { COLOUR, type FieldPainter } from "./field.ts";
+import { changes, type Gl, program, texture } from "./gl.ts";
+import { aim, type View } from "./view.ts";
+
+/** Balls that hide what glows behind them; a scene rarely has more. */
+const BALLS = 8;
+
+const VERTEX = `
+uniform mat4 matrix;
+uniform vec3 least, most;
+out vec3 place;
+void main() {
+  // The cube as one strip of 14 vertices; its far side is drawn, so that the eye may be inside.
+  int bit = 1 << gl_VertexID;
+  place = mix(least, most, vec3((0x287a & bit) != 0, (0x02af & bit) != 0, (0x31e3 & bit) != 0));
+  gl_Position = matrix * vec4(place, 1);
+}`;
+
+const FRAGMENT = `${COLOUR}
+uniform sampler3D moduli;
+uniform vec3 eye, least, most;
+uniform vec4 plane;
+uniform vec4 balls[${BALLS}];
+uniform float steps;
+in vec3 place;
+out vec4 colour;
+void main() {
+  vec3 way = place - eye, size = most - least;
+  vec3 a = (least - eye) / way, b = (most - eye) / way;
+  vec3 low = min(a, b), high = max(a, b);
+  float from = max(max(low.x, low.y), max(low.z, 0.)), to = min(min(high.x, high.y), high.z);
+  for (int i = 0; i < ${BALLS}; i++) {
+    vec3 d = eye - balls[i].xyz;
+    float q = dot(way, way), h = dot(way, d), root = h * h - q * (dot(d, d) - balls[i].w * balls[i].w);
+    if (balls[i].w > 0. && root > 0.) { float t = -(h + sqrt(root)) / q; if (t > 0.) to = min(to, t); }
+  }
+  // Only the part of the ray on the plane's positive side.
+  float e = dot(plane.xyz, eye) + plane.w, w = dot(plane.xyz, way);
+  if (e < 0.) { if (w <= 0.) discard; from = max(from, -e / w); }
+  else if (w < 0.) to = min(to, -e / w);
+  if (to <= from) discard;
+  float stride = length(size) / steps / length(way);
+  // Noise instead of bands.
+  float start = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(.06711056, .00583715))));
+  vec3 cells = vec3(textureSize(moduli, 0));
+  vec4 sum = vec4(0);
+  for (float t = from + start * stride; t < to; t += stride) {
+    vec3 at = (eye + t * way - least) / size;
+    float tones = tone(texture(moduli, (at * (cells - 1.) + .5) / cells).r);
+    float glow = smoothstep(.22, 1., tones);
+    float alpha = 1. - exp(-90. / steps * glow);
+    // Towards the box's faces the glow fades out: no cut edges.
+    vec3 edge = smoothstep(0., .06, min(at, 1. - at));
+    alpha *= edge.x * edge.y * edge.z * (1. - sum.a);
+    sum += vec4(entry(tones) * alpha, alpha);
+    if (sum.a > .98) break;
+  }
+  colour = sum;
+}`;
+
+/** Paints the part of the volume on the positive side of n . x + d = 0, or all of it. */
+export type VolumePainter = (
+  view: View,
+  volume: Volume,
+  look: Look,
+  obstacles: Obstacle[],
+  steps: number,
+  side: { normal: Vec3; through: Vec3 } | null,
+) => void;
+
+export function createVolume(gl: Gl, field: FieldPainter): VolumePainter {
+  const glow = program(gl, VERTEX, FRAGMENT);
+  const data = texture(gl, gl.TEXTURE_3D, gl.LINEAR);
+  const upload = changes((volume: Volume) => {
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_3D, data);
+    gl.texImage3D(gl.TEXTURE_3D, 0, gl.R16F, ...volume.count, 0, gl.RED, gl.FLOAT, volume.moduli);
+  });
+  return (view, volume, look, obstacles, steps, side) => {
+    upload(volume);
+    aim(glow, view);
+    field.setLook(glow, look);
+    glow.bind("moduli", 0, gl.TEXTURE_3D, data);
+    glow.set("least", volume.least);
+    glow.set("most", volume.most);
+    glow.set("steps", steps);
+    glow.set("plane", side ? [...side.normal, -dot(side.normal, side.through)] : [0, 0, 0, 1]);
+    const balls = obstacles.filter((obstacle) => "radius" in obstacle);
+    for (let i = 0; i < BALLS; i++) {
+      const ball = balls[i];
+      glow.set(`balls[${i}]`, ball ? [...ball.center, ball.radius] : [0, 0, 0, 0]);
+    }
+    gl.bindVertexArray(null);
+    gl.enable(gl.CULL_FACE);
+    gl.cullFace(gl.FRONT);
+    gl.disable(gl.DEPTH_TEST);
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 14);
+    gl.enable(gl.DEPTH_TEST);
+    gl.disable(gl.CULL_FACE);
+  };
+}

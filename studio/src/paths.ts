@@ -1,0 +1,28 @@
+/** Paths: where moving points are, frame by frame. */
+
+import type { Path, Vec3 } from "./types.ts";
+
+/** How far the points are from their places at a time, in m and s. */
+function offset(path: Path, time: number): Vec3 {
+  const angle = 2 * Math.PI * path.frequency * time;
+  if (path.kind === "line") return [(path.length / 2) * Math.cos(angle), 0, 0];
+  return [path.radius * Math.cos(angle), path.radius * Math.sin(angle), 0];
+}
+
+/**
+ * The points (M) in each of T = rate * seconds frames, T * M * 3 numbers in m; `rate` in frames a second.
+ *
+ * All are carried alike: around their places counterclockwise from +x, or along x to and fro from the +x end.
+ */
+export function framesOf(points: Vec3[], path: Path, rate: number, seconds: number): Float64Array {
+  const frames = Math.round(rate * seconds);
+  const places = new Float64Array(frames * points.length * 3);
+  let at = 0;
+  for (let frame = 0; frame < frames; frame += 1) {
+    const moved = offset(path, frame / rate);
+    for (const point of points) {
+      for (let axis = 0; axis < 3; axis += 1) places[at++] = point[axis] + moved[axis];
+    }
+  }
+  return places;
+}

@@ -1,0 +1,165 @@
+/** Scene file: a state as the JSON scene that the package reads, and back (docs/conventions.md, "Files"). */
+
+import { MOST_POINTS } from "./initial.ts";
+import type { ArrayChoice, Obstacle, Slot, State, Vec3 } from "./types.ts";
+
+/** A JSON scene; what the door writes of any scene file is one. */
+export interface SceneFile {
+  medium?: Record<string, number>;
+  array: {
+    preset?: string;
+    tiles?: [number, number];
+    grid?: { nx: number; ny: number; pitch: number };
+    positions?: Vec3[];
+    normals?: Vec3[];
+    quantization?: object;
+    [key: string]: unknown;
+  };
+  points: { position: Vec3; pressure?: number; phase?: number; weight?: number }[];
+  obstacles?: (Obstacle | { vertices: unknown })[];
+  signature?: unknown;
+  solver?: { name: string };
+  plane?: { z?: number; size?: number; center?: [number, number] };
+  [key: string]: unknown;
+}
+
+const ZERO_CELSIUS = 273.15;
+/** Sound speed of air at 0 degrees C, m/s. */
+const SPEED = 331.3;
+
+/** To 1e-9 m, so that a file has no digits that nobody gave. */
+function rounded(x: number): number {
+  return Math.round(x * 1e9) / 1e9 + 0;
+}
+
+function place(at: Vec3): Vec3 {
+  return at.map(rounded) as Vec3;
+}
+
+function writeArray(array: ArrayChoice): SceneFile["array"] {
+  if ("preset" in array) return { preset: array.preset, tiles: array.tiles };
+  return { positions: array.positions.map(place), normals: array.normals };
+}
+
+function writeObstacle(each: Obstacle): Obstacle {
+  return "radius" in each
+    ? { center: place(each.center), radius: rounded(each.radius), kind: each.kind }
+    : { point: place(each.point), normal: each.normal, kind: each.kind };
+}
+
+/** The JSON scene of a state, solved by the method of a slot: lengths in m, to 1e-9. */
+export function sceneOf(state: State, slot: Slot): SceneFile {
+  const { pressures, plane, obstacles, signature } = state;
+  return {
+    medium: { temperature: state.temperature },
+    array: { ...writeArray(state.array), ...(state.quantization === "none" ? { quantization: {} } : {}) },
+    points: state.points.map((at, k) => ({
+      position: place(at),
+      ...(pressures ? { pressure: pressures[k] } : {}),
+    })),
+    ...(obstacles.length ? { obstacles: obstacles.map(writeObstacle) } : {}),
+    ...(signature ? { signature } : {}),
+    solver: { name: state.methods[slot] },
+    plane: {
+      z: rounded(plane.z),
+      size: rounded(plane.size),
+      center: [rounded(plane.center[0]), rounded(plane.center[1])],
+    },
+  };
+}
+
+function refuse(item: string, value: unknown, cure: string): never {
+  throw new Error(`${item} is ${JSON.stringify(value)?.slice(0, 40)}: ${cure}`);
+}
+
+/** Refuses what a state has no place for and what would change the answer. */
+function check(scene: SceneFile): void {
+  const { medium = {}, array, points, obstacles = [], signature, plane = {} } = scene;
+  const only = (item: string, value: unknown, one: unknown) => {
+    if (value !== undefined && JSON.stringify(value) !== JSON.stringify(one)) {
+      refuse(item, value, `the page has ${JSON.stringify(one) ?? "no place for it"}, use the package`);
+    }
+  };
+  only("medium.frequency", medium.frequency, 40e3);
+  only("medium.absorption", medium.absorption, 0);
+  only("medium.density", medium.density, 1.18);
+  for (const key of ["response", "mask"]) only(`array.${key}`, array[key], undefined);
+  only("array.quantization", array.quantization, {});
+  if (array.preset === undefined) {
+    only("array.source_pressure", array.source_pressure, 4.386);
+    only("array.directivity", array.directivity, "point");
+  }
+  if (points.length > MOST_POINTS) refuse("points", points.length, `the page has at most ${MOST_POINTS}`);
+  points.forEach(({ weight, phase }, k) => {
+    only(`points[${k}].weight`, weight, 1);
+    only(`points[${k}].phase`, phase, undefined);
+  });
+  obstacles.forEach((each, k) => {
+    const cure = "the page has walls and balls, use the package";
+    if ("vertices" in each) refuse(`obstacles[${k}]`, "a mesh", cure);
+  });
+  if (signature !== undefined && typeof signature !== "string") {
+    refuse("signature", signature, 'give "trap", "twin" or "vortex"');
+  }
+  if (points.length && plane.z === undefined && Object.keys(plane).length) {
+    refuse("plane", plane, "the page's slice is normal to z, give z");
+  }
+}
+
+function readArray(array: SceneFile["array"]): ArrayChoice {
+  const { preset, tiles = [1, 1], grid, positions, normals } = array;
+  if (preset !== undefined) return { preset, tiles };
+  if (positions !== undefined) {
+    return { name: "array", positions, normals: normals ?? positions.map(() => [0, 0, 1]) };
+  }
+  if (grid === undefined) return refuse("array", array, "give a preset, a grid or positions");
+  const { nx, ny, pitch } = grid;
+  const places = Array.from({ length: nx * ny }, (_, k): Vec3 => {
+    const [i, j] = [k % nx, Math.floor(k / nx)];
+    return place([(i - (nx - 1) / 2) * pitch, (j - (ny - 1) / 2) * pitch, 0]);
+  });
+  return { name: `${nx} x ${ny}`, positions: places, normals: places.map(() => [0, 0, 1]) };
+}
+
+/** Of the air whose sound speed is `speed` m/s, in degrees C, to 0.001. */
+function temperatureOf(speed: number): number {
+  return Math.round(1e3 * ZERO_CELSIUS * ((speed / SPEED) ** 2 - 1)) / 1e3;
+}
+
+/** The slice of a scene, or one through its points. */
+function readPlane(scene: SceneFile, plane: State["plane"]): State["plane"] {
+  const { z, size = plane.size, center = [0, 0] } = scene.plane ?? {};
+  if (z !== undefined) return { z, size, center };
+  if (!scene.points.length) return plane;
+  const axis = (k: number) => scene.points.map(({ position }) => position[k]);
+  const middle = (k: number) => rounded((Math.max(...axis(k)) + Math.min(...axis(k))) / 2);
+  return { z: scene.points[0].position[2], size, center: [middle(0), middle(1)] };
+}
+
+/**
+ * The state of a JSON scene as the door writes it; what it does not tell is that of `state`, but no path.
+ *
+ * Of a solver only the name is taken; P0 and directivity of a preset are the preset's. Other things that a
+ * state has no place for, such as weights, are refused in one line.
+ */
+export function stateOf(scene: SceneFile, state: State): State {
+  check(scene);
+  const { medium = {}, array, points, obstacles = [], signature = "", solver } = scene;
+  const methods: [string, string] = [...state.methods];
+  if (solver) methods[state.slot] = solver.name;
+  const temperature = medium.temperature ?? temperatureOf(medium.sound_speed ?? 340);
+  const loud = points.length > 0 && points[0].pressure !== undefined;
+  return structuredClone({
+    ...state,
+    array: readArray(array),
+    quantization: array.quantization === undefined ? "board" : "none",
+    temperature,
+    points: points.map(({ position }) => position),
+    pressures: loud ? points.map(({ pressure = 0 }) => pressure) : null,
+    methods,
+    signature: signature as State["signature"],
+    obstacles: (obstacles as Obstacle[]).map((each) => ({ ...each, kind: each.kind ?? "rigid" })),
+    plane: readPlane(scene, state.plane),
+    path: null,
+  });
+}

@@ -1,0 +1,217 @@
+/** Stage: the 3-D view, its camera, and the points as buttons over it. */
+
+import { type Context, millimetres } from "./context.ts";
+import { element } from "./dom.ts";
+import { type Camera, fit, lift, project, slide } from "./painter/camera.ts";
+import { MOST_POINTS } from "./initial.ts";
+import { added, moved, removed } from "./points.ts";
+import type { Vec3 } from "./types.ts";
+
+/** The 3-D view. */
+export interface Stage {
+  root: HTMLElement;
+  view: HTMLElement;
+  camera(): Camera;
+  /** Puts the buttons where the points are. */
+  place(): void;
+  /** Where a place is, in CSS px of the window. */
+  project(place: Vec3): [number, number];
+}
+
+/** Steps of the arrow keys in m: without and with Shift. */
+const STEPS = [1e-3, 1e-2];
+
+const KEYS: Record<string, Vec3> = {
+  ArrowLeft: [-1, 0, 0],
+  ArrowRight: [1, 0, 0],
+  ArrowUp: [0, 1, 0],
+  ArrowDown: [0, -1, 0],
+  PageUp: [0, 0, 1],
+  PageDown: [0, 0, -1],
+};
+
+/** Turning a view by a pixel, in rad. */
+const TURN = 0.008;
+
+const within = (value: number, least: number, most: number) => Math.min(Math.max(value, least), most);
+
+/** The camera turned by pixels; it stays above the ground and below the zenith. */
+const orbit = (camera: Camera, dx: number, dy: number): Camera => ({
+  ...camera,
+  yaw: camera.yaw - TURN * dx,
+  pitch: within(camera.pitch + TURN * dy, -0.3, 1.57),
+});
+
+/** The camera nearer or further. */
+const zoom = (camera: Camera, factor: number): Camera => ({
+  ...camera,
+  distance: within(camera.distance * factor, 0.05, 5),
+});
+
+/** Makes the stage. */
+export function createStage(context: Context): Stage {
+  const { studio, say } = context;
+  const handles: HTMLButtonElement[] = [];
+  const hint = element("p", { className: "hint" }, say(matchMedia("(hover: none)").matches ? "hintTouch" : "hint"));
+  const view = element("div", { className: "view3d", role: "group", "aria-label": say("view3d") });
+  const root = element("section", { className: "stage" }, view, hint);
+  let camera: Camera | null = null;
+  /** What the camera was fitted to: the array, and the view's size as long as nobody has turned it. */
+  let fitted = "";
+  let turned = false;
+  let gesture = 0;
+
+  const size = (): [number, number] => [view.clientWidth || 1, view.clientHeight || 1];
+  const seen = (place: Vec3) => project(current(), place, ...size());
+  const state = () => studio.view.state;
+
+  function current(): Camera {
+    const key = JSON.stringify([state().array, turned ? 0 : size(), studio.view.array.length]);
+    if (camera === null || fitted !== key) {
+      camera = fit(studio.view.positions, state().points, ...size());
+      fitted = key;
+      turned = false;
+    }
+    return camera;
+  }
+
+  function handle(index: number): HTMLButtonElement {
+    const button = element("button", { className: "point", type: "button" }, element("span", {}, String(index + 1)));
+    let begin: { at: [number, number]; point: Vec3; from: [number, number]; shift: boolean } | null = null;
+    const start = (event: PointerEvent) => {
+      const point = state().points[index];
+      const [x, y] = seen(point);
+      begin = { at: local(event), point, from: [x, y], shift: event.shiftKey };
+    };
+    button.onpointerdown = (event) => {
+      button.setPointerCapture(event.pointerId);
+      start(event);
+      gesture += 1;
+      studio.moving(true);
+    };
+    button.onpointermove = (event) => {
+      if (begin && begin.shift !== event.shiftKey) start(event);
+      if (!begin) return;
+      const { from, at, point } = begin;
+      const now = local(event);
+      const to: [number, number] = [from[0] + now[0] - at[0], from[1] + now[1] - at[1]];
+      if (begin.shift) {
+        const rise = lift(current(), from, to, point, size());
+        if (rise !== null) climb(index, [point[0], point[1], point[2] + rise], `drag ${gesture}`);
+      } else {
+        const way = slide(current(), from, to, point[2], size());
+        if (way) studio.change(moved(state(), index, [point[0] + way[0], point[1] + way[1], point[2]]), `drag ${gesture}`);
+      }
+    };
+    button.onpointerup = button.onpointercancel = () => {
+      if (!begin) return;
+      begin = null;
+      studio.moving(false);
+      context.announce(button.ariaLabel!);
+    };
+    button.onkeydown = (event) => press(event, index);
+    button.onfocus = () => view.classList.add("used");
+    return button;
+  }
+
+  /** A point at another height takes the slice along. */
+  function climb(index: number, to: Vec3, name: string) {
+    const change = moved(state(), index, to);
+    studio.change({ ...change, plane: { ...state().plane, z: change.points![index][2] } }, name);
+  }
+
+  function press(event: KeyboardEvent, index: number) {
+    const way = KEYS[event.key];
+    if (way) {
+      const step = STEPS[Number(event.shiftKey)];
+      const to = state().points[index].map((x, axis) => x + step * way[axis]) as Vec3;
+      if (way[2]) climb(index, to, `key ${index}`);
+      else studio.change(moved(state(), index, to), `key ${index}`);
+      context.announce(handles[index].ariaLabel!);
+    } else if (event.key === "Delete" || event.key === "Backspace") {
+      studio.change(removed(state(), index));
+      handles[Math.min(index, handles.length - 1)]?.focus();
+      context.announce(say("removed", { n: index + 1 }));
+    } else return;
+    event.preventDefault();
+  }
+
+  /** The camera is somebody's own from now on. */
+  function hold() {
+    turned = true;
+    fitted = JSON.stringify([state().array, 0, studio.view.array.length]);
+    context.repaint();
+  }
+
+  function local(event: MouseEvent): [number, number] {
+    const box = view.getBoundingClientRect();
+    return [event.clientX - box.left, event.clientY - box.top];
+  }
+
+  // The view itself: one finger or the left button turns, two fingers and the wheel zoom, the right button shifts.
+  const fingers = new Map<number, [number, number]>();
+  view.onpointerdown = (event) => {
+    if (event.target !== view) return;
+    view.setPointerCapture(event.pointerId);
+    fingers.set(event.pointerId, local(event));
+  };
+  view.onpointermove = (event) => {
+    const before = fingers.get(event.pointerId);
+    if (!before) return;
+    const now = local(event);
+    const other = [...fingers].find(([id]) => id !== event.pointerId)?.[1];
+    const apart = (at: [number, number]) => Math.hypot(at[0] - other![0], at[1] - other![1]);
+    camera = other
+      ? zoom(current(), apart(before) / Math.max(apart(now), 1))
+      : orbit(current(), now[0] - before[0], now[1] - before[1]);
+    fingers.set(event.pointerId, now);
+    hold();
+  };
+  view.onpointerup = view.onpointercancel = (event) => void fingers.delete(event.pointerId);
+  view.addEventListener(
+    "wheel",
+    (event) => {
+      event.preventDefault();
+      camera = zoom(current(), Math.exp(event.deltaY * 1e-3));
+      hold();
+    },
+    { passive: false },
+  );
+  view.ondblclick = (event) => {
+    if (event.target !== view) return;
+    const { plane, points } = state();
+    const origin: Vec3 = [plane.center[0], plane.center[1], plane.z];
+    const [x, y] = seen(origin);
+    const way = slide(current(), [x, y], local(event), plane.z, size());
+    if (!way || points.length >= MOST_POINTS) return;
+    studio.change(added(state(), [origin[0] + way[0], origin[1] + way[1], plane.z]));
+    context.announce(say("added", { n: points.length + 1 }));
+  };
+
+  return {
+    root,
+    view,
+    camera: current,
+    place() {
+      const points = studio.view.frame?.points ?? state().points;
+      while (handles.length > points.length) handles.pop()!.remove();
+      while (handles.length < points.length) {
+        handles.push(handle(handles.length));
+        view.append(handles.at(-1)!);
+      }
+      handles.forEach((button, index) => {
+        const [x, y, z] = points[index].map(millimetres);
+        const label = say("point", { n: index + 1, x, y, z });
+        if (button.ariaLabel !== label) button.ariaLabel = label;
+        const [left, top] = seen(points[index]);
+        button.style.transform = `translate(${left.toFixed(2)}px, ${top.toFixed(2)}px)`;
+        button.classList.toggle("quiet", state().pressures?.[index] === 0);
+      });
+    },
+    project(place) {
+      const box = view.getBoundingClientRect();
+      const [x, y] = seen(place);
+      return [box.left + x, box.top + y];
+    },
+  };
+}

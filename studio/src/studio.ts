@@ -1,0 +1,236 @@
+/** The studio: one state, its history, and the newest answers to it. */
+
+import type { Answer } from "./door.ts";
+import type { Engine } from "./engine.ts";
+import { sceneOf } from "./scene_file.ts";
+import { createHistory } from "./history.ts";
+import { boxOf, gridOf } from "./lattices.ts";
+import type { Grid, Outcome } from "./solve.worker.ts";
+import type { Lattice, Slot, State, Volume } from "./types.ts";
+
+/** A slot's answer, or why there is none. */
+export interface Result {
+  answer: Answer | null;
+  lattice: Lattice | null;
+  /** |p| at the ear in Pa. */
+  heard: number;
+  /** Median of the last solves, in ms. */
+  milliseconds: number;
+  refused: string;
+  warnings: string[];
+}
+
+/** Everything that the page shows. */
+export interface View {
+  state: State;
+  results: [Result, Result];
+  /** The level that no drive exceeds; null while it is looked for. */
+  bound: number | null;
+  volume: Volume | null;
+  /** Positions and normals (2 N, 3) of the array, and the same for the painter. */
+  array: Float64Array;
+  positions: Float32Array;
+  normals: Float32Array;
+  /** A frame of what moves, in place of the answer of slot A. */
+  frame: { drive: Float32Array; lattice: Lattice; points: State["points"] } | null;
+  /** Whether something is being view.moving. */
+  moving: boolean;
+}
+
+/** The state, changed step by step, and what it leads to. */
+export interface Studio {
+  readonly view: View;
+  /** Changes the state; changes of one gesture are one step of undo. */
+  change(partial: Partial<State>, gesture?: string): void;
+  /** Whether something is being view.moving: pictures are coarser then. */
+  moving(is: boolean): void;
+  undo(): boolean;
+  redo(): boolean;
+  canUndo(): boolean;
+  canRedo(): boolean;
+  /** When everything but the bound is as the state asks. */
+  settled(): Promise<void>;
+  show(frame: View["frame"]): void;
+  /** The scene file of a slot, as JSON text. */
+  scene(slot: Slot): string;
+  listen(listener: () => void): void;
+  stop(): void;
+}
+
+/** Places along a side while something moves. */
+const COARSE = 64;
+
+/** Rest before the bound is looked for, in ms. */
+const REST = 500;
+
+const nothing = (): Result => ({
+  answer: null,
+  lattice: null,
+  heard: 0,
+  milliseconds: 0,
+  refused: "",
+  warnings: [],
+});
+
+/** A studio with its engine. */
+export function createStudio(engine: Engine, initial: State): Studio {
+  const view: View = {
+    state: initial,
+    results: [nothing(), nothing()],
+    bound: null,
+    volume: null,
+    array: new Float64Array(),
+    positions: new Float32Array(),
+    normals: new Float32Array(),
+    frame: null,
+    moving: false,
+  };
+  const history = createHistory(initial);
+  const listeners: (() => void)[] = [];
+  const times: [number[], number[]] = [[], []];
+  let wanted = 0;
+  let shown = "";
+  let arrayShown = "";
+  let busy = false;
+  let stopped = false;
+  let rest = 0;
+  let waiting: (() => void)[] = [];
+  const tell = () => listeners.forEach((listener) => listener());
+
+  /** What decides the pictures. */
+  const key = (grid: Grid) => JSON.stringify([scenes(), grid, view.state.ear]);
+  const scenes = (): [string, string] => [0, 1].map((slot) => text(slot as Slot)) as [string, string];
+  const text = (slot: Slot) => JSON.stringify(sceneOf(view.state, slot));
+
+  async function pump() {
+    if (busy || stopped) return;
+    busy = true;
+    try {
+      for (;;) {
+        const grid = gridOf(view.state, view.moving ? COARSE : undefined);
+        if (key(grid) !== shown) await update(grid);
+        else if (!view.moving && view.state.view !== "slice" && view.volume === null) await fill();
+        else break;
+      }
+    } finally {
+      busy = false;
+    }
+    if (view.moving || stopped) return;
+    waiting.forEach((resolve) => resolve());
+    waiting = [];
+    clearTimeout(rest);
+    if (view.bound === null) rest = window.setTimeout(bind, REST);
+  }
+
+  async function update(grid: Grid) {
+    const asked = key(grid);
+    const [given, array] = [scenes(), JSON.stringify(view.state.array)];
+    const outcomes = await engine.quick.update(given, grid, view.state.ear);
+    if (stopped) return;
+    if (array !== arrayShown && outcomes.some((outcome) => "answer" in outcome)) {
+      view.array = await engine.quick.array("answer" in outcomes[0] ? 0 : 1);
+      const half = view.array.length / 2;
+      view.positions = Float32Array.from(view.array.subarray(0, half));
+      view.normals = Float32Array.from(view.array.subarray(half));
+      arrayShown = array;
+    }
+    outcomes.forEach((outcome, slot) => take(slot as Slot, outcome));
+    shown = asked;
+    view.volume = null;
+    tell();
+  }
+
+  function take(slot: Slot, outcome: Outcome) {
+    const result = view.results[slot];
+    if ("refused" in outcome) {
+      Object.assign(result, { ...nothing(), refused: outcome.refused });
+      return;
+    }
+    times[slot] = [...times[slot].slice(-8), outcome.milliseconds];
+    const milliseconds = times[slot].toSorted((a, b) => a - b)[times[slot].length >> 1];
+    const { answer, lattice, heard } = outcome;
+    const warnings = [...outcome.warnings, ...answer.said];
+    view.results[slot] = { answer, lattice, heard, milliseconds, warnings, refused: "" };
+  }
+
+  /** |p| in the box, a layer at a time; given up when the state changes. */
+  async function fill() {
+    const began = wanted;
+    const box = boxOf(view.state, view.array);
+    const slot = view.state.slot;
+    const { answer } = view.results[slot];
+    const [nx, ny, nz] = box.count;
+    const moduli = new Float32Array(nx * ny * nz);
+    for (let layer = 0; answer && layer < nz; layer += 1) {
+      const given = await engine.slow.layer(text(slot), answer.drive, box, layer);
+      if (began !== wanted || stopped) return;
+      moduli.set(given, layer * nx * ny);
+    }
+    view.volume = { ...box, moduli };
+    tell();
+  }
+
+  async function bind() {
+    const began = wanted;
+    if (view.state.points.length > 64) return;
+    const found = await engine.slow.bound(text(0)).catch(() => NaN);
+    if (began !== wanted || stopped) return;
+    view.bound = found;
+    tell();
+  }
+
+  function moved(before: State) {
+    wanted += 1;
+    clearTimeout(rest);
+    if (JSON.stringify({ ...before, map: 0, scale: 0 }) !== JSON.stringify({ ...view.state, map: 0, scale: 0 })) {
+      view.frame = null;
+      view.volume = null;
+    }
+    if (text(0) !== JSON.stringify(sceneOf(before, 0))) view.bound = null;
+    tell();
+    void pump();
+  }
+
+  function step(next: State | null): boolean {
+    if (next === null) return false;
+    const before = view.state;
+    view.state = next;
+    moved(before);
+    return true;
+  }
+
+  void pump();
+  return {
+    view,
+    change(partial, gesture = "") {
+      const before = view.state;
+      view.state = { ...before, ...partial };
+      history.keep(view.state, gesture);
+      moved(before);
+    },
+    moving(is) {
+      view.moving = is;
+      if (!is) history.rest();
+      void pump();
+    },
+    undo: () => step(history.undo()),
+    redo: () => step(history.redo()),
+    canUndo: () => history.canUndo(),
+    canRedo: () => history.canRedo(),
+    settled() {
+      const promise = new Promise<void>((resolve) => waiting.push(resolve));
+      void pump();
+      return promise;
+    },
+    show(frame) {
+      view.frame = frame;
+      tell();
+    },
+    scene: text,
+    listen: (listener) => void listeners.push(listener),
+    stop() {
+      stopped = true;
+      clearTimeout(rest);
+    },
+  };
+}

@@ -1,0 +1,105 @@
+/** Table of points: place and target of each, typed. */
+
+import { type Context, millimetres } from "./context.ts";
+import { element } from "./dom.ts";
+import { MOST_POINTS } from "./initial.ts";
+import { added, asked, moved, removed } from "./points.ts";
+import type { Vec3 } from "./types.ts";
+
+const AXES = ["x", "y", "z"];
+
+/** Makes the table. */
+export function createPointTable(context: Context): { root: HTMLElement; place(): void } {
+  const { studio, say } = context;
+  const state = () => studio.view.state;
+  const rows: { root: HTMLElement; inputs: HTMLInputElement[] }[] = [];
+  const body = element("tbody");
+  const head = ["", ...AXES.map((axis) => `${axis} mm`), say("target"), ""];
+  const table = element(
+    "table",
+    { className: "points" },
+    element("thead", {}, element("tr", {}, ...head.map((text) => element("th", { scope: "col" }, text)))),
+    body,
+  );
+  const add = element("button", { type: "button", className: "small", onclick: extend }, `+ ${say("add")}`);
+
+  function extend() {
+    const { plane, points } = state();
+    if (points.length >= MOST_POINTS) return context.alarm(say("tooMany", { count: points.length + 1 }));
+    const [x, y] = plane.center;
+    const free = Array.from({ length: MOST_POINTS }, (_, k): Vec3 => {
+      const [radius, angle] = [0.006 * Math.sqrt(k), 2.4 * k];
+      return [x + radius * Math.cos(angle), y + radius * Math.sin(angle), plane.z];
+    }).find((place) => points.every((point) => Math.hypot(...place.map((at, k) => at - point[k])) > 0.004));
+    studio.change(added(state(), free ?? [x, y, plane.z]));
+    context.announce(say("added", { n: points.length + 1 }));
+  }
+
+  function row(index: number) {
+    const n = index + 1;
+    const place = AXES.map((axis, k) =>
+      element("input", {
+        type: "number",
+        step: 1,
+        "aria-label": say("coordinate", { axis, n }),
+        onchange: (event: Event) => {
+          const value = Number((event.target as HTMLInputElement).value) / 1000;
+          const to = [...state().points[index]] as Vec3;
+          if (Number.isFinite(value)) to[k] = value;
+          studio.change(moved(state(), index, to), `table ${index} ${k}`);
+          showAll();
+        },
+      }),
+    );
+    const target = element("input", {
+      type: "number",
+      min: 0,
+      step: 100,
+      placeholder: "max",
+      title: say("targetHint"),
+      "aria-label": say("pressure", { n }),
+      onchange: () => {
+        const value = target.value === "" ? null : Math.max(0, Number(target.value));
+        const balanced = studio.view.results[0].answer?.targets ?? [];
+        studio.change(asked(state(), index, value, balanced), `target ${index}`);
+        showAll();
+      },
+    });
+    const gone = element(
+      "button",
+      {
+        type: "button",
+        className: "plain",
+        "aria-label": say("remove", { n }),
+        onclick: () => {
+          studio.change(removed(state(), index));
+          context.announce(say("removed", { n }));
+        },
+      },
+      "×",
+    );
+    const inputs = [...place, target];
+    const cells = inputs.map((input) => element("td", {}, input));
+    const root = element("tr", {}, element("th", { scope: "row" }, String(n)), ...cells, element("td", {}, gone));
+    return { root, inputs };
+  }
+
+  /** Writes the values; that which is being typed is left alone. */
+  function showAll() {
+    const { points, pressures } = state();
+    while (rows.length > points.length) rows.pop()!.root.remove();
+    while (rows.length < points.length) {
+      rows.push(row(rows.length));
+      body.append(rows.at(-1)!.root);
+    }
+    const { activeElement } = body.getRootNode() as Document | ShadowRoot;
+    rows.forEach(({ inputs }, index) => {
+      const values = [...points[index].map(millimetres), pressures ? String(pressures[index]) : ""];
+      inputs.forEach((input, k) => {
+        if (input !== activeElement && input.value !== values[k]) input.value = values[k];
+      });
+    });
+  }
+
+  return { root: element("div", { className: "table" }, table, add), place: showAll };
+}

@@ -1,0 +1,67 @@
+/** The notebook's widget: the same view in a cell, two ways with Python. */
+
+import style from "./style.css?inline";
+import { type Engine, startEngine } from "./engine.ts";
+import { sceneOf, stateOf } from "./scene_file.ts";
+import { initial } from "./initial.ts";
+import { weakest } from "./numbers.ts";
+import { createPage, type Manner, type Page } from "./page.ts";
+import SolveWorker from "./solve.worker.ts?worker&inline";
+import { createStudio, type Studio } from "./studio.ts";
+
+/** What anywidget hands over. */
+interface Model {
+  get(name: string): unknown;
+  set(name: string, value: unknown): void;
+  save_changes(): void;
+  on(event: string, act: () => void): void;
+  off(event: string, act: () => void): void;
+}
+
+async function render({ model, el }: { model: Model; el: HTMLElement }): Promise<() => void> {
+  const shadow = el.attachShadow({ mode: "open" });
+  const sheet = document.createElement("style");
+  sheet.textContent = style;
+  const root = document.createElement("div");
+  shadow.append(sheet, root);
+  const bytes = model.get("wasm") as DataView<ArrayBuffer>;
+  const warm = JSON.stringify(sceneOf({ ...initial, array: { preset: "paper20", tiles: [1, 1] } }, 0));
+  const engine: Engine = await startEngine(() => new SolveWorker(), bytes, warm);
+  const read = async () => stateOf(JSON.parse(await engine.slow.read(model.get("scene") as string, false)), initial);
+  const studio: Studio = createStudio(engine, await read());
+  const manner: Manner = {
+    language: "en",
+    theme: matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light",
+    compact: true,
+    again: () => undefined,
+  };
+  const page: Page = createPage(root, engine, studio, manner);
+  let sent = "";
+  studio.listen(() => {
+    const { state, results } = studio.view;
+    const metrics = Object.fromEntries(
+      results.flatMap((result, slot) =>
+        result.answer ? [[state.methods[slot], { ...result.answer.metrics, weakest: weakest(result) }]] : [],
+      ),
+    );
+    const text = JSON.stringify([state, metrics]);
+    if (text === sent) return;
+    sent = text;
+    model.set("state", JSON.stringify(state));
+    model.set("metrics", metrics);
+    model.save_changes();
+  });
+  const changed = () => {
+    read().then((state) => studio.change(state), (error: Error) => page.alarm(error.message));
+  };
+  model.on("change:scene", changed);
+  return () => {
+    model.off("change:scene", changed);
+    studio.stop();
+    page.dispose();
+    engine.dispose();
+    shadow.replaceChildren();
+  };
+}
+
+export default { render };

@@ -1,0 +1,88 @@
+// The built site behind a strict server on loopback, and a browser that looks at it.
+import { existsSync } from "node:fs";
+import { readFile } from "node:fs/promises";
+import { createServer } from "node:http";
+import type { AddressInfo } from "node:net";
+import { extname, join, normalize } from "node:path";
+
+import { type Browser, type BrowserContextOptions, type Page, chromium } from "playwright-core";
+
+import type { Hook } from "../../src/hook.ts";
+
+declare global {
+  interface Window {
+    midair?: Hook;
+  }
+}
+
+const here = import.meta.dirname;
+export const built = join(here, "../../built");
+
+const TYPES: Record<string, string> = {
+  ".html": "text/html; charset=utf-8",
+  ".js": "text/javascript",
+  ".css": "text/css",
+  ".wasm": "application/wasm",
+};
+
+const POLICY =
+  "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' data: blob:; " +
+  "connect-src 'self'; worker-src blob:; base-uri 'none'; form-action 'none'";
+
+/** Serves a folder; the address, and how to end it. */
+export async function serve(folder: string): Promise<{ url: string; close(): void }> {
+  const server = createServer(async (request, answer) => {
+    const name = normalize(new URL(request.url!, "http://x").pathname);
+    const file = join(folder, name === "/" ? "index.html" : name);
+    if (!existsSync(file)) return void answer.writeHead(404).end();
+    const type = TYPES[extname(file)] ?? "application/octet-stream";
+    answer.writeHead(200, { "Content-Type": type, "Content-Security-Policy": POLICY }).end(await readFile(file));
+  });
+  await new Promise<void>((done) => server.listen(0, "127.0.0.1", done));
+  const { port } = server.address() as AddressInfo;
+  return { url: `http://127.0.0.1:${port}/`, close: () => server.close() };
+}
+
+/** A browser without a GPU; more switches may be given. */
+export function launch(...switches: string[]): Promise<Browser> {
+  const place = process.env.CHROMIUM ?? "/usr/bin/chromium";
+  if (!existsSync(place)) throw new Error(`${place} is missing: install chromium, or set CHROMIUM to where one is`);
+  return chromium.launch({
+    executablePath: place,
+    args: [
+      "--no-sandbox",
+      "--use-angle=swiftshader",
+      "--enable-unsafe-swiftshader",
+      "--disable-quic",
+      "--no-first-run",
+      "--disable-background-networking",
+      "--disable-component-update",
+      "--disable-sync",
+      ...switches,
+    ],
+  });
+}
+
+/** A page that is ready, and everything that it asked for or complained of. */
+export async function visit(browser: Browser, url: string, options: BrowserContextOptions = {}) {
+  const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, locale: "en-GB", ...options });
+  const page = await context.newPage();
+  const requests: string[] = [];
+  const complaints: string[] = [];
+  page.on("request", (request) => requests.push(request.url()));
+  page.on("pageerror", (error) => complaints.push(error.message));
+  page.on("console", (message) => {
+    if (["error", "warning"].includes(message.type()) && !message.text().includes("GPU stall")) {
+      complaints.push(message.text());
+    }
+  });
+  await page.goto(url);
+  await ready(page);
+  return { page, context, requests, complaints };
+}
+
+/** Waits for the first answers. */
+export async function ready(page: Page): Promise<void> {
+  await page.waitForFunction(() => window.midair?.state().ready, undefined, { timeout: 60_000 });
+  await page.evaluate(() => window.midair!.settled());
+}

@@ -1,0 +1,72 @@
+import { expect, test } from "vitest";
+import { type Camera, fit, lift, project, ray, slide } from "../src/painter/camera.ts";
+import type { Vec3 } from "../src/types.ts";
+import { square } from "./field.ts";
+
+const camera: Camera = { target: [0.01, -0.02, 0.1], yaw: 0.7, pitch: 0.45, distance: 0.6 };
+const [width, height] = [780, 820];
+const size: [number, number] = [width, height];
+const points: Vec3[] = [[0, 0, 0.18], [0.09, -0.05, 0.12], [-0.08, 0.07, 0.2], [-0.05, -0.09, 0.02]];
+
+test("the target is in the middle, x to the right, z up", () => {
+  const [x, y, depth] = project(camera, camera.target, width, height);
+  for (const rest of [x - width / 2, y - height / 2, depth - camera.distance]) expect(rest).toBeCloseTo(0, 9);
+  const level: Camera = { target: [0, 0, 0], yaw: 0, pitch: 0, distance: 1 };
+  expect(project(level, [0.1, 0, 0], width, height)[0]).toBeGreaterThan(width / 2);
+  expect(project(level, [0, 0, 0.1], width, height)[1]).toBeLessThan(height / 2);
+});
+
+test("a ray goes through what is seen there", () => {
+  for (const point of points) {
+    const [x, y, depth] = project(camera, point, width, height);
+    const { from, along } = ray(camera, x, y, width, height);
+    for (const axis of [0, 1, 2]) expect(from[axis] + depth * along[axis]).toBeCloseTo(point[axis], 12);
+  }
+});
+
+test("a dragged point stays under the pointer", () => {
+  for (const point of points) {
+    const [x, y] = project(camera, point, width, height);
+    for (const [dx, dy] of [[60, 20], [-90, 45], [3, -110]]) {
+      const shift = slide(camera, [x, y], [x + dx, y + dy], point[2], size);
+      expect(shift).not.toBeNull();
+      const moved: Vec3 = [point[0] + shift![0], point[1] + shift![1], point[2] + shift![2]];
+      expect(moved[2]).toBeCloseTo(point[2], 12);
+      const seen = project(camera, moved, width, height);
+      expect(Math.hypot(seen[0] - x - dx, seen[1] - y - dy)).toBeLessThan(1e-6);
+
+      const dz = lift(camera, [x, y], [x + dx, y + dy], point, size);
+      const raised = project(camera, [point[0], point[1], point[2] + dz!], width, height);
+      expect(Math.abs(raised[1] - y - dy)).toBeLessThan(1e-6);
+    }
+  }
+});
+
+test("a drag that begins beside the point does not jump", () => {
+  const [x, y] = project(camera, points[1], width, height);
+  expect(slide(camera, [x + 9, y - 7], [x + 9, y - 7], points[1][2], size)).toEqual([0, 0, 0]);
+  expect(lift(camera, [x + 9, y - 7], [x + 9, y - 7], points[1], size)).toBe(0);
+});
+
+test("a drag beyond the horizon is none", () => {
+  expect(slide(camera, [390, 500], [390, -900], 0.1, size)).toBeNull();
+  expect(lift({ ...camera, pitch: Math.PI / 2 }, [390, 410], [390, 300], points[0], size)).toBeNull();
+});
+
+test("fit shows all, wide or narrow", () => {
+  const positions = square(20);
+  for (const [w, h] of [[780, 820], [390, 700], [3000, 900]]) {
+    const fitted = fit(positions, points, w, h);
+    const seen = [...points];
+    for (let i = 0; i < positions.length; i += 3) seen.push([positions[i], positions[i + 1], 0]);
+    let [left, top] = [w, h];
+    for (const place of seen) {
+      const [x, y, depth] = project(fitted, place, w, h);
+      expect(depth).toBeGreaterThan(0);
+      left = Math.min(left, x, w - x);
+      top = Math.min(top, y, h - y);
+    }
+    // The tighter of the two sides keeps 7 % free, no more.
+    expect(Math.min(left / w, top / h)).toBeCloseTo(0.07, 5);
+  }
+});

@@ -1,0 +1,86 @@
+// The door: the drives of golden/, bit for bit, with both instruction sets; refusals; frames; boards. No imports.
+import { readFileSync, readdirSync } from "node:fs";
+
+import { expect, test } from "vitest";
+
+import { type Door, compile, openDoor } from "../src/door.ts";
+
+const here = import.meta.dirname;
+const module = await compile(readFileSync(`${here}/../built/midair.wasm`));
+const door: Door = openDoor(module);
+const golden = `${here}/../../golden`;
+
+/** A scene file of six points on a ring over an array. */
+function ring(name: string, more: object = {}) {
+  const points = Array.from({ length: 6 }, (_, k) => ({ position: [0.03 * Math.cos(k), 0.03 * Math.sin(k), 0.15] }));
+  return JSON.stringify({ array: { preset: "sonicsurface" }, points, solver: { name }, ...more });
+}
+
+test("the module asks its surroundings for nothing", () => {
+  expect(WebAssembly.Module.imports(module)).toEqual([]);
+});
+
+test.each(readdirSync(golden).filter((name) => name.endsWith(".json")))("the drive of golden/%s", (name) => {
+  const text = readFileSync(`${golden}/${name}`, "utf8");
+  const record = JSON.parse(text);
+  // The text as it is: a seed of 64 bits is no number of JavaScript's.
+  const scene = text.slice(text.indexOf('"scene":') + 8, text.lastIndexOf("}"));
+  const asked = scene.replace('"solver":{', `"solver":{"balance":${record.balance},`);
+  const wanted = Float32Array.from(record.drive.flat());
+  for (const scalar of [true, false]) {
+    door.open(asked, false, scalar);
+    expect(door.solve().drive).toEqual(wanted);
+  }
+});
+
+test("a field at the points is what the answer says", () => {
+  door.open(ring("uniform"));
+  const { pressures, scale } = door.solve();
+  const places = Float64Array.from(JSON.parse(ring("uniform")).points.flatMap((point: { position: number[] }) => point.position));
+  const field = door.field(places);
+  const largest = Math.max(...pressures.map(([re, im]) => Math.hypot(re, im)));
+  expect(scale).toBeGreaterThan(0);
+  pressures.forEach(([re, im], j) => {
+    expect(Math.hypot(field[2 * j] - re, field[2 * j + 1] - im) / largest).toBeLessThan(1e-3);
+  });
+});
+
+test("no drive exceeds the bound", () => {
+  door.open(ring("uniform"));
+  const { metrics } = door.solve();
+  expect(door.bound()).toBeGreaterThan(metrics.level * metrics.uniformity);
+});
+
+test("a scene that was saved is the same scene", () => {
+  door.open(ring("greedy", { medium: { temperature: 25 } }));
+  const [toml, drive] = [door.save(true), door.solve().drive];
+  door.open(toml, true);
+  expect(door.solve().drive).toEqual(drive);
+});
+
+test("refusals are one line, and the scene before stays open", () => {
+  door.open(ring("uniform"));
+  expect(() => door.open('{"array": {"preset": "sonic"}, "points": []}')).toThrow(/sonic/);
+  expect(() => door.open(ring("unifrom"))).toThrow(/unifrom/);
+  expect(() => door.open("[array", true)).toThrow(/^[^\n]+$/);
+  expect(() => door.load([1, 0])).toThrow(/256/);
+  expect(() => door.encode("sonicsurfice")).toThrow(/sonicsurfice/);
+  expect(door.solve().metrics.uniformity).toBeGreaterThan(0.9);
+});
+
+test("frames follow one another within glide's change", () => {
+  door.open(ring("glide", { points: [{ position: [0, 0, 0.15] }], array: { preset: "paper20" } }));
+  const frames = 20;
+  const places = Float64Array.from({ length: 3 * frames }, (_, k) => [1e-4 * Math.floor(k / 3), 0, 0.15][k % 3]);
+  const told = door.follow(places, frames);
+  expect(Math.max(...told.map(({ change }) => change))).toBeLessThan(Math.PI / 16 + 1e-4);
+  expect(door.frame(19)).not.toEqual(door.frame(0));
+  expect(() => door.frame(20)).toThrow(/frame is 20/);
+});
+
+test("a board's bytes", () => {
+  door.open(ring("uniform"));
+  door.solve();
+  expect(door.encode("sonicsurface").length).toBeGreaterThan(256);
+  expect(door.silence("sonicsurface")).not.toEqual(door.encode("sonicsurface"));
+});

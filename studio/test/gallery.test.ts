@@ -1,0 +1,26 @@
+import { expect, test } from "vitest";
+import { gallery } from "../src/gallery.ts";
+import { initial, MOST_POINTS } from "../src/initial.ts";
+import { readLink, writeLink } from "../src/link.ts";
+import { sceneOf, stateOf } from "../src/scene_file.ts";
+
+test("there are eight scenes of different names", () => {
+  expect(gallery).toHaveLength(8);
+  for (const language of [0, 1]) {
+    expect(new Set(gallery.map(({ name }) => name[language])).size).toBe(8);
+    expect(gallery.every(({ line }) => /^.{10,110}$/.test(line[language]))).toBe(true);
+  }
+});
+
+test.each(gallery)("$name.0 is a link and a scene", (example) => {
+  const state = { ...initial, ...example.state };
+  expect(state.points.length).toBeGreaterThan(0);
+  expect(state.points.length).toBeLessThanOrEqual(MOST_POINTS);
+  expect(state.pressures?.length ?? state.points.length).toBe(state.points.length);
+  const link = writeLink(state);
+  expect(link.length).toBeLessThan(1300);
+  const again = readLink(link);
+  if (typeof again === "string") throw new Error(again);
+  expect(writeLink(again)).toBe(link);
+  expect({ ...stateOf(sceneOf(again, 0), state), path: again.path }).toEqual({ ...again, path: again.path });
+});

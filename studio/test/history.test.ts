@@ -1,0 +1,33 @@
+// Undo: a gesture is one step, and the way back ends at the very start.
+import { expect, test } from "vitest";
+
+import { createHistory } from "../src/history.ts";
+import { initial } from "../src/initial.ts";
+
+const warmer = (temperature: number) => ({ ...initial, temperature });
+
+test("a drag is one step, however long it takes", () => {
+  const history = createHistory(initial);
+  for (let k = 0; k < 9; k += 1) history.keep(warmer(k), "drag 1");
+  history.rest();
+  history.keep(warmer(20), "drag 2");
+  expect(history.undo()).toEqual(warmer(8));
+  expect(history.undo()).toEqual(initial);
+  expect(history.undo()).toBeNull();
+  expect(history.redo()).toEqual(warmer(8));
+});
+
+test("something new ends what could be done again", () => {
+  const history = createHistory(initial);
+  history.keep(warmer(1), "");
+  history.undo();
+  history.keep(warmer(2), "");
+  expect(history.canRedo()).toBe(false);
+  expect(history.undo()).toEqual(initial);
+});
+
+test("what changes nothing is no step", () => {
+  const history = createHistory(initial);
+  history.keep({ ...initial }, "");
+  expect(history.canUndo()).toBe(false);
+});

@@ -1,0 +1,59 @@
+/** Random states for tests: the same seed gives the same states. */
+
+import { MAPS, SCALES, VIEWS } from "../src/types.ts";
+import type { Obstacle, State, Vec3 } from "../src/types.ts";
+
+/** Numbers of [0, 1) by mulberry32. */
+export function generator(seed: number): () => number {
+  let state = seed;
+  return () => {
+    state = (state + 0x6d2b79f5) | 0;
+    let t = Math.imul(state ^ (state >>> 15), 1 | state);
+    t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
+    return ((t ^ (t >>> 14)) >>> 0) / 2 ** 32;
+  };
+}
+
+/** A state whose lengths are whole hundredths of a millimetre; its array is a preset. */
+export function randomState(random: () => number): State {
+  const below = (count: number) => Math.floor(random() * count);
+  const one = <T>(of: readonly T[]): T => of[below(of.length)];
+  const length = (least: number, most: number) =>
+    Math.round(1e5 * (least + random() * (most - least))) / 1e5 + 0;
+  const place = (): Vec3 => [length(-0.2, 0.2), length(-0.2, 0.2), length(0, 0.4)];
+  const kind = () => one(["rigid", "soft"] as const);
+  const obstacle = (): Obstacle =>
+    random() < 0.5
+      ? { center: place(), radius: length(0.001, 0.05), kind: kind() }
+      : { point: place(), normal: [random() - 0.5, random() - 0.5, random()], kind: kind() };
+  const points = Array.from({ length: 1 + below(64) }, place);
+  const frequency = 0.1 + random();
+  return {
+    array: one([
+      { preset: "autd3", tiles: [1 + below(8), 1 + below(8)] },
+      { preset: "openmpd_pair", tiles: [1, 1] },
+    ]),
+    quantization: one(["board", "none"]),
+    temperature: below(1200) / 10 - 60,
+    points,
+    pressures: random() < 0.5 ? null : points.map(() => (random() < 0.2 ? 0 : 5000 * random())),
+    methods: [one(["uniform", "greedy"]), one(["naive", "gspat"])],
+    signature: one(["", "trap", "twin", "vortex"]),
+    obstacles: Array.from({ length: below(3) }, obstacle),
+    ear: random() < 0.5 ? null : place(),
+    plane: {
+      z: length(0, 0.3),
+      size: length(0.01, 0.3),
+      center: random() < 0.5 ? [0, 0] : [length(-0.1, 0.1), length(-0.1, 0.1)],
+    },
+    view: one(VIEWS),
+    slot: one([0, 1]),
+    map: one(MAPS),
+    scale: one(SCALES),
+    path: one([
+      null,
+      { kind: "circle", radius: length(0.001, 0.05), frequency },
+      { kind: "line", length: length(0.001, 0.05), frequency },
+    ]),
+  };
+}

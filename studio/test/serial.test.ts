@@ -1,0 +1,224 @@
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { boardOf, connect, guard } from "../src/serial.ts";
+import type { Player, SerialBoard } from "../src/serial.ts";
+
+const SURFACE = { name: "sonicsurface", baud: 230400 };
+const SILENCE = Uint8Array.of(0, 0);
+
+beforeEach(() => void vi.useFakeTimers());
+afterEach(() => void vi.useRealTimers());
+
+/** A port that keeps what it is given; `fault` makes writes fail, hang or take so many ms. */
+function fakePort() {
+  const port = {
+    given: [] as number[][],
+    opened: 0,
+    closed: 0,
+    delay: 0,
+    fault: "" as "" | "throws" | "hangs" | "throws once",
+    writable: null as WritableStream<Uint8Array> | null,
+    unplug: () => {},
+    async open({ baudRate }: { baudRate: number }) {
+      port.opened = baudRate;
+      port.writable = stream();
+    },
+    async close() {
+      port.closed += 1;
+    },
+    addEventListener(_: "disconnect", listener: () => void) {
+      port.unplug = () => {
+        port.writable = null;
+        listener();
+      };
+    },
+  };
+  function stream(): WritableStream<Uint8Array> {
+    return new WritableStream({
+      async write(bytes) {
+        if (port.fault === "hangs") await new Promise(() => {});
+        if (port.fault.startsWith("throws")) {
+          port.fault = port.fault === "throws" ? "throws" : "";
+          port.writable = stream();
+          throw new Error("device\nlost");
+        }
+        await new Promise((done) => setTimeout(done, port.delay));
+        port.given.push([...bytes]);
+      },
+    });
+  }
+  return port;
+}
+
+async function begin(port = fakePort(), board: SerialBoard = SURFACE) {
+  const told: string[] = [];
+  const encode = async (drive: Float32Array) => {
+    if (drive[0] < 0) throw new Error("2 transducers: give 256");
+    return Uint8Array.from(drive);
+  };
+  const connected = connect(port, board, encode, SILENCE, (state, line) => told.push(line || state));
+  await vi.runAllTimersAsync();
+  return { port, told, player: await connected };
+}
+
+const drive = (...bytes: number[]) => Float32Array.from(bytes);
+
+test("silence goes first and last, and the newest drive between", async () => {
+  const { port, player, told } = await begin();
+  expect(port.opened).toBe(230400);
+  port.delay = 30;
+  player.play(drive(1, 1));
+  await vi.advanceTimersByTimeAsync(10);
+  for (const k of [2, 3, 4]) player.play(drive(k, k));
+  await vi.advanceTimersByTimeAsync(200);
+  expect(player.state).toBe("playing");
+  await vi.runAllTimersAsync();
+  const closed = player.close();
+  await vi.runAllTimersAsync();
+  await closed;
+  expect(port.given).toEqual([[0, 0], [1, 1], [4, 4], [0, 0]]);
+  expect(port.closed).toBe(1);
+  expect(told).toEqual(["playing", "off", "gone"]);
+});
+
+test("an Arduino is silenced once more when it has restarted", async () => {
+  const port = fakePort();
+  const connected = connect(port, { name: "mega64", baud: 115200 }, async () => SILENCE, SILENCE, () => {});
+  await vi.advanceTimersByTimeAsync(1900);
+  expect(port.given).toHaveLength(1);
+  await vi.advanceTimersByTimeAsync(200);
+  expect(port.given).toEqual([[0, 0], [0, 0]]);
+  expect((await connected).state).toBe("off");
+});
+
+test("off drops what waits, and nothing follows silence until it is asked for", async () => {
+  const { port, player } = await begin();
+  port.delay = 30;
+  player.play(drive(1));
+  await vi.advanceTimersByTimeAsync(5);
+  player.play(drive(2));
+  const silent = player.off();
+  await vi.runAllTimersAsync();
+  await silent;
+  expect(port.given).toEqual([[0, 0], [1], [0, 0]]);
+  player.play(drive(3));
+  await vi.runAllTimersAsync();
+  expect(port.given.at(-1)).toEqual([3]);
+});
+
+test("frames come no faster than the line carries them", async () => {
+  const { port, player } = await begin();
+  const frame = drive(...new Array<number>(230).fill(7));
+  for (let ms = 0; ms < 1000; ms += 1) {
+    player.play(frame);
+    await vi.advanceTimersByTimeAsync(1);
+  }
+  // 230 bytes of 10 bits are 10 ms at 230400 Bd; two more may be in the line, and one was silence.
+  expect(port.given.length).toBeGreaterThan(90);
+  expect(port.given.length).toBeLessThanOrEqual(103);
+});
+
+test("a drive that the board cannot play turns it off, in one line", async () => {
+  const { port, player, told } = await begin();
+  player.play(drive(1));
+  await vi.runAllTimersAsync();
+  player.play(drive(-1));
+  await vi.runAllTimersAsync();
+  expect(player.state).toBe("off");
+  expect(port.given).toEqual([[0, 0], [1], [0, 0]]);
+  expect(told.at(-1)).toBe("sonicsurface cannot play this (2 transducers: give 256): it is off");
+});
+
+test.each(["throws", "hangs"] as const)("a port that %s: that silence failed is told", async (fault) => {
+  const { port, player, told } = await begin();
+  player.play(drive(1));
+  await vi.runAllTimersAsync();
+  port.fault = fault;
+  const silent = player.off();
+  await vi.runAllTimersAsync();
+  await silent;
+  expect(player.state).toBe("gone");
+  const why = fault === "throws" ? "device lost" : "it takes nothing";
+  const cure = "the board may still play, switch its supply off and connect again";
+  expect(told.at(-1)).toBe(`the port of sonicsurface is gone (${why}): ${cure}`);
+  expect(port.closed).toBe(1);
+  player.play(drive(2));
+  await player.off();
+  await vi.runAllTimersAsync();
+  expect(port.given).toEqual([[0, 0], [1]]);
+});
+
+test("a frame that fails is followed by silence where the port still takes it", async () => {
+  const { port, player, told } = await begin();
+  port.fault = "throws once";
+  player.play(drive(1));
+  await vi.runAllTimersAsync();
+  expect(port.given).toEqual([[0, 0], [0, 0]]);
+  expect(player.state).toBe("gone");
+  expect(told.at(-1)).toContain("the board was turned off, connect again");
+});
+
+test("a board that is unplugged is told once", async () => {
+  const { port, player, told } = await begin();
+  port.unplug();
+  await vi.runAllTimersAsync();
+  expect(player.state).toBe("gone");
+  expect(told).toHaveLength(1);
+  expect(told[0]).toContain("gone (it was unplugged): the board may still play");
+});
+
+test("a port that cannot be opened is an error of one line", async () => {
+  const port = { ...fakePort(), open: () => Promise.reject(new Error("Failed to\nopen")) };
+  const opened = connect(port, SURFACE, async () => SILENCE, SILENCE, () => {});
+  await expect(opened).rejects.toThrow("the port of sonicsurface cannot be opened (Failed to open): plug");
+});
+
+test("a first silence that fails is a player that is gone", async () => {
+  const port = fakePort();
+  port.fault = "throws";
+  const { player, told } = await begin(port);
+  expect(player.state).toBe("gone");
+  expect(told).toHaveLength(1);
+});
+
+test("blur, a hidden or left page and Escape turn off, until that is ended", () => {
+  const off = vi.fn(async () => {});
+  const player: Player = { state: "playing", play: () => {}, off, close: off };
+  const window = new EventTarget();
+  const document = Object.assign(new EventTarget(), { hidden: false });
+  const key = (name: string) => Object.assign(new Event("keydown"), { key: name });
+  const end = guard(player, window, document);
+  const count = (event: Event, target: EventTarget) => {
+    off.mockClear();
+    target.dispatchEvent(event);
+    return off.mock.calls.length;
+  };
+  expect(count(new Event("blur"), window)).toBe(1);
+  expect(count(new Event("pagehide"), window)).toBe(1);
+  expect(count(key("Escape"), window)).toBe(1);
+  expect(count(key("a"), window)).toBe(0);
+  expect(count(new Event("visibilitychange"), document)).toBe(0);
+  document.hidden = true;
+  expect(count(new Event("visibilitychange"), document)).toBe(1);
+  end();
+  for (const event of [new Event("blur"), new Event("pagehide"), key("Escape")]) {
+    expect(count(event, window)).toBe(0);
+  }
+  expect(count(new Event("visibilitychange"), document)).toBe(0);
+});
+
+test("boards of presets, by the catalogue", () => {
+  const catalogue = [
+    "version\t1.0.0",
+    "preset\tautd3\tboards\t249\t1\tautd3",
+    "preset\tsonicsurface_pair\ttwo\t512\t0\tsonicsurface",
+    "preset\ttinylev\tcaps\t72\t0\t",
+    "preset\topenmpd_pair\ttwo\t512\t0\topenmpd",
+    "board\tautd3\tdevices\t249\t0",
+    "board\topenmpd\tboards\t256\t0",
+    "board\tsonicsurface\tboards\t256\t230400",
+  ].join("\n");
+  expect(boardOf(catalogue, "sonicsurface_pair")).toEqual(SURFACE);
+  for (const preset of ["autd3", "tinylev", "openmpd_pair", "other"]) {
+    expect(boardOf(catalogue, preset)).toBeNull();
+  }
+});
