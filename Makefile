@@ -187,7 +187,7 @@ pins: ## Pin what pyproject.toml asks for, names and versions only
 	$(BIN)/uv pip compile --quiet --universal --no-header --no-annotate --group dev --no-emit-index-url --output-file constraints.txt pyproject.toml
 	echo "uv==$$($(BIN)/uv --version | cut -d' ' -f2)" >> constraints.txt
 
-wheels: setup ## Wheels for Linux, x86-64 and 64-bit ARM, into dist (10 min)
+wheels: setup studio ## Wheels for Linux, x86-64 and 64-bit ARM, with the studio, into dist (15 min)
 	python/wheels.sh
 
 clean: ## Remove what was built
