@@ -99,7 +99,7 @@ test-boards: setup ## Boards: programs that play end in every way, 20 times each
 test-studio: setup studio ## The studio's page: types, tests, the package's side of it (built first)
 	$(call step,studio: types (10 s),cd studio && npx tsc --noEmit)
 	$(call step,studio: tests (1 min),cd studio && npx vitest run)
-	$(call step,studio: served and in notebooks (20 s),$(PYTHON) -m pytest python/tests/test_studio.py)
+	$(call step,studio: served and in notebooks (20 s),$(PYTHON) -m pytest python/tests/test_studio.py python/tests/test_view.py)
 
 lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
 	$(call step,lint: Rust is formatted (2 s),$(CARGO) fmt --check)
