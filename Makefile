@@ -19,7 +19,7 @@ TRIALS := 1000
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook setup demo capi install test test-rust test-python test-capi test-firmware embedded test-portable test-boards lint fuzz sanitize bench bench-capi bench-peers figures motion exposure measuring obstacles paper golden map header stubs pins wheels clean
+.PHONY: help outlook setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards test-studio lint fuzz sanitize bench bench-capi bench-peers figures motion exposure measuring obstacles paper golden map header stubs pins wheels clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -48,11 +48,19 @@ capi: ## Build the C library: libmidair.so and libmidair.a in target/release
 install: $(BUILT)/libmidair.so ## Install the C library: headers, libraries, midair.pc (PREFIX=/usr/local)
 	capi/install.sh $(BUILT) $(PREFIX)
 
+studio: studio/node_modules ## Build the studio's page, also for midair studio and notebooks (Node 20+, Debian's Rust packages)
+	$(call step,studio: the core for browsers (4 min),studio/door/build.sh)
+	$(call step,studio: page, single file and widget (30 s),cd studio && node build.mjs)
+
+studio/node_modules: studio/package.json
+	$(call step,studio: tools from npm (30 s),cd studio && npm install --no-package-lock --no-audit --no-fund)
+	touch $@
+
 $(BUILT)/libmidair.so:
 	$(MAKE) --no-print-directory capi
 
 test: outlook lint test-rust test-python ## The core's tests and the package's (the C library's: test-capi)
-	@echo; echo "== all passed. Left out: make test-capi (the C library, 6 min), test-firmware, test-boards, test-portable, fuzz, sanitize"
+	@echo; echo "== all passed. Left out: make test-capi (the C library, 6 min), test-studio, test-firmware, test-boards, test-portable, fuzz, sanitize"
 
 outlook:
 	@echo "make test: lint, the core's tests, the package's tests; half an hour on two cores, a third of it when built before."
@@ -87,6 +95,11 @@ test-portable: ## The core on 64-bit ARM and WebAssembly, emulated (Debian's pac
 
 test-boards: setup ## Boards: programs that play end in every way, 20 times each, and 10,000 frames a link (8 min)
 	MIDAIR_SLOW=1 $(PYTHON) -m pytest $(wildcard python/tests/test_boards*.py)
+
+test-studio: setup studio ## The studio's page: types, tests, the package's side of it (built first)
+	$(call step,studio: types (10 s),cd studio && npx tsc --noEmit)
+	$(call step,studio: tests (1 min),cd studio && npx vitest run)
+	$(call step,studio: served and in notebooks (20 s),$(PYTHON) -m pytest python/tests/test_studio.py python/tests/test_view.py)
 
 lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
 	$(call step,lint: Rust is formatted (2 s),$(CARGO) fmt --check)
@@ -174,9 +187,9 @@ pins: ## Pin what pyproject.toml asks for, names and versions only
 	$(BIN)/uv pip compile --quiet --universal --no-header --no-annotate --group dev --no-emit-index-url --output-file constraints.txt pyproject.toml
 	echo "uv==$$($(BIN)/uv --version | cut -d' ' -f2)" >> constraints.txt
 
-wheels: setup ## Wheels for Linux, x86-64 and 64-bit ARM, into dist (10 min)
+wheels: setup studio ## Wheels for Linux, x86-64 and 64-bit ARM, with the studio, into dist (15 min)
 	python/wheels.sh
 
 clean: ## Remove what was built
 	$(CARGO) clean
-	rm -rf .venv out bench/.envs core/tests/no_std/target python/midair/*.so
+	rm -rf .venv out bench/.envs core/tests/no_std/target python/midair/*.so studio/node_modules studio/built python/midair/studio/built

@@ -65,6 +65,7 @@ from .motion import Felt, Sequence, SequenceMetrics, sequence, stream
 from .picture import Picture, image
 from .plot import plot
 from .streaming import Streaming, streaming
+from .studio import View, view
 from .sweep import sweep
 from .tolerance import Kept, Tolerance, tolerate
 from .tuning import Tuning, tune
@@ -112,6 +113,7 @@ __all__ = [
     "Streaming",
     "Tolerance",
     "Tuning",
+    "View",
     "Wall",
     "bound",
     "calibrate",
@@ -139,5 +141,6 @@ __all__ = [
     "sweep",
     "tolerate",
     "tune",
+    "view",
     "write",
 ]

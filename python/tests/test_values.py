@@ -341,7 +341,7 @@ def test_metrics_are_a_dictionary() -> None:
     assert solution.metrics.asdict() == numbers(solution.metrics)
 
 
-SHOWN = ("board", "grid", "scene", "solution", "problem", "batch of", "solvers")
+SHOWN = ("board", "grid", "scene", "solution", "problem", "field", "batch of", "solvers")
 
 
 @pytest.mark.parametrize("kind", [kind for kind in VALUES if kind.startswith(SHOWN)])

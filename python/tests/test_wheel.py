@@ -9,6 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 BIN = Path(sys.executable).parent
+STUDIO = ROOT / "python" / "midair" / "studio" / "built"
 
 PROGRAM = """
 import sys, numpy as np, midair
@@ -43,6 +44,13 @@ def test_the_wheel_holds_the_package_and_no_tests(wheel: Path) -> None:
     for name in ("midair/__init__.py", "midair/cli/app.py", "midair/py.typed", "midair/_midair.pyi"):
         assert name in names
     assert not [name for name in names if "test" in name or "oracle" in name or name.startswith("python/")]
+
+
+@pytest.mark.skipif(not (STUDIO / "index.html").is_file(), reason="`make studio` has built nothing")
+def test_the_wheel_holds_the_studio(wheel: Path) -> None:
+    names = set(zipfile.ZipFile(wheel).namelist())
+    files = [path for path in STUDIO.rglob("*") if path.is_file()]
+    assert {f"midair/studio/built/{path.relative_to(STUDIO).as_posix()}" for path in files} <= names
 
 
 def test_the_wheel_works_with_nothing_but_numpy(wheel: Path, tmp_path: Path) -> None:

@@ -27,7 +27,7 @@ fn draw(root: &Path, folder: &str, map: &mut String) {
         assert!(known, "{}: begin with a line that says what is in it, ended by a full stop", path.display());
         writeln!(map, "  {:24} {line}", name(path)).expect("text");
     }
-    for path in paths.iter().filter(|path| path.is_dir() && !["tests", "__pycache__"].contains(&&*name(path))) {
+    for path in paths.iter().filter(|path| path.is_dir() && !["tests", "__pycache__", "built"].contains(&&*name(path))) {
         draw(root, &format!("{folder}/{}", name(path)), map);
     }
 }

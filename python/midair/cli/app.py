@@ -28,6 +28,7 @@ from .solve import solve_command
 from .solvers import solvers_command
 from .status import FAULT, INTERRUPTED, REFUSED, UNREAD, fault, one_line
 from .streams import abandon, prepare, tell
+from .studio import studio_command
 from .sweep import sweep_command
 from .tolerate import tolerate_command
 
@@ -54,6 +55,7 @@ app.command(ports_command, name="ports")
 app.command(play_command, name="play")
 app.command(off_command, name="off")
 app.command(export_command, name="export")
+app.command(studio_command, name="studio")
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
-from html import escape
 from typing import Any
 
 import numpy as np
@@ -131,8 +130,9 @@ class Frames:
         return f"<midair.{self._heading()}>"
 
     def _repr_html_(self) -> str:
-        rows = (f"<tr><th>{escape(name)}</th><td>{escape(told)}</td></tr>" for name, told in self._facts())
-        return f"<table>{''.join(rows)}</table>"
+        from ..notebook import sequence
+
+        return sequence(self, self._facts())
 
     def _facts(self) -> list[tuple[str, str]]:
         frames, count = self._targets.shape

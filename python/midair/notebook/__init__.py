@@ -1,13 +1,18 @@
-"""Tables for notebooks: arrays, scenes, solutions, batches and the list of solvers as HTML."""
+"""What notebooks show: arrays, scenes, solutions, fields, sequences and the list of solvers as HTML."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from html import escape
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ._midair import Array, Batch, Scene, Solution, SolverInfo
+from .._midair import Array, Batch, Field, Scene, Solution, SolverInfo
+from .above import above, trails
+
+if TYPE_CHECKING:
+    from ..motion.frames import Frames
 
 #: The most rows shown of a list of points or problems.
 MOST = 12
@@ -47,7 +52,7 @@ def array(array: Array) -> str:
 
 
 def scene(scene: Scene) -> str:
-    """A scene: its air, its array and its points."""
+    """A scene: its air, its array and its points, and where they are."""
     pressures, weights = scene.pressures, scene.weights
     rows = [
         (
@@ -66,17 +71,22 @@ def scene(scene: Scene) -> str:
         *([] if scene.solver is None else [("solver", scene.solver[0])]),
         *([("obstacles", str(scene.obstacles))] if scene.obstacles else []),
     )
-    return facts + _table(
+    table = _table(
         rows, ("point", "x / mm", "y / mm", "z / mm", "pressure / Pa", "weight"), len(scene.points)
     )
+    quiet = False if pressures is None else pressures == 0
+    return facts + table + above(scene.array, scene.points, quiet=quiet)
 
 
 def solution(solution: Solution) -> str:
-    """A solution: how it ended, how good it is, and what the points asked for and got."""
-    got = np.abs(solution.pressures)
+    """A solution: how it ended, how good it is, and what the points asked for and got.
+
+    In its picture the ring of a point is what it asked for, and the disc in it what it got.
+    """
+    got, targets = np.abs(solution.pressures), solution.targets
     rows = [
         (k, f"{target:.4g}", f"{pressure:.4g}", f"{pressure / target:.3f}" if target else "quiet")
-        for k, (target, pressure) in enumerate(zip(solution.targets[:MOST], got, strict=False))
+        for k, (target, pressure) in enumerate(zip(targets[:MOST], got, strict=False))
     ]
     facts = _facts(
         ("midair.Solution", f"{solution.solver}, {solution.status}, {solution.steps} steps"),
@@ -84,7 +94,33 @@ def solution(solution: Solution) -> str:
         *([] if solution.scale == 1 else [("scale", f"{solution.scale:.4f}")]),
         ("time", f"{1e3 * solution.elapsed:.4g} ms"),
     )
-    return facts + _table(rows, ("point", "asked / Pa", "got / Pa", "part"), len(got))
+    table = _table(rows, ("point", "asked / Pa", "got / Pa", "part"), len(got))
+    if solution.scene is None:
+        return facts + table
+    part = got / np.where(targets > 0, targets, np.inf)
+    return facts + table + above(solution.scene.array, solution.scene.points, quiet=targets == 0, got=part)
+
+
+def field(field: Field) -> str:
+    """A field: where it is, how loud, and its picture where it has a plane."""
+    loudest = f"{np.abs(field.pressure).max():.4g}{'' if field.scene.in_paper_unit else ' Pa'}"
+    if field.plane is None:
+        return _facts(("midair.Field", f"at {field.pressure.size} points"), ("loudest", loudest))
+    from .picture import picture
+
+    plane, panels = field.plane, len(field.panels)
+    return _facts(
+        ("midair.Field", f"{plane.pixels} x {plane.pixels} places"),
+        ("plane", f"{plane.axis} = {1e3 * plane.at:.4g} mm, {1e3 * plane.size:.4g} mm wide"),
+        *([("further planes", f"{panels - 1}, in field.panels")] if panels > 1 else []),
+        ("loudest", loudest),
+        *([] if field.solution is None else [("solver", field.solution.solver)]),
+    ) + picture(field)
+
+
+def sequence(sequence: Frames, facts: Iterable[tuple[str, object]]) -> str:
+    """A sequence: its facts, and the ways of its points."""
+    return _facts(*facts) + trails(sequence.array, sequence.points, sequence.closed)
 
 
 def batch(batch: Batch) -> str:

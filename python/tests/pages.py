@@ -1,0 +1,45 @@
+"""A built page of a few bytes, and what a page tells Python."""
+
+from pathlib import Path
+
+import midair
+
+FILES = {
+    "index.html": b"<!doctype html><title>midair</title>",
+    "assets/index-1.js": b"export {};",
+    "assets/index-1.css": b"body{}",
+    "midair.wasm": b"\0asm\1\0\0\0",
+    "widget.mjs": b"export default { render() {} };",
+}
+
+#: What the page tells Python: studio/src/types.ts.
+STATE = {
+    "array": {"preset": "autd3", "tiles": [2, 2]},
+    "quantization": "board",
+    "temperature": 25,
+    "points": [[0.01, 0, 0.18], [-0.02, 0.03, 0.15]],
+    "pressures": None,
+    "methods": ["uniform", "naive"],
+    "signature": "",
+    "obstacles": [],
+    "ear": None,
+    "plane": {"z": 0.18, "size": 0.18, "center": [0, 0]},
+    "view": "both",
+    "slot": 0,
+    "map": "viridis",
+    "scale": "linear",
+    "path": None,
+}
+
+
+def autd3(**scene) -> midair.Scene:
+    return midair.Scene(midair.Array.preset("autd3"), scene.pop("points", [[0, 0, 0.15]]), **scene)
+
+
+def build(folder: Path) -> Path:
+    """Writes the files of a page into a folder."""
+    for name, content in FILES.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+    return folder

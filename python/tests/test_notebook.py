@@ -1,0 +1,103 @@
+"""Pictures in notebooks: what they show, how large they are, and what they load."""
+
+import base64
+import re
+import subprocess
+import sys
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import midair
+from midair.notebook.above import MOST_DOTS
+from scenes import small
+
+#: What a picture may take of a notebook, in letters.
+MOST = 40_000
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+LOADS_NO_MATPLOTLIB = """
+import sys, midair
+scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15], [0.03, 0, 0.15]], pressures=900.0)
+assert "<svg" in scene._repr_html_() + midair.solve(scene)._repr_html_()
+assert "matplotlib" not in sys.modules
+"""
+
+
+def drawn(html: str) -> ElementTree.Element:
+    """The one SVG of what a notebook shows."""
+    (text,) = re.findall(r"<svg.*</svg>", html)
+    return ElementTree.fromstring(text)
+
+
+def rings(picture: ElementTree.Element) -> dict[str, list[tuple[int, int]]]:
+    """Where the rings are, by colour."""
+    groups = [group for group in picture.iter(f"{SVG}g") if group.get("fill") == "none"]
+    return {
+        group.get("stroke", ""): [(int(ring.get("cx", "")), int(ring.get("cy", ""))) for ring in group]
+        for group in groups
+    }
+
+
+def test_scenes_show_their_points_from_above() -> None:
+    points = [[-0.03, 0.03, 0.1], [0.03, 0.03, 0.2], [0, -0.03, 0.1]]
+    picture = drawn(small(points=points, pressures=[1, 2, 0])._repr_html_())
+    loud, quiet = rings(picture).values()
+    assert len(loud) == 2
+    assert len(quiet) == 1
+    (left, right), (low,) = loud, quiet
+    assert left[0] < low[0] < right[0]
+    assert left[1] == right[1] < low[1], "y is up"
+    (path,) = picture.iter(f"{SVG}path")
+    assert path.get("d", "").count("h0") == 64
+
+
+def test_discs_are_what_the_points_got() -> None:
+    solution = midair.solve(small(pressures=[900, 900, 0, 900]), "naive")
+    picture = drawn(solution._repr_html_())
+    (discs,) = [group for group in picture.iter(f"{SVG}g") if group.get("fill") != "none"]
+    radii = [int(disc.get("r", "")) for disc in discs]
+    part = np.abs(solution.pressures[[0, 1, 3]]) / 900
+    assert radii == pytest.approx(22 * np.clip(part, 0, 1.5), abs=0.51)
+
+
+def test_large_arrays_keep_their_shape_and_are_small() -> None:
+    array = midair.Array.grid(150, 100, 0.01)
+    html = midair.Scene(array, [[0, 0, 0.15]])._repr_html_()
+    assert len(html) < MOST
+    (path,) = drawn(html).iter(f"{SVG}path")
+    assert 500 < path.get("d", "").count("h0") < 2 * MOST_DOTS
+    assert len(midair.Scene(midair.Array([[0, 0, 0]]), [[0, 0, 0.1]])._repr_html_()) < 2000
+
+
+def test_sequences_show_the_ways_of_their_points() -> None:
+    angle = np.linspace(0, 2 * np.pi, 3000, endpoint=False)
+    ways = [np.stack([r * np.cos(angle), r * np.sin(angle), 0 * angle + 0.1], axis=1) for r in (0.01, 0.02)]
+    array = midair.Array.grid(5, 5, 0.01)
+    drives = np.ones((3000, 25), np.complex64)
+    for closed, kind in ((True, "polygon"), (False, "polyline")):
+        sequence = midair.Sequence(array, np.stack(ways, axis=1), 100.0, drives, rate=1e3, closed=closed)
+        html = sequence._repr_html_()
+        assert len(html) < MOST
+        assert len(list(drawn(html).iter(f"{SVG}{kind}"))) == 2
+
+
+def test_fields_show_a_picture() -> None:
+    from midair.notebook import field
+
+    scene = small()
+    made = midair.field(scene, midair.solve(scene))
+    html = field(made)
+    (text,) = re.findall(r'src="data:image/png;base64,([^"]+)"', html)
+    assert base64.b64decode(text).startswith(b"\x89PNG")
+    assert len(html) < MOST
+    assert "further planes" in html
+    at = field(midair.field(scene, np.ones(64), scene.points))
+    assert "at 4 points" in at
+    assert "<img" not in at
+
+
+def test_only_fields_load_matplotlib() -> None:
+    subprocess.run([sys.executable, "-c", LOADS_NO_MATPLOTLIB], check=True)
