@@ -19,7 +19,9 @@ const policy = (script, style, connect) =>
   `style-src ${style}; img-src 'self' data: blob:; connect-src ${connect}; worker-src blob:; base-uri 'none'; form-action 'none'" />`;
 const withPolicy = (html, ...sources) => html.replace("<head>", `<head>\n    ${policy(...sources)}`);
 
-await page(`${out}/site`, { assetsInlineLimit: 0 });
+// The wasm keeps its name: the notebook's widget is given the same file.
+const assetFileNames = ({ names }) => (names[0]?.endsWith(".wasm") ? "[name][extname]" : "assets/[name]-[hash][extname]");
+await page(`${out}/site`, { assetsInlineLimit: 0, rolldownOptions: { output: { assetFileNames } } });
 const index = `${out}/site/index.html`;
 await writeFile(index, withPolicy(await readFile(index, "utf8"), "'self'", "'self'", "'self'"));
 
@@ -47,7 +49,6 @@ await rm(shipped, { recursive: true, force: true });
 await mkdir(shipped, { recursive: true });
 await cp(`${out}/site`, shipped, { recursive: true });
 await cp(`${out}/widget.mjs`, `${shipped}/widget.mjs`);
-await cp(`${out}/midair.wasm`, `${shipped}/midair.wasm`);
 
 const kilobytes = async (file) => (gzipSync(await readFile(file), { level: 9 }).length / 1000).toFixed(1);
 for (const file of ["midair.wasm", "widget.mjs", "studio.html"]) {

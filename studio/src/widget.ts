@@ -8,6 +8,7 @@ import { weakest } from "./numbers.ts";
 import { createPage, type Manner, type Page } from "./page.ts";
 import SolveWorker from "./solve.worker.ts?worker&inline";
 import { createStudio, type Studio } from "./studio.ts";
+import type { State } from "./types.ts";
 
 /** What anywidget hands over. */
 interface Model {
@@ -24,11 +25,14 @@ async function render({ model, el }: { model: Model; el: HTMLElement }): Promise
   sheet.textContent = style;
   const root = document.createElement("div");
   shadow.append(sheet, root);
-  const bytes = model.get("wasm") as DataView<ArrayBuffer>;
+  const { buffer, byteOffset, byteLength } = model.get("wasm") as DataView<ArrayBuffer>;
+  // Compilers take no DataView.
+  const bytes = new Uint8Array(buffer, byteOffset, byteLength);
   const warm = JSON.stringify(sceneOf({ ...initial, array: { preset: "paper20", tiles: [1, 1] } }, 0));
   const engine: Engine = await startEngine(() => new SolveWorker(), bytes, warm);
-  const read = async () => stateOf(JSON.parse(await engine.slow.read(model.get("scene") as string, false)), initial);
-  const studio: Studio = createStudio(engine, await read());
+  const read = async (before: State) =>
+    stateOf(JSON.parse(await engine.slow.read(model.get("scene") as string, false)), before);
+  const studio: Studio = createStudio(engine, await read(initial));
   const manner: Manner = {
     language: "en",
     theme: matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light",
@@ -52,7 +56,7 @@ async function render({ model, el }: { model: Model; el: HTMLElement }): Promise
     model.save_changes();
   });
   const changed = () => {
-    read().then((state) => studio.change(state), (error: Error) => page.alarm(error.message));
+    read(studio.view.state).then((state) => studio.change(state), (error: Error) => page.alarm(error.message));
   };
   model.on("change:scene", changed);
   return () => {

@@ -19,7 +19,7 @@ export const WORDS = {
   exportPicture: ["Export picture", "画像を書き出し (export)"],
   scene: ["Scene", "シーン"],
   drive: ["Drive", "駆動"],
-  picture: ["PNG", "PNG"],
+  picture: ["Picture", "画像"],
   share: ["Share link", "リンクを共有"],
   shared: ["The link is in the clipboard", "リンクをコピーしました"],
   connect: ["Connect a board", "基板に接続 (connect)"],
