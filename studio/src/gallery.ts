@@ -103,7 +103,7 @@ export const gallery: Example[] = [
       points: [[-0.02, 0, 0], [0.02, 0.01, 0], [0, -0.03, 0]],
       signature: "trap",
       methods: ["uniform", "naive"],
-      plane: { z: 0, size: 0.1, center: [0, 0] },
+      plane: { z: 0.0022, size: 0.1, center: [0, 0] },
     },
   },
   {

@@ -17,6 +17,7 @@ export function lookOf({ state, results, frame }: View): Look {
     const { values } = lattice;
     for (let k = 0; k < values.length; k += 2) most = Math.max(most, values[k] ** 2 + values[k + 1] ** 2);
   }
-  const top = Math.max(loudest, Math.min(Math.sqrt(most), MOST * loudest));
+  // Of a trap the points are dark: what they are asked for stands beside them.
+  const top = state.signature ? Math.sqrt(most) : Math.max(loudest, Math.min(Math.sqrt(most), MOST * loudest));
   return { map: state.map, scale: state.scale, top: top || 1 };
 }

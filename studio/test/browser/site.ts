@@ -21,6 +21,7 @@ export const built = join(here, "../../built");
 const TYPES: Record<string, string> = {
   ".html": "text/html; charset=utf-8",
   ".js": "text/javascript",
+  ".mjs": "text/javascript",
   ".css": "text/css",
   ".wasm": "application/wasm",
 };
@@ -29,14 +30,15 @@ const POLICY =
   "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' data: blob:; " +
   "connect-src 'self'; worker-src blob:; base-uri 'none'; form-action 'none'";
 
-/** Serves a folder; the address, and how to end it. */
-export async function serve(folder: string): Promise<{ url: string; close(): void }> {
+/** Serves a folder, by a strict policy or none; the address, and how to end it. */
+export async function serve(folder: string, strict = true): Promise<{ url: string; close(): void }> {
   const server = createServer(async (request, answer) => {
     const name = normalize(new URL(request.url!, "http://x").pathname);
     const file = join(folder, name === "/" ? "index.html" : name);
     if (!existsSync(file)) return void answer.writeHead(404).end();
     const type = TYPES[extname(file)] ?? "application/octet-stream";
-    answer.writeHead(200, { "Content-Type": type, "Content-Security-Policy": POLICY }).end(await readFile(file));
+    const policy = strict ? { "Content-Security-Policy": POLICY } : {};
+    answer.writeHead(200, { "Content-Type": type, ...policy }).end(await readFile(file));
   });
   await new Promise<void>((done) => server.listen(0, "127.0.0.1", done));
   const { port } = server.address() as AddressInfo;

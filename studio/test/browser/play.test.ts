@@ -1,0 +1,69 @@
+// A board through a port that the browser is given: silence first, frames while it plays, silence by Escape and blur.
+import type { Browser, Page } from "playwright-core";
+import { afterAll, beforeAll, expect, test } from "vitest";
+
+import { built, launch, serve, visit } from "./site.ts";
+
+let browser: Browser;
+let site: { url: string; close(): void };
+
+beforeAll(async () => {
+  site = await serve(`${built}/site`);
+  browser = await launch();
+});
+afterAll(async () => {
+  await browser?.close();
+  site?.close();
+});
+
+/** A port that keeps what it is given, in place of the browser's own. */
+async function withPort(page: Page) {
+  await page.evaluate(() => {
+    const given: number[][] = [];
+    const port = {
+      open: async ({ baudRate }: { baudRate: number }) => void given.push([baudRate]),
+      close: async () => undefined,
+      addEventListener: () => undefined,
+      writable: new WritableStream<Uint8Array>({ write: (bytes) => void given.push([...bytes]) }),
+    };
+    Object.assign(window, { given });
+    Object.defineProperty(navigator, "serial", { value: { requestPort: async () => port }, configurable: true });
+  });
+}
+
+const given = (page: Page) => page.evaluate(() => (window as unknown as { given: number[][] }).given);
+
+test("a SonicSurface plays, and is off by Escape and blur", async () => {
+  const { page, context } = await visit(browser, `${site.url}#v=1&a=sonicsurface&p=0,0,150`);
+  await withPort(page);
+  await page.getByRole("button", { name: /connect/i }).click();
+  await expect.poll(async () => (await given(page)).length, { timeout: 20_000 }).toBeGreaterThanOrEqual(3);
+  const [[baud], silence, frame] = await given(page);
+  expect(baud).toBe(230400);
+  expect(frame).not.toEqual(silence);
+  expect(frame.length).toBeGreaterThan(256);
+  const off = page.getByRole("button", { name: /play/i });
+  for (const act of [
+    () => page.keyboard.press("Escape"),
+    () => page.evaluate(() => window.dispatchEvent(new Event("blur"))),
+  ]) {
+    await act();
+    await expect.poll(async () => (await given(page)).at(-1), { timeout: 10_000 }).toEqual(silence);
+    await off.click();
+    await expect.poll(async () => (await given(page)).at(-1), { timeout: 10_000 }).toEqual(frame);
+  }
+  await page.getByRole("button", { name: /^Point 1:/ }).focus();
+  await page.keyboard.press("ArrowRight");
+  await expect.poll(async () => (await given(page)).at(-1), { timeout: 10_000 }).not.toEqual(frame);
+  await off.click();
+  await expect.poll(async () => (await given(page)).at(-1), { timeout: 10_000 }).toEqual(silence);
+  await context.close();
+});
+
+test("an array that no serial board plays is told so", async () => {
+  const { page, context } = await visit(browser, site.url);
+  await withPort(page);
+  await page.getByRole("button", { name: /connect/i }).click();
+  expect(await page.getByRole("alert").innerText()).toContain("sonicsurface");
+  await context.close();
+});
