@@ -96,10 +96,11 @@ test-portable: ## The core on 64-bit ARM and WebAssembly, emulated (Debian's pac
 test-boards: setup ## Boards: programs that play end in every way, 20 times each, and 10,000 frames a link (8 min)
 	MIDAIR_SLOW=1 $(PYTHON) -m pytest $(wildcard python/tests/test_boards*.py)
 
-test-studio: setup studio ## The studio's page: types, tests, the package's side of it (built first)
+test-studio: setup studio ## The studio: types, tests, the package's side, and a browser (Node 20+, Debian's chromium; 10 min)
 	$(call step,studio: types (10 s),cd studio && npx tsc --noEmit)
 	$(call step,studio: tests (1 min),cd studio && npx vitest run)
 	$(call step,studio: served and in notebooks (20 s),$(PYTHON) -m pytest python/tests/test_studio.py python/tests/test_view.py)
+	$(call step,studio: in a browser (4 min),cd studio && npx vitest run --config vite.browser.ts)
 
 lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
 	$(call step,lint: Rust is formatted (2 s),$(CARGO) fmt --check)
