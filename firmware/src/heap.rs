@@ -6,8 +6,8 @@ use core::sync::atomic::{AtomicUsize, Ordering};
 
 use embedded_alloc::LlffHeap;
 
-/// Bytes of it: enough for `uniform` at 256 transducers and 8 points.
-const SIZE: usize = 160 << 10;
+/// Bytes of it: enough for `uniform` at 256 transducers and 8 points; of a chip of 128 kB the half.
+const SIZE: usize = if cfg!(feature = "stm32f407") { 64 << 10 } else { 160 << 10 };
 
 static mut MEMORY: [MaybeUninit<u8>; SIZE] = [MaybeUninit::uninit(); SIZE];
 
