@@ -1,7 +1,7 @@
 """What mkdocs calls while it builds the book: pages from elsewhere join those of docs/, and links find them.
 
-Pages of docs/ link to files of the repository as GitHub shows them, `../CHANGELOG.md`. On the site such a file
-is a page under `repository/`, with those that it links to.
+Pages of docs/ link to files of the repository as GitHub shows them, `../CHANGELOG.md`. On the site such a
+file is a page under `repository/`, with those that it links to.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def place(path: str) -> str:
 
 
 def outside(target: str, page: str) -> str | None:
-    """The file or folder of the repository that a link leads to, if it is none that mkdocs finds by itself."""
+    """The file or folder of the repository that a link leads to, if mkdocs does not find it by itself."""
     path = posixpath.normpath(posixpath.join(posixpath.dirname(home(page)), target))
     at_home = not page.startswith("repository/") and path.startswith("docs/") and (ROOT / path).is_file()
     return path if (ROOT / path).exists() and not at_home else None

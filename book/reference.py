@@ -72,7 +72,7 @@ def python() -> Iterator[tuple[str, str]]:
 
 
 def command_line() -> str:
-    """Every command with every option, from what `--help` is made of; its list of contents is the site's own."""
+    """Every command with every option, from what `--help` is made of; the contents are the site's own."""
     text = app.generate_docs(output_format="markdown")
     before, rest = text.split("## Table of Contents", 1)
     _, commands = rest.split("**Commands**", 1)
