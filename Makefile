@@ -19,7 +19,7 @@ TRIALS := 1000
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook setup demo capi install test test-rust test-python test-capi test-firmware embedded test-portable test-boards lint fuzz sanitize bench bench-capi bench-peers figures motion exposure measuring obstacles paper docs golden map header stubs pins wheels clean
+.PHONY: help outlook setup demo capi install test test-rust test-python test-capi test-firmware embedded test-portable test-boards lint fuzz sanitize bench bench-capi bench-peers figures motion exposure measuring obstacles paper docs schema golden map header stubs pins wheels clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -170,6 +170,9 @@ book/.venv/ready: book/requirements.txt .venv/ready
 	echo "import site; site.addsitedir('$$(echo $(CURDIR)/.venv/lib/python*/site-packages)')" \
 		> "$$(echo $(@D)/lib/python*/site-packages)/midair.pth"
 	touch $@
+
+schema: ## Write docs/scene.schema.json anew, from core/src/files/schema.rs
+	python3 book/schema.py
 
 map: ## Write the map in CONTRIBUTING.md anew
 	MIDAIR_MAP=write $(CARGO) test --quiet -p midair --features scene-file,parallel --test suite map

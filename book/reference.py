@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import midair
+import schema
 from midair.cli.app import app
 
 #: Every public name of the package, a page a theme: file, title, what it is about, names.
@@ -83,3 +84,4 @@ def pages() -> Iterator[tuple[str, str]]:
     """All of them: where they are in the site, and their Markdown."""
     yield from python()
     yield "reference/command-line.md", command_line()
+    yield "reference/scene-file.md", schema.page()
