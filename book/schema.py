@@ -95,7 +95,8 @@ def page() -> str:
         "# Scene file\n",
         "Every key of a scene file, TOML or JSON, as the core knows them.",
         "[Conventions](../conventions.md#files) has a file to begin with and the rules;",
-        "[an editor](../editors.md) checks and completes keys by [scene.schema.json](../scene.schema.json).\n",
+        "[an editor](../editors.md) checks and completes keys by",
+        "[scene.schema.json](../scene.schema.json).\n",
     ]
     for table, keys in tables().items():
         lines += [
