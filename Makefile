@@ -159,9 +159,9 @@ paper: setup ## Make the paper's figures anew (TRIALS=1000) and docs/paper.md fr
 	$(PYTHON) -m midair.reproduce.page out/paper docs
 
 docs: setup book/.venv/ready ## Build the book, the documentation as a site: out/site/index.html
-	$(call step,book: built, warnings are errors (1 min),NO_MKDOCS_2_WARNING=1 book/.venv/bin/mkdocs build --quiet --strict --config-file book/mkdocs.yml)
+	$(call step,book: built where nothing warns (10 s),NO_MKDOCS_2_WARNING=1 book/.venv/bin/mkdocs build --quiet --strict --config-file book/mkdocs.yml)
 	$(call step,book: every link followed (5 s),$(PYTHON) book/links.py out/site)
-	@echo; echo "Open $(CURDIR)/out/site/index.html, or: book/.venv/bin/mkdocs serve --config-file book/mkdocs.yml"
+	@echo; echo "Open $(CURDIR)/out/site/index.html. Its search needs a server: python3 -m http.server --directory out/site"
 
 # The generator's libraries are its own; midair and what it needs are looked up in .venv behind them.
 book/.venv/ready: book/requirements.txt .venv/ready

@@ -58,6 +58,14 @@ PYTHON = [
 ]
 
 
+def entry(name: str) -> str:
+    """A public name, looked up where it is defined: `midair.compare` is also the name of a file."""
+    thing = getattr(midair, name)
+    home = getattr(thing, "__module__", "midair._")
+    path = f"midair.{name}" if home.startswith("midair._") else f"{home}.{thing.__qualname__}"
+    return f"::: {path}\n    options:\n      heading: midair.{name}\n      toc_label: {name}"
+
+
 def python() -> Iterator[tuple[str, str]]:
     """A page a theme. A public name that is on none of them, or on two, is an error."""
     listed = [name for *_, names in PYTHON for name in names.split()]
@@ -68,7 +76,7 @@ def python() -> Iterator[tuple[str, str]]:
         )
     for file, title, about, names in PYTHON:
         blocks = [f"# {title}\n\n{about} Units and shapes: [conventions](../../conventions.md)."]
-        blocks += [f"::: midair.{name}" for name in names.split()]
+        blocks += [entry(name) for name in names.split()]
         yield f"reference/python/{file}.md", "\n\n".join(blocks) + "\n"
 
 
