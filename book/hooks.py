@@ -81,3 +81,9 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
         return posixpath.relpath(place(path), posixpath.dirname(here)) if path else link[1]
 
     return TARGET.sub(moved, markdown)
+
+
+def on_post_page(output: str, **_: Any) -> str:
+    """Names the search, which the theme gives a role and no name for those who hear the page."""
+    search = 'data-md-component="search" role="dialog"'
+    return output.replace(search, f'{search} aria-label="Search"')
