@@ -19,7 +19,7 @@ TRIALS := 1000
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards test-studio lint fuzz sanitize bench bench-capi bench-peers figures motion exposure measuring obstacles paper golden map header stubs pins wheels clean
+.PHONY: help outlook setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards test-studio lint fuzz sanitize bench bench-capi bench-peers figures motion exposure measuring obstacles paper docs schema golden map header stubs pins wheels clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -108,8 +108,8 @@ lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
 	$(call step,lint: clippy on the extension (30 s),$(CARGO) clippy --all-targets -p midair-python -- -D warnings)
 	$(call step,lint: clippy on the C library (30 s),$(CARGO) clippy --all-targets --no-deps -p midair-capi -- -D warnings)
 	$(call step,lint: the core's documentation (5 s),RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps $(CORE))
-	$(call step,lint: Python (2 s),$(BIN)/ruff check python capi bench firmware fuzz examples)
-	$(call step,lint: Python is formatted (2 s),$(BIN)/ruff format --check python capi bench firmware fuzz examples)
+	$(call step,lint: Python (2 s),$(BIN)/ruff check python capi bench book firmware fuzz examples)
+	$(call step,lint: Python is formatted (2 s),$(BIN)/ruff format --check python capi bench book firmware fuzz examples)
 
 fuzz: fuzz/.tools/bin/cargo-fuzz fuzz/.venv/ready ## Guided fuzzing, recorded (TIME=60 seconds or RUNS a target, TARGETS="scene solve")
 	nice -n 19 $(PYTHON) fuzz/run.py --time $(TIME) --runs $(RUNS) $(TARGETS)
@@ -172,6 +172,22 @@ paper: setup ## Make the paper's figures anew (TRIALS=1000) and docs/paper.md fr
 	OPENBLAS_NUM_THREADS=1 $(BIN)/midair reproduce all --trials $(TRIALS) --output out/paper
 	$(PYTHON) -m midair.reproduce.page out/paper docs
 
+docs: setup book/.venv/ready ## Build the book, the documentation as a site: out/site/index.html
+	$(call step,book: built where nothing warns (10 s),NO_MKDOCS_2_WARNING=1 book/.venv/bin/mkdocs build --quiet --strict --config-file book/mkdocs.yml)
+	$(call step,book: every link followed (5 s),$(PYTHON) book/links.py out/site)
+	@echo; echo "Open $(CURDIR)/out/site/index.html. Its search needs a server: python3 -m http.server --directory out/site"
+
+# The generator's libraries are its own; midair and what it needs are looked up in .venv behind them.
+book/.venv/ready: book/requirements.txt .venv/ready
+	$(BIN)/uv venv --quiet --clear --python $(PYTHON) $(@D)
+	$(BIN)/uv pip install --quiet --python $(@D)/bin/python --requirements $<
+	echo "import site; site.addsitedir('$$(echo $(CURDIR)/.venv/lib/python*/site-packages)')" \
+		> "$$(echo $(@D)/lib/python*/site-packages)/midair.pth"
+	touch $@
+
+schema: ## Write docs/scene.schema.json anew, from core/src/files/schema.rs
+	python3 book/schema.py
+
 map: ## Write the map in CONTRIBUTING.md anew
 	MIDAIR_MAP=write $(CARGO) test --quiet -p midair --features scene-file,parallel --test suite map
 
@@ -186,6 +202,7 @@ golden: ## Write golden/ anew (a breaking change: say so in CHANGELOG.md)
 
 pins: ## Pin what pyproject.toml asks for, names and versions only
 	$(BIN)/uv pip compile --quiet --universal --no-header --no-annotate --group dev --no-emit-index-url --output-file constraints.txt pyproject.toml
+	$(BIN)/uv pip compile --quiet --universal --no-header --no-annotate --group docs --no-emit-index-url --output-file book/requirements.txt
 	echo "uv==$$($(BIN)/uv --version | cut -d' ' -f2)" >> constraints.txt
 
 wheels: setup studio ## Wheels for Linux, x86-64 and 64-bit ARM, with the studio, into dist (15 min)

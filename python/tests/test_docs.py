@@ -18,7 +18,11 @@ from sane import columns, printed, sane, written
 ROOT = Path(__file__).parents[2]
 #: Commands for a cluster (test_cluster.py has one) and for minutes.
 TOO_BIG = ("--scheduler", "dataset.toml")
-PAGES = [ROOT / "README.md", *sorted(ROOT.joinpath("docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", *sorted(ROOT.joinpath("docs").rglob("*.md"))]
+
+
+def named(page: Path) -> str:
+    return page.relative_to(ROOT).with_suffix("").as_posix()
 
 
 def blocks(page: Path, language: str) -> list[str]:
@@ -43,7 +47,7 @@ def test_everything_public_has_a_docstring() -> None:
             assert attribute.startswith("_") or getattr(value, "__doc__", None), f"{name}.{attribute}"
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", PAGES, ids=named)
 def test_python_blocks_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import matplotlib as mpl
 
@@ -55,11 +59,11 @@ def test_python_blocks_run(page: Path, tmp_path: Path, monkeypatch: pytest.Monke
     for k, block in enumerate(found):
         exec(compile(block, str(page), "exec"), names)
         shown = {name: value for name, value in names.items() if not name.startswith("__")}
-        where = f"{page.name}, example {k + 1}"
+        where = f"{named(page)}, example {k + 1}"
         assert sane(shown, where), f"{where}: no answer to look at"
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", PAGES, ids=named)
 def test_scene_files_are_solved(page: Path, tmp_path: Path) -> None:
     found = [block for block in blocks(page, "toml") if "[array]" in block and "[[solver]]" not in block]
     assert found or page.name not in {"README.md", "conventions.md"}
@@ -69,7 +73,7 @@ def test_scene_files_are_solved(page: Path, tmp_path: Path) -> None:
         assert sane(midair.solve(midair.Scene.load(path)), f"scene file of {page.name}")
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", PAGES, ids=named)
 def test_commands_run(page: Path, tmp_path: Path) -> None:
     for block in blocks(page, "toml"):
         name = "sweep.toml" if "[[solver]]" in block else "scene.toml"

@@ -1,0 +1,115 @@
+"""The JSON Schema of a scene file, from the core's own table of its keys: `make schema`."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[1]
+SOURCE = ROOT / "core" / "src" / "files" / "schema.rs"
+SCHEMA = ROOT / "docs" / "scene.schema.json"
+
+#: Every key with what it is, for the editor that shows it.
+MEANING = json.loads((Path(__file__).parent / "keys.json").read_text())
+#: Lists of any length whose example is as long as a place in space.
+FREE = {"array.quantization.amplitudes"}
+#: Tables that may be written once or many times.
+REPEATED = {"shape", "image"}
+
+
+def tables() -> dict[str, dict[str, Any]]:
+    """The core's table: path of a table, and its keys with an example each."""
+    text = SOURCE.read_text().split("const TABLES", 1)[1].split("];\n", 1)[0]
+    found: dict[str, dict[str, Any]] = {}
+    # A table's path comes before its keys; a key before its example, a plain or a raw string.
+    entry = r'\(\s*"([^"]*)",\s*&\[|\("(\w+)", (?:r#"(.*?)"#|"([^"]*)")\)'
+    table = ""
+    for path, key, raw, plain in re.findall(entry, text, re.DOTALL):
+        table = table if key else path
+        if key:
+            found.setdefault(table, {})[key] = json.loads(raw or plain)
+    return found
+
+
+def of_value(example: Any, free: bool) -> dict[str, Any]:
+    """The type of a value like the example; the innermost list of numbers has its length, unless free."""
+    if isinstance(example, bool):
+        return {"type": "boolean"}
+    if isinstance(example, str):
+        return {"type": "string"}
+    if isinstance(example, int | float):
+        return {"type": "integer" if isinstance(example, int) else "number"}
+    inner = of_value(example[0], free)
+    if free or inner["type"] not in ("number", "integer"):
+        return {"type": "array", "items": inner}
+    return {"type": "array", "items": inner, "minItems": len(example), "maxItems": len(example)}
+
+
+def of_key(path: str, example: Any, of_table: Callable[[str], dict[str, Any] | None]) -> dict[str, Any]:
+    """The schema of a key, whose value may be a table, tables, or a plain value."""
+    if path == "array.directivity":
+        parameter = {"type": "object", "additionalProperties": {"type": "number"}, "maxProperties": 1}
+        return {"anyOf": [{"type": "string"}, parameter]}
+    one, many = of_table(path), of_table(f"{path}[]")
+    if many:
+        listed = {"type": "array", "items": many}
+        return {"anyOf": [many, listed]} if path in REPEATED else listed
+    if one and not isinstance(example, dict):
+        return {"anyOf": [of_value(example, False), one]}
+    return one or of_value(example, path in FREE)
+
+
+def schema() -> dict[str, Any]:
+    """The whole schema."""
+    known = tables()
+
+    def of_table(table: str) -> dict[str, Any] | None:
+        if table not in known:
+            return None
+        properties = {}
+        for key, example in known[table].items():
+            path = f"{table}.{key}" if table else key
+            properties[key] = {"description": MEANING[path], **of_key(path, example, of_table)}
+        # A solver has options of its own.
+        return {"type": "object", "properties": properties, "additionalProperties": table == "solver"}
+
+    root = of_table("")
+    assert root is not None
+    # Read by `midair motion` alone, in place of points.
+    root["properties"]["motion"] = {"description": MEANING["motion"], "type": "object"}
+    head = {"$schema": "http://json-schema.org/draft-07/schema#", "title": "Scene file of midair"}
+    return head | root
+
+
+def text() -> str:
+    """The schema as it is written."""
+    return json.dumps(schema(), indent=2, ensure_ascii=False) + "\n"
+
+
+def page() -> str:
+    """The same as a page: a table of keys for each table of a scene file."""
+    lines = [
+        "# Scene file\n",
+        "Every key of a scene file, TOML or JSON, as the core knows them.",
+        "[Conventions](../conventions.md#files) has a file to begin with and the rules;",
+        "[an editor](../editors.md) checks and completes keys by",
+        "[scene.schema.json](../scene.schema.json).\n",
+    ]
+    for table, keys in tables().items():
+        lines += [
+            f"## {f'`{table}`' if table else 'The file'}\n",
+            "| key | what | example |",
+            "|---|---|---|",
+        ]
+        for key, example in keys.items():
+            path = f"{table}.{key}" if table else key
+            lines.append(f"| `{key}` | {MEANING[path]} | `{json.dumps(example, ensure_ascii=False)}` |")
+        lines.append("")
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    SCHEMA.write_text(text())

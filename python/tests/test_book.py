@@ -1,0 +1,48 @@
+"""The pages of the book that are written at build time: every public name, every option, every key."""
+
+import importlib
+import re
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+import midair
+from midair.cli.app import app
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def reference(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    monkeypatch.syspath_prepend(str(ROOT / "book"))
+    return importlib.import_module("reference")
+
+
+def test_every_public_name_is_on_one_page(reference: ModuleType) -> None:
+    text = "".join(page for _, page in reference.python())
+    assert sorted(re.findall(r"^      heading: midair\.(\w+)$", text, re.MULTILINE)) == sorted(midair.__all__)
+
+
+def test_a_name_that_is_on_no_page_is_told(reference: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(midair, "__all__", [*midair.__all__, "new"])
+    with pytest.raises(ValueError, match="new"):
+        list(reference.python())
+
+
+def test_every_command_is_described(reference: ModuleType) -> None:
+    page = reference.command_line()
+    commands = [name for name in app if not name.startswith("-")]
+    assert len(commands) >= 16
+    for name in commands:
+        assert f"\n## midair {name}\n" in page
+    assert page.startswith("# Command line\n")
+
+
+def test_every_page_is_in_the_navigation(reference: ModuleType) -> None:
+    navigation = (ROOT / "book" / "mkdocs.yml").read_text().split("\nnav:\n")[1]
+    listed = re.findall(r": (\S+\.md)$", navigation, re.MULTILINE)
+    written = [page for page, _ in reference.pages()]
+    pages = [path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*.md")]
+    own = [page for page in listed if not page.startswith("repository/")]
+    assert sorted(own) == sorted(pages + written)

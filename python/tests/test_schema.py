@@ -1,0 +1,94 @@
+"""docs/scene.schema.json: made from the core's table of keys, and true of scene files."""
+
+import importlib.util
+import json
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SCHEMA = json.loads((ROOT / "docs" / "scene.schema.json").read_text())
+
+spec = importlib.util.spec_from_file_location("schema", ROOT / "book" / "schema.py")
+assert spec is not None
+assert spec.loader is not None
+schema = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(schema)
+
+TYPES = {
+    "boolean": bool,
+    "string": str,
+    "integer": int,
+    "number": (int, float),
+    "array": list,
+    "object": dict,
+}
+
+
+def faults(value: Any, wanted: dict[str, Any], path: str = "") -> list[str]:
+    """Those of the words of JSON Schema that the file uses."""
+    if "anyOf" in wanted:
+        each = [faults(value, one, path) for one in wanted["anyOf"]]
+        return [] if [] in each else each[0]
+    kind = wanted["type"]
+    if not isinstance(value, TYPES[kind]) or (isinstance(value, bool) and kind != "boolean"):
+        return [f"{path} is no {kind}"]
+    found = []
+    if kind == "array":
+        if not wanted.get("minItems", 0) <= len(value) <= wanted.get("maxItems", len(value)):
+            found.append(f"{path} has {len(value)} items")
+        for k, one in enumerate(value):
+            found += faults(one, wanted["items"], f"{path}[{k}]")
+    if kind == "object":
+        for key, one in value.items():
+            other = wanted.get("additionalProperties", True)
+            rule = wanted.get("properties", {}).get(key, other)
+            if rule is False:
+                found.append(f"{path}.{key} is unknown")
+            elif rule is not True:
+                found += faults(one, rule, f"{path}.{key}")
+    return found
+
+
+def documents() -> list[tuple[str, str]]:
+    """The scene files of docs/scenes, and those of the pages."""
+    found = [(file.name, file.read_text()) for file in sorted((ROOT / "docs" / "scenes").glob("*.toml"))]
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
+        blocks = re.findall(r"^```toml\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
+        scenes = [block for block in blocks if "[array]" in block and "[[solver]]" not in block]
+        found += [(f"{page.relative_to(ROOT)}, {k + 1}", block) for k, block in enumerate(scenes)]
+    return found
+
+
+def test_it_is_what_the_cores_table_says() -> None:
+    assert schema.text() == (ROOT / "docs" / "scene.schema.json").read_text(), "run `make schema`"
+
+
+def test_every_key_and_no_other_has_its_meaning() -> None:
+    keys = {f"{table}.{key}".lstrip(".") for table, keys in schema.tables().items() for key in keys}
+    assert keys | {"motion"} == set(schema.MEANING)
+    # As many as the table has entries: none was passed over when it was read.
+    text = schema.SOURCE.read_text().split("const TABLES", 1)[1].split("];\n", 1)[0]
+    assert len(keys) == len(re.findall(r'\("\w+", (?:r#)?"', text))
+
+
+@pytest.mark.parametrize(("name", "text"), documents(), ids=[name for name, _ in documents()])
+def test_scene_files_fit(name: str, text: str) -> None:
+    assert faults(tomllib.loads(text), SCHEMA) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("[array]\nprest = 'autd3'", ".array.prest is unknown"),
+        ("[medium]\nfrequency = '40 kHz'", ".medium.frequency is no number"),
+        ("[[points]]\nposition = [0, 0.15]", ".points[0].position has 2 items"),
+        ("[array]\ngrid = { nx = 2.5, ny = 2, pitch = 0.01 }", ".array.grid.nx is no integer"),
+        ("[array]\nmask = [1, 0]", ".array.mask[0] is no boolean"),
+    ],
+)
+def test_faults_are_found(text: str, fault: str) -> None:
+    assert fault in faults(tomllib.loads(text), SCHEMA)

@@ -1,0 +1,52 @@
+"""One version, in Cargo.toml, and whatever else of the repository states one."""
+
+import json
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import midair
+
+ROOT = Path(__file__).parents[2]
+VERSION = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["version"]
+
+#: Files that repeat the version, each with the pattern that finds it there.
+REPEATED = {
+    "CITATION.cff": r"^version: (\S+)$",
+    "docs/citing.md": r"^  version = \{(\S+)\},$",
+    "capi/include/midair.h": r'^// Version of the library, such as "(\S+)"\.',
+    "studio/door/Cargo.toml": r'^version = "(\S+)"$',
+}
+
+
+def test_the_package_has_it() -> None:
+    assert midair.__version__ == VERSION
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    assert "version" in project["dynamic"], "the wheel takes it from Cargo.toml"
+
+
+@pytest.mark.parametrize("crate", ["core", "python", "capi"])
+def test_the_crates_have_it(crate: str) -> None:
+    package = tomllib.loads((ROOT / crate / "Cargo.toml").read_text())["package"]
+    assert package["version"] == {"workspace": True}
+
+
+@pytest.mark.parametrize("file", sorted(REPEATED))
+def test_files_that_repeat_it_agree(file: str) -> None:
+    assert re.findall(REPEATED[file], (ROOT / file).read_text(), re.MULTILINE) == [VERSION]
+
+
+@pytest.mark.parametrize("file", ["studio/package.json", "examples/node/package.json"])
+def test_packages_for_node_agree(file: str) -> None:
+    assert json.loads((ROOT / file).read_text())["version"] == VERSION
+
+
+def test_the_header_names_the_librarys_binary_interface() -> None:
+    (header,) = re.findall(
+        r"^#define MIDAIR_ABI (\d+)$", (ROOT / "capi/include/midair.h").read_text(), re.MULTILINE
+    )
+    (library,) = re.findall(r"MIDAIR_ABI: u32 = (\d+);", (ROOT / "capi/src/abi.rs").read_text())
+    assert header == library
+    assert f"`libmidair.so.{library}`" in (ROOT / "docs/c.md").read_text()
