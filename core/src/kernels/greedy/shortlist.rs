@@ -49,8 +49,7 @@ pub(crate) fn best<S: Simd>(energies: &Energies<'_, S>, floats: &mut [f32], indi
 #[inline(always)]
 fn clear_winner<S: Simd>(energies: &Energies<'_, S>) -> Option<usize> {
     let (s, moments, candidates) = (energies.s, energies.moments, energies.candidates);
-    let [cos, sin] = candidates.sixteen(0);
-    let changes = moments.change(s, s.load(cos), s.load(sin));
+    let changes = Energies { near: &[], ..*energies }.roughly(candidates.drives(1.0, 0));
     let limit = s.add(s.reduce_min(changes), s.splat(moments.slack(1.0)));
     let bits = !s.less(limit, changes) & (0xffff >> (LANES - candidates.phases));
     bits.is_power_of_two().then(|| bits.trailing_zeros() as usize)
@@ -69,7 +68,7 @@ pub(crate) fn shortlist<'a, S: Simd>(
     let phases = candidates.phases;
     for k in 0..candidates.amplitudes {
         for first in (0..phases).step_by(LANES) {
-            let z = candidates.drives(s, candidates.amplitude(k), first);
+            let z = candidates.drives(candidates.amplitude(k), first);
             list.push(s, energies.roughly(z), k * phases + first, LANES.min(phases - first));
         }
     }

@@ -4,29 +4,19 @@
 //! silenced.
 
 use crate::kernels::lanes::{LANES, Octet, groups};
-use crate::kernels::propagate::form::formed;
-use crate::kernels::propagate::row::{element, silence};
+use crate::kernels::propagate::form::{Radiation, formed};
+use crate::kernels::propagate::row::{ControlPoints, element, silence};
 use crate::kernels::propagate::rows::Rows;
-use crate::kernels::simd::Simd;
+use crate::kernels::propagate::source::SourceList;
+use crate::kernels::simd::{Apart, Elementwise, Simd};
 
 /// Writes the rows of `members` from column `first` on.
 #[inline(always)]
 pub(crate) fn write_rows<S: Simd>(s: S, rows: Rows<'_>, members: &[usize], first: usize, out: &mut [Octet]) {
     match rows {
-        Rows::Computed { radiation, sources, control_points } => s.vectorize(
-            #[inline(always)]
-            || {
-                let [x, y, z] = control_points.coordinates.map(groups);
-                formed!(radiation, sources.in_phase, form => for (column, &i) in (first..).zip(members) {
-                    let from = &sources.one(s, i);
-                    for (((x, y), z), octet) in x.iter().zip(y).zip(z).zip(&mut *out) {
-                        let [re, im] = element(s, form, radiation, from, [s.load(x), s.load(y), s.load(z)]);
-                        s.store(re, &mut octet[column][0]);
-                        s.store(im, &mut octet[column][1]);
-                    }
-                });
-            },
-        ),
+        Rows::Computed { radiation, sources, control_points } => {
+            s.apart(control_points.count, &mut Columns { radiation, sources, control_points, members, first, out });
+        }
         Rows::Stored { re, im } => {
             for (column, &i) in (first..).zip(members) {
                 let row = groups(re)[i * out.len()..].iter().zip(&groups(im)[i * out.len()..]);
@@ -47,12 +37,73 @@ pub(crate) fn write_segments<S: Simd, const N: usize>(
     out: &mut Octet,
 ) {
     match rows {
-        Rows::Computed { radiation, sources, control_points } => s.vectorize(
+        Rows::Computed { radiation, sources, control_points } => {
+            s.apart(LANES, &mut Segments::<N> { radiation, sources, control_points, members, first, out });
+        }
+        Rows::Stored { re, im } => {
+            for (column, some) in (first..).zip(members.chunks(N)) {
+                out[column] = [[0.0; LANES]; 2];
+                for (all, out) in [re, im].into_iter().zip(&mut out[column]) {
+                    for (segment, &i) in out.chunks_exact_mut(LANES / N).zip(some) {
+                        segment.copy_from_slice(&groups(all)[i][..LANES / N]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Rows of `members` from column `first` on, computed.
+struct Columns<'a> {
+    radiation: &'a Radiation,
+    sources: &'a SourceList,
+    control_points: ControlPoints<'a>,
+    members: &'a [usize],
+    first: usize,
+    out: &'a mut [Octet],
+}
+
+impl Apart for Columns<'_> {
+    #[inline(always)]
+    fn run<S: Elementwise>(&mut self, s: S) {
+        s.vectorize(
             #[inline(always)]
             || {
+                let Self { radiation, sources, control_points, members, first, out } = self;
+                let [x, y, z] = control_points.coordinates.map(groups);
+                formed!(s, radiation, sources.in_phase, form => for (column, &i) in (*first..).zip(*members) {
+                    let from = &sources.one(s, i);
+                    for (((x, y), z), octet) in x.iter().zip(y).zip(z).zip(&mut **out) {
+                        let [re, im] = element(s, form, radiation, from, [s.load(x), s.load(y), s.load(z)]);
+                        s.store(re, &mut octet[column][0]);
+                        s.store(im, &mut octet[column][1]);
+                    }
+                });
+            },
+        );
+    }
+}
+
+/// The same, N members to a column.
+struct Segments<'a, const N: usize> {
+    radiation: &'a Radiation,
+    sources: &'a SourceList,
+    control_points: ControlPoints<'a>,
+    members: &'a [usize],
+    first: usize,
+    out: &'a mut Octet,
+}
+
+impl<const N: usize> Apart for Segments<'_, N> {
+    #[inline(always)]
+    fn run<S: Elementwise>(&mut self, s: S) {
+        s.vectorize(
+            #[inline(always)]
+            || {
+                let Self { radiation, sources, control_points, members, first, out } = self;
                 let [x, y, z] = control_points.coordinates.map(|list| &groups(list)[0]);
                 let place = [s.load(x), s.load(y), s.load(z)];
-                formed!(radiation, sources.in_phase, form => for (column, some) in (first..).zip(members.chunks(N)) {
+                formed!(s, radiation, sources.in_phase, form => for (column, some) in (*first..).zip(members.chunks(N)) {
                     let from = &sources.segments::<_, N>(s, some);
                     let [re, im] = element(s, form, radiation, from, place);
                     let [to_re, to_im] = &mut out[column];
@@ -64,16 +115,6 @@ pub(crate) fn write_segments<S: Simd, const N: usize>(
                     }
                 });
             },
-        ),
-        Rows::Stored { re, im } => {
-            for (column, some) in (first..).zip(members.chunks(N)) {
-                out[column] = [[0.0; LANES]; 2];
-                for (all, out) in [re, im].into_iter().zip(&mut out[column]) {
-                    for (segment, &i) in out.chunks_exact_mut(LANES / N).zip(some) {
-                        segment.copy_from_slice(&groups(all)[i][..LANES / N]);
-                    }
-                }
-            }
-        }
+        );
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! [`Simd`] is the whole vocabulary of the kernels: each is written once over it. A value that implements it is a
 //! token: it exists only where its instructions do, which is what makes the `unsafe` blocks of these files sound.
+//! Its operations in which no lane sees another are those of [`Elementwise`]: some of the lanes can do them alone.
 //! Sums run over the lanes in one fixed tree, so that instruction sets differ by fused multiply-adds and the estimate of
 //! an inverse root alone.
 
@@ -11,6 +12,8 @@ pub(crate) mod avx2;
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code, reason = "it names instructions: a token proves that the CPU has them")]
 pub(crate) mod avx512;
+#[forbid(unsafe_code)]
+pub(crate) mod fours;
 pub(crate) mod instruction_set;
 #[cfg(target_arch = "aarch64")]
 #[allow(unsafe_code, reason = "it names instructions: a token proves that the CPU has them")]
@@ -30,10 +33,19 @@ pub(crate) const TINY: f32 = 1e-28;
 /// Added to |x| < 2^22 it leaves the nearest integer, ties to even, in the lowest bits.
 pub(crate) const WHOLE: f32 = 12_582_912.0;
 
-/// Operations on 16 lanes.
-pub(crate) trait Simd: Copy {
-    /// Sixteen f32.
+/// Operations on lanes in which none sees another.
+pub(crate) trait Elementwise: Copy {
+    /// Sixteen f32, or those of some lanes.
     type V: Copy;
+
+    /// Whether code is to be short: what a kernel can find out at each element it is then not compiled for.
+    const SHORT: bool = false;
+
+    /// The same of a token.
+    #[inline(always)]
+    fn is_short(self) -> bool {
+        Self::SHORT
+    }
 
     /// Runs `f` compiled for this token's instructions; `f` must be `#[inline(always)]`.
     fn vectorize<R>(self, f: impl FnOnce() -> R) -> R;
@@ -80,6 +92,74 @@ pub(crate) trait Simd: Copy {
     fn select_less(self, a: Self::V, b: Self::V, x: Self::V, y: Self::V) -> Self::V;
     /// Bit l is set where a < b.
     fn less(self, a: Self::V, b: Self::V) -> u32;
+    /// The bits of all its lanes.
+    #[inline(always)]
+    fn every(self) -> u32 {
+        (1 << LANES) - 1
+    }
+
+    /// Four lanes of each number.
+    #[inline(always)]
+    fn quarters(self, numbers: [f32; 4]) -> Self::V {
+        self.load(&core::array::from_fn(|l| numbers[l / 4]))
+    }
+
+    /// `table[index % 16]` of an integer added to [`WHOLE`].
+    #[inline(always)]
+    fn gather(self, table: &Lanes, index: Self::V) -> Self::V {
+        let mut lanes = [0.0; LANES];
+        self.store(index, &mut lanes);
+        self.load(&lanes.map(|index| table[index.to_bits() as usize % LANES]))
+    }
+
+    /// `list[index]` of a list of any length but 0, for indices that are whole numbers; those beyond its end read its last.
+    #[inline(always)]
+    fn gather_list(self, list: &[f32], index: Self::V) -> Self::V {
+        let mut lanes = [0.0; LANES];
+        self.store(index, &mut lanes);
+        self.load(&lanes.map(|index| list[(index as usize).min(list.len() - 1)]))
+    }
+
+    /// sqrt(a) and 1/sqrt(a) of a >= [`TINY`], each within two roundings: one step of Newton from the guess for
+    /// each, with their own remainders.
+    #[inline(always)]
+    fn sqrt_rsqrt(self, a: Self::V) -> (Self::V, Self::V) {
+        let guess = self.rsqrt_estimate(a);
+        let root = self.mul(a, guess);
+        let half = self.mul(guess, self.splat(0.5));
+        let (miss, other) = (self.fnma(root, root, a), self.fnma(root, guess, self.splat(1.0)));
+        (self.fma(half, miss, root), self.fma(half, other, guess))
+    }
+
+    /// 1/sqrt(a) alone.
+    #[inline(always)]
+    fn rsqrt(self, a: Self::V) -> Self::V {
+        let (guess, miss) = self.rsqrt_guess(a);
+        self.fma(self.mul(guess, self.splat(0.5)), miss, guess)
+    }
+
+    /// g and m with 1/sqrt(a) = g (1 + m/2) within two roundings: a factor joins g while m is waited for.
+    #[inline(always)]
+    fn rsqrt_guess(self, a: Self::V) -> (Self::V, Self::V) {
+        let guess = self.rsqrt_estimate(a);
+        (guess, self.fnma(self.mul(a, guess), guess, self.splat(1.0)))
+    }
+}
+
+/// A kernel in which no lane sees another: it may run over some of the lanes after the others.
+pub(crate) trait Apart {
+    fn run<S: Elementwise>(&mut self, s: S);
+}
+
+/// Operations on 16 lanes.
+pub(crate) trait Simd: Elementwise {
+    /// Runs a kernel of which the first `used` lanes matter, the others may or may not run: over a register's lanes at
+    /// a time, if these are the whole or the compiler would otherwise keep few of them in registers.
+    #[inline(always)]
+    fn apart(self, used: usize, kernel: &mut impl Apart) {
+        let _ = used;
+        kernel.run(self);
+    }
 
     /// Lane l gets lane l xor `DISTANCE`: 8 swaps the halves, 4 the quarters of each half, 2 and 1 so on.
     #[inline(always)]
@@ -102,12 +182,6 @@ pub(crate) trait Simd: Copy {
     #[inline(always)]
     fn fold<const DISTANCE: usize>(self, a: Self::V, b: Self::V) -> Self::V {
         self.add(self.pick::<DISTANCE>(a, b), self.swap::<DISTANCE>(self.pick::<DISTANCE>(b, a)))
-    }
-
-    /// Four lanes of each number.
-    #[inline(always)]
-    fn quarters(self, numbers: [f32; 4]) -> Self::V {
-        self.load(&core::array::from_fn(|l| numbers[l / 4]))
     }
 
     /// The sum over lanes: halves upon halves.
@@ -148,6 +222,17 @@ pub(crate) trait Simd: Copy {
         self.fold::<1>(v[0], v[1])
     }
 
+    /// Lane k is the sum of list k, of which only the first `used` lanes are not +0: [`Simd::reduce_add_each`].
+    #[inline(always)]
+    fn sums(self, lists: &[Lanes; LANES], used: usize) -> Self::V {
+        let _ = used;
+        let mut vectors = [self.splat(0.0); LANES];
+        for (vector, list) in vectors.iter_mut().zip(lists) {
+            *vector = self.load(list);
+        }
+        self.reduce_add_each(&vectors)
+    }
+
     /// Lane l of vector k becomes lane k of vector l.
     #[inline(always)]
     fn transpose(self, vectors: [Self::V; LANES]) -> [Self::V; LANES] {
@@ -156,22 +241,6 @@ pub(crate) trait Simd: Copy {
             self.store(vector, list);
         }
         core::array::from_fn(|l| self.load(&lists.map(|list| list[l])))
-    }
-
-    /// `table[index % 16]` of an integer added to [`WHOLE`].
-    #[inline(always)]
-    fn gather(self, table: &Lanes, index: Self::V) -> Self::V {
-        let mut lanes = [0.0; LANES];
-        self.store(index, &mut lanes);
-        self.load(&lanes.map(|index| table[index.to_bits() as usize % LANES]))
-    }
-
-    /// `list[index]` of a list of any length but 0, for indices that are whole numbers; those beyond its end read its last.
-    #[inline(always)]
-    fn gather_list(self, list: &[f32], index: Self::V) -> Self::V {
-        let mut lanes = [0.0; LANES];
-        self.store(index, &mut lanes);
-        self.load(&lanes.map(|index| list[(index as usize).min(list.len() - 1)]))
     }
 
     /// Lanes 2k and 2k + 1 are the pair of numbers from `list[index]` on, of a list of two numbers or more, for the whole
@@ -185,31 +254,6 @@ pub(crate) trait Simd: Copy {
             *pair = [list[at], list[at + 1]];
         }
         self.load(&lanes)
-    }
-
-    /// sqrt(a) and 1/sqrt(a) of a >= [`TINY`], each within two roundings: one step of Newton from the guess for
-    /// each, with their own remainders.
-    #[inline(always)]
-    fn sqrt_rsqrt(self, a: Self::V) -> (Self::V, Self::V) {
-        let guess = self.rsqrt_estimate(a);
-        let root = self.mul(a, guess);
-        let half = self.mul(guess, self.splat(0.5));
-        let (miss, other) = (self.fnma(root, root, a), self.fnma(root, guess, self.splat(1.0)));
-        (self.fma(half, miss, root), self.fma(half, other, guess))
-    }
-
-    /// 1/sqrt(a) alone.
-    #[inline(always)]
-    fn rsqrt(self, a: Self::V) -> Self::V {
-        let (guess, miss) = self.rsqrt_guess(a);
-        self.fma(self.mul(guess, self.splat(0.5)), miss, guess)
-    }
-
-    /// g and m with 1/sqrt(a) = g (1 + m/2) within two roundings: a factor joins g while m is waited for.
-    #[inline(always)]
-    fn rsqrt_guess(self, a: Self::V) -> (Self::V, Self::V) {
-        let guess = self.rsqrt_estimate(a);
-        (guess, self.fnma(self.mul(a, guess), guess, self.splat(1.0)))
     }
 }
 
