@@ -59,8 +59,8 @@ pub(crate) fn correlation<S: Elementwise>(s: S, row: [&[f32]; 2], pressure: [&[f
 
 /// sum_j conj(G_j) p_j for complex p: (re, im), of `count` numbers and padding.
 pub(crate) fn correlate(set: InstructionSet, row: [&[f32]; 2], pressure: [&[f32]; 2], count: usize) -> [f32; 2] {
-    let mut sum = Correlation { row, pressure, out: [[0.0; LANES]; 2] };
     dispatch!(set, s => {
+        let mut sum = Correlation { row, pressure, out: [[0.0; LANES]; 2] };
         s.apart(count, &mut sum);
         [s.reduce_add(s.load(&sum.out[0])), s.reduce_add(s.load(&sum.out[1]))]
     })

@@ -6,9 +6,8 @@
 //! ```
 //!
 //! 1. P is loaded and stored once a run, so that an element costs its own instructions and four more.
-//! 2. The sources of a run, 16 KB, stay in the nearest cache.
-//!
-//! Where code is to be short the stack is, too: a run is then of 64 transducers.
+//! 2. The sources of a run, 16 KB, stay in the nearest cache. (Where code is to be short the stack is, too: a run is then of
+//!    64 transducers.)
 
 use num_complex::Complex32;
 
@@ -41,14 +40,16 @@ pub(crate) fn add_field(
     field: [&mut [f32]; 2],
     control: &mut Control,
 ) -> Result<(), Error> {
-    let used = points.count;
-    let mut sum = Sum { radiation, sources, drive, points, field, control, ended: Ok(()) };
-    dispatch!(set, s => s.apart(used, &mut sum));
-    sum.ended
+    dispatch!(set, s => formed!(s, radiation, sources.in_phase, form => {
+        let mut sum = Sum { form, radiation, sources, drive, points, field, control, ended: Ok(()) };
+        s.apart(points.count, &mut sum);
+        sum.ended
+    }))
 }
 
-/// P += G q over some lanes.
-struct Sum<'a, 'b> {
+/// P += G q over some lanes, unless others met an end.
+struct Sum<'a, 'b, F> {
+    form: F,
     radiation: &'a Radiation,
     sources: &'a SourceList,
     drive: &'a [Complex32],
@@ -58,46 +59,53 @@ struct Sum<'a, 'b> {
     ended: Result<(), Error>,
 }
 
-impl Apart for Sum<'_, '_> {
+impl<F: Form> Apart for Sum<'_, '_, F> {
     #[inline(always)]
     fn run<S: Elementwise>(&mut self, s: S) {
-        if self.ended.is_ok() {
-            self.ended = formed!(s, self.radiation, self.sources.in_phase, form => if S::SHORT {
-                self.add::<S, _, SHORT_RUN>(s, form)
+        let Self { form, radiation, sources, drive, points, field: [re, im], control, ended } = self;
+        let (from, to) = ((*radiation, *sources), [&mut **re, &mut **im]);
+        if ended.is_ok() {
+            *ended = if S::SHORT {
+                add_form::<_, _, SHORT_RUN>(s, *form, from, drive, *points, to, control)
             } else {
-                self.add::<S, _, RUN>(s, form)
-            });
+                add_form::<_, _, RUN>(s, *form, from, drive, *points, to, control)
+            };
         }
     }
 }
 
-impl Sum<'_, '_> {
-    #[inline(always)]
-    fn add<S: Elementwise, F: Form, const RUN: usize>(&mut self, s: S, form: F) -> Result<(), Error> {
-        let [re, im] = &mut self.field;
-        for (run, drive) in self.drive.chunks(RUN).enumerate() {
-            let mut driven = [(0, Complex32::ZERO); RUN];
-            let mut count = 0;
-            for (i, &q) in drive.iter().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
-                driven[count] = (run * RUN + i, q);
-                count += 1;
-            }
-            let [x, y, z] = self.points.coordinates.map(groups);
-            let sums = groups_mut(re).iter_mut().zip(groups_mut(im));
-            for (((x, y), z), (re, im)) in x.iter().zip(y).zip(z).zip(sums) {
-                self.control.pulse()?;
-                let place = [s.load(x), s.load(y), s.load(z)];
-                let mut sum = [s.load(re), s.load(im)];
-                for (i, q) in &driven[..count] {
-                    let own = element(s, form, self.radiation, &self.sources.one(s, *i), place);
-                    sum = add_wave(s, own, [s.splat(q.re), s.splat(q.im)], sum);
-                }
-                s.store(sum[0], re);
-                s.store(sum[1], im);
-            }
+#[inline(always)]
+fn add_form<S: Elementwise, F: Form, const RUN: usize>(
+    s: S,
+    form: F,
+    (radiation, sources): (&Radiation, &SourceList),
+    drive: &[Complex32],
+    points: ControlPoints<'_>,
+    [re, im]: [&mut [f32]; 2],
+    control: &mut Control,
+) -> Result<(), Error> {
+    for (run, drive) in drive.chunks(RUN).enumerate() {
+        let mut driven = [(0, Complex32::ZERO); RUN];
+        let mut count = 0;
+        for (i, &q) in drive.iter().enumerate().filter(|(_, q)| **q != Complex32::ZERO) {
+            driven[count] = (run * RUN + i, q);
+            count += 1;
         }
-        silence(s, re, self.points.count);
-        silence(s, im, self.points.count);
-        Ok(())
+        let [x, y, z] = points.coordinates.map(groups);
+        let sums = groups_mut(re).iter_mut().zip(groups_mut(im));
+        for (((x, y), z), (re, im)) in x.iter().zip(y).zip(z).zip(sums) {
+            control.pulse()?;
+            let place = [s.load(x), s.load(y), s.load(z)];
+            let mut sum = [s.load(re), s.load(im)];
+            for (i, q) in &driven[..count] {
+                let own = element(s, form, radiation, &sources.one(s, *i), place);
+                sum = add_wave(s, own, [s.splat(q.re), s.splat(q.im)], sum);
+            }
+            s.store(sum[0], re);
+            s.store(sum[1], im);
+        }
     }
+    silence(s, re, points.count);
+    silence(s, im, points.count);
+    Ok(())
 }

@@ -4,7 +4,7 @@
 //! silenced.
 
 use crate::kernels::lanes::{LANES, Octet, groups};
-use crate::kernels::propagate::form::{Radiation, formed};
+use crate::kernels::propagate::form::{Form, Radiation, formed};
 use crate::kernels::propagate::row::{ControlPoints, element, silence};
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::propagate::source::SourceList;
@@ -14,13 +14,45 @@ use crate::kernels::simd::{Apart, Elementwise, Simd};
 #[inline(always)]
 pub(crate) fn write_rows<S: Simd>(s: S, rows: Rows<'_>, members: &[usize], first: usize, out: &mut [Octet]) {
     match rows {
-        Rows::Computed { radiation, sources, control_points } => {
-            s.apart(control_points.count, &mut Columns { radiation, sources, control_points, members, first, out });
-        }
+        Rows::Computed { radiation, sources, control_points } => s.vectorize(
+            #[inline(always)]
+            || {
+                formed!(s, radiation, sources.in_phase, form => {
+                    let mut columns = Columns { form, radiation, sources, control_points, members, first, out };
+                    s.apart(control_points.count, &mut columns);
+                });
+            },
+        ),
         Rows::Stored { re, im } => {
             for (column, &i) in (first..).zip(members) {
                 let row = groups(re)[i * out.len()..].iter().zip(&groups(im)[i * out.len()..]);
                 row.zip(&mut *out).for_each(|((re, im), octet)| octet[column] = [*re, *im]);
+            }
+        }
+    }
+}
+
+/// The rows of `members` from column `first` on, computed.
+struct Columns<'a, F> {
+    form: F,
+    radiation: &'a Radiation,
+    sources: &'a SourceList,
+    control_points: ControlPoints<'a>,
+    members: &'a [usize],
+    first: usize,
+    out: &'a mut [Octet],
+}
+
+impl<F: Form> Apart for Columns<'_, F> {
+    #[inline(always)]
+    fn run<S: Elementwise>(&mut self, s: S) {
+        let [x, y, z] = self.control_points.coordinates.map(groups);
+        for (column, &i) in (self.first..).zip(self.members) {
+            let from = &self.sources.one(s, i);
+            for (((x, y), z), octet) in x.iter().zip(y).zip(z).zip(&mut *self.out) {
+                let [re, im] = element(s, self.form, self.radiation, from, [s.load(x), s.load(y), s.load(z)]);
+                s.store(re, &mut octet[column][0]);
+                s.store(im, &mut octet[column][1]);
             }
         }
     }
@@ -37,73 +69,12 @@ pub(crate) fn write_segments<S: Simd, const N: usize>(
     out: &mut Octet,
 ) {
     match rows {
-        Rows::Computed { radiation, sources, control_points } => {
-            s.apart(LANES, &mut Segments::<N> { radiation, sources, control_points, members, first, out });
-        }
-        Rows::Stored { re, im } => {
-            for (column, some) in (first..).zip(members.chunks(N)) {
-                out[column] = [[0.0; LANES]; 2];
-                for (all, out) in [re, im].into_iter().zip(&mut out[column]) {
-                    for (segment, &i) in out.chunks_exact_mut(LANES / N).zip(some) {
-                        segment.copy_from_slice(&groups(all)[i][..LANES / N]);
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Rows of `members` from column `first` on, computed.
-struct Columns<'a> {
-    radiation: &'a Radiation,
-    sources: &'a SourceList,
-    control_points: ControlPoints<'a>,
-    members: &'a [usize],
-    first: usize,
-    out: &'a mut [Octet],
-}
-
-impl Apart for Columns<'_> {
-    #[inline(always)]
-    fn run<S: Elementwise>(&mut self, s: S) {
-        s.vectorize(
+        Rows::Computed { radiation, sources, control_points } => s.vectorize(
             #[inline(always)]
             || {
-                let Self { radiation, sources, control_points, members, first, out } = self;
-                let [x, y, z] = control_points.coordinates.map(groups);
-                formed!(s, radiation, sources.in_phase, form => for (column, &i) in (*first..).zip(*members) {
-                    let from = &sources.one(s, i);
-                    for (((x, y), z), octet) in x.iter().zip(y).zip(z).zip(&mut **out) {
-                        let [re, im] = element(s, form, radiation, from, [s.load(x), s.load(y), s.load(z)]);
-                        s.store(re, &mut octet[column][0]);
-                        s.store(im, &mut octet[column][1]);
-                    }
-                });
-            },
-        );
-    }
-}
-
-/// The same, N members to a column.
-struct Segments<'a, const N: usize> {
-    radiation: &'a Radiation,
-    sources: &'a SourceList,
-    control_points: ControlPoints<'a>,
-    members: &'a [usize],
-    first: usize,
-    out: &'a mut Octet,
-}
-
-impl<const N: usize> Apart for Segments<'_, N> {
-    #[inline(always)]
-    fn run<S: Elementwise>(&mut self, s: S) {
-        s.vectorize(
-            #[inline(always)]
-            || {
-                let Self { radiation, sources, control_points, members, first, out } = self;
                 let [x, y, z] = control_points.coordinates.map(|list| &groups(list)[0]);
                 let place = [s.load(x), s.load(y), s.load(z)];
-                formed!(s, radiation, sources.in_phase, form => for (column, some) in (*first..).zip(members.chunks(N)) {
+                formed!(s, radiation, sources.in_phase, form => for (column, some) in (first..).zip(members.chunks(N)) {
                     let from = &sources.segments::<_, N>(s, some);
                     let [re, im] = element(s, form, radiation, from, place);
                     let [to_re, to_im] = &mut out[column];
@@ -115,6 +86,16 @@ impl<const N: usize> Apart for Segments<'_, N> {
                     }
                 });
             },
-        );
+        ),
+        Rows::Stored { re, im } => {
+            for (column, some) in (first..).zip(members.chunks(N)) {
+                out[column] = [[0.0; LANES]; 2];
+                for (all, out) in [re, im].into_iter().zip(&mut out[column]) {
+                    for (segment, &i) in out.chunks_exact_mut(LANES / N).zip(some) {
+                        segment.copy_from_slice(&groups(all)[i][..LANES / N]);
+                    }
+                }
+            }
+        }
     }
 }

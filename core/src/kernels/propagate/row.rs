@@ -72,30 +72,48 @@ pub(crate) fn element<S: Elementwise, F: Form>(
 
 /// Writes a group of sources against the points of `order`: row k of [`crate::kernels::tiles`] in the blocks from `first`
 /// on, `stride` apart.
-pub(crate) struct TileOf<'a> {
-    pub(crate) radiation: &'a Radiation,
-    pub(crate) sources: &'a SourceList,
-    pub(crate) group: usize,
-    pub(crate) control_points: ControlPoints<'a>,
-    pub(crate) order: &'a [u32],
-    pub(crate) first: usize,
-    pub(crate) stride: usize,
-    pub(crate) out: [&'a mut [Block]; 2],
+#[inline(always)]
+pub(crate) fn write_tile<S: Simd>(
+    s: S,
+    radiation: &Radiation,
+    (sources, group): (&SourceList, usize),
+    control_points: ControlPoints<'_>,
+    order: &[u32],
+    (first, stride): (usize, usize),
+    [re, im]: [&mut [Block]; 2],
+) {
+    formed!(s, radiation, sources.in_phase, form => {
+        let out = [&mut *re, &mut *im];
+        s.apart(LANES, &mut Tile { form, radiation, sources, group, control_points, order, first, stride, out });
+    });
 }
 
-impl Apart for TileOf<'_> {
+/// See [`write_tile`].
+struct Tile<'a, F> {
+    form: F,
+    radiation: &'a Radiation,
+    sources: &'a SourceList,
+    group: usize,
+    control_points: ControlPoints<'a>,
+    order: &'a [u32],
+    first: usize,
+    stride: usize,
+    out: [&'a mut [Block]; 2],
+}
+
+impl<F: Form> Apart for Tile<'_, F> {
     #[inline(always)]
     fn run<S: Elementwise>(&mut self, s: S) {
         let from = self.sources.groups[self.group].all(s);
         let [x, y, z] = self.control_points.coordinates;
         let [re, im] = &mut self.out;
-        formed!(s, self.radiation, self.sources.in_phase, form => for (k, &j) in self.order.iter().enumerate() {
+        for (k, &j) in self.order.iter().enumerate() {
             let place = [s.splat(x[j as usize]), s.splat(y[j as usize]), s.splat(z[j as usize])];
-            let [real, imaginary] = element(s, form, self.radiation, &from, place);
+            let [real, imaginary] = element(s, self.form, self.radiation, &from, place);
             let block = self.first + k / BLOCK * self.stride;
             s.store(real, &mut re[block][k % BLOCK]);
             s.store(imaginary, &mut im[block][k % BLOCK]);
-        });
+        }
     }
 }
 
@@ -109,13 +127,27 @@ pub(crate) fn write_row<S: Simd>(
     re: &mut [f32],
     im: &mut [f32],
 ) {
-    s.apart(control_points.count, &mut RowOf { radiation, sources, i, control_points, out: [&mut *re, &mut *im] });
+    // All forms but the plain one are functions of their own: this is compiled into every kernel that writes rows.
+    let (used, out) = (control_points.count, [&mut *re, &mut *im]);
+    if radiation.is_plain(sources.in_phase) {
+        s.apart(used, &mut Written { form: Plain, radiation, sources, i, control_points, out });
+    } else {
+        s.vectorize(
+            #[inline(always)]
+            || {
+                formed!(s, radiation, sources.in_phase, form => {
+                    s.apart(used, &mut Written { form, radiation, sources, i, control_points, out });
+                });
+            },
+        );
+    }
     silence(s, re, control_points.count);
     silence(s, im, control_points.count);
 }
 
-/// The row of a source.
-struct RowOf<'a> {
+/// See [`write_row`].
+struct Written<'a, F> {
+    form: F,
     radiation: &'a Radiation,
     sources: &'a SourceList,
     i: usize,
@@ -123,30 +155,15 @@ struct RowOf<'a> {
     out: [&'a mut [f32]; 2],
 }
 
-impl Apart for RowOf<'_> {
+impl<F: Form> Apart for Written<'_, F> {
     #[inline(always)]
     fn run<S: Elementwise>(&mut self, s: S) {
-        // All forms but the plain one are functions of their own: this is compiled into every kernel that writes rows.
-        if self.radiation.is_plain(self.sources.in_phase) {
-            self.write(s, Plain);
-        } else {
-            s.vectorize(
-                #[inline(always)]
-                || formed!(s, self.radiation, self.sources.in_phase, form => self.write(s, form)),
-            );
-        }
-    }
-}
-
-impl RowOf<'_> {
-    #[inline(always)]
-    fn write<S: Elementwise, F: Form>(&mut self, s: S, form: F) {
         let from = &self.sources.one(s, self.i);
         let [x, y, z] = self.control_points.coordinates;
         let [re, im] = &mut self.out;
         let points = groups(x).iter().zip(groups(y)).zip(groups(z));
         for (((x, y), z), (re, im)) in points.zip(groups_mut(re).iter_mut().zip(groups_mut(im))) {
-            let [real, imaginary] = element(s, form, self.radiation, from, [s.load(x), s.load(y), s.load(z)]);
+            let [real, imaginary] = element(s, self.form, self.radiation, from, [s.load(x), s.load(y), s.load(z)]);
             s.store(real, re);
             s.store(imaginary, im);
         }

@@ -5,7 +5,7 @@ use core::ops::Range;
 use crate::kernels::lanes::{BLOCK, Block};
 use crate::kernels::lanes::{LANES, padded};
 use crate::kernels::propagate::form::Radiation;
-use crate::kernels::propagate::row::{ControlPoints, TileOf, write_row};
+use crate::kernels::propagate::row::{ControlPoints, write_row, write_tile};
 use crate::kernels::propagate::source::SourceList;
 use crate::kernels::simd::Simd;
 
@@ -51,9 +51,8 @@ impl Rows<'_> {
                 debug_assert!(
                     members.start.is_multiple_of(LANES) && members.len() == LANES.min(sources.len() - members.start)
                 );
-                let group = members.start / LANES;
-                let first = tile;
-                s.apart(LANES, &mut TileOf { radiation, sources, group, control_points, order, first, stride, out });
+                let group = (sources, members.start / LANES);
+                write_tile(s, radiation, group, control_points, order, (tile, stride), out);
             }
             Self::Stored { re, im } => {
                 let lanes = padded(order.len());
