@@ -120,7 +120,7 @@ impl<V: Copy> Arcs<V> {
         let amplitude = candidates.amplitude(candidates.amplitudes - 1);
         let [even, odd] = candidates.coarse(amplitude);
         let (even, odd) = (energies.roughly(even), energies.roughly(odd));
-        let least = -s.reduce_max(s.sub(s.splat(0.0), s.min(even, odd)));
+        let least = s.least(s.min(even, odd));
         let center = if energies.near.is_empty() {
             direction(energies.moments.first())
         } else {
@@ -166,7 +166,7 @@ impl<V: Copy> Arcs<V> {
             lowest = s.min(changes, lowest);
             s.store(changes, window);
         }
-        *least = -s.reduce_max(s.sub(s.splat(0.0), lowest));
+        *least = s.least(lowest);
         let limit = s.splat(*least + slack);
         let first = self.center + ARCS - REACH;
         let inside = |first: usize| u32::from(((1_u16 << REACH) - 1).rotate_left((first % LANES) as u32));
@@ -195,7 +195,7 @@ impl<V: Copy> Arcs<V> {
             s.store(s.mul(s.load(&amplitudes), s.splat(sin)), &mut z[1]);
             lowest = s.min(energies.roughly(Sixteen { amplitude: 1.0, phasors: z.each_ref() }), lowest);
         }
-        -s.reduce_max(s.sub(s.splat(0.0), lowest))
+        s.least(lowest)
     }
 
     /// Evaluates and lists whatever may be best at any amplitude.

@@ -199,24 +199,33 @@ impl Moments {
         near: &mut [u32],
         parts: &mut Parts,
     ) -> (Self, usize) {
-        // In registers, but where these hold few of them.
-        let mut own = [[0.0; LANES]; PARTS];
-        let parts = if S::SHORT { parts } else { &mut own };
         let mut count = 0;
+        // In registers, which hold them all, or in memory.
+        let mut held = [s.splat(0.0); PARTS];
         let rows = groups(points.row[0]).iter().zip(groups(points.row[1]));
         for (group, (point, (re, im))) in points.groups.iter().zip(rows).enumerate() {
-            let mut own = OfGroup::<FOURTH> { parts, first: S::SHORT && group == 0, point, row: [re, im], beyond: 0 };
-            s.apart(points.count - group * LANES, &mut own);
-            let mut bits = own.beyond;
+            let mut bits = if S::SHORT {
+                let mut some = OfGroup::<FOURTH> { parts, first: group == 0, point, row: [re, im], beyond: 0 };
+                s.apart(points.count - group * LANES, &mut some);
+                some.beyond
+            } else {
+                add_parts::<S, FOURTH>(s, &mut held, point, [s.load(re), s.load(im)])
+            };
             while bits != 0 {
                 near[count] = (group * LANES) as u32 + bits.trailing_zeros();
                 count += 1;
                 bits &= bits - 1;
             }
         }
-        s.store(energy, &mut parts[ENERGY]);
+        let sums = if S::SHORT {
+            s.store(energy, &mut parts[ENERGY]);
+            s.sums(parts, points.count)
+        } else {
+            held[ENERGY] = energy;
+            s.reduce_add_each(&held)
+        };
         let mut moments = Self(FACTORS);
-        s.store(s.mul(s.sums(parts, points.count), s.load(&FACTORS)), &mut moments.0);
+        s.store(s.mul(sums, s.load(&FACTORS)), &mut moments.0);
         (moments, count)
     }
 

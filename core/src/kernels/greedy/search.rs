@@ -104,7 +104,7 @@ impl Winner {
     /// This or the best of 16 further candidates: the first one that no other beats by more than `tolerance`.
     #[inline(always)]
     pub(crate) fn or<S: Simd>(self, s: S, changes: S::V, index: impl Fn(usize) -> usize, tolerance: f32) -> Self {
-        let least = -s.reduce_max(s.sub(s.splat(0.0), changes));
+        let least = s.least(changes);
         // Not "at most": an infinite change stands against the first.
         if self.change - least <= tolerance {
             return self;

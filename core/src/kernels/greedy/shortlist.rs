@@ -96,7 +96,7 @@ impl<'a> List<'a> {
     /// are copies of candidates or belong to another arc.
     #[inline(always)]
     pub(crate) fn push<S: Simd>(&mut self, s: S, changes: S::V, index: usize, used: usize) {
-        self.least = self.least.min(-s.reduce_max(s.sub(s.splat(0.0), changes)));
+        self.least = self.least.min(s.least(changes));
         let mut bits = !s.less(s.splat(self.least + self.slack), changes) & (0xffff >> (LANES - used));
         if bits == 0 {
             return;

@@ -150,10 +150,9 @@ impl<R: Register> Elementwise for Fours<R> {
         self.0.store(v[3], &mut fours[3]);
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn less(self, a: Self::V, b: Self::V) -> u32 {
-        let bits = each!(self, less, a, b);
-        bits[0] | bits[1] << FOUR | bits[2] << (2 * FOUR) | bits[3] << (3 * FOUR)
+        (0..FOUR).fold(0, |bits, k| bits | self.0.less(a[k], b[k]) << (FOUR * k))
     }
 
     #[inline(always)]
@@ -280,6 +279,19 @@ impl<R: Register> Simd for Fours<R> {
     fn reduce_max(self, v: Self::V) -> f32 {
         let mut lanes = [0.0; LANES];
         self.store(v, &mut lanes);
-        lanes.into_iter().fold(f32::NEG_INFINITY, |a, b| if a > b { a } else { b })
+        greatest(lanes.into_iter())
     }
+
+    #[inline(never)]
+    fn least(self, v: Self::V) -> f32 {
+        let mut lanes = [0.0; LANES];
+        self.store(v, &mut lanes);
+        -greatest(lanes.into_iter().map(|lane| 0.0 - lane))
+    }
+}
+
+/// The greatest of some numbers.
+#[inline(always)]
+fn greatest(numbers: impl Iterator<Item = f32>) -> f32 {
+    numbers.fold(f32::NEG_INFINITY, |a, b| if a > b { a } else { b })
 }

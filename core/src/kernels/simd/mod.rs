@@ -200,10 +200,16 @@ pub(crate) trait Simd: Elementwise {
         lanes.into_iter().fold(f32::NEG_INFINITY, |a, b| if a > b { a } else { b })
     }
 
+    /// The least lane, if none is NaN.
+    #[inline(always)]
+    fn least(self, a: Self::V) -> f32 {
+        -self.reduce_max(self.sub(self.splat(0.0), a))
+    }
+
     /// The least lane, in all lanes, if none is NaN.
     #[inline(always)]
     fn reduce_min(self, a: Self::V) -> Self::V {
-        self.splat(-self.reduce_max(self.sub(self.splat(0.0), a)))
+        self.splat(self.least(a))
     }
 
     /// Lane k is the sum over the lanes of vector k, the same tree as [`Simd::reduce_add`].
