@@ -16,8 +16,8 @@ use alloc::vec::Vec;
 use num_complex::Complex32;
 
 use crate::kernels::lanes::{LANES, Lanes};
-use crate::kernels::simd::{Apart, Elementwise, Simd};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::simd::{Apart, Elementwise, Simd};
 use crate::math;
 
 /// Above this modulus a drive is at full power but for its rounding.

@@ -6,7 +6,12 @@ use crate::kernels::simd::{Apart, Elementwise, Simd, TINY};
 
 /// P + G q.
 #[inline(always)]
-pub(crate) fn add_wave<S: Elementwise>(s: S, [gr, gi]: [S::V; 2], [qr, qi]: [S::V; 2], [re, im]: [S::V; 2]) -> [S::V; 2] {
+pub(crate) fn add_wave<S: Elementwise>(
+    s: S,
+    [gr, gi]: [S::V; 2],
+    [qr, qi]: [S::V; 2],
+    [re, im]: [S::V; 2],
+) -> [S::V; 2] {
     [s.fma(gr, qr, s.fnma(gi, qi, re)), s.fma(gr, qi, s.fma(gi, qr, im))]
 }
 

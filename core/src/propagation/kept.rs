@@ -7,12 +7,17 @@ use alloc::vec::Vec;
 use num_complex::Complex64;
 
 use crate::error::Error;
+use crate::kernels::InstructionSet;
+use crate::propagation::Propagation;
 use crate::propagation::scattering::Scattering;
 use crate::propagation::sources::Sources;
 use crate::scene::Signature;
 
 /// Entries of G that are kept at most: a tenth of a second's work, and a few MB. Of more than eight waves each fewer.
 const MOST_ENTRIES: usize = 1 << 20;
+
+/// What makes G: a value, so that a program without obstacles and signatures is not linked with it.
+pub(crate) type Make = fn(Kept, InstructionSet) -> Result<Propagation, Error>;
 
 /// What such a matrix is made of.
 #[derive(Clone, Debug)]
@@ -21,6 +26,7 @@ pub(crate) struct Kept {
     pub(crate) points: Arc<[[f64; 3]]>,
     pub(crate) scattering: Option<Arc<Scattering>>,
     pub(crate) signature: Option<Signature>,
+    pub(crate) make: Make,
 }
 
 impl PartialEq for Kept {

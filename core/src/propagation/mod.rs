@@ -317,7 +317,7 @@ impl Propagation {
             Rows::Computed { sources, frame, points } => (sources, frame, points),
             Rows::Stored { kept: Some(kept), .. } => {
                 kept.sources.check_points(points)?;
-                *self = Self::kept(Kept { points: points.into(), ..Kept::clone(kept) }, self.set)?;
+                *self = (kept.make)(Kept { points: points.into(), ..Kept::clone(kept) }, self.set)?;
                 return Ok(());
             }
             Rows::Stored { .. } => return Err(Error::given_points()),

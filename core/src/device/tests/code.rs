@@ -27,9 +27,13 @@ fn exact(steps: Steps, drive: Complex32, correction: f64) -> Code {
 #[test]
 fn codes_are_those_of_double_precision() {
     let mut rng = Rng::new(0);
-    for (phases, levels) in
-        [(256, Levels::Even(255)), (128, Levels::Widths), (32, Levels::OnOff), (10, Levels::OnOff), (16, Levels::Even(3))]
-    {
+    for (phases, levels) in [
+        (256, Levels::Even(255)),
+        (128, Levels::Widths),
+        (32, Levels::OnOff),
+        (10, Levels::OnOff),
+        (16, Levels::Even(3)),
+    ] {
         let steps = Steps { phases, levels };
         for _ in 0..20_000 {
             let correction = if rng.uniform() < 0.5 { 0.0 } else { rng.uniform() };
@@ -41,7 +45,11 @@ fn codes_are_those_of_double_precision() {
             let amplitude = if rng.uniform() < 0.5 { own } else { rng.uniform() };
             let drive = math::phasor(TAU * turns) * amplitude.min(1.0);
             let drive = Complex32::new(drive.re as f32, drive.im as f32);
-            assert_eq!(steps.code(drive, correction), exact(steps, drive, correction), "{steps:?} {drive} {correction}");
+            assert_eq!(
+                steps.code(drive, correction),
+                exact(steps, drive, correction),
+                "{steps:?} {drive} {correction}"
+            );
         }
     }
 }

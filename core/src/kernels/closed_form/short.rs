@@ -56,7 +56,10 @@ fn run<S: Simd>(
         for (old, &i) in old.as_chunks_mut::<2>().0.iter_mut().zip(members) {
             *old = if own > 0.0 { [drive[i].re, drive[i].im] } else { [0.0; 2] };
         }
-        s.apart(count, &mut Correlations { field: &field, rows: octets, own, old: &old, members: some, sums: &mut sums });
+        s.apart(
+            count,
+            &mut Correlations { field: &field, rows: octets, own, old: &old, members: some, sums: &mut sums },
+        );
         let new = directions(s, phases, s.sums(&sums, count));
         let mut change = [0.0; LANES];
         for ((change, new), old) in change.iter_mut().zip(&new).zip(&old).take(2 * some) {

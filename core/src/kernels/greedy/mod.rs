@@ -201,7 +201,18 @@ impl<'a, V: Copy, T: Term> PointsInLanes<'a, V, T> {
             energy = s.fma(s.mul(s.load(w), s.load(t)), s.load(t), energy);
         }
         let matters = MATTERS * s.reduce_add(energy);
-        Self { candidates, drive, energy, silent: true, matters, parts: [[0.0; LANES]; PARTS], floats, near, close, term: PhantomData }
+        Self {
+            candidates,
+            drive,
+            energy,
+            silent: true,
+            matters,
+            parts: [[0.0; LANES]; PARTS],
+            floats,
+            near,
+            close,
+            term: PhantomData,
+        }
     }
 }
 
@@ -222,7 +233,10 @@ impl<S: Simd, T: Term> Layout<S> for PointsInLanes<'_, S::V, T> {
                 let near = &self.near[..nearby];
                 let energies = Energies { s, points, moments: &moments, near, candidates };
                 if large_grid::large(candidates) {
-                    large_grid::best(&energies, self.matters, self.floats, self.close)?
+                    s.aside(
+                        #[inline(always)]
+                        || large_grid::best(&energies, self.matters, self.floats, self.close),
+                    )?
                 } else {
                     shortlist::best(&energies, self.floats, self.close)?
                 }

@@ -43,8 +43,8 @@
 //! by the polynomial's difference within 35/32 d sum w t |P| |u|^5/(1 - |u|) < 35/8 FAR R d.
 
 use crate::kernels::greedy::point_group::PointGroup;
-use crate::kernels::lanes::{LANES, Lanes, groups};
 use crate::kernels::greedy::search::Points;
+use crate::kernels::lanes::{LANES, Lanes, groups};
 use crate::kernels::simd::{Apart, Elementwise, Simd};
 use crate::math::sqrtf;
 

@@ -76,7 +76,13 @@ impl PointGroup {
 
     /// Adds the changes of the terms under the drive q to `total`, as [`crate::kernels::greedy::search::changes`] does.
     #[inline(always)]
-    pub(crate) fn add_change<S: Elementwise>(&self, s: S, [gr, gi]: [&Lanes; 2], [qr, qi]: [S::V; 2], total: S::V) -> S::V {
+    pub(crate) fn add_change<S: Elementwise>(
+        &self,
+        s: S,
+        [gr, gi]: [&Lanes; 2],
+        [qr, qi]: [S::V; 2],
+        total: S::V,
+    ) -> S::V {
         let (gr, gi) = (s.load(gr), s.load(gi));
         let e = [s.fnma(gi, qi, s.mul(gr, qr)), s.fma(gi, qr, s.mul(gr, qi))];
         let old = [s.load(&self.re), s.load(&self.im), s.load(&self.modulus)];

@@ -164,7 +164,11 @@ impl<'a> List<'a> {
         } else if self.overflows() {
             Some(search::best::<S, L2>(s, points, candidates, false, tolerance))
         } else {
-            Some(search::best_of(s, points, candidates, self.indices(), tolerance))
+            let best = s.aside(
+                #[inline(always)]
+                || search::best_of(s, points, candidates, self.indices(), tolerance),
+            );
+            Some(best)
         }
     }
 

@@ -14,13 +14,13 @@ use core::ops::Range;
 
 use crate::control::Control;
 use crate::error::Error;
+use crate::kernels::lanes::Lanes;
 use crate::kernels::lanes::{LANES, groups, groups_mut};
 use crate::kernels::propagate::form::{Form, Radiation, formed};
 use crate::kernels::propagate::row::{ControlPoints, spread};
 use crate::kernels::propagate::source::{SourceGroup, SourceLanes, SourceList};
-use crate::kernels::lanes::Lanes;
-use crate::kernels::simd::{Apart, Elementwise, Simd};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::simd::{Apart, Elementwise, Simd};
 
 /// Source groups whose moduli are summed in f32 before f64 takes over; they stay in the nearest cache meanwhile.
 const RUN: usize = 32;

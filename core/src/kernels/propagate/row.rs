@@ -5,8 +5,8 @@ use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::phasor::{power_of_two, wave};
 use crate::kernels::propagate::form::{Form, Plain, Radiation, formed};
 use crate::kernels::propagate::source::{SourceLanes, SourceList};
-use crate::kernels::simd::{Apart, Elementwise, Simd};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::simd::{Apart, Elementwise, Simd};
 
 /// A hundredth of a wavelength: nearer than that r is held there, so that no field is infinite.
 pub(crate) const NEAREST: f32 = 0.01;

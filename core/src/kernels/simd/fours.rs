@@ -235,6 +235,11 @@ impl<R: Register> Simd for Fours<R> {
         }
     }
 
+    #[inline(never)]
+    fn aside<T>(self, f: impl FnOnce() -> T) -> T {
+        f()
+    }
+
     #[inline(always)]
     fn swap<const DISTANCE: usize>(self, v: Self::V) -> Self::V {
         match DISTANCE {

@@ -147,9 +147,9 @@ impl fmt::Display for InstructionSet {
 /// Runs an expression of a token compiled for a set: `dispatch!(set, simd => body)`.
 macro_rules! dispatch {
     ($set:expr, $simd:ident => $body:expr) => {{
+        use crate::kernels::simd::instruction_set::Kind;
         #[allow(unused_imports, reason = "a body may need no more than the one of them")]
         use crate::kernels::simd::{Elementwise, Simd};
-        use crate::kernels::simd::instruction_set::Kind;
         match $set.0 {
             Kind::Scalar($simd) => $simd.vectorize(
                 #[inline(always)]

@@ -161,6 +161,12 @@ pub(crate) trait Simd: Elementwise {
         kernel.run(self);
     }
 
+    /// Runs `f`, which is a function of the program where code and stack are to be short; it must be `#[inline(always)]`.
+    #[inline(always)]
+    fn aside<R>(self, f: impl FnOnce() -> R) -> R {
+        f()
+    }
+
     /// Lane l gets lane l xor `DISTANCE`: 8 swaps the halves, 4 the quarters of each half, 2 and 1 so on.
     #[inline(always)]
     fn swap<const DISTANCE: usize>(self, a: Self::V) -> Self::V {
