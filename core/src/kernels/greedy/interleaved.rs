@@ -154,6 +154,10 @@ impl<V: Copy> ProblemsInLanes<'_, V> {
         self.alone.drive[0] = Complex32::ZERO;
         self.alone.energy = s.load(&energy);
         self.alone.silent = group.modulus == [0.0; LANES];
+        if S::SHORT {
+            // The last one's points may have been more.
+            self.alone.parts = [[0.0; LANES]; PARTS];
+        }
         let groups = core::slice::from_ref(&group);
         self.alone.update(s, Points { groups, row: [re, im], count }, 0, || ());
     }

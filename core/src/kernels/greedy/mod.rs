@@ -175,7 +175,7 @@ pub(crate) struct PointsInLanes<'a, V, T> {
     pub(crate) silent: bool,
     /// Differences of the energy that do not matter.
     matters: f32,
-    /// Memory of the moments.
+    /// Memory of the moments, of one number of points.
     parts: Parts,
     floats: &'a mut [f32],
     /// The points that the moments leave out,

@@ -155,7 +155,7 @@ pub(crate) fn change<S: Elementwise>(s: S, m: impl Fn(usize) -> S::V, z: impl Fn
     s.add(low, s.fma(m(6), z(6), s.fma(m(7), z(7), high)))
 }
 
-/// What points add to the moments, lanes apart.
+/// What points add to the moments, lanes apart; +0 in those quarters of the lanes that hold no point.
 pub(crate) type Parts = [Lanes; PARTS];
 
 /// Adds what a group of points does, and tells which of them are left out.

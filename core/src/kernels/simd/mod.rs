@@ -38,7 +38,8 @@ pub(crate) trait Elementwise: Copy {
     /// Sixteen f32, or those of some lanes.
     type V: Copy;
 
-    /// Whether code is to be short: what a kernel can find out at each element it is then not compiled for.
+    /// Whether 16 lanes are more registers than a kernel should hold. Code and stack are then to be short: what a kernel can
+    /// find out at each element it is not compiled for.
     const SHORT: bool = false;
 
     /// The same of a token.
@@ -153,8 +154,8 @@ pub(crate) trait Apart {
 
 /// Operations on 16 lanes.
 pub(crate) trait Simd: Elementwise {
-    /// Runs a kernel of which the first `used` lanes matter, the others may or may not run: over a register's lanes at
-    /// a time, if these are the whole or the compiler would otherwise keep few of them in registers.
+    /// Runs a kernel of which the first `used` lanes matter, the others may or may not run: over all lanes at once, or over
+    /// those of one register after the other.
     #[inline(always)]
     fn apart(self, used: usize, kernel: &mut impl Apart) {
         let _ = used;
