@@ -56,9 +56,8 @@ def build() -> Path:
     }
     env = {key: value for key, value in os.environ.items() if key != "RUSTFLAGS"} | own
     cargo = ["/usr/bin/cargo", "build", "--quiet", "--release"]
-    subprocess.run(
-        [*cargo, "--bins", "--target", TARGET, "-Zbuild-std=core,alloc"], cwd=HERE, env=env, check=True
-    )
+    small = ["-Zbuild-std=core,alloc", "-Zbuild-std-features=optimize_for_size"]
+    subprocess.run([*cargo, "--bins", "--target", TARGET, *small], cwd=HERE, env=env, check=True)
     subprocess.run([*cargo, "--example", "pc"], cwd=HERE, env=env, check=True)
     return target
 

@@ -6,7 +6,9 @@
 
 use num_complex::{Complex32, Complex64};
 
-pub(crate) use libm::{acos, asin, atan2, cbrt, ceil, cos, exp, floor, hypot, j0, j1, log, pow, round, sin};
+pub(crate) use libm::{
+    acos, asin, atan2, atan2f, cbrt, ceil, cos, exp, floor, floorf, hypot, j0, j1, log, pow, round, sin,
+};
 
 /// Square root in double precision.
 #[inline(always)]

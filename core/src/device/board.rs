@@ -274,7 +274,9 @@ impl Board {
 
     fn check(&self, drive: &[Complex32]) -> Result<(), Error> {
         one_each("drive", drive.len(), "of them", self.len(), "transducers")?;
-        match drive.iter().position(|&q| !q.is_finite() || math::modulus(q) > 1.0 + SLACK) {
+        // In f32 first, where that is sure.
+        let fits = |q: &Complex32| q.norm_sqr() <= 1.0 || (q.is_finite() && math::modulus(*q) <= 1.0 + SLACK);
+        match drive.iter().position(|q| !fits(q)) {
             None => Ok(()),
             Some(i) => {
                 let value = format!("{} + {}j", drive[i].re, drive[i].im);

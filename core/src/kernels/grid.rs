@@ -16,8 +16,8 @@ use alloc::vec::Vec;
 use num_complex::Complex32;
 
 use crate::kernels::lanes::{LANES, Lanes};
-use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::simd::{Apart, Elementwise, Simd};
 use crate::math;
 
 /// Above this modulus a drive is at full power but for its rounding.
@@ -73,19 +73,19 @@ impl Phases {
 
     /// Where the phases of q lie among the codes: l and a fraction, from -L/2 to L/2.
     #[inline(always)]
-    pub(crate) fn places<S: Simd>(&self, s: S, q: [S::V; 2]) -> S::V {
+    pub(crate) fn places<S: Elementwise>(&self, s: S, q: [S::V; 2]) -> S::V {
         s.mul(s.splat(self.count), turns(s, q))
     }
 
     /// The codes nearest to some places, -L to L like these; of two as near the later one.
     #[inline(always)]
-    pub(crate) fn codes<S: Simd>(s: S, places: S::V) -> S::V {
+    pub(crate) fn codes<S: Elementwise>(s: S, places: S::V) -> S::V {
         s.floor(s.add(places, s.splat(0.5)))
     }
 
     /// The phasors of some codes, 0 where q is 0.
     #[inline(always)]
-    pub(crate) fn phasors<S: Simd>(&self, s: S, codes: S::V, q: [S::V; 2]) -> [S::V; 2] {
+    pub(crate) fn phasors<S: Elementwise>(&self, s: S, codes: S::V, q: [S::V; 2]) -> [S::V; 2] {
         let (large, zero) = (sides(s, q)[0], s.splat(0.0));
         let at = self.at(s, codes);
         let [re, im] = [s.gather_list(&self.phasors, at), s.gather_list(&self.phasors[1..], at)];
@@ -94,7 +94,7 @@ impl Phases {
 
     /// Where in the table the phasors of some codes begin.
     #[inline(always)]
-    fn at<S: Simd>(&self, s: S, codes: S::V) -> S::V {
+    fn at<S: Elementwise>(&self, s: S, codes: S::V) -> S::V {
         let index = s.add(codes, s.splat(self.count));
         s.add(index, index)
     }
@@ -109,7 +109,7 @@ impl Phases {
 
     /// The phasors of the phases nearest to those of q, 0 where q is 0.
     #[inline(always)]
-    pub(crate) fn nearest<S: Simd>(&self, s: S, q: [S::V; 2]) -> [S::V; 2] {
+    pub(crate) fn nearest<S: Elementwise>(&self, s: S, q: [S::V; 2]) -> [S::V; 2] {
         self.phasors(s, Self::codes(s, self.places(s, q)), q)
     }
 
@@ -142,13 +142,13 @@ impl Amplitudes {
 
     /// The amplitudes nearest to some moduli.
     #[inline(always)]
-    fn nearest<S: Simd>(&self, s: S, moduli: S::V) -> S::V {
+    fn nearest<S: Elementwise>(&self, s: S, moduli: S::V) -> S::V {
         let moduli = s.min(moduli, s.splat(1.0));
         let bucket = s.sub(s.mul(moduli, s.splat(BUCKETS as f32)), s.splat(0.5));
         let mut code = s.gather_list(&self.first, s.max(s.round(bucket), s.splat(0.0)));
         loop {
             let middle = s.gather_list(&self.middles, code);
-            if s.less(moduli, middle) == (1 << LANES) - 1 {
+            if s.less(moduli, middle) == s.every() {
                 return s.gather_list(&self.values, code);
             }
             code = s.select_less(moduli, middle, code, s.add(code, s.splat(1.0)));
@@ -158,34 +158,34 @@ impl Amplitudes {
 
 /// |re| and |im|, the larger first.
 #[inline(always)]
-fn sides<S: Simd>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
+fn sides<S: Elementwise>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
     let (along, across) = (s.abs(re), s.abs(im));
     [s.max(along, across), s.min(along, across)]
 }
 
 /// The lesser of |re| and |im| over the larger.
 #[inline(always)]
-fn ratio<S: Simd>(s: S, q: [S::V; 2]) -> S::V {
+fn ratio<S: Elementwise>(s: S, q: [S::V; 2]) -> S::V {
     let [large, small] = sides(s, q);
     s.div(small, s.max(large, s.splat(f32::MIN_POSITIVE)))
 }
 
 /// |q|, whose square may underflow.
 #[inline(always)]
-fn modulus<S: Simd>(s: S, q: [S::V; 2]) -> S::V {
+fn modulus<S: Elementwise>(s: S, q: [S::V; 2]) -> S::V {
     let (large, ratio) = (sides(s, q)[0], ratio(s, q));
     s.mul(large, s.sqrt(s.add(s.splat(1.0), s.mul(ratio, ratio))))
 }
 
 /// a + b x, each rounded.
 #[inline(always)]
-fn joined<S: Simd>(s: S, [a, b]: [S::V; 2], x: S::V) -> S::V {
+fn joined<S: Elementwise>(s: S, [a, b]: [S::V; 2], x: S::V) -> S::V {
     s.add(a, s.mul(b, x))
 }
 
 /// The phase of q in turns, from -1/2 to 1/2: an odd minimax polynomial for the arc tangent, made to end in 1/8 at 1.
 #[inline(always)]
-fn turns<S: Simd>(s: S, [re, im]: [S::V; 2]) -> S::V {
+fn turns<S: Elementwise>(s: S, [re, im]: [S::V; 2]) -> S::V {
     const C: [f32; 8] = [
         0.159_154_83,
         -0.053_045_884,
@@ -221,21 +221,15 @@ fn turns<S: Simd>(s: S, [re, im]: [S::V; 2]) -> S::V {
 impl Grid {
     /// The amplitudes nearest to those of q.
     #[inline(always)]
-    fn amplitude<S: Simd>(&self, s: S, q: [S::V; 2]) -> S::V {
-        let (one, full) = (s.splat(1.0), s.splat(FULL));
-        let square = s.add(s.mul(q[0], q[0]), s.mul(q[1], q[1]));
-        // Most answers are at full drive.
-        if s.less(square, s.splat(FULL * FULL)) == 0 {
-            return one;
-        }
-        let modulus = modulus(s, q);
+    fn amplitude<S: Elementwise>(&self, s: S, q: [S::V; 2]) -> S::V {
+        let (one, full, modulus) = (s.splat(1.0), s.splat(FULL), modulus(s, q));
         let amplitude = self.amplitudes.as_ref().map_or(modulus, |table| table.nearest(s, modulus));
         s.select_less(full, modulus, one, amplitude)
     }
 
     /// The directions of the phases nearest to those of q.
     #[inline(always)]
-    fn direction<S: Simd>(&self, s: S, q: [S::V; 2]) -> [S::V; 2] {
+    fn direction<S: Elementwise>(&self, s: S, q: [S::V; 2]) -> [S::V; 2] {
         if let Some(phases) = &self.phases {
             return phases.nearest(s, q);
         }
@@ -243,10 +237,11 @@ impl Grid {
         [s.div(q[0], held), s.div(q[1], held)]
     }
 
-    /// The nearest drives of the grid; 0 stays 0.
+    /// The nearest drives of the grid, where all are `full` at amplitude 1; 0 stays 0.
     #[inline(always)]
-    fn nearest<S: Simd>(&self, s: S, q: [S::V; 2]) -> [S::V; 2] {
-        let (zero, large, amplitude) = (s.splat(0.0), sides(s, q)[0], self.amplitude(s, q));
+    fn nearest<S: Elementwise>(&self, s: S, q: [S::V; 2], full: bool) -> [S::V; 2] {
+        let (zero, large) = (s.splat(0.0), sides(s, q)[0]);
+        let amplitude = if full { s.splat(1.0) } else { self.amplitude(s, q) };
         let mut new = self.direction(s, q);
         for (new, old) in new.iter_mut().zip(q) {
             *new = s.mul(amplitude, *new);
@@ -262,19 +257,18 @@ impl Grid {
     /// Divides every drive by `factor` and rounds it; whether each is what it was times `common`, to the bit.
     pub(crate) fn round(&self, set: InstructionSet, factor: f32, common: f32, drive: &mut [Complex32]) -> bool {
         dispatch!(set, s => {
-            let (part, common) = (s.splat(1.0 / factor), s.splat(common));
             let mut differ = 0;
             for own in drive.chunks_mut(LANES) {
-                let q = planar(s, own);
-                let [re, im] = self.nearest(s, [s.mul(q[0], part), s.mul(q[1], part)]);
-                let (miss_re, miss_im) =
-                    (s.abs(s.sub(re, s.mul(q[0], common))), s.abs(s.sub(im, s.mul(q[1], common))));
-                let used = u32::MAX >> (32 - own.len());
-                differ |= s.less(s.splat(0.0), s.max(miss_re, miss_im)) & used;
-                let (mut real, mut imag): (Lanes, Lanes) = ([0.0; LANES], [0.0; LANES]);
-                s.store(re, &mut real);
-                s.store(im, &mut imag);
-                for (own, (re, im)) in own.iter_mut().zip(real.into_iter().zip(imag)) {
+                let mut some = Rounding { grid: self, part: 1.0 / factor, common, full: false, q: planar(own), differ };
+                let [re, im] = [s.load(&some.q[0]), s.load(&some.q[1])];
+                let part = s.splat(some.part);
+                let (re, im) = (s.mul(re, part), s.mul(im, part));
+                let square = s.add(s.mul(re, re), s.mul(im, im));
+                // Most answers are at full drive.
+                some.full = s.less(square, s.splat(FULL * FULL)) == 0;
+                s.apart(own.len(), &mut some);
+                differ |= some.differ & (u32::MAX >> (32 - own.len()));
+                for (own, (re, im)) in own.iter_mut().zip(some.q[0].into_iter().zip(some.q[1])) {
                     *own = Complex32::new(re, im);
                 }
             }
@@ -283,12 +277,38 @@ impl Grid {
     }
 }
 
+/// Drives being rounded.
+struct Rounding<'a> {
+    grid: &'a Grid,
+    /// What they are multiplied by before, and what they are expected to be multiplied by altogether.
+    part: f32,
+    common: f32,
+    full: bool,
+    q: [Lanes; 2],
+    /// Bits of those that are not.
+    differ: u32,
+}
+
+impl Apart for Rounding<'_> {
+    #[inline(always)]
+    fn run<S: Elementwise>(&mut self, s: S) {
+        let (part, common) = (s.splat(self.part), s.splat(self.common));
+        let q = [s.load(&self.q[0]), s.load(&self.q[1])];
+        let [re, im] = self.grid.nearest(s, [s.mul(q[0], part), s.mul(q[1], part)], self.full);
+        let (miss_re, miss_im) = (s.abs(s.sub(re, s.mul(q[0], common))), s.abs(s.sub(im, s.mul(q[1], common))));
+        self.differ |= s.less(s.splat(0.0), s.max(miss_re, miss_im));
+        s.store(re, &mut self.q[0]);
+        s.store(im, &mut self.q[1]);
+    }
+}
+
 /// The largest |q|.
 pub(crate) fn largest(set: InstructionSet, drive: &[Complex32]) -> f32 {
     dispatch!(set, s => {
         let mut most = s.splat(0.0);
         for own in drive.chunks(LANES) {
-            most = s.max(modulus(s, planar(s, own)), most);
+            let q = planar(own);
+            most = s.max(modulus(s, [s.load(&q[0]), s.load(&q[1])]), most);
         }
         s.reduce_max(most)
     })
@@ -296,13 +316,13 @@ pub(crate) fn largest(set: InstructionSet, drive: &[Complex32]) -> f32 {
 
 /// Real and imaginary parts of sixteen drives or fewer.
 #[inline(always)]
-fn planar<S: Simd>(s: S, drives: &[Complex32]) -> [S::V; 2] {
+fn planar(drives: &[Complex32]) -> [Lanes; 2] {
     if let Some(sixteen) = drives.first_chunk::<LANES>() {
-        return [s.load(&sixteen.map(|q| q.re)), s.load(&sixteen.map(|q| q.im))];
+        return [sixteen.map(|q| q.re), sixteen.map(|q| q.im)];
     }
     let (mut re, mut im) = ([0.0; LANES], [0.0; LANES]);
     for (q, (re, im)) in drives.iter().zip(re.iter_mut().zip(&mut im)) {
         (*re, *im) = (q.re, q.im);
     }
-    [s.load(&re), s.load(&im)]
+    [re, im]
 }

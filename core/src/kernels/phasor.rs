@@ -1,6 +1,6 @@
 //! Sine and cosine of phases in turns, powers of two and logarithms, as polynomials without branches.
 
-use crate::kernels::simd::Simd;
+use crate::kernels::simd::Elementwise;
 
 /// sqrt(2) sin(pi x)/x in powers of x^2, least maximal error on |x| <= 1/2 (2e-8 before rounding).
 #[allow(clippy::approx_constant, reason = "fitted coefficients that lie near a constant")]
@@ -21,7 +21,7 @@ const LOGARITHM: [f32; 8] =
 
 /// The polynomial at x by Horner's rule.
 #[inline(always)]
-fn polynomial<S: Simd, const N: usize>(s: S, coefficients: &[f32; N], x: S::V) -> S::V {
+fn polynomial<S: Elementwise, const N: usize>(s: S, coefficients: &[f32; N], x: S::V) -> S::V {
     let mut sum = s.splat(coefficients[N - 1]);
     for &coefficient in coefficients[..N - 1].iter().rev() {
         sum = s.fma(sum, x, s.splat(coefficient));
@@ -35,7 +35,7 @@ fn polynomial<S: Simd, const N: usize>(s: S, coefficients: &[f32; N], x: S::V) -
 /// By the half angle: with sigma = sqrt(2) sin(pi x) and gamma = sqrt(2) cos(pi x) the two are 1 - sigma^2 and
 /// sigma gamma, and |x| <= 1/2 needs no quadrants.
 #[inline(always)]
-pub(crate) fn wave<S: Simd>(s: S, turns: S::V, amplitude: S::V) -> [S::V; 2] {
+pub(crate) fn wave<S: Elementwise>(s: S, turns: S::V, amplitude: S::V) -> [S::V; 2] {
     let x = s.fract(turns);
     let square = s.mul(x, x);
     let sine = s.mul(polynomial(s, &SINE, square), x);
@@ -46,7 +46,7 @@ pub(crate) fn wave<S: Simd>(s: S, turns: S::V, amplitude: S::V) -> [S::V; 2] {
 
 /// 2^x for x <= 0; what would be below 2^-126 is 2^-126 times a number near 1.
 #[inline(always)]
-pub(crate) fn power_of_two<S: Simd>(s: S, x: S::V) -> S::V {
+pub(crate) fn power_of_two<S: Elementwise>(s: S, x: S::V) -> S::V {
     let x = s.max(x, s.splat(-126.0));
     let whole = s.round(x);
     s.mul(polynomial(s, &POWER, s.sub(x, whole)), s.exp2(whole))
@@ -54,7 +54,7 @@ pub(crate) fn power_of_two<S: Simd>(s: S, x: S::V) -> S::V {
 
 /// log2 of normal x, relative error below 4e-7.
 #[inline(always)]
-pub(crate) fn log2<S: Simd>(s: S, x: S::V) -> S::V {
+pub(crate) fn log2<S: Elementwise>(s: S, x: S::V) -> S::V {
     // What is left is 3/4 to 3/2: near 1 the logarithm is that of the remainder alone.
     let whole = s.exponent(s.mul(x, s.splat(4.0 / 3.0)));
     let rest = s.sub(s.mul(x, s.exp2(s.sub(s.splat(0.0), whole))), s.splat(1.0));

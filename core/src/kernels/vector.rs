@@ -1,12 +1,17 @@
 //! Vectors over the points: moduli, inner products, sums of squares, adding one source's field.
 
-use crate::kernels::lanes::{groups, groups_mut};
+use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::simd::{Simd, TINY};
+use crate::kernels::simd::{Apart, Elementwise, Simd, TINY};
 
 /// P + G q.
 #[inline(always)]
-pub(crate) fn add_wave<S: Simd>(s: S, [gr, gi]: [S::V; 2], [qr, qi]: [S::V; 2], [re, im]: [S::V; 2]) -> [S::V; 2] {
+pub(crate) fn add_wave<S: Elementwise>(
+    s: S,
+    [gr, gi]: [S::V; 2],
+    [qr, qi]: [S::V; 2],
+    [re, im]: [S::V; 2],
+) -> [S::V; 2] {
     [s.fma(gr, qr, s.fnma(gi, qi, re)), s.fma(gr, qi, s.fma(gi, qr, im))]
 }
 
@@ -39,14 +44,14 @@ pub(crate) fn modulus(set: InstructionSet, re: &[f32], im: &[f32], out: &mut [f3
 
 /// sqrt(a) of a >= 0; 0 below the smallest normal number.
 #[inline(always)]
-pub(crate) fn root<S: Simd>(s: S, a: S::V) -> S::V {
+pub(crate) fn root<S: Elementwise>(s: S, a: S::V) -> S::V {
     let least = s.splat(TINY);
     s.select_less(a, least, s.splat(0.0), s.sqrt_rsqrt(s.max(a, least)).0)
 }
 
 /// sum_j conj(G_j) p_j for complex p: (re, im), lanes apart.
 #[inline(always)]
-pub(crate) fn correlation<S: Simd>(s: S, row: [&[f32]; 2], pressure: [&[f32]; 2]) -> [S::V; 2] {
+pub(crate) fn correlation<S: Elementwise>(s: S, row: [&[f32]; 2], pressure: [&[f32]; 2]) -> [S::V; 2] {
     let (mut re, mut im) = (s.splat(0.0), s.splat(0.0));
     let pressures = groups(pressure[0]).iter().zip(groups(pressure[1]));
     for ((gr, gi), (pr, pi)) in groups(row[0]).iter().zip(groups(row[1])).zip(pressures) {
@@ -57,12 +62,28 @@ pub(crate) fn correlation<S: Simd>(s: S, row: [&[f32]; 2], pressure: [&[f32]; 2]
     [re, im]
 }
 
-/// sum_j conj(G_j) p_j for complex p: (re, im).
-pub(crate) fn correlate(set: InstructionSet, row: [&[f32]; 2], pressure: [&[f32]; 2]) -> [f32; 2] {
+/// sum_j conj(G_j) p_j for complex p: (re, im), of `count` numbers and padding.
+pub(crate) fn correlate(set: InstructionSet, row: [&[f32]; 2], pressure: [&[f32]; 2], count: usize) -> [f32; 2] {
     dispatch!(set, s => {
-        let [re, im] = correlation(s, row, pressure);
-        [s.reduce_add(re), s.reduce_add(im)]
+        let mut sum = Correlation { row, pressure, out: [[0.0; LANES]; 2] };
+        s.apart(count, &mut sum);
+        [s.reduce_add(s.load(&sum.out[0])), s.reduce_add(s.load(&sum.out[1]))]
     })
+}
+
+struct Correlation<'a> {
+    row: [&'a [f32]; 2],
+    pressure: [&'a [f32]; 2],
+    out: [Lanes; 2],
+}
+
+impl Apart for Correlation<'_> {
+    #[inline(always)]
+    fn run<S: Elementwise>(&mut self, s: S) {
+        let [re, im] = correlation(s, self.row, self.pressure);
+        s.store(re, &mut self.out[0]);
+        s.store(im, &mut self.out[1]);
+    }
 }
 
 /// sum_j a_j b_j.
@@ -76,12 +97,22 @@ pub(crate) fn dot(set: InstructionSet, a: &[f32], b: &[f32]) -> f32 {
     })
 }
 
-/// out += |G|^2.
-pub(crate) fn squares(set: InstructionSet, row: [&[f32]; 2], out: &mut [f32]) {
-    dispatch!(set, s => {
-        for ((re, im), out) in groups(row[0]).iter().zip(groups(row[1])).zip(groups_mut(out)) {
+/// out += |G|^2 of `count` numbers and padding.
+pub(crate) fn squares(set: InstructionSet, row: [&[f32]; 2], count: usize, out: &mut [f32]) {
+    dispatch!(set, s => s.apart(count, &mut Squares { row, out }));
+}
+
+struct Squares<'a> {
+    row: [&'a [f32]; 2],
+    out: &'a mut [f32],
+}
+
+impl Apart for Squares<'_> {
+    #[inline(always)]
+    fn run<S: Elementwise>(&mut self, s: S) {
+        for ((re, im), out) in groups(self.row[0]).iter().zip(groups(self.row[1])).zip(groups_mut(self.out)) {
             let (re, im) = (s.load(re), s.load(im));
             s.store(s.fma(re, re, s.fma(im, im, s.load(out))), out);
         }
-    });
+    }
 }

@@ -41,7 +41,7 @@ pub(crate) fn leading_eigenvector<'w>(
             // Twice is enough to be orthogonal to rounding.
             for round in 0..2 {
                 for k in 0..used {
-                    let [re, im] = kernels::correlate(set, basis.row(k), next.row(0));
+                    let [re, im] = kernels::correlate(set, basis.row(k), next.row(0), count);
                     if round == 0 && k == step {
                         diagonal[step] = f64::from(re);
                     }

@@ -6,6 +6,7 @@
 use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
+use core::fmt;
 
 use num_complex::{Complex32, Complex64};
 
@@ -15,17 +16,28 @@ use crate::propagation::boundary::Boundary;
 use crate::propagation::sources::Sources;
 use crate::propagation::sphere::Sphere;
 
-/// What the sound of bodies is made of.
-#[derive(Clone, Debug)]
-enum Basis {
-    Sphere(Sphere),
-    Boundary(Arc<Boundary>),
+/// What the sound of bodies is made of: a trait, so that a program that has none is not linked with their mathematics.
+trait Basis: fmt::Debug + Send + Sync {
+    /// Each wave, or what each element sends, at a point outside.
+    fn row(&self, point: [f64; 3], row: &mut Vec<Complex64>);
+}
+
+impl Basis for Sphere {
+    fn row(&self, point: [f64; 3], row: &mut Vec<Complex64>) {
+        self.row(point, row);
+    }
+}
+
+impl Basis for Boundary {
+    fn row(&self, point: [f64; 3], row: &mut Vec<Complex64>) {
+        self.row(point, row);
+    }
 }
 
 /// Bodies and what each transducer makes of them.
 #[derive(Clone, Debug)]
 pub(crate) struct Bodies {
-    basis: Basis,
+    basis: Arc<dyn Basis>,
     /// S (K, N), wave by wave, real and imaginary parts apart; the transducers' responses left out.
     answers: [Vec<f32>; 2],
     transducers: usize,
@@ -35,14 +47,14 @@ impl Bodies {
     pub(crate) fn of_sphere(sphere: Sphere, sources: &Sources, control: &mut Control) -> Result<Self, Error> {
         let answers = sphere.answers(sources, control)?;
         let answers = [answers.iter().map(|a| a.re as f32).collect(), answers.iter().map(|a| a.im as f32).collect()];
-        Ok(Self { basis: Basis::Sphere(sphere), answers, transducers: sources.array.len() })
+        Ok(Self { basis: Arc::new(sphere), answers, transducers: sources.array.len() })
     }
 
     /// Of the sound on a boundary's elements (E, N).
     pub(crate) fn of_boundary(boundary: Arc<Boundary>, sound: &[Complex32]) -> Self {
         let answers = [sound.iter().map(|u| u.re).collect(), sound.iter().map(|u| u.im).collect()];
         let transducers = sound.len() / boundary.elements();
-        Self { basis: Basis::Boundary(boundary), answers, transducers }
+        Self { basis: boundary, answers, transducers }
     }
 
     /// The number of waves or elements.
@@ -50,18 +62,10 @@ impl Bodies {
         self.answers[0].len() / self.transducers
     }
 
-    /// How each of them is heard at a point.
-    fn heard(&self, point: [f64; 3], row: &mut Vec<Complex64>) {
-        match &self.basis {
-            Basis::Sphere(sphere) => sphere.row(point, row),
-            Basis::Boundary(boundary) => boundary.row(point, row),
-        }
-    }
-
     /// What each transducer sends to a point by way of them, its response left out, in Pa.
     pub(crate) fn sent(&self, point: [f64; 3]) -> Vec<Complex64> {
         let mut row = Vec::new();
-        self.heard(point, &mut row);
+        self.basis.row(point, &mut row);
         let [mut re, mut im] = [(); 2].map(|()| vec![0.0_f32; self.transducers]);
         for (heard, [own_re, own_im]) in row.iter().zip(self.each()) {
             let (x, y) = (heard.re as f32, heard.im as f32);
@@ -93,7 +97,7 @@ impl Bodies {
 
     /// The pressure at a point of waves or elements so driven, in Pa.
     pub(crate) fn pressure(&self, driven: &[Complex64], point: [f64; 3], row: &mut Vec<Complex64>) -> Complex64 {
-        self.heard(point, row);
+        self.basis.row(point, row);
         row.iter().zip(driven).map(|(heard, driven)| heard * driven).sum()
     }
 }

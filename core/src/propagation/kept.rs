@@ -14,6 +14,9 @@ use crate::scene::Signature;
 /// Entries of G that are kept at most: a tenth of a second's work, and a few MB. Of more than eight waves each fewer.
 const MOST_ENTRIES: usize = 1 << 20;
 
+/// [`Kept::matrix`]: a value, so that a program without obstacles and signatures is not linked with it.
+pub(crate) type Make = fn(&Kept) -> Result<Arc<[Complex64]>, Error>;
+
 /// What such a matrix is made of.
 #[derive(Clone, Debug)]
 pub(crate) struct Kept {
@@ -21,6 +24,7 @@ pub(crate) struct Kept {
     pub(crate) points: Arc<[[f64; 3]]>,
     pub(crate) scattering: Option<Arc<Scattering>>,
     pub(crate) signature: Option<Signature>,
+    pub(crate) make: Make,
 }
 
 impl PartialEq for Kept {
@@ -33,7 +37,7 @@ impl PartialEq for Kept {
 
 impl Kept {
     /// Refuses points inside obstacles, factors that do not fit, and more entries than are kept.
-    pub(crate) fn checked(self) -> Result<Self, Error> {
+    fn check(&self) -> Result<(), Error> {
         let (transducers, points) = (self.sources.array.len(), self.points.len());
         self.signature.as_ref().map_or(Ok(()), |signature| signature.check(transducers, points))?;
         if let Some(scattering) = &self.scattering {
@@ -47,11 +51,15 @@ impl Kept {
             let cure = format!("with {why} G is kept: give at most {most}");
             return Err(Error::invalid("points", format!("{points} of them"), cure));
         }
-        Ok(self)
+        Ok(())
     }
 
     /// G (N, M) in Pa, transducer by transducer.
-    pub(crate) fn matrix(&self) -> Arc<[Complex64]> {
+    ///
+    /// # Errors
+    /// Points inside obstacles, factors that do not fit, more entries than are kept.
+    pub(crate) fn matrix(&self) -> Result<Arc<[Complex64]>, Error> {
+        self.check()?;
         let (transducers, points) = (self.sources.array.len(), self.points.len());
         let mut matrix = alloc::vec![Complex64::ZERO; transducers * points];
         for (j, &point) in self.points.iter().enumerate() {
@@ -66,7 +74,7 @@ impl Kept {
             }
             row.into_iter().enumerate().for_each(|(i, g)| matrix[i * points + j] = g);
         }
-        matrix.into()
+        Ok(matrix.into())
     }
 
     /// The same at some of the points, whose matrix is known.

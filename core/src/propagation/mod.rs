@@ -105,8 +105,8 @@ impl Propagation {
 
     /// G behind obstacles or under a signature, at points that have been checked.
     pub(crate) fn kept(kept: Kept, set: InstructionSet) -> Result<Self, Error> {
-        let (count, reference, kept) = (kept.points.len(), kept.sources.reference(), kept.checked()?);
-        Ok(Self::stored(kept.matrix(), count, reference, set, Some(kept.into())))
+        let (count, reference, matrix) = (kept.points.len(), kept.sources.reference(), (kept.make)(&kept)?);
+        Ok(Self::stored(matrix, count, reference, set, Some(kept.into())))
     }
 
     /// The same by the kernels of another instruction set than the machine's best.

@@ -11,7 +11,7 @@ use crate::kernels::InstructionSet;
 use crate::propagation::Propagation;
 use crate::propagation::bodies::Bodies;
 use crate::propagation::boundary::Boundary;
-use crate::propagation::kept::Kept;
+use crate::propagation::kept::{Kept, Make};
 use crate::propagation::scattering::Scattering;
 use crate::propagation::sources::Sources;
 use crate::scene::{Array, Medium, Obstacle, Obstacles, Scene, Signature, check_array};
@@ -32,6 +32,8 @@ pub struct Model {
     pub(crate) set: InstructionSet,
     pub(crate) scattering: Option<Arc<Scattering>>,
     signature: Option<Signature>,
+    /// What makes G behind obstacles or under a signature; none where there are neither.
+    make: Option<Make>,
 }
 
 impl Model {
@@ -41,15 +43,16 @@ impl Model {
     /// As [`Scene::new`]: a medium out of range, a beam too narrow or a transducer too far away for f32 phases.
     pub fn new(array: &Array, medium: Medium, set: InstructionSet) -> Result<Self, Error> {
         check_array(array, medium)?;
-        Ok(Self { sources: Arc::new(Sources::new(array, medium)), set, scattering: None, signature: None })
+        Ok(Self { sources: Arc::new(Sources::new(array, medium)), set, scattering: None, signature: None, make: None })
     }
 
     /// That of a scene, which has been checked.
     #[must_use]
     pub fn of(scene: &Scene, set: InstructionSet) -> Self {
         let sources = Arc::new(Sources::new(scene.array(), scene.medium()));
-        let bare = Self { sources, set, scattering: None, signature: scene.signature().cloned() };
-        bare.scattered(scene.checked_obstacles(), &mut Control::none())
+        let bare = Self { sources, set, scattering: None, signature: None, make: None };
+        bare.with_signature(scene.signature().cloned())
+            .scattered(scene.checked_obstacles(), &mut Control::none())
             .unwrap_or_else(|_| unreachable!("nobody stops it"))
     }
 
@@ -100,13 +103,15 @@ impl Model {
         boundary.check_sound(sound)?;
         let scattering = Scattering::new(&self.sources, boundary.obstacles.clone(), &mut Control::none())?;
         let scattering = scattering.with_bodies(Bodies::of_boundary(boundary, sound));
-        Ok(Self { scattering: Some(Arc::new(scattering)), ..self })
+        Ok(Self { scattering: Some(Arc::new(scattering)), make: Some(Kept::matrix), ..self })
     }
 
     fn scattered(mut self, obstacles: &Obstacles, control: &mut Control) -> Result<Self, Error> {
         self.scattering = None;
+        self.make = self.signature.as_ref().and(self.make);
         if !obstacles.is_empty() {
             self.scattering = Some(Arc::new(Scattering::new(&self.sources, obstacles.clone(), control)?));
+            self.make = Some(Kept::matrix);
         }
         Ok(self)
     }
@@ -120,7 +125,8 @@ impl Model {
     /// The same under a signature: what it is solved with. The field of a drive is that of the array itself.
     #[must_use]
     pub fn with_signature(self, signature: Option<Signature>) -> Self {
-        Self { signature, ..self }
+        let kept = signature.is_some() || self.scattering.is_some();
+        Self { signature, make: kept.then_some(Kept::matrix), ..self }
     }
 
     /// G at some points (M, 3) in m, times the factors of the signature if there is one.
@@ -131,17 +137,16 @@ impl Model {
     pub fn propagation(&self, points: &[[f64; 3]]) -> Result<Propagation, Error> {
         self.sources.check_points(points)?;
         let sources = Arc::clone(&self.sources);
-        let (scattering, signature) = (self.scattering.clone(), self.signature.clone());
-        if scattering.is_none() && signature.is_none() {
+        let Some(make) = self.make else {
             return Ok(Propagation::at(sources, points.into(), self.set));
-        }
-        Propagation::kept(Kept { sources, points: points.into(), scattering, signature }, self.set)
+        };
+        let (scattering, signature) = (self.scattering.clone(), self.signature.clone());
+        Propagation::kept(Kept { sources, points: points.into(), scattering, signature, make }, self.set)
     }
 
     /// Bytes that G at a point is kept in, in f64 and f32; 0 where it is computed when asked.
     pub(crate) fn bytes_a_point(&self) -> usize {
-        let kept = self.scattering.is_some() || self.signature.is_some();
-        if kept { 24 * self.array().len() } else { 0 }
+        if self.make.is_some() { 24 * self.array().len() } else { 0 }
     }
 
     /// Refuses a point inside an obstacle by its name.

@@ -28,7 +28,8 @@ pub(crate) fn back_project(
     for (i, q) in drive.iter_mut().enumerate() {
         control.pulse()?;
         propagation.row(i, &mut row.re, &mut row.im);
-        let [re, im] = kernels::correlate(propagation.instruction_set(), row.row(0), phasors.row(0));
+        let [re, im] =
+            kernels::correlate(propagation.instruction_set(), row.row(0), phasors.row(0), propagation.points());
         *q = Complex32::new(re, im) * factor(i);
     }
     Ok(drive.into_vec())

@@ -117,7 +117,7 @@ fn largest(problem: &Problem, work: &Workspace) -> f64 {
     for i in 0..propagation.transducers() {
         propagation.row(i, &mut row.re, &mut row.im);
         squares.fill(0.0);
-        kernels::squares(propagation.instruction_set(), row.row(0), &mut squares);
+        kernels::squares(propagation.instruction_set(), row.row(0), propagation.points(), &mut squares);
         largest = largest.max(kernels::dot(propagation.instruction_set(), &squares, weights));
     }
     f64::from(largest)

@@ -34,12 +34,13 @@ impl Method for Naive {
 impl Solve for Naive {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let propagation = problem.propagation();
+        let count = propagation.points();
         let mut buffers = [(); 4].map(|()| work.floats.take(propagation.lanes()));
         let [re, im, share, imag] = &mut buffers;
         for i in 0..propagation.transducers() {
             control.pulse()?;
             propagation.row(i, re, im);
-            kernels::squares(propagation.instruction_set(), [re, im], share);
+            kernels::squares(propagation.instruction_set(), [re, im], count, share);
         }
         for ((share, imag), target) in share.iter_mut().zip(imag.iter_mut()).zip(problem.complex_targets()) {
             // A quiet point and one out of reach have no focus.
@@ -50,7 +51,7 @@ impl Solve for Naive {
         for (i, q) in drive.iter_mut().enumerate() {
             control.pulse()?;
             propagation.row(i, re, im);
-            let [sum_re, sum_im] = kernels::correlate(propagation.instruction_set(), [re, im], [share, imag]);
+            let [sum_re, sum_im] = kernels::correlate(propagation.instruction_set(), [re, im], [share, imag], count);
             *q = Complex32::new(sum_re, sum_im);
         }
         self.limit.apply(&mut drive);

@@ -104,7 +104,7 @@ impl Solve for Sdp {
                 column.im.copy_from_slice(im);
                 (column.re[chosen], column.im[chosen]) = (0.0, 0.0);
                 times(propagation.instruction_set(), relaxed, &column, &mut image, control)?;
-                let [gain, _] = kernels::correlate(propagation.instruction_set(), image.row(0), column.row(0));
+                let [gain, _] = kernels::correlate(propagation.instruction_set(), image.row(0), column.row(0), count);
                 let scale = if gain > 0.0 { -sqrt(self.lambda / f64::from(gain)) as f32 } else { 0.0 };
                 let change = replace(relaxed, chosen, &image, scale, count);
                 if change > self.tolerance as f32 {
@@ -200,7 +200,7 @@ fn replace(matrix: &mut Planar, chosen: usize, image: &Planar, scale: f32, count
 fn relaxation(set: InstructionSet, relaxed: &Planar, quality: &Planar, count: usize) -> f64 {
     let (mut sum, mut trace) = (0.0, 0.0);
     for k in 0..count {
-        let [re, _] = kernels::correlate(set, quality.row(k), relaxed.row(k));
+        let [re, _] = kernels::correlate(set, quality.row(k), relaxed.row(k), count);
         sum += f64::from(re);
         trace += f64::from(quality.row(k)[0][k]);
     }

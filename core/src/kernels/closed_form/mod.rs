@@ -10,8 +10,8 @@
 //! ```
 //!
 //! The loop is written once over [`Layout`]: a lane group holds 16 points ([`points`]), 4 or 8 points of 4 or 2 transducers
-//! ([`segments`]) or one point of 16 problems ([`interleaved`]). A block's sums follow one tree in all of them. What makes
-//! it fast:
+//! ([`segments`]) or one point of 16 problems ([`interleaved`]); sets of narrow registers have a loop of their own
+//! ([`short`]). A block's sums follow one tree in all of them. What makes it fast:
 //!
 //! 1. A block shares d, so that its 16 sums over lanes (re and im of 8 transducers) are one reduction, one inverse
 //!    root and one wait for P. With blocks of 1 a solve takes 1.6 times as long at
@@ -25,6 +25,7 @@
 pub(crate) mod interleaved;
 pub(crate) mod points;
 pub(crate) mod segments;
+mod short;
 
 use num_complex::Complex32;
 
@@ -33,7 +34,7 @@ use crate::kernels::lanes::{LANES, Octet, groups, groups_mut};
 use crate::kernels::propagate::octets::write_rows;
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::instruction_set::InstructionSet;
-use crate::kernels::simd::{Simd, TINY};
+use crate::kernels::simd::{Elementwise, Simd, TINY};
 
 /// The largest block: the real and imaginary sums of its transducers fill a register.
 pub(crate) const MOST: usize = LANES / 2;
@@ -93,6 +94,7 @@ pub(crate) fn sweep(
     report: impl FnMut([&[f32]; 2]) -> bool,
 ) -> bool {
     match sweep.count {
+        _ if set.is_short() => short::sweep(set, sweep, order, drive, pressures, report),
         ..=4 => segments::sweep::<4>(set, &sweep, order, drive, pressures, report),
         5..=8 => segments::sweep::<2>(set, &sweep, order, drive, pressures, report),
         _ => points::sweep(set, sweep, order, drive, pressures, report),
@@ -257,7 +259,7 @@ pub(crate) fn direction<S: Simd>(s: S, phases: Option<&Phases>, z: [S::V; 2]) ->
 
 /// z/|z|; 0 where z is 0.
 #[inline(always)]
-fn unit<S: Simd>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
+fn unit<S: Elementwise>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
     // Over about the root of its larger part first: the square then is about that part, and neither under- nor overflows.
     let larger = s.max(s.abs(re), s.abs(im));
     let root = s.rsqrt_estimate(larger);
@@ -297,7 +299,7 @@ fn add_block<S: Simd, L: Layout<S>, const QUADS: usize>(
 
 /// d = w (t P/|P| - P); the phase of a silent point is 0.
 #[inline(always)]
-fn residual<S: Simd>(s: S, target: &[f32], weight: &[f32], pressure: [&[f32]; 2], out: [&mut [f32]; 2]) {
+fn residual<S: Elementwise>(s: S, target: &[f32], weight: &[f32], pressure: [&[f32]; 2], out: [&mut [f32]; 2]) {
     let [out_re, out_im] = out;
     let (zero, least) = (s.splat(0.0), s.splat(TINY));
     let asked = groups(target).iter().zip(groups(weight));
@@ -318,7 +320,7 @@ fn residual<S: Simd>(s: S, target: &[f32], weight: &[f32], pressure: [&[f32]; 2]
 
 /// `sum_j w |G|^2` of list `k`, lanes apart.
 #[inline(always)]
-pub(crate) fn own_power<S: Simd>(s: S, rows: &[Octet], k: usize, weight: &[f32]) -> S::V {
+pub(crate) fn own_power<S: Elementwise>(s: S, rows: &[Octet], k: usize, weight: &[f32]) -> S::V {
     let mut sum = s.splat(0.0);
     for (octet, weight) in rows.iter().zip(groups(weight)) {
         let (re, im) = (s.load(&octet[k][0]), s.load(&octet[k][1]));

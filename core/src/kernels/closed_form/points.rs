@@ -17,7 +17,7 @@ pub(super) fn sweep(
     pressures: [&mut [f32]; 2],
     report: impl FnMut([&[f32]; 2]) -> bool,
 ) -> bool {
-    dispatch!(set, s => closed_form::run(s, sweep, order, PointsInLanes { drive }, pressures, report))
+    dispatch!(set, s => !s.is_short() && closed_form::run(s, sweep, order, PointsInLanes { drive }, pressures, report))
 }
 
 /// One problem, its points in the lanes.

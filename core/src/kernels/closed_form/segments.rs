@@ -61,10 +61,11 @@ pub(super) fn sweep<const N: usize>(
     let memory = Memory { rows: &mut kept.0, residual: [&mut rest_re.0, &mut rest_im.0] };
     let few = Sweep { rows, target: &target.0, weight: &weight.0, memory, ..*sweep };
     let pressures = [&mut real.0[..], &mut imag.0[..]];
-    let ended = dispatch!(set, s => closed_form::run(s, few, order, Segments::<N> { drive }, pressures, report));
+    let sweep = Segments::<N> { drive };
+    let goes_on = dispatch!(set, s => !s.is_short() && closed_form::run(s, few, order, sweep, pressures, report));
     re[..count].copy_from_slice(&real.0[..count]);
     im[..count].copy_from_slice(&imag.0[..count]);
-    ended
+    goes_on
 }
 
 /// The sums of 8/N lists within each of N segments, in the tree of [`Simd::reduce_add`] where zeros stand for the others:

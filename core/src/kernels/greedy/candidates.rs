@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use crate::kernels::lanes::{LANES, Lanes};
-use crate::kernels::simd::Simd;
+use crate::kernels::simd::Elementwise;
 use crate::math::{cos, sin};
 
 /// Length of a table of phases: any 16 of them can be read, from any phase on.
@@ -122,8 +122,8 @@ impl Candidates {
 
     /// The drives of 16 phases from l on at amplitude a.
     #[inline(always)]
-    pub(crate) fn drives<S: Simd>(&self, s: S, a: f32, l: usize) -> [S::V; 2] {
-        scaled(s, a, self.sixteen(l))
+    pub(crate) fn drives(&self, a: f32, l: usize) -> Sixteen<'_> {
+        Sixteen { amplitude: a, phasors: self.sixteen(l) }
     }
 
     /// The phase where the arc of some thirty-second of a turn begins.
@@ -132,10 +132,10 @@ impl Candidates {
         arc * self.phases / (2 * LANES)
     }
 
-    /// cos and sin there, at the even and at the odd ones.
+    /// The drives there at amplitude a, at the even and at the odd ones.
     #[inline(always)]
-    pub(crate) fn coarse(&self) -> [[&Lanes; 2]; 2] {
-        [self.coarse[0].each_ref(), self.coarse[1].each_ref()]
+    pub(crate) fn coarse(&self, a: f32) -> [Sixteen<'_>; 2] {
+        self.coarse.each_ref().map(|phasors| Sixteen { amplitude: a, phasors: phasors.each_ref() })
     }
 
     /// Gives the buffers back.
@@ -144,8 +144,18 @@ impl Candidates {
     }
 }
 
-/// 16 drives of amplitude a.
-#[inline(always)]
-pub(crate) fn scaled<S: Simd>(s: S, a: f32, [cos, sin]: [&Lanes; 2]) -> [S::V; 2] {
-    [s.mul(s.splat(a), s.load(cos)), s.mul(s.splat(a), s.load(sin))]
+/// 16 drives: an amplitude times cosines and sines.
+#[derive(Clone, Copy)]
+pub(crate) struct Sixteen<'a> {
+    pub(crate) amplitude: f32,
+    pub(crate) phasors: [&'a Lanes; 2],
+}
+
+impl Sixteen<'_> {
+    /// Re and im.
+    #[inline(always)]
+    pub(crate) fn load<S: Elementwise>(&self, s: S) -> [S::V; 2] {
+        let amplitude = s.splat(self.amplitude);
+        [s.mul(amplitude, s.load(self.phasors[0])), s.mul(amplitude, s.load(self.phasors[1]))]
+    }
 }

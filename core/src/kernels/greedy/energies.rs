@@ -1,10 +1,10 @@
 //! Energies of candidates: the polynomial of the moments, and eq. (7) at the points that it leaves out.
 
-use crate::kernels::greedy::candidates::Candidates;
+use crate::kernels::greedy::candidates::{Candidates, Sixteen};
 use crate::kernels::greedy::moments::Moments;
 use crate::kernels::greedy::search::Points;
-use crate::kernels::lanes::LANES;
-use crate::kernels::simd::{Simd, TINY};
+use crate::kernels::lanes::{LANES, Lanes};
+use crate::kernels::simd::{Apart, Elementwise, Simd, TINY};
 
 /// What the energies of one update depend on.
 pub(crate) struct Energies<'a, S: Simd> {
@@ -19,35 +19,22 @@ pub(crate) struct Energies<'a, S: Simd> {
 impl<S: Simd> Energies<'_, S> {
     /// The changes of 16 drives, to the fourth order (of such moments).
     #[inline(always)]
-    pub(crate) fn evaluate(&self, z: [S::V; 2]) -> S::V {
-        self.add_left_out(z, self.moments.fine_change(self.s, z[0], z[1]))
+    pub(crate) fn evaluate(&self, z: Sixteen<'_>) -> S::V {
+        self.changes::<true>(z)
     }
 
     /// The changes of 16 drives, to the third order.
     #[inline(always)]
-    pub(crate) fn roughly(&self, [re, im]: [S::V; 2]) -> S::V {
-        self.add_left_out([re, im], self.moments.change(self.s, re, im))
+    pub(crate) fn roughly(&self, z: Sixteen<'_>) -> S::V {
+        self.changes::<false>(z)
     }
 
-    /// Adds to `total` the terms that the moments leave out, w (|P + G z|^2 - |P|^2 - 2 t (|P + G z| - |P|)): fewer
-    /// instructions than [`crate::kernels::greedy::search::add_changes`] and more rounding, see [`Self::rounding`].
     #[inline(always)]
-    fn add_left_out(&self, [re, im]: [S::V; 2], mut total: S::V) -> S::V {
-        let s = self.s;
-        for &j in self.near {
-            let (gr, gi) = (s.splat(self.points.row[0][j as usize]), s.splat(self.points.row[1][j as usize]));
-            let (group, lane) = (&self.points.groups[j as usize / LANES], j as usize % LANES);
-            let (old, target) = (group.modulus[lane], group.target[lane]);
-            let x = s.fma(gr, re, s.fnma(gi, im, s.splat(group.re[lane])));
-            let y = s.fma(gr, im, s.fma(gi, re, s.splat(group.im[lane])));
-            let square = s.max(s.fma(x, x, s.mul(y, y)), s.splat(TINY));
-            let guess = s.rsqrt_estimate(square);
-            let root = s.mul(square, guess);
-            let root = s.fma(s.mul(guess, s.splat(0.5)), s.fnma(root, root, square), root);
-            let term = s.sub(s.fnma(s.splat(2.0 * target), root, square), s.splat(old * (old - 2.0 * target)));
-            total = s.fma(s.splat(group.weight[lane]), term, total);
-        }
-        total
+    fn changes<const FOURTH: bool>(&self, z: Sixteen<'_>) -> S::V {
+        let Self { s, points, moments, near, .. } = *self;
+        let mut changes = Changes::<FOURTH> { points, moments, near, z, out: [0.0; LANES] };
+        s.apart(LANES, &mut changes);
+        s.load(&changes.out)
     }
 
     /// How far the tolerance of ties and the rounding of the changes leave a comparison open. At a point left out the
@@ -80,5 +67,45 @@ impl<S: Simd> Energies<'_, S> {
             self.points.groups[j as usize / LANES].weight[j as usize % LANES] * (re * re + im * im)
         };
         self.moments.bow() + self.near.iter().map(left_out).sum::<f32>()
+    }
+}
+
+/// The changes of 16 drives.
+struct Changes<'a, const FOURTH: bool> {
+    points: Points<'a>,
+    moments: &'a Moments,
+    near: &'a [u32],
+    z: Sixteen<'a>,
+    out: Lanes,
+}
+
+impl<const FOURTH: bool> Apart for Changes<'_, FOURTH> {
+    #[inline(always)]
+    fn run<S: Elementwise>(&mut self, s: S) {
+        let [re, im] = self.z.load(s);
+        let total = if FOURTH { self.moments.fine_change(s, re, im) } else { self.moments.change(s, re, im) };
+        s.store(self.add_left_out(s, [re, im], total), &mut self.out);
+    }
+}
+
+impl<const FOURTH: bool> Changes<'_, FOURTH> {
+    /// Adds to `total` the terms that the moments leave out, w (|P + G z|^2 - |P|^2 - 2 t (|P + G z| - |P|)): fewer
+    /// instructions than [`crate::kernels::greedy::search::changes`] and more rounding, see [`Energies::rounding`].
+    #[inline(always)]
+    fn add_left_out<S: Elementwise>(&self, s: S, [re, im]: [S::V; 2], mut total: S::V) -> S::V {
+        for &j in self.near {
+            let (gr, gi) = (s.splat(self.points.row[0][j as usize]), s.splat(self.points.row[1][j as usize]));
+            let (group, lane) = (&self.points.groups[j as usize / LANES], j as usize % LANES);
+            let (old, target) = (group.modulus[lane], group.target[lane]);
+            let x = s.fma(gr, re, s.fnma(gi, im, s.splat(group.re[lane])));
+            let y = s.fma(gr, im, s.fma(gi, re, s.splat(group.im[lane])));
+            let square = s.max(s.fma(x, x, s.mul(y, y)), s.splat(TINY));
+            let guess = s.rsqrt_estimate(square);
+            let root = s.mul(square, guess);
+            let root = s.fma(s.mul(guess, s.splat(0.5)), s.fnma(root, root, square), root);
+            let term = s.sub(s.fnma(s.splat(2.0 * target), root, square), s.splat(old * (old - 2.0 * target)));
+            total = s.fma(s.splat(group.weight[lane]), term, total);
+        }
+        total
     }
 }

@@ -8,6 +8,7 @@
 
 use crate::kernels::greedy::candidates::{Candidates, PhaseRange};
 use crate::kernels::greedy::objective::{L2, Term};
+use crate::kernels::greedy::point_group;
 use crate::kernels::greedy::point_group::PointGroup;
 use crate::kernels::greedy::search;
 use crate::kernels::greedy::search::Points;
@@ -18,12 +19,10 @@ use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 /// Writes the state of a field's points: targets and weights, pressures, all padded alike.
 pub(crate) fn keep(set: InstructionSet, asked: [&[f32]; 2], field: [&[f32]; 2], points: &mut [PointGroup]) {
     dispatch!(set, s => {
-        let one = [s.splat(1.0), s.splat(0.0)];
-        let lists = groups(asked[0]).iter().zip(groups(asked[1])).zip(groups(field[0]).iter().zip(groups(field[1])));
-        for (group, ((target, weight), (re, im))) in points.iter_mut().zip(lists) {
+        for (group, (target, weight)) in points.iter_mut().zip(groups(asked[0]).iter().zip(groups(asked[1]))) {
             *group = PointGroup::silent(s, target, weight);
-            group.add(s, [re, im], one);
         }
+        point_group::add(s, points, field[0].len(), field, [1.0, 0.0]);
     });
 }
 
@@ -88,11 +87,8 @@ fn replace<S: Simd>(
     (points, count): (&mut [PointGroup], usize),
     choose: impl FnOnce(Points<'_>) -> [f32; 2],
 ) -> [f32; 2] {
-    let add = |points: &mut [PointGroup], [re, im]: [f32; 2]| {
-        let q = [s.splat(re), s.splat(im)];
-        for (group, (gr, gi)) in points.iter_mut().zip(groups(row[0]).iter().zip(groups(row[1]))) {
-            group.add(s, [gr, gi], q);
-        }
+    let add = |points: &mut [PointGroup], q: [f32; 2]| {
+        point_group::add(s, points, count, row, q);
     };
     add(points, present.map(|part| -part));
     let chosen = choose(Points { groups: points, row, count });

@@ -87,6 +87,8 @@ struct ProblemsInLanes<'a, V> {
 }
 
 impl<S: Simd> Layout<S> for ProblemsInLanes<'_, S::V> {
+    type Drive = [S::V; 2];
+
     #[inline(always)]
     fn update(&mut self, s: S, points: Points<'_>, i: usize, meanwhile: impl FnOnce()) -> Option<[S::V; 2]> {
         let (m, near) = moments(s, points, self.energies);
@@ -122,7 +124,7 @@ impl<S: Simd> Layout<S> for ProblemsInLanes<'_, S::V> {
     }
 
     #[inline(always)]
-    fn add(&mut self, s: S, points: &mut [PointGroup], row: [&[f32]; 2], q: [S::V; 2]) {
+    fn add(&mut self, s: S, points: &mut [PointGroup], _: usize, row: [&[f32]; 2], q: [S::V; 2]) {
         self.sounding = 0;
         let rows = groups(row[0]).iter().zip(groups(row[1]));
         for ((group, energy), (gr, gi)) in points.iter_mut().zip(groups_mut(self.energies)).zip(rows) {
@@ -152,6 +154,10 @@ impl<V: Copy> ProblemsInLanes<'_, V> {
         self.alone.drive[0] = Complex32::ZERO;
         self.alone.energy = s.load(&energy);
         self.alone.silent = group.modulus == [0.0; LANES];
+        if S::SHORT {
+            // The last one's points may have been more.
+            self.alone.parts = [[0.0; LANES]; PARTS];
+        }
         let groups = core::slice::from_ref(&group);
         self.alone.update(s, Points { groups, row: [re, im], count }, 0, || ());
     }
@@ -253,7 +259,7 @@ fn write_powers<S: Simd>(s: S, candidates: &Candidates, table: &mut [f32]) {
 #[inline(always)]
 fn search<S: Simd>(s: S, points: Points<'_>, table: &[f32]) -> [S::V; 2] {
     let zero = s.splat(0.0);
-    let tolerance = s.mul(s.splat(EQUAL), largest::<S, L2>(s, points));
+    let tolerance = s.mul(s.splat(EQUAL), largest::<S, L2>(s, points, LANES));
     let mut changes = [zero; LANES];
     let candidates = table.as_chunks::<POWERS>().0;
     for (four, changes) in candidates.chunks(4).zip(changes.chunks_exact_mut(4)) {

@@ -31,8 +31,7 @@
 //! 5. To tell candidates apart by the remainder of their difference, which shrinks with their distance, and not to tell
 //!    apart what does not matter: eq. (7) decides 2 of 996 updates at M = 64.
 
-use crate::kernels::greedy::candidates::Candidates;
-use crate::kernels::greedy::candidates::scaled;
+use crate::kernels::greedy::candidates::{Candidates, Sixteen};
 use crate::kernels::greedy::energies::Energies;
 use crate::kernels::greedy::shortlist;
 use crate::kernels::greedy::shortlist::List;
@@ -119,10 +118,9 @@ impl<V: Copy> Arcs<V> {
     fn new<S: Simd<V = V>>(energies: &Energies<'_, S>) -> Self {
         let (s, candidates) = (energies.s, energies.candidates);
         let amplitude = candidates.amplitude(candidates.amplitudes - 1);
-        let [even, odd] = candidates.coarse();
-        let even = energies.roughly(scaled(s, amplitude, even));
-        let odd = energies.roughly(scaled(s, amplitude, odd));
-        let least = -s.reduce_max(s.sub(s.splat(0.0), s.min(even, odd)));
+        let [even, odd] = candidates.coarse(amplitude);
+        let (even, odd) = (energies.roughly(even), energies.roughly(odd));
+        let least = s.least(s.min(even, odd));
         let center = if energies.near.is_empty() {
             direction(energies.moments.first())
         } else {
@@ -164,11 +162,11 @@ impl<V: Copy> Arcs<V> {
         let full = candidates.amplitudes - 1;
         let mut lowest = s.splat(f32::INFINITY);
         for ((l, _), window) in self.window(candidates).zip(window.as_chunks_mut().0) {
-            let changes = energies.evaluate(candidates.drives(s, candidates.amplitude(full), l));
+            let changes = energies.evaluate(candidates.drives(candidates.amplitude(full), l));
             lowest = s.min(changes, lowest);
             s.store(changes, window);
         }
-        *least = -s.reduce_max(s.sub(s.splat(0.0), lowest));
+        *least = s.least(lowest);
         let limit = s.splat(*least + slack);
         let first = self.center + ARCS - REACH;
         let inside = |first: usize| u32::from(((1_u16 << REACH) - 1).rotate_left((first % LANES) as u32));
@@ -192,10 +190,12 @@ impl<V: Copy> Arcs<V> {
             for (k, amplitude) in amplitudes.iter_mut().enumerate() {
                 *amplitude = candidates.amplitude((first + k).min(candidates.amplitudes - 1));
             }
-            let z = [s.mul(s.load(&amplitudes), s.splat(cos)), s.mul(s.load(&amplitudes), s.splat(sin))];
-            lowest = s.min(energies.roughly(z), lowest);
+            let mut z = [[0.0; LANES]; 2];
+            s.store(s.mul(s.load(&amplitudes), s.splat(cos)), &mut z[0]);
+            s.store(s.mul(s.load(&amplitudes), s.splat(sin)), &mut z[1]);
+            lowest = s.min(energies.roughly(Sixteen { amplitude: 1.0, phasors: z.each_ref() }), lowest);
         }
-        -s.reduce_max(s.sub(s.splat(0.0), lowest))
+        s.least(lowest)
     }
 
     /// Evaluates and lists whatever may be best at any amplitude.
@@ -214,7 +214,7 @@ impl<V: Copy> Arcs<V> {
                 open &= open - 1;
                 let end = candidates.start(arc + 2);
                 for l in (candidates.start(arc)..end).step_by(LANES) {
-                    let changes = energies.evaluate(candidates.drives(s, a, l));
+                    let changes = energies.evaluate(candidates.drives(a, l));
                     list.push(s, changes, k * candidates.phases + l, LANES.min(end - l));
                     least = least.min(list.least);
                 }

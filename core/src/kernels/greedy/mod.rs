@@ -38,7 +38,7 @@ use num_complex::Complex32;
 use crate::kernels::greedy::energies::Energies;
 
 use crate::kernels::greedy::candidates::Candidates;
-use crate::kernels::greedy::moments::Moments;
+use crate::kernels::greedy::moments::{Moments, PARTS, Parts};
 use crate::kernels::greedy::objective::Term;
 use crate::kernels::greedy::search::Points;
 use crate::kernels::propagate::rows::Rows;
@@ -104,12 +104,15 @@ pub(crate) fn pass<T: Term>(
 
 /// What the lanes hold: points or problems.
 pub(crate) trait Layout<S: Simd> {
+    /// The drive of a transducer: of one problem or of each.
+    type Drive;
+
     /// Chooses and stores the drive of transducer `i`; none if it has no effect. `meanwhile` is called once, while the
     /// sums over the points are waited for.
-    fn update(&mut self, s: S, points: Points<'_>, i: usize, meanwhile: impl FnOnce()) -> Option<[S::V; 2]>;
+    fn update(&mut self, s: S, points: Points<'_>, i: usize, meanwhile: impl FnOnce()) -> Option<Self::Drive>;
 
-    /// P += G q.
-    fn add(&mut self, s: S, groups: &mut [PointGroup], row: [&[f32]; 2], q: [S::V; 2]);
+    /// P += G q at `count` points.
+    fn add(&mut self, s: S, groups: &mut [PointGroup], count: usize, row: [&[f32]; 2], q: Self::Drive);
 }
 
 /// The pass; returns the number of updates.
@@ -141,7 +144,7 @@ pub(crate) fn run<S: Simd>(
             || write(s, rows, order.get(updates), next),
         );
         if let Some(q) = drive {
-            layout.add(s, points, parts, q);
+            layout.add(s, points, count, parts, q);
         }
         if !report(updates, points) {
             break;
@@ -172,6 +175,8 @@ pub(crate) struct PointsInLanes<'a, V, T> {
     pub(crate) silent: bool,
     /// Differences of the energy that do not matter.
     matters: f32,
+    /// Memory of the moments, of one number of points.
+    parts: Parts,
     floats: &'a mut [f32],
     /// The points that the moments leave out,
     near: &'a mut [u32],
@@ -196,27 +201,42 @@ impl<'a, V: Copy, T: Term> PointsInLanes<'a, V, T> {
             energy = s.fma(s.mul(s.load(w), s.load(t)), s.load(t), energy);
         }
         let matters = MATTERS * s.reduce_add(energy);
-        Self { candidates, drive, energy, silent: true, matters, floats, near, close, term: PhantomData }
+        Self {
+            candidates,
+            drive,
+            energy,
+            silent: true,
+            matters,
+            parts: [[0.0; LANES]; PARTS],
+            floats,
+            near,
+            close,
+            term: PhantomData,
+        }
     }
 }
 
 impl<S: Simd, T: Term> Layout<S> for PointsInLanes<'_, S::V, T> {
+    type Drive = [f32; 2];
+
     #[inline(always)]
-    fn update(&mut self, s: S, points: Points<'_>, i: usize, meanwhile: impl FnOnce()) -> Option<[S::V; 2]> {
+    fn update(&mut self, s: S, points: Points<'_>, i: usize, meanwhile: impl FnOnce()) -> Option<[f32; 2]> {
         let candidates = self.candidates;
-        let Points { groups, row, .. } = points;
         let moments = match (T::SQUARE && !self.silent, large_grid::large(candidates)) {
-            (true, true) => Some(Moments::new::<S, true>(s, groups, row, self.energy, self.near)),
-            (true, false) => Some(Moments::new::<S, false>(s, groups, row, self.energy, self.near)),
+            (true, true) => Some(Moments::new::<S, true>(s, points, self.energy, self.near, &mut self.parts)),
+            (true, false) => Some(Moments::new::<S, false>(s, points, self.energy, self.near, &mut self.parts)),
             (false, _) => None,
         };
         meanwhile();
         let index = match moments {
-            Some((moments, nearby)) if nearby == 0 || groups.len() > 1 || !shortlist::few(candidates) => {
+            Some((moments, nearby)) if nearby == 0 || points.groups.len() > 1 || !shortlist::few(candidates) => {
                 let near = &self.near[..nearby];
                 let energies = Energies { s, points, moments: &moments, near, candidates };
                 if large_grid::large(candidates) {
-                    large_grid::best(&energies, self.matters, self.floats, self.close)?
+                    s.aside(
+                        #[inline(always)]
+                        || large_grid::best(&energies, self.matters, self.floats, self.close),
+                    )?
                 } else {
                     shortlist::best(&energies, self.floats, self.close)?
                 }
@@ -231,15 +251,12 @@ impl<S: Simd, T: Term> Layout<S> for PointsInLanes<'_, S::V, T> {
         };
         let [re, im] = candidates.drive(index);
         self.drive[i] = Complex32::new(re, im);
-        Some([s.splat(re), s.splat(im)])
+        Some([re, im])
     }
 
     #[inline(always)]
-    fn add(&mut self, s: S, points: &mut [PointGroup], row: [&[f32]; 2], q: [S::V; 2]) {
-        self.energy = s.splat(0.0);
-        for (group, (gr, gi)) in points.iter_mut().zip(groups(row[0]).iter().zip(groups(row[1]))) {
-            self.energy = s.add(self.energy, group.add(s, [gr, gi], q));
-        }
+    fn add(&mut self, s: S, points: &mut [PointGroup], count: usize, row: [&[f32]; 2], q: [f32; 2]) {
+        self.energy = point_group::add(s, points, count, row, q);
         self.silent = points.iter().all(|group| group.modulus == [0.0; LANES]);
     }
 }

@@ -43,8 +43,9 @@
 //! by the polynomial's difference within 35/32 d sum w t |P| |u|^5/(1 - |u|) < 35/8 FAR R d.
 
 use crate::kernels::greedy::point_group::PointGroup;
+use crate::kernels::greedy::search::Points;
 use crate::kernels::lanes::{LANES, Lanes, groups};
-use crate::kernels::simd::Simd;
+use crate::kernels::simd::{Apart, Elementwise, Simd};
 use crate::math::sqrtf;
 
 /// The largest |u| that the polynomial is used for.
@@ -82,7 +83,7 @@ pub(crate) const FACTORS: [f32; PARTS] = [
 /// Adds the parts of 16 points, energies apart, and A4 and D if `FOURTH`. Bit l is set where the polynomial does not
 /// hold: such points add their power alone.
 #[inline(always)]
-pub(crate) fn add_parts<S: Simd, const FOURTH: bool>(
+pub(crate) fn add_parts<S: Elementwise, const FOURTH: bool>(
     s: S,
     parts: &mut [S::V; PARTS],
     point: &PointGroup,
@@ -136,7 +137,7 @@ pub(crate) const POWERS: usize = 9;
 
 /// These numbers of the drives (re, im).
 #[inline(always)]
-pub(crate) fn powers<S: Simd>(s: S, re: S::V, im: S::V) -> [S::V; POWERS] {
+pub(crate) fn powers<S: Elementwise>(s: S, re: S::V, im: S::V) -> [S::V; POWERS] {
     let (re_re, re_im) = (s.mul(re, re), s.mul(re, im));
     let (square, re2) = (s.fma(im, im, re_re), s.fnma(im, im, re_re));
     let im2 = s.add(re_im, re_im);
@@ -146,12 +147,41 @@ pub(crate) fn powers<S: Simd>(s: S, re: S::V, im: S::V) -> [S::V; POWERS] {
 
 /// The change of the energy to the third order, from [`POWERS`] moments and numbers of the drives.
 #[inline(always)]
-pub(crate) fn change<S: Simd>(s: S, m: impl Fn(usize) -> S::V, z: impl Fn(usize) -> S::V) -> S::V {
+pub(crate) fn change<S: Elementwise>(s: S, m: impl Fn(usize) -> S::V, z: impl Fn(usize) -> S::V) -> S::V {
     // Two sums, that neither waits long.
     let low = s.fma(m(2), z(2), s.fma(m(3), z(3), s.mul(m(8), z(8))));
     let low = s.fma(m(0), z(0), s.fma(m(1), z(1), low));
     let high = s.fma(m(5), z(5), s.mul(m(4), z(4)));
     s.add(low, s.fma(m(6), z(6), s.fma(m(7), z(7), high)))
+}
+
+/// What points add to the moments, lanes apart; +0 in those quarters of the lanes that hold no point.
+pub(crate) type Parts = [Lanes; PARTS];
+
+/// Adds what a group of points does, and tells which of them are left out.
+struct OfGroup<'a, const FOURTH: bool> {
+    parts: &'a mut Parts,
+    /// Whether there is nothing to add it to.
+    first: bool,
+    point: &'a PointGroup,
+    row: [&'a Lanes; 2],
+    beyond: u32,
+}
+
+impl<const FOURTH: bool> Apart for OfGroup<'_, FOURTH> {
+    #[inline(always)]
+    fn run<S: Elementwise>(&mut self, s: S) {
+        let mut parts = [s.splat(0.0); PARTS];
+        if !self.first {
+            for (part, lanes) in parts.iter_mut().zip(&*self.parts) {
+                *part = s.load(lanes);
+            }
+        }
+        self.beyond |= add_parts::<S, FOURTH>(s, &mut parts, self.point, self.row.map(|lanes| s.load(lanes)));
+        for (part, lanes) in parts.iter().zip(&mut *self.parts) {
+            s.store(*part, lanes);
+        }
+    }
 }
 
 /// The moments of one transducer, times [`FACTORS`].
@@ -164,25 +194,38 @@ impl Moments {
     #[inline(always)]
     pub(crate) fn new<S: Simd, const FOURTH: bool>(
         s: S,
-        points: &[PointGroup],
-        row: [&[f32]; 2],
+        points: Points<'_>,
         energy: S::V,
         near: &mut [u32],
+        parts: &mut Parts,
     ) -> (Self, usize) {
-        let mut parts = [s.splat(0.0); PARTS];
         let mut count = 0;
-        let rows = groups(row[0]).iter().zip(groups(row[1]));
-        for (group, (point, (gr, gi))) in points.iter().zip(rows).enumerate() {
-            let mut bits = add_parts::<S, FOURTH>(s, &mut parts, point, [s.load(gr), s.load(gi)]);
+        // In registers, which hold them all, or in memory.
+        let mut held = [s.splat(0.0); PARTS];
+        let rows = groups(points.row[0]).iter().zip(groups(points.row[1]));
+        for (group, (point, (re, im))) in points.groups.iter().zip(rows).enumerate() {
+            let mut bits = if S::SHORT {
+                let mut some = OfGroup::<FOURTH> { parts, first: group == 0, point, row: [re, im], beyond: 0 };
+                s.apart(points.count - group * LANES, &mut some);
+                some.beyond
+            } else {
+                add_parts::<S, FOURTH>(s, &mut held, point, [s.load(re), s.load(im)])
+            };
             while bits != 0 {
                 near[count] = (group * LANES) as u32 + bits.trailing_zeros();
                 count += 1;
                 bits &= bits - 1;
             }
         }
-        parts[ENERGY] = energy;
+        let sums = if S::SHORT {
+            s.store(energy, &mut parts[ENERGY]);
+            s.sums(parts, points.count)
+        } else {
+            held[ENERGY] = energy;
+            s.reduce_add_each(&held)
+        };
         let mut moments = Self(FACTORS);
-        s.store(s.mul(s.reduce_add_each(&parts), s.load(&FACTORS)), &mut moments.0);
+        s.store(s.mul(sums, s.load(&FACTORS)), &mut moments.0);
         (moments, count)
     }
 
@@ -206,7 +249,7 @@ impl Moments {
 
     /// The change of the energy under the drives z = (re, im).
     #[inline(always)]
-    pub(crate) fn change<S: Simd>(&self, s: S, re: S::V, im: S::V) -> S::V {
+    pub(crate) fn change<S: Elementwise>(&self, s: S, re: S::V, im: S::V) -> S::V {
         let z = powers(s, re, im);
         change(
             s,
@@ -219,7 +262,7 @@ impl Moments {
 
     /// The change to the fourth order.
     #[inline(always)]
-    pub(crate) fn fine_change<S: Simd>(&self, s: S, re: S::V, im: S::V) -> S::V {
+    pub(crate) fn fine_change<S: Elementwise>(&self, s: S, re: S::V, im: S::V) -> S::V {
         let square = s.fma(re, re, s.mul(im, im));
         let (re2, im2) = (s.fnma(im, im, s.mul(re, re)), s.mul(s.add(re, re), im));
         let (re4, im4) = (s.fnma(im2, im2, s.mul(re2, re2)), s.mul(s.add(re2, re2), im2));

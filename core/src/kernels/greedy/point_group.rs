@@ -1,8 +1,8 @@
 //! Point group: pressures, targets and weights of 16 points, and what the greedy search derives of them.
 
 use crate::kernels::greedy::objective::{L2, Term, rise};
-use crate::kernels::lanes::{LANES, Lanes};
-use crate::kernels::simd::{Simd, TINY};
+use crate::kernels::lanes::{LANES, Lanes, groups};
+use crate::kernels::simd::{Apart, Elementwise, Simd, TINY};
 
 /// 16 points of one problem, or one point of 16 problems; refreshed when the pressures change.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,7 +27,7 @@ pub(crate) struct PointGroup {
 impl PointGroup {
     /// Silence where pressures t are wanted, with weights w.
     #[inline(always)]
-    pub(crate) fn silent<S: Simd>(s: S, target: &Lanes, weight: &Lanes) -> Self {
+    pub(crate) fn silent<S: Elementwise>(s: S, target: &Lanes, weight: &Lanes) -> Self {
         let mut group = Self { target: *target, weight: *weight, ..Self::default() };
         group.refresh(s, s.splat(0.0), s.splat(0.0));
         group
@@ -35,7 +35,7 @@ impl PointGroup {
 
     /// The points of the problem in one lane of an interleaved batch.
     #[inline(always)]
-    pub(crate) fn of_lane<S: Simd>(s: S, points: &[Self], lane: usize) -> Self {
+    pub(crate) fn of_lane<S: Elementwise>(s: S, points: &[Self], lane: usize) -> Self {
         let mut group = Self::silent(s, &[0.0; LANES], &[0.0; LANES]);
         for (j, point) in points.iter().enumerate() {
             (group.re[j], group.im[j]) = (point.re[lane], point.im[lane]);
@@ -48,7 +48,7 @@ impl PointGroup {
 
     /// Sets the pressures; returns the energies w (t - |P|)^2.
     #[inline(always)]
-    fn refresh<S: Simd>(&mut self, s: S, re: S::V, im: S::V) -> S::V {
+    fn refresh<S: Elementwise>(&mut self, s: S, re: S::V, im: S::V) -> S::V {
         let (target, weight) = (s.load(&self.target), s.load(&self.weight));
         let square = s.fma(re, re, s.mul(im, im));
         let (root, inverse) = s.sqrt_rsqrt(s.max(square, s.splat(TINY)));
@@ -67,21 +67,54 @@ impl PointGroup {
 
     /// P += G q; returns the energies.
     #[inline(always)]
-    pub(crate) fn add<S: Simd>(&mut self, s: S, [gr, gi]: [&Lanes; 2], [qr, qi]: [S::V; 2]) -> S::V {
+    pub(crate) fn add<S: Elementwise>(&mut self, s: S, [gr, gi]: [&Lanes; 2], [qr, qi]: [S::V; 2]) -> S::V {
         let (gr, gi) = (s.load(gr), s.load(gi));
         let re = s.fma(gr, qr, s.fnma(gi, qi, s.load(&self.re)));
         let im = s.fma(gr, qi, s.fma(gi, qr, s.load(&self.im)));
         self.refresh(s, re, im)
     }
 
-    /// Adds the changes of the terms under the drive q to `total`, as [`crate::kernels::greedy::search::add_changes`] does.
+    /// Adds the changes of the terms under the drive q to `total`, as [`crate::kernels::greedy::search::changes`] does.
     #[inline(always)]
-    pub(crate) fn add_change<S: Simd>(&self, s: S, [gr, gi]: [&Lanes; 2], [qr, qi]: [S::V; 2], total: S::V) -> S::V {
+    pub(crate) fn add_change<S: Elementwise>(
+        &self,
+        s: S,
+        [gr, gi]: [&Lanes; 2],
+        [qr, qi]: [S::V; 2],
+        total: S::V,
+    ) -> S::V {
         let (gr, gi) = (s.load(gr), s.load(gi));
         let e = [s.fnma(gi, qi, s.mul(gr, qr)), s.fma(gi, qr, s.mul(gr, qi))];
         let old = [s.load(&self.re), s.load(&self.im), s.load(&self.modulus)];
         let gap = s.sub(s.load(&self.target), old[2]);
         let change = L2::change(s, rise(s, old, e), gap);
         s.fma(s.load(&self.weight), change, total)
+    }
+}
+
+/// P += G q at `count` points; the energies, lanes apart.
+#[inline(always)]
+pub(crate) fn add<S: Simd>(s: S, points: &mut [PointGroup], count: usize, row: [&[f32]; 2], q: [f32; 2]) -> S::V {
+    let mut added = Added { points, row, q, energy: [0.0; LANES] };
+    s.apart(count, &mut added);
+    s.load(&added.energy)
+}
+
+struct Added<'a> {
+    points: &'a mut [PointGroup],
+    row: [&'a [f32]; 2],
+    q: [f32; 2],
+    energy: Lanes,
+}
+
+impl Apart for Added<'_> {
+    #[inline(always)]
+    fn run<S: Elementwise>(&mut self, s: S) {
+        let q = [s.splat(self.q[0]), s.splat(self.q[1])];
+        let mut energy = s.splat(0.0);
+        for (group, (gr, gi)) in self.points.iter_mut().zip(groups(self.row[0]).iter().zip(groups(self.row[1]))) {
+            energy = s.add(energy, group.add(s, [gr, gi], q));
+        }
+        s.store(energy, &mut self.energy);
     }
 }

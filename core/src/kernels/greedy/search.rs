@@ -3,11 +3,13 @@
 //! Sixteen candidates lie in the lanes and the points pass by one after another, so that nothing is padded in the points
 //! and no sum runs across lanes.
 
-use crate::kernels::greedy::candidates::{Candidates, PhaseRange};
+use core::marker::PhantomData;
+
+use crate::kernels::greedy::candidates::{Candidates, PhaseRange, Sixteen};
 use crate::kernels::greedy::objective::{Term, rise};
 use crate::kernels::greedy::point_group::PointGroup;
 use crate::kernels::lanes::{LANES, Lanes, groups};
-use crate::kernels::simd::Simd;
+use crate::kernels::simd::{Apart, Elementwise, Simd};
 
 /// The points as the search sees them: their pressures and what is asked for, and this transducer's row of G.
 #[derive(Clone, Copy)]
@@ -21,43 +23,70 @@ pub(crate) struct Points<'a> {
 /// Below this difference two energies are equal. 0 if the transducer cannot change any term.
 #[inline(always)]
 pub(crate) fn tolerance<S: Simd, T: Term>(s: S, points: Points<'_>) -> f32 {
-    EQUAL * s.reduce_max(largest::<S, T>(s, points))
+    EQUAL * s.reduce_max(largest::<S, T>(s, points, points.count))
 }
 
 /// Of the largest term summed, the part below which two energies are equal: the rounding of f32.
 pub(crate) const EQUAL: f32 = 1e-7;
 
-/// A bound on the largest term summed, lanes apart.
+/// A bound on the largest term summed in each of the first lanes, 0 or the same in the others.
 #[inline(always)]
-pub(crate) fn largest<S: Simd, T: Term>(s: S, points: Points<'_>) -> S::V {
-    let row = groups(points.row[0]).iter().zip(groups(points.row[1]));
-    let mut most = s.splat(0.0);
-    for ((re, im), group) in row.zip(points.groups) {
-        let gain = s.add(s.abs(s.load(re)), s.abs(s.load(im)));
-        let gap = s.sub(s.load(&group.target), s.load(&group.modulus));
-        most = s.max(most, s.mul(s.load(&group.weight), T::bound(s, gain, gap)));
-    }
-    most
+pub(crate) fn largest<S: Simd, T: Term>(s: S, points: Points<'_>, used: usize) -> S::V {
+    let mut bound = Bound::<T> { points, most: [0.0; LANES], term: PhantomData };
+    s.apart(used, &mut bound);
+    s.load(&bound.most)
 }
 
-/// Adds the change of some points' terms under the candidates (re, im) to `total`.
-#[inline(always)]
-pub(crate) fn add_changes<S: Simd, T: Term>(
-    s: S,
-    points: Points<'_>,
-    some: impl Iterator<Item = usize>,
-    [re, im]: [S::V; 2],
-    mut total: S::V,
-) -> S::V {
-    for j in some {
-        let (gr, gi) = (s.splat(points.row[0][j]), s.splat(points.row[1][j]));
-        let (group, lane) = (&points.groups[j / LANES], j % LANES);
-        let old = [s.splat(group.re[lane]), s.splat(group.im[lane]), s.splat(group.modulus[lane])];
-        let e = [s.fnma(gi, im, s.mul(gr, re)), s.fma(gi, re, s.mul(gr, im))];
-        let gap = s.splat(group.target[lane] - group.modulus[lane]);
-        total = s.fma(s.splat(group.weight[lane]), T::change(s, rise(s, old, e), gap), total);
+struct Bound<'a, T> {
+    points: Points<'a>,
+    most: Lanes,
+    term: PhantomData<T>,
+}
+
+impl<T: Term> Apart for Bound<'_, T> {
+    #[inline(always)]
+    fn run<S: Elementwise>(&mut self, s: S) {
+        let row = groups(self.points.row[0]).iter().zip(groups(self.points.row[1]));
+        let mut most = s.splat(0.0);
+        for ((re, im), group) in row.zip(self.points.groups) {
+            let gain = s.add(s.abs(s.load(re)), s.abs(s.load(im)));
+            let gap = s.sub(s.load(&group.target), s.load(&group.modulus));
+            most = s.max(most, s.mul(s.load(&group.weight), T::bound(s, gain, gap)));
+        }
+        s.store(most, &mut self.most);
     }
-    total
+}
+
+/// The change of all points' terms under 16 candidates.
+#[inline(always)]
+pub(crate) fn changes<S: Simd, T: Term>(s: S, points: Points<'_>, z: Sixteen<'_>) -> S::V {
+    let mut changes = Changes::<T> { points, z, out: [0.0; LANES], term: PhantomData };
+    s.apart(LANES, &mut changes);
+    s.load(&changes.out)
+}
+
+struct Changes<'a, T> {
+    points: Points<'a>,
+    z: Sixteen<'a>,
+    out: Lanes,
+    term: PhantomData<T>,
+}
+
+impl<T: Term> Apart for Changes<'_, T> {
+    #[inline(always)]
+    fn run<S: Elementwise>(&mut self, s: S) {
+        let Points { groups, row, count } = self.points;
+        let ([re, im], mut total) = (self.z.load(s), s.splat(0.0));
+        for j in 0..count {
+            let (gr, gi) = (s.splat(row[0][j]), s.splat(row[1][j]));
+            let (group, lane) = (&groups[j / LANES], j % LANES);
+            let old = [s.splat(group.re[lane]), s.splat(group.im[lane]), s.splat(group.modulus[lane])];
+            let e = [s.fnma(gi, im, s.mul(gr, re)), s.fma(gi, re, s.mul(gr, im))];
+            let gap = s.splat(group.target[lane] - group.modulus[lane]);
+            total = s.fma(s.splat(group.weight[lane]), T::change(s, rise(s, old, e), gap), total);
+        }
+        s.store(total, &mut self.out);
+    }
 }
 
 /// The best candidate so far.
@@ -74,7 +103,7 @@ impl Winner {
     /// This or the best of 16 further candidates: the first one that no other beats by more than `tolerance`.
     #[inline(always)]
     pub(crate) fn or<S: Simd>(self, s: S, changes: S::V, index: impl Fn(usize) -> usize, tolerance: f32) -> Self {
-        let least = -s.reduce_max(s.sub(s.splat(0.0), changes));
+        let least = s.least(changes);
         // Not "at most": an infinite change stands against the first.
         if self.change - least <= tolerance {
             return self;
@@ -99,12 +128,12 @@ pub(crate) fn best<S: Simd, T: Term>(
 ) -> usize {
     let (phases, amplitudes) = (candidates.phases, candidates.amplitudes);
     let mut winner = Winner::NONE;
-    let zero = s.splat(0.0);
     if silent {
         for first in (0..amplitudes).step_by(LANES) {
             let at = |lane: usize| (first + lane).min(amplitudes - 1);
-            let re = s.load(&core::array::from_fn(|lane| candidates.amplitude(at(lane))));
-            let changes = add_changes::<S, T>(s, points, 0..points.count, [re, zero], zero);
+            let amplitudes = core::array::from_fn(|lane| candidates.amplitude(at(lane)));
+            let z = Sixteen { amplitude: 1.0, phasors: [&amplitudes, &[0.0; LANES]] };
+            let changes = changes::<S, T>(s, points, z);
             winner = winner.or(s, changes, |lane| at(lane) * phases, tolerance);
         }
         return winner.index;
@@ -129,8 +158,8 @@ pub(crate) fn best_within<S: Simd, T: Term>(
         for (start, count) in parts {
             for step in (0..count).step_by(LANES) {
                 let first = wrap(start + step);
-                let drives = candidates.drives(s, candidates.amplitude(k), first);
-                let mut changes = add_changes::<S, T>(s, points, 0..points.count, drives, s.splat(0.0));
+                let drives = candidates.drives(candidates.amplitude(k), first);
+                let mut changes = changes::<S, T>(s, points, drives);
                 if count - step < LANES {
                     // What follows in the table is not in the range.
                     let used = s.splat((count - step) as f32);
@@ -157,20 +186,36 @@ pub(crate) fn best_of<S: Simd>(
 ) -> usize {
     let mut winner = Winner::NONE;
     for chunk in some.chunks(LANES) {
-        let mut changes = [s.splat(0.0); LANES];
-        for (&index, change) in chunk.iter().zip(&mut changes) {
-            let [re, im] = candidates.drive(index as usize);
-            let q = [s.splat(re), s.splat(im)];
-            let row = groups(points.row[0]).iter().zip(groups(points.row[1]));
-            for (group, (re, im)) in points.groups.iter().zip(row) {
-                *change = group.add_change(s, [re, im], q, *change);
-            }
-        }
+        let mut changes = Each { points, candidates, chunk, out: [[0.0; LANES]; LANES] };
+        s.apart(points.count, &mut changes);
         let mut lanes = [f32::INFINITY; LANES];
-        s.store(s.reduce_add_each(&changes), &mut lanes);
+        s.store(s.sums(&changes.out, points.count), &mut lanes);
         lanes[chunk.len()..].fill(f32::INFINITY);
         let at = |lane: usize| chunk[lane.min(chunk.len() - 1)] as usize;
         winner = winner.or(s, s.load(&lanes), at, tolerance);
     }
     winner.index
+}
+
+/// The changes of the points' terms under up to 16 candidates, the points in the lanes.
+struct Each<'a> {
+    points: Points<'a>,
+    candidates: &'a Candidates,
+    chunk: &'a [u32],
+    out: [Lanes; LANES],
+}
+
+impl Apart for Each<'_> {
+    #[inline(always)]
+    fn run<S: Elementwise>(&mut self, s: S) {
+        for (&index, out) in self.chunk.iter().zip(&mut self.out) {
+            let [re, im] = self.candidates.drive(index as usize);
+            let (q, mut change) = ([s.splat(re), s.splat(im)], s.splat(0.0));
+            let row = groups(self.points.row[0]).iter().zip(groups(self.points.row[1]));
+            for (group, (re, im)) in self.points.groups.iter().zip(row) {
+                change = group.add_change(s, [re, im], q, change);
+            }
+            s.store(change, out);
+        }
+    }
 }

@@ -49,8 +49,7 @@ pub(crate) fn best<S: Simd>(energies: &Energies<'_, S>, floats: &mut [f32], indi
 #[inline(always)]
 fn clear_winner<S: Simd>(energies: &Energies<'_, S>) -> Option<usize> {
     let (s, moments, candidates) = (energies.s, energies.moments, energies.candidates);
-    let [cos, sin] = candidates.sixteen(0);
-    let changes = moments.change(s, s.load(cos), s.load(sin));
+    let changes = Energies { near: &[], ..*energies }.roughly(candidates.drives(1.0, 0));
     let limit = s.add(s.reduce_min(changes), s.splat(moments.slack(1.0)));
     let bits = !s.less(limit, changes) & (0xffff >> (LANES - candidates.phases));
     bits.is_power_of_two().then(|| bits.trailing_zeros() as usize)
@@ -69,7 +68,7 @@ pub(crate) fn shortlist<'a, S: Simd>(
     let phases = candidates.phases;
     for k in 0..candidates.amplitudes {
         for first in (0..phases).step_by(LANES) {
-            let z = candidates.drives(s, candidates.amplitude(k), first);
+            let z = candidates.drives(candidates.amplitude(k), first);
             list.push(s, energies.roughly(z), k * phases + first, LANES.min(phases - first));
         }
     }
@@ -97,7 +96,7 @@ impl<'a> List<'a> {
     /// are copies of candidates or belong to another arc.
     #[inline(always)]
     pub(crate) fn push<S: Simd>(&mut self, s: S, changes: S::V, index: usize, used: usize) {
-        self.least = self.least.min(-s.reduce_max(s.sub(s.splat(0.0), changes)));
+        self.least = self.least.min(s.least(changes));
         let mut bits = !s.less(s.splat(self.least + self.slack), changes) & (0xffff >> (LANES - used));
         if bits == 0 {
             return;
@@ -165,7 +164,11 @@ impl<'a> List<'a> {
         } else if self.overflows() {
             Some(search::best::<S, L2>(s, points, candidates, false, tolerance))
         } else {
-            Some(search::best_of(s, points, candidates, self.indices(), tolerance))
+            let best = s.aside(
+                #[inline(always)]
+                || search::best_of(s, points, candidates, self.indices(), tolerance),
+            );
+            Some(best)
         }
     }
 

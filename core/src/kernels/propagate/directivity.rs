@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use crate::kernels::lanes::Lanes;
 use crate::kernels::phasor::{log2, power_of_two};
-use crate::kernels::simd::{Simd, WHOLE};
+use crate::kernels::simd::{Elementwise, WHOLE};
 
 /// D over c = cos(theta) from 0 to 1. A type for each kind and length, so that a loop over points is compiled for it.
 #[derive(Clone, Debug)]
@@ -24,7 +24,7 @@ pub(crate) enum Pattern {
 /// A kind of [`Pattern`].
 pub(crate) trait Ahead {
     /// D at an angle whose cosine is `along` times `inverse`; anything behind the transducer.
-    fn directivity<S: Simd>(&self, s: S, along: S::V, inverse: S::V) -> S::V;
+    fn directivity<S: Elementwise>(&self, s: S, along: S::V, inverse: S::V) -> S::V;
 }
 
 /// Coefficients, the highest power first, of c^2 - 1/2 where D is an entire function of sin(theta)^2 or an even power of c,
@@ -34,7 +34,7 @@ pub(crate) struct Polynomial<const EVEN: bool, const N: usize>(pub(crate) [f32; 
 
 impl<const EVEN: bool, const N: usize> Ahead for Polynomial<EVEN, N> {
     #[inline(always)]
-    fn directivity<S: Simd>(&self, s: S, along: S::V, inverse: S::V) -> S::V {
+    fn directivity<S: Elementwise>(&self, s: S, along: S::V, inverse: S::V) -> S::V {
         let half = s.splat(-0.5);
         let x = if EVEN {
             let c = s.mul(along, inverse);
@@ -58,7 +58,7 @@ pub(crate) struct Chebyshev(pub(crate) Vec<f32>);
 impl Ahead for Chebyshev {
     /// By Clenshaw's recurrence.
     #[inline(always)]
-    fn directivity<S: Simd>(&self, s: S, along: S::V, inverse: S::V) -> S::V {
+    fn directivity<S: Elementwise>(&self, s: S, along: S::V, inverse: S::V) -> S::V {
         let c = s.mul(along, inverse);
         let x = s.fma(c, s.add(c, c), s.splat(-1.0));
         let (double, mut sum, mut last) = (s.add(x, x), s.splat(0.0), s.splat(0.0));
@@ -86,7 +86,7 @@ pub(crate) const PLACES: f32 = 6.9;
 
 impl Ahead for Pieces {
     #[inline(always)]
-    fn directivity<S: Simd>(&self, s: S, along: S::V, inverse: S::V) -> S::V {
+    fn directivity<S: Elementwise>(&self, s: S, along: S::V, inverse: S::V) -> S::V {
         let (c, scale) = (s.mul(along, inverse), s.splat(PLACES));
         // c may lie on either side of the bound that it is nearest to.
         let near = s.fma(s.fma(c, scale, scale), c, s.splat(WHOLE));
@@ -107,7 +107,7 @@ pub(crate) struct Exponent(pub(crate) f32);
 
 impl Ahead for Exponent {
     #[inline(always)]
-    fn directivity<S: Simd>(&self, s: S, along: S::V, inverse: S::V) -> S::V {
+    fn directivity<S: Elementwise>(&self, s: S, along: S::V, inverse: S::V) -> S::V {
         let (c, least) = (s.mul(along, inverse), s.splat(f32::MIN_POSITIVE));
         let power = power_of_two(s, s.mul(log2(s, s.max(c, least)), s.splat(self.0)));
         s.select_less(c, least, s.splat(0.0), power)

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! 1. P is loaded and stored once a run, so that an element costs its own instructions and four more.
-//! 2. The sources of a run, 16 KB, stay in the nearest cache.
+//! 2. The sources of a run, 16 KB, stay in the nearest cache. (Where code is to be short the stack is, too: a run is then of
+//!    64 transducers.)
 
 use num_complex::Complex32;
 
@@ -16,12 +17,15 @@ use crate::kernels::lanes::{groups, groups_mut};
 use crate::kernels::propagate::form::{Form, Radiation, formed};
 use crate::kernels::propagate::row::{ControlPoints, element, silence};
 use crate::kernels::propagate::source::SourceList;
-use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::simd::{Apart, Elementwise};
 use crate::kernels::vector::add_wave;
 
-/// Transducers that are added before the next points.
+/// Transducers that are added before the next points,
 const RUN: usize = 512;
+
+/// and where the stack is short.
+const SHORT_RUN: usize = 64;
 
 /// P += G q for every transducer that is driven.
 ///
@@ -36,15 +40,44 @@ pub(crate) fn add_field(
     field: [&mut [f32]; 2],
     control: &mut Control,
 ) -> Result<(), Error> {
-    dispatch!(set, s => formed!(radiation, sources.in_phase, form => {
-        add_form(s, form, (radiation, sources), drive, points, field, control)
+    dispatch!(set, s => formed!(s, radiation, sources.in_phase, form => {
+        let mut sum = Sum { form, radiation, sources, drive, points, field, control, ended: Ok(()) };
+        s.apart(points.count, &mut sum);
+        sum.ended
     }))
 }
 
+/// P += G q over some lanes, unless others met an end.
+struct Sum<'a, 'b, F> {
+    form: F,
+    radiation: &'a Radiation,
+    sources: &'a SourceList,
+    drive: &'a [Complex32],
+    points: ControlPoints<'a>,
+    field: [&'a mut [f32]; 2],
+    control: &'a mut Control<'b>,
+    ended: Result<(), Error>,
+}
+
+impl<F: Form> Apart for Sum<'_, '_, F> {
+    #[inline(always)]
+    fn run<S: Elementwise>(&mut self, s: S) {
+        let Self { form, radiation, sources, drive, points, field: [re, im], control, ended } = self;
+        let (from, to) = ((*radiation, *sources), [&mut **re, &mut **im]);
+        if ended.is_ok() {
+            *ended = if S::SHORT {
+                add_form::<_, _, SHORT_RUN>(s, *form, from, drive, *points, to, control)
+            } else {
+                add_form::<_, _, RUN>(s, *form, from, drive, *points, to, control)
+            };
+        }
+    }
+}
+
 #[inline(always)]
-fn add_form<S: Simd>(
+fn add_form<S: Elementwise, F: Form, const RUN: usize>(
     s: S,
-    form: impl Form,
+    form: F,
     (radiation, sources): (&Radiation, &SourceList),
     drive: &[Complex32],
     points: ControlPoints<'_>,

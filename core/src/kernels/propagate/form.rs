@@ -4,7 +4,7 @@
 //! point sources without absorption in phase for nothing, a piston for 12 instructions.
 
 use crate::kernels::propagate::directivity::{Ahead, Pattern};
-use crate::kernels::simd::Simd;
+use crate::kernels::simd::Elementwise;
 
 /// What all transducers share: absorption as a power of two per wavelength (< 0) and the directivity.
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ pub(crate) trait Form: Copy {
     const PLAIN: bool = false;
 
     /// `amplitude` times D, where the cosine is `along` (the ray's part along the normal) times `inverse`.
-    fn direct<S: Simd>(self, s: S, amplitude: S::V, along: impl FnOnce() -> S::V, inverse: S::V) -> S::V;
+    fn direct<S: Elementwise>(self, s: S, amplitude: S::V, along: impl FnOnce() -> S::V, inverse: S::V) -> S::V;
 }
 
 /// Point sources without absorption, in phase.
@@ -42,14 +42,14 @@ impl Form for Plain {
     const PLAIN: bool = true;
 
     #[inline(always)]
-    fn direct<S: Simd>(self, _: S, amplitude: S::V, _: impl FnOnce() -> S::V, _: S::V) -> S::V {
+    fn direct<S: Elementwise>(self, _: S, amplitude: S::V, _: impl FnOnce() -> S::V, _: S::V) -> S::V {
         amplitude
     }
 }
 
 impl Form for Everywhere {
     #[inline(always)]
-    fn direct<S: Simd>(self, _: S, amplitude: S::V, _: impl FnOnce() -> S::V, _: S::V) -> S::V {
+    fn direct<S: Elementwise>(self, _: S, amplitude: S::V, _: impl FnOnce() -> S::V, _: S::V) -> S::V {
         amplitude
     }
 }
@@ -57,7 +57,7 @@ impl Form for Everywhere {
 /// Transducers in a baffle.
 impl<P: Ahead> Form for &P {
     #[inline(always)]
-    fn direct<S: Simd>(self, s: S, amplitude: S::V, along: impl FnOnce() -> S::V, inverse: S::V) -> S::V {
+    fn direct<S: Elementwise>(self, s: S, amplitude: S::V, along: impl FnOnce() -> S::V, inverse: S::V) -> S::V {
         let along = along();
         let directed = s.mul(amplitude, self.directivity(s, along, inverse));
         // 90 degrees are ahead. (With the sides swapped the selection would take AVX-512 an instruction more.)
@@ -65,11 +65,52 @@ impl<P: Ahead> Form for &P {
     }
 }
 
-/// Runs an expression with the form that a radiation has: `formed!(radiation, in_phase, form => body)`.
+/// Whatever form a radiation has, found at each element: for sets whose code is to be short.
+#[derive(Clone, Copy)]
+pub(crate) struct Found<'a>(pub(crate) &'a Radiation);
+
+impl Form for Found<'_> {
+    #[inline(always)]
+    fn direct<S: Elementwise>(self, s: S, amplitude: S::V, along: impl FnOnce() -> S::V, inverse: S::V) -> S::V {
+        match &self.0.pattern {
+            None => amplitude,
+            Some(pattern) => directed(s, pattern, amplitude, along(), inverse),
+        }
+    }
+}
+
+/// As [`Form::direct`]: one function of the program.
+#[inline(never)]
+fn directed<S: Elementwise>(s: S, pattern: &Pattern, amplitude: S::V, along: S::V, inverse: S::V) -> S::V {
+    macro_rules! by {
+        ($pattern:expr) => {
+            $pattern.direct(
+                s,
+                amplitude,
+                #[inline(always)]
+                || along,
+                inverse,
+            )
+        };
+    }
+    match pattern {
+        Pattern::Even6(pattern) => by!(pattern),
+        Pattern::Even10(pattern) => by!(pattern),
+        Pattern::Even14(pattern) => by!(pattern),
+        Pattern::All6(pattern) => by!(pattern),
+        Pattern::All10(pattern) => by!(pattern),
+        Pattern::All14(pattern) => by!(pattern),
+        Pattern::Chebyshev(pattern) => by!(pattern),
+        Pattern::Pieces(pattern) => by!(pattern),
+        Pattern::Exponent(pattern) => by!(pattern),
+    }
+}
+
+/// Runs an expression with the form that a radiation has: `formed!(s, radiation, in_phase, form => body)`.
 macro_rules! formed {
-    ($radiation:expr, $in_phase:expr, $form:ident => $body:expr) => {{
+    ($s:expr, $radiation:expr, $in_phase:expr, $form:ident => $body:expr) => {{
         use crate::kernels::propagate::directivity::Pattern;
-        use crate::kernels::propagate::form::{Everywhere, Plain};
+        use crate::kernels::propagate::form::{Everywhere, Found, Plain};
         macro_rules! with {
             ($value:expr) => {{
                 let $form = $value;
@@ -78,6 +119,7 @@ macro_rules! formed {
         }
         match &$radiation.pattern {
             None if $radiation.is_plain($in_phase) => with!(Plain),
+            _ if $s.is_short() => with!(Found($radiation)),
             None => with!(Everywhere),
             Some(Pattern::Even6(pattern)) => with!(pattern),
             Some(Pattern::Even10(pattern)) => with!(pattern),

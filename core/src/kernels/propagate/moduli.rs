@@ -14,12 +14,13 @@ use core::ops::Range;
 
 use crate::control::Control;
 use crate::error::Error;
+use crate::kernels::lanes::Lanes;
 use crate::kernels::lanes::{LANES, groups, groups_mut};
 use crate::kernels::propagate::form::{Form, Radiation, formed};
 use crate::kernels::propagate::row::{ControlPoints, spread};
 use crate::kernels::propagate::source::{SourceGroup, SourceLanes, SourceList};
-use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::simd::{Apart, Elementwise, Simd};
 
 /// Source groups whose moduli are summed in f32 before f64 takes over; they stay in the nearest cache meanwhile.
 const RUN: usize = 32;
@@ -47,7 +48,7 @@ impl<'a> Run<'a> {
 
     /// The least square distance so far, and `sum` + |G|.
     #[inline(always)]
-    fn add<S: Simd, F: Form>(
+    fn add<S: Elementwise, F: Form>(
         &self,
         s: S,
         form: F,
@@ -76,7 +77,7 @@ pub(crate) fn add_moduli(
     control: &mut Control,
 ) -> Result<bool, Error> {
     // A phase changes no modulus.
-    dispatch!(set, s => formed!(run.radiation, true, form => add_form(s, form, run, points, nearest, out, control)))
+    dispatch!(set, s => formed!(s, run.radiation, true, form => add_form(s, form, run, points, nearest, out, control)))
 }
 
 #[inline(always)]
@@ -95,16 +96,35 @@ fn add_form<S: Simd>(
         if j.is_multiple_of(POINTS_A_PULSE) {
             control.pulse()?;
         }
-        let place = [s.splat(x), s.splat(y), s.splat(z)];
-        let mut state = [s.splat(f32::INFINITY), s.splat(0.0)];
-        for group in run.groups {
-            state = run.add(s, form, &group.all(s), place, state);
-        }
-        let [closest, sum] = state;
-        near |= s.less(closest, s.splat(nearest));
-        *out += f64::from(s.reduce_add(sum));
+        let mut sums = Sums { form, run, point: [x, y, z], closest: [0.0; LANES], moduli: [0.0; LANES] };
+        s.apart(LANES, &mut sums);
+        near |= s.less(s.load(&sums.closest), s.splat(nearest));
+        *out += f64::from(s.reduce_add(s.load(&sums.moduli)));
     }
     Ok(near != 0)
+}
+
+/// Sums of |G| at a point, and the least square distance, lanes apart.
+struct Sums<'a, F> {
+    form: F,
+    run: &'a Run<'a>,
+    point: [f32; 3],
+    closest: Lanes,
+    moduli: Lanes,
+}
+
+impl<F: Form> Apart for Sums<'_, F> {
+    #[inline(always)]
+    fn run<S: Elementwise>(&mut self, s: S) {
+        let [x, y, z] = self.point;
+        let place = [s.splat(x), s.splat(y), s.splat(z)];
+        let mut state = [s.splat(f32::INFINITY), s.splat(0.0)];
+        for group in self.run.groups {
+            state = self.run.add(s, self.form, &group.all(s), place, state);
+        }
+        s.store(state[0], &mut self.closest);
+        s.store(state[1], &mut self.moduli);
+    }
 }
 
 /// As [`add_moduli`] for the points of up to 16 problems, one problem a lane: each sum bit for bit what that adds, written
@@ -116,7 +136,7 @@ pub(crate) fn interleaved_moduli(
     nearest: f32,
     out: &mut [f32],
 ) -> bool {
-    dispatch!(set, s => formed!(run.radiation, true, form => interleaved_form(s, form, run, points, nearest, out)))
+    dispatch!(set, s => formed!(s, run.radiation, true, form => interleaved_form(s, form, run, points, nearest, out)))
 }
 
 #[inline(always)]

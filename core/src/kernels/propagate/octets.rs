@@ -4,10 +4,11 @@
 //! silenced.
 
 use crate::kernels::lanes::{LANES, Octet, groups};
-use crate::kernels::propagate::form::formed;
-use crate::kernels::propagate::row::{element, silence};
+use crate::kernels::propagate::form::{Form, Radiation, formed};
+use crate::kernels::propagate::row::{ControlPoints, element, silence};
 use crate::kernels::propagate::rows::Rows;
-use crate::kernels::simd::Simd;
+use crate::kernels::propagate::source::SourceList;
+use crate::kernels::simd::{Apart, Elementwise, Simd};
 
 /// Writes the rows of `members` from column `first` on.
 #[inline(always)]
@@ -16,14 +17,9 @@ pub(crate) fn write_rows<S: Simd>(s: S, rows: Rows<'_>, members: &[usize], first
         Rows::Computed { radiation, sources, control_points } => s.vectorize(
             #[inline(always)]
             || {
-                let [x, y, z] = control_points.coordinates.map(groups);
-                formed!(radiation, sources.in_phase, form => for (column, &i) in (first..).zip(members) {
-                    let from = &sources.one(s, i);
-                    for (((x, y), z), octet) in x.iter().zip(y).zip(z).zip(&mut *out) {
-                        let [re, im] = element(s, form, radiation, from, [s.load(x), s.load(y), s.load(z)]);
-                        s.store(re, &mut octet[column][0]);
-                        s.store(im, &mut octet[column][1]);
-                    }
+                formed!(s, radiation, sources.in_phase, form => {
+                    let mut columns = Columns { form, radiation, sources, control_points, members, first, out };
+                    s.apart(control_points.count, &mut columns);
                 });
             },
         ),
@@ -31,6 +27,32 @@ pub(crate) fn write_rows<S: Simd>(s: S, rows: Rows<'_>, members: &[usize], first
             for (column, &i) in (first..).zip(members) {
                 let row = groups(re)[i * out.len()..].iter().zip(&groups(im)[i * out.len()..]);
                 row.zip(&mut *out).for_each(|((re, im), octet)| octet[column] = [*re, *im]);
+            }
+        }
+    }
+}
+
+/// The rows of `members` from column `first` on, computed.
+struct Columns<'a, F> {
+    form: F,
+    radiation: &'a Radiation,
+    sources: &'a SourceList,
+    control_points: ControlPoints<'a>,
+    members: &'a [usize],
+    first: usize,
+    out: &'a mut [Octet],
+}
+
+impl<F: Form> Apart for Columns<'_, F> {
+    #[inline(always)]
+    fn run<S: Elementwise>(&mut self, s: S) {
+        let [x, y, z] = self.control_points.coordinates.map(groups);
+        for (column, &i) in (self.first..).zip(self.members) {
+            let from = &self.sources.one(s, i);
+            for (((x, y), z), octet) in x.iter().zip(y).zip(z).zip(&mut *self.out) {
+                let [re, im] = element(s, self.form, self.radiation, from, [s.load(x), s.load(y), s.load(z)]);
+                s.store(re, &mut octet[column][0]);
+                s.store(im, &mut octet[column][1]);
             }
         }
     }
@@ -52,7 +74,7 @@ pub(crate) fn write_segments<S: Simd, const N: usize>(
             || {
                 let [x, y, z] = control_points.coordinates.map(|list| &groups(list)[0]);
                 let place = [s.load(x), s.load(y), s.load(z)];
-                formed!(radiation, sources.in_phase, form => for (column, some) in (first..).zip(members.chunks(N)) {
+                formed!(s, radiation, sources.in_phase, form => for (column, some) in (first..).zip(members.chunks(N)) {
                     let from = &sources.segments::<_, N>(s, some);
                     let [re, im] = element(s, form, radiation, from, place);
                     let [to_re, to_im] = &mut out[column];

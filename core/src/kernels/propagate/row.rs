@@ -5,8 +5,8 @@ use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::kernels::phasor::{power_of_two, wave};
 use crate::kernels::propagate::form::{Form, Plain, Radiation, formed};
 use crate::kernels::propagate::source::{SourceLanes, SourceList};
-use crate::kernels::simd::Simd;
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::kernels::simd::{Apart, Elementwise, Simd};
 
 /// A hundredth of a wavelength: nearer than that r is held there, so that no field is infinite.
 pub(crate) const NEAREST: f32 = 0.01;
@@ -28,7 +28,7 @@ pub(crate) struct Row<'a> {
 
 /// Square distance and, held at [`NEAREST`], distance and |c| D e^{-alpha r}/r; distances in wavelengths.
 #[inline(always)]
-pub(crate) fn spread<S: Simd, F: Form>(
+pub(crate) fn spread<S: Elementwise, F: Form>(
     s: S,
     form: F,
     radiation: &Radiation,
@@ -59,7 +59,7 @@ pub(crate) fn spread<S: Simd, F: Form>(
 
 /// Element of G: one source, or sixteen, at a point.
 #[inline(always)]
-pub(crate) fn element<S: Simd, F: Form>(
+pub(crate) fn element<S: Elementwise, F: Form>(
     s: S,
     form: F,
     radiation: &Radiation,
@@ -82,15 +82,39 @@ pub(crate) fn write_tile<S: Simd>(
     (first, stride): (usize, usize),
     [re, im]: [&mut [Block]; 2],
 ) {
-    let from = sources.groups[group].all(s);
-    let [x, y, z] = control_points.coordinates;
-    formed!(radiation, sources.in_phase, form => for (k, &j) in order.iter().enumerate() {
-        let place = [s.splat(x[j as usize]), s.splat(y[j as usize]), s.splat(z[j as usize])];
-        let [real, imaginary] = element(s, form, radiation, &from, place);
-        let block = first + k / BLOCK * stride;
-        s.store(real, &mut re[block][k % BLOCK]);
-        s.store(imaginary, &mut im[block][k % BLOCK]);
+    formed!(s, radiation, sources.in_phase, form => {
+        let out = [&mut *re, &mut *im];
+        s.apart(LANES, &mut Tile { form, radiation, sources, group, control_points, order, first, stride, out });
     });
+}
+
+/// See [`write_tile`].
+struct Tile<'a, F> {
+    form: F,
+    radiation: &'a Radiation,
+    sources: &'a SourceList,
+    group: usize,
+    control_points: ControlPoints<'a>,
+    order: &'a [u32],
+    first: usize,
+    stride: usize,
+    out: [&'a mut [Block]; 2],
+}
+
+impl<F: Form> Apart for Tile<'_, F> {
+    #[inline(always)]
+    fn run<S: Elementwise>(&mut self, s: S) {
+        let from = self.sources.groups[self.group].all(s);
+        let [x, y, z] = self.control_points.coordinates;
+        let [re, im] = &mut self.out;
+        for (k, &j) in self.order.iter().enumerate() {
+            let place = [s.splat(x[j as usize]), s.splat(y[j as usize]), s.splat(z[j as usize])];
+            let [real, imaginary] = element(s, self.form, self.radiation, &from, place);
+            let block = self.first + k / BLOCK * self.stride;
+            s.store(real, &mut re[block][k % BLOCK]);
+            s.store(imaginary, &mut im[block][k % BLOCK]);
+        }
+    }
 }
 
 /// Writes the row of source `i` over its target's whole length, zeros in the padding.
@@ -104,35 +128,45 @@ pub(crate) fn write_row<S: Simd>(
     im: &mut [f32],
 ) {
     // All forms but the plain one are functions of their own: this is compiled into every kernel that writes rows.
+    let (used, out) = (control_points.count, [&mut *re, &mut *im]);
     if radiation.is_plain(sources.in_phase) {
-        write_form(s, Plain, radiation, (sources, i), control_points, [&mut *re, &mut *im]);
+        s.apart(used, &mut Written { form: Plain, radiation, sources, i, control_points, out });
     } else {
-        let out = [&mut *re, &mut *im];
         s.vectorize(
             #[inline(always)]
-            || formed!(radiation, sources.in_phase, form => write_form(s, form, radiation, (sources, i), control_points, out)),
+            || {
+                formed!(s, radiation, sources.in_phase, form => {
+                    s.apart(used, &mut Written { form, radiation, sources, i, control_points, out });
+                });
+            },
         );
     }
     silence(s, re, control_points.count);
     silence(s, im, control_points.count);
 }
 
-#[inline(always)]
-fn write_form<S: Simd, F: Form>(
-    s: S,
+/// See [`write_row`].
+struct Written<'a, F> {
     form: F,
-    radiation: &Radiation,
-    (sources, i): (&SourceList, usize),
-    control_points: ControlPoints<'_>,
-    [re, im]: [&mut [f32]; 2],
-) {
-    let from = &sources.one(s, i);
-    let [x, y, z] = control_points.coordinates;
-    let points = groups(x).iter().zip(groups(y)).zip(groups(z));
-    for (((x, y), z), (re, im)) in points.zip(groups_mut(re).iter_mut().zip(groups_mut(im))) {
-        let [real, imaginary] = element(s, form, radiation, from, [s.load(x), s.load(y), s.load(z)]);
-        s.store(real, re);
-        s.store(imaginary, im);
+    radiation: &'a Radiation,
+    sources: &'a SourceList,
+    i: usize,
+    control_points: ControlPoints<'a>,
+    out: [&'a mut [f32]; 2],
+}
+
+impl<F: Form> Apart for Written<'_, F> {
+    #[inline(always)]
+    fn run<S: Elementwise>(&mut self, s: S) {
+        let from = &self.sources.one(s, self.i);
+        let [x, y, z] = self.control_points.coordinates;
+        let [re, im] = &mut self.out;
+        let points = groups(x).iter().zip(groups(y)).zip(groups(z));
+        for (((x, y), z), (re, im)) in points.zip(groups_mut(re).iter_mut().zip(groups_mut(im))) {
+            let [real, imaginary] = element(s, self.form, self.radiation, from, [s.load(x), s.load(y), s.load(z)]);
+            s.store(real, re);
+            s.store(imaginary, im);
+        }
     }
 }
 
@@ -149,11 +183,15 @@ pub(crate) fn row(
 
 /// Zeros in the padding.
 #[inline(always)]
-pub(crate) fn silence<S: Simd>(s: S, list: &mut [f32], count: usize) {
+pub(crate) fn silence<S: Elementwise>(s: S, list: &mut [f32], count: usize) {
     const LANE: Lanes = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
     if let Some(last) = groups_mut(list).last_mut()
         && !count.is_multiple_of(LANES)
     {
+        if s.is_short() {
+            last[count % LANES..].fill(0.0);
+            return;
+        }
         let used = s.splat((count % LANES) as f32);
         s.store(s.select_less(s.load(&LANE), used, s.load(last), s.splat(0.0)), last);
     }

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use crate::kernels::lanes::{LANES, Lanes};
-use crate::kernels::simd::Simd;
+use crate::kernels::simd::Elementwise;
 
 /// One transducer, in wavelengths from the array's middle.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +17,7 @@ pub(crate) struct Source {
 }
 
 /// Sixteen transducers, one a lane.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 pub(crate) struct SourceGroup {
     position: [Lanes; 3],
@@ -50,13 +50,13 @@ impl SourceList {
 
     /// Transducer `i` in all lanes.
     #[inline(always)]
-    pub(crate) fn one<S: Simd>(&self, s: S, i: usize) -> SourceLanes<S::V> {
+    pub(crate) fn one<S: Elementwise>(&self, s: S, i: usize) -> SourceLanes<S::V> {
         self.groups[i / LANES].one(s, i % LANES)
     }
 
     /// N transducers side by side, the k-th of `members` in the lanes from 16 k/N on, the last one in those that are left.
     #[inline(always)]
-    pub(crate) fn segments<S: Simd, const N: usize>(&self, s: S, members: &[usize]) -> SourceLanes<S::V> {
+    pub(crate) fn segments<S: Elementwise, const N: usize>(&self, s: S, members: &[usize]) -> SourceLanes<S::V> {
         let at = core::array::from_fn(|quarter| {
             let i = members[(quarter * N / 4).min(members.len() - 1)];
             (&self.groups[i / LANES], i % LANES)
@@ -81,7 +81,7 @@ impl SourceList {
 
 /// A number of each of four transducers, in four lanes each.
 #[inline(always)]
-fn quarters<S: Simd>(s: S, at: &[(&SourceGroup, usize); 4], list: impl Fn(&SourceGroup) -> &Lanes) -> S::V {
+fn quarters<S: Elementwise>(s: S, at: &[(&SourceGroup, usize); 4], list: impl Fn(&SourceGroup) -> &Lanes) -> S::V {
     let [a, b, c, d] = at;
     s.quarters([list(a.0)[a.1], list(b.0)[b.1], list(c.0)[c.1], list(d.0)[d.1]])
 }
@@ -89,23 +89,23 @@ fn quarters<S: Simd>(s: S, at: &[(&SourceGroup, usize); 4], list: impl Fn(&Sourc
 impl SourceGroup {
     /// At least one and at most sixteen.
     fn of(sources: &[Source]) -> Self {
-        let lanes = |part: &dyn Fn(&Source) -> f32| -> Lanes {
-            core::array::from_fn(|lane| part(&sources[lane.min(sources.len() - 1)]))
-        };
-        let mut amplitude = lanes(&|source| source.amplitude);
-        amplitude[sources.len()..].fill(0.0);
-        Self {
-            position: [0, 1, 2].map(|axis| lanes(&|source| source.position[axis])),
-            normal: [0, 1, 2].map(|axis| lanes(&|source| source.normal[axis])),
-            upright: sources.iter().all(|source| source.normal == [0.0, 0.0, 1.0]),
-            amplitude,
-            turns: lanes(&|source| source.turns),
+        let upright = sources.iter().all(|source| source.normal == [0.0, 0.0, 1.0]);
+        let mut group = Self { upright, ..Self::default() };
+        for lane in 0..LANES {
+            let source = sources[lane.min(sources.len() - 1)];
+            for axis in 0..3 {
+                group.position[axis][lane] = source.position[axis];
+                group.normal[axis][lane] = source.normal[axis];
+            }
+            group.amplitude[lane] = if lane < sources.len() { source.amplitude } else { 0.0 };
+            group.turns[lane] = source.turns;
         }
+        group
     }
 
     /// One of them in all lanes.
     #[inline(always)]
-    pub(crate) fn one<S: Simd>(&self, s: S, lane: usize) -> SourceLanes<S::V> {
+    pub(crate) fn one<S: Elementwise>(&self, s: S, lane: usize) -> SourceLanes<S::V> {
         let [[x, y, z], [nx, ny, nz]] = [&self.position, &self.normal];
         SourceLanes {
             position: [s.splat(x[lane]), s.splat(y[lane]), s.splat(z[lane])],
@@ -118,7 +118,7 @@ impl SourceGroup {
 
     /// Each in its lane.
     #[inline(always)]
-    pub(crate) fn all<S: Simd>(&self, s: S) -> SourceLanes<S::V> {
+    pub(crate) fn all<S: Elementwise>(&self, s: S) -> SourceLanes<S::V> {
         let [[x, y, z], [nx, ny, nz]] = [&self.position, &self.normal];
         SourceLanes {
             position: [s.load(x), s.load(y), s.load(z)],
@@ -142,7 +142,7 @@ pub(crate) struct SourceLanes<V> {
 impl<V: Copy> SourceLanes<V> {
     /// The part of a ray along the normal.
     #[inline(always)]
-    pub(crate) fn along<S: Simd<V = V>>(&self, s: S, [dx, dy, dz]: [V; 3]) -> V {
+    pub(crate) fn along<S: Elementwise<V = V>>(&self, s: S, [dx, dy, dz]: [V; 3]) -> V {
         let [nx, ny, nz] = self.normal;
         if self.upright { dz } else { s.fma(nx, dx, s.fma(ny, dy, s.mul(nz, dz))) }
     }

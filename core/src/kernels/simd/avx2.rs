@@ -12,7 +12,7 @@ use core::arch::x86_64::{
 };
 
 use crate::kernels::lanes::Lanes;
-use crate::kernels::simd::Simd;
+use crate::kernels::simd::{Elementwise, Simd};
 
 /// AVX2 and FMA are there.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +28,7 @@ impl Avx2 {
 
 type Pair = [__m256; 2];
 
-/// A method of [`Simd`] that does the same to both registers. (Closures would not be compiled for AVX2.)
+/// A method that does the same to both registers. (Closures would not be compiled for AVX2.)
 macro_rules! operations {
     ($($name:ident($($argument:ident),*) = $body:expr;)*) => {$(
         #[inline(always)]
@@ -48,7 +48,7 @@ macro_rules! operations {
     )*};
 }
 
-impl Simd for Avx2 {
+impl Elementwise for Avx2 {
     type V = Pair;
 
     #[inline(always)]
@@ -141,6 +141,47 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
+    fn quarters(self, [a, b, c, d]: [f32; 4]) -> Pair {
+        // SAFETY: the token proves that the CPU has AVX.
+        unsafe { [_mm256_set_m128(_mm_set1_ps(b), _mm_set1_ps(a)), _mm256_set_m128(_mm_set1_ps(d), _mm_set1_ps(c))] }
+    }
+
+    #[inline(always)]
+    fn gather(self, table: &Lanes, index: Pair) -> Pair {
+        let [first, second] = self.load(table);
+        macro_rules! look {
+            ($index:expr) => {{
+                // SAFETY: the token proves that the CPU has AVX2.
+                unsafe {
+                    let place = _mm256_castps_si256($index);
+                    let a = _mm256_permutevar8x32_ps(first, place);
+                    let b = _mm256_permutevar8x32_ps(second, place);
+                    // Bit 3 of the index, where a sign is.
+                    _mm256_blendv_ps(a, b, _mm256_castsi256_ps(_mm256_slli_epi32::<28>(place)))
+                }
+            }};
+        }
+        [look!(index[0]), look!(index[1])]
+    }
+
+    #[inline(always)]
+    fn gather_list(self, list: &[f32], index: Pair) -> Pair {
+        let last = list.len().checked_sub(1).expect("a list is not empty") as i32;
+        macro_rules! look {
+            ($index:expr) => {{
+                // SAFETY: the token proves that the CPU has AVX2, and no place is beyond the last: below 0 counts as large.
+                unsafe {
+                    let place = _mm256_min_epu32(_mm256_cvtps_epi32($index), _mm256_set1_epi32(last));
+                    _mm256_i32gather_ps::<4>(list.as_ptr(), place)
+                }
+            }};
+        }
+        [look!(index[0]), look!(index[1])]
+    }
+}
+
+impl Simd for Avx2 {
+    #[inline(always)]
     fn swap<const DISTANCE: usize>(self, [low, high]: Pair) -> Pair {
         if DISTANCE == 8 {
             return [high, low];
@@ -181,12 +222,6 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    fn quarters(self, [a, b, c, d]: [f32; 4]) -> Pair {
-        // SAFETY: the token proves that the CPU has AVX.
-        unsafe { [_mm256_set_m128(_mm_set1_ps(b), _mm_set1_ps(a)), _mm256_set_m128(_mm_set1_ps(d), _mm_set1_ps(c))] }
-    }
-
-    #[inline(always)]
     fn reduce_add(self, [low, high]: Pair) -> f32 {
         // SAFETY: the token proves that the CPU has AVX.
         unsafe {
@@ -206,38 +241,5 @@ impl Simd for Avx2 {
             let two = _mm_max_ps(four, _mm_movehl_ps(four, four));
             _mm_cvtss_f32(_mm_max_ps(two, _mm_shuffle_ps::<1>(two, two)))
         }
-    }
-
-    #[inline(always)]
-    fn gather(self, table: &Lanes, index: Pair) -> Pair {
-        let [first, second] = self.load(table);
-        macro_rules! look {
-            ($index:expr) => {{
-                // SAFETY: the token proves that the CPU has AVX2.
-                unsafe {
-                    let place = _mm256_castps_si256($index);
-                    let a = _mm256_permutevar8x32_ps(first, place);
-                    let b = _mm256_permutevar8x32_ps(second, place);
-                    // Bit 3 of the index, where a sign is.
-                    _mm256_blendv_ps(a, b, _mm256_castsi256_ps(_mm256_slli_epi32::<28>(place)))
-                }
-            }};
-        }
-        [look!(index[0]), look!(index[1])]
-    }
-
-    #[inline(always)]
-    fn gather_list(self, list: &[f32], index: Pair) -> Pair {
-        let last = list.len().checked_sub(1).expect("a list is not empty") as i32;
-        macro_rules! look {
-            ($index:expr) => {{
-                // SAFETY: the token proves that the CPU has AVX2, and no place is beyond the last: below 0 counts as large.
-                unsafe {
-                    let place = _mm256_min_epu32(_mm256_cvtps_epi32($index), _mm256_set1_epi32(last));
-                    _mm256_i32gather_ps::<4>(list.as_ptr(), place)
-                }
-            }};
-        }
-        [look!(index[0]), look!(index[1])]
     }
 }

@@ -11,7 +11,7 @@ use core::arch::x86_64::{
 };
 
 use crate::kernels::lanes::{LANES, Lanes};
-use crate::kernels::simd::Simd;
+use crate::kernels::simd::{Elementwise, Simd};
 
 /// AVX-512F and DQ are there.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +25,7 @@ impl Avx512 {
     }
 }
 
-/// A method of [`Simd`] that is one expression of intrinsics.
+/// A method that is one expression of intrinsics.
 macro_rules! operations {
     ($($name:ident($($argument:ident: $kind:ty),*) -> $result:ty = $body:expr;)*) => {$(
         #[inline(always)]
@@ -36,7 +36,7 @@ macro_rules! operations {
     )*};
 }
 
-impl Simd for Avx512 {
+impl Elementwise for Avx512 {
     type V = __m512;
 
     #[inline(always)]
@@ -72,6 +72,33 @@ impl Simd for Avx512 {
         select_less(a: __m512, b: __m512, x: __m512, y: __m512) -> __m512 =
             _mm512_mask_blend_ps(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b), y, x);
         less(a: __m512, b: __m512) -> u32 = u32::from(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b));
+        gather(table: &Lanes, index: __m512) -> __m512 =
+            _mm512_permutexvar_ps(_mm512_castps_si512(index), _mm512_loadu_ps(table.as_ptr()));
+    }
+
+    #[inline(always)]
+    fn gather_list(self, list: &[f32], index: __m512) -> __m512 {
+        let last = list.len().checked_sub(1).expect("a list is not empty") as i32;
+        // SAFETY: the token proves that the CPU has AVX-512F, and no place is beyond the last: below 0 counts as large.
+        unsafe {
+            let place = _mm512_min_epu32(_mm512_cvtps_epi32(index), _mm512_set1_epi32(last));
+            _mm512_i32gather_ps::<4>(place, list.as_ptr())
+        }
+    }
+
+    #[inline(always)]
+    fn quarters(self, [a, b, c, d]: [f32; 4]) -> __m512 {
+        // SAFETY: the token proves that the CPU has AVX-512F.
+        unsafe {
+            let two = _mm512_mask_broadcastss_ps(_mm512_set1_ps(a), 0x00f0, _mm_set_ss(b));
+            let three = _mm512_mask_broadcastss_ps(two, 0x0f00, _mm_set_ss(c));
+            _mm512_mask_broadcastss_ps(three, 0xf000, _mm_set_ss(d))
+        }
+    }
+}
+
+impl Simd for Avx512 {
+    operations! {
         reduce_add(a: __m512) -> f32 = {
             let eight = _mm512_add_ps(a, _mm512_shuffle_f32x4::<0b01_00_11_10>(a, a));
             let four = _mm512_add_ps(eight, _mm512_shuffle_f32x4::<0b10_11_00_01>(eight, eight));
@@ -91,18 +118,6 @@ impl Simd for Avx512 {
             let two = _mm512_max_ps(four, _mm512_shuffle_ps::<0b01_00_11_10>(four, four));
             _mm512_cvtss_f32(_mm512_max_ps(two, _mm512_shuffle_ps::<0b10_11_00_01>(two, two)))
         };
-        gather(table: &Lanes, index: __m512) -> __m512 =
-            _mm512_permutexvar_ps(_mm512_castps_si512(index), _mm512_loadu_ps(table.as_ptr()));
-    }
-
-    #[inline(always)]
-    fn gather_list(self, list: &[f32], index: __m512) -> __m512 {
-        let last = list.len().checked_sub(1).expect("a list is not empty") as i32;
-        // SAFETY: the token proves that the CPU has AVX-512F, and no place is beyond the last: below 0 counts as large.
-        unsafe {
-            let place = _mm512_min_epu32(_mm512_cvtps_epi32(index), _mm512_set1_epi32(last));
-            _mm512_i32gather_ps::<4>(place, list.as_ptr())
-        }
     }
 
     #[inline(always)]
@@ -140,16 +155,6 @@ impl Simd for Avx512 {
             let place = _mm512_min_epu32(_mm512_cvtps_epi32(index), _mm512_set1_epi32(last));
             let place = _mm512_srli_epi64::<32>(_mm512_slli_epi64::<32>(place));
             _mm512_castpd_ps(_mm512_i64gather_pd::<4>(place, list.as_ptr().cast()))
-        }
-    }
-
-    #[inline(always)]
-    fn quarters(self, [a, b, c, d]: [f32; 4]) -> __m512 {
-        // SAFETY: the token proves that the CPU has AVX-512F.
-        unsafe {
-            let two = _mm512_mask_broadcastss_ps(_mm512_set1_ps(a), 0x00f0, _mm_set_ss(b));
-            let three = _mm512_mask_broadcastss_ps(two, 0x0f00, _mm_set_ss(c));
-            _mm512_mask_broadcastss_ps(three, 0xf000, _mm_set_ss(d))
         }
     }
 

@@ -7,11 +7,12 @@ use crate::error::same_name;
 use crate::kernels::simd::avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 use crate::kernels::simd::avx512::Avx512;
+use crate::kernels::simd::fours::Fours;
 #[cfg(target_arch = "aarch64")]
-use crate::kernels::simd::neon::Neon;
-use crate::kernels::simd::scalar::Scalar;
+use crate::kernels::simd::neon::{self, Neon};
+use crate::kernels::simd::scalar::{Numbers, Scalar};
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-use crate::kernels::simd::simd128::Simd128;
+use crate::kernels::simd::simd128::{self, Simd128};
 
 /// The instructions that the kernels use: a value that exists only for what this machine can do.
 ///
@@ -55,7 +56,7 @@ macro_rules! has {
 
 impl InstructionSet {
     /// No instructions but those that every machine of the kind has.
-    pub const SCALAR: Self = Self(Kind::Scalar(Scalar));
+    pub const SCALAR: Self = Self(Kind::Scalar(Fours(Numbers)));
 
     /// Every set this machine has, from the slowest.
     pub fn all() -> impl Iterator<Item = Self> {
@@ -67,9 +68,9 @@ impl InstructionSet {
             Self::avx512(),
             #[cfg(target_arch = "aarch64")]
             // Every 64-bit ARM has it.
-            Some(Self(Kind::Neon(Neon))),
+            Some(Self(Kind::Neon(Fours(neon::Vectors)))),
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-            Some(Self(Kind::Simd128(Simd128))),
+            Some(Self(Kind::Simd128(Fours(simd128::Vectors)))),
         ];
         sets.into_iter().flatten()
     }
@@ -100,6 +101,12 @@ impl InstructionSet {
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
             Kind::Simd128(_) => "simd128",
         }
+    }
+
+    /// Whether its code is to be short: [`Elementwise::SHORT`] of its token.
+    #[inline]
+    pub(crate) fn is_short(self) -> bool {
+        dispatch!(self, s => s.is_short())
     }
 
     #[cfg(target_arch = "x86_64")]
@@ -140,8 +147,9 @@ impl fmt::Display for InstructionSet {
 /// Runs an expression of a token compiled for a set: `dispatch!(set, simd => body)`.
 macro_rules! dispatch {
     ($set:expr, $simd:ident => $body:expr) => {{
-        use crate::kernels::simd::Simd;
         use crate::kernels::simd::instruction_set::Kind;
+        #[allow(unused_imports, reason = "a body may need no more than the one of them")]
+        use crate::kernels::simd::{Elementwise, Simd};
         match $set.0 {
             Kind::Scalar($simd) => $simd.vectorize(
                 #[inline(always)]

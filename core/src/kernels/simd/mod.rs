@@ -2,6 +2,7 @@
 //!
 //! [`Simd`] is the whole vocabulary of the kernels: each is written once over it. A value that implements it is a
 //! token: it exists only where its instructions do, which is what makes the `unsafe` blocks of these files sound.
+//! Its operations in which no lane sees another are those of [`Elementwise`]: some of the lanes can do them alone.
 //! Sums run over the lanes in one fixed tree, so that instruction sets differ by fused multiply-adds and the estimate of
 //! an inverse root alone.
 
@@ -11,6 +12,8 @@ pub(crate) mod avx2;
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code, reason = "it names instructions: a token proves that the CPU has them")]
 pub(crate) mod avx512;
+#[forbid(unsafe_code)]
+pub(crate) mod fours;
 pub(crate) mod instruction_set;
 #[cfg(target_arch = "aarch64")]
 #[allow(unsafe_code, reason = "it names instructions: a token proves that the CPU has them")]
@@ -30,10 +33,20 @@ pub(crate) const TINY: f32 = 1e-28;
 /// Added to |x| < 2^22 it leaves the nearest integer, ties to even, in the lowest bits.
 pub(crate) const WHOLE: f32 = 12_582_912.0;
 
-/// Operations on 16 lanes.
-pub(crate) trait Simd: Copy {
-    /// Sixteen f32.
+/// Operations on lanes in which none sees another.
+pub(crate) trait Elementwise: Copy {
+    /// Sixteen f32, or those of some lanes.
     type V: Copy;
+
+    /// Whether 16 lanes are more registers than a kernel should hold. Code and stack are then to be short: what a kernel can
+    /// find out at each element it is not compiled for.
+    const SHORT: bool = false;
+
+    /// The same of a token.
+    #[inline(always)]
+    fn is_short(self) -> bool {
+        Self::SHORT
+    }
 
     /// Runs `f` compiled for this token's instructions; `f` must be `#[inline(always)]`.
     fn vectorize<R>(self, f: impl FnOnce() -> R) -> R;
@@ -80,82 +93,16 @@ pub(crate) trait Simd: Copy {
     fn select_less(self, a: Self::V, b: Self::V, x: Self::V, y: Self::V) -> Self::V;
     /// Bit l is set where a < b.
     fn less(self, a: Self::V, b: Self::V) -> u32;
-
-    /// Lane l gets lane l xor `DISTANCE`: 8 swaps the halves, 4 the quarters of each half, 2 and 1 so on.
+    /// The bits of all its lanes.
     #[inline(always)]
-    fn swap<const DISTANCE: usize>(self, a: Self::V) -> Self::V {
-        let mut lanes = [0.0; LANES];
-        self.store(a, &mut lanes);
-        self.load(&core::array::from_fn(|l| lanes[(l ^ DISTANCE) % LANES]))
-    }
-
-    /// Lane l of `low` where l lacks the bit `DISTANCE`, else lane l of `high`.
-    #[inline(always)]
-    fn pick<const DISTANCE: usize>(self, low: Self::V, high: Self::V) -> Self::V {
-        let mut lanes = [[0.0; LANES]; 2];
-        self.store(low, &mut lanes[0]);
-        self.store(high, &mut lanes[1]);
-        self.load(&core::array::from_fn(|l| lanes[usize::from(l & DISTANCE > 0)][l]))
-    }
-
-    /// Lanes l and l xor `DISTANCE` added up: where l lacks the bit `DISTANCE` those of a, else those of b.
-    #[inline(always)]
-    fn fold<const DISTANCE: usize>(self, a: Self::V, b: Self::V) -> Self::V {
-        self.add(self.pick::<DISTANCE>(a, b), self.swap::<DISTANCE>(self.pick::<DISTANCE>(b, a)))
+    fn every(self) -> u32 {
+        (1 << LANES) - 1
     }
 
     /// Four lanes of each number.
     #[inline(always)]
     fn quarters(self, numbers: [f32; 4]) -> Self::V {
         self.load(&core::array::from_fn(|l| numbers[l / 4]))
-    }
-
-    /// The sum over lanes: halves upon halves.
-    #[inline(always)]
-    fn reduce_add(self, a: Self::V) -> f32 {
-        let mut lanes = [0.0; LANES];
-        self.store(a, &mut lanes);
-        reduce_add(&lanes)
-    }
-
-    /// The greatest lane, if none is NaN.
-    #[inline(always)]
-    fn reduce_max(self, a: Self::V) -> f32 {
-        let mut lanes = [0.0; LANES];
-        self.store(a, &mut lanes);
-        lanes.into_iter().fold(f32::NEG_INFINITY, |a, b| if a > b { a } else { b })
-    }
-
-    /// The least lane, in all lanes, if none is NaN.
-    #[inline(always)]
-    fn reduce_min(self, a: Self::V) -> Self::V {
-        self.splat(-self.reduce_max(self.sub(self.splat(0.0), a)))
-    }
-
-    /// Lane k is the sum over the lanes of vector k, the same tree as [`Simd::reduce_add`].
-    #[inline(always)]
-    fn reduce_add_each(self, vectors: &[Self::V; LANES]) -> Self::V {
-        let mut v = *vectors;
-        for k in 0..8 {
-            v[k] = self.fold::<8>(v[k], v[k + 8]);
-        }
-        for k in 0..4 {
-            v[k] = self.fold::<4>(v[k], v[k + 4]);
-        }
-        for k in 0..2 {
-            v[k] = self.fold::<2>(v[k], v[k + 2]);
-        }
-        self.fold::<1>(v[0], v[1])
-    }
-
-    /// Lane l of vector k becomes lane k of vector l.
-    #[inline(always)]
-    fn transpose(self, vectors: [Self::V; LANES]) -> [Self::V; LANES] {
-        let mut lists = [[0.0; LANES]; LANES];
-        for (list, vector) in lists.iter_mut().zip(vectors) {
-            self.store(vector, list);
-        }
-        core::array::from_fn(|l| self.load(&lists.map(|list| list[l])))
     }
 
     /// `table[index % 16]` of an integer added to [`WHOLE`].
@@ -172,19 +119,6 @@ pub(crate) trait Simd: Copy {
         let mut lanes = [0.0; LANES];
         self.store(index, &mut lanes);
         self.load(&lanes.map(|index| list[(index as usize).min(list.len() - 1)]))
-    }
-
-    /// Lanes 2k and 2k + 1 are the pair of numbers from `list[index]` on, of a list of two numbers or more, for the whole
-    /// number in lane 2k; those beyond its end read its last pair.
-    #[inline(always)]
-    fn gather_pairs(self, list: &[f32], index: Self::V) -> Self::V {
-        let (mut lanes, last) = ([0.0; LANES], list.len() - 2);
-        self.store(index, &mut lanes);
-        for pair in lanes.as_chunks_mut::<2>().0 {
-            let at = (pair[0] as usize).min(last);
-            *pair = [list[at], list[at + 1]];
-        }
-        self.load(&lanes)
     }
 
     /// sqrt(a) and 1/sqrt(a) of a >= [`TINY`], each within two roundings: one step of Newton from the guess for
@@ -210,6 +144,129 @@ pub(crate) trait Simd: Copy {
     fn rsqrt_guess(self, a: Self::V) -> (Self::V, Self::V) {
         let guess = self.rsqrt_estimate(a);
         (guess, self.fnma(self.mul(a, guess), guess, self.splat(1.0)))
+    }
+}
+
+/// A kernel in which no lane sees another: it may run over some of the lanes after the others.
+pub(crate) trait Apart {
+    fn run<S: Elementwise>(&mut self, s: S);
+}
+
+/// Operations on 16 lanes.
+pub(crate) trait Simd: Elementwise {
+    /// Runs a kernel of which the first `used` lanes matter, the others may or may not run: over all lanes at once, or over
+    /// those of one register after the other.
+    #[inline(always)]
+    fn apart(self, used: usize, kernel: &mut impl Apart) {
+        let _ = used;
+        kernel.run(self);
+    }
+
+    /// Runs `f`, which is a function of the program where code and stack are to be short; it must be `#[inline(always)]`.
+    #[inline(always)]
+    fn aside<R>(self, f: impl FnOnce() -> R) -> R {
+        f()
+    }
+
+    /// Lane l gets lane l xor `DISTANCE`: 8 swaps the halves, 4 the quarters of each half, 2 and 1 so on.
+    #[inline(always)]
+    fn swap<const DISTANCE: usize>(self, a: Self::V) -> Self::V {
+        let mut lanes = [0.0; LANES];
+        self.store(a, &mut lanes);
+        self.load(&core::array::from_fn(|l| lanes[(l ^ DISTANCE) % LANES]))
+    }
+
+    /// Lane l of `low` where l lacks the bit `DISTANCE`, else lane l of `high`.
+    #[inline(always)]
+    fn pick<const DISTANCE: usize>(self, low: Self::V, high: Self::V) -> Self::V {
+        let mut lanes = [[0.0; LANES]; 2];
+        self.store(low, &mut lanes[0]);
+        self.store(high, &mut lanes[1]);
+        self.load(&core::array::from_fn(|l| lanes[usize::from(l & DISTANCE > 0)][l]))
+    }
+
+    /// Lanes l and l xor `DISTANCE` added up: where l lacks the bit `DISTANCE` those of a, else those of b.
+    #[inline(always)]
+    fn fold<const DISTANCE: usize>(self, a: Self::V, b: Self::V) -> Self::V {
+        self.add(self.pick::<DISTANCE>(a, b), self.swap::<DISTANCE>(self.pick::<DISTANCE>(b, a)))
+    }
+
+    /// The sum over lanes: halves upon halves.
+    #[inline(always)]
+    fn reduce_add(self, a: Self::V) -> f32 {
+        let mut lanes = [0.0; LANES];
+        self.store(a, &mut lanes);
+        reduce_add(&lanes)
+    }
+
+    /// The greatest lane, if none is NaN.
+    #[inline(always)]
+    fn reduce_max(self, a: Self::V) -> f32 {
+        let mut lanes = [0.0; LANES];
+        self.store(a, &mut lanes);
+        lanes.into_iter().fold(f32::NEG_INFINITY, |a, b| if a > b { a } else { b })
+    }
+
+    /// The least lane, if none is NaN.
+    #[inline(always)]
+    fn least(self, a: Self::V) -> f32 {
+        -self.reduce_max(self.sub(self.splat(0.0), a))
+    }
+
+    /// The least lane, in all lanes, if none is NaN.
+    #[inline(always)]
+    fn reduce_min(self, a: Self::V) -> Self::V {
+        self.splat(self.least(a))
+    }
+
+    /// Lane k is the sum over the lanes of vector k, the same tree as [`Simd::reduce_add`].
+    #[inline(always)]
+    fn reduce_add_each(self, vectors: &[Self::V; LANES]) -> Self::V {
+        let mut v = *vectors;
+        for k in 0..8 {
+            v[k] = self.fold::<8>(v[k], v[k + 8]);
+        }
+        for k in 0..4 {
+            v[k] = self.fold::<4>(v[k], v[k + 4]);
+        }
+        for k in 0..2 {
+            v[k] = self.fold::<2>(v[k], v[k + 2]);
+        }
+        self.fold::<1>(v[0], v[1])
+    }
+
+    /// Lane k is the sum of list k, of which only the first `used` lanes are not +0: [`Simd::reduce_add_each`].
+    #[inline(always)]
+    fn sums(self, lists: &[Lanes; LANES], used: usize) -> Self::V {
+        let _ = used;
+        let mut vectors = [self.splat(0.0); LANES];
+        for (vector, list) in vectors.iter_mut().zip(lists) {
+            *vector = self.load(list);
+        }
+        self.reduce_add_each(&vectors)
+    }
+
+    /// Lane l of vector k becomes lane k of vector l.
+    #[inline(always)]
+    fn transpose(self, vectors: [Self::V; LANES]) -> [Self::V; LANES] {
+        let mut lists = [[0.0; LANES]; LANES];
+        for (list, vector) in lists.iter_mut().zip(vectors) {
+            self.store(vector, list);
+        }
+        core::array::from_fn(|l| self.load(&lists.map(|list| list[l])))
+    }
+
+    /// Lanes 2k and 2k + 1 are the pair of numbers from `list[index]` on, of a list of two numbers or more, for the whole
+    /// number in lane 2k; those beyond its end read its last pair.
+    #[inline(always)]
+    fn gather_pairs(self, list: &[f32], index: Self::V) -> Self::V {
+        let (mut lanes, last) = ([0.0; LANES], list.len() - 2);
+        self.store(index, &mut lanes);
+        for pair in lanes.as_chunks_mut::<2>().0 {
+            let at = (pair[0] as usize).min(last);
+            *pair = [list[at], list[at + 1]];
+        }
+        self.load(&lanes)
     }
 }
 

@@ -1,71 +1,54 @@
 //! NEON: four registers, on every 64-bit ARM.
 
 use core::arch::aarch64::{
-    float32x4_t, vabsq_f32, vaddq_f32, vaddq_s32, vaddvq_u32, vandq_u32, vbslq_f32, vcltq_f32, vcvtq_f32_s32,
-    vcvtq_s32_f32, vdivq_f32, vdupq_n_f32, vdupq_n_s32, vextq_f32, vfmaq_f32, vfmsq_f32, vld1q_f32, vld1q_u32,
-    vmulq_f32, vreinterpretq_f32_s32, vreinterpretq_s32_f32, vrev64q_f32, vrndnq_f32, vrsqrteq_f32, vrsqrtsq_f32,
-    vshlq_n_s32, vshrq_n_s32, vsqrtq_f32, vst1q_f32, vsubq_f32, vsubq_s32,
+    float32x4_t, vabsq_f32, vaddq_f32, vaddq_s32, vaddvq_u32, vandq_u32, vbslq_f32, vcltq_f32, vcombine_f32,
+    vcvtq_f32_s32, vcvtq_s32_f32, vdivq_f32, vdupq_n_f32, vdupq_n_s32, vextq_f32, vfmaq_f32, vfmsq_f32, vget_high_f32,
+    vget_low_f32, vld1q_f32, vld1q_u32, vmulq_f32, vreinterpretq_f32_s32, vreinterpretq_s32_f32, vrev64q_f32,
+    vrndnq_f32, vrsqrteq_f32, vrsqrtsq_f32, vshlq_n_s32, vshrq_n_s32, vsqrtq_f32, vst1q_f32, vsubq_f32, vsubq_s32,
+    vtrn1q_f32,
 };
 
-use crate::kernels::lanes::Lanes;
-use crate::kernels::simd::Simd;
+use crate::kernels::simd::fours::{FOUR, Fours, Register};
+
+/// The set where NEON is there.
+pub(crate) type Neon = Fours<Vectors>;
 
 /// NEON is there.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Neon;
+pub(crate) struct Vectors;
 
-type Four = [float32x4_t; 4];
-
-/// A method of [`Simd`] that does the same to all registers.
+/// A method that is one expression of intrinsics.
 macro_rules! operations {
     ($($name:ident($($argument:ident),*) = $body:expr;)*) => {$(
         #[inline(always)]
         #[allow(unused_unsafe, reason = "safe where NEON is part of the target")]
-        fn $name(self, $($argument: Four),*) -> Four {
-            macro_rules! one {
-                ($h:literal) => {{
-                    $(let $argument = $argument[$h];)*
-                    // SAFETY: every aarch64 CPU has NEON.
-                    unsafe { $body }
-                }};
-            }
-            [one!(0), one!(1), one!(2), one!(3)]
+        fn $name(self, $($argument: float32x4_t),*) -> float32x4_t {
+            // SAFETY: every aarch64 CPU has NEON.
+            unsafe { $body }
         }
     )*};
 }
 
-impl Simd for Neon {
-    type V = Four;
-
-    #[inline(always)]
-    fn vectorize<R>(self, f: impl FnOnce() -> R) -> R {
-        f()
-    }
+impl Register for Vectors {
+    type V = float32x4_t;
 
     #[inline(always)]
     #[allow(unused_unsafe, reason = "safe where NEON is part of the target")]
-    fn splat(self, x: f32) -> Four {
+    fn splat(self, x: f32) -> float32x4_t {
         // SAFETY: every aarch64 CPU has NEON.
-        [unsafe { vdupq_n_f32(x) }; 4]
+        unsafe { vdupq_n_f32(x) }
     }
 
     #[inline(always)]
-    fn load(self, lanes: &Lanes) -> Four {
-        let at = lanes.as_ptr();
-        // SAFETY: 16 numbers are four registers.
-        unsafe { [vld1q_f32(at), vld1q_f32(at.add(4)), vld1q_f32(at.add(8)), vld1q_f32(at.add(12))] }
+    fn load(self, four: &[f32; FOUR]) -> float32x4_t {
+        // SAFETY: four numbers are a register.
+        unsafe { vld1q_f32(four.as_ptr()) }
     }
 
     #[inline(always)]
-    fn store(self, v: Four, lanes: &mut Lanes) {
-        let at = lanes.as_mut_ptr();
-        // SAFETY: 16 numbers are four registers.
-        unsafe {
-            vst1q_f32(at, v[0]);
-            vst1q_f32(at.add(4), v[1]);
-            vst1q_f32(at.add(8), v[2]);
-            vst1q_f32(at.add(12), v[3]);
-        }
+    fn store(self, v: float32x4_t, four: &mut [f32; FOUR]) {
+        // SAFETY: four numbers are a register.
+        unsafe { vst1q_f32(four.as_mut_ptr(), v) }
     }
 
     operations! {
@@ -88,41 +71,15 @@ impl Simd for Neon {
             vmulq_f32(y, vrsqrtsq_f32(vmulq_f32(a, y), y))
         };
         select_less(a, b, x, y) = vbslq_f32(vcltq_f32(a, b), x, y);
+        swap_pairs(a) = vextq_f32::<2>(a, a);
+        swap_neighbours(a) = vrev64q_f32(a);
+        pick_pairs(low, high) = vcombine_f32(vget_low_f32(low), vget_high_f32(high));
+        pick_neighbours(low, high) = vtrn1q_f32(low, vrev64q_f32(high));
     }
 
     #[inline(always)]
-    fn less(self, a: Four, b: Four) -> u32 {
-        macro_rules! bits {
-            ($h:literal) => {{
-                // SAFETY: four numbers are a register.
-                unsafe { vaddvq_u32(vandq_u32(vcltq_f32(a[$h], b[$h]), vld1q_u32([1, 2, 4, 8].as_ptr()))) << (4 * $h) }
-            }};
-        }
-        bits!(0) | bits!(1) | bits!(2) | bits!(3)
-    }
-
-    #[inline(always)]
-    #[allow(unused_unsafe, reason = "safe where NEON is part of the target")]
-    fn swap<const DISTANCE: usize>(self, [a, b, c, d]: Four) -> Four {
-        macro_rules! each {
-            ($x:ident => $swapped:expr) => {{
-                // SAFETY: every aarch64 CPU has NEON.
-                let swapped = |$x| unsafe { $swapped };
-                [swapped(a), swapped(b), swapped(c), swapped(d)]
-            }};
-        }
-        match DISTANCE {
-            8 => [c, d, a, b],
-            4 => [b, a, d, c],
-            2 => each!(x => vextq_f32::<2>(x, x)),
-            _ => each!(x => vrev64q_f32(x)),
-        }
-    }
-
-    #[inline(always)]
-    #[allow(unused_unsafe, reason = "safe where NEON is part of the target")]
-    fn quarters(self, numbers: [f32; 4]) -> Four {
-        // SAFETY: every aarch64 CPU has NEON.
-        numbers.map(|x| unsafe { vdupq_n_f32(x) })
+    fn less(self, a: float32x4_t, b: float32x4_t) -> u32 {
+        // SAFETY: four numbers are a register.
+        unsafe { vaddvq_u32(vandq_u32(vcltq_f32(a, b), vld1q_u32([1, 2, 4, 8].as_ptr()))) }
     }
 }

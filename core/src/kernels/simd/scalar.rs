@@ -1,116 +1,94 @@
-//! Scalar: arrays of 16, which the compiler vectorises for what every such machine has.
+//! Scalar: numbers one by one, which the compiler vectorises for what every such machine has.
 
-use core::array::from_fn;
-
-use crate::kernels::lanes::Lanes;
-use crate::kernels::simd::{Simd, WHOLE, rsqrt_estimate};
+use crate::kernels::simd::fours::{FOUR, Fours, Register};
+use crate::kernels::simd::{WHOLE, rsqrt_estimate};
 use crate::math::sqrtf;
 
 /// The set that is always there. Products and sums are rounded apart.
+pub(crate) type Scalar = Fours<Numbers>;
+
+/// Four numbers.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Scalar;
+pub(crate) struct Numbers;
 
-impl Simd for Scalar {
-    type V = Lanes;
+type Four = [f32; FOUR];
+
+/// A method that does the same to each number. (Written out: a loop over them would be one where code is to be short.)
+macro_rules! operations {
+    ($($name:ident($($argument:ident),*) = $body:expr;)*) => {$(
+        #[inline(always)]
+        fn $name(self, $($argument: Four),*) -> Four {
+            macro_rules! one {
+                ($l:literal) => {{
+                    $(let $argument = $argument[$l];)*
+                    $body
+                }};
+            }
+            [one!(0), one!(1), one!(2), one!(3)]
+        }
+    )*};
+}
+
+impl Register for Numbers {
+    type V = Four;
 
     #[inline(always)]
-    fn vectorize<R>(self, f: impl FnOnce() -> R) -> R {
-        f()
+    fn splat(self, x: f32) -> Four {
+        [x; FOUR]
     }
 
     #[inline(always)]
-    fn splat(self, x: f32) -> Lanes {
-        [x; 16]
+    fn load(self, four: &Four) -> Four {
+        *four
     }
 
     #[inline(always)]
-    fn load(self, lanes: &Lanes) -> Lanes {
-        *lanes
+    fn store(self, v: Four, four: &mut Four) {
+        *four = v;
     }
 
-    #[inline(always)]
-    fn store(self, v: Lanes, lanes: &mut Lanes) {
-        *lanes = v;
-    }
-
-    #[inline(always)]
-    fn add(self, a: Lanes, b: Lanes) -> Lanes {
-        from_fn(|l| a[l] + b[l])
-    }
-
-    #[inline(always)]
-    fn sub(self, a: Lanes, b: Lanes) -> Lanes {
-        from_fn(|l| a[l] - b[l])
-    }
-
-    #[inline(always)]
-    fn mul(self, a: Lanes, b: Lanes) -> Lanes {
-        from_fn(|l| a[l] * b[l])
-    }
-
-    #[inline(always)]
-    fn div(self, a: Lanes, b: Lanes) -> Lanes {
-        from_fn(|l| a[l] / b[l])
-    }
-
-    #[inline(always)]
-    fn sqrt(self, a: Lanes) -> Lanes {
-        a.map(sqrtf)
-    }
-
-    #[inline(always)]
-    fn fma(self, a: Lanes, b: Lanes, c: Lanes) -> Lanes {
-        from_fn(|l| a[l] * b[l] + c[l])
-    }
-
-    #[inline(always)]
-    fn fnma(self, a: Lanes, b: Lanes, c: Lanes) -> Lanes {
-        from_fn(|l| c[l] - a[l] * b[l])
-    }
-
-    #[inline(always)]
-    fn min(self, a: Lanes, b: Lanes) -> Lanes {
-        from_fn(|l| if a[l] < b[l] { a[l] } else { b[l] })
-    }
-
-    #[inline(always)]
-    fn max(self, a: Lanes, b: Lanes) -> Lanes {
-        from_fn(|l| if a[l] > b[l] { a[l] } else { b[l] })
-    }
-
-    #[inline(always)]
-    fn abs(self, a: Lanes) -> Lanes {
-        a.map(f32::abs)
-    }
-
-    #[inline(always)]
-    fn round(self, a: Lanes) -> Lanes {
-        from_fn(|l| (a[l] + WHOLE) - WHOLE)
-    }
-
-    #[inline(always)]
-    fn exp2(self, a: Lanes) -> Lanes {
+    operations! {
+        add(a, b) = a + b;
+        sub(a, b) = a - b;
+        mul(a, b) = a * b;
+        div(a, b) = a / b;
+        sqrt(a) = sqrtf(a);
+        fma(a, b, c) = a * b + c;
+        fnma(a, b, c) = c - a * b;
+        min(a, b) = if a < b { a } else { b };
+        max(a, b) = if a > b { a } else { b };
+        abs(a) = a.abs();
+        round(a) = (a + WHOLE) - WHOLE;
         // The exponent's bits.
-        from_fn(|l| f32::from_bits(((a[l] as i32 + 127) as u32) << 23))
+        exp2(a) = f32::from_bits(((a as i32 + 127) as u32) << 23);
+        exponent(a) = ((a.to_bits() >> 23) as i32 - 127) as f32;
+        rsqrt_estimate(a) = rsqrt_estimate(a);
+        select_less(a, b, x, y) = if a < b { x } else { y };
     }
 
     #[inline(always)]
-    fn exponent(self, a: Lanes) -> Lanes {
-        a.map(|a| ((a.to_bits() >> 23) as i32 - 127) as f32)
+    fn less(self, a: Four, b: Four) -> u32 {
+        let bit = |l: usize| u32::from(a[l] < b[l]) << l;
+        bit(0) | bit(1) | bit(2) | bit(3)
     }
 
     #[inline(always)]
-    fn rsqrt_estimate(self, a: Lanes) -> Lanes {
-        a.map(rsqrt_estimate)
+    fn swap_pairs(self, a: Four) -> Four {
+        [a[2], a[3], a[0], a[1]]
     }
 
     #[inline(always)]
-    fn select_less(self, a: Lanes, b: Lanes, x: Lanes, y: Lanes) -> Lanes {
-        from_fn(|l| if a[l] < b[l] { x[l] } else { y[l] })
+    fn swap_neighbours(self, a: Four) -> Four {
+        [a[1], a[0], a[3], a[2]]
     }
 
     #[inline(always)]
-    fn less(self, a: Lanes, b: Lanes) -> u32 {
-        (0..16).fold(0, |bits, l| bits | u32::from(a[l] < b[l]) << l)
+    fn pick_pairs(self, low: Four, high: Four) -> Four {
+        [low[0], low[1], high[2], high[3]]
+    }
+
+    #[inline(always)]
+    fn pick_neighbours(self, low: Four, high: Four) -> Four {
+        [low[0], high[1], low[2], high[3]]
     }
 }

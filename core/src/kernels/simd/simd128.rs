@@ -8,61 +8,43 @@ use core::arch::wasm32::{
     i32x4_trunc_sat_f32x4, u32x4_shr, v128, v128_bitselect, v128_load, v128_store,
 };
 
-use crate::kernels::lanes::Lanes;
-use crate::kernels::simd::Simd;
+use crate::kernels::simd::fours::{FOUR, Fours, Register};
+
+/// The set where simd128 is there.
+pub(crate) type Simd128 = Fours<Vectors>;
 
 /// simd128 is there.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Simd128;
+pub(crate) struct Vectors;
 
-type Four = [v128; 4];
-
-/// A method of [`Simd`] that does the same to all registers.
+/// A method that is one expression of intrinsics.
 macro_rules! operations {
     ($($name:ident($($argument:ident),*) = $body:expr;)*) => {$(
         #[inline(always)]
-        fn $name(self, $($argument: Four),*) -> Four {
-            macro_rules! one {
-                ($h:literal) => {{
-                    $(let $argument = $argument[$h];)*
-                    $body
-                }};
-            }
-            [one!(0), one!(1), one!(2), one!(3)]
+        fn $name(self, $($argument: v128),*) -> v128 {
+            $body
         }
     )*};
 }
 
-impl Simd for Simd128 {
-    type V = Four;
+impl Register for Vectors {
+    type V = v128;
 
     #[inline(always)]
-    fn vectorize<R>(self, f: impl FnOnce() -> R) -> R {
-        f()
+    fn splat(self, x: f32) -> v128 {
+        f32x4_splat(x)
     }
 
     #[inline(always)]
-    fn splat(self, x: f32) -> Four {
-        [f32x4_splat(x); 4]
+    fn load(self, four: &[f32; FOUR]) -> v128 {
+        // SAFETY: four numbers are a register, and loads need no alignment.
+        unsafe { v128_load(four.as_ptr().cast()) }
     }
 
     #[inline(always)]
-    fn load(self, lanes: &Lanes) -> Four {
-        let at = lanes.as_ptr().cast::<v128>();
-        // SAFETY: 16 numbers are four registers, and loads need no alignment.
-        unsafe { [v128_load(at), v128_load(at.add(1)), v128_load(at.add(2)), v128_load(at.add(3))] }
-    }
-
-    #[inline(always)]
-    fn store(self, v: Four, lanes: &mut Lanes) {
-        let at = lanes.as_mut_ptr().cast::<v128>();
-        // SAFETY: 16 numbers are four registers, and stores need no alignment.
-        unsafe {
-            v128_store(at, v[0]);
-            v128_store(at.add(1), v[1]);
-            v128_store(at.add(2), v[2]);
-            v128_store(at.add(3), v[3]);
-        }
+    fn store(self, v: v128, four: &mut [f32; FOUR]) {
+        // SAFETY: four numbers are a register, and stores need no alignment.
+        unsafe { v128_store(four.as_mut_ptr().cast(), v) }
     }
 
     operations! {
@@ -87,30 +69,14 @@ impl Simd for Simd128 {
             f32x4_mul(y, f32x4_sub(three_halves, f32x4_mul(f32x4_mul(half, y), y)))
         };
         select_less(a, b, x, y) = v128_bitselect(x, y, f32x4_lt(a, b));
+        swap_pairs(a) = i32x4_shuffle::<2, 3, 0, 1>(a, a);
+        swap_neighbours(a) = i32x4_shuffle::<1, 0, 3, 2>(a, a);
+        pick_pairs(low, high) = i32x4_shuffle::<0, 1, 6, 7>(low, high);
+        pick_neighbours(low, high) = i32x4_shuffle::<0, 5, 2, 7>(low, high);
     }
 
     #[inline(always)]
-    fn less(self, a: Four, b: Four) -> u32 {
-        macro_rules! bits {
-            ($h:literal) => {
-                u32::from(i32x4_bitmask(f32x4_lt(a[$h], b[$h]))) << (4 * $h)
-            };
-        }
-        bits!(0) | bits!(1) | bits!(2) | bits!(3)
-    }
-
-    #[inline(always)]
-    fn swap<const DISTANCE: usize>(self, [a, b, c, d]: Four) -> Four {
-        match DISTANCE {
-            8 => [c, d, a, b],
-            4 => [b, a, d, c],
-            2 => [a, b, c, d].map(|x| i32x4_shuffle::<2, 3, 0, 1>(x, x)),
-            _ => [a, b, c, d].map(|x| i32x4_shuffle::<1, 0, 3, 2>(x, x)),
-        }
-    }
-
-    #[inline(always)]
-    fn quarters(self, numbers: [f32; 4]) -> Four {
-        numbers.map(|x| f32x4_splat(x))
+    fn less(self, a: v128, b: v128) -> u32 {
+        u32::from(i32x4_bitmask(f32x4_lt(a, b)))
     }
 }

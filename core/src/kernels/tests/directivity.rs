@@ -18,7 +18,7 @@ fn error(set: InstructionSet, directivity: Directivity, steps: i32) -> f64 {
         let rays = cosines.map(|c| 0.5 * c);
         let got = dispatch!(set, s => {
             let mut got = [f32::NAN; LANES];
-            s.store(formed!(radiation, true, form => form.direct(s, s.splat(1.0), || s.load(&rays), s.splat(2.0))), &mut got);
+            s.store(formed!(s, &radiation, true, form => form.direct(s, s.splat(1.0), || s.load(&rays), s.splat(2.0))), &mut got);
             got
         });
         for (got, c) in got.into_iter().zip(cosines) {

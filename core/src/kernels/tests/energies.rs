@@ -4,7 +4,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
-use crate::kernels::greedy::candidates::Candidates;
+use crate::kernels::greedy::candidates::{Candidates, Sixteen};
 use crate::kernels::lanes::{LANES, padded};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
 use crate::kernels::tests::search::Scene;
@@ -35,7 +35,7 @@ macro_rules! with_energies {
         dispatch!($set, s => {
             let mut lane = [0.0; LANES];
             lane[0] = energy;
-            let (moments, nearby) = $crate::kernels::greedy::moments::Moments::new::<_, true>(s, &kept, points.row, s.load(&lane), &mut near);
+            let (moments, nearby) = $crate::kernels::greedy::moments::Moments::new::<_, true>(s, points, s.load(&lane), &mut near, &mut [[0.0; 16]; 16]);
             let ($s, $energies) =
                 (s, $crate::kernels::greedy::energies::Energies { s, points, moments: &moments, near: &near[..nearby], candidates: $candidates });
             $check
@@ -58,7 +58,8 @@ fn lower_amplitudes_and_the_second_derivative_are_bounded() {
                         let mut found = Vec::new();
                         for step in 0..STEPS {
                             let ((sin, cos), mut lanes) = (at(step), [0.0; LANES]);
-                            let z = [s.splat((a * cos) as f32), s.splat((a * sin) as f32)];
+                            let [re, im] = [cos, sin].map(|part| [(a * part) as f32; LANES]);
+                            let z = Sixteen { amplitude: 1.0, phasors: [&re, &im] };
                             s.store(energies.roughly(z), &mut lanes);
                             found.push(wide(lanes[0]));
                         }

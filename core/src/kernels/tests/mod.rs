@@ -282,7 +282,7 @@ fn modulus_and_squares_are_those_of_complex_numbers() {
             let start = numbers(&mut rng, count, 0.0, 1.0);
             let (mut moduli, mut sums) = (vec![f32::NAN; padded(count)], start.clone());
             super::modulus(set, &re, &im, &mut moduli);
-            super::squares(set, [&re, &im], &mut sums);
+            super::squares(set, [&re, &im], count, &mut sums);
             for j in 0..padded(count) {
                 let (modulus, sum) = (wide(re[j]).hypot(wide(im[j])), wide(start[j]));
                 // Squares and sum round twice, which the root halves, and the root's own two steps.
@@ -303,7 +303,7 @@ fn correlate_and_dot_are_their_sums() {
             let sum = |part: &dyn Fn(usize) -> f64| (0..count).map(part).sum::<f64>();
             // Two products and their sum, at most five sums in a lane and four across, of terms below 2.
             let allowed = 12.0 * ROUNDING * 2.0 * count as f64;
-            let [re, im] = super::correlate(set, [&a, &b], [&c, &d]);
+            let [re, im] = super::correlate(set, [&a, &b], [&c, &d], count);
             assert_near(re, sum(&|j| wide(a[j]) * wide(c[j]) + wide(b[j]) * wide(d[j])), allowed, "re");
             assert_near(im, sum(&|j| wide(a[j]) * wide(d[j]) - wide(b[j]) * wide(c[j])), allowed, "im");
             assert_near(super::dot(set, &a, &b), sum(&|j| wide(a[j]) * wide(b[j])), allowed, "dot");

@@ -44,7 +44,7 @@ fn moments_are_the_energy_within_their_remainder() {
                 let (moments, nearby) = dispatch!(set, s => {
                     let mut lane = [0.0; LANES];
                     lane[0] = energy;
-                    let found = Moments::new::<_, false>(s, &kept, scene.points(&kept).row, s.load(&lane), &mut near);
+                    let found = Moments::new::<_, false>(s, scene.points(&kept), s.load(&lane), &mut near, &mut [[0.0; 16]; 16]);
                     s.store(found.0.change(s, s.load(&re), s.load(&im)), &mut changes);
                     found
                 });

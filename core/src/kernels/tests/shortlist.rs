@@ -27,7 +27,7 @@ fn the_shortlist_holds_the_best() {
                     let (slack, overflows, close) = dispatch!(set, s => {
                         let mut lane = [0.0; LANES];
                         lane[0] = energy;
-                        let (moments, nearby) = Moments::new::<_, false>(s, &kept, points.row, s.load(&lane), &mut near);
+                        let (moments, nearby) = Moments::new::<_, false>(s, points, s.load(&lane), &mut near, &mut [[0.0; 16]; 16]);
                         let near = &near[..nearby];
                         let energies = Energies { s, points, moments: &moments, near, candidates: &candidates };
                         let mut list = shortlist::shortlist(&energies, &mut floats, &mut close);
