@@ -1,20 +1,18 @@
-/**
- * Link: a state as the fragment of an address, to be read and changed by hand.
- *
- * `#v=1&a=autd3.2x2&l=board&t=25&m=uniform.naive&p=0,0,180_55,0,180&z=180,180&w=both&c=viridis`: mm, Pa and
- * degrees C. What is left out is as at the beginning.
- *
- * | key | what | key | what |
- * |---|---|---|---|
- * | `v` | 1 | `z` | slice: height,size or height,size,x,y of its middle |
- * | `a` | preset, or preset.2x2 boards | `f` | signature: trap, twin, vortex |
- * | `l` | levels: board, none | `o` | wall,x,y,z,nx,ny,nz,rigid_ball,x,y,z,radius,soft |
- * | `t` | temperature of the air | `e` | ear: x,y,z |
- * | `m` | methods A.B | `g` | path: circle,radius,Hz or line,length,Hz |
- * | `p` | points: x,y,z or x,y,z,Pa | `w`, `s`, `c`, `k` | view, slot (a, b), map, scale |
- *
- * An array of one's own is in no link: it is `a=own`, which is refused when read.
- */
+/** Link: a state as the fragment of an address, to be read and changed by hand. */
+
+// `#v=1&a=autd3.2x2&l=board&t=25&m=uniform.naive&p=0,0,180_55,0,180&z=180,180&w=both&c=viridis`: mm, Pa and
+// degrees C. What is left out is as at the beginning.
+//
+// | key | what | key | what |
+// |---|---|---|---|
+// | `v` | 1 | `z` | slice: height,size or height,size,x,y of its middle |
+// | `a` | preset, or preset.2x2 boards | `f` | signature: trap, twin, vortex |
+// | `l` | levels: board, none | `o` | wall,x,y,z,nx,ny,nz,rigid_ball,x,y,z,radius,soft |
+// | `t` | temperature of the air | `e` | ear: x,y,z |
+// | `m` | methods A.B | `g` | path: circle,radius,Hz or line,length,Hz |
+// | `p` | points: x,y,z or x,y,z,Pa | `w`, `s`, `c`, `k` | view, slot (a, b), map, scale |
+//
+// An array of one's own is in no link: it is `a=own`, which is refused when read.
 
 import { decimal } from "./decimal.ts";
 import { initial, MOST_POINTS } from "./initial.ts";

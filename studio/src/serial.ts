@@ -1,9 +1,7 @@
-/**
- * Serial: a board at a serial port: the newest drive is played, silence goes first and last, a clock paces.
- *
- * Start-up is that of docs/boards.md: silence, and once more when an Arduino listens, which restarts when its
- * port is opened.
- */
+/** Serial: a board at a serial port: the newest drive is played, silence goes first and last, a clock paces. */
+
+// Start-up is that of docs/boards.md: silence, and once more when an Arduino listens, which restarts when its
+// port is opened.
 
 import type { Catalogue } from "./door.ts";
 

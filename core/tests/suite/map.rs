@@ -11,7 +11,8 @@ const END: &str = "<!-- map:end -->";
 fn first_line(path: &Path) -> String {
     let text = fs::read_to_string(path).expect("text");
     let line = text.lines().next().unwrap_or_default();
-    line.trim_start_matches("//!").trim_start_matches("\"\"\"").trim_end_matches("\"\"\"").trim().to_owned()
+    let begun = line.trim_start_matches("//!").trim_start_matches("\"\"\"").trim_start_matches("/**");
+    begun.trim_end_matches("\"\"\"").trim_end_matches("*/").trim().to_owned()
 }
 
 /// A folder and those in it, files first: a line a file.
@@ -21,7 +22,7 @@ fn draw(root: &Path, folder: &str, map: &mut String) {
     paths.sort();
     writeln!(map, "{folder}/").expect("text");
     let name = |path: &Path| path.file_name().expect("a name").to_string_lossy().into_owned();
-    for path in paths.iter().filter(|path| path.extension().is_some_and(|kind| kind == "rs" || kind == "py")) {
+    for path in paths.iter().filter(|path| path.extension().is_some_and(|kind| ["rs", "py", "ts"].iter().any(|known| kind == *known))) {
         let line = first_line(path);
         let known = line.len() > 10 && line.ends_with(['.', ':']) || name(path) == "__init__.py";
         assert!(known, "{}: begin with a line that says what is in it, ended by a full stop", path.display());
@@ -36,7 +37,7 @@ fn draw(root: &Path, folder: &str, map: &mut String) {
 fn the_map_names_every_file_and_what_is_in_it() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a folder");
     let mut map = String::from("```text\n");
-    for folder in ["core/src", "python/src", "capi/src", "python/midair"] {
+    for folder in ["core/src", "python/src", "capi/src", "python/midair", "studio/door/src", "studio/src"] {
         draw(root, folder, &mut map);
     }
     map.push_str("```\n");

@@ -1,10 +1,8 @@
-/**
- * The field between the places of a lattice: cubic B-splines through re and im.
- *
- * A field has no detail below half a wavelength, so splines of the complex pressure through places lambda/5.5
- * apart give it to a fraction of a per cent; |p| has kinks at its zeros and must not be interpolated.
- * The coefficients are found here once for each field; `sample` and the shaders then sum 4 x 4 of them.
- */
+/** The field between the places of a lattice: cubic B-splines through re and im. */
+
+// A field has no detail below half a wavelength, so splines of the complex pressure through places lambda/5.5
+// apart give it to a fraction of a per cent; |p| has kinks at its zeros and must not be interpolated.
+// The coefficients are found here once for each field; `sample` and the shaders then sum 4 x 4 of them.
 
 import type { Lattice, Vec3 } from "../types.ts";
 
