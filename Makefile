@@ -97,6 +97,7 @@ test-boards: setup ## Boards: programs that play end in every way, 20 times each
 	MIDAIR_SLOW=1 $(PYTHON) -m pytest $(wildcard python/tests/test_boards*.py)
 
 test-studio: setup studio ## The studio: types, tests, the package's side, and a browser (Node 20+, Debian's chromium; 10 min)
+	$(call step,studio: clippy on the door (30 s),cd studio/door && $(CARGO) fmt --check && $(CARGO) clippy --quiet -- -D warnings)
 	$(call step,studio: types (10 s),cd studio && npx tsc --noEmit)
 	$(call step,studio: tests (1 min),cd studio && npx vitest run)
 	$(call step,studio: served and in notebooks (20 s),$(PYTHON) -m pytest python/tests/test_studio.py python/tests/test_view.py)

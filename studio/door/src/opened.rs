@@ -25,8 +25,7 @@ impl Opened {
         let choice = scene.solver.clone().map_or_else(none, Ok)?;
         let configured = configure(&choice, scene.array().quantization())?;
         let model = Model::of(&scene, set);
-        let session =
-            Session::new(model.clone(), configured.solver, choice.balance.unwrap_or(configured.info.balance));
+        let session = Session::new(model.clone(), configured.solver, choice.balance.unwrap_or(configured.info.balance));
         let ask = Ask {
             points: scene.points().to_vec(),
             request: scene.request().clone(),

@@ -63,7 +63,8 @@ impl Studio {
     pub(crate) fn solve(&mut self) -> Result<(), Error> {
         let Opened { session, ask, .. } = self.opened.as_mut().ok_or_else(none)?;
         let solution = session.solve(ask, &mut Control::none())?;
-        self.drive.clone_from(&solution.drive.to_vec());
+        self.drive.clear();
+        self.drive.extend_from_slice(&solution.drive);
         self.scale = solution.scale as f32;
         self.numbers.clear();
         self.numbers.extend(listed(solution.metrics()));
