@@ -22,13 +22,17 @@ fn draw(root: &Path, folder: &str, map: &mut String) {
     paths.sort();
     writeln!(map, "{folder}/").expect("text");
     let name = |path: &Path| path.file_name().expect("a name").to_string_lossy().into_owned();
-    for path in paths.iter().filter(|path| path.extension().is_some_and(|kind| ["rs", "py", "ts"].iter().any(|known| kind == *known))) {
+    for path in paths
+        .iter()
+        .filter(|path| path.extension().is_some_and(|kind| ["rs", "py", "ts"].iter().any(|known| kind == *known)))
+    {
         let line = first_line(path);
         let known = line.len() > 10 && line.ends_with(['.', ':']) || name(path) == "__init__.py";
         assert!(known, "{}: begin with a line that says what is in it, ended by a full stop", path.display());
         writeln!(map, "  {:24} {line}", name(path)).expect("text");
     }
-    for path in paths.iter().filter(|path| path.is_dir() && !["tests", "__pycache__", "built"].contains(&&*name(path))) {
+    for path in paths.iter().filter(|path| path.is_dir() && !["tests", "__pycache__", "built"].contains(&&*name(path)))
+    {
         draw(root, &format!("{folder}/{}", name(path)), map);
     }
 }

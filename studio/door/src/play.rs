@@ -16,10 +16,10 @@ impl Studio {
         }
         let targets = scene.request().pressures.as_ref().map(|each| each.repeat(frames));
         let mut drives = vec![Complex32::ZERO; frames * transducers];
-        let given = Frames { points: &places, targets: targets.as_deref(), count };
+        let all = Frames { points: &places, targets: targets.as_deref(), count };
         let mut kept = Ask { aim: ask.aim, ..Ask::default() };
         session.last().clear();
-        session.follow(given, true, &mut kept, &mut drives, &mut Control::none())?;
+        session.follow(all, true, &mut kept, &mut drives, &mut Control::none())?;
         let mut told = Vec::with_capacity(3 * frames);
         let mut last: Option<&[Complex32]> = None;
         for (drive, points) in drives.chunks(transducers).zip(places.chunks(count)) {
