@@ -21,14 +21,14 @@ impl Studio {
         session.last().clear();
         session.follow(all, true, &mut kept, &mut drives, &mut Control::none())?;
         let mut told = Vec::with_capacity(3 * frames);
-        let mut last: Option<&[Complex32]> = None;
+        let mut before: Option<&[Complex32]> = None;
         for (drive, points) in drives.chunks(transducers).zip(places.chunks(count)) {
-            let turned = last.map_or(0.0, |last| change(last, drive));
+            let turned = before.map_or(0.0, |before| change(before, drive));
             let pressures = midair::field(model, drive, points, &mut Control::none())?;
             let moduli = pressures.iter().map(|p| f64::from(p.norm()));
             let least = moduli.clone().fold(f64::INFINITY, f64::min);
             told.extend([turned, least, moduli.fold(0.0, f64::max)]);
-            last = Some(drive);
+            before = Some(drive);
         }
         (self.numbers, self.frames) = (told, drives);
         self.frame(0)
