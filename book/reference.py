@@ -55,6 +55,7 @@ PYTHON = [
         "BoardTimeout read write",
     ),
     ("sweeps", "Sweeps", "Many problems, one table.", "sweep"),
+    ("notebooks", "Notebooks", "The studio in a cell.", "view View"),
 ]
 
 
