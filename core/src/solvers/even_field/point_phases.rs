@@ -65,7 +65,8 @@ impl<'w> Foci<'w> {
         let mut weights = work.floats.take(rows.targeted);
         weights.iter_mut().zip(&powers).for_each(|(weight, power)| *weight = weakest / power);
         let mut visits = work.counting(rows.targeted);
-        visits.sort_unstable_by(|&a, &b| powers[b as usize].total_cmp(&powers[a as usize]));
+        // Unstable sorting needs no memory; the index makes it stable, whatever the standard library sorts by.
+        visits.sort_unstable_by(|&a, &b| powers[b as usize].total_cmp(&powers[a as usize]).then(a.cmp(&b)));
         Ok(Self { powers, weights, visits })
     }
 }
