@@ -24,8 +24,8 @@ export function createBoardButton(context: Context): HTMLElement {
     if (!board) return context.alarm(say("noBoard"));
     const port = await serial.requestPort();
     await studio.settled();
-    const silence = await engine.slow.silence(studio.scene(0), board.name);
-    const encode = (drive: Float32Array) => engine.slow.encode(studio.scene(0), drive, board.name);
+    const silence = await engine.quick.silence(studio.scene(0), board.name);
+    const encode = (drive: Float32Array) => engine.quick.encode(studio.scene(0), drive, board.name);
     player = await connect(port, board, encode, silence, (state, line) => {
       if (line) context.alarm(line);
       if (state === "gone") forget();
@@ -61,7 +61,8 @@ export function createBoardButton(context: Context): HTMLElement {
     else if (player) play();
     else void begin().catch((error: Error) => error.name === "NotFoundError" || context.alarm(error.message));
   };
-  studio.listen(() => {
+  context.ending(() => void player?.close());
+  context.listen(() => {
     const drive = studio.view.frame?.drive ?? studio.view.results[0].answer?.drive;
     if (player?.state === "playing" && drive !== given) play();
   });

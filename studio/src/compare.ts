@@ -2,6 +2,7 @@
 
 import { type Context } from "./context.ts";
 import { choice, element, write } from "./dom.ts";
+import { MOST_POINTS } from "./initial.ts";
 import { numberRows } from "./numbers.ts";
 import { entry, ticks } from "./painter/maps.ts";
 import { added, moved } from "./points.ts";
@@ -84,6 +85,7 @@ export function createCompare(context: Context): Compare {
       begin = null;
     };
     picture.ondblclick = (event) => {
+      if (state().points.length >= MOST_POINTS) return context.alarm(say("tooMany", { count: MOST_POINTS + 1 }));
       const [x, y] = metres(event);
       studio.change(added(state(), [x, y, state().plane.z]));
       context.announce(say("added", { n: state().points.length }));

@@ -17,7 +17,11 @@ export interface Context {
   alarm(text: string): void;
   /** Asks for a new picture. */
   repaint(): void;
+  /** Hears of changes until the page ends. */
+  listen(listener: () => void): void;
+  /** Called when the page ends. */
+  ending(act: () => void): void;
 }
 
 /** Millimetres as they are shown and typed. */
-export const millimetres = (metres: number) => String(Math.round(metres * 1e5) / 100);
+export const millimetres = (metres: number) => String(Math.round(metres * 1e5) / 100 + 0);

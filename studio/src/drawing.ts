@@ -69,7 +69,7 @@ function walked(shape: SVGGeometryElement, pieces: number): Contour[] {
 
 function outlines(text: string): Contour[] {
   const canvas = document.createElementNS(SVG, "svg");
-  canvas.setAttribute("style", "position: fixed; width: 1px; height: 1px; visibility: hidden");
+  canvas.style.cssText = "position: fixed; width: 1px; height: 1px; visibility: hidden";
   canvas.append(copied(parse(text)) ?? "");
   document.body.append(canvas);
   try {

@@ -18,7 +18,7 @@ export async function open(context: Context, file: File): Promise<void> {
     const ending = file.name.split(".").at(-1)!.toLowerCase();
     const { state } = studio.view;
     if (ending === "toml" || ending === "json") {
-      studio.change(stateOf(JSON.parse(await engine.slow.read(text, ending === "toml")), state));
+      studio.change(stateOf(JSON.parse(await engine.quick.read(text, ending === "toml")), state));
     } else if (ending === "svg") {
       const [x, y] = state.plane.center;
       const points = fitting(drawing(text, Math.min(SIZE, state.plane.size), state.plane.z));
@@ -28,9 +28,11 @@ export async function open(context: Context, file: File): Promise<void> {
     } else {
       studio.change({ array: readArray(text, file.name) });
     }
+    context.alarm("");
     context.announce(context.say("opened", { name: file.name }));
   } catch (error) {
-    context.alarm(`${file.name}: ${(error as Error).message}`);
+    const { message } = error as Error;
+    context.alarm(message.startsWith(file.name) ? message : `${file.name}: ${message}`);
   }
 }
 
@@ -58,6 +60,7 @@ const placesOf = (array: Float64Array) =>
 /** The scene as the command line reads it, with slot A's method. */
 export async function exportScene({ studio, engine }: Context): Promise<void> {
   await studio.settled();
+  if (studio.view.results[0].refused) throw new Error(studio.view.results[0].refused);
   save("scene.toml", await engine.quick.save(0, true), "text/plain");
 }
 

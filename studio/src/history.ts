@@ -13,7 +13,7 @@ export interface History {
   canRedo(): boolean;
 }
 
-/** Steps that are kept. */
+/** Steps that are kept; the first is always among them. */
 const MOST = 500;
 
 /** A pause that ends a gesture of keys, in ms. */
@@ -36,7 +36,7 @@ export function createHistory(initial: State): History {
       [last, when] = [gesture, now];
       steps = steps.slice(0, same ? at : at + 1);
       steps.push(text);
-      steps = steps.slice(-MOST);
+      if (steps.length > MOST) steps.splice(1, 1);
       at = steps.length - 1;
     },
     rest() {

@@ -1,6 +1,8 @@
 /** The hook for scripts: `window.midair`, plain data in and out. */
 
+import { faultOf } from "./check.ts";
 import type { Engine } from "./engine.ts";
+import { initial } from "./initial.ts";
 import { gridOf } from "./lattices.ts";
 import { readLink, writeLink } from "./link.ts";
 import { weakest } from "./numbers.ts";
@@ -57,16 +59,19 @@ export function createHook(engine: Engine, studio: Studio, page: () => Page): Ho
       );
       const refused = results.map((each) => each.refused);
       const warnings = results.map((each) => each.warnings);
-      const ready = results.some((each) => each.answer !== null);
+      const ready = results.some((each) => each.answer !== null || each.refused !== "");
       return structuredClone({ ready, ...state, metrics, bound, refused, warnings });
     },
     set(partial) {
       const { state } = studio.view;
-      const next = { ...state, ...partial, plane: { ...state.plane, ...partial.plane } };
-      const read = readLink(writeLink(next));
-      // Arrays of one's own are in no link; all else must survive one.
-      if (typeof read === "string" && "preset" in next.array) throw new Error(read);
-      studio.change(structuredClone(next));
+      const plane = partial?.plane === null ? partial.plane : { ...state.plane, ...partial?.plane };
+      const next = structuredClone({ ...state, ...partial, plane });
+      const fault = faultOf(next, engine.catalogue);
+      if (fault) throw new Error(fault);
+      // As a link has it, so that the link brings it back; but arrays of one's own are in none.
+      const read = readLink(writeLink({ ...next, array: initial.array }));
+      if (typeof read === "string") throw new Error(read);
+      studio.change({ ...read, array: next.array });
     },
     settled: () => studio.settled(),
     async field(slot, places) {

@@ -169,9 +169,9 @@ export function readLink(fragment: string): State | string {
   }
 }
 
-/** Millimetres to 0.01 of a length in m. */
+/** Millimetres, to 0.001, of a length in m. */
 function mm(length: number): string {
-  return String(Math.round(length * 1e5) / 100 + 0);
+  return String(Math.round(length * 1e6) / 1000 + 0);
 }
 
 function writeObstacle(each: Obstacle): string {
@@ -184,7 +184,7 @@ function writePath(path: NonNullable<State["path"]>): string {
   return `${path.kind},${mm(path.kind === "circle" ? path.radius : path.length)},${path.frequency}`;
 }
 
-/** The fragment (without #) of a state, its lengths to 0.01 mm. */
+/** The fragment (without #) of a state, its lengths to 0.001 mm. */
 export function writeLink(state: State): string {
   const { array, pressures, plane } = state;
   const point = (at: Vec3, k: number) => [...at.map(mm), ...(pressures ? [pressures[k]] : [])].join();

@@ -1,7 +1,8 @@
 /** The site: starts the engine, reads the link, shows the page. */
 
 import "./style.css";
-import { startEngine } from "./engine.ts";
+import { faultOf } from "./check.ts";
+import { type Engine, startEngine } from "./engine.ts";
 import { sceneOf, stateOf } from "./scene_file.ts";
 import { createHook, type Hook } from "./hook.ts";
 import { initial } from "./initial.ts";
@@ -9,6 +10,7 @@ import { readLink } from "./link.ts";
 import { createPage, type Manner, type Page } from "./page.ts";
 import SolveWorker from "./solve.worker.ts?worker&inline";
 import { createStudio } from "./studio.ts";
+import type { State } from "./types.ts";
 import wasmUrl from "../built/midair.wasm?url";
 
 declare global {
@@ -21,13 +23,19 @@ const root = document.getElementById("studio")!;
 const warm = () =>
   JSON.stringify(sceneOf({ ...initial, array: { preset: "paper20", tiles: [1, 1] }, points: [[0, 0, 0.15]] }, 0));
 
+/** The state of the address, or what is wrong with it. */
+function linked({ catalogue }: Engine): State | string {
+  const read = readLink(location.hash);
+  return typeof read === "string" ? read : faultOf(read, catalogue) || read;
+}
+
 async function start() {
   const wasm = await (await fetch(wasmUrl)).arrayBuffer();
   const engine = await startEngine(() => new SolveWorker(), wasm, warm());
   const wrong: string[] = [];
   let first = initial;
   if (location.hash.length > 1) {
-    const read = readLink(location.hash);
+    const read = linked(engine);
     if (typeof read === "string") wrong.push(read);
     else first = read;
   }
@@ -44,14 +52,17 @@ async function start() {
     language: navigator.language.startsWith("ja") ? "ja" : "en",
     theme: matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark",
     again(changes) {
+      const buttons = () => [...root.querySelectorAll("button")];
+      const focused = buttons().indexOf(document.activeElement as HTMLButtonElement);
       page.dispose();
       page = createPage(root, engine, studio, Object.assign(manner, changes));
+      buttons()[focused]?.focus();
     },
   };
   let page: Page = createPage(root, engine, studio, manner);
   window.midair = createHook(engine, studio, () => page);
   window.addEventListener("hashchange", () => {
-    const read = readLink(location.hash);
+    const read = linked(engine);
     if (typeof read === "string") page.alarm(read);
     else studio.change(read);
   });

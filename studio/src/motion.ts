@@ -46,6 +46,10 @@ export function createMotion(context: Context): { root: HTMLElement; place(): vo
   const more = element("div", {}, labelled(say("radius"), size), labelled(say("frequency"), turns), move, told);
   let running = 0;
 
+  context.ending(() => {
+    if (running) halt();
+  });
+
   function pathOf(name: string): Path | null {
     if (name === "circle") return { kind: "circle", radius: 0.01, frequency: 4 };
     return name === "line" ? { kind: "line", length: 0.02, frequency: 4 } : null;

@@ -1,9 +1,10 @@
 /** The page: bar, panels, stage and comparison over one canvas. */
 
+import { announceChanges, announcer } from "./announce.ts";
 import { createBar } from "./bar.ts";
 import { createCompare } from "./compare.ts";
 import type { Context } from "./context.ts";
-import { element, write } from "./dom.ts";
+import { element } from "./dom.ts";
 import type { Engine } from "./engine.ts";
 import { exportPicture, open } from "./exchange.ts";
 import { lookOf } from "./look.ts";
@@ -46,17 +47,16 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   const alert = element("div", { className: "alert", role: "alert" });
   let frame = 0;
   let gone = false;
-  let announcing = 0;
+  const endings: (() => void)[] = [];
   const context: Context = {
     engine,
     studio,
     language,
     theme,
     say: (word, put) => say(language, word, put),
-    announce: (text) => {
-      clearTimeout(announcing);
-      announcing = window.setTimeout(() => write(status, text), 50);
-    },
+    announce: announcer(status),
+    listen: (listener) => void endings.push(studio.listen(listener)),
+    ending: (act) => void endings.push(act),
     alarm(text) {
       const close = element("button", { type: "button", className: "plain", "aria-label": context.say("close") }, "×");
       close.onclick = () => alert.replaceChildren();
@@ -159,16 +159,26 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   };
   const over = (event: DragEvent) => event.preventDefault();
   let told = "";
-  studio.listen(() => {
-    if (gone) return;
+  announceChanges(context);
+  context.listen(() => {
     place();
     const { said = "" } = root.dataset;
-    if (said !== told) context.announce((told = said));
+    if (said !== told && !studio.view.moving) context.announce((told = said));
+    warn();
   });
+
+  /** A scene that neither method can solve is told once. */
+  let warned = "";
+  function warn() {
+    const [a, b] = studio.view.results.map(({ refused }) => refused);
+    const refused = a && b && !studio.view.moving ? a : "";
+    if (refused !== warned) context.alarm((warned = refused));
+  }
   const size = new ResizeObserver(context.repaint);
   [canvas, stage.view, ...compare.slices].forEach((each) => size.observe(each));
   window.addEventListener("scroll", context.repaint, { passive: true, capture: true });
-  root.addEventListener("keydown", press);
+  const keys = manner.compact ? root : window;
+  keys.addEventListener("keydown", press as EventListener);
   root.addEventListener("drop", dropped);
   root.addEventListener("dragover", over);
   place();
@@ -178,10 +188,11 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     alarm: context.alarm,
     dispose() {
       gone = true;
+      endings.forEach((act) => act());
       cancelAnimationFrame(frame);
       size.disconnect();
       window.removeEventListener("scroll", context.repaint, { capture: true });
-      root.removeEventListener("keydown", press);
+      keys.removeEventListener("keydown", press as EventListener);
       root.removeEventListener("drop", dropped);
       root.removeEventListener("dragover", over);
       painter.dispose();

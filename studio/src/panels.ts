@@ -24,7 +24,7 @@ const isFacing = (array: State["array"]) => "preset" in array && /pair|lev/.test
 /** What is offered to stand in the way. */
 const OBSTACLES: Record<string, Obstacle[]> = {
   none: [],
-  wall: [{ point: [0.1, 0, 0], normal: [-1, 0, 0], kind: "rigid" }],
+  wall: [{ point: [0.03, 0, 0], normal: [-1, 0, 0], kind: "rigid" }],
   ball: [{ center: [0, 0, 0.1], radius: 0.02, kind: "rigid" }],
 };
 
@@ -97,7 +97,7 @@ export function createPanels(context: Context): Panels {
       },
     }),
   );
-  const ears = element("div", { className: "triple" }, ...axes);
+  const ears = element("div", { className: "triple" }, ...axes.map((input, k) => element("label", {}, "xyz"[k], input)));
   const table = createPointTable(context);
   const shapes = createShapes(context);
   const motion = createMotion(context);
@@ -115,13 +115,15 @@ export function createPanels(context: Context): Panels {
     };
   }
 
-  /** Obstacles beside the slice's middle. */
+  /** A ball at the slice's middle; a wall beyond all transducers and points. */
   function around(obstacles: Obstacle[]): Obstacle[] {
     const [x, y] = state().plane.center;
+    const places = [...studio.view.positions].filter((_, k) => k % 3 === 0);
+    const beyond = [...places, ...state().points.map((point) => point[0])].reduce((a, b) => Math.max(a, b), x);
     return obstacles.map((each) =>
       "center" in each
         ? { ...each, center: [each.center[0] + x, each.center[1] + y, each.center[2]] }
-        : { ...each, point: [each.point[0] + x, each.point[1] + y, each.point[2]] },
+        : { ...each, point: [each.point[0] + beyond, each.point[1] + y, each.point[2]] },
     );
   }
 

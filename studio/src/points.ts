@@ -2,7 +2,7 @@
 
 import type { State, Vec3 } from "./types.ts";
 
-const rounded = (point: Vec3) => point.map((x) => Math.round(x * 1e7) / 1e7) as Vec3;
+const rounded = (point: Vec3) => point.map((x) => Math.round(x * 1e6) / 1e6) as Vec3;
 
 /** The state with a point elsewhere. */
 export function moved(state: State, index: number, to: Vec3): Partial<State> {

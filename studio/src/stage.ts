@@ -78,7 +78,7 @@ export function createStage(context: Context): Stage {
   function current(): Camera {
     const key = JSON.stringify([state().array, turned ? 0 : size(), studio.view.array.length]);
     if (camera === null || fitted !== key) {
-      camera = fit(studio.view.positions, state().points, ...size());
+      camera = fit(studio.view.positions, [...state().points, ...corners()], ...size());
       fitted = key;
       turned = false;
     }
@@ -100,12 +100,18 @@ export function createStage(context: Context): Stage {
     button.onpointermove = (event) => grip && drag(event);
     button.onpointerup = button.onpointercancel = () => {
       if (!grip) return;
-      context.announce(handles[grip.index].ariaLabel!);
+      context.announce(label(grip.index));
       grip = null;
       studio.moving(false);
     };
     button.onkeydown = (event) => press(event, index);
     return button;
+  }
+
+  function label(index: number): string {
+    const points = studio.view.frame?.points ?? state().points;
+    const [x, y, z] = points[index].map(millimetres);
+    return say("point", { n: index + 1, x, y, z });
   }
 
   function nearestTo([x, y]: [number, number]): number {
@@ -150,13 +156,20 @@ export function createStage(context: Context): Stage {
       const to = state().points[index].map((x, axis) => x + step * way[axis]) as Vec3;
       if (way[2]) climb(index, to, `key ${index}`);
       else studio.change(moved(state(), index, to), `key ${index}`);
-      context.announce(handles[index].ariaLabel!);
+      context.announce(label(index));
     } else if (event.key === "Delete" || event.key === "Backspace") {
+      if (state().points.length === 1) return context.alarm(say("lastPoint"));
       studio.change(removed(state(), index));
       handles[Math.min(index, handles.length - 1)]?.focus();
       context.announce(say("removed", { n: index + 1 }));
     } else return;
     event.preventDefault();
+  }
+
+  /** Those of the slice. */
+  function corners(): Vec3[] {
+    const { z, size, center } = state().plane;
+    return [-0.5, 0.5].flatMap((a) => [-0.5, 0.5].map((b): Vec3 => [center[0] + a * size, center[1] + b * size, z]));
   }
 
   /** The camera is somebody's own from now on. */
@@ -206,7 +219,8 @@ export function createStage(context: Context): Stage {
     const origin: Vec3 = [plane.center[0], plane.center[1], plane.z];
     const [x, y] = seen(origin);
     const way = slide(current(), [x, y], local(event), plane.z, size());
-    if (!way || points.length >= MOST_POINTS) return;
+    if (points.length >= MOST_POINTS) return context.alarm(say("tooMany", { count: MOST_POINTS + 1 }));
+    if (!way) return;
     studio.change(added(state(), [origin[0] + way[0], origin[1] + way[1], plane.z]));
     context.announce(say("added", { n: points.length + 1 }));
   };
@@ -223,9 +237,8 @@ export function createStage(context: Context): Stage {
         view.append(handles.at(-1)!);
       }
       handles.forEach((button, index) => {
-        const [x, y, z] = points[index].map(millimetres);
-        const label = say("point", { n: index + 1, x, y, z });
-        if (button.ariaLabel !== label) button.ariaLabel = label;
+        const name = label(index);
+        if (button.ariaLabel !== name) button.ariaLabel = name;
         const [left, top] = seen(points[index]);
         button.style.transform = `translate(${left.toFixed(2)}px, ${top.toFixed(2)}px)`;
         button.classList.toggle("quiet", state().pressures?.[index] === 0);

@@ -53,7 +53,8 @@ export interface Studio {
   show(frame: View["frame"]): void;
   /** The scene file of a slot, as JSON text. */
   scene(slot: Slot): string;
-  listen(listener: () => void): void;
+  /** Calls at each change; answers what ends that. */
+  listen(listener: () => void): () => void;
   stop(): void;
 }
 
@@ -86,7 +87,7 @@ export function createStudio(engine: Engine, initial: State): Studio {
     moving: false,
   };
   const history = createHistory(initial);
-  const listeners: (() => void)[] = [];
+  const listeners = new Set<() => void>();
   const times: [number[], number[]] = [[], []];
   let wanted = 0;
   let shown = "";
@@ -213,8 +214,8 @@ export function createStudio(engine: Engine, initial: State): Studio {
       if (!is) history.rest();
       void pump();
     },
-    undo: () => step(history.undo()),
-    redo: () => step(history.redo()),
+    undo: () => !view.moving && step(history.undo()),
+    redo: () => !view.moving && step(history.redo()),
     canUndo: () => history.canUndo(),
     canRedo: () => history.canRedo(),
     settled() {
@@ -227,7 +228,10 @@ export function createStudio(engine: Engine, initial: State): Studio {
       tell();
     },
     scene: text,
-    listen: (listener) => void listeners.push(listener),
+    listen(listener) {
+      listeners.add(listener);
+      return () => void listeners.delete(listener);
+    },
     stop() {
       stopped = true;
       clearTimeout(rest);

@@ -43,9 +43,9 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
         step: 1,
         "aria-label": say("coordinate", { axis, n }),
         onchange: (event: Event) => {
-          const value = Number((event.target as HTMLInputElement).value) / 1000;
+          const { value } = event.target as HTMLInputElement;
           const to = [...state().points[index]] as Vec3;
-          if (Number.isFinite(value)) to[k] = value;
+          if (value !== "" && Number.isFinite(+value)) to[k] = +value / 1000;
           studio.change(moved(state(), index, to), `table ${index} ${k}`);
           showAll();
         },
@@ -72,6 +72,7 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
         className: "plain",
         "aria-label": say("remove", { n }),
         onclick: () => {
+          if (state().points.length === 1) return context.alarm(say("lastPoint"));
           studio.change(removed(state(), index));
           context.announce(say("removed", { n }));
         },

@@ -1,0 +1,57 @@
+/** Announcements: what changes is said to who does not look, one thing after another. */
+
+import { type Context, millimetres } from "./context.ts";
+import { write } from "./dom.ts";
+import type { State } from "./types.ts";
+import type { Word } from "./words.ts";
+
+/** Time in which things are gathered that are said together, in ms. */
+const GATHER = 250;
+
+/** Says texts in a live region. */
+export function announcer(region: HTMLElement): (text: string) => void {
+  let texts: string[] = [];
+  let timer = 0;
+  return (text) => {
+    if (!texts.includes(text)) texts.push(text);
+    clearTimeout(timer);
+    timer = window.setTimeout(() => {
+      write(region, texts.join(". "));
+      texts = [];
+    }, GATHER);
+  };
+}
+
+/** What of a state is said when it is another one. */
+const SAID: { [Key in keyof State]?: [Word, (state: State) => string] } = {
+  array: ["array", ({ array }) => ("preset" in array ? `${array.preset} ${array.tiles.join(" × ")}` : array.name)],
+  quantization: ["levels", ({ quantization }) => quantization],
+  temperature: ["temperature", ({ temperature }) => `${temperature} °C`],
+  points: ["points", ({ points }) => String(points.length)],
+  pressures: ["target", ({ pressures }) => pressures?.join(", ") ?? "max"],
+  methods: ["methods", ({ methods }) => methods.join(", ")],
+  signature: ["signature", ({ signature }) => signature || "–"],
+  obstacles: ["obstacle", ({ obstacles }) => String(obstacles.length)],
+  ear: ["ear", ({ ear }) => ear?.map(millimetres).join(", ") ?? "–"],
+  plane: ["slice", ({ plane }) => `z ${millimetres(plane.z)} mm, ${millimetres(plane.size)} mm`],
+  view: ["view", ({ view }) => view],
+  slot: ["shownSlot", ({ slot }) => "AB"[slot]],
+  map: ["colours", ({ map }) => map],
+  scale: ["scale", ({ scale }) => scale],
+  path: ["path", ({ path }) => path?.kind ?? "–"],
+};
+
+/** Announces each part of the state that has changed. */
+export function announceChanges({ studio, listen, announce, say }: Context): void {
+  let before = studio.view.state;
+  listen(() => {
+    const { state, moving } = studio.view;
+    if (moving || state === before) return;
+    for (const [key, [word, text]] of Object.entries(SAID)) {
+      const part = (of: State) => JSON.stringify(of[key as keyof State]);
+      const moved = key === "points" && before.points.length === state.points.length;
+      if (!moved && part(state) !== part(before)) announce(`${say(word)}: ${text(state)}`);
+    }
+    before = state;
+  });
+}

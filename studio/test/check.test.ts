@@ -1,0 +1,56 @@
+// Rubbish handed to the page is refused in one line that names it; every scene of the gallery is not.
+import { expect, test } from "vitest";
+
+import { faultOf } from "../src/check.ts";
+import { gallery } from "../src/gallery.ts";
+import { initial } from "../src/initial.ts";
+import type { State } from "../src/types.ts";
+
+const names = ["paper36", "autd3", "sonicsurface", "sonicsurface_pair", "openmpd_pair"];
+const catalogue = {
+  version: "",
+  presets: names.map((name) => ({ name, summary: "", count: 1, tiles: name === "autd3", board: "" })),
+  solvers: ["uniform", "naive", "gspat", "glide", "fast", "greedy"].map((name) => ({ name, summary: "", aims: false })),
+  boards: [],
+};
+const fault = (partial: object) => faultOf({ ...initial, ...partial } as State, catalogue);
+
+test.each(gallery.map(({ name, state }) => [name[0], state] as const))("%s", (_, state) => {
+  expect(fault(state)).toBe("");
+});
+
+test.each([
+  { array: { name: "x" } },
+  { array: "autd3" },
+  { array: null },
+  { array: { preset: "autd3" } },
+  { array: { preset: "nonsense", tiles: [1, 1] } },
+  { array: { preset: "sonicsurface", tiles: [2, 2] } },
+  { temperature: "25" },
+  { temperature: NaN },
+  { slot: 5 },
+  { slot: "1" },
+  { points: [] },
+  { points: null },
+  { points: "x" },
+  { points: [[0, 0, 0.1, 5]] },
+  { points: [["0", 0, 0.15]] },
+  { points: Array.from({ length: 65 }, (_, k) => [k / 1000, 0, 0.15]) },
+  { pressures: [1] },
+  { pressures: "x" },
+  { pressures: initial.points.map(() => 0) },
+  { methods: "uniform" },
+  { methods: ["foo", "naive"] },
+  { plane: null },
+  { plane: { ...initial.plane, z: "0.15" } },
+  { plane: { ...initial.plane, size: 0 } },
+  { obstacles: null },
+  { obstacles: [{}] },
+  { ear: "x" },
+  { path: { kind: "spiral", radius: 1, frequency: 1 } },
+  { colour: "red" },
+])("%j is refused", (partial) => {
+  const line = fault(partial);
+  expect(line).toMatch(/: /);
+  expect(line).not.toMatch(/\n/);
+});
