@@ -33,7 +33,7 @@ function isObstacle(value: unknown): boolean {
 
 function isPath(value: unknown): boolean {
   if (value === null) return true;
-  if (!isTable(value) || !isNumber(value.frequency) || value.frequency < 1) return false;
+  if (!isTable(value) || !isNumber(value.frequency) || value.frequency <= 0) return false;
   const size = { circle: value.radius, line: value.length }[value.kind as string];
   return isNumber(size) && size > 0;
 }

@@ -8,10 +8,11 @@ import { labelled } from "./panels.ts";
 import { framesOf } from "./paths.ts";
 import type { Path, Vec3 } from "./types.ts";
 
-/** Frames a second that are computed. */
+/** Frames a second that are computed, where that makes neither too few nor too many of a turn. */
 const RATE = 1000;
 
-/** Frames of a sequence, at most. */
+/** Frames of a turn. */
+const FEWEST = 20;
 const MOST = 1000;
 
 /** Frames that a picture goes on by: a turn takes some seconds. */
@@ -40,7 +41,7 @@ export function createMotion(context: Context): { root: HTMLElement; place(): vo
     return input;
   };
   const size = number((mm) => (state().path?.kind === "line" ? { length: mm / 1000 } : { radius: mm / 1000 }), 1, 100);
-  const turns = number((frequency) => ({ frequency }), 1, 100);
+  const turns = number((frequency) => ({ frequency }), 0.1, 50);
   const move = element("button", { type: "button", className: "small", onclick: toggle }, say("move"));
   const told = element("p", { className: "told" });
   const more = element("div", {}, labelled(say("radius"), size), labelled(say("frequency"), turns), move, told);
@@ -75,9 +76,10 @@ export function createMotion(context: Context): { root: HTMLElement; place(): vo
     const still = () => running === mine && JSON.stringify(state()) === asked;
     write(move, say("rest"));
     try {
-      const count = Math.min(MOST, Math.round(RATE / path.frequency));
-      const frames = framesOf(points, path, RATE, count / RATE);
-      const scene = { ...sceneOf(state(), 0), solver: { name: "glide", rate: RATE } };
+      const count = Math.max(FEWEST, Math.min(MOST, Math.round(RATE / path.frequency)));
+      const rate = count * path.frequency;
+      const frames = framesOf(points, path, rate, count / rate);
+      const scene = { ...sceneOf(state(), 0), solver: { name: "glide", rate } };
       const answers = await engine.slow.follow(JSON.stringify(scene), frames, count);
       const largest = Math.max(...answers.slice(1).map(({ change }) => change));
       const loudest = Math.max(...answers.map(({ most }) => most));
