@@ -6,6 +6,7 @@ import { MOST_POINTS } from "./initial.ts";
 import { numberRows } from "./numbers.ts";
 import { entry, ticks } from "./painter/maps.ts";
 import { added, moved } from "./points.ts";
+import { MANY } from "./stage.ts";
 import type { Look, Slot, Vec3 } from "./types.ts";
 import type { Word } from "./words.ts";
 
@@ -95,6 +96,7 @@ export function createCompare(context: Context): Compare {
   function ring(slot: Slot) {
     const { picture, rings } = parts[slot];
     const points = studio.view.frame?.points ?? state().points;
+    picture.classList.toggle("many", points.length > MANY);
     while (rings.length > points.length) rings.pop()!.remove();
     while (rings.length < points.length) {
       const made = element("i", { className: "ring" });

@@ -30,6 +30,9 @@ const KEYS: Record<string, Vec3> = {
   PageDown: [0, 0, -1],
 };
 
+/** More rings than these would hide the field: they are smaller then. */
+export const MANY = 16;
+
 /** Turning a view by a pixel, in rad. */
 const TURN = 0.008;
 
@@ -231,6 +234,7 @@ export function createStage(context: Context): Stage {
     camera: current,
     place() {
       const points = studio.view.frame?.points ?? state().points;
+      view.classList.toggle("many", points.length > MANY);
       while (handles.length > points.length) handles.pop()!.remove();
       while (handles.length < points.length) {
         handles.push(handle(handles.length));
