@@ -156,8 +156,9 @@ bench/.envs/%.so: bench/workers/%.cpp
 figures: setup ## Draw docs/quality-time.png
 	OPENBLAS_NUM_THREADS=1 $(PYTHON) bench/figures.py
 
-motion: setup ## Print the table of docs/motion.md and draw docs/motion.png
+motion: setup ## Print the table of docs/motion.md, draw docs/motion.png and docs/moving.webp
 	$(PYTHON) bench/motion.py
+	$(PYTHON) bench/moving.py
 
 exposure: setup ## Print the tables of docs/exposure.md and draw docs/tolerance.png and docs/streaming.png
 	OPENBLAS_NUM_THREADS=1 $(PYTHON) bench/exposure.py

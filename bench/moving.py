@@ -1,0 +1,61 @@
+"""Moving: docs/moving.webp, three foci going round above a SonicSurface, its phases beside their field."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib import colormaps
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+
+import midair
+
+#: Frames of a turn, of which a third is seen again and again, and every which of them is drawn.
+FRAMES, EVERY = 480, 5
+SIDE, SIZE, HEIGHT = 280, 0.1, 0.12
+BACK, GAP = (12, 15, 20), 16
+
+
+def board(drive: NDArray[np.complex64]) -> Image.Image:
+    """Transducers as discs in the colour of their phase."""
+    picture = Image.new("RGB", (2 * SIDE, 2 * SIDE), BACK)
+    pen = ImageDraw.Draw(picture)
+    side = round(len(drive) ** 0.5)
+    step = 2 * SIDE / side
+    colours = colormaps["twilight"]((np.angle(drive) / (2 * np.pi)) % 1, bytes=True)
+    for i, colour in enumerate(colours):
+        x, y = i % side + 0.5, side - i // side - 0.5
+        box = [step * (x - 0.42), step * (y - 0.42), step * (x + 0.42), step * (y + 0.42)]
+        pen.ellipse(box, fill=tuple(map(int, colour[:3])))
+    return picture.resize((SIDE, SIDE), Image.Resampling.LANCZOS)
+
+
+def main() -> None:
+    array = midair.Array.preset("sonicsurface")
+    angle = 2 * np.pi * np.arange(FRAMES // 3) / FRAMES
+    around = angle[:, None] + 2 * np.pi * np.arange(3) / 3
+    points = np.stack([0.025 * np.cos(around), 0.025 * np.sin(around), np.full_like(around, HEIGHT)], axis=-1)
+    sequence = midair.sequence(array, points, rate=1000, change=2 * np.pi / 16)
+    places = SIZE * ((np.arange(SIDE // 2) + 0.5) / (SIDE // 2) - 0.5)
+    x, y = np.meshgrid(places, places[::-1])
+    plane = np.stack([x, y, np.full_like(x, HEIGHT)], axis=-1).reshape(-1, 3)
+    scene = midair.Scene(array, points[0])
+    drives = sequence.drives[::EVERY]
+    fields = [np.abs(midair.field(scene, drive, plane).pressure).reshape(x.shape) for drive in drives]
+    top = max(field.max() for field in fields)
+    frames = []
+    for drive, field in zip(drives, fields, strict=True):
+        frame = Image.new("RGB", (2 * SIDE + GAP, SIDE), BACK)
+        frame.paste(board(drive), (0, 0))
+        seen = Image.fromarray(colormaps["viridis"](field / top, bytes=True)[..., :3])
+        frame.paste(seen.resize((SIDE, SIDE), Image.Resampling.BICUBIC), (SIDE + GAP, 0))
+        frames.append(frame)
+    path = Path(__file__).parents[1] / "docs" / "moving.webp"
+    frames[0].save(path, save_all=True, append_images=frames[1:], duration=60, loop=0, quality=80)
+    metrics = sequence.metrics
+    print(f"{path}: largest change {metrics.largest_change:.3f} rad, uniformity {metrics.uniformity:.4f}")
+
+
+if __name__ == "__main__":
+    main()
