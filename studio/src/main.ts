@@ -4,6 +4,7 @@ import "./style.css";
 import { faultOf } from "./check.ts";
 import { type Engine, startEngine } from "./engine.ts";
 import { sceneOf, stateOf } from "./scene_file.ts";
+import { createEye } from "./eye.ts";
 import { createHook, type Hook } from "./hook.ts";
 import { initial } from "./initial.ts";
 import { readLink } from "./link.ts";
@@ -49,6 +50,7 @@ async function start() {
   }
   const studio = createStudio(engine, first);
   const manner: Manner = {
+    eye: createEye(studio),
     language: navigator.language.startsWith("ja") ? "ja" : "en",
     theme: matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark",
     again(changes) {

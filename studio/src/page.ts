@@ -6,6 +6,7 @@ import { createCompare } from "./compare.ts";
 import type { Context } from "./context.ts";
 import { element } from "./dom.ts";
 import type { Engine } from "./engine.ts";
+import type { Eye } from "./eye.ts";
 import { exportPicture, open } from "./exchange.ts";
 import { lookOf } from "./look.ts";
 import { createFlat } from "./painter/canvas2d.ts";
@@ -29,6 +30,7 @@ export interface Page {
 export interface Manner {
   language: Language;
   theme: "dark" | "light";
+  eye: Eye;
   /** Without bar and panels, for a notebook's cell. */
   compact?: boolean;
   /** A new language or theme: the page is built anew. */
@@ -68,7 +70,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   };
 
   const canvas = element("canvas", { className: "canvas", "aria-hidden": "true" });
-  const stage = createStage(context);
+  const stage = createStage(context, manner.eye);
   const compare = createCompare(context);
   const panels = createPanels(context);
   const bar = createBar(context, {

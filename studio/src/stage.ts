@@ -2,7 +2,8 @@
 
 import { type Context, millimetres } from "./context.ts";
 import { element } from "./dom.ts";
-import { type Camera, fit, lift, project, slide } from "./painter/camera.ts";
+import type { Eye } from "./eye.ts";
+import { type Camera, lift, project, slide } from "./painter/camera.ts";
 import { MOST_POINTS } from "./initial.ts";
 import { added, moved, removed } from "./points.ts";
 import type { Vec3 } from "./types.ts";
@@ -33,24 +34,6 @@ const KEYS: Record<string, Vec3> = {
 /** More rings than these would hide the field: they are smaller then. */
 export const MANY = 16;
 
-/** Turning a view by a pixel, in rad. */
-const TURN = 0.008;
-
-const within = (value: number, least: number, most: number) => Math.min(Math.max(value, least), most);
-
-/** The camera turned by pixels; it stays above the ground and below the zenith. */
-const orbit = (camera: Camera, dx: number, dy: number): Camera => ({
-  ...camera,
-  yaw: camera.yaw - TURN * dx,
-  pitch: within(camera.pitch + TURN * dy, -0.3, 1.57),
-});
-
-/** The camera nearer or further. */
-const zoom = (camera: Camera, factor: number): Camera => ({
-  ...camera,
-  distance: within(camera.distance * factor, 0.05, 5),
-});
-
 /** A point that is held: where it and the pointer were, and whether it is lifted. */
 interface Grip {
   index: number;
@@ -61,32 +44,19 @@ interface Grip {
 }
 
 /** Makes the stage. */
-export function createStage(context: Context): Stage {
+export function createStage(context: Context, eye: Eye): Stage {
   const { studio, say } = context;
   const handles: HTMLButtonElement[] = [];
   const hint = element("p", { className: "hint" }, say(matchMedia("(hover: none)").matches ? "hintTouch" : "hint"));
   const view = element("div", { className: "view3d", role: "group", "aria-label": say("view3d") });
   const root = element("section", { className: "stage" }, view, hint);
-  let camera: Camera | null = null;
-  /** What the camera was fitted to: the array, and the view's size as long as nobody has turned it. */
-  let fitted = "";
-  let turned = false;
   let gesture = 0;
   let grip: Grip | null = null;
 
   const size = (): [number, number] => [view.clientWidth || 1, view.clientHeight || 1];
+  const current = (): Camera => eye.camera(size());
   const seen = (place: Vec3) => project(current(), place, ...size());
   const state = () => studio.view.state;
-
-  function current(): Camera {
-    const key = JSON.stringify([state().array, turned ? 0 : size(), studio.view.array.length]);
-    if (camera === null || fitted !== key) {
-      camera = fit(studio.view.positions, [...state().points, ...corners()], ...size());
-      fitted = key;
-      turned = false;
-    }
-    return camera;
-  }
 
   function handle(index: number): HTMLButtonElement {
     const button = element("button", { className: "point", type: "button" }, element("span", {}, String(index + 1)));
@@ -169,19 +139,6 @@ export function createStage(context: Context): Stage {
     event.preventDefault();
   }
 
-  /** Those of the slice. */
-  function corners(): Vec3[] {
-    const { z, size, center } = state().plane;
-    return [-0.5, 0.5].flatMap((a) => [-0.5, 0.5].map((b): Vec3 => [center[0] + a * size, center[1] + b * size, z]));
-  }
-
-  /** The camera is somebody's own from now on. */
-  function hold() {
-    turned = true;
-    fitted = JSON.stringify([state().array, 0, studio.view.array.length]);
-    context.repaint();
-  }
-
   function local(event: MouseEvent): [number, number] {
     const box = view.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
@@ -200,19 +157,18 @@ export function createStage(context: Context): Stage {
     const now = local(event);
     const other = [...fingers].find(([id]) => id !== event.pointerId)?.[1];
     const apart = (at: [number, number]) => Math.hypot(at[0] - other![0], at[1] - other![1]);
-    camera = other
-      ? zoom(current(), apart(before) / Math.max(apart(now), 1))
-      : orbit(current(), now[0] - before[0], now[1] - before[1]);
+    if (other) eye.zoom(apart(before) / Math.max(apart(now), 1));
+    else eye.turn(now[0] - before[0], now[1] - before[1]);
     fingers.set(event.pointerId, now);
-    hold();
+    context.repaint();
   };
   view.onpointerup = view.onpointercancel = (event) => void fingers.delete(event.pointerId);
   view.addEventListener(
     "wheel",
     (event) => {
       event.preventDefault();
-      camera = zoom(current(), Math.exp(event.deltaY * 1e-3));
-      hold();
+      eye.zoom(Math.exp(event.deltaY * 1e-3));
+      context.repaint();
     },
     { passive: false },
   );

@@ -2,6 +2,7 @@
 
 import style from "./style.css?inline";
 import { type Engine, startEngine } from "./engine.ts";
+import { createEye } from "./eye.ts";
 import { sceneOf, stateOf } from "./scene_file.ts";
 import { initial } from "./initial.ts";
 import { weakest } from "./numbers.ts";
@@ -34,6 +35,7 @@ async function render({ model, el }: { model: Model; el: HTMLElement }): Promise
     stateOf(JSON.parse(await engine.slow.read(model.get("scene") as string, false)), before);
   const studio: Studio = createStudio(engine, await read(initial));
   const manner: Manner = {
+    eye: createEye(studio),
     language: "en",
     theme: matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light",
     compact: true,

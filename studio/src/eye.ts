@@ -1,0 +1,59 @@
+/** Eye: the camera of the 3-D view, fitted to what is shown until somebody turns it. */
+
+import { type Camera, fit } from "./painter/camera.ts";
+import type { Studio } from "./studio.ts";
+import type { Vec3 } from "./types.ts";
+
+/** A camera that outlives the page's themes and languages. */
+export interface Eye {
+  /** For a view of so many CSS px. */
+  camera(size: [number, number]): Camera;
+  /** By pixels. */
+  turn(dx: number, dy: number): void;
+  /** Nearer (below 1) or further. */
+  zoom(factor: number): void;
+}
+
+/** Turning by a pixel, in rad. */
+const TURN = 0.008;
+
+/** From below the ground to the zenith, in rad. */
+const PITCH = [-0.3, 1.57];
+
+/** In m. */
+const DISTANCE = [0.05, 5];
+
+const within = (value: number, [least, most]: number[]) => Math.min(Math.max(value, least), most);
+
+/** An eye for a studio. */
+export function createEye({ view }: Studio): Eye {
+  let camera: Camera = { target: [0, 0, 0], yaw: 0, pitch: 0, distance: 1 };
+  /** What it was fitted to: the array, and the view's size as long as nobody has turned it. */
+  let fitted = "";
+  let turned = false;
+  const key = (size: number[]) => JSON.stringify([view.state.array, view.array.length, turned ? [] : size]);
+
+  function corners(): Vec3[] {
+    const { z, size, center } = view.state.plane;
+    return [-0.5, 0.5].flatMap((a) => [-0.5, 0.5].map((b): Vec3 => [center[0] + a * size, center[1] + b * size, z]));
+  }
+
+  function hold(changes: Partial<Camera>) {
+    camera = { ...camera, ...changes };
+    turned = true;
+    fitted = key([]);
+  }
+
+  return {
+    camera(size) {
+      if (fitted !== key(size)) {
+        camera = fit(view.positions, [...view.state.points, ...corners()], ...size);
+        turned = false;
+        fitted = key(size);
+      }
+      return camera;
+    },
+    turn: (dx, dy) => hold({ yaw: camera.yaw - TURN * dx, pitch: within(camera.pitch + TURN * dy, PITCH) }),
+    zoom: (factor) => hold({ distance: within(camera.distance * factor, DISTANCE) }),
+  };
+}
