@@ -10,9 +10,10 @@ use crate::kernels::simd::avx512::Avx512;
 use crate::kernels::simd::fours::Fours;
 #[cfg(target_arch = "aarch64")]
 use crate::kernels::simd::neon::{self, Neon};
-use crate::kernels::simd::scalar::{Numbers, Scalar};
+#[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
+use crate::kernels::simd::scalar::Numbers as Plain;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-use crate::kernels::simd::simd128::{self, Simd128};
+use crate::kernels::simd::simd128::Vectors as Plain;
 
 /// The instructions that the kernels use: a value that exists only for what this machine can do.
 ///
@@ -31,15 +32,13 @@ pub struct InstructionSet(pub(crate) Kind);
 /// The tokens of the sets.
 #[derive(Clone, Copy)]
 pub(crate) enum Kind {
-    Scalar(Scalar),
+    Scalar(Fours<Plain>),
     #[cfg(target_arch = "x86_64")]
     Avx2(Avx2),
     #[cfg(target_arch = "x86_64")]
     Avx512(Avx512),
     #[cfg(target_arch = "aarch64")]
     Neon(Neon),
-    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-    Simd128(Simd128),
 }
 
 /// Whether the machine has some instructions: asked at run time with `std`, known when compiling without.
@@ -55,8 +54,9 @@ macro_rules! has {
 }
 
 impl InstructionSet {
-    /// No instructions but those that every machine of the kind has.
-    pub const SCALAR: Self = Self(Kind::Scalar(Fours(Numbers)));
+    /// No instructions but those that every machine of the kind has: numbers one by one; where wasm is compiled for
+    /// simd128 that set, which gives the same bits, so that no kernel is there twice.
+    pub const SCALAR: Self = Self(Kind::Scalar(Fours(Plain)));
 
     /// Every set this machine has, from the slowest.
     pub fn all() -> impl Iterator<Item = Self> {
@@ -69,8 +69,6 @@ impl InstructionSet {
             #[cfg(target_arch = "aarch64")]
             // Every 64-bit ARM has it.
             Some(Self(Kind::Neon(Fours(neon::Vectors)))),
-            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-            Some(Self(Kind::Simd128(Fours(simd128::Vectors)))),
         ];
         sets.into_iter().flatten()
     }
@@ -91,6 +89,7 @@ impl InstructionSet {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self.0 {
+            Kind::Scalar(_) if cfg!(target_feature = "simd128") => "simd128",
             Kind::Scalar(_) => "scalar",
             #[cfg(target_arch = "x86_64")]
             Kind::Avx2(_) => "avx2",
@@ -98,8 +97,6 @@ impl InstructionSet {
             Kind::Avx512(_) => "avx512",
             #[cfg(target_arch = "aarch64")]
             Kind::Neon(_) => "neon",
-            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-            Kind::Simd128(_) => "simd128",
         }
     }
 
@@ -167,11 +164,6 @@ macro_rules! dispatch {
             ),
             #[cfg(target_arch = "aarch64")]
             Kind::Neon($simd) => $simd.vectorize(
-                #[inline(always)]
-                || $body,
-            ),
-            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-            Kind::Simd128($simd) => $simd.vectorize(
                 #[inline(always)]
                 || $body,
             ),

@@ -18,6 +18,7 @@ pub(crate) mod instruction_set;
 #[cfg(target_arch = "aarch64")]
 #[allow(unsafe_code, reason = "it names instructions: a token proves that the CPU has them")]
 pub(crate) mod neon;
+#[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
 #[forbid(unsafe_code)]
 pub(crate) mod scalar;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
@@ -276,14 +277,4 @@ pub(crate) fn reduce_add(lanes: &Lanes) -> f32 {
     let eight: [f32; 8] = core::array::from_fn(|l| lanes[l] + lanes[l + 8]);
     let four: [f32; 4] = core::array::from_fn(|l| eight[l] + eight[l + 4]);
     (four[0] + four[2]) + (four[1] + four[3])
-}
-
-/// 1/sqrt(x) by the exponent's bits, relative error below 3.5e-2, made 5e-6 by two steps of Newton: the same bits
-/// on every machine, unlike the estimates of SSE. `x` and the subtraction of integers are all it needs.
-#[inline(always)]
-pub(crate) fn rsqrt_estimate(x: f32) -> f32 {
-    let half = 0.5 * x;
-    let y = f32::from_bits(0x5f37_5a86_u32.wrapping_sub(x.to_bits() >> 1));
-    let y = y * (1.5 - half * y * y);
-    y * (1.5 - half * y * y)
 }

@@ -8,10 +8,7 @@ use core::arch::wasm32::{
     i32x4_trunc_sat_f32x4, u32x4_shr, v128, v128_bitselect, v128_load, v128_store,
 };
 
-use crate::kernels::simd::fours::{FOUR, Fours, Register};
-
-/// The set where simd128 is there.
-pub(crate) type Simd128 = Fours<Vectors>;
+use crate::kernels::simd::fours::{FOUR, Register};
 
 /// simd128 is there.
 #[derive(Clone, Copy, Debug)]
