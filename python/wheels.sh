@@ -4,7 +4,7 @@ set -eu -o pipefail
 cd "$(dirname "$0")/.."
 .venv/bin/uv pip install --quiet --python .venv/bin/python --group wheels
 for target in x86_64-unknown-linux-gnu aarch64-unknown-linux-gnu; do
-    rustup target add --quiet $target
+    rustup --quiet target add $target
     PATH="$PWD/.venv/bin:$PATH" .venv/bin/maturin build --release --zig --target $target --compatibility manylinux2014 \
         --out dist
 done
