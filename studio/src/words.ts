@@ -110,7 +110,6 @@ export const WORDS = {
   ],
   hintTouch: ["drag a point · one finger turns · two zoom", "点をドラッグ · 1本指で回転 · 2本指で拡大"],
   close: ["Close", "閉じる"],
-  loading: ["Loading …", "読み込み中 …"],
   said: ["Uniformity {a} by {methodA}, {b} by {methodB}", "一様性 {methodA} {a}、{methodB} {b}"],
   added: ["Point {n} is new", "点 {n} を追加しました"],
   removed: ["Point {n} is gone", "点 {n} を削除しました"],
@@ -118,9 +117,7 @@ export const WORDS = {
   undone: ["Undone", "元に戻しました"],
   redone: ["Done again", "やり直しました"],
   opened: ["{name} is open", "{name} を開きました"],
-  exported: ["{name} is written", "{name} を書き出しました"],
   tooMany: ["{count} points: at most 64 fit the page", "{count} 点: このページでは 64 点まで"],
-  asked: ["asked for", "要求"],
 } as const satisfies Record<string, readonly [string, string]>;
 
 /** A word's name. */
