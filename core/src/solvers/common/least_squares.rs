@@ -9,8 +9,8 @@
 //! A step costs two products with G, however many points there are, and curvature is learnt from the last steps
 //! ([`crate::solvers::common::quasi_newton`]). Each drive rotates by the arc tangent of what a step asks for. The moduli
 //! have a kink at every zero of the field, where descent is caught; the powers are smooth: a picture of 961 points ends at
-//! a third to nine tenths of the error that moduli alone end at. The first start is that of all transducers in phase, whose
-//! field has no zeros near the picture.
+//! a third to nine tenths of the error that moduli alone end at. The first starts are those of a focus whose cone covers the
+//! points ([`crate::solvers::common::cover`]), whose fields have no zeros near the picture.
 
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
@@ -24,6 +24,7 @@ use crate::math;
 use crate::problem::{Problem, Status};
 use crate::rng::Rng;
 use crate::solvers::common::alternating_projection::Projector;
+use crate::solvers::common::cover::{Side, cover};
 use crate::solvers::common::quasi_newton::{QuasiNewton, dot};
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::{Buffer, Workspace};
@@ -98,10 +99,17 @@ pub(crate) fn least_squares(
             stop
         })
     };
+    let mut smooth = [Side::Behind, Side::Front].into_iter().filter_map(|side| cover(problem, side));
     let mut best: Option<Run> = None;
     let mut status = Status::OutOfSteps;
     for start in 0..=others {
-        let mut run = Run::begun(problem, asked, &rows, (start > 0).then_some(&mut rng), work, control)?;
+        let smooth = if problem.has_start() { None } else { smooth.next() };
+        let wave = match smooth {
+            Some(drive) => played(&drive, &rows, work),
+            None if start == 0 => begun(problem, &rows, work, control)?,
+            None => reflected(asked, &mut rng, &rows, work),
+        };
+        let mut run = Run::new(wave, asked, &rows, work);
         status = follow(&mut run, short, control);
         run.measure(asked, &rows, Measure::Moduli);
         if best.as_ref().is_none_or(|best| run.cost < best.cost) {
@@ -160,31 +168,7 @@ struct Run<'w> {
 }
 
 impl<'w> Run<'w> {
-    /// From the problem's start, else from what random phases at the points reflect, else from q = 1.
-    fn begun(
-        problem: &Problem,
-        asked: Asked,
-        rows: &Rows,
-        rng: Option<&mut Rng>,
-        work: &'w Workspace,
-        control: &mut Control,
-    ) -> Result<Self, Error> {
-        let mut projector = Projector::new(rows, work);
-        let mut wave = Wave::new(rows, work);
-        if let Some(rng) = rng {
-            for (j, target) in asked.targets.iter().enumerate() {
-                let (angle, modulus) = (TAU * rng.uniform(), target / rows.target);
-                projector.wanted[0][j] = modulus * math::cos(angle) as f32;
-                projector.wanted[1][j] = modulus * math::sin(angle) as f32;
-            }
-            projector.project(rows, &mut wave);
-        } else {
-            let start = projector.begin(problem, rows, work, control)?;
-            let drives = start.drives(problem.propagation().transducers(), work);
-            let full = |q: &Complex32| if *q == Complex32::ZERO { Complex32::ONE } else { *q };
-            wave.play_at_full(rows, drives.iter().map(full));
-            work.complexes.give(drives);
-        }
+    fn new(wave: Wave<'w>, asked: Asked, rows: &Rows, work: &'w Workspace) -> Self {
         let mut run = Self {
             measure: Measure::Powers,
             trial: Wave::new(rows, work),
@@ -197,7 +181,7 @@ impl<'w> Run<'w> {
             sums: [(); 2].map(|()| work.floats.take_any(rows.lanes)),
         };
         run.measure(asked, rows, Measure::Powers);
-        Ok(run)
+        run
     }
 
     /// From now on by another measure.
@@ -305,6 +289,41 @@ impl<'w> Run<'w> {
             }
         }
     }
+}
+
+/// The wave of the problem's start, else of q = 1, at full drive.
+fn begun<'w>(
+    problem: &Problem,
+    rows: &Rows,
+    work: &'w Workspace,
+    control: &mut Control,
+) -> Result<Wave<'w>, Error> {
+    let start = Projector::new(rows, work).begin(problem, rows, work, control)?;
+    let drive = start.drives(problem.propagation().transducers(), work);
+    let wave = played(&drive, rows, work);
+    work.complexes.give(drive);
+    Ok(wave)
+}
+
+/// The wave of a drive at full drive, 1 where it is 0.
+fn played<'w>(drive: &[Complex32], rows: &Rows, work: &'w Workspace) -> Wave<'w> {
+    let full = |q: &Complex32| if *q == Complex32::ZERO { Complex32::ONE } else { *q };
+    let mut wave = Wave::new(rows, work);
+    wave.play_at_full(rows, drive.iter().map(full));
+    wave
+}
+
+/// The wave that targets of random phases reflect.
+fn reflected<'w>(asked: Asked, rng: &mut Rng, rows: &Rows, work: &'w Workspace) -> Wave<'w> {
+    let mut projector = Projector::new(rows, work);
+    for (j, target) in asked.targets.iter().enumerate() {
+        let (angle, modulus) = (TAU * rng.uniform(), target / rows.target);
+        projector.wanted[0][j] = modulus * math::cos(angle) as f32;
+        projector.wanted[1][j] = modulus * math::sin(angle) as f32;
+    }
+    let mut wave = Wave::new(rows, work);
+    projector.project(rows, &mut wave);
+    wave
 }
 
 /// E of a wave, and the common amplitude.

@@ -1,6 +1,7 @@
 //! What several solvers share.
 
 pub(crate) mod alternating_projection;
+pub(crate) mod cover;
 pub(crate) mod exchange;
 pub(crate) mod gauss_newton;
 pub(crate) mod interleaved;
