@@ -26,6 +26,9 @@ const CROWDED_DAMPING: f32 = 1e-3;
 /// Targets amid crowded quiet points are even where none is off by more than this part of the level.
 const SILENT: f32 = 1e-4;
 
+/// Between crowded points so many steps in a row may leave more than half of the squares: the next ones would, too.
+const PATIENCE: usize = 6;
+
 /// Derivatives serve once more while a step leaves less than this part of the squares: most of a step's time goes into
 /// them.
 const SLOW: f64 = 0.01;
@@ -63,17 +66,26 @@ pub(super) struct Manner {
     /// Even enough, where the plan asks for more.
     tolerance: f32,
     most: usize,
+    /// Steps in a row that may bring little.
+    patience: usize,
 }
 
 impl Manner {
     /// For separate points: to a level, or to the nearest by.
     pub(super) fn separate(level: Option<f32>) -> Self {
-        Self { level, damping: DAMPING, least: 0.0, tolerance: 0.0, most: MOST_STEPS }
+        Self { level, damping: DAMPING, least: 0.0, tolerance: 0.0, most: MOST_STEPS, patience: MOST_STEPS }
     }
 
     /// For crowded points: to a level, the smooth part of a field first.
     pub(super) fn crowded(level: f32) -> Self {
-        Self { level: Some(level), damping: CROWDED_DAMPING, least: 0.0, tolerance: 0.0, most: 2 * MOST_STEPS }
+        Self {
+            level: Some(level),
+            damping: CROWDED_DAMPING,
+            least: 0.0,
+            tolerance: 0.0,
+            most: 2 * MOST_STEPS,
+            patience: PATIENCE,
+        }
     }
 
     /// For crowded quiet points that may leak `quiet` of a level: what makes less than that is left alone.
@@ -84,6 +96,7 @@ impl Manner {
             least: quiet * quiet,
             tolerance: SILENT,
             most: 2 * MOST_STEPS,
+            patience: 2 * MOST_STEPS,
         }
     }
 }
@@ -93,17 +106,17 @@ impl Manner {
 /// # Errors
 /// More memory than allowed.
 pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, manner: Manner, wave: &mut Wave<'w>) -> Result<Polish, Error> {
-    let Manner { level, mut damping, least, tolerance, most } = manner;
+    let Manner { level, mut damping, least, tolerance, most, patience } = manner;
     let (rows, work) = (run.rows, run.work);
     let mut newton = Newton::new(run.problem, rows, run.plan.quiet, work, run.control)?;
     let [mut trial, mut begun] = [(); 2].map(|()| Wave::new(rows, work));
     begun.copy(wave);
     let mut even = false;
-    let (mut renew, mut fresh) = (true, false);
+    let (mut renew, mut fresh, mut slow) = (true, false, 0);
     for step in 0..=most {
         let level_here = |wave: &Wave| level.unwrap_or_else(|| wave.level(rows));
         even = wave.unevenness(rows, level_here(wave), run.plan.quiet) <= run.plan.tolerance.max(tolerance);
-        if even || run.stopped || step == most {
+        if even || run.stopped || step == most || slow > patience {
             break;
         }
         fresh |= renew;
@@ -117,6 +130,7 @@ pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, manner: Manner, wave: &mut W
             tried => tried?,
         };
         let after = if tried { newton.cost(rows, &trial, level_here(&trial)) } else { f64::INFINITY };
+        slow = if after < 0.5 * before { 0 } else { slow + 1 };
         if after < before {
             core::mem::swap(wave, &mut trial);
             damping = (0.1 * damping).max(least);

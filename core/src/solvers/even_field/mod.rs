@@ -71,8 +71,13 @@ pub(crate) fn solve(
     }
     let wanted = problem.aim() == Aim::Target;
     let mut nearest = None;
-    if crowded && wanted && !run.stopped && !problem.has_start() {
-        nearest = Some(targets::approach(&mut run, &mut search)?);
+    if crowded && !run.stopped && !problem.has_start() {
+        let drive = targets::approach(&mut run, &mut search)?;
+        if !run.stopped && !(wanted && search.reaches(rows.target)) && rows.equations() <= TOO_MANY {
+            search.trial.play_at_full(rows, drive.iter().copied());
+            search.climb_on(&mut run, (Pace::LOUD, Manner::crowded))?;
+        }
+        nearest = wanted.then_some(drive);
     }
     if crowded && !run.stopped && rows.equations() <= TOO_MANY && !(wanted && search.reaches(rows.target)) {
         for plan in plans {

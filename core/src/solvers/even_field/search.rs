@@ -95,13 +95,27 @@ impl<'w> Search<'w> {
                 break;
             }
             raise(run, &starts, start, &mut self.trial);
-            climb(run, pace, &mut self.trial)?;
-            let level = self.trial.level(rows);
-            polish(run, manner(level), &mut self.trial)?;
-            let level = self.trial.level(rows);
-            let even = self.trial.unevenness(rows, level, plan.quiet) <= plan.tolerance.max(NEARLY);
-            self.offer(rows, even);
+            self.climb_on(run, (pace, &manner))?;
         }
+        Ok(())
+    }
+
+    /// By steps that raise the level of the trial.
+    ///
+    /// # Errors
+    /// More memory than allowed.
+    pub(super) fn climb_on(
+        &mut self,
+        run: &mut Run<'_, '_, 'w>,
+        (pace, manner): (Pace, impl Fn(f32) -> Manner),
+    ) -> Result<(), Error> {
+        let rows = run.rows;
+        climb(run, pace, &mut self.trial)?;
+        let level = self.trial.level(rows);
+        polish(run, manner(level), &mut self.trial)?;
+        let level = self.trial.level(rows);
+        let even = self.trial.unevenness(rows, level, run.plan.quiet) <= run.plan.tolerance.max(NEARLY);
+        self.offer(rows, even);
         Ok(())
     }
 }
