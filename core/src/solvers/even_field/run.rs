@@ -47,11 +47,11 @@ impl Plan {
         Self { starts: 16, finalists: 3, ..*self }
     }
 
-    /// For crowded points, of which the energy of a start says less of the level it ends at: more starts, and more of them
-    /// carried on the less a step costs.
+    /// For crowded points, of which the energy of a start says less of the level it ends at: beside the field of least
+    /// squares more starts, and more of them carried on the less a step costs.
     pub(super) fn for_crowded(&self, equations: usize) -> Self {
         let more = if equations > MANY { 1 } else { 2 };
-        Self { starts: self.starts.max(16), finalists: self.finalists.max(2) * more, ..*self }
+        Self { starts: self.starts.max(16), finalists: self.finalists * more, ..*self }
     }
 }
 

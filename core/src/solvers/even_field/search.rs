@@ -20,6 +20,9 @@ const KEPT: f32 = 0.97;
 /// matrix are noise in f32.
 pub(super) const NEARLY: f32 = 1e-3;
 
+/// At the highest level that is the part they may be off by: there the last steps trade level for evenness.
+const ALIKE: f32 = 2e-3;
+
 /// The best field so far.
 pub(super) struct Search<'w> {
     pub(super) best: Wave<'w>,
@@ -114,7 +117,7 @@ impl<'w> Search<'w> {
         let level = self.trial.level(rows);
         polish(run, manner(level), &mut self.trial)?;
         let level = self.trial.level(rows);
-        let even = self.trial.unevenness(rows, level, run.plan.quiet) <= run.plan.tolerance.max(NEARLY);
+        let even = self.trial.unevenness(rows, level, run.plan.quiet) <= run.plan.tolerance.max(ALIKE);
         self.offer(rows, even);
         Ok(())
     }
