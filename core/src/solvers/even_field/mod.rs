@@ -31,6 +31,7 @@ use crate::solvers::even_field::point_phases::Foci;
 use crate::solvers::even_field::run::{Plan, Run, TOO_MANY};
 use crate::solvers::even_field::search::Search;
 use crate::solvers::even_field::silence::Silence;
+use crate::solvers::even_field::targets::Nearest;
 use crate::workspace::Workspace;
 
 /// An even drive, at the level that the problem aims at: the best that any of some plans finds.
@@ -72,8 +73,10 @@ pub(crate) fn solve(
     let wanted = problem.aim() == Aim::Target;
     let mut nearest = None;
     if crowded && !run.stopped && !problem.has_start() {
-        let drive = targets::approach(&mut run, &mut search)?;
-        if !run.stopped && !(wanted && search.reaches(rows.target)) && rows.equations() <= TOO_MANY {
+        let Nearest { drive, near } = targets::approach(&mut run, &mut search)?;
+        // Where all targets are nearly met, no other level is looked for.
+        crowded = !(wanted && (near || search.reaches(rows.target)));
+        if crowded && !run.stopped && rows.equations() <= TOO_MANY {
             search.trial.play_at_full(rows, drive.iter().copied());
             search.climb_on(&mut run, (Pace::LOUD, Manner::crowded))?;
         }

@@ -22,8 +22,8 @@ const PICTURE: usize = 400;
 /// ... unless fewer than that are to sound: few points amid a quiet zone.
 const LIT: usize = 64;
 
-/// The largest part of a target that a drive may be off by for all targets to be still in reach of it.
-const NEAR: f32 = 0.3;
+/// The largest part of a target that a drive may be off by for all targets to be in reach of it.
+const NEAR: f32 = 0.05;
 
 /// Whether a problem has more points than an even field is looked for, with targets to be met.
 pub(crate) fn too_many(problem: &Problem) -> bool {
@@ -61,12 +61,19 @@ pub(crate) fn met(
     Ok(met.then(|| wave.drives(propagation.transducers(), work)))
 }
 
-/// Offers a search the field nearest to the targets, or to the balanced level where they are below it, made even if it is
-/// near enough; the drive of least squares as it was found.
+/// The field nearest to the targets, or to the balanced level where they are below it.
+pub(super) struct Nearest {
+    /// The drive of least squares as it was found.
+    pub(super) drive: Vec<Complex32>,
+    /// Whether no target is far: then no other level is either.
+    pub(super) near: bool,
+}
+
+/// Offers a search the nearest field, made even if it is near enough.
 ///
 /// # Errors
 /// More memory than allowed.
-pub(super) fn approach<'w>(run: &mut Run<'_, '_, 'w>, search: &mut Search<'w>) -> Result<Vec<Complex32>, Error> {
+pub(super) fn approach<'w>(run: &mut Run<'_, '_, 'w>, search: &mut Search<'w>) -> Result<Nearest, Error> {
     let (problem, rows) = (run.problem, run.rows);
     let factor = problem.balance().max(1.0) as f32;
     let task = Task { steps: 600, tolerance: 3e-4, starts: 3, seed: 0, factor, before: run.step };
@@ -76,6 +83,7 @@ pub(super) fn approach<'w>(run: &mut Run<'_, '_, 'w>, search: &mut Search<'w>) -
     let mut drive = found.drive;
     search.trial.play_at_full(rows, drive.iter().copied());
     let level = search.trial.level(rows);
+    let near = search.trial.unevenness(rows, rows.target * factor, run.plan.quiet) <= NEAR;
     if !run.stopped && search.trial.unevenness(rows, level, run.plan.quiet) <= NEAR {
         polish(run, Manner::crowded(level), &mut search.trial)?;
     }
@@ -85,5 +93,5 @@ pub(super) fn approach<'w>(run: &mut Run<'_, '_, 'w>, search: &mut Search<'w>) -
     for q in &mut drive {
         *q /= factor;
     }
-    Ok(drive)
+    Ok(Nearest { drive, near })
 }
