@@ -8,7 +8,6 @@ use crate::problem::{Problem, Solution};
 use crate::solvers::descent::Descent;
 use crate::solvers::even_field;
 use crate::solvers::even_field::run::{Plan, QUIET};
-use crate::solvers::even_field::targets::too_many;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::solvers::uniform::Uniform;
 use crate::workspace::Workspace;
@@ -61,7 +60,7 @@ impl Solve for Best {
     }
 
     fn instead(&self, problem: &Problem) -> Option<Box<dyn Solve>> {
-        too_many(problem).then(|| Box::new(Descent::default()) as Box<dyn Solve>)
+        Descent::instead(problem)
     }
 
     fn finds_level(&self) -> bool {

@@ -292,12 +292,7 @@ impl<'w> Run<'w> {
 }
 
 /// The wave of the problem's start, else of q = 1, at full drive.
-fn begun<'w>(
-    problem: &Problem,
-    rows: &Rows,
-    work: &'w Workspace,
-    control: &mut Control,
-) -> Result<Wave<'w>, Error> {
+fn begun<'w>(problem: &Problem, rows: &Rows, work: &'w Workspace, control: &mut Control) -> Result<Wave<'w>, Error> {
     let start = Projector::new(rows, work).begin(problem, rows, work, control)?;
     let drive = start.drives(problem.propagation().transducers(), work);
     let wave = played(&drive, rows, work);
