@@ -19,7 +19,7 @@ TRIALS := 1000
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards test-studio lint fuzz sanitize bench bench-capi bench-peers figures motion exposure measuring obstacles paper docs schema golden map header stubs pins wheels clean
+.PHONY: help outlook setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards test-studio lint fuzz sanitize bench bench-capi bench-peers gallery figures motion exposure measuring obstacles paper docs schema golden map header stubs pins wheels clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -152,6 +152,9 @@ bench/.envs/planar.so: CXXFLAGS := -Ofast -march=native
 bench/.envs/%.so: bench/workers/%.cpp
 	mkdir -p $(@D)
 	$(CXX) -std=c++17 $(CXXFLAGS) -fPIC -shared -o $@ $<
+
+gallery: setup ## Run examples/, keep their pictures in docs/gallery and write docs/gallery.md (30 s)
+	$(PYTHON) book/gallery.py
 
 figures: setup ## Draw docs/quality-time.png
 	OPENBLAS_NUM_THREADS=1 $(PYTHON) bench/figures.py
