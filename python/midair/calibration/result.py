@@ -94,7 +94,10 @@ class Calibration:
         return draw(self)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write everything as .npz, or the corrected scene as .toml or .json."""
+        """Write everything as .npz, or the corrected scene as .toml or .json.
+
+        Raises SceneError for another ending, and for a path that cannot be written.
+        """
         path = path_of("path", path)
         output.check(path, ENDINGS)
         if path.suffix.lower() != ".npz":
@@ -107,7 +110,10 @@ class Calibration:
 
     @staticmethod
     def load(path: str | PathLike[str]) -> Calibration:
-        """Read what `save` wrote as .npz."""
+        """Read what `save` wrote as .npz.
+
+        Raises SceneError for a file that is not in order, FileNotFoundError where there is none.
+        """
         content = path_of("path", path).read_bytes()
         try:
             with np.load(io.BytesIO(content), allow_pickle=False) as archive:
