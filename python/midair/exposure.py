@@ -131,8 +131,8 @@ def exposure(
     Raises SceneError for places, a limit or a drive that are not in order, TypeError where scene is no Scene.
 
     >>> import midair
-    >>> scene = midair.Scene(midair.Array.preset("autd3"), [[0.09, 0.07, 0.15]])
-    >>> found = midair.exposure(scene, midair.solve(scene), {"left ear": [0.09, 0.07, 0.6]})
+    >>> scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]])
+    >>> found = midair.exposure(scene, midair.solve(scene), {"left ear": [0, 0, 0.6]})
     >>> found.above
     ('left ear',)
     """
