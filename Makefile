@@ -103,7 +103,7 @@ test-studio: setup studio ## The studio: types, tests, the package's side, and a
 	$(call step,studio: served and in notebooks (20 s),$(PYTHON) -m pytest python/tests/test_studio.py python/tests/test_view.py)
 	$(call step,studio: in a browser (4 min),cd studio && npx vitest run --config vite.browser.ts)
 
-lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
+lint: .venv/ready ## Formatting, clippy, rustdoc, ruff, spelling: warnings are errors
 	$(call step,lint: Rust is formatted (2 s),$(CARGO) fmt --check)
 	$(call step,lint: clippy on the core (30 s),$(CARGO) clippy --all-targets $(CORE) -- -D warnings)
 	$(call step,lint: clippy on the extension (30 s),$(CARGO) clippy --all-targets -p midair-python -- -D warnings)
@@ -111,6 +111,7 @@ lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
 	$(call step,lint: the core's documentation (5 s),RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps $(CORE))
 	$(call step,lint: Python (2 s),$(BIN)/ruff check python capi bench book firmware fuzz examples)
 	$(call step,lint: Python is formatted (2 s),$(BIN)/ruff format --check python capi bench book firmware fuzz examples)
+	$(call step,lint: words are spelt right (2 s),$(BIN)/codespell *.md docs book core python capi bench examples firmware studio/src)
 
 fuzz: fuzz/.tools/bin/cargo-fuzz fuzz/.venv/ready ## Guided fuzzing, recorded (TIME=60 seconds or RUNS a target, TARGETS="scene solve")
 	nice -n 19 $(PYTHON) fuzz/run.py --time $(TIME) --runs $(RUNS) $(TARGETS)
