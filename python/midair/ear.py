@@ -23,7 +23,9 @@ MOST_POINTS = 100_000
 
 @dataclass(frozen=True, eq=False)
 class Ear:
-    """A box of quiet points (M, 3) in m, from `midair.ear`.
+    """A box of quiet points, from `midair.ear`.
+
+    points : (M, 3) in m
 
     >>> import midair
     >>> scene = midair.Scene(midair.Array.grid(20, 20, 10e-3), [[0, 0, 0.15]], pressures=500)

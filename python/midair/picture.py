@@ -22,9 +22,11 @@ PITCH = 2 * STEP
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A picture as points (M, 3) in m, pressures (M,) in Pa and weights (M,).
+    """A picture as points, from `midair.image`; `midair.Scene(array, **picture)` is its scene.
 
-    `midair.Scene(array, **picture)` is its scene.
+    points : (M, 3) in m
+    pressures : (M,) in Pa, 0 of quiet points
+    weights : (M,), all 1
     """
 
     points: NDArray[np.float64]

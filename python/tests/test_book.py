@@ -39,6 +39,20 @@ def test_every_command_is_described(reference: ModuleType) -> None:
     assert page.startswith("# Command line\n")
 
 
+def test_the_landing_page_leads_to_what_most_people_want() -> None:
+    landing = (ROOT / "docs" / "index.md").read_text()
+    wanted = [
+        "boards.md#sonicsurface",
+        "tutorials/letter.md",
+        "motion.md",
+        "measuring.md",
+        "c.md",
+        "citing.md",
+    ]
+    for page in wanted:
+        assert f"]({page})" in landing
+
+
 def test_every_page_is_in_the_navigation(reference: ModuleType) -> None:
     navigation = (ROOT / "book" / "mkdocs.yml").read_text().split("\nnav:\n")[1]
     listed = re.findall(r": (\S+\.md)$", navigation, re.MULTILINE)
