@@ -25,7 +25,8 @@ ENDINGS = (".npz", ".toml", ".json")
 class Calibration:
     """An array as `midair.calibrate` found it by K drives at M microphones. Errors: standard deviations.
 
-    response : (N,) complex, relative to `source_pressure`, in phase with the array's own on the whole; dead: 0
+    response : (N,) complex, relative to `source_pressure`, in phase with the array's own on the whole;
+        dead: 0
     response_error : (N,) of re and of im of each
     dead, reversed : indices of those that do not sound, and of those that sound the wrong way round
     sound_speed, sound_speed_error : in m/s

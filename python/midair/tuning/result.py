@@ -18,7 +18,8 @@ class Tuning:
 
     drive : (N,), complex of |q| <= 1
     pressures : (M,) |p| with it, as read or as three readings determine it
-    value : how far it is from what was asked: the residual of eq. (7) over silence's; feedback: 1 - uniformity
+    value : how far it is from what was asked: the residual of eq. (7) over silence's;
+        feedback: 1 - uniformity
     readings : how often was read
     status : "done", "stopped", "out_of_readings" or "failed"
     error : what the reader raised, if it did
