@@ -156,7 +156,10 @@ class Connection:
         self._call(Kind.MODULATE, wire.MODULATION.pack(math.nan if hz is None else hz))
 
     def off(self) -> None:
-        """Turn everything off; the connection goes on."""
+        """Turn everything off; the connection goes on.
+
+        Raises BoardLost where the board is gone, BoardError where the connection is closed.
+        """
         self._call(Kind.OFF)
 
     def close(self) -> None:

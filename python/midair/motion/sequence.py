@@ -249,7 +249,10 @@ class Sequence(Frames):
             ) from error
 
     def to_xarray(self) -> Dataset:
-        """Points, targets, pressures, changes and drives (or codes), with dimensions, as xarray.Dataset."""
+        """Points, targets, pressures, changes and drives (or codes), with dimensions, as xarray.Dataset.
+
+        Raises SceneError where xarray is missing.
+        """
         from .labelled import dataset
 
         return dataset(self)
