@@ -19,7 +19,7 @@ TRIALS := 1000
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards test-studio lint fuzz sanitize bench bench-capi bench-peers figures motion exposure measuring obstacles paper docs schema golden map header stubs pins wheels clean
+.PHONY: help outlook setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards test-studio lint fuzz sanitize bench bench-capi bench-peers gallery figures motion exposure measuring obstacles paper docs schema golden map header stubs pins wheels clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -103,7 +103,7 @@ test-studio: setup studio ## The studio: types, tests, the package's side, and a
 	$(call step,studio: served and in notebooks (20 s),$(PYTHON) -m pytest python/tests/test_studio.py python/tests/test_view.py)
 	$(call step,studio: in a browser (4 min),cd studio && npx vitest run --config vite.browser.ts)
 
-lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
+lint: .venv/ready ## Formatting, clippy, rustdoc, ruff, spelling: warnings are errors
 	$(call step,lint: Rust is formatted (2 s),$(CARGO) fmt --check)
 	$(call step,lint: clippy on the core (30 s),$(CARGO) clippy --all-targets $(CORE) -- -D warnings)
 	$(call step,lint: clippy on the extension (30 s),$(CARGO) clippy --all-targets -p midair-python -- -D warnings)
@@ -111,6 +111,7 @@ lint: .venv/ready ## Formatting, clippy, rustdoc, ruff: warnings are errors
 	$(call step,lint: the core's documentation (5 s),RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps $(CORE))
 	$(call step,lint: Python (2 s),$(BIN)/ruff check python capi bench book firmware fuzz examples)
 	$(call step,lint: Python is formatted (2 s),$(BIN)/ruff format --check python capi bench book firmware fuzz examples)
+	$(call step,lint: words are spelt right (2 s),$(BIN)/codespell *.md docs book core python capi bench examples firmware studio/src)
 
 fuzz: fuzz/.tools/bin/cargo-fuzz fuzz/.venv/ready ## Guided fuzzing, recorded (TIME=60 seconds or RUNS a target, TARGETS="scene solve")
 	nice -n 19 $(PYTHON) fuzz/run.py --time $(TIME) --runs $(RUNS) $(TARGETS)
@@ -152,6 +153,9 @@ bench/.envs/planar.so: CXXFLAGS := -Ofast -march=native
 bench/.envs/%.so: bench/workers/%.cpp
 	mkdir -p $(@D)
 	$(CXX) -std=c++17 $(CXXFLAGS) -fPIC -shared -o $@ $<
+
+gallery: setup ## Run examples/, keep their pictures in docs/gallery and write docs/gallery.md (30 s)
+	$(PYTHON) book/gallery.py
 
 figures: setup ## Draw docs/quality-time.png
 	OPENBLAS_NUM_THREADS=1 $(PYTHON) bench/figures.py

@@ -136,19 +136,20 @@ def start(stack: ExitStack) -> list[Worker]:
 
 
 def keep(rows: list[record.Row]) -> None:
-    """The record, and the README's table if all that it compares with took part."""
+    """The record, and the pages' tables if all that they compare with took part."""
     path = BENCH / "records" / f"{rows[0]['date']}.csv"
     record.write(path, rows)
     print(f"wrote {path.relative_to(BENCH.parent)}")
     if record.REFERENCE in {row["rival"] for row in rows}:
-        record.place(BENCH.parent / "README.md", record.table(rows))
-        print("wrote the README's table")
+        for page, table in record.tables(rows).items():
+            record.place(BENCH.parent / page, table)
+            print(f"wrote the table of {page}")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rounds", type=int, default=Effort.rounds, help="measurements of each entry")
-    parser.add_argument("--quick", action="store_true", help="a look: no record, no table in the README")
+    parser.add_argument("--quick", action="store_true", help="a look: no record, no tables")
     options = parser.parse_args()
     effort = QUICK if options.quick else Effort(rounds=options.rounds)
     with ExitStack() as stack:

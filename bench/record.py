@@ -1,4 +1,4 @@
-"""The record of a run as CSV, and the README's table made from it."""
+"""The record of a run as CSV, and the tables of pages made from it."""
 
 import csv
 import os
@@ -14,13 +14,19 @@ FIELDS = (
 BEGIN, END = "<!-- bench:begin -->", "<!-- bench:end -->"
 #: What all ratios refer to.
 REFERENCE, GREEDY = "autd3", "greedy 16 phases"
-#: The README's rows: NumPy in, NumPy out, or the call itself where there is no other.
+#: What the README shows, which links to all of it.
+SHORT = tuple(
+    [("midair", method) for method in (GREEDY, "fast", "uniform", "gspat", "naive")]
+    + [(REFERENCE, method) for method in (GREEDY, "gspat", "naive")]
+    + [("textbook f64", GREEDY)]
+)
+#: The rows of a table: NumPy in, NumPy out, or the call itself where there is no other.
 _FORMS = {"midair": "solve", "autd3": "full", "acoustools": "full"}
 _SIZES, _JUDGED = (1, 4, 8, 16, 64), (16, 64)
 _COUNT = "996"
 
 Row = dict[str, str]
-#: Rows of the README by rival, method, grid and M.
+#: Rows of a table by rival, method, grid and M.
 _Found = dict[tuple[str, str, str, int], Row]
 
 
@@ -51,7 +57,15 @@ def read(path: Path) -> list[Row]:
         return list(csv.DictReader(file))
 
 
-def table(rows: Sequence[Row]) -> str:
+def tables(rows: Sequence[Row]) -> dict[str, str]:
+    """The table of each page that has one, by the page's path in the repository."""
+    return {
+        "README.md": table(rows, "bench", SHORT),
+        "docs/performance.md": table(rows, "../bench"),
+    }
+
+
+def table(rows: Sequence[Row], bench: str = "bench", only: Sequence[tuple[str, str]] | None = None) -> str:
     """Markdown: a row a method, medians as ratios at each M, quality of the answers."""
     shown = [row for row in rows if row["N"] == _COUNT and row["form"] == _FORMS.get(row["rival"], "call")]
     found = {(row["rival"], row["method"], row["grid"], int(row["M"])): row for row in shown}
@@ -62,15 +76,20 @@ def table(rows: Sequence[Row]) -> str:
         f" time over {first['rounds']} rounds: on the boards' grid of 256 phases x 256 amplitudes, where"
         f" autd3's answers lie, and in brackets with any drive.{_beside_gspat(found)} Answer: accuracy /"
         f" sigma, on the grid where there is one, by one forward model, means over {first['scenes']} scenes."
-        " [What the numbers include and whom they favour](bench/README.md)."
+        f" [What the numbers include and whom they favour]({bench}/README.md)."
     )
     times = "".join(f" M = {m} |" for m in _SIZES)
     answers = "".join(f" answer, M = {m} |" for m in _JUDGED)
     rule = "|---|" + "---:|" * len(_SIZES) + "---|" * len(_JUDGED)
     head = [_wrapped(caption), "", f"| |{times}{answers}", rule]
     named = dict.fromkeys((row["rival"], row["method"]) for row in shown)
-    body = [f"| {rival}, {method} | {' | '.join(_cells(found, rival, method))} |" for rival, method in named]
-    versions = dict.fromkeys(f"{row['rival']} {row['version']}" for row in rows)
+    body = [
+        f"| {rival}, {method} | {' | '.join(_cells(found, rival, method))} |"
+        for rival, method in named
+        if only is None or (rival, method) in only
+    ]
+    told = {rival for rival, _ in only or named}
+    versions = dict.fromkeys(f"{row['rival']} {row['version']}" for row in rows if row["rival"] in told)
     return "\n".join([*head, *body, "", _wrapped("; ".join(versions) + ".")])
 
 
@@ -112,13 +131,12 @@ def _ratio(reference: Row | None, row: Row | None) -> str:
     return f"{ratio:.0f}" if ratio >= 10 else f"{ratio:.2g}"
 
 
-def place(readme: Path, text: str) -> None:
-    """Puts the table between the README's markers."""
-    page = readme.read_text()
-    before, begin, rest = page.partition(BEGIN)
+def place(page: Path, text: str) -> None:
+    """Puts the table between the page's markers."""
+    before, begin, rest = page.read_text().partition(BEGIN)
     _, end, after = rest.partition(END)
     if not begin or not end:
-        raise SystemExit(f"{readme} has no lines {BEGIN} and {END} to put the table between")
-    new = readme.with_suffix(".new")
+        raise SystemExit(f"{page} has no lines {BEGIN} and {END} to put the table between")
+    new = page.with_suffix(".new")
     new.write_text(f"{before}{BEGIN}\n{text}\n{END}{after}")
-    os.replace(new, readme)
+    os.replace(new, page)

@@ -6,6 +6,7 @@ file is a page under `repository/`, with those that it links to.
 
 from __future__ import annotations
 
+import json
 import posixpath
 import re
 import sys
@@ -50,10 +51,14 @@ def outside(target: str, page: str) -> str | None:
 
 
 def shown(path: str) -> str:
-    """A file of the repository as Markdown: code in a block; of a folder, the names of its files."""
+    """A file of the repository as Markdown: code in a block, a notebook's cells, a folder's names."""
     if (ROOT / path).is_dir():
         names = sorted(file.name for file in (ROOT / path).iterdir())
         return f"# {path}\n\n" + "".join(f"- [{name}]({name})\n" for name in names)
+    if path.endswith(".ipynb"):
+        kinds = {"markdown": "{}\n", "code": "```python\n{}\n```\n"}
+        cells = json.loads((ROOT / path).read_text())["cells"]
+        return "\n".join(kinds[cell["cell_type"]].format("".join(cell["source"])) for cell in cells)
     text = (ROOT / path).read_text()
     return text if path.endswith(".md") else f"# {path}\n\n```{Path(path).suffix[1:]}\n{text}```\n"
 

@@ -1,4 +1,4 @@
-"""Tune four foci by a microphone on a sound card, or by a simulated one for those who have none.
+"""Four foci tuned by a microphone: one on a sound card, or a simulated one for those who have none.
 
     python examples/microphone.py                    simulated: an array that its model does not know
     python examples/microphone.py --device 3         a sound card: a microphone at each focus, a channel each
@@ -9,10 +9,11 @@ The sound card's part needs the extra midair[sound] and a card of 96 kHz or more
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 import midair
 
@@ -60,6 +61,18 @@ def sound_card(
     return read
 
 
+def draw(heard: Mapping[str, Any]) -> None:
+    """Print what each way has made of the foci, and draw it as microphone.png."""
+    figure = Figure(figsize=(7, 3.8), layout="constrained")
+    ax = figure.subplots()
+    for k, (way, pressures) in enumerate(heard.items()):
+        print(f"{way}:", np.round(pressures), "Pa")
+        ax.bar(np.arange(len(pressures)) + 0.27 * (k - 1), pressures, width=0.25, label=way)
+    ax.set(xlabel="focus", ylabel="|p| at the microphone, Pa", xticks=range(4), ylim=(0, 4200))
+    ax.legend()
+    figure.savefig("microphone.png")
+
+
 def main() -> None:
     """Tune, and say what came of it."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
@@ -74,10 +87,11 @@ def main() -> None:
         array = midair.Array.grid(16, 16, 10e-3)
         scene = midair.Scene(array, [[x, y, 0.15] for x in (-0.02, 0.02) for y in (-0.02, 0.02)])
         read = simulated(scene)
-        print("the model's answer:", np.round(read(midair.solve(scene, "uniform").drive)), "Pa")
+        heard = {"the model's answer": read(midair.solve(scene, "uniform").drive)}
         for method in ("feedback", "greedy"):
             found = midair.tune(read, scene, method, start="model")  # type: ignore[arg-type]
-            print(f"{method}, {found.readings} readings:", np.round(found.pressures), "Pa")
+            heard[f"{method}, {found.readings} readings"] = found.pressures
+        draw(heard)
         return
     array = midair.Array.preset(given.board)
     middle = array.positions.mean(axis=0)

@@ -90,6 +90,8 @@ class Comparison:
         """A sheet with the field of every solution, all in the same colours. Returns the figure.
 
         quantity : "pressure", "radiation", "spl" or "phase", as `midair.plot` takes it
+
+        Raises SceneError for another quantity, and for a matrix, which has no field.
         """
         from .plot import contact_sheet
 
@@ -174,6 +176,8 @@ def compare(
 
     solvers : names, (name, options) pairs or functions, or one of them; left out, every solver there is
     pressures, ..., balance : as `midair.solve` takes them, for every solver
+
+    Raises SceneError and TypeError as `midair.solve` does, for the first solver that is refused.
 
     >>> import midair
     >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])

@@ -23,7 +23,9 @@ MOST_POINTS = 100_000
 
 @dataclass(frozen=True, eq=False)
 class Ear:
-    """A box of quiet points (M, 3) in m, from `midair.ear`.
+    """A box of quiet points, from `midair.ear`.
+
+    points : (M, 3) in m
 
     >>> import midair
     >>> scene = midair.Scene(midair.Array.grid(20, 20, 10e-3), [[0, 0, 0.15]], pressures=500)
@@ -39,6 +41,8 @@ class Ear:
         """The scene with the box's points added, quiet: 0 Pa and weight 1.
 
         Where its pressures were left out, they become the balanced level (`scene.reach().level`).
+
+        Raises SceneError for a point nearer than lambda/100 to a transducer.
         """
         own = scene.reach().level if scene.pressures is None else scene.pressures
         silence = np.zeros(len(self.points))
@@ -50,6 +54,8 @@ class Ear:
         """The highest sound pressure level at the box's points: 20 log10(|p|/sqrt(2)/20 uPa) in dB.
 
         `drive` (N,), or a solution of the scene with or without the box. -inf in silence.
+
+        Raises SceneError for a drive of another shape or not finite.
         """
         loudest = float(np.abs(field(scene, drive, self.points).pressure).max())
         return -np.inf if loudest == 0.0 else float(20 * np.log10(loudest / np.sqrt(2) / REFERENCE))
@@ -64,6 +70,8 @@ def ear(position: Any, *, size: float = 0.01, step: float = STEP) -> Ear:
 
     Solvers that hold quiet points to a tolerance (`quiet=` of `uniform` and `best`) silence it to that part
     of the loudest point. The level says what is left, not what an ear bears.
+
+    Raises SceneError for a position, size or step that is not in order, and for too many points.
     """
     middle = vector("position", position)
     size, step = number("size", size, above=0), number("step", step, above=0)

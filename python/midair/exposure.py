@@ -128,9 +128,11 @@ def exposure(
     searched about its loudest samples. The air is free: a head or a wall, which reflects, adds up to 6 dB. A
     limit is what its source says about levels; what a person bears is nothing that this can tell.
 
+    Raises SceneError for places, a limit or a drive that are not in order, TypeError where scene is no Scene.
+
     >>> import midair
-    >>> scene = midair.Scene(midair.Array.preset("autd3"), [[0.09, 0.07, 0.15]])
-    >>> found = midair.exposure(scene, midair.solve(scene), {"left ear": [0.09, 0.07, 0.6]})
+    >>> scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]])
+    >>> found = midair.exposure(scene, midair.solve(scene), {"left ear": [0, 0, 0.6]})
     >>> found.above
     ('left ear',)
     """

@@ -22,9 +22,11 @@ PITCH = 2 * STEP
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A picture as points (M, 3) in m, pressures (M,) in Pa and weights (M,).
+    """A picture as points, from `midair.image`; `midair.Scene(array, **picture)` is its scene.
 
-    `midair.Scene(array, **picture)` is its scene.
+    points : (M, 3) in m
+    pressures : (M,) in Pa, 0 of quiet points
+    weights : (M,), all 1
     """
 
     points: NDArray[np.float64]
@@ -61,6 +63,9 @@ def image(
 
     Colours are read as their brightness, and what is transparent as black. Every weight is 1. With aim="max"
     only the ratios of the pressures count: the picture becomes as loud as the array can.
+
+    Raises SceneError for a file that is not there, is no picture or is dark everywhere, for numbers that are
+    not in order, and for more points than 100000.
     """
     size, z, pressure = number("size", size, above=0), number("z", z), number("pressure", pressure, above=0)
     quiet = flag("quiet", quiet)

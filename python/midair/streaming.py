@@ -37,7 +37,10 @@ class Streaming:
     field: Field
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """A map of the force in its plane, with arrows along it. Returns the axes."""
+        """A map of the force in its plane, with arrows along it. Returns the axes.
+
+        Raises SceneError for forces at single points.
+        """
         from .plot.force import draw
 
         return draw(self, ax)
@@ -59,6 +62,8 @@ def streaming(
     F is 2 alpha I/c of a plane wave of |p| (Nyborg 1965), and only nearly that where waves cross at large
     angles. Its direction is that of the active intensity Im(conj(p) grad p), by central differences over
     lambda/25. Forces compare drives; how fast air then flows is not told here.
+
+    Raises SceneError for a drive or points of another shape, TypeError where scene is no Scene.
 
     >>> import midair
     >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]], source_pressure=4.386)

@@ -26,6 +26,8 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// quantization is what its board can play, {"phases": 256, "amplitudes": [0, 0.5, 1]}: every answer then lies on
 /// that grid. What is left out there, or None, is continuous.
 ///
+/// Raises SceneError for numbers of another shape or not finite, values out of their range, and unknown names.
+///
 /// >>> import midair
 /// >>> midair.Array([[0, 0, 0], [0.01, 0, 0]]).positions.shape
 /// (2, 3)
@@ -113,6 +115,8 @@ impl Array {
     }
 
     /// A flat grid of nx x ny transducers, pitch metres apart, centred in z = 0, x fastest.
+    ///
+    /// Raises SceneError for less than one transducer, a pitch that is not above 0, and keywords that `Array` refuses.
     #[staticmethod]
     #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
     #[pyo3(signature = (nx, ny, pitch, *, source_pressure=None, directivity=None, response=None, mask=None, quantization=None))]
@@ -132,6 +136,8 @@ impl Array {
     }
 
     /// A known board or the paper's array; tiles = (x, y) boards. Keywords override the preset's values.
+    ///
+    /// Raises SceneError for an unknown name, for tiles of a preset that has none, and keywords that `Array` refuses.
     #[staticmethod]
     #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
     #[pyo3(signature = (name, tiles=None, *, source_pressure=None, directivity=None, response=None, mask=None, quantization=None))]
@@ -164,6 +170,9 @@ impl Array {
 
     /// An array from a file: OpenMPD's .pat, Ultraino's .xml.gz, HandyBeam's .xml, AUTD3's geometry .json, or .csv of x, y, z
     /// and nx, ny, nz in m. Keywords override what its format brings.
+    ///
+    /// Raises SceneError for a file that cannot be read or is of no known format, naming the line, and keywords that
+    /// `Array` refuses.
     #[staticmethod]
     #[pyo3(signature = (path, **keywords))]
     fn from_file<'py>(path: &Bound<'py, PyAny>, keywords: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {

@@ -229,10 +229,13 @@ impl Batch {
 /// The first argument gives array and medium: a Scene, or an Array with a Scene's keywords (frequency, sound_speed,
 /// ...), or a Propagation, a matrix for B targets. quantization and mask replace the array's. points are (B, M, 3) in
 /// m, left out for a matrix, whose pressures are then (B, M); else pressures and weights are a number, (M,) or (B, M): a
-/// weight of 0 pads problems with fewer points. start is complex drives (B, N) or real point phases (B, M). The drives are written into out
-/// (B, N), complex64 and C-contiguous, if that is given. threads is how many at most; the answers do not depend on
-/// it. progress(done, problems, mean residual) stops the batch by returning False: what is not yet solved has the
-/// status "stopped" and a drive of 0.
+/// weight of 0 pads problems with fewer points. start is complex drives (B, N) or real point phases (B, M). The drives
+/// are written into out (B, N), complex64 and C-contiguous, if that is given. threads is how many at most; the answers
+/// do not depend on it. progress(done, problems, mean residual) stops the batch by returning False: what is not yet
+/// solved has the status "stopped" and a drive of 0.
+///
+/// Raises what `solve` raises, SceneError naming the problem and before any is solved, also for an out that cannot be
+/// written; warns once a kind, with counts.
 ///
 /// >>> import midair, numpy
 /// >>> points = numpy.random.default_rng(1).uniform(-0.05, 0.05, (10, 4, 3)) + [0, 0, 0.15]

@@ -15,6 +15,8 @@ use crate::read;
 /// kind is "rigid" (a solid: on it |p| doubles) or "soft" (it gives way: on it p = 0). Its name is not Plane, which is the
 /// plane of a picture.
 ///
+/// Raises SceneError for a place that is no place or another kind; for a normal of no length when a scene takes it.
+///
 /// >>> import midair
 /// >>> table = midair.Wall([0, 0, 0.2], [0, 0, -1])
 /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]], obstacles=[table])
@@ -80,6 +82,9 @@ impl Wall {
 /// A sphere that waves go around, the only one of a scene's `obstacles`: center (3,) and radius in m, up to 12 wavelengths.
 ///
 /// kind is "rigid" (a solid) or "soft" (it gives way, p = 0). What it sends on is exact, by its series.
+///
+/// Raises SceneError for a center that is no place or another kind; for its size, and points inside, when a scene takes
+/// it.
 ///
 /// >>> import midair
 /// >>> ball = midair.Sphere([0, 0, 0.1], 0.02)

@@ -199,8 +199,11 @@ impl Field {
 
 /// The field p = G q of a drive (N,), or of a Solution with its scale counted in, on a plane or at points (P, 3) in m.
 ///
-/// Inside an obstacle it is 0. Left out, the plane is the scene's own, else one through its points: normal to z, y or x, and several where they do
-/// not lie in one (`panels`).
+/// Inside an obstacle it is 0. Left out, the plane is the scene's own, else one through its points: normal to z, y or x, and
+/// several where they do not lie in one (`panels`).
+///
+/// Raises SceneError for a drive or points of another shape or not finite, TypeError where scene is no Scene, MemoryError
+/// for more than MIDAIR_MEMORY allows. Warns, by a SceneWarning, of a plane asked for that no point lies in.
 #[pyfunction]
 #[pyo3(signature = (scene, drive, plane=None))]
 pub(crate) fn field(

@@ -79,6 +79,9 @@ impl Gorkov {
 /// is for spheres small beside the wavelength, without viscosity, gravity and the push of waves that run. Derivatives are
 /// exact, in double precision.
 ///
+/// Raises SceneError for a drive or points of another shape or not finite, a sphere's value that is not above 0, and a
+/// scene with obstacles other than walls.
+///
 /// >>> import midair
 /// >>> scene = midair.Scene(midair.Array.grid(16, 16, 10.5e-3), [[0, 0, 0.08]], signature="trap")
 /// >>> trap = midair.gorkov(scene, midair.solve(scene))

@@ -15,6 +15,8 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// It is the value of a semidefinite relaxation and lies some 8 to 9 % above the best field known. At most 64 points.
 /// Pressures, weights and mask go with a Propagation, or replace a scene's own.
 ///
+/// Raises SceneError for more points and for no pressure above 0, TypeError where scene is neither.
+///
 /// >>> import midair
 /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
 /// >>> level = midair.solve(scene, "wgs").metrics.level
@@ -35,6 +37,8 @@ pub(crate) fn bound(
 
 /// The metrics of a drive (N,), or of a Solution with its scale counted in, wholly in double precision. Pressures,
 /// weights and mask go with a Propagation, or replace a scene's own.
+///
+/// Raises SceneError for a drive of another shape or not finite, TypeError where scene is neither.
 #[pyfunction]
 #[pyo3(signature = (scene, drive, *, pressures=None, weights=None, mask=None))]
 pub(crate) fn judge(

@@ -23,6 +23,8 @@ use crate::read;
 /// kind is "rigid" (a solid) or "soft" (it gives way, p = 0). The sound on its surface is solved by boundary elements, once
 /// for an array, by the extra midair[mesh]. `Mesh.from_file` reads files of modellers.
 ///
+/// Raises SceneError for vertices and faces that are not in order, and for a surface that is not closed.
+///
 /// >>> import midair
 /// >>> corners = [[0, 0, 0.1], [0.02, 0, 0.1], [0, 0.02, 0.1], [0, 0, 0.12]]
 /// >>> midair.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
@@ -57,6 +59,9 @@ impl Mesh {
     /// A file of a modeller: .stl, .obj, .ply, .off, .glb and what else trimesh reads (the extra midair[mesh]).
     ///
     /// scale is the metres of its unit, 1e-3 of a file in millimetres; offset (3,) in m is added then.
+    ///
+    /// Raises SceneError for a file that is not there, cannot be read or holds no closed surface, and where trimesh is
+    /// missing.
     #[staticmethod]
     #[pyo3(signature = (path, *, scale=None, offset=None, kind="rigid"))]
     fn from_file(

@@ -17,6 +17,8 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// A square of pixels x pixels samples, side size (all in m), around center: at height z, center (x, y); or normal to
 /// axis "y", center (x, z), or "x", center (y, z), at the place `at` along it.
 ///
+/// Raises SceneError for a plane without a place, and a size, pixels, center or axis that is not in order.
+///
 /// >>> import midair
 /// >>> float(midair.Plane(z=0.15, size=0.1, pixels=3).x[0])
 /// -0.05
@@ -130,6 +132,8 @@ impl Plane {
     }
 
     /// Samples along an axis (pixels,) in m, or None of that which the plane is normal to.
+    ///
+    /// Raises SceneError for an axis other than "x", "y" and "z".
     fn along<'py>(&self, py: Python<'py>, axis: &Bound<'py, PyAny>) -> PyResult<Samples<'py>> {
         Ok(self.samples(py, read_axis(axis)?))
     }

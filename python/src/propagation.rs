@@ -14,6 +14,8 @@ use crate::read;
 /// Pressures and weights, and the quantization, mask and positions of the array behind it, then go to `solve`, `Solver`,
 /// `solve_batch`, `judge` and `bound`.
 ///
+/// Raises SceneError for a matrix that is not (M, N) or has entries that are not finite.
+///
 /// >>> import midair, numpy as np
 /// >>> solution = midair.solve(midair.Propagation(np.ones((1, 4))), pressures=4.0)
 /// >>> round(solution.metrics.accuracy, 6)

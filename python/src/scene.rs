@@ -26,15 +26,31 @@ use crate::solution::Solution;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// A request: an array, points (M, 3) in m, and what each shall feel.
+/// A request: an array, points in the air, and what each of them shall feel.
 ///
-/// pressures (M,) are peak pressures in Pa; one number stands for all, 0 asks for a quiet point; left out, all are
-/// equal at the level the array can reach together. Complex ones ask for phases, too, of the methods that use them. weights (M,) multiply the points' terms; a point of weight 0
-/// takes no part. sound_speed (m/s) or temperature (degrees C), absorption in Np/m, density in kg/m^3;
-/// source_pressure and directivity override the array's. signature turns the foci into traps: "trap", "twin", "vortex" or
-/// complex factors (N,) or (M, N) of modulus 1, which multiply the responses while it is solved; pressures are then those
-/// of the foci, and `field` and `gorkov` tell the real ones. obstacles are what the waves meet, a list of midair.Wall,
-/// Sphere and Mesh.
+/// array : the midair.Array, N transducers
+/// points : (M, 3) in m
+/// pressures : (M,) peak |p| in Pa, or one for all; 0 asks for a quiet point; left out, all are the balanced level s, which
+///     the array can reach together: sum_j (s/p1_j)^2 = 1, p1_j = sum_i |G_ji|. Complex ones ask for phases, too, of the
+///     methods that use them
+/// weights : (M,) or one for all: they multiply the points' terms of eq. (7); a point of weight 0 takes no part
+/// frequency : in Hz; left out 40e3
+/// sound_speed : in m/s; left out 340; or
+/// temperature : in degrees C, for 331.3 sqrt(1 + T/273.15) m/s
+/// absorption : alpha of the amplitude in Np/m; left out 0
+/// density : in kg/m^3; left out 1.18
+/// source_pressure, directivity : P0 in Pa m and D, in place of the array's
+/// signature : turns the foci into traps: "trap", "twin", "vortex" or complex factors (N,) or (M, N) of modulus 1, which
+///     multiply the responses c while it is solved; pressures are then those of the foci, and `field` and `gorkov` tell the
+///     real ones
+/// obstacles : what the waves meet, a list of midair.Wall, Sphere and Mesh
+///
+/// A drive q makes p_j = sum_i G_ji q_i, G_ji = P0/r D(theta) e^(-alpha r) e^(jkr) c_i: eq. (5) of Suzuki et al., IEEE Trans.
+/// Haptics 14, 914 (2021), with directivity, absorption and response.
+///
+/// Raises SceneError for numbers of another shape or not finite, points that lie too far away or where no sound is, and what
+/// contradicts itself, such as a sound speed beside a temperature; TypeError for an array that is none. Warns, by a
+/// SceneWarning, of values that are hardly meant.
 ///
 /// >>> import midair
 /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]])
@@ -147,6 +163,9 @@ impl Scene {
     /// The same scene with other parts, named as the constructor names them, or another `plane`; what is left out stays,
     /// the solver of a scene file too. None takes pressures, weights or the plane away and leaves anything else as it is.
     ///
+    /// Raises SceneError for a part of another name, for what `Scene` refuses, and for pressures and weights of another
+    /// number of points.
+    ///
     /// >>> import midair
     /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]], 100.0)
     /// >>> scene.replace(pressures=200.0).pressures
@@ -157,6 +176,9 @@ impl Scene {
     }
 
     /// Reads a scene file: JSON by its ending .json, TOML by .toml, else by looking at it.
+    ///
+    /// Raises SceneError for what is at fault in it, with line, column and a line as it would be correct; OSError, such
+    /// as FileNotFoundError, where it cannot be read.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         Self::of(crate::files::load(py, &path)?)?.told(py)
@@ -165,6 +187,8 @@ impl Scene {
     /// Reads a scene from text (str or bytes), TOML or JSON by looking at it.
     ///
     /// name is what errors call it; files that it names are relative to folder, and refused without one.
+    ///
+    /// Raises SceneError for what is at fault in it, with line, column and a line as it would be correct.
     #[staticmethod]
     #[pyo3(signature = (text, *, name="scene", folder=None))]
     fn parse(text: &Bound<'_, PyAny>, name: &str, folder: Option<PathBuf>) -> PyResult<Self> {
@@ -172,12 +196,17 @@ impl Scene {
     }
 
     /// Writes the scene as TOML or (by the ending .json) JSON, whole or not at all.
+    ///
+    /// Raises OSError where it cannot be written, and SceneError for what no file holds, such as a signature of one's
+    /// own factors.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let text = files::write(&self.inner, Format::of(&path.to_string_lossy()), &Provenance::default());
         crate::files::save(py, &path, &text.map_err(refused)?)
     }
 
     /// The scene as JSON text; with a solution, as the record of how it was solved.
+    ///
+    /// Raises SceneError for what no file holds, such as a signature of one's own factors.
     #[pyo3(signature = (solution=None))]
     fn json(&self, solution: Option<&Bound<'_, Solution>>) -> PyResult<String> {
         let Some(solution) = solution else {
@@ -282,6 +311,9 @@ impl Scene {
     }
 
     /// G (M, N) in Pa, complex64: the pressure at point j of transducer i at full drive, eq. (5), times the signature.
+    ///
+    /// Raises SceneError for a point nearer than lambda/100 to a transducer, MemoryError for more than MIDAIR_MEMORY
+    /// allows.
     fn propagation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
         let matrix = |mut control: Control<'_>| self.model().propagation(self.inner.points())?.matrix(&mut control);
         let matrix = attend(py, None, matrix)?;
@@ -289,6 +321,8 @@ impl Scene {
     }
 
     /// What the array can do at the points: the strongest pressure at each alone, and at all of them together.
+    ///
+    /// Raises SceneError for a point nearer than lambda/100 to a transducer.
     fn reach(&self, py: Python<'_>) -> PyResult<Reach> {
         let reach = |mut control: Control<'_>| self.problem(&mut control)?.reach(&mut control);
         let midair::Reach { alone, level, .. } = attend(py, None, reach)?;

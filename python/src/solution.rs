@@ -67,12 +67,17 @@ impl Solution {
 #[pymethods]
 impl Solution {
     /// Reads what `save` or `midair solve -o` wrote, .npz or .json: an equal solution. Nothing in a file is run.
+    ///
+    /// Raises SceneError for a file that is not in order or whose drive does not give its pressures, FileNotFoundError
+    /// where there is none.
     #[staticmethod]
     fn load<'py>(path: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         path.py().import("midair.record")?.call_method1("load", (path,))
     }
 
     /// Writes it as .npz, .json or (the drive alone) .csv, by the path's ending, whole or not at all.
+    ///
+    /// Raises SceneError for another ending, and for a path that cannot be written.
     fn save(slf: &Bound<'_, Self>, path: &Bound<'_, PyAny>) -> PyResult<()> {
         slf.py().import("midair.record")?.call_method1("save", (path, slf))?;
         Ok(())
@@ -247,6 +252,8 @@ impl Solution {
     /// A matplotlib figure of what was asked and got at each point, in Pa, beside the field in the planes through them.
     ///
     /// quantity is what the field's picture shows: "pressure", "radiation", "spl" or "phase". A matrix has no field.
+    ///
+    /// Raises SceneError for another quantity.
     #[pyo3(signature = (*, quantity=None), text_signature = "($self, *, quantity='pressure')")]
     fn plot<'py>(slf: &Bound<'py, Self>, quantity: Option<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
         let options = PyDict::new(slf.py());

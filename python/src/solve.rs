@@ -36,18 +36,26 @@ fn chosen(
     Ok(midair::Choice { name: name.into(), options, balance, aim })
 }
 
-/// Finds a drive for a scene, or for a matrix G (`Propagation`) with what goes beside it: pressures, weights, and the
-/// quantization, mask and positions (N, 3) of its array. Beside a scene, all but positions replace its own.
+/// Finds a drive q (N,), |q| <= 1, whose pressures p = G q come near to the targets: a Solution.
 ///
-/// solver is a name of `solvers()`; left out it is the scene file's, else the default. Its options are keywords. It may
-/// also be a function: solver(propagation, targets, weights, **options) is given G (M, N) in Pa, targets (M,) in Pa and
-/// weights (M,), the largest 1, of the points of weight above 0, and returns a drive (N,) of moduli up to 1.
-/// greedy's objective, too, may be a function: objective(pressures, targets, weights) is given the pressures (K, M) in Pa
-/// that each of K candidates would make, and returns what each costs (K,); the lowest is taken, one transducer after another.
-/// balance=True solves at the level the array can reach and reduces the drives afterwards; None is the method's
-/// own habit. start (a drive, point phases or a Solution) and aim ("target" or "max") are for the methods that
-/// use them. progress(step, steps, residual) is called every step and stops the solve by returning False;
-/// trace=True keeps the residuals.
+/// scene : a Scene, or a matrix G (`Propagation`) with what goes beside it
+/// solver : a name of `solvers()`; left out, the scene file's, else the default. Or a function: solver(propagation, targets,
+///     weights, **options) is given G (M, N) in Pa, targets (M,) in Pa and weights (M,), the largest 1, of the points of
+///     weight above 0, and returns a drive (N,) of moduli up to 1
+/// pressures, weights, quantization, mask : what a matrix has not of its own; beside a scene they replace its own
+/// positions : (N, 3) in m, of a matrix alone
+/// balance : True solves at the level the array can reach and reduces the drives afterwards; None is the method's own habit
+/// aim : "target", as loud as asked, or "max", as loud as can be, for the methods that use it
+/// start : a drive (N,), point phases (M,) in rad or a Solution, for the methods that use it
+/// progress : called with (step, steps, residual) at every step; False stops, and the best so far is the answer
+/// trace : True keeps the residuals, sum w (target - |p|)^2 / sum w target^2: eq. (7) relative to silence
+/// options : of the solver, as `solvers()` tells them with their sources. greedy's objective may be a function:
+///     objective(pressures, targets, weights) is given the pressures (K, M) in Pa that each of K candidates would make, and
+///     returns what each costs (K,); the lowest is taken, one transducer after another
+///
+/// Raises SceneError for an unknown solver or option, a value that it does not take, a point nearer than lambda/100 to a
+/// transducer, and a pressure where no transducer reaches; TypeError where scene is neither; MemoryError for more than
+/// MIDAIR_MEMORY allows. What a function raises passes through. Warns, by a SceneWarning, of pressures beyond reach.
 ///
 /// >>> import midair
 /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])

@@ -32,6 +32,9 @@ type Remembered<'py> = (Bound<'py, PyArray2<Complex32>>, Bound<'py, PyArray1<f32
 /// Propagation, a matrix for many targets. quantization and mask replace the array's. points is the largest number of
 /// points that it may be asked for, if there is to be one.
 ///
+/// Raises SceneError for an unknown solver or option and a value that it does not take, TypeError where scene is none
+/// of these, and at a call what `solve` raises.
+///
 /// >>> import midair, numpy
 /// >>> solver = midair.Solver(midair.Array.preset("paper20"), "fast")
 /// >>> drive = numpy.empty(400, numpy.complex64)
@@ -212,6 +215,8 @@ impl Solver {
     /// Drives (T, N), complex64, of T frames one after another: points (T, M, 3) in m, pressures (T, M) in Pa, 0 where a
     /// point is not there; left out all are there at the balanced level. `glide` goes on from its last frame, from call
     /// to call; a solver that uses a start has the last drive of this call as it. A frame without points is silent.
+    ///
+    /// Raises SceneError for points and pressures that are not in order, naming the frame.
     #[pyo3(signature = (points, pressures=None))]
     fn follow<'py>(
         &self,
@@ -260,6 +265,8 @@ impl Solver {
     }
 
     /// Goes on from what `last` gave.
+    ///
+    /// Raises SceneError for arrays of another shape than that of `last`, TypeError for what are none.
     fn restore(
         &self,
         drives: PyReadonlyArray2<'_, Complex32>,

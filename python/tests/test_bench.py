@@ -1,5 +1,6 @@
 """The judge and the table of the side-by-side benchmark, which itself is not run here."""
 
+import re
 import runpy
 from pathlib import Path
 from types import SimpleNamespace
@@ -29,12 +30,19 @@ def test_the_judge_agrees_with_midairs() -> None:
         assert found[name] == pytest.approx(getattr(expected, name), rel=1e-11), name
 
 
-def test_the_readmes_table_is_made_from_the_newest_record() -> None:
-    record, page = load("record"), (ROOT / "README.md").read_text()
+def test_the_pages_tables_are_made_from_the_newest_record() -> None:
+    record = load("record")
     newest = max(BENCH.joinpath("records").glob("20*.csv"))
-    assert page.count(record.BEGIN) == page.count(record.END) == 1
-    shown = page.partition(record.BEGIN)[2].partition(record.END)[0]
-    assert shown == f"\n{record.table(record.read(newest))}\n"
+    for path, table in record.tables(record.read(newest)).items():
+        page = (ROOT / path).read_text()
+        assert page.count(record.BEGIN) == page.count(record.END) == 1
+        assert page.partition(record.BEGIN)[2].partition(record.END)[0] == f"\n{table}\n", path
+
+
+def test_no_table_of_the_readme_is_longer_than_a_screen() -> None:
+    tables = re.findall(r"(?:^\|.*\n)+", (ROOT / "README.md").read_text(), re.MULTILINE)
+    assert len(tables) >= 3
+    assert all(len(table.splitlines()) < 40 for table in tables)
 
 
 def row(rival: str, method: str, form: str, grid: str, m: int, ns: float) -> dict[str, str]:

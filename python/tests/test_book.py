@@ -39,6 +39,32 @@ def test_every_command_is_described(reference: ModuleType) -> None:
     assert page.startswith("# Command line\n")
 
 
+def test_every_option_is_described(reference: ModuleType) -> None:
+    sections = dict(re.findall(r"^## midair (\S+)\n(.*?)(?=^## |\Z)", reference.command_line(), re.M | re.S))
+    for name, section in sections.items():
+        arguments = app[name].assemble_argument_collection(parse_docstring=True)
+        for argument in arguments:
+            assert argument.parameter.help, f"midair {name} {argument.name}"
+            for option in argument.names:
+                assert re.search(rf"^\* `.*{re.escape(option)}[ ,`].*: \S", section, re.MULTILINE), (
+                    f"{name} {option}"
+                )
+
+
+def test_the_landing_page_leads_to_what_most_people_want() -> None:
+    landing = (ROOT / "docs" / "index.md").read_text()
+    wanted = [
+        "boards.md#sonicsurface",
+        "tutorials/letter.md",
+        "motion.md",
+        "measuring.md",
+        "c.md",
+        "citing.md",
+    ]
+    for page in wanted:
+        assert f"]({page})" in landing
+
+
 def test_every_page_is_in_the_navigation(reference: ModuleType) -> None:
     navigation = (ROOT / "book" / "mkdocs.yml").read_text().split("\nnav:\n")[1]
     listed = re.findall(r": (\S+\.md)$", navigation, re.MULTILINE)

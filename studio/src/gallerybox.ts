@@ -3,7 +3,6 @@
 import type { Context } from "./context.ts";
 import { element } from "./dom.ts";
 import { gallery } from "./gallery.ts";
-import { initial } from "./initial.ts";
 
 /** Shows the gallery; a scene that is chosen is opened, and can be undone. */
 export function showGallery(context: Context): void {
@@ -13,7 +12,7 @@ export function showGallery(context: Context): void {
     const word = (pair: readonly [string, string]) => pair[language === "ja" ? 1 : 0];
     const choose = () => {
       dialog.close();
-      studio.change({ ...initial, map: studio.view.state.map, ...state });
+      studio.change({ ...state, map: studio.view.state.map });
       context.announce(say("opened", { name: word(name) }));
     };
     const text = element("span", {}, word(line));

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { gallery } from "../src/gallery.ts";
-import { initial, MOST_POINTS } from "../src/initial.ts";
+import { MOST_POINTS } from "../src/initial.ts";
 import { readLink, writeLink } from "../src/link.ts";
 import { sceneOf, stateOf } from "../src/scene_file.ts";
 
@@ -12,8 +12,7 @@ test("there are eight scenes of different names", () => {
   }
 });
 
-test.each(gallery)("$name.0 is a link and a scene", (example) => {
-  const state = { ...initial, ...example.state };
+test.each(gallery)("$name.0 is a link and a scene", ({ state }) => {
   expect(state.points.length).toBeGreaterThan(0);
   expect(state.points.length).toBeLessThanOrEqual(MOST_POINTS);
   expect(state.pressures?.length ?? state.points.length).toBe(state.points.length);

@@ -37,6 +37,9 @@ class Board:
     Transducers that are masked or dead are off, whatever they are told. What each kind is told is
     in docs/boards.md.
 
+    Raises SceneError for an unknown name, a file that is not in order, and channels or corrections of another
+    number than the transducers.
+
     >>> import midair
     >>> board = midair.Board("sonicsurface")
     >>> solution = midair.solve(midair.Scene(board.array, [[0, 0, 0.15]]))
@@ -137,11 +140,16 @@ class Board:
         """The frame of a drive (N,), or of a Solution's: the nearest phases and amplitudes of the board.
 
         What a solution leaves to the supply or to modulation (`solution.scale`) is no part of it.
+
+        Raises SceneError for a drive of another shape, not finite or above 1.
         """
         return self._codec.encode(drive.drive if isinstance(drive, Solution) else drive)
 
     def decode(self, frame: bytes) -> NDArray[np.complex64]:
-        """The drive (N,) that a frame plays, 0 where a transducer is off."""
+        """The drive (N,) that a frame plays, 0 where a transducer is off.
+
+        Raises SceneError for bytes that are no frame of the board.
+        """
         return self._codec.decode(frame)
 
     def __repr__(self) -> str:

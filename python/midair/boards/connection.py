@@ -81,7 +81,11 @@ class Connection:
         self._finalizer = weakref.finalize(self, self._guard.close)
 
     def send(self, drive: ArrayLike | Solution) -> None:
-        """Play a drive (N,) or a solution until something else comes; waits while two frames wait already."""
+        """Play a drive (N,) or a solution until something else comes; waits while two frames wait already.
+
+        Raises SceneError for a drive that is not in order or above the connection's limit, BoardLost where
+        the board is gone, BoardError where the connection is closed.
+        """
         self._call(Kind.PLAY, wire.WHEN.pack(0.0, 0.0, Late.WAIT) + self._encode(drive))
 
     def stream(
@@ -99,6 +103,10 @@ class Connection:
         late : with a frame that comes more than a period late because the board is slow: "skip" leaves it out
             and keeps to the clock, "wait" plays it and moves the clock, "error" raises BoardTimeout. A frame
             that a generator was slow to give is played when it comes, unless that is an error.
+
+        Raises SceneError for a drive that is not in order or above the connection's limit, BoardTimeout for a
+        rate that late="error" cannot keep, BoardLost where the board is gone, BoardError where the connection
+        is closed.
         """
         frames = self._drives(drives)
         if rate is None and isinstance(drives, Sequence):
@@ -122,7 +130,11 @@ class Connection:
             raise
 
     def upload(self, sequence: Sequence) -> None:
-        """Let the board play a sequence by itself, over and over, where it can hold one (AUTD3)."""
+        """Let the board play a sequence by itself, over and over, where it can hold one (AUTD3).
+
+        Raises BoardError of a board that holds none, SceneError for frames that are not in order, BoardLost
+        where the board is gone, BoardError where the connection is closed.
+        """
         if self.board.name not in HOLDS_SEQUENCE:
             raise BoardError(f"{self.board.name} holds no sequence: use stream")
         if not isinstance(sequence, Sequence):
@@ -134,6 +146,9 @@ class Connection:
         """Modulate the amplitude of what plays, and of what will.
 
         hz : of the sine on AUTD3, of on and off on SonicSurface; None for no modulation
+
+        Raises BoardError of a board that cannot, SceneError for a frequency that is none, BoardLost where the
+        board is gone, BoardError where the connection is closed.
         """
         if hz is not None:
             hz = number("hz", hz, above=0)
@@ -141,7 +156,10 @@ class Connection:
         self._call(Kind.MODULATE, wire.MODULATION.pack(math.nan if hz is None else hz))
 
     def off(self) -> None:
-        """Turn everything off; the connection goes on."""
+        """Turn everything off; the connection goes on.
+
+        Raises BoardLost where the board is gone, BoardError where the connection is closed.
+        """
         self._call(Kind.OFF)
 
     def close(self) -> None:

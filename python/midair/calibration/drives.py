@@ -26,6 +26,8 @@ def calibration_drives(
     All transducers sound in every drive, which tells sqrt(N) times more of each than one at a time would
     at the same noise. Masked ones stay off.
 
+    Raises SceneError for numbers that are not above 0 and an array whose transducers are all masked.
+
     >>> import midair
     >>> midair.calibration_drives(midair.Array.grid(16, 16, 10e-3)).shape
     (256, 256)

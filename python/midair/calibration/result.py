@@ -23,29 +23,33 @@ ENDINGS = (".npz", ".toml", ".json")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Calibration:
-    """An array as `midair.calibrate` found it by K drives at M microphones. Errors: standard deviations."""
+    """An array as `midair.calibrate` found it by K drives at M microphones. Errors: standard deviations.
 
-    #: (N,) complex, relative to `source_pressure`, in phase with the array's own on the whole; dead: 0.
+    response : (N,) complex, relative to `source_pressure`, in phase with the array's own on the whole;
+        dead: 0
+    response_error : (N,) of re and of im of each
+    dead, reversed : indices of those that do not sound, and of those that sound the wrong way round
+    sound_speed, sound_speed_error : in m/s
+    microphones, microphones_error : (M, 3) in m; errors of 0 where their places were held
+    pose, pose_error : (6,) of the second board: moved by x, y, z in m and turned about x, y, z in rad, about
+        its middle
+    noise : standard deviation of a reading about the model, in Pa: noise, and what the model does not know
+    residuals : (K, M) model minus readings, in Pa
+    scene : the scene with the corrected array and sound speed
+    """
+
     response: NDArray[np.complex128]
-    #: (N,) of re and of im of each.
     response_error: NDArray[np.float64]
-    #: Indices of those that do not sound, and of those that sound the wrong way round.
     dead: NDArray[np.intp]
     reversed: NDArray[np.intp]
-    #: In m/s.
     sound_speed: float
     sound_speed_error: float
-    #: (M, 3) in m; errors of 0 where their places were held.
     microphones: NDArray[np.float64]
     microphones_error: NDArray[np.float64]
-    #: (6,) of the second board: moved by x, y, z in m and turned about x, y, z in rad, about its middle.
     pose: NDArray[np.float64]
     pose_error: NDArray[np.float64]
-    #: Standard deviation of a reading about the model, in Pa: noise, and what the model does not know.
     noise: float
-    #: (K, M) model minus readings, in Pa.
     residuals: NDArray[Any]
-    #: The scene with the corrected array and sound speed.
     scene: Scene
 
     @property
@@ -94,7 +98,10 @@ class Calibration:
         return draw(self)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write everything as .npz, or the corrected scene as .toml or .json."""
+        """Write everything as .npz, or the corrected scene as .toml or .json.
+
+        Raises SceneError for another ending, and for a path that cannot be written.
+        """
         path = path_of("path", path)
         output.check(path, ENDINGS)
         if path.suffix.lower() != ".npz":
@@ -107,7 +114,10 @@ class Calibration:
 
     @staticmethod
     def load(path: str | PathLike[str]) -> Calibration:
-        """Read what `save` wrote as .npz."""
+        """Read what `save` wrote as .npz.
+
+        Raises SceneError for a file that is not in order, FileNotFoundError where there is none.
+        """
         content = path_of("path", path).read_bytes()
         try:
             with np.load(io.BytesIO(content), allow_pickle=False) as archive:

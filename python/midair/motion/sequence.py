@@ -63,18 +63,27 @@ class Sequence(Frames):
         return np.arange(len(self)) / self._rate
 
     def drive(self, frame: int) -> NDArray[np.complex64]:
-        """The drive (N,) of a frame."""
+        """The drive (N,) of a frame.
+
+        Raises IndexError where there is no such frame.
+        """
         return self._drives[frame]
 
     def scene(self, frame: int) -> Scene:
-        """A frame's points that are there and their targets, as a scene; all points where none is there."""
+        """A frame's points that are there and their targets, as a scene; all points where none is there.
+
+        Raises IndexError where there is no such frame.
+        """
         there = self._targets[frame] > 0
         if not there.any():
             return self._scene.replace(points=self._points[frame])
         return self._scene.replace(points=self._points[frame][there], pressures=self._targets[frame][there])
 
     def field(self, frame: int, plane: Plane | None = None) -> Field:
-        """The field of a frame at rest in a plane, by `midair.field`."""
+        """The field of a frame at rest in a plane, by `midair.field`.
+
+        Raises IndexError where there is no such frame.
+        """
         return field(self.scene(frame), self.drive(frame), plane)
 
     @cached_property
@@ -113,6 +122,8 @@ class Sequence(Frames):
         """Metrics in motion: of the pressures inside the frames, as `between` has them.
 
         Left out, tau means frames at rest, and 0.2 ms for the noise. A target holds for its frame.
+
+        Raises SceneError for a tau below 0, an unknown hold and substeps below 1.
         """
         heard = self._envelope(TAU if tau is None else tau, hold)
         steps = arguments.substeps(substeps)
@@ -138,6 +149,8 @@ class Sequence(Frames):
 
         The answer y of the transducers is exact at these times. Points go straight from frame to frame. The
         first drive of an open sequence has been played for ever before it begins; a closed one repeats.
+
+        Raises SceneError for a tau below 0, an unknown hold and substeps below 1.
         """
         return self._between(self._envelope(tau, hold), arguments.substeps(substeps))
 
@@ -159,6 +172,8 @@ class Sequence(Frames):
 
         Amplitude modulation (1 + cos)/2 has 3/8 of the force of full amplitude as its static part,
         sqrt((1 + cos)/2) has 1/2 and one line. The spectrum takes the sequence as repeated.
+
+        Raises SceneError for a place, area, tau or bands that are not in order.
         """
         places = arguments.places(place)
         size = None if area is None else number("area", area, above=0)
@@ -197,19 +212,28 @@ class Sequence(Frames):
         progress : called with (pictures drawn, pictures)
 
         The file is written whole or not at all, and Ctrl-C leaves nothing.
+
+        Raises SceneError for another ending, a path that cannot be written, or frames and fps that are not in
+        order.
         """
         from .animation import animate
 
         animate(self, path, plane, frames, fps, progress)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write it as .npz: points, targets, drives (or codes), scene (array and air) and setting as JSON."""
+        """Write it as .npz: points, targets, drives (or codes), scene (array and air) and setting as JSON.
+
+        Raises SceneError for another ending, and for a path that cannot be written.
+        """
         arrays = {"points": self._points, "targets": self._targets, "drives": self._drives.held}
         files.save(path, arrays, self._scene, self.setting())
 
     @staticmethod
     def load(path: str | PathLike[str]) -> Sequence:
-        """Read what `save` wrote, to the last bit. A file is never run."""
+        """Read what `save` wrote, to the last bit. A file is never run.
+
+        Raises SceneError for a file that is not in order, FileNotFoundError where there is none.
+        """
         source = path_of("path", path)
         name = " ".join(str(source).split())
         try:
@@ -225,7 +249,10 @@ class Sequence(Frames):
             ) from error
 
     def to_xarray(self) -> Dataset:
-        """Points, targets, pressures, changes and drives (or codes), with dimensions, as xarray.Dataset."""
+        """Points, targets, pressures, changes and drives (or codes), with dimensions, as xarray.Dataset.
+
+        Raises SceneError where xarray is missing.
+        """
         from .labelled import dataset
 
         return dataset(self)

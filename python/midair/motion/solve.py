@@ -116,6 +116,8 @@ def stream(
     `midair.sequence`. M may change: what appears or vanishes at once makes a jolt as large as the bound lets
     it be.
 
+    Raises SceneError for whatever is not in order, a frame at its turn.
+
     >>> import midair
     >>> array = midair.Array.preset("autd3")
     >>> hand = ([[0.001 * t, 0.0, 0.15]] for t in range(5))

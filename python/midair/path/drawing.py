@@ -30,6 +30,9 @@ def svg(
     pressures : in Pa; left out, balanced
 
     The path is closed where the outline is. A drawing of several outlines is refused.
+
+    Raises SceneError for a file that is not there or draws more than one outline, and unless either a speed
+    or a frequency above 0 is given.
     """
     contours = outlines("path.svg", path, size, z)
     if len(contours) > 1:

@@ -42,6 +42,9 @@ def circle(
     turns : how many; a path of whole turns is closed
     start_angle : of the first point, in rad, from x (where the plane allows it, else from y)
     pressures : in Pa, one number or (M,); left out, balanced
+
+    Raises SceneError for numbers that are not in order, and unless either a speed or a frequency above 0 is
+    given.
     """
     radius, turns = number("radius", radius, above=0), number("turns", turns, above=0)
     angle, count = number("start_angle", start_angle), whole("points", points, least=1)
@@ -66,6 +69,9 @@ def line(
     speed : in m/s; or
     frequency : how often a second, there and back where asked
     pressures : in Pa; left out, balanced
+
+    Raises SceneError for an end that is the start, for numbers that are not in order, and unless either a
+    speed or a frequency above 0 is given.
     """
     ends = np.stack([vector("start", start), vector("end", end)])
     closed = flag("there_and_back", there_and_back)
@@ -87,6 +93,9 @@ def polyline(
     speed : in m/s; or
     frequency : how often a second it walks the whole
     pressures : in Pa; left out, balanced
+
+    Raises SceneError for corners in one place, for numbers that are not in order, and unless either a speed
+    or a frequency above 0 is given.
     """
     vertices, closed = vectors("corners", corners), flag("closed", closed)
     if (vertices == vertices[0]).all():
@@ -112,6 +121,9 @@ def lissajous(
     speed : in m/s, constant along the figure (a sine in time would not be); or
     frequency : figures a second
     pressures : in Pa; left out, balanced
+
+    Raises SceneError for a size or ratio that is not in order, and unless either a speed or a frequency above
+    0 is given.
     """
     middle, phase = vector("center", center), number("phase", phase)
     sizes, lobes = real("size", size, "give (width, height) in m"), real("ratio", ratio, "give (a, b)")

@@ -28,6 +28,8 @@ def read(path: Path | ArrayLike, rate: float, pressures: ArrayLike | None = None
     Targets are in Pa where the path has pressures, or where `pressures` (one number, (M,) or (T, M)) are
     given, times what modulation and fades of the path leave of them. Without either they are relative to
     full, and None where all are 1.
+
+    Raises SceneError for points that are no frames, a rate that is not above 0, and pressures given twice.
     """
     rate = number("rate", rate, above=0)
     if isinstance(path, Path):

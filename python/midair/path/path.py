@@ -56,15 +56,23 @@ class Path:
         """Places (T, M, 3) in m at times (T,) in s.
 
         A closed path goes around; one that is open stands still before its start and after its end.
+
+        Raises SceneError for times that are no finite numbers.
         """
         return self._piece.place(self._piece.within(instants(times)))
 
     def targets(self, times: ArrayLike) -> Numbers:
-        """Targets (T, M) at times (T,) in s: in Pa where pressures were given, else relative to full."""
+        """Targets (T, M) at times (T,) in s: in Pa where pressures were given, else relative to full.
+
+        Raises SceneError for times that are no finite numbers.
+        """
         return self._piece.level(self._piece.within(instants(times)))
 
     def speed(self, times: ArrayLike) -> Numbers:
-        """Speeds (T, M) in m/s at times (T,) in s within the path; at a corner, the speed after it."""
+        """Speeds (T, M) in m/s at times (T,) in s within the path; at a corner, the speed after it.
+
+        Raises SceneError for times that are no finite numbers.
+        """
         return self._piece.pace(self._piece.within(instants(times)))
 
     def frames(self, rate: float) -> tuple[Numbers, Numbers]:
@@ -72,6 +80,9 @@ class Path:
 
         One more where the path is open: its end. The step over the seam of a closed path is like any other
         where duration times rate is whole.
+
+        Raises SceneError for a rate that gives less than two frames, too many for one answer, or too few for
+        the modulation.
         """
         rate = number("rate", rate, above=0)
         # The end of an open path is a frame, that of a closed one the first.
@@ -96,6 +107,8 @@ class Path:
 
         Both last equally long; or both are closed, their durations in a ratio of whole numbers, and go around
         until both are at their start again.
+
+        Raises SceneError for paths that last differently, or of which one has pressures and one has none.
         """
         return Path(beside(self._piece, _piece("other", other)))
 
@@ -111,6 +124,9 @@ class Path:
             from 0 where points vanish and appear) along a raised cosine. Left out, such paths are refused.
 
         The new path is closed where its end joins its start.
+
+        Raises SceneError for paths that do not join where there is no fade, or of which one has pressures and
+        one has none.
         """
         seconds = None if fade is None else number("fade", fade, above=0)
         return Path(then(self._piece, _piece("other", other), seconds))
@@ -121,6 +137,9 @@ class Path:
         With c = cos(2 pi frequency t), s is sqrt((1 + c) / 2) for "sqrt", whose force on a hand has one line
         in its spectrum and the mean 1/2; (1 + c) / 2 for "cosine", of mean force 3/8; 1, then 0 for "square".
         A closed path holds a whole number of periods.
+
+        Raises SceneError for an unknown shape, a depth beyond 0 to 1, and a frequency that a closed path
+        cannot hold.
         """
         return Path(modulated(self._piece, frequency, shape, depth))
 

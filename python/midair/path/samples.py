@@ -61,6 +61,8 @@ def from_array(
 
     pressures : in Pa, one number, (M,) or (T, M), straight between frames, too; left out, balanced
     closed : whether the last frame goes on to the first
+
+    Raises SceneError for points, pressures or a rate that are not in order, and for fewer than two frames.
     """
     rate, closed = number("rate", rate, above=0), flag("closed", closed)
     frames = point_sets("points", points)
@@ -82,6 +84,9 @@ def morph(
     duration : in s; or
     speed : in m/s, of the point that goes furthest
     pressures : in Pa, one number or (M,); left out, balanced
+
+    Raises SceneError for sets of different numbers of points, and unless either a duration or a speed above 0
+    is given.
     """
     if duration is not None and speed is not None:
         raise SceneError(

@@ -50,6 +50,9 @@ def plot(
 
     Of a `midair.Sequence`, which takes none of these arguments: waterfalls of |p| / target at the points and
     of the transducers' phase changes, and the spectrum of the radiation pressure. Returns the figure.
+
+    Raises SceneError for another quantity, a field at single points and a solution of a matrix; TypeError for
+    anything else to draw.
     """
     if isinstance(what, Sequence):
         if ax is not None or quantity != "pressure" or vmax is not None:

@@ -12,7 +12,11 @@ from .contour import STEP, Points, count, few, points_along, spaced
 
 
 def line(start: ArrayLike, end: ArrayLike, *, step: float = STEP) -> Points:
-    """Points (M, 3) in m from start to end, both included."""
+    """Points (M, 3) in m from start to end, both included.
+
+    Raises SceneError for an end that is the start, for numbers that are not in order, and for more points
+    than 100000.
+    """
     step = number("step", step, above=0)
     ends = np.stack([vector("start", start), vector("end", end)])
     if (ends[0] == ends[1]).all():
@@ -27,6 +31,9 @@ def circle(
 
     The first lies along x, as far as the plane allows (else along y); the others follow counterclockwise,
     seen against the normal.
+
+    Raises SceneError for a radius or step not above 0, a normal of no length, and for more points than
+    100000.
     """
     step, radius = number("step", step, above=0), number("radius", radius, above=0)
     center, normal = vector("center", center), vector("normal", normal)
@@ -55,6 +62,9 @@ def polyline(points: ArrayLike, *, step: float = STEP, closed: bool = False) -> 
     """Points (M, 3) in m along straight lines between `points` (K, 3), closed or not.
 
     The first of `points` is among them, and the last if they do not close; steps run on around corners.
+
+    Raises SceneError for points that are all in one place, for numbers that are not in order, and for more
+    points than 100000.
     """
     step, closed = number("step", step, above=0), flag("closed", closed)
     vertices = vectors("points", points)

@@ -15,6 +15,9 @@ def text(string: str, *, height: float, z: float, step: float = STEP, font: str 
 
     height : of a capital H, in m
     font : the name of a font that matplotlib finds; left out, DejaVu Sans, which it brings along
+
+    Raises SceneError for text without outlines, an unknown font, sizes not above 0, and for more points than
+    100000.
     """
     step, height, z = number("step", step, above=0), number("height", height, above=0), number("z", z)
     if not word("string", string).strip():

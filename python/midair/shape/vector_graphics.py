@@ -22,6 +22,9 @@ def svg(path: str | PathLike[str], *, size: float, z: float, step: float = STEP)
 
     y points up, as in the picture. Colours, widths and fillings are passed over, and so is text that was not
     turned into paths.
+
+    Raises SceneError for a file that is not there or draws nothing, sizes not above 0, and for more points
+    than 100000.
     """
     step = number("step", step, above=0)
     return points_along(outlines("shape.svg", path, size, z), step)

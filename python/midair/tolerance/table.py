@@ -35,7 +35,10 @@ TOGETHER = "together"
 
 @dataclass(frozen=True, eq=False)
 class Kept:
-    """What trials of some faults keep: level and uniformity (T,) as parts of those without faults."""
+    """What trials of some faults keep.
+
+    level, uniformity : (T,), as parts of those without faults
+    """
 
     level: NDArray[np.float64]
     uniformity: NDArray[np.float64]

@@ -66,6 +66,9 @@ def tolerate(
     without faults. Of many transducers in step, a phase error s (rad) leaves exp(-s^2/2) of the level, dead
     ones 1 - d, reversed ones 1 - 2 d.
 
+    Raises SceneError for faults out of their range, none at all, and what `midair.solve` refuses; TypeError
+    where scene is no Scene.
+
     >>> import midair
     >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
     >>> table = midair.tolerate(scene, "uniform", phase=20, dead=0.05, trials=20)

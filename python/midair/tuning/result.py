@@ -14,17 +14,22 @@ Status = Literal["done", "out_of_readings", "stopped", "failed"]
 
 @dataclass(frozen=True, eq=False)
 class Tuning:
-    """The best drive (N,) that `midair.tune` found, and what is read with it."""
+    """The best drive that `midair.tune` found, and what is read with it.
+
+    drive : (N,), complex of |q| <= 1
+    pressures : (M,) |p| with it, as read or as three readings determine it
+    value : how far it is from what was asked: the residual of eq. (7) over silence's;
+        feedback: 1 - uniformity
+    readings : how often was read
+    status : "done", "stopped", "out_of_readings" or "failed"
+    error : what the reader raised, if it did
+    trace : the value after each turn, step or reading
+    """
 
     drive: NDArray[np.complex64]
-    #: |p| (M,) with it, as read or as three readings determine it.
     pressures: NDArray[np.float64]
-    #: How far it is from what was asked: the residual of eq. (7) over silence's; feedback: 1 - uniformity.
     value: float
-    #: How often was read.
     readings: int
     status: Status
-    #: What the reader raised, if it did.
     error: Exception | None
-    #: The value after each turn, step or reading.
     trace: NDArray[np.float64]

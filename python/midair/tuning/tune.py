@@ -60,6 +60,8 @@ def tune(
     The best drive found is kept, whatever ends the work: Ctrl-C or progress (status "stopped"), the budget
     ("out_of_readings"), an error of `read` ("failed", `error`, and a SceneWarning that tells of it). A place
     that gives 0, or the same, in all readings has a SceneWarning, too.
+
+    Raises SceneError for arguments that are not in order, and for readings of another shape than the places.
     """
     if not callable(read):
         raise refused("read", read, "give a function of a drive (N,) that answers |p| (M,)")

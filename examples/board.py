@@ -1,0 +1,27 @@
+"""What a SonicSurface is told: the phase step of each of its 256 transducers, and the field that they make.
+
+The board knows 32 phases, on and off, and every answer for its array is already of these. Played on a board
+at the end of a line that is none; `sonicsurface:/dev/ttyUSB0` is a real one.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import midair
+
+board = midair.Board("sonicsurface")
+points = [[0.02, 0, 0.12], [-0.02, 0, 0.12], [0, 0.03, 0.12]]
+solution = midair.solve(midair.Scene(board.array, points))
+
+with midair.connect("sonicsurface:loop") as surface:
+    surface.send(solution)
+
+steps = np.round(solution.phases / (2 * np.pi / 32)) % 32
+figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), layout="constrained")
+x, y = 1e3 * board.array.positions[:, 0], 1e3 * board.array.positions[:, 1]
+discs = axes[0].scatter(x, y, c=steps, s=90, cmap="twilight", vmin=0, vmax=32)
+axes[0].set(aspect="equal", xlabel="x / mm", ylabel="y / mm", title="phase steps of 2 pi/32")
+figure.colorbar(discs, ax=axes[0])
+midair.plot(solution, axes[1])
+axes[1].set_title("three foci, 12 cm above")
+figure.savefig("board.png")

@@ -1,0 +1,28 @@
+"""Letters as strokes of foci 5 mm apart: how strong each of them is, by three methods.
+
+A finger that follows the strokes finds a gap wherever a focus is weak. The metric for that is `uniformity`,
+the weakest focus over the loudest.
+"""
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+
+import midair
+
+SCENES = Path(__file__).parents[1] / "docs" / "scenes" / "gallery"
+
+scene = midair.Scene.load(SCENES / "letters.json")
+table = midair.compare(scene, ["naive", "gspat", "uniform"])
+
+figure, axes = plt.subplots(1, 3, figsize=(10, 3.2), sharey=True, layout="constrained")
+top = max(abs(solution.pressures).max() for solution in table)
+for ax, solution in zip(axes, table, strict=True):
+    x, y = 1e3 * scene.points[:, 0], 1e3 * scene.points[:, 1]
+    dots = ax.scatter(x, y, c=abs(solution.pressures), s=60, vmin=0, vmax=top)
+    ax.set_title(f"{solution.solver}: uniformity {solution.metrics.uniformity:.2f}")
+    ax.set_aspect("equal")
+    ax.set_xlabel("x in mm")
+axes[0].set_ylabel("y in mm")
+figure.colorbar(dots, label="|p| in Pa")
+figure.savefig("letters.png")

@@ -1,0 +1,15 @@
+"""A face of foci that a palm can feel: superposed single foci leave gaps, `uniform` makes all alike.
+
+The studio's first scene, solved by three methods and drawn in one scale. `compare` prints their numbers, too.
+"""
+
+from pathlib import Path
+
+import midair
+
+SCENES = Path(__file__).parents[1] / "docs" / "scenes" / "gallery"
+
+scene = midair.Scene.load(SCENES / "smiley.json")
+table = midair.compare(scene, ["naive", "greedy", "uniform"])
+print(table)
+table.plot().savefig("smiley.png")
