@@ -17,6 +17,7 @@ use num_complex::{Complex32, Complex64};
 
 use crate::math;
 use crate::problem::Problem;
+use crate::workspace::Workspace;
 
 /// Where the focus lies.
 #[derive(Clone, Copy)]
@@ -29,7 +30,7 @@ pub(crate) enum Side {
 const WIDTH: f64 = 1.25;
 
 /// The drives of modulus 1 of the focus on one side; `None` where places are not known or the array is one place.
-pub(crate) fn cover(problem: &Problem, side: Side) -> Option<Vec<Complex32>> {
+pub(crate) fn cover(problem: &Problem, side: Side, work: &Workspace) -> Option<Vec<Complex32>> {
     let (array, points, _) = problem.propagation().origin()?;
     let live = (0..array.len()).map(|i| if array.effect(i) == Complex64::ZERO { 0.0 } else { 1.0 });
     let (middle, aperture) = spread(array.positions(), live)?;
@@ -43,14 +44,15 @@ pub(crate) fn cover(problem: &Problem, side: Side) -> Option<Vec<Complex32>> {
     let part = if part.abs() < 1e-3 { 1e-3 } else { part };
     let focus: [f64; 3] = core::array::from_fn(|axis| middle[axis] + (centre[axis] - middle[axis]) / part);
     let turn = -part.signum() * problem.setup().medium.wavenumber();
-    let drive = array.positions().iter().enumerate().map(|(i, place)| {
+    let mut drive = work.complexes.take(array.len());
+    for (i, (q, place)) in drive.iter_mut().zip(array.positions()).enumerate() {
         let square = focus.iter().zip(place).map(|(f, x)| (f - x) * (f - x)).sum::<f64>();
         let effect = array.effect(i);
         let lag = if effect == Complex64::ZERO { 0.0 } else { math::atan2(effect.im, effect.re) };
-        let q = math::phasor(turn * math::sqrt(square) - lag);
-        Complex32::new(q.re as f32, q.im as f32)
-    });
-    Some(drive.collect())
+        let phasor = math::phasor(turn * math::sqrt(square) - lag);
+        *q = Complex32::new(phasor.re as f32, phasor.im as f32);
+    }
+    Some(drive.into_vec())
 }
 
 /// The weighted mean of some places, and the root mean square distance from it; `None` where it is 0 or there is no weight.

@@ -99,13 +99,13 @@ pub(crate) fn least_squares(
             stop
         })
     };
-    let mut smooth = [Side::Behind, Side::Front].into_iter().filter_map(|side| cover(problem, side));
+    let mut smooth = [Side::Behind, Side::Front].into_iter().filter_map(|side| cover(problem, side, work));
     let mut best: Option<Run> = None;
     let mut status = Status::OutOfSteps;
     for start in 0..=others {
         let smooth = if problem.has_start() { None } else { smooth.next() };
         let wave = match smooth {
-            Some(drive) => played(&drive, &rows, work),
+            Some(drive) => played(drive, &rows, work),
             None if start == 0 => begun(problem, &rows, work, control)?,
             None => reflected(asked, &mut rng, &rows, work),
         };
@@ -295,16 +295,15 @@ impl<'w> Run<'w> {
 fn begun<'w>(problem: &Problem, rows: &Rows, work: &'w Workspace, control: &mut Control) -> Result<Wave<'w>, Error> {
     let start = Projector::new(rows, work).begin(problem, rows, work, control)?;
     let drive = start.drives(problem.propagation().transducers(), work);
-    let wave = played(&drive, rows, work);
-    work.complexes.give(drive);
-    Ok(wave)
+    Ok(played(drive, rows, work))
 }
 
 /// The wave of a drive at full drive, 1 where it is 0.
-fn played<'w>(drive: &[Complex32], rows: &Rows, work: &'w Workspace) -> Wave<'w> {
+fn played<'w>(drive: Vec<Complex32>, rows: &Rows, work: &'w Workspace) -> Wave<'w> {
     let full = |q: &Complex32| if *q == Complex32::ZERO { Complex32::ONE } else { *q };
     let mut wave = Wave::new(rows, work);
     wave.play_at_full(rows, drive.iter().map(full));
+    work.complexes.give(drive);
     wave
 }
 

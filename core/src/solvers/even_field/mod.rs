@@ -80,7 +80,11 @@ pub(crate) fn solve(
             search.trial.play_at_full(rows, drive.iter().copied());
             search.climb_on(&mut run, (Pace::LOUD, Manner::crowded))?;
         }
-        nearest = wanted.then_some(drive);
+        if wanted {
+            nearest = Some(drive);
+        } else {
+            work.complexes.give(drive);
+        }
     }
     if crowded && !run.stopped && rows.equations() <= TOO_MANY && !(wanted && search.reaches(rows.target)) {
         for plan in plans {
