@@ -29,12 +29,16 @@ pub(crate) enum Side {
 /// The width of the cone at the points, over theirs. With 1 their rim is left dark; from 1.5 on power is lost beside them.
 const WIDTH: f64 = 1.25;
 
-/// The drives of modulus 1 of the focus on one side; `None` where places are not known or the array is one place.
+/// The drives of modulus 1 of the focus on one side; `None` where places are not known, the array is in one place or all
+/// points are to be quiet.
 pub(crate) fn cover(problem: &Problem, side: Side, work: &Workspace) -> Option<Vec<Complex32>> {
     let (array, points, _) = problem.propagation().origin()?;
     let live = (0..array.len()).map(|i| if array.effect(i) == Complex64::ZERO { 0.0 } else { 1.0 });
-    let (middle, aperture) = spread(array.positions(), live)?;
-    let (centre, radius) = spread(points, problem.targets().iter().map(|&target| f64::from(target)))?;
+    let (middle, aperture) = spread(array.positions(), live);
+    let (centre, radius) = spread(points, problem.targets().iter().map(|&target| f64::from(target)));
+    if !(aperture > 0.0 && radius.is_finite()) {
+        return None;
+    }
     let width = WIDTH * radius / aperture;
     let part = match side {
         Side::Behind => 1.0 - width,
@@ -55,8 +59,8 @@ pub(crate) fn cover(problem: &Problem, side: Side, work: &Workspace) -> Option<V
     Some(drive.into_vec())
 }
 
-/// The weighted mean of some places, and the root mean square distance from it; `None` where it is 0 or there is no weight.
-fn spread(places: &[[f64; 3]], weights: impl Iterator<Item = f64> + Clone) -> Option<([f64; 3], f64)> {
+/// The weighted mean of some places, and the root mean square distance from it; not finite where there is no weight.
+fn spread(places: &[[f64; 3]], weights: impl Iterator<Item = f64> + Clone) -> ([f64; 3], f64) {
     let all = weights.clone().sum::<f64>();
     let mut mean = [0.0; 3];
     for (place, weight) in places.iter().zip(weights.clone()) {
@@ -64,5 +68,9 @@ fn spread(places: &[[f64; 3]], weights: impl Iterator<Item = f64> + Clone) -> Op
     }
     let square = |place: &[f64; 3]| place.iter().zip(&mean).map(|(x, m)| (x - m) * (x - m)).sum::<f64>();
     let variance = places.iter().zip(weights).map(|(place, weight)| weight / all * square(place)).sum::<f64>();
-    (variance > 0.0).then(|| (mean, math::sqrt(variance)))
+    (mean, math::sqrt(variance))
 }
+
+#[cfg(test)]
+#[path = "tests/cover.rs"]
+mod tests;
