@@ -29,6 +29,7 @@ use crate::math::modulus;
 use crate::problem::{Problem, Solution, Status};
 use crate::rng::Rng;
 use crate::solvers::common::interleaved::InterleavedBatch;
+use crate::solvers::interleaved::Interleaved;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::{Aligned, Workspace};
 
@@ -114,7 +115,14 @@ impl Solve for Fast {
         Ok(if phases.is_some() { solution.on_grid() } else { solution })
     }
 
-    fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
+    fn interleaved(&self) -> Option<Interleaved<'_>> {
+        Some(Interleaved::Fast(self))
+    }
+}
+
+impl Fast {
+    /// Several problems of one model at once, where that saves work.
+    pub(super) fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
         self.check().ok()?;
         let mut batch = InterleavedBatch::of(problems, work)?;
         let (count, lanes) = (problems.first()?.propagation().transducers(), batch.target.len());

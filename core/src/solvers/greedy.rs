@@ -24,6 +24,7 @@ use crate::rng::Rng;
 use crate::scene::{OptionValue, Options, Value, words};
 use crate::solvers::common::exchange::{Exchange, collect, moduli};
 use crate::solvers::common::interleaved::InterleavedBatch;
+use crate::solvers::interleaved::Interleaved;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::{Buffer, Workspace};
 
@@ -296,7 +297,14 @@ impl Solve for Greedy {
         Ok(Solution::of_field(problem, drive.into_vec(), &field, status, steps, work, control)?.on_grid())
     }
 
-    fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
+    fn interleaved(&self) -> Option<Interleaved<'_>> {
+        Some(Interleaved::Greedy(self))
+    }
+}
+
+impl Greedy {
+    /// Several problems of one model at once, where that saves work.
+    pub(super) fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
         self.check().ok()?;
         let first = problems.first()?;
         let fits = interleaved::fits(self.phases as usize, self.amplitudes as usize);

@@ -1,13 +1,13 @@
 //! The trait `Solve`, and what the registry knows of a method.
 
 use alloc::boxed::Box;
-use alloc::vec::Vec;
 
 use crate::control::Control;
 use crate::device::quantization::Quantization;
 use crate::error::{Error, real};
 use crate::problem::{Problem, Solution};
 use crate::scene::Options;
+use crate::solvers::interleaved::Interleaved;
 use crate::solvers::last::Last;
 use crate::solvers::options::Configure;
 use crate::workspace::Workspace;
@@ -21,10 +21,9 @@ pub trait Solve {
     /// Options that this problem cannot be solved with.
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error>;
 
-    /// Solves several problems of one model at once, each bit for bit as [`Solve::solve`] does without a control,
-    /// where it knows how to share the work.
+    /// Itself, where it knows how to share the work of several problems.
     #[doc(hidden)]
-    fn solve_interleaved(&self, _problems: &[Problem], _work: &mut Workspace) -> Option<Vec<Solution>> {
+    fn interleaved(&self) -> Option<Interleaved<'_>> {
         None
     }
 

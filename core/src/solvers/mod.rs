@@ -17,6 +17,7 @@ pub(crate) mod greedy;
 pub(crate) mod greedy_by;
 pub(crate) mod gs;
 pub(crate) mod gspat;
+pub(crate) mod interleaved;
 pub(crate) mod iterate;
 pub(crate) mod last;
 pub(crate) mod lm;
@@ -42,6 +43,8 @@ pub use greedy::{Greedy, Objective, Order};
 pub use greedy_by::{Asked, Energy, GreedyBy};
 pub use gs::Gs;
 pub use gspat::Gspat;
+#[doc(hidden)]
+pub use interleaved::Interleaved;
 pub use last::Last;
 pub use lm::Lm;
 pub use method::{Info, Method, Solve};

@@ -110,13 +110,14 @@ pub(crate) fn solve_interleaved(
     balance: bool,
     work: &mut Workspace,
 ) -> Result<Option<Vec<Solution>>, (usize, Error)> {
+    let Some(method) = solver.interleaved() else { return Ok(None) };
     let factor = |problem: &Problem| factor(problem, solver, balance);
     if !problems.iter().all(|problem| problem.is_within(factor(problem))) {
         return Ok(None);
     }
     let rescaled = || problems.iter().map(|problem| problem.rescaled(factor(problem), work)).collect();
     let balanced: Option<Vec<Problem>> = problems.iter().any(|problem| factor(problem) > 1.0).then(rescaled);
-    let mut solutions = solver.solve_interleaved(balanced.as_deref().unwrap_or(problems), work);
+    let mut solutions = method.solve(balanced.as_deref().unwrap_or(problems), work);
     for (k, (solution, problem)) in solutions.iter_mut().flatten().zip(problems).enumerate() {
         let at = |error| (k, error);
         check(solution).map_err(at)?;
