@@ -15,7 +15,9 @@ const DEPTH: usize = 128;
 /// The value of a text.
 pub(super) fn read(text: &str) -> Result<Node, Flaw> {
     let foreign = !text.trim_start().starts_with(['{', '[']);
-    Reader::new(text).document().map_err(|flaw| flaw.or_foreign(foreign, "no JSON, but TOML as it looks: name it .toml"))
+    Reader::new(text)
+        .document()
+        .map_err(|flaw| flaw.or_foreign(foreign, "no JSON, but TOML as it looks: name it .toml"))
 }
 
 /// How deep some steps lead into a text that was read.
@@ -107,8 +109,9 @@ impl<'a> Reader<'a> {
             Some(b'[') => self.list(),
             Some(b'"') => Ok(Node::Text(self.string()?)),
             Some(b'-' | b'0'..=b'9') => self.number(),
-            _ => Err(self
-                .flaw("a value is missing, or not a number, \"text\" in double quotes, true, false, [list] or {table}")),
+            _ => Err(self.flaw(
+                "a value is missing, or not a number, \"text\" in double quotes, true, false, [list] or {table}",
+            )),
         }
     }
 

@@ -57,7 +57,7 @@ impl Flaw {
             Format::Toml => {
                 let line = text.get(before.rfind('\n').map_or(0, |end| end + 1)..)?.lines().next()?;
                 let line = line.trim_start_matches(['[', ' ', '\t']);
-                key(line.split(|letter: char| !(letter.is_alphanumeric() || letter == '_')).next()?)
+                key(line.split(|letter: char| !(letter.is_ascii_alphanumeric() || letter == '_')).next()?)
             }
             Format::Json => before.rsplit('"').take(64).find_map(key),
         });

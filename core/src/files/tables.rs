@@ -166,7 +166,9 @@ fn option(value: &Value) -> Result<Node, Error> {
 
 /// A table; what is null is not written.
 fn table<const N: usize>(entries: [(&str, Node); N]) -> Node {
-    Node::Table(entries.map(|(key, node)| (key.to_string(), node)).into())
+    // In a loop: unrolled for each table it would take kilobytes.
+    let entries = Vec::from(entries);
+    Node::Table(entries.into_iter().map(|(key, node)| (key.to_string(), node)).collect())
 }
 
 fn maybe(node: Option<Node>) -> Node {

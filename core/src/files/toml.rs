@@ -29,7 +29,9 @@ pub(super) fn find(text: &str, steps: &[Step<'_>]) -> Place {
     let mut value = &root;
     for step in steps {
         let next = match (value, step) {
-            (DeValue::Table(table), Step::Key(key)) => table.get_key_value(*key).map(|(key, value)| (key.span(), value)),
+            (DeValue::Table(table), Step::Key(key)) => {
+                table.get_key_value(*key).map(|(key, value)| (key.span(), value))
+            }
             (DeValue::Array(list), Step::Index(index)) => list.get(*index).map(|value| (value.span(), value)),
             _ => None,
         };
