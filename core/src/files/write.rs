@@ -154,3 +154,7 @@ fn quoted(words: &str, text: &mut String) {
     }
     text.push('"');
 }
+
+#[cfg(test)]
+#[path = "tests/write.rs"]
+mod tests;

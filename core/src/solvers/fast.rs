@@ -15,6 +15,7 @@
 //! part `OWN` of its own wave left in P so that the members of a block do not all rotate at once.
 
 use alloc::vec::Vec;
+use core::any::Any;
 
 use num_complex::Complex32;
 
@@ -29,7 +30,6 @@ use crate::math::modulus;
 use crate::problem::{Problem, Solution, Status};
 use crate::rng::Rng;
 use crate::solvers::common::interleaved::InterleavedBatch;
-use crate::solvers::interleaved::Interleaved;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::{Aligned, Workspace};
 
@@ -115,8 +115,8 @@ impl Solve for Fast {
         Ok(if phases.is_some() { solution.on_grid() } else { solution })
     }
 
-    fn interleaved(&self) -> Option<Interleaved<'_>> {
-        Some(Interleaved::Fast(self))
+    fn interleaved(&self) -> Option<&dyn Any> {
+        Some(self)
     }
 }
 

@@ -10,6 +10,7 @@
 
 use alloc::format;
 use alloc::vec::Vec;
+use core::any::Any;
 
 use crate::control::Control;
 use crate::device::quantization::Quantization;
@@ -24,7 +25,6 @@ use crate::rng::Rng;
 use crate::scene::{OptionValue, Options, Value, words};
 use crate::solvers::common::exchange::{Exchange, collect, moduli};
 use crate::solvers::common::interleaved::InterleavedBatch;
-use crate::solvers::interleaved::Interleaved;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::{Buffer, Workspace};
 
@@ -297,8 +297,8 @@ impl Solve for Greedy {
         Ok(Solution::of_field(problem, drive.into_vec(), &field, status, steps, work, control)?.on_grid())
     }
 
-    fn interleaved(&self) -> Option<Interleaved<'_>> {
-        Some(Interleaved::Greedy(self))
+    fn interleaved(&self) -> Option<&dyn Any> {
+        Some(self)
     }
 }
 

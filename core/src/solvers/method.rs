@@ -1,13 +1,13 @@
 //! The trait `Solve`, and what the registry knows of a method.
 
 use alloc::boxed::Box;
+use core::any::Any;
 
 use crate::control::Control;
 use crate::device::quantization::Quantization;
 use crate::error::{Error, real};
 use crate::problem::{Problem, Solution};
 use crate::scene::Options;
-use crate::solvers::interleaved::Interleaved;
 use crate::solvers::last::Last;
 use crate::solvers::options::Configure;
 use crate::workspace::Workspace;
@@ -21,9 +21,9 @@ pub trait Solve {
     /// Options that this problem cannot be solved with.
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error>;
 
-    /// Itself, where it knows how to share the work of several problems.
+    /// Itself, where it knows how to share the work of several problems: a type to be told by, and no code.
     #[doc(hidden)]
-    fn interleaved(&self) -> Option<Interleaved<'_>> {
+    fn interleaved(&self) -> Option<&dyn Any> {
         None
     }
 

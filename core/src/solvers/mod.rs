@@ -43,8 +43,6 @@ pub use greedy::{Greedy, Objective, Order};
 pub use greedy_by::{Asked, Energy, GreedyBy};
 pub use gs::Gs;
 pub use gspat::Gspat;
-#[doc(hidden)]
-pub use interleaved::Interleaved;
 pub use last::Last;
 pub use lm::Lm;
 pub use method::{Info, Method, Solve};
