@@ -104,7 +104,11 @@ pub enum Error {
 impl Error {
     /// An [`Error::Invalid`].
     pub fn invalid(item: impl Into<String>, value: impl Display, cure: impl Into<String>) -> Self {
-        Self::Invalid { item: one_line(&item.into()), value: one_line(&value.to_string()), cure: cure.into() }
+        Self::of_value(&item.into(), &value, cure.into())
+    }
+
+    fn of_value(item: &str, value: &dyn Display, cure: String) -> Self {
+        Self::Invalid { item: one_line(item), value: one_line(&value.to_string()), cure }
     }
 
     /// An answer that f32 has lost.
@@ -125,9 +129,12 @@ impl Error {
         name: impl Into<String>,
         known: impl IntoIterator<Item = &'a str>,
     ) -> Self {
-        let (name, known) = (name.into(), known.into_iter().collect::<Vec<_>>());
-        let hint = nearest(&name, &known).map_or_else(String::new, |near| format!("did you mean {near}? "));
-        Self::Unknown { kind: kind.into(), name: one_line(&name), hint, known: known.join(", ") }
+        Self::of_name(kind.into(), &name.into(), &known.into_iter().collect::<Vec<_>>())
+    }
+
+    fn of_name(kind: String, name: &str, known: &[&str]) -> Self {
+        let hint = nearest(name, known).map_or_else(String::new, |near| format!("did you mean {near}? "));
+        Self::Unknown { kind, name: one_line(name), hint, known: known.join(", ") }
     }
 }
 

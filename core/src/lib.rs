@@ -99,7 +99,7 @@ pub use workspace::{Buffer, Pool, Workspace};
 #[doc(hidden)]
 pub mod __private {
     pub use crate::error::same_name;
-    pub use alloc::vec;
+    pub use crate::solvers::options::{describe, note};
     pub use alloc::vec::Vec;
 }
 

@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::files::fault::Fault;
 use crate::files::item::{Item, Table};
 use crate::files::node::Node;
-use crate::files::schema;
+use crate::files::{schema, write};
 use crate::scene::Request;
 
 /// What a table is drawn as.
@@ -85,7 +85,8 @@ pub(super) fn mesh(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Surface, Faul
 
 fn one(name: &str, item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Drawing, Fault> {
     item.table()?;
-    let text = toml::to_string(item.node).map_err(|_| item.refused("give numbers, words and lists of them"))?;
+    let mut text = String::new();
+    write::toml("", item.node, &mut text).ok_or_else(|| item.refused("give numbers, words and lists of them"))?;
     draw(name, &text).map_err(|refusal| refused(item, &refusal))
 }
 

@@ -3,29 +3,29 @@
 mod drawn;
 mod fault;
 mod item;
+mod json;
 mod node;
 mod place;
 mod positions;
-mod quantization;
 mod read;
 mod schema;
 mod source;
 mod syntax;
 mod tables;
+mod toml;
+mod write;
 
 pub use drawn::{Draw, Drawing};
 pub use source::{Format, MOST_BYTES, Source};
 pub use tables::Provenance;
 
-use alloc::format;
-use alloc::string::{String, ToString};
+use alloc::string::String;
 use alloc::vec::Vec;
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
 use crate::files::node::Node;
 use crate::files::source::BYTE_ORDER_MARK;
-use crate::files::tables::SceneTable;
 use crate::scene::Scene;
 
 /// Reads a scene from a file's bytes.
@@ -99,21 +99,23 @@ fn parse<'a>(bytes: &'a [u8], format: Format, source: Source<'_>) -> Result<(&'a
         return Err(fault("empty: it needs at least [array] and [[points]]; `midair new` writes one to begin with"));
     }
     let document = match format {
-        Format::Toml => toml::from_str(text).map_err(|error| syntax::toml(&error, text, source))?,
-        Format::Json => serde_json::from_str(text).map_err(|error| syntax::json(&error, text, source))?,
+        Format::Toml => toml::read(text),
+        Format::Json => json::read(text),
     };
-    Ok((text, document))
+    Ok((text, document.map_err(|flaw| flaw.told(text, format, source))?))
 }
 
 /// Writes a scene as text that [`read`] reads as the same scene.
 ///
 /// # Errors
-/// A seed that TOML cannot hold (above 2^63 - 1); a signature of given factors.
+/// A signature of given factors; an option beyond 64 bits.
 pub fn write(scene: &Scene, format: Format, provenance: &Provenance) -> Result<String, Error> {
-    let table = SceneTable::of(scene, provenance)?;
-    let fault = |reason: &str| Error::File { place: "scene".into(), reason: reason.into() };
+    let document = tables::document(scene, provenance)?;
+    let mut text = String::new();
     match format {
-        Format::Toml => toml::to_string(&table).map_err(|error| fault(&format!("{error}: write it as .json"))),
-        Format::Json => serde_json::to_string_pretty(&table).map_err(|error| fault(&error.to_string())),
+        // It has no list with a null in it.
+        Format::Toml => write::toml("", &document, &mut text).unwrap_or_default(),
+        Format::Json => write::json(&document, "\n", &mut text),
     }
+    Ok(text)
 }

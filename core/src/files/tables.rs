@@ -1,13 +1,15 @@
 //! From a scene to the tables of its file, as they are written.
 
-use alloc::collections::BTreeMap;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-use serde::Serialize;
+use num_complex::Complex64;
 
+use crate::device::quantization::Quantization;
 use crate::error::Error;
-use crate::files::quantization::QuantizationTable;
+use crate::files::node::Node;
+use crate::scene::presets;
+use crate::scene::presets::Preset;
 use crate::scene::{Array, Axis, Obstacle, Origin, Plane, Scene, Surface, Transducer, Value};
 
 /// How a scene was solved, written beside it so that a result can be replayed.
@@ -20,260 +22,171 @@ pub struct Provenance {
     pub status: Option<String>,
 }
 
-#[derive(Serialize)]
-pub(super) struct SceneTable {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    version: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    status: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    signature: Option<String>,
-    medium: MediumTable,
-    array: ArrayTable,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    solver: Option<SolverTable>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    plane: Option<PlaneTable>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    obstacles: Vec<ObstacleTable>,
-    points: Vec<PointTable>,
+/// The document of a scene.
+pub(super) fn document(scene: &Scene, provenance: &Provenance) -> Result<Node, Error> {
+    let (medium, request) = (scene.medium(), scene.request());
+    let points = scene.points().iter().enumerate().map(|(j, position)| {
+        let number = |list: &Option<Vec<f64>>| list.as_ref().map_or(Node::Null, |list| Node::Real(list[j]));
+        table([
+            ("position", numbers(position)),
+            ("pressure", number(&request.pressures)),
+            ("phase", number(&request.phases)),
+            ("weight", number(&request.weights)),
+        ])
+    });
+    let solver = scene.solver.as_ref().map(|choice| {
+        let mut entries = Vec::from([("name".to_string(), text(&choice.name))]);
+        for (key, value) in choice.table() {
+            entries.push((key, option(&value)?));
+        }
+        Ok(Node::Table(entries))
+    });
+    let signature = scene.signature().map(|signature| {
+        let cure = "files know trap, twin and vortex: take the factors away and give them to the scene that is read";
+        signature.name().map(text).ok_or_else(|| Error::invalid("signature", "a list of factors", cure))
+    });
+    let obstacles: Vec<Node> = scene.obstacles().iter().map(obstacle).collect();
+    Ok(table([
+        ("version", maybe(provenance.version.as_deref().map(text))),
+        ("status", maybe(provenance.status.as_deref().map(text))),
+        ("signature", maybe(signature.transpose()?)),
+        (
+            "medium",
+            table([
+                ("frequency", Node::Real(medium.frequency)),
+                ("sound_speed", Node::Real(medium.sound_speed)),
+                ("absorption", Node::Real(medium.absorption)),
+                ("density", Node::Real(medium.density)),
+            ]),
+        ),
+        ("array", array(scene.array())),
+        ("solver", maybe(solver.transpose()?)),
+        ("plane", maybe(scene.plane.map(plane))),
+        ("obstacles", if obstacles.is_empty() { Node::Null } else { Node::List(obstacles) }),
+        ("points", Node::List(points.collect())),
+    ]))
 }
 
-/// N numbers, which serde knows as an array of some lengths only.
-#[derive(Clone, Copy, Serialize)]
-#[serde(into = "Vec<f64>")]
-struct Numbers<const N: usize>([f64; N]);
-
-impl<const N: usize> From<Numbers<N>> for Vec<f64> {
-    fn from(numbers: Numbers<N>) -> Self {
-        numbers.0.to_vec()
+fn array(array: &Array) -> Node {
+    let [mut grid, mut preset, mut tiles, mut positions, mut normals] = [const { Node::Null }; 5];
+    match array.origin() {
+        Origin::Grid { nx, ny, pitch } => {
+            grid = table([("nx", count(*nx)), ("ny", count(*ny)), ("pitch", Node::Real(*pitch))]);
+        }
+        Origin::Preset { name, tiles: along } => {
+            (preset, tiles) = (text(name), Node::List(along.map(count).to_vec()));
+        }
+        Origin::Positions => (positions, normals) = (vectors(array.positions()), vectors(array.normals())),
     }
+    let Transducer { source_pressure, directivity } = array.transducer();
+    let directivity = match directivity.name() {
+        (name, None) => text(name),
+        (name, Some(parameter)) => table([(name, Node::Real(parameter))]),
+    };
+    let response = |response: &[_]| Node::List(response.iter().map(|c: &Complex64| numbers(&[c.re, c.im])).collect());
+    let mask = |mask: &[bool]| Node::List(mask.iter().copied().map(Node::Bool).collect());
+    table([
+        ("grid", grid),
+        ("preset", preset),
+        ("tiles", tiles),
+        ("positions", positions),
+        ("normals", normals),
+        ("source_pressure", Node::Real(source_pressure)),
+        ("directivity", directivity),
+        ("response", maybe(array.response().map(response))),
+        ("mask", maybe(array.mask().map(mask))),
+        ("quantization", quantization(array)),
+    ])
 }
 
-/// Vectors as the file holds them.
-fn listed<const N: usize>(list: &[[f64; N]]) -> Vec<Numbers<N>> {
-    list.iter().map(|&numbers| Numbers(numbers)).collect()
-}
-
-#[derive(Default, Serialize)]
-struct MediumTable {
-    frequency: Option<f64>,
-    sound_speed: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    temperature: Option<f64>,
-    absorption: Option<f64>,
-    density: Option<f64>,
-}
-
-#[derive(Default, Serialize)]
-struct ArrayTable {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    grid: Option<GridTable>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    preset: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    tiles: Option<Vec<i64>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    positions: Option<Vec<Numbers<3>>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    normals: Option<Vec<Numbers<3>>>,
-    source_pressure: Option<f64>,
-    directivity: Option<DirectivityTable>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    response: Option<Vec<Numbers<2>>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    mask: Option<Vec<bool>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    quantization: Option<QuantizationTable>,
-}
-
-#[derive(Clone, Copy, Serialize)]
-struct GridTable {
-    nx: i64,
-    ny: i64,
-    pitch: f64,
-}
-
-#[derive(Serialize)]
-#[serde(untagged)]
-enum DirectivityTable {
-    Name(String),
-    Parameter(BTreeMap<String, f64>),
-}
-
-#[derive(Default, Serialize)]
-struct ObstacleTable {
-    kind: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    point: Option<Numbers<3>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    normal: Option<Numbers<3>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    center: Option<Numbers<3>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    radius: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    vertices: Option<Vec<Numbers<3>>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    faces: Option<Vec<Vec<u32>>>,
-}
-
-#[derive(Serialize)]
-struct PointTable {
-    position: Numbers<3>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pressure: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    phase: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    weight: Option<f64>,
-}
-
-#[derive(Serialize)]
-struct SolverTable {
-    name: String,
-    #[serde(flatten)]
-    options: BTreeMap<String, ValueTable>,
-}
-
-#[derive(Serialize)]
-struct PlaneTable {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    axis: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    at: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    z: Option<f64>,
-    size: Option<f64>,
-    pixels: Option<i64>,
-    center: Option<Numbers<2>>,
-}
-
-#[derive(Serialize)]
-#[serde(untagged)]
-enum ValueTable {
-    Bool(bool),
-    Integer(i64),
-    Large(u64),
-    Real(f64),
-    Text(String),
-    Integers(Vec<i64>),
-}
-
-impl TryFrom<&Value> for ValueTable {
-    type Error = Error;
-
-    fn try_from(value: &Value) -> Result<Self, Error> {
-        Ok(match value {
-            Value::Bool(value) => Self::Bool(*value),
-            Value::Integer(number) => match (i64::try_from(*number), u64::try_from(*number)) {
-                (Ok(number), _) => Self::Integer(number),
-                (_, Ok(number)) => Self::Large(number),
-                _ => return Err(Error::invalid("solver option", value, "give a number of at most 64 bits")),
-            },
-            Value::Real(value) => Self::Real(*value),
-            Value::Text(value) => Self::Text(value.clone()),
-            Value::Integers(values) => Self::Integers(values.clone()),
-        })
+/// What a file has to say of an array's quantization: nothing where its preset says the same.
+fn quantization(array: &Array) -> Node {
+    let known = match array.origin() {
+        Origin::Preset { name, .. } => presets::find(name).and_then(Preset::quantization).ok().flatten(),
+        _ => None,
+    };
+    let quantization = array.quantization();
+    if quantization == known.as_ref() {
+        return Node::Null;
     }
+    let phases = quantization.and_then(Quantization::phases);
+    table([
+        ("phases", maybe(phases.map(|phases| Node::Integer(phases.into())))),
+        ("amplitudes", maybe(quantization.and_then(Quantization::amplitudes).map(numbers))),
+    ])
 }
 
-impl SceneTable {
-    /// The table of a scene.
-    pub(super) fn of(scene: &Scene, provenance: &Provenance) -> Result<Self, Error> {
-        let (medium, request) = (scene.medium(), scene.request());
-        let points = scene.points().iter().enumerate().map(|(j, &position)| PointTable {
-            position: Numbers(position),
-            pressure: request.pressures.as_ref().map(|pressures| pressures[j]),
-            phase: request.phases.as_ref().map(|phases| phases[j]),
-            weight: request.weights.as_ref().map(|weights| weights[j]),
-        });
-        let solver = scene.solver.as_ref().map(|choice| {
-            let options = choice.table().into_iter().map(|(key, value)| Ok((key, (&value).try_into()?)));
-            Ok(SolverTable { name: choice.name.clone(), options: options.collect::<Result<_, Error>>()? })
-        });
-        let signature = scene.signature().map(|signature| {
-            let cure =
-                "files know trap, twin and vortex: take the factors away and give them to the scene that is read";
-            signature.name().map(Into::into).ok_or_else(|| Error::invalid("signature", "a list of factors", cure))
-        });
-        Ok(SceneTable {
-            version: provenance.version.clone(),
-            status: provenance.status.clone(),
-            signature: signature.transpose()?,
-            medium: MediumTable {
-                frequency: Some(medium.frequency),
-                sound_speed: Some(medium.sound_speed),
-                temperature: None,
-                absorption: Some(medium.absorption),
-                density: Some(medium.density),
-            },
-            array: ArrayTable::of(scene.array()),
-            solver: solver.transpose()?,
-            plane: scene.plane.map(PlaneTable::of),
-            obstacles: scene.obstacles().iter().map(ObstacleTable::of).collect(),
-            points: points.collect(),
-        })
-    }
-}
-
-impl ArrayTable {
-    fn of(array: &Array) -> Self {
-        let origin = match array.origin() {
-            Origin::Grid { nx, ny, pitch } => {
-                let grid = GridTable { nx: *nx as i64, ny: *ny as i64, pitch: *pitch };
-                Self { grid: Some(grid), ..Self::default() }
-            }
-            Origin::Preset { name, tiles } => {
-                let tiles = tiles.map(|tiles| tiles as i64).to_vec();
-                Self { preset: Some((*name).into()), tiles: Some(tiles), ..Self::default() }
-            }
-            Origin::Positions => {
-                let (positions, normals) = (listed(array.positions()), listed(array.normals()));
-                Self { positions: Some(positions), normals: Some(normals), ..Self::default() }
-            }
-        };
-        let Transducer { source_pressure, directivity } = array.transducer();
-        Self {
-            source_pressure: Some(source_pressure),
-            directivity: Some(match directivity.name() {
-                (name, None) => DirectivityTable::Name(name.to_string()),
-                (name, Some(parameter)) => DirectivityTable::Parameter([(name.to_string(), parameter)].into()),
-            }),
-            response: array.response().map(|response| response.iter().map(|c| Numbers([c.re, c.im])).collect()),
-            mask: array.mask().map(<[_]>::to_vec),
-            quantization: QuantizationTable::of(array),
-            ..origin
+fn obstacle(obstacle: &Obstacle) -> Node {
+    let kind = |kind: &Surface| ("kind", text(kind.name()));
+    match obstacle {
+        Obstacle::Wall { point, normal, kind: surface } => {
+            table([kind(surface), ("point", numbers(point)), ("normal", numbers(normal))])
+        }
+        Obstacle::Sphere { center, radius, kind: surface } => {
+            table([kind(surface), ("center", numbers(center)), ("radius", Node::Real(*radius))])
+        }
+        Obstacle::Mesh(mesh) => {
+            let face = |face: &[u32; 3]| Node::List(face.map(|corner| Node::Integer(corner.into())).to_vec());
+            let faces = Node::List(mesh.faces().iter().map(face).collect());
+            table([kind(&mesh.kind()), ("vertices", vectors(mesh.vertices())), ("faces", faces)])
         }
     }
 }
 
-impl ObstacleTable {
-    fn of(obstacle: &Obstacle) -> Self {
-        let of = |kind: Surface| Self { kind: kind.name().into(), ..Self::default() };
-        match obstacle {
-            Obstacle::Wall { point, normal, kind } => {
-                Self { point: Some(Numbers(*point)), normal: Some(Numbers(*normal)), ..of(*kind) }
-            }
-            Obstacle::Sphere { center, radius, kind } => {
-                Self { center: Some(Numbers(*center)), radius: Some(*radius), ..of(*kind) }
-            }
-            Obstacle::Mesh(mesh) => Self {
-                vertices: Some(listed(mesh.vertices())),
-                faces: Some(mesh.faces().iter().map(|face| face.to_vec()).collect()),
-                ..of(mesh.kind())
-            },
-        }
-    }
+fn plane(plane: Plane) -> Node {
+    let Plane { axis, at, size, pixels, center } = plane;
+    let (axis, at, z) = match axis {
+        Axis::Z => (Node::Null, Node::Null, Node::Real(at)),
+        _ => (text(&axis.to_string()), Node::Real(at), Node::Null),
+    };
+    table([
+        ("axis", axis),
+        ("at", at),
+        ("z", z),
+        ("size", Node::Real(size)),
+        ("pixels", count(pixels)),
+        ("center", numbers(&center)),
+    ])
 }
 
-impl PlaneTable {
-    fn of(plane: Plane) -> Self {
-        let Plane { axis, at, size, pixels, center } = plane;
-        let (axis, at, z) = match axis {
-            Axis::Z => (None, None, Some(at)),
-            _ => (Some(axis.to_string()), Some(at), None),
-        };
-        Self { axis, at, z, size: Some(size), pixels: Some(pixels as i64), center: Some(Numbers(center)) }
-    }
+/// An option's value.
+fn option(value: &Value) -> Result<Node, Error> {
+    Ok(match value {
+        Value::Bool(value) => Node::Bool(*value),
+        Value::Integer(number) => match (i64::try_from(*number), u64::try_from(*number)) {
+            (Ok(number), _) => Node::Integer(number),
+            (_, Ok(number)) => Node::Large(number),
+            _ => return Err(Error::invalid("solver option", value, "give a number of at most 64 bits")),
+        },
+        Value::Real(value) => Node::Real(*value),
+        Value::Text(value) => text(value),
+        Value::Integers(values) => Node::List(values.iter().copied().map(Node::Integer).collect()),
+    })
+}
+
+/// A table; what is null is not written.
+fn table<const N: usize>(entries: [(&str, Node); N]) -> Node {
+    // In a loop: unrolled for each table it would take kilobytes.
+    let entries = Vec::from(entries);
+    Node::Table(entries.into_iter().map(|(key, node)| (key.to_string(), node)).collect())
+}
+
+fn maybe(node: Option<Node>) -> Node {
+    node.unwrap_or(Node::Null)
+}
+
+fn text(words: &str) -> Node {
+    Node::Text(words.into())
+}
+
+fn count(number: usize) -> Node {
+    Node::Integer(number as i64)
+}
+
+fn numbers(list: &[f64]) -> Node {
+    Node::Numbers(list.to_vec())
+}
+
+fn vectors(list: &[[f64; 3]]) -> Node {
+    Node::List(list.iter().map(|vector| numbers(vector)).collect())
 }

@@ -25,26 +25,36 @@ impl Choice {
     /// # Errors
     /// A `balance` that is neither true nor false, an `aim` that is none. Name and options are checked by
     /// [`crate::solvers::configure`].
-    pub fn new(name: String, mut options: Options) -> Result<Self, Error> {
-        let mut take = |name: &str| {
-            let key = options.keys().find(|key| same_name(key, name))?.clone();
-            options.remove(&key)
-        };
-        let (balance, aim) = (take("balance"), take("aim"));
+    pub fn new(name: String, options: Options) -> Result<Self, Error> {
+        let (mut own, mut balance, mut aim) = (Options::new(), None, None);
+        for (key, value) in options {
+            match &key {
+                key if balance.is_none() && same_name(key, "balance") => balance = Some(value),
+                key if aim.is_none() && same_name(key, "aim") => aim = Some(value),
+                _ => {
+                    own.insert(key, value);
+                }
+            }
+        }
         let balance = match balance {
             None => None,
             Some(Value::Bool(balance)) => Some(balance),
             Some(other) => return Err(Error::invalid("solver.balance", other, "give true or false")),
         };
         let aim = aim.map(|aim| Aim::read("solver.aim", &aim)).transpose()?;
-        Ok(Self { name, options, balance, aim })
+        Ok(Self { name, options: own, balance, aim })
     }
 
     /// The table it came from.
     #[must_use]
     pub fn table(&self) -> Options {
-        let balance = self.balance.map(|balance| ("balance".into(), Value::Bool(balance)));
-        let aim = self.aim.map(|aim| ("aim".into(), aim.show()));
-        self.options.clone().into_iter().chain(balance).chain(aim).collect()
+        let mut table = self.options.clone();
+        if let Some(balance) = self.balance {
+            table.insert("balance".into(), Value::Bool(balance));
+        }
+        if let Some(aim) = self.aim {
+            table.insert("aim".into(), aim.show());
+        }
+        table
     }
 }

@@ -15,6 +15,7 @@
 //! part `OWN` of its own wave left in P so that the members of a block do not all rotate at once.
 
 use alloc::vec::Vec;
+use core::any::Any;
 
 use num_complex::Complex32;
 
@@ -114,7 +115,14 @@ impl Solve for Fast {
         Ok(if phases.is_some() { solution.on_grid() } else { solution })
     }
 
-    fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
+    fn interleaved(&self) -> Option<&dyn Any> {
+        Some(self)
+    }
+}
+
+impl Fast {
+    /// Several problems of one model at once, where that saves work.
+    pub(super) fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
         self.check().ok()?;
         let mut batch = InterleavedBatch::of(problems, work)?;
         let (count, lanes) = (problems.first()?.propagation().transducers(), batch.target.len());

@@ -10,6 +10,7 @@
 
 use alloc::format;
 use alloc::vec::Vec;
+use core::any::Any;
 
 use crate::control::Control;
 use crate::device::quantization::Quantization;
@@ -296,7 +297,14 @@ impl Solve for Greedy {
         Ok(Solution::of_field(problem, drive.into_vec(), &field, status, steps, work, control)?.on_grid())
     }
 
-    fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
+    fn interleaved(&self) -> Option<&dyn Any> {
+        Some(self)
+    }
+}
+
+impl Greedy {
+    /// Several problems of one model at once, where that saves work.
+    pub(super) fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
         self.check().ok()?;
         let first = problems.first()?;
         let fits = interleaved::fits(self.phases as usize, self.amplitudes as usize);

@@ -1,7 +1,7 @@
 //! The trait `Solve`, and what the registry knows of a method.
 
 use alloc::boxed::Box;
-use alloc::vec::Vec;
+use core::any::Any;
 
 use crate::control::Control;
 use crate::device::quantization::Quantization;
@@ -21,10 +21,9 @@ pub trait Solve {
     /// Options that this problem cannot be solved with.
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error>;
 
-    /// Solves several problems of one model at once, each bit for bit as [`Solve::solve`] does without a control,
-    /// where it knows how to share the work.
+    /// Itself, where it knows how to share the work of several problems: a type to be told by, and no code.
     #[doc(hidden)]
-    fn solve_interleaved(&self, _problems: &[Problem], _work: &mut Workspace) -> Option<Vec<Solution>> {
+    fn interleaved(&self) -> Option<&dyn Any> {
         None
     }
 

@@ -17,6 +17,7 @@ pub(crate) mod greedy;
 pub(crate) mod greedy_by;
 pub(crate) mod gs;
 pub(crate) mod gspat;
+pub(crate) mod interleaved;
 pub(crate) mod iterate;
 pub(crate) mod last;
 pub(crate) mod lm;

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use crate::error::Error;
-use crate::scene::{Options, Value};
+use crate::scene::{OptionValue, Options, Value};
 
 /// One documented option.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +31,16 @@ pub trait Configure: Default {
     /// # Errors
     /// An unknown name (the error lists the known ones) or a value that does not fit.
     fn set(&mut self, name: &str, value: &Value) -> Result<(), Error>;
+}
+
+/// Adds an option and its default to a list: what [`crate::options!`] says of each.
+pub fn describe<T: OptionValue>(list: &mut Vec<OptionInfo>, name: &'static str, doc: &'static str, default: &T) {
+    list.push(OptionInfo { name, default: default.show(), doc: doc.trim_ascii(), words: T::WORDS, list: T::LIST });
+}
+
+/// Notes an option's present value.
+pub fn note<T: OptionValue>(options: &mut Options, name: &str, value: &T) {
+    options.insert(name.into(), value.show());
 }
 
 /// Declares a solver's options once: the struct, its `Default` and its [`Configure`].
@@ -68,19 +78,17 @@ macro_rules! options {
 
         impl $crate::Configure for $name {
             fn list() -> $crate::__private::Vec<$crate::OptionInfo> {
-                #[allow(unused_variables, reason = "a solver may have no options")]
-                let default = Self::default();
-                $crate::__private::vec![ $( $crate::OptionInfo {
-                    name: stringify!($field),
-                    default: $crate::OptionValue::show(&default.$field),
-                    doc: concat!($($doc),+).trim_ascii(),
-                    words: <$type as $crate::OptionValue>::WORDS,
-                    list: <$type as $crate::OptionValue>::LIST,
-                }, )* ]
+                #[allow(unused_mut, unused_variables, reason = "a solver may have no options")]
+                let (mut list, default) = ($crate::__private::Vec::new(), Self::default());
+                $( $crate::__private::describe(&mut list, stringify!($field), concat!($($doc),+), &default.$field); )*
+                list
             }
 
             fn options(&self) -> $crate::Options {
-                [ $( (stringify!($field).into(), $crate::OptionValue::show(&self.$field)), )* ].into()
+                #[allow(unused_mut, reason = "a solver may have no options")]
+                let mut options = $crate::Options::new();
+                $( $crate::__private::note(&mut options, stringify!($field), &self.$field); )*
+                options
             }
 
             fn set(&mut self, name: &str, value: &$crate::Value) -> Result<(), $crate::Error> {

@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 use crate::device::quantization::Quantization;
 use crate::error;
 use crate::error::{Error, same_name};
-use crate::scene::{Choice, Options};
+use crate::scene::{Choice, Options, Value};
 use crate::solvers::best::Best;
 use crate::solvers::bounded::Bounded;
 use crate::solvers::descent::Descent;
@@ -126,17 +126,27 @@ impl Entry {
 
 fn make<M: Method>(options: &Options) -> Result<Configured, Error> {
     let mut solver = M::default();
+    set_all(M::INFO.name, options, &mut |name, value| solver.set(name, value))?;
+    solver.check()?;
+    Ok(Configured { info: &M::INFO, options: solver.options(), solver: Box::new(solver) })
+}
+
+/// Sets the options of the method of that name.
+fn set_all(
+    method: &str,
+    options: &Options,
+    set: &mut dyn FnMut(&str, &Value) -> Result<(), Error>,
+) -> Result<(), Error> {
     for (name, value) in options {
-        solver.set(name, value).map_err(|error| match error {
+        set(name, value).map_err(|error| match error {
             Error::Unknown { name, known, hint, .. } => {
                 let hint = hint_of_owners(&name).unwrap_or(hint);
-                Error::Unknown { kind: format!("option of {}", M::INFO.name), name, hint, known }
+                Error::Unknown { kind: format!("option of {method}"), name, hint, known }
             }
             other => other,
         })?;
     }
-    solver.check()?;
-    Ok(Configured { info: &M::INFO, options: solver.options(), solver: Box::new(solver) })
+    Ok(())
 }
 
 /// Who has an option that a solver lacks.

@@ -8,6 +8,7 @@ use num_complex::Complex32;
 use crate::control::Control;
 use crate::error::Error;
 use crate::problem::{Problem, Solution, Status};
+use crate::solvers::interleaved;
 use crate::solvers::last::Last;
 use crate::solvers::method::Solve;
 use crate::workspace::Workspace;
@@ -110,13 +111,16 @@ pub(crate) fn solve_interleaved(
     balance: bool,
     work: &mut Workspace,
 ) -> Result<Option<Vec<Solution>>, (usize, Error)> {
+    if solver.interleaved().is_none() {
+        return Ok(None);
+    }
     let factor = |problem: &Problem| factor(problem, solver, balance);
     if !problems.iter().all(|problem| problem.is_within(factor(problem))) {
         return Ok(None);
     }
     let rescaled = || problems.iter().map(|problem| problem.rescaled(factor(problem), work)).collect();
     let balanced: Option<Vec<Problem>> = problems.iter().any(|problem| factor(problem) > 1.0).then(rescaled);
-    let mut solutions = solver.solve_interleaved(balanced.as_deref().unwrap_or(problems), work);
+    let mut solutions = interleaved::solve(solver, balanced.as_deref().unwrap_or(problems), work);
     for (k, (solution, problem)) in solutions.iter_mut().flatten().zip(problems).enumerate() {
         let at = |error| (k, error);
         check(solution).map_err(at)?;

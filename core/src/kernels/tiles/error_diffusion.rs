@@ -111,66 +111,81 @@ impl<'a> Points<'a> {
     /// What is wrong with the field, at the last look's mean; then the mean. Returns sum w r^2.
     #[inline(always)]
     fn look<S: Simd>(&mut self, s: S) -> S::V {
-        let (mut total, mut wrong) = (s.splat(0.0), s.splat(0.0));
-        let level = s.splat(self.level);
-        // The conjugate's signs.
-        let mut signs: Lanes = [1.0; LANES];
-        signs[EIGHT..].fill(-1.0);
-        let signs = s.load(&signs);
-        let asked = self.root.iter().zip(&*self.loud).zip(&*self.field);
-        let found = self.unit.iter_mut().zip(&mut *self.miss).zip(&mut *self.pull);
-        for (((root, loud), field), ((unit, miss), pull)) in asked.zip(found) {
-            let (root, loud, field) = (s.load(root), s.load(loud), s.load(field));
-            let part = s.mul(field, field);
-            let square = s.max(s.add(part, s.swap::<8>(part)), s.splat(TINY));
-            let inverse = s.rsqrt(square);
-            let modulus = s.mul(square, inverse);
-            total = s.fma(modulus, loud, total);
-            let off = s.mul(root, s.fnma(level, loud, modulus));
-            wrong = s.fma(off, off, wrong);
-            let along = s.mul(s.mul(signs, field), s.mul(root, inverse));
-            s.store(off, miss);
-            s.store(along, unit);
-            s.store(s.mul(off, along), pull);
-        }
-        self.level = self.share * s.reduce_add(total);
-        wrong
+        s.aside(
+            #[inline(always)]
+            || {
+                let (mut total, mut wrong) = (s.splat(0.0), s.splat(0.0));
+                let level = s.splat(self.level);
+                // The conjugate's signs.
+                let mut signs: Lanes = [1.0; LANES];
+                signs[EIGHT..].fill(-1.0);
+                let signs = s.load(&signs);
+                let asked = self.root.iter().zip(&*self.loud).zip(&*self.field);
+                let found = self.unit.iter_mut().zip(&mut *self.miss).zip(&mut *self.pull);
+                for (((root, loud), field), ((unit, miss), pull)) in asked.zip(found) {
+                    let (root, loud, field) = (s.load(root), s.load(loud), s.load(field));
+                    let part = s.mul(field, field);
+                    let square = s.max(s.add(part, s.swap::<8>(part)), s.splat(TINY));
+                    let inverse = s.rsqrt(square);
+                    let modulus = s.mul(square, inverse);
+                    total = s.fma(modulus, loud, total);
+                    let off = s.mul(root, s.fnma(level, loud, modulus));
+                    wrong = s.fma(off, off, wrong);
+                    let along = s.mul(s.mul(signs, field), s.mul(root, inverse));
+                    s.store(off, miss);
+                    s.store(along, unit);
+                    s.store(s.mul(off, along), pull);
+                }
+                self.level = self.share * s.reduce_add(total);
+                wrong
+            },
+        )
     }
 
     /// sum w Re(h c)^2 over the points with a target and sum w |c|^2 over the quiet ones, of the changes c; twice that.
     #[inline(always)]
     fn weigh_change<S: Simd>(&self, s: S) -> f32 {
-        let mut total = s.splat(0.0);
-        let lists = self.root.iter().zip(&*self.loud).zip(self.unit.iter().zip(&*self.change));
-        for ((root, loud), (unit, change)) in lists {
-            let change = s.load(change);
-            let along = s.mul(s.load(unit), change);
-            let along = s.sub(along, s.swap::<8>(along));
-            let whole = s.mul(s.load(root), change);
-            let whole = s.mul(s.splat(2.0), s.mul(whole, whole));
-            total = s.add(total, s.select_less(s.splat(0.0), s.load(loud), s.mul(along, along), whole));
-        }
-        s.reduce_add(total)
+        s.aside(
+            #[inline(always)]
+            || {
+                let mut total = s.splat(0.0);
+                let lists = self.root.iter().zip(&*self.loud).zip(self.unit.iter().zip(&*self.change));
+                for ((root, loud), (unit, change)) in lists {
+                    let change = s.load(change);
+                    let along = s.mul(s.load(unit), change);
+                    let along = s.sub(along, s.swap::<8>(along));
+                    let whole = s.mul(s.load(root), change);
+                    let whole = s.mul(s.splat(2.0), s.mul(whole, whole));
+                    total = s.add(total, s.select_less(s.splat(0.0), s.load(loud), s.mul(along, along), whole));
+                }
+                s.reduce_add(total)
+            },
+        )
     }
 
     /// The change that drives of K tiles make.
     #[inline(always)]
     fn hear<S: Simd, const K: usize>(&mut self, s: S, tiles: Tiles<'_>, tile: usize, q: &[[S::V; 2]; K]) {
-        let mut rows = tiles.columns::<K>(tile);
-        for change in &mut *self.change {
-            let mut sums = [s.splat(0.0); LANES];
-            for half in 0..EIGHT / BLOCK {
-                let Some([gr, gi]) = rows.next() else { break };
-                for row in 0..BLOCK {
-                    let k = half * BLOCK + row;
-                    for (tile, &q) in q.iter().enumerate() {
-                        let g = [s.load(&gr[tile][row]), s.load(&gi[tile][row])];
-                        [sums[k], sums[k + EIGHT]] = add_wave(s, g, q, [sums[k], sums[k + EIGHT]]);
+        s.aside(
+            #[inline(always)]
+            || {
+                let mut rows = tiles.columns::<K>(tile);
+                for change in &mut *self.change {
+                    let mut sums = [s.splat(0.0); LANES];
+                    for half in 0..EIGHT / BLOCK {
+                        let Some([gr, gi]) = rows.next() else { break };
+                        for row in 0..BLOCK {
+                            let k = half * BLOCK + row;
+                            for (tile, &q) in q.iter().enumerate() {
+                                let g = [s.load(&gr[tile][row]), s.load(&gi[tile][row])];
+                                [sums[k], sums[k + EIGHT]] = add_wave(s, g, q, [sums[k], sums[k + EIGHT]]);
+                            }
+                        }
                     }
+                    s.store(s.reduce_add_each(&sums), change);
                 }
-            }
-            s.store(s.reduce_add_each(&sums), change);
-        }
+            },
+        )
     }
 }
 
@@ -228,7 +243,7 @@ fn round_tiles<S: Simd, const K: usize>(
     s: S,
     tiles: Tiles<'_>,
     tile: usize,
-    (phases, most_code): (&Phases, f32),
+    phases: (&Phases, f32),
     points: &mut Points<'_>,
     [own_re, own_im]: [&mut [Lanes]; 2],
     codes: &mut [Lanes],
@@ -261,15 +276,11 @@ fn round_tiles<S: Simd, const K: usize>(
     points.hear(s, tiles, tile, &change);
     let slope = 2.0 / core::f32::consts::TAU * s.reduce_add(slope);
     let far = s.splat(slope / points.weigh_change(s).max(f32::MIN_POSITIVE));
-    let (most, count) = (s.splat(MOST_ROTATION), s.splat(phases.count()));
-    let (highest, lowest) = (s.splat(most_code), s.splat(-most_code));
+    let most = s.splat(MOST_ROTATION);
     let lists = own_re.iter_mut().zip(own_im).zip(codes);
     for (((re, im), codes), (&q, (&down, change))) in lists.zip(q.iter().zip(down.iter().zip(&mut change))) {
         let rotation = s.max(s.min(s.mul(down, far), most), s.sub(zero, most));
-        let code = Phases::codes(s, s.fma(rotation, count, phases.places(s, q)));
-        let code = s.max(s.min(code, highest), lowest);
-        // Transducers without effect stay silent.
-        let new = phases.phasors(s, code, q);
+        let (code, new) = rounded(s, phases, q, rotation);
         s.store(code, codes);
         s.store(new[0], re);
         s.store(new[1], im);
@@ -280,6 +291,20 @@ fn round_tiles<S: Simd, const K: usize>(
         s.store(s.add(s.load(field), s.load(change)), field);
     }
     points.look(s);
+}
+
+/// The codes nearest to where rotations in turns bring q, and their phasors.
+#[inline(always)]
+fn rounded<S: Simd>(s: S, (phases, most_code): (&Phases, f32), q: [S::V; 2], rotation: S::V) -> (S::V, [S::V; 2]) {
+    s.aside(
+        #[inline(always)]
+        || {
+            let code = Phases::codes(s, s.fma(rotation, s.splat(phases.count()), phases.places(s, q)));
+            let code = s.max(s.min(code, s.splat(most_code)), s.splat(-most_code));
+            // Transducers without effect stay silent.
+            (code, phases.phasors(s, code, q))
+        },
+    )
 }
 
 /// Takes the step of one code that gains most; whether one does.

@@ -1,0 +1,97 @@
+//! TOML, read as a tree of values; and where a value of it is written.
+
+use alloc::format;
+use alloc::string::ToString;
+use alloc::vec::Vec;
+
+use ::toml::Spanned;
+use ::toml::de::{DeInteger, DeTable, DeValue, Error};
+
+use crate::error::one_line;
+use crate::files::node::Node;
+use crate::files::place::{Place, Step};
+use crate::files::syntax::Flaw;
+
+/// Whole numbers from here on are too large for any computer.
+const MOST: f64 = 1e38;
+
+/// The table of a text.
+pub(super) fn read(text: &str) -> Result<Node, Flaw> {
+    let root = DeTable::parse(text).map_err(|error| refused(&error, text))?;
+    table(root.into_inner())
+}
+
+/// How deep some steps lead into a text that was read.
+pub(super) fn find(text: &str, steps: &[Step<'_>]) -> Place {
+    let mut place = Place { value: 0, key: 0, steps: 0 };
+    let Ok(root) = DeTable::parse(text) else { return place };
+    let root = DeValue::Table(root.into_inner());
+    let mut value = &root;
+    for step in steps {
+        let next = match (value, step) {
+            (DeValue::Table(table), Step::Key(key)) => {
+                table.get_key_value(*key).map(|(key, value)| (key.span(), value))
+            }
+            (DeValue::Array(list), Step::Index(index)) => list.get(*index).map(|value| (value.span(), value)),
+            _ => None,
+        };
+        let Some((key, next)) = next else { break };
+        value = next.get_ref();
+        place = Place { value: next.span().start, key: key.start, steps: place.steps + 1 };
+    }
+    place
+}
+
+fn table(table: DeTable<'_>) -> Result<Node, Flaw> {
+    let mut entries = Vec::new();
+    for (key, value) in table {
+        let at = key.span().start;
+        let key = key.into_inner().into_owned();
+        Flaw::check_key(at, &key, &entries)?;
+        entries.push((key, node(value)?));
+    }
+    Ok(Node::Table(entries))
+}
+
+fn node(value: Spanned<DeValue<'_>>) -> Result<Node, Flaw> {
+    let at = value.span().start;
+    let too_large = || Flaw::new(at, "a number too large for any computer: give fewer digits");
+    Ok(match value.into_inner() {
+        DeValue::String(text) => Node::Text(text.into_owned()),
+        DeValue::Integer(value) => integer(&value).ok_or_else(too_large)?,
+        DeValue::Float(value) => {
+            let (written, value) = (value.as_str(), value.as_str().parse::<f64>().ok());
+            let fits = |value: &f64| !value.is_infinite() || written.contains("inf");
+            Node::Real(value.filter(fits).ok_or_else(too_large)?)
+        }
+        DeValue::Boolean(value) => Node::Bool(value),
+        DeValue::Datetime(value) => Node::Text(value.to_string()),
+        DeValue::Array(list) => Node::list(list.into_iter().map(node).collect::<Result<_, _>>()?),
+        DeValue::Table(entries) => table(entries)?,
+    })
+}
+
+/// A whole number where 64 bits hold it, else the nearest f64.
+fn integer(value: &DeInteger<'_>) -> Option<Node> {
+    let (digits, radix) = (value.as_str(), value.radix());
+    let large = |_| u64::from_str_radix(digits, radix).map(Node::Large);
+    let real = || digits.parse().ok().filter(|value: &f64| radix == 10 && value.abs() < MOST).map(Node::Real);
+    i64::from_str_radix(digits, radix).map(Node::Integer).or_else(large).ok().or_else(real)
+}
+
+/// What the parser says, in our words.
+fn refused(error: &Error, text: &str) -> Flaw {
+    let span = error.span();
+    let at = span.as_ref().map(|span| span.start);
+    match error.message() {
+        message if message.starts_with("duplicate key") => {
+            Flaw::twice(at, &span.and_then(|span| text.get(span)).map(one_line).unwrap_or_default())
+        }
+        message if message.contains("recurs") => Flaw::nested(at),
+        message => {
+            let what = message.split(", expected").next().unwrap_or(message).replace("unexpected", "stray");
+            let flaw = Flaw::new(at, format!("no TOML here ({what})"));
+            flaw.or_foreign(text.starts_with('{'), "no TOML, but JSON as it looks: name it .json")
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! A tree of values, written as TOML or JSON.
+
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+use core::slice;
+
+use crate::files::node::Node;
+
+/// A value in JSON, each level two spaces further in; `line` begins a line of its own level.
+pub(super) fn json(node: &Node, line: &str, text: &mut String) {
+    let inner = format!("{line}  ");
+    let mut before = "";
+    let mut item = |open: &str, key: Option<&str>, node: &Node, text: &mut String| {
+        text.push_str(if before.is_empty() { open } else { before });
+        before = ",";
+        text.push_str(&inner);
+        if let Some(key) = key {
+            quoted(key, text);
+            text.push_str(": ");
+        }
+        json(node, &inner, text);
+    };
+    let (empty, close) = match node {
+        Node::Table(entries) => {
+            entries.iter().filter(given).for_each(|(key, node)| item("{", Some(key), node, text));
+            ("{}", "}")
+        }
+        Node::List(list) => {
+            list.iter().for_each(|node| item("[", None, node, text));
+            ("[]", "]")
+        }
+        Node::Numbers(numbers) => {
+            numbers.iter().for_each(|&number| item("[", None, &Node::Real(number), text));
+            ("[]", "]")
+        }
+        Node::Real(value) if !value.is_finite() => return text.push_str("null"),
+        _ => return scalar(node, text),
+    };
+    if before.is_empty() {
+        return text.push_str(empty);
+    }
+    text.push_str(line);
+    text.push_str(close);
+}
+
+/// The lines of a table in TOML, then the tables and lists of tables in it under their names; none where a list has a null
+/// in it, which TOML does not know.
+pub(super) fn toml(path: &str, table: &Node, text: &mut String) -> Option<()> {
+    let Node::Table(entries) = table else { return None };
+    let (sections, lines): (Vec<_>, Vec<_>) = entries.iter().filter(given).partition(|(_, node)| is_section(node));
+    for (key, node) in lines {
+        name(key, text);
+        text.push_str(" = ");
+        inline(node, text)?;
+        text.push('\n');
+    }
+    for (key, node) in sections {
+        let mut path = if path.is_empty() { String::new() } else { format!("{path}.") };
+        name(key, &mut path);
+        let (tables, header) = match node {
+            Node::List(tables) => (&tables[..], format!("[[{path}]]\n")),
+            table => (slice::from_ref(table), format!("[{path}]\n")),
+        };
+        for table in tables {
+            if !text.is_empty() {
+                text.push('\n');
+            }
+            text.push_str(&header);
+            toml(&path, table, text)?;
+        }
+    }
+    Some(())
+}
+
+/// A value in TOML on one line.
+fn inline(node: &Node, text: &mut String) -> Option<()> {
+    let mut between = "";
+    match node {
+        Node::Null => return None,
+        Node::Table(entries) => {
+            text.push('{');
+            for (key, node) in entries.iter().filter(given) {
+                text.push_str(if between.is_empty() { " " } else { between });
+                name(key, text);
+                text.push_str(" = ");
+                inline(node, text)?;
+                between = ", ";
+            }
+            text.push_str(if between.is_empty() { "}" } else { " }" });
+        }
+        Node::List(list) => {
+            text.push('[');
+            for node in list {
+                text.push_str(between);
+                inline(node, text)?;
+                between = ", ";
+            }
+            text.push(']');
+        }
+        Node::Numbers(numbers) => {
+            text.push('[');
+            for &number in numbers {
+                text.push_str(between);
+                scalar(&Node::Real(number), text);
+                between = ", ";
+            }
+            text.push(']');
+        }
+        _ => scalar(node, text),
+    }
+    Some(())
+}
+
+/// Whether TOML gives a value lines under a name of its own.
+fn is_section(node: &Node) -> bool {
+    match node {
+        Node::Table(_) => true,
+        Node::List(list) => list.iter().all(|node| matches!(node, Node::Table(_))),
+        _ => false,
+    }
+}
+
+/// What is null is left out of a table.
+fn given((_, node): &&(String, Node)) -> bool {
+    *node != Node::Null
+}
+
+/// A key of TOML.
+fn name(key: &str, text: &mut String) {
+    let plain = |letter: char| letter.is_ascii_alphanumeric() || letter == '_' || letter == '-';
+    if !key.is_empty() && key.chars().all(plain) { text.push_str(key) } else { quoted(key, text) }
+}
+
+/// What both formats write alike.
+fn scalar(node: &Node, text: &mut String) {
+    match node {
+        Node::Text(words) => quoted(words, text),
+        Node::Real(value) if value.is_nan() => text.push_str("nan"),
+        other => text.push_str(&other.to_string()),
+    }
+}
+
+fn quoted(words: &str, text: &mut String) {
+    text.push('"');
+    for letter in words.chars() {
+        match letter {
+            '"' | '\\' => text.extend(['\\', letter]),
+            '\n' => text.push_str("\\n"),
+            '\t' => text.push_str("\\t"),
+            '\0'..='\x1f' | '\x7f' => text.push_str(&format!("\\u{:04x}", u32::from(letter))),
+            _ => text.push(letter),
+        }
+    }
+    text.push('"');
+}
+
+#[cfg(test)]
+#[path = "tests/write.rs"]
+mod tests;
