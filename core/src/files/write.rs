@@ -3,6 +3,7 @@
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
+use core::fmt::Write;
 use core::slice;
 
 use crate::files::node::Node;
@@ -23,15 +24,21 @@ pub(super) fn json(node: &Node, line: &str, text: &mut String) {
     };
     let (empty, close) = match node {
         Node::Table(entries) => {
-            entries.iter().filter(given).for_each(|(key, node)| item("{", Some(key), node, text));
+            for (key, node) in given(entries) {
+                item("{", Some(key), node, text);
+            }
             ("{}", "}")
         }
         Node::List(list) => {
-            list.iter().for_each(|node| item("[", None, node, text));
+            for node in list {
+                item("[", None, node, text);
+            }
             ("[]", "]")
         }
         Node::Numbers(numbers) => {
-            numbers.iter().for_each(|&number| item("[", None, &Node::Real(number), text));
+            for &number in numbers {
+                item("[", None, &Node::Real(number), text);
+            }
             ("[]", "]")
         }
         Node::Real(value) if !value.is_finite() => return text.push_str("null"),
@@ -48,7 +55,7 @@ pub(super) fn json(node: &Node, line: &str, text: &mut String) {
 /// in it, which TOML does not know.
 pub(super) fn toml(path: &str, table: &Node, text: &mut String) -> Option<()> {
     let Node::Table(entries) = table else { return None };
-    let (sections, lines): (Vec<_>, Vec<_>) = entries.iter().filter(given).partition(|(_, node)| is_section(node));
+    let (sections, lines): (Vec<_>, Vec<_>) = given(entries).partition(|(_, node)| is_section(node));
     for (key, node) in lines {
         name(key, text);
         text.push_str(" = ");
@@ -80,7 +87,7 @@ fn inline(node: &Node, text: &mut String) -> Option<()> {
         Node::Null => return None,
         Node::Table(entries) => {
             text.push('{');
-            for (key, node) in entries.iter().filter(given) {
+            for (key, node) in given(entries) {
                 text.push_str(if between.is_empty() { " " } else { between });
                 name(key, text);
                 text.push_str(" = ");
@@ -122,8 +129,8 @@ fn is_section(node: &Node) -> bool {
 }
 
 /// What is null is left out of a table.
-fn given((_, node): &&(String, Node)) -> bool {
-    *node != Node::Null
+fn given(entries: &[(String, Node)]) -> impl Iterator<Item = &(String, Node)> {
+    entries.iter().filter(|(_, node)| *node != Node::Null)
 }
 
 /// A key of TOML.
@@ -148,7 +155,9 @@ fn quoted(words: &str, text: &mut String) {
             '"' | '\\' => text.extend(['\\', letter]),
             '\n' => text.push_str("\\n"),
             '\t' => text.push_str("\\t"),
-            '\0'..='\x1f' | '\x7f' => text.push_str(&format!("\\u{:04x}", u32::from(letter))),
+            '\0'..='\x1f' | '\x7f' => {
+                let _ = write!(text, "\\u{:04x}", u32::from(letter));
+            }
             _ => text.push(letter),
         }
     }

@@ -185,7 +185,7 @@ impl<'a> Points<'a> {
                     s.store(s.reduce_add_each(&sums), change);
                 }
             },
-        )
+        );
     }
 }
 
