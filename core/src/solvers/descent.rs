@@ -19,9 +19,9 @@ options! {
         /// Steps of the best start, at most.
         pub steps: u32 = 500,
         /// Ends when ten steps lower the error (the root of the residual) by less than this part of it.
-        pub tolerance: f64 = 1e-3,
+        pub tolerance: f64 = 5e-4,
         /// Starts, each followed for a fifth of the steps: a focus whose cone covers the points, behind them, then in front
-        /// of them, then random phases at the points.
+        /// of them (amid the transducers all in phase instead), then random phases at the points.
         pub starts: u32 = 3,
         /// Seed of these phases, 0 to 2^64 - 1.
         pub seed: u64 = 0,

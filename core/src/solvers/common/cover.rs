@@ -29,14 +29,18 @@ pub(crate) enum Side {
 /// The width of the cone at the points, over theirs. With 1 their rim is left dark; from 1.5 on power is lost beside them.
 const WIDTH: f64 = 1.25;
 
-/// The drives of modulus 1 of the focus on one side; `None` where places are not known, the array is in one place or all
-/// points are to be quiet.
+/// Nearer to the array's middle than this part of its size, points lie amid its transducers, and there is no cone over them.
+const AMID: f64 = 0.25;
+
+/// The drives of modulus 1 of the focus on one side; `None` where places are not known, the points lie amid the transducers
+/// or all are to be quiet.
 pub(crate) fn cover(problem: &Problem, side: Side, work: &Workspace) -> Option<Vec<Complex32>> {
     let (array, points, _) = problem.propagation().origin()?;
     let live = (0..array.len()).map(|i| if array.effect(i) == Complex64::ZERO { 0.0 } else { 1.0 });
     let (middle, aperture) = spread(array.positions(), live);
     let (centre, radius) = spread(points, problem.targets().iter().map(|&target| f64::from(target)));
-    if !(aperture > 0.0 && radius.is_finite()) {
+    let distance = math::sqrt(centre.iter().zip(&middle).map(|(c, a)| (c - a) * (c - a)).sum::<f64>());
+    if !(aperture > 0.0 && distance > AMID * aperture && radius.is_finite()) {
         return None;
     }
     let width = WIDTH * radius / aperture;

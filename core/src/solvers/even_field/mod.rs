@@ -73,17 +73,17 @@ pub(crate) fn solve(
     let wanted = problem.aim() == Aim::Target;
     let mut nearest = None;
     if crowded && !run.stopped && !problem.has_start() {
-        let Nearest { drive, near } = targets::approach(&mut run, &mut search)?;
+        let found = targets::approach(&mut run, &mut search)?;
         // Where all targets are nearly met, no other level is looked for.
-        crowded = !(wanted && (near || search.reaches(rows.target)));
+        crowded = !(wanted && (found.near || search.reaches(rows.target)));
         if crowded && !run.stopped && rows.equations() <= TOO_MANY {
-            search.trial.play_at_full(rows, drive.iter().copied());
+            search.trial.play_at_full(rows, found.drive.iter().copied());
             search.climb_on(&mut run, (Pace::LOUD, Manner::crowded))?;
         }
         if wanted {
-            nearest = Some(drive);
+            nearest = Some(found);
         } else {
-            work.complexes.give(drive);
+            work.complexes.give(found.drive);
         }
     }
     if crowded && !run.stopped && rows.equations() <= TOO_MANY && !(wanted && search.reaches(rows.target)) {
@@ -91,12 +91,12 @@ pub(crate) fn solve(
             search.climb(&mut run, &foci, plan.for_crowded(rows.equations()), (Pace::LOUD, Manner::crowded))?;
         }
     }
-    if let Some(nearest) = nearest {
-        if !run.stopped && !search.even {
-            // No even field was found: the nearest to the targets, then.
-            return Solution::new(problem, nearest, (Status::OutOfSteps, run.step), run.steps, work, run.control);
+    if let Some(Nearest { drive, near }) = nearest {
+        if !run.stopped && (!search.even || near && !search.reaches(rows.target)) {
+            // No even field was found, or one that is weaker: the nearest to the targets, then.
+            return Solution::new(problem, drive, (Status::OutOfSteps, run.step), run.steps, work, run.control);
         }
-        work.complexes.give(nearest);
+        work.complexes.give(drive);
     }
     let Search { mut best, mut even, lowest, trial: mut wave } = search;
     // With many points the target may lie above the level where free steps end, and still be in reach.
