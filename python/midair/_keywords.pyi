@@ -126,7 +126,7 @@ class Descent(TypedDict, total=False):
     tolerance: float | None
     """Ends when ten steps lower the error (the root of the residual) by less than this part of it."""
     starts: int | None
-    """Starts, each followed for a fifth of the steps: all transducers in phase, then random phases at the points."""
+    """Starts, each followed for a fifth of the steps: a focus whose cone covers the points, behind them, then in front of them (amid the transducers all in phase instead), then random phases at the points."""
     seed: int | None
     """Seed of these phases, 0 to 2^64 - 1."""
 class SolveDescent(Solve, Descent): ...

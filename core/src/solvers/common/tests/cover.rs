@@ -2,6 +2,8 @@
 
 use num_complex::{Complex32, Complex64};
 
+use crate::control::Control;
+use crate::kernels::InstructionSet;
 use crate::problem::Problem;
 use crate::scene::{Array, Medium, Request, Scene};
 use crate::solvers::common::cover::{Side, cover};
@@ -12,8 +14,12 @@ fn square() -> Problem {
     let at = |k: usize| (k as f64 - 3.0) * 4e-3;
     let points = (0..49).map(|k| [at(k % 7), at(k / 7), 0.15]).collect();
     let array = Array::grid(16, 16, 1e-2).expect("a grid");
-    Problem::of_scene(&Scene::new(array, Medium::default(), points, Request::default()).expect("a scene"))
-        .expect("a problem")
+    Problem::of_scene(
+        &Scene::new(array, Medium::default(), points, Request::default()).expect("a scene"),
+        InstructionSet::best(),
+        &mut Control::none(),
+    )
+    .expect("a problem")
 }
 
 /// |p_j| of a drive, in Pa.
@@ -42,7 +48,7 @@ fn the_field_is_strong_at_every_point() {
 fn over_one_point_the_cone_is_its_focus() {
     let array = Array::grid(4, 4, 1e-2).expect("a grid");
     let scene = Scene::new(array, Medium::default(), vec![[0.0, 0.0, 0.1]], Request::default()).expect("a scene");
-    let problem = Problem::of_scene(&scene).expect("a problem");
+    let problem = Problem::of_scene(&scene, InstructionSet::best(), &mut Control::none()).expect("a problem");
     let drive = cover(&problem, Side::Front, &Workspace::new()).expect("places are known");
     let alone = (0..16).map(|i| problem.propagation().exact(0, i).norm()).sum::<f64>();
     assert!((pressure(&problem, &drive, 0) / alone - 1.0).abs() < 1e-6);
