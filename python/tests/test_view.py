@@ -196,5 +196,5 @@ def test_the_page_of_the_docs_runs(shown, monkeypatch, built: Path) -> None:
     for block in blocks:
         exec(compile(block, "docs/studio.md", "exec"), names)
     assert len(blocks) == 2
-    assert names["studio"].points.tolist() == [[0.1, 0.07, 0.2]]
+    assert names["studio"].points.tolist() == [[0.0, 0.02, 0.2]]
     assert names["solution"].metrics.uniformity > 0.99

@@ -76,7 +76,9 @@ pub(super) struct Nearest {
 pub(super) fn approach<'w>(run: &mut Run<'_, '_, 'w>, search: &mut Search<'w>) -> Result<Nearest, Error> {
     let (problem, rows) = (run.problem, run.rows);
     let factor = problem.balance().max(1.0) as f32;
-    let task = Task { steps: 1500, tolerance: 3e-4, starts: 2, seed: 0, factor, before: run.step };
+    // A field whose level is to be raised next needs to be near by no more than roughly.
+    let (steps, tolerance) = if problem.aim() == Aim::Max { (300, 1e-3) } else { (1500, 3e-4) };
+    let task = Task { steps, tolerance, starts: 2, seed: 0, factor, before: run.step };
     let found = least_squares(problem, &task, run.work, run.control)?;
     (run.step, run.steps) = (found.steps.0, run.steps.max(found.steps.1));
     run.stopped = found.status == Status::Stopped;
