@@ -50,7 +50,7 @@ install: $(BUILT)/libmidair.so ## Install the C library: headers, libraries, mid
 
 studio: studio/node_modules ## Build the studio's page, also for midair studio and notebooks (Node 20+, Debian's Rust packages)
 	$(call step,studio: the core for browsers (4 min),studio/door/build.sh)
-	$(call step,studio: page, single file and widget (30 s),cd studio && node build.mjs)
+	$(call step,studio: the page for browsers and notebooks (30 s),cd studio && node build.mjs)
 
 studio/node_modules: studio/package.json
 	$(call step,studio: tools from npm (30 s),cd studio && npm install --no-package-lock --no-audit --no-fund)
