@@ -1,6 +1,7 @@
 """What `make test` and `make demo` show: a line above each command, and the name of one that fails."""
 
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -26,6 +27,13 @@ def test_every_command_is_announced(target: str) -> None:
     assert len(lines) >= 4
     for line in lines:
         assert line.startswith(("echo", "mkdir", "\t||", "||")), line
+
+
+def test_no_name_of_a_step_has_a_comma() -> None:
+    # Make would take what follows for the command.
+    names = re.findall(r"call step,([^(]*)\(", (ROOT / "Makefile").read_text(encoding="utf-8"))
+    assert len(names) > 20
+    assert [name for name in names if "," in name] == []
 
 
 def test_a_step_that_fails_is_named(tmp_path: Path) -> None:
