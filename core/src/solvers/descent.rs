@@ -29,13 +29,13 @@ options! {
 }
 
 /// Steps of points that are to be all alike: their error falls on and on, where that of a picture comes to an end.
-const ALIKE: u32 = 1500;
+const STEPS_ALIKE: u32 = 1500;
 
 impl Descent {
     /// In place of a method that makes points even, where these are too many.
     pub(crate) fn instead(problem: &Problem) -> Option<Box<dyn Solve>> {
         let alike = problem.targets()[..problem.propagation().points()].windows(2).all(|pair| pair[0] == pair[1]);
-        let steps = if alike { ALIKE } else { Self::default().steps };
+        let steps = if alike { STEPS_ALIKE } else { Self::default().steps };
         too_many(problem).then(|| Box::new(Self { steps, ..Self::default() }) as Box<dyn Solve>)
     }
 }

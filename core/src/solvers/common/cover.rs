@@ -26,10 +26,12 @@ pub(crate) enum Side {
     Front,
 }
 
-/// The width of the cone at the points, over theirs. With 1 their rim is left dark; from 1.5 on power is lost beside them.
+/// The width of the cone at the points, over theirs. Over 30 pictures descents from cones of .7, 1, 1.25, 1.5 and 2 ended in
+/// the mean at 3.1, 2.2, 1.5, 1.7 and 3.4 times the least error of all.
 const WIDTH: f64 = 1.25;
 
-/// Nearer to the array's middle than this part of its size, points lie amid its transducers, and there is no cone over them.
+/// Nearer to the array's middle than this part of its size, points lie amid its transducers, and there is no cone over them:
+/// between two boards descent from a cone ended at an error of .14, from all in phase at .0004.
 const AMID: f64 = 0.25;
 
 /// The drives of modulus 1 of the focus on one side; `None` where places are not known, the points lie amid the transducers

@@ -65,7 +65,7 @@ pub(crate) fn met(
 pub(super) struct Nearest {
     /// The drive of least squares as it was found.
     pub(super) drive: Vec<Complex32>,
-    /// Whether no target is far: then no other level is either.
+    /// Whether every target is nearly met, so that no other level need be looked for.
     pub(super) near: bool,
 }
 
@@ -76,7 +76,7 @@ pub(super) struct Nearest {
 pub(super) fn approach<'w>(run: &mut Run<'_, '_, 'w>, search: &mut Search<'w>) -> Result<Nearest, Error> {
     let (problem, rows) = (run.problem, run.rows);
     let factor = problem.balance().max(1.0) as f32;
-    // A field whose level is to be raised next needs to be near by no more than roughly.
+    // Raised from what a long descent ends at, discs got a tenth less level than from a short one.
     let (steps, tolerance) = if problem.aim() == Aim::Max { (300, 1e-3) } else { (1500, 3e-4) };
     let task = Task { steps, tolerance, starts: 2, seed: 0, factor, before: run.step };
     let found = least_squares(problem, &task, run.work, run.control)?;
