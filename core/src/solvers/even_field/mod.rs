@@ -17,6 +17,7 @@ pub(crate) mod run;
 pub(crate) mod search;
 pub(crate) mod silence;
 pub(crate) mod targets;
+pub(crate) mod traps;
 pub(crate) mod weighted_sweeps;
 
 use crate::control::Control;
@@ -107,9 +108,10 @@ pub(crate) fn solve(
             core::mem::swap(&mut best, &mut wave);
         }
     }
+    let stiffened = !run.stopped && traps::stiffen(&mut run, &mut best)?;
     let quantization = problem.quantization();
     if let Some(quantization) = quantization
-        && !run.stopped
+        && !(run.stopped || stiffened)
     {
         // At full drive, where the grid is finest.
         run.stopped = on_grid::round(problem, rows, quantization, even, &mut best, work, run.control).is_err();
@@ -120,5 +122,8 @@ pub(crate) fn solve(
         (_, true) => Status::Done,
         _ => Status::OutOfSteps,
     };
+    // What the traps' foci have come to is what is asked of them.
+    let asked = if stiffened { Some(problem.asking(&best.heard(problem, rows, 1.0, work))?) } else { None };
+    let problem = asked.as_ref().unwrap_or(problem);
     Answer { drive, status, steps: (run.step, run.steps) }.brought_down(problem, rows, &best, work, run.control)
 }
