@@ -26,8 +26,6 @@ use crate::control::Control;
 use crate::device::quantization::Quantization;
 use crate::error::{Error, one_each};
 use crate::kernels::InstructionSet;
-use crate::linalg::Planar;
-use crate::math;
 use crate::problem::targets::Targets;
 use crate::propagation::{Model, Propagation};
 use crate::scene::{Aim, Request, Scene, Start, check_drive};
@@ -273,20 +271,6 @@ impl Problem {
     /// Whether the caller gave pressures.
     pub(crate) fn asks_pressures(&self) -> bool {
         self.targets.given
-    }
-
-    /// The same problem, of which no pressures are asked, with targets in the ratios of a field (one padded row).
-    ///
-    /// # Errors
-    /// Where the balanced level of these is silence.
-    pub(crate) fn asking(&self, field: &Planar) -> Result<Self, Error> {
-        let mut other = self.clone();
-        let targets = Arc::make_mut(&mut other.targets);
-        for (k, &j) in targets.active.iter().enumerate() {
-            targets.pascals[j] = math::modulus(Complex32::new(field.re[k], field.im[k]));
-        }
-        other.balance_targets()?;
-        Ok(other)
     }
 
     /// Gives the memory of a prepared problem back.

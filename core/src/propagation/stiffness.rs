@@ -24,7 +24,7 @@ use crate::scene::Medium;
 const ENTRIES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
 
 /// F of each entry.
-type Forms = [[[f64; TERMS]; TERMS]; ENTRIES.len()];
+type Forms = Vec<[[f64; TERMS]; TERMS]>;
 
 /// C and F of some points, for the default particle.
 pub(crate) struct Stiffness {
@@ -129,12 +129,14 @@ fn forms(kept: &Kept, units: &[f64; TERMS]) -> Forms {
     let factors = Particle::default().factors(kept.sources.medium);
     let second = |terms: &[usize]| {
         let mut part = Jet::ZERO;
-        terms.iter().for_each(|&term| part.add(&Jet::monomial(term), 1.0 / units[term]));
+        for &term in terms {
+            part.add(&Jet::monomial(term), 1.0 / units[term]);
+        }
         let hessian = potential(&[part, Jet::ZERO], factors).hessian();
         ENTRIES.map(|[a, b]| hessian[a][b])
     };
     let alone: [_; TERMS] = core::array::from_fn(|term| second(&[term]));
-    let mut forms = [[[0.0; TERMS]; TERMS]; ENTRIES.len()];
+    let mut forms = vec![[[0.0; TERMS]; TERMS]; ENTRIES.len()];
     for t in 0..TERMS {
         for u in 0..=t {
             let both = second(&[t, u]);

@@ -122,8 +122,5 @@ pub(crate) fn solve(
         (_, true) => Status::Done,
         _ => Status::OutOfSteps,
     };
-    // What the traps' foci have come to is what is asked of them.
-    let asked = if stiffened { Some(problem.asking(&best.heard(problem, rows, 1.0, work))?) } else { None };
-    let problem = asked.as_ref().unwrap_or(problem);
     Answer { drive, status, steps: (run.step, run.steps) }.brought_down(problem, rows, &best, work, run.control)
 }
