@@ -89,7 +89,7 @@ pub(crate) fn solve(
     }
     if crowded && !run.stopped && rows.equations() <= TOO_MANY && !(wanted && search.reaches(rows.target)) {
         for plan in plans {
-            search.climb(&mut run, &foci, plan.for_crowded(rows.equations()), (Pace::LOUD, Manner::crowded))?;
+            search.race(&mut run, &foci, plan.for_crowded())?;
         }
     }
     if let Some(Nearest { drive, near }) = nearest {
