@@ -72,8 +72,8 @@ def table(rows: Sequence[Row], bench: str = "bench", only: Sequence[tuple[str, s
     first = rows[0]
     caption = (
         f"How many times as fast as {REFERENCE}'s greedy search, at M points and {_COUNT} transducers, and"
-        " how good the answers are: accuracy / sigma, which are 1 / 0 where every point has what it was to have."
-        " In brackets: any drive in place of the boards' grid of 256 phases x 256 amplitudes."
+        " how good the answers are: accuracy / sigma, which are 1 / 0 where every point has what it was to"
+        " have. In brackets: any drive in place of the boards' grid of 256 phases x 256 amplitudes."
     )
     told = {rival for rival, _ in only} if only else {row["rival"] for row in shown}
     versions = dict.fromkeys(f"{row['rival']} {row['version']}" for row in rows if row["rival"] in told)
@@ -81,7 +81,8 @@ def table(rows: Sequence[Row], bench: str = "bench", only: Sequence[tuple[str, s
         f"{first['date']}, {first['cpu']}, one thread, 2 x 2 AUTD3 boards, G included; medians of CPU time"
         f" over {first['rounds']} rounds; midair is `midair.solve` from NumPy arrays.{_beside_gspat(found)}"
         " Answers: on the grid where there is one, by one forward model, means over"
-        f" {first['scenes']} scenes. {'; '.join(versions)}. [What the numbers include and whom they favour]({bench}/README.md)."
+        f" {first['scenes']} scenes. {'; '.join(versions)}."
+        f" [What the numbers include and whom they favour]({bench}/README.md)."
     )
     times = "".join(f" M = {m} |" for m in _SIZES)
     answers = "".join(f" answer, M = {m} |" for m in _JUDGED)
