@@ -88,7 +88,8 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     return TARGET.sub(moved, markdown)
 
 
-def on_post_page(output: str, **_: Any) -> str:
-    """Names the search, which the theme gives a role and no name for those who hear the page."""
+def on_post_page(output: str, page: Any, **_: Any) -> str:
+    """Names the search, to which the theme gives no name, and the language of pages in Japanese."""
     search = 'data-md-component="search" role="dialog"'
-    return output.replace(search, f'{search} aria-label="Search"')
+    output = output.replace(search, f'{search} aria-label="Search"')
+    return output.replace('lang="en"', 'lang="ja"', 1) if page.url.startswith("ja/") else output
