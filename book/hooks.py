@@ -78,8 +78,10 @@ def on_files(files: Any, config: Any) -> None:
 
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
-    """Links as they are on the site."""
+    """Links as they are on the site. A search finds the pages of docs/ before files of the repository."""
     here = page.file.src_uri
+    if here.startswith("repository/"):
+        page.meta["search"] = {"boost": 0.2}
 
     def moved(link: re.Match[str]) -> str:
         path = outside(link[1], here)
