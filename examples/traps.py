@@ -21,18 +21,16 @@ bead = scene.points[0]
 away = np.linspace(-4e-3, 4e-3, 81)
 
 figure, axes = plt.subplots(1, 3, figsize=(11, 3.6), layout="constrained")
-above = midair.Plane(z=bead[2] + scene.wavelength / 4, size=0.09)
+loud = scene.replace(points=scene.points + [0, 0, scene.wavelength / 4])
+midair.plot(midair.field(loud, solution.drive, midair.Plane(z=loud.points[0, 2], size=0.09)), axes[0])
+axes[0].set_title("a quarter wavelength higher")
 beside = midair.Plane(axis="y", at=bead[1], size=0.04, center=(bead[0], bead[2]))
-for ax, plane, title in (
-    (axes[0], above, "a quarter wavelength higher"),
-    (axes[1], beside, "one from the side"),
-):
-    midair.plot(midair.field(scene, solution, plane), ax)
-    ax.set_title(title)
-for axis, name in enumerate("xyz"):
+midair.plot(midair.field(scene, solution, beside), axes[1])
+axes[1].set_title("one from the side")
+for axis, (name, style) in enumerate((("x", "-"), ("y", "--"), ("z", "-"))):
     places = bead + away[:, None] * np.eye(3)[axis]
     force = midair.gorkov(scene, solution, places).force[:, axis]
-    axes[2].plot(1e3 * away, 1e6 * force, label=f"along {name}")
+    axes[2].plot(1e3 * away, 1e6 * force, style, label=f"along {name}")
 axes[2].axhline(1e6 * WEIGHT, color="grey", linestyle=":")
 axes[2].set(title="its force", ylim=(-290, 420), xlabel="away from the trap / mm", ylabel="force / µN")
 axes[2].legend(loc="upper left", fontsize="small")
