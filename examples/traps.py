@@ -21,7 +21,7 @@ bead = scene.points[0]
 away = np.linspace(-4e-3, 4e-3, 81)
 
 figure, axes = plt.subplots(1, 3, figsize=(11, 3.6), layout="constrained")
-loud = scene.replace(points=scene.points + [0, 0, scene.wavelength / 4])
+loud = scene.replace(points=scene.points + np.array([0, 0, scene.wavelength / 4]))
 midair.plot(midair.field(loud, solution.drive, midair.Plane(z=loud.points[0, 2], size=0.09)), axes[0])
 axes[0].set_title("a quarter wavelength higher")
 beside = midair.Plane(axis="y", at=bead[1], size=0.04, center=(bead[0], bead[2]))
