@@ -13,7 +13,7 @@ import midair
 
 
 def members(owner: type) -> Iterator[str]:
-    """A class's public attributes and methods, its own and inherited; docstrings tell a dataclass's fields."""
+    """A class's public attributes and methods, own and inherited; docstrings tell a dataclass's fields."""
     fields = {field.name for field in dataclasses.fields(owner)} if dataclasses.is_dataclass(owner) else set()
     for base in owner.__mro__:
         if base.__module__.startswith("midair"):
