@@ -21,7 +21,7 @@ const MOST_ENTRIES: usize = 1 << 20;
 pub(crate) struct Make {
     /// [`Kept::matrix`]
     pub(crate) matrix: fn(&Kept) -> Result<Arc<[Complex64]>, Error>,
-    /// [`Stiffness::of`]
+    /// [`Kept::stiffness`]
     pub(crate) stiffness: fn(&Kept, &mut Control) -> Result<Option<Stiffness>, Error>,
 }
 
@@ -44,7 +44,7 @@ impl PartialEq for Kept {
 }
 
 impl Kept {
-    pub(crate) const MAKE: Make = Make { matrix: Self::matrix, stiffness: Stiffness::of };
+    pub(crate) const MAKE: Make = Make { matrix: Self::matrix, stiffness: Self::stiffness };
 
     /// Refuses points inside obstacles, factors that do not fit, and more entries than are kept.
     fn check(&self) -> Result<(), Error> {
@@ -85,6 +85,19 @@ impl Kept {
             row.into_iter().enumerate().for_each(|(i, g)| matrix[i * points + j] = g);
         }
         Ok(matrix.into())
+    }
+
+    /// The stiffness of traps at the points, the signature left out; `None` where derivatives of the field are not known, as
+    /// behind a sphere or a mesh.
+    ///
+    /// # Errors
+    /// More memory than allowed, a stop.
+    fn stiffness(&self, control: &mut Control) -> Result<Option<Stiffness>, Error> {
+        match &self.scattering {
+            Some(scattering) if scattering.bodies.is_some() => Ok(None),
+            Some(scattering) => Stiffness::of(&self.sources, &scattering.images, &self.points, control),
+            None => Stiffness::of(&self.sources, &[], &self.points, control),
+        }
     }
 
     /// The same at some of the points, whose matrix is known.

@@ -8,17 +8,20 @@ pub(crate) mod gorkov;
 pub(crate) mod jet;
 pub(crate) mod kept;
 pub(crate) mod model;
+pub(crate) mod particle;
 pub(crate) mod products;
 pub(crate) mod reflection;
 pub(crate) mod scattering;
 pub(crate) mod sources;
 pub(crate) mod sphere;
 pub(crate) mod stiffness;
+pub(crate) mod taylor;
 
 pub use boundary::Boundary;
 pub use field::field;
-pub use gorkov::{Gorkov, Particle, gorkov};
+pub use gorkov::{Gorkov, gorkov};
 pub use model::Model;
+pub use particle::Particle;
 pub(crate) use products::{back_project, field_of, gram};
 pub(crate) use sources::Sources;
 

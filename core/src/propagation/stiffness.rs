@@ -15,9 +15,10 @@ use crate::control::{Control, bytes};
 use crate::error::Error;
 use crate::kernels::padded;
 use crate::linalg::symmetric::eigen;
-use crate::propagation::gorkov::{Particle, add_wave, potential};
 use crate::propagation::jet::{Jet, TERMS, degree};
-use crate::propagation::kept::Kept;
+use crate::propagation::particle::{Particle, potential};
+use crate::propagation::sources::Sources;
+use crate::propagation::taylor::add_wave;
 use crate::scene::Medium;
 
 /// The entries of H.
@@ -37,26 +38,26 @@ pub(crate) struct Stiffness {
 }
 
 impl Stiffness {
-    /// Of what the kept sources make at its points, its signature left out; `None` where the field has no derivatives, or none
-    /// that are known: behind a sphere or a mesh.
+    /// Of what some sources, and their images in walls, make at some points; `None` where the field has no derivatives.
     ///
     /// # Errors
     /// More memory than allowed, a stop.
-    pub(crate) fn of(kept: &Kept, control: &mut Control) -> Result<Option<Self>, Error> {
-        let images = match &kept.scattering {
-            Some(scattering) if scattering.bodies.is_some() => return Ok(None),
-            scattering => scattering.as_ref().map_or(&[][..], |scattering| &scattering.images),
-        };
-        let (points, transducers) = (kept.points.len(), kept.sources.array.len());
-        let lanes = padded(points * TERMS);
-        control.room("the stiffness of traps", [transducers, points], bytes(8, &[transducers, lanes]))?;
+    pub(crate) fn of(
+        sources: &Sources,
+        images: &[Sources],
+        points: &[[f64; 3]],
+        control: &mut Control,
+    ) -> Result<Option<Self>, Error> {
+        let transducers = sources.array.len();
+        let lanes = padded(points.len() * TERMS);
+        control.room("the stiffness of traps", [transducers, points.len()], bytes(8, &[transducers, lanes]))?;
         let [mut re, mut im] = [(); 2].map(|()| vec![0.0; transducers * lanes]);
-        let units = units(kept.sources.medium, 1.0 / kept.sources.reference());
+        let units = units(sources.medium, 1.0 / sources.reference());
         for i in 0..transducers {
-            for (j, &point) in kept.points.iter().enumerate() {
+            for (j, &point) in points.iter().enumerate() {
                 control.pulse()?;
                 let mut wave = [Jet::ZERO; 2];
-                for sources in core::iter::once(&*kept.sources).chain(images) {
+                for sources in core::iter::once(sources).chain(images) {
                     add_wave(sources, (i, point), sources.array.effect(i), &mut wave);
                 }
                 for (plane, part) in [&mut re, &mut im].into_iter().zip(&wave) {
@@ -68,7 +69,8 @@ impl Stiffness {
             }
         }
         let finite = re.iter().chain(&im).all(|c| c.is_finite());
-        Ok(finite.then(|| Self { planes: [re, im], points, forms: forms(kept, &units) }))
+        let made = Self { planes: [re, im], points: points.len(), forms: forms(sources.medium, &units) };
+        Ok(finite.then_some(made))
     }
 
     /// C as the kernels read it.
@@ -125,8 +127,8 @@ fn units(medium: Medium, pressure: f64) -> [f64; TERMS] {
 }
 
 /// F of coefficients in `units`: half the second differences of H.
-fn forms(kept: &Kept, units: &[f64; TERMS]) -> Forms {
-    let factors = Particle::default().factors(kept.sources.medium);
+fn forms(medium: Medium, units: &[f64; TERMS]) -> Forms {
+    let factors = Particle::default().factors(medium);
     let second = |terms: &[usize]| {
         let mut part = Jet::ZERO;
         for &term in terms {
