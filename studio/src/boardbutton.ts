@@ -24,8 +24,8 @@ export function createBoardButton(context: Context): HTMLElement {
     if (!board) return context.alarm(say("noBoard"));
     const port = await serial.requestPort();
     await studio.settled();
-    const silence = await engine.quick.silence(studio.scene(0), board.name);
-    const encode = (drive: Float32Array) => engine.quick.encode(studio.scene(0), drive, board.name);
+    const silence = await engine.slots[0].silence(studio.scene(0), board.name);
+    const encode = (drive: Float32Array) => engine.slots[0].encode(studio.scene(0), drive, board.name);
     player = await connect(port, board, encode, silence, (state, line) => {
       if (line) context.alarm(line);
       if (state === "gone") forget();

@@ -18,7 +18,7 @@ export async function open(context: Context, file: File): Promise<void> {
     const ending = file.name.split(".").at(-1)!.toLowerCase();
     const { state } = studio.view;
     if (ending === "toml" || ending === "json") {
-      studio.change(stateOf(JSON.parse(await engine.quick.read(text, ending === "toml")), state));
+      studio.change(stateOf(JSON.parse(await engine.slots[0].read(text, ending === "toml")), state));
     } else if (ending === "svg") {
       const [x, y] = state.plane.center;
       const points = fitting(drawing(text, Math.min(SIZE, state.plane.size), state.plane.z));
@@ -61,7 +61,7 @@ const placesOf = (array: Float64Array) =>
 export async function exportScene({ studio, engine }: Context): Promise<void> {
   await studio.settled();
   if (studio.view.results[0].refused) throw new Error(studio.view.results[0].refused);
-  save("scene.toml", await engine.quick.save(0, true), "text/plain");
+  save("scene.toml", await engine.slots[0].save(true), "text/plain");
 }
 
 /** The drive of the slot that is shown, as `midair solve -o drive.csv` writes it. */

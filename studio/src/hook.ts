@@ -77,7 +77,7 @@ export function createHook(engine: Engine, studio: Studio, page: () => Page): Ho
     async field(slot, places) {
       await studio.settled();
       result(slot);
-      return pairs(await engine.quick.field(slot, Float64Array.from(places.flat())));
+      return pairs(await engine.slots[slot].field(Float64Array.from(places.flat())));
     },
     shown(slot, places) {
       const { lattice } = result(slot);

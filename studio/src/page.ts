@@ -15,7 +15,7 @@ import type { Painter } from "./painter/picture.ts";
 import { createPanels } from "./panels.ts";
 import { createStage } from "./stage.ts";
 import type { Studio } from "./studio.ts";
-import { type Slot, VIEWS, type Vec3, type View } from "./types.ts";
+import { type Lattice, type Slot, VIEWS, type Vec3, type View } from "./types.ts";
 import { type Language, say } from "./words.ts";
 
 /** A page that is shown. */
@@ -109,9 +109,12 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     const [a, b] = studio.view.results.map(({ answer }) => answer?.metrics.uniformity.toFixed(3) ?? "–");
     const [methodA, methodB] = state.methods;
     root.dataset.said = context.say("said", { a, b, methodA, methodB });
-    context.repaint();
+    // A picture that the next one is about to replace would only hold that up.
+    if (studio.view.moving && painted === studio.view.results[0].lattice) stage.place();
+    else context.repaint();
   }
 
+  let painted: Lattice | null = null;
   function paint() {
     frame = 0;
     if (gone || painter.lost) return;
@@ -124,6 +127,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     const { state, results } = view;
     const look = lookOf(view);
     const slices = results.map(({ lattice }, slot) => (slot === 0 && view.frame ? view.frame.lattice : lattice));
+    painted = results[0].lattice;
     const slot = view.frame ? 0 : state.slot;
     const lattice = slices[slot];
     painter.begin(outer.width, outer.height, Math.min(devicePixelRatio, 2), BACKGROUNDS[theme]);

@@ -126,10 +126,11 @@ export function createStudio(engine: Engine, initial: State): Studio {
   async function update(grid: Grid) {
     const asked = key(grid);
     const [given, array] = [scenes(), JSON.stringify(view.state.array)];
-    const outcomes = await engine.quick.update(given, grid, view.state.ear);
+    const { ear } = view.state;
+    const outcomes = await Promise.all(engine.slots.map((hand, slot) => hand.update(given[slot], grid, ear)));
     if (stopped) return;
     if (array !== arrayShown && outcomes.some((outcome) => "answer" in outcome)) {
-      view.array = await engine.quick.array("answer" in outcomes[0] ? 0 : 1);
+      view.array = await engine.slots["answer" in outcomes[0] ? 0 : 1].array();
       const half = view.array.length / 2;
       view.positions = Float32Array.from(view.array.subarray(0, half));
       view.normals = Float32Array.from(view.array.subarray(half));

@@ -75,7 +75,7 @@ function createScene(gl: Gl) {
 export function createPainter(canvas: HTMLCanvasElement): Painter | null {
   const gl = canvas.getContext("webgl2", {
     alpha: false,
-    antialias: true,
+    antialias: false,
     powerPreference: "high-performance",
   });
   if (!gl) return null;

@@ -33,7 +33,7 @@ test("a minute of dragging", async () => {
   console.log(`heap ${((after.heap - before.heap) / 1e6).toFixed(2)} MB more, ${page.workers().length} workers`);
   expect(after.heap - before.heap).toBeLessThan(2e6);
   expect(after.elements).toBe(before.elements);
-  expect(page.workers()).toHaveLength(2);
+  expect(page.workers()).toHaveLength(3);
   expect(complaints).toEqual([]);
   await browser.close();
   site.close();
