@@ -9,6 +9,7 @@ import { createHook, type Hook } from "./hook.ts";
 import { initial } from "./initial.ts";
 import { readLink } from "./link.ts";
 import { createPage, type Manner, type Page } from "./page.ts";
+import { createRace } from "./race.ts";
 import SolveWorker from "./solve.worker.ts?worker&inline";
 import { createStudio } from "./studio.ts";
 import type { State } from "./types.ts";
@@ -40,7 +41,8 @@ async function start() {
     if (typeof read === "string") wrong.push(read);
     else first = read;
   }
-  if (new URLSearchParams(location.search).has("scene")) {
+  const asked = new URLSearchParams(location.search);
+  if (asked.has("scene")) {
     try {
       const text = await (await fetch("scene.json")).text();
       first = stateOf(JSON.parse(await engine.slow.read(text, false)), initial);
@@ -48,7 +50,7 @@ async function start() {
       wrong.push((error as Error).message);
     }
   }
-  const studio = createStudio(engine, first);
+  const studio = createStudio(engine, first, createRace(asked.get("engine") === "gpu"));
   const manner: Manner = {
     eye: createEye(studio),
     language: navigator.language.startsWith("ja") ? "ja" : "en",

@@ -42,6 +42,9 @@ const BACKGROUNDS: Record<Manner["theme"], [number, number, number]> = {
   light: [246, 248, 250],
 };
 
+/** Resolution while something moves and no real graphics card paints. */
+const COARSE = 0.5;
+
 /** Builds the page into an element. */
 export function createPage(root: HTMLElement, engine: Engine, studio: Studio, manner: Manner): Page {
   const { language, theme } = manner;
@@ -96,6 +99,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   function begin(): Painter {
     const made = createPainter(canvas) ?? createFlat(canvas);
     made.onRestored = context.repaint;
+    studio.race.lend(() => made.summing);
     return made;
   }
 
@@ -130,7 +134,8 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     painted = results[0].lattice;
     const slot = view.frame ? 0 : state.slot;
     const lattice = slices[slot];
-    painter.begin(outer.width, outer.height, Math.min(devicePixelRatio, 2), BACKGROUNDS[theme]);
+    const ratio = Math.min(devicePixelRatio, 2) * (view.moving && !studio.race.swift() ? COARSE : 1);
+    painter.begin(outer.width, outer.height, ratio, BACKGROUNDS[theme]);
     painter.scene(box(stage.view), {
       camera: stage.camera(),
       positions: view.positions,

@@ -97,6 +97,7 @@ export function createFlat(canvas: HTMLCanvasElement): Painter {
       }
       pen.restore();
     },
+    summing: null,
     lost: false,
     onRestored: null,
     dispose() {},

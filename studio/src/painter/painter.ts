@@ -12,6 +12,7 @@ import { roundStep } from "./maps.ts";
 import type { Box, Painter, Picture } from "./picture.ts";
 import { createSolids, wallLines } from "./solids.ts";
 import { axes, boundsOf, guides } from "./stage.ts";
+import { createSumming } from "./summing.ts";
 import { type Area, areaOf, enter, makeView } from "./view.ts";
 import { createVolume } from "./volume.ts";
 
@@ -68,7 +69,7 @@ function createScene(gl: Gl) {
     labels(view, marks.labels);
     gl.disable(gl.DEPTH_TEST);
   }
-  return { flat: field.flat, scene };
+  return { flat: field.flat, scene, summing: createSumming(gl) };
 }
 
 /** A painter by WebGL2 on `canvas`; null: there is no WebGL2 (then `createFlat`). */
@@ -120,6 +121,9 @@ export function createPainter(canvas: HTMLCanvasElement): Painter | null {
       const area = areaOf(box, page.height, page.ratio);
       enter(gl, area);
       built.scene(box, area, picture, page.ratio);
+    },
+    get summing() {
+      return lost ? null : built.summing;
     },
     get lost() {
       return lost;
