@@ -21,24 +21,7 @@ const vec3 light = vec3(-.3216, -.4594, .8270);
 vec3 across(vec3 n) {
   // By Frisvad's formula, which needs no branch but straight down.
   return n.z < -.9999 ? vec3(0, -1, 0) : vec3(1. - n.x*n.x/(1. + n.z), -n.x*n.y/(1. + n.z), -n.x);
-}
-/** The corner of the square over the can, z radii above its face. */
-vec3 square(float size, float z, out vec2 at) {
-  int can = gl_VertexID / 6, k = corner();
-  at = size * (vec2(k & 1, k >> 1) * 2. - 1.);
-  vec3 n = vectorOf(normals, can).xyz, a = across(n);
-  return vectorOf(positions, can).xyz + radius * (a * at.x + cross(n, a) * at.y + n * z);
 }`;
-
-const SHADOW_VERTEX = `${CAN}
-out vec2 at;
-void main() { gl_Position = matrix * vec4(square(1.6, -${HEIGHT}, at), 1); }`;
-
-const SHADOW_FRAGMENT = `
-uniform float shade;
-in vec2 at;
-out vec4 colour;
-void main() { colour = vec4(0, 0, 0, shade * (1. - smoothstep(.55, 1.55, length(at)))); }`;
 
 /** A strip around the half of the side that faces the eye. */
 const SIDE_VERTEX = `${CAN}
@@ -68,8 +51,10 @@ void main() {
   int can = gl_VertexID / 6;
   vec3 position = vectorOf(positions, can).xyz, normal = vectorOf(normals, can).xyz;
   vec2 drive = vectorOf(drives, can).xy;
-  vec3 place = square(1., 0., at), to = normalize(eye - position);
-  outward = (place - position) / radius;
+  vec3 a = across(normal), to = normalize(eye - position);
+  int k = corner();
+  at = vec2(k & 1, k >> 1) * 2. - 1.;
+  outward = a * at.x + cross(normal, a) * at.y;
   axis = normal;
   halfway = normalize(light + to);
   float phase = atan(drive.y, drive.x), amplitude = min(length(drive), 1.);
@@ -78,7 +63,7 @@ void main() {
   bool back = dot(normal, to) < 0.;
   face = back ? metal * .45 : mix(off, hue, known * amplitude);
   rim = back ? face : metal * (.5 + .5 * max(dot(normal, light), 0.));
-  gl_Position = matrix * vec4(place, 1);
+  gl_Position = matrix * vec4(position + radius * outward, 1);
 }`;
 
 const FACE_FRAGMENT = `
@@ -119,7 +104,6 @@ export function canRadius(positions: Float32Array): number {
 
 /** Paints the transducers of a picture. */
 export function createDiscs(gl: Gl): (view: View, picture: Picture) => void {
-  const shadows = program(gl, SHADOW_VERTEX, SHADOW_FRAGMENT);
   const sides = program(gl, SIDE_VERTEX, SIDE_FRAGMENT);
   const faces = program(gl, FACE_VERTEX, FACE_FRAGMENT);
   const lists = { positions: vectors(gl, 3), normals: vectors(gl, 3), drives: vectors(gl, 2) };
@@ -143,12 +127,8 @@ export function createDiscs(gl: Gl): (view: View, picture: Picture) => void {
       part.set("metal", dark ? [0.34, 0.37, 0.42] : [0.93, 0.94, 0.96]);
       part.set("off", dark ? [0.1, 0.115, 0.14] : [0.42, 0.44, 0.48]);
       part.set("known", known ? 1 : 0);
-      part.set("shade", dark ? 0.4 : 0.22);
       gl.drawArrays(gl.TRIANGLES, 0, corners * count);
     };
-    gl.depthMask(false);
-    draw(shadows, 6);
-    gl.depthMask(true);
     draw(sides, 6 * SIDES);
     draw(faces, 6);
   };
