@@ -129,7 +129,9 @@ export function createCompare(context: Context): Compare {
     table.replaceChildren(element("caption", { className: "hidden" }, say("numbers")), head, ...rows);
   });
   const writeWarnings = changes((text: string) => {
-    warnings.replaceChildren(...(JSON.parse(text) as string[]).map((line) => element("li", {}, line)));
+    const lines = JSON.parse(text) as string[];
+    const items = lines.map((line) => element("li", {}, line));
+    warnings.replaceChildren(...(lines.length ? [element("li", {}, `${say("notes")}:`)] : []), ...items);
   });
 
   const writeBars = changes((map: MapName) => parts.forEach(({ bar }) => paint(bar, map)));
@@ -153,7 +155,7 @@ export function createCompare(context: Context): Compare {
         const { answer, refused } = studio.view.results[slot];
         if (method.value !== state().methods[slot]) method.value = state().methods[slot];
         write(summary, answer ? `U ${answer.metrics.uniformity.toFixed(3)}` : "");
-        write(refusal, refused);
+        write(refusal, refused && say("unsolved", { line: refused }));
         refusal.hidden = refused === "";
         ring(slot);
       }

@@ -32,7 +32,8 @@ export async function open(context: Context, file: File): Promise<void> {
     context.announce(context.say("opened", { name: file.name }));
   } catch (error) {
     const { message } = error as Error;
-    context.alarm(message.startsWith(file.name) ? message : `${file.name}: ${message}`);
+    const line = message.startsWith(file.name) ? message : `${file.name}: ${message}`;
+    context.alarm(context.say("unread", { line }));
   }
 }
 
@@ -65,12 +66,12 @@ export async function exportScene({ studio, engine }: Context): Promise<void> {
 }
 
 /** The drive of the slot that is shown, as `midair solve -o drive.csv` writes it. */
-export async function exportDrive({ studio, alarm }: Context, slot: Slot): Promise<void> {
+export async function exportDrive({ studio, alarm, say }: Context, slot: Slot): Promise<void> {
   await studio.settled();
   const { results, array } = studio.view;
   const { answer, refused } = results[slot];
   if (answer) save("drive.csv", writeDrive(placesOf(array), answer.drive), "text/csv");
-  else alarm(refused);
+  else alarm(say("unsolved", { line: refused }));
 }
 
 /** What is painted, as a picture. */

@@ -35,14 +35,14 @@ const pairs = (values: Float32Array) =>
   Array.from({ length: values.length / 2 }, (_, k): [number, number] => [values[2 * k], values[2 * k + 1]]);
 
 /** Makes the hook; `page` is the page that is shown. */
-export function createHook({ catalogue, slots }: Engine, studio: Studio, page: () => Page): Hook {
+export function createHook(engine: Engine, studio: Studio, page: () => Page): Hook {
   const result = (slot: Slot) => {
     const found = studio.view.results[slot];
     if (!found?.answer || !found.lattice) throw new Error(found?.refused || `slot is ${slot}: give 0 or 1, once settled`);
     return { answer: found.answer, lattice: found.lattice };
   };
   return {
-    version: catalogue.version,
+    version: engine.catalogue.version,
     state() {
       const { state, results, bound } = studio.view;
       const metrics = results.map((each) =>
@@ -60,14 +60,13 @@ export function createHook({ catalogue, slots }: Engine, studio: Studio, page: (
       const refused = results.map((each) => each.refused);
       const warnings = results.map((each) => each.warnings);
       const ready = results.some((each) => each.answer !== null || each.refused !== "");
-      const engine = studio.race.engine(state);
-      return structuredClone({ ready, ...state, engine, metrics, bound, refused, warnings });
+      return structuredClone({ ready, ...state, metrics, bound, refused, warnings });
     },
     set(partial) {
       const { state } = studio.view;
       const plane = partial?.plane === null ? partial.plane : { ...state.plane, ...partial?.plane };
       const next = structuredClone({ ...state, ...partial, plane });
-      const fault = faultOf(next, catalogue);
+      const fault = faultOf(next, engine.catalogue);
       if (fault) throw new Error(fault);
       // As a link has it, so that the link brings it back; but arrays of one's own are in none.
       const read = readLink(writeLink({ ...next, array: initial.array }));
@@ -78,7 +77,7 @@ export function createHook({ catalogue, slots }: Engine, studio: Studio, page: (
     async field(slot, places) {
       await studio.settled();
       result(slot);
-      return pairs(await slots[slot].field(Float64Array.from(places.flat())));
+      return pairs(await engine.slots[slot].field(Float64Array.from(places.flat())));
     },
     shown(slot, places) {
       const { lattice } = result(slot);

@@ -9,10 +9,10 @@ import { createHook, type Hook } from "./hook.ts";
 import { initial } from "./initial.ts";
 import { readLink } from "./link.ts";
 import { createPage, type Manner, type Page } from "./page.ts";
-import { createRace } from "./race.ts";
 import SolveWorker from "./solve.worker.ts?worker&inline";
 import { createStudio } from "./studio.ts";
 import type { State } from "./types.ts";
+import { type Language, say } from "./words.ts";
 import wasmUrl from "../built/midair.wasm?url";
 
 declare global {
@@ -22,6 +22,7 @@ declare global {
 }
 
 const root = document.getElementById("studio")!;
+const language: Language = navigator.language.startsWith("ja") ? "ja" : "en";
 const warm = () =>
   JSON.stringify(sceneOf({ ...initial, array: { preset: "paper20", tiles: [1, 1] }, points: [[0, 0, 0.15]] }, 0));
 
@@ -41,8 +42,7 @@ async function start() {
     if (typeof read === "string") wrong.push(read);
     else first = read;
   }
-  const asked = new URLSearchParams(location.search);
-  if (asked.has("scene")) {
+  if (new URLSearchParams(location.search).has("scene")) {
     try {
       const text = await (await fetch("scene.json")).text();
       first = stateOf(JSON.parse(await engine.slow.read(text, false)), initial);
@@ -50,10 +50,10 @@ async function start() {
       wrong.push((error as Error).message);
     }
   }
-  const studio = createStudio(engine, first, createRace(asked.get("engine") === "gpu"));
+  const studio = createStudio(engine, first);
   const manner: Manner = {
     eye: createEye(studio),
-    language: navigator.language.startsWith("ja") ? "ja" : "en",
+    language,
     theme: matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark",
     again(changes) {
       const buttons = () => [...root.querySelectorAll("button")];
@@ -63,17 +63,18 @@ async function start() {
       buttons()[focused]?.focus();
     },
   };
+  const unread = (line: string) => say(manner.language, "unread", { line });
   let page: Page = createPage(root, engine, studio, manner);
   window.midair = createHook(engine, studio, () => page);
   window.addEventListener("hashchange", () => {
     const read = linked(engine);
-    if (typeof read === "string") page.alarm(read);
+    if (typeof read === "string") page.alarm(unread(read));
     else studio.change(read);
   });
-  if (wrong.length) page.alarm(wrong.join("\n"));
+  if (wrong.length) page.alarm(wrong.map(unread).join("\n"));
 }
 
 start().catch((error: Error) => {
-  root.textContent = error.message;
+  root.textContent = say(language, "failed", { line: error.message });
   root.setAttribute("role", "alert");
 });

@@ -104,7 +104,7 @@ export function createMotion(context: Context): { root: HTMLElement; place(): vo
         await new Promise(requestAnimationFrame);
       }
     } catch (error) {
-      context.alarm((error as Error).message);
+      context.alarm(say("failed", { line: (error as Error).message }));
     }
     if (running === mine) halt();
   }

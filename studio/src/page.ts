@@ -42,7 +42,7 @@ const BACKGROUNDS: Record<Manner["theme"], [number, number, number]> = {
   light: [246, 248, 250],
 };
 
-/** Resolution while something moves and no real graphics card paints. */
+/** Resolution while something moves and software paints. */
 const COARSE = 0.5;
 
 /** Builds the page into an element. */
@@ -99,7 +99,6 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   function begin(): Painter {
     const made = createPainter(canvas) ?? createFlat(canvas);
     made.onRestored = context.repaint;
-    studio.race.lend(() => made.summing);
     return made;
   }
 
@@ -134,7 +133,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     painted = results[0].lattice;
     const slot = view.frame ? 0 : state.slot;
     const lattice = slices[slot];
-    const ratio = Math.min(devicePixelRatio, 2) * (view.moving && !studio.race.swift() ? COARSE : 1);
+    const ratio = Math.min(devicePixelRatio, 2) * (view.moving && painter.slow ? COARSE : 1);
     painter.begin(outer.width, outer.height, ratio, BACKGROUNDS[theme]);
     painter.scene(box(stage.view), {
       camera: stage.camera(),
@@ -183,7 +182,9 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   function warn() {
     const [a, b] = studio.view.results.map(({ refused }) => refused);
     const refused = a && b && !studio.view.moving ? a : "";
-    if (refused !== warned) context.alarm((warned = refused));
+    if (refused === warned) return;
+    warned = refused;
+    context.alarm(refused && context.say("unsolved", { line: refused }));
   }
   const size = new ResizeObserver(context.repaint);
   [canvas, stage.view, ...compare.slices].forEach((each) => size.observe(each));

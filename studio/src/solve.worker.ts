@@ -17,9 +17,6 @@ let beside: Door;
 /** The scene that the first has open. */
 let text = "";
 
-/** Whence a transducer's directivity is looked at, in m. */
-const AWAY = 0.31;
-
 function places({ corner, u, v, nu, nv }: Grid): Float64Array {
   const all = new Float64Array(3 * nu * nv);
   for (let j = 0, at = 0; j < nv; j += 1)
@@ -44,15 +41,15 @@ const jobs = {
     door.solve();
     return { catalogue: door.catalogue(), module };
   },
-  /** Solves a scene, looks at the slice unless that is `left` to others, and listens at the ear. */
-  update(scene: string, grid: Grid, ear: Vec3 | null, left: boolean): Outcome {
+  /** Solves a scene, looks at the slice and listens at the ear. */
+  update(scene: string, grid: Grid, ear: Vec3 | null): Outcome {
     try {
       const warnings = open(scene);
       const begin = performance.now();
       const answer = door.solve();
       const milliseconds = performance.now() - begin;
       const [re, im] = ear ? door.field(Float64Array.from(ear)) : [0, 0];
-      const lattice = { ...grid, values: left ? new Float32Array() : door.field(places(grid)) };
+      const lattice = { ...grid, values: door.field(places(grid)) };
       return { answer, milliseconds, warnings, lattice, heard: Math.hypot(re, im) };
     } catch (error) {
       return { refused: (error as Error).message };
@@ -60,33 +57,6 @@ const jobs = {
   },
   array: () => door.array(),
   field: (at: Float64Array) => door.field(at),
-  /** The field on a lattice, and how long it took in ms. */
-  timed(grid: Grid) {
-    const begin = performance.now();
-    const values = door.field(places(grid));
-    return { values, milliseconds: performance.now() - begin };
-  },
-  /** p r e^{-jkr} of the first transducer of a scene by the cosine of the angle to its normal, `count` from -1 to 1. */
-  pattern(scene: string, wavelength: number, count: number): Float32Array {
-    beside.open(scene);
-    const array = beside.array();
-    const place = array.subarray(0, 3);
-    const [nx, ny, nz] = array.subarray(array.length / 2);
-    const drive = new Float32Array(array.length / 3);
-    drive[0] = 1;
-    beside.load(drive);
-    // Across the normal, askew: no other transducer is there.
-    const skew = [0.8 * ny - 0.48 * nz, 0.36 * nz - 0.8 * nx, 0.48 * nx - 0.36 * ny];
-    const long = Math.hypot(...skew);
-    const all = Array.from({ length: count }, (_, k) => {
-      const cosine = (2 * k) / (count - 1) - 1;
-      const sine = Math.sqrt(1 - cosine ** 2) / long;
-      return [nx, ny, nz].map((n, axis) => place[axis] + AWAY * (cosine * n + sine * skew[axis]));
-    });
-    const values = beside.field(Float64Array.from(all.flat()));
-    const turn = (2 * Math.PI * AWAY) / wavelength;
-    return Float32Array.from(all, (_, k) => AWAY * (values[2 * k] * Math.cos(turn) + values[2 * k + 1] * Math.sin(turn)));
-  },
   save: (toml: boolean) => door.save(toml),
   /** The bytes by which a board plays a drive. */
   encode(scene: string, drive: Float32Array, board: string): Uint8Array {

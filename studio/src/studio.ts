@@ -5,7 +5,6 @@ import type { Engine } from "./engine.ts";
 import { sceneOf } from "./scene_file.ts";
 import { createHistory } from "./history.ts";
 import { boxOf, gridOf } from "./lattices.ts";
-import { type Race, createRace } from "./race.ts";
 import type { Grid, Outcome } from "./solve.worker.ts";
 import type { Lattice, Slot, State, Volume } from "./types.ts";
 
@@ -41,7 +40,6 @@ export interface View {
 /** The state, changed step by step, and what it leads to. */
 export interface Studio {
   readonly view: View;
-  readonly race: Race;
   /** Changes the state; changes of one gesture are one step of undo. */
   change(partial: Partial<State>, gesture?: string): void;
   /** Whether something is being view.moving: pictures are coarser then. */
@@ -76,7 +74,7 @@ const nothing = (): Result => ({
 });
 
 /** A studio with its engine. */
-export function createStudio(engine: Engine, initial: State, race = createRace(false)): Studio {
+export function createStudio(engine: Engine, initial: State): Studio {
   const view: View = {
     state: initial,
     results: [nothing(), nothing()],
@@ -112,9 +110,7 @@ export function createStudio(engine: Engine, initial: State, race = createRace(f
       for (;;) {
         const grid = gridOf(view.state, view.moving ? COARSE : undefined);
         if (key(grid) !== shown) await update(grid);
-        else if (view.moving) break;
-        else if (race.open(view.state) && view.results.some(({ answer }) => answer)) await time();
-        else if (view.state.view !== "slice" && view.volume === null) await fill();
+        else if (!view.moving && view.state.view !== "slice" && view.volume === null) await fill();
         else break;
       }
     } finally {
@@ -131,12 +127,8 @@ export function createStudio(engine: Engine, initial: State, race = createRace(f
     const asked = key(grid);
     const [given, array] = [scenes(), JSON.stringify(view.state.array)];
     const { ear } = view.state;
-    const left = race.engine(view.state) === "gpu";
-    const outcomes = await Promise.all(engine.slots.map((hand, slot) => hand.update(given[slot], grid, ear, left)));
+    const outcomes = await Promise.all(engine.slots.map((hand, slot) => hand.update(given[slot], grid, ear)));
     if (stopped) return;
-    for (const outcome of left ? outcomes : []) {
-      if ("answer" in outcome) outcome.lattice.values = race.sum(outcome.answer, grid);
-    }
     if (array !== arrayShown && outcomes.some((outcome) => "answer" in outcome)) {
       view.array = await engine.slots["answer" in outcomes[0] ? 0 : 1].array();
       const half = view.array.length / 2;
@@ -148,12 +140,6 @@ export function createStudio(engine: Engine, initial: State, race = createRace(f
     shown = asked;
     view.volume = null;
     tell();
-  }
-
-  async function time() {
-    const { state, results, array } = view;
-    const slot = results[0].answer ? 0 : 1;
-    await race.run(engine.slots[slot], text(slot), state, results[slot].answer!, array);
   }
 
   function take(slot: Slot, outcome: Outcome) {
@@ -218,7 +204,6 @@ export function createStudio(engine: Engine, initial: State, race = createRace(f
   void pump();
   return {
     view,
-    race,
     change(partial, gesture = "") {
       const before = view.state;
       view.state = { ...before, ...partial };

@@ -122,6 +122,10 @@ export const WORDS = {
   undone: ["Undone", "元に戻しました"],
   redone: ["Done again", "やり直しました"],
   opened: ["{name} is open", "{name} を開きました"],
+  unsolved: ["Cannot be solved: {line}", "解けません: {line}"],
+  unread: ["Cannot be read: {line}", "読み込めません: {line}"],
+  failed: ["Did not work: {line}", "実行できません: {line}"],
+  notes: ["Notes of the core", "計算コアからの注意"],
   tooMany: ["{count} points: at most 64 fit the page", "{count} 点: このページでは 64 点まで"],
 } as const satisfies Record<string, readonly [string, string]>;
 

@@ -97,7 +97,7 @@ export function createFlat(canvas: HTMLCanvasElement): Painter {
       }
       pen.restore();
     },
-    summing: null,
+    slow: true,
     lost: false,
     onRestored: null,
     dispose() {},

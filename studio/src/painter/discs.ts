@@ -1,7 +1,7 @@
 /** The transducers: small lit cans that face their normals, the phase as the colour of the face. */
 
 import { changes } from "../changes.ts";
-import { type Gl, QUADS, type Program, program, vectors } from "./gl.ts";
+import { type Gl, LOOK_UP, type Program, program, vectors } from "./gl.ts";
 import type { Picture } from "./picture.ts";
 import { aim, type View } from "./view.ts";
 
@@ -12,7 +12,7 @@ const SIDES = 5;
 export const HEIGHT = 0.9;
 
 /** What all parts of a can share: its axis and two directions across it. */
-const CAN = `${QUADS}
+const CAN = `${LOOK_UP}
 uniform sampler2D positions, normals, drives;
 uniform mat4 matrix;
 uniform vec3 eye, metal, off;

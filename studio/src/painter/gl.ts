@@ -62,18 +62,15 @@ export interface Vectors {
 /** Vectors in a row of their texture. */
 const ROW = 1024;
 
-/** One of a texture's vectors. */
+/** `vectorOf` of a texture of vectors; and which corner of its quad, 0 to 3, a vertex of two triangles is. */
 export const LOOK_UP = `
-vec4 vectorOf(sampler2D vectors, int index) { return texelFetch(vectors, ivec2(index % ${ROW}, index / ${ROW}), 0); }`;
-
-/** The same, and which corner of its quad, 0 to 3, a vertex of two triangles is. */
-export const QUADS = `${LOOK_UP}
+vec4 vectorOf(sampler2D vectors, int index) { return texelFetch(vectors, ivec2(index % ${ROW}, index / ${ROW}), 0); }
 int corner() { return int[6](0, 1, 2, 2, 1, 3)[gl_VertexID % 6]; }`;
 
 /** Vectors of so many numbers. */
-export function vectors(gl: Gl, size: 1 | 2 | 3 | 4): Vectors {
+export function vectors(gl: Gl, size: 2 | 3 | 4): Vectors {
   const made = texture(gl, gl.TEXTURE_2D, gl.NEAREST);
-  const [kept, given] = { 1: [gl.R32F, gl.RED], 2: [gl.RG32F, gl.RG], 3: [gl.RGB32F, gl.RGB], 4: [gl.RGBA32F, gl.RGBA] }[size];
+  const [kept, given] = { 2: [gl.RG32F, gl.RG], 3: [gl.RGB32F, gl.RGB], 4: [gl.RGBA32F, gl.RGBA] }[size];
   return {
     texture: made,
     set(data) {

@@ -1,7 +1,7 @@
 /** Short texts that stand at places of the 3-D view, drawn once by a 2-D canvas. */
 
 import type { Vec3 } from "../types.ts";
-import { type Gl, QUADS, program, texture, vectors } from "./gl.ts";
+import { type Gl, LOOK_UP, program, texture, vectors } from "./gl.ts";
 import type { Ink } from "./lines.ts";
 import { aim, type View } from "./view.ts";
 
@@ -12,7 +12,7 @@ export interface Label {
   ink: Ink;
 }
 
-const VERTEX = `${QUADS}
+const VERTEX = `${LOOK_UP}
 uniform sampler2D signs;
 uniform mat4 matrix;
 uniform vec2 size;

@@ -1,6 +1,6 @@
 /** Lines of any width in px, with soft edges. */
 
-import { type Gl, QUADS, program, vectors } from "./gl.ts";
+import { type Gl, LOOK_UP, program, vectors } from "./gl.ts";
 import { aim, type View } from "./view.ts";
 import type { Vec3 } from "../types.ts";
 
@@ -15,7 +15,7 @@ export interface Line {
   width: number;
 }
 
-const VERTEX = `${QUADS}
+const VERTEX = `${LOOK_UP}
 uniform sampler2D ends;
 uniform mat4 matrix;
 uniform vec2 size;

@@ -12,7 +12,6 @@ import { roundStep } from "./maps.ts";
 import type { Box, Painter, Picture } from "./picture.ts";
 import { createSolids, wallLines } from "./solids.ts";
 import { axes, boundsOf, guides } from "./stage.ts";
-import { createSumming } from "./summing.ts";
 import { type Area, areaOf, enter, makeView } from "./view.ts";
 import { createVolume } from "./volume.ts";
 
@@ -69,7 +68,7 @@ function createScene(gl: Gl) {
     labels(view, marks.labels);
     gl.disable(gl.DEPTH_TEST);
   }
-  return { flat: field.flat, scene, summing: createSumming(gl) };
+  return { flat: field.flat, scene };
 }
 
 /** A painter by WebGL2 on `canvas`; null: there is no WebGL2 (then `createFlat`). */
@@ -97,7 +96,9 @@ export function createPainter(canvas: HTMLCanvasElement): Painter | null {
   canvas.addEventListener("webglcontextlost", lose);
   canvas.addEventListener("webglcontextrestored", restore);
 
+  const { UNMASKED_RENDERER_WEBGL: name = gl.RENDERER } = gl.getExtension("WEBGL_debug_renderer_info") ?? {};
   const painter: Painter = {
+    slow: /software|swiftshader|llvmpipe|basic render/i.test(gl.getParameter(name)),
     begin(width, height, ratio, background) {
       page = { height, ratio };
       const size = [Math.round(width * ratio), Math.round(height * ratio)];
@@ -121,9 +122,6 @@ export function createPainter(canvas: HTMLCanvasElement): Painter | null {
       const area = areaOf(box, page.height, page.ratio);
       enter(gl, area);
       built.scene(box, area, picture, page.ratio);
-    },
-    get summing() {
-      return lost ? null : built.summing;
     },
     get lost() {
       return lost;

@@ -2,7 +2,6 @@
 
 import type { Lattice, Look, Obstacle, Vec3, Volume } from "../types.ts";
 import type { Camera } from "./camera.ts";
-import type { Summing } from "./summing.ts";
 
 /** A part of the page, CSS px from its left top corner. */
 export interface Box {
@@ -43,8 +42,8 @@ export interface Painter {
   slice(box: Box, lattice: Lattice, key: string, look: Look): void;
   /** The 3-D view. */
   scene(box: Box, picture: Picture): void;
-  /** Sums fields on the graphics card; null where it cannot. */
-  readonly summing: Summing | null;
+  /** Software paints, in place of a graphics card. */
+  readonly slow: boolean;
   /** The graphics card has taken the context away: nothing is painted until `onRestored`. */
   readonly lost: boolean;
   /** Called when the painter can paint again: paint. */
