@@ -22,8 +22,9 @@ void main() {
   int sign = 3 * (gl_VertexID / 6), k = corner();
   vec4 place = vectorOf(signs, sign), p = matrix * vec4(place.xyz, 1);
   vec2 to = vec2(k & 1, k >> 1), wide = vectorOf(signs, sign + 1).xy;
-  // Whole px: the letters are then as sharp as they were drawn.
-  vec2 left = floor((p.xy / p.w * .5 + .5) * size - wide / 2. + .5);
+  // Whole px: the letters are then as sharp as they were drawn. At the view's edge they are not cut.
+  vec2 middle = (p.xy / p.w * .5 + .5) * size, left = floor(middle - wide / 2. + .5);
+  if (clamp(middle, vec2(0), size) == middle) left = clamp(left, vec2(0), size - wide);
   gl_Position = vec4(((left + to * wide) / size * 2. - 1.) * p.w, p.zw);
   at = vec2(to.x * wide.x, place.w + (1. - to.y) * wide.y);
   paint = vectorOf(signs, sign + 2);
