@@ -113,11 +113,12 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     const [methodA, methodB] = state.methods;
     root.dataset.said = context.say("said", { a, b, methodA, methodB });
     // A picture that the next one is about to replace would only hold that up.
-    if (studio.view.moving && painted === studio.view.results[0].lattice) stage.place();
+    const same = studio.view.results.every(({ lattice }, slot) => lattice === painted[slot]);
+    if (studio.view.moving && same) stage.place();
     else context.repaint();
   }
 
-  let painted: Lattice | null = null;
+  let painted: (Lattice | null)[] = [];
   function paint() {
     frame = 0;
     if (gone || painter.lost) return;
@@ -130,7 +131,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     const { state, results } = view;
     const look = lookOf(view);
     const slices = results.map(({ lattice }, slot) => (slot === 0 && view.frame ? view.frame.lattice : lattice));
-    painted = results[0].lattice;
+    painted = results.map(({ lattice }) => lattice);
     const slot = view.frame ? 0 : state.slot;
     const lattice = slices[slot];
     const ratio = Math.min(devicePixelRatio, 2) * (view.moving && painter.slow ? COARSE : 1);

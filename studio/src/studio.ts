@@ -33,7 +33,7 @@ export interface View {
   normals: Float32Array;
   /** A frame of what moves, in place of the answer of slot A. */
   frame: { drive: Float32Array; lattice: Lattice; points: State["points"] } | null;
-  /** Whether something is being view.moving. */
+  /** Whether something is being moved. */
   moving: boolean;
 }
 
@@ -42,7 +42,7 @@ export interface Studio {
   readonly view: View;
   /** Changes the state; changes of one gesture are one step of undo. */
   change(partial: Partial<State>, gesture?: string): void;
-  /** Whether something is being view.moving: pictures are coarser then. */
+  /** Whether something is being moved: pictures are coarser then. */
   moving(is: boolean): void;
   undo(): boolean;
   redo(): boolean;
@@ -212,7 +212,10 @@ export function createStudio(engine: Engine, initial: State): Studio {
     },
     moving(is) {
       view.moving = is;
-      if (!is) history.rest();
+      if (!is) {
+        history.rest();
+        tell();
+      }
       void pump();
     },
     undo: () => !view.moving && step(history.undo()),
