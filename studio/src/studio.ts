@@ -214,7 +214,8 @@ export function createStudio(engine: Engine, initial: State): Studio {
       view.moving = is;
       if (!is) {
         history.rest();
-        tell();
+        // The picture was a coarse one, even where its lattice was not.
+        if (key(gridOf(view.state)) === shown) tell();
       }
       void pump();
     },

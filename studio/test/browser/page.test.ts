@@ -118,6 +118,19 @@ async function pixel(x: number, y: number): Promise<number[]> {
   }, shot);
 }
 
+test("what was painted coarsely in a drag is painted in full at rest, where the lattice stays as it was, too", async () => {
+  await page.evaluate(() => window.midair!.set({ view: "slice", plane: { z: 0.18, size: 0.05, center: [0.04, 0] } }));
+  await settled();
+  const width = () => page.evaluate(() => document.querySelector<HTMLCanvasElement>("canvas.canvas")!.width);
+  const box = (await point(1).boundingBox())!;
+  await page.mouse.move(box.x + 18, box.y + 18);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 28, box.y + 20);
+  await expect.poll(width).toBe(720);
+  await page.mouse.up();
+  await expect.poll(width).toBe(1440);
+});
+
 test.each(["linear", "squared", "decibel"] as const)("a point on a slice has the map's colour: %s", async (scale) => {
   await page.evaluate((scale) => window.midair!.set({ scale }), scale);
   await settled();
