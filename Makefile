@@ -181,6 +181,7 @@ paper: setup ## Make the paper's figures anew (TRIALS=1000) and docs/paper.md fr
 docs: setup book/.venv/ready ## Build the book, the documentation as a site: out/site/index.html
 	$(call step,book: built where nothing warns (10 s),NO_MKDOCS_2_WARNING=1 book/.venv/bin/mkdocs build --quiet --strict --config-file book/mkdocs.yml)
 	$(call step,book: every link followed (5 s),$(PYTHON) book/links.py out/site)
+	$(call step,book: every public name looked up (1 s),$(PYTHON) book/names.py out/site)
 	@echo; echo "Open $(CURDIR)/out/site/index.html. Its search needs a server: python3 -m http.server --directory out/site"
 
 # The generator's libraries are its own; midair and what it needs are looked up in .venv behind them.

@@ -71,11 +71,17 @@ def table(rows: Sequence[Row], bench: str = "bench", only: Sequence[tuple[str, s
     found = {(row["rival"], row["method"], row["grid"], int(row["M"])): row for row in shown}
     first = rows[0]
     caption = (
-        f"{first['date']}, {first['cpu']}, one thread, N = {_COUNT} (2 x 2 AUTD3 boards), G included; midair"
-        " is `midair.solve` from NumPy arrays. How many times as fast as autd3's greedy, by medians of CPU"
-        f" time over {first['rounds']} rounds: on the boards' grid of 256 phases x 256 amplitudes, where"
-        f" autd3's answers lie, and in brackets with any drive.{_beside_gspat(found)} Answer: accuracy /"
-        f" sigma, on the grid where there is one, by one forward model, means over {first['scenes']} scenes."
+        f"How many times as fast as {REFERENCE}'s greedy search, at M points and {_COUNT} transducers, and"
+        " how good the answers are: accuracy / sigma, which are 1 / 0 where every point has what it was to"
+        " have. In brackets: any drive in place of the boards' grid of 256 phases x 256 amplitudes."
+    )
+    told = {rival for rival, _ in only} if only else {row["rival"] for row in shown}
+    versions = dict.fromkeys(f"{row['rival']} {row['version']}" for row in rows if row["rival"] in told)
+    details = (
+        f"{first['date']}, {first['cpu']}, one thread, 2 x 2 AUTD3 boards, G included; medians of CPU time"
+        f" over {first['rounds']} rounds; midair is `midair.solve` from NumPy arrays.{_beside_gspat(found)}"
+        " Answers: on the grid where there is one, by one forward model, means over"
+        f" {first['scenes']} scenes. {'; '.join(versions)}."
         f" [What the numbers include and whom they favour]({bench}/README.md)."
     )
     times = "".join(f" M = {m} |" for m in _SIZES)
@@ -88,9 +94,7 @@ def table(rows: Sequence[Row], bench: str = "bench", only: Sequence[tuple[str, s
         for rival, method in named
         if only is None or (rival, method) in only
     ]
-    told = {rival for rival, _ in only or named}
-    versions = dict.fromkeys(f"{row['rival']} {row['version']}" for row in rows if row["rival"] in told)
-    return "\n".join([*head, *body, "", _wrapped("; ".join(versions) + ".")])
+    return "\n".join([*head, *body, "", _wrapped(details)])
 
 
 def _cells(found: _Found, rival: str, method: str) -> list[str]:

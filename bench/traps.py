@@ -24,7 +24,7 @@ def main() -> None:
     """Solve the scenes and print the table."""
     positions, normals = traps.openmpd()
     array = midair.Array(positions, normals)
-    methods = ["trap, one solve", "trap, evened", "twin", "vortex"]
+    methods = ["trap", "trap, equal foci", "twin", "vortex"]
     print("| | " + " | ".join(f"M = {count}" for count in (1, 2, 4, 8)) + " |", "|---" * 5 + "|", sep="\n")
     rows = {method: [] for method in methods}
     for count in (1, 2, 4, 8):
@@ -32,10 +32,11 @@ def main() -> None:
         for seed in range(SCENES):
             points = traps.scattered(count, [0.05, 0.05, 0.02], 0.02, seed)
             scene = midair.Scene(array, points, signature="trap")
-            evened = traps.evened(scene)
+            solved = midair.solve(scene)
             start = np.random.default_rng(seed).uniform(0, 2 * np.pi, len(positions))
-            best = traps.least(scene, traps.direct(positions, points, [np.angle(evened), start])).min()
-            drives = {"trap, one solve": midair.solve(scene), "trap, evened": evened}
+            best = traps.least(scene, traps.direct(positions, points, [np.angle(solved.drive), start])).min()
+            foci = midair.solve(scene, pressures=1000, aim="max")
+            drives = {"trap": solved, "trap, equal foci": foci}
             for name in ("twin", "vortex"):
                 drives[name] = midair.solve(scene.replace(signature=name))
             for method, drive in drives.items():

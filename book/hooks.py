@@ -78,8 +78,10 @@ def on_files(files: Any, config: Any) -> None:
 
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
-    """Links as they are on the site."""
+    """Links as they are on the site. A search finds the pages of docs/ before files of the repository."""
     here = page.file.src_uri
+    if here.startswith("repository/"):
+        page.meta["search"] = {"boost": 0.2}
 
     def moved(link: re.Match[str]) -> str:
         path = outside(link[1], here)
@@ -88,7 +90,8 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     return TARGET.sub(moved, markdown)
 
 
-def on_post_page(output: str, **_: Any) -> str:
-    """Names the search, which the theme gives a role and no name for those who hear the page."""
+def on_post_page(output: str, page: Any, **_: Any) -> str:
+    """Names the search, to which the theme gives no name, and the language of pages in Japanese."""
     search = 'data-md-component="search" role="dialog"'
-    return output.replace(search, f'{search} aria-label="Search"')
+    output = output.replace(search, f'{search} aria-label="Search"')
+    return output.replace('lang="en"', 'lang="ja"', 1) if page.url.startswith("ja/") else output

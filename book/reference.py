@@ -1,4 +1,4 @@
-"""The reference pages that are written at build time: the package, the command line, the scene file."""
+"""The reference pages that are written at build time: package, methods, presets, command line, scene file."""
 
 from __future__ import annotations
 
@@ -58,6 +58,22 @@ PYTHON = [
     ("notebooks", "Notebooks", "The studio in a cell.", "view View"),
 ]
 
+METHODS = """\
+# Methods and their options
+
+As `midair solvers` lists them. An option is written `--steps 8` on the command line, `steps = 8` under
+`[solver]` in a scene file, and `steps=8` in Python. [How to choose](../how-to-choose.md) says which method
+for what; [asking for more](../conventions.md#asking-for-more) what start, aim, `limit` and `tolerance` are.
+"""
+
+PRESETS = """\
+# Presets
+
+Arrays by name, as `midair presets` lists them: `midair.Array.preset("autd3", tiles=(2, 2))`. P0 is the
+pressure of a transducer on its axis times the distance. [Boards](../boards.md) tells how they are played.
+
+"""
+
 
 def entry(name: str) -> str:
     """A public name, looked up where it is defined: `midair.compare` is also the name of a file."""
@@ -81,6 +97,48 @@ def python() -> Iterator[tuple[str, str]]:
         yield f"reference/python/{file}.md", "\n\n".join(blocks) + "\n"
 
 
+def row(*cells: object) -> str:
+    """A row of a table; a bar within a cell is no border."""
+    return "| " + " | ".join(str(cell).replace("|", r"\|") for cell in cells) + " |\n"
+
+
+def methods() -> str:
+    """Every method with its options, on the command line, in scene files and in Python alike."""
+    text = METHODS
+    for name, about in midair.solvers().items():
+        uses = {
+            "a start": about.uses_start,
+            "an aim": about.uses_aim,
+            "phases at the points": about.uses_phases,
+        }
+        taken = ["pressures", *(what for what, used in uses.items() if used)]
+        habit = "balanced" if about.balance else "not balanced"
+        text += f"\n## {name}\n\n{about.summary[0].upper()}{about.summary[1:]}. Source: {about.source}.\n\n"
+        text += f"Takes {', '.join(taken)}; {habit} unless told otherwise.\n\n"
+        text += row("option", "default", "what it does") + row(*["---"] * 3)
+        for option, known in about.options.items():
+            text += row(f"`{option}`", f"`{known.default}`", known.doc)
+    return text
+
+
+def presets() -> str:
+    """Every array that is known by its name."""
+    head = row("preset", "N", "tiles", "P0 / Pa m", "board", "what it is", "source")
+    rows = [
+        row(
+            f"`{name}`",
+            about.count,
+            "yes" if about.tiles else "no",
+            f"{about.source_pressure:g}",
+            about.board or "-",
+            about.summary,
+            about.source,
+        )
+        for name, about in midair.presets().items()
+    ]
+    return PRESETS + head + row(*["---"] * 7) + "".join(rows)
+
+
 def command_line() -> str:
     """Every command with every option, from what `--help` is made of; the contents are the site's own."""
     text = app.generate_docs(output_format="markdown")
@@ -92,5 +150,7 @@ def command_line() -> str:
 def pages() -> Iterator[tuple[str, str]]:
     """All of them: where they are in the site, and their Markdown."""
     yield from python()
+    yield "reference/methods.md", methods()
+    yield "reference/presets.md", presets()
     yield "reference/command-line.md", command_line()
     yield "reference/scene-file.md", schema.page()

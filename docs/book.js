@@ -1,8 +1,8 @@
 /** Tables that scroll can be reached and scrolled by the keyboard. */
 document$.subscribe(() => {
-  for (const table of document.querySelectorAll(".md-typeset__scrollwrap")) {
+  document.querySelectorAll(".md-typeset__scrollwrap").forEach((table, index) => {
     table.tabIndex = 0;
     table.setAttribute("role", "region");
-    table.setAttribute("aria-label", "Table");
-  }
+    table.setAttribute("aria-label", `Table ${index + 1}`);
+  });
 });

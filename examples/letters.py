@@ -19,10 +19,9 @@ figure, axes = plt.subplots(1, 3, figsize=(10, 3.2), sharey=True, layout="constr
 top = max(abs(solution.pressures).max() for solution in table)
 for ax, solution in zip(axes, table, strict=True):
     x, y = 1e3 * scene.points[:, 0], 1e3 * scene.points[:, 1]
-    dots = ax.scatter(x, y, c=abs(solution.pressures), s=60, vmin=0, vmax=top)
-    ax.set_title(f"{solution.solver}: uniformity {solution.metrics.uniformity:.2f}")
-    ax.set_aspect("equal")
-    ax.set_xlabel("x in mm")
-axes[0].set_ylabel("y in mm")
-figure.colorbar(dots, label="|p| in Pa")
+    dots = ax.scatter(x, y, c=abs(solution.pressures), s=60, vmin=0, vmax=top, cmap="magma")
+    ax.set(title=f"{solution.solver}: uniformity {solution.metrics.uniformity:.2f}", xlabel="x / mm")
+    ax.set(aspect="equal", facecolor="black")
+axes[0].set_ylabel("y / mm")
+figure.colorbar(dots, label="|p| / Pa")
 figure.savefig("letters.png")

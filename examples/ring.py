@@ -29,7 +29,7 @@ for sequence, name in ((jumping, "uniform, frame by frame"), (gentle, "glide")):
     label = f"{name}: noise {sequence.metrics.noise:.0f} dB"
     axes[0].semilogy(1e3 * sequence.times[1:], sequence.changes[1:], label=label)
 axes[0].axhline(np.pi / 16, color="grey", linestyle=":")
-axes[0].set(xlabel="time in ms", ylabel="largest phase change, rad", ylim=(0.02, 20))
+axes[0].set(xlabel="time / ms", ylabel="largest phase change / rad", ylim=(0.02, 20))
 axes[0].legend(title="dotted: the bound", loc="upper right")
 midair.plot(gentle.field(0, midair.Plane(z=0.18, size=0.12)), axes[1])
 axes[1].set_title("the first frame")

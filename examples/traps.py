@@ -1,7 +1,8 @@
-"""Three beads between two boards: the force that brings each of them back, by how far it has strayed.
+"""Three beads between two boards: the field that holds them, and the force that brings one back.
 
-`signature="trap"` turns foci into acoustic traps. The dotted line is the weight of a bead of polystyrene 2 mm
-across, 1.2 µN, hardly above zero: it hangs some micrometres below the middle of its trap.
+`signature="trap"` turns foci into acoustic traps: each is a dark place in strong sound. The dotted line is
+the weight of a bead of polystyrene 2 mm across, 1.2 µN, hardly above zero: it hangs some micrometres below
+the middle of its trap.
 """
 
 from pathlib import Path
@@ -16,16 +17,21 @@ WEIGHT = 29 * 4 / 3 * np.pi * 1e-3**3 * 9.81  # N: density times volume times g
 
 scene = midair.Scene.load(SCENES / "traps.json")
 solution = midair.solve(scene)
+bead = scene.points[0]
 away = np.linspace(-4e-3, 4e-3, 81)
 
-figure, axes = plt.subplots(1, 3, figsize=(10, 3.4), sharey=True, layout="constrained")
-for k, (ax, point) in enumerate(zip(axes, scene.points, strict=True)):
-    for axis, name in enumerate("xyz"):
-        places = point + away[:, None] * np.eye(3)[axis]
-        force = midair.gorkov(scene, solution, places).force[:, axis]
-        ax.plot(1e3 * away, 1e6 * force, label=f"along {name}")
-    ax.axhline(1e6 * WEIGHT, color="grey", linestyle=":")
-    ax.set(title=f"bead {k + 1}", xlabel="away from the trap, mm")
-axes[0].set_ylabel("force in µN")
-figure.legend(*axes[0].get_legend_handles_labels(), loc="outside right upper")
+figure, axes = plt.subplots(1, 3, figsize=(11, 3.6), layout="constrained")
+loud = scene.replace(points=scene.points + np.array([0, 0, scene.wavelength / 4]))
+midair.plot(midair.field(loud, solution.drive, midair.Plane(z=loud.points[0, 2], size=0.09)), axes[0])
+axes[0].set_title("a quarter wavelength higher")
+beside = midair.Plane(axis="y", at=bead[1], size=0.04, center=(bead[0], bead[2]))
+midair.plot(midair.field(scene, solution, beside), axes[1])
+axes[1].set_title("one from the side")
+for axis, (name, style) in enumerate((("x", "-"), ("y", "--"), ("z", "-"))):
+    places = bead + away[:, None] * np.eye(3)[axis]
+    force = midair.gorkov(scene, solution, places).force[:, axis]
+    axes[2].plot(1e3 * away, 1e6 * force, style, label=f"along {name}")
+axes[2].axhline(1e6 * WEIGHT, color="grey", linestyle=":")
+axes[2].set(title="its force", ylim=(-290, 420), xlabel="away from the trap / mm", ylabel="force / µN")
+axes[2].legend(loc="upper left", fontsize="small")
 figure.savefig("traps.png")

@@ -114,7 +114,8 @@ impl Array {
         on_board(adjusted(array.into(), source_pressure, directivity, response)?, mask, quantization)
     }
 
-    /// A flat grid of nx x ny transducers, pitch metres apart, centred in z = 0, x fastest.
+    /// A flat grid of nx x ny transducers, pitch metres apart, centred in z = 0, x fastest. The keywords are those of
+    /// `Array`.
     ///
     /// Raises SceneError for less than one transducer, a pitch that is not above 0, and keywords that `Array` refuses.
     #[staticmethod]
@@ -135,7 +136,8 @@ impl Array {
         on_board(adjusted(array.into(), source_pressure, directivity, response)?, mask, quantization)
     }
 
-    /// A known board or the paper's array; tiles = (x, y) boards. Keywords override the preset's values.
+    /// A known board or the paper's array; tiles = (x, y) boards. The keywords, those of `Array`, override the preset's
+    /// values.
     ///
     /// Raises SceneError for an unknown name, for tiles of a preset that has none, and keywords that `Array` refuses.
     #[staticmethod]
@@ -169,7 +171,7 @@ impl Array {
     }
 
     /// An array from a file: OpenMPD's .pat, Ultraino's .xml.gz, HandyBeam's .xml, AUTD3's geometry .json, or .csv of x, y, z
-    /// and nx, ny, nz in m. Keywords override what its format brings.
+    /// and nx, ny, nz in m. The keywords, those of `Array`, override what its format brings.
     ///
     /// Raises SceneError for a file that cannot be read or is of no known format, naming the line, and keywords that
     /// `Array` refuses.

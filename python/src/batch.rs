@@ -226,13 +226,18 @@ impl Batch {
 
 /// Solves B problems at once, each bit for bit as `solve` would alone.
 ///
-/// The first argument gives array and medium: a Scene, or an Array with a Scene's keywords (frequency, sound_speed,
-/// ...), or a Propagation, a matrix for B targets. quantization and mask replace the array's. points are (B, M, 3) in
-/// m, left out for a matrix, whose pressures are then (B, M); else pressures and weights are a number, (M,) or (B, M): a
-/// weight of 0 pads problems with fewer points. start is complex drives (B, N) or real point phases (B, M). The drives
-/// are written into out (B, N), complex64 and C-contiguous, if that is given. threads is how many at most; the answers
-/// do not depend on it. progress(done, problems, mean residual) stops the batch by returning False: what is not yet
-/// solved has the status "stopped" and a drive of 0.
+/// scene : array and medium: a Scene, or an Array with a Scene's keywords (frequency, sound_speed, ...), or a Propagation, a
+///     matrix for B targets
+/// points : (B, M, 3) in m; left out for a matrix
+/// pressures : in Pa, a number, (M,) or (B, M); of a matrix (B, M)
+/// weights : a number, (M,) or (B, M); a weight of 0 pads problems with fewer points
+/// solver : a name of `solvers()`, as in `solve`
+/// start : complex drives (B, N) or real point phases (B, M) in rad
+/// out : (B, N), complex64 and C-contiguous, into which the drives are written
+/// threads : how many at most; the answers do not depend on it
+/// progress : called with (done, problems, mean residual); False stops the batch, and what is not yet solved has the
+///     status "stopped" and a drive of 0
+/// options : of the solver, and `balance`, `aim`, and quantization and mask in place of the array's
 ///
 /// Raises what `solve` raises, SceneError naming the problem and before any is solved, also for an out that cannot be
 /// written; warns once a kind, with counts.

@@ -13,7 +13,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// An upper bound on the level min |p| / target over the points with a pressure: no drive, quantised or not, exceeds it.
 ///
 /// It is the value of a semidefinite relaxation and lies some 8 to 9 % above the best field known. At most 64 points.
-/// Pressures, weights and mask go with a Propagation, or replace a scene's own.
+/// pressures in Pa (one number or (M,)), weights (M,) and mask (N,) go with a Propagation, or replace a scene's own.
 ///
 /// Raises SceneError for more points and for no pressure above 0, TypeError where scene is neither.
 ///

@@ -28,9 +28,11 @@ type Remembered<'py> = (Bound<'py, PyArray2<Complex32>>, Bound<'py, PyArray1<f32
 /// One array, one method, many requests: it owns its memory, so that from its second call on nothing is allocated
 /// if `out` is given.
 ///
-/// scene gives array and medium: a Scene, or an Array with a Scene's keywords (frequency, sound_speed, ...), or a
-/// Propagation, a matrix for many targets. quantization and mask replace the array's. points is the largest number of
-/// points that it may be asked for, if there is to be one.
+/// scene : array and medium: a Scene, or an Array with a Scene's keywords (frequency, sound_speed, ...), or a Propagation, a
+///     matrix for many targets
+/// solver : a name of `solvers()`, as in `solve`
+/// points : the most points that it may be asked for, if there is to be a most
+/// options : of the solver, and `balance`, `aim`, and quantization and mask in place of the array's
 ///
 /// Raises SceneError for an unknown solver or option and a value that it does not take, TypeError where scene is none
 /// of these, and at a call what `solve` raises.
@@ -264,7 +266,7 @@ impl Solver {
         Ok(Some((table, give::list(py, weights.to_vec()), unevenness)))
     }
 
-    /// Goes on from what `last` gave.
+    /// Goes on from what `last` gave: drives (3, N), weights (M,), unevenness.
     ///
     /// Raises SceneError for arrays of another shape than that of `last`, TypeError for what are none.
     fn restore(

@@ -62,15 +62,17 @@ def columns(table: Mapping[str, object], where: str) -> int:
         assert values.size, f"{where}: no rows"
         lowest, highest = values.min(), values.max()
         assert least <= lowest <= highest <= most, f"{where}: {name} {lowest} to {highest}"
-    return found["accuracy"].size
+    return max(values.size for values in found.values())
 
 
 def printed(text: str) -> dict[str, list[float]]:
-    """The columns of the command line's table that `columns` looks at."""
+    """The columns of the command line's table that `columns` looks at: of methods, or of faults."""
     lines = text.splitlines()
-    heads = [k for k, line in enumerate(lines) if line.split()[:2] == ["solver", "accuracy"]]
+    heads = [k for k, line in enumerate(lines) if line.split()[:1] == ["solver"] and "level" in line.split()]
     if not heads:
-        return {}
+        faults = r"^ (?:phase|dead|temperature|tilt|together) .*? (\d\.\d{4}) "
+        levels = [float(level) for level in re.findall(faults, text, re.MULTILINE)]
+        return {"level": levels} if levels else {}
     names = lines[heads[0]].split()
     rows = [line.split() for line in lines[heads[0] + 2 :] if re.match(r" \w+ +[-\d.]", line)]
     wanted = [name for name in ("accuracy", "sigma", "level") if name in names]

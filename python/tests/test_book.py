@@ -51,6 +51,22 @@ def test_every_option_is_described(reference: ModuleType) -> None:
                 )
 
 
+def test_every_option_of_every_method_is_described(reference: ModuleType) -> None:
+    sections = dict(re.findall(r"^## (\S+)\n(.*?)(?=^## |\Z)", reference.methods(), re.M | re.S))
+    assert sections.keys() == midair.solvers().keys()
+    for name, about in midair.solvers().items():
+        for option in about.options:
+            assert re.search(rf"^\| `{option}` \| `\S+` \| \S.* \|$", sections[name], re.MULTILINE), (
+                name,
+                option,
+            )
+
+
+def test_every_preset_is_described(reference: ModuleType) -> None:
+    rows = re.findall(r"^\| `(\w+)` \| \d+ \|(?: \S[^|]* \|){5}$", reference.presets(), re.MULTILINE)
+    assert rows == list(midair.presets())
+
+
 def test_the_landing_page_leads_to_what_most_people_want() -> None:
     landing = (ROOT / "docs" / "index.md").read_text()
     wanted = [

@@ -43,6 +43,17 @@ def test_packages_for_node_agree(file: str) -> None:
     assert json.loads((ROOT / file).read_text())["version"] == VERSION
 
 
+def test_the_changelog_begins_with_it_or_with_what_comes_next() -> None:
+    changelog = (ROOT / "CHANGELOG.md").read_text()
+    (word, newest), *_ = re.findall(r"^## (Unreleased: )?(\d+\.\d+\.\d+)", changelog, re.MULTILINE)
+    ours, theirs = ([int(part) for part in version.split(".")] for version in (VERSION, newest))
+    assert ours < theirs if word else ours == theirs
+
+
+def test_the_crate_brings_its_licence() -> None:
+    assert (ROOT / "core" / "LICENSE").read_text() == (ROOT / "LICENSE").read_text()
+
+
 def test_the_header_names_the_librarys_binary_interface() -> None:
     (header,) = re.findall(
         r"^#define MIDAIR_ABI (\d+)$", (ROOT / "capi/include/midair.h").read_text(), re.MULTILINE

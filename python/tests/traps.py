@@ -131,16 +131,3 @@ def scattered(count: int, box: list[float], apart: float, seed: int) -> Real:
 def least(scene: midair.Scene, drive: Any) -> Real:
     """The least stiffness of each point, over x, y and z."""
     return midair.gorkov(scene, drive).stiffness.min(axis=1)
-
-
-def evened(scene: midair.Scene, solver: str = "best", rounds: int = 4) -> Complex:
-    """The drive of docs/traps.md: weaker traps are asked for more, and the best round is kept."""
-    asked = np.ones(len(scene.points))
-    drives = []
-    for _ in range(rounds):
-        drive = midair.solve(scene, solver, pressures=1000 * asked, aim="max").drive
-        stiffness = least(scene, drive)
-        drives.append((stiffness.min(), drive))
-        stiffness = np.maximum(stiffness, 0.2 * abs(stiffness).mean())
-        asked *= (stiffness.mean() / stiffness) ** 0.4
-    return max(drives, key=lambda pair: pair[0])[1]

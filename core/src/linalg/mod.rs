@@ -4,6 +4,7 @@
 //! (condition below 1e5), which f32 bears; `docs/performance.md` has the measurements against a library.
 
 pub(crate) mod leading_eigenvector;
+pub(crate) mod symmetric;
 
 pub(crate) use leading_eigenvector::leading_eigenvector;
 

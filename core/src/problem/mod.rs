@@ -2,6 +2,7 @@
 
 pub(crate) mod complex_targets;
 pub(crate) mod feasibility;
+pub(crate) mod judgement;
 pub(crate) mod metrics;
 pub(crate) mod range;
 pub(crate) mod setup;
@@ -17,16 +18,14 @@ pub use upper_bound::bound;
 
 use alloc::format;
 use alloc::sync::Arc;
-use alloc::vec;
 use alloc::vec::Vec;
 
-use num_complex::{Complex32, Complex64};
+use num_complex::Complex32;
 
 use crate::control::Control;
 use crate::device::quantization::Quantization;
 use crate::error::{Error, one_each};
 use crate::kernels::InstructionSet;
-use crate::math;
 use crate::problem::targets::Targets;
 use crate::propagation::{Model, Propagation};
 use crate::scene::{Aim, Request, Scene, Start, check_drive};
@@ -269,6 +268,11 @@ impl Problem {
         }
     }
 
+    /// Whether the caller gave pressures.
+    pub(crate) fn asks_pressures(&self) -> bool {
+        self.targets.given
+    }
+
     /// Gives the memory of a prepared problem back.
     pub(crate) fn recycle(self, work: &Workspace) {
         work.floats.give(self.scaled);
@@ -339,56 +343,10 @@ impl Problem {
         self.targets.active.iter().copied().filter(|&j| self.targets.pascals[j] > 0.0).collect()
     }
 
-    /// The most that a quiet point leaks, times its weight over the targets' largest, relative to the loudest targeted one;
-    /// `pressures` are those of the caller's points.
-    pub(crate) fn weighted_leak(&self, pressures: &[Complex32]) -> f64 {
-        let Targets { active, pascals, weights, .. } = &*self.targets;
-        let modulus = |j: &&usize| math::modulus(pressures[**j]);
-        let quiet = active.iter().filter(|&&j| pascals[j] == 0.0);
-        let targeted = active.iter().filter(|&&j| pascals[j] > 0.0);
-        let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
-        let leak = most(&mut quiet.map(|j| modulus(&j) * weights[*j]));
-        let heaviest = most(&mut targeted.clone().map(|j| weights[*j]));
-        let loudest = most(&mut targeted.map(|j| modulus(&j)));
-        if leak == 0.0 { 0.0 } else { leak / heaviest / loudest }
-    }
-
     /// Whether every given target is below half the balanced level: solved without balancing, greedy drives
     /// every transducer all the same and smears such foci (the paper's section V).
     #[must_use]
     pub fn is_weak(&self) -> bool {
         self.targets.given && self.targets.balance > 2.0
-    }
-
-    /// The residual of a field given by its moduli in units of the reference, against this problem's targets.
-    #[must_use]
-    pub fn residual(&self, moduli: &[f32]) -> f64 {
-        self.residual_of(moduli.iter().map(|&modulus| f64::from(modulus)))
-    }
-
-    /// The same of moduli in double precision.
-    pub(crate) fn residual_of(&self, moduli: impl Iterator<Item = f64> + Clone) -> f64 {
-        let asked = self.scaled.iter().zip(self.weights());
-        Metrics::of(moduli.zip(asked).map(|(p, (&t, &w))| (p, f64::from(t), f64::from(w)))).residual
-    }
-
-    /// The metrics of a drive (N,) over the caller's points, wholly in double precision.
-    ///
-    /// # Errors
-    /// A drive of another length, a value that is not finite, |q| above 1 + 1e-6; a stop.
-    pub fn judge(&self, drive: &[Complex32], control: &mut Control) -> Result<Metrics, Error> {
-        let all = &self.targets.propagation;
-        check_drive(drive, all.transducers())?;
-        let wide = |q: Complex32| Complex64::new(f64::from(q.re), f64::from(q.im));
-        let mut pressures = vec![0.0; all.points()];
-        for (j, pressure) in pressures.iter_mut().enumerate() {
-            let mut sum = Complex64::ZERO;
-            for (i, &q) in drive.iter().enumerate() {
-                control.pulse()?;
-                sum += all.exact(j, i) * wide(q);
-            }
-            *pressure = sum.norm();
-        }
-        Ok(self.targets.metrics(pressures.iter().copied()))
     }
 }

@@ -44,7 +44,7 @@ impl Default for Particle {
 
 impl Particle {
     /// The factors of |p|^2 and of -|grad p|^2 in U.
-    fn factors(&self, medium: Medium) -> [f64; 2] {
+    pub(crate) fn factors(&self, medium: Medium) -> [f64; 2] {
         let speeds = medium.sound_speed / self.sound_speed;
         let ratio = self.density / medium.density;
         let compressibility = medium.density * medium.sound_speed * medium.sound_speed;
@@ -145,38 +145,49 @@ fn at(
     model: &Model,
     drive: &[Complex32],
     (j, point): (usize, [f64; 3]),
-    [compression, motion]: [f64; 2],
+    factors: [f64; 2],
     control: &mut Control,
 ) -> Result<Felt, Error> {
-    let [mut re, mut im] = [Jet::ZERO; 2];
+    let mut pressure = [Jet::ZERO; 2];
     let images = model.scattering.as_ref().map_or(&[][..], |scattering| &scattering.images);
     for sources in core::iter::once(&*model.sources).chain(images) {
         for (i, q) in drive.iter().enumerate() {
             control.pulse()?;
             sources.check_distance(i, j, point)?;
             let q = Complex64::new(f64::from(q.re), f64::from(q.im)) * sources.array.effect(i);
-            if q != Complex64::ZERO {
-                let [own_re, own_im] = jet(sources, i, point);
-                re.add(&own_re, q.re);
-                re.add(&own_im, -q.im);
-                im.add(&own_im, q.re);
-                im.add(&own_re, q.im);
-            }
+            add_wave(sources, (i, point), q, &mut pressure);
         }
     }
-    let mut potential = Jet::ZERO;
-    for part in [re, im] {
-        potential.add(&part.times(&part), compression);
-        for slope in [0, 1, 2].map(|axis| part.derivative(axis)) {
-            potential.add(&slope.times(&slope), -motion);
-        }
-    }
+    let potential = potential(&pressure, factors);
     let felt = (potential.value(), potential.gradient().map(|slope| -slope), potential.hessian());
     if !(felt.0.is_finite() && felt.1.iter().chain(felt.2.as_flattened()).all(|x| x.is_finite())) {
         let cure = "the force has no bound there: move it off the plane of a transducer's face";
         return Err(Error::invalid(format!("points[{j}]"), format!("{point:?}"), cure));
     }
     Ok(felt)
+}
+
+/// U of a pressure, real and imaginary part.
+pub(crate) fn potential(pressure: &[Jet; 2], [compression, motion]: [f64; 2]) -> Jet {
+    let mut potential = Jet::ZERO;
+    for part in pressure {
+        potential.add(&part.times(part), compression);
+        for slope in [0, 1, 2].map(|axis| part.derivative(axis)) {
+            potential.add(&slope.times(&slope), -motion);
+        }
+    }
+    potential
+}
+
+/// Adds `q` times eq. (5) of transducer i around a point, its response left out, to a pressure.
+pub(crate) fn add_wave(sources: &Sources, (i, point): (usize, [f64; 3]), q: Complex64, [re, im]: &mut [Jet; 2]) {
+    if q != Complex64::ZERO {
+        let [own_re, own_im] = jet(sources, i, point);
+        re.add(&own_re, q.re);
+        re.add(&own_im, -q.im);
+        im.add(&own_im, q.re);
+        im.add(&own_re, q.im);
+    }
 }
 
 /// Eq. (5) of transducer i around a point, its response left out, in Pa: real and imaginary part.

@@ -1,7 +1,7 @@
 //! Jet: a function of a place by its Taylor polynomial of degree 3 around a point, so that derivatives are exact.
 
 /// Number of monomials x^a y^b z^c of degree up to 3.
-const TERMS: usize = 20;
+pub(crate) const TERMS: usize = 20;
 
 /// Exponents of the monomials, by degree.
 const EXPONENTS: [[u8; 3]; TERMS] = {
@@ -22,6 +22,11 @@ const EXPONENTS: [[u8; 3]; TERMS] = {
     }
     exponents
 };
+
+/// The degree of a monomial.
+pub(crate) fn degree(term: usize) -> i32 {
+    EXPONENTS[term].iter().map(|&exponent| i32::from(exponent)).sum()
+}
 
 /// The place of a monomial among them.
 const fn place(of: [u8; 3]) -> usize {
@@ -71,6 +76,18 @@ impl Jet {
             jet.0[place(second(axis, axis))] = curvature;
         }
         jet
+    }
+
+    /// One monomial.
+    pub(crate) fn monomial(term: usize) -> Self {
+        let mut jet = Self::ZERO;
+        jet.0[term] = 1.0;
+        jet
+    }
+
+    /// The coefficients of the monomials.
+    pub(crate) fn coefficients(&self) -> &[f64; TERMS] {
+        &self.0
     }
 
     /// Adds `factor` times another.

@@ -6,16 +6,24 @@ use alloc::vec::Vec;
 
 use num_complex::Complex64;
 
+use crate::control::Control;
 use crate::error::Error;
 use crate::propagation::scattering::Scattering;
 use crate::propagation::sources::Sources;
+use crate::propagation::stiffness::Stiffness;
 use crate::scene::Signature;
 
 /// Entries of G that are kept at most: a tenth of a second's work, and a few MB. Of more than eight waves each fewer.
 const MOST_ENTRIES: usize = 1 << 20;
 
-/// [`Kept::matrix`]: a value, so that a program without obstacles and signatures is not linked with it.
-pub(crate) type Make = fn(&Kept) -> Result<Arc<[Complex64]>, Error>;
+/// What is made of it: values, so that a program without obstacles and signatures is not linked with them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Make {
+    /// [`Kept::matrix`]
+    pub(crate) matrix: fn(&Kept) -> Result<Arc<[Complex64]>, Error>,
+    /// [`Stiffness::of`]
+    pub(crate) stiffness: fn(&Kept, &mut Control) -> Result<Option<Stiffness>, Error>,
+}
 
 /// What such a matrix is made of.
 #[derive(Clone, Debug)]
@@ -36,6 +44,8 @@ impl PartialEq for Kept {
 }
 
 impl Kept {
+    pub(crate) const MAKE: Make = Make { matrix: Self::matrix, stiffness: Stiffness::of };
+
     /// Refuses points inside obstacles, factors that do not fit, and more entries than are kept.
     fn check(&self) -> Result<(), Error> {
         let (transducers, points) = (self.sources.array.len(), self.points.len());
@@ -58,7 +68,7 @@ impl Kept {
     ///
     /// # Errors
     /// Points inside obstacles, factors that do not fit, more entries than are kept.
-    pub(crate) fn matrix(&self) -> Result<Arc<[Complex64]>, Error> {
+    fn matrix(&self) -> Result<Arc<[Complex64]>, Error> {
         self.check()?;
         let (transducers, points) = (self.sources.array.len(), self.points.len());
         let mut matrix = alloc::vec![Complex64::ZERO; transducers * points];

@@ -13,6 +13,7 @@ pub(crate) mod reflection;
 pub(crate) mod scattering;
 pub(crate) mod sources;
 pub(crate) mod sphere;
+pub(crate) mod stiffness;
 
 pub use boundary::Boundary;
 pub use field::field;
@@ -105,7 +106,7 @@ impl Propagation {
 
     /// G behind obstacles or under a signature, at points that have been checked.
     pub(crate) fn kept(kept: Kept, set: InstructionSet) -> Result<Self, Error> {
-        let (count, reference, matrix) = (kept.points.len(), kept.sources.reference(), (kept.make)(&kept)?);
+        let (count, reference, matrix) = (kept.points.len(), kept.sources.reference(), (kept.make.matrix)(&kept)?);
         Ok(Self::stored(matrix, count, reference, set, Some(kept.into())))
     }
 

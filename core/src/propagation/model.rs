@@ -103,7 +103,7 @@ impl Model {
         boundary.check_sound(sound)?;
         let scattering = Scattering::new(&self.sources, boundary.obstacles.clone(), &mut Control::none())?;
         let scattering = scattering.with_bodies(Bodies::of_boundary(boundary, sound));
-        Ok(Self { scattering: Some(Arc::new(scattering)), make: Some(Kept::matrix), ..self })
+        Ok(Self { scattering: Some(Arc::new(scattering)), make: Some(Kept::MAKE), ..self })
     }
 
     fn scattered(mut self, obstacles: &Obstacles, control: &mut Control) -> Result<Self, Error> {
@@ -111,7 +111,7 @@ impl Model {
         self.make = self.signature.as_ref().and(self.make);
         if !obstacles.is_empty() {
             self.scattering = Some(Arc::new(Scattering::new(&self.sources, obstacles.clone(), control)?));
-            self.make = Some(Kept::matrix);
+            self.make = Some(Kept::MAKE);
         }
         Ok(self)
     }
@@ -126,7 +126,7 @@ impl Model {
     #[must_use]
     pub fn with_signature(self, signature: Option<Signature>) -> Self {
         let kept = signature.is_some() || self.scattering.is_some();
-        Self { signature, make: kept.then_some(Kept::matrix), ..self }
+        Self { signature, make: kept.then_some(Kept::MAKE), ..self }
     }
 
     /// G at some points (M, 3) in m, times the factors of the signature if there is one.

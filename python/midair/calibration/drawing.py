@@ -24,7 +24,7 @@ def draw(calibration: Calibration) -> Figure:
         (
             middle,
             np.degrees(calibration.phase),
-            "phase in degrees",
+            "phase / degrees",
             "twilight",
             {"vmin": -180.0, "vmax": 180.0},
         ),
@@ -36,23 +36,23 @@ def draw(calibration: Calibration) -> Figure:
                 edge: dict[str, Any] = (
                     {"c": "red"} if sign == "x" else {"facecolors": "none", "edgecolors": "red"}
                 )
-                ax.scatter(*places[marked, :2].T, marker=sign, s=40, label=f"{len(marked)} {name}", **edge)
+                ax.scatter(*places[marked, :2].T, marker=sign, s=60, label=f"{len(marked)} {name}", **edge)
         if len(calibration.dead) + len(calibration.reversed):
             ax.legend(fontsize="x-small", loc="upper right")
         ax.set_title(title, fontsize="medium")
-        ax.set_xlabel("x in mm")
-    left.set_ylabel("y in mm")
+        ax.set_xlabel("x / mm")
+    left.set_ylabel("y / mm")
     for m, heard in enumerate(np.abs(calibration.residuals).T):
         right.plot(heard, ".", markersize=3, label=f"microphone {m}")
     right.axhline(calibration.noise, color="black", linewidth=0.8, label="standard deviation found")
-    right.set_title("residuals in Pa", fontsize="medium")
+    right.set_title("residuals / Pa", fontsize="medium")
     right.set_xlabel("drive")
     right.legend(fontsize="x-small", loc="upper right")
     return figure
 
 
 def _over_array(ax: Any, places: Any, values: Any, colours: str, ends: dict[str, float]) -> None:
-    size = 3e3 / max(len(places), 60)
+    size = 1.5e4 / max(len(places), 60)
     shown = ax.scatter(*places[:, :2].T, c=values, s=size, cmap=colours, linewidths=0, **ends)
     ax.figure.colorbar(shown, ax=ax, shrink=0.8)
     ax.set_aspect("equal")

@@ -35,12 +35,16 @@ def circle(
     points: int = 1,
     pressures: ArrayLike | None = None,
 ) -> Path:
-    """Points, evenly spaced, that go around a circle in m, counterclockwise seen against its normal.
+    """Points, evenly spaced, that go around a circle, counterclockwise seen against its normal.
 
+    center : (3,) in m
+    radius : in m
     speed : in m/s; or
     frequency : turns a second
     turns : how many; a path of whole turns is closed
     start_angle : of the first point, in rad, from x (where the plane allows it, else from y)
+    normal : (3,), of any length
+    points : how many, M
     pressures : in Pa, one number or (M,); left out, balanced
 
     Raises SceneError for numbers that are not in order, and unless either a speed or a frequency above 0 is
@@ -64,10 +68,12 @@ def line(
     there_and_back: bool = False,
     pressures: ArrayLike | None = None,
 ) -> Path:
-    """A point from start to end in m, and back where asked, which is a closed path.
+    """A point from start to end, and back where asked, which is a closed path.
 
+    start, end : (3,) in m
     speed : in m/s; or
     frequency : how often a second, there and back where asked
+    there_and_back : whether it goes back
     pressures : in Pa; left out, balanced
 
     Raises SceneError for an end that is the start, for numbers that are not in order, and unless either a
@@ -113,8 +119,9 @@ def lissajous(
     frequency: float | None = None,
     pressures: ArrayLike | None = None,
 ) -> Path:
-    """A point along x = width / 2 sin(a u + phase), y = height / 2 sin(b u) around a center in m.
+    """A point along x = width / 2 sin(a u + phase), y = height / 2 sin(b u) around a center.
 
+    center : (3,) in m
     size : width and height of the whole, in m
     ratio : a : b, two whole numbers; 1 : 1 is an ellipse, 1 : 2 with phase 0 an eight
     phase : in rad

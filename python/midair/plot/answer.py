@@ -82,7 +82,7 @@ def asked_and_got(solution: Solution, ax: Axes) -> None:
     paper = solution.scene is not None and solution.scene.in_paper_unit
     ax.set(
         xlabel="point",
-        ylabel="|p|, eq. (5) in mm" if paper else "|p| / Pa",
+        ylabel="|p| in the paper's unit" if paper else "|p| / Pa",
         xlim=(-0.6, len(got) - 0.4),
         ylim=(0, 1.18 * max(got.max(), targets.max()) or 1.0),
     )

@@ -142,9 +142,9 @@ def _of_pressure(field: Field, pressure: float, quantity: Quantity) -> float:
 def _unit(quantity: Quantity, top: float, paper: bool) -> tuple[float, str]:
     """The factor and label that keep the colour bar's numbers short."""
     if quantity == "spl":
-        return 1.0, "|p| / dB re 1, eq. (5) in mm" if paper else "sound pressure level / dB re 20 µPa"
+        return 1.0, "|p| / dB re the paper's unit" if paper else "sound pressure level / dB re 20 µPa"
     if paper:
-        return 1.0, f"{'|p|' if quantity == 'pressure' else '|p|²'}, eq. (5) in mm"
+        return 1.0, f"{'|p|' if quantity == 'pressure' else '|p|²'} in the paper's unit"
     name = "|p|" if quantity == "pressure" else "radiation pressure"
     units = ((1e-3, "kPa"), (1.0, "Pa"), (1e3, "mPa"), (1e6, "µPa"))
     factor, unit = next(

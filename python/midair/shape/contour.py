@@ -17,11 +17,11 @@ Points: TypeAlias = NDArray[np.float64]
 #: Vertices of straight lines, and whether the last is joined to the first.
 Contour: TypeAlias = tuple[Points, bool]
 
-#: A quarter of the wavelength at 40 kHz and 340 m/s, in m.
 STEP = 340.0 / 40e3 / 4
+"""The distance of neighbours where none is given, in m: a quarter of the wavelength at 40 kHz and 340 m/s."""
 
-#: More points are a slip of the pen, or of its unit.
 MOST_POINTS = 100_000
+"""The most points of a shape or picture: more are a slip of the pen, or of its unit."""
 
 #: A curve becomes as many straight pieces: an arc of a whole turn strays by 3e-4 of its radius.
 PIECES = 128

@@ -14,6 +14,9 @@ from .contour import STEP, Points, count, few, points_along, spaced
 def line(start: ArrayLike, end: ArrayLike, *, step: float = STEP) -> Points:
     """Points (M, 3) in m from start to end, both included.
 
+    start, end : (3,) in m
+    step : between neighbours, in m
+
     Raises SceneError for an end that is the start, for numbers that are not in order, and for more points
     than 100000.
     """
@@ -28,6 +31,11 @@ def circle(
     center: ArrayLike, radius: float, *, step: float = STEP, normal: ArrayLike = (0.0, 0.0, 1.0)
 ) -> Points:
     """Points (M, 3) in m of a circle around `center`, in the plane normal to `normal`.
+
+    center : (3,) in m
+    radius : in m
+    step : between neighbours, in m
+    normal : (3,), of any length
 
     The first lies along x, as far as the plane allows (else along y); the others follow counterclockwise,
     seen against the normal.
@@ -60,6 +68,10 @@ def axes(normal: Points) -> tuple[Points, Points]:
 
 def polyline(points: ArrayLike, *, step: float = STEP, closed: bool = False) -> Points:
     """Points (M, 3) in m along straight lines between `points` (K, 3), closed or not.
+
+    points : (K, 3) in m
+    step : between neighbours, in m
+    closed : whether a line leads from the last back to the first
 
     The first of `points` is among them, and the last if they do not close; steps run on around corners.
 

@@ -13,7 +13,10 @@ from .contour import STEP, Contour, Points, box, placed, points_along, ways
 def text(string: str, *, height: float, z: float, step: float = STEP, font: str | None = None) -> Points:
     """Points (M, 3) in m on the outlines of a line of text in the plane at z, its middle at x = y = 0.
 
+    string : one line
     height : of a capital H, in m
+    z : where the plane is, in m
+    step : between neighbours, in m
     font : the name of a font that matplotlib finds; left out, DejaVu Sans, which it brings along
 
     Raises SceneError for text without outlines, an unknown font, sizes not above 0, and for more points than

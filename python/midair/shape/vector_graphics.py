@@ -18,7 +18,10 @@ from .contour import MOST_POINTS, STEP, Contour, Points, box, placed, points_alo
 def svg(path: str | PathLike[str], *, size: float, z: float, step: float = STEP) -> Points:
     """Points (M, 3) in m on the paths and basic shapes of an SVG file or text, their middle at (0, 0, z).
 
+    path : a file, or text that begins with "<"
     size : the longer side of what is drawn, in m
+    z : where its plane is, in m
+    step : between neighbours, in m
 
     y points up, as in the picture. Colours, widths and fillings are passed over, and so is text that was not
     turned into paths.

@@ -3,14 +3,12 @@
 //! ```text
 //! powers first    1/4 sum_j w_j (|P_j|^2 - t_j^2)^2                P = G q, |q_i| = 1
 //! then moduli     1/2 sum_j w_j (a |P_j| - t_j)^2                  a <= 1 the common amplitude of least error
-//! dE/dphi_i = Im(conj(q_i) sum_j conj(G_ji) dE/d|P_j| P_j/|P_j|)
 //! ```
 //!
-//! A step costs two products with G, however many points there are, and curvature is learnt from the last steps
-//! ([`crate::solvers::common::quasi_newton`]). Each drive rotates by the arc tangent of what a step asks for. The moduli
-//! have a kink at every zero of the field, where descent is caught; the powers are smooth: a picture of 961 points ends at
-//! a third to nine tenths of the error that moduli alone end at. The first starts are those of a focus whose cone covers the
-//! points ([`crate::solvers::common::cover`]), whose fields have no zeros near the picture.
+//! Steps are those of [`crate::solvers::common::phase_descent`]. The moduli have a kink at every zero of the field, where
+//! descent is caught; the powers are smooth: a picture of 961 points ends at a third to nine tenths of the error that moduli
+//! alone end at. The first starts are those of a focus whose cone covers the points ([`crate::solvers::common::cover`]), whose
+//! fields have no zeros near the picture.
 
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
@@ -19,15 +17,14 @@ use num_complex::Complex32;
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::kernels::tiles;
 use crate::math;
 use crate::problem::{Problem, Status};
 use crate::rng::Rng;
 use crate::solvers::common::alternating_projection::Projector;
 use crate::solvers::common::cover::{Side, cover};
-use crate::solvers::common::quasi_newton::{QuasiNewton, dot};
+use crate::solvers::common::phase_descent::{Cost, PhaseDescent};
 use crate::solvers::common::tiled::{Rows, Wave};
-use crate::workspace::{Buffer, Workspace};
+use crate::workspace::Workspace;
 
 /// How much work to spend.
 pub(crate) struct Task {
@@ -60,18 +57,6 @@ const SPAN: usize = 10;
 /// The error at which a target counts as met: f32 has no digits below.
 const LEAST_ERROR: f64 = 1e-6;
 
-/// The part of the predicted decrease that a step must bring.
-const ENOUGH: f64 = 1e-4;
-
-/// Trials of a step, each at most half as long as the last.
-const TRIALS: usize = 12;
-
-/// The largest rotation of a first step, in rad.
-const FIRST: f32 = 0.3;
-
-/// The largest rotation asked of any step: its arc tangent is less than a quarter turn.
-const LONGEST: f32 = 2.0;
-
 /// The drive of least squares that some starts lead to.
 ///
 /// # Errors
@@ -85,22 +70,23 @@ pub(crate) fn least_squares(
     let rows = Rows::new(problem, work, control)?;
     let mut targets = work.floats.take(rows.order.len());
     targets.iter_mut().zip(problem.targets()).for_each(|(own, target)| *own = task.factor * target);
-    let asked = Asked { targets: &targets, weights: problem.weights() };
+    let asked = Asked { targets: &targets, weights: problem.weights(), measure: Measure::Powers };
+    let moduli = Asked { measure: Measure::Moduli, ..asked };
     let others = if problem.has_start() { 0 } else { task.starts - 1 };
     let short = task.steps.div_ceil(POWER_STEPS);
     let (mut done, all) = (task.before, task.before + task.steps + others * short);
     let mut rng = Rng::new(task.seed);
-    let mut follow = |run: &mut Run, most: usize, control: &mut Control| {
-        run.descend(asked, &rows, most, task.tolerance, |run| {
+    let mut follow = |descent: &mut PhaseDescent, asked: Asked, most: usize, control: &mut Control| {
+        descend(descent, asked, &rows, (most, task.tolerance), |wave| {
             // A step is reported when the next one begins: the last one's residual is that of the answer.
-            let stop =
-                done > task.before && control.step(done, all, || problem.residual(&run.heard(task.factor))).is_break();
+            let residual = || problem.residual(&asked.heard(wave, task.factor));
+            let stop = done > task.before && control.step(done, all, residual).is_break();
             done += usize::from(!stop);
             stop
         })
     };
     let mut smooth = [Side::Behind, Side::Front].into_iter().filter_map(|side| cover(problem, side, work));
-    let mut best: Option<Run> = None;
+    let mut best: Option<PhaseDescent> = None;
     let mut status = Status::OutOfSteps;
     for start in 0..=others {
         let smooth = if problem.has_start() { None } else { smooth.next() };
@@ -109,11 +95,11 @@ pub(crate) fn least_squares(
             None if start == 0 => begun(problem, &rows, work, control)?,
             None => reflected(asked, &mut rng, &rows, work),
         };
-        let mut run = Run::new(wave, asked, &rows, work);
-        status = follow(&mut run, short, control);
-        run.measure(asked, &rows, Measure::Moduli);
-        if best.as_ref().is_none_or(|best| run.cost < best.cost) {
-            best = Some(run);
+        let mut descent = PhaseDescent::new(wave, &asked, &rows, work);
+        status = follow(&mut descent, asked, short, control);
+        descent.follow(&moduli, &rows);
+        if best.as_ref().is_none_or(|best| descent.cost < best.cost) {
+            best = Some(descent);
         }
         if status == Status::Stopped {
             break;
@@ -121,21 +107,29 @@ pub(crate) fn least_squares(
     }
     let mut best = best.expect("there is at least one start");
     if status != Status::Stopped {
-        status = follow(&mut best, task.steps - short, control);
+        status = follow(&mut best, moduli, task.steps - short, control);
     }
     let mut drive = best.wave.drives(problem.propagation().transducers(), work);
+    let amplitude = moduli.amplitude(&best.wave.moduli);
     for q in &mut drive {
-        *q *= best.amplitude;
+        *q *= amplitude;
     }
     drop(best);
     Ok(Found { drive, status, steps: (done, all) })
 }
 
-/// Targets and weights of the rows.
+/// Targets and weights of the rows, and what the error is made of.
 #[derive(Clone, Copy)]
 struct Asked<'a> {
     targets: &'a [f32],
     weights: &'a [f32],
+    measure: Measure,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Measure {
+    Powers,
+    Moduli,
 }
 
 impl Asked<'_> {
@@ -144,151 +138,79 @@ impl Asked<'_> {
         let asked = self.targets.iter().zip(self.weights);
         moduli.iter().zip(asked).map(|(&m, (&t, &w))| [m, t, w].map(f64::from))
     }
-}
 
-/// What the error is made of.
-#[derive(Clone, Copy, PartialEq)]
-enum Measure {
-    Powers,
-    Moduli,
-}
-
-/// A descent under way.
-struct Run<'w> {
-    measure: Measure,
-    wave: Wave<'w>,
-    trial: Wave<'w>,
-    amplitude: f32,
-    cost: f64,
-    gradient: Buffer<'w, f32>,
-    newton: QuasiNewton<'w>,
-    /// dE/d|P_j| times P_j/|P_j| over the rows.
-    pulls: [Buffer<'w, f32>; 2],
-    sums: [Buffer<'w, f32>; 2],
-}
-
-impl<'w> Run<'w> {
-    fn new(wave: Wave<'w>, asked: Asked, rows: &Rows, work: &'w Workspace) -> Self {
-        let mut run = Self {
-            measure: Measure::Powers,
-            trial: Wave::new(rows, work),
-            wave,
-            amplitude: 1.0,
-            cost: 0.0,
-            gradient: work.floats.take(rows.lanes),
-            newton: QuasiNewton::new(work),
-            pulls: [(); 2].map(|()| work.floats.take(rows.count)),
-            sums: [(); 2].map(|()| work.floats.take_any(rows.lanes)),
-        };
-        run.measure(asked, rows, Measure::Powers);
-        run
-    }
-
-    /// From now on by another measure.
-    fn measure(&mut self, asked: Asked, rows: &Rows, measure: Measure) {
-        self.measure = measure;
-        self.newton.forget();
-        (self.cost, self.amplitude) = cost(asked, measure, &self.wave);
-        self.slope(asked, rows);
+    /// The common amplitude a.
+    fn amplitude(self, moduli: &[f32]) -> f32 {
+        if self.measure == Measure::Powers {
+            return 1.0;
+        }
+        let (product, square) = self.terms(moduli).fold((0.0, 0.0), |(p, s), [m, t, w]| (p + w * m * t, s + w * m * m));
+        if product < square { (product / square) as f32 } else { 1.0 }
     }
 
     /// |P| of the answer as it is, for the problem's own targets.
-    fn heard(&self, factor: f32) -> Vec<f32> {
-        self.wave.moduli.iter().map(|modulus| modulus * self.amplitude / factor).collect()
+    fn heard(self, wave: &Wave, factor: f32) -> Vec<f32> {
+        let amplitude = self.amplitude(&wave.moduli);
+        wave.moduli.iter().map(|modulus| modulus * amplitude / factor).collect()
+    }
+}
+
+impl Cost for Asked<'_> {
+    fn of(&self, wave: &Wave) -> f64 {
+        let terms = self.terms(&wave.moduli);
+        if self.measure == Measure::Powers {
+            return terms.map(|[m, t, w]| 0.25 * w * (m * m - t * t) * (m * m - t * t)).sum();
+        }
+        let amplitude = f64::from(self.amplitude(&wave.moduli));
+        let miss = |m: f64, t: f64| amplitude * m - t;
+        terms.map(|[m, t, w]| 0.5 * w * miss(m, t) * miss(m, t)).sum()
     }
 
-    /// Writes the gradient at the wave.
-    fn slope(&mut self, asked: Asked, rows: &Rows) {
-        for (j, (&target, &weight)) in asked.targets.iter().zip(asked.weights).enumerate() {
-            let modulus = self.wave.moduli[j];
+    fn pull(&self, wave: &Wave, mut pulls: [&mut [f32]; 2]) {
+        let amplitude = self.amplitude(&wave.moduli);
+        for (j, (&target, &weight)) in self.targets.iter().zip(self.weights).enumerate() {
+            let modulus = wave.moduli[j];
             let pull = weight
                 * match self.measure {
                     Measure::Powers => modulus * modulus - target * target,
-                    Measure::Moduli => self.amplitude * (self.amplitude - target / modulus.max(f32::MIN_POSITIVE)),
+                    Measure::Moduli => amplitude * (amplitude - target / modulus.max(f32::MIN_POSITIVE)),
                 };
-            for (pulls, field) in self.pulls.iter_mut().zip(&self.wave.field) {
+            for (pulls, field) in pulls.iter_mut().zip(&wave.field) {
                 pulls[j] = pull * field[j];
             }
         }
-        let ([re, im], [sum_re, sum_im]) = (&self.pulls, &mut self.sums);
-        tiles::correlate(rows.set, rows.tiles(), [re, im], [&mut *sum_re, &mut *sum_im]);
-        let [qr, qi] = &self.wave.drive;
-        for (i, gradient) in self.gradient.iter_mut().enumerate() {
-            *gradient = qr[i] * sum_im[i] - qi[i] * sum_re[i];
-        }
     }
+}
 
-    /// Steps until little is gained, `stop`, which is asked before each, says so, or they are `most`.
-    fn descend(
-        &mut self,
-        asked: Asked,
-        rows: &Rows,
-        most: usize,
-        tolerance: f64,
-        mut stop: impl FnMut(&Self) -> bool,
-    ) -> Status {
-        let silence = asked.terms(&self.wave.moduli).map(|[_, t, w]| 0.5 * w * t * t).sum::<f64>();
-        let mut before = self.cost;
-        for step in 0..most {
-            if step > 0 && step.is_multiple_of(SPAN) {
-                if math::sqrt(self.cost) > (1.0 - tolerance) * math::sqrt(before) {
-                    return Status::Done;
-                }
-                before = self.cost;
-            }
-            let met = self.measure == Measure::Moduli && self.cost <= LEAST_ERROR * LEAST_ERROR * silence;
-            if met {
+/// Steps until little is gained, `stop`, which is asked before each, says so, or they are `most`.
+fn descend(
+    descent: &mut PhaseDescent,
+    asked: Asked,
+    rows: &Rows,
+    (most, tolerance): (usize, f64),
+    mut stop: impl FnMut(&Wave) -> bool,
+) -> Status {
+    let silence = asked.terms(&descent.wave.moduli).map(|[_, t, w]| 0.5 * w * t * t).sum::<f64>();
+    let mut before = descent.cost;
+    for step in 0..most {
+        if step > 0 && step.is_multiple_of(SPAN) {
+            if math::sqrt(descent.cost) > (1.0 - tolerance) * math::sqrt(before) {
                 return Status::Done;
             }
-            if stop(self) {
-                return Status::Stopped;
-            }
-            if !self.step(asked, rows) {
-                return Status::Done;
-            }
+            before = descent.cost;
         }
-        Status::OutOfSteps
-    }
-
-    /// One step; whether there was one that lowers the error.
-    fn step(&mut self, asked: Asked, rows: &Rows) -> bool {
-        loop {
-            let work = self.newton.work;
-            let [mut direction, mut change] = [(); 2].map(|()| work.floats.take_any(rows.lanes));
-            direction.copy_from_slice(&self.gradient);
-            self.newton.descend(&mut direction);
-            let longest = direction.iter().fold(0.0_f32, |most, x| most.max(x.abs()));
-            let slope = dot(&direction, &self.gradient);
-            if longest > 0.0 && slope < 0.0 {
-                let limit = if self.newton.knows_nothing() { FIRST / longest } else { (LONGEST / longest).min(1.0) };
-                let mut part = limit;
-                for _ in 0..TRIALS {
-                    self.trial.rotate(rows, &self.wave, &direction, part);
-                    let (trial, amplitude) = cost(asked, self.measure, &self.trial);
-                    if trial <= self.cost + ENOUGH * f64::from(part) * slope {
-                        core::mem::swap(&mut self.wave, &mut self.trial);
-                        (self.cost, self.amplitude) = (trial, amplitude);
-                        change.copy_from_slice(&self.gradient);
-                        self.slope(asked, rows);
-                        for (change, gradient) in change.iter_mut().zip(&self.gradient) {
-                            *change = gradient - *change;
-                        }
-                        direction.iter_mut().for_each(|x| *x = libm::atanf(part * *x));
-                        self.newton.remember(&direction, &change);
-                        return true;
-                    }
-                    // The least of the parabola through both costs and the slope.
-                    let bend = trial - self.cost - f64::from(part) * slope;
-                    let least = -0.5 * f64::from(part) * slope / bend;
-                    part *= if bend > 0.0 { (least as f32).clamp(0.1, 0.5) } else { 0.5 };
-                }
-            }
-            // What was learnt leads nowhere: once more along the gradient alone.
-            if !self.newton.forget() {
-                return false;
-            }
+        let met = asked.measure == Measure::Moduli && descent.cost <= LEAST_ERROR * LEAST_ERROR * silence;
+        if met {
+            return Status::Done;
+        }
+        if stop(&descent.wave) {
+            return Status::Stopped;
+        }
+        if !descent.step(&asked, rows) {
+            return Status::Done;
         }
     }
+    Status::OutOfSteps
 }
 
 /// The wave of the problem's start, else of q = 1, at full drive.
@@ -318,16 +240,4 @@ fn reflected<'w>(asked: Asked, rng: &mut Rng, rows: &Rows, work: &'w Workspace) 
     let mut wave = Wave::new(rows, work);
     projector.project(rows, &mut wave);
     wave
-}
-
-/// E of a wave, and the common amplitude.
-fn cost(asked: Asked, measure: Measure, wave: &Wave) -> (f64, f32) {
-    let terms = || asked.terms(&wave.moduli);
-    if measure == Measure::Powers {
-        return (terms().map(|[m, t, w]| 0.25 * w * (m * m - t * t) * (m * m - t * t)).sum(), 1.0);
-    }
-    let (product, square) = terms().fold((0.0, 0.0), |(p, s), [m, t, w]| (p + w * m * t, s + w * m * m));
-    let amplitude = if product < square { (product / square) as f32 } else { 1.0 };
-    let miss = |m: f64, t: f64| f64::from(amplitude) * m - t;
-    (terms().map(|[m, t, w]| 0.5 * w * miss(m, t) * miss(m, t)).sum(), amplitude)
 }

@@ -6,6 +6,7 @@ pub(crate) mod exchange;
 pub(crate) mod gauss_newton;
 pub(crate) mod interleaved;
 pub(crate) mod least_squares;
+pub(crate) mod phase_descent;
 pub(crate) mod quasi_newton;
 pub(crate) mod refinement;
 pub(crate) mod tiled;

@@ -8,6 +8,7 @@ use crate::control::{Control, bytes};
 use crate::error::Error;
 use crate::kernels::InstructionSet;
 use crate::kernels::lanes::BLOCK;
+use crate::kernels::propagate::rows;
 use crate::kernels::tiles;
 use crate::kernels::tiles::Tiles;
 use crate::kernels::tiles::unit::Arc;
@@ -75,18 +76,29 @@ impl<'w> Rows<'w> {
         control: &mut Control,
     ) -> Result<Self, Error> {
         let (propagation, targets) = (problem.propagation(), problem.targets());
+        let (rows, transducers) = (propagation.rows(), propagation.transducers());
+        let packed = Self::packed(propagation.instruction_set(), rows, transducers, order, work, control)?;
+        let targeted = packed.order.iter().filter(|&&j| targets[j as usize] > 0.0).count();
+        Ok(Self { targeted, target: targets.iter().copied().fold(0.0, f32::max), ..packed })
+    }
+
+    /// Some rows of a matrix, of which nothing is asked.
+    pub(crate) fn packed(
+        set: InstructionSet,
+        rows: rows::Rows,
+        transducers: usize,
+        order: Buffer<'w, u32>,
+        work: &'w Workspace,
+        control: &mut Control,
+    ) -> Result<Self, Error> {
         let mut scale = work.floats.take_any(order.len());
         scale.fill(1.0);
-        let (count, lanes) = (tiles::height(order.len()), tiles::lanes(propagation.transducers()));
-        let sides = [propagation.transducers(), order.len()];
-        control.room("the matrix G", sides, bytes(8, &[tiles::size(count, lanes)]))?;
+        let (count, lanes) = (tiles::height(order.len()), tiles::lanes(transducers));
+        control.room("the matrix G", [transducers, order.len()], bytes(8, &[tiles::size(count, lanes)]))?;
         let mut planes = [(); 2].map(|()| Aligned::take(tiles::size(count, lanes), work));
         let [re, im] = &mut planes;
-        let members = 0..propagation.transducers();
-        tiles::pack(propagation.instruction_set(), propagation.rows(), members, &order, [re, im], control)?;
-        let targeted = order.iter().filter(|&&j| targets[j as usize] > 0.0).count();
-        let target = targets.iter().copied().fold(0.0, f32::max);
-        Ok(Self { order, targeted, count, lanes, scale, target, set: propagation.instruction_set(), planes })
+        tiles::pack(set, rows, 0..transducers, &order, [re, im], control)?;
+        Ok(Self { order, targeted: 0, count, lanes, scale, target: 0.0, set, planes })
     }
 
     /// Writes conj(G) of row `k` over the transducers.

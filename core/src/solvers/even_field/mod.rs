@@ -17,6 +17,7 @@ pub(crate) mod run;
 pub(crate) mod search;
 pub(crate) mod silence;
 pub(crate) mod targets;
+pub(crate) mod traps;
 pub(crate) mod weighted_sweeps;
 
 use crate::control::Control;
@@ -88,7 +89,7 @@ pub(crate) fn solve(
     }
     if crowded && !run.stopped && rows.equations() <= TOO_MANY && !(wanted && search.reaches(rows.target)) {
         for plan in plans {
-            search.climb(&mut run, &foci, plan.for_crowded(rows.equations()), (Pace::LOUD, Manner::crowded))?;
+            search.race(&mut run, &foci, plan.for_crowded())?;
         }
     }
     if let Some(Nearest { drive, near }) = nearest {
@@ -107,9 +108,10 @@ pub(crate) fn solve(
             core::mem::swap(&mut best, &mut wave);
         }
     }
+    let stiffened = !run.stopped && traps::stiffen(&mut run, &mut best)?;
     let quantization = problem.quantization();
     if let Some(quantization) = quantization
-        && !run.stopped
+        && !(run.stopped || stiffened)
     {
         // At full drive, where the grid is finest.
         run.stopped = on_grid::round(problem, rows, quantization, even, &mut best, work, run.control).is_err();

@@ -29,10 +29,7 @@ const ABOVE: f32 = 1.1;
 /// What a quiet point may leak unless told otherwise: 60 dB below the level.
 pub(crate) const QUIET: f64 = 1e-3;
 
-/// Equations of which a step takes milliseconds ...
-const MANY: usize = 200;
-
-/// ... and tens of milliseconds: their level is not raised any further.
+/// Equations of which a step takes tens of milliseconds: the level of more is not raised any further.
 pub(super) const TOO_MANY: usize = 500;
 
 impl Plan {
@@ -47,11 +44,9 @@ impl Plan {
         Self { starts: 16, finalists: 3, ..*self }
     }
 
-    /// For crowded points, of which the energy of a start says less of the level it ends at: beside the field of least
-    /// squares more starts, and more of them carried on the less a step costs.
-    pub(super) fn for_crowded(&self, equations: usize) -> Self {
-        let more = if equations > MANY { 1 } else { 2 };
-        Self { starts: self.starts.max(16), finalists: self.finalists * more, ..*self }
+    /// For crowded points, of which the energy of a start says less of the level it ends at: more of them are raised.
+    pub(super) fn for_crowded(&self) -> Self {
+        Self { starts: self.starts.max(16), finalists: (2 * self.finalists).max(4), ..*self }
     }
 }
 

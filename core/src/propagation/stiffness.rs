@@ -1,0 +1,163 @@
+//! Stiffness of traps as a form in the drive: the field's Taylor coefficients at each point, and what the stiffness makes of them.
+//!
+//! ```text
+//! c_jt  = sum_i C_jti q_i                                    coefficient t of p at point j, of degree n_t, times k^-n_t
+//! H_jab = sum_tu F_abtu (Re c_jt Re c_ju + Im c_jt Im c_ju)  second derivatives of Gor'kov's potential
+//! K_j   = the eigenvalues of H_j                             -dF/ds along the axes of the trap
+//! ```
+//!
+//! Those, and not the stiffness along x, y and z: where all of that is above 0, a trap may still be open between two axes.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use crate::control::{Control, bytes};
+use crate::error::Error;
+use crate::kernels::padded;
+use crate::linalg::symmetric::eigen;
+use crate::propagation::gorkov::{Particle, add_wave, potential};
+use crate::propagation::jet::{Jet, TERMS, degree};
+use crate::propagation::kept::Kept;
+use crate::scene::Medium;
+
+/// The entries of H.
+const ENTRIES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
+
+/// F of each entry.
+type Forms = Vec<[[f64; TERMS]; TERMS]>;
+
+/// C and F of some points, for the default particle.
+pub(crate) struct Stiffness {
+    /// C, transducer by transducer, of which point j has the rows from j [`TERMS`] on: padded, re and im, in units of the
+    /// reference.
+    planes: [Vec<f32>; 2],
+    points: usize,
+    /// F in N/m and those units.
+    forms: Forms,
+}
+
+impl Stiffness {
+    /// Of what the kept sources make at its points, its signature left out; `None` where the field has no derivatives, or none
+    /// that are known: behind a sphere or a mesh.
+    ///
+    /// # Errors
+    /// More memory than allowed, a stop.
+    pub(crate) fn of(kept: &Kept, control: &mut Control) -> Result<Option<Self>, Error> {
+        let images = match &kept.scattering {
+            Some(scattering) if scattering.bodies.is_some() => return Ok(None),
+            scattering => scattering.as_ref().map_or(&[][..], |scattering| &scattering.images),
+        };
+        let (points, transducers) = (kept.points.len(), kept.sources.array.len());
+        let lanes = padded(points * TERMS);
+        control.room("the stiffness of traps", [transducers, points], bytes(8, &[transducers, lanes]))?;
+        let [mut re, mut im] = [(); 2].map(|()| vec![0.0; transducers * lanes]);
+        let units = units(kept.sources.medium, 1.0 / kept.sources.reference());
+        for i in 0..transducers {
+            for (j, &point) in kept.points.iter().enumerate() {
+                control.pulse()?;
+                let mut wave = [Jet::ZERO; 2];
+                for sources in core::iter::once(&*kept.sources).chain(images) {
+                    add_wave(sources, (i, point), sources.array.effect(i), &mut wave);
+                }
+                for (plane, part) in [&mut re, &mut im].into_iter().zip(&wave) {
+                    let first = i * lanes + j * TERMS;
+                    for (own, (c, unit)) in plane[first..].iter_mut().zip(part.coefficients().iter().zip(&units)) {
+                        *own = (c * unit) as f32;
+                    }
+                }
+            }
+        }
+        let finite = re.iter().chain(&im).all(|c| c.is_finite());
+        Ok(finite.then(|| Self { planes: [re, im], points, forms: forms(kept, &units) }))
+    }
+
+    /// C as the kernels read it.
+    pub(crate) fn planes(&self) -> [&[f32]; 2] {
+        self.planes.each_ref().map(|plane| &plane[..])
+    }
+
+    /// Rows of C.
+    pub(crate) fn rows(&self) -> usize {
+        self.points * TERMS
+    }
+
+    /// K (3 M,) of c, re and im.
+    pub(crate) fn at(&self, field: [&[f32]; 2]) -> impl Iterator<Item = f64> {
+        (0..self.points).flat_map(move |j| eigen(self.hessian(field, j)).0)
+    }
+
+    /// Writes sum w dK/dRe c and sum w dK/dIm c, with weights (3 M,).
+    pub(crate) fn pull(&self, field: [&[f32]; 2], weights: &[f64], [re, im]: [&mut [f32]; 2]) {
+        for (j, weights) in weights.chunks_exact(3).enumerate() {
+            // dK = v^T dH v of its eigenvector v.
+            let (_, vectors) = eigen(self.hessian(field, j));
+            let shares = ENTRIES.map(|[a, b]| {
+                let both = if a == b { 1.0 } else { 2.0 };
+                weights.iter().zip(&vectors).map(|(w, v)| both * w * v[a] * v[b]).sum::<f64>()
+            });
+            for (plane, pulls) in field.into_iter().zip([&mut *re, &mut *im]) {
+                let mut sum = [0.0; TERMS];
+                for (form, share) in self.forms.iter().zip(shares) {
+                    let slope = times(form, &coefficients(plane, j));
+                    sum.iter_mut().zip(&slope).for_each(|(sum, slope)| *sum += 2.0 * share * slope);
+                }
+                pulls[j * TERMS..].iter_mut().zip(sum).for_each(|(pull, sum)| *pull = sum as f32);
+            }
+        }
+    }
+
+    /// H of point j.
+    fn hessian(&self, field: [&[f32]; 2], j: usize) -> [[f64; 3]; 3] {
+        let parts = field.map(|plane| coefficients(plane, j));
+        let mut hessian = [[0.0; 3]; 3];
+        for ([a, b], form) in ENTRIES.into_iter().zip(&self.forms) {
+            let own = parts.iter().flat_map(|part| part.iter().zip(times(form, part)));
+            hessian[a][b] = own.map(|(c, slope)| c * slope).sum();
+            hessian[b][a] = hessian[a][b];
+        }
+        hessian
+    }
+}
+
+/// What the coefficients of each term are multiplied by: they are then alike in size.
+fn units(medium: Medium, pressure: f64) -> [f64; TERMS] {
+    core::array::from_fn(|term| pressure / (0..degree(term)).map(|_| medium.wavenumber()).product::<f64>())
+}
+
+/// F of coefficients in `units`: half the second differences of H.
+fn forms(kept: &Kept, units: &[f64; TERMS]) -> Forms {
+    let factors = Particle::default().factors(kept.sources.medium);
+    let second = |terms: &[usize]| {
+        let mut part = Jet::ZERO;
+        for &term in terms {
+            part.add(&Jet::monomial(term), 1.0 / units[term]);
+        }
+        let hessian = potential(&[part, Jet::ZERO], factors).hessian();
+        ENTRIES.map(|[a, b]| hessian[a][b])
+    };
+    let alone: [_; TERMS] = core::array::from_fn(|term| second(&[term]));
+    let mut forms = vec![[[0.0; TERMS]; TERMS]; ENTRIES.len()];
+    for t in 0..TERMS {
+        for u in 0..=t {
+            let both = second(&[t, u]);
+            for (entry, form) in forms.iter_mut().enumerate() {
+                form[t][u] = (both[entry] - alone[t][entry] - alone[u][entry]) / 2.0;
+                form[u][t] = form[t][u];
+            }
+        }
+    }
+    forms
+}
+
+/// The coefficients of point j.
+fn coefficients(plane: &[f32], j: usize) -> [f64; TERMS] {
+    core::array::from_fn(|term| f64::from(plane[j * TERMS + term]))
+}
+
+fn times(form: &[[f64; TERMS]; TERMS], part: &[f64; TERMS]) -> [f64; TERMS] {
+    form.each_ref().map(|row| row.iter().zip(part).map(|(f, c)| f * c).sum())
+}
+
+#[cfg(test)]
+#[path = "tests/stiffness.rs"]
+mod tests;

@@ -1,0 +1,80 @@
+//! Tests of `stiffness`.
+
+use super::*;
+use crate::control::Control;
+use crate::kernels::InstructionSet;
+use crate::propagation::{Model, gorkov};
+use crate::rng::Rng;
+use crate::scene::{Array, Directivity, Obstacle, Signature, Surface, Transducer};
+use num_complex::Complex32;
+
+/// Two rows of transducers that face each other, one of them weak, a wall beside them, and two points.
+fn kept() -> (Model, Kept) {
+    let place = |i: usize| [0.011 * (i % 4) as f64, 0.012 * (i / 4 % 3) as f64, if i < 12 { 0.0 } else { 0.08 }];
+    let normals = (0..24).map(|i| [0.0, 0.0, if i < 12 { 1.0 } else { -1.0 }]).collect();
+    let transducer = Transducer { directivity: Directivity::Piston(4.5e-3), ..Transducer::default() };
+    let array = Array::new((0..24).map(place).collect(), Some(normals));
+    let array = array.and_then(|array| array.with_transducer(transducer)).expect("an array");
+    let wall = Obstacle::Wall { point: [-0.05, 0.0, 0.0], normal: [1.0, 0.0, 0.0], kind: Surface::Rigid };
+    let model = Model::new(&array, Medium::default(), InstructionSet::best())
+        .and_then(|model| model.with_obstacles(&[wall]))
+        .expect("a model")
+        .with_signature(Some(Signature::Trap));
+    let propagation = model.propagation(&[[0.01, 0.02, 0.037], [0.024, 0.005, 0.044]]).expect("points");
+    let kept = propagation.origin().and_then(|(_, _, kept)| kept).expect("kept").clone();
+    (model, kept)
+}
+
+fn field(traps: &Stiffness, drive: &[Complex32]) -> [Vec<f32>; 2] {
+    let lanes = padded(traps.rows());
+    let [re, im] = traps.planes();
+    let mut field = [vec![0.0; lanes], vec![0.0; lanes]];
+    for (i, q) in drive.iter().enumerate() {
+        for k in 0..lanes {
+            let (a, b) = (re[i * lanes + k], im[i * lanes + k]);
+            field[0][k] += a * q.re - b * q.im;
+            field[1][k] += a * q.im + b * q.re;
+        }
+    }
+    field
+}
+
+#[test]
+fn it_is_the_stiffness_of_gorkov_and_its_slope() {
+    let (model, kept) = kept();
+    let traps = Stiffness::of(&kept, &mut Control::none()).expect("room").expect("derivatives");
+    let mut rng = Rng::new(3);
+    let drive: Vec<_> = (0..24).map(|_| Complex32::cis(6.3 * rng.uniform() as f32)).collect();
+    let felt = gorkov(&model, &drive, &kept.points, Particle::default(), &mut Control::none()).expect("a force");
+    let c = field(&traps, &drive);
+    let planes = |c: &[Vec<f32>; 2]| -> Vec<f64> { traps.at([&c[0], &c[1]]).collect() };
+    let told = planes(&c);
+    let wanted: Vec<f64> = felt.hessian.iter().flat_map(|hessian| eigen(*hessian).0).collect();
+    let largest = wanted.iter().fold(0.0_f64, |most, k| most.max(k.abs()));
+    assert_eq!(told.len(), 6);
+    for (told, wanted) in told.iter().zip(&wanted) {
+        assert!((told - wanted).abs() < 1e-5 * largest, "{told} {wanted}");
+    }
+    // The slope along another field, by both sides: K is quadratic, so that differences are exact.
+    let weights = [0.3, -0.2, 0.7, 0.1, 0.9, -0.4];
+    let way = field(&traps, &drive.iter().rev().copied().collect::<Vec<_>>());
+    let shifted = |part: f32| [0, 1].map(|k| c[k].iter().zip(&way[k]).map(|(a, b)| a + part * b).collect());
+    let sum = |c: &[Vec<f32>; 2]| planes(c).iter().zip(&weights).map(|(k, w)| k * w).sum::<f64>();
+    let mut pulls = [vec![0.0; c[0].len()], vec![0.0; c[0].len()]];
+    let [re, im] = &mut pulls;
+    traps.pull([&c[0], &c[1]], &weights, [re, im]);
+    let slope: f64 =
+        pulls.iter().zip(&way).flat_map(|(p, w)| p.iter().zip(w)).map(|(p, w)| f64::from(*p) * f64::from(*w)).sum();
+    let difference = (sum(&shifted(1.0)) - sum(&shifted(-1.0))) / 2.0;
+    assert!((slope - difference).abs() < 1e-5 * largest, "{slope} {difference}");
+}
+
+#[test]
+fn a_field_without_known_derivatives_has_none() {
+    let (model, kept) = kept();
+    let ball = Obstacle::Sphere { center: [0.2, 0.0, 0.04], radius: 0.02, kind: Surface::Rigid };
+    let model = model.with_obstacles(&[ball]).expect("a model");
+    let propagation = model.propagation(&kept.points).expect("points");
+    let kept = propagation.origin().and_then(|(_, _, kept)| kept).expect("kept");
+    assert!(Stiffness::of(kept, &mut Control::none()).expect("room").is_none());
+}
