@@ -63,7 +63,8 @@ void main() {
   bool back = dot(normal, to) < 0.;
   face = back ? metal * .45 : mix(off, hue, known * amplitude);
   rim = back ? face : metal * (.5 + .5 * max(dot(normal, light), 0.));
-  gl_Position = matrix * vec4(position + radius * outward, 1);
+  // From behind, a can is seen to be closed.
+  gl_Position = matrix * vec4(position + radius * (back ? outward - normal * ${HEIGHT} : outward), 1);
 }`;
 
 const FACE_FRAGMENT = `

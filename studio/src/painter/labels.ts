@@ -40,7 +40,7 @@ void main() {
   colour = vec4(paint.rgb * cover, cover);
 }`;
 
-/** Paints labels of 11 CSS px; each text is a row of one texture, made anew when the texts change. */
+/** Paints labels of 11 CSS px or more; each text is a row of one texture, made anew when the texts change. */
 export function createLabels(gl: Gl): (view: View, labels: Label[]) => void {
   const letters = program(gl, VERTEX, FRAGMENT);
   const signs = vectors(gl, 4);
@@ -69,8 +69,10 @@ export function createLabels(gl: Gl): (view: View, labels: Label[]) => void {
 
   return (view, labels) => {
     const texts = [...new Set(labels.map((label) => label.text))].sort();
-    write(texts, view.ratio);
-    const high = Math.ceil(16 * view.ratio);
+    // Larger on a large screen, as the text around is.
+    const ratio = Math.max(view.ratio, view.size[1] / 1300);
+    write(texts, ratio);
+    const high = Math.ceil(16 * ratio);
     const row = (text: string) => [texts.indexOf(text) * high, widths.get(text)!, high, 0, 0];
     signs.set(labels.flatMap(({ place, text, ink }) => [...place, ...row(text), ...ink]));
     aim(letters, view);
