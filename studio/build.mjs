@@ -1,7 +1,7 @@
 // Builds the studio three times from one source into built/: the site (site/), one HTML file that works from a disk
 // (studio.html), and the notebook's widget (widget.mjs); and copies what the wheel ships into the package.
 import { createHash } from "node:crypto";
-import { cp, mkdir, readFile, rm, writeFile } from "node:fs/promises";
+import { cp, mkdir, readdir, readFile, rm, writeFile } from "node:fs/promises";
 import { gzipSync } from "node:zlib";
 
 import { build } from "vite";
@@ -9,9 +9,17 @@ import { viteSingleFile } from "vite-plugin-singlefile";
 
 const here = import.meta.dirname;
 const out = `${here}/built`;
-const common = { root: here, configFile: false, logLevel: "warn", worker: { format: "iife" } };
+
+/** Shaders without comments and indentation: the texts of several lines among the painter's. */
+const short = (shader) => shader.replace(/\/\/.*|\/\*[^]*?\*\//g, "").replace(/\s+/g, " ").replace(/ ?([{}();,=*/<>?:]) ?/g, "$1");
+const shaders = {
+  name: "shaders",
+  transform: (code, id) => (/painter\/\w+\.ts$/.test(id) ? code.replace(/`[^`]*`/g, (text) => (text.includes("\n") ? short(text) : text)) : undefined),
+};
+
+const common = { root: here, configFile: false, logLevel: "warn", worker: { format: "iife" }, plugins: [shaders] };
 const page = (outDir, more, plugins = []) =>
-  build({ ...common, base: "./", plugins, build: { outDir, emptyOutDir: true, modulePreload: false, target: "es2022", ...more } });
+  build({ ...common, base: "./", plugins: [shaders, ...plugins], build: { outDir, emptyOutDir: true, modulePreload: false, target: "es2022", ...more } });
 
 /** A policy for the page: nothing but its own scripts, its own worker and its own files. */
 const policy = (script, style, connect) =>
@@ -50,7 +58,10 @@ await mkdir(shipped, { recursive: true });
 await cp(`${out}/site`, shipped, { recursive: true });
 await cp(`${out}/widget.mjs`, `${shipped}/widget.mjs`);
 
-const kilobytes = async (file) => (gzipSync(await readFile(file), { level: 9 }).length / 1000).toFixed(1);
+const kilobytes = async (...files) =>
+  ((await Promise.all(files.map(async (file) => gzipSync(await readFile(file), { level: 9 }).length))).reduce((a, b) => a + b) / 1000).toFixed(1);
+const assets = (await readdir(`${out}/site/assets`)).map((name) => `${out}/site/assets/${name}`);
+console.log(`page code and style: ${await kilobytes(...assets)} kB gzip`);
 for (const file of ["midair.wasm", "widget.mjs", "studio.html"]) {
   console.log(`${file}: ${await kilobytes(`${out}/${file}`)} kB gzip`);
 }

@@ -53,7 +53,7 @@ export function createBar(context: Context, deeds: Deeds): { root: HTMLElement; 
     button(say("drive"), () => void exportDrive(context, studio.view.state.slot).catch(told), say("exportDrive")),
     button(say("picture"), deeds.picture, say("exportPicture")),
   );
-  const told = (error: Error) => context.alarm(error.message);
+  const told = ({ message }: Error) => context.alarm(say("failed", { line: message }));
   const tools = element(
     "div",
     { className: "tools", id: "tools" },

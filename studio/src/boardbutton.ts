@@ -24,10 +24,10 @@ export function createBoardButton(context: Context): HTMLElement {
     if (!board) return context.alarm(say("noBoard"));
     const port = await serial.requestPort();
     await studio.settled();
-    const silence = await engine.quick.silence(studio.scene(0), board.name);
-    const encode = (drive: Float32Array) => engine.quick.encode(studio.scene(0), drive, board.name);
+    const silence = await engine.slots[0].silence(studio.scene(0), board.name);
+    const encode = (drive: Float32Array) => engine.slots[0].encode(studio.scene(0), drive, board.name);
     player = await connect(port, board, encode, silence, (state, line) => {
-      if (line) context.alarm(line);
+      if (line) context.alarm(say("failed", { line }));
       if (state === "gone") forget();
       show();
     });
@@ -59,7 +59,11 @@ export function createBoardButton(context: Context): HTMLElement {
   button.onclick = () => {
     if (player?.state === "playing") void player.off();
     else if (player) play();
-    else void begin().catch((error: Error) => error.name === "NotFoundError" || context.alarm(error.message));
+    else {
+      void begin().catch(({ name, message }: Error) => {
+        if (name !== "NotFoundError") context.alarm(say("failed", { line: message }));
+      });
+    }
   };
   context.ending(() => void player?.close());
   context.listen(() => {

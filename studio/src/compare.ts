@@ -1,13 +1,14 @@
 /** Compare: two methods, their slices on one colour scale, and their numbers. */
 
+import { changes } from "./changes.ts";
 import { type Context } from "./context.ts";
 import { choice, element, write } from "./dom.ts";
 import { MOST_POINTS } from "./initial.ts";
-import { numberRows } from "./numbers.ts";
-import { entry, ticks } from "./painter/maps.ts";
+import { numberRows, type Row } from "./numbers.ts";
+import { entry, type Tick, ticks } from "./painter/maps.ts";
 import { added, moved } from "./points.ts";
 import { MANY } from "./stage.ts";
-import type { Look, Slot, Vec3 } from "./types.ts";
+import type { Look, MapName, Slot, Vec3 } from "./types.ts";
 import type { Word } from "./words.ts";
 
 /** The right column. */
@@ -112,9 +113,9 @@ export function createCompare(context: Context): Compare {
     });
   }
 
-  function numbers() {
-    const { results, bound, state: now } = studio.view;
-    const rows = numberRows(results, bound, now).map(({ word, values, better }) =>
+  /** Writes the table anew, which costs a layout: only when something in it is. */
+  const writeRows = changes((text: string) => {
+    const rows = (JSON.parse(text) as Row[]).map(({ word, values, better }) =>
       element(
         "tr",
         {},
@@ -126,41 +127,53 @@ export function createCompare(context: Context): Compare {
     );
     const head = element("tr", {}, element("td", {}), ...["A", "B"].map((name) => element("th", { scope: "col" }, name)));
     table.replaceChildren(element("caption", { className: "hidden" }, say("numbers")), head, ...rows);
-    const lines = [...new Set(results.flatMap((result) => result.warnings))];
-    warnings.replaceChildren(...lines.map((line) => element("li", {}, line)));
-  }
+  });
+  const writeWarnings = changes((text: string) => {
+    const lines = JSON.parse(text) as string[];
+    const items = lines.map((line) => element("li", {}, line));
+    warnings.replaceChildren(...(lines.length ? [element("li", {}, `${say("notes")}:`)] : []), ...items);
+  });
+
+  const writeBars = changes((map: MapName) => parts.forEach(({ bar }) => paint(bar, map)));
+  const writeTicks = changes((text: string) => {
+    for (const { labels } of parts) {
+      const spans = (JSON.parse(text) as Tick[]).map(({ at, label }) => {
+        const tick = element("span", {}, label);
+        tick.style.bottom = `${100 * at}%`;
+        return tick;
+      });
+      labels.replaceChildren(...spans);
+    }
+  });
 
   return {
     root,
     slices: [parts[0].picture, parts[1].picture],
     place(look) {
       for (const slot of SLOTS) {
-        const { method, summary, bar, labels, refusal } = parts[slot];
+        const { method, summary, refusal } = parts[slot];
         const { answer, refused } = studio.view.results[slot];
         if (method.value !== state().methods[slot]) method.value = state().methods[slot];
         write(summary, answer ? `U ${answer.metrics.uniformity.toFixed(3)}` : "");
-        write(refusal, refused);
+        write(refusal, refused && say("unsolved", { line: refused }));
         refusal.hidden = refused === "";
-        paint(bar, look);
-        const text = ticks(look).map(({ at, label }) => {
-          const tick = element("span", {}, label);
-          tick.style.bottom = `${100 * at}%`;
-          return tick;
-        });
-        labels.replaceChildren(...text);
         ring(slot);
       }
-      numbers();
+      writeBars(look.map);
+      writeTicks(JSON.stringify(ticks(look)));
+      const { results, bound } = studio.view;
+      writeRows(JSON.stringify(numberRows(results, bound, state())));
+      writeWarnings(JSON.stringify([...new Set(results.flatMap((result) => result.warnings))]));
     },
   };
 }
 
 /** The colour bar: the map from bottom to top. */
-function paint(bar: HTMLCanvasElement, look: Look) {
+function paint(bar: HTMLCanvasElement, map: MapName) {
   const context = bar.getContext("2d")!;
   const image = context.createImageData(1, 256);
   for (let k = 0; k < 256; k += 1) {
-    image.data.set([...entry(look.map, 1 - k / 255), 255], 4 * k);
+    image.data.set([...entry(map, 1 - k / 255), 255], 4 * k);
   }
   context.putImageData(image, 0, 0);
 }

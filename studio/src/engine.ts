@@ -1,4 +1,4 @@
-/** The engine: two workers, one that solves and draws slices, one for what takes long. */
+/** The engine: three workers, one a slot that solves and draws its slice, one for what takes long. */
 
 import type { Catalogue } from "./door.ts";
 import type { Jobs } from "./solve.worker.ts";
@@ -8,10 +8,10 @@ export type Hand = {
   [Job in keyof Jobs]: (...given: Parameters<Jobs[Job]>) => Promise<Awaited<ReturnType<Jobs[Job]>>>;
 };
 
-/** Both workers, and what the core offers. */
+/** The workers, and what the core offers. */
 export interface Engine {
   catalogue: Catalogue;
-  quick: Hand;
+  slots: [Hand, Hand];
   /** For bounds, volumes and sequences. */
   slow: Hand;
   dispose(): void;
@@ -40,16 +40,15 @@ function hand(worker: Worker): Hand {
   return new Proxy({} as Hand, { get: (_, job: string) => (...given: unknown[]) => ask(job, given) });
 }
 
-/** Starts both workers with the door's bytes; `warm` is the text of a small scene. */
+/** Starts the workers with the door's bytes; `warm` is the text of a small scene. */
 export async function startEngine(makeWorker: () => Worker, wasm: BufferSource, warm: string): Promise<Engine> {
-  const workers = [makeWorker(), makeWorker()];
-  const [quick, slow] = workers.map(hand);
-  const { catalogue, module } = await quick.setup(wasm, warm);
-  const ready = slow.setup(module, warm);
-  ready.catch(() => undefined);
+  const workers = [makeWorker(), makeWorker(), makeWorker()];
+  const [first, second, slow] = workers.map(hand);
+  const { catalogue, module } = await first.setup(wasm, warm);
+  for (const other of [second, slow]) other.setup(module, warm).catch(() => undefined);
   return {
     catalogue,
-    quick,
+    slots: [first, second],
     slow,
     dispose: () => workers.forEach((worker) => worker.terminate()),
   };

@@ -18,7 +18,7 @@ export async function open(context: Context, file: File): Promise<void> {
     const ending = file.name.split(".").at(-1)!.toLowerCase();
     const { state } = studio.view;
     if (ending === "toml" || ending === "json") {
-      studio.change(stateOf(JSON.parse(await engine.quick.read(text, ending === "toml")), state));
+      studio.change(stateOf(JSON.parse(await engine.slots[0].read(text, ending === "toml")), state));
     } else if (ending === "svg") {
       const [x, y] = state.plane.center;
       const points = fitting(drawing(text, Math.min(SIZE, state.plane.size), state.plane.z));
@@ -32,7 +32,8 @@ export async function open(context: Context, file: File): Promise<void> {
     context.announce(context.say("opened", { name: file.name }));
   } catch (error) {
     const { message } = error as Error;
-    context.alarm(message.startsWith(file.name) ? message : `${file.name}: ${message}`);
+    const line = message.startsWith(file.name) ? message : `${file.name}: ${message}`;
+    context.alarm(context.say("unread", { line }));
   }
 }
 
@@ -61,16 +62,16 @@ const placesOf = (array: Float64Array) =>
 export async function exportScene({ studio, engine }: Context): Promise<void> {
   await studio.settled();
   if (studio.view.results[0].refused) throw new Error(studio.view.results[0].refused);
-  save("scene.toml", await engine.quick.save(0, true), "text/plain");
+  save("scene.toml", await engine.slots[0].save(true), "text/plain");
 }
 
 /** The drive of the slot that is shown, as `midair solve -o drive.csv` writes it. */
-export async function exportDrive({ studio, alarm }: Context, slot: Slot): Promise<void> {
+export async function exportDrive({ studio, alarm, say }: Context, slot: Slot): Promise<void> {
   await studio.settled();
   const { results, array } = studio.view;
   const { answer, refused } = results[slot];
   if (answer) save("drive.csv", writeDrive(placesOf(array), answer.drive), "text/csv");
-  else alarm(refused);
+  else alarm(say("unsolved", { line: refused }));
 }
 
 /** What is painted, as a picture. */

@@ -5,6 +5,7 @@ import type { Engine } from "./engine.ts";
 import { initial } from "./initial.ts";
 import { gridOf } from "./lattices.ts";
 import { readLink, writeLink } from "./link.ts";
+import { lookOf } from "./look.ts";
 import { weakest } from "./numbers.ts";
 import type { Page } from "./page.ts";
 import { sample } from "./painter/lattice.ts";
@@ -60,7 +61,7 @@ export function createHook(engine: Engine, studio: Studio, page: () => Page): Ho
       const refused = results.map((each) => each.refused);
       const warnings = results.map((each) => each.warnings);
       const ready = results.some((each) => each.answer !== null || each.refused !== "");
-      return structuredClone({ ready, ...state, metrics, bound, refused, warnings });
+      return structuredClone({ ready, ...state, top: lookOf(studio.view).top, metrics, bound, refused, warnings });
     },
     set(partial) {
       const { state } = studio.view;
@@ -77,7 +78,7 @@ export function createHook(engine: Engine, studio: Studio, page: () => Page): Ho
     async field(slot, places) {
       await studio.settled();
       result(slot);
-      return pairs(await engine.quick.field(slot, Float64Array.from(places.flat())));
+      return pairs(await engine.slots[slot].field(Float64Array.from(places.flat())));
     },
     shown(slot, places) {
       const { lattice } = result(slot);

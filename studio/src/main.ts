@@ -12,6 +12,7 @@ import { createPage, type Manner, type Page } from "./page.ts";
 import SolveWorker from "./solve.worker.ts?worker&inline";
 import { createStudio } from "./studio.ts";
 import type { State } from "./types.ts";
+import { type Language, say } from "./words.ts";
 import wasmUrl from "../built/midair.wasm?url";
 
 declare global {
@@ -21,6 +22,7 @@ declare global {
 }
 
 const root = document.getElementById("studio")!;
+const language: Language = navigator.language.startsWith("ja") ? "ja" : "en";
 const warm = () =>
   JSON.stringify(sceneOf({ ...initial, array: { preset: "paper20", tiles: [1, 1] }, points: [[0, 0, 0.15]] }, 0));
 
@@ -51,7 +53,7 @@ async function start() {
   const studio = createStudio(engine, first);
   const manner: Manner = {
     eye: createEye(studio),
-    language: navigator.language.startsWith("ja") ? "ja" : "en",
+    language,
     theme: matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark",
     again(changes) {
       const buttons = () => [...root.querySelectorAll("button")];
@@ -61,17 +63,18 @@ async function start() {
       buttons()[focused]?.focus();
     },
   };
+  const unread = (line: string) => say(manner.language, "unread", { line });
   let page: Page = createPage(root, engine, studio, manner);
   window.midair = createHook(engine, studio, () => page);
   window.addEventListener("hashchange", () => {
     const read = linked(engine);
-    if (typeof read === "string") page.alarm(read);
+    if (typeof read === "string") page.alarm(unread(read));
     else studio.change(read);
   });
-  if (wrong.length) page.alarm(wrong.join("\n"));
+  if (wrong.length) page.alarm(wrong.map(unread).join("\n"));
 }
 
 start().catch((error: Error) => {
-  root.textContent = error.message;
+  root.textContent = say(language, "failed", { line: error.message });
   root.setAttribute("role", "alert");
 });

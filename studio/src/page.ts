@@ -15,7 +15,7 @@ import type { Painter } from "./painter/picture.ts";
 import { createPanels } from "./panels.ts";
 import { createStage } from "./stage.ts";
 import type { Studio } from "./studio.ts";
-import { type Slot, VIEWS, type Vec3, type View } from "./types.ts";
+import { type Lattice, type Slot, VIEWS, type Vec3, type View } from "./types.ts";
 import { type Language, say } from "./words.ts";
 
 /** A page that is shown. */
@@ -41,6 +41,9 @@ const BACKGROUNDS: Record<Manner["theme"], [number, number, number]> = {
   dark: [12, 15, 20],
   light: [246, 248, 250],
 };
+
+/** Resolution while something moves and software paints. */
+const COARSE = 0.5;
 
 /** Builds the page into an element. */
 export function createPage(root: HTMLElement, engine: Engine, studio: Studio, manner: Manner): Page {
@@ -109,9 +112,13 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     const [a, b] = studio.view.results.map(({ answer }) => answer?.metrics.uniformity.toFixed(3) ?? "–");
     const [methodA, methodB] = state.methods;
     root.dataset.said = context.say("said", { a, b, methodA, methodB });
-    context.repaint();
+    // A picture that the next one is about to replace would only hold that up.
+    const same = studio.view.results.every(({ lattice }, slot) => lattice === painted[slot]);
+    if (studio.view.moving && same) stage.place();
+    else context.repaint();
   }
 
+  let painted: (Lattice | null)[] = [];
   function paint() {
     frame = 0;
     if (gone || painter.lost) return;
@@ -124,9 +131,11 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     const { state, results } = view;
     const look = lookOf(view);
     const slices = results.map(({ lattice }, slot) => (slot === 0 && view.frame ? view.frame.lattice : lattice));
+    painted = results.map(({ lattice }) => lattice);
     const slot = view.frame ? 0 : state.slot;
     const lattice = slices[slot];
-    painter.begin(outer.width, outer.height, Math.min(devicePixelRatio, 2), BACKGROUNDS[theme]);
+    const ratio = Math.min(devicePixelRatio, 2) * (view.moving && painter.slow ? COARSE : 1);
+    painter.begin(outer.width, outer.height, ratio, BACKGROUNDS[theme]);
     painter.scene(box(stage.view), {
       camera: stage.camera(),
       positions: view.positions,
@@ -174,7 +183,9 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   function warn() {
     const [a, b] = studio.view.results.map(({ refused }) => refused);
     const refused = a && b && !studio.view.moving ? a : "";
-    if (refused !== warned) context.alarm((warned = refused));
+    if (refused === warned) return;
+    warned = refused;
+    context.alarm(refused && context.say("unsolved", { line: refused }));
   }
   const size = new ResizeObserver(context.repaint);
   [canvas, stage.view, ...compare.slices].forEach((each) => size.observe(each));

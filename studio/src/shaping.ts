@@ -37,7 +37,7 @@ export function createShapes(context: Context): { root: HTMLElement } {
     try {
       studio.change({ points: fitting(makers[kind.value]), pressures: null, path: null });
     } catch (error) {
-      context.alarm((error as Error).message);
+      context.alarm(say("failed", { line: (error as Error).message }));
     }
   }
 

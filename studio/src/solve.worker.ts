@@ -1,7 +1,7 @@
-/** The worker: two doors, one a slot, and the jobs that the page asks for. */
+/** The worker: two doors, and the jobs that the page asks for. */
 
 import { compile, openDoor, type Answer, type Door } from "./door.ts";
-import type { Lattice, Slot, Vec3, Volume } from "./types.ts";
+import type { Lattice, Vec3, Volume } from "./types.ts";
 
 /** A lattice that is still to be filled. */
 export type Grid = Omit<Lattice, "values">;
@@ -11,10 +11,11 @@ export type Outcome =
   | { answer: Answer; lattice: Lattice; heard: number; milliseconds: number; warnings: string[] }
   | { refused: string };
 
-/** One a slot, and a third for questions beside. */
-let doors: [Door, Door, Door];
-/** The scenes that the doors of the slots have open. */
-let texts: [string, string];
+/** The scene that is shown, and another for questions beside. */
+let door: Door;
+let beside: Door;
+/** The scene that the first has open. */
+let text = "";
 
 function places({ corner, u, v, nu, nv }: Grid): Float64Array {
   const all = new Float64Array(3 * nu * nv);
@@ -25,9 +26,9 @@ function places({ corner, u, v, nu, nv }: Grid): Float64Array {
   return all;
 }
 
-function open(slot: Slot, text: string): string[] {
-  const warnings = doors[slot].open(text);
-  texts[slot] = text;
+function open(scene: string): string[] {
+  const warnings = door.open(scene);
+  text = scene;
   return warnings;
 }
 
@@ -35,58 +36,53 @@ const jobs = {
   /** Compiles the door, here or elsewhere, and warms it up: the first solve is slow. */
   async setup(source: BufferSource | WebAssembly.Module, warm: string) {
     const module = source instanceof WebAssembly.Module ? source : await compile(source);
-    doors = [openDoor(module), openDoor(module), openDoor(module)];
-    texts = ["", ""];
-    open(0, warm);
-    doors[0].solve();
-    return { catalogue: doors[0].catalogue(), module };
+    [door, beside] = [openDoor(module), openDoor(module)];
+    open(warm);
+    door.solve();
+    return { catalogue: door.catalogue(), module };
   },
-  /** Solves both slots, looks at the slice and listens at the ear. */
-  update(scenes: [string, string], grid: Grid, ear: Vec3 | null): [Outcome, Outcome] {
-    const at = places(grid);
-    const solve = (slot: Slot): Outcome => {
-      try {
-        const warnings = open(slot, scenes[slot]);
-        const begin = performance.now();
-        const answer = doors[slot].solve();
-        const milliseconds = performance.now() - begin;
-        const [re, im] = ear ? doors[slot].field(Float64Array.from(ear)) : [0, 0];
-        const lattice = { ...grid, values: doors[slot].field(at) };
-        return { answer, milliseconds, warnings, lattice, heard: Math.hypot(re, im) };
-      } catch (error) {
-        return { refused: (error as Error).message };
-      }
-    };
-    return [solve(0), solve(1)];
+  /** Solves a scene, looks at the slice and listens at the ear. */
+  update(scene: string, grid: Grid, ear: Vec3 | null): Outcome {
+    try {
+      const warnings = open(scene);
+      const begin = performance.now();
+      const answer = door.solve();
+      const milliseconds = performance.now() - begin;
+      const [re, im] = ear ? door.field(Float64Array.from(ear)) : [0, 0];
+      const lattice = { ...grid, values: door.field(places(grid)) };
+      return { answer, milliseconds, warnings, lattice, heard: Math.hypot(re, im) };
+    } catch (error) {
+      return { refused: (error as Error).message };
+    }
   },
-  array: (slot: Slot) => doors[slot].array(),
-  field: (slot: Slot, at: Float64Array) => doors[slot].field(at),
-  save: (slot: Slot, toml: boolean) => doors[slot].save(toml),
+  array: () => door.array(),
+  field: (at: Float64Array) => door.field(at),
+  save: (toml: boolean) => door.save(toml),
   /** The bytes by which a board plays a drive. */
   encode(scene: string, drive: Float32Array, board: string): Uint8Array {
-    doors[2].open(scene);
-    doors[2].load(drive);
-    return doors[2].encode(board);
+    beside.open(scene);
+    beside.load(drive);
+    return beside.encode(board);
   },
   /** The bytes that turn it off. */
   silence(scene: string, board: string): Uint8Array {
-    doors[2].open(scene);
-    return doors[2].silence(board);
+    beside.open(scene);
+    return beside.silence(board);
   },
   /** A scene file as JSON. */
   read(text: string, toml: boolean): string {
-    doors[2].open(text, toml);
-    return doors[2].save(false);
+    beside.open(text, toml);
+    return beside.save(false);
   },
   /** The bound on the level of a scene. */
   bound(scene: string): number {
-    doors[2].open(scene);
-    return doors[2].bound();
+    beside.open(scene);
+    return beside.bound();
   },
   /** A layer of |p| on a box, of a drive that was found elsewhere. */
   layer(scene: string, drive: Float32Array, box: Omit<Volume, "moduli">, layer: number): Float32Array {
-    if (texts[1] !== scene) open(1, scene);
-    doors[1].load(drive);
+    if (text !== scene) open(scene);
+    door.load(drive);
     const { least, most, count } = box;
     const side = (axis: number) => most[axis] - least[axis];
     const grid: Grid = {
@@ -96,24 +92,24 @@ const jobs = {
       nu: count[0],
       nv: count[1],
     };
-    const values = doors[1].field(places(grid));
+    const values = door.field(places(grid));
     return Float32Array.from({ length: values.length / 2 }, (_, k) => Math.hypot(values[2 * k], values[2 * k + 1]));
   },
   /** The slice of a drive that was found elsewhere. */
   slice(scene: string, drive: Float32Array, grid: Grid): Float32Array {
-    if (texts[1] !== scene) open(1, scene);
-    doors[1].load(drive);
-    return doors[1].field(places(grid));
+    if (text !== scene) open(scene);
+    door.load(drive);
+    return door.field(places(grid));
   },
   /** Frames of points (T, M, 3) one after another. */
   follow(scene: string, points: Float64Array, frames: number) {
-    open(0, scene);
-    return doors[0].follow(points, frames);
+    open(scene);
+    return door.follow(points, frames);
   },
   /** The drive of a frame that was followed, and its slice. */
   frame(index: number, grid: Grid) {
-    const drive = doors[0].frame(index);
-    return { drive, lattice: { ...grid, values: doors[0].field(places(grid)) } };
+    const drive = door.frame(index);
+    return { drive, lattice: { ...grid, values: door.field(places(grid)) } };
   },
 };
 

@@ -33,7 +33,7 @@ export interface View {
   normals: Float32Array;
   /** A frame of what moves, in place of the answer of slot A. */
   frame: { drive: Float32Array; lattice: Lattice; points: State["points"] } | null;
-  /** Whether something is being view.moving. */
+  /** Whether something is being moved. */
   moving: boolean;
 }
 
@@ -42,7 +42,7 @@ export interface Studio {
   readonly view: View;
   /** Changes the state; changes of one gesture are one step of undo. */
   change(partial: Partial<State>, gesture?: string): void;
-  /** Whether something is being view.moving: pictures are coarser then. */
+  /** Whether something is being moved: pictures are coarser then. */
   moving(is: boolean): void;
   undo(): boolean;
   redo(): boolean;
@@ -126,10 +126,11 @@ export function createStudio(engine: Engine, initial: State): Studio {
   async function update(grid: Grid) {
     const asked = key(grid);
     const [given, array] = [scenes(), JSON.stringify(view.state.array)];
-    const outcomes = await engine.quick.update(given, grid, view.state.ear);
+    const { ear } = view.state;
+    const outcomes = await Promise.all(engine.slots.map((hand, slot) => hand.update(given[slot], grid, ear)));
     if (stopped) return;
     if (array !== arrayShown && outcomes.some((outcome) => "answer" in outcome)) {
-      view.array = await engine.quick.array("answer" in outcomes[0] ? 0 : 1);
+      view.array = await engine.slots["answer" in outcomes[0] ? 0 : 1].array();
       const half = view.array.length / 2;
       view.positions = Float32Array.from(view.array.subarray(0, half));
       view.normals = Float32Array.from(view.array.subarray(half));
@@ -211,7 +212,11 @@ export function createStudio(engine: Engine, initial: State): Studio {
     },
     moving(is) {
       view.moving = is;
-      if (!is) history.rest();
+      if (!is) {
+        history.rest();
+        // The picture was a coarse one, even where its lattice was not.
+        if (key(gridOf(view.state)) === shown) tell();
+      }
       void pump();
     },
     undo: () => !view.moving && step(history.undo()),

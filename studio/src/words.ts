@@ -84,6 +84,11 @@ export const WORDS = {
     "largest phase change {change} rad a frame, weakest frame {dip} % of the loudest |p|",
     "最大位相変化 {change} rad/フレーム、最弱フレームは最大 |p| の {dip} %",
   ],
+  stands: [
+    "No phase moves: glide's bound of π/16 a frame is below a step of the array's phases. Choose any drive under device levels",
+    "位相が動きません: glide の上限 (π/16/フレーム) がアレイの位相刻みより小さいためです。量子化を連続値にしてください",
+  ],
+  changes: ["Largest phase change", "最大位相変化"],
   view: ["View", "表示"],
   viewSlice: ["Slice", "断面"],
   viewVolume: ["Volume", "立体"],
@@ -117,6 +122,10 @@ export const WORDS = {
   undone: ["Undone", "元に戻しました"],
   redone: ["Done again", "やり直しました"],
   opened: ["{name} is open", "{name} を開きました"],
+  unsolved: ["Cannot be solved: {line}", "解けません: {line}"],
+  unread: ["Cannot be read: {line}", "読み込めません: {line}"],
+  failed: ["Did not work: {line}", "実行できません: {line}"],
+  notes: ["Notes of the core", "計算コアからの注意"],
   tooMany: ["{count} points: at most 64 fit the page", "{count} 点: このページでは 64 点まで"],
 } as const satisfies Record<string, readonly [string, string]>;
 

@@ -97,6 +97,7 @@ export function createFlat(canvas: HTMLCanvasElement): Painter {
       }
       pen.restore();
     },
+    slow: true,
     lost: false,
     onRestored: null,
     dispose() {},

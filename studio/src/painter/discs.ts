@@ -1,107 +1,89 @@
 /** The transducers: small lit cans that face their normals, the phase as the colour of the face. */
 
-import { changes, type Gl, program, vertices } from "./gl.ts";
+import { changes } from "../changes.ts";
+import { type Gl, LOOK_UP, type Program, program, vectors } from "./gl.ts";
 import type { Picture } from "./picture.ts";
 import { aim, type View } from "./view.ts";
 
-/** Sides of a can. */
-const SIDES = 12;
+/** Strips across the half of a can's side that is seen. */
+const SIDES = 5;
 
 /** Height of a can, in radii. */
 export const HEIGHT = 0.9;
 
-const VERTEX = `
-layout(location = 0) in vec4 shape;
-layout(location = 1) in vec3 position;
-layout(location = 2) in vec3 normal;
-layout(location = 3) in vec2 drive;
+/** What all parts of a can share: its axis and two directions across it. */
+const CAN = `${LOOK_UP}
+uniform sampler2D positions, normals, drives;
 uniform mat4 matrix;
+uniform vec3 eye, metal, off;
 uniform float radius;
-out vec3 outward, place;
-out vec2 at;
-out vec2 weight;
-flat out vec3 axis;
-flat out int part;
-void main() {
-  // Two directions across the normal, by Frisvad's formula, which needs no branch but straight down.
-  vec3 n = normal, across = n.z < -.9999 ? vec3(0, -1, 0)
-    : vec3(1. - n.x*n.x/(1. + n.z), -n.x*n.y/(1. + n.z), -n.x);
-  vec3 up = cross(n, across);
-  at = shape.xy;
-  part = int(shape.w);
-  axis = n;
-  outward = across * at.x + up * at.y;
-  weight = drive;
-  place = position + radius * (outward + n * shape.z);
-  gl_Position = matrix * vec4(place, 1);
+const vec3 light = vec3(-.3216, -.4594, .8270);
+vec3 across(vec3 n) {
+  // By Frisvad's formula, which needs no branch but straight down.
+  return n.z < -.9999 ? vec3(0, -1, 0) : vec3(1. - n.x*n.x/(1. + n.z), -n.x*n.y/(1. + n.z), -n.x);
 }`;
 
-const FRAGMENT = `
-uniform vec3 eye, metal, off;
-uniform float known, shade;
-in vec3 outward, place;
-in vec2 at, weight;
-flat in vec3 axis;
-flat in int part;
-out vec4 colour;
+/** A strip around the half of the side that faces the eye. */
+const SIDE_VERTEX = `${CAN}
+out vec3 paint;
 void main() {
-  float r = length(at), soft = max(fwidth(r), 1e-4);
-  if (part == 0) {
-    float alpha = shade * (1. - smoothstep(.55, 1.55, r));
-    colour = vec4(0, 0, 0, alpha);
-    return;
-  }
-  vec3 n = part == 1 ? normalize(outward) : axis;
-  vec3 light = normalize(vec3(-.35, -.5, .9)), to = normalize(eye - place);
-  float lit = .5 + .5 * max(dot(n, light), 0.);
-  if (part == 1) { colour = vec4(metal * lit * .8, 1); return; }
-  if (dot(n, to) < 0.) { colour = vec4(metal * .45, 1.); if (r > 1.) discard; return; }
-  float phase = atan(weight.y, weight.x), amplitude = min(length(weight), 1.);
+  int can = gl_VertexID / ${6 * SIDES}, k = corner();
+  vec3 position = vectorOf(positions, can).xyz, normal = vectorOf(normals, can).xyz;
+  vec3 to = eye - position, sight = to - normal * dot(normal, to);
+  vec3 a = length(sight) > 1e-6 ? normalize(sight) : across(normal);
+  float turn = (float(gl_VertexID / 6 % ${SIDES} + (k & 1)) / ${SIDES}. - .5) * 3.1415927;
+  vec3 outward = cos(turn) * a + sin(turn) * cross(normal, a);
+  paint = metal * .4 * (1. + max(dot(outward, light), 0.));
+  gl_Position = matrix * vec4(position + radius * (outward - normal * ${HEIGHT} * float(k >> 1)), 1);
+}`;
+
+const SIDE_FRAGMENT = `
+in vec3 paint;
+out vec4 colour;
+void main() { colour = vec4(paint, 1); }`;
+
+const FACE_VERTEX = `${CAN}
+uniform float known;
+out vec3 outward;
+out vec2 at;
+flat out vec3 axis, halfway, face, rim;
+void main() {
+  int can = gl_VertexID / 6;
+  vec3 position = vectorOf(positions, can).xyz, normal = vectorOf(normals, can).xyz;
+  vec2 drive = vectorOf(drives, can).xy;
+  vec3 a = across(normal), to = normalize(eye - position);
+  int k = corner();
+  at = vec2(k & 1, k >> 1) * 2. - 1.;
+  outward = a * at.x + cross(normal, a) * at.y;
+  axis = normal;
+  halfway = normalize(light + to);
+  float phase = atan(drive.y, drive.x), amplitude = min(length(drive), 1.);
   // One lightness for all phases, about 40 % saturation.
   vec3 hue = vec3(.53, .51, .56) + .17 * cos(phase + vec3(0, -2.0944, 2.0944));
-  vec3 face = mix(off, hue, known * amplitude);
-  // A dished face in a ring of metal.
-  vec3 dish = normalize(n - .5 * smoothstep(.1, .8, r) * outward);
-  float gloss = pow(max(dot(reflect(-light, dish), to), 0.), 24.);
-  face = face * (.62 + .42 * max(dot(dish, light), 0.)) + .10 * gloss;
-  float rim = smoothstep(.80 - soft, .80 + soft, r);
-  face = mix(face, metal * (lit + .25 * gloss), rim);
-  face *= 1. - .35 * (1. - smoothstep(0., .09, abs(r - .80)));
-  float alpha = 1. - smoothstep(1. - soft, 1., r);
-  if (alpha <= 0.) discard;
-  colour = vec4(face * alpha, alpha);
+  bool back = dot(normal, to) < 0.;
+  face = back ? metal * .45 : mix(off, hue, known * amplitude);
+  rim = back ? face : metal * (.5 + .5 * max(dot(normal, light), 0.));
+  // From behind, a can is seen to be closed.
+  gl_Position = matrix * vec4(position + radius * (back ? outward - normal * ${HEIGHT} : outward), 1);
 }`;
 
-/** Corners x, y, z in radii and part: 0 shadow on the floor, 1 side, 2 face. */
-function can(): Float32Array<ArrayBuffer> {
-  const square = (size: number, z: number, part: number) =>
-    [
-      [-1, -1],
-      [1, -1],
-      [-1, 1],
-      [-1, 1],
-      [1, -1],
-      [1, 1],
-    ].flatMap(([x, y]) => [size * x, size * y, z, part]);
-  const sides: number[] = [];
-  for (let i = 0; i < SIDES; i++) {
-    const [a, b] = [i, i + 1].map((k) => [
-      Math.cos((2 * Math.PI * k) / SIDES),
-      Math.sin((2 * Math.PI * k) / SIDES),
-    ]);
-    for (const [corner, z] of [
-      [a, -HEIGHT],
-      [b, -HEIGHT],
-      [a, 0],
-      [a, 0],
-      [b, -HEIGHT],
-      [b, 0],
-    ] as const) {
-      sides.push(...corner, z, 1);
-    }
-  }
-  return new Float32Array([...square(1.6, -HEIGHT, 0), ...sides, ...square(1, 0, 2)]);
-}
+const FACE_FRAGMENT = `
+const vec3 light = vec3(-.3216, -.4594, .8270);
+in vec3 outward;
+in vec2 at;
+flat in vec3 axis, halfway, face, rim;
+out vec4 colour;
+void main() {
+  float r = length(at), soft = max(fwidth(r), 1e-4), alpha = 1. - smoothstep(1. - soft, 1., r);
+  if (alpha <= 0.) discard;
+  // A dished face in a ring of metal.
+  vec3 dish = normalize(axis - .5 * smoothstep(.1, .8, r) * outward);
+  float gloss = pow(max(dot(dish, halfway), 0.), 96.);
+  vec3 inner = face * (.62 + .42 * max(dot(dish, light), 0.)) + .10 * gloss;
+  inner = mix(inner, rim + .08 * gloss, smoothstep(.80 - soft, .80 + soft, r));
+  inner *= 1. - .35 * (1. - smoothstep(0., .09, abs(r - .80)));
+  colour = vec4(inner * alpha, alpha);
+}`;
 
 const radii = new WeakMap<Float32Array, number>();
 
@@ -123,15 +105,12 @@ export function canRadius(positions: Float32Array): number {
 
 /** Paints the transducers of a picture. */
 export function createDiscs(gl: Gl): (view: View, picture: Picture) => void {
-  const cans = program(gl, VERTEX, FRAGMENT);
-  const mesh = vertices(gl);
-  mesh.part(0, [4], 0)(can());
-  const setPositions = mesh.part(1, [3], 1);
-  const setNormals = mesh.part(2, [3], 1);
-  const setDrive = mesh.part(3, [2], 1);
-  const placed = changes((positions: Float32Array) => setPositions(new Float32Array(positions)));
-  const turned = changes((normals: Float32Array) => setNormals(new Float32Array(normals)));
-  const driven = changes((drive: Float32Array) => setDrive(new Float32Array(drive)));
+  const sides = program(gl, SIDE_VERTEX, SIDE_FRAGMENT);
+  const faces = program(gl, FACE_VERTEX, FACE_FRAGMENT);
+  const lists = { positions: vectors(gl, 3), normals: vectors(gl, 3), drives: vectors(gl, 2) };
+  const placed = changes(lists.positions.set);
+  const turned = changes(lists.normals.set);
+  const driven = changes(lists.drives.set);
   let unknown = new Float32Array(0);
 
   return (view, picture) => {
@@ -142,16 +121,16 @@ export function createDiscs(gl: Gl): (view: View, picture: Picture) => void {
     if (unknown.length !== 2 * count) unknown = new Float32Array(2 * count);
     driven(known ? picture.drive! : unknown);
     const dark = picture.theme === "dark";
-    aim(cans, view);
-    cans.set("radius", canRadius(picture.positions));
-    cans.set("metal", dark ? [0.34, 0.37, 0.42] : [0.93, 0.94, 0.96]);
-    cans.set("off", dark ? [0.1, 0.115, 0.14] : [0.42, 0.44, 0.48]);
-    cans.set("known", known ? 1 : 0);
-    cans.set("shade", dark ? 0.4 : 0.22);
-    mesh.use();
-    gl.depthMask(false);
-    gl.drawArraysInstanced(gl.TRIANGLES, 0, 6, count);
-    gl.depthMask(true);
-    gl.drawArraysInstanced(gl.TRIANGLES, 6, 6 * SIDES + 6, count);
+    const draw = (part: Program, corners: number) => {
+      aim(part, view);
+      Object.entries(lists).forEach(([name, list], unit) => part.bind(name, unit, gl.TEXTURE_2D, list.texture));
+      part.set("radius", canRadius(picture.positions));
+      part.set("metal", dark ? [0.34, 0.37, 0.42] : [0.93, 0.94, 0.96]);
+      part.set("off", dark ? [0.1, 0.115, 0.14] : [0.42, 0.44, 0.48]);
+      part.set("known", known ? 1 : 0);
+      gl.drawArrays(gl.TRIANGLES, 0, corners * count);
+    };
+    draw(sides, 6 * SIDES);
+    draw(faces, 6);
   };
 }

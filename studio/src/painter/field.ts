@@ -103,7 +103,6 @@ export function createField(gl: Gl): FieldPainter {
     slices.bind("field", 0, gl.TEXTURE_2D, data);
     setLook(slices, look);
     slices.set("least", least);
-    gl.bindVertexArray(null);
     gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
   }
 

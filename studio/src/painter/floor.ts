@@ -39,7 +39,6 @@ export function createFloor(gl: Gl) {
     floor.set("area", [(least[0] + most[0]) / 2, (least[1] + most[1]) / 2, reach, step]);
     floor.set("height", z);
     floor.set("ink", dark ? [0.5, 0.58, 0.7, 0.3] : [0.35, 0.42, 0.52, 0.32]);
-    gl.bindVertexArray(null);
     gl.depthMask(false);
     gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
     gl.depthMask(true);

@@ -1,4 +1,4 @@
-/** Short forms of WebGL2: programs, buffers of instances, textures. */
+/** Short forms of WebGL2: programs, textures, vectors that shaders look up. */
 
 export type Gl = WebGL2RenderingContext;
 
@@ -13,7 +13,7 @@ export interface Program {
 
 const HEAD = "#version 300 es\nprecision highp float;precision highp int;precision highp sampler3D;\n";
 
-/** Compiles and links; attributes are bound by `layout(location = ...)` in the source. */
+/** Compiles and links. There are no attributes: vertices are told apart by gl_VertexID. */
 export function program(gl: Gl, vertex: string, fragment: string): Program {
   const linked = gl.createProgram();
   for (const [type, text] of [
@@ -53,28 +53,33 @@ export function program(gl: Gl, vertex: string, fragment: string): Program {
   };
 }
 
-/** A vertex array; `part` adds a buffer of floats for attributes of those sizes from location `first`. */
-export function vertices(gl: Gl) {
-  const array = gl.createVertexArray();
+/** Vectors that vertex shaders look up by number: software draws instances one by one, and slowly. */
+export interface Vectors {
+  set(data: ArrayLike<number>): void;
+  readonly texture: WebGLTexture;
+}
+
+/** Vectors in a row of their texture. */
+const ROW = 1024;
+
+/** `vectorOf` of a texture of vectors; and which corner of its quad, 0 to 3, a vertex of two triangles is. */
+export const LOOK_UP = `
+vec4 vectorOf(sampler2D vectors, int index) { return texelFetch(vectors, ivec2(index % ${ROW}, index / ${ROW}), 0); }
+int corner() { return int[6](0, 1, 2, 2, 1, 3)[gl_VertexID % 6]; }`;
+
+/** Vectors of so many numbers. */
+export function vectors(gl: Gl, size: 2 | 3 | 4): Vectors {
+  const made = texture(gl, gl.TEXTURE_2D, gl.NEAREST);
+  const [kept, given] = { 2: [gl.RG32F, gl.RG], 3: [gl.RGB32F, gl.RGB], 4: [gl.RGBA32F, gl.RGBA] }[size];
   return {
-    use: () => gl.bindVertexArray(array),
-    /** `divisor` 0: by vertex, 1: by instance. Returns what sets the buffer's numbers. */
-    part(first: number, sizes: number[], divisor: 0 | 1): (data: Float32Array<ArrayBuffer>) => void {
-      const buffer = gl.createBuffer();
-      gl.bindVertexArray(array);
-      gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-      const stride = 4 * sizes.reduce((sum, size) => sum + size, 0);
-      let offset = 0;
-      sizes.forEach((size, i) => {
-        gl.enableVertexAttribArray(first + i);
-        gl.vertexAttribPointer(first + i, size, gl.FLOAT, false, stride, offset);
-        gl.vertexAttribDivisor(first + i, divisor);
-        offset += 4 * size;
-      });
-      return (data) => {
-        gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-        gl.bufferData(gl.ARRAY_BUFFER, data, gl.DYNAMIC_DRAW);
-      };
+    texture: made,
+    set(data) {
+      const rows = Math.max(1, Math.ceil(data.length / size / ROW));
+      const padded = new Float32Array(rows * ROW * size);
+      padded.set(data);
+      gl.activeTexture(gl.TEXTURE0);
+      gl.bindTexture(gl.TEXTURE_2D, made);
+      gl.texImage2D(gl.TEXTURE_2D, 0, kept, ROW, rows, 0, given, gl.FLOAT, padded);
     },
   };
 }
@@ -90,14 +95,4 @@ export function texture(gl: Gl, target: number, filter: number): WebGLTexture {
     gl.texParameteri(target, wrap, gl.CLAMP_TO_EDGE);
   }
   return made;
-}
-
-/** Runs `load` when `value` is another object than at the last call. */
-export function changes<T>(load: (value: T) => void): (value: T) => void {
-  let last: T | undefined;
-  return (value) => {
-    if (value === last) return;
-    last = value;
-    load(value);
-  };
 }

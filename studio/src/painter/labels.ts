@@ -1,7 +1,7 @@
 /** Short texts that stand at places of the 3-D view, drawn once by a 2-D canvas. */
 
 import type { Vec3 } from "../types.ts";
-import { type Gl, program, texture, vertices } from "./gl.ts";
+import { type Gl, LOOK_UP, program, texture, vectors } from "./gl.ts";
 import type { Ink } from "./lines.ts";
 import { aim, type View } from "./view.ts";
 
@@ -12,22 +12,22 @@ export interface Label {
   ink: Ink;
 }
 
-const VERTEX = `
-layout(location = 0) in vec3 place;
-layout(location = 1) in vec3 row;
-layout(location = 2) in vec4 ink;
+const VERTEX = `${LOOK_UP}
+uniform sampler2D signs;
 uniform mat4 matrix;
 uniform vec2 size;
 out vec2 at;
 out vec4 paint;
 void main() {
-  // Whole px: the letters are then as sharp as they were drawn.
-  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
-  vec4 p = matrix * vec4(place, 1);
-  vec2 left = floor((p.xy / p.w * .5 + .5) * size - row.yz / 2. + .5);
-  gl_Position = vec4(((left + corner * row.yz) / size * 2. - 1.) * p.w, p.zw);
-  at = vec2(corner.x * row.y, row.x + (1. - corner.y) * row.z);
-  paint = ink;
+  int sign = 3 * (gl_VertexID / 6), k = corner();
+  vec4 place = vectorOf(signs, sign), p = matrix * vec4(place.xyz, 1);
+  vec2 to = vec2(k & 1, k >> 1), wide = vectorOf(signs, sign + 1).xy;
+  // Whole px: the letters are then as sharp as they were drawn. At the view's edge they are not cut.
+  vec2 middle = (p.xy / p.w * .5 + .5) * size, left = floor(middle - wide / 2. + .5);
+  if (clamp(middle, vec2(0), size) == middle) left = clamp(left, vec2(0), size - wide);
+  gl_Position = vec4(((left + to * wide) / size * 2. - 1.) * p.w, p.zw);
+  at = vec2(to.x * wide.x, place.w + (1. - to.y) * wide.y);
+  paint = vectorOf(signs, sign + 2);
 }`;
 
 const FRAGMENT = `
@@ -40,11 +40,10 @@ void main() {
   colour = vec4(paint.rgb * cover, cover);
 }`;
 
-/** Paints labels of 11 CSS px; each text is a row of one texture, made anew when the texts change. */
+/** Paints labels of 11 CSS px or more; each text is a row of one texture, made anew when the texts change. */
 export function createLabels(gl: Gl): (view: View, labels: Label[]) => void {
-  const signs = program(gl, VERTEX, FRAGMENT);
-  const array = vertices(gl);
-  const set = array.part(0, [3, 3, 4], 1);
+  const letters = program(gl, VERTEX, FRAGMENT);
+  const signs = vectors(gl, 4);
   const sheet = texture(gl, gl.TEXTURE_2D, gl.NEAREST);
   const paper = document.createElement("canvas");
   const pen = paper.getContext("2d")!;
@@ -70,16 +69,18 @@ export function createLabels(gl: Gl): (view: View, labels: Label[]) => void {
 
   return (view, labels) => {
     const texts = [...new Set(labels.map((label) => label.text))].sort();
-    write(texts, view.ratio);
-    const high = Math.ceil(16 * view.ratio);
-    const row = (text: string) => [texts.indexOf(text) * high, widths.get(text)!, high];
-    set(new Float32Array(labels.flatMap(({ place, text, ink }) => [...place, ...row(text), ...ink])));
-    aim(signs, view);
-    signs.set("size", view.size);
-    signs.bind("letters", 0, gl.TEXTURE_2D, sheet);
-    array.use();
+    // Larger on a large screen, as the text around is.
+    const ratio = Math.max(view.ratio, view.size[1] / 1300);
+    write(texts, ratio);
+    const high = Math.ceil(16 * ratio);
+    const row = (text: string) => [texts.indexOf(text) * high, widths.get(text)!, high, 0, 0];
+    signs.set(labels.flatMap(({ place, text, ink }) => [...place, ...row(text), ...ink]));
+    aim(letters, view);
+    letters.set("size", view.size);
+    letters.bind("letters", 0, gl.TEXTURE_2D, sheet);
+    letters.bind("signs", 1, gl.TEXTURE_2D, signs.texture);
     gl.depthMask(false);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, labels.length);
+    gl.drawArrays(gl.TRIANGLES, 0, 6 * labels.length);
     gl.depthMask(true);
   };
 }

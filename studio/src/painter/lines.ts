@@ -1,6 +1,6 @@
 /** Lines of any width in px, with soft edges. */
 
-import { type Gl, program, vertices } from "./gl.ts";
+import { type Gl, LOOK_UP, program, vectors } from "./gl.ts";
 import { aim, type View } from "./view.ts";
 import type { Vec3 } from "../types.ts";
 
@@ -15,29 +15,28 @@ export interface Line {
   width: number;
 }
 
-const VERTEX = `
-layout(location = 0) in vec3 a;
-layout(location = 1) in vec3 b;
-layout(location = 2) in vec4 ink;
-layout(location = 3) in float width;
+const VERTEX = `${LOOK_UP}
+uniform sampler2D ends;
 uniform mat4 matrix;
 uniform vec2 size;
 out float across;
 out vec4 paint;
 flat out float half_;
 void main() {
-  vec4 p = matrix * vec4(a, 1), q = matrix * vec4(b, 1);
+  int line = 3 * (gl_VertexID / 6), k = corner();
+  vec4 a = vectorOf(ends, line), ink = vectorOf(ends, line + 2);
+  vec4 p = matrix * vec4(a.xyz, 1), q = matrix * vec4(vectorOf(ends, line + 1).xyz, 1);
   // What lies behind the camera is cut off, so that the division below is sound.
   float near = .001;
   if (p.w < near) p = mix(p, q, (near - p.w) / max(q.w - p.w, 1e-9));
   if (q.w < near) q = mix(q, p, (near - q.w) / max(p.w - q.w, 1e-9));
   vec2 way = (q.xy / q.w - p.xy / p.w) * size;
   vec2 side = length(way) > 0. ? normalize(vec2(-way.y, way.x)) : vec2(0);
-  half_ = max(width, 1.) / 2.;
-  across = (gl_VertexID & 1) == 0 ? -half_ - 1. : half_ + 1.;
-  vec4 end = gl_VertexID < 2 ? p : q;
+  half_ = max(a.w, 1.) / 2.;
+  across = (k & 1) == 0 ? -half_ - 1. : half_ + 1.;
+  vec4 end = k < 2 ? p : q;
   gl_Position = end + vec4(side * across * 2. / size * end.w, 0, 0);
-  paint = vec4(ink.rgb * ink.a, ink.a) * min(width, 1.);
+  paint = vec4(ink.rgb * ink.a, ink.a) * min(a.w, 1.);
 }`;
 
 const FRAGMENT = `
@@ -66,15 +65,14 @@ export function ring(center: Vec3, radius: number, ink: Ink, width: number): Lin
 /** Paints lines; they do not hide what is painted later. */
 export function createLines(gl: Gl): (view: View, lines: Line[]) => void {
   const strokes = program(gl, VERTEX, FRAGMENT);
-  const array = vertices(gl);
-  const set = array.part(0, [3, 3, 4, 1], 1);
+  const ends = vectors(gl, 4);
   return (view, lines) => {
-    set(new Float32Array(lines.flatMap(({ a, b, ink, width }) => [...a, ...b, ...ink, width * view.ratio])));
+    ends.set(lines.flatMap(({ a, b, ink, width }) => [...a, width * view.ratio, ...b, 0, ...ink]));
     aim(strokes, view);
     strokes.set("size", view.size);
-    array.use();
+    strokes.bind("ends", 0, gl.TEXTURE_2D, ends.texture);
     gl.depthMask(false);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, lines.length);
+    gl.drawArrays(gl.TRIANGLES, 0, 6 * lines.length);
     gl.depthMask(true);
   };
 }

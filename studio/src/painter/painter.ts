@@ -75,7 +75,7 @@ function createScene(gl: Gl) {
 export function createPainter(canvas: HTMLCanvasElement): Painter | null {
   const gl = canvas.getContext("webgl2", {
     alpha: false,
-    antialias: true,
+    antialias: false,
     powerPreference: "high-performance",
   });
   if (!gl) return null;
@@ -96,7 +96,9 @@ export function createPainter(canvas: HTMLCanvasElement): Painter | null {
   canvas.addEventListener("webglcontextlost", lose);
   canvas.addEventListener("webglcontextrestored", restore);
 
+  const { UNMASKED_RENDERER_WEBGL: name = gl.RENDERER } = gl.getExtension("WEBGL_debug_renderer_info") ?? {};
   const painter: Painter = {
+    slow: /software|swiftshader|llvmpipe|basic render/i.test(gl.getParameter(name)),
     begin(width, height, ratio, background) {
       page = { height, ratio };
       const size = [Math.round(width * ratio), Math.round(height * ratio)];

@@ -2,7 +2,7 @@
 
 import type { Obstacle, Vec3 } from "../types.ts";
 import { along, dot } from "./camera.ts";
-import { type Gl, program, vertices } from "./gl.ts";
+import { type Gl, program } from "./gl.ts";
 import { type Line, outline } from "./lines.ts";
 import type { Bounds } from "./stage.ts";
 import { aim, type View } from "./view.ts";
@@ -74,11 +74,9 @@ const tint = (obstacle: Obstacle): Vec3 => (obstacle.kind === "rigid" ? [0.56, 0
 export function createSolids(gl: Gl) {
   const balls = program(gl, BALL_VERTEX, BALL_FRAGMENT);
   const walls = program(gl, WALL_VERTEX, WALL_FRAGMENT);
-  const nothing = vertices(gl);
   return {
     balls(view: View, obstacles: Obstacle[]): void {
       aim(balls, view);
-      nothing.use();
       for (const ball of obstacles) {
         if (!("radius" in ball)) continue;
         balls.set("center", ball.center);
@@ -89,7 +87,6 @@ export function createSolids(gl: Gl) {
     },
     walls(view: View, obstacles: Obstacle[], bounds: Bounds): void {
       aim(walls, view);
-      nothing.use();
       gl.depthMask(false);
       for (const wall of obstacles) {
         if ("radius" in wall) continue;

@@ -68,7 +68,7 @@ export function axes(camera: Camera, bounds: Bounds, floor: number, theme: Pictu
         ink: text,
       });
     }
-    const name = axis === 2 ? place(high[2] + 0.6 * room) : place((low[axis] + high[axis]) / 2, 2.3 * room);
+    const name = axis === 2 ? place(high[2] + 1.2 * room) : place((low[axis] + high[axis]) / 2, 2.3 * room);
     labels.push({ place: name, text: `${"xyz"[axis]} mm`, ink: text });
   }
   return { lines, labels };

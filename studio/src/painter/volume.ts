@@ -4,7 +4,8 @@ import type { Look, Obstacle, Vec3, Volume } from "../types.ts";
 import { dot } from "./camera.ts";
 import { COLOUR, type FieldPainter } from "./field.ts";
 import { modulusAt } from "./maps.ts";
-import { changes, type Gl, program, texture } from "./gl.ts";
+import { changes } from "../changes.ts";
+import { type Gl, program, texture } from "./gl.ts";
 import { aim, enter, type View } from "./view.ts";
 
 /** Balls that hide what glows behind them; a scene rarely has more. */
@@ -138,7 +139,6 @@ export function createVolume(gl: Gl, field: FieldPainter): VolumePainter {
       const ball = balls[i];
       glow.set(`balls[${i}]`, ball ? [...ball.center, ball.radius] : [0, 0, 0, 0]);
     }
-    gl.bindVertexArray(null);
     gl.enable(gl.CULL_FACE);
     gl.cullFace(gl.FRONT);
     gl.disable(gl.DEPTH_TEST);

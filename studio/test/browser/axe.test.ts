@@ -2,27 +2,18 @@
 import { readFile } from "node:fs/promises";
 import { createRequire } from "node:module";
 
-import type { Browser, Page } from "playwright-core";
-import { afterAll, beforeAll, expect, test } from "vitest";
+import type { Page } from "playwright-core";
+import { expect, test } from "vitest";
 
-import { built, launch, serve, visit } from "./site.ts";
+import { shared } from "./setup.ts";
+import { visit } from "./site.ts";
 
 interface Axe {
   run(): Promise<{ violations: { id: string; impact: string; nodes: { html: string }[] }[] }>;
 }
 
-let browser: Browser;
-let site: { url: string; close(): void };
+const open = shared();
 const axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-
-beforeAll(async () => {
-  site = await serve(`${built}/site`);
-  browser = await launch();
-});
-afterAll(async () => {
-  await browser?.close();
-  site?.close();
-});
 
 /** What axe calls serious or critical. */
 async function faults(page: Page): Promise<string[]> {
@@ -41,7 +32,7 @@ const cases = (["en-GB", "ja-JP"] as const).flatMap((locale) =>
 
 test.each(cases)("$locale $colorScheme $width", async ({ locale, colorScheme, width }) => {
   const viewport = { width, height: width === 390 ? 844 : 900 };
-  const { page, context } = await visit(browser, site.url, { locale, colorScheme, viewport });
+  const { page, context } = await visit(open.browser, open.url, { locale, colorScheme, viewport });
   expect(await faults(page)).toEqual([]);
   if (width === 390) {
     const over = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);

@@ -1,29 +1,22 @@
 // The page as a person uses it: drag, keys, undo, link, export, warnings; and that nothing leaves its origin.
 import { readFile } from "node:fs/promises";
 
-import type { Browser, Page } from "playwright-core";
-import { afterAll, beforeAll, beforeEach, expect, test } from "vitest";
+import type { Page } from "playwright-core";
+import { beforeEach, expect, test } from "vitest";
 
-import type { Vec3 } from "../../src/types.ts";
-import { built, launch, ready, serve, visit } from "./site.ts";
+import { colour } from "../../src/painter/maps.ts";
+import type { Look, Vec3 } from "../../src/types.ts";
+import { shared } from "./setup.ts";
+import { built, launch, ready, visit } from "./site.ts";
 
-let browser: Browser;
-let site: { url: string; close(): void };
+const open = shared();
 let page: Page;
 let requests: string[];
 let complaints: string[];
 
-beforeAll(async () => {
-  site = await serve(`${built}/site`);
-  browser = await launch();
-});
-afterAll(async () => {
-  await browser?.close();
-  site?.close();
-});
 beforeEach(async () => {
   await page?.context().close();
-  ({ page, requests, complaints } = await visit(browser, site.url));
+  ({ page, requests, complaints } = await visit(open.browser, open.url));
 });
 
 const points = () => page.evaluate(() => window.midair!.state().points as Vec3[]);
@@ -94,29 +87,137 @@ test("a double click makes a point, in space and on a slice", async () => {
   expect(await points()).toHaveLength(count + 2);
 });
 
-test("what is shown is the field, and has the map's colour", async () => {
-  const places = (await points()).slice(0, 4);
-  const [field, shown] = await page.evaluate(
-    async (places) => [await window.midair!.field(0, places), window.midair!.shown(0, places)],
-    places,
+test("what is shown is the field, also after a drag", async () => {
+  const compared = async () => {
+    const places = (await points()).slice(0, 4);
+    const [field, shown] = await page.evaluate(
+      async (places) => [await window.midair!.field(0, places), window.midair!.shown(0, places)],
+      places,
+    );
+    const largest = Math.max(...field.map(([re, im]) => Math.hypot(re, im)));
+    return Math.max(...field.map(([re, im], k) => Math.hypot(shown[k]![0] - re, shown[k]![1] - im) / largest));
+  };
+  expect(await compared()).toBeLessThan(0.005);
+  const box = (await point(1).boundingBox())!;
+  await page.mouse.move(box.x + 18, box.y + 18);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 30, box.y + 20);
+  await page.mouse.up();
+  expect(await compared()).toBeLessThan(0.005);
+});
+
+/** The colour of the screen at a place, in CSS px. */
+async function pixel(x: number, y: number): Promise<number[]> {
+  const clip = { x: Math.floor(x), y: Math.floor(y), width: 1, height: 1 };
+  const shot = [...(await page.screenshot({ clip, timeout: 150_000 }))];
+  return page.evaluate(async (shot) => {
+    const bitmap = await createImageBitmap(new Blob([Uint8Array.from(shot)]));
+    const pen = new OffscreenCanvas(1, 1).getContext("2d")!;
+    pen.drawImage(bitmap, 0, 0);
+    return [...pen.getImageData(0, 0, 1, 1).data.slice(0, 3)];
+  }, shot);
+}
+
+test("what was painted coarsely in a drag is painted in full at rest, where the lattice stays as it was, too", async () => {
+  await page.evaluate(() => window.midair!.set({ view: "slice", plane: { z: 0.18, size: 0.05, center: [0.04, 0] } }));
+  await settled();
+  const width = () => page.evaluate(() => document.querySelector<HTMLCanvasElement>("canvas.canvas")!.width);
+  const box = (await point(1).boundingBox())!;
+  await page.mouse.move(box.x + 18, box.y + 18);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 28, box.y + 20);
+  await expect.poll(width).toBe(720);
+  await page.mouse.up();
+  await expect.poll(width).toBe(1440);
+});
+
+test.each(["linear", "squared", "decibel"] as const)("a point on a slice has the map's colour: %s", async (scale) => {
+  await page.evaluate((scale) => window.midair!.set({ scale }), scale);
+  await settled();
+  await page.waitForTimeout(500);
+  const { plane, map, top } = (await page.evaluate(() => window.midair!.state())) as unknown as Look & {
+    plane: { size: number; center: [number, number] };
+  };
+  const box = (await page.getByRole("img", { name: "Slice of B" }).boundingBox())!;
+  const metres = plane.size / box.width;
+  // A pixel's colour is that of its middle, up to half a pixel beside the point.
+  const pixels = (await points()).slice(0, 3).map(([x, y]) => [
+    Math.floor(box.x + box.width / 2 + (x - plane.center[0]) / metres) + 0.5,
+    Math.floor(box.y + box.height / 2 - (y - plane.center[1]) / metres) + 0.5,
+  ]);
+  const [, , z] = (await points())[0];
+  const places = pixels.map(([x, y]): Vec3 => [
+    plane.center[0] + (x - box.x - box.width / 2) * metres,
+    plane.center[1] - (y - box.y - box.height / 2) * metres,
+    z,
+  ]);
+  const field = await page.evaluate(async (places) => window.midair!.field(1, places), places);
+  for (const [k, [x, y]] of pixels.entries()) {
+    const want = colour({ map, scale, top }, Math.hypot(...field[k]));
+    (await pixel(x, y)).forEach((value, channel) => expect(Math.abs(value - want[channel])).toBeLessThanOrEqual(8));
+  }
+});
+
+/** Drops a file onto the page. */
+const drop = (name: string, text: string) =>
+  page.evaluate(
+    ([name, text]) => {
+      const dataTransfer = new DataTransfer();
+      dataTransfer.items.add(new File([text], name));
+      document.querySelector("main")!.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true }));
+    },
+    [name, text],
   );
-  const largest = Math.max(...field.map(([re, im]) => Math.hypot(re, im)));
-  field.forEach(([re, im], k) => {
-    expect(Math.hypot(shown[k]![0] - re, shown[k]![1] - im) / largest).toBeLessThan(0.005);
-  });
+
+test("an SVG that is dropped in becomes points along its lines; one with a script is refused", async () => {
+  const before = await points();
+  const svg = (body: string) => `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 10 10">${body}</svg>`;
+  await drop("square.svg", svg('<rect x="1" y="1" width="8" height="8"/>'));
+  await expect.poll(points).not.toEqual(before);
+  const found = await points();
+  expect(found.length).toBeGreaterThanOrEqual(8);
+  for (const [x, y, z] of found) {
+    expect(Math.max(Math.abs(x), Math.abs(y))).toBeCloseTo(0.04, 5);
+    expect(z).toBe(before[0][2]);
+  }
+  await drop("bad.svg", svg("<script>1</script><rect width='8' height='8'/>"));
+  const alert = page.getByRole("alert");
+  await expect.poll(() => alert.innerText()).toMatch(/bad\.svg: the drawing has a script/);
+  expect(await points()).toEqual(found);
+});
+
+test("a path is played with its changes and weakest points as curves; what stands still is told", async () => {
+  await page.evaluate(() =>
+    window.midair!.set({ view: "slice", path: { kind: "circle", radius: 0.004, frequency: 40 } }),
+  );
+  await page.getByRole("button", { name: "Move", exact: true }).click();
+  const chart = page.getByRole("img", { name: /^Motion: largest phase change/ });
+  await chart.waitFor({ timeout: 60_000 });
+  expect(await chart.innerText()).toMatch(/Largest phase change.*rad.*Weakest \|p\|.*Pa.*25 ms/s);
+  await page.evaluate(() => window.midair!.set({ array: { preset: "ultraino_flat8x8", tiles: [1, 1] } }));
+  await settled();
+  expect(await chart.isVisible()).toBe(false);
+  await page.getByRole("button", { name: "Move", exact: true }).click();
+  await page.getByRole("img", { name: /^Motion: No phase moves/ }).waitFor({ timeout: 60_000 });
+});
+
+test("on a Japanese page a refusal begins in Japanese", async () => {
+  const { page: japanese, context } = await visit(open.browser, `${open.url}#v=1&p=here`, { locale: "ja-JP" });
+  expect(await japanese.getByRole("alert").innerText()).toMatch(/読み込めません.*here/);
+  await context.close();
 });
 
 test("a link opens what was shared; a bad one is one alert", async () => {
   await page.evaluate(() => window.midair!.set({ temperature: 31, methods: ["greedy", "gspat"] }));
   await settled();
   const [link, state] = await page.evaluate(() => [window.midair!.permalink(), window.midair!.state()]);
-  const other = await visit(browser, link);
+  const other = await visit(open.browser, link);
   const found = await other.page.evaluate(() => window.midair!.state());
   for (const key of ["array", "points", "methods", "temperature", "plane", "map", "scale"]) {
     expect(found[key]).toEqual(state[key]);
   }
   await other.context.close();
-  const bad = await visit(browser, `${site.url}#v=1&p=here`);
+  const bad = await visit(open.browser, `${open.url}#v=1&p=here`);
   const alerts = bad.page.getByRole("alert");
   expect(await alerts.count()).toBe(1);
   expect(await alerts.innerText()).toMatch(/here/);
@@ -153,19 +254,19 @@ test("nothing leaves the origin, and nothing is complained of", async () => {
   await page.getByRole("button", { name: "Gallery" }).click();
   await page.getByRole("dialog").getByRole("button").nth(2).click();
   await settled();
-  expect(requests.filter((url) => !url.startsWith(site.url) && !url.startsWith("blob:") && !url.startsWith("data:"))).toEqual([]);
+  expect(requests.filter((url) => !url.startsWith(open.url) && !url.startsWith("blob:") && !url.startsWith("data:"))).toEqual([]);
   expect(complaints).toEqual([]);
 });
 
 test("without WebGL2 the slices are still drawn", async () => {
   const plain = await launch("--disable-3d-apis");
-  const { page: flat } = await visit(plain, site.url);
+  const { page: flat } = await visit(plain, open.url);
   expect(await flat.evaluate(() => window.midair!.state().ready)).toBe(true);
   await plain.close();
 });
 
 test("the single file works from the disk", async () => {
-  const other = await browser.newContext();
+  const other = await open.browser.newContext();
   const disk = await other.newPage();
   await disk.goto(`file://${built}/studio.html`);
   await ready(disk);

@@ -1,20 +1,11 @@
 // A board through a port that the browser is given: silence first, frames while it plays, silence by Escape and blur.
-import type { Browser, Page } from "playwright-core";
-import { afterAll, beforeAll, expect, test } from "vitest";
+import type { Page } from "playwright-core";
+import { expect, test } from "vitest";
 
-import { built, launch, serve, visit } from "./site.ts";
+import { shared } from "./setup.ts";
+import { visit } from "./site.ts";
 
-let browser: Browser;
-let site: { url: string; close(): void };
-
-beforeAll(async () => {
-  site = await serve(`${built}/site`);
-  browser = await launch();
-});
-afterAll(async () => {
-  await browser?.close();
-  site?.close();
-});
+const open = shared();
 
 /** A port that keeps what it is given, in place of the browser's own. */
 async function withPort(page: Page) {
@@ -34,7 +25,7 @@ async function withPort(page: Page) {
 const given = (page: Page) => page.evaluate(() => (window as unknown as { given: number[][] }).given);
 
 test("a SonicSurface plays, and is off by Escape and blur", async () => {
-  const { page, context } = await visit(browser, `${site.url}#v=1&a=sonicsurface&p=0,0,150`);
+  const { page, context } = await visit(open.browser, `${open.url}#v=1&a=sonicsurface&p=0,0,150`);
   await withPort(page);
   await page.getByRole("button", { name: /connect/i }).click();
   await expect.poll(async () => (await given(page)).length, { timeout: 20_000 }).toBeGreaterThanOrEqual(3);
@@ -61,7 +52,7 @@ test("a SonicSurface plays, and is off by Escape and blur", async () => {
 });
 
 test("an array that no serial board plays is told so", async () => {
-  const { page, context } = await visit(browser, site.url);
+  const { page, context } = await visit(open.browser, open.url);
   await withPort(page);
   await page.getByRole("button", { name: /connect/i }).click();
   expect(await page.getByRole("alert").innerText()).toContain("sonicsurface");

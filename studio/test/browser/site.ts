@@ -65,9 +65,10 @@ export function launch(...switches: string[]): Promise<Browser> {
   });
 }
 
-/** A page that is ready, and everything that it asked for or complained of. */
-export async function visit(browser: Browser, url: string, options: BrowserContextOptions = {}) {
+/** A page that is ready, and everything that it asked for or complained of; `before` runs in it ahead of its own scripts. */
+export async function visit(browser: Browser, url: string, options: BrowserContextOptions = {}, before?: () => void) {
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, locale: "en-GB", ...options });
+  if (before) await context.addInitScript(before);
   const page = await context.newPage();
   const requests: string[] = [];
   const complaints: string[] = [];

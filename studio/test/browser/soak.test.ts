@@ -1,14 +1,14 @@
 // A minute of dragging: no memory, element, texture or worker is left over.
 import { expect, test } from "vitest";
 
-import { built, launch, serve, visit } from "./site.ts";
+import { shared } from "./setup.ts";
+import { visit } from "./site.ts";
 
+const open = shared("--js-flags=--expose-gc", "--enable-precise-memory-info");
 const SECONDS = Number(process.env.SOAK ?? 60);
 
 test("a minute of dragging", async () => {
-  const site = await serve(`${built}/site`);
-  const browser = await launch("--js-flags=--expose-gc", "--enable-precise-memory-info");
-  const { page, complaints } = await visit(browser, site.url);
+  const { page, complaints } = await visit(open.browser, open.url);
   const box = (await page.getByRole("button", { name: /^Point 1:/ }).boundingBox())!;
   const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
   const drag = async (seconds: number) => {
@@ -33,8 +33,6 @@ test("a minute of dragging", async () => {
   console.log(`heap ${((after.heap - before.heap) / 1e6).toFixed(2)} MB more, ${page.workers().length} workers`);
   expect(after.heap - before.heap).toBeLessThan(2e6);
   expect(after.elements).toBe(before.elements);
-  expect(page.workers()).toHaveLength(2);
+  expect(page.workers()).toHaveLength(3);
   expect(complaints).toEqual([]);
-  await browser.close();
-  site.close();
 }, 240_000);

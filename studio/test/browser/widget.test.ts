@@ -55,7 +55,7 @@ test("a cell, ten times over", async () => {
   }
   const metrics = () => page.evaluate(() => (window as unknown as Own).model.values.metrics as Record<string, { level: number }>);
   await expect.poll(async () => (await metrics()).greedy?.level, { timeout: 30_000 }).toBeGreaterThan(0.5);
-  expect(page.workers()).toHaveLength(2);
+  expect(page.workers()).toHaveLength(3);
   expect(complaints.filter((line) => /context|error/i.test(line))).toEqual([]);
 
   // From Python to the page, and from the page to Python.

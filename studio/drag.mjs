@@ -1,0 +1,77 @@
+// How long the new picture of a drag takes: node drag.mjs [moves]. Each move of the pointer waits for the picture of the one
+// before; the time ends at the first frame after the slices' upload, once the GPU, or what stands for it, is done with it.
+import { createServer } from "vite";
+
+const server = await createServer({ root: import.meta.dirname, configFile: false, server: { port: 0 }, logLevel: "error" });
+const { launch, serve, visit, built } = await server.ssrLoadModule("/test/browser/site.ts");
+const moves = Number(process.argv[2] ?? 30);
+const site = await serve(`${built}/site`);
+const browser = await launch();
+
+/** Runs in the page, before its own scripts: notes when slices are uploaded, and when what follows is seen. */
+function watch() {
+  const upload = WebGL2RenderingContext.prototype.texImage2D;
+  let awaited = false;
+  WebGL2RenderingContext.prototype.texImage2D = function (...given) {
+    upload.apply(this, given);
+    if (given[2] !== this.RG32F || awaited) return;
+    awaited = true;
+    const begun = performance.now();
+    queueMicrotask(() => {
+      const sent = performance.now();
+      const fence = this.fenceSync(this.SYNC_GPU_COMMANDS_COMPLETE, 0);
+      this.flush();
+      const look = () => {
+        if (this.getSyncParameter(fence, this.SYNC_STATUS) !== this.SIGNALED) return setTimeout(look, 1);
+        const drawn = performance.now();
+        requestAnimationFrame(() => {
+          awaited = false;
+          window.pictures.push({ begun, sent, drawn, seen: performance.now() });
+        });
+      };
+      look();
+    });
+  };
+  window.pictures = [];
+  window.moves = [];
+  addEventListener("pointermove", (event) => window.moves.push(event.timeStamp), true);
+}
+
+const median = (all) => all.toSorted((a, b) => a - b)[all.length >> 1].toFixed(0);
+
+async function measure(name, state) {
+  const { page, context } = await visit(browser, site.url, {}, watch);
+  if (state) await page.evaluate((state) => window.midair.set(state), state);
+  await page.evaluate(() => window.midair.settled());
+  await page.waitForTimeout(1000);
+  const box = await page.getByRole("button", { name: /^Point 1:/ }).boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.waitForTimeout(1500);
+  const rows = [];
+  for (let k = 1; k <= moves; k += 1) {
+    await page.evaluate(() => void ((window.pictures.length = 0), (window.moves.length = 0)));
+    await page.mouse.move(x + 30 * Math.sin(k), y + 15 * Math.cos(k));
+    await page.waitForFunction(() => window.pictures.length > 0, undefined, { timeout: 20_000 });
+    const { moved, picture } = await page.evaluate(() => ({ moved: window.moves[0], picture: window.pictures[0] }));
+    rows.push(Object.fromEntries(Object.entries(picture).map(([key, at]) => [key, at - moved])));
+    await page.waitForTimeout(200);
+  }
+  await page.mouse.up();
+  const of = (key) => median(rows.map((row) => row[key]));
+  const least = Math.min(...rows.map((row) => row.seen));
+  const late = rows.map((row) => row.seen).toSorted((a, b) => a - b).at(Math.ceil(0.9 * moves) - 1);
+  console.log(
+    `${name}: seen after ${of("seen")} ms (at best ${least.toFixed(0)}, 9 of 10 within ${late.toFixed(0)}); ` +
+      `upload begins ${of("begun")}, painted by ${of("sent")}, drawn by ${of("drawn")}`,
+  );
+  await context.close();
+}
+
+await measure("autd3 2x2, 8 points, both");
+await measure("the same, slice", { view: "slice" });
+await measure("sonicsurface, 1 point", { array: { preset: "sonicsurface", tiles: [1, 1] }, points: [[0, 0, 0.15]] });
+await browser.close();
+site.close();
+await server.close();

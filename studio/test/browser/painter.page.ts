@@ -1,0 +1,95 @@
+/** What painter.test.ts runs in the page: slices are painted and read back. */
+
+import { createFlat } from "../../src/painter/canvas2d.ts";
+import { sampleAt } from "../../src/painter/lattice.ts";
+import { colour } from "../../src/painter/maps.ts";
+import { createPainter } from "../../src/painter/painter.ts";
+import type { Painter } from "../../src/painter/picture.ts";
+import { type Look, MAPS, SCALES } from "../../src/types.ts";
+import { focused, plane, square } from "../field.ts";
+
+function canvas(): HTMLCanvasElement {
+  const made = document.createElement("canvas");
+  document.body.append(made);
+  return made;
+}
+
+function read(from: HTMLCanvasElement, x: number, y: number): number[] {
+  const copy = document.createElement("canvas");
+  [copy.width, copy.height] = [1, 1];
+  const pen = copy.getContext("2d")!;
+  pen.drawImage(from, -x, -y);
+  return [...pen.getImageData(0, 0, 1, 1).data];
+}
+
+/** The greatest difference (of 255) of a painted slice from `colour(look, |sample|)` at 50 places a look. */
+function worst(painter: Painter, on: HTMLCanvasElement): number {
+  const positions = square(10);
+  const lattice = plane(
+    positions,
+    focused(positions, [
+      [0, 0, 0.1],
+      [0.02, 0.01, 0.1],
+    ]),
+    0.1,
+    0.1,
+    65,
+  );
+  const box = { x: 30, y: 20, width: 200, height: 180 };
+  let most = 0;
+  for (const map of MAPS) {
+    for (const scale of SCALES) {
+      const look: Look = { map, scale, top: 2500 };
+      painter.begin(300, 240, 1, [12, 15, 20]);
+      painter.slice(box, lattice, "A", look);
+      for (let i = 0; i < 50; i++) {
+        const x = Math.floor(((i * 0.7548776662) % 1) * box.width);
+        const y = Math.floor(((i * 0.569840291) % 1) * box.height);
+        const p = sampleAt(lattice, (x + 0.5) / box.width, 1 - (y + 0.5) / box.height);
+        const want = colour(look, Math.hypot(...p));
+        const got = read(on, box.x + x, box.y + y);
+        want.forEach((value, k) => (most = Math.max(most, Math.abs(value - got[k]))));
+      }
+      const outside = read(on, box.x - 2, box.y + 5);
+      if (outside[0] !== 12)
+        throw new Error(`slice: outside its box the page is ${outside}, 12 15 20 is meant`);
+    }
+  }
+  return most;
+}
+
+export const checks = {
+  webgl(): number {
+    const on = canvas();
+    const painter = createPainter(on);
+    if (!painter) throw new Error("painter: this browser has no WebGL2");
+    const most = worst(painter, on);
+    painter.dispose();
+    on.remove();
+    return most;
+  },
+  flat(): number {
+    const on = canvas();
+    const most = worst(createFlat(on), on);
+    on.remove();
+    return most;
+  },
+  /** Loses the context and gets it back; true if the slice is then as it was. */
+  async restored(): Promise<boolean> {
+    const on = canvas();
+    const painter = createPainter(on)!;
+    const loser = on.getContext("webgl2")!.getExtension("WEBGL_lose_context")!;
+    const before = worst(painter, on);
+    const back = new Promise<void>((done) => (painter.onRestored = done));
+    loser.loseContext();
+    await new Promise((done) => setTimeout(done, 50));
+    if (!painter.lost) return false;
+    loser.restoreContext();
+    await back;
+    const same = worst(painter, on) === before && !painter.lost;
+    on.remove();
+    return same;
+  },
+};
+
+Object.assign(window, { checks });
