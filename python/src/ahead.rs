@@ -1,11 +1,12 @@
 //! Tracks over a whole sequence or the next few frames of it, for `midair.sequence(..., ahead=)`.
 
 use midair::motion::{Ahead, Ends, ahead};
+use midair::solvers::Remark;
 use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::ctrl_c::attend;
-use crate::error::invalid;
+use crate::error::{invalid, warn_all};
 use crate::give;
 use crate::limits;
 use crate::read;
@@ -47,6 +48,10 @@ pub(crate) fn tracks<'py>(
         rounds: whole("rounds", rounds)?,
     };
     let start = start.as_ref().map(|codes| codes.as_slice()).transpose()?;
+    // Of the windows of one sequence only the first has no start.
+    if start.is_none() {
+        warn_all(py, Remark::still_on(how.change, how.phases))?;
+    }
     let threads = limits::threads(py)?;
     let codes = attend(py, progress, |control| {
         ahead(&model, &points, &targets, frames, &how, start, &mut control.on(threads))

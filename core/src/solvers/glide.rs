@@ -33,8 +33,8 @@ use crate::solvers::common::alternating_projection::Projector;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field;
 use crate::solvers::even_field::answer::Answer;
-use crate::solvers::even_field::common_level::Newton;
 use crate::solvers::even_field::run::{Plan, QUIET};
+use crate::solvers::even_field::within::{Steps, even_within};
 use crate::solvers::last::Last;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::solvers::uniform::Uniform;
@@ -59,9 +59,6 @@ options! {
 /// Even enough: what a phase step of 2 pi/65536 makes of a point.
 const EVEN: f32 = 1e-5;
 
-/// Tries of a step, each half as far as the one before.
-const HALVINGS: usize = 4;
-
 /// Times as many sweeps in the first frame, which is free: points at rest then leave its phases where they are.
 const FIRST: u32 = 10;
 
@@ -79,9 +76,6 @@ const MOST_CHANGE: f32 = 2.0;
 
 /// Frames that an envelope may take: of a slower one a frame replaces nothing that f32 could tell.
 const MOST_FRAMES: f64 = 1000.0;
-
-/// A phase is at its bound where the cosine of its change is no further than this from that of the bound.
-const AT_BOUND: f32 = 1e-6;
 
 impl Method for Glide {
     const INFO: Info = Info::new(
@@ -144,6 +138,10 @@ impl Solve for Glide {
 
     fn remembers(&self) -> bool {
         true
+    }
+
+    fn bound(&self) -> Option<f64> {
+        Some(self.change)
     }
 }
 
@@ -283,43 +281,9 @@ impl<'w> Frame<'w> {
         control: &mut Control,
     ) -> Result<Status, Error> {
         let Self { rows, wave, trial, rest, arc, .. } = self;
-        let mut mask = work.floats.take_any(rows.lanes);
-        let mut newton = Newton::new(problem, rows, 0.0, work, control)?;
-        let mut off = wave.unevenness(rows, wave.level(rows), 0.0);
-        // Whether phases at their bound may leave it, where those that are not there do not suffice.
-        let mut inward = false;
-        for _ in 0..glide.steps {
-            if off <= EVEN {
-                break;
-            }
-            let held = |cos: f32| cos <= arc[0] + AT_BOUND && arc[0] > -1.0;
-            if inward && !newton.direction(rows, wave, None, control)? {
-                break;
-            }
-            let sides = wave.drive[0].iter().zip(&wave.drive[1]).zip(&newton.rotations[..]);
-            for (mask, ((&cos, &sin), &rotation)) in mask.iter_mut().zip(sides) {
-                *mask = if held(cos) && !(inward && rotation * sin < 0.0) { 0.0 } else { 1.0 };
-            }
-            if !newton.direction(rows, wave, Some(&mask), control)? {
-                break;
-            }
-            // Phases that meet their bound on the way fall short of their part of a step: half of it may do better.
-            let mut better = false;
-            for _ in 0..HALVINGS {
-                trial.rotate_within(rows, wave, &newton.rotations, *arc);
-                add(trial, rest.as_ref());
-                let after = trial.unevenness(rows, trial.level(rows), 0.0);
-                if after < off {
-                    (off, better) = (after, true);
-                    core::mem::swap(wave, trial);
-                    break;
-                }
-                newton.rotations.iter_mut().for_each(|rotation| *rotation *= 0.5);
-            }
-            if !better && core::mem::replace(&mut inward, true) {
-                break;
-            }
-        }
+        let hear = |wave: &mut Wave<'_>| add(wave, rest.as_ref());
+        let steps = Steps { arc: *arc, most: glide.steps, even: EVEN };
+        let off = even_within(steps, problem, rows, &hear, (wave, trial), work, control)?;
         Ok(if off <= NEARLY { Status::Done } else { Status::OutOfSteps })
     }
 

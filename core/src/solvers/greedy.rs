@@ -300,6 +300,10 @@ impl Solve for Greedy {
     fn interleaved(&self) -> Option<&dyn Any> {
         Some(self)
     }
+
+    fn bound(&self) -> Option<f64> {
+        Some(self.change)
+    }
 }
 
 impl Greedy {

@@ -65,6 +65,12 @@ pub trait Solve {
         None
     }
 
+    /// The most that a phase may change from the last drive, in rad, where it holds to that.
+    #[doc(hidden)]
+    fn bound(&self) -> Option<f64> {
+        None
+    }
+
     /// Whether it uses the phases of the targets, where these have any.
     fn uses_phases(&self) -> bool {
         false

@@ -1,9 +1,11 @@
 //! Remarks: what a caller should hear beside an answer.
 //!
-//! Targets beyond reach or too weak, phases left out of account, a scale left over.
+//! Targets beyond reach or too weak, phases left out of account, a scale left over, a bound that lets nothing move.
 
+use core::f64::consts::TAU;
 use core::fmt;
 
+use crate::device::quantization::steps_within;
 use crate::problem::{Beyond, Problem, Solution, Status};
 use crate::solvers::even_field::silence::silenceable;
 use crate::solvers::method::Solve;
@@ -11,7 +13,7 @@ use crate::solvers::registry::SOLVERS;
 
 /// What a caller should hear beside an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::exhaustive_enums, reason = "the five ways in which an answer is another than was asked")]
+#[allow(clippy::exhaustive_enums, reason = "the six ways in which an answer is another than was asked")]
 pub enum Remark {
     /// What was asked for and cannot be had.
     Beyond(Beyond),
@@ -21,6 +23,13 @@ pub enum Remark {
     PhasesUnused,
     /// What is left to supply or modulation: the device has no amplitude for the answer.
     Scaled(f64),
+    /// A phase may change by less than a step of the board's: every transducer keeps the phase that it has.
+    Still {
+        /// The most that a phase may change, in rad.
+        change: f64,
+        /// The board's phases.
+        phases: u32,
+    },
     /// Quiet points leak more than the solver was to allow.
     Leak {
         /// The most, relative to the loudest point, times the point's weight over the targets' largest.
@@ -54,6 +63,15 @@ impl fmt::Display for Remark {
                 "quiet points leak {leak:.1e} of the loudest point where quiet={quiet} allows less: the array silences about \
                  {able} that are a wavelength apart, allow more or ask for fewer"
             ),
+            Self::Still { change, phases } => {
+                let step = TAU / f64::from(*phases);
+                write!(
+                    f,
+                    "change is {change:.3} rad a frame, less than a step of the board's {phases} phases, {step:.3} rad: no \
+                     phase changes and the drive stands still; give 2 pi/{phases} or more, and fewer frames a second where \
+                     the transducers need the time"
+                )
+            }
             Self::Scaled(scale) => write!(
                 f,
                 "the device has no such amplitude: scale all drives by {scale:.4} by supply or modulation (solution.scale)"
@@ -86,6 +104,18 @@ impl Remark {
         let leak = problem.weighted_leak(&solution.pressures);
         let able = silenceable(problem.propagation().transducers(), problem.targeted().len());
         (solution.status != Status::Stopped && leak >= LOUD * quiet).then_some(Self::Leak { leak, quiet, able })
+    }
+
+    /// That the board's phases are too coarse for the bound on their changes; one of 0 asks for that.
+    #[must_use]
+    pub fn still(problem: &Problem, solver: &dyn Solve) -> Option<Self> {
+        Self::still_on(solver.bound()?, problem.quantization()?.phases()?)
+    }
+
+    /// That so many phases are too coarse for a bound on their changes in rad.
+    #[must_use]
+    pub fn still_on(change: f64, phases: u32) -> Option<Self> {
+        (change > 0.0 && steps_within(change, phases) < 1.0).then_some(Self::Still { change, phases })
     }
 
     /// That something is left to supply or modulation.

@@ -80,6 +80,47 @@ fn points_in_motion_are_even_within_the_bound() {
 }
 
 #[test]
+fn above_the_speed_limit_points_are_still_even() {
+    // Sixteen points at 6 m/s where 1.6 m/s can be followed.
+    let at = |t: usize, j: usize| {
+        let angle = 6.0 / 0.01 * t as f64 / 10e3 + j as f64;
+        let middle = [j % 4, j / 4].map(|k| 0.03 * k as f64 - 0.045);
+        [middle[0] + 0.01 * angle.cos(), middle[1] + 0.01 * angle.sin(), 0.19]
+    };
+    let points: Vec<[f64; 3]> = (0..60).flat_map(|t| (0..16).map(move |j| at(t, j))).collect();
+    for phases in [None, Some(256)] {
+        let array = array(phases);
+        let mut drives = vec![Complex32::ZERO; 60 * SIDE * SIDE];
+        let mut session = session(&array, Glide { change: PI / 32.0, ..Glide::default() });
+        let frames = Frames { points: &points, targets: None, count: 16 };
+        session.follow(frames, false, &mut Ask::default(), &mut drives, &mut Control::none()).expect("drives");
+        for (t, frame) in drives.chunks(SIDE * SIDE).enumerate() {
+            let heard = moduli(&array, &points[16 * t..16 * (t + 1)], frame);
+            let (low, high) = heard.iter().fold((f64::MAX, 0.0_f64), |(low, high), &p| (low.min(p), high.max(p)));
+            assert!(low / high > 0.99, "{phases:?}, frame {t}: {}", low / high);
+        }
+    }
+}
+
+#[test]
+fn a_bound_below_a_phase_step_is_told_once() {
+    let remarks = |phases: u32, change: f64| {
+        let array = array(Some(phases));
+        let mut session = session(&array, Glide { change, ..Glide::default() });
+        let frames = (0..2).flat_map(|_| {
+            followed(&mut session, &circles(2));
+            session.remarks().map(|remark| remark.to_string()).collect::<Vec<_>>()
+        });
+        frames.collect::<Vec<_>>()
+    };
+    let told = remarks(10, PI / 16.0);
+    assert!(told.len() == 1 && told[0].starts_with("change is 0.196 rad a frame, less than a step"), "{told:?}");
+    assert!(remarks(10, 0.0).is_empty(), "one of 0 asks for it");
+    assert!(remarks(10, PI / 5.0).is_empty());
+    assert!(remarks(256, PI / 16.0).is_empty());
+}
+
+#[test]
 fn points_at_rest_leave_every_code_where_it_is() {
     let points: Vec<[f64; 3]> = circles(1).into_iter().cycle().take(40 * COUNT).collect();
     let drives = followed(&mut session(&array(Some(256)), Glide::default()), &points);

@@ -12,6 +12,7 @@ from rich.table import Table
 
 from .. import SceneError, Sequence, output, sequence
 from ..motion.document import Document, read
+from ..motion.request import solver_name
 from .images import write_image
 from .progress import progress_bar
 from .scene import check_outputs
@@ -55,7 +56,7 @@ def motion_command(
     json
         Print one JSON document in place of the table.
     """
-    names = [name.strip() for name in solvers.split(",")] if solvers else []
+    names = [solver_name(name.strip()) for name in solvers.split(",")] if solvers else []
     if len(names) > 1 and (output_file is not None or image is not None or animate is not None):
         raise SceneError(f"--solvers is {solvers}: a file is of one sequence, give one solver")
     outputs = (output_file, (".npz",)), (image, output.IMAGES), (animate, (".gif", ".mp4"))

@@ -111,7 +111,7 @@ def check(solver: str, tau: Any, aim: Any, options: Iterable[str]) -> None:
     if solver != "glide":
         raise refused("solver", solver, "with ahead the tracks are found by themselves, leave it out")
     if tau is not None:
-        raise refused("tau", tau, "with ahead the tracks take no account of it, leave it out")
+        raise refused("tau", tau, "with ahead the tracks take no account of it: leave out tau, or ahead")
     if aim not in (None, "target", "max"):
         raise refused("aim", aim, 'give "target" or "max"')
     if unknown := set(options) - {"quantization"}:

@@ -116,11 +116,17 @@ def streamed(
 
 def _read(array: Array, air: dict[str, Any], frame: Any) -> Frame:
     """Points and targets of a frame; left out the balanced level."""
-    given, pressures = frame if isinstance(frame, tuple) else (frame, None)
+    points, pressures = read_frame(frame)
+    if pressures is None:
+        return points, np.full(len(points), Scene(array, points, **air).reach().level)
+    return points, pressures
+
+
+def read_frame(frame: Any) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    """Points (M, 3) and pressures (M,), if any, of a frame of a stream."""
+    given, pressures = frame if isinstance(frame, tuple) and len(frame) == 2 else (frame, None)
     cure = "give points x 3 numbers in m, and pressures if any as the second of a pair"
     points = real("frame", given, cure)
     if points.ndim != 2 or points.shape[1] != 3 or not len(points):
         raise refused("frame", given, cure)
-    if pressures is None:
-        return points, np.full(len(points), Scene(array, points, **air).reach().level)
-    return points, changing_pressures(pressures, 1, len(points))[0]
+    return points, None if pressures is None else changing_pressures(pressures, 1, len(points))[0]

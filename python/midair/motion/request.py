@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from dataclasses import dataclass
-from math import ceil, pi
+from math import ceil, floor, pi
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Scene, SceneError, SceneWarning
+from .._midair import Array, Scene, SceneError, SceneWarning, solvers
 from ..path import Path, read
 from ..shape.arguments import number, refused, whole
 from .frames import AIR
@@ -26,10 +27,12 @@ LOOKED = 200
 class Request:
     """Points (T, M, 3) in m, targets (T, M) in Pa, and how they are to be solved.
 
+    scene : the array, its air and the first frame
     aim : "target", or "max" where nothing was asked but points
     """
 
     array: Array
+    scene: Scene
     points: NDArray[np.float64]
     targets: NDArray[np.float64]
     rate: float
@@ -48,6 +51,17 @@ class Request:
     def full(self) -> bool:
         """Whether all drives are at full amplitude."""
         return self.aim == "max" and bool((self.targets > 0).any(axis=1).all())
+
+
+def solver_name(given: Any) -> Any:
+    """The name of a solver as it is known, of which case, "-" and "_" do not count; another as it is."""
+    if not isinstance(given, str):
+        return given
+
+    def plain(name: str) -> str:
+        return re.sub("[-_]", "", name).lower()
+
+    return next((name for name in solvers() if plain(name) == plain(given)), given)
 
 
 def bound(rate: float, change: Any, change_rate: Any) -> float:
@@ -79,28 +93,36 @@ def request(
     air = {name: options.pop(name) for name in AIR if name in options}
     told = pressures is not None or (isinstance(path, Path) and path.pascals)
     asked = np.ones(points.shape[:2]) if targets is None else np.asarray(targets)
+    scene = Scene(array, points[0], **air)
     if not told:
         # Relative to what the array can do at the first frame.
-        asked = asked * Scene(array, points[0], **air).reach().level
+        asked = asked * scene.reach().level
     if aim is None:
         aim = "max" if targets is None else "target"
     rad = bound(frames, *bounds)
-    return Request(array, points, asked, frames, rad, bool(closed), aim, air, options)
+    return Request(array, scene, points, asked, frames, rad, bool(closed), aim, air, options)
 
 
-def warn_of_speed(asked: Request) -> None:
+def warn_of_speed(asked: Request, phases: int | None) -> None:
     """Warn where points move faster than the bound lets a focus follow (docs/motion.md).
+
+    On a board's grid the bound is in whole steps of its phases; where not one fits, the solver tells it.
 
     A focus that moves by d along e between two frames turns transducer i by k d (u_i e), u_i from it to the
     focus, of which one phase is free for all: half the spread of k d (u_i e) is needed.
     """
     needed, speed = _needed(asked)
-    if needed <= asked.change * (1 + 1e-9) or asked.change == 0:
+    step = 0.0 if phases is None else 2 * pi / phases
+    allowed = step * floor(asked.change / step + 1e-9) if step else asked.change
+    if needed <= allowed * (1 + 1e-9) or allowed == 0:
         return
-    faster = ceil(asked.rate * needed / asked.change / 100) / 10
+    faster = ceil(asked.rate * needed / allowed / 100) / 10
+    wanted = step * ceil(needed / step) if step else needed
+    whole = f" in whole steps of {phases} phases" if allowed < asked.change * (1 - 1e-9) else ""
+    wider = f" or pi/{int(pi / wanted)}" if wanted <= pi else ""
     text = (
-        f"{speed:.3g} m/s needs {needed:.2g} rad a frame, {asked.change:.3g} allowed: the level falls; "
-        f"{faster:g} kHz or pi/{max(int(pi / needed), 1)} would do"
+        f"{speed:.3g} m/s needs {needed:.2g} rad a frame, {allowed:.3g} allowed{whole}: the level falls; "
+        f"{faster:g} kHz{wider} would do"
     )
     warnings.warn(text, SceneWarning, stacklevel=3)
 
@@ -109,8 +131,7 @@ def _needed(asked: Request) -> tuple[float, float]:
     """The largest bound that a point needs, and its speed, over some frames."""
     points, there = asked.points, asked.targets > 0
     steps = np.arange(0 if asked.closed else 1, len(points), max((len(points) - 1) // LOOKED, 1))
-    scene = Scene(asked.array, points[0], **asked.air)
-    wavenumber = 2 * pi * scene.frequency / scene.sound_speed
+    wavenumber = 2 * pi * asked.scene.frequency / asked.scene.sound_speed
     most, speed = 0.0, 0.0
     for step in steps:
         both = there[step] & there[step - 1]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from os import PathLike
 from typing import Any
@@ -9,15 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Scene, SceneError, Solver
+from .._midair import Array, SceneError, SceneWarning, Solver, solvers
 from ..path import Path
 from ..shape.arguments import callback, number, refused, whole
 from . import store
 from .ahead import Tracks, board_of, check
 from .found import Followed, Foreseen, Found
 from .frames import AIR
-from .horizon import streamed
-from .request import Request, bound, request, sight, warn_of_speed
+from .horizon import read_frame, streamed
+from .request import Request, bound, request, sight, solver_name, warn_of_speed
 from .sequence import Sequence
 
 #: Frames between two calls of progress, and in one piece of a file.
@@ -70,9 +71,10 @@ def sequence(
     (True, True)
     """
     callback(progress, "frames done, frames")
+    solver = solver_name(solver)
     asked = request(array, path, rate, (change, change_rate), closed, pressures, aim, dict(options))
     known = sight(ahead, asked.closed)
-    warn_of_speed(asked)
+    warn_of_speed(asked, (asked.board if known == 0 else board_of(asked.board)).get("phases"))
     if known is None:
         if resume is not None:
             raise SceneError(
@@ -95,6 +97,13 @@ def sequence(
         if progress is not None:
             progress(min(first + BLOCK, len(asked.points)), len(asked.points))
     return _told(asked, np.concatenate(blocks), solver, found.board)
+
+
+#: What a stream does not take as `sequence` does.
+ELSEWHERE = {
+    "pressures": "a stream takes them with each frame, as a pair (points, pressures)",
+    "closed": "a stream has no last frame to go on from, leave it out",
+}
 
 
 def stream(
@@ -125,7 +134,8 @@ def stream(
     >>> len(drives), drives[0].shape
     (5, (249,))
     """
-    each = number("rate", rate, above=0)
+    each, solver = number("rate", rate, above=0), solver_name(solver)
+    frames = _frames(frames, options)
     most = bound(each, change, change_rate)
     if whole("ahead", ahead, least=0):
         check(solver, tau, aim, options.keys() - set(AIR))
@@ -135,16 +145,25 @@ def stream(
 
 def _streamed(found: Solver, frames: Iterable[Any]) -> Iterator[NDArray[np.complex64]]:
     for frame in frames:
-        points, pressures = frame if isinstance(frame, tuple) else (frame, None)
-        asked = None if pressures is None else np.asarray(pressures, np.float64)[None]
-        yield found.follow(np.asarray(points, np.float64)[None], asked)[0]
+        points, pressures = read_frame(frame)
+        yield found.follow(points[None], None if pressures is None else pressures[None])[0]
+
+
+def _frames(given: Any, options: dict[str, Any]) -> Iterator[Any]:
+    if isinstance(given, Path):
+        raise TypeError("frames is a midair.path: give path.frames(rate)[0], or use midair.sequence")
+    if not isinstance(given, Iterable):
+        raise TypeError(f"frames is {given}: give points (M, 3) in m, frame after frame")
+    for name, cure in ELSEWHERE.items():
+        if name in options:
+            raise refused(name, options[name], cure)
+    return iter(given)
 
 
 def _tracks(asked: Request, solver: str, tau: float | None) -> Tracks:
     check(solver, tau, asked.aim, asked.options)
-    scene = Scene(asked.array, asked.points[0], **asked.air)
     board = board_of(asked.board)
-    return Tracks(scene, asked.change, board, lowered=asked.aim == "target", coded=asked.full)
+    return Tracks(asked.scene, asked.change, board, lowered=asked.aim == "target", coded=asked.full)
 
 
 def _follower(asked: Request, solver: str, tau: float | None) -> Solver:
@@ -155,8 +174,6 @@ def _follower(asked: Request, solver: str, tau: float | None) -> Solver:
 def _solver(
     array: Array, solver: str, rate: float, change: float, tau: float | None, options: dict[str, Any]
 ) -> Solver:
-    from .._midair import solvers
-
     info = solvers().get(solver)
     known = () if info is None else info.options
     if tau is not None and info is not None and "tau" not in known:
@@ -169,15 +186,18 @@ def _solver(
 
 
 def _told(asked: Request, drives: NDArray[Any], solver: str, board: Any) -> Sequence:
-    return Sequence(
-        asked.array,
-        asked.points,
-        asked.targets,
-        drives,
-        rate=asked.rate,
-        closed=asked.closed,
-        change=asked.change,
-        solver=solver,
-        quantization=board,
-        **asked.air,
-    )
+    with warnings.catch_warnings():
+        # Told of the request.
+        warnings.simplefilter("ignore", SceneWarning)
+        return Sequence(
+            asked.array,
+            asked.points,
+            asked.targets,
+            drives,
+            rate=asked.rate,
+            closed=asked.closed,
+            change=asked.change,
+            solver=solver,
+            quantization=board,
+            **asked.air,
+        )

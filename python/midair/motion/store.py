@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import warnings
 import zipfile
 from collections.abc import Callable
 from hashlib import sha256
@@ -17,7 +18,7 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from .. import output
-from .._midair import Scene, SceneError
+from .._midair import Scene, SceneError, SceneWarning
 from ..shape.arguments import path_of
 from . import files
 from .found import Found
@@ -107,18 +108,21 @@ def _assemble(
     """The file that `Sequence.save` writes, its drives copied piece after piece."""
     pieces = [folder / f"{first:012d}.npy" for first in range(0, len(asked.points), block)]
     shape = (len(asked.points), len(asked.array))
-    empty = Sequence(
-        asked.array,
-        asked.points[:2],
-        np.ones(asked.targets[:2].shape),
-        np.ones((2, shape[1]), np.complex64),
-        rate=asked.rate,
-        closed=asked.closed,
-        change=asked.change,
-        solver=setting["solver"],
-        quantization=board,
-        **asked.air,
-    )
+    with warnings.catch_warnings():
+        # Told of the request.
+        warnings.simplefilter("ignore", SceneWarning)
+        empty = Sequence(
+            asked.array,
+            asked.points[:2],
+            np.ones(asked.targets[:2].shape),
+            np.ones((2, shape[1]), np.complex64),
+            rate=asked.rate,
+            closed=asked.closed,
+            change=asked.change,
+            solver=setting["solver"],
+            quantization=board,
+            **asked.air,
+        )
     texts = {"scene": empty.scene(0).json(), "setting": output.to_json(empty.setting())}
     with files.whole(target, (".npz",)) as part, zipfile.ZipFile(part, "w", allowZip64=True) as archive:
         small = {"points": asked.points, "targets": asked.targets}

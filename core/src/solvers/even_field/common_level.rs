@@ -191,7 +191,7 @@ impl<'w> Newton<'w> {
     }
 
     /// The weighted squares of what is missing from `level`, relative to it.
-    fn cost(&self, rows: &Rows, wave: &Wave, level: f32) -> f64 {
+    pub(crate) fn cost(&self, rows: &Rows, wave: &Wave, level: f32) -> f64 {
         let missing = |k: usize| self.missing(rows, wave, k, level) / level;
         (0..self.dual.size).map(|k| f64::from(missing(k) * missing(k) / self.ease[k])).sum()
     }
@@ -264,6 +264,18 @@ impl<'w> Newton<'w> {
         let shift = level.map_or_else(|| (-sum(&dual) / sum(rise)) as f32, |level| level - middle);
         dual.iter_mut().zip(&rise[..]).for_each(|(dual, rise)| *dual += shift * rise);
         dual
+    }
+
+    /// Writes the steepest descent of what is missing from the mean level into `rotations`.
+    pub(crate) fn descent(&mut self, rows: &Rows, wave: &Wave, control: &mut Control) -> Result<(), Error> {
+        self.update(rows, wave, None, control)?;
+        let level = wave.level(rows);
+        let mut missing = self.dual.work.floats.take(self.dual.lanes());
+        for (k, missing) in missing.iter_mut().enumerate().take(self.dual.size) {
+            *missing = self.missing(rows, wave, k, level);
+        }
+        self.dual.back(&missing, &mut self.rotations);
+        Ok(())
     }
 
     /// Writes the shortest step to the nearest level into `rotations`, in a metric of the transducers; `false` if f32 cannot

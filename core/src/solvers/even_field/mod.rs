@@ -19,6 +19,7 @@ pub(crate) mod silence;
 pub(crate) mod targets;
 pub(crate) mod traps;
 pub(crate) mod weighted_sweeps;
+pub(crate) mod within;
 
 use crate::control::Control;
 use crate::error::Error;

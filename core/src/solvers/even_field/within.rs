@@ -1,0 +1,83 @@
+//! Within: phases that keep to an arc around 1, turned until all points are alike.
+//!
+//! Projected Gauss-Newton on r_j = |P_j| - s, s free: phases at an end of the arc stay there; once the others do not suffice
+//! (points that move faster than the bound allows), those that the steepest descent of sum r^2 turns inward may leave it
+//! (Bertsekas, SIAM J. Control Optim. 20(2), 1982).
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::kernels::tiles::unit::Arc;
+use crate::problem::Problem;
+use crate::solvers::common::tiled::{Rows, Wave};
+use crate::solvers::even_field::common_level::Newton;
+use crate::workspace::Workspace;
+
+/// Tries of a step, each half as far as the one before.
+const HALVINGS: usize = 4;
+
+/// A phase is at its bound where the cosine of its change is no further than this from that of the bound.
+const AT_BOUND: f32 = 1e-6;
+
+/// The others do not suffice once a step leaves more than this part of the squares.
+const SLOW: f64 = 0.25;
+
+/// How far phases may turn, and how many steps are taken.
+#[derive(Clone, Copy)]
+pub(crate) struct Steps {
+    pub(crate) arc: Arc,
+    pub(crate) most: u32,
+    /// Largest deviation from the mean that is even enough, relative to it.
+    pub(crate) even: f32,
+}
+
+/// Makes `wave` even, `trial` being memory; the largest deviation from the mean that is left, relative to it. `hear` adds to
+/// a field what is there beside the drive's.
+///
+/// # Errors
+/// More memory than allowed, a stop.
+pub(crate) fn even_within<'w>(
+    Steps { arc, most, even }: Steps,
+    problem: &Problem,
+    rows: &Rows,
+    hear: &impl Fn(&mut Wave<'_>),
+    (wave, trial): (&mut Wave<'w>, &mut Wave<'w>),
+    work: &'w Workspace,
+    control: &mut Control,
+) -> Result<f32, Error> {
+    let mut mask = work.floats.take_any(rows.lanes);
+    let mut newton = Newton::new(problem, rows, 0.0, work, control)?;
+    let mut cost = newton.cost(rows, wave, wave.level(rows));
+    let mut inward = false;
+    for _ in 0..most {
+        if wave.unevenness(rows, wave.level(rows), 0.0) <= even {
+            break;
+        }
+        let held = |cos: f32| cos <= arc[0] + AT_BOUND && arc[0] > -1.0;
+        if inward {
+            newton.descent(rows, wave, control)?;
+        }
+        let sides = wave.drive[0].iter().zip(&wave.drive[1]).zip(&newton.rotations[..]);
+        for (mask, ((&cos, &sin), &rotation)) in mask.iter_mut().zip(sides) {
+            *mask = if held(cos) && !(inward && rotation * sin < 0.0) { 0.0 } else { 1.0 };
+        }
+        let tries = if newton.direction(rows, wave, Some(&mask), control)? { HALVINGS } else { 0 };
+        // Phases that meet their bound on the way fall short of their part of a step: half of it may do better.
+        let mut left = 1.0;
+        for _ in 0..tries {
+            trial.rotate_within(rows, wave, &newton.rotations, arc);
+            hear(trial);
+            let after = newton.cost(rows, trial, trial.level(rows));
+            if after < cost {
+                (left, cost) = (after / cost, after);
+                core::mem::swap(wave, trial);
+                break;
+            }
+            newton.rotations.iter_mut().for_each(|rotation| *rotation *= 0.5);
+        }
+        if left >= 1.0 && inward {
+            break;
+        }
+        inward |= left > SLOW;
+    }
+    Ok(wave.unevenness(rows, wave.level(rows), 0.0))
+}
