@@ -1,7 +1,5 @@
 //! Search: fields from several starts, of which the loudest even one is kept.
 
-use alloc::vec::Vec;
-
 use crate::error::Error;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::ascent::{Pace, climb};
@@ -37,6 +35,9 @@ pub(super) struct Search<'w> {
 
 /// One of so many starts is followed to its end: with one of four the level of a letter of 160 points is 2 to 4 % lower.
 const RACERS: usize = 3;
+
+/// So many of them at most.
+const MOST_AHEAD: usize = 3;
 
 impl<'w> Search<'w> {
     pub(super) fn new(rows: &Rows, work: &'w Workspace) -> Self {
@@ -116,10 +117,10 @@ impl<'w> Search<'w> {
     pub(super) fn race(&mut self, run: &mut Run<'_, '_, 'w>, foci: &Foci, plan: Plan) -> Result<(), Error> {
         let rows = run.rows;
         let starts = Starts::new(run.problem, rows, foci, &plan, run.work, run.control)?;
-        let most = starts.count.div_ceil(RACERS);
+        let most = starts.count.div_ceil(RACERS).min(MOST_AHEAD);
         run.plan = plan;
         run.steps += starts.count * (1 + plan.sweeps + Pace::FIRST.steps) + most * (Pace::REST.steps + MOST_STEPS);
-        let mut ahead: Vec<(f32, Wave)> = Vec::with_capacity(most + 1);
+        let mut ahead: [Option<(f32, Wave)>; MOST_AHEAD] = [const { None }; MOST_AHEAD];
         for start in 0..starts.count {
             if run.stopped {
                 break;
@@ -127,15 +128,15 @@ impl<'w> Search<'w> {
             raise(run, &starts, start, &mut self.trial);
             climb(run, Pace::FIRST, &mut self.trial)?;
             let lowest = self.trial.lowest(rows);
-            let place = ahead.partition_point(|(other, _)| *other >= lowest);
-            if place < most {
-                let last = if ahead.len() == most { ahead.pop() } else { None };
-                let mut wave = last.map_or_else(|| Wave::new(rows, run.work), |(_, wave)| wave);
+            let level = |slot: &Option<(f32, Wave)>| slot.as_ref().map_or(f32::NEG_INFINITY, |(lowest, _)| *lowest);
+            let last = ahead[..most].iter_mut().min_by(|a, b| level(a).total_cmp(&level(b)));
+            if let Some(last) = last.filter(|last| level(last) < lowest) {
+                let (_, mut wave) = last.take().unwrap_or_else(|| (lowest, Wave::new(rows, run.work)));
                 wave.copy(&self.trial);
-                ahead.insert(place, (lowest, wave));
+                *last = Some((lowest, wave));
             }
         }
-        for (_, wave) in &ahead {
+        for (_, wave) in ahead.iter().flatten() {
             self.trial.copy(wave);
             self.climb_on(run, (Pace::REST, Manner::crowded))?;
         }
