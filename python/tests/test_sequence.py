@@ -163,8 +163,9 @@ def test_the_speed_limit_is_that_of_whole_phase_steps():
         midair.SceneWarning, match=r"0\.157 allowed in whole steps of 40 phases: .* or pi/10 would"
     ):
         midair.sequence(coarse, line, rate=RATE)
+    jump = midair.path.line([-0.06, 0, 0.15], [0.06, 0, 0.15], speed=30.0)
     with pytest.warns(midair.SceneWarning, match=r"needs .* allowed: the level falls; [\d.]+ kHz would do"):
-        midair.sequence(midair.Array.grid(8, 8, 10e-3), line, rate=300)
+        midair.sequence(midair.Array.grid(8, 8, 10e-3), jump, rate=1e3)
 
 
 def test_names_of_solvers_ignore_case(board, ring):
