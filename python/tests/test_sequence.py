@@ -6,6 +6,7 @@ import itertools
 import json
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -135,6 +136,74 @@ def test_a_path_above_the_speed_limit_is_told(board):
     assert found.metrics.largest_change <= np.pi / 16 + 1e-6
 
 
+def test_a_bound_below_a_phase_step_is_told_once():
+    coarse = midair.Array.grid(8, 8, 10e-3, quantization={"phases": 10})
+    line = midair.path.line([-0.002, 0, 0.15], [0.002, 0, 0.15], speed=0.5).frames(RATE)[0]
+    asked = (
+        lambda: midair.sequence(coarse, line, rate=RATE),
+        lambda: midair.sequence(coarse, line, "greedy", rate=RATE, change=0.2),
+        lambda: midair.sequence(coarse, line, rate=RATE, ahead=10),
+        lambda: midair.sequence(coarse, line, rate=RATE, ahead="all"),
+        lambda: list(midair.stream(coarse, line, rate=RATE)),
+    )
+    for ask in asked:
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            ask()
+        assert len(told) == 1
+        assert "less than a step of the board's 10 phases, 0.628 rad: no phase changes" in str(
+            told[0].message
+        )
+
+
+def test_the_speed_limit_is_that_of_whole_phase_steps():
+    coarse = midair.Array.grid(8, 8, 10e-3, quantization={"phases": 40})
+    line = midair.path.line([-0.01, 0, 0.15], [0.01, 0, 0.15], speed=12.0)
+    with pytest.warns(
+        midair.SceneWarning, match=r"0\.157 allowed in whole steps of 40 phases: .* or pi/10 would"
+    ):
+        midair.sequence(coarse, line, rate=RATE)
+    jump = midair.path.line([-0.06, 0, 0.15], [0.06, 0, 0.15], speed=30.0)
+    with pytest.warns(midair.SceneWarning, match=r"needs .* allowed: the level falls; [\d.]+ kHz would do"):
+        midair.sequence(midair.Array.grid(8, 8, 10e-3), jump, rate=1e3)
+
+
+def test_names_of_solvers_ignore_case(board, ring):
+    frames = ring.frames(RATE)[0][:20]
+    found = midair.sequence(board, frames, "Glide", rate=RATE, change=0.05)
+    assert found.solver == "glide"
+    assert found.metrics.largest_change <= 0.05
+
+
+def test_units_taken_for_others_are_told_once():
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        midair.sequence(
+            midair.Array.grid(8, 8, 10e-3),
+            midair.path.line([-10, 0, 150], [10, 0, 150], speed=500),
+            rate=RATE,
+        )
+    assert [str(one.message).split(":")[0] for one in told] == ["points[0].position is [-10, 0, 150] m"]
+
+
+@pytest.mark.parametrize(
+    ("frames", "given", "told"),
+    [
+        ([[0, 0, 0.1]], {}, "frame is [0, 0, 0.1]: give points x 3 numbers in m"),
+        ([[[[0, 0, 0.1]], [500]]], {}, "pressures if any as the second of a pair"),
+        (5, {}, "frames is 5: give points (M, 3) in m, frame after frame"),
+        (midair.path.line([0, 0, 0.1], [0, 0, 0.2], speed=1), {}, "give path.frames(rate)[0]"),
+        ([[[0, 0, 0.1]]], {"pressures": 500}, "pressures is 500: a stream takes them with each frame"),
+        ([[[0, 0, 0.1]]], {"closed": True}, "closed is True: a stream has no last frame"),
+    ],
+)
+def test_what_is_no_stream_is_refused_in_a_line(board, frames, given, told):
+    with pytest.raises((midair.SceneError, TypeError)) as refused:
+        list(midair.stream(board, frames, rate=RATE, **given))
+    assert told in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
 @pytest.mark.parametrize(
     ("given", "told"),
     [
@@ -202,6 +271,14 @@ def test_the_command_writes_what_it_is_asked_for(tmp_path: Path):
     assert len(midair.Sequence.load(out)) == 200
     told = ran(scene, "--json", "--solvers", "glide,uniform")
     assert set(json.loads(told.stdout)) == {"glide", "uniform"}
+
+
+def test_the_command_writes_a_closed_sequence(tmp_path: Path):
+    scene, out = tmp_path / "orbit.toml", tmp_path / "orbit.npz"
+    scene.write_text(SCENE.replace("change = 0.2", 'change = 0.2\nclosed = true\nahead = "all"'))
+    done = ran(scene, "-o", out)
+    assert done.returncode == 0, done.stderr
+    assert midair.Sequence.load(out).closed
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,6 @@
 use core::f64::consts::{PI, TAU};
 
 use alloc::format;
-use alloc::vec::Vec;
 
 use num_complex::Complex32;
 
@@ -156,7 +155,7 @@ impl Glide {
         control: &mut Control,
     ) -> Result<Solution, Error> {
         let mut frame = Frame::new(self, free, problem, last, work, control)?;
-        frame.sweep(self, &mut last.weights, control)?;
+        frame.sweep(self, control)?;
         let status = frame.level(self, problem, work, control)?;
         frame.finish(problem, status, last, work, control)
     }
@@ -191,6 +190,7 @@ struct Frame<'w> {
     wave: Wave<'w>,
     trial: Wave<'w>,
     projector: Projector<'w>,
+    weights: Buffer<'w, f32>,
     /// a G y, what the envelopes so far still make at the points; nothing without an envelope.
     rest: Option<[Buffer<'w, f32>; 2]>,
     /// The part of an envelope that a frame replaces.
@@ -234,19 +234,21 @@ impl<'w> Frame<'w> {
         let most = if change < PI { codes as f32 } else { f32::INFINITY };
         let arc = [math::cos(change), math::sin(change)].map(|x| x as f32);
         let (trial, projector) = (Wave::new(&rows, work), Projector::new(&rows, work));
-        let mut frame = Self { rows, wave, trial, projector, rest, part, free, arc, most };
+        let mut weights = work.floats.take_any(rows.targeted);
+        if last.weights.len() == weights.len() {
+            weights.copy_from_slice(&last.weights);
+        } else {
+            weights.fill(1.0);
+        }
+        let mut frame = Self { rows, wave, trial, projector, weights, rest, part, free, arc, most };
         frame.wave.hear(&frame.rows);
         add(&mut frame.wave, frame.rest.as_ref());
         Ok(frame)
     }
 
     /// Weighted sweeps within the arc, from the point phases of the wave.
-    fn sweep(&mut self, glide: &Glide, weights: &mut Vec<f32>, control: &mut Control) -> Result<(), Error> {
-        let Self { rows, wave, projector, rest, arc, free, .. } = self;
-        if weights.len() != rows.targeted {
-            weights.clear();
-            weights.resize(rows.targeted, 1.0);
-        }
+    fn sweep(&mut self, glide: &Glide, control: &mut Control) -> Result<(), Error> {
+        let Self { rows, wave, projector, weights, rest, arc, free, .. } = self;
         // One point has no weight to find.
         let sweeps = match rows.targeted {
             1 => glide.sweeps.min(1),
@@ -296,32 +298,31 @@ impl<'w> Frame<'w> {
         work: &'w Workspace,
         control: &mut Control,
     ) -> Result<Solution, Error> {
-        let Self { rows, wave, trial, rest, part, most, .. } = &mut self;
-        let drives = wave.drive[0].iter().zip(&wave.drive[1]).map(|(&re, &im)| Complex32::new(re, im));
-        last.wave.iter_mut().zip(&last.played).zip(drives).for_each(|((q, played), d)| *q = settled(d * played));
+        let Self { rows, wave, trial, weights, rest, part, most, .. } = &mut self;
         let grid = problem.quantization().map(Quantization::grid);
+        let phases = grid.and_then(|grid| grid.phases.as_ref());
+        let off = |wave: &Wave| wave.unevenness(rows, wave.level(rows), 0.0);
         let mut kept = false;
-        if let Some(phases) = grid.and_then(|grid| grid.phases.as_ref()) {
-            let mut weights = work.floats.take_any(rows.targeted);
-            weights.fill(1.0);
-            let mut memory = work.floats.take_any(error_diffusion::floats(rows.targeted));
-            let mut codes = work.floats.take_any(rows.lanes);
-            let (most, targeted) = (*most, rows.targeted);
-            let task = error_diffusion::Task {
-                tiles: rows.tiles(),
-                phases,
-                weights: &weights,
-                targeted,
-                most,
-                memory: &mut memory,
-            };
+        if phases.is_some() {
             trial.play(rows, last.played.iter().map(|q| q * q.conj()));
             add(trial, rest.as_ref());
-            let off = |wave: &Wave| wave.unevenness(rows, wave.level(rows), 0.0);
             kept = off(trial) <= NO_WORSE * last.unevenness && trial.level(rows) >= AS_LOUD * wave.level(rows);
-            if kept {
-                core::mem::swap(wave, trial);
-            } else {
+        }
+        if kept {
+            // Nothing is remembered of what was found: at rest the next frame finds the same, and keeps its codes, too.
+            core::mem::swap(wave, trial);
+        } else {
+            let drives = wave.drive[0].iter().zip(&wave.drive[1]).map(|(&re, &im)| Complex32::new(re, im));
+            last.wave.iter_mut().zip(&last.played).zip(drives).for_each(|((q, played), d)| *q = settled(d * played));
+            last.weights.clear();
+            last.weights.extend_from_slice(weights);
+            if let Some(phases) = phases {
+                weights.fill(1.0);
+                let mut memory = work.floats.take_any(error_diffusion::floats(rows.targeted));
+                let mut codes = work.floats.take_any(rows.lanes);
+                let (most, targeted) = (*most, rows.targeted);
+                let tiles = rows.tiles();
+                let task = error_diffusion::Task { tiles, phases, weights, targeted, most, memory: &mut memory };
                 let field = wave.field.each_ref().map(|plane| &plane[..targeted]);
                 let drive = wave.drive.each_mut().map(|plane| &mut plane[..]);
                 error_diffusion::diffuse(rows.set, task, drive, field, &mut codes, control)?;
@@ -329,8 +330,6 @@ impl<'w> Frame<'w> {
                 add(wave, rest.as_ref());
                 last.unevenness = off(wave);
             }
-        }
-        if !kept {
             for (i, played) in last.played.iter_mut().enumerate() {
                 *played = settled(*played * Complex32::new(wave.drive[0][i], wave.drive[1][i]));
             }

@@ -45,8 +45,8 @@ def motion_command(
     scene
         Scene file, TOML or JSON, with [motion]: docs/motion.md.
     output_file
-        Where the sequence goes: .npz. It is written as frames are found: stopped and started again, the
-        command goes on where it was.
+        Where the sequence goes: .npz. It is written as frames are found, unless ahead is "all": stopped and
+        started again, the command goes on where it was.
     image
         Where a picture goes, of pressures and phase changes over time: .png, .svg, .pdf or .jpg.
     animate
@@ -83,17 +83,22 @@ def motion_command(
 def _solved(asked: Document, name: str, file: Path | None) -> Sequence:
     """The options of a scene file are those of its own solver."""
     options = asked.options if name == asked.solver else {}
+    # Frames that are found together are written at the end.
+    together = asked.settings.get("ahead") == "all"
     with progress_bar(f"solving by {name}") as tell:
-        return sequence(
+        found = sequence(
             asked.array,
             asked.path,
             name,
             progress=tell,
-            resume=file,
+            resume=None if together else file,
             **asked.settings,
             **asked.air,
             **options,
         )
+    if together and file is not None:
+        found.save(file)
+    return found
 
 
 def _print(found: dict[str, Sequence]) -> None:
