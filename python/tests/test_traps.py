@@ -275,6 +275,23 @@ def test_traps_of_which_nothing_is_asked_are_stiffer_than_equal_foci(board: str)
             assert solutions[0].metrics.uniformity < solutions[1].metrics.uniformity
 
 
+@pytest.mark.parametrize("last", [10, 20, 35])
+def test_a_stop_keeps_the_traps_that_there_are(last: int) -> None:
+    array = midair.Array(*traps.openmpd())
+    scene = midair.Scene(array, scattered(4, [0.05, 0.05, 0.02], 0.02, 1), signature="trap")
+    foci = least(scene, midair.solve(scene, pressures=1000.0, aim="max")).min()
+    calls = []
+
+    def progress(step: int, *_: object) -> bool:
+        calls.append(step)
+        return len(calls) < last
+
+    stopped = midair.solve(scene, progress=progress)
+    assert (stopped.status, len(calls)) == ("stopped", last)
+    whole = least(scene, midair.solve(scene)).min()
+    assert 0.99 * foci < least(scene, stopped).min() <= whole * 1.01
+
+
 def test_foci_that_are_asked_for_are_not_made_others() -> None:
     array = midair.Array(*traps.openmpd())
     points = scattered(3, [0.05, 0.05, 0.02], 0.02, 1)

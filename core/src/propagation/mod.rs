@@ -2,6 +2,7 @@
 
 pub(crate) mod bodies;
 pub(crate) mod boundary;
+pub(crate) mod dense;
 pub(crate) mod element;
 pub(crate) mod field;
 pub(crate) mod gorkov;
@@ -30,9 +31,9 @@ use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
-use num_complex::{Complex32, Complex64};
+use num_complex::Complex64;
 
-use crate::control::{Control, bytes};
+use crate::control::Control;
 use crate::error::{Error, one_each};
 use crate::kernels;
 use crate::kernels::propagate::rows;
@@ -40,9 +41,6 @@ use crate::kernels::{ControlPoints, InstructionSet, Row, Run, padded};
 use crate::math;
 use crate::propagation::kept::Kept;
 use crate::scene::{Array, Scene, UNITS};
-
-/// Entries of G that are written out together, some points at a time: the memory of the others is not touched yet.
-const ENTRIES_A_BLOCK: usize = 1 << 18;
 
 /// Square wavelengths, a little more than a hundredth squared: f32 decides where f64 is to look.
 pub(crate) const NEAR: f32 = 1.01e-4;
@@ -344,33 +342,6 @@ impl Propagation {
             Rows::Computed { sources, points, .. } => sources.exact(i, points[j]),
             Rows::Stored { matrix, .. } => matrix[i * self.count + j],
         }
-    }
-
-    /// G (M, N) in Pa, point by point, from the same rows that the solvers see.
-    ///
-    /// # Errors
-    /// A point on a transducer; more memory than allowed; a stop.
-    pub fn matrix(&self, control: &mut Control) -> Result<Vec<Complex32>, Error> {
-        let n = self.transducers();
-        control.room("the matrix G", [n, self.count], bytes(8, &[n, self.count]))?;
-        self.reach(&mut Vec::new(), control)?;
-        let mut matrix = Vec::with_capacity(n * self.count);
-        let all: Vec<usize> = (0..self.count).collect();
-        for chosen in all.chunks((ENTRIES_A_BLOCK / n).clamp(16, 256)) {
-            let some = self.select(chosen);
-            let (mut re, mut im) = (vec![0.0; some.lanes()], vec![0.0; some.lanes()]);
-            let mut block = vec![Complex32::ZERO; n * chosen.len()];
-            for i in 0..n {
-                control.pulse()?;
-                some.row(i, &mut re, &mut im);
-                for j in 0..chosen.len() {
-                    let g = Complex64::new(f64::from(re[j]), f64::from(im[j])) * self.reference();
-                    block[j * n + i] = Complex32::new(g.re as f32, g.im as f32);
-                }
-            }
-            matrix.extend_from_slice(&block);
-        }
-        Ok(matrix)
     }
 
     /// The same transducers at some of the points.

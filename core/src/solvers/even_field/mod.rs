@@ -109,7 +109,14 @@ pub(crate) fn solve(
             core::mem::swap(&mut best, &mut wave);
         }
     }
-    let stiffened = !run.stopped && traps::stiffen(&mut run, &mut best)?;
+    let stiffened = match if run.stopped { Ok(false) } else { traps::stiffen(&mut run, &mut best) } {
+        // The foci are there.
+        Err(Error::Stopped) => {
+            run.stopped = true;
+            false
+        }
+        stiffened => stiffened?,
+    };
     let quantization = problem.quantization();
     if let Some(quantization) = quantization
         && !(run.stopped || stiffened)

@@ -128,9 +128,9 @@ impl<'w> Search<'w> {
             raise(run, &starts, start, &mut self.trial);
             climb(run, Pace::FIRST, &mut self.trial)?;
             let lowest = self.trial.lowest(rows);
-            let level = |slot: &Option<(f32, Wave)>| slot.as_ref().map_or(f32::NEG_INFINITY, |(lowest, _)| *lowest);
-            let last = ahead[..most].iter_mut().min_by(|a, b| level(a).total_cmp(&level(b)));
-            if let Some(last) = last.filter(|last| level(last) < lowest) {
+            let weakest = |slot: &Option<(f32, Wave)>| slot.as_ref().map_or(f32::NEG_INFINITY, |(lowest, _)| *lowest);
+            let last = ahead[..most].iter_mut().min_by(|a, b| weakest(a).total_cmp(&weakest(b)));
+            if let Some(last) = last.filter(|last| weakest(last) < lowest) {
                 let (_, mut wave) = last.take().unwrap_or_else(|| (lowest, Wave::new(rows, run.work)));
                 wave.copy(&self.trial);
                 *last = Some((lowest, wave));

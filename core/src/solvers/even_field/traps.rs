@@ -85,7 +85,7 @@ pub(super) fn stiffen(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
         let cost = cost(&stiffness(&traps, &descent.wave), sharpness);
         descent.follow(&cost, &rows);
         for _ in 0..STEPS {
-            if !run.report(foci) || !descent.step(&cost, &rows) {
+            if run.stopped || !run.report(foci) || !descent.step(&cost, &rows) {
                 break;
             }
         }

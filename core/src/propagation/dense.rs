@@ -1,0 +1,42 @@
+//! Dense: G written out, some points at a time.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use num_complex::{Complex32, Complex64};
+
+use crate::control::{Control, bytes};
+use crate::error::Error;
+use crate::propagation::Propagation;
+
+/// Entries of G that are written out together, some points at a time: the memory of the others is not touched yet.
+const ENTRIES_A_BLOCK: usize = 1 << 18;
+
+impl Propagation {
+    /// G (M, N) in Pa, point by point, from the same rows that the solvers see.
+    ///
+    /// # Errors
+    /// A point on a transducer; more memory than allowed; a stop.
+    pub fn matrix(&self, control: &mut Control) -> Result<Vec<Complex32>, Error> {
+        let n = self.transducers();
+        control.room("the matrix G", [n, self.count], bytes(8, &[n, self.count]))?;
+        self.reach(&mut Vec::new(), control)?;
+        let mut matrix = Vec::with_capacity(n * self.count);
+        let all: Vec<usize> = (0..self.count).collect();
+        for chosen in all.chunks((ENTRIES_A_BLOCK / n).clamp(16, 256)) {
+            let some = self.select(chosen);
+            let (mut re, mut im) = (vec![0.0; some.lanes()], vec![0.0; some.lanes()]);
+            let mut block = vec![Complex32::ZERO; n * chosen.len()];
+            for i in 0..n {
+                control.pulse()?;
+                some.row(i, &mut re, &mut im);
+                for j in 0..chosen.len() {
+                    let g = Complex64::new(f64::from(re[j]), f64::from(im[j])) * self.reference();
+                    block[j * n + i] = Complex32::new(g.re as f32, g.im as f32);
+                }
+            }
+            matrix.extend_from_slice(&block);
+        }
+        Ok(matrix)
+    }
+}
