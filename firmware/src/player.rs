@@ -48,11 +48,13 @@ pub fn array(name: &str) -> Result<Array, Error> {
     }
 }
 
+// None of these is inlined: what the others keep on the stack would lie below a solve.
 impl<S: Solve> Player<S> {
     /// Of an array that a kind of board plays, and a number of points.
     ///
     /// # Errors
     /// What array, board or medium cannot be.
+    #[inline(never)]
     pub fn new(array: &Array, board: &str, points: usize, solver: S) -> Result<Self, Error> {
         if points == 0 {
             return Err(Error::invalid("points", points, "give at least 1"));
@@ -75,6 +77,7 @@ impl<S: Solve> Player<S> {
     ///
     /// # Errors
     /// A point on a transducer.
+    #[inline(never)]
     pub fn turn(&mut self, frame: u16) -> Result<(), Error> {
         let count = self.points.len() as f64;
         for (k, point) in self.points.iter_mut().enumerate() {
@@ -95,6 +98,7 @@ impl<S: Solve> Player<S> {
     ///
     /// # Errors
     /// What the solver refuses; no points yet.
+    #[inline(never)]
     pub fn solve(&mut self) -> Result<(), Error> {
         let problem = self.problem.as_ref().ok_or_else(|| Error::invalid("points", "none yet", "turn them first"))?;
         let balance = !self.solver.finds_level();
@@ -112,6 +116,7 @@ impl<S: Solve> Player<S> {
     ///
     /// # Errors
     /// No drive yet.
+    #[inline(never)]
     pub fn encode(&mut self) -> Result<&[u8], Error> {
         let Some(solution) = &self.solution else {
             return Err(Error::invalid("drive", "none yet", format!("solve first, for {} points", self.points.len())));

@@ -61,6 +61,8 @@ impl Cost for Softest<'_> {
 ///
 /// # Errors
 /// More memory than allowed, a stop before the first step.
+// Inlined it would enlarge the stack of every solve.
+#[inline(never)]
 pub(super) fn stiffen(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
     let (problem, work) = (run.problem, run.work);
     let trapping = problem.aim() == Aim::Max && !problem.asks_pressures() && !problem.has_start();
