@@ -59,7 +59,7 @@ export interface Catalogue {
   boards: BoardKind[];
 }
 
-/** What a frame of a sequence is like: the largest change of a phase in rad, the least and the largest |p| in Pa. */
+/** A frame of a sequence: the largest change of a phase in rad; the least |p| of points that are not quiet, the largest of all, in Pa. */
 export interface Frame {
   change: number;
   least: number;

@@ -79,6 +79,19 @@ test("frames follow one another within glide's change", () => {
   expect(() => door.frame(20)).toThrow(/frame is 20/);
 });
 
+test("a quiet point is not the weakest of a frame", () => {
+  const points = [
+    { position: [0, 0, 0.15], pressure: 1000 },
+    { position: [0.03, 0, 0.15], pressure: 0 },
+  ];
+  door.open(ring("glide", { points }));
+  const places = Float64Array.from(Array.from({ length: 5 }, () => [0, 0, 0.15, 0.03, 0, 0.15]).flat());
+  for (const { least, most } of door.follow(places, 5)) {
+    expect(least).toBe(most);
+    expect(least).toBeGreaterThan(500);
+  }
+});
+
 test("a board's bytes", () => {
   door.open(ring("uniform"));
   door.solve();

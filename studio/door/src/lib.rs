@@ -148,7 +148,8 @@ pub extern "C" fn studio_bound(studio: &mut Studio) -> u32 {
 }
 
 /// Solves frames (T, M, 3) in m handed in one after another by the scene's solver. The numbers are, of each frame, the
-/// largest change of a phase from the one before in rad, and the least and the largest |p| of its points in Pa.
+/// largest change of a phase from the one before in rad, the least |p| of its points that are not quiet, and the largest of
+/// all, in Pa.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_follow(studio: &mut Studio, frames: usize) -> u32 {
     studio.work(|studio| studio.follow(frames))

@@ -14,7 +14,8 @@ impl Studio {
             let cure = format!("give {count} points in each of {frames} frames");
             return Err(Error::invalid("frames", format!("{} points", places.len()), cure));
         }
-        let targets = scene.request().pressures.as_ref().map(|each| each.repeat(frames));
+        let pressed = scene.request().pressures.as_ref();
+        let targets = pressed.map(|each| each.repeat(frames));
         let mut drives = vec![Complex32::ZERO; frames * transducers];
         let all = Frames { points: &places, targets: targets.as_deref(), count };
         let mut kept = Ask { aim: ask.aim, ..Ask::default() };
@@ -26,7 +27,8 @@ impl Studio {
             let turned = before.map_or(0.0, |before| change(before, drive));
             let pressures = midair::field(model, drive, points, &mut Control::none())?;
             let moduli = pressures.iter().map(|p| f64::from(p.norm()));
-            let least = moduli.clone().fold(f64::INFINITY, f64::min);
+            let loud = moduli.clone().enumerate().filter(|&(j, _)| pressed.is_none_or(|each| each[j] > 0.0));
+            let least = loud.fold(f64::INFINITY, |least, (_, p)| least.min(p));
             told.extend([turned, least, moduli.fold(0.0, f64::max)]);
             before = Some(drive);
         }
