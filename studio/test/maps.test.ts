@@ -45,7 +45,7 @@ test("the ticks are round, on the bar, and in the order of |p|", () => {
     "500 Pa",
   ]);
   expect(ticks(look("linear", 1000)).map((tick) => tick.label)[1]).toBe("0.2 kPa");
-  expect(ticks(look("decibel")).map((tick) => tick.label)).toEqual(["−30 dB", "−20 dB", "−10 dB", "0"]);
+  expect(ticks(look("decibel")).map((tick) => tick.label)).toEqual(["−30 dB", "−20 dB", "−10 dB", "0 dB"]);
   for (const scale of ["linear", "squared", "decibel"] as const) {
     for (const top of [0.02, 3, 77, 999, 1000, 12345]) {
       const all = ticks(look(scale, top));

@@ -110,7 +110,7 @@ export function ticks(look: Look): Tick[] {
   if (look.scale === "decibel") {
     return [-30, -20, -10, 0].map((level) => {
       const at = 1 + level / RANGE;
-      return { value: modulusAt(look, at), at, label: level ? `\u2212${-level} dB` : "0" };
+      return { value: modulusAt(look, at), at, label: `${level ? `\u2212${-level}` : 0} dB` };
     });
   }
   const [unit, name] = look.top >= 1000 ? [1000, "kPa"] : [1, "Pa"];
