@@ -96,12 +96,12 @@ test-portable: ## The core on 64-bit ARM and WebAssembly, emulated (Debian's pac
 test-boards: setup ## Boards: programs that play end in every way, 20 times each, and 10,000 frames a link (8 min)
 	MIDAIR_SLOW=1 $(PYTHON) -m pytest $(wildcard python/tests/test_boards*.py)
 
-test-studio: setup studio ## The studio: types, tests, the package's side, and a browser (Node 20+, Debian's chromium; 10 min)
+test-studio: setup studio studio/.venv/ready ## The studio: types, tests, the package's side, and a browser (Node 20+, Debian's chromium; 10 min)
 	$(call step,studio: clippy on the door (30 s),cd studio/door && $(CARGO) fmt --check && $(CARGO) clippy --quiet -- -D warnings)
 	$(call step,studio: types (10 s),cd studio && npx tsc --noEmit)
 	$(call step,studio: tests (1 min),cd studio && npx vitest run)
 	$(call step,studio: served and in notebooks (20 s),$(PYTHON) -m pytest python/tests/test_studio.py python/tests/test_view.py)
-	$(call step,studio: in a browser (4 min),cd studio && npx vitest run --config vite.browser.ts)
+	$(call step,studio: in a browser and in JupyterLab (4 min),cd studio && npx vitest run --config vite.browser.ts)
 
 lint: .venv/ready ## Formatting, clippy, rustdoc, ruff, spelling: warnings are errors
 	$(call step,lint: Rust is formatted (2 s),$(CARGO) fmt --check)
@@ -184,8 +184,9 @@ docs: setup book/.venv/ready ## Build the book, the documentation as a site: out
 	$(call step,book: every public name looked up (1 s),$(PYTHON) book/names.py out/site)
 	@echo; echo "Open $(CURDIR)/out/site/index.html. Its search needs a server: python3 -m http.server --directory out/site"
 
-# The generator's libraries are its own; midair and what it needs are looked up in .venv behind them.
-book/.venv/ready: book/requirements.txt .venv/ready
+# The libraries of the book's generator, and of the notebooks that the studio is tested in, are their own; midair and what it
+# needs are looked up in .venv behind them.
+book/.venv/ready studio/.venv/ready: %/.venv/ready: %/requirements.txt .venv/ready
 	$(BIN)/uv venv --quiet --clear --python $(PYTHON) $(@D)
 	$(BIN)/uv pip install --quiet --python $(@D)/bin/python --requirements $<
 	echo "import site; site.addsitedir('$$(echo $(CURDIR)/.venv/lib/python*/site-packages)')" \
@@ -210,6 +211,7 @@ golden: ## Write golden/ anew (a breaking change: say so in CHANGELOG.md)
 pins: ## Pin what pyproject.toml asks for, names and versions only
 	$(BIN)/uv pip compile --quiet --universal --no-header --no-annotate --group dev --no-emit-index-url --output-file constraints.txt pyproject.toml
 	$(BIN)/uv pip compile --quiet --universal --no-header --no-annotate --group docs --no-emit-index-url --output-file book/requirements.txt
+	$(BIN)/uv pip compile --quiet --universal --no-header --no-annotate --group lab --constraint constraints.txt --no-emit-index-url --output-file studio/requirements.txt
 	echo "uv==$$($(BIN)/uv --version | cut -d' ' -f2)" >> constraints.txt
 
 wheels: setup studio ## Wheels for Linux, x86-64 and 64-bit ARM, with the studio, into dist (15 min)
@@ -217,4 +219,4 @@ wheels: setup studio ## Wheels for Linux, x86-64 and 64-bit ARM, with the studio
 
 clean: ## Remove what was built
 	$(CARGO) clean
-	rm -rf .venv out bench/.envs core/tests/no_std/target python/midair/*.so studio/node_modules studio/built python/midair/studio/built
+	rm -rf .venv out bench/.envs core/tests/no_std/target python/midair/*.so studio/.venv studio/node_modules studio/built python/midair/studio/built

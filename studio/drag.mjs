@@ -1,12 +1,8 @@
 // How long the new picture of a drag takes: node drag.mjs [moves]. Each move of the pointer waits for the picture of the one
 // before; the time ends at the first frame after the slices' upload, once the GPU, or what stands for it, is done with it.
-import { createServer } from "vite";
+import { withSite } from "./with_site.mjs";
 
-const server = await createServer({ root: import.meta.dirname, configFile: false, server: { port: 0 }, logLevel: "error" });
-const { launch, serve, visit, built } = await server.ssrLoadModule("/test/browser/site.ts");
 const moves = Number(process.argv[2] ?? 30);
-const site = await serve(`${built}/site`);
-const browser = await launch();
 
 /** Runs in the page, before its own scripts: notes when slices are uploaded, and when what follows is seen. */
 function watch() {
@@ -39,15 +35,12 @@ function watch() {
 
 const median = (all) => all.toSorted((a, b) => a - b)[all.length >> 1].toFixed(0);
 
-async function measure(name, state) {
-  const { page, context } = await visit(browser, site.url, {}, watch);
+async function measure({ browser, url, visit, grab }, name, state) {
+  const { page, context } = await visit(browser, url, {}, watch);
   if (state) await page.evaluate((state) => window.midair.set(state), state);
   await page.evaluate(() => window.midair.settled());
   await page.waitForTimeout(1000);
-  const box = await page.getByRole("button", { name: /^Point 1:/ }).boundingBox();
-  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
-  await page.mouse.move(x, y);
-  await page.mouse.down();
+  const [x, y] = await grab(page, 1);
   await page.waitForTimeout(1500);
   const rows = [];
   for (let k = 1; k <= moves; k += 1) {
@@ -69,9 +62,8 @@ async function measure(name, state) {
   await context.close();
 }
 
-await measure("autd3 2x2, 8 points, both");
-await measure("the same, slice", { view: "slice" });
-await measure("sonicsurface, 1 point", { array: { preset: "sonicsurface", tiles: [1, 1] }, points: [[0, 0, 0.15]] });
-await browser.close();
-site.close();
-await server.close();
+await withSite(async (open) => {
+  await measure(open, "autd3 2x2, 8 points, both");
+  await measure(open, "the same, slice", { view: "slice" });
+  await measure(open, "sonicsurface, 1 point", { array: { preset: "sonicsurface", tiles: [1, 1] }, points: [[0, 0, 0.15]] });
+});

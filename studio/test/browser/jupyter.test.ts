@@ -1,20 +1,23 @@
-// A real JupyterLab: the view in a cell, points from Python to the page and from the page to Python. JUPYTER names the
-// program jupyter-lab of an environment with midair[notebook]; without it nothing is tested.
-import { spawn } from "node:child_process";
-import { mkdtemp, writeFile } from "node:fs/promises";
+// A real JupyterLab, which `make test-studio` puts into studio/.venv: the view in a cell; points from Python to the page and
+// from the page to Python; and what is left when the cell has run ten times.
+import { type ChildProcess, spawn } from "node:child_process";
+import { existsSync } from "node:fs";
+import { mkdtemp, rm, writeFile } from "node:fs/promises";
+import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 
-import { expect, test } from "vitest";
+import type { Browser, Page } from "playwright-core";
+import { afterAll, beforeAll, expect, test, vi } from "vitest";
 
-import { launch } from "./site.ts";
+import { grab, launch, point } from "./site.ts";
 
-const { JUPYTER } = process.env;
+const LAB = join(import.meta.dirname, "../../.venv/bin/jupyter-lab");
 
 const CELLS = [
   'import midair\nview = midair.view(midair.Scene(midair.Array.preset("sonicsurface"), [[0, 0, 0.15], [0.03, 0, 0.15]]))\nview',
   "view.points = [[0.01, 0.02, 0.14]]\nprint('given', view.points.tolist())",
-  "print('moved', view.points.tolist(), sorted(view.metrics))",
+  "print('points', view.points.tolist(), 'levels', {name: round(of['level'], 3) for name, of in view.metrics.items()})",
 ];
 
 const notebook = {
@@ -24,36 +27,115 @@ const notebook = {
   nbformat_minor: 5,
 };
 
-test.skipIf(!JUPYTER)("the view in JupyterLab", { timeout: 240_000 }, async () => {
-  const folder = await mkdtemp(join(tmpdir(), "studio-"));
-  await writeFile(join(folder, "view.ipynb"), JSON.stringify(notebook));
-  const port = 20_000 + Math.floor(Math.random() * 20_000);
-  const given = ["--no-browser", "--allow-root", "--ip=127.0.0.1", `--port=${port}`, "--IdentityProvider.token=", `--notebook-dir=${folder}`];
-  const lab = spawn(JUPYTER!, given, { stdio: "ignore" });
-  const url = `http://127.0.0.1:${port}/lab/tree/view.ipynb`;
-  await expect.poll(() => fetch(url).then(({ ok }) => ok, () => false), { timeout: 60_000 }).toBe(true);
-  const browser = await launch();
-  const page = await browser.newPage({ viewport: { width: 1400, height: 1000 } });
-  await page.goto(url);
-  const cells = page.locator(".jp-CodeCell");
-  const run = async (k: number) => {
-    await cells.nth(k).locator(".cm-content").click();
-    await page.keyboard.press("Shift+Enter");
-  };
-  await cells.nth(2).waitFor({ timeout: 90_000 });
-  await run(0);
-  const point = (n: number) => page.getByRole("button", { name: new RegExp(`^Point ${n}:`) });
-  await point(2).waitFor({ timeout: 90_000 });
-  await run(1);
-  await expect.poll(() => point(1).getAttribute("aria-label"), { timeout: 30_000 }).toContain("x 10, y 20, z 140 mm");
-  expect(await point(2).count()).toBe(0);
-  await point(1).focus();
-  await page.keyboard.press("ArrowRight");
-  await page.waitForTimeout(2000);
+let folder: string;
+let lab: ChildProcess;
+let browser: Browser;
+let page: Page;
+
+/** A port of this machine that nobody has. */
+async function free(): Promise<number> {
+  const server = createServer();
+  await new Promise<void>((done) => server.listen(0, "127.0.0.1", done));
+  const { port } = server.address() as { port: number };
+  await new Promise((done) => server.close(done));
+  return port;
+}
+
+/** Runs in the page before all else: keeps every WebGL context that is made. */
+function watch() {
+  const made = Object.assign(window, { contexts: [] as WebGL2RenderingContext[] }).contexts;
+  const get = HTMLCanvasElement.prototype.getContext as (this: HTMLCanvasElement, ...given: unknown[]) => unknown;
+  HTMLCanvasElement.prototype.getContext = function (this: HTMLCanvasElement, ...given: unknown[]) {
+    const context = get.apply(this, given);
+    if (context instanceof WebGL2RenderingContext && !made.includes(context)) made.push(context);
+    return context;
+  } as never;
+}
+
+const contexts = (): Promise<{ made: number; alive: number }> =>
+  page.evaluate(() => {
+    const { contexts } = window as unknown as { contexts: WebGL2RenderingContext[] };
+    return { made: contexts.length, alive: contexts.filter((each) => !each.isContextLost()).length };
+  });
+
+const cell = (k: number) => page.locator(".jp-CodeCell").nth(k);
+async function run(k: number) {
+  await cell(k).locator(".cm-content").click();
+  await page.keyboard.press("Shift+Enter");
+}
+
+/** What the last cell prints of the view, in m. */
+async function told(): Promise<number[][]> {
   await run(2);
-  await expect.poll(() => cells.nth(2).innerText(), { timeout: 30_000 }).toContain("moved [[0.011, 0.02, 0.14]]");
-  await page.screenshot({ path: join(folder, "view.png"), timeout: 150_000 });
-  console.log(join(folder, "view.png"));
-  await browser.close();
-  lab.kill();
+  // A "*" stands at a cell that runs.
+  await expect.poll(() => cell(2).locator(".jp-InputPrompt").innerText()).toMatch(/\d/);
+  const [, points] = /points (\[\[.*\]\]) levels/.exec(await cell(2).locator(".jp-OutputArea").innerText())!;
+  return JSON.parse(points);
+}
+
+beforeAll(async () => {
+  if (!existsSync(LAB)) throw new Error(`${LAB} is missing: make test-studio puts it there`);
+  folder = await mkdtemp(join(tmpdir(), "studio-"));
+  await writeFile(join(folder, "view.ipynb"), JSON.stringify(notebook));
+  const port = await free();
+  const alone = ["--LabApp.news_url=None", "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate"];
+  const at = ["--no-browser", "--allow-root", "--ip=127.0.0.1", `--port=${port}`, "--IdentityProvider.token=", `--notebook-dir=${folder}`];
+  const own = { JUPYTER_CONFIG_DIR: folder, JUPYTER_DATA_DIR: folder, JUPYTER_RUNTIME_DIR: folder, IPYTHONDIR: folder };
+  lab = spawn(LAB, [...at, ...alone], { stdio: "ignore", env: { ...process.env, ...own } });
+  const url = `http://127.0.0.1:${port}/lab/tree/view.ipynb`;
+  await vi.waitUntil(() => fetch(url).then(({ ok }) => ok, () => false), { timeout: 60_000, interval: 200 });
+  browser = await launch();
+  page = await browser.newPage({ viewport: { width: 1400, height: 1000 } });
+  await page.addInitScript(watch);
+  await page.goto(url);
+  await cell(2).waitFor({ timeout: 90_000 });
+  await run(0);
+  await point(page, 2).waitFor({ timeout: 90_000 });
+});
+
+afterAll(async () => {
+  await browser?.close();
+  const ended = new Promise((done) => lab?.once("exit", done));
+  lab?.kill();
+  await ended;
+  await rm(folder, { recursive: true });
+});
+
+test("points that Python sets are shown, with their numbers", async () => {
+  await run(1);
+  await expect.poll(() => point(page, 1).getAttribute("aria-label"), { timeout: 30_000 }).toContain("x 10, y 20, z 140 mm");
+  expect(await point(page, 2).count()).toBe(0);
+  const numbers = page.getByRole("table", { name: "Numbers" });
+  await expect.poll(() => numbers.innerText(), { timeout: 30_000 }).toMatch(/Accuracy\s+\d\.\d+\s+\d\.\d+.*Weakest \|p\|\s+[\d.]+ k?Pa/s);
+});
+
+test("points that are dragged, and moved by keys, arrive in Python", async () => {
+  const [x, y] = await grab(page, 1);
+  await page.mouse.move(x + 10, y + 4);
+  await page.mouse.move(x + 20, y + 8);
+  await page.mouse.up();
+  const label = () => point(page, 1).getAttribute("aria-label");
+  await expect.poll(label).not.toContain("x 10, y 20");
+  const shown = async () => [...(await label())!.matchAll(/[xyz] (-?[\d.]+)/g)].map(([, mm]) => Number(mm) / 1000);
+  const alike = async () => {
+    const [[there], here] = [await told(), await shown()];
+    return Math.max(...there.map((value, axis) => Math.abs(value - here[axis]))) < 1e-5;
+  };
+  await expect.poll(alike, { timeout: 30_000 }).toBe(true);
+  await point(page, 1).focus();
+  await page.keyboard.press("ArrowRight");
+  await expect.poll(alike, { timeout: 30_000 }).toBe(true);
+  expect(await cell(2).innerText()).toMatch(/levels \{'\w+': [\d.]+, '\w+': [\d.]+\}/);
+});
+
+test("ten runs of the cell leave one WebGL context, one view and its workers", async () => {
+  for (let k = 0; k < 10; k += 1) {
+    const before = (await contexts()).made;
+    await run(0);
+    await expect.poll(async () => (await contexts()).made, { timeout: 30_000 }).toBe(before + 1);
+    await point(page, 2).waitFor({ timeout: 30_000 });
+  }
+  await expect.poll(contexts).toEqual({ made: 11, alive: 1 });
+  expect(await page.getByRole("group", { name: "Array and field in space" }).count()).toBe(1);
+  await expect.poll(() => page.workers().filter((worker) => worker.url().startsWith("blob:")).length).toBe(3);
 });

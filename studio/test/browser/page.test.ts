@@ -7,7 +7,7 @@ import { beforeEach, expect, test } from "vitest";
 import { colour } from "../../src/painter/maps.ts";
 import type { Look, Vec3 } from "../../src/types.ts";
 import { shared } from "./setup.ts";
-import { built, launch, ready, visit } from "./site.ts";
+import { built, grab, launch, point as pointOf, ready, visit } from "./site.ts";
 
 const open = shared();
 let page: Page;
@@ -20,15 +20,12 @@ beforeEach(async () => {
 });
 
 const points = () => page.evaluate(() => window.midair!.state().points as Vec3[]);
-const point = (n: number) => page.getByRole("button", { name: new RegExp(`^Point ${n}:`) });
+const point = (n: number) => pointOf(page, n);
 const settled = () => page.evaluate(() => window.midair!.settled());
 
 test("a drag leaves the point under the pointer, at its height; undo goes back", async () => {
   const before = await points();
-  const box = (await point(2).boundingBox())!;
-  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
-  await page.mouse.move(x, y);
-  await page.mouse.down();
+  const [x, y] = await grab(page, 2);
   await page.mouse.move(x + 20, y + 5);
   await page.mouse.move(x + 40, y + 10);
   await page.mouse.up();
@@ -46,11 +43,8 @@ test("a drag leaves the point under the pointer, at its height; undo goes back",
 
 test("Shift lifts a point, and the slice with it", async () => {
   const before = (await points())[2];
-  const box = (await point(3).boundingBox())!;
-  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
   await page.keyboard.down("Shift");
-  await page.mouse.move(x, y);
-  await page.mouse.down();
+  const [x, y] = await grab(page, 3);
   await page.mouse.move(x, y - 30, { steps: 3 });
   await page.mouse.up();
   await page.keyboard.up("Shift");
@@ -98,10 +92,8 @@ test("what is shown is the field, also after a drag", async () => {
     return Math.max(...field.map(([re, im], k) => Math.hypot(shown[k]![0] - re, shown[k]![1] - im) / largest));
   };
   expect(await compared()).toBeLessThan(0.005);
-  const box = (await point(1).boundingBox())!;
-  await page.mouse.move(box.x + 18, box.y + 18);
-  await page.mouse.down();
-  await page.mouse.move(box.x + 30, box.y + 20);
+  const [x, y] = await grab(page, 1);
+  await page.mouse.move(x + 12, y + 2);
   await page.mouse.up();
   expect(await compared()).toBeLessThan(0.005);
 });
@@ -122,10 +114,8 @@ test("what was painted coarsely in a drag is painted in full at rest, where the 
   await page.evaluate(() => window.midair!.set({ view: "slice", plane: { z: 0.18, size: 0.05, center: [0.04, 0] } }));
   await settled();
   const width = () => page.evaluate(() => document.querySelector<HTMLCanvasElement>("canvas.canvas")!.width);
-  const box = (await point(1).boundingBox())!;
-  await page.mouse.move(box.x + 18, box.y + 18);
-  await page.mouse.down();
-  await page.mouse.move(box.x + 28, box.y + 20);
+  const [x, y] = await grab(page, 1);
+  await page.mouse.move(x + 10, y + 2);
   await expect.poll(width).toBe(720);
   await page.mouse.up();
   await expect.poll(width).toBe(1440);

@@ -3,7 +3,7 @@ import type { Page } from "playwright-core";
 import { expect, test } from "vitest";
 
 import { shared } from "./setup.ts";
-import { visit } from "./site.ts";
+import { point, visit } from "./site.ts";
 
 const open = shared();
 
@@ -43,7 +43,7 @@ test("a SonicSurface plays, and is off by Escape and blur", async () => {
     await off.click();
     await expect.poll(async () => (await given(page)).at(-1), { timeout: 10_000 }).toEqual(frame);
   }
-  await page.getByRole("button", { name: /^Point 1:/ }).focus();
+  await point(page, 1).focus();
   await page.keyboard.press("ArrowRight");
   await expect.poll(async () => (await given(page)).at(-1), { timeout: 10_000 }).not.toEqual(frame);
   await off.click();

@@ -65,6 +65,26 @@ export function launch(...switches: string[]): Promise<Browser> {
   });
 }
 
+/** The built site and a browser that looks at it, until they are closed. */
+export interface Open {
+  browser: Browser;
+  url: string;
+  close(): Promise<void>;
+}
+
+/** Serves the built site and starts a browser; more switches may be given. */
+export async function start(...switches: string[]): Promise<Open> {
+  const [site, browser] = [await serve(`${built}/site`), await launch(...switches)];
+  return {
+    browser,
+    url: site.url,
+    async close() {
+      await browser.close();
+      site.close();
+    },
+  };
+}
+
 /** A page that is ready, and everything that it asked for or complained of; `before` runs in it ahead of its own scripts. */
 export async function visit(browser: Browser, url: string, options: BrowserContextOptions = {}, before?: () => void) {
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, locale: "en-GB", ...options });
@@ -88,4 +108,17 @@ export async function visit(browser: Browser, url: string, options: BrowserConte
 export async function ready(page: Page): Promise<void> {
   await page.waitForFunction(() => window.midair?.state().ready, undefined, { timeout: 60_000 });
   await page.evaluate(() => window.midair!.settled());
+}
+
+/** The button of a point. */
+export const point = (page: Page, n: number) => page.getByRole("button", { name: new RegExp(`^Point ${n}:`) });
+
+/** Takes hold of a point with the mouse; where its middle is. */
+export async function grab(page: Page, n: number): Promise<[number, number]> {
+  await point(page, n).scrollIntoViewIfNeeded();
+  const box = (await point(page, n).boundingBox())!;
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  return [x, y];
 }

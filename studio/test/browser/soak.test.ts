@@ -2,18 +2,15 @@
 import { expect, test } from "vitest";
 
 import { shared } from "./setup.ts";
-import { visit } from "./site.ts";
+import { grab, visit } from "./site.ts";
 
 const open = shared("--js-flags=--expose-gc", "--enable-precise-memory-info");
 const SECONDS = Number(process.env.SOAK ?? 60);
 
 test("a minute of dragging", async () => {
   const { page, complaints } = await visit(open.browser, open.url);
-  const box = (await page.getByRole("button", { name: /^Point 1:/ }).boundingBox())!;
-  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
   const drag = async (seconds: number) => {
-    await page.mouse.move(x, y);
-    await page.mouse.down();
+    const [x, y] = await grab(page, 1);
     const end = Date.now() + 1000 * seconds;
     for (let k = 0; Date.now() < end; k += 1) await page.mouse.move(x + 30 * Math.sin(k / 9), y + 15 * Math.cos(k / 7));
     await page.mouse.move(x, y);

@@ -5,7 +5,7 @@ import { join } from "node:path";
 
 import { expect, test } from "vitest";
 
-import { built, launch, serve } from "./site.ts";
+import { built, launch, point, serve } from "./site.ts";
 
 interface Model {
   values: Record<string, unknown>;
@@ -67,7 +67,7 @@ test("a cell, ten times over", async () => {
   const points = () =>
     page.evaluate(() => JSON.parse((window as unknown as Own).model.values.state as string).points as number[][]);
   await expect.poll(points, { timeout: 20_000 }).toEqual([[0, 0.02, 0.12]]);
-  await page.getByRole("button", { name: /^Point 1:/ }).focus();
+  await point(page, 1).focus();
   await page.keyboard.press("ArrowRight");
   await expect.poll(points, { timeout: 20_000 }).toEqual([[0.001, 0.02, 0.12]]);
   await browser.close();

@@ -1,0 +1,15 @@
+// The built site in a browser, for programs beside the tests.
+import { createServer } from "vite";
+
+/** Calls `act` with what test/browser/site.ts knows, the site and the browser open; closes them. */
+export async function withSite(act) {
+  const server = await createServer({ root: import.meta.dirname, configFile: false, server: { port: 0 }, logLevel: "error" });
+  const site = await server.ssrLoadModule("/test/browser/site.ts");
+  const open = await site.start();
+  try {
+    await act({ ...site, ...open });
+  } finally {
+    await open.close();
+    await server.close();
+  }
+}
