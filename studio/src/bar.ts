@@ -67,7 +67,10 @@ export function createBar(context: Context, deeds: Deeds): { root: HTMLElement; 
     file,
   );
   const menu = element("button", { type: "button", className: "menu icon", "aria-label": say("menu"), "aria-controls": "tools", "aria-expanded": "false" }, "☰");
-  menu.onclick = () => menu.setAttribute("aria-expanded", String(tools.classList.toggle("open")));
+  const fold = (open: boolean) => menu.setAttribute("aria-expanded", String(tools.classList.toggle("open", open)));
+  menu.onclick = () => fold(menu.ariaExpanded === "false");
+  // What was taken from the menu is below it. A dialog gives the focus back to where it was.
+  tools.addEventListener("click", () => (fold(false), menu.focus()), true);
   return {
     root: element("header", { className: "top" }, logo, name, undo, redo, menu, tools),
     place() {

@@ -1,6 +1,6 @@
 /** Eye: the camera of the 3-D view, fitted to what is shown until somebody turns it. */
 
-import { type Camera, fit } from "./painter/camera.ts";
+import { type Camera, fit, project } from "./painter/camera.ts";
 import type { Studio } from "./studio.ts";
 import type { Vec3 } from "./types.ts";
 
@@ -38,6 +38,15 @@ export function createEye({ view }: Studio): Eye {
     return [-0.5, 0.5].flatMap((a) => [-0.5, 0.5].map((b): Vec3 => [center[0] + a * size, center[1] + b * size, z]));
   }
 
+  /** Whether something is out of sight that nobody has turned away from, nor holds. */
+  const cut = ([width, height]: [number, number]) =>
+    !turned &&
+    !view.moving &&
+    [...view.state.points, ...corners()].some((place) => {
+      const [x, y] = project(camera, place, width, height);
+      return x < 0 || x > width || y < 0 || y > height;
+    });
+
   function hold(changes: Partial<Camera>) {
     camera = { ...camera, ...changes };
     turned = true;
@@ -46,7 +55,7 @@ export function createEye({ view }: Studio): Eye {
 
   return {
     camera(size) {
-      if (fitted !== key(size)) {
+      if (fitted !== key(size) || cut(size)) {
         camera = fit(view.positions, [...view.state.points, ...corners()], ...size);
         turned = false;
         fitted = key(size);

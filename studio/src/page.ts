@@ -122,6 +122,10 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   function paint() {
     frame = 0;
     if (gone || painter.lost) return;
+    // No taller than its views: a long page on a phone would be more pixels than a canvas may have.
+    const bottoms = [stage.view, ...compare.slices].map((view) => view.getBoundingClientRect().bottom);
+    const { top } = canvas.getBoundingClientRect();
+    canvas.style.height = `${Math.ceil(Math.max(...bottoms) - top)}px`;
     const outer = canvas.getBoundingClientRect();
     const box = (place: HTMLElement) => {
       const { left, top, width, height } = place.getBoundingClientRect();

@@ -5,6 +5,7 @@ import { element } from "./dom.ts";
 import type { Eye } from "./eye.ts";
 import { type Camera, lift, project, slide } from "./painter/camera.ts";
 import { MOST_POINTS } from "./initial.ts";
+import { number } from "./numbering.ts";
 import { added, moved, removed } from "./points.ts";
 import type { Vec3 } from "./types.ts";
 
@@ -196,10 +197,17 @@ export function createStage(context: Context, eye: Eye): Stage {
         handles.push(handle(handles.length));
         view.append(handles.at(-1)!);
       }
+      const rings = points.map(seen);
+      const style = getComputedStyle(view);
+      const [ring, wide] = ["--ring", "--number"].map((name) => parseFloat(style.getPropertyValue(name)));
+      const spots = number(points.length > MANY ? [] : rings, ring / 2, wide);
       handles.forEach((button, index) => {
         const name = label(index);
         if (button.ariaLabel !== name) button.ariaLabel = name;
-        const [left, top] = seen(points[index]);
+        const [left, top] = rings[index];
+        const { x, y, free } = spots[index] ?? { x: wide, y: -wide, free: false };
+        (button.firstElementChild as HTMLElement).style.translate = `${x}px ${y}px`;
+        button.classList.toggle("crowded", !free);
         button.style.transform = `translate(${left.toFixed(2)}px, ${top.toFixed(2)}px)`;
         button.classList.toggle("quiet", state().pressures?.[index] === 0);
       });

@@ -112,7 +112,9 @@ function extent(positions: Float32Array, axis: number): number {
 
 /** A camera that shows all transducers (N x 3, m) and points (m) in a view of that size (CSS px). */
 export function fit(positions: Float32Array, points: Vec3[], width: number, height: number): Camera {
-  const camera: Camera = { target: [0, 0, 0], yaw: 0.5, pitch: 0.5, distance: 1 };
+  // From so high that points at one height lie apart, but not over a board that hangs above them.
+  const roofed = positions.some((z, i) => i % 3 === 2 && points.every((point) => point[2] < z));
+  const camera: Camera = { target: [0, 0, 0], yaw: 0.5, pitch: roofed ? 0.45 : 0.72, distance: 1 };
   const { right, up, ahead } = frame(camera);
   const all = [...points];
   // Each with room about it for the axes and their marks at the array's edge.

@@ -5,9 +5,10 @@ import { type Gl, LOOK_UP, program, texture, vectors } from "./gl.ts";
 import type { Ink } from "./lines.ts";
 import { aim, type View } from "./view.ts";
 
-/** A text in the middle of which `place` (m) is seen. */
+/** A text that stands beside `place` (m) on the side `away` (of length 1, to the right and up), clear of what is there. */
 export interface Label {
   place: Vec3;
+  away: [number, number];
   text: string;
   ink: Ink;
 }
@@ -21,9 +22,11 @@ out vec4 paint;
 void main() {
   int sign = 3 * (gl_VertexID / 6), k = corner();
   vec4 place = vectorOf(signs, sign), p = matrix * vec4(place.xyz, 1);
-  vec2 to = vec2(k & 1, k >> 1), wide = vectorOf(signs, sign + 1).xy;
+  vec2 to = vec2(k & 1, k >> 1);
+  vec4 box = vectorOf(signs, sign + 1);
+  vec2 wide = box.xy;
   // Whole px: the letters are then as sharp as they were drawn. At the view's edge they are not cut.
-  vec2 middle = (p.xy / p.w * .5 + .5) * size, left = floor(middle - wide / 2. + .5);
+  vec2 middle = (p.xy / p.w * .5 + .5) * size, left = floor(middle + (box.zw - 1.) * wide / 2. + .5);
   if (clamp(middle, vec2(0), size) == middle) left = clamp(left, vec2(0), size - wide);
   gl_Position = vec4(((left + to * wide) / size * 2. - 1.) * p.w, p.zw);
   at = vec2(to.x * wide.x, place.w + (1. - to.y) * wide.y);
@@ -73,8 +76,8 @@ export function createLabels(gl: Gl): (view: View, labels: Label[]) => void {
     const ratio = Math.max(view.ratio, view.size[1] / 1300);
     write(texts, ratio);
     const high = Math.ceil(16 * ratio);
-    const row = (text: string) => [texts.indexOf(text) * high, widths.get(text)!, high, 0, 0];
-    signs.set(labels.flatMap(({ place, text, ink }) => [...place, ...row(text), ...ink]));
+    const row = (text: string) => [texts.indexOf(text) * high, widths.get(text)!, high];
+    signs.set(labels.flatMap(({ place, away, text, ink }) => [...place, ...row(text), ...away, ...ink]));
     aim(letters, view);
     letters.set("size", view.size);
     letters.bind("letters", 0, gl.TEXTURE_2D, sheet);

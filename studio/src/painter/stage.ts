@@ -1,7 +1,7 @@
 /** What stands around the array: the axes with their marks, the lines down from the points. */
 
 import type { Vec3 } from "../types.ts";
-import { type Camera, frame } from "./camera.ts";
+import { type Camera, dot, frame } from "./camera.ts";
 import type { Label } from "./labels.ts";
 import { type Ink, type Line, outline, ring } from "./lines.ts";
 import { roundStep } from "./maps.ts";
@@ -34,7 +34,7 @@ const INKS = {
 
 /** The axes along the edges of `bounds` that face the camera, marked in mm. */
 export function axes(camera: Camera, bounds: Bounds, floor: number, theme: Picture["theme"]) {
-  const { ahead, right } = frame(camera);
+  const { ahead, right, up } = frame(camera);
   const { faint: ink, text } = INKS[theme];
   const { least, most } = bounds;
   const room = 0.05 * Math.max(most[0] - least[0], most[1] - least[1], 0.1);
@@ -58,18 +58,23 @@ export function axes(camera: Camera, bounds: Bounds, floor: number, theme: Pictu
   for (const { axis, at, tick } of edges) {
     const place = (value: number, away = 0): Vec3 =>
       [0, 1, 2].map((k) => (k === axis ? value : at[k]) + away * tick[k]) as Vec3;
+    const seen = [dot(tick, right), dot(tick, up)];
+    const away = seen.map((x) => x / Math.hypot(...seen)) as Label["away"];
     lines.push({ a: place(low[axis]), b: place(high[axis]), ink, width: 1.2 });
     for (let i = Math.ceil(low[axis] / step - 1e-6); i * step <= high[axis] + 1e-9; i++) {
       if (axis === 2 && i * step < floor) continue;
       lines.push({ a: place(i * step), b: place(i * step, 0.35 * room), ink, width: 1.2 });
       labels.push({
-        place: place(i * step, 1.1 * room),
+        place: place(i * step, 0.5 * room),
+        away,
         text: `${Math.round(i * step * 1e4) / 10}`,
         ink: text,
       });
     }
-    const name = axis === 2 ? place(high[2] + 1.2 * room) : place((low[axis] + high[axis]) / 2, 2.3 * room);
-    labels.push({ place: name, text: `${"xyz"[axis]} mm`, ink: text });
+    // Its name stands between two marks of the floor's axes, or on top of the upright one.
+    const between = (Math.floor((low[axis] + high[axis]) / 2 / step) + 0.5) * step;
+    const name = axis === 2 ? { place: place(high[2] + 1.2 * room), away: [0, 1] } : { place: place(between, 0.5 * room), away };
+    labels.push({ ...(name as Label), text: `${"xyz"[axis]} mm`, ink: text });
   }
   return { lines, labels };
 }

@@ -1,0 +1,29 @@
+// Numbers beside rings: those that are free cover no ring and not one another, wherever the rings are.
+import { expect, test } from "vitest";
+
+import { number } from "../src/numbering.ts";
+import { generator } from "./random.ts";
+
+test("a lone ring's number is free, to its right and above", () => {
+  expect(number([[50, 40]], 10, 20)).toEqual([{ x: expect.closeTo(18.07, 2), y: expect.closeTo(-16.57, 2), free: true }]);
+});
+
+test.each([3, 8, 16])("of %i rings", (count) => {
+  const random = generator(count);
+  let free = 0;
+  for (let trial = 0; trial < 50; trial += 1) {
+    const rings = Array.from({ length: count }, () => [120 * random(), 90 * random()]);
+    const spots = number(rings, 7, 16);
+    const boxes = spots.flatMap(({ x, y, free }, k) => (free ? [[rings[k][0] + x, rings[k][1] + y]] : []));
+    free += boxes.length;
+    boxes.forEach(([x, y], k) => {
+      for (const [u, v] of rings) {
+        expect(Math.hypot(Math.max(Math.abs(x - u) - 8, 0), Math.max(Math.abs(y - v) - 6.8, 0))).toBeGreaterThan(6.999);
+      }
+      for (const [u, v] of boxes.slice(0, k)) {
+        expect(Math.abs(x - u) > 15.999 || Math.abs(y - v) > 13.599).toBe(true);
+      }
+    });
+  }
+  expect(free).toBeGreaterThan(25 * count);
+});
