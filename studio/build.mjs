@@ -23,7 +23,7 @@ const smaller = {
   name: "smaller",
   async generateBundle(_, bundle) {
     for (const chunk of Object.values(bundle)) {
-      if (chunk.type === "chunk") chunk.code = (await minify(chunk.code, { module: true, compress: { passes: 3 } })).code;
+      if (chunk.type === "chunk") chunk.code = (await minify(chunk.code, { module: true, compress: { passes: 3, ecma: 2020, unsafe_arrows: true } })).code;
     }
   },
 };

@@ -23,7 +23,7 @@ const SLOTS: Slot[] = [0, 1];
 
 /** Makes the column. */
 export function createCompare(context: Context): Compare {
-  const { studio, say, engine } = context;
+  const { studio, say, plain, engine } = context;
   const state = () => studio.view.state;
   const solvers = engine.catalogue.solvers.map(({ name }) => [name, name] as const);
   const parts = SLOTS.map((slot) => {
@@ -130,7 +130,7 @@ export function createCompare(context: Context): Compare {
   });
   const writeWarnings = changes((text: string) => {
     const lines = JSON.parse(text) as string[];
-    const items = lines.map((line) => element("li", {}, line));
+    const items = lines.map((line) => element("li", {}, plain(line)));
     warnings.replaceChildren(...(lines.length ? [element("li", {}, `${say("notes")}:`)] : []), ...items);
   });
 
@@ -155,7 +155,7 @@ export function createCompare(context: Context): Compare {
         const { answer, refused } = studio.view.results[slot];
         if (method.value !== state().methods[slot]) method.value = state().methods[slot];
         write(summary, answer ? `U ${answer.metrics.uniformity.toFixed(3)}` : "");
-        write(refusal, refused && say("unsolved", { line: refused }));
+        write(refusal, refused && say("unsolved", { line: plain(refused) }));
         refusal.hidden = refused === "";
         ring(slot);
       }

@@ -12,6 +12,8 @@ export interface Context {
   theme: "dark" | "light";
   say(word: Word, put?: Record<string, string | number>): string;
   /** Says something to who does not look. */
+  /** A line of the core on a scene of the page. */
+  plain(line: string): string;
   announce(text: string): void;
   /** Shows one line of what went wrong. */
   alarm(text: string): void;

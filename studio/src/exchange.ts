@@ -59,19 +59,20 @@ const placesOf = (array: Float64Array) =>
   Array.from({ length: array.length / 6 }, (_, k) => [...array.subarray(3 * k, 3 * k + 3)] as Vec3);
 
 /** The scene as the command line reads it, with slot A's method. */
-export async function exportScene({ studio, engine }: Context): Promise<void> {
+export async function exportScene({ studio, engine, plain }: Context): Promise<void> {
   await studio.settled();
-  if (studio.view.results[0].refused) throw new Error(studio.view.results[0].refused);
+  const { refused } = studio.view.results[0];
+  if (refused) throw new Error(plain(refused));
   save("scene.toml", await engine.slots[0].save(true), "text/plain");
 }
 
 /** The drive of the slot that is shown, as `midair solve -o drive.csv` writes it. */
-export async function exportDrive({ studio, alarm, say }: Context, slot: Slot): Promise<void> {
+export async function exportDrive({ studio, alarm, say, plain }: Context, slot: Slot): Promise<void> {
   await studio.settled();
   const { results, array } = studio.view;
   const { answer, refused } = results[slot];
   if (answer) save("drive.csv", writeDrive(placesOf(array), answer.drive), "text/csv");
-  else alarm(say("unsolved", { line: refused }));
+  else alarm(say("unsolved", { line: plain(refused) }));
 }
 
 /** What is painted, as a picture. */

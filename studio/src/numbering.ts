@@ -6,31 +6,23 @@ const WAYS = [[1, -1], [1, 1], [-1, -1], [-1, 1], [1, 0], [-1, 0], [0, -1], [0, 
 /** A number's box is so high for its width. */
 const HIGH = 0.85;
 
-/** Where a number's middle is beside its ring's, in px, and whether it covers nothing there. */
-export interface Spot {
-  x: number;
-  y: number;
-  free: boolean;
-}
-
-/** Spots of the numbers of rings at places [x, y] with that radius, in boxes of that width; all in px. */
-export function number(rings: readonly (readonly number[])[], radius: number, width: number): Spot[] {
+/**
+ * Where the numbers' middles are beside those of rings at [x, y] with that radius, in boxes of that width, all in px;
+ * undefined where there is no free place.
+ */
+export function number(rings: readonly (readonly number[])[], radius: number, width: number): (number[] | undefined)[] {
   const [wide, high] = [width / 2, (HIGH * width) / 2];
-  const kept: number[][] = [];
-  return rings.map(([x, y]) => {
+  // What is covered: the middle of each, and half its width and height.
+  const taken = rings.map(([x, y]) => [x, y, radius, radius]);
+  return rings.map(([x, y], index) => {
     const ways = WAYS.map(([right, down]) => {
       const way = radius * (right && down ? Math.SQRT1_2 : 1) + 1;
       return [right * (way + wide), down * (way + high)];
     });
-    const free = ways.find(
-      ([dx, dy]) =>
-        rings.every(
-          ([u, v]) =>
-            Math.hypot(Math.max(Math.abs(x + dx - u) - wide, 0), Math.max(Math.abs(y + dy - v) - high, 0)) >= radius,
-        ) && kept.every(([u, v]) => Math.abs(x + dx - u) >= width || Math.abs(y + dy - v) >= HIGH * width),
+    const free = ways.find(([dx, dy]) =>
+      taken.every(([u, v, a, b], k) => k === index || Math.abs(x + dx - u) >= wide + a || Math.abs(y + dy - v) >= high + b),
     );
-    if (free) kept.push([x + free[0], y + free[1]]);
-    const [dx, dy] = free ?? ways[0];
-    return { x: dx, y: dy, free: Boolean(free) };
+    if (free) taken.push([x + free[0], y + free[1], wide, high]);
+    return free;
   });
 }

@@ -13,6 +13,7 @@ import { createFlat } from "./painter/canvas2d.ts";
 import { createPainter } from "./painter/painter.ts";
 import type { Painter } from "./painter/picture.ts";
 import { createPanels } from "./panels.ts";
+import { plain } from "./refusals.ts";
 import { createStage } from "./stage.ts";
 import type { Studio } from "./studio.ts";
 import { type Lattice, type Slot, VIEWS, type Vec3, type View } from "./types.ts";
@@ -59,6 +60,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     language,
     theme,
     say: (word, put) => say(language, word, put),
+    plain: (line) => plain(language, line),
     announce: announcer(status),
     listen: (listener) => void endings.push(studio.listen(listener)),
     ending: (act) => void endings.push(act),
@@ -102,6 +104,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     return made;
   }
 
+  let [said, told] = ["", ""];
   function place() {
     const { state } = studio.view;
     bar.place();
@@ -111,7 +114,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     slots.choose(String(state.slot));
     const [a, b] = studio.view.results.map(({ answer }) => answer?.metrics.uniformity.toFixed(3) ?? "–");
     const [methodA, methodB] = state.methods;
-    root.dataset.said = context.say("said", { a, b, methodA, methodB });
+    said = context.say("said", { a, b, methodA, methodB });
     // A picture that the next one is about to replace would only hold that up.
     const same = studio.view.results.every(({ lattice }, slot) => lattice === painted[slot]);
     if (studio.view.moving && same) stage.place();
@@ -173,11 +176,9 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     if (file) void open(context, file);
   };
   const over = (event: DragEvent) => event.preventDefault();
-  let told = "";
   announceChanges(context);
   context.listen(() => {
     place();
-    const { said = "" } = root.dataset;
     if (said !== told && !studio.view.moving) context.announce((told = said));
     warn();
   });
@@ -189,7 +190,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     const refused = a && b && !studio.view.moving ? a : "";
     if (refused === warned) return;
     warned = refused;
-    context.alarm(refused && context.say("unsolved", { line: refused }));
+    context.alarm(refused && context.say("unsolved", { line: plain(language, refused) }));
   }
   const size = new ResizeObserver(context.repaint);
   [canvas, stage.view, ...compare.slices].forEach((each) => size.observe(each));

@@ -205,9 +205,9 @@ export function createStage(context: Context, eye: Eye): Stage {
         const name = label(index);
         if (button.ariaLabel !== name) button.ariaLabel = name;
         const [left, top] = rings[index];
-        const { x, y, free } = spots[index] ?? { x: wide, y: -wide, free: false };
-        (button.firstElementChild as HTMLElement).style.translate = `${x}px ${y}px`;
-        button.classList.toggle("crowded", !free);
+        const spot = spots[index];
+        (button.firstElementChild as HTMLElement).style.translate = spot ? `${spot[0]}px ${spot[1]}px` : "";
+        button.classList.toggle("crowded", !spot);
         button.style.transform = `translate(${left.toFixed(2)}px, ${top.toFixed(2)}px)`;
         button.classList.toggle("quiet", state().pressures?.[index] === 0);
       });

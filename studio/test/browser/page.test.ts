@@ -1,5 +1,6 @@
 // The page as a person uses it: drag, keys, undo, link, export, warnings; and that nothing leaves its origin.
-import { readFile } from "node:fs/promises";
+import { readFile, readdir } from "node:fs/promises";
+import { gzipSync } from "node:zlib";
 
 import type { Page } from "playwright-core";
 import { beforeEach, expect, test } from "vitest";
@@ -197,6 +198,19 @@ test("on a Japanese page a refusal begins in Japanese", async () => {
   await context.close();
 });
 
+test("a scene that cannot be solved is told in the page's language, without the file's line and column", async () => {
+  const inside = { points: [[0, 0, 0.1]], obstacles: [{ center: [0, 0, 0.1], radius: 0.02, kind: "rigid" }] };
+  const told = async (shown: Page) => {
+    await shown.evaluate((state) => window.midair!.set(state as never), inside);
+    await shown.evaluate(() => window.midair!.settled());
+    return shown.getByRole("alert").innerText();
+  };
+  expect(await told(page)).toMatch(/^Cannot be solved: point 1 is .*inside the sphere/);
+  const { page: japanese, context } = await visit(open.browser, open.url, { locale: "ja-JP" });
+  expect(await told(japanese)).toMatch(/^解けません: 点 1 は障害物の中/);
+  await context.close();
+});
+
 test("a link opens what was shared; a bad one is one alert", async () => {
   await page.evaluate(() => window.midair!.set({ temperature: 31, methods: ["greedy", "gspat"] }));
   await settled();
@@ -246,6 +260,12 @@ test("nothing leaves the origin, and nothing is complained of", async () => {
   await settled();
   expect(requests.filter((url) => !url.startsWith(open.url) && !url.startsWith("blob:") && !url.startsWith("data:"))).toEqual([]);
   expect(complaints).toEqual([]);
+});
+
+test("page code and style are at most 45 kB", async () => {
+  const files = (await readdir(`${built}/site/assets`)).map((name) => readFile(`${built}/site/assets/${name}`));
+  const sizes = (await Promise.all(files)).map((file) => gzipSync(file, { level: 9 }).length);
+  expect(sizes.reduce((a, b) => a + b)).toBeLessThanOrEqual(45_000);
 });
 
 test("without WebGL2 the slices are still drawn", async () => {
