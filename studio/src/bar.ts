@@ -17,13 +17,13 @@ export interface Deeds {
 const LOGO =
   '<svg viewBox="0 0 24 24" width="24" height="24" aria-hidden="true" fill="none" stroke="currentColor" stroke-width="2" ' +
   'stroke-linecap="round"><circle cx="12" cy="5.5" r="2.4" fill="currentColor" stroke="none"/>' +
-  '<path d="M7.2 9.5a6.6 6.6 0 0 0 9.6 0M4.5 13a11 11 0 0 0 15 0M2 17a15.500 15.500 0 0 0 20 0"/></svg>';
+  '<path d="M7.2 9.5a6.6 6.6 0 0 0 9.6 0M4.5 13a11 11 0 0 0 15 0M2 17a15.5 15.5 0 0 0 20 0"/></svg>';
 
 /** Makes the bar. */
 export function createBar(context: Context, deeds: Deeds): { root: HTMLElement; place(): void } {
   const { studio, say } = context;
   const button = (text: string, act: () => void, name = text, className = "") =>
-    element("button", { type: "button", onclick: act, className, "aria-label": name, title: name }, text);
+    element("button", { onclick: act, className, "aria-label": name, title: name }, text);
   const step = (way: "undo" | "redo") => {
     if (studio[way]()) context.announce(say(way === "undo" ? "undone" : "redone"));
   };
@@ -66,7 +66,7 @@ export function createBar(context: Context, deeds: Deeds): { root: HTMLElement; 
     button(say("share"), () => void share(), say("share"), "filled"),
     file,
   );
-  const menu = element("button", { type: "button", className: "menu icon", "aria-label": say("menu"), "aria-controls": "tools", "aria-expanded": "false" }, "☰");
+  const menu = element("button", { className: "menu icon", "aria-label": say("menu"), "aria-controls": "tools", "aria-expanded": "false" }, "☰");
   const fold = (open: boolean) => menu.setAttribute("aria-expanded", String(tools.classList.toggle("open", open)));
   menu.onclick = () => fold(menu.ariaExpanded === "false");
   // What was taken from the menu is below it. A dialog gives the focus back to where it was.

@@ -10,7 +10,7 @@ type WithSerial = Navigator & { serial?: { requestPort(): Promise<SerialPortLike
 /** Makes the button: it asks for a port, plays what slot A finds, and turns the board off. */
 export function createBoardButton(context: Context): HTMLElement {
   const { studio, engine, say } = context;
-  const button = element("button", { type: "button", className: "board" }, say("connect"));
+  const button = element("button", { className: "board" }, say("connect"));
   let player: Player | null = null;
   let unguard = () => undefined as void;
   /** The drive that the board has, or will have next. */

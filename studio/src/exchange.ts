@@ -25,8 +25,10 @@ export async function open(context: Context, file: File): Promise<void> {
       studio.change({ points: points.map(([a, b, z]) => [a + x, b + y, z]), pressures: null, path: null });
     } else if (/^index\b.*\bamplitude\b/.test(text)) {
       await compareDrive(context, readDrive(text));
-    } else {
+    } else if (ending === "csv") {
       studio.change({ array: readArray(text, file.name) });
+    } else {
+      throw new Error("give .toml, .json, .csv or .svg");
     }
     context.alarm("");
     context.announce(context.say("opened", { name: file.name }));

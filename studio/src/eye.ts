@@ -2,7 +2,7 @@
 
 import { type Camera, fit, project } from "./painter/camera.ts";
 import type { Studio } from "./studio.ts";
-import type { Vec3 } from "./types.ts";
+import type { State, Vec3 } from "./types.ts";
 
 /** A camera that outlives the page's themes and languages. */
 export interface Eye {
@@ -23,6 +23,12 @@ const PITCH = [-0.3, 1.57];
 /** In m. */
 const DISTANCE = [0.05, 5];
 
+/** The glow about a point is so much higher, in m. */
+const GLOW = 0.04;
+
+/** Times as far away as need be. */
+const LOOSE = 1.5;
+
 const within = (value: number, [least, most]: number[]) => Math.min(Math.max(value, least), most);
 
 /** An eye for a studio. */
@@ -31,21 +37,14 @@ export function createEye({ view }: Studio): Eye {
   /** What it was fitted to: the array, and the view's size as long as nobody has turned it. */
   let fitted = "";
   let turned = false;
+  /** The state that was last looked at so. */
+  let seen: State;
   const key = (size: number[]) => JSON.stringify([view.state.array, view.array.length, turned ? [] : size]);
 
   function corners(): Vec3[] {
     const { z, size, center } = view.state.plane;
     return [-0.5, 0.5].flatMap((a) => [-0.5, 0.5].map((b): Vec3 => [center[0] + a * size, center[1] + b * size, z]));
   }
-
-  /** Whether something is out of sight that nobody has turned away from, nor holds. */
-  const cut = ([width, height]: [number, number]) =>
-    !turned &&
-    !view.moving &&
-    [...view.state.points, ...corners()].some((place) => {
-      const [x, y] = project(camera, place, width, height);
-      return x < 0 || x > width || y < 0 || y > height;
-    });
 
   function hold(changes: Partial<Camera>) {
     camera = { ...camera, ...changes };
@@ -55,10 +54,20 @@ export function createEye({ view }: Studio): Eye {
 
   return {
     camera(size) {
-      if (fitted !== key(size) || cut(size)) {
-        camera = fit(view.positions, [...view.state.points, ...corners()], ...size);
-        turned = false;
+      const { state } = view;
+      const fresh = fitted !== key(size);
+      if (fresh || (state !== seen && !turned && !view.moving)) {
+        const all = [...state.points.map(([x, y, z]): Vec3 => [x, y, z + GLOW]), ...corners()];
+        const best = fit(view.positions, all, ...size);
+        // What comes to lie out of sight, or makes the view too large by far, is looked at anew; else nothing jumps.
+        const cut = all.some((place) => {
+          const at = project(camera, place, ...size);
+          return size.some((side, k) => Math.abs(2 * at[k] - side) > side);
+        });
+        if (fresh || cut || camera.distance > LOOSE * best.distance) camera = best;
+        if (fresh) turned = false;
         fitted = key(size);
+        seen = state;
       }
       return camera;
     },

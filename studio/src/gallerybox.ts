@@ -16,12 +16,12 @@ export function showGallery(context: Context): void {
       context.announce(say("opened", { name: word(name) }));
     };
     const text = element("span", {}, word(line));
-    return element("li", {}, element("button", { type: "button", onclick: choose }, element("b", {}, word(name)), text));
+    return element("li", {}, element("button", { onclick: choose }, element("b", {}, word(name)), text));
   });
   const dialog = element(
     "dialog",
     { className: "gallery", "aria-label": say("gallery") },
-    element("header", {}, element("h2", {}, say("gallery")), element("button", { type: "button", className: "icon", "aria-label": say("close"), onclick: () => dialog.close() }, "×")),
+    element("header", {}, element("h2", {}, say("gallery")), element("button", { className: "icon", "aria-label": say("close"), onclick: () => dialog.close() }, "×")),
     element("ul", {}, ...cards),
   );
   dialog.onclose = () => dialog.remove();

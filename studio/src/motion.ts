@@ -48,7 +48,7 @@ export function createMotion(context: Context): { root: HTMLElement; place(): vo
   };
   const size = number((mm) => (state().path?.kind === "line" ? { length: mm / 1000 } : { radius: mm / 1000 }), 1, 100);
   const turns = number((frequency) => ({ frequency }), 0.1, 50);
-  const move = element("button", { type: "button", className: "small", onclick: toggle }, say("move"));
+  const move = element("button", { className: "small", onclick: toggle }, say("move"));
   const found = element("div");
   const more = element("div", {}, labelled(say("radius"), size), labelled(say("frequency"), turns), move, found);
   let running = 0;

@@ -1,7 +1,7 @@
 /** Numbering: where the numbers of rings stand, so that they cover no ring and not one another. */
 
-/** From a ring to its number; the first way that is free is taken. */
-const WAYS = [[1, -1], [1, 1], [-1, -1], [-1, 1], [1, 0], [-1, 0], [0, -1], [0, 1]];
+/** From a ring to its number, right and down; the first way that is free is taken. */
+const WAYS = [[0.7, -0.7], [0.7, 0.7], [-0.7, -0.7], [-0.7, 0.7], [1, 0], [-1, 0], [0, -1], [0, 1]];
 
 /** A number's box is so high for its width. */
 const HIGH = 0.85;
@@ -15,11 +15,10 @@ export function number(rings: readonly (readonly number[])[], radius: number, wi
   // What is covered: the middle of each, and half its width and height.
   const taken = rings.map(([x, y]) => [x, y, radius, radius]);
   return rings.map(([x, y], index) => {
-    const ways = WAYS.map(([right, down]) => {
-      const way = radius * (right && down ? Math.SQRT1_2 : 1) + 1;
-      return [right * (way + wide), down * (way + high)];
-    });
-    const free = ways.find(([dx, dy]) =>
+    const free = WAYS.map(([right, down]) => [
+      right * (radius + 1) + Math.sign(right) * wide,
+      down * (radius + 1) + Math.sign(down) * high,
+    ]).find(([dx, dy]) =>
       taken.every(([u, v, a, b], k) => k === index || Math.abs(x + dx - u) >= wide + a || Math.abs(y + dy - v) >= high + b),
     );
     if (free) taken.push([x + free[0], y + free[1], wide, high]);

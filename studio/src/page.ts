@@ -65,7 +65,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     listen: (listener) => void endings.push(studio.listen(listener)),
     ending: (act) => void endings.push(act),
     alarm(text) {
-      const close = element("button", { type: "button", className: "plain", "aria-label": context.say("close") }, "×");
+      const close = element("button", { className: "plain", "aria-label": context.say("close") }, "×");
       close.onclick = () => alert.replaceChildren();
       alert.replaceChildren(...(text ? [element("span", {}, text), close] : []));
     },
@@ -223,7 +223,7 @@ const VIEW_WORDS = { slice: "viewSlice", volume: "viewVolume", both: "viewBoth" 
 /** Buttons of which one is chosen. */
 function segments(name: string, pairs: readonly (readonly string[])[], choose: (value: string) => void) {
   const buttons = pairs.map(([value, text]) =>
-    element("button", { type: "button", value, onclick: () => choose(value) }, text),
+    element("button", { value, onclick: () => choose(value) }, text),
   );
   return {
     root: element("div", { className: "joined", role: "group", "aria-label": name }, ...buttons),

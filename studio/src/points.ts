@@ -2,7 +2,8 @@
 
 import type { State, Vec3 } from "./types.ts";
 
-const rounded = (point: Vec3) => point.map((x) => Math.round(x * 1e6) / 1e6) as Vec3;
+/** To 1 um and within 10 m, as links have it. */
+const rounded = (point: Vec3) => point.map((x) => Math.round(Math.min(Math.max(x, -10), 10) * 1e6) / 1e6) as Vec3;
 
 /** The state with a point elsewhere. */
 export function moved(state: State, index: number, to: Vec3): Partial<State> {

@@ -23,7 +23,7 @@ export function createShapes(context: Context): { root: HTMLElement } {
     { "aria-label": say("shapes") },
   );
   const text = element("input", { type: "text", value: "HI", maxLength: 8, hidden: true, "aria-label": say("shapeText") });
-  const draw = element("button", { type: "button", className: "small", onclick: apply }, say("draw"));
+  const draw = element("button", { className: "small", onclick: apply }, say("draw"));
 
   function apply() {
     const { plane } = studio.view.state;

@@ -60,7 +60,7 @@ export function createStage(context: Context, eye: Eye): Stage {
   const state = () => studio.view.state;
 
   function handle(index: number): HTMLButtonElement {
-    const button = element("button", { className: "point", type: "button" }, element("span", {}, String(index + 1)));
+    const button = element("button", { className: "point" }, element("span", {}, String(index + 1)));
     button.onpointerdown = (event) => {
       // Where handles overlap, the nearest point is meant.
       const nearest = nearestTo(local(event));

@@ -21,7 +21,7 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
     element("thead", {}, element("tr", {}, ...head.map((text) => element("th", { scope: "col" }, text)))),
     body,
   );
-  const add = element("button", { type: "button", className: "small", onclick: extend }, `+ ${say("add")}`);
+  const add = element("button", { className: "small", onclick: extend }, `+ ${say("add")}`);
 
   function extend() {
     const { plane, points } = state();
@@ -47,7 +47,7 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
           const to = [...state().points[index]] as Vec3;
           if (value !== "" && Number.isFinite(+value)) to[k] = +value / 1000;
           studio.change(moved(state(), index, to), `table ${index} ${k}`);
-          showAll();
+          showAll(true);
         },
       }),
     );
@@ -62,13 +62,12 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
         const value = target.value === "" ? null : Math.max(0, Number(target.value));
         const balanced = studio.view.results[0].answer?.targets ?? [];
         studio.change(asked(state(), index, value, balanced), `target ${index}`);
-        showAll();
+        showAll(true);
       },
     });
     const gone = element(
       "button",
       {
-        type: "button",
         className: "plain",
         "aria-label": say("remove", { n }),
         onclick: () => {
@@ -85,8 +84,8 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
     return { root, inputs };
   }
 
-  /** Writes the values; that which is being typed is left alone. */
-  function showAll() {
+  /** Writes the values; that which is being typed is left alone until it is `done`. */
+  function showAll(done = false) {
     const { points, pressures } = state();
     while (rows.length > points.length) rows.pop()!.root.remove();
     while (rows.length < points.length) {
@@ -97,10 +96,10 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
     rows.forEach(({ inputs }, index) => {
       const values = [...points[index].map(millimetres), pressures ? String(pressures[index]) : ""];
       inputs.forEach((input, k) => {
-        if (input !== activeElement && input.value !== values[k]) input.value = values[k];
+        if ((done || input !== activeElement) && input.value !== values[k]) input.value = values[k];
       });
     });
   }
 
-  return { root: element("div", { className: "table" }, table, add), place: showAll };
+  return { root: element("div", { className: "table" }, table, add), place: () => showAll() };
 }

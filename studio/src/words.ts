@@ -85,8 +85,8 @@ export const WORDS = {
     "最大位相変化 {change} rad/フレーム、最弱フレームは最大 |p| の {dip} %",
   ],
   stands: [
-    "No phase moves: glide's bound of π/16 a frame is below a step of the array's phases. Choose any drive under device levels",
-    "位相が動きません: glide の上限 (π/16/フレーム) がアレイの位相刻みより小さいためです。量子化を連続値にしてください",
+    "No phase moves: glide's bound is below a step of the array's phases. Choose any drive under device levels",
+    "位相が動きません: glide の上限がアレイの位相刻みより小さいためです。量子化を連続値にしてください",
   ],
   changes: ["Largest phase change", "最大位相変化"],
   view: ["View", "表示"],

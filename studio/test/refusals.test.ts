@@ -23,12 +23,12 @@ const obstacles = (each: object) => ({ obstacles: [{ ...each, kind: "rigid" }] }
 
 test.each([
   [[{ position: [0, 0, -0.05] }], {}, /^point 1 is reached by no transducer/, /^点 1 に音が届き/],
-  [[here, { position: [0, 0, 0.15] }], obstacles({ center: [0, 0, 0.15], radius: 0.02 }), /^point 2 is .*: inside the sphere/, /^点 2 は障害物の中/],
+  [[here, { position: [0, 0, 0.15] }], obstacles({ center: [0, 0, 0.15], radius: 0.02 }), /^point 2\.position is .*: inside the sphere/, /^点 2 は障害物の中/],
   [[here], obstacles({ center: [0, 0, 0.01], radius: 0.02 }), /^obstacles\[0\] is a sphere/, /^障害物がアレイに/],
-  [[here], obstacles({ point: [0, 0, 0.1], normal: [0, 0, 1] }), /^point 1 is .*: behind the wall/, /^点 1 は障害物の中か裏/],
+  [[here], obstacles({ point: [0, 0, 0.1], normal: [0, 0, 1] }), /^point 1\.position is .*: behind the wall/, /^点 1 は障害物の中か裏/],
   [[here], obstacles({ point: [0.02, 0, 0.1], normal: [1, 0, 0] }), /^obstacles\[0\] is a wall/, /^障害物がアレイに/],
   [[{ ...here, pressure: 0 }], {}, /^pressures is all 0/, /^すべての点が 0 Pa/],
-  [[{ ...here, pressure: 1e6 }], {}, /^point 1 asks for 1000000 Pa, beyond reach/, /^点 1 の音圧.*\d Pa です$/],
+  [[{ ...here, pressure: 1e6 }], {}, /^point 1\.pressure is 1000000 Pa, beyond reach/, /^点 1 の音圧.*\d Pa です$/],
   [[{ ...here, pressure: 100 }], {}, /scale all drives by 0\.\d+/, /全駆動を 0\.\d+ 倍/],
 ])("%j %j", (points, more, english, japanese) => {
   const line = said(points, more);

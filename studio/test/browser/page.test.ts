@@ -205,7 +205,7 @@ test("a scene that cannot be solved is told in the page's language, without the 
     await shown.evaluate(() => window.midair!.settled());
     return shown.getByRole("alert").innerText();
   };
-  expect(await told(page)).toMatch(/^Cannot be solved: point 1 is .*inside the sphere/);
+  expect(await told(page)).toMatch(/^Cannot be solved: point 1\.position is .*inside the sphere/);
   const { page: japanese, context } = await visit(open.browser, open.url, { locale: "ja-JP" });
   expect(await told(japanese)).toMatch(/^解けません: 点 1 は障害物の中/);
   await context.close();
