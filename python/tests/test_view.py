@@ -181,6 +181,19 @@ def test_what_is_set_is_shown(shown) -> None:
     assert view.scene == scene
 
 
+def test_the_slice_goes_along_with_points_that_are_set(shown) -> None:
+    view, page = shown(autd3())
+    page.tell()
+    view.points = [[0, 0, 0.18], [0, 0.02, 0.1]]
+    assert view.scene.plane.z == 0.18, "a point is still on it"
+    view.points = [[0, 0, 0.12], [0, 0.02, 0.1]]
+    sent = midair.Scene.parse(page.seen[-1]).plane
+    assert (sent.z, sent.size, sent.center) == (0.12, 0.18, (0, 0))
+    view.scene = view.scene.replace(plane=midair.Plane(0.3, 0.1))
+    view.points = [[0, 0, 0.15]]
+    assert view.scene.plane.z == 0.3, "it went through no point"
+
+
 def test_a_view_that_is_not_built_says_so(tmp_path: Path) -> None:
     pytest.importorskip("anywidget", reason="anywidget is missing")
     with pytest.raises(midair.SceneError, match="make studio"):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Scene, SceneError, Solution
+from .._midair import Plane, Scene, SceneError, Solution
 from .built import BUILT, file
 from .told import scene_text, shown_scene
 
@@ -79,7 +79,13 @@ class View:
 
     @points.setter
     def points(self, points: ArrayLike) -> None:
-        self.scene = self.scene.replace(points=points)
+        before = self.scene
+        scene = before.replace(points=points)
+        plane = before.plane
+        if plane is not None and _cuts(plane, before) and not _cuts(plane, scene) and len(scene.points):
+            # The slice goes along, as it does in the page.
+            scene = scene.replace(plane=Plane(scene.points[0, 2], plane.size, plane.pixels, plane.center))
+        self.scene = scene
 
     @property
     def pressures(self) -> NDArray[np.float64] | None:
@@ -117,3 +123,8 @@ class View:
 
     def __repr__(self) -> str:
         return f"<midair.View of {len(self.points)} points>"
+
+
+def _cuts(plane: Plane, scene: Scene) -> bool:
+    """Whether the slice goes through a point."""
+    return bool(np.isclose(scene.points[:, 2], plane.at).any())
