@@ -1,0 +1,31 @@
+// How long the page takes to be ready, from the first byte asked for to the first answers, and to their pictures:
+// node ready.mjs [visits]. Each visit is a browser of its own, so that nothing is kept from the one before.
+import { withSite } from "./with_site.mjs";
+
+const visits = Number(process.argv[2] ?? 9);
+
+/** Runs in the page, before its own scripts: notes when its answers are there, and when they are seen. */
+function watch() {
+  const look = () => {
+    if (!window.midair?.state().ready) return setTimeout(look, 5);
+    const ready = performance.now();
+    void window.midair.settled().then(() => requestAnimationFrame(() => requestAnimationFrame(() => (window.times = { ready, seen: performance.now() }))));
+  };
+  look();
+}
+
+await withSite(async ({ url, launch, visit }) => {
+  const rows = [];
+  for (let k = 0; k < visits; k += 1) {
+    const browser = await launch();
+    const { page } = await visit(browser, url, {}, watch);
+    await page.waitForFunction(() => window.times, undefined, { timeout: 60_000 });
+    rows.push(await page.evaluate(() => window.times));
+    await browser.close();
+  }
+  const told = (key) => {
+    const sorted = rows.map((row) => row[key]).toSorted((a, b) => a - b);
+    return `${sorted[visits >> 1].toFixed(0)} ms (at most ${sorted.at(-1).toFixed(0)})`;
+  };
+  console.log(`ready after ${told("ready")}, all that is shown at first seen after ${told("seen")}; medians of ${visits} visits`);
+});
