@@ -12,7 +12,12 @@ const here = import.meta.dirname;
 const out = `${here}/built`;
 
 /** Shaders without comments and indentation: the texts of several lines among the painter's. */
-const short = (shader) => shader.replace(/\/\/.*|\/\*[^]*?\*\//g, "").replace(/\s+/g, " ").replace(/ ?([{}();,=*/<>?:]) ?/g, "$1");
+const short = (shader) =>
+  shader
+    .replace(/\/\/.*|\/\*[^]*?\*\//g, "")
+    .replace(/\s+/g, " ")
+    .replace(/ ?([{}();,=*/<>?:]) ?/g, "$1")
+    .replace(/(?<=[\w.)\]]) ([+-]) (?=[\w.(])/g, "$1");
 const shaders = {
   name: "shaders",
   transform: (code, id) => (/painter\/\w+\.ts$/.test(id) ? code.replace(/`[^`]*`/g, (text) => (text.includes("\n") ? short(text) : text)) : undefined),
