@@ -177,6 +177,39 @@ test("an SVG that is dropped in becomes points along its lines; one with a scrip
   expect(await points()).toEqual(found);
 });
 
+test("a file of another kind is told which are read", async () => {
+  await drop("photo.png", "\x89PNG");
+  await expect.poll(() => page.getByRole("alert").innerText()).toMatch(/photo\.png: give \.toml, \.json, \.csv or \.svg/);
+});
+
+test("a number is shown as it was taken", async () => {
+  const typed = async (name: string, text: string) => {
+    const input = page.getByRole("spinbutton", { name });
+    await input.fill(text);
+    await input.press("Enter");
+    return input.inputValue();
+  };
+  expect(await typed("x of point 1 in mm", "12.3456")).toBe("12.35");
+  expect(await typed("x of point 1 in mm", "99999")).toBe("10000");
+  expect(await typed("x of point 1 in mm", "")).toBe("10000");
+  expect(await typed("Pressure of point 1 in Pa", "-5")).toBe("0");
+});
+
+test("the camera goes after a point that comes to lie out of sight, and back with it", async () => {
+  const seen = (place: Vec3) => page.evaluate((place) => window.midair!.project(place), place);
+  const put = async (place: Vec3) => {
+    await page.evaluate((place) => window.midair!.set({ points: [place] }), place);
+    await settled();
+    return seen(place);
+  };
+  const before = await put([0, 0, 0.18]);
+  const box = (await page.getByRole("group", { name: "Array and field in space" }).boundingBox())!;
+  const [x, y] = await put([0.7, 0, 0.18]);
+  expect(x > box.x && x < box.x + box.width && y > box.y && y < box.y + box.height).toBe(true);
+  const after = await put([0, 0, 0.18]);
+  expect(Math.hypot(after[0] - before[0], after[1] - before[1])).toBeLessThan(1);
+});
+
 test("a path is played with its changes and weakest points as curves; what stands still is told", async () => {
   await page.evaluate(() =>
     window.midair!.set({ view: "slice", path: { kind: "circle", radius: 0.004, frequency: 40 } }),
