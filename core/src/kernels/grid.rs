@@ -309,14 +309,18 @@ impl Apart for Rounding<'_> {
 
 /// The largest |q|.
 pub(crate) fn largest(set: InstructionSet, drive: &[Complex32]) -> f32 {
-    dispatch!(set, s => {
-        let mut most = s.splat(0.0);
+    // The squares of q up to 1 neither overflow nor, down to 1e-37, underflow.
+    const UP: f32 = (1_u64 << 60) as f32;
+    let most = dispatch!(set, s => {
+        let (up, mut most) = (s.splat(UP), s.splat(0.0));
         for own in drive.chunks(LANES) {
             let q = planar(own);
-            most = s.max(modulus(s, [s.load(&q[0]), s.load(&q[1])]), most);
+            let (re, im) = (s.mul(s.load(&q[0]), up), s.mul(s.load(&q[1]), up));
+            most = s.max(s.add(s.mul(re, re), s.mul(im, im)), most);
         }
         s.reduce_max(most)
-    })
+    });
+    math::sqrtf(most) / UP
 }
 
 /// Real and imaginary parts of sixteen drives or fewer.
