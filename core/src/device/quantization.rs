@@ -98,7 +98,7 @@ impl Quantization {
     #[must_use]
     pub fn nearest(&self, drive: Complex32) -> Complex32 {
         let mut drive = [drive];
-        self.grid.round(InstructionSet::SCALAR, 1.0, 1.0, &mut drive);
+        self.grid.round(InstructionSet::SCALAR, 1.0, [1.0; 2], &mut drive);
         drive[0]
     }
 

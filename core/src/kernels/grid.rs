@@ -39,7 +39,8 @@ pub(crate) struct Grid {
 /// The phases 2 pi l/L.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Phases {
-    /// cos and sin of each code l = -L to L: no code that rounding finds has to be brought into 0 to L - 1.
+    /// cos and sin of each code l = -L to L: no code that rounding finds has to be brought into 0 to L - 1. Then 0, for what has
+    /// no phase.
     phasors: Vec<f32>,
     count: f32,
     /// cos - 1 and sin of the first.
@@ -63,7 +64,7 @@ impl Phases {
         let once: Vec<f32> = (0..count).flat_map(|l| [math::cos, math::sin].map(|of| of(angle(l)) as f32)).collect();
         let half = math::sin(0.5 * angle(1));
         let step = [-2.0 * half * half, math::sin(angle(1))].map(|x| x as f32);
-        Self { phasors: [&once[..], &once[..], &once[..2]].concat(), count: count as f32, step }
+        Self { phasors: [&once[..], &once, &once[..2], &[0.0; 2]].concat(), count: count as f32, step }
     }
 
     /// L.
@@ -71,16 +72,14 @@ impl Phases {
         self.count
     }
 
-    /// Where the phases of q lie among the codes: l and a fraction, from -L/2 to L/2.
+    /// Half a code later than the phases of q lie among the codes, -L/2 to L/2: its floor is the nearest code, of two as near
+    /// the later one. Anything where q is 0.
     #[inline(always)]
-    pub(crate) fn places<S: Elementwise>(&self, s: S, q: [S::V; 2]) -> S::V {
-        s.mul(s.splat(self.count), turns(s, q))
-    }
-
-    /// The codes nearest to some places, -L to L like these; of two as near the later one.
-    #[inline(always)]
-    pub(crate) fn codes<S: Elementwise>(s: S, places: S::V) -> S::V {
-        s.floor(s.add(places, s.splat(0.5)))
+    pub(crate) fn later<S: Elementwise>(&self, s: S, q: [S::V; 2]) -> S::V {
+        let [quarters, ratio, factor] = turns(s, q);
+        // Only the factor has been waited for.
+        let count = s.splat(self.count);
+        joined(s, [joined(s, [s.splat(0.5), count], quarters), s.mul(count, ratio)], factor)
     }
 
     /// The phasors of some codes, 0 where q is 0.
@@ -102,15 +101,13 @@ impl Phases {
     /// As [`Phases::nearest`] for eight q, re and im side by side.
     #[inline(always)]
     pub(crate) fn nearest_pairs<S: Simd>(&self, s: S, pairs: S::V) -> S::V {
-        let (q, zero) = ([pairs, s.swap::<1>(pairs)], s.splat(0.0));
-        let codes = Self::codes(s, self.places(s, q));
-        s.select_less(zero, sides(s, q)[0], s.gather_pairs(&self.phasors, self.at(s, codes)), zero)
+        s.gather_pairs(&self.phasors, self.count as i32, self.later(s, [pairs, s.swap::<1>(pairs)]))
     }
 
     /// The phasors of the phases nearest to those of q, 0 where q is 0.
     #[inline(always)]
     pub(crate) fn nearest<S: Elementwise>(&self, s: S, q: [S::V; 2]) -> [S::V; 2] {
-        self.phasors(s, Self::codes(s, self.places(s, q)), q)
+        self.phasors(s, s.floor(self.later(s, q)), q)
     }
 
     /// cos - 1 and sin of 2 pi/L.
@@ -163,17 +160,11 @@ fn sides<S: Elementwise>(s: S, [re, im]: [S::V; 2]) -> [S::V; 2] {
     [s.max(along, across), s.min(along, across)]
 }
 
-/// The lesser of |re| and |im| over the larger.
-#[inline(always)]
-fn ratio<S: Elementwise>(s: S, q: [S::V; 2]) -> S::V {
-    let [large, small] = sides(s, q);
-    s.div(small, s.max(large, s.splat(f32::MIN_POSITIVE)))
-}
-
 /// |q|, whose square may underflow.
 #[inline(always)]
 fn modulus<S: Elementwise>(s: S, q: [S::V; 2]) -> S::V {
-    let (large, ratio) = (sides(s, q)[0], ratio(s, q));
+    let [large, small] = sides(s, q);
+    let ratio = s.div(small, s.max(large, s.splat(f32::MIN_POSITIVE)));
     s.mul(large, s.sqrt(s.add(s.splat(1.0), s.mul(ratio, ratio))))
 }
 
@@ -183,9 +174,10 @@ fn joined<S: Elementwise>(s: S, [a, b]: [S::V; 2], x: S::V) -> S::V {
     s.add(a, s.mul(b, x))
 }
 
-/// The phase of q in turns, from -1/2 to 1/2: an odd minimax polynomial for the arc tangent, made to end in 1/8 at 1.
+/// The phase of q in turns, from -1/2 to 1/2: a whole number of quarters; and the ratio, no number where q is 0, with its sign
+/// and the factor that makes it up to an eighth. They are an odd minimax polynomial for the arc tangent, made to end in 1/8 at 1.
 #[inline(always)]
-fn turns<S: Elementwise>(s: S, [re, im]: [S::V; 2]) -> S::V {
+fn turns<S: Elementwise>(s: S, [re, im]: [S::V; 2]) -> [S::V; 3] {
     const C: [f32; 8] = [
         0.159_154_83,
         -0.053_045_884,
@@ -196,7 +188,8 @@ fn turns<S: Elementwise>(s: S, [re, im]: [S::V; 2]) -> S::V {
         0.003_435_692,
         -0.000_632_677_87,
     ];
-    let ratio = ratio(s, [re, im]);
+    let [large, small] = sides(s, [re, im]);
+    let ratio = s.div(small, large);
     let square = s.mul(ratio, ratio);
     let fourth = s.mul(square, square);
     // In pairs, which do not wait for one another.
@@ -205,8 +198,7 @@ fn turns<S: Elementwise>(s: S, [re, im]: [S::V; 2]) -> S::V {
         *pair = joined(s, [s.splat(*low), s.splat(*high)], square);
     }
     let [a, b, c, d] = pairs;
-    let sum = joined(s, [joined(s, [a, b], fourth), joined(s, [c, d], fourth)], s.mul(fourth, fourth));
-    // What the octant adds, and the sign of what the ratio adds, wait for nothing.
+    let factor = joined(s, [joined(s, [a, b], fourth), joined(s, [c, d], fourth)], s.mul(fourth, fourth));
     let (zero, one, minus) = (s.splat(0.0), s.splat(1.0), s.splat(-1.0));
     let (along, across) = (s.abs(re), s.abs(im));
     let quarter = s.select_less(along, across, s.splat(0.25), zero);
@@ -214,8 +206,7 @@ fn turns<S: Elementwise>(s: S, [re, im]: [S::V; 2]) -> S::V {
     let half = s.select_less(re, zero, s.sub(s.splat(0.5), quarter), quarter);
     let left = s.select_less(re, zero, minus, one);
     let below = s.select_less(im, zero, minus, one);
-    let sign = s.mul(s.mul(steep, left), s.mul(below, ratio));
-    joined(s, [s.mul(below, half), sum], sign)
+    [s.mul(below, half), s.mul(s.mul(steep, left), s.mul(below, ratio)), factor]
 }
 
 impl Grid {
@@ -237,11 +228,16 @@ impl Grid {
         [s.div(q[0], held), s.div(q[1], held)]
     }
 
-    /// The nearest drives of the grid, where all are `full` at amplitude 1; 0 stays 0.
+    /// The nearest drives of the grid, of the amplitude `known` if it is; 0 stays 0.
     #[inline(always)]
-    fn nearest<S: Elementwise>(&self, s: S, q: [S::V; 2], full: bool) -> [S::V; 2] {
+    fn nearest<S: Elementwise>(&self, s: S, q: [S::V; 2], known: Option<f32>) -> [S::V; 2] {
         let (zero, large) = (s.splat(0.0), sides(s, q)[0]);
-        let amplitude = if full { s.splat(1.0) } else { self.amplitude(s, q) };
+        let amplitude = known.map_or_else(
+            #[inline(always)]
+            || self.amplitude(s, q),
+            #[inline(always)]
+            |known| s.splat(known),
+        );
         let mut new = self.direction(s, q);
         for (new, old) in new.iter_mut().zip(q) {
             *new = s.mul(amplitude, *new);
@@ -254,18 +250,26 @@ impl Grid {
         new
     }
 
-    /// Divides every drive by `factor` and rounds it; whether each is what it was times `common`, to the bit.
-    pub(crate) fn round(&self, set: InstructionSet, factor: f32, common: f32, drive: &mut [Complex32]) -> bool {
+    /// Divides every drive by `factor` and rounds it, moduli that are then `most` to the amplitude `common`; whether each is
+    /// what it was times `common`, to the bit.
+    pub(crate) fn round(
+        &self,
+        set: InstructionSet,
+        factor: f32,
+        [most, common]: [f32; 2],
+        drive: &mut [Complex32],
+    ) -> bool {
         dispatch!(set, s => {
             let mut differ = 0;
             for own in drive.chunks_mut(LANES) {
-                let mut some = Rounding { grid: self, part: 1.0 / factor, common, full: false, q: planar(own), differ };
+                let mut some = Rounding { grid: self, part: 1.0 / factor, common, known: None, q: planar(own), differ };
                 let [re, im] = [s.load(&some.q[0]), s.load(&some.q[1])];
                 let part = s.splat(some.part);
                 let (re, im) = (s.mul(re, part), s.mul(im, part));
                 let square = s.add(s.mul(re, re), s.mul(im, im));
-                // Most answers are at full drive.
-                some.full = s.less(square, s.splat(FULL * FULL)) == 0;
+                // Most answers have one modulus.
+                let least = FULL * most;
+                some.known = (s.less(square, s.splat(least * least)) == 0).then_some(common);
                 s.apart(own.len(), &mut some);
                 differ |= some.differ & (u32::MAX >> (32 - own.len()));
                 for (own, (re, im)) in own.iter_mut().zip(some.q[0].into_iter().zip(some.q[1])) {
@@ -283,7 +287,8 @@ struct Rounding<'a> {
     /// What they are multiplied by before, and what they are expected to be multiplied by altogether.
     part: f32,
     common: f32,
-    full: bool,
+    /// The amplitude of all, where it is known.
+    known: Option<f32>,
     q: [Lanes; 2],
     /// Bits of those that are not.
     differ: u32,
@@ -294,7 +299,7 @@ impl Apart for Rounding<'_> {
     fn run<S: Elementwise>(&mut self, s: S) {
         let (part, common) = (s.splat(self.part), s.splat(self.common));
         let q = [s.load(&self.q[0]), s.load(&self.q[1])];
-        let [re, im] = self.grid.nearest(s, [s.mul(q[0], part), s.mul(q[1], part)], self.full);
+        let [re, im] = self.grid.nearest(s, [s.mul(q[0], part), s.mul(q[1], part)], self.known);
         let (miss_re, miss_im) = (s.abs(s.sub(re, s.mul(q[0], common))), s.abs(s.sub(im, s.mul(q[1], common))));
         self.differ |= s.less(s.splat(0.0), s.max(miss_re, miss_im));
         s.store(re, &mut self.q[0]);
@@ -304,14 +309,18 @@ impl Apart for Rounding<'_> {
 
 /// The largest |q|.
 pub(crate) fn largest(set: InstructionSet, drive: &[Complex32]) -> f32 {
-    dispatch!(set, s => {
-        let mut most = s.splat(0.0);
+    // The squares of q up to 1 neither overflow nor, down to 1e-37, underflow.
+    const UP: f32 = (1_u64 << 60) as f32;
+    let most = dispatch!(set, s => {
+        let (up, mut most) = (s.splat(UP), s.splat(0.0));
         for own in drive.chunks(LANES) {
             let q = planar(own);
-            most = s.max(modulus(s, [s.load(&q[0]), s.load(&q[1])]), most);
+            let (re, im) = (s.mul(s.load(&q[0]), up), s.mul(s.load(&q[1]), up));
+            most = s.max(s.add(s.mul(re, re), s.mul(im, im)), most);
         }
         s.reduce_max(most)
-    })
+    });
+    math::sqrtf(most) / UP
 }
 
 /// Real and imaginary parts of sixteen drives or fewer.

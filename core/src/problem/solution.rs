@@ -258,8 +258,9 @@ impl Solution {
         let largest = f64::from(kernels::grid::largest(set, &self.drive)) / factor;
         let scale = quantization.scale(largest);
         // Drives at full amplitude and the board's phases become others at one amplitude: the field keeps its shape.
-        let common = quantization.nearest(Complex32::new((largest / scale) as f32, 0.0)).re;
-        let alike = quantization.grid().round(set, (factor * scale) as f32, common, &mut self.drive);
+        let most = (largest / scale) as f32;
+        let common = quantization.nearest(Complex32::new(most, 0.0)).re;
+        let alike = quantization.grid().round(set, (factor * scale) as f32, [most, common], &mut self.drive);
         self.scale *= scale;
         if !alike {
             self.set_pressures(&field_of(&self.asked.propagation, &self.drive, work, control)?);

@@ -7,7 +7,7 @@ use core::{array, iter};
 
 use crate::kernels::LANES;
 use crate::kernels::lanes::Lanes;
-use crate::kernels::propagate::directivity::{Chebyshev, Exponent, PLACES, Pattern, Pieces, Polynomial};
+use crate::kernels::propagate::directivity::{Chebyshev, Exponent, MIDDLE, Pattern, Pieces, Polynomial};
 use crate::math;
 use crate::scene::transducer::Directivity;
 
@@ -114,21 +114,22 @@ fn powers(series: &[f64]) -> Vec<f64> {
     powers
 }
 
-/// Quintics of the cosine, two for each ten degrees: the bounds that lie nearest to the measured angles, where D bends,
-/// are moved there.
+/// Where quartics begin, in degrees: at the measured angles, where D bends, and between them. The last ends at 0 degrees.
+const BOUNDS: [f64; LANES - 1] =
+    [90.0, 80.0, 70.0, 65.0, 60.0, 55.0, 50.0, 47.0, 43.0, 40.0, 35.0, 30.0, 26.0, 23.0, 20.0];
+
+/// Quartics of the cosine.
 fn pieces(value: impl Fn(f64) -> f64) -> Pieces {
-    // The cosine at each whole number of PLACES c (1 + c).
-    let mut bounds: Lanes =
-        array::from_fn(|n| (0.5 * (math::sqrt(1.0 + 4.0 * n as f64 / f64::from(PLACES)) - 1.0)) as f32);
-    for degrees in (20..=80).step_by(10) {
-        let c = math::cos(f64::from(degrees).to_radians());
-        bounds[libm::round(f64::from(PLACES) * c * (1.0 + c)) as usize] = c as f32;
-    }
-    let mut coefficients = [[0.0; LANES]; 6];
-    for (piece, &low) in bounds.iter().enumerate() {
-        let low = f64::from(low);
-        let width = bounds.get(piece + 1).map_or(1.0, |&high| f64::from(high) - low);
-        let mut powers = powers(&series(&value, [low, low + width], 8, coefficients.len()));
+    let middle = f64::from(MIDDLE);
+    let bounds: Lanes = array::from_fn(|k| {
+        BOUNDS.get(k).map_or(1.0, |degrees| math::cos(degrees.to_radians()).max(0.0) - middle) as f32
+    });
+    let mut coefficients = [[0.0; LANES]; 5];
+    for (k, pair) in bounds.windows(2).enumerate() {
+        // The last bound lies beyond all x.
+        let [low, high] = [pair[0], pair[1].min(1.0 - MIDDLE)].map(|bound| f64::from(bound) + middle);
+        let width = high - low;
+        let mut powers = powers(&series(&value, [low, high], 8, coefficients.len()));
         // From powers of (c - low)/width - 1/2 to those of c - low: Taylor's shift, coefficient by coefficient.
         for first in 0..powers.len() {
             for n in (first..powers.len() - 1).rev() {
@@ -136,7 +137,7 @@ fn pieces(value: impl Fn(f64) -> f64) -> Pieces {
             }
         }
         for (n, power) in powers.into_iter().enumerate() {
-            coefficients[5 - n][piece] = (power / libm::pow(width, n as f64)) as f32;
+            coefficients[4 - n][k] = (power / libm::pow(width, n as f64)) as f32;
         }
     }
     Pieces { bounds, coefficients }

@@ -334,7 +334,7 @@ impl<'w> Frame<'w> {
                 *played = settled(*played * Complex32::new(wave.drive[0][i], wave.drive[1][i]));
             }
             if let Some(grid) = grid {
-                grid.round(rows.set, 1.0, 1.0, &mut last.played);
+                grid.round(rows.set, 1.0, [1.0; 2], &mut last.played);
             }
         }
         for (y, q) in last.envelope.iter_mut().zip(&last.played) {

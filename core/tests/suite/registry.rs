@@ -172,9 +172,19 @@ fn phases_and_amplitudes_lie_on_the_grid_asked_for() {
 #[test]
 fn a_seed_is_another_answer_and_an_index_of_nothing_else() {
     let problem = problem(&scene(preset("autd3"), random_points(6, 0.08, 2), None));
-    for entry in SOLVERS.iter().filter(|entry| entry.options().iter().any(|option| option.name == "seed")) {
+    for entry in SOLVERS {
+        let options = entry.options();
+        let has = |name: &str| options.iter().any(|option| option.name == name);
+        if !has("seed") {
+            continue;
+        }
         let with = |seed: u64| {
-            let made = entry.configure(&[("seed".to_owned(), Value::Integer(seed.into()))].into()).expect("a seed");
+            let mut chosen: Options = [("seed".to_owned(), Value::Integer(seed.into()))].into();
+            if has("starts") {
+                // The first two know no seed, and which of a few wins is for the last bits to say.
+                chosen.insert("starts".into(), Value::Integer(16));
+            }
+            let made = entry.configure(&chosen).expect("a seed");
             drive(&*made.solver, &problem, &mut Workspace::new())
         };
         let answers = [1, 2, u64::MAX].map(with);

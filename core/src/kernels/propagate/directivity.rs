@@ -71,27 +71,31 @@ impl Ahead for Chebyshev {
     }
 }
 
-/// Quintics of c less its piece's lower bound, one lane group a coefficient: a piece is found without leaving the lanes.
+/// Quartics of x = c - 1/4 less its piece's lower bound, one lane group a coefficient: a piece is found without leaving the
+/// lanes.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(crate) struct Pieces {
-    /// Each is the one nearest to a whole number of [`PLACES`] c (1 + c).
+    /// The k-th is the one whose [`PLACE`] is nearest to k.
     pub(crate) bounds: Lanes,
     /// The highest power first.
-    pub(crate) coefficients: [Lanes; 6],
+    pub(crate) coefficients: [Lanes; 5],
 }
 
-/// Two pieces for ten degrees from 20 degrees on.
-pub(crate) const PLACES: f32 = 6.9;
+/// x is c less this,
+pub(crate) const MIDDLE: f32 = 0.25;
+
+/// and its place (a x + b) x + 1: a piece for ten degrees near 90, three for those near 20.
+const PLACE: [f32; 2] = [16.9, 6.55];
 
 impl Ahead for Pieces {
     #[inline(always)]
     fn directivity<S: Elementwise>(&self, s: S, along: S::V, inverse: S::V) -> S::V {
-        let (c, scale) = (s.mul(along, inverse), s.splat(PLACES));
-        // c may lie on either side of the bound that it is nearest to.
-        let near = s.fma(s.fma(c, scale, scale), c, s.splat(WHOLE));
-        let piece = s.select_less(c, s.gather(&self.bounds, near), s.sub(near, s.splat(1.0)), near);
-        let x = s.sub(c, s.gather(&self.bounds, piece));
+        let x = s.fma(along, inverse, s.splat(-MIDDLE));
+        // x may lie on either side of the bound that it is nearest to.
+        let near = s.fma(s.fma(x, s.splat(PLACE[0]), s.splat(PLACE[1])), x, s.splat(WHOLE + 1.0));
+        let piece = s.select_less(x, s.gather(&self.bounds, near), s.sub(near, s.splat(1.0)), near);
+        let x = s.sub(x, s.gather(&self.bounds, piece));
         let [first, rest @ ..] = &self.coefficients;
         let mut sum = s.gather(first, piece);
         for list in rest {

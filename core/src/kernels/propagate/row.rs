@@ -67,7 +67,7 @@ pub(crate) fn element<S: Elementwise, F: Form>(
     point: [S::V; 3],
 ) -> [S::V; 2] {
     let [_, distance, amplitude] = spread(s, form, radiation, from, point);
-    wave(s, if F::PLAIN { distance } else { s.add(distance, from.turns) }, amplitude)
+    wave(s, if F::PLAIN || from.in_phase { distance } else { s.add(distance, from.turns) }, amplitude)
 }
 
 /// Writes a group of sources against the points of `order`: row k of [`crate::kernels::tiles`] in the blocks from `first`

@@ -26,6 +26,8 @@ pub(crate) struct SourceGroup {
     upright: bool,
     amplitude: Lanes,
     turns: Lanes,
+    /// Whether all of these are 0.
+    in_phase: bool,
 }
 
 /// All transducers, group by group. The lanes beyond the last one are silent and lie where it is.
@@ -75,6 +77,7 @@ impl SourceList {
             upright: at.iter().all(|(group, _)| group.upright),
             amplitude: quarters(s, &at, |group| &group.amplitude),
             turns: quarters(s, &at, |group| &group.turns),
+            in_phase: at.iter().all(|(group, _)| group.in_phase),
         }
     }
 }
@@ -90,7 +93,8 @@ impl SourceGroup {
     /// At least one and at most sixteen.
     fn of(sources: &[Source]) -> Self {
         let upright = sources.iter().all(|source| source.normal == [0.0, 0.0, 1.0]);
-        let mut group = Self { upright, ..Self::default() };
+        let in_phase = sources.iter().all(|source| source.turns == 0.0);
+        let mut group = Self { upright, in_phase, ..Self::default() };
         for lane in 0..LANES {
             let source = sources[lane.min(sources.len() - 1)];
             for axis in 0..3 {
@@ -113,6 +117,7 @@ impl SourceGroup {
             upright: self.upright,
             amplitude: s.splat(self.amplitude[lane]),
             turns: s.splat(self.turns[lane]),
+            in_phase: self.in_phase,
         }
     }
 
@@ -126,6 +131,7 @@ impl SourceGroup {
             upright: self.upright,
             amplitude: s.load(&self.amplitude),
             turns: s.load(&self.turns),
+            in_phase: self.in_phase,
         }
     }
 }
@@ -137,6 +143,7 @@ pub(crate) struct SourceLanes<V> {
     pub(crate) upright: bool,
     pub(crate) amplitude: V,
     pub(crate) turns: V,
+    pub(crate) in_phase: bool,
 }
 
 impl<V: Copy> SourceLanes<V> {

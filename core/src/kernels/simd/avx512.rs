@@ -2,12 +2,13 @@
 
 use core::arch::x86_64::{
     __m512, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _MM_FROUND_TO_NEG_INF, _mm_set_ss, _mm512_abs_ps,
-    _mm512_add_ps, _mm512_castpd_ps, _mm512_castps_si512, _mm512_cmp_ps_mask, _mm512_cvtps_epi32, _mm512_cvtss_f32,
-    _mm512_div_ps, _mm512_fmadd_ps, _mm512_fnmadd_ps, _mm512_getexp_ps, _mm512_i32gather_ps, _mm512_i64gather_pd,
-    _mm512_loadu_ps, _mm512_mask_blend_ps, _mm512_mask_broadcastss_ps, _mm512_max_ps, _mm512_min_epu32, _mm512_min_ps,
-    _mm512_mul_ps, _mm512_permute_ps, _mm512_permutexvar_ps, _mm512_reduce_ps, _mm512_roundscale_ps, _mm512_rsqrt14_ps,
-    _mm512_scalef_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_shuffle_f32x4, _mm512_shuffle_ps, _mm512_slli_epi64,
-    _mm512_sqrt_ps, _mm512_srli_epi64, _mm512_storeu_ps, _mm512_sub_ps, _mm512_unpackhi_ps, _mm512_unpacklo_ps,
+    _mm512_add_epi32, _mm512_add_ps, _mm512_and_si512, _mm512_castpd_ps, _mm512_castps_si512, _mm512_cmp_ps_mask,
+    _mm512_cvt_roundps_epi32, _mm512_cvtps_epi32, _mm512_cvtss_f32, _mm512_div_ps, _mm512_fmadd_ps, _mm512_fnmadd_ps,
+    _mm512_getexp_ps, _mm512_i32gather_ps, _mm512_i64gather_pd, _mm512_loadu_ps, _mm512_mask_blend_ps,
+    _mm512_mask_broadcastss_ps, _mm512_max_ps, _mm512_min_epu32, _mm512_min_ps, _mm512_mul_ps, _mm512_permute_ps,
+    _mm512_permutexvar_ps, _mm512_reduce_ps, _mm512_roundscale_ps, _mm512_rsqrt14_ps, _mm512_scalef_ps,
+    _mm512_set1_epi32, _mm512_set1_epi64, _mm512_set1_ps, _mm512_shuffle_f32x4, _mm512_shuffle_ps, _mm512_sqrt_ps,
+    _mm512_storeu_ps, _mm512_sub_ps, _mm512_unpackhi_ps, _mm512_unpacklo_ps,
 };
 
 use crate::kernels::lanes::{LANES, Lanes};
@@ -147,14 +148,15 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
-    fn gather_pairs(self, list: &[f32], index: __m512) -> __m512 {
-        let last = list.len().checked_sub(2).expect("a list has a pair") as i32;
-        // SAFETY: the token proves that the CPU has AVX-512F. No place is beyond the last pair: below 0 counts as large.
-        // The shifts clear what is in odd lanes, so that each even lane is a place of 64 bits.
+    fn gather_pairs(self, list: &[f32], zero: i32, x: __m512) -> __m512 {
+        let last = (list.len() / 2).checked_sub(1).expect("a list has a pair") as i32;
+        // SAFETY: the token proves that the CPU has AVX-512F. No place is beyond the last pair: below 0 counts as large,
+        // and what is no number becomes -2^31. What is in odd lanes is cleared, so that each even lane is a place of 64 bits.
         unsafe {
-            let place = _mm512_min_epu32(_mm512_cvtps_epi32(index), _mm512_set1_epi32(last));
-            let place = _mm512_srli_epi64::<32>(_mm512_slli_epi64::<32>(place));
-            _mm512_castpd_ps(_mm512_i64gather_pd::<4>(place, list.as_ptr().cast()))
+            let floor = _mm512_cvt_roundps_epi32::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(x);
+            let place = _mm512_min_epu32(_mm512_add_epi32(floor, _mm512_set1_epi32(zero)), _mm512_set1_epi32(last));
+            let place = _mm512_and_si512(place, _mm512_set1_epi64(0xffff_ffff));
+            _mm512_castpd_ps(_mm512_i64gather_pd::<8>(place, list.as_ptr().cast()))
         }
     }
 

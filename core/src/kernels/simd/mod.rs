@@ -257,15 +257,15 @@ pub(crate) trait Simd: Elementwise {
         core::array::from_fn(|l| self.load(&lists.map(|list| list[l])))
     }
 
-    /// Lanes 2k and 2k + 1 are the pair of numbers from `list[index]` on, of a list of two numbers or more, for the whole
-    /// number in lane 2k; those beyond its end read its last pair.
+    /// Lanes 2k and 2k + 1 are pair floor(x) + `zero` of a list of pairs, at least one, for the x in lane 2k; those beyond its
+    /// ends, and what is no number, read its last.
     #[inline(always)]
-    fn gather_pairs(self, list: &[f32], index: Self::V) -> Self::V {
-        let (mut lanes, last) = ([0.0; LANES], list.len() - 2);
-        self.store(index, &mut lanes);
+    fn gather_pairs(self, list: &[f32], zero: i32, x: Self::V) -> Self::V {
+        let (pairs, mut lanes) = (list.as_chunks::<2>().0, [0.0; LANES]);
+        self.store(self.floor(x), &mut lanes);
         for pair in lanes.as_chunks_mut::<2>().0 {
-            let at = (pair[0] as usize).min(last);
-            *pair = [list[at], list[at + 1]];
+            let at = if pair[0].is_nan() { -1 } else { (pair[0] as i32).wrapping_add(zero) };
+            *pair = pairs[(at as u32 as usize).min(pairs.len() - 1)];
         }
         self.load(&lanes)
     }

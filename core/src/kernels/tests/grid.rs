@@ -16,7 +16,7 @@ fn grid(phases: Option<u32>, table: Option<&[f64]>) -> Grid {
 
 fn rounded(set: InstructionSet, grid: &Grid, drive: &[Complex32]) -> Vec<Complex32> {
     let mut out = drive.to_vec();
-    grid.round(set, 1.0, 1.0, &mut out);
+    grid.round(set, 1.0, [1.0; 2], &mut out);
     out
 }
 
@@ -126,10 +126,10 @@ fn factor_and_the_largest() {
         let full = rounded(set, &grid, &phases);
         assert!((largest(set, &full) - 1.0).abs() < 2e-7);
         let mut half = full.clone();
-        assert!(grid.round(set, 2.0, 0.5, &mut half), "{set}: all are what they were times a half");
+        assert!(grid.round(set, 2.0, [0.5; 2], &mut half), "{set}: all are what they were times a half");
         assert_eq!(half, full.iter().map(|q| q * 0.5).collect::<Vec<_>>());
         let mut other = full.clone();
         other[49] *= 0.3;
-        assert!(!grid.round(set, 1.0, 1.0, &mut other), "{set}: one is not");
+        assert!(!grid.round(set, 1.0, [1.0; 2], &mut other), "{set}: one is not");
     }
 }

@@ -151,10 +151,18 @@ fn powers_and_tables() {
             let index: Lanes = from_fn(|l| (7 * l + turn) as f32);
             let beyond = index.map(|x| 0.5 * x.min(99.0));
             assert_eq!(stored!(set, s => s.gather_list(&list, s.load(&index))), beyond);
-            // Whatever odd lanes hold.
-            let noisy: Lanes = from_fn(|l| if l % 2 == 0 { index[l] } else { -3.5e9 });
-            let pairs: Lanes = from_fn(|l| 0.5 * (index[l & !1].min(98.0) + (l % 2) as f32));
-            assert_eq!(stored!(set, s => s.gather_pairs(&list, s.load(&noisy))), pairs);
+            // Whatever odd lanes hold; 50 pairs, some asked for from either side of them, and one that is no number.
+            let mut noisy: Lanes = from_fn(|l| if l % 2 == 0 { 0.75 * index[l] - 40.0 } else { -3.5e9 });
+            noisy[2 * (turn / 2)] = f32::NAN;
+            for zero in [0, 20, 45] {
+                let pairs: Lanes = from_fn(|l| {
+                    let x = noisy[l & !1];
+                    let at = x.floor() as i32 + zero;
+                    let place = if (0..50).contains(&at) && !x.is_nan() { at } else { 49 };
+                    0.5 * (2 * place + (l % 2) as i32) as f32
+                });
+                assert_eq!(stored!(set, s => s.gather_pairs(&list, zero, s.load(&noisy))), pairs, "{set}");
+            }
         }
     }
 }

@@ -299,7 +299,7 @@ fn rounded<S: Simd>(s: S, (phases, most_code): (&Phases, f32), q: [S::V; 2], rot
     s.aside(
         #[inline(always)]
         || {
-            let code = Phases::codes(s, s.fma(rotation, s.splat(phases.count()), phases.places(s, q)));
+            let code = s.floor(s.fma(rotation, s.splat(phases.count()), phases.later(s, q)));
             let code = s.max(s.min(code, s.splat(most_code)), s.splat(-most_code));
             // Transducers without effect stay silent.
             (code, phases.phasors(s, code, q))

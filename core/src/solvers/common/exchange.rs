@@ -60,7 +60,7 @@ impl Exchange<'_> {
         let mut drive = work.complexes.take(last.len());
         drive.copy_from_slice(last);
         if let Some(quantization) = problem.quantization() {
-            quantization.grid().round(set, 1.0, 1.0, &mut drive);
+            quantization.grid().round(set, 1.0, [1.0; 2], &mut drive);
             grid = quantization.phases().map_or(phases, |phases| phases as usize);
         }
         // A balanced answer was divided by the problem's factor.

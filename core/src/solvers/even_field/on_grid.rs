@@ -56,7 +56,7 @@ pub(super) fn round(
             refine(problem, &mut drive, work, control);
         } else {
             // One point is alike on any grid.
-            quantization.grid().round(rows.set, 1.0, 1.0, &mut drive);
+            quantization.grid().round(rows.set, 1.0, [1.0; 2], &mut drive);
         }
         wave.play(rows, drive.iter().copied());
         work.complexes.give(drive);

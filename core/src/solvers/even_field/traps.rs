@@ -98,7 +98,7 @@ pub(super) fn stiffen(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
     let mut drive = descent.wave.drives(transducers, work);
     if let Some(quantization) = problem.quantization() {
         // What is lost at single points is a hundredth, even on ten phases.
-        quantization.grid().round(set, 1.0, 1.0, &mut drive);
+        quantization.grid().round(set, 1.0, [1.0; 2], &mut drive);
     }
     foci.play(run.rows, drive.into_iter());
     Ok(true)
