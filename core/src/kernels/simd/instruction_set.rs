@@ -10,10 +10,15 @@ use crate::kernels::simd::avx512::Avx512;
 use crate::kernels::simd::fours::Fours;
 #[cfg(target_arch = "aarch64")]
 use crate::kernels::simd::neon::{self, Neon};
-#[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
+#[cfg(not(any(
+    all(target_arch = "wasm32", target_feature = "simd128"),
+    all(target_arch = "x86_64", target_feature = "sse2")
+)))]
 use crate::kernels::simd::scalar::Numbers as Plain;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 use crate::kernels::simd::simd128::Vectors as Plain;
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+use crate::kernels::simd::sse2::Vectors as Plain;
 
 /// The instructions that the kernels use: a value that exists only for what this machine can do.
 ///
@@ -54,8 +59,8 @@ macro_rules! has {
 }
 
 impl InstructionSet {
-    /// No instructions but those that every machine of the kind has: numbers one by one; where wasm is compiled for
-    /// simd128 that set, which gives the same bits, so that no kernel is there twice.
+    /// No instructions but those that every machine of the kind has: numbers one by one; on 64-bit x86 SSE2, and where wasm is
+    /// compiled for simd128 that set, which give the same bits, so that no kernel is there twice.
     pub const SCALAR: Self = Self(Kind::Scalar(Fours(Plain)));
 
     /// Every set this machine has, from the slowest.

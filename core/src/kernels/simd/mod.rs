@@ -18,12 +18,18 @@ pub(crate) mod instruction_set;
 #[cfg(target_arch = "aarch64")]
 #[allow(unsafe_code, reason = "it names instructions: a token proves that the CPU has them")]
 pub(crate) mod neon;
-#[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
+#[cfg(not(any(
+    all(target_arch = "wasm32", target_feature = "simd128"),
+    all(target_arch = "x86_64", target_feature = "sse2")
+)))]
 #[forbid(unsafe_code)]
 pub(crate) mod scalar;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 #[allow(unsafe_code, reason = "it names instructions: a token proves that the CPU has them")]
 pub(crate) mod simd128;
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+#[allow(unsafe_code, reason = "it names instructions: the program is compiled for CPUs that have them")]
+pub(crate) mod sse2;
 
 use crate::kernels::lanes::{LANES, Lanes};
 
