@@ -1,25 +1,31 @@
 # `make` lists what there is.
-SHELL := /bin/bash
+SHELL := bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
 
-BIN := .venv/bin
+# Windows: bash of Git, and .venv/Scripts.
+WINDOWS := $(filter Windows_NT,$(OS))
+BIN := .venv/$(if $(WINDOWS),Scripts,bin)
 PYTHON := $(BIN)/python
+HOST_PYTHON := $(if $(WINDOWS),python,python3)
 export UV_PYTHON_DOWNLOADS := never
 export VIRTUAL_ENV := $(CURDIR)/.venv
 CARGO := cargo
-CORE := -p midair --features scene-file,parallel
+# The features that the extension uses, so that both use one compiled core.
+CORE := -p midair --no-default-features --features scene-file,parallel
 SHOWN := naive,greedy,uniform
 BUILT := $(or $(CARGO_TARGET_DIR),target)/release
 PREFIX := /usr/local
 TRIALS := 1000
+CODE := python capi bench book firmware fuzz examples
+RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml $(shell find core/src python/src -name '*.rs')
 
 # A step: says what it does, how long that takes on two cores where nothing is built yet, how long it took, and its name
 # again if it fails.
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards test-studio lint fuzz sanitize bench bench-capi bench-peers gallery figures motion exposure measuring obstacles paper docs schema golden map header stubs pins wheels clean
+.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards test-studio lint fuzz sanitize bench bench-capi bench-peers gallery figures motion exposure measuring obstacles paper docs schema golden map header stubs pins wheels clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -27,13 +33,28 @@ help: ## List the targets
 # The environment: uv from PyPI into the project's own .venv, then everything by name and pinned version.
 .venv/ready: pyproject.toml constraints.txt
 	@echo; echo "== environment in .venv: Python's tools and libraries from PyPI (1 min)"
-	python3 -m venv .venv || { echo "python3 -m venv failed: install Python 3.11+ with venv (Debian: python3-venv)"; exit 1; }
+	$(HOST_PYTHON) -m venv .venv || { echo "$(HOST_PYTHON) -m venv failed: install Python 3.11+ with venv (Debian: python3-venv)"; exit 1; }
 	$(PYTHON) -m pip install --quiet --disable-pip-version-check --constraint constraints.txt uv
 	$(BIN)/uv pip install --python $(PYTHON) --constraint constraints.txt --group dev --requirements pyproject.toml
 	touch $@
 
 setup: .venv/ready ## Build midair into .venv
 	$(call step,package: the extension is built into .venv (2 min),$(BIN)/maturin develop --uv --release)
+	@touch .venv/extension
+
+# The extension for `make check`: compiled like the tests, only where Rust is newer than the one that is installed.
+.venv/extension: .venv/ready $(RUST)
+	$(call step,package: the extension as the tests are compiled (2 min; 20 s after a change),$(BIN)/maturin develop --uv --quiet)
+	@touch $@
+
+check: .venv/ready ## The loop while you work: formatting, lints, guards, quick tests (1 min; MODULE=device: fewer of the core's)
+	$(call step,formatting (1 s),$(CARGO) fmt --check && $(BIN)/ruff check --quiet $(CODE) && $(BIN)/ruff format --check --quiet $(CODE))
+	$(call step,core: clippy on the library (10 s),$(CARGO) clippy --quiet $(CORE) -- -D warnings)
+	$(call step,core: quick unit tests (15 s),$(CARGO) test --quiet $(CORE) --lib -- $(addsuffix ::,$(MODULE)))
+	$(call step,core: guards and quick tests (15 s),$(CARGO) test --quiet $(CORE) --test suite -- $(if $(MODULE),floors map unsafe_code $(MODULE)))
+	@$(MAKE) --no-print-directory .venv/extension
+	$(call step,package: quick tests (30 s),$(PYTHON) -m pytest --quiet -m "not slow")
+	@echo; echo "== all passed. Before you propose the change: make test"
 
 demo: setup ## Solve the paper's fig. 2 by naive, greedy and uniform; leaves a picture and a drive in out/demo
 	@mkdir -p out/demo
@@ -63,11 +84,11 @@ test: outlook lint test-rust test-python ## The core's tests and the package's (
 	@echo; echo "== all passed. Left out: make test-capi (the C library, 6 min), test-studio, test-firmware, test-boards, test-portable, fuzz, sanitize"
 
 outlook:
-	@echo "make test: lint, the core's tests, the package's tests; half an hour on two cores, a third of it when built before."
+	@echo "make test: lint, the core's tests, the package's tests; 20 minutes on two cores, a third of it when built before."
 
 test-rust: ## The core: tests, doctests, each feature set, no_std, a solver added by its page
 	$(call step,core: tests are compiled (5 min),$(CARGO) test $(CORE) --no-run)
-	$(call step,core: tests run (30 s),$(CARGO) test --quiet $(CORE))
+	$(call step,core: tests run (30 s),$(CARGO) test --quiet $(CORE) -- --include-ignored)
 	$(call step,core: without features (5 s),$(CARGO) check -p midair --no-default-features)
 	$(call step,core: feature std (5 s),$(CARGO) check -p midair --no-default-features --features std)
 	$(call step,core: feature parallel (5 s),$(CARGO) check -p midair --no-default-features --features parallel)
@@ -76,7 +97,7 @@ test-rust: ## The core: tests, doctests, each feature set, no_std, a solver adde
 	$(call step,all crates: the oldest Rust (1 min),core/tests/minimum.sh)
 
 test-python: setup ## The package: tests, stubs, types
-	$(call step,package: tests (6 min),$(PYTHON) -m pytest)
+	$(call step,package: tests (4 min),$(PYTHON) -m pytest --numprocesses auto)
 	$(call step,package: stubs against the extension (20 s),$(PYTHON) -m mypy.stubtest midair._midair)
 	$(call step,package: types (20 s),$(PYTHON) -m mypy python/midair)
 
@@ -105,12 +126,10 @@ test-studio: setup studio studio/.venv/ready ## The studio: types, tests, the pa
 
 lint: .venv/ready ## Formatting, clippy, rustdoc, ruff, spelling: warnings are errors
 	$(call step,lint: Rust is formatted (2 s),$(CARGO) fmt --check)
-	$(call step,lint: clippy on the core (30 s),$(CARGO) clippy --all-targets $(CORE) -- -D warnings)
-	$(call step,lint: clippy on the extension (30 s),$(CARGO) clippy --all-targets -p midair-python -- -D warnings)
-	$(call step,lint: clippy on the C library (30 s),$(CARGO) clippy --all-targets --no-deps -p midair-capi -- -D warnings)
+	$(call step,lint: clippy on the core and the extension and the C library (1 min),$(CARGO) clippy --workspace --all-targets --features midair/scene-file --features midair/parallel -- -D warnings)
 	$(call step,lint: the core's documentation (5 s),RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps $(CORE))
-	$(call step,lint: Python (2 s),$(BIN)/ruff check python capi bench book firmware fuzz examples)
-	$(call step,lint: Python is formatted (2 s),$(BIN)/ruff format --check python capi bench book firmware fuzz examples)
+	$(call step,lint: Python (2 s),$(BIN)/ruff check $(CODE))
+	$(call step,lint: Python is formatted (2 s),$(BIN)/ruff format --check $(CODE))
 	$(call step,lint: words are spelt right (2 s),$(BIN)/codespell *.md docs book core python capi bench examples firmware studio/src)
 
 fuzz: fuzz/.tools/bin/cargo-fuzz fuzz/.venv/ready ## Guided fuzzing, recorded (TIME=60 seconds or RUNS a target, TARGETS="scene solve")
@@ -196,8 +215,8 @@ book/.venv/ready studio/.venv/ready: %/.venv/ready: %/requirements.txt .venv/rea
 schema: ## Write docs/scene.schema.json anew, from core/src/files/schema.rs
 	python3 book/schema.py
 
-map: ## Write the map in CONTRIBUTING.md anew
-	MIDAIR_MAP=write $(CARGO) test --quiet -p midair --features scene-file,parallel --test suite map
+map: ## Write docs/map.md anew: every source file with its first line
+	MIDAIR_MAP=write $(CARGO) test --quiet $(CORE) --test suite map
 
 header: ## Write capi/include/midair.h anew, from capi/src
 	MIDAIR_HEADER=write $(CARGO) test --quiet -p midair-capi --test header
@@ -206,7 +225,7 @@ stubs: setup ## Write the typed overloads of every solver anew, from the registr
 	$(PYTHON) python/stubs.py
 
 golden: ## Write golden/ anew (a breaking change: say so in CHANGELOG.md)
-	MIDAIR_GOLDEN=write $(CARGO) test --quiet -p midair --features scene-file,parallel --test suite golden
+	MIDAIR_GOLDEN=write $(CARGO) test --quiet $(CORE) --test suite golden
 
 pins: ## Pin what pyproject.toml asks for, names and versions only
 	$(BIN)/uv pip compile --quiet --universal --no-header --no-annotate --group dev --no-emit-index-url --output-file constraints.txt pyproject.toml

@@ -116,6 +116,7 @@ fn a_session_allocates_nothing_from_its_second_call_on() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_batch_allocates_nothing_for_a_further_problem() {
     let array = Array::grid(9, 7, 10e-3).expect("a grid");
     let model = Model::new(&array, Medium::default(), InstructionSet::best()).expect("an array");

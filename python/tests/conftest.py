@@ -1,5 +1,40 @@
-"""Settings of the test run: one BLAS thread, because BLAS threads that spin make busy machines crawl."""
+"""Settings of the test run: one BLAS thread, and a limit of CPU time for tests that are not marked slow."""
 
 import os
+from collections.abc import Iterator
 
+import pytest
+
+# BLAS threads that spin make busy machines crawl.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+#: Seconds of CPU, child processes included, above which a quick test fails `make check`. A test should be
+#: marked slow from .2 s; the factor of five leaves room for a loaded machine and for first imports.
+LIMIT = 1.0
+
+OVER: list[str] = []
+
+
+def quick(config: pytest.Config) -> bool:
+    """Returns whether this run leaves out slow tests, as `make check` does."""
+    return config.option.markexpr == "not slow"
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
+    begin = sum(os.times()[:4])
+    result = yield
+    used = sum(os.times()[:4]) - begin
+    if quick(item.config) and used > LIMIT:
+        OVER.append(f"{item.nodeid} takes {used:.1f} s of CPU: mark it @pytest.mark.slow")
+    return result
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    if OVER and session.exitstatus == 0:
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    for line in OVER:
+        terminalreporter.write_line(line, red=True)

@@ -205,11 +205,13 @@ def python(code: str) -> str:
     return subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
 
 
+@pytest.mark.slow
 def test_midair_loads_without_autd3() -> None:
     listed = "[name for name in sys.modules if name.startswith('autd3')]"
     assert python(f"import sys, midair, midair.boards.poses; print({listed})").strip() == "[]"
 
 
+@pytest.mark.slow
 def test_the_missing_extra_is_named() -> None:
     code = "try: import midair.boards.autd3\nexcept Exception as error: print(repr(error))"
     assert (

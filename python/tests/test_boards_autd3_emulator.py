@@ -43,6 +43,7 @@ def columns(record: Record) -> tuple[np.ndarray, np.ndarray]:
     return record.phase().to_numpy().T, record.pulse_width().to_numpy().T
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 2, 3, 4])
 def test_boards_play_the_codes_of_solutions(count: int) -> None:
     array = some_boards(count)
@@ -64,6 +65,7 @@ def test_boards_play_the_codes_of_solutions(count: int) -> None:
     assert {0, 20, 256} <= set(pulses.ravel().tolist())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 2, 3, 4])
 def test_their_field_is_that_of_the_drive(count: int) -> None:
     array = some_boards(count)

@@ -91,6 +91,7 @@ def silent(codes: bytes) -> bool:
     return codes[249:] == bytes(249)
 
 
+@pytest.mark.slow
 def test_every_frame_comes_once(wire: Wire, boards: Autd3Transport) -> None:
     sent = frames(FRAMES)
     for frame in sent:
@@ -98,6 +99,7 @@ def test_every_frame_comes_once(wire: Wire, boards: Autd3Transport) -> None:
     assert sorted(each_board(wire)) == sorted(wanted(sent))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
 def test_every_frame_comes_where_datagrams_are_lost(wire: Wire, seed: int) -> None:
     wire.lose = one_in(100, seed)
@@ -112,6 +114,7 @@ def test_every_frame_comes_where_datagrams_are_lost(wire: Wire, seed: int) -> No
     assert sorted(said) == sorted(wanted(sent))
 
 
+@pytest.mark.slow
 def test_sequences_and_modulation_come_where_datagrams_are_lost(wire: Wire, boards: Autd3Transport) -> None:
     wire.lose = one_in(100)
     boards.upload(b"".join(frames(300)), 300, 20000)
@@ -122,6 +125,7 @@ def test_sequences_and_modulation_come_where_datagrams_are_lost(wire: Wire, boar
     assert wire.lost > 3
 
 
+@pytest.mark.slow
 def test_opening_and_closing_leave_the_boards_silent(wire: Wire) -> None:
     boards = described(f"autd3:{wire.address}")
     assert all(silent(told[-1]) for told in each_board(wire))
@@ -136,6 +140,7 @@ def test_opening_and_closing_leave_the_boards_silent(wire: Wire) -> None:
             ask()
 
 
+@pytest.mark.slow
 def test_silence_comes_at_once_and_again(wire: Wire, boards: Autd3Transport) -> None:
     for stir in (
         lambda: boards.play(frames(1)[0]),
@@ -149,6 +154,7 @@ def test_silence_comes_at_once_and_again(wire: Wire, boards: Autd3Transport) -> 
         assert all(silent(told[-1]) for told in each_board(wire))
 
 
+@pytest.mark.slow
 def test_what_is_under_way_does_not_come_after_silence(wire: Wire, boards: Autd3Transport) -> None:
     first, second = frames(2)
     boards.play(first)
@@ -166,6 +172,7 @@ def test_what_is_under_way_does_not_come_after_silence(wire: Wire, boards: Autd3
         assert not any(map(silent, told[:-1]))
 
 
+@pytest.mark.slow
 def test_lost_boards_are_told_and_left(wire: Wire, boards: Autd3Transport) -> None:
     """Frames are lost, heartbeats are not: were they to go on, the boards would play on for ever."""
     gc.disable()
@@ -191,6 +198,7 @@ def test_lost_boards_are_told_and_left(wire: Wire, boards: Autd3Transport) -> No
     assert time.perf_counter() - begin < 0.1
 
 
+@pytest.mark.slow
 def test_a_dead_line_is_told_within_half_a_second_and_closes(wire: Wire) -> None:
     for ask in ("play", "close"):
         wire.lose = lambda _: False
@@ -206,6 +214,7 @@ def test_a_dead_line_is_told_within_half_a_second_and_closes(wire: Wire) -> None
         boards.close()
 
 
+@pytest.mark.slow
 def test_boards_that_rebooted_are_lost_and_come_back(
     emulator: autd3.UdpEmulator, wire: Wire, boards: Autd3Transport
 ) -> None:
@@ -232,6 +241,7 @@ def test_boards_that_are_not_there_are_told() -> None:
         described("autd3")
 
 
+@pytest.mark.slow
 def test_a_missing_board_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     brief = partial(autd3.UdpOption, enumeration_timeout=autd3.Duration.from_secs(1))
     monkeypatch.setattr(autd3, "UdpOption", brief)
@@ -243,6 +253,7 @@ def test_a_missing_board_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
         described(f"autd3:{address}")
 
 
+@pytest.mark.slow
 def test_a_board_too_many_is_told() -> None:
     more = autd3.UdpEmulator(3)
     address = repr(more.option().iface).split('"')[1]
@@ -262,6 +273,7 @@ time.sleep(60)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("end", ["SIGKILL", "SIGTERM", "SIGINT"] if SLOW else ["SIGKILL"])
 def test_boards_are_silent_when_their_program_is_ended(wire: Wire, end: str) -> None:
     command = [sys.executable, "-c", PROGRAM, f"autd3:{wire.address}"]
@@ -277,6 +289,7 @@ def test_boards_are_silent_when_their_program_is_ended(wire: Wire, end: str) -> 
         assert program.wait(5) != 0
 
 
+@pytest.mark.slow
 def test_a_connection_plays_on_the_emulator(wire: Wire) -> None:
     array = midair.Array.preset("autd3", tiles=(BOARDS, 1))
     drives = np.exp(2j * np.pi * np.random.default_rng(1).integers(0, 256, (5, len(array))) / 256)
@@ -297,6 +310,7 @@ def test_a_connection_plays_on_the_emulator(wire: Wire) -> None:
     assert all(silent(told[-1]) for told in each_board(wire))
 
 
+@pytest.mark.slow
 def test_the_emulator_has_an_address() -> None:
     boards = described("autd3:emulator")
     boards.play(frames(1)[0])

@@ -28,6 +28,7 @@ def scene(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_boards_are_listed_and_told() -> None:
     known = json.loads(midair("boards", "--json").stdout)
     assert set(known) == {"autd3", "sonicsurface", "openmpd", "mega64", "nano16", "nano", "homies"}
@@ -40,10 +41,12 @@ def test_boards_are_listed_and_told() -> None:
     )
 
 
+@pytest.mark.slow
 def test_ports_opens_none() -> None:
     assert isinstance(json.loads(midair("ports", "--json").stdout), list)
 
 
+@pytest.mark.slow
 def test_a_scene_a_drive_and_a_sequence_are_played(scene: Path, tmp_path: Path) -> None:
     told = midair(
         "play", str(scene), "--on", "sonicsurface:loop", "--for", "300ms", "--modulate", "200"
@@ -68,6 +71,7 @@ def test_a_scene_a_drive_and_a_sequence_are_played(scene: Path, tmp_path: Path) 
     assert int(found[1]) + int(found[2]) == 21
 
 
+@pytest.mark.slow
 def test_ctrl_c_turns_off(scene: Path) -> None:
     program = subprocess.Popen(
         [sys.executable, "-m", "midair", "play", str(scene), "--on", "sonicsurface:loop"],
@@ -84,6 +88,7 @@ def test_ctrl_c_turns_off(scene: Path) -> None:
     assert time.monotonic() - begin < 5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "told"),
     [
@@ -105,6 +110,7 @@ def test_what_cannot_be_played_is_one_line(scene: Path, words: list[str], told: 
     assert told in lines[0]
 
 
+@pytest.mark.slow
 def test_modulation_is_asked_before_anything_is_read_or_solved() -> None:
     error = midair(
         "play", "not-there.toml", "--on", "sonicsurface:loop", "--modulate", "nan", status=2
@@ -112,12 +118,14 @@ def test_modulation_is_asked_before_anything_is_read_or_solved() -> None:
     assert error.startswith("error: --modulate is nan")
 
 
+@pytest.mark.slow
 def test_off_says_which_board_it_was_told_as() -> None:
     assert "null is off" in midair("off", "null").stdout
     assert "a file plays nothing" in midair("off", "file:mine.bin", status=2).stderr
     assert "is not there" in midair("off", "/dev/no-such-port", status=2).stderr
 
 
+@pytest.mark.slow
 def test_a_file_of_what_moves_is_sent_to_the_command_for_it(tmp_path: Path) -> None:
     path = tmp_path / "motion.toml"
     path.write_text(SCENE.split("[[points]]")[0] + "[motion]\nrate = 40\n")

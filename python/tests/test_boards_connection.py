@@ -137,6 +137,7 @@ def frames(array, count, rate):
     return midair.Sequence(array, points[:, None], 1000.0, drives, rate=rate)
 
 
+@pytest.mark.slow
 def test_a_sequence_is_streamed_at_its_rate(loop):
     sequence = frames(loop.board.array, 15, 30)
     begin = time.monotonic()
@@ -186,6 +187,7 @@ def test_what_a_board_cannot_do_is_one_line(loop):
         mega.modulate(200)
 
 
+@pytest.mark.slow
 def test_an_uploaded_sequence_plays_by_itself():
     with midair.connect("null") as null:
         sequence = frames(null.board.array, 4, 8)
@@ -200,6 +202,7 @@ def test_an_uploaded_sequence_plays_by_itself():
         assert null.state == "modulating"
 
 
+@pytest.mark.slow
 def test_the_line_is_as_slow_as_its_board(loop):
     begin = time.monotonic()
     for _ in range(20):
@@ -212,6 +215,7 @@ def test_the_line_is_as_slow_as_its_board(loop):
         assert time.monotonic() - begin < 17 / 89.3
 
 
+@pytest.mark.slow
 def test_hold_turns_off_until_the_next_frame():
     with midair.connect("sonicsurface:loop", hold=0.2) as loop:
         loop.send(ONES)
@@ -292,6 +296,7 @@ def test_a_board_that_is_louder_than_asked_is_told_once():
         null.send(solution)
 
 
+@pytest.mark.slow
 def test_ctrl_c_stops_a_stream_and_turns_it_off(loop):
     import signal
 
@@ -329,6 +334,7 @@ def test_a_forked_child_does_not_speak_for_its_owner(loop):
     assert loop.state == "playing"
 
 
+@pytest.mark.slow
 def test_several_threads_may_send(loop):
     threads = [threading.Thread(target=lambda: [loop.send(ONES) for _ in range(5)]) for _ in range(4)]
     for thread in threads:
@@ -345,11 +351,13 @@ def python(script, *paths):
     return done.stdout.strip()
 
 
+@pytest.mark.slow
 def test_import_loads_no_link():
     loaded = python("import midair; print(sorted({'serial', 'pyftdi', 'usb', 'autd3'} & set(sys.modules)))")
     assert loaded == "[]"
 
 
+@pytest.mark.slow
 def test_a_guard_starts_without_numpy():
     script = """
 import midair, subprocess, os
@@ -360,6 +368,7 @@ with midair.connect("sonicsurface:loop") as loop:
         assert python(script) == "0"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("module", "call", "message"),
     [

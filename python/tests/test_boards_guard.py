@@ -72,6 +72,7 @@ def ended(programs):
     assert programs.stdout.readline() == "ended\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("_", range(DEATHS))
 @pytest.mark.parametrize(("act", "number"), CASES, ids=lambda value: getattr(value, "name", value))
 def test_what_ends_is_off(programs, line, act, number, _):
@@ -90,6 +91,7 @@ def test_what_ends_is_off(programs, line, act, number, _):
     assert [codes for _, codes in line.commits()[:2]] == [[32] * 256] * 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("_", range(HANGS))
 @pytest.mark.parametrize("act", ["stopped", "spin", "native"])
 def test_what_hangs_is_off_after_the_hold(programs, line, act, _):
@@ -123,6 +125,7 @@ def test_a_guard_that_is_killed_is_missed(line, number, _):
     assert surface.state == "closed"
 
 
+@pytest.mark.slow
 def test_an_opening_that_is_interrupted_is_given_up(monkeypatch, tmp_path):
     import midair
 
@@ -135,6 +138,7 @@ def test_an_opening_that_is_interrupted_is_given_up(monkeypatch, tmp_path):
     assert time.monotonic() - begin < 1
 
 
+@pytest.mark.slow
 def test_a_guard_that_hangs_is_replaced(line):
     import midair
 
@@ -148,6 +152,7 @@ def test_a_guard_that_hangs_is_replaced(line):
     line.wait(lambda surface: surface.silent)
 
 
+@pytest.mark.slow
 def test_a_guard_survives_what_is_meant_for_its_owner(line):
     import midair
 

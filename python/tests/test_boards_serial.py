@@ -41,6 +41,7 @@ def as_played(surface, played):
     return np.where(codes == OFF, 0, np.exp(2j * np.pi * codes / 32))
 
 
+@pytest.mark.slow
 def test_every_frame_arrives_once_and_in_order(line, surface):
     sent, _ = drives(FRAMES)
     begin = time.monotonic()
@@ -77,6 +78,7 @@ def test_two_boards_commit_at_once():
     line.unplug()
 
 
+@pytest.mark.slow
 def test_at_most_two_frames_are_ahead_of_the_line(line, surface):
     begin = time.monotonic()
     for _ in range(20):
@@ -90,6 +92,7 @@ def test_at_most_two_frames_are_ahead_of_the_line(line, surface):
     assert (taken - carried).max() < 3 * 258 + 517
 
 
+@pytest.mark.slow
 def test_a_stream_keeps_time(line, surface):
     sent, _ = drives(30)
     since = time.monotonic()
@@ -103,6 +106,7 @@ def test_a_stream_keeps_time(line, surface):
     assert surface.stats.late == 0
 
 
+@pytest.mark.slow
 def test_a_stream_above_the_rate_skips(line, surface):
     sent, _ = drives(200)
     begin = time.monotonic()
@@ -125,6 +129,7 @@ def test_a_stream_above_the_rate_is_an_error_where_asked(surface):
     assert surface.stats.frames == 3
 
 
+@pytest.mark.slow
 def test_a_late_frame_is_an_error_where_asked(line, surface):
     def slow():
         for drive in drives(3)[0]:
@@ -137,6 +142,7 @@ def test_a_late_frame_is_an_error_where_asked(line, surface):
     assert surface.state == "off"
 
 
+@pytest.mark.slow
 def test_a_slow_generator_is_played_as_it_comes(surface):
     def slow():
         for drive in drives(8)[0]:
@@ -159,6 +165,7 @@ def test_a_generator_that_fails_is_turned_off(line, surface):
     line.wait(lambda far: far.silent)
 
 
+@pytest.mark.slow
 def test_modulation_commits_twice_a_period_and_ends_off(line, surface):
     surface.send(np.ones(256))
     line.wait(lambda far: far.loud)
@@ -180,6 +187,7 @@ def test_modulation_commits_twice_a_period_and_ends_off(line, surface):
     assert surface.state == "off"
 
 
+@pytest.mark.slow
 def test_a_new_frame_is_modulated_until_no_modulation_is_asked_for(line, surface):
     surface.modulate(100)
     assert surface.state == "off"
@@ -203,6 +211,7 @@ def test_a_modulation_that_the_line_cannot_carry_is_refused(surface):
         surface.modulate(5000)
 
 
+@pytest.mark.slow
 def test_a_stalled_reader_is_a_timeout(line, surface):
     surface.send(np.ones(256))
     line.wait(lambda far: far.loud)
@@ -219,6 +228,7 @@ def test_a_stalled_reader_is_a_timeout(line, surface):
     line.wait(lambda far: far.silent)
 
 
+@pytest.mark.slow
 def test_a_stalled_reader_that_reads_again_is_off(line, surface):
     line.reading.clear()
     with pytest.raises(midair.BoardTimeout):
@@ -257,6 +267,7 @@ def test_a_modulated_board_that_is_unplugged_is_lost(line, surface):
         surface.send(np.ones(256))
 
 
+@pytest.mark.slow
 def test_a_port_is_held_by_one(line, surface):
     with pytest.raises(midair.BoardBusy, match=f'port "{line.port}" is in use'):
         midair.connect(f"sonicsurface:{line.port}")

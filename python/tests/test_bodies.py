@@ -110,6 +110,7 @@ def test_a_sphere_of_pistons_is_what_least_squares_find() -> None:
         assert np.abs(found - expected.T).max() < 1e-5 * np.abs(expected).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["rigid", "soft"])
 @pytest.mark.parametrize("frequency", [40e3, 4 * np.pi / RADIUS * 340 / (2 * np.pi)])
 def test_a_mesh_of_a_sphere_is_the_sphere(kind: Any, frequency: float) -> None:
@@ -208,6 +209,7 @@ def test_pictures_show_where_bodies_are() -> None:
     assert (np.linalg.norm(places, axis=1) > 7).all()
 
 
+@pytest.mark.slow
 def test_a_mesh_is_solved_once(cache: Path) -> None:
     array = midair.Array.grid(4, 3, 10e-3)
     mesh = ball(1, radius=0.0079)
@@ -227,6 +229,7 @@ def test_a_mesh_is_solved_once(cache: Path) -> None:
     assert len(set(cache.rglob("*.npy")) - before) == 3
 
 
+@pytest.mark.slow
 def test_files_of_modellers(tmp_path: Path) -> None:
     trimesh = pytest.importorskip("trimesh")
     vertices, faces = icosphere(1, 8.0, np.zeros(3))
@@ -336,6 +339,7 @@ def test_what_cannot_be_is_refused_in_a_line() -> None:
             midair.Scene.parse(json.dumps(text))
 
 
+@pytest.mark.slow
 def test_memory_is_asked_for_before_it_is_taken() -> None:
     code = (
         "import midair, test_bodies\n"
@@ -349,6 +353,7 @@ def test_memory_is_asked_for_before_it_is_taken() -> None:
     )
 
 
+@pytest.mark.slow
 def test_ctrl_c_is_heard_while_a_mesh_is_solved(tmp_path: Path) -> None:
     code = (
         "import midair, numpy as np, test_bodies\n"

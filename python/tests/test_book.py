@@ -30,6 +30,7 @@ def test_a_name_that_is_on_no_page_is_told(reference: ModuleType, monkeypatch: p
         list(reference.python())
 
 
+@pytest.mark.slow
 def test_every_command_is_described(reference: ModuleType) -> None:
     page = reference.command_line()
     commands = [name for name in app if not name.startswith("-")]

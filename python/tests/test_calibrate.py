@@ -19,6 +19,7 @@ def calibrated(
     return midair.calibrate(rig.array, drives, heard, microphones=rig.places, **keywords)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [11, 12])
 @pytest.mark.parametrize(
     ("radius", "decibels", "least"), [(0.0, 40, 0.98), (0.0, 60, 0.99), (4.5e-3, 60, 0.98)]
@@ -33,6 +34,7 @@ def test_four_readings_give_the_array(seed: int, radius: float, decibels: float,
     assert found.response[found.dead].tolist() == [0] * len(found.dead)
 
 
+@pytest.mark.slow
 def test_fewer_readings_one_microphone_and_phases() -> None:
     rig = Rig(13)
     found = calibrated(rig, 2, 60)
@@ -45,6 +47,7 @@ def test_fewer_readings_one_microphone_and_phases() -> None:
     assert rig.kept(found.array, found.sound_speed) > 0.98
 
 
+@pytest.mark.slow
 def test_a_bad_array_is_found_without_a_prior() -> None:
     rig = Rig(14, gain=0.2, phase=40, dead_part=0.05, reversed_part=0.05)
     found = calibrated(rig, 4, 60)
@@ -54,6 +57,7 @@ def test_a_bad_array_is_found_without_a_prior() -> None:
     assert len(right) >= 0.7 * len(rig.reversed)
 
 
+@pytest.mark.slow
 def test_errors_are_what_they_say() -> None:
     rig = Rig(15, jitter=0.0, dead_part=0.0)
     found = calibrated(rig, 6, 50)
@@ -66,6 +70,7 @@ def test_errors_are_what_they_say() -> None:
     assert np.sqrt(np.mean(found.residuals**2)) < found.noise
 
 
+@pytest.mark.slow
 def test_microphones_out_of_place_are_found() -> None:
     rig = Rig(16, jitter=0.1e-3)
     true = rig.places.copy()
@@ -77,6 +82,7 @@ def test_microphones_out_of_place_are_found() -> None:
     assert rig.kept(found.array, found.sound_speed) > 0.985
 
 
+@pytest.mark.slow
 def test_the_pose_of_a_second_board_is_found() -> None:
     rig = Rig(17, jitter=0.05e-3, dead_part=0.0)
     second = slice(128, 256)
@@ -91,6 +97,7 @@ def test_the_pose_of_a_second_board_is_found() -> None:
     assert np.array_equal(found.array.positions[:128], believed[:128])
 
 
+@pytest.mark.slow
 def test_readings_of_another_order_are_told_of() -> None:
     rig = Rig(22)
     drives = midair.calibration_drives(rig.array, 4)
@@ -104,6 +111,7 @@ def test_readings_of_another_order_are_told_of() -> None:
         midair.calibrate(off, drives, heard, microphones=rig.places)
 
 
+@pytest.mark.slow
 def test_same_readings_same_bits() -> None:
     rig = Rig(18)
     drives = midair.calibration_drives(rig.array, 2)
@@ -112,6 +120,7 @@ def test_same_readings_same_bits() -> None:
     assert first.response.tobytes() == again.response.tobytes()
 
 
+@pytest.mark.slow
 def test_files_keep_it(tmp_path: Path) -> None:
     rig = Rig(19)
     found = calibrated(rig, 2, 60)
@@ -195,6 +204,7 @@ def test_arguments_are_refused(keywords: dict[str, Any], told: str) -> None:
         midair.calibrate(rig.array, drives, rig.read(drives, 60), **({"microphones": rig.places} | keywords))
 
 
+@pytest.mark.slow
 def test_memory_is_asked_for_before_it_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     rig = Rig(20)
     drives = midair.calibration_drives(rig.array, 2)
@@ -227,6 +237,7 @@ def test_an_inverse_factor_in_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
     assert max(pieces) <= 64
 
 
+@pytest.mark.slow
 def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     from midair.cli import main
 

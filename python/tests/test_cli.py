@@ -79,6 +79,7 @@ def expected() -> tuple[midair.Scene, midair.Solution]:
     return scene, midair.solve(scene)
 
 
+@pytest.mark.slow
 def test_module_and_script_are_the_same_program() -> None:
     script = Path(sys.executable).with_name("midair")
     ran = midair_process("solve", "scene.toml")
@@ -243,6 +244,7 @@ def png_size(path: str) -> tuple[int, int]:
     return struct.unpack(">II", content[16:24])
 
 
+@pytest.mark.slow
 def test_image_is_a_picture_of_sane_size(run: Run) -> None:
     status, _, err = run("solve", "scene.toml", "--image", "field.png")
     assert (status, err, files()) == (0, "", {"scene.toml", "field.png"})
@@ -252,6 +254,7 @@ def test_image_is_a_picture_of_sane_size(run: Run) -> None:
     assert "<svg" in Path("field.svg").read_text()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quantity", ["pressure", "radiation", "spl", "phase"])
 def test_images_count_the_scale_in_and_show_the_quantity_asked_for(
     run: Run, monkeypatch: pytest.MonkeyPatch, quantity: str
@@ -282,6 +285,7 @@ def test_images_count_the_scale_in_and_show_the_quantity_asked_for(
     assert run("solve", "weak.toml", "--image", "a.png", "--quantity", "loudness")[0] == 2
 
 
+@pytest.mark.slow
 def test_compare_has_a_line_and_a_panel_for_each_solver(run: Run) -> None:
     status, out, err = run("compare", "scene.toml", "--image", "sheet.png")
     assert (status, err, files()) == (0, "", {"scene.toml", "sheet.png"})
@@ -350,6 +354,7 @@ main({arguments!r})
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_ctrl_c_and_sigterm_write_the_whole_file_of_what_was_found(number: signal.Signals) -> None:

@@ -198,6 +198,7 @@ def program(*arguments: str, **options: object) -> subprocess.CompletedProcess[s
     return subprocess.run(command, capture_output=True, text=True, timeout=HANG, check=False, **options)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="a shell of POSIX")
 @pytest.mark.parametrize(
     ("line", "status"),
@@ -220,6 +221,7 @@ def test_streams_may_be_closed_or_full(line: str, status: int) -> None:
         assert len(Path("drive.csv").read_text().splitlines()) == 13
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "environment",
     [

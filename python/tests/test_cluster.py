@@ -78,6 +78,7 @@ def cluster(tmp_path: Path) -> Iterator[Cluster]:
     made.close()
 
 
+@pytest.mark.slow
 def test_a_killed_worker_changes_no_number(cluster: Cluster, tmp_path: Path) -> None:
     running = sweep(tmp_path, "--output", "far.csv", "--scheduler", cluster.address)
     # Its first chunk is there: both workers are in the midst of others.
@@ -92,6 +93,7 @@ def test_a_killed_worker_changes_no_number(cluster: Cluster, tmp_path: Path) -> 
     assert len((tmp_path / "far.csv").read_text().splitlines()) == 601
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_is_lost_is_one_line_and_keeps_what_is_done(
     cluster: Cluster, tmp_path: Path
 ) -> None:
@@ -105,6 +107,7 @@ def test_a_scheduler_that_is_lost_is_one_line_and_keeps_what_is_done(
     assert list(tmp_path.glob(".far.csv.chunks/*/*.npz"))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_ctrl_c_keeps_what_is_done(cluster: Cluster, tmp_path: Path) -> None:
     running = sweep(tmp_path, "--output", "far.csv", "--scheduler", cluster.address)
@@ -115,6 +118,7 @@ def test_ctrl_c_keeps_what_is_done(cluster: Cluster, tmp_path: Path) -> None:
     assert list(tmp_path.glob(".far.csv.chunks/*/*.npz"))
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_does_not_answer_is_one_line_within_ten_seconds(tmp_path: Path) -> None:
     (tmp_path / "sweep.toml").write_text(SWEEP)
     with socket.create_server(("127.0.0.1", 0)) as silent:
@@ -127,6 +131,7 @@ def test_a_scheduler_that_does_not_answer_is_one_line_within_ten_seconds(tmp_pat
     assert not list(tmp_path.glob("*.csv"))
 
 
+@pytest.mark.slow
 def test_trials_of_faults_are_the_same_on_the_cluster(cluster: Cluster) -> None:
     array = midair.Array.grid(12, 12, 10e-3)
     scene = midair.Scene(array, [[-0.02, 0, 0.12], [0.03, 0.01, 0.12]])

@@ -65,6 +65,7 @@ def laid(kind: str, count: int, seed: int) -> NDArray[np.float64]:
     return points if kind == "volume" else points * [1, 1, 0] + [0, 0, 0.15]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [8, 32, 128])
 @pytest.mark.parametrize("kind", ["plane", "volume", "dense"])
 def test_bounded_comes_within_a_hundredth_of_the_least_error(kind: str, count: int) -> None:

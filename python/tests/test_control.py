@@ -160,6 +160,7 @@ def run(code: str, **environment: str) -> str:
     return ran.stdout
 
 
+@pytest.mark.slow
 def test_results_have_the_same_bits_on_any_number_of_threads() -> None:
     one, two, five = (run(PICTURE, RAYON_NUM_THREADS=threads) for threads in "125")
     assert len(one.split()) == 4
@@ -169,6 +170,7 @@ def test_results_have_the_same_bits_on_any_number_of_threads() -> None:
 POSIX = pytest.mark.skipif(os.name == "nt", reason="signals and fork of POSIX")
 
 
+@pytest.mark.slow
 @POSIX
 @pytest.mark.parametrize("call", LONG)
 def test_interrupt_ends_whatever_takes_long(call: str) -> None:

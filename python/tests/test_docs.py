@@ -33,6 +33,7 @@ def blocks(page: Path, language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
 
 
+@pytest.mark.slow
 def test_docstrings_run() -> None:
     finder, runner = doctest.DocTestFinder(), doctest.DocTestRunner()
     names = [midair, *(getattr(midair._midair, name) for name in midair._midair.__all__)]
@@ -89,6 +90,7 @@ def test_everything_that_can_refuse_says_what_it_raises() -> None:
     assert silent == REFUSE_NOTHING
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES, ids=named)
 def test_python_blocks_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import matplotlib as mpl
@@ -115,6 +117,7 @@ def test_scene_files_are_solved(page: Path, tmp_path: Path) -> None:
         assert sane(midair.solve(midair.Scene.load(path)), f"scene file of {page.name}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES, ids=named)
 def test_commands_run(page: Path, tmp_path: Path) -> None:
     for block in blocks(page, "toml"):

@@ -167,6 +167,7 @@ def test_what_is_no_refusal_goes_through_as_it_is(monkeypatch: pytest.MonkeyPatc
         parse("[shape]\nkind = 'line'\n")
 
 
+@pytest.mark.slow
 def test_the_command_line_solves_compares_and_draws_them(capsys: pytest.CaptureFixture[str]) -> None:
     Path("scene.toml").write_text(
         f"{ARRAY}[shape]\nkind = 'circle'\ncenter = [0, 0, 0.1]\nradius = 0.02\nstep = 0.002\n"
@@ -197,6 +198,7 @@ def drawn(**keywords: object) -> midair.Solution:
     return midair.solve(midair.Scene(array, points, 400), "gspat", **keywords)
 
 
+@pytest.mark.slow
 def test_wanted_made_and_difference_have_the_numbers_of_the_points() -> None:
     solution = drawn()
     figure = solution.plot()

@@ -19,6 +19,7 @@ def gallery(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     return importlib.import_module("gallery")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.name)
 def test_it_runs_and_leaves_its_picture(
     path: Path, gallery: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -37,6 +37,7 @@ def test_levels_at_places_are_those_of_numpy() -> None:
     assert "Hansen" in found._repr_html_()
 
 
+@pytest.mark.slow
 def test_the_worst_of_a_box_is_within_2_db_of_400_places_held_out() -> None:
     random = np.random.default_rng(3)
     focused = midair.solve(SCENE).drive

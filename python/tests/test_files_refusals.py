@@ -277,6 +277,7 @@ def test_drives_that_cannot_be_read(name: str, tmp_path: Path) -> None:
     assert str(path.parent) in str(refused.value)
 
 
+@pytest.mark.slow
 def test_what_unpacks_to_more_than_a_file_may(tmp_path: Path) -> None:
     path = tmp_path / "a.holo"
     path.write_bytes(zeros(260, wbits=15))

@@ -46,6 +46,7 @@ def test_the_scalar_set_gives_the_bits_that_it_gives_everywhere() -> None:
     assert hashlib.sha256(done.stdout).hexdigest() == SCALAR
 
 
+@pytest.mark.slow
 def test_another_instruction_set_gives_other_bits_of_both() -> None:
     *_, known = refusal().partition(" has ")
     best = known.split(", ")[-1]

@@ -20,13 +20,13 @@ def make(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(["make", *arguments], cwd=ROOT, capture_output=True, text=True, env=alone)
 
 
-@pytest.mark.parametrize("target", ["test", "demo"])
+@pytest.mark.parametrize("target", ["check", "test", "demo"])
 def test_every_command_is_announced(target: str) -> None:
     # Without doing anything; the environment, up to date or not, has its own line.
     lines = make("--dry-run", "--assume-old=.venv/ready", target).stdout.splitlines()
     assert len(lines) >= 4
     for line in lines:
-        assert line.startswith(("echo", "mkdir", "\t||", "||")), line
+        assert line.startswith(("echo", "make", "mkdir", "touch .venv/", "\t||", "||")), line
 
 
 def test_no_name_of_a_step_has_a_comma() -> None:

@@ -64,6 +64,7 @@ def test_too_much_is_refused_in_one_line(case: str) -> None:
     assert "MIDAIR_MEMORY" in said
 
 
+@pytest.mark.slow
 @POSIX
 def test_the_limit_can_be_set() -> None:
     code = 'midair.solve(scene(100, 1000), "gspat"); print("done")'

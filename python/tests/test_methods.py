@@ -67,6 +67,7 @@ def test_every_limit_is_the_reference(name: str, limit: str) -> None:
     assert ours == pytest.approx(theirs, abs=0.005)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("moduli", ["raw", "unit"])
 @pytest.mark.parametrize("count", [4, 16, 64])
 def test_sdp_is_the_reference_in_the_mean(count: int, moduli: str) -> None:
@@ -95,6 +96,7 @@ def test_sdp_reaches_the_optimum_of_its_relaxation(count: int) -> None:
         assert abs(reached - optimum) <= 0.01 * (begun - optimum)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("count", "trials"), [(4, 12), (16, 10), (64, 3)])
 def test_lm_is_the_reference_in_the_mean(count: int, trials: int) -> None:
     def theirs(G: np.ndarray, t: np.ndarray, seed: int) -> np.ndarray:
@@ -107,6 +109,7 @@ def test_lm_is_the_reference_in_the_mean(count: int, trials: int) -> None:
     assert mine == pytest.approx(yours, abs=0.03)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [4, 16])
 def test_lm_is_no_worse_than_scipy(count: int) -> None:
     """From the same drives, with the same number of steps: SciPy evaluates once a step, too."""

@@ -157,6 +157,7 @@ def test_an_svg_outline_is_walked_from_text_and_file(tmp_path: File) -> None:
 corner = st.tuples(*[st.floats(-0.05, 0.05)] * 2, st.just(Z)).map(lambda xyz: [round(x, 4) for x in xyz])
 
 
+@pytest.mark.slow
 @steady
 @given(st.lists(corner, min_size=2, max_size=8, unique_by=tuple), st.booleans(), st.floats(0.1, 5))
 def test_no_step_is_longer_than_speed_allows(corners: list[list[float]], closed: bool, speed: float) -> None:

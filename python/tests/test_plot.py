@@ -76,6 +76,7 @@ def test_plot_without_axes_draws_into_the_present_ones() -> None:
     assert len(ax.images) == 1
 
 
+@pytest.mark.slow
 def test_plot_without_axes_has_a_panel_for_each_plane() -> None:
     solution = midair.solve(small(points=[[-0.02, 0, 0.1], [0.02, 0.01, 0.12], [0, -0.02, 0.15]]), "uniform")
     figure = midair.plot(solution).figure
@@ -236,6 +237,7 @@ def test_a_sheet_shares_axes_and_a_scale_that_no_method_alone_sets() -> None:
     assert panels[0].figure.axes[-1]._colorbar.extend == "neither"
 
 
+@pytest.mark.slow
 def test_a_sheet_has_a_row_a_solver_where_points_lie_in_several_planes() -> None:
     table = midair.compare(
         small(points=[[0, 0, 0.1], [0.02, 0.01, 0.15]], pressures=1000), ["naive", "uniform"]

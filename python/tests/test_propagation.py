@@ -44,7 +44,7 @@ def one_line(call: Callable[[], object], *words: str) -> None:
         assert word in str(refused.value)
 
 
-@pytest.mark.parametrize("bad", NO_MATRIX, ids=repr)
+@pytest.mark.parametrize("bad", NO_MATRIX, ids=lambda bad: repr(bad).partition(" at ")[0])
 def test_what_is_no_matrix_of_numbers_is_refused(bad: object) -> None:
     one_line(lambda: midair.Propagation(bad), "propagation")
 

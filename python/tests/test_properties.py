@@ -48,6 +48,7 @@ def attempt(make, *arguments, **keywords):
         return None
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 @steady
 @given(st.data(), names, st.booleans())
@@ -60,6 +61,7 @@ def test_any_scene_is_refused_or_answered_with_finite_numbers(data, solver: str,
     assert ((solution.phases >= 0) & (solution.phases < 2 * np.pi)).all()
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 @steady
 @given(st.data(), names, st.sampled_from(["scene.toml", "scene.json"]))
@@ -89,6 +91,7 @@ def test_the_unit_of_pressure_changes_no_drive(random, solver: str) -> None:
     assert drives[0].tobytes() == drives[1].tobytes()
 
 
+@pytest.mark.slow
 @steady
 @given(st.randoms(use_true_random=False))
 def test_permuting_the_points_permutes_what_naive_gives_them(random) -> None:

@@ -48,6 +48,7 @@ def everything(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_every_figure_has_its_files(everything: Path) -> None:
     for name in FIGURES:
         assert (everything / f"{name}.png").read_bytes().startswith(b"\x89PNG")
@@ -59,6 +60,7 @@ def test_every_figure_has_its_files(everything: Path) -> None:
     assert not [path for path in everything.iterdir() if path.name.endswith(".part")]
 
 
+@pytest.mark.slow
 def test_every_statement_is_judged_with_its_numbers(everything: Path) -> None:
     rows = tables.read(everything / "verdicts.csv")
     told = {figure: [row["statement"] for row in rows if row["figure"] == figure] for figure in FIGURES}
@@ -84,6 +86,7 @@ def test_what_needs_no_luck_holds_with_three_trials(everything: Path) -> None:
         assert [found[statement] for statement in found if words in statement] == ["holds"], words
 
 
+@pytest.mark.slow
 def test_the_same_request_gives_the_same_bytes(tmp_path: Path) -> None:
     for folder in ("a", "b"):
         reproduce(["fig3", "fig7"], tmp_path / folder, trials=2, seed=5)
@@ -91,6 +94,7 @@ def test_the_same_request_gives_the_same_bytes(tmp_path: Path) -> None:
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
 
 
+@pytest.mark.slow
 def test_figs_3_and_4_share_their_trials_and_more_trials_use_what_is_there(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -133,6 +137,7 @@ def reference(key: str, G: np.ndarray, t: np.ndarray, rng: np.random.Generator) 
 OURS = {"uniform", "best"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [4, 8, 16])
 @pytest.mark.parametrize("method", [m for m in curves() if m.key not in OURS], ids=lambda method: method.key)
 def test_the_reference_lies_within_the_interval_of_fig_3(method: Any, count: int) -> None:
@@ -216,6 +221,7 @@ def run(capsys: pytest.CaptureFixture[str]) -> Command:
     return run
 
 
+@pytest.mark.slow
 def test_the_command_prints_the_verdicts(run: Command, tmp_path: Path) -> None:
     status, out, err = run("fig7", "--trials", 2, "--output", tmp_path)
     assert (status, err) == (0, "")
@@ -223,6 +229,7 @@ def test_the_command_prints_the_verdicts(run: Command, tmp_path: Path) -> None:
     assert names(tmp_path) >= {"fig7.png", "fig7.svg", "fig7.csv", "fig7-fields.csv", "verdicts.csv"}
 
 
+@pytest.mark.slow
 def test_bad_requests_are_one_line(run: Command, tmp_path: Path) -> None:
     file = tmp_path / "file"
     file.touch()
@@ -243,6 +250,7 @@ def test_bad_requests_are_one_line(run: Command, tmp_path: Path) -> None:
     assert names(tmp_path) <= {"file", "out"}
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_ctrl_c_keeps_what_is_done(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "midair", "reproduce", "fig3", "--output", str(tmp_path)]

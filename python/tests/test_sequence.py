@@ -260,6 +260,7 @@ def ran(*words: object) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.slow
 def test_the_command_writes_what_it_is_asked_for(tmp_path: Path):
     scene = tmp_path / "orbit.toml"
     scene.write_text(SCENE)
@@ -273,6 +274,7 @@ def test_the_command_writes_what_it_is_asked_for(tmp_path: Path):
     assert set(json.loads(told.stdout)) == {"glide", "uniform"}
 
 
+@pytest.mark.slow
 def test_the_command_writes_a_closed_sequence(tmp_path: Path):
     scene, out = tmp_path / "orbit.toml", tmp_path / "orbit.npz"
     scene.write_text(SCENE.replace("change = 0.2", 'change = 0.2\nclosed = true\nahead = "all"'))
@@ -304,6 +306,7 @@ def test_a_bad_scene_file_is_refused_in_a_line(tmp_path: Path, change: tuple[str
     assert done.stderr.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_tracks_over_the_whole_sequence_close_without_a_seam(board):
     circles = midair.path.circle([-0.02, 0, 0.15], 0.004, frequency=100) & midair.path.circle(
         [0.02, 0, 0.15], 0.004, frequency=100

@@ -150,6 +150,7 @@ print(hashlib.sha256(solved(fast(20), 6).codes.tobytes()).hexdigest())
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("threads", ["1", "3"])
 def test_threads_leave_no_trace(threads: str) -> None:
     told = subprocess.run(

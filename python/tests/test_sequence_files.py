@@ -130,6 +130,7 @@ def test_outputs_that_cannot_be_are_refused(tmp_path: Path) -> None:
         made().animate(tmp_path / "a.gif", frames=0)
 
 
+@pytest.mark.slow
 def test_to_xarray_names_dimensions_and_units() -> None:
     for sequence, name in ((made(), "codes"), (plain(), "drives")):
         table = sequence.to_xarray()
@@ -193,12 +194,14 @@ def test_a_waterfall_of_many_frames_shows_the_worst_of_each_cell() -> None:
     assert (row, column) == (pytest.approx(250 / 1.6, abs=1), pytest.approx(1234 / 2.5, abs=1))
 
 
+@pytest.mark.slow
 def test_a_still_sequence_of_one_frame_has_a_picture(tmp_path: Path) -> None:
     one = midair.Sequence(ARRAY, [[[0, 0, 0.1]]], 1.0, np.ones((1, 25)) + 0j, rate=1.0)
     assert one.metrics.largest_change == 0
     one.plot().savefig(tmp_path / "one.png")
 
 
+@pytest.mark.slow
 def test_an_animation_has_the_frames_asked_for(tmp_path: Path) -> None:
     told: list[tuple[int, int]] = []
     path = tmp_path / "motion.gif"

@@ -148,6 +148,7 @@ def euler(drives: Any, hold: str, closed: bool, tau: float, fine: int = 4000) ->
     return np.array(taken)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("closed", [False, True])
 @pytest.mark.parametrize("hold", ["hold", "linear"])
 def test_pressures_inside_the_frames_solve_the_equation_of_the_transducers(hold: Any, closed: bool) -> None:

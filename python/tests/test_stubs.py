@@ -63,6 +63,7 @@ def test_the_stubs_are_what_the_registry_says(file: str, text: str) -> None:
     assert len(path.read_text(encoding="utf-8").splitlines()) <= 400
 
 
+@pytest.mark.slow
 def test_a_type_checker_knows_every_solvers_options(tmp_path: Path) -> None:
     path = tmp_path / "calls.py"
     path.write_text(CALLS)

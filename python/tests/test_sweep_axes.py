@@ -77,6 +77,7 @@ def test_an_axis_is_a_column_and_its_rows_are_what_solve_gives(name: str) -> Non
     assert not scalar or table[name].tolist() == values
 
 
+@pytest.mark.slow
 def test_axes_are_crossed_and_a_random_point_is_the_same_along_them() -> None:
     request = {
         "array": [{"grid": GRID}, {"preset": "autd3"}],

@@ -90,6 +90,7 @@ def test_a_stopped_sweep_leaves_its_chunks_in_their_midst(
     assert len(whole) == 1, "the first chunk, and the second left"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 @pytest.mark.parametrize(
     ("number", "words"), [(signal.SIGINT, "interrupted\n"), (signal.SIGTERM, "terminated\n")], ids=str

@@ -244,6 +244,7 @@ def test_the_command_prints_what_python_gives(
     assert left.value.code == 2
 
 
+@pytest.mark.slow
 def test_ctrl_c_is_heard_and_keeps_the_trials_that_are_done(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

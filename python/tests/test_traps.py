@@ -242,6 +242,7 @@ def test_twin_and_vortex_fail_for_several_points_between_two_boards() -> None:
     assert lost["vortex"] >= 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 2, 4, 8])
 def test_the_weakest_trap_is_nearly_what_direct_optimisation_finds(count: int) -> None:
     positions, normals = traps.openmpd()

@@ -179,6 +179,7 @@ def test_one_drive_says_nothing_of_a_microphone() -> None:
         midair.tune(lambda drive: np.zeros(4), model, "feedback")
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_the_best_within_half_a_second() -> None:
     rig = Rig(42)
     reader = Reader(rig)

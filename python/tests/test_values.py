@@ -173,6 +173,7 @@ def drive_of(scene: midair.Scene) -> midair.Solution:
     return midair.solve(scene, "greedy", seed=1)
 
 
+@pytest.mark.slow
 def test_other_processes_send_equal_values() -> None:
     scenes = [small(), file_scene()]
     with multiprocessing.get_context("spawn").Pool(1) as pool:

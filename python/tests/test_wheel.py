@@ -38,6 +38,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return found
 
 
+@pytest.mark.slow
 def test_the_wheel_holds_the_package_and_no_tests(wheel: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
     assert "abi3" in wheel.name
@@ -53,6 +54,7 @@ def test_the_wheel_holds_the_studio(wheel: Path) -> None:
     assert {f"midair/studio/built/{path.relative_to(STUDIO).as_posix()}" for path in files} <= names
 
 
+@pytest.mark.slow
 def test_the_wheel_works_with_nothing_but_numpy(wheel: Path, tmp_path: Path) -> None:
     uv, bare = BIN / "uv", tmp_path / "bare"
     run(uv, "venv", "--quiet", "--python", sys.executable, bare, cwd=tmp_path)

@@ -43,6 +43,7 @@ fn turn(a: Complex32, b: Complex32) -> f64 {
 }
 
 #[test]
+#[ignore = "slow"]
 fn every_exchange_is_the_best_within_its_bound_at_every_instruction_set() {
     let changes = [0.0, 0.1, PI / 16.0, 1.0, PI];
     for (k, points) in [1_usize, 2, 4, 16, 17, 38].into_iter().enumerate() {

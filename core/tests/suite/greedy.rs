@@ -60,6 +60,7 @@ fn assert_regrets(greedy: &Greedy, scene: &Scene) {
 }
 
 #[test]
+#[ignore = "slow"]
 fn fine_grids_of_phases_and_amplitudes_are_searched_as_well() {
     for (phases, amplitudes, points) in
         [(256, 16, 1), (256, 16, 4), (256, 16, 32), (256, 16, 64), (1000, 3, 16), (64, 256, 8)]
@@ -71,6 +72,7 @@ fn fine_grids_of_phases_and_amplitudes_are_searched_as_well() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn every_choice_is_within_the_regret() {
     for points in [1_u32, 2, 4, 16, 38, 64] {
         for (phases, amplitudes) in [(2, 1), (3, 2), (16, 1), (16, 4), (100, 1)] {

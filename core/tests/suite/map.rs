@@ -1,11 +1,10 @@
-//! The map in CONTRIBUTING.md: every source file with its first line. `make map` writes it anew.
+//! docs/map.md: every source file with its first line. `make map` writes it anew.
 
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const BEGIN: &str = "<!-- map:begin -->\n";
-const END: &str = "<!-- map:end -->";
+const HEAD: &str = "# Map of the sources\n\nEvery source file with its first line. `make map` writes this page.\n\n";
 
 /// A file's first line, which says what is in it.
 fn first_line(path: &Path) -> String {
@@ -45,13 +44,10 @@ fn the_map_names_every_file_and_what_is_in_it() {
         draw(root, folder, &mut map);
     }
     map.push_str("```\n");
-    let page = root.join("CONTRIBUTING.md");
-    let text = fs::read_to_string(&page).expect("the page");
-    let (before, rest) = text.split_once(BEGIN).expect("the map begins");
-    let (found, after) = rest.split_once(END).expect("the map ends");
+    let (page, map) = (root.join("docs/map.md"), format!("{HEAD}{map}"));
     if std::env::var("MIDAIR_MAP").is_ok_and(|what| what == "write") {
-        fs::write(&page, format!("{before}{BEGIN}{map}{END}{after}")).expect("written");
-    } else {
-        assert!(found == map, "CONTRIBUTING.md does not show the tree as it is: run `make map`");
+        fs::write(&page, map).expect("written");
+    } else if fs::read_to_string(&page).ok().is_none_or(|found| found.replace('\r', "") != map) {
+        panic!("docs/map.md does not list the sources as they are: run `make map` and commit docs/map.md");
     }
 }

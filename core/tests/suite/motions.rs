@@ -103,6 +103,7 @@ fn metrics(entry: &Entry, parts: &Parts) -> [f64; 6] {
 }
 
 #[test]
+#[ignore = "slow"]
 fn permuting_moving_or_mirroring_a_whole_scene_changes_no_metric() {
     type Change = fn(&Parts) -> Parts;
     let changes: [(&str, Change); 5] = [

@@ -234,6 +234,7 @@ fn even(scene: &Scene) -> Vec<Complex32> {
 }
 
 #[test]
+#[ignore = "slow"]
 fn the_sweep_takes_most_of_what_rounding_costs_and_keeps_within_the_quantised_targets() {
     // Bounds on the mean sigma over 10 seeds; what comes out is 8 to 80 % of them.
     for (points, phases, most) in [
@@ -313,6 +314,7 @@ fn the_sweep_keeps_zeros_amplitudes_and_unequal_targets() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_device_plays_no_point_louder_than_asked_and_keeps_nine_tenths() {
     let sixteen: Vec<f64> = (0..16).map(|k| f64::from(k) / 15.0).collect();
     let devices = [

@@ -57,6 +57,7 @@ fn batch_of(model: &Model, asks: &[Ask], solver: &Solver, balance: bool) -> Resu
 }
 
 #[test]
+#[ignore = "slow"]
 fn a_batch_and_a_session_are_lone_solves_bit_for_bit() {
     let model = model();
     for entry in solvers::SOLVERS {
@@ -207,6 +208,7 @@ fn with_options() -> Vec<(String, Solver)> {
 }
 
 #[test]
+#[ignore = "slow"]
 fn problems_in_lanes_are_lone_solves_bit_for_bit() {
     for (name, solver) in with_options() {
         for set in InstructionSet::all() {

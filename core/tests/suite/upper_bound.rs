@@ -20,6 +20,7 @@ fn levels(scene: &Scene, problem: &Problem) -> Vec<(&'static str, f64)> {
 }
 
 #[test]
+#[ignore = "slow"]
 fn no_solver_exceeds_the_bound_and_the_best_comes_near() {
     for (count, near) in [(1, 1.0001), (2, 1.12), (4, 1.12), (16, 1.12), (64, 1.20)] {
         for seed in 0..2 {

@@ -84,6 +84,7 @@ fn check<T: Reference>(set: InstructionSet, lists: &Lists, phases: usize, amplit
 }
 
 #[test]
+#[ignore = "slow"]
 fn every_update_is_the_best_of_all_candidates() {
     for set in InstructionSet::all() {
         for points in [1, 2, 5, 16, 17, 40] {

@@ -28,6 +28,7 @@ fn tables() -> Vec<Vec<f64>> {
 }
 
 #[test]
+#[ignore = "slow"]
 fn the_nearest_code_by_every_set_with_the_same_bits() {
     let mut rng = Rng::new(1);
     for length in super::LENGTHS {

@@ -50,6 +50,7 @@ fn best(waves: &[Vec<f32>; 2], levels: usize, reach: usize, closed: bool, first:
 }
 
 #[test]
+#[ignore = "slow"]
 fn no_track_is_better() {
     let mut rng = Rng::new(3);
     let mut closed_best = 0;
