@@ -10,6 +10,7 @@ mod positions;
 mod read;
 mod schema;
 mod source;
+mod step;
 mod syntax;
 mod tables;
 mod toml;
