@@ -16,8 +16,10 @@ SCHEMA = ROOT / "docs" / "scene.schema.json"
 MEANING = json.loads((Path(__file__).parent / "keys.json").read_text())
 #: Lists of any length whose example is as long as a place in space.
 FREE = {"array.quantization.amplitudes"}
+#: Numbers, or lists of them.
+NUMBER_OR_LIST = {"motion.path[].pressures", "motion.path[].size"}
 #: Tables that may be written once or many times.
-REPEATED = {"shape", "image"}
+REPEATED = {"shape", "image", "motion.path"}
 
 
 def tables() -> dict[str, dict[str, Any]]:
@@ -50,6 +52,10 @@ def of_value(example: Any, free: bool) -> dict[str, Any]:
 
 def of_key(path: str, example: Any, of_table: Callable[[str], dict[str, Any] | None]) -> dict[str, Any]:
     """The schema of a key, whose value may be a table, tables, or a plain value."""
+    if path == "motion.ahead":
+        return {"anyOf": [{"type": "integer"}, {"type": "string"}]}
+    if path in NUMBER_OR_LIST:
+        return {"anyOf": [{"type": "number"}, {"type": "array", "items": {"type": "number"}}]}
     if path == "array.directivity":
         parameter = {"type": "object", "additionalProperties": {"type": "number"}, "maxProperties": 1}
         return {"anyOf": [{"type": "string"}, parameter]}
@@ -78,8 +84,6 @@ def schema() -> dict[str, Any]:
 
     root = of_table("")
     assert root is not None
-    # Read by `midair motion` alone, in place of points.
-    root["properties"]["motion"] = {"description": MEANING["motion"], "type": "object"}
     head = {"$schema": "http://json-schema.org/draft-07/schema#", "title": "Scene file of midair"}
     return head | root
 

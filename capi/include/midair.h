@@ -176,6 +176,18 @@ midair_result midair_session_new(const midair_array *array,
                                  char *message,
                                  size_t message_size);
 
+// Makes a session of a scene file's text, TOML or JSON: its array, medium, obstacles, signature, solver and points. Files
+// that it names are looked up in folder; with NULL they are refused, as are shapes, images and meshes, which need Python.
+// midair_session_solve() with 0 points solves the scene's own.
+midair_result midair_session_open(const char *scene,
+                                  const char *folder,
+                                  midair_session **session,
+                                  char *message,
+                                  size_t message_size);
+
+// Number N of a session's transducers, so that a drive has room; 0 for NULL and for a session at work.
+size_t midair_session_transducers(const midair_session *session);
+
 // Sets an option to a number: of the medium ("frequency", "sound_speed", "temperature", "absorption", "density"), of the
 // transducers ("source_pressure", "directivity.piston", "directivity.sinc", "directivity.cos"), or of the method. A session
 // whose options are set begins anew.
@@ -204,8 +216,8 @@ midair_result midair_session_set_numbers(midair_session *session,
 
 // Finds a drive for points (count, 3) in m and writes it to drive (transducers,), transducers being N. pressures (count,)
 // are peak |p| in Pa; with NULL all are the level that the array reaches at all points at once. weights (count,) may be
-// NULL, for 1 everywhere, and answer, too. Warnings in the message come once a session for each kind; without a message
-// they are not looked for.
+// NULL, for 1 everywhere, and answer, too. With 0 points, a session of a scene solves the scene's own request. Warnings in
+// the message come once a session for each kind; without a message they are not looked for.
 midair_result midair_session_solve(midair_session *session,
                                    const double *points,
                                    const double *pressures,

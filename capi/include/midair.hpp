@@ -136,6 +136,20 @@ public:
         handle.reset(made);
     }
 
+    /// A session of a scene file's text; files that it names are looked up in folder.
+    static Session open(const std::string &scene, const std::string &folder = {}) {
+        midair_session *made = nullptr;
+        Session session;
+        session.warnings =
+            detail::call(midair_session_open, scene.c_str(), folder.empty() ? nullptr : folder.c_str(), &made);
+        session.handle.reset(made);
+        session.transducers = midair_session_transducers(made);
+        return session;
+    }
+
+    /// The scene's own request.
+    Solution solve() { return solve(Points{}); }
+
     void set(const std::string &name, double value) {
         warnings = detail::call(midair_session_set_number, handle.get(), name.c_str(), value);
     }
@@ -193,7 +207,9 @@ public:
     const std::string &warning() const { return warnings; }
 
 private:
-    std::size_t transducers;
+    Session() = default;
+
+    std::size_t transducers = 0;
     std::string warnings;
     detail::Owned<midair_session> handle;
 };

@@ -1,9 +1,9 @@
 //! Options of a session by name: medium, transducers, mask, quantization, and those of the method.
 
-use midair::solvers::{configure, find};
+use midair::solvers::{DEFAULT, configure, find};
 use midair::{
-    Aim, Array, Board, Choice, Complex64, Directivity, Error, InstructionSet, Medium, Model, OptionValue, Options,
-    Session, Transducer, Value, word,
+    Aim, Array, Board, Choice, Complex64, Directivity, Error, InstructionSet, Medium, Model, Obstacle, OptionValue,
+    Options, Scene, Session, Signature, Transducer, Value, word,
 };
 
 use crate::instruction_set::instruction_set;
@@ -21,6 +21,8 @@ pub(crate) enum Given<'a> {
 pub(crate) struct Setting {
     array: Array,
     medium: Medium,
+    signature: Option<Signature>,
+    obstacles: Vec<Obstacle>,
     choice: Choice,
 }
 
@@ -60,14 +62,27 @@ impl Setting {
     /// An array in the default air, and a method by its name.
     pub(crate) fn new(array: Array, method: &str) -> Result<Self, Error> {
         let choice = Choice::new(find(method)?.info.name.into(), Options::new())?;
-        Ok(Self { array, medium: Medium::default(), choice })
+        Ok(Self { array, medium: Medium::default(), signature: None, obstacles: Vec::new(), choice })
+    }
+
+    /// The array, the air and all that stands in it, and the method of a scene.
+    pub(crate) fn of_scene(scene: &Scene) -> Result<Self, Error> {
+        let default = || Choice::new(DEFAULT.into(), Options::new());
+        Ok(Self {
+            array: scene.array().clone(),
+            medium: scene.medium(),
+            signature: scene.signature().cloned(),
+            obstacles: scene.obstacles().to_vec(),
+            choice: scene.solver.clone().map_or_else(default, Ok)?,
+        })
     }
 
     /// The model and the session that it describes.
     pub(crate) fn open(&self) -> Result<(Model, Session), Error> {
         let set: InstructionSet = instruction_set()?;
         let configured = configure(&self.choice, self.array.quantization()).map_err(with_own_names)?;
-        let model = Model::new(&self.array, self.medium, set)?;
+        let model = Model::new(&self.array, self.medium, set)?.with_signature(self.signature.clone());
+        let model = if self.obstacles.is_empty() { model } else { model.with_obstacles(&self.obstacles)? };
         let balance = self.choice.balance.unwrap_or(configured.info.balance);
         Ok((model.clone(), Session::new(model, configured.solver, balance)))
     }

@@ -1,8 +1,10 @@
 //! Sessions: one array and one method, many requests, all memory kept between them.
 
 use std::ffi::c_char;
+use std::path::Path;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
+use midair::files::{Format, Source, read_from};
 use midair::{Ask, Control, Error, Model, Problem, Request};
 
 use crate::array::Array;
@@ -22,6 +24,8 @@ struct State {
     model: Model,
     session: midair::Session,
     ask: Ask,
+    /// The request of the scene that it was opened from.
+    own: Option<Ask>,
 }
 
 /// How a solve ended.
@@ -94,7 +98,7 @@ impl State {
         let news: Vec<&str> = doubts.iter().filter(|doubt| !told.contains(doubt)).map(String::as_str).collect();
         let news = news.join("\n");
         let ask = Ask { aim: setting.aim(), ..Ask::default() };
-        Ok((Self { setting, doubts, model, session, ask }, news))
+        Ok((Self { setting, doubts, model, session, ask, own: None }, news))
     }
 
     /// What the caller should hear beside the last answer, each kind once in a session.
@@ -133,7 +137,7 @@ impl Session {
         let mut setting = state.setting.clone();
         setting.set(name, given)?;
         let (next, news) = State::open(setting, &state.doubts)?;
-        *state = next;
+        *state = State { own: state.own.take(), ..next };
         Ok(news)
     }
 }
@@ -173,6 +177,42 @@ pub unsafe extern "C" fn midair_session_new(
         }?;
         Ok(news)
     })
+}
+
+/// Makes a session of a scene file's text, TOML or JSON: its array, medium, obstacles, signature, solver and points. Files
+/// that it names are looked up in folder; with NULL they are refused, as are shapes, images and meshes, which need Python.
+/// midair_session_solve() with 0 points solves the scene's own.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_session_open(
+    scene: *const c_char,
+    folder: *const c_char,
+    session: *mut *mut Session,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    outcome(Message { text: message, size: message_size }, || {
+        let mut news = String::new();
+        // SAFETY: the caller's word for scene, folder and session.
+        unsafe {
+            let made = text("scene", scene).and_then(|scene| {
+                let folder = if folder.is_null() { None } else { Some(Path::new(text("folder", folder)?)) };
+                let source = Source { name: "scene", folder };
+                let scene = read_from(scene.as_bytes(), Format::of_text(scene.as_bytes()), source)?;
+                let (mut state, said) = State::open(Setting::of_scene(&scene)?, &[])?;
+                news = said;
+                state.own = Some(Ask::of_scene(&scene));
+                Ok(Session(Mutex::new(state)))
+            });
+            give("session", session, made)
+        }?;
+        Ok(news)
+    })
+}
+
+/// Number N of a session's transducers, so that a drive has room; 0 for NULL and for a session at work.
+#[unsafe(no_mangle)]
+pub extern "C" fn midair_session_transducers(session: Option<&Session>) -> usize {
+    session.and_then(|session| session.state().ok()).map_or(0, |state| state.session.transducers())
 }
 
 /// Sets an option to a number: of the medium ("frequency", "sound_speed", "temperature", "absorption", "density"), of the
@@ -231,8 +271,8 @@ pub unsafe extern "C" fn midair_session_set_numbers(
 
 /// Finds a drive for points (count, 3) in m and writes it to drive (transducers,), transducers being N. pressures (count,)
 /// are peak |p| in Pa; with NULL all are the level that the array reaches at all points at once. weights (count,) may be
-/// NULL, for 1 everywhere, and answer, too. Warnings in the message come once a session for each kind; without a message
-/// they are not looked for.
+/// NULL, for 1 everywhere, and answer, too. With 0 points, a session of a scene solves the scene's own request. Warnings in
+/// the message come once a session for each kind; without a message they are not looked for.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_session_solve(
     session: *mut Session,
@@ -250,17 +290,31 @@ pub unsafe extern "C" fn midair_session_solve(
     outcome(message, || {
         // SAFETY: the caller's word.
         let mut state = unsafe { Session::behind(session) }?.state()?;
-        let State { session, ask, .. } = &mut *state;
+        let State { session, ask, own, .. } = &mut *state;
         room("drive", drive, transducers, session.transducers())?;
         if !answer.is_null() {
             room("answer", answer, 1, 1)?;
         }
         // SAFETY: the caller's word for the lists.
-        unsafe {
+        let (points, pressures, weights) = unsafe {
+            (
+                vectors("points", points, count)?,
+                list_or_none("pressures", pressures, count)?,
+                list_or_none("weights", weights, count)?,
+            )
+        };
+        // In place: the memory of the last request serves this one.
+        if let (Some(own), true) = (own, points.is_empty()) {
+            ask.points.clone_from(&own.points);
+            ask.request.pressures.clone_from(&own.request.pressures);
+            ask.request.phases.clone_from(&own.request.phases);
+            ask.request.weights.clone_from(&own.request.weights);
+        } else {
             ask.points.clear();
-            ask.points.extend_from_slice(vectors("points", points, count)?);
-            keep(&mut ask.request.pressures, list_or_none("pressures", pressures, count)?);
-            keep(&mut ask.request.weights, list_or_none("weights", weights, count)?);
+            ask.points.extend_from_slice(points);
+            keep(&mut ask.request.pressures, pressures);
+            ask.request.phases = None;
+            keep(&mut ask.request.weights, weights);
         }
         let solution = session.solve(ask, &mut Control::none())?;
         // SAFETY: there is room, by the caller's word; both complex types are two f32 in a row.

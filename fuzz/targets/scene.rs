@@ -1,9 +1,9 @@
-//! The scene reader: any bytes are refused in one line or are a scene, which survives being written and read.
+//! The scene reader: any bytes are refused in one line or are a motion or a scene, which survives being written and read.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use midair::Scene;
-use midair::files::{Format, Provenance, read, write};
+use midair::files::{Drawing, Format, Provenance, Source, read, read_motion, write};
+use midair::{Request, Scene};
 use midair_fuzz::one_line;
 
 /// Larger arrays are read, but not written in two formats: a few bytes of a grid make millions.
@@ -16,6 +16,8 @@ fuzz_target!(|bytes: &[u8]| {
         {
             survives(&scene);
         }
+        let mut start = |_: &str, _: &str| Ok(Drawing::Points(vec![[0.0, 0.0, 0.15]], Request::default()));
+        one_line(read_motion(bytes, format, Source::default(), &mut start));
     }
 });
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use midair::Request;
-use midair::files::{self, Drawing, Format, Source};
+use midair::files::{self, Drawing, Format, Motion, Source};
 use pyo3::prelude::*;
 
 use crate::error::{SceneError, refused};
@@ -14,19 +14,45 @@ type Argument<'py> = Option<Bound<'py, PyAny>>;
 
 /// The scene of a document.
 pub(crate) fn scene(py: Python<'_>, bytes: &[u8], format: Format, source: Source<'_>) -> PyResult<midair::Scene> {
-    // What is no refusal of the table, such as Ctrl-C, goes up as it is.
+    let draw = |name: &str, text: &str| drawing(py, name, text, source.folder);
+    drawn(py, draw, |draw| files::read_drawn(bytes, format, source, draw))
+}
+
+/// The scene and settings of a document of points that move; `start` returns the points of the first frame.
+pub(crate) fn motion(
+    bytes: &[u8],
+    format: Format,
+    source: Source<'_>,
+    start: &Bound<'_, PyAny>,
+) -> PyResult<Option<Motion>> {
+    let py = start.py();
+    let draw = |name: &str, text: &str| {
+        if !name.starts_with("motion") {
+            return drawing(py, name, text, source.folder);
+        }
+        let points = read::vectors("points", &start.call1((name, text))?)?;
+        Ok(Drawing::Points(points, Request::default()))
+    };
+    drawn(py, draw, |draw| files::read_motion(bytes, format, source, draw))
+}
+
+/// Reads with tables that Python draws. An error that does not refuse the table, such as Ctrl-C, is raised as it is.
+fn drawn<T>(
+    py: Python<'_>,
+    drawing: impl Fn(&str, &str) -> PyResult<Drawing>,
+    read: impl FnOnce(&mut files::Draw<'_>) -> Result<T, midair::Error>,
+) -> PyResult<T> {
     let mut other = None;
-    let mut draw = |name: &str, text: &str| {
-        drawing(py, name, text, source.folder).map_err(|error| {
-            let told = error.value(py).to_string();
+    let found = read(&mut |name, text| {
+        drawing(name, text).map_err(|error| {
+            let reason = error.value(py).to_string();
             if !error.is_instance_of::<SceneError>(py) {
                 other = Some(error);
             }
-            told
+            reason
         })
-    };
-    let scene = files::read_drawn(bytes, format, source, &mut draw);
-    other.map_or_else(|| scene.map_err(refused), Err)
+    });
+    other.map_or_else(|| found.map_err(refused), Err)
 }
 
 /// What a table stands for.

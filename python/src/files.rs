@@ -19,7 +19,7 @@ fn os_error(error: &std::io::Error, path: &Path) -> PyErr {
     PyOSError::new_err((error.raw_os_error(), text, path.to_path_buf()))
 }
 
-fn bytes_of(path: &Path) -> PyResult<Vec<u8>> {
+pub(crate) fn bytes_of(path: &Path) -> PyResult<Vec<u8>> {
     let mut bytes = Vec::new();
     // One byte more than allowed is enough to see that a file is too large.
     File::open(path)
@@ -29,7 +29,11 @@ fn bytes_of(path: &Path) -> PyResult<Vec<u8>> {
 }
 
 /// What to do with a file's bytes, their format and where they come from.
-fn read<T>(path: &Path, bytes: &[u8], reading: impl Fn(&[u8], Format, Source<'_>) -> PyResult<T>) -> PyResult<T> {
+pub(crate) fn read<T>(
+    path: &Path,
+    bytes: &[u8],
+    reading: impl Fn(&[u8], Format, Source<'_>) -> PyResult<T>,
+) -> PyResult<T> {
     let name = path.to_string_lossy();
     reading(bytes, Format::of_document(&name, bytes), Source { name: &name, folder: path.parent() })
 }

@@ -19,6 +19,7 @@ mod judge;
 mod limits;
 mod mesh;
 mod metrics;
+mod motion;
 mod names;
 mod numbers;
 mod obstacle;
@@ -39,6 +40,7 @@ mod solve;
 mod solver;
 mod solvers;
 mod subject;
+mod table;
 
 use pyo3::prelude::*;
 
@@ -73,6 +75,8 @@ mod _midair {
     #[pymodule_export]
     use super::metrics::{BatchMetrics, Metrics};
     #[pymodule_export]
+    use super::motion::read_motion;
+    #[pymodule_export]
     use super::names::{preset_name, solver_name};
     #[pymodule_export]
     use super::plane::Plane;
@@ -90,6 +94,8 @@ mod _midair {
     use super::solver::Solver;
     #[pymodule_export]
     use super::solvers::{OptionInfo, SolverInfo, solvers};
+    #[pymodule_export]
+    use super::table::table;
 
     /// The first array makes the numpy crate look for NumPy; were Ctrl-C to come in between, it would panic. Imports
     /// may be interrupted.

@@ -96,7 +96,7 @@ impl Scene {
     }
 
     /// The same, and a warning of what is hardly meant of it.
-    fn told(self, py: Python<'_>) -> PyResult<Self> {
+    pub(crate) fn told(self, py: Python<'_>) -> PyResult<Self> {
         warn_all(py, self.doubts())?;
         Ok(self)
     }

@@ -129,4 +129,7 @@ def test_off_says_which_board_it_was_told_as() -> None:
 def test_a_file_of_what_moves_is_sent_to_the_command_for_it(tmp_path: Path) -> None:
     path = tmp_path / "motion.toml"
     path.write_text(SCENE.split("[[points]]")[0] + "[motion]\nrate = 40\n")
-    assert "it has [motion], midair motion solves it" in midair("solve", str(path), status=2).stderr
+    assert (
+        "its points move: midair motion solves it and midair play plays it"
+        in midair("solve", str(path), status=2).stderr
+    )

@@ -287,13 +287,16 @@ def test_the_command_writes_a_closed_sequence(tmp_path: Path):
     ("change", "told"),
     [
         (("rate = 10e3", ""), "motion.rate is left out"),
-        (("[motion]", "[[points]]\nposition = [0, 0, 0.1]\n[motion]"), "points is given"),
-        (('kind = "circle"', 'kind = "spiral"'), 'motion.path[0]: kind is "spiral"'),
-        (("radius = 0.01", ""), "motion.path[0]: radius is left out"),
-        (("change = 0.2", "chnge = 0.2"), "motion.chnge is 0.2"),
-        ((SCENE[SCENE.index("[motion]") :], ""), "[motion] is left out"),
-        (("frequency = 50", "frequency = 50\nam = 3"), "motion.path[0]: am is 3"),
-        (("rate = 10e3", "rate = "), "scene file"),
+        (
+            ("[motion]", "[[points]]\nposition = [0, 0, 0.1]\n[motion]"),
+            "points that move stand in [motion]: leave it out",
+        ),
+        (('kind = "circle"', 'kind = "spiral"'), 'motion.path[0].kind is "spiral"'),
+        (("radius = 0.01", ""), "motion.path[0].radius is left out"),
+        (("change = 0.2", "chnge = 0.2"), 'line 7, column 1: unknown key of motion "chnge"'),
+        ((SCENE[SCENE.index("[motion]") :], ""), "has no [motion]"),
+        (("frequency = 50", "frequency = 50\nam = 3"), "motion.path[0].am is 3"),
+        (("rate = 10e3", "rate = "), "no TOML here"),
     ],
 )
 def test_a_bad_scene_file_is_refused_in_a_line(tmp_path: Path, change: tuple[str, str], told: str):

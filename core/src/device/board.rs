@@ -7,8 +7,9 @@ use core::f64::consts::TAU;
 
 use num_complex::Complex32;
 
+use crate::device::boards::FORMATS;
 use crate::device::code::Code;
-use crate::device::format::{FORMATS, Format, Line};
+use crate::device::format::{Format, Line};
 use crate::device::quantization::Quantization;
 use crate::error::{self, Error, one_each};
 use crate::math;

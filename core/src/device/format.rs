@@ -3,7 +3,6 @@
 use alloc::format;
 use alloc::vec::Vec;
 
-use crate::device::boards::{autd3, homies, openmpd, sonicsurface, ultraino};
 use crate::device::code::{Code, Steps};
 use crate::error::Error;
 
@@ -55,17 +54,6 @@ pub(crate) enum Line {
     /// Anything else, by the frames a second that it carries.
     Frames(f64),
 }
-
-/// Every board.
-pub(crate) const FORMATS: [Format; 7] = [
-    autd3::FORMAT,
-    sonicsurface::FORMAT,
-    openmpd::FORMAT,
-    ultraino::MEGA64,
-    ultraino::NANO16,
-    ultraino::NANO,
-    homies::FORMAT,
-];
 
 /// Bytes that are written one after the other.
 pub(crate) struct Writer<'a> {

@@ -18,13 +18,14 @@ use crate::scene::Request;
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::exhaustive_enums, reason = "what the tables of a scene file stand for")]
 pub enum Drawing {
-    /// Of `shape` and `image`: points (M, 3) in m and what is asked of them.
+    /// Of `shape` and `image`: points (M, 3) in m and what is asked of them. Of `motion`: the points of the first frame.
     Points(Vec<[f64; 3]>, Request),
     /// Of `obstacles`: vertices (V, 3) in m and faces (F, 3).
     Mesh(Vec<[f64; 3]>, Vec<[u32; 3]>),
 }
 
-/// Draws a table by its name, `shape`, `image` or `obstacles`, and its keys as TOML.
+/// Draws a table by its name, `shape`, `image`, `obstacles` or `motion.path`, and its keys as TOML; `motion.file` by the
+/// file's name.
 ///
 /// A refusal is one line, `radius is -0.03: give a number above 0`; that of a key is told with its place.
 pub type Draw<'a> = dyn FnMut(&str, &str) -> Result<Drawing, String> + 'a;
@@ -58,18 +59,22 @@ pub(super) fn drawn(root: &Table<'_>, draw: &mut Draw<'_>) -> Result<Vec<Drawn>,
     let mut found = Vec::new();
     for name in NAMES {
         let Some(item) = root.get(name) else { continue };
-        let items = match item.node {
-            Node::Table(_) => vec![item],
-            _ => item.each(|one| Ok(Item { path: one.path.clone(), node: one.node }), "give a table, or several")?,
-        };
-        for item in items {
-            let Drawing::Points(points, request) = one(name, &item, draw)? else {
-                return Err(item.refused("it is drawn as a mesh: points are wanted"));
-            };
-            found.push(Drawn { path: item.path, points, request });
-        }
+        found.extend(each(name, item, draw)?);
     }
     Ok(found)
+}
+
+/// The points of a table, or of each of several.
+pub(super) fn each(name: &str, item: Item<'_>, draw: &mut Draw<'_>) -> Result<Vec<Drawn>, Fault> {
+    let items = match item.node {
+        Node::Table(_) => vec![item],
+        _ => item.each(|one| Ok(Item { path: one.path.clone(), node: one.node }), "give a table, or several")?,
+    };
+    let drawn = items.into_iter().map(|item| match one(name, &item, draw)? {
+        Drawing::Points(points, request) => Ok(Drawn { path: item.path, points, request }),
+        Drawing::Mesh(..) => Err(item.refused("it is drawn as a mesh: points are wanted")),
+    });
+    drawn.collect()
 }
 
 /// Vertices (V, 3) in m and faces (F, 3).
@@ -90,8 +95,8 @@ fn one(name: &str, item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Drawing, Faul
     draw(name, &text).map_err(|refusal| refused(item, &refusal))
 }
 
-/// A refusal of a key, told as one of the document's.
-fn refused(item: &Item<'_>, refusal: &str) -> Fault {
+/// A refusal of a key, reported as one of the document's.
+pub(super) fn refused(item: &Item<'_>, refusal: &str) -> Fault {
     let parts = refusal.split_once(" is ").and_then(|(key, rest)| Some((key, rest.split_once(": ")?)));
     match parts.filter(|(key, _)| schema::keys(&item.path).any(|known| known == *key)) {
         Some((key, (value, cure))) => {

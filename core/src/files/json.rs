@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use core::ops::ControlFlow;
 
 use crate::files::node::Node;
-use crate::files::place::{Place, Step};
+use crate::files::step::{Place, Step};
 use crate::files::syntax::Flaw;
 
 /// Tables and lists within each other at most.

@@ -1,21 +1,27 @@
 //! Scene files, TOML or JSON: read and written here for every door.
 
+mod csv;
 mod drawn;
 mod fault;
 mod item;
 mod json;
+mod motion;
 mod node;
 mod place;
 mod positions;
 mod read;
 mod schema;
 mod source;
+mod step;
 mod syntax;
 mod tables;
 mod toml;
 mod write;
 
+pub use csv::{Columns, Table, read_table};
 pub use drawn::{Draw, Drawing};
+pub use motion::Motion;
+pub use positions::COLUMNS as POSITIONS;
 pub use source::{Format, MOST_BYTES, Source};
 pub use tables::Provenance;
 
@@ -66,6 +72,44 @@ pub fn read_from(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Sce
 pub fn read_drawn(bytes: &[u8], format: Format, source: Source<'_>, draw: &mut Draw<'_>) -> Result<Scene, Error> {
     let (text, document) = parse(bytes, format, source)?;
     read::scene(&document, source, draw).map_err(|fault| fault.told(text, format, source))
+}
+
+/// Reads a document of points that move: `draw` makes of each `motion.path`, or of `motion.file`, the points of its first
+/// frame, and keeps the path itself. A document without `[motion]` is none.
+///
+/// # Errors
+/// As [`read_drawn`]; points that rest beside `[motion]`, a motion without rate, path or file.
+///
+/// ```
+/// use midair::Request;
+/// use midair::files::{Drawing, Format, Source, read_motion};
+///
+/// let text = r#"
+/// [array]
+/// preset = "paper20"
+///
+/// [motion]
+/// rate = 1e3
+///
+/// [[motion.path]]
+/// kind = "circle"
+/// center = [0.0, 0.0, 0.15]
+/// radius = 0.02
+/// frequency = 5
+/// "#;
+/// let mut draw = |_: &str, _: &str| Ok(Drawing::Points(vec![[0.02, 0.0, 0.15]], Request::default()));
+/// let motion = read_motion(text.as_bytes(), Format::Toml, Source::default(), &mut draw)?.expect("a motion");
+/// assert_eq!(motion.settings["rate"], midair::Value::Real(1e3));
+/// # Ok::<(), midair::Error>(())
+/// ```
+pub fn read_motion(
+    bytes: &[u8],
+    format: Format,
+    source: Source<'_>,
+    draw: &mut Draw<'_>,
+) -> Result<Option<Motion>, Error> {
+    let (text, document) = parse(bytes, format, source)?;
+    motion::motion(&document, source, draw).map_err(|fault| fault.told(text, format, source))
 }
 
 /// The files that a document names, in its folder.

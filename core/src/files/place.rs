@@ -3,21 +3,8 @@
 use alloc::vec::Vec;
 
 use crate::files::source::Format;
+use crate::files::step::{Place, Step};
 use crate::files::{json, toml};
-
-/// How deep a path leads into a document: where its last value there begins, and the key of that, after so many steps.
-pub(super) struct Place {
-    pub(super) value: usize,
-    pub(super) key: usize,
-    pub(super) steps: usize,
-}
-
-/// One step into a document.
-#[derive(Clone, Copy)]
-pub(super) enum Step<'a> {
-    Key(&'a str),
-    Index(usize),
-}
 
 /// Where the value at a path such as `points[3].pressure` begins, as deep as the path leads in this document: its offset,
 /// and how many steps of the path led there.

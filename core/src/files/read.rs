@@ -23,10 +23,25 @@ use crate::solvers::registry;
 /// The scene of a document.
 pub(super) fn scene(document: &Node, source: Source<'_>, draw: &mut Draw<'_>) -> Result<Scene, Fault> {
     let root = Item::root(document).table()?;
+    if let Some(motion) = root.get("motion") {
+        let cure = "midair motion solves it and midair play plays it";
+        return Err(Fault::at("motion", Error::invalid("motion", motion.node, format!("its points move: {cure}"))));
+    }
     let listed = root.read("points", |points| points.each(point, "give tables, each with a position"))?;
     let (points, owners) = joined(listed.unwrap_or_default(), drawn(&root, draw)?);
     let request = request(&points, &owners)?;
     let places = points.into_iter().map(|(position, ..)| position).collect();
+    at(&root, places, request, source, draw)
+}
+
+/// The scene of a document's other tables, at these points.
+pub(super) fn at(
+    root: &Table<'_>,
+    places: Vec<[f64; 3]>,
+    request: Request,
+    source: Source<'_>,
+    draw: &mut Draw<'_>,
+) -> Result<Scene, Fault> {
     let medium = root.read("medium", |item| medium(&item.table()?))?.unwrap_or_default();
     let array = array(&root.need("array")?.table()?, source)?;
     let signature = root.read("signature", signature)?;
@@ -259,7 +274,7 @@ fn choice(table: &Table<'_>, board: Option<&Quantization>) -> Result<Choice, Fau
 }
 
 /// An option's value.
-fn value(item: &Item<'_>) -> Result<Value, Fault> {
+pub(super) fn value(item: &Item<'_>) -> Result<Value, Fault> {
     let refused = || item.refused("give a number, a word or a list of whole numbers");
     Ok(match item.node {
         Node::Bool(value) => Value::Bool(*value),

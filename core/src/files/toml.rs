@@ -9,7 +9,7 @@ use ::toml::de::{DeInteger, DeTable, DeValue, Error};
 
 use crate::error::one_line;
 use crate::files::node::Node;
-use crate::files::place::{Place, Step};
+use crate::files::step::{Place, Step};
 use crate::files::syntax::Flaw;
 
 /// Whole numbers from here on are too large for any computer.

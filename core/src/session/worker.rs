@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::kernels::LANES;
 use crate::problem::{Problem, Setup, Solution, Status};
 use crate::propagation::{Model, Propagation};
-use crate::scene::{Aim, Request, Start};
+use crate::scene::{Aim, Request, Scene, Start};
 use crate::session::batch::Outcome;
 use crate::session::parts::Part;
 use crate::solvers::common::interleaved;
@@ -31,6 +31,19 @@ pub struct Ask {
     pub start: Option<Start>,
     /// The aim, for a method that uses one; left out it is the problem's own.
     pub aim: Option<Aim>,
+}
+
+impl Ask {
+    /// The request of a scene: its points, pressures and weights, and the aim of its solver.
+    #[must_use]
+    pub fn of_scene(scene: &Scene) -> Self {
+        Self {
+            points: scene.points().to_vec(),
+            request: scene.request().clone(),
+            start: None,
+            aim: scene.solver.as_ref().and_then(|choice| choice.aim),
+        }
+    }
 }
 
 /// Where a session's G comes from.

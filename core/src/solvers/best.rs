@@ -1,15 +1,11 @@
 //! best: the loudest even field of many starts; `uniform` from many more point phases.
 
-use alloc::boxed::Box;
-
 use crate::control::Control;
 use crate::error::{Error, real};
 use crate::problem::{Problem, Solution};
-use crate::solvers::descent::Descent;
 use crate::solvers::even_field;
-use crate::solvers::even_field::run::{Plan, QUIET};
+use crate::solvers::even_field::run::{Plan, QUIET, SWEEPS};
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
-use crate::solvers::uniform::Uniform;
 use crate::workspace::Workspace;
 
 options! {
@@ -47,7 +43,7 @@ impl Method for Best {
 impl Solve for Best {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         // What `uniform` finds is among what it chooses from.
-        let as_uniform = Plan::alone(Uniform::default().steps, self.tolerance, self.quiet);
+        let as_uniform = Plan::alone(SWEEPS, self.tolerance, self.quiet);
         let plan = Plan {
             starts: self.starts as usize,
             finalists: FINALISTS,
@@ -59,8 +55,8 @@ impl Solve for Best {
         even_field::solve(problem, &[as_uniform, plan], work, control)
     }
 
-    fn instead(&self, problem: &Problem) -> Option<Box<dyn Solve>> {
-        Descent::instead(problem)
+    fn makes_even(&self) -> bool {
+        true
     }
 
     fn finds_level(&self) -> bool {

@@ -3,8 +3,6 @@
 //! L-BFGS on the phases ([`crate::solvers::common::least_squares`]), from which Gauss-Newton steps go on to fields that meet every
 //! target, where these are near.
 
-use alloc::boxed::Box;
-
 use crate::control::Control;
 use crate::error::Error;
 use crate::problem::{Problem, Solution, Status};
@@ -33,10 +31,10 @@ const STEPS_ALIKE: u32 = 1500;
 
 impl Descent {
     /// In place of a method that makes points even, where these are too many.
-    pub(crate) fn instead(problem: &Problem) -> Option<Box<dyn Solve>> {
+    pub(crate) fn instead(problem: &Problem) -> Option<Self> {
         let alike = problem.targets()[..problem.propagation().points()].windows(2).all(|pair| pair[0] == pair[1]);
         let steps = if alike { STEPS_ALIKE } else { Self::default().steps };
-        too_many(problem).then(|| Box::new(Self { steps, ..Self::default() }) as Box<dyn Solve>)
+        too_many(problem).then(|| Self { steps, ..Self::default() })
     }
 }
 

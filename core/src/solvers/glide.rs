@@ -32,11 +32,10 @@ use crate::solvers::common::alternating_projection::Projector;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field;
 use crate::solvers::even_field::answer::Answer;
-use crate::solvers::even_field::run::{Plan, QUIET};
+use crate::solvers::even_field::run::{Plan, QUIET, SWEEPS};
 use crate::solvers::even_field::within::{Steps, even_within};
 use crate::solvers::last::Last;
 use crate::solvers::method::{Info, Method, Solve};
-use crate::solvers::uniform::Uniform;
 use crate::workspace::{Buffer, Workspace};
 
 options! {
@@ -119,7 +118,7 @@ impl Solve for Glide {
             begin(last, problem, drive)?;
         } else if last.played.len() != problem.propagation().transducers() {
             // Of which only the phases count. Its steps are not the frame's.
-            let plan = Plan::alone(Uniform::default().steps, f64::from(EVEN), QUIET);
+            let plan = Plan::alone(SWEEPS, f64::from(EVEN), QUIET);
             let first = even_field::solve(problem, &[plan], work, &mut control.part())?;
             if first.status == Status::Stopped {
                 return Ok(first);

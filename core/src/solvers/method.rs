@@ -1,6 +1,5 @@
 //! The trait `Solve`, and what the registry knows of a method.
 
-use alloc::boxed::Box;
 use core::any::Any;
 
 use crate::control::Control;
@@ -27,10 +26,11 @@ pub trait Solve {
         None
     }
 
-    /// A method that suits this problem better; it is then balanced and solved by that one.
+    /// Whether it makes all points even. Where they are too many for that, [`crate::solve`] balances the problem and uses
+    /// `descent` instead.
     #[doc(hidden)]
-    fn instead(&self, _problem: &Problem) -> Option<Box<dyn Solve>> {
-        None
+    fn makes_even(&self) -> bool {
+        false
     }
 
     /// Solves the frame after the last, where it remembers that.

@@ -8,6 +8,7 @@ use num_complex::Complex32;
 use crate::control::Control;
 use crate::error::Error;
 use crate::problem::{Problem, Solution, Status};
+use crate::solvers::descent::Descent;
 use crate::solvers::interleaved;
 use crate::solvers::last::Last;
 use crate::solvers::method::Solve;
@@ -61,8 +62,8 @@ pub(crate) fn solve_after(
     work: &mut Workspace,
     control: &mut Control,
 ) -> Result<Solution, Error> {
-    let other = solver.instead(problem);
-    let (solver, balance) = other.as_deref().map_or((solver, balance), |other| (other, true));
+    let other = if solver.makes_even() { Descent::instead(problem) } else { None };
+    let (solver, balance) = other.as_ref().map_or((solver, balance), |other| (other as &dyn Solve, true));
     let factor = factor(problem, solver, balance);
     let prepared = problem.prepared(factor, work);
     let own = prepared.as_ref().unwrap_or(problem);

@@ -1,13 +1,10 @@
 //! uniform: even points at the highest common level, or as loud as asked.
 
-use alloc::boxed::Box;
-
 use crate::control::Control;
 use crate::error::{Error, real};
 use crate::problem::{Problem, Solution};
-use crate::solvers::descent::Descent;
 use crate::solvers::even_field;
-use crate::solvers::even_field::run::{Plan, QUIET};
+use crate::solvers::even_field::run::{Plan, QUIET, SWEEPS};
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
@@ -15,7 +12,7 @@ options! {
     /// Even fields, |q| = 1 before the level is brought down. Time O(N M^2 + M^3), memory O(N M + M^2).
     pub struct Uniform {
         /// Weighted Gerchberg-Saxton sweeps before the Gauss-Newton steps.
-        pub steps: u32 = 4,
+        pub steps: u32 = SWEEPS,
         /// Ends when no point is off the common level by more than this part of it.
         pub tolerance: f64 = 1e-5,
         /// What a quiet point may leak, relative to the loudest point; divided by its weight, relative to the targets'.
@@ -44,8 +41,8 @@ impl Solve for Uniform {
         even_field::solve(problem, &[Plan::alone(self.steps, self.tolerance, self.quiet)], work, control)
     }
 
-    fn instead(&self, problem: &Problem) -> Option<Box<dyn Solve>> {
-        Descent::instead(problem)
+    fn makes_even(&self) -> bool {
+        true
     }
 
     fn finds_level(&self) -> bool {

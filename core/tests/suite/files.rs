@@ -141,13 +141,15 @@ fn positions_may_lie_in_a_file_beside_the_scene() {
     let turned = read("0,0,0,1,0,0\n0.01,0,0,0,1,0\n").expect("a scene");
     assert_eq!(turned.array().normals(), [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
     for (csv, told) in [
-        ("", "empty: give a row x,y,z"),
-        ("x,y,z\n", "empty: give a row x,y,z"),
+        ("", "empty: give rows x,y,z in metres"),
+        ("x,y,z\n", "empty: give rows x,y,z in metres"),
+        ("x,x,y,z\n0,1,0,0\n", ", line 1: column \"x\" is there twice: name them x,y,z or"),
+        ("x,y,z\r0,0,0\rO,0,0\r", ", line 3: x is \"O\""),
         ("0,0,0\n0.01,O,0\n", ", line 2: y is \"O\": give a number, for example 0.01,0.0,0.0"),
         ("0,0,0\n0.01,0\n", ", line 2: z is \"\": give a number"),
         ("0,0,0\nnan,0,0\n", ", line 2: x is \"nan\""),
         ("0;0;0\n0,01;0;0\n", ", line 2: x is \"0,01\""),
-        ("0,0\n", ", line 1: 2 columns: give x,y,z in metres"),
+        ("0,0\n", ", line 1: 2 columns: give x,y,z or x,y,z,nx,ny,nz in metres"),
         ("x_mm,y,z\n0,0,0\n", ", line 1: columns are x_mm, y, z: name them x,y,z or x,y,z,nx,ny,nz, in metres"),
         ("x,y,z,nx\n0,0,0,1\n", ", line 1: columns are x, y, z, nx"),
         ("0,0,0\n1e30,0,0\n", "scene.toml, line 9, column 13: array.positions[0] is"),

@@ -13,11 +13,11 @@ mod field;
 mod files;
 #[cfg(feature = "scene-file")]
 mod files_refused;
-mod floors;
 #[cfg(feature = "scene-file")]
 mod golden;
 mod greedy;
 mod laws;
+mod layers;
 mod map;
 mod metrics;
 mod motion;

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from rich import box
 from rich.table import Table
 
-from .. import SceneError, Sequence, output, sequence
+from .. import SceneError, Sequence, output
 from ..motion.document import Document, read
 from ..motion.request import solver_name
 from .images import write_image
@@ -62,6 +62,8 @@ def motion_command(
     outputs = (output_file, (".npz",)), (image, output.IMAGES), (animate, (".gif", ".mp4"))
     check_outputs(*outputs, taken=[scene])
     asked = read(scene)
+    if asked is None:
+        raise SceneError(f'scene file "{scene}" has no [motion]: it says what moves, as docs/motion.md shows')
     found = {name: _solved(asked, name, output_file) for name in names or [asked.solver]}
     if json:
         print(json_text.dumps({name: one.metrics.asdict() for name, one in found.items()}))
@@ -81,21 +83,10 @@ def motion_command(
 
 
 def _solved(asked: Document, name: str, file: Path | None) -> Sequence:
-    """The options of a scene file are those of its own solver."""
-    options = asked.options if name == asked.solver else {}
     # Frames that are found together are written at the end.
     together = asked.settings.get("ahead") == "all"
     with progress_bar(f"solving by {name}") as tell:
-        found = sequence(
-            asked.array,
-            asked.path,
-            name,
-            progress=tell,
-            resume=None if together else file,
-            **asked.settings,
-            **asked.air,
-            **options,
-        )
+        found = asked.solve(solver=name, progress=tell, resume=None if together else file)
     if together and file is not None:
         found.save(file)
     return found

@@ -30,7 +30,6 @@ from .. import (
     connect,
     presets,
     read,
-    sequence,
     solve,
 )
 from ..boards.address import DEFAULT, can_modulate, parse
@@ -126,17 +125,10 @@ def _thing(path: Path, solver: str | None, board: Callable[[Array], Board]) -> S
                 f'"{path}" does not say what array it is for: give what midair solve or motion wrote'
             )
         return found
-    if document.moves(path):
-        asked = document.read(path)
+    moving = document.read(path)
+    if moving is not None:
         with progress_bar("solving") as show:
-            return sequence(
-                board(asked.array).array,
-                asked.path,
-                solver or asked.solver,
-                progress=show,
-                **asked.settings,
-                **asked.air,
-            )
+            return moving.solve(board(moving.array).array, solver, progress=show)
     scene = Scene.load(path)
     return solve(scene.replace(array=board(scene.array).array), solver)
 

@@ -9,7 +9,6 @@ from pathlib import Path
 
 from .. import Array, Scene, SceneError, output
 from .._midair import scene_files
-from ..motion import document
 
 #: In place of a file: standard input, or standard output.
 STANDARD = Path("-")
@@ -34,13 +33,7 @@ class SceneFile:
     def scene(self) -> Scene:
         """The scene."""
         if self._text is None:
-            try:
-                return Scene.load(self.path)
-            except SceneError as error:
-                if not document.moves(self.path):
-                    raise
-                cure = "midair motion solves it and midair play plays it"
-                raise SceneError(f'scene file "{self.path}": it has [motion], {cure}') from error
+            return Scene.load(self.path)
         name = "standard input" if self.path == STANDARD else str(self.path)
         return Scene.parse(self._text, name=name, folder=self.path.parent)
 

@@ -18,8 +18,8 @@ def fault(path: str | PathLike[str], line: int | None, reason: str) -> SceneErro
     return SceneError(" ".join(f"{place}: {reason}".split()))
 
 
-def content(path: str | PathLike[str], most: int = MOST_BYTES) -> bytes:
-    """The bytes of a file."""
+def content(path: str | PathLike[str], most: int = MOST_BYTES, *, empty: bool = False) -> bytes:
+    """The bytes of a file, which may be empty."""
     file = Path(path)
     try:
         if file.exists() and not file.is_file():
@@ -31,7 +31,7 @@ def content(path: str | PathLike[str], most: int = MOST_BYTES) -> bytes:
         raise fault(path, None, f"it cannot be read ({reason}): give a file that is there") from error
     if len(found) > most:
         raise fault(path, None, f"it is larger than {most >> 20} MB: give a smaller one")
-    if not found:
+    if not found and not empty:
         raise fault(path, None, "it is empty: give a file with something in it")
     return found
 

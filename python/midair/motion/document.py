@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,10 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import path as paths
-from .._midair import Array, Scene, SceneError
+from .._midair import Array, SceneError, read_motion, read_table, solver_name
 from ..drawing import called
 from ..path import Path as Moving
 from ..shape.arguments import existing, refused, word
+from .frames import AIR
+from .sequence import Sequence
+from .solve import sequence
 
 #: What a path of a file may be.
 KINDS: dict[str, Callable[..., Moving]] = {
@@ -29,111 +31,112 @@ KINDS: dict[str, Callable[..., Moving]] = {
     "morph": paths.morph,
 }
 
-#: What [motion] may say beside its paths, as `midair.sequence` takes it.
-SETTINGS = ("rate", "change", "change_rate", "tau", "closed", "ahead")
-
 
 @dataclass(frozen=True)
 class Document:
-    """What `midair.sequence` is called with."""
+    """A motion as `midair.sequence` takes it."""
 
     array: Array
     path: Moving | NDArray[np.float64]
-    air: dict[str, Any]
     settings: dict[str, Any]
     solver: str
+    air: dict[str, Any]
     options: dict[str, Any]
 
-
-def moves(file: Path) -> bool:
-    """Whether a scene file has the table [motion]; one that cannot be read has not."""
-    try:
-        given = _parsed(file)
-    except (OSError, ValueError):
-        return False
-    return isinstance(given, dict) and "motion" in given
+    def solve(self, array: Array | None = None, solver: str | None = None, **keywords: Any) -> Sequence:
+        """The sequence, by this array and solver where given. The file's options are of its own solver."""
+        name = self.solver if solver is None else solver_name(solver)
+        options = self.options if name == self.solver else {}
+        given = {**self.settings, **self.air, **options, **keywords}
+        return sequence(self.array if array is None else array, self.path, name, **given)
 
 
-def _parsed(file: Path) -> Any:
-    text = file.read_text(encoding="utf-8")
-    return json.loads(text) if file.suffix.lower() == ".json" else tomllib.loads(text)
+def read(file: Path) -> Document | None:
+    """The motion of a scene file, None where it has no [motion]. Errors name the file and the line."""
+    moving: list[Moving | NDArray[np.float64]] = []
 
+    def start(name: str, text: str) -> NDArray[np.float64]:
+        """The points of the first frame of a path, or of a file of frames."""
+        folder = file.parent
+        one = _points(text, folder) if name == "motion.file" else _path(tomllib.loads(text), folder)
+        moving.append(one)
+        first: NDArray[np.float64] = one.at([0.0])[0] if isinstance(one, Moving) else one[0]
+        return first
 
-def read(file: Path) -> Document:
-    """The sequence that a scene file asks for. Its errors name the file."""
-    try:
-        return _read(existing("path", file, "give a .toml or .json file"), file.parent)
-    except (tomllib.TOMLDecodeError, json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise SceneError(f'scene file "{file}": {" ".join(str(error).split())}') from error
-    except SceneError as error:
-        raise SceneError(f'scene file "{file}": {error}') from error
-
-
-def _read(file: Path, folder: Path) -> Document:
-    given = _parsed(file)
-    motion = given.pop("motion", None) if isinstance(given, dict) else None
-    if not isinstance(motion, dict):
-        raise SceneError("[motion] is left out: it says what moves, as docs/motion.md shows")
-    for name in ("points", "shape", "image"):
-        if name in given:
-            raise SceneError(f"{name} is given: points that move stand in [motion], leave it out")
-    if "path" in motion and "file" in motion:
-        raise refused("motion.file", motion["file"], "[[motion.path]] is given, too: give one of them")
-    moving = (
-        _points(motion.pop("file"), folder) if "file" in motion else _paths(motion.pop("path", []), folder)
-    )
-    for name in motion:
-        if name not in SETTINGS:
-            known = ", ".join((*SETTINGS, "path", "file"))
-            raise refused(f"motion.{name}", motion[name], f"[motion] has {known}, leave it out")
-    if "rate" not in motion:
-        raise SceneError("motion.rate is left out: give frames a second, such as rate = 10e3")
-    first = moving.at([0.0])[0] if isinstance(moving, Moving) else moving[0]
-    points = [{"position": list(point)} for point in np.asarray(first).tolist()]
-    scene: Scene = Scene.parse(json.dumps({**given, "points": points}), name=file.name, folder=folder)
-    names = ("frequency", "sound_speed", "absorption", "density", "obstacles")
-    air = {name: getattr(scene, name) for name in names}
+    found = read_motion(existing("path", file, "give a .toml or .json file"), start)
+    if found is None:
+        return None
+    scene, settings = found
     solver, options = scene.solver or ("glide", {})
-    return Document(scene.array, moving, air, motion, solver, dict(options))
+    air = {name: getattr(scene, name) for name in AIR if name != "temperature"}
+    if scene.signature is not None:
+        air["signature"] = scene.signature
+    return Document(scene.array, _together(moving), settings, solver, air, dict(options))
 
 
-def _points(name: Any, folder: Path) -> NDArray[np.float64]:
+def _together(moving: list[Any]) -> Moving | NDArray[np.float64]:
+    """All paths of a document at the same time, or the frames of its file."""
+    together: Moving | NDArray[np.float64] = reduce(lambda one, other: one & other, moving)
+    return together
+
+
+#: The columns of a file of frames, their units and a correct row.
+FRAMES = (["frame", "point", "x", "y", "z"], "with x, y, z in metres", "0,0,0.01,0.0,0.15")
+
+
+def _points(name: str, folder: Path) -> NDArray[np.float64]:
     """Points (T, M, 3) in m of a .npy file, or of a .csv file with the columns frame, point, x, y, z."""
-    file = existing("motion.file", folder / word("motion.file", name), "give a .npy or .csv file")
+    file = existing("motion.file", folder / name, "give a .npy or .csv file")
+    if file.suffix.lower() == ".csv":
+        return _frames(file)
     try:
-        if file.suffix.lower() == ".npy":
-            found: NDArray[np.float64] = np.load(file, allow_pickle=False)
-            return found
-        rows = np.loadtxt(file, delimiter=",", skiprows=1, ndmin=2)
-        frames, count = int(rows[:, 0].max()) + 1, int(rows[:, 1].max()) + 1
-        points = np.full((frames, count, 3), np.nan)
-        points[rows[:, 0].astype(int), rows[:, 1].astype(int)] = rows[:, 2:5]
-        return points
-    except (ValueError, IndexError, EOFError, OSError) as error:
+        found: NDArray[np.float64] = np.load(file, allow_pickle=False)
+    except (ValueError, EOFError, OSError) as error:
         cure = "give points (T, M, 3) as .npy, or .csv with the columns frame, point, x, y, z"
         raise refused("motion.file", file, cure) from error
+    if found.ndim != 3 or found.shape[2] != 3 or not found.size:
+        raise refused("motion.file", f"of shape {found.shape}", "give points (T, M, 3)")
+    return found
 
 
-def _paths(tables: Any, folder: Path) -> Moving:
-    """All paths of a document at the same time."""
-    if not isinstance(tables, list) or not tables:
-        raise SceneError("motion.path is left out: give [[motion.path]] tables, each with a kind, or a file")
-    return reduce(lambda one, other: one & other, [_path(k, table, folder) for k, table in enumerate(tables)])
+def _frames(file: Path) -> NDArray[np.float64]:
+    """Points (T, M, 3) of a table with a row for each point of each frame, in any order."""
+    lines, rows = read_table(file.read_bytes(), str(file), *FRAMES)
+
+    def wrong(row: int, reason: str) -> SceneError:
+        return SceneError(f"{file}, line {lines[row]}: {reason}")
+
+    for column, name in enumerate(("frame", "point")):
+        bad = np.flatnonzero((rows[:, column] < 0) | (rows[:, column] % 1 != 0))
+        if bad.size:
+            value = f"{rows[bad[0], column]:g}"
+            raise wrong(bad[0], f"{name} is {value}: count them 0, 1, 2, ...")
+    frames, count = (int(rows[:, column].max()) + 1 for column in (0, 1))
+    if frames * count > len(rows):
+        raise SceneError(
+            f"{file}: {frames} frames of {count} points need {frames * count} rows, {len(rows)} are there"
+        )
+    places = rows[:, 0].astype(int) * count + rows[:, 1].astype(int)
+    once, first = np.unique(places, return_index=True)
+    if len(once) < len(places):
+        twice = np.setdiff1d(np.arange(len(places)), first)[0]
+        frame, point = divmod(int(places[twice]), count)
+        raise wrong(twice, f"point {point} of frame {frame} is there twice: give it once")
+    points = np.empty((frames * count, 3))
+    points[places] = rows[:, 2:]
+    return points.reshape(frames, count, 3)
 
 
-def _path(index: int, table: Any, folder: Path) -> Moving:
-    try:
-        if not isinstance(table, dict) or "kind" not in table:
-            raise SceneError(f"kind is left out: give one of {', '.join(KINDS)}")
-        kind = word("kind", table.pop("kind"))
-        if kind not in KINDS:
-            raise refused("kind", kind, f"give one of {', '.join(KINDS)}")
-        modulation = table.pop("am", None)
-        if "pressure" in table:
-            table["pressures"] = table.pop("pressure")
-        path: Moving = called(KINDS[kind], kind, table, folder)
-        if modulation is not None and not isinstance(modulation, dict):
-            raise refused("am", modulation, 'give am = { frequency = 200, shape = "sqrt" }')
-        return path if modulation is None else called(path.with_am, "am", modulation, folder)
-    except SceneError as error:
-        raise SceneError(f"motion.path[{index}]: {error}") from error
+def _path(table: dict[str, Any], folder: Path) -> Moving:
+    if "kind" not in table:
+        raise SceneError(f"kind is left out: give one of {', '.join(KINDS)}")
+    kind = word("kind", table.pop("kind"))
+    if kind not in KINDS:
+        raise refused("kind", kind, f"give one of {', '.join(KINDS)}")
+    modulation = table.pop("am", None)
+    if "pressure" in table:
+        table["pressures"] = table.pop("pressure")
+    if modulation is not None and not isinstance(modulation, dict):
+        raise refused("am", modulation, 'give am = { frequency = 200, shape = "sqrt" }')
+    path: Moving = called(KINDS[kind], kind, table, folder)
+    return path if modulation is None else called(path.with_am, "am", modulation, folder)

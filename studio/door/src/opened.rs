@@ -26,12 +26,7 @@ impl Opened {
         let configured = configure(&choice, scene.array().quantization())?;
         let model = Model::of(&scene, set);
         let session = Session::new(model.clone(), configured.solver, choice.balance.unwrap_or(configured.info.balance));
-        let ask = Ask {
-            points: scene.points().to_vec(),
-            request: scene.request().clone(),
-            aim: choice.aim,
-            ..Ask::default()
-        };
+        let ask = Ask::of_scene(&scene);
         Ok(Self { scene, model, session, ask, set })
     }
 

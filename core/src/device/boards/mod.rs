@@ -1,8 +1,21 @@
-//! The bytes of each board, a family a file.
+//! The bytes of each board, a family a file, and the list of them.
 
-pub(super) mod autd3;
-pub(super) mod homies;
-pub(super) mod openmpd;
+mod autd3;
+mod homies;
+mod openmpd;
 mod planes;
-pub(super) mod sonicsurface;
-pub(super) mod ultraino;
+mod sonicsurface;
+mod ultraino;
+
+use crate::device::format::Format;
+
+/// Every board.
+pub(super) const FORMATS: [Format; 7] = [
+    autd3::FORMAT,
+    sonicsurface::FORMAT,
+    openmpd::FORMAT,
+    ultraino::MEGA64,
+    ultraino::NANO16,
+    ultraino::NANO,
+    homies::FORMAT,
+];

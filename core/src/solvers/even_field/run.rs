@@ -29,6 +29,9 @@ const ABOVE: f32 = 1.1;
 /// What a quiet point may leak unless told otherwise: 60 dB below the level.
 pub(crate) const QUIET: f64 = 1e-3;
 
+/// Weighted sweeps before the Gauss-Newton steps, unless an option gives another number.
+pub(crate) const SWEEPS: u32 = 4;
+
 /// Equations of which a step takes tens of milliseconds: the level of more is not raised any further.
 pub(super) const TOO_MANY: usize = 500;
 

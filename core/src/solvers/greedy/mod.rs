@@ -8,6 +8,8 @@
 //! Given a start, the last frame's drive, it exchanges each transducer's wave for the best within a bound on the change of
 //! phase, see [`crate::solvers::common::exchange`].
 
+pub(crate) mod by_energy;
+
 use alloc::format;
 use alloc::vec::Vec;
 use core::any::Any;

@@ -1,0 +1,89 @@
+"""Sessions of a scene file's text answer as the package does, bit for bit."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import midair
+from library import METRICS, Library
+
+POINTS = """
+[[points]]
+position = [-0.02, 0.01, 0.12]
+pressure = 900.0
+
+[[points]]
+position = [0.02, 0.0, 0.13]
+pressure = 700.0
+weight = 2.0
+"""
+WALL = "[[obstacles]]\npoint = [0.0, 0.08, 0.0]\nnormal = [0.0, -1.0, 0.0]\n"
+SPHERE = '[[obstacles]]\ncenter = [0.0, -0.02, 0.07]\nradius = 0.01\nkind = "soft"\n'
+SCENES = {
+    "plain": '[array]\npreset = "paper20"\n',
+    "medium": '[array]\npreset = "autd3"\n[medium]\ntemperature = 31.0\nabsorption = 0.2\n',
+    "wall": "[array]\ngrid = { nx = 12, ny = 10, pitch = 0.0105 }\n" + WALL,
+    "sphere": '[array]\npreset = "openmpd_board"\n' + SPHERE,
+    "two walls": '[array]\npreset = "openmpd_board"\n'
+    + WALL
+    + WALL.replace("-1.0", "1.0").replace("0.08", "-0.09"),
+    "trap": 'signature = "trap"\n[array]\npreset = "openmpd_board"\n',
+    "vortex at a wall": 'signature = "vortex"\n[array]\npreset = "openmpd_board"\n' + WALL,
+    "solver": '[array]\npreset = "paper20"\n[solver]\nname = "greedy"\nphases = 32\nseed = 7\n',
+    "aim": '[array]\npreset = "autd3"\n[solver]\nname = "uniform"\naim = "max"\n',
+    "mask": "[array]\ngrid = { nx = 2, ny = 2, pitch = 0.01 }\nmask = [true, false, true, true]\n",
+}
+pytestmark = pytest.mark.filterwarnings("ignore::midair.SceneWarning")
+
+
+@pytest.mark.parametrize("toml", [True, False])
+@pytest.mark.parametrize("name", SCENES)
+def test_a_scene_from_text(library: Library, name: str, toml: bool) -> None:
+    text = SCENES[name] + POINTS
+    scene = midair.Scene.parse(text)
+    if not toml:
+        text = scene.json()
+    solution = midair.solve(scene)
+    session = library.new("session_open", text, None)
+    assert library.plain("session_transducers", session) == len(scene.array)
+    for _ in range(2):
+        drive, answer = library.solve(session, len(scene.array), np.zeros((0, 3)))
+        assert drive.tobytes() == solution.drive.astype(np.complex64).tobytes()
+        assert [answer[metric] for metric in METRICS] == [
+            getattr(solution.metrics, metric) for metric in METRICS
+        ]
+        # Points of the caller's own, then the scene's again.
+        library.solve(session, len(scene.array), np.array([[0.0, 0.01, 0.14]]))
+    library.plain("session_free", session)
+
+
+def test_files_are_looked_up_in_the_folder(library: Library, tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("0,0,0\n0.01,0,0\n0,0.01,0\n0.01,0.01,0\n")
+    text = '[array]\npositions = { file = "a.csv" }\n' + POINTS
+    session = library.new("session_open", text, str(tmp_path))
+    assert library.plain("session_transducers", session) == 4
+    library.plain("session_free", session)
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("", "scene: empty: it needs at least [array]"),
+        ('[array]\nprest = "autd3"\n', "scene, line 2, column 1: unknown key of array"),
+        ('{"array": {"preset": "autd3"}, "points": [{"position": [0, 0]}]}', "scene, line 1, column 56"),
+        (
+            '[array]\npositions = { file = "a.csv" }\n' + POINTS,
+            "this document has no folder to find files in",
+        ),
+        ('[array]\npreset = "autd3"\n[motion]\nrate = 1\n', "its points move"),
+        ('[array]\npreset = "autd3"\n[[shape]]\nkind = "line"\n', "midair's Python package draws it"),
+    ],
+)
+def test_a_text_that_is_no_scene_is_refused_in_its_line(library: Library, text: str, fault: str) -> None:
+    handle = np.zeros(1, np.uintp)
+    result, message = library.call("session_open", text, None, handle)
+    assert result == 1
+    assert fault in message
+    assert "\n" not in message
+    assert handle[0] == 0

@@ -1,0 +1,134 @@
+//! Tables of numbers in text: rows between commas, semicolons or tabs, columns by name or by their number.
+
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+
+use crate::error::{Error, one_line};
+
+/// The columns that a file may have.
+#[derive(Clone, Copy, Debug)]
+#[allow(clippy::exhaustive_structs, reason = "the words of a kind of file")]
+pub struct Columns<'a> {
+    /// Lists of names, the shorter first; a longer one begins with the shorter.
+    pub choices: &'a [&'a [&'a str]],
+    /// The units, for errors: `in metres`.
+    pub units: &'a str,
+    /// A correct row, for errors.
+    pub example: &'a str,
+}
+
+/// Numbers of a file, in the order of the names that were chosen.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[allow(clippy::exhaustive_structs, reason = "the two parts of a table")]
+pub struct Table {
+    /// The line of each row, counted from 1.
+    pub lines: Vec<usize>,
+    /// Rows of finite numbers, all of one length.
+    pub rows: Vec<Vec<f64>>,
+}
+
+/// Reads a table. A first row of names says which columns are which; without one their number does. Empty lines and
+/// lines that begin with # are skipped; other named columns are ignored.
+///
+/// # Errors
+/// No text in UTF-8, no row; a name that is missing or there twice; a cell that is not a finite number. Each names the file and the line.
+///
+/// ```
+/// use midair::files::{Columns, read_table};
+///
+/// let columns = Columns { choices: &[&["x", "y", "z"]], units: "in metres", example: "0.01,0.0,0.0" };
+/// let table = read_table(b"z;x;y\n0.1;0.0;0.2", "bowl.csv", columns)?;
+/// assert_eq!(table.rows, [[0.0, 0.2, 0.1]]);
+/// # Ok::<(), midair::Error>(())
+/// ```
+pub fn read_table(bytes: &[u8], name: &str, columns: Columns<'_>) -> Result<Table, Error> {
+    let Ok(text) = core::str::from_utf8(bytes) else {
+        let (row, units) = (columns.choices[0].join(","), columns.units);
+        let reason = format!("not text: give rows of {row} {units}, for example {}", columns.example);
+        return Err(fault(name, None, &reason));
+    };
+    let text = text.trim_start_matches('\u{feff}').replace("\r\n", "\n").replace('\r', "\n");
+    let mut table = Table::default();
+    // The names and where their columns are, from the first row on.
+    let mut chosen: Option<Chosen<'_>> = None;
+    for (index, line) in text.split('\n').enumerate() {
+        if line.trim().is_empty() || line.trim_start().starts_with('#') {
+            continue;
+        }
+        let refused =
+            |reason: &str| fault(name, Some(index + 1), &format!("{reason}, for example {}", columns.example));
+        let cells = cells(line);
+        if chosen.is_none() {
+            let header = cells[0].parse::<f64>().is_err();
+            let found = if header { columns.named(&cells) } else { columns.counted(cells.len()) };
+            chosen = Some(found.map_err(|reason| refused(&reason))?);
+            if header {
+                continue;
+            }
+        }
+        let number = |(name, column): &(&str, usize)| {
+            let cell = cells.get(*column).copied().unwrap_or_default();
+            let number = cell.parse::<f64>().ok().filter(|number| number.is_finite());
+            number.ok_or_else(|| refused(&format!("{name} is \"{cell}\": give a number")))
+        };
+        table.rows.push(chosen.iter().flatten().map(number).collect::<Result<_, _>>()?);
+        table.lines.push(index + 1);
+    }
+    if table.rows.is_empty() {
+        let row = columns.choices[0].join(",");
+        let reason = format!("empty: give rows {row} {}, for example {}", columns.units, columns.example);
+        return Err(fault(name, None, &reason));
+    }
+    Ok(table)
+}
+
+/// The names that are read, and where their columns are.
+type Chosen<'a> = Vec<(&'a str, usize)>;
+
+impl<'a> Columns<'a> {
+    fn or(&self) -> String {
+        self.choices.iter().map(|names| names.join(",")).collect::<Vec<_>>().join(" or ")
+    }
+
+    /// The columns of a row of numbers alone.
+    fn counted(&self, count: usize) -> Result<Chosen<'a>, String> {
+        let fits = self.choices.iter().find(|names| names.len() == count);
+        let fits = fits.map(|names| names.iter().copied().zip(0..).collect());
+        fits.ok_or_else(|| format!("{count} columns: give {} {}", self.or(), self.units))
+    }
+
+    /// The columns of a row of names.
+    fn named(&self, cells: &[&str]) -> Result<Chosen<'a>, String> {
+        let places =
+            |name: &str| (0..cells.len()).filter(|&at| cells[at].eq_ignore_ascii_case(name)).collect::<Vec<_>>();
+        // The longest list of which a name of its own is there.
+        let begun = |names: &&&[&str]| {
+            names.last().is_some()
+                && names.iter().any(|name| {
+                    !places(name).is_empty()
+                        && !self.choices.iter().any(|other| other.len() < names.len() && other.contains(name))
+                })
+        };
+        let names = self.choices.iter().rev().find(begun).unwrap_or(&self.choices[0]);
+        let mut chosen = Vec::new();
+        for &name in *names {
+            match places(name).as_slice() {
+                [] => return Err(format!("columns are {}: name them {}, {}", cells.join(", "), self.or(), self.units)),
+                [place] => chosen.push((name, *place)),
+                _ => return Err(format!("column \"{name}\" is there twice: name them {}, {}", self.or(), self.units)),
+            }
+        }
+        Ok(chosen)
+    }
+}
+
+fn cells(line: &str) -> Vec<&str> {
+    let separator = [';', '\t'].into_iter().find(|separator| line.contains(*separator)).unwrap_or(',');
+    line.split(separator).map(|cell| cell.trim().trim_matches('"').trim()).collect()
+}
+
+fn fault(name: &str, line: Option<usize>, reason: &str) -> Error {
+    let place = line.map_or_else(|| name.to_string(), |line| format!("{name}, line {line}"));
+    Error::File { place: one_line(&place), reason: one_line(reason) }
+}

@@ -1,0 +1,24 @@
+//! Scene files of points that move, read for the toolbox, which draws their paths.
+
+use std::path::PathBuf;
+
+use midair::files::Motion;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::draw;
+use crate::files::{bytes_of, read};
+use crate::read::option_dict;
+use crate::scene::Scene;
+
+/// The scene and settings of a file of points that move, or None where it has no `[motion]`; `start` is called with the name
+/// and text of each table of it, and returns the points of the first frame.
+#[pyfunction]
+pub(crate) fn read_motion<'py>(
+    path: PathBuf,
+    start: &Bound<'py, PyAny>,
+) -> PyResult<Option<(Scene, Bound<'py, PyDict>)>> {
+    let found = read(&path, &bytes_of(&path)?, |bytes, format, source| draw::motion(bytes, format, source, start))?;
+    let Some(Motion { scene, settings }) = found else { return Ok(None) };
+    Ok(Some((Scene::of(scene)?.told(start.py())?, option_dict(start.py(), &settings)?)))
+}

@@ -1,0 +1,160 @@
+"""Scene files of points that move: read once for every command, and refused with the line at fault."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import midair
+from midair.cli import play
+from midair.motion import document
+
+SCENE = """[array]
+preset = "autd3"
+
+[solver]
+name = "glide"
+aim = "max"
+
+[motion]
+rate = 1000
+change = 0.5
+
+[[motion.path]]
+kind = "circle"
+center = [0.0, 0.0, 0.15]
+radius = 0.01
+frequency = 5
+pressure = 100
+"""
+FRAMES = "[array]\npreset = 'autd3'\n\n[motion]\nrate = 1000\nfile = 'frames.csv'\n"
+HEADER = "frame,point,x,y,z\n"
+
+
+def command(*arguments: str) -> subprocess.CompletedProcess[str]:
+    run = [sys.executable, "-m", "midair", *arguments]
+    return subprocess.run(run, capture_output=True, text=True, check=False)
+
+
+def read(folder: Path, text: str, name: str = "scene.toml") -> document.Document:
+    (folder / name).write_text(text)
+    found = document.read(folder / name)
+    assert found is not None
+    return found
+
+
+def drives(folder: Path, text: str) -> tuple[np.ndarray, np.ndarray]:
+    """The drives that `midair play` plays, and those that `midair motion` writes."""
+    scene, solved = folder / "scene.toml", folder / "solved.npz"
+    scene.write_text(text)
+    played = play._thing(scene, None, lambda array: midair.Board("autd3", array))
+    assert isinstance(played, midair.Sequence)
+    run = command("motion", str(scene), "--output", str(solved))
+    assert run.returncode == 0, run.stderr
+    written = midair.read(solved)
+    assert isinstance(written, midair.Sequence)
+    solved.unlink()
+    return played.drives, written.drives
+
+
+def test_play_and_motion_play_the_same_drives(tmp_path: Path) -> None:
+    played, solved = drives(tmp_path, SCENE)
+    np.testing.assert_array_equal(played, solved)
+    # `aim` reaches the solver: full drive, where the pressure alone needs a part of it.
+    assert np.abs(played).max() == pytest.approx(1)
+    quiet, _ = drives(tmp_path, SCENE.replace('aim = "max"\n', ""))
+    assert np.abs(quiet).max() < 0.1
+
+
+def test_play_and_motion_play_the_same_traps(tmp_path: Path) -> None:
+    text = 'signature = "trap"\n' + SCENE
+    played, solved = drives(tmp_path, text)
+    np.testing.assert_array_equal(played, solved)
+    moving = read(tmp_path, text)
+    sequence = midair.sequence(moving.array, moving.path, rate=1000, change=0.5, signature="trap", aim="max")
+    np.testing.assert_array_equal(played, sequence.drives)
+    assert not np.array_equal(played, drives(tmp_path, SCENE)[0])
+
+
+def test_frames_are_read_by_the_names_of_their_columns(tmp_path: Path) -> None:
+    (tmp_path / "frames.csv").write_text("frame,point,z,x,y\n1,0,0.15,0.02,0\n0,0,0.15,0.01,0\n")
+    np.testing.assert_array_equal(read(tmp_path, FRAMES).path, [[[0.01, 0.0, 0.15]], [[0.02, 0.0, 0.15]]])
+
+
+@pytest.mark.parametrize(
+    ("rows", "fault"),
+    [
+        ("-1,0,0,0,0.15\n", "line 2: frame is -1: count them 0, 1, 2, ..."),
+        ("0,0,0,0,0.15\n.5,0,0,0,0.15\n", "line 3: frame is 0.5"),
+        ("0,0,0,0,0.15\n0,0,0,0,0.16\n", "line 3: point 0 of frame 0 is there twice"),
+        ("4000000000,0,0,0,0.15\n", "4000000001 frames of 1 points need 4000000001 rows, 1 are there"),
+        ("0,0,0,nan,0.15\n", 'line 2: y is "nan": give a number'),
+        ("", "empty: give rows frame,point,x,y,z"),
+    ],
+)
+def test_frames_that_are_none_are_refused_by_their_row(tmp_path: Path, rows: str, fault: str) -> None:
+    (tmp_path / "frames.csv").write_text(HEADER + rows)
+    with pytest.raises(midair.SceneError) as refusal:
+        read(tmp_path, FRAMES)
+    assert fault in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "fault"),
+    [
+        ("a.toml", SCENE.replace("preset", "prest"), "a.toml, line 2, column 1: unknown key of array"),
+        ("a.toml", SCENE.replace("0.01", "-1"), "line 15, column 10: motion.path[0].radius is -1"),
+        ("a.toml", SCENE.replace("kind", "knid"), 'line 13, column 1: unknown key of motion.path[0] "knid"'),
+        ("a.toml", SCENE.replace("rate = 1000\n", ""), "motion.rate is left out"),
+        ("a.toml", SCENE.replace("rate", "when = 2020-01-01\nrate"), 'unknown key of motion "when"'),
+        ("a.toml", SCENE.replace("0.5", "2020-01-01"), "a.toml, line 10, column"),
+        ("a.toml", SCENE.replace("rate = 1000", "rate = inf\nrat = 1"), 'unknown key of motion "rat"'),
+        (
+            "a.toml",
+            SCENE + "[[points]]\nposition = [0, 0, 0.1]\n",
+            "points that move stand in [motion]: leave it out",
+        ),
+        (
+            "a.toml",
+            "[array]\npreset = 'autd3'\n[motion]\nrate = 1\n",
+            "motion.path is left out: give [[motion.path]]",
+        ),
+        ("a.json", '{"array": {"preset": "autd3"}, "array": {}, "motion": {}}', "twice"),
+        ("a.json", "[" * 100000, "too deep"),
+    ],
+)
+def test_a_mistake_is_reported_in_its_own_line(tmp_path: Path, name: str, text: str, fault: str) -> None:
+    (tmp_path / name).write_text(text)
+    with pytest.raises(midair.SceneError) as refusal:
+        document.read(tmp_path / name)
+    assert fault in str(refusal.value), refusal.value
+    assert str(refusal.value).count(name) == 1
+    for verb in ("motion", "solve", "compare"):
+        run = command(verb, str(tmp_path / name))
+        assert run.returncode == 2
+        assert run.stderr.startswith("error: ")
+        assert "fault of midair" not in run.stderr
+        assert len(run.stderr.splitlines()) == 1
+
+
+def test_json_and_toml_of_one_motion_are_the_same(tmp_path: Path) -> None:
+    one = read(tmp_path, SCENE)
+    circle = {"kind": "circle", "center": [0, 0, 0.15], "radius": 0.01, "frequency": 5, "pressure": 100}
+    text = {
+        "array": {"preset": "autd3"},
+        "solver": {"name": "glide", "aim": "max"},
+        "motion": {"rate": 1000, "change": 0.5, "path": [circle]},
+    }
+    other = read(tmp_path, json.dumps(text), "scene.json")
+    np.testing.assert_array_equal(one.solve().drives, other.solve().drives)
+
+
+def test_a_scene_that_rests_is_no_motion(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text("[array]\npreset = 'autd3'\n[[points]]\nposition = [0, 0, 0.15]\n")
+    assert document.read(tmp_path / "a.toml") is None
+    run = command("motion", str(tmp_path / "a.toml"))
+    assert "has no [motion]" in run.stderr
