@@ -51,7 +51,7 @@ check: .venv/ready ## The loop while you work: formatting, lints, guards, quick 
 	$(call step,formatting (1 s),$(CARGO) fmt --check && $(BIN)/ruff check --quiet $(CODE) && $(BIN)/ruff format --check --quiet $(CODE))
 	$(call step,core: clippy on the library (10 s),$(CARGO) clippy --quiet $(CORE) -- -D warnings)
 	$(call step,core: quick unit tests (15 s),$(CARGO) test --quiet $(CORE) --lib -- $(addsuffix ::,$(MODULE)))
-	$(call step,core: guards and quick tests (15 s),$(CARGO) test --quiet $(CORE) --test suite -- $(if $(MODULE),floors map unsafe_code $(MODULE)))
+	$(call step,core: guards and quick tests (15 s),$(CARGO) test --quiet $(CORE) --test suite -- $(if $(MODULE),layers map unsafe_code $(MODULE)))
 	@$(MAKE) --no-print-directory .venv/extension
 	$(call step,package: quick tests (30 s),$(PYTHON) -m pytest --quiet -m "not slow")
 	@echo; echo "== all passed. Before you propose the change: make test"
@@ -213,7 +213,7 @@ book/.venv/ready studio/.venv/ready: %/.venv/ready: %/requirements.txt .venv/rea
 	touch $@
 
 schema: ## Write docs/scene.schema.json anew, from core/src/files/schema.rs
-	python3 book/schema.py
+	$(HOST_PYTHON) book/schema.py
 
 map: ## Write docs/map.md anew: every source file with its first line
 	MIDAIR_MAP=write $(CARGO) test --quiet $(CORE) --test suite map

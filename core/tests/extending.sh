@@ -51,4 +51,4 @@ mod oracle;
 mod scenes;
 RUST
 cargo test --quiet "${own[@]}" --lib two_phases
-cargo test --quiet "${own[@]}" --test suite --test allocations
+cargo test --quiet "${own[@]}" --test suite --test allocations -- --include-ignored

@@ -50,6 +50,6 @@ for features in "" std; do
     cargo check wasm32-unknown-unknown std,panic_abort --no-default-features --features "$features"
 done
 for target in aarch64-unknown-linux-gnu,std,panic_unwind,test wasm32-wasip1,std,panic_abort,test; do
-    cargo test "${target%%,*}" "${target#*,}" --features scene-file --lib
+    cargo test "${target%%,*}" "${target#*,}" --features scene-file --lib -- --include-ignored
     cargo test "${target%%,*}" "${target#*,}" --features scene-file --test suite golden
 done

@@ -73,6 +73,7 @@ def test_every_statement_is_judged_with_its_numbers(everything: Path) -> None:
         assert any(letter.isdigit() for letter in row["evidence"]), row
 
 
+@pytest.mark.slow
 def test_what_needs_no_luck_holds_with_three_trials(everything: Path) -> None:
     rows = tables.read(everything / "verdicts.csv")
     found = {row["statement"]: row["verdict"] for row in rows}

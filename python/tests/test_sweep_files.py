@@ -234,3 +234,10 @@ def test_what_dead_processes_left_is_removed() -> None:
     midair.sweep(ASKED, "table.csv", drives="drives.zarr")
     assert not any(path.exists() for path in stale)
     assert all(path.exists() for path in live)
+
+
+def test_a_doubled_key_of_a_sweep_file_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "sweep.json"
+    path.write_text('{"seeds": 2, "seeds": 1}')
+    with pytest.raises(midair.SceneError, match='the key "seeds" is there twice: give it once'):
+        midair.sweep(path)

@@ -103,12 +103,21 @@ def read(source: str | PathLike[str] | Mapping[str, Any], *, drives: bool = Fals
 def _parse(path: Path) -> Tables:
     try:
         text = path.read_text(encoding="utf-8")
-        tables = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
+        tables = json.loads(text, object_pairs_hook=_once) if path.suffix == ".json" else tomllib.loads(text)
     except ValueError as error:
         raise SceneError(f'sweep file "{path}" cannot be read: {error}') from error
     if not isinstance(tables, dict):
         raise SceneError(f'sweep file "{path}" holds no tables')
     return tables
+
+
+def _once(entries: list[tuple[str, Any]]) -> Tables:
+    """A table of JSON whose keys are there once."""
+    table = dict(entries)
+    if len(table) < len(entries):
+        twice = next(key for key, times in Counter(key for key, _ in entries).items() if times > 1)
+        raise ValueError(f'the key "{twice}" is there twice: give it once')
+    return table
 
 
 def _trials(given: Any) -> tuple[int, list[int] | None]:
