@@ -103,6 +103,15 @@ def test_frames_that_are_none_are_refused_by_their_row(tmp_path: Path, rows: str
     assert "\n" not in str(refusal.value)
 
 
+def test_a_file_that_is_not_there_is_named_once(tmp_path: Path) -> None:
+    with pytest.raises(midair.SceneError) as refusal:
+        read(tmp_path, FRAMES)
+    assert 'line 6, column 8: motion.file is "frames.csv": there is no such file' in str(refusal.value)
+    np.save(tmp_path / "frames.npy", np.zeros((3, 2)))
+    with pytest.raises(midair.SceneError, match=r'"frames.npy": its shape is \(3, 2\)'):
+        read(tmp_path, FRAMES.replace("csv", "npy"))
+
+
 @pytest.mark.parametrize(
     ("name", "text", "fault"),
     [

@@ -85,17 +85,22 @@ FRAMES = (["frame", "point", "x", "y", "z"], "with x, y, z in metres", "0,0,0.01
 
 
 def _points(name: str, folder: Path) -> NDArray[np.float64]:
-    """Points (T, M, 3) in m of a .npy file, or of a .csv file with the columns frame, point, x, y, z."""
-    file = existing("motion.file", folder / name, "give a .npy or .csv file")
+    """Points (T, M, 3) in m of a .npy file, or of a .csv file with the columns frame, point, x, y, z.
+
+    The core puts the key and its value before a refusal.
+    """
+    file = folder / name
+    if not file.is_file():
+        raise SceneError("there is no such file: give a .npy or .csv file beside the scene file")
     if file.suffix.lower() == ".csv":
         return _frames(file)
     try:
         found: NDArray[np.float64] = np.load(file, allow_pickle=False)
     except (ValueError, EOFError, OSError) as error:
         cure = "give points (T, M, 3) as .npy, or .csv with the columns frame, point, x, y, z"
-        raise refused("motion.file", file, cure) from error
+        raise SceneError(cure) from error
     if found.ndim != 3 or found.shape[2] != 3 or not found.size:
-        raise refused("motion.file", f"of shape {found.shape}", "give points (T, M, 3)")
+        raise SceneError(f"its shape is {found.shape}: give points (T, M, 3)")
     return found
 
 
