@@ -12,7 +12,7 @@ use crate::error::{invalid, refused};
 use crate::give::{self, rows};
 use crate::numbers::quoted;
 use crate::pickle::{Reduced, called, restored};
-use crate::quantization::{self, on_board};
+use crate::quantization::{self, read_quantization};
 use crate::read;
 use crate::ready::{Kept, Ready};
 
@@ -322,4 +322,16 @@ pub(crate) fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         dict.set_item(preset.name, Bound::new(py, info)?)?;
     }
     Ok(dict)
+}
+
+/// The array with what is given of mask and quantization; what is left out stays as it is.
+pub(crate) fn on_board(array: Array, mask: Argument<'_, '_>, quantization: Argument<'_, '_>) -> PyResult<Array> {
+    let array = match quantization {
+        None => array,
+        Some(quantization) => array.inner.with_quantization(Some(read_quantization(quantization)?)).into(),
+    };
+    match mask {
+        None => Ok(array),
+        Some(mask) => Ok(array.inner.with_mask(Some(read::flags("mask", mask)?)).map_err(refused)?.into()),
+    }
 }

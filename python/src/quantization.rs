@@ -5,25 +5,10 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::array::Array;
 use crate::error::{invalid, refused};
 use crate::give;
 use crate::numbers::quoted;
 use crate::read;
-
-type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
-
-/// The array with what is given of mask and quantization; what is left out stays as it is.
-pub(crate) fn on_board(array: Array, mask: Argument<'_, '_>, quantization: Argument<'_, '_>) -> PyResult<Array> {
-    let array = match quantization {
-        None => array,
-        Some(quantization) => array.inner.with_quantization(Some(read_quantization(quantization)?)).into(),
-    };
-    match mask {
-        None => Ok(array),
-        Some(mask) => Ok(array.inner.with_mask(Some(read::flags("mask", mask)?)).map_err(refused)?.into()),
-    }
-}
 
 /// `{"phases": 256, "amplitudes": [0, 0.5, 1]}`; what is left out or None is continuous.
 pub(crate) fn read_quantization(value: &Bound<'_, PyAny>) -> PyResult<Quantization> {

@@ -1,16 +1,16 @@
 //! A scene with other parts: `scene.replace(...)`, and what `solve` takes beside a scene.
 
-use midair::{Medium, Request};
+use midair::Request;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::array::Array;
-use crate::error::{invalid, refused, warn_all};
+use crate::error::{invalid, refused};
 use crate::numbers::quoted;
 use crate::obstacle::read_obstacles;
 use crate::plane::Plane;
 use crate::read;
-use crate::scene::Scene;
+use crate::scene::{Scene, remade};
 use crate::setting::Keywords;
 use crate::signature::read_signature;
 
@@ -32,27 +32,27 @@ const PARTS: [&str; 14] = [
     "plane",
 ];
 
-/// A scene with other parts, the solver of its file kept, and a warning of what is hardly meant of them.
-pub(crate) fn remade(
-    py: Python<'_>,
-    own: &Scene,
-    (array, medium): (&Array, Medium),
-    points: Vec<[f64; 3]>,
-    request: Request,
-    (plane, signature, obstacles): (Option<midair::Plane>, Option<midair::Signature>, Vec<midair::Obstacle>),
-) -> PyResult<Scene> {
-    let scene = midair::Scene::new(array.inner.clone(), medium, points, request);
-    let scene = scene.and_then(|scene| scene.with_signature(signature)?.with_obstacles(obstacles));
-    let mut scene = scene.map_err(refused)?;
-    scene.solver.clone_from(&own.inner.solver);
-    scene.plane = plane;
-    let (scene, told) = (Scene::with(array, scene)?, own.doubts());
-    warn_all(py, scene.doubts().iter().filter(|doubt| !told.contains(doubt)))?;
-    Ok(scene)
+// Here, not beside the class: `Keywords` itself reads scenes.
+#[pymethods]
+impl Scene {
+    /// The same scene with other parts, named as the constructor names them, or another `plane`; what is left out stays,
+    /// the solver of a scene file too. None takes pressures, weights or the plane away and leaves anything else as it is.
+    ///
+    /// Raises SceneError for a part of another name, for what `Scene` refuses, and for pressures and weights of another
+    /// number of points.
+    ///
+    /// >>> import midair
+    /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]], 100.0)
+    /// >>> scene.replace(pressures=200.0).pressures
+    /// array([200.])
+    #[pyo3(signature = (**changes))]
+    fn replace(&self, py: Python<'_>, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        changes.map_or_else(|| Ok(self.clone()), |changes| replaced(py, self, changes))
+    }
 }
 
 /// The scene with changes, named as its constructor names them.
-pub(crate) fn replaced(py: Python<'_>, scene: &Scene, changes: &Bound<'_, PyDict>) -> PyResult<Scene> {
+fn replaced(py: Python<'_>, scene: &Scene, changes: &Bound<'_, PyDict>) -> PyResult<Scene> {
     let (own, keywords) = (&*scene.inner, Keywords::of(changes)?);
     let array = match keywords.take("array")? {
         None => scene.array(),

@@ -20,9 +20,7 @@ use crate::plane::Plane;
 use crate::reach::Reach;
 use crate::read;
 use crate::ready::Ready;
-use crate::replace::replaced;
 use crate::signature::{read_signature, shown_signature};
-use crate::solution::Solution;
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
@@ -160,21 +158,6 @@ impl Scene {
         Self::with(&array, scene.map_err(refused)?)?.told(py)
     }
 
-    /// The same scene with other parts, named as the constructor names them, or another `plane`; what is left out stays,
-    /// the solver of a scene file too. None takes pressures, weights or the plane away and leaves anything else as it is.
-    ///
-    /// Raises SceneError for a part of another name, for what `Scene` refuses, and for pressures and weights of another
-    /// number of points.
-    ///
-    /// >>> import midair
-    /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]], 100.0)
-    /// >>> scene.replace(pressures=200.0).pressures
-    /// array([200.])
-    #[pyo3(signature = (**changes))]
-    fn replace(&self, py: Python<'_>, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        changes.map_or_else(|| Ok(self.clone()), |changes| replaced(py, self, changes))
-    }
-
     /// Reads a scene file: JSON by its ending .json, TOML by .toml, else by looking at it.
     ///
     /// Raises SceneError for what is at fault in it, with line, column and a line as it would be correct; OSError, such
@@ -202,23 +185,6 @@ impl Scene {
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let text = files::write(&self.inner, Format::of(&path.to_string_lossy()), &Provenance::default());
         crate::files::save(py, &path, &text.map_err(refused)?)
-    }
-
-    /// The scene as JSON text; with a solution, as the record of how it was solved.
-    ///
-    /// Raises SceneError for what no file holds, such as a signature of one's own factors.
-    #[pyo3(signature = (solution=None))]
-    fn json(&self, solution: Option<&Bound<'_, Solution>>) -> PyResult<String> {
-        let Some(solution) = solution else {
-            return files::write(&self.inner, Format::Json, &Provenance::default()).map_err(refused);
-        };
-        let mut scene = (*self.inner).clone();
-        scene.solver = Some((*solution.get().choice).clone());
-        let provenance = Provenance {
-            version: Some(env!("CARGO_PKG_VERSION").into()),
-            status: Some(solution.get().inner.status.to_string()),
-        };
-        files::write(&scene, Format::Json, &provenance).map_err(refused)
     }
 
     /// The array.
@@ -382,4 +348,23 @@ impl Scene {
         let (n, m) = (self.inner.array().len(), self.inner.points().len());
         format!("<midair.Scene of {n} transducers and {m} points at {} Hz>", self.inner.medium().frequency)
     }
+}
+
+/// A scene with other parts, the solver of its file kept, and a warning of what is hardly meant of them.
+pub(crate) fn remade(
+    py: Python<'_>,
+    own: &Scene,
+    (array, medium): (&Array, Medium),
+    points: Vec<[f64; 3]>,
+    request: Request,
+    (plane, signature, obstacles): (Option<midair::Plane>, Option<midair::Signature>, Vec<midair::Obstacle>),
+) -> PyResult<Scene> {
+    let scene = midair::Scene::new(array.inner.clone(), medium, points, request);
+    let scene = scene.and_then(|scene| scene.with_signature(signature)?.with_obstacles(obstacles));
+    let mut scene = scene.map_err(refused)?;
+    scene.solver.clone_from(&own.inner.solver);
+    scene.plane = plane;
+    let (scene, told) = (Scene::with(array, scene)?, own.doubts());
+    warn_all(py, scene.doubts().iter().filter(|doubt| !told.contains(doubt)))?;
+    Ok(scene)
 }

@@ -8,12 +8,12 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyDictMethods};
 
-use crate::array::{Array, adjusted};
+use crate::array::{Array, adjusted, on_board};
 use crate::error::{invalid, refused, warn_all};
 use crate::give::rows;
 use crate::obstacle::{read_obstacles, shown_obstacles};
 use crate::propagation::Propagation;
-use crate::quantization::{on_board, shown};
+use crate::quantization::shown;
 use crate::read;
 use crate::ready::Ready;
 use crate::scene::Scene;

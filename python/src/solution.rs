@@ -3,6 +3,7 @@
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
+use midair::files::{self, Format, Provenance};
 use midair::{Complex32, Status};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -287,4 +288,25 @@ pub(crate) fn begin(start: &Bound<'_, PyAny>) -> PyResult<midair::Start> {
         return Ok(midair::Start::Drive(solution.get().inner.drive.clone()));
     }
     read::start("start", start)
+}
+
+// Here, not beside the class: a solution itself knows its scene.
+#[pymethods]
+impl Scene {
+    /// The scene as JSON text; with a solution, as the record of how it was solved.
+    ///
+    /// Raises SceneError for what no file holds, such as a signature of one's own factors.
+    #[pyo3(signature = (solution=None))]
+    fn json(&self, solution: Option<&Bound<'_, Solution>>) -> PyResult<String> {
+        let Some(solution) = solution else {
+            return files::write(&self.inner, Format::Json, &Provenance::default()).map_err(refused);
+        };
+        let mut scene = (*self.inner).clone();
+        scene.solver = Some((*solution.get().choice).clone());
+        let provenance = Provenance {
+            version: Some(env!("CARGO_PKG_VERSION").into()),
+            status: Some(solution.get().inner.status.to_string()),
+        };
+        files::write(&scene, Format::Json, &provenance).map_err(refused)
+    }
 }

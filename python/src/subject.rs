@@ -6,13 +6,13 @@ use midair::{Control, Problem, Quantization, Request, Setup};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
+use crate::array::on_board;
 use crate::error::{invalid, refused};
 use crate::instruction_set::instruction_set;
 use crate::propagation::Propagation;
-use crate::quantization::{on_board, read_quantization};
+use crate::quantization::read_quantization;
 use crate::read;
-use crate::replace::remade;
-use crate::scene::Scene;
+use crate::scene::{Scene, remade};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 

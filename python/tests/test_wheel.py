@@ -11,6 +11,9 @@ ROOT = Path(__file__).parents[2]
 BIN = Path(sys.executable).parent
 STUDIO = ROOT / "python" / "midair" / "studio" / "built"
 
+#: One worker for the module: maturin builds in one folder.
+pytestmark = pytest.mark.xdist_group("wheel")
+
 PROGRAM = """
 import sys, numpy as np, midair
 scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15], [0.03, 0, 0.15]], pressures=900.0)
