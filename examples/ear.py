@@ -21,7 +21,7 @@ ear = np.array([box.min(axis=0), box.max(axis=0)])
 figure, axes = plt.subplots(1, 2, figsize=(10, 4.4), layout="constrained")
 for ax, solver in zip(axes, ("naive", "uniform"), strict=True):
     solution = midair.solve(scene, solver, balance=True)
-    level = midair.exposure(scene, solution, {"ear": ear})["ear"].spl
-    midair.plot(midair.field(scene, solution), ax, quantity="spl", vmax=165)
+    level = solution.exposure({"ear": ear})["ear"].spl
+    midair.plot(solution.field(), ax, quantity="spl", vmax=165)
     ax.set_title(f"{solver}: {level:.0f} dB at the ear")
 figure.savefig("ear.png")

@@ -17,7 +17,7 @@ planes = midair.Plane(z=0, size=0.1), midair.Plane(axis="y", at=0, size=0.1, cen
 solution = midair.solve(scene)
 figure, axes = plt.subplots(1, 2, figsize=(10, 4.4), layout="constrained")
 for ax, plane in zip(axes, planes, strict=True):
-    midair.plot(midair.field(scene, solution, plane), ax)
+    midair.plot(solution.field(plane), ax)
 axes[0].set_title("the plane of the five foci")
 axes[1].set_title("upright: a board below, a board above")
 figure.savefig("pair.png")

@@ -25,11 +25,11 @@ loud = scene.replace(points=scene.points + np.array([0, 0, scene.wavelength / 4]
 midair.plot(midair.field(loud, solution.drive, midair.Plane(z=loud.points[0, 2], size=0.09)), axes[0])
 axes[0].set_title("a quarter wavelength higher")
 beside = midair.Plane(axis="y", at=bead[1], size=0.04, center=(bead[0], bead[2]))
-midair.plot(midair.field(scene, solution, beside), axes[1])
+midair.plot(solution.field(beside), axes[1])
 axes[1].set_title("one from the side")
 for axis, (name, style) in enumerate((("x", "-"), ("y", "--"), ("z", "-"))):
     places = bead + away[:, None] * np.eye(3)[axis]
-    force = midair.gorkov(scene, solution, places).force[:, axis]
+    force = solution.gorkov(places).force[:, axis]
     axes[2].plot(1e3 * away, 1e6 * force, style, label=f"along {name}")
 axes[2].axhline(1e6 * WEIGHT, color="grey", linestyle=":")
 axes[2].set(title="its force", ylim=(-290, 420), xlabel="away from the trap / mm", ylabel="force / µN")

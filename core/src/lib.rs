@@ -87,7 +87,7 @@ pub use propagation::{Boundary, Gorkov, Model, Particle, Propagation, field, gor
 pub use rng::Rng;
 pub use scene::{
     Aim, Array, Axis, Choice, Directivity, Doubt, Medium, Mesh, Obstacle, OptionValue, Options, Origin, Plane, Request,
-    Scene, Signature, Start, Surface, Transducer, Value, presets, spell, word,
+    Scene, Signature, Start, Surface, Transducer, Value, presets, spell, spl, word,
 };
 pub use session::{Ask, Batch, Frames, Session};
 pub use solvers::options::{Configure, OptionInfo};

@@ -56,6 +56,7 @@ from .boards import (
     connect,
     ports,
 )
+from .boards.playing import play as _play
 from .calibration import Calibration, calibrate, calibration_drives
 from .compare import Comparison, compare
 from .ear import Ear, ear
@@ -69,6 +70,17 @@ from .studio import View, view
 from .sweep import sweep
 from .tolerance import Kept, Tolerance, tolerate
 from .tuning import Tuning, tune
+
+# Methods that the toolbox adds: `solution.exposure(places)` is `midair.exposure(solution, places)`.
+for _owner, _method in (
+    (Solution, exposure),
+    (Sequence, exposure),
+    (Solution, _play),
+    (Solution, streaming),
+    (Solution, tolerate),
+):
+    setattr(_owner, _method.__name__, _method)
+del _owner, _method, _play
 
 __version__ = _version("midair")
 __all__ = [

@@ -1,6 +1,6 @@
 """The compiled core. Shapes: N transducers, M points; SI units."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, final
@@ -14,6 +14,10 @@ from ._calls import solve as solve
 from ._calls import solve_batch as solve_batch
 from ._metrics import BatchMetrics as BatchMetrics
 from ._metrics import Metrics as Metrics
+from .ear import Ear
+from .exposure import Exposure
+from .streaming import Streaming
+from .tolerance import Tolerance
 
 __all__ = [
     "Array",
@@ -38,6 +42,7 @@ __all__ = [
     "SolverInfo",
     "Sphere",
     "Wall",
+    "about",
     "bound",
     "field",
     "gorkov",
@@ -397,6 +402,55 @@ class Solution:
     def elapsed(self) -> float: ...
     def plot(self, *, quantity: Literal["pressure", "radiation", "spl", "phase"] = "pressure") -> Figure: ...
     @property
+    def spl(self) -> NDArray[np.float64]: ...
+    def field(self, plane: Plane | ArrayLike | None = None) -> Field: ...
+    def judge(
+        self, *, pressures: _Numbers = None, weights: _Numbers = None, mask: _Numbers = None
+    ) -> Metrics: ...
+    def gorkov(
+        self,
+        points: ArrayLike | None = None,
+        *,
+        radius: float | None = None,
+        density: float | None = None,
+        sound_speed: float | None = None,
+    ) -> Gorkov: ...
+    # Functions of the package, of which the solution is the first argument.
+    def exposure(
+        scene,
+        drive: Any = None,
+        places: Mapping[str, ArrayLike | Ear] | None = None,
+        *,
+        limit: str | float = "howard",
+    ) -> Exposure: ...
+    def streaming(
+        scene,
+        drive: Any = None,
+        plane: Plane | ArrayLike | None = None,
+        *,
+        absorption: float | None = None,
+    ) -> Streaming: ...
+    def tolerate(
+        scene,
+        solver: str | Callable[..., Any] | None = None,
+        *,
+        drive: ArrayLike | Solution | None = None,
+        phase: float = 0,
+        gain: float = 0,
+        dead: float = 0,
+        reversed: float = 0,
+        temperature: float = 0,
+        tilt: float = 0,
+        position: float = 0,
+        trials: int = 200,
+        seed: int = 0,
+        threads: int | None = None,
+        scheduler: str | None = None,
+        progress: Callable[[int, int], object] | None = None,
+        **options: Any,
+    ) -> Tolerance: ...
+    def play(solution, address: str, *, seconds: float | None = None, **options: Any) -> None: ...
+    @property
     def trace(self) -> NDArray[np.float64] | None: ...
     @property
     def scene(self) -> Scene | None: ...
@@ -504,10 +558,17 @@ class Batch:
 def bound(
     scene: Scene | Propagation, *, pressures: _Numbers = None, weights: _Numbers = None, mask: _Numbers = None
 ) -> float: ...
-def field(scene: Scene, drive: ArrayLike | Solution, plane: Plane | ArrayLike | None = None) -> Field: ...
+def about(
+    scene: Scene | Solution, drive: Any = None, place: Any = None
+) -> tuple[Scene, ArrayLike | Solution, Any]: ...
+def field(
+    scene: Scene | Solution,
+    drive: ArrayLike | Solution | Plane | None = None,
+    plane: Plane | ArrayLike | None = None,
+) -> Field: ...
 def judge(
-    scene: Scene | Propagation,
-    drive: ArrayLike | Solution,
+    scene: Scene | Propagation | Solution,
+    drive: ArrayLike | Solution | None = None,
     *,
     pressures: _Numbers = None,
     weights: _Numbers = None,
@@ -537,8 +598,8 @@ def read_table(
 def scene_files(path: str | PathLike[str], text: bytes | None = None) -> list[Path]: ...
 def solver_name(name: str) -> str: ...
 def gorkov(
-    scene: Scene,
-    drive: ArrayLike | Solution,
+    scene: Scene | Solution,
+    drive: ArrayLike | Solution | None = None,
     points: ArrayLike | None = None,
     *,
     radius: float | None = None,

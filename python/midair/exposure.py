@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import columns
-from ._midair import Scene, SceneError, Solution, field
+from ._midair import Scene, SceneError, Solution, about, field
 from .ear import REFERENCE, Ear
 from .limits import Limit, limit_of
 from .loudest import Points, loudest
@@ -110,14 +110,16 @@ class Exposure:
 
 
 def exposure(
-    scene: Scene,
-    drive: ArrayLike | Solution | Sequence,
-    places: Mapping[str, ArrayLike | Ear],
+    scene: Scene | Solution | Sequence,
+    drive: Any = None,
+    places: Mapping[str, ArrayLike | Ear] | None = None,
     *,
     limit: str | float = "howard",
 ) -> Exposure:
     """Sound pressure levels at named places, beside a limit and its source.
 
+    scene : a Scene; or a Solution or a Sequence, which stands for its scene and its drive: then `places`
+        comes second, or `solution.exposure(places)`
     drive : (N,), a Solution, or a Sequence of the scene's array, of which each place gets its loudest frame,
         at rest
     places : by name a position (3,) in m, a box as two corners (2, 3), or a `midair.Ear`, which is its box;
@@ -128,16 +130,18 @@ def exposure(
     searched about its loudest samples. The air is free: a head or a wall, which reflects, adds up to 6 dB. A
     limit is what its source says about levels; what a person bears is nothing that this can tell.
 
-    Raises SceneError for places, a limit or a drive that are not in order, TypeError where scene is no Scene.
+    Raises SceneError for places, a limit or a drive that are not in order, TypeError where scene is neither.
 
     >>> import midair
     >>> scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]])
-    >>> found = midair.exposure(scene, midair.solve(scene), {"left ear": [0, 0, 0.6]})
+    >>> found = midair.exposure(midair.solve(scene), {"left ear": [0, 0, 0.6]})
     >>> found.above
     ('left ear',)
     """
-    if not isinstance(scene, Scene):
-        raise TypeError(f"expected a midair.Scene first, not {type(scene).__qualname__}")
+    if isinstance(scene, Sequence):
+        scene, drive, places = scene.scene(0), scene, drive if places is None else places
+    else:
+        scene, drive, places = about(scene, drive, places)
     named = limit_of(scene, limit)
     boxes = _boxes(places)
     blocks = _of_frames(scene, drive) if isinstance(drive, Sequence) else _of_one(scene, drive)

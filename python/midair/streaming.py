@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._midair import Field, Plane, Scene, SceneError, Solution, field
+from ._midair import Field, Plane, Scene, SceneError, Solution, about, field
 from .shape.arguments import number
 
 if TYPE_CHECKING:
@@ -47,14 +47,16 @@ class Streaming:
 
 
 def streaming(
-    scene: Scene,
-    drive: ArrayLike | Solution,
+    scene: Scene | Solution,
+    drive: Any = None,
     plane: Plane | ArrayLike | None = None,
     *,
     absorption: float | None = None,
 ) -> Streaming:
     """The force per volume F = alpha |p|^2/(rho c^2) that a wave leaves in the air that absorbs it.
 
+    scene : a Scene; or a Solution, which stands for its scene and its drive: then `plane` comes second, or
+        `solution.streaming(plane)`
     drive : (N,), or a Solution
     plane : a midair.Plane, or points (P, 3) in m; left out, the scene's own, or one through its points
     absorption : alpha in Np/m; left out, the scene's, or 0.15 (air at 40 kHz, 1.3 dB/m) where it has none
@@ -63,7 +65,7 @@ def streaming(
     angles. Its direction is that of the active intensity Im(conj(p) grad p), by central differences over
     lambda/25. Forces compare drives; how fast air then flows is not told here.
 
-    Raises SceneError for a drive or points of another shape, TypeError where scene is no Scene.
+    Raises SceneError for a drive or points of another shape, TypeError where scene is neither.
 
     >>> import midair
     >>> scene = midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]], source_pressure=4.386)
@@ -71,8 +73,7 @@ def streaming(
     >>> bool(force.direction[0, 2] > 0.99)
     True
     """
-    if not isinstance(scene, Scene):
-        raise TypeError(f"expected a midair.Scene first, not {type(scene).__qualname__}")
+    scene, drive, plane = about(scene, drive, plane)
     alpha = _absorption(scene, absorption)
     found = field(scene, drive, plane)
     pressure = found.pressure.astype(np.complex128)

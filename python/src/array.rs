@@ -260,7 +260,13 @@ impl Array {
 
     fn __repr__(&self) -> String {
         let (name, _) = self.inner.transducer().directivity.name();
-        format!("<midair.Array of {} transducers, {} Pa m, {name}>", self.inner.len(), self.source_pressure())
+        let origin = match self.inner.origin() {
+            midair::Origin::Preset { name, tiles: [1, 1] } => format!(" \"{name}\""),
+            midair::Origin::Preset { name, tiles: [x, y] } => format!(" \"{name}\", {x} x {y} boards,"),
+            _ => String::new(),
+        };
+        let (count, pressure) = (self.inner.len(), self.source_pressure());
+        format!("<midair.Array{origin} of {count} transducers, {pressure} Pa m, {name}>")
     }
 }
 

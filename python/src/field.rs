@@ -14,9 +14,7 @@ use crate::pickle::{Reduced, restored};
 use crate::plane::{self, Plane};
 use crate::read;
 use crate::scene::Scene;
-use crate::solution::{Solution, played};
-
-type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+use crate::solution::{Solution, about, played};
 
 /// The field of a drive on a plane or at points.
 #[pyclass(frozen, eq, module = "midair")]
@@ -202,24 +200,27 @@ impl Field {
 /// Inside an obstacle it is 0. Left out, the plane is the scene's own, else one through its points: normal to z, y or x, and
 /// several where they do not lie in one (`panels`).
 ///
-/// Raises SceneError for a drive or points of another shape or not finite, TypeError where scene is no Scene, MemoryError
+/// A Solution alone stands for its scene and its drive: `midair.field(solution, plane)`, or `solution.field(plane)`.
+///
+/// Raises SceneError for a drive or points of another shape or not finite, TypeError where scene is neither, MemoryError
 /// for more than MIDAIR_MEMORY allows. Warns, by a SceneWarning, of a plane asked for that no point lies in.
 #[pyfunction]
-#[pyo3(signature = (scene, drive, plane=None))]
-pub(crate) fn field(
-    py: Python<'_>,
-    scene: &Bound<'_, Scene>,
-    drive: &Bound<'_, PyAny>,
-    plane: Argument<'_, '_>,
+#[pyo3(signature = (scene, drive=None, plane=None))]
+pub(crate) fn field<'py>(
+    py: Python<'py>,
+    scene: &Bound<'py, PyAny>,
+    drive: Option<Bound<'py, PyAny>>,
+    plane: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Field> {
+    let (scene, drive, plane) = about(scene, drive, plane)?;
     let solution = drive.cast::<Solution>().ok().map(|solution| solution.clone().unbind());
-    let drive = played(drive)?;
+    let drive = played(&drive)?;
     let (inner, model) = (&scene.get().inner, scene.get().model());
     let places: Vec<Places> = match plane {
         None => inner.picture_planes().into_iter().map(Places::Plane).collect(),
         Some(plane) => match plane.cast::<Plane>() {
             Ok(plane) => vec![Places::Plane(plane.get().inner)],
-            Err(_) => vec![Places::Points(read::vectors("field points", plane)?.into())],
+            Err(_) => vec![Places::Points(read::vectors("field points", &plane)?.into())],
         },
     };
     if let Some(Places::Plane(plane)) = places.first()
@@ -242,4 +243,15 @@ pub(crate) fn field(
     })?;
     let picture = others.remove(0);
     Ok(Field { scene: scene.get().clone(), solution, picture, others })
+}
+
+#[pymethods]
+impl Solution {
+    /// Its field on a midair.Plane or at points (P, 3) in m: `midair.field` of its scene and drive, scale counted in.
+    ///
+    /// Raises SceneError for points that are not in order, and where it has no scene.
+    #[pyo3(signature = (plane=None))]
+    fn field<'py>(slf: &Bound<'py, Self>, plane: Option<Bound<'py, PyAny>>) -> PyResult<Field> {
+        field(slf.py(), slf, None, plane)
+    }
 }

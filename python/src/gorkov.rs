@@ -10,8 +10,7 @@ use crate::give::{self, rows};
 use crate::limits;
 use crate::pickle::{Reduced, restored};
 use crate::read;
-use crate::scene::Scene;
-use crate::solution::played;
+use crate::solution::{Solution, about, played};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
@@ -73,6 +72,8 @@ impl Gorkov {
 /// Gor'kov potential, force and stiffness of a small sphere in the field of a drive (N,), or of a Solution with its scale
 /// counted in, at points (P, 3) in m; left out they are the scene's.
 ///
+/// A Solution alone stands for its scene and its drive: `midair.gorkov(solution, points)`, or `solution.gorkov(points)`.
+///
 /// radius in m, density in kg/m^3 and sound_speed in m/s are the sphere's; left out it is a bead of expanded polystyrene,
 /// 1e-3, 29 (Marzo et al., Nature Communications 6, 8661, 2015) and 900. The field is the real one, without the scene's
 /// signature, in its air. U = V [f1 <p^2>/(2 rho c^2) - 3/4 f2 rho <v^2>] after Bruus, Lab on a Chip 12, 1014 (2012), which
@@ -88,19 +89,20 @@ impl Gorkov {
 /// >>> bool((trap.stiffness > 0).all())
 /// True
 #[pyfunction]
-#[pyo3(signature = (scene, drive, points=None, *, radius=None, density=None, sound_speed=None))]
-pub(crate) fn gorkov(
-    py: Python<'_>,
-    scene: &Bound<'_, Scene>,
-    drive: &Bound<'_, PyAny>,
-    points: Argument<'_, '_>,
+#[pyo3(signature = (scene, drive=None, points=None, *, radius=None, density=None, sound_speed=None))]
+pub(crate) fn gorkov<'py>(
+    py: Python<'py>,
+    scene: &Bound<'py, PyAny>,
+    drive: Option<Bound<'py, PyAny>>,
+    points: Option<Bound<'py, PyAny>>,
     radius: Argument<'_, '_>,
     density: Argument<'_, '_>,
     sound_speed: Argument<'_, '_>,
 ) -> PyResult<Gorkov> {
+    let (scene, drive, points) = about(scene, drive, points)?;
     let (inner, model) = (&scene.get().inner, scene.get().model());
-    let drive = played(drive)?;
-    let points = points.map(|points| read::vectors("points", points)).transpose()?;
+    let drive = played(&drive)?;
+    let points = points.map(|points| read::vectors("points", &points)).transpose()?;
     let points = points.as_deref().unwrap_or(inner.points());
     let default = Particle::default();
     let particle = Particle {
@@ -113,4 +115,21 @@ pub(crate) fn gorkov(
     warn_all(py, particle.remark(inner.medium()))?;
     let midair::Gorkov { potential, force, hessian, .. } = felt;
     Ok(Gorkov { potential, force, hessian })
+}
+
+#[pymethods]
+impl Solution {
+    /// Potential, force and stiffness of a small sphere in its field: `midair.gorkov` of its scene and drive.
+    ///
+    /// Raises SceneError as `midair.gorkov`, and where it has no scene.
+    #[pyo3(signature = (points=None, *, radius=None, density=None, sound_speed=None))]
+    fn gorkov<'py>(
+        slf: &Bound<'py, Self>,
+        points: Option<Bound<'py, PyAny>>,
+        radius: Argument<'_, 'py>,
+        density: Argument<'_, 'py>,
+        sound_speed: Argument<'_, 'py>,
+    ) -> PyResult<Gorkov> {
+        gorkov(slf.py(), slf, None, points, radius, density, sound_speed)
+    }
 }

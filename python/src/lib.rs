@@ -87,7 +87,7 @@ mod _midair {
     #[pymodule_export]
     use super::scene::Scene;
     #[pymodule_export]
-    use super::solution::Solution;
+    use super::solution::{Solution, about};
     #[pymodule_export]
     use super::solve::solve;
     #[pymodule_export]

@@ -6,11 +6,12 @@ use std::sync::Arc;
 use midair::files::{self, Format, Provenance};
 use midair::{Complex32, Status};
 use numpy::PyArray1;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::ctrl_c::attend;
-use crate::error::refused;
+use crate::error::{invalid, refused};
 use crate::give::{self, rows};
 use crate::metrics::Metrics;
 use crate::pickle::{Reduced, part, part_or_none, restored};
@@ -120,6 +121,13 @@ impl Solution {
         give::list(py, self.inner.targets().to_vec())
     }
 
+    /// Sound pressure levels (M,) in dB at the points: 20 log10(|p| / sqrt(2) / 20 uPa); -inf where there is silence.
+    #[getter]
+    fn spl<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let level = |p: &Complex32| midair::spl(f64::from(p.re).hypot(f64::from(p.im)));
+        give::list(py, self.inner.pressures.iter().map(level).collect())
+    }
+
     /// How good it is.
     #[getter]
     fn metrics(&self) -> Metrics {
@@ -166,7 +174,7 @@ impl Solution {
 
     /// The scene that it answers, or None for a matrix of one's own.
     #[getter]
-    fn scene(&self) -> PyResult<Option<Scene>> {
+    pub(crate) fn scene(&self) -> PyResult<Option<Scene>> {
         match &self.scene {
             Some(scene) => Ok(Some(scene.clone())),
             None => self.inner.scene().map(Scene::of).transpose(),
@@ -272,6 +280,35 @@ impl Solution {
         let supply = if scale < 1.0 { format!(", drives to be scaled by {scale:.4}") } else { String::new() };
         format!("<midair.Solution by {name}: {status}, accuracy {accuracy:.4}, sigma {sigma:.4}{supply}>")
     }
+}
+
+/// A scene, a drive and where, of a function's first arguments: `(scene, drive, place)`, or `(solution, place)`.
+pub(crate) type About<'py> = (Bound<'py, Scene>, Bound<'py, PyAny>, Option<Bound<'py, PyAny>>);
+
+/// What a function of a scene and a drive is about: both as given, or those of a Solution alone.
+#[pyfunction]
+#[pyo3(signature = (scene, drive=None, place=None))]
+pub(crate) fn about<'py>(
+    scene: &Bound<'py, PyAny>,
+    drive: Option<Bound<'py, PyAny>>,
+    place: Option<Bound<'py, PyAny>>,
+) -> PyResult<About<'py>> {
+    if let Ok(solution) = scene.cast::<Solution>() {
+        let Some(own) = solution.get().scene()? else {
+            let cure = "it answers a matrix of its own, which has no air: multiply that matrix with solution.drive";
+            return Err(invalid("solution.scene", "None", cure));
+        };
+        if drive.is_some() && place.is_some() {
+            return Err(PyTypeError::new_err("drive is given, but the Solution has its own: leave it out"));
+        }
+        return Ok((Bound::new(scene.py(), own)?, scene.clone(), drive.or(place)));
+    }
+    let Ok(scene) = scene.cast::<Scene>() else {
+        let kind = scene.get_type().qualname()?;
+        return Err(PyTypeError::new_err(format!("expected a midair.Scene or a midair.Solution first, not {kind}")));
+    };
+    let drive = drive.ok_or_else(|| invalid("drive", "None", "give one (N,), or a Solution alone"))?;
+    Ok((scene.clone(), drive, place))
 }
 
 /// What transducers play: a drive (N,) as it is, or a Solution's with its scale counted in.

@@ -102,3 +102,14 @@ impl Medium {
         Ok(())
     }
 }
+
+/// The sound pressure level in dB of a peak pressure in Pa: 20 log10(|p| / sqrt(2) / 20 uPa).
+///
+/// ```
+/// assert!((midair::spl(2e-5 * 2f64.sqrt()) - 0.0).abs() < 1e-12);
+/// assert!((midair::spl(2000.0) - 157.0).abs() < 0.1);
+/// ```
+#[must_use]
+pub fn spl(pressure: f64) -> f64 {
+    20.0 * math::log10(pressure.abs() / core::f64::consts::SQRT_2 / 20e-6)
+}

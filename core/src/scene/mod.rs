@@ -28,7 +28,7 @@ pub(crate) use array::{UNITS, check_positions};
 pub use choice::Choice;
 pub(crate) use extent::{check_array, check_places};
 pub(crate) use geometry::distance;
-pub use medium::Medium;
+pub use medium::{Medium, spl};
 pub use mesh::Mesh;
 pub use obstacle::Obstacle;
 pub(crate) use obstacle::{Obstacles, element_size};

@@ -34,6 +34,7 @@ from .. import (
 )
 from ..boards.address import DEFAULT, can_modulate, parse
 from ..boards.connection import APART
+from ..boards.playing import LOOK, keep
 from ..ear import REFERENCE
 from ..motion import document
 from ..shape.arguments import number
@@ -49,12 +50,6 @@ FIXED = {
     "sonicsurface": ("sonicsurface", "sonicsurface_pair"),
     "openmpd": ("openmpd_board", "openmpd_pair"),
 }
-
-#: A drive that stays is sent anew every so many seconds, well before the hold runs out.
-AGAIN = 10.0
-
-#: Seconds between two looks at what the board does.
-LOOK = 0.1
 
 
 def play_command(
@@ -95,7 +90,7 @@ def play_command(
         if isinstance(thing, Sequence):
             connection.stream(_frames(thing, seconds, show), rate=thing.rate)
         else:
-            _hold(connection, thing, seconds, show)
+            keep(connection, thing, seconds, show)
         # A board that is gone is told, not said to be off.
         connection.off()
     return 0
@@ -155,21 +150,6 @@ def _board(name: str, array: Array) -> Board:
         order = "its transducers are taken to be in that board's order"
         warnings.warn(f"the array stands otherwise than {board.name}: {order}", SceneWarning, stacklevel=2)
     return board
-
-
-def _hold(
-    connection: Connection, solution: Solution, seconds: float | None, show: Callable[[], None]
-) -> None:
-    """Play one drive."""
-    begin = time.monotonic()
-    for k in count():
-        if k % round(AGAIN / LOOK) == 0:
-            connection.send(solution)
-        left = math.inf if seconds is None else begin + seconds - time.monotonic()
-        if left <= 0:
-            return
-        time.sleep(min(LOOK, left))
-        show()
 
 
 def _frames(

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._midair import Scene, SceneError, Solution, judge, solve
+from .._midair import Scene, SceneError, Solution, about, judge, solve
 from ..shape.arguments import callback, refused, whole
 from ..sweep.engine import Arrays, Job, Settings, Stopped, go_on, run
 from .faults import faulty, sizes
@@ -27,7 +27,7 @@ class _Halted(Exception):
 
 
 def tolerate(
-    scene: Scene,
+    scene: Scene | Solution,
     solver: str | Callable[..., Any] | None = None,
     *,
     drive: ArrayLike | Solution | None = None,
@@ -47,6 +47,7 @@ def tolerate(
 ) -> Tolerance:
     """Level and uniformity that are kept when a scene's drive is played with faults it was not solved for.
 
+    scene : a Scene; or a Solution, which is played as it is: `solution.tolerate(phase=20)`
     solver, options : as `midair.solve` takes them; the scene is solved once
     drive : (N,) or a Solution, played as it is and not solved; targets are the scene's, as in `midair.judge`
     phase : error of each transducer, standard deviation in degrees
@@ -67,7 +68,7 @@ def tolerate(
     ones 1 - d, reversed ones 1 - 2 d.
 
     Raises SceneError for faults out of their range, none at all, and what `midair.solve` refuses; TypeError
-    where scene is no Scene.
+    where scene is neither.
 
     >>> import midair
     >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
@@ -104,7 +105,7 @@ class Trials:
 
     def __init__(
         self,
-        scene: Scene,
+        scene: Scene | Solution,
         solver: str | Callable[..., Any] | None,
         *,
         drive: ArrayLike | Solution | None = None,
@@ -113,8 +114,12 @@ class Trials:
         seed: int,
         options: dict[str, Any],
     ) -> None:
-        if not isinstance(scene, Scene):
-            raise TypeError(f"expected a midair.Scene first, not {type(scene).__qualname__}")
+        if isinstance(scene, Solution):
+            scene, drive, _ = about(scene, drive)
+        elif not isinstance(scene, Scene):
+            raise TypeError(
+                f"expected a midair.Scene or a midair.Solution first, not {type(scene).__qualname__}"
+            )
         self._faults = sizes(**faults)
         self._trials = whole("trials", trials, least=1)
         if self._trials > MOST_TRIALS:
