@@ -1,6 +1,7 @@
 """Settings of the test run: one BLAS thread, and a limit of CPU time for tests that are not marked slow."""
 
 import os
+import sys
 from collections.abc import Iterator
 
 import pytest
@@ -13,6 +14,14 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 LIMIT = 1.0
 
 OVER: list[str] = []
+
+
+@pytest.fixture(autouse=True)
+def no_figure_stays() -> Iterator[None]:
+    """Closes each test's figures: `midair.plot` draws into the open one, so the next test would draw over it."""
+    yield
+    if pyplot := sys.modules.get("matplotlib.pyplot"):
+        pyplot.close("all")
 
 
 def quick(config: pytest.Config) -> bool:

@@ -14,10 +14,8 @@ BOARD = {"phases": 32, "amplitudes": [0, 1]}
 
 
 @pytest.fixture(autouse=True)
-def figures_are_closed():
+def no_window():
     plt.switch_backend("agg")
-    yield
-    plt.close("all")
 
 
 def flat(**scene) -> midair.Scene:
