@@ -18,7 +18,7 @@ OVER: list[str] = []
 
 @pytest.fixture(autouse=True)
 def no_figure_stays() -> Iterator[None]:
-    """Closes each test's figures: `midair.plot` draws into the open one, so the next test would draw over it."""
+    """Closes each test's figures: `midair.plot` draws into the open one, if there is any."""
     yield
     if pyplot := sys.modules.get("matplotlib.pyplot"):
         pyplot.close("all")
