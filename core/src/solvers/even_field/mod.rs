@@ -149,9 +149,13 @@ fn raise<'w>(
             search.race(run, foci, plan.for_crowded())?;
         }
     }
+    let Some(nearest) = nearest else { return Ok(None) };
     // No even field was found, or one that is weaker.
-    let fails = wanted && !run.stopped && (!search.even || near && !search.reaches(target));
-    Ok(nearest.filter(|_| fails).map(|nearest| nearest.drive))
+    if wanted && !run.stopped && (!search.even || near && !search.reaches(target)) {
+        return Ok(Some(nearest.drive));
+    }
+    run.work.complexes.give(nearest.drive);
+    Ok(None)
 }
 
 /// Makes the field even at the target: with many points it may lie above the level where free steps end, and still be in
