@@ -8,7 +8,9 @@ use std::ptr::{null, null_mut};
 use std::time::Instant;
 
 use libloading::{Library, Symbol};
-use midair::{Array, Ask, Complex32, Control, InstructionSet, Medium, Model, Options, Request, Session, solvers};
+use midair::{
+    Array, Complex32, Control, InstructionSet, Medium, Model, Options, Request, Session, SolveRequest, solvers,
+};
 
 const N: usize = 400;
 const M: usize = 4;
@@ -70,7 +72,10 @@ fn main() {
         Model::new(&Array::preset("paper20", [1, 1]).expect("an array"), Medium::default(), InstructionSet::best());
     let fast = solvers::find("fast").and_then(|entry| entry.configure(&Options::new())).expect("a method");
     let mut own = Session::new(model.expect("a model"), fast.solver, fast.info.balance);
-    let mut ask = Ask { request: Request { pressures: Some(vec![0.0; M]), ..Request::default() }, ..Ask::default() };
+    let mut ask = SolveRequest {
+        request: Request { pressures: Some(vec![0.0; M]), ..Request::default() },
+        ..SolveRequest::default()
+    };
     let mut rust = |call: usize, drive: &mut [Complex32]| {
         let (points, pressures) = request(call);
         ask.points.clear();

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use midair::files::{Format, Source, read_from};
-use midair::{Ask, Control, Error, Model, Problem, Request};
+use midair::{Control, Error, Model, Problem, Request, SolveRequest};
 
 use crate::array::Array;
 use crate::memory::{Complex, drive as read_drive, give, handle, list, list_or_none, room, text, vectors, write};
@@ -23,9 +23,9 @@ struct State {
     doubts: Vec<String>,
     model: Model,
     session: midair::Session,
-    ask: Ask,
+    ask: SolveRequest,
     /// The request of the scene that it was opened from.
-    own: Option<Ask>,
+    own: Option<SolveRequest>,
 }
 
 /// How a solve ended.
@@ -97,7 +97,7 @@ impl State {
         let doubts = setting.doubts();
         let news: Vec<&str> = doubts.iter().filter(|doubt| !told.contains(doubt)).map(String::as_str).collect();
         let news = news.join("\n");
-        let ask = Ask { aim: setting.aim(), ..Ask::default() };
+        let ask = SolveRequest { aim: setting.aim(), ..SolveRequest::default() };
         Ok((Self { setting, doubts, model, session, ask, own: None }, news))
     }
 
@@ -200,7 +200,7 @@ pub unsafe extern "C" fn midair_session_open(
                 let scene = read_from(scene.as_bytes(), Format::of_text(scene.as_bytes()), source)?;
                 let (mut state, said) = State::open(Setting::of_scene(&scene)?, &[])?;
                 news = said;
-                state.own = Some(Ask::of_scene(&scene));
+                state.own = Some(SolveRequest::of_scene(&scene));
                 Ok(Session(Mutex::new(state)))
             });
             give("session", session, made)

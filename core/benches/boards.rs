@@ -8,8 +8,8 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use midair::{
-    Array, Ask, Complex32, Control, Directivity, InstructionSet, Medium, Metrics, Model, Options, Quantization, Rng,
-    Session, Threads, Transducer, Value, solvers,
+    Array, Complex32, Control, Directivity, InstructionSet, Medium, Metrics, Model, Options, Quantization, Rng,
+    Session, SolveRequest, Threads, Transducer, Value, solvers,
 };
 
 /// A measurement takes at least this long, by solving again.
@@ -75,15 +75,15 @@ impl Method {
 }
 
 /// Scenes of so many points in a square of 100 mm at 200 mm, as loud as the array can.
-fn scenes(count: usize, points: usize) -> Vec<Ask> {
+fn scenes(count: usize, points: usize) -> Vec<SolveRequest> {
     let mut rng = Rng::new(points as u64);
     let mut coordinate = || 0.1 * rng.uniform() - 0.05;
     let mut scene = || (0..points).map(|_| [coordinate(), coordinate(), 0.2]).collect();
-    (0..count).map(|_| Ask { points: scene(), ..Ask::default() }).collect()
+    (0..count).map(|_| SolveRequest { points: scene(), ..SolveRequest::default() }).collect()
 }
 
 /// A session's answer to the first scene, on the grid of its array.
-fn checked(session: &mut Session, array: &Array, ask: &Ask) -> Metrics {
+fn checked(session: &mut Session, array: &Array, ask: &SolveRequest) -> Metrics {
     let solution = session.solve(ask, &mut Control::none()).expect("an answer");
     if let Some(quantization) = array.quantization() {
         assert!(solution.drive.iter().all(|&q| quantization.nearest(q) == q), "not on the grid");
@@ -114,7 +114,7 @@ fn calls(arrays: &[Array], method: &Method, points: usize, rounds: usize) -> Vec
 /// Times of one problem of a batch on each array, likewise.
 fn batches(arrays: &[Array], method: &Method, (count, points): (usize, usize), rounds: usize) -> Vec<f64> {
     let scenes = scenes(count, points);
-    let ask = |k: usize, ask: &mut Ask| {
+    let ask = |k: usize, ask: &mut SolveRequest| {
         ask.points.clone_from(&scenes[k].points);
         Ok(())
     };

@@ -6,7 +6,7 @@
 
 use std::time::Instant;
 
-use midair::{Array, Ask, Control, InstructionSet, Medium, Model, Options, Request, Rng, Session, solvers};
+use midair::{Array, Control, InstructionSet, Medium, Model, Options, Request, Rng, Session, SolveRequest, solvers};
 
 /// Nanoseconds of each of `calls` solves.
 fn measured(tiles: [usize; 2], points: usize, name: &str, calls: usize) -> Vec<u64> {
@@ -17,7 +17,7 @@ fn measured(tiles: [usize; 2], points: usize, name: &str, calls: usize) -> Vec<u
     let request = Request { pressures: Some(vec![500.0; points]), ..Request::default() };
     let mut rng = Rng::new(points as u64);
     let points = (0..points).map(|_| [0.1 * rng.uniform() - 0.05, 0.1 * rng.uniform() - 0.05, 0.15]).collect();
-    let mut ask = Ask { points, request, ..Ask::default() };
+    let mut ask = SolveRequest { points, request, ..SolveRequest::default() };
     let mut times = Vec::with_capacity(calls);
     for call in 0..calls + 100 {
         for point in &mut ask.points {

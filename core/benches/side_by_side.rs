@@ -11,8 +11,8 @@ use std::time::{Duration, Instant};
 
 use midair::solvers;
 use midair::{
-    Array, Ask, Complex32, Complex64, Control, InstructionSet, Medium, Metrics, Model, Options, Plane, Problem,
-    Propagation, Request, Rng, Scene, Session, Setup, Value, Workspace,
+    Array, Complex32, Complex64, Control, InstructionSet, Medium, Metrics, Model, Options, Plane, Problem, Propagation,
+    Request, Rng, Scene, Session, Setup, SolveRequest, Value, Workspace,
 };
 
 /// Algorithm 2, by the book.
@@ -189,7 +189,7 @@ fn batch(array: &Array, name: &str, points: usize, count: usize, rounds: usize) 
             solution.recycle(&work);
         }
     };
-    let ask = |k: usize, ask: &mut Ask| {
+    let ask = |k: usize, ask: &mut SolveRequest| {
         ask.points.clone_from(&places[k]);
         Ok(())
     };

@@ -89,7 +89,7 @@ pub use scene::{
     Aim, Array, Axis, Choice, Directivity, Doubt, Medium, Mesh, Obstacle, OptionValue, Options, Origin, Plane, Request,
     Scene, Signature, Start, Surface, Transducer, Value, presets, spell, spl, word,
 };
-pub use session::{Ask, Batch, Frames, Session};
+pub use session::{Batch, Frames, Session, SolveRequest};
 pub use solvers::options::{Configure, OptionInfo};
 pub use solvers::{Solve, solve::solve};
 pub use threads::Threads;

@@ -5,8 +5,8 @@ use std::cell::Cell;
 use std::sync::Arc;
 
 use midair::{
-    Array, Ask, Complex32, Control, InstructionSet, Medium, Model, Problem, Quantization, Request, Rng, Scene, Session,
-    Solve, Start, Workspace, solvers,
+    Array, Complex32, Control, InstructionSet, Medium, Model, Problem, Quantization, Request, Rng, Scene, Session,
+    Solve, SolveRequest, Start, Workspace, solvers,
 };
 
 struct Counting;
@@ -97,7 +97,7 @@ fn a_session_allocates_nothing_from_its_second_call_on() {
         let solver = entry.configure(&midair::Options::new()).expect("defaults").solver;
         let mut session = Session::new(model, solver, entry.info.balance);
         let request = Request { pressures: Some(vec![0.0; 11]), ..Request::default() };
-        let mut ask = Ask { request, ..Ask::default() };
+        let mut ask = SolveRequest { request, ..SolveRequest::default() };
         for call in 0..4 {
             let points: [[f64; 3]; 11] = std::array::from_fn(|_| [0.1 * rng.uniform(), 0.1 * rng.uniform(), 0.15]);
             ask.points.clear();
@@ -121,7 +121,7 @@ fn a_batch_allocates_nothing_for_a_further_problem() {
     let array = Array::grid(9, 7, 10e-3).expect("a grid");
     let model = Model::new(&array, Medium::default(), InstructionSet::best()).expect("an array");
     for (entry, points) in solvers::SOLVERS.iter().flat_map(|entry| [(entry, 5), (entry, 17)]) {
-        let ask = |k: usize, ask: &mut Ask| {
+        let ask = |k: usize, ask: &mut SolveRequest| {
             let mut rng = Rng::new(k as u64);
             ask.points.clear();
             ask.points.extend((0..points).map(|_| [0.1 * rng.uniform(), 0.1 * rng.uniform(), 0.15]));

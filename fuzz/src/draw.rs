@@ -168,7 +168,11 @@ impl<'a> Draw<'a> {
         // Every other point may be quiet.
         let value = |draw: &mut Self| if draw.whole(0, 5) == 5 { 0.0 } else { draw.real(scale).abs() };
         let pressures = self.maybe(|draw| draw.list(count, value));
-        Request { pressures, weights: self.maybe(|draw| draw.list(count, |draw| draw.real(1.0).abs())), ..Request::default() }
+        Request {
+            pressures,
+            weights: self.maybe(|draw| draw.list(count, |draw| draw.real(1.0).abs())),
+            ..Request::default()
+        }
     }
 
     /// Where an iterative method begins.

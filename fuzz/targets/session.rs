@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use libfuzzer_sys::fuzz_target;
 use midair::{
-    Ask, Complex32, Control, Error, InstructionSet, Model, Problem, Session, Setup, Solution, Solve, Workspace,
+    Complex32, Control, Error, InstructionSet, Model, Problem, Session, Setup, Solution, Solve, SolveRequest, Workspace,
 };
 use midair_fuzz::{Allowed, Draw, one_line};
 
@@ -20,7 +20,7 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
     let transducers = model.array().len();
     let configured = draw.solver(model.array().quantization(), transducers)?;
     let (solver, balance): (Solver, bool) = (configured.solver.into(), draw.flag());
-    let asks: Vec<Ask> = (0..6).map_while(|_| draw.more().then(|| ask(draw, transducers))).collect();
+    let asks: Vec<SolveRequest> = (0..6).map_while(|_| draw.more().then(|| ask(draw, transducers))).collect();
     let mut session = Session::new(model.clone(), Arc::clone(&solver), balance);
     for ask in &asks {
         let lone = alone(&model, ask, &*solver, balance);
@@ -36,17 +36,17 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
         }
     }
     if let Some(size) = asks.first().map(|ask| ask.points.len()) {
-        let asks: Vec<Ask> = asks.into_iter().filter(|ask| ask.points.len() == size).collect();
+        let asks: Vec<SolveRequest> = asks.into_iter().filter(|ask| ask.points.len() == size).collect();
         batch(&model, &asks, &solver, balance);
     }
     Ok(())
 }
 
 /// Requests of one size, a few times over, so that they fill lanes and part of them.
-fn batch(model: &Model, asks: &[Ask], solver: &Solver, balance: bool) {
+fn batch(model: &Model, asks: &[SolveRequest], solver: &Solver, balance: bool) {
     let (count, size, transducers) = (asks.len() * 7, asks[0].points.len(), model.array().len());
     let mut drives = vec![Complex32::ZERO; count * transducers];
-    let read = |k: usize, ask: &mut Ask| {
+    let read = |k: usize, ask: &mut SolveRequest| {
         ask.clone_from(&asks[k % asks.len()]);
         Ok(())
     };
@@ -74,15 +74,15 @@ fn batch(model: &Model, asks: &[Ask], solver: &Solver, balance: bool) {
     }
 }
 
-fn ask(draw: &mut Draw, transducers: usize) -> Ask {
+fn ask(draw: &mut Draw, transducers: usize) -> SolveRequest {
     let points = draw.points(20);
     let request = draw.request(points.len());
     let start = draw.maybe(|draw| draw.start(transducers, points.len()));
-    Ask { points, request, start, aim: draw.maybe(Draw::aim) }
+    SolveRequest { points, request, start, aim: draw.maybe(Draw::aim) }
 }
 
 /// The same request with memory of its own.
-fn alone(model: &Model, ask: &Ask, solver: &dyn Solve, balance: bool) -> Result<(Problem, Solution), Error> {
+fn alone(model: &Model, ask: &SolveRequest, solver: &dyn Solve, balance: bool) -> Result<(Problem, Solution), Error> {
     let setup = Setup::of(model.array(), model.medium());
     let mut problem = Problem::with_propagation(model.propagation(&ask.points)?, setup, &ask.request)?;
     if let Some(start) = &ask.start {

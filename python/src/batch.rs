@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use midair::solvers::Info;
-use midair::{Ask, Choice, Complex32, Control, Request, Start, Status, Threads};
+use midair::{Choice, Complex32, Control, Request, SolveRequest, Start, Status, Threads};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyIndexError, PyOverflowError};
 use pyo3::prelude::*;
@@ -31,13 +31,13 @@ pub(crate) struct Batch {
     inner: midair::Batch,
     points: usize,
     elapsed: f64,
-    asked: Asked,
+    request: BatchRequest,
     info: &'static Info,
 }
 
-/// What was asked, one problem after the other.
+/// What was request, one problem after the other.
 #[derive(PartialEq)]
-struct Asked {
+struct BatchRequest {
     source: Source,
     choice: Arc<Choice>,
     /// Points (B, M, 3); none where G is given.
@@ -65,13 +65,13 @@ impl Batch {
             .map_err(|error: PyErr| if error.is_instance_of::<PyOverflowError>(py) { outside() } else { error })?;
         let k = if at < 0 { at.checked_add_unsigned(count) } else { Some(at) };
         let k = k.and_then(|k| usize::try_from(k).ok()).filter(|&k| k < count).ok_or_else(outside)?;
-        let (own, asked) = (k * size..(k + 1) * size, &self.asked);
+        let (own, whole) = (k * size..(k + 1) * size, &self.request);
         let part = |list: &Option<Vec<f64>>| list.as_ref().map(|list| list[own.clone()].to_vec());
-        let Request { pressures, phases, weights } = &asked.request;
+        let Request { pressures, phases, weights } = &whole.request;
         let request = Request { pressures: part(pressures), phases: part(phases), weights: part(weights) };
-        let points = asked.points.get(own.clone()).unwrap_or_default();
-        let problem = attend(py, None, |mut control| asked.source.problem(points, &request, &mut control))?;
-        let problem = match asked.choice.aim {
+        let points = whole.points.get(own.clone()).unwrap_or_default();
+        let problem = attend(py, None, |mut control| whole.source.problem(points, &request, &mut control))?;
+        let problem = match whole.choice.aim {
             Some(aim) => problem.with_aim(aim),
             None => problem,
         };
@@ -88,7 +88,7 @@ impl Batch {
             let other = error.is_instance_of::<SceneError>(py);
             if other { invalid(&format!("drives[{k}]"), "not what was answered", cure) } else { error }
         })?;
-        let choice = answered(&asked.choice, self.info, Some(&problem));
+        let choice = answered(&whole.choice, self.info, Some(&problem));
         Ok(Solution::new(solution, choice, self.elapsed / count as f64))
     }
 
@@ -150,7 +150,7 @@ impl Batch {
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> PyResult<bool> {
         let Ok(other) = other.cast::<Self>() else { return Ok(false) };
         let (py, other) = (other.py(), other.get());
-        let equal = self.inner == other.inner && self.asked == other.asked;
+        let equal = self.inner == other.inner && self.request == other.request;
         Ok(equal && self.borrowed(py)?.as_slice()? == other.borrowed(py)?.as_slice()?)
     }
 
@@ -162,7 +162,7 @@ impl Batch {
         let Setting { choice, source, info, .. } =
             Setting::read(&part("scene")?, Some(&part("solver")?), Some(options.cast()?))?;
         let list = |name: &str| maybe(name)?.map(|list| read::reals(name, &list)).transpose();
-        let asked = Asked {
+        let request = BatchRequest {
             source,
             choice: Arc::new(choice),
             points: read::vectors("points", &part("points")?)?,
@@ -184,17 +184,17 @@ impl Batch {
         let drives = read::drive("drives", &part("drives")?.call_method1("ravel", ())?)?;
         let transducers = drives.len() / count;
         let drives = give::table(py, drives, [count, transducers])?.unbind();
-        Ok(Self { drives, inner, points, elapsed: read::real("elapsed", &part("elapsed")?)?, asked, info })
+        Ok(Self { drives, inner, points, elapsed: read::real("elapsed", &part("elapsed")?)?, request, info })
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
-        let (record, asked) = (PyDict::new(py), &self.asked);
-        let (scene, options) = asked.source.arguments(py, &asked.choice)?;
+        let (record, request) = (PyDict::new(py), &self.request);
+        let (scene, options) = request.source.arguments(py, &request.choice)?;
         record.set_item("scene", scene)?;
-        record.set_item("solver", &asked.choice.name)?;
+        record.set_item("solver", &request.choice.name)?;
         record.set_item("options", options)?;
-        record.set_item("points", rows(py, &asked.points)?)?;
-        let Request { pressures, phases, weights } = asked.request.clone();
+        record.set_item("points", rows(py, &request.points)?)?;
+        let Request { pressures, phases, weights } = request.request.clone();
         for (name, list) in [("asked", pressures), ("asked_phases", phases), ("weights", weights)] {
             record.set_item(name, list.map(|list| give::list(py, list)))?;
         }
@@ -308,25 +308,25 @@ pub(crate) fn solve_batch(
         },
     };
     let clock = Instant::now();
-    let ask = |k: usize, ask: &mut Ask| -> Result<(), midair::Error> {
+    let write = |k: usize, single: &mut SolveRequest| -> Result<(), midair::Error> {
         let own = k * size..(k + 1) * size;
-        ask.points.clear();
-        ask.points.extend_from_slice(points.get(own.clone()).unwrap_or_default());
-        let Request { pressures, phases, weights } = &mut ask.request;
+        single.points.clear();
+        single.points.extend_from_slice(points.get(own.clone()).unwrap_or_default());
+        let Request { pressures, phases, weights } = &mut single.request;
         for (to, from) in [(pressures, &request.pressures), (phases, &request.phases), (weights, &request.weights)] {
             rewrite(to, from.as_ref().map(|list| &list[own.clone()]));
         }
-        ask.start = match &starts {
+        single.start = match &starts {
             Starts::None => None,
             Starts::Drives(drives) => Some(Start::Drive(drives[k * transducers..(k + 1) * transducers].to_vec())),
             Starts::Phases(phases) => Some(Start::Phases(phases[own].to_vec())),
         };
-        ask.aim = choice.aim;
+        single.aim = choice.aim;
         Ok(())
     };
     let slice = writable.as_slice_mut()?;
     let inner =
-        attend(py, progress, |control| session.solve_batch(count, size, &ask, slice, &mut control.on(threads)))?;
+        attend(py, progress, |control| session.solve_batch(count, size, &write, slice, &mut control.on(threads)))?;
     let drives = (**writable).clone();
     if out.is_none() {
         writable.make_nonwriteable();
@@ -334,8 +334,8 @@ pub(crate) fn solve_batch(
     warn_all(py, session.batch_doubts(&points, size))?;
     warn_all(py, &inner.remarks)?;
     let elapsed = clock.elapsed().as_secs_f64();
-    let asked = Asked { source, choice: Arc::new(choice), points, request };
-    Ok(Batch { drives: drives.unbind(), inner, points: size, elapsed, asked, info })
+    let request = BatchRequest { source, choice: Arc::new(choice), points, request };
+    Ok(Batch { drives: drives.unbind(), inner, points: size, elapsed, request, info })
 }
 
 /// Writes a list over another one, in its memory.

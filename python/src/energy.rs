@@ -1,6 +1,6 @@
 //! An energy written in Python: what the fields of greedy's candidates cost.
 
-use midair::solvers::{Asked, Configured, Energy, Greedy, GreedyBy};
+use midair::solvers::{ActiveRequest, Configured, Energy, Greedy, GreedyBy};
 use midair::{Complex32, Configure, Error, Options, Value};
 use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::prelude::*;
@@ -52,10 +52,10 @@ impl Function {
         Ok(Configured { info: &GreedyBy::INFO, options, solver })
     }
 
-    fn call(&self, py: Python<'_>, fields: &[Complex32], asked: &Asked, count: usize) -> PyResult<Vec<f64>> {
-        let fields = fields.to_vec().into_pyarray(py).reshape([count, asked.targets.len()])?;
-        let targets = asked.targets.clone().into_pyarray(py);
-        let weights = asked.weights.clone().into_pyarray(py);
+    fn call(&self, py: Python<'_>, fields: &[Complex32], request: &ActiveRequest, count: usize) -> PyResult<Vec<f64>> {
+        let fields = fields.to_vec().into_pyarray(py).reshape([count, request.targets.len()])?;
+        let targets = request.targets.clone().into_pyarray(py);
+        let weights = request.weights.clone().into_pyarray(py);
         let values = self.function.bind(py).call1((fields, targets, weights))?;
         let values = read::reals("objective", &values)?;
         if values.len() == count {
@@ -67,8 +67,8 @@ impl Function {
 }
 
 impl Energy for Function {
-    fn evaluate(&self, fields: &[Complex32], asked: &Asked, values: &mut [f64]) -> Result<(), Error> {
-        let found = Python::attach(|py| self.call(py, fields, asked, values.len()));
+    fn evaluate(&self, fields: &[Complex32], request: &ActiveRequest, values: &mut [f64]) -> Result<(), Error> {
+        let found = Python::attach(|py| self.call(py, fields, request, values.len()));
         match found {
             Ok(found) => {
                 values.copy_from_slice(&found);

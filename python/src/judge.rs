@@ -74,7 +74,7 @@ fn answered(solution: &Bound<'_, Solution>, beside: Beside<'_, '_>) -> PyResult<
     if let Some(scene) = solution.get().scene()? {
         return Subject::read(Bound::new(py, scene)?.as_any(), beside);
     }
-    let (propagation, setup, request) = solution.get().inner.asked();
+    let (propagation, setup, request) = solution.get().inner.requested();
     if [beside.pressures, beside.weights, beside.mask].iter().all(Option::is_none) {
         return Ok(Subject::Given(propagation.clone(), Arc::new(setup.clone()), request));
     }

@@ -233,7 +233,7 @@ impl Solution {
         if let Some(scene) = self.scene()? {
             record.set_item("scene", scene)?;
         } else {
-            let (propagation, setup, request) = self.inner.asked();
+            let (propagation, setup, request) = self.inner.requested();
             record.set_item("scene", Propagation { inner: propagation.clone() })?;
             record.set_item("asked", request.pressures)?;
             record.set_item("asked_phases", request.phases)?;

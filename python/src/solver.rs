@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use std::time::Instant;
 
 use midair::solvers::{Info, Last, unused};
-use midair::{Ask, Complex32, Frames, Request, Session};
+use midair::{Complex32, Frames, Request, Session, SolveRequest};
 use numpy::{Ix1, Ix2, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -56,7 +56,7 @@ pub(crate) struct Solver {
 /// What a call changes.
 struct State {
     session: Session,
-    ask: Ask,
+    ask: SolveRequest,
     elapsed: f64,
 }
 
@@ -146,7 +146,7 @@ impl Solver {
             let cure = format!("the matrix has {count} points: give as many, or leave it out");
             return Err(invalid("points", &most.to_string(), &cure));
         }
-        let ask = Ask { aim: choice.aim, ..Ask::default() };
+        let ask = SolveRequest { aim: choice.aim, ..SolveRequest::default() };
         Ok(Self {
             state: Mutex::new(State { session, ask, elapsed: 0.0 }),
             choice: Arc::new(choice),

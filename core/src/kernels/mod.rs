@@ -33,9 +33,9 @@ pub(crate) mod track;
 pub(crate) mod vector;
 
 pub(crate) use greedy::candidates::{Candidates, PhaseRange, table};
-pub(crate) use greedy::exchange::{exchange, keep, rotate};
 pub(crate) use greedy::objective::{L1, L2};
 pub(crate) use greedy::point_group::PointGroup;
+pub(crate) use greedy::replacement::{keep, replace, rotate};
 pub(crate) use lanes::{LANES, padded};
 pub(crate) use matrix::{add_waves, correlate_rows};
 pub(crate) use propagate::field::add_field;

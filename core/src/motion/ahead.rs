@@ -8,7 +8,7 @@ use crate::control::{Control, bytes};
 use crate::device::quantization::steps_within;
 use crate::error::{Error, real};
 use crate::motion::alternation::{Wanted, field, follow};
-use crate::motion::exchange::even_out;
+use crate::motion::even_out::even_out;
 use crate::motion::first::guess;
 use crate::motion::frames::Frames;
 use crate::motion::track::{Circle, Ends};

@@ -2,7 +2,7 @@
 
 pub(crate) mod ahead;
 pub(crate) mod alternation;
-pub(crate) mod exchange;
+pub(crate) mod even_out;
 pub(crate) mod first;
 pub(crate) mod frames;
 pub(crate) mod track;

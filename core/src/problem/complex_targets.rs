@@ -4,20 +4,20 @@ use num_complex::Complex64;
 
 use crate::math;
 use crate::problem::Problem;
-use crate::problem::targets::Targets;
+use crate::problem::array_request::ArrayRequest;
 
 impl Problem {
     /// The phases of the targets in rad, where they have any: over the points of weight above 0.
     #[must_use]
     pub fn target_phases(&self) -> Option<impl Iterator<Item = f64> + '_> {
-        let Targets { phases, active, .. } = &*self.targets;
+        let ArrayRequest { phases, active, .. } = &*self.targets;
         self.targets.phased().then(|| active.iter().map(|&j| phases[j]))
     }
 
     /// Targets as complex numbers in units of the reference, over the points of weight above 0: of phase 0 where their
     /// phases are free.
     pub(crate) fn complex_targets(&self) -> impl Iterator<Item = Complex64> + '_ {
-        let Targets { phases, active, .. } = &*self.targets;
+        let ArrayRequest { phases, active, .. } = &*self.targets;
         let phasor = |j: usize| phases.get(j).map_or(Complex64::ONE, |&phase| math::phasor(phase));
         self.scaled.iter().zip(active).map(move |(&target, &j)| f64::from(target) * phasor(j))
     }

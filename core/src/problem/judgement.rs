@@ -8,15 +8,15 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::math;
 use crate::problem::Problem;
+use crate::problem::array_request::ArrayRequest;
 use crate::problem::metrics::Metrics;
-use crate::problem::targets::Targets;
 use crate::scene::check_drive;
 
 impl Problem {
     /// The most that a quiet point leaks, times its weight over the targets' largest, relative to the loudest targeted one;
     /// `pressures` are those of the caller's points.
     pub(crate) fn weighted_leak(&self, pressures: &[Complex32]) -> f64 {
-        let Targets { active, pascals, weights, .. } = &*self.targets;
+        let ArrayRequest { active, pascals, weights, .. } = &*self.targets;
         let modulus = |j: &&usize| math::modulus(pressures[**j]);
         let quiet = active.iter().filter(|&&j| pascals[j] == 0.0);
         let targeted = active.iter().filter(|&&j| pascals[j] > 0.0);

@@ -1,5 +1,6 @@
 //! Problem: G, targets and weights of the points that take part, in units of the reference.
 
+pub(crate) mod array_request;
 pub(crate) mod complex_targets;
 pub(crate) mod feasibility;
 pub(crate) mod judgement;
@@ -7,7 +8,6 @@ pub(crate) mod metrics;
 pub(crate) mod range;
 pub(crate) mod setup;
 pub(crate) mod solution;
-pub(crate) mod targets;
 pub(crate) mod upper_bound;
 
 pub use feasibility::{Beyond, Reach};
@@ -26,7 +26,7 @@ use crate::control::Control;
 use crate::device::quantization::Quantization;
 use crate::error::{Error, one_each};
 use crate::kernels::InstructionSet;
-use crate::problem::targets::Targets;
+use crate::problem::array_request::ArrayRequest;
 use crate::propagation::{Model, Propagation};
 use crate::scene::{Aim, Request, Scene, Start, check_drive};
 use crate::workspace::Workspace;
@@ -41,7 +41,7 @@ pub struct Problem {
     /// The same as the caller gave it, where rows of it were brought into f32's range.
     plain: Option<Propagation>,
     /// What was asked of all points, in Pa.
-    targets: Arc<Targets>,
+    targets: Arc<ArrayRequest>,
     start: Option<Arc<Start>>,
     pub(crate) aim: Option<Aim>,
     /// What the caller's targets are multiplied by: 1 unless this is the balanced problem.
@@ -146,11 +146,11 @@ impl Problem {
 
     /// A problem of which nothing is asked yet.
     pub(crate) fn unasked(propagation: Propagation, setup: Arc<Setup>) -> Self {
-        Self::of(Arc::new(Targets::new(propagation, setup)))
+        Self::of(Arc::new(ArrayRequest::new(propagation, setup)))
     }
 
     /// A problem of which only this is known.
-    fn of(targets: Arc<Targets>) -> Self {
+    fn of(targets: Arc<ArrayRequest>) -> Self {
         Self {
             selected: None,
             plain: None,

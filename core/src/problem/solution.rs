@@ -14,9 +14,9 @@ use crate::kernels;
 use crate::linalg::Planar;
 use crate::math;
 use crate::problem::Problem;
+use crate::problem::array_request::ArrayRequest;
 use crate::problem::metrics::Metrics;
 use crate::problem::setup::Setup;
-use crate::problem::targets::Targets;
 use crate::propagation::{Propagation, field_of};
 use crate::scene::{Request, Scene, check_drive};
 use crate::workspace::Workspace;
@@ -79,7 +79,7 @@ pub struct Solution {
     pub scale: f64,
     /// Whether every drive is known to lie on the board's grid.
     on_grid: bool,
-    asked: Arc<Targets>,
+    request: Arc<ArrayRequest>,
 }
 
 impl Solution {
@@ -97,9 +97,9 @@ impl Solution {
         targets: Option<Vec<f64>>,
         control: &mut Control,
     ) -> Result<Self, Error> {
-        let mut asked = Arc::clone(&problem.targets);
-        let points = asked.pascals.len();
-        check_drive(&drive, asked.propagation.transducers())?;
+        let mut request = Arc::clone(&problem.targets);
+        let points = request.pascals.len();
+        check_drive(&drive, request.propagation.transducers())?;
         one_each("pressures", pressures.len(), "values", points, "points")?;
         real("scale", scale, 0.0, true)?;
         if scale > 1.0 {
@@ -107,13 +107,13 @@ impl Solution {
         }
         if let Some(targets) = targets {
             Request { pressures: Some(targets.clone()), ..Request::default() }.check(points)?;
-            Arc::make_mut(&mut asked).pascals = targets;
+            Arc::make_mut(&mut request).pascals = targets;
         }
         let work = Workspace::new();
-        let field = field_of(&asked.propagation, &drive, &work, control)?;
-        let unit = asked.propagation.reference();
+        let field = field_of(&request.propagation, &drive, &work, control)?;
+        let unit = request.propagation.reference();
         let mut reach = vec![f64::INFINITY; points];
-        asked.active.iter().zip(&problem.reach).for_each(|(&j, &own)| reach[j] = own * unit);
+        request.active.iter().zip(&problem.reach).for_each(|(&j, &own)| reach[j] = own * unit);
         for (j, &pressure) in pressures.iter().enumerate() {
             let gap = math::modulus(pressure - pascals(field.re[j], field.im[j], unit * scale));
             // Sums of other orders, kernels and instruction sets differ by far less.
@@ -121,7 +121,7 @@ impl Solution {
                 return Err(Error::invalid(format!("pressures[{j}]"), pressure, "the drive gives another one"));
             }
         }
-        Ok(Self { drive, pressures, status, steps, scale, on_grid: false, asked })
+        Ok(Self { drive, pressures, status, steps, scale, on_grid: false, request })
     }
 
     /// The solution that `drive` is: a solver's last line. How the steps ended and how many they were, of `steps`. Its
@@ -137,9 +137,9 @@ impl Solution {
         work: &Workspace,
         control: &mut Control,
     ) -> Result<Self, Error> {
-        let asked = Arc::clone(&problem.targets);
-        let field = field_of(&asked.propagation, &drive, work, control)?;
-        let mut solution = Self::with_pressures(asked, drive, &field, status, step, work);
+        let request = Arc::clone(&problem.targets);
+        let field = field_of(&request.propagation, &drive, work, control)?;
+        let mut solution = Self::with_pressures(request, drive, &field, status, step, work);
         solution.tell(problem, steps, control);
         Ok(solution)
     }
@@ -170,10 +170,10 @@ impl Solution {
 
     /// Silence: what there is when a stop comes before anything else.
     pub(crate) fn silent(problem: &Problem, work: &Workspace) -> Self {
-        let asked = Arc::clone(&problem.targets);
-        let drive = work.complexes.take(asked.propagation.transducers()).into_vec();
-        let field = Planar::zeros(1, asked.propagation.lanes(), work);
-        Self::with_pressures(asked, drive, &field, Status::Stopped, 0, work)
+        let request = Arc::clone(&problem.targets);
+        let drive = work.complexes.take(request.propagation.transducers()).into_vec();
+        let field = Planar::zeros(1, request.propagation.lanes(), work);
+        Self::with_pressures(request, drive, &field, Status::Stopped, 0, work)
     }
 
     /// As [`Solution::new`], from the field that a solver has kept: P (one padded row) at the problem's points.
@@ -186,42 +186,42 @@ impl Solution {
         work: &Workspace,
         control: &mut Control,
     ) -> Result<Self, Error> {
-        let asked = Arc::clone(&problem.targets);
+        let request = Arc::clone(&problem.targets);
         if problem.is_stretched() {
             // The field is that of other rows.
-            let field = field_of(&asked.propagation, &drive, work, control)?;
-            return Ok(Self::with_pressures(asked, drive, &field, status, steps, work));
+            let field = field_of(&request.propagation, &drive, work, control)?;
+            return Ok(Self::with_pressures(request, drive, &field, status, steps, work));
         }
-        if asked.active.len() == asked.pascals.len() {
-            return Ok(Self::with_pressures(asked, drive, field, status, steps, work));
+        if request.active.len() == request.pascals.len() {
+            return Ok(Self::with_pressures(request, drive, field, status, steps, work));
         }
         // The points of weight 0 were not in it.
-        let all = field_of(&asked.propagation, &drive, work, control)?;
-        let mut solution = Self::with_pressures(asked, drive, &all, status, steps, work);
+        let all = field_of(&request.propagation, &drive, work, control)?;
+        let mut solution = Self::with_pressures(request, drive, &all, status, steps, work);
         let reference = problem.propagation().reference();
-        for (k, &j) in solution.asked.active.iter().enumerate() {
+        for (k, &j) in solution.request.active.iter().enumerate() {
             solution.pressures[j] = pascals(field.re[k], field.im[k], reference);
         }
         Ok(solution)
     }
 
     fn with_pressures(
-        asked: Arc<Targets>,
+        request: Arc<ArrayRequest>,
         drive: Vec<Complex32>,
         field: &Planar,
         status: Status,
         steps: usize,
         work: &Workspace,
     ) -> Self {
-        let pressures = work.complexes.take(asked.propagation.points()).into_vec();
-        let mut solution = Self { drive, pressures, status, steps, scale: 1.0, on_grid: false, asked };
+        let pressures = work.complexes.take(request.propagation.points()).into_vec();
+        let mut solution = Self { drive, pressures, status, steps, scale: 1.0, on_grid: false, request };
         solution.set_pressures(field);
         solution
     }
 
     /// Takes the pressures of a field in units of the reference.
     fn set_pressures(&mut self, field: &Planar) {
-        let reference = self.asked.propagation.reference() * self.scale;
+        let reference = self.request.propagation.reference() * self.scale;
         for ((pressure, re), im) in self.pressures.iter_mut().zip(&field.re).zip(&field.im) {
             *pressure = pascals(*re, *im, reference);
         }
@@ -245,7 +245,7 @@ impl Solution {
     /// # Errors
     /// A stop, if it is the first.
     pub(crate) fn quantize(&mut self, factor: f64, work: &Workspace, control: &mut Control) -> Result<bool, Error> {
-        let Some(quantization) = self.asked.setup.quantization.as_deref() else {
+        let Some(quantization) = self.request.setup.quantization.as_deref() else {
             if factor > 1.0 {
                 self.drive.iter_mut().chain(&mut self.pressures).for_each(|z| *z = divided(*z, factor));
             }
@@ -254,7 +254,7 @@ impl Solution {
         if self.on_grid && factor == 1.0 {
             return Ok(false);
         }
-        let set = self.asked.propagation.instruction_set();
+        let set = self.request.propagation.instruction_set();
         let largest = f64::from(kernels::grid::largest(set, &self.drive)) / factor;
         let scale = quantization.scale(largest);
         // Drives at full amplitude and the board's phases become others at one amplitude: the field keeps its shape.
@@ -263,7 +263,7 @@ impl Solution {
         let alike = quantization.grid().round(set, (factor * scale) as f32, [most, common], &mut self.drive);
         self.scale *= scale;
         if !alike {
-            self.set_pressures(&field_of(&self.asked.propagation, &self.drive, work, control)?);
+            self.set_pressures(&field_of(&self.request.propagation, &self.drive, work, control)?);
         } else if common != 1.0 || scale != 1.0 {
             let change = f64::from(common) * scale;
             self.pressures.iter_mut().for_each(|p| *p = divided(*p, 1.0 / change));
@@ -274,14 +274,14 @@ impl Solution {
     /// Metrics of the pressures against the caller's targets; f64 arithmetic over the M values.
     #[must_use]
     pub fn metrics(&self) -> Metrics {
-        self.asked.metrics(self.pressures.iter().map(|&p| math::modulus(p)))
+        self.request.metrics(self.pressures.iter().map(|&p| math::modulus(p)))
     }
 
     /// The relative error of the complex pressures, sqrt(sum w |p_j - target_j|^2 / sum w |target_j|^2) over the points of
     /// weight above 0, where the targets have phases; `None` where these are free.
     #[must_use]
     pub fn complex_error(&self) -> Option<f64> {
-        self.asked.complex_error(&self.pressures)
+        self.request.complex_error(&self.pressures)
     }
 
     /// Reports the last of `steps` steps to `control`, with the answer's own residual, for a solver whose steps (if it
@@ -309,24 +309,24 @@ impl Solution {
     /// The residual against the targets of `problem`, before balancing is undone.
     fn residual_for(&self, problem: &Problem) -> f64 {
         if problem.is_stretched() {
-            return self.asked.metrics(self.pressures.iter().map(|&p| math::modulus(p) / problem.factor())).residual;
+            return self.request.metrics(self.pressures.iter().map(|&p| math::modulus(p) / problem.factor())).residual;
         }
-        let unit = self.asked.propagation.reference();
-        problem.residual_of(self.asked.active.iter().map(|&j| math::modulus(self.pressures[j]) / unit))
+        let unit = self.request.propagation.reference();
+        problem.residual_of(self.request.active.iter().map(|&j| math::modulus(self.pressures[j]) / unit))
     }
 
     /// G, the array behind it and the request that it answers.
     #[must_use]
-    pub fn asked(&self) -> (&Propagation, &Setup, Request) {
-        (&self.asked.propagation, &self.asked.setup, self.asked.request())
+    pub fn requested(&self) -> (&Propagation, &Setup, Request) {
+        (&self.request.propagation, &self.request.setup, self.request.request())
     }
 
-    /// The scene that it answers: array, medium, points and what was asked of them. `None` for a given G.
+    /// The scene that it answers: array, medium, points and what was request of them. `None` for a given G.
     #[must_use]
     pub fn scene(&self) -> Option<Scene> {
-        let Targets { propagation, setup, .. } = &*self.asked;
+        let ArrayRequest { propagation, setup, .. } = &*self.request;
         let (array, points, kept) = propagation.origin()?;
-        let scene = Scene::new(array.clone(), setup.medium, points.to_vec(), self.asked.request()).ok()?;
+        let scene = Scene::new(array.clone(), setup.medium, points.to_vec(), self.request.request()).ok()?;
         let signature = kept.and_then(|kept| kept.signature.clone());
         let obstacles = kept.and_then(|kept| kept.scattering.as_ref()).map_or(&[][..], |all| all.obstacles.given());
         scene.with_obstacles(obstacles.to_vec()).and_then(|scene| scene.with_signature(signature)).ok()
@@ -335,7 +335,7 @@ impl Solution {
     /// The targets (M,) in Pa that the metrics refer to.
     #[must_use]
     pub fn targets(&self) -> &[f64] {
-        &self.asked.pascals
+        &self.request.pascals
     }
 
     /// Radiation pressure in Pa at point `j`, |p|^2/(rho c^2).
@@ -344,7 +344,7 @@ impl Solution {
     /// If there is no such point.
     #[must_use]
     pub fn radiation(&self, j: usize) -> f64 {
-        self.asked.setup.medium.radiation(math::modulus(self.pressures[j]))
+        self.request.setup.medium.radiation(math::modulus(self.pressures[j]))
     }
 
     /// |q_i|, 0 to 1.
@@ -374,19 +374,19 @@ impl Solution {
     }
 }
 
-/// By value: what was asked, and what was answered.
+/// By value: what was request, and what was answered.
 impl PartialEq for Solution {
     fn eq(&self, other: &Self) -> bool {
         let told = |solution: &Self| (solution.status, solution.steps, solution.scale);
-        let (asked, others) = (&self.asked, &other.asked);
+        let (request, others) = (&self.request, &other.request);
         told(self) == told(other)
             && self.drive == other.drive
             && self.pressures == other.pressures
-            && asked.pascals == others.pascals
-            && asked.phases == others.phases
-            && asked.weights == others.weights
-            && asked.propagation == others.propagation
-            && asked.setup == others.setup
+            && request.pascals == others.pascals
+            && request.phases == others.phases
+            && request.weights == others.weights
+            && request.propagation == others.propagation
+            && request.setup == others.setup
     }
 }
 

@@ -9,7 +9,7 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::problem::Status;
 use crate::scene::Start;
-use crate::session::{Ask, Session};
+use crate::session::{Session, SolveRequest};
 
 /// Points that move: T frames of M points.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +32,7 @@ impl Session {
     /// Lists that do not fit each other, what [`Session::solve`] refuses of a frame, named by its index; a stop.
     ///
     /// ```
-    /// use midair::{Array, Ask, Complex32, Control, Frames, InstructionSet, Medium, Model, Session, solvers};
+    /// use midair::{Array, SolveRequest, Complex32, Control, Frames, InstructionSet, Medium, Model, Session, solvers};
     ///
     /// let array = Array::grid(16, 16, 10e-3)?;
     /// let model = Model::new(&array, Medium::default(), InstructionSet::best())?;
@@ -40,7 +40,7 @@ impl Session {
     /// let points: Vec<[f64; 3]> = (0..20).map(|t| [5e-5 * f64::from(t), 0.0, 0.15]).collect();
     /// let mut drives = vec![Complex32::ZERO; 20 * 256];
     /// let frames = Frames { points: &points, targets: None, count: 1 };
-    /// session.follow(frames, false, &mut Ask::default(), &mut drives, &mut Control::none())?;
+    /// session.follow(frames, false, &mut SolveRequest::default(), &mut drives, &mut Control::none())?;
     /// let change = |t: usize, i: usize| (drives[256 * t + i] * drives[256 * (t - 1) + i].conj()).arg().abs();
     /// assert!((1..20).all(|t| (0..256).all(|i| change(t, i) < 0.2)));
     /// # Ok::<(), midair::Error>(())
@@ -49,7 +49,7 @@ impl Session {
         &mut self,
         frames: Frames<'_>,
         starts: bool,
-        ask: &mut Ask,
+        ask: &mut SolveRequest,
         drives: &mut [Complex32],
         control: &mut Control,
     ) -> Result<(), Error> {

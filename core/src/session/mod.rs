@@ -7,7 +7,7 @@ pub(crate) mod worker;
 
 pub use batch::Batch;
 pub use follow::Frames;
-pub use worker::Ask;
+pub use worker::SolveRequest;
 
 use alloc::format;
 use alloc::string::String;
@@ -40,11 +40,11 @@ const STRETCH: usize = 1 << 17;
 /// From the second call of a size on (all weights above 0) nothing is allocated.
 ///
 /// ```
-/// use midair::{Array, Ask, Control, InstructionSet, Medium, Model, Session, solvers};
+/// use midair::{Array, SolveRequest, Control, InstructionSet, Medium, Model, Session, solvers};
 ///
 /// let model = Model::new(&Array::preset("paper20", [1, 1])?, Medium::default(), InstructionSet::best())?;
 /// let mut session = Session::new(model, solvers::find("fast")?.configure(&[].into())?.solver, true);
-/// let mut ask = Ask::default();
+/// let mut ask = SolveRequest::default();
 /// for step in 0..10 {
 ///     ask.points = vec![[1e-3 * f64::from(step), 0.0, 0.15]];
 ///     let solution = session.solve(&ask, &mut Control::none())?;
@@ -113,7 +113,7 @@ impl Session {
     /// # Errors
     /// As [`Model::propagation`], [`Problem::with_propagation`], [`Problem::with_start`] and the method's own; points
     /// for a given G.
-    pub fn solve(&mut self, ask: &Ask, control: &mut Control) -> Result<&Solution, Error> {
+    pub fn solve(&mut self, ask: &SolveRequest, control: &mut Control) -> Result<&Solution, Error> {
         if self.workers.is_empty() {
             self.workers.push(Worker::default());
         }
@@ -148,12 +148,12 @@ impl Session {
     /// its index.
     ///
     /// ```
-    /// use midair::{Array, Ask, Complex32, Control, InstructionSet, Medium, Model, Session, solvers};
+    /// use midair::{Array, SolveRequest, Complex32, Control, InstructionSet, Medium, Model, Session, solvers};
     ///
     /// let model = Model::new(&Array::preset("paper20", [1, 1])?, Medium::default(), InstructionSet::best())?;
     /// let mut session = Session::new(model, solvers::find("fast")?.configure(&[].into())?.solver, true);
     /// let mut drives = vec![Complex32::ZERO; 100 * 400];
-    /// let ask = |k: usize, ask: &mut Ask| {
+    /// let ask = |k: usize, ask: &mut SolveRequest| {
     ///     ask.points.clear();
     ///     ask.points.extend([[0.0, 0.0, 0.15], [1e-3 * k as f64, 0.05, 0.15]]);
     ///     Ok(())
@@ -166,7 +166,7 @@ impl Session {
         &mut self,
         count: usize,
         points: usize,
-        ask: &(dyn Fn(usize, &mut Ask) -> Result<(), Error> + Sync),
+        ask: &(dyn Fn(usize, &mut SolveRequest) -> Result<(), Error> + Sync),
         drives: &mut [Complex32],
         control: &mut Control,
     ) -> Result<Batch, Error> {
@@ -240,7 +240,7 @@ impl Session {
 
     /// What is hardly meant of the points of a request that was answered: one far beyond the array, until there was one;
     /// and, of the first request, two pressures in one place. Costs a comparison a coordinate.
-    pub fn doubts(&mut self, ask: &Ask) -> Vec<Doubt> {
+    pub fn doubts(&mut self, ask: &SolveRequest) -> Vec<Doubt> {
         let far = self.far(&ask.points, |j| format!("points[{j}].position"));
         let first = !core::mem::replace(&mut self.compared, true);
         let contrary = if first { contrary(self.task.setup.medium, &ask.points, &ask.request) } else { None };

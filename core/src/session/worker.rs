@@ -14,7 +14,7 @@ use crate::propagation::{Model, Propagation};
 use crate::scene::{Aim, Request, Scene, Start};
 use crate::session::batch::Outcome;
 use crate::session::parts::Part;
-use crate::solvers::common::interleaved;
+use crate::solvers::common::interleaved_batch;
 use crate::solvers::method::Solve;
 use crate::solvers::solve::{solve, solve_interleaved};
 use crate::workspace::Workspace;
@@ -22,7 +22,7 @@ use crate::workspace::Workspace;
 /// One request to a session.
 #[derive(Clone, Debug, Default)]
 #[allow(clippy::exhaustive_structs, reason = "what a session is asked, in one piece")]
-pub struct Ask {
+pub struct SolveRequest {
     /// Points (M, 3) in m; empty where G is given.
     pub points: Vec<[f64; 3]>,
     /// Pressures and weights.
@@ -33,7 +33,7 @@ pub struct Ask {
     pub aim: Option<Aim>,
 }
 
-impl Ask {
+impl SolveRequest {
     /// The request of a scene: its points, pressures and weights, and the aim of its solver.
     #[must_use]
     pub fn of_scene(scene: &Scene) -> Self {
@@ -80,7 +80,7 @@ pub(super) struct Task {
 
 impl Task {
     /// Writes what is asked over problem `k`, or makes that one: the sums of |G| and the targets come next.
-    pub(super) fn read(&self, problems: &mut Vec<Problem>, k: usize, ask: &Ask) -> Result<(), Error> {
+    pub(super) fn read(&self, problems: &mut Vec<Problem>, k: usize, ask: &SolveRequest) -> Result<(), Error> {
         let points = match &self.transducers {
             Transducers::Model(_) => Some(&ask.points[..]),
             Transducers::Given(_) if ask.points.is_empty() => None,
@@ -105,14 +105,14 @@ impl Task {
 pub(super) struct Worker {
     pub(super) problems: Vec<Problem>,
     pub(super) work: Workspace,
-    ask: Ask,
+    ask: SolveRequest,
 }
 
 /// How many points all problems of a batch have, and who says what each asks.
 #[derive(Clone, Copy)]
 pub(super) struct Requests<'a> {
     pub(super) points: usize,
-    pub(super) ask: &'a (dyn Fn(usize, &mut Ask) -> Result<(), Error> + Sync),
+    pub(super) ask: &'a (dyn Fn(usize, &mut SolveRequest) -> Result<(), Error> + Sync),
 }
 
 impl Worker {
@@ -161,7 +161,7 @@ impl Worker {
                 break;
             }
         }
-        let summed = interleaved::sum_moduli(&mut self.problems[..count], &self.work);
+        let summed = interleaved_batch::sum_moduli(&mut self.problems[..count], &self.work);
         for (k, problem) in self.problems[..count].iter_mut().enumerate() {
             let measured = if summed { Ok(()) } else { problem.sum_moduli(control) };
             if let Err(error) = measured.and_then(|()| problem.balance_targets()) {

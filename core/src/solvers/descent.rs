@@ -6,7 +6,7 @@
 use crate::control::Control;
 use crate::error::Error;
 use crate::problem::{Problem, Solution, Status};
-use crate::solvers::common::least_squares::{Found, Task, least_squares};
+use crate::solvers::common::least_squares::{LeastSquares, Task, least_squares};
 use crate::solvers::even_field::targets::{met, too_many};
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
@@ -66,7 +66,7 @@ impl Solve for Descent {
             factor: 1.0,
             before: 0,
         };
-        let Found { mut drive, mut status, steps } = least_squares(problem, &task, work, control)?;
+        let LeastSquares { mut drive, mut status, steps } = least_squares(problem, &task, work, control)?;
         if status != Status::Stopped
             && let Some(even) = met(problem, &drive, steps, work, control)?
         {

@@ -22,14 +22,14 @@ use num_complex::Complex32;
 use crate::control::Control;
 use crate::error::Error;
 use crate::kernels::closed_form;
-use crate::kernels::closed_form::interleaved;
+use crate::kernels::closed_form::interleaved_sweep;
 use crate::kernels::closed_form::{Memory, Sweep};
 use crate::kernels::grid::Phases;
 use crate::linalg::Planar;
 use crate::math::modulus;
 use crate::problem::{Problem, Solution, Status};
 use crate::rng::Rng;
-use crate::solvers::common::interleaved::InterleavedBatch;
+use crate::solvers::common::interleaved_batch::InterleavedBatch;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::{Aligned, Workspace};
 
@@ -141,7 +141,7 @@ impl Fast {
             };
             let [re, im] = &mut batch.pressures;
             let order = stride(count, self.seed);
-            interleaved::sweep(batch.points.set, task, order, &mut batch.drives, [re, im]);
+            interleaved_sweep::sweep(batch.points.set, task, order, &mut batch.drives, [re, im]);
         }
         let steps = count.div_ceil(self.block as usize) * (1 + self.sweeps as usize);
         let mut solutions = batch.solutions(problems, steps, work)?;

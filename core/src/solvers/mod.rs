@@ -5,6 +5,7 @@
 pub(crate) mod options;
 
 pub(crate) mod amplitude_limit;
+pub(crate) mod batching;
 pub(crate) mod best;
 pub(crate) mod bounded;
 pub(crate) mod common;
@@ -16,7 +17,6 @@ pub(crate) mod glide;
 pub(crate) mod greedy;
 pub(crate) mod gs;
 pub(crate) mod gspat;
-pub(crate) mod interleaved;
 pub(crate) mod iterate;
 pub(crate) mod last;
 pub(crate) mod lm;
@@ -38,7 +38,7 @@ pub use descent::Descent;
 pub use evd::Evd;
 pub use fast::Fast;
 pub use glide::Glide;
-pub use greedy::by_energy::{Asked, Energy, GreedyBy};
+pub use greedy::by_energy::{ActiveRequest, Energy, GreedyBy};
 pub use greedy::{Greedy, Objective, Order};
 pub use gs::Gs;
 pub use gspat::Gspat;

@@ -8,8 +8,8 @@ use num_complex::Complex32;
 use crate::control::Control;
 use crate::error::Error;
 use crate::problem::{Problem, Solution, Status};
+use crate::solvers::batching;
 use crate::solvers::descent::Descent;
-use crate::solvers::interleaved;
 use crate::solvers::last::Last;
 use crate::solvers::method::Solve;
 use crate::workspace::Workspace;
@@ -121,7 +121,7 @@ pub(crate) fn solve_interleaved(
     }
     let rescaled = || problems.iter().map(|problem| problem.rescaled(factor(problem), work)).collect();
     let balanced: Option<Vec<Problem>> = problems.iter().any(|problem| factor(problem) > 1.0).then(rescaled);
-    let mut solutions = interleaved::solve(solver, balanced.as_deref().unwrap_or(problems), work);
+    let mut solutions = batching::solve(solver, balanced.as_deref().unwrap_or(problems), work);
     for (k, (solution, problem)) in solutions.iter_mut().flatten().zip(problems).enumerate() {
         let at = |error| (k, error);
         check(solution).map_err(at)?;

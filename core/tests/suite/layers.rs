@@ -31,7 +31,7 @@ const SHARED: &[&str] = &[
     "amplitude_limit",
     "common",
     "even_field",
-    "interleaved",
+    "batching",
     "iterate",
     "last",
     "method",

@@ -7,7 +7,6 @@ mod constants;
 mod drawn;
 mod drawn_shapes;
 mod even;
-mod exchange;
 mod field;
 #[cfg(feature = "scene-file")]
 mod files;
@@ -16,6 +15,7 @@ mod files_refused;
 #[cfg(feature = "scene-file")]
 mod golden;
 mod greedy;
+mod greedy_start;
 mod laws;
 mod layers;
 mod map;

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use midair::solvers::Glide;
 use midair::{
-    Aim, Array, Ask, Complex32, Complex64, Control, Frames, InstructionSet, Medium, Model, Problem, Quantization,
-    Request, Session, Start, Workspace,
+    Aim, Array, Complex32, Complex64, Control, Frames, InstructionSet, Medium, Model, Problem, Quantization, Request,
+    Session, SolveRequest, Start, Workspace,
 };
 
 const SIDE: usize = 16;
@@ -34,7 +34,7 @@ fn session(array: &Array, glide: Glide) -> Session {
 fn followed(session: &mut Session, points: &[[f64; 3]]) -> Vec<Complex32> {
     let mut drives = vec![Complex32::ZERO; points.len() / COUNT * SIDE * SIDE];
     let frames = Frames { points, targets: None, count: COUNT };
-    session.follow(frames, false, &mut Ask::default(), &mut drives, &mut Control::none()).expect("drives");
+    session.follow(frames, false, &mut SolveRequest::default(), &mut drives, &mut Control::none()).expect("drives");
     drives
 }
 
@@ -93,7 +93,7 @@ fn above_the_speed_limit_points_are_still_even() {
         let mut drives = vec![Complex32::ZERO; 60 * SIDE * SIDE];
         let mut session = session(&array, Glide { change: PI / 32.0, ..Glide::default() });
         let frames = Frames { points: &points, targets: None, count: 16 };
-        session.follow(frames, false, &mut Ask::default(), &mut drives, &mut Control::none()).expect("drives");
+        session.follow(frames, false, &mut SolveRequest::default(), &mut drives, &mut Control::none()).expect("drives");
         for (t, frame) in drives.chunks(SIDE * SIDE).enumerate() {
             let heard = moduli(&array, &points[16 * t..16 * (t + 1)], frame);
             let (low, high) = heard.iter().fold((f64::MAX, 0.0_f64), |(low, high), &p| (low.min(p), high.max(p)));
@@ -134,7 +134,7 @@ fn points_at_rest_leave_every_code_where_it_is() {
     let mut drives = vec![Complex32::ZERO; 80 * SIDE * SIDE];
     let frames = Frames { points: &points, targets: None, count: many.len() };
     let mut session = session(&array(Some(256)), Glide::default());
-    session.follow(frames, false, &mut Ask::default(), &mut drives, &mut Control::none()).expect("drives");
+    session.follow(frames, false, &mut SolveRequest::default(), &mut drives, &mut Control::none()).expect("drives");
     let frames: Vec<&[Complex32]> = drives.chunks(SIDE * SIDE).collect();
     assert!(frames[20..].windows(2).all(|pair| pair[0] == pair[1]));
 }
@@ -203,7 +203,9 @@ fn frames_that_do_not_fit_and_points_that_are_not_there() {
     let mut drives = vec![Complex32::ONE; 2 * SIDE * SIDE];
     let mut follow = |points: &[[f64; 3]], targets: Option<&[f64]>| {
         let frames = Frames { points, targets, count: COUNT };
-        session.follow(frames, false, &mut Ask::default(), &mut drives, &mut Control::none()).map(|()| drives.clone())
+        session
+            .follow(frames, false, &mut SolveRequest::default(), &mut drives, &mut Control::none())
+            .map(|()| drives.clone())
     };
     assert!(follow(&points[1..], None).is_err());
     let targets = [500.0, 0.0, 500.0, 0.0, 0.0, 0.0];

@@ -2,8 +2,8 @@
 
 use midair::solvers::SOLVERS;
 use midair::{
-    Ask, Complex32, Complex64, Control, Error, Metrics, Options, Problem, Propagation, Request, Rng, Session, Setup,
-    Solution, Solve, Workspace,
+    Complex32, Complex64, Control, Error, Metrics, Options, Problem, Propagation, Request, Rng, Session, Setup,
+    Solution, Solve, SolveRequest, Workspace,
 };
 
 const POINTS: usize = 4;
@@ -130,7 +130,7 @@ fn a_drive_that_cannot_be_played_never_comes_out() {
         let session = Session::with_propagation(propagation, Setup::default(), stuck, false);
         let mut session = session.expect("a session");
         let mut drives = vec![Complex32::ZERO; 2 * TRANSDUCERS];
-        let ask = |_: usize, _: &mut Ask| Ok(());
+        let ask = |_: usize, _: &mut SolveRequest| Ok(());
         let batch = session.solve_batch(2, POINTS, &ask, &mut drives, &mut Control::none());
         let batch = batch.map(|_| ()).expect_err("refused").to_string();
         assert!(batch.starts_with("problems[0]: drive"), "{batch}");

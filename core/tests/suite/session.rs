@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use midair::{
-    Aim, Array, Ask, Batch, Complex32, Complex64, Control, Directivity, Error, InstructionSet, Medium, Model, Problem,
-    Request, Rng, Session, Setup, Solution, Solve, Start, Status, Transducer, Workspace, solvers,
+    Aim, Array, Batch, Complex32, Complex64, Control, Directivity, Error, InstructionSet, Medium, Model, Problem,
+    Request, Rng, Session, Setup, Solution, Solve, SolveRequest, Start, Status, Transducer, Workspace, solvers,
 };
 
 use crate::scenes::{preset, random_points};
@@ -19,16 +19,16 @@ fn model() -> Model {
 }
 
 /// Problem k: its points, and every third with a point of weight 0.
-fn asked(k: usize) -> Ask {
+fn asked(k: usize) -> SolveRequest {
     let mut rng = Rng::new(k as u64);
     let pressures = (0..M).map(|_| 0.2 + rng.uniform()).collect();
     let weights = (k % 3 == 2).then(|| (0..M).map(|j| if j == k % M { 0.0 } else { 1.0 }).collect());
     let request = Request { pressures: Some(pressures), weights, ..Request::default() };
-    Ask { points: random_points(M, 0.1, k as u64), request, start: None, aim: None }
+    SolveRequest { points: random_points(M, 0.1, k as u64), request, start: None, aim: None }
 }
 
 /// The problem that one asks for, made alone.
-fn problem(model: &Model, ask: &Ask) -> Problem {
+fn problem(model: &Model, ask: &SolveRequest) -> Problem {
     let propagation = model.propagation(&ask.points).expect("propagation");
     let setup = Setup::of(model.array(), model.medium());
     let mut problem = Problem::with_propagation(propagation, setup, &ask.request).expect("a problem");
@@ -43,9 +43,14 @@ fn alone(problem: &Problem, solver: &dyn Solve, balance: bool) -> Solution {
 }
 
 /// A batch of these, the drives first.
-fn batch_of(model: &Model, asks: &[Ask], solver: &Solver, balance: bool) -> Result<(Vec<Complex32>, Batch), Error> {
+fn batch_of(
+    model: &Model,
+    asks: &[SolveRequest],
+    solver: &Solver,
+    balance: bool,
+) -> Result<(Vec<Complex32>, Batch), Error> {
     let mut drives = vec![Complex32::ZERO; asks.len() * model.array().len()];
-    let ask = |k: usize, ask: &mut Ask| {
+    let ask = |k: usize, ask: &mut SolveRequest| {
         ask.clone_from(&asks[k]);
         Ok(())
     };
@@ -63,7 +68,7 @@ fn a_batch_and_a_session_are_lone_solves_bit_for_bit() {
     for entry in solvers::SOLVERS {
         let solver: Solver = entry.configure(&midair::Options::new()).expect("defaults").solver.into();
         let balance = entry.info.balance;
-        let asks: Vec<Ask> = (0..B).map(asked).collect();
+        let asks: Vec<SolveRequest> = (0..B).map(asked).collect();
         let (drives, batch) = batch_of(&model, &asks, &solver, balance).expect("answers");
         let mut session = Session::new(model.clone(), Arc::clone(&solver), balance);
         for (k, ask) in asks.iter().enumerate() {
@@ -84,15 +89,15 @@ fn a_batch_and_a_session_are_lone_solves_bit_for_bit() {
 fn a_bad_problem_is_named_and_a_stop_keeps_what_is_done() {
     let model = model();
     let solver: Solver = Arc::new(solvers::Fast::default());
-    let refused = |spoil: &dyn Fn(usize, &mut Ask)| {
-        let mut asks: Vec<Ask> = (0..B).map(asked).collect();
+    let refused = |spoil: &dyn Fn(usize, &mut SolveRequest)| {
+        let mut asks: Vec<SolveRequest> = (0..B).map(asked).collect();
         asks.iter_mut().enumerate().for_each(|(k, ask)| spoil(k, ask));
         batch_of(&model, &asks, &solver, false).expect_err("refused").to_string()
     };
     // Found when placed, when measured, when held to the reach: the first by index is named.
-    let far = |ask: &mut Ask| ask.points[0][1] = f64::NAN;
-    let near = |ask: &mut Ask| ask.points[2] = model.array().positions()[0];
-    let loud = |ask: &mut Ask| ask.request.pressures.as_mut().expect("pressures")[1] = 1e200;
+    let far = |ask: &mut SolveRequest| ask.points[0][1] = f64::NAN;
+    let near = |ask: &mut SolveRequest| ask.points[2] = model.array().positions()[0];
+    let loud = |ask: &mut SolveRequest| ask.request.pressures.as_mut().expect("pressures")[1] = 1e200;
     let told = refused(&|k, ask| {
         if k == 7 || k == 30 {
             far(ask);
@@ -123,7 +128,7 @@ fn a_bad_problem_is_named_and_a_stop_keeps_what_is_done() {
         calls += 1;
         std::ops::ControlFlow::Break(())
     };
-    let ask = |k: usize, ask: &mut Ask| {
+    let ask = |k: usize, ask: &mut SolveRequest| {
         ask.clone_from(&asked(k));
         Ok(())
     };
@@ -162,7 +167,7 @@ fn bits(list: &[Complex32]) -> Vec<[u32; 2]> {
 }
 
 /// Holds batches of every size up to the number of problems to lone solves, in bits.
-fn hold(model: &Model, asks: &[Ask], solver: &Solver, balance: bool, what: &str) {
+fn hold(model: &Model, asks: &[SolveRequest], solver: &Solver, balance: bool, what: &str) {
     let lone: Vec<Solution> = asks.iter().map(|ask| alone(&problem(model, ask), &**solver, balance)).collect();
     let points = asks[0].points.len();
     for count in 1..=asks.len() {
@@ -182,13 +187,13 @@ fn hold(model: &Model, asks: &[Ask], solver: &Solver, balance: bool, what: &str)
 }
 
 /// `count` problems of `points` points at random places and pressures.
-fn some(points: usize, count: usize, given: bool) -> Vec<Ask> {
+fn some(points: usize, count: usize, given: bool) -> Vec<SolveRequest> {
     let ask = |k: usize| {
         let mut rng = Rng::new((100 * points + k) as u64);
         // From 0, a quiet point, to more than the array can give.
         let pressures = given.then(|| (0..points).map(|j| 2e3 * ((j + 1) % 3) as f64 * rng.uniform()).collect());
         let request = Request { pressures, ..Request::default() };
-        Ask { points: random_points(points, 0.05, k as u64), request, start: None, aim: None }
+        SolveRequest { points: random_points(points, 0.05, k as u64), request, start: None, aim: None }
     };
     (0..count).map(ask).collect()
 }
@@ -230,9 +235,9 @@ fn problems_of_unlike_sizes_are_lone_solves_bit_for_bit() {
     let ask = |k: usize| {
         let weights = (0..M).map(|j| if j < k % M { 0.0 } else { 0.1 + j as f64 }).collect();
         let request = Request { weights: Some(weights), ..Request::default() };
-        Ask { points: random_points(M, 0.05, k as u64), request, start: None, aim: None }
+        SolveRequest { points: random_points(M, 0.05, k as u64), request, start: None, aim: None }
     };
-    let asks: Vec<Ask> = (0..16).map(ask).collect();
+    let asks: Vec<SolveRequest> = (0..16).map(ask).collect();
     for (name, solver) in with_options() {
         hold(&small(false, InstructionSet::best()), &asks, &solver, true, &format!("{name}, weights of 0"));
     }

@@ -4,8 +4,8 @@ use core::ops::ControlFlow;
 
 use midair::solvers::Uniform;
 use midair::{
-    Array, Ask, Complex32, Complex64, Control, Directivity, Error, InstructionSet, Medium, Model, Particle, Problem,
-    Progress, Propagation, Request, Scene, Session, Signature, Transducer, Workspace, gorkov,
+    Array, Complex32, Complex64, Control, Directivity, Error, InstructionSet, Medium, Model, Particle, Problem,
+    Progress, Propagation, Request, Scene, Session, Signature, SolveRequest, Transducer, Workspace, gorkov,
 };
 
 /// Two boards of 8 x 8 that face each other along an axis, 0.1 m apart.
@@ -96,7 +96,7 @@ fn a_session_and_points_without_weight_keep_the_signature() {
     let mut session = Session::new(model, std::sync::Arc::new(Uniform::default()) as std::sync::Arc<_>, true);
     // Other points and numbers of points in between.
     for count in [1, 3, 2, 3] {
-        let ask = Ask { points: points[..count].to_vec(), ..Ask::default() };
+        let ask = SolveRequest { points: points[..count].to_vec(), ..SolveRequest::default() };
         let solution = session.solve(&ask, &mut Control::none()).expect("a drive");
         assert!(count < 3 || solution.drive == expected.drive);
     }

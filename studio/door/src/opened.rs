@@ -2,14 +2,14 @@
 
 use midair::files::{self, Format, Provenance};
 use midair::solvers::{DEFAULT, configure};
-use midair::{Ask, Choice, Control, Error, InstructionSet, Model, Options, Problem, Scene, Session};
+use midair::{SolveRequest, Choice, Control, Error, InstructionSet, Model, Options, Problem, Scene, Session};
 
 /// A scene and what solves it.
 pub(crate) struct Opened {
     pub(crate) scene: Scene,
     pub(crate) model: Model,
     pub(crate) session: Session,
-    pub(crate) ask: Ask,
+    pub(crate) ask: SolveRequest,
     set: InstructionSet,
 }
 
@@ -26,7 +26,7 @@ impl Opened {
         let configured = configure(&choice, scene.array().quantization())?;
         let model = Model::of(&scene, set);
         let session = Session::new(model.clone(), configured.solver, choice.balance.unwrap_or(configured.info.balance));
-        let ask = Ask::of_scene(&scene);
+        let ask = SolveRequest::of_scene(&scene);
         Ok(Self { scene, model, session, ask, set })
     }
 

@@ -1,6 +1,6 @@
 //! Play: frames that follow one another, and the bytes by which a board plays them.
 
-use midair::{Ask, Board, Complex32, Control, Error, Frames};
+use midair::{SolveRequest, Board, Complex32, Control, Error, Frames};
 
 use crate::opened::Opened;
 use crate::studio::Studio;
@@ -18,7 +18,7 @@ impl Studio {
         let targets = pressed.map(|each| each.repeat(frames));
         let mut drives = vec![Complex32::ZERO; frames * transducers];
         let all = Frames { points: &places, targets: targets.as_deref(), count };
-        let mut kept = Ask { aim: ask.aim, ..Ask::default() };
+        let mut kept = SolveRequest { aim: ask.aim, ..SolveRequest::default() };
         session.last().clear();
         session.follow(all, true, &mut kept, &mut drives, &mut Control::none())?;
         let mut told = Vec::with_capacity(3 * frames);

@@ -22,7 +22,7 @@
 //!    eight waves are added in registers in four chains.
 //! 4. Memory that begins on a cache line: .59 ns a transducer and point instead of .63 at M = 64.
 
-pub(crate) mod interleaved;
+pub(crate) mod interleaved_sweep;
 pub(crate) mod points;
 pub(crate) mod segments;
 mod short;

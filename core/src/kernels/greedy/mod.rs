@@ -9,7 +9,7 @@
 //! ```
 //!
 //! The loop is written once over [`Layout`]: the lanes hold 16 points of one problem ([`PointsInLanes`]) or one point
-//! of 16 problems ([`crate::kernels::greedy::interleaved`]). Each update waits for the one before, so that the pass is bound by
+//! of 16 problems ([`crate::kernels::greedy::interleaved_pass`]). Each update waits for the one before, so that the pass is bound by
 //! latency; what shortens it:
 //!
 //! 1. A candidate costs a polynomial and nothing of M: 4096 candidates take 1.8 to 2.8 times as long as 16. Only
@@ -22,12 +22,12 @@
 
 pub(crate) mod candidates;
 pub(crate) mod energies;
-pub(crate) mod exchange;
-pub(crate) mod interleaved;
+pub(crate) mod interleaved_pass;
 pub(crate) mod large_grid;
 pub(crate) mod moments;
 pub(crate) mod objective;
 pub(crate) mod point_group;
+pub(crate) mod replacement;
 pub(crate) mod search;
 pub(crate) mod shortlist;
 
@@ -70,7 +70,7 @@ pub(crate) struct Pass<'a> {
 /// What a pass searches, and the memory of a search.
 pub(crate) struct Search<'a> {
     pub(crate) candidates: &'a Candidates,
-    /// [`large_grid::floats`] numbers and, in an interleaved batch, [`crate::kernels::greedy::interleaved::floats`] before them.
+    /// [`large_grid::floats`] numbers and, in an interleaved batch, [`crate::kernels::greedy::interleaved_pass::floats`] before them.
     pub(crate) floats: &'a mut [f32],
     /// [`indices`] indices.
     pub(crate) indices: &'a mut [u32],

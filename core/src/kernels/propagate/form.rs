@@ -67,9 +67,9 @@ impl<P: Ahead> Form for &P {
 
 /// Whatever form a radiation has, found at each element: for sets whose code is to be short.
 #[derive(Clone, Copy)]
-pub(crate) struct Found<'a>(pub(crate) &'a Radiation);
+pub(crate) struct AnyForm<'a>(pub(crate) &'a Radiation);
 
-impl Form for Found<'_> {
+impl Form for AnyForm<'_> {
     #[inline(always)]
     fn direct<S: Elementwise>(self, s: S, amplitude: S::V, along: impl FnOnce() -> S::V, inverse: S::V) -> S::V {
         match &self.0.pattern {
@@ -110,7 +110,7 @@ fn directed<S: Elementwise>(s: S, pattern: &Pattern, amplitude: S::V, along: S::
 macro_rules! formed {
     ($s:expr, $radiation:expr, $in_phase:expr, $form:ident => $body:expr) => {{
         use crate::kernels::propagate::directivity::Pattern;
-        use crate::kernels::propagate::form::{Everywhere, Found, Plain};
+        use crate::kernels::propagate::form::{AnyForm, Everywhere, Plain};
         macro_rules! with {
             ($value:expr) => {{
                 let $form = $value;
@@ -119,7 +119,7 @@ macro_rules! formed {
         }
         match &$radiation.pattern {
             None if $radiation.is_plain($in_phase) => with!(Plain),
-            _ if $s.is_short() => with!(Found($radiation)),
+            _ if $s.is_short() => with!(AnyForm($radiation)),
             None => with!(Everywhere),
             Some(Pattern::Even6(pattern)) => with!(pattern),
             Some(Pattern::Even10(pattern)) => with!(pattern),

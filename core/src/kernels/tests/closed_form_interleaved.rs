@@ -4,7 +4,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::array::from_fn;
 
-use crate::kernels::closed_form::interleaved::{deal_out, sweep};
+use crate::kernels::closed_form::interleaved_sweep::{deal_out, sweep};
 use crate::kernels::closed_form::{MOST, Memory, Sweep, floats};
 use crate::kernels::grid::Phases;
 use crate::kernels::lanes::LANES;

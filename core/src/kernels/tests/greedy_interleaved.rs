@@ -2,7 +2,7 @@
 
 use alloc::vec;
 
-use crate::kernels::greedy::interleaved::{fits, floats, pass};
+use crate::kernels::greedy::interleaved_pass::{fits, floats, pass};
 use crate::kernels::greedy::large_grid;
 use crate::kernels::greedy::objective::L2;
 use crate::kernels::greedy::point_group::PointGroup;

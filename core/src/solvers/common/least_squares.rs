@@ -42,7 +42,7 @@ pub(crate) struct Task {
 }
 
 /// What was found: the drive, how it ended, and steps taken of all.
-pub(crate) struct Found {
+pub(crate) struct LeastSquares {
     pub(crate) drive: Vec<Complex32>,
     pub(crate) status: Status,
     pub(crate) steps: (usize, usize),
@@ -66,17 +66,17 @@ pub(crate) fn least_squares(
     task: &Task,
     work: &Workspace,
     control: &mut Control,
-) -> Result<Found, Error> {
+) -> Result<LeastSquares, Error> {
     let rows = Rows::new(problem, work, control)?;
     let mut targets = work.floats.take(rows.order.len());
     targets.iter_mut().zip(problem.targets()).for_each(|(own, target)| *own = task.factor * target);
-    let asked = Asked { targets: &targets, weights: problem.weights(), measure: Measure::Powers };
-    let moduli = Asked { measure: Measure::Moduli, ..asked };
+    let asked = RowRequest { targets: &targets, weights: problem.weights(), measure: Measure::Powers };
+    let moduli = RowRequest { measure: Measure::Moduli, ..asked };
     let others = if problem.has_start() { 0 } else { task.starts - 1 };
     let short = task.steps.div_ceil(POWER_STEPS);
     let (mut done, all) = (task.before, task.before + task.steps + others * short);
     let mut rng = Rng::new(task.seed);
-    let mut follow = |descent: &mut PhaseDescent, asked: Asked, most: usize, control: &mut Control| {
+    let mut follow = |descent: &mut PhaseDescent, asked: RowRequest, most: usize, control: &mut Control| {
         descend(descent, asked, &rows, (most, task.tolerance), |wave| {
             // A step is reported when the next one begins: the last one's residual is that of the answer.
             let residual = || problem.residual(&asked.heard(wave, task.factor));
@@ -115,12 +115,12 @@ pub(crate) fn least_squares(
         *q *= amplitude;
     }
     drop(best);
-    Ok(Found { drive, status, steps: (done, all) })
+    Ok(LeastSquares { drive, status, steps: (done, all) })
 }
 
 /// Targets and weights of the rows, and what the error is made of.
 #[derive(Clone, Copy)]
-struct Asked<'a> {
+struct RowRequest<'a> {
     targets: &'a [f32],
     weights: &'a [f32],
     measure: Measure,
@@ -132,7 +132,7 @@ enum Measure {
     Moduli,
 }
 
-impl Asked<'_> {
+impl RowRequest<'_> {
     /// |P|, target and weight of every row.
     fn terms(self, moduli: &[f32]) -> impl Iterator<Item = [f64; 3]> {
         let asked = self.targets.iter().zip(self.weights);
@@ -155,7 +155,7 @@ impl Asked<'_> {
     }
 }
 
-impl Cost for Asked<'_> {
+impl Cost for RowRequest<'_> {
     fn of(&self, wave: &Wave) -> f64 {
         let terms = self.terms(&wave.moduli);
         if self.measure == Measure::Powers {
@@ -185,7 +185,7 @@ impl Cost for Asked<'_> {
 /// Steps until little is gained, `stop`, which is asked before each, says so, or they are `most`.
 fn descend(
     descent: &mut PhaseDescent,
-    asked: Asked,
+    asked: RowRequest,
     rows: &Rows,
     (most, tolerance): (usize, f64),
     mut stop: impl FnMut(&Wave) -> bool,
@@ -230,7 +230,7 @@ fn played<'w>(drive: Vec<Complex32>, rows: &Rows, work: &'w Workspace) -> Wave<'
 }
 
 /// The wave that targets of random phases reflect.
-fn reflected<'w>(asked: Asked, rng: &mut Rng, rows: &Rows, work: &'w Workspace) -> Wave<'w> {
+fn reflected<'w>(asked: RowRequest, rng: &mut Rng, rows: &Rows, work: &'w Workspace) -> Wave<'w> {
     let mut projector = Projector::new(rows, work);
     for (j, target) in asked.targets.iter().enumerate() {
         let (angle, modulus) = (TAU * rng.uniform(), target / rows.target);

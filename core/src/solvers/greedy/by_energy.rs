@@ -28,13 +28,13 @@ pub trait Energy: Send + Sync {
     ///
     /// # Errors
     /// Whatever ends the solve; the best so far is lost then.
-    fn evaluate(&self, fields: &[Complex32], asked: &Asked, values: &mut [f64]) -> Result<(), Error>;
+    fn evaluate(&self, fields: &[Complex32], request: &ActiveRequest, values: &mut [f64]) -> Result<(), Error>;
 }
 
 /// What is asked for at the M points of weight above 0.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[allow(clippy::exhaustive_structs, reason = "handed to energies, made only here")]
-pub struct Asked {
+pub struct ActiveRequest {
     /// Targets (M,) in Pa.
     pub targets: Vec<f64>,
     /// Weights (M,), the largest 1.
@@ -44,14 +44,14 @@ pub struct Asked {
 /// Greedy search by an [`Energy`]: phases, amplitudes, order, seed and sweeps of `greedy`, from silence.
 ///
 /// ```
-/// use midair::solvers::{Asked, Energy, Greedy, GreedyBy};
+/// use midair::solvers::{ActiveRequest, Energy, Greedy, GreedyBy};
 /// use midair::{Array, Complex32, Control, Error, Medium, Problem, Request, Scene, Workspace};
 ///
 /// /// As loud as can be, wherever.
 /// struct Loud;
 /// impl Energy for Loud {
-///     fn evaluate(&self, fields: &[Complex32], asked: &Asked, values: &mut [f64]) -> Result<(), Error> {
-///         for (value, field) in values.iter_mut().zip(fields.chunks(asked.targets.len())) {
+///     fn evaluate(&self, fields: &[Complex32], request: &ActiveRequest, values: &mut [f64]) -> Result<(), Error> {
+///         for (value, field) in values.iter_mut().zip(fields.chunks(request.targets.len())) {
 ///             *value = -field.iter().map(|p| f64::from(p.norm_sqr())).sum::<f64>();
 ///         }
 ///         Ok(())
@@ -92,7 +92,7 @@ impl Solve for GreedyBy {
         let propagation = problem.propagation();
         let (points, lanes) = (propagation.points(), propagation.lanes());
         let (order, candidates) = greedy.search(problem, work)?;
-        let asked = Asked {
+        let request = ActiveRequest {
             targets: problem.active_targets_in_pascals().collect(),
             weights: problem.weights()[..points].iter().map(|&weight| weight.into()).collect(),
         };
@@ -119,7 +119,7 @@ impl Solve for GreedyBy {
                     let [re, im] = candidates.drive(k);
                     chunk.iter_mut().enumerate().for_each(|(j, p)| *p = field[j] + g(j) * Complex32::new(re, im));
                 }
-                self.energy.evaluate(&fields, &asked, &mut values)?;
+                self.energy.evaluate(&fields, &request, &mut values)?;
                 // In silence all phases are alike, and the first is taken.
                 let step = if silent { candidates.phases } else { 1 };
                 let best = best(&values, step)?;

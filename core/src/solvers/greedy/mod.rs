@@ -6,7 +6,7 @@
 //! changes the energy by less than an f32 sum of it can show.
 //!
 //! Given a start, the last frame's drive, it exchanges each transducer's wave for the best within a bound on the change of
-//! phase, see [`crate::solvers::common::exchange`].
+//! phase, see [`crate::solvers::common::coordinate_descent`].
 
 pub(crate) mod by_energy;
 
@@ -18,15 +18,15 @@ use crate::control::Control;
 use crate::device::quantization::Quantization;
 use crate::error::{Error, real, same_name};
 use crate::kernels::greedy;
-use crate::kernels::greedy::interleaved;
+use crate::kernels::greedy::interleaved_pass;
 use crate::kernels::greedy::{Pass, Search};
 use crate::kernels::{Candidates, L1, L2, LANES, PhaseRange, PointGroup, table};
 use crate::linalg::Planar;
 use crate::problem::{Problem, Solution, Status};
 use crate::rng::Rng;
 use crate::scene::{OptionValue, Options, Value, words};
-use crate::solvers::common::exchange::{Exchange, collect, moduli};
-use crate::solvers::common::interleaved::InterleavedBatch;
+use crate::solvers::common::coordinate_descent::{CoordinateDescent, collect, moduli};
+use crate::solvers::common::interleaved_batch::InterleavedBatch;
 use crate::solvers::method::{Info, Method, Solve};
 use crate::workspace::{Buffer, Workspace};
 
@@ -240,11 +240,15 @@ impl Solve for Greedy {
         let order = self.order(problem, work)?;
         let candidates = self.candidates(problem, work)?;
         if let Some(last) = problem.start_drive() {
-            let exchange =
-                Exchange { candidates: &candidates, order: &order, change: self.change, sweeps: self.sweeps as usize };
+            let descent = CoordinateDescent {
+                candidates: &candidates,
+                order: &order,
+                change: self.change,
+                sweeps: self.sweeps as usize,
+            };
             let solution = match self.objective {
-                Objective::L2 => exchange.solve::<L2>(problem, last, work, control),
-                Objective::L1 => exchange.solve::<L1>(problem, last, work, control),
+                Objective::L2 => descent.solve::<L2>(problem, last, work, control),
+                Objective::L1 => descent.solve::<L1>(problem, last, work, control),
             };
             for buffer in candidates.into_buffers() {
                 work.floats.give(buffer);
@@ -283,7 +287,7 @@ impl Solve for Greedy {
         };
         if self.sweeps > 1 && status == Status::Done {
             let sweeps = self.sweeps as usize - 1;
-            let again = Exchange { candidates: &candidates, order: &order, change: self.change, sweeps };
+            let again = CoordinateDescent { candidates: &candidates, order: &order, change: self.change, sweeps };
             let whole = |_: usize| Some(PhaseRange::whole(candidates.phases));
             let steps_of = [steps, all];
             (status, steps) = match self.objective {
@@ -313,7 +317,7 @@ impl Greedy {
     pub(super) fn solve_interleaved(&self, problems: &[Problem], work: &mut Workspace) -> Option<Vec<Solution>> {
         self.check().ok()?;
         let first = problems.first()?;
-        let fits = interleaved::fits(self.phases as usize, self.amplitudes as usize);
+        let fits = interleaved_pass::fits(self.phases as usize, self.amplitudes as usize);
         if self.objective != Objective::L2 || self.sweeps > 1 || !fits || problems.iter().any(Problem::has_start) {
             return None;
         }
@@ -321,7 +325,7 @@ impl Greedy {
         let candidates = self.candidates(first, work).ok()?;
         let order = self.order(first, work).ok()?;
         let lanes = batch.target.len();
-        let mut floats = work.floats.take(interleaved::floats(lanes, &candidates));
+        let mut floats = work.floats.take(interleaved_pass::floats(lanes, &candidates));
         let mut groups = work.points.take(lanes / LANES);
         let mut rows = work.floats.take(4 * lanes);
         let mut indices = work.indices.take(greedy::indices(LANES, candidates.phases));
@@ -336,7 +340,7 @@ impl Greedy {
         };
         let search = Search { candidates: &candidates, floats: &mut floats, indices: &mut indices };
         let [re, im] = &mut batch.pressures;
-        interleaved::pass(batch.points.set, pass, search, problems.len(), &mut batch.drives, [re, im]);
+        interleaved_pass::pass(batch.points.set, pass, search, problems.len(), &mut batch.drives, [re, im]);
         for buffer in candidates.into_buffers() {
             work.floats.give(buffer);
         }

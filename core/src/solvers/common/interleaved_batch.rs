@@ -7,7 +7,7 @@ use core::array;
 use num_complex::Complex32;
 
 use crate::control::Control;
-use crate::kernels::closed_form::interleaved::{EIGHT, deal_out};
+use crate::kernels::closed_form::interleaved_sweep::{EIGHT, deal_out};
 use crate::kernels::{ControlPoints, InstructionSet, LANES, Rows, Run, interleaved_moduli};
 use crate::linalg::Planar;
 use crate::problem::{Problem, Solution, Status};

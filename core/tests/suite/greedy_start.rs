@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use midair::solvers::{Greedy, Objective, Order, Uniform};
 use midair::{
-    Array, Ask, Complex32, Complex64, Control, InstructionSet, Medium, Metrics, Model, Problem, Propagation,
-    Quantization, Request, Rng, Session, Setup, Solution, Solve, Start, Workspace,
+    Array, Complex32, Complex64, Control, InstructionSet, Medium, Metrics, Model, Problem, Propagation, Quantization,
+    Request, Rng, Session, Setup, Solution, Solve, SolveRequest, Start, Workspace,
 };
 
 use crate::oracle::{self, Search};
@@ -197,8 +197,13 @@ fn a_batch_with_starts_is_lone_solves_bit_for_bit() {
     let greedy = Greedy { change: 1.0, ..Greedy::default() };
     let start = |k: usize| drive(400, 16, true, k as u64);
     let points = |k: usize| random_points(5, 0.1, k as u64);
-    let ask = |k: usize, ask: &mut Ask| {
-        *ask = Ask { points: points(k), request: Request::default(), start: Some(Start::Drive(start(k))), aim: None };
+    let ask = |k: usize, ask: &mut SolveRequest| {
+        *ask = SolveRequest {
+            points: points(k),
+            request: Request::default(),
+            start: Some(Start::Drive(start(k))),
+            aim: None,
+        };
         Ok(())
     };
     let solver: Arc<dyn Solve + Send + Sync> = Arc::new(greedy.clone());

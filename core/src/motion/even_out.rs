@@ -1,4 +1,4 @@
-//! Exchange: single phases moved where their neighbours in time leave room, until each frame is even.
+//! Evening out: single phases moved where their neighbours in time leave room, until each frame is even.
 
 use alloc::vec;
 use alloc::vec::Vec;

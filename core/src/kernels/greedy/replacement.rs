@@ -1,4 +1,4 @@
-//! Exchange: one transducer's wave is taken out of the field and put back by the drive that serves the points best.
+//! Replacement: one transducer's wave is taken out of the field and put back by the drive that serves the points best.
 //!
 //! ```text
 //! P -= G q                                  the others alone
@@ -26,9 +26,9 @@ pub(crate) fn keep(set: InstructionSet, asked: [&[f32]; 2], field: [&[f32]; 2], 
     });
 }
 
-/// Exchanges the drive of the transducer with this `row` of G in the field of `count` points and returns the new one: the
+/// Replaces the drive of the transducer with this `row` of G in the field of `count` points and returns the new one: the
 /// best candidate of the `range`, the present drive where there is no range, 0 where it has no effect.
-pub(crate) fn exchange<T: Term>(
+pub(crate) fn replace<T: Term>(
     set: InstructionSet,
     row: [&[f32]; 2],
     present: [f32; 2],
@@ -45,11 +45,11 @@ pub(crate) fn exchange<T: Term>(
                 None => present,
             }
         };
-        replace(s, row, present, (points, count), choose)
+        replaced(s, row, present, (points, count), choose)
     })
 }
 
-/// Exchanges a transducer's wave, its `row` times `drive`, for the wave times the best of some rotations, and returns the
+/// Replaces a transducer's wave, its `row` times `drive`, by the wave times the best of some rotations, and returns the
 /// index of that one. `wave` is memory for a row.
 pub(crate) fn rotate(
     set: InstructionSet,
@@ -73,14 +73,14 @@ pub(crate) fn rotate(
             choice = search::best::<_, L2>(s, others, rotations, false, tolerance);
             rotations.drive(choice)
         };
-        replace(s, [re, im], [1.0, 0.0], points, choose);
+        replaced(s, [re, im], [1.0, 0.0], points, choose);
         choice
     })
 }
 
 /// P -= G q, P += G q' with the q' that is chosen for the field of the others, and returned.
 #[inline(always)]
-fn replace<S: Simd>(
+fn replaced<S: Simd>(
     s: S,
     row: [&[f32]; 2],
     present: [f32; 2],

@@ -1,4 +1,4 @@
-//! Exchange: a drive bettered, one transducer after another taken out of the field and put back.
+//! Coordinate descent: a drive bettered, one transducer after another taken out of the field and put back.
 //!
 //! ```text
 //! P = G q of the drive to begin with
@@ -9,7 +9,7 @@
 //! ```
 //!
 //! From silence a transducer that may turn by little only would decide before the others are there, and all would end at
-//! an end of their arcs. Here each sees the waves of all others, those not yet exchanged as they were. After a pass from
+//! an end of their arcs. Here each sees the waves of all others, those not yet replaced as they were. After a pass from
 //! silence, further sweeps let the first transducers decide again, now that the others are there.
 
 use core::f64::consts::TAU;
@@ -34,7 +34,7 @@ const ROUNDING: f64 = 3e-8;
 const STEP_ROUNDING: f64 = 1e-9;
 
 /// Sweeps over all transducers.
-pub(crate) struct Exchange<'a> {
+pub(crate) struct CoordinateDescent<'a> {
     pub(crate) candidates: &'a Candidates,
     /// The transducers in the order of their updates.
     pub(crate) order: &'a [u32],
@@ -43,7 +43,7 @@ pub(crate) struct Exchange<'a> {
     pub(crate) sweeps: usize,
 }
 
-impl Exchange<'_> {
+impl CoordinateDescent<'_> {
     /// The drive that follows `last`, which is first brought to the device's grid. Where no candidate is within the bound
     /// a drive stays; a drive of 0 has no phase and may take any. Time O(N M) times the candidates within the bound,
     /// memory O(N + M).
@@ -101,7 +101,7 @@ impl Exchange<'_> {
             propagation.row(i, &mut row.re, &mut row.im);
             let (present, range) = ([drive[i].re, drive[i].im], range(i));
             let [re, im] =
-                kernels::exchange::<T>(set, row.row(0), present, self.candidates, range, (&mut *points, count));
+                kernels::replace::<T>(set, row.row(0), present, self.candidates, range, (&mut *points, count));
             drive[i] = Complex32::new(re, im);
             updates += 1;
             if control.step(updates, all, || problem.residual_of(moduli(points))).is_break() {

@@ -23,7 +23,7 @@ const LEAST_REACH: f64 = 1e-200;
 
 /// What a request asks of an array, over all points, in Pa.
 #[derive(Clone, Debug)]
-pub(crate) struct Targets {
+pub(crate) struct ArrayRequest {
     /// G at all points.
     pub(crate) propagation: Propagation,
     /// The array behind it.
@@ -49,7 +49,7 @@ pub(crate) struct Targets {
     pub(crate) excess: f64,
 }
 
-impl Targets {
+impl ArrayRequest {
     /// Nothing asked yet.
     pub(crate) fn new(propagation: Propagation, setup: Arc<Setup>) -> Self {
         Self {
