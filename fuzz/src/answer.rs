@@ -39,7 +39,7 @@ impl Allowed {
             let ray = [0, 1, 2].map(|axis| point[axis] - array.positions()[i][axis]);
             let distance = ray.iter().map(|x| x * x).sum::<f64>().sqrt();
             let cosine = ray.iter().zip(array.normals()[i]).map(|(x, n)| x * n).sum::<f64>() / distance;
-            let jump = array.transducer().directivity != Directivity::Point && cosine.abs() < tolerance;
+            let jump = array.transducer().directivity != Directivity::POINT && cosine.abs() < tolerance;
             let part = if jump { 1.0 + tolerance } else { tolerance };
             part * array.transducer().source_pressure * gain(i) / distance
         };

@@ -3,7 +3,7 @@
 use libfuzzer_sys::arbitrary::Unstructured;
 use midair::solvers::{Configured, SOLVERS};
 use midair::{
-    Aim, Array, Complex32, Complex64, Directivity, Error, Medium, Options, Quantization, Request, Start, Transducer,
+    Aim, Array, Complex32, Complex64, Directivity, Error, Medium, Options, Parameter, Quantization, Request, Start, Transducer,
     Value,
 };
 
@@ -131,13 +131,11 @@ impl<'a> Draw<'a> {
             Array::new(positions, normals)?
         };
         let parameter = self.real(0.02);
-        let directivity = match self.whole(0, 7) {
-            0 => Directivity::T4010a1,
-            1 => Directivity::Piston(parameter),
-            2 => Directivity::Sinc(parameter),
-            3 => Directivity::Cos(500.0 * parameter),
-            _ => Directivity::Point,
-        };
+        let laws: Vec<Directivity> = Directivity::all().collect();
+        // Half of the arrays are of point sources, the first law.
+        let law = laws[self.whole(0, 2 * laws.len() - 1).saturating_sub(laws.len())];
+        let scale = |own: Parameter| if own.length { 1.0 } else { 500.0 };
+        let directivity = Directivity::named(law.name().0, law.parameter().map(|own| scale(own) * parameter))?;
         let source_pressure = self.one(&[4.386, 4.386, 1e-3, 1.0, 1e-12, 1e12, 0.0]);
         let array = array.with_transducer(Transducer { source_pressure, directivity })?;
         let count = array.len();

@@ -189,15 +189,21 @@ def test_a_solver_refuses_in_one_line_and_goes_on() -> None:
 def test_a_solver_at_work_refuses_a_second_thread_in_one_line() -> None:
     busy = midair.Solver(ARRAY, "lm", steps=5000, eps=0.0)
     points = np.random.default_rng(1).uniform(-0.1, 0.1, (64, 3)) + np.array([0, 0, 0.2])
-    at_work = threading.Thread(target=busy, args=(points,))
+    refused = threading.Event()
+
+    def work() -> None:
+        while not refused.is_set():
+            busy(points)
 
     def look_on() -> None:
         while at_work.is_alive():
             _ = busy.elapsed
 
+    at_work = threading.Thread(target=work)
     at_work.start()
     try:
         with pytest.raises(midair.SceneError, match=r"solver is at work in another thread: give each thread"):
             look_on()
     finally:
+        refused.set()
         at_work.join()

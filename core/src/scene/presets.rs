@@ -7,8 +7,9 @@ use crate::device::quantization::Quantization;
 use crate::error;
 use crate::error::Error;
 use crate::math;
+use crate::scene::directivity::Directivity;
 use crate::scene::geometry::lattice;
-use crate::scene::transducer::{Directivity, Transducer};
+use crate::scene::transducer::Transducer;
 
 /// An array known by name.
 #[derive(Clone, Copy, Debug)]
@@ -42,12 +43,12 @@ impl Preset {
 }
 
 /// P0 = 1e-3 Pa m is eq. (5) with lengths in millimetres.
-const PAPER: Transducer = Transducer { source_pressure: 1e-3, directivity: Directivity::Point };
+const PAPER: Transducer = Transducer { source_pressure: 1e-3, directivity: Directivity::POINT };
 /// Ultraino's transducers of 10 mm.
-const ULTRAINO: Transducer = Transducer { source_pressure: 2.4, directivity: Directivity::Sinc(9e-3) };
+const ULTRAINO: Transducer = Transducer { source_pressure: 2.4, directivity: Directivity::sinc(9e-3) };
 /// Murata MA40S4S at 20 V.
-const MURATA: Transducer = Transducer { source_pressure: 3.4, directivity: Directivity::Piston(4.5e-3) };
-const HANDYBEAM: Transducer = Transducer { source_pressure: 3.4, directivity: Directivity::Cos(3.376) };
+const MURATA: Transducer = Transducer { source_pressure: 3.4, directivity: Directivity::piston(4.5e-3) };
+const HANDYBEAM: Transducer = Transducer { source_pressure: 3.4, directivity: Directivity::cos(3.376) };
 const OPENMPD: &str =
     "OpenMPD board file (16 x 16 at 10.5 mm, x slow, y from + to -) and AcousTools 1.2, Boards.py (gap, P0, piston)";
 /// Of boards above and below the origin, to the plane between them.
@@ -84,7 +85,7 @@ pub const PRESETS: [Preset; 13] = [
         source: "AUTD3 software, geometry of the device (18 x 14 at 10.16 mm, three sites missing); its manual, pulse width encoder",
         count: 249,
         tiles: true,
-        transducer: Transducer { source_pressure: 4.386, directivity: Directivity::Point },
+        transducer: Transducer { source_pressure: 4.386, directivity: Directivity::POINT },
         board: Some("autd3"),
         positions: autd3,
         normal: None,
@@ -139,7 +140,7 @@ pub const PRESETS: [Preset; 13] = [
         source: "Marzo, Barnes, Drinkwater, Rev. Sci. Instrum. 88, 085105, 2017; rings, P0 and sinc of Ultraino's TinyLev file",
         count: 72,
         tiles: false,
-        transducer: Transducer { source_pressure: 2.53, directivity: Directivity::Sinc(9e-3) },
+        transducer: Transducer { source_pressure: 2.53, directivity: Directivity::sinc(9e-3) },
         board: None,
         positions: |_| levitator([(6, 10.3e-3, 59.11e-3), (12, 20.5e-3, 56.38e-3), (18, 30.0e-3, 51.96e-3)]),
         normal: Some(|place| place.map(|x| -x)),
@@ -150,7 +151,7 @@ pub const PRESETS: [Preset; 13] = [
         source: "Ultraino's BigLev file: rings and P0; sinc as wide as its transducers",
         count: 72,
         tiles: false,
-        transducer: Transducer { source_pressure: 5.4, directivity: Directivity::Sinc(16e-3) },
+        transducer: Transducer { source_pressure: 5.4, directivity: Directivity::sinc(16e-3) },
         board: None,
         positions: |_| levitator([(6, 16.4e-3, 94.58e-3), (12, 32.8e-3, 90.21e-3), (18, 48.0e-3, 83.14e-3)]),
         normal: Some(|place| place.map(|x| -x)),

@@ -25,7 +25,7 @@ fn field(scene: &Scene, drive: &[Complex32], points: &[[f64; 3]]) -> Vec<Complex
 
 /// Real air and transducers.
 fn real() -> Scene {
-    let transducer = Transducer { directivity: Directivity::T4010a1, ..Transducer::default() };
+    let transducer = Transducer { directivity: Directivity::T4010A1, ..Transducer::default() };
     let array = preset("autd3").with_transducer(transducer).expect("a transducer");
     let response = (0..array.len()).map(|i| Complex64::from_polar(1.0 - 1e-3 * i as f64, 0.1 * i as f64)).collect();
     let array = array.with_response(Some(response)).expect("responses");

@@ -49,7 +49,7 @@ fn with(part: &str, other: &str) -> String {
 fn every_key_of_the_schema_is_read() {
     let scene = toml(WHOLE).expect("a scene");
     assert_eq!((scene.array().len(), scene.points().len()), (12, 2));
-    assert_eq!(scene.array().transducer().directivity, Directivity::Piston(4.5e-3));
+    assert_eq!(scene.array().transducer().directivity, Directivity::piston(4.5e-3));
     let medium = scene.medium();
     assert_eq!([medium.frequency, medium.sound_speed, medium.absorption, medium.density], [40e3, 340.0, 0.15, 1.2]);
     assert_eq!(scene.request().pressures, Some(vec![500.0, 250.0]));

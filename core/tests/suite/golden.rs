@@ -225,7 +225,7 @@ fn golden_vectors_come_out_bit_for_bit_under_the_scalar_set() {
 #[test]
 fn every_method_has_the_bits_of_the_scalar_set() {
     use midair::{Array, Directivity, Medium, Options, Request, Transducer};
-    for directivity in [Directivity::Point, Directivity::T4010a1] {
+    for directivity in [Directivity::POINT, Directivity::T4010A1] {
         let transducer = Transducer { directivity, ..Transducer::default() };
         let array = Array::grid(9, 7, 10e-3).and_then(|array| array.with_transducer(transducer));
         let medium = Medium { absorption: 0.15, ..Medium::default() };

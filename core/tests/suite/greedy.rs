@@ -125,7 +125,7 @@ fn crooked(points: usize, seed: u64) -> Scene {
     let weights = (0..points).map(|j| if j == 1 { 0.0 } else { random(0.5, 2.0) }).collect();
     let array = Array::new(positions, Some(normals)).expect("an array");
     let array = array.with_response(Some(response)).expect("responses");
-    let transducer = Transducer { directivity: Directivity::T4010a1, ..Transducer::default() };
+    let transducer = Transducer { directivity: Directivity::T4010A1, ..Transducer::default() };
     let array = array.with_transducer(transducer).expect("a transducer");
     let medium = Medium { absorption: 0.15, sound_speed: 346.1, ..Medium::default() };
     let request = Request { pressures: Some(pressures), weights: Some(weights), ..Request::default() };

@@ -280,7 +280,7 @@ fn what_cannot_be_answered_is_refused_before_any_solver() {
     };
     let grid = || Array::grid(4, 4, 10e-3).expect("a grid");
     let baffled = || {
-        let directivity = midair::Directivity::T4010a1;
+        let directivity = midair::Directivity::T4010A1;
         grid().with_transducer(Transducer { directivity, ..Transducer::default() }).expect("a transducer")
     };
     refused(grid(), vec![], "points");

@@ -46,7 +46,7 @@ impl Parts {
     }
 
     fn scene(&self) -> Scene {
-        let transducer = Transducer { directivity: Directivity::T4010a1, ..Transducer::default() };
+        let transducer = Transducer { directivity: Directivity::T4010A1, ..Transducer::default() };
         let array = Array::new(self.positions.clone(), Some(self.normals.clone()))
             .and_then(|array| array.with_transducer(transducer))
             .and_then(|array| array.with_response(Some(self.response.clone())))

@@ -10,14 +10,14 @@ use crate::oracle;
 use crate::scenes::{preset, problem, propagation, random_points, scene};
 
 const PATTERNS: [Directivity; 7] = [
-    Directivity::Point,
-    Directivity::Piston(4.5e-3),
+    Directivity::POINT,
+    Directivity::piston(4.5e-3),
     // Has two zeros and a negative side lobe before 90 degrees.
-    Directivity::Piston(1e-2),
-    Directivity::Sinc(9e-3),
-    Directivity::Cos(3.376),
-    Directivity::Cos(0.0),
-    Directivity::T4010a1,
+    Directivity::piston(1e-2),
+    Directivity::sinc(9e-3),
+    Directivity::cos(3.376),
+    Directivity::cos(0.0),
+    Directivity::T4010A1,
 ];
 
 /// 36 tilted transducers with responses of every phase, one of them dead, around `middle`, and `count` points at
@@ -127,7 +127,7 @@ fn an_array_five_metres_off_loses_no_digit() {
 
 #[test]
 fn matrix_has_the_rows_in_pascals_point_by_point() {
-    let scene = crooked(Directivity::T4010a1, 0.15, [0.0; 3], 0.9, 21);
+    let scene = crooked(Directivity::T4010A1, 0.15, [0.0; 3], 0.9, 21);
     let matrix = Propagation::of(&scene).matrix(&mut Control::none()).expect("no point on a transducer");
     assert_eq!(matrix.len(), 36 * 21);
     let entry = |i: usize, j: usize| Complex64::new(matrix[j * 36 + i].re.into(), matrix[j * 36 + i].im.into());
@@ -191,14 +191,14 @@ fn behind_a_baffle_all_is_silent() {
         let propagation = Propagation::of(&scene(array, points.clone(), None));
         let silent = rows(&propagation).iter().flatten().all(|g| *g == Complex64::ZERO);
         let exactly = (0..50).all(|j| propagation.exact(j, 21) == Complex64::ZERO);
-        let open = directivity == Directivity::Point;
+        let open = directivity == Directivity::POINT;
         assert_eq!((silent, exactly), (!open, !open), "{directivity:?}");
     }
 }
 
 #[test]
 fn an_entry_has_the_same_bits_whatever_the_number_of_points_and_the_memory() {
-    let whole = crooked(Directivity::T4010a1, 0.15, [0.0; 3], 0.9, 67);
+    let whole = crooked(Directivity::T4010A1, 0.15, [0.0; 3], 0.9, 67);
     let all = rows(&Propagation::of(&whole));
     for count in 1..=67 {
         let points = whole.points()[..count].to_vec();
@@ -221,7 +221,7 @@ fn stored(scene: &Scene) -> Propagation {
 #[test]
 fn stored_rows_are_the_users_matrix_at_every_count() {
     for count in 1..=67 {
-        let scene = crooked(Directivity::Cos(1.0), 0.0, [0.0; 3], 0.9, count);
+        let scene = crooked(Directivity::cos(1.0), 0.0, [0.0; 3], 0.9, count);
         let propagation = stored(&scene);
         assert_eq!((propagation.transducers(), propagation.points()), (36, count));
         for (i, (found, exact)) in rows(&propagation).iter().zip(crate::scenes::propagation(&scene)).enumerate() {

@@ -28,7 +28,7 @@ prop_compose! {
         let (positions, normals): (Vec<_>, Vec<_>) = places.into_iter().unzip();
         let count = positions.len();
         let directivity =
-            [Directivity::Point, Directivity::T4010a1, Directivity::Piston(5e-3), Directivity::Cos(2.0)][kind];
+            [Directivity::POINT, Directivity::T4010A1, Directivity::piston(5e-3), Directivity::cos(2.0)][kind];
         let array = Array::new(positions, Some(normals)).expect("an array");
         let array = array.with_transducer(Transducer { directivity, ..Transducer::default() }).expect("a transducer");
         let response = response.map(|(r, phi)| (0..count).map(|i| Complex64::from_polar(r * i as f64, phi)).collect());

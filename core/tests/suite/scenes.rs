@@ -1,6 +1,6 @@
 //! Scenes that tests share, and the same scenes as the oracle sees them.
 
-use midair::{Array, Complex32, Complex64, Directivity, Medium, Problem, Request, Rng, Scene};
+use midair::{Array, Complex32, Complex64, Medium, Problem, Request, Rng, Scene};
 
 use crate::oracle;
 
@@ -44,12 +44,13 @@ pub(crate) fn model(scene: &Scene) -> oracle::Model {
             })
             .collect(),
         source_pressure: array.transducer().source_pressure,
-        directivity: match array.transducer().directivity {
-            Directivity::Point => oracle::Directivity::Point,
-            Directivity::Piston(radius) => oracle::Directivity::Piston(radius),
-            Directivity::Sinc(width) => oracle::Directivity::Sinc(width),
-            Directivity::Cos(exponent) => oracle::Directivity::Cos(exponent),
-            Directivity::T4010a1 => oracle::Directivity::T4010a1,
+        directivity: match array.transducer().directivity.name() {
+            ("point", None) => oracle::Directivity::Point,
+            ("piston", Some(radius)) => oracle::Directivity::Piston(radius),
+            ("sinc", Some(width)) => oracle::Directivity::Sinc(width),
+            ("cos", Some(exponent)) => oracle::Directivity::Cos(exponent),
+            ("t4010a1", None) => oracle::Directivity::T4010a1,
+            other => panic!("the oracle lacks {other:?}"),
         },
         frequency: medium.frequency,
         sound_speed: medium.sound_speed,

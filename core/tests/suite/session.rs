@@ -155,7 +155,7 @@ fn small(full: bool, set: InstructionSet) -> Model {
         return Model::new(&array, Medium::default(), set).expect("an array");
     }
     let response = (0..35).map(|i| if i == 11 { Complex64::ZERO } else { Complex64::cis(f64::from(i % 4)) }).collect();
-    let transducer = Transducer { directivity: Directivity::Piston(4.5e-3), ..Transducer::default() };
+    let transducer = Transducer { directivity: Directivity::piston(4.5e-3), ..Transducer::default() };
     let array = array.with_transducer(transducer).and_then(|array| array.with_response(Some(response)));
     let medium = Medium { absorption: 0.15, ..Medium::default() };
     Model::new(&array.expect("an array"), medium, set).expect("an array")

@@ -19,7 +19,7 @@ fn facing(axis: usize) -> Array {
         positions.push(position);
         normals.push(normal);
     }
-    let transducer = Transducer { directivity: Directivity::Piston(4.5e-3), ..Transducer::default() };
+    let transducer = Transducer { directivity: Directivity::piston(4.5e-3), ..Transducer::default() };
     Array::new(positions, Some(normals)).and_then(|array| array.with_transducer(transducer)).expect("an array")
 }
 

@@ -30,12 +30,12 @@ fn error(set: InstructionSet, directivity: Directivity, steps: i32) -> f64 {
 
 /// `ka` as a radius in m.
 fn piston(ka: f64) -> Directivity {
-    Directivity::Piston(ka / WAVENUMBER)
+    Directivity::piston(ka / WAVENUMBER)
 }
 
 /// Half of k d as a width in m.
 fn sinc(x: f64) -> Directivity {
-    Directivity::Sinc(2.0 * x / WAVENUMBER)
+    Directivity::sinc(2.0 * x / WAVENUMBER)
 }
 
 #[test]
@@ -43,7 +43,7 @@ fn patterns_are_followed_within_a_millionth() {
     let exponents = [0.0, 0.1, 0.5, 1.0, 1.5, 2.0, 2.5, 2.9, 3.0, 3.376, 4.0, 5.5, 9.0, 12.5, 17.0, 24.0, 70.0, 6400.0];
     let widths = [0.01, 1.0, 2.0, 3.326, 4.0, 5.0, 6.0, 7.0, 8.0];
     let beams = widths.into_iter().flat_map(|x| [piston(x), sinc(x)]);
-    for directivity in exponents.into_iter().map(Directivity::Cos).chain(beams).chain([Directivity::T4010a1]) {
+    for directivity in exponents.into_iter().map(Directivity::cos).chain(beams).chain([Directivity::T4010A1]) {
         for set in InstructionSet::all() {
             let error = error(set, directivity, 40_000);
             assert!(error < 1e-6, "{set}: {directivity:?} is missed by {error:e}");

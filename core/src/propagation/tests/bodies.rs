@@ -83,7 +83,7 @@ fn points() -> Vec<[f64; 3]> {
 
 #[test]
 fn a_sphere_is_its_classical_series() {
-    let array = array(Directivity::Point);
+    let array = array(Directivity::POINT);
     for kind in [Surface::Rigid, Surface::Soft] {
         let sphere = Obstacle::Sphere { center: CENTER, radius: RADIUS, kind };
         let model = model(&array, Medium::default()).with_obstacles(&[sphere]).expect("a sphere");
@@ -182,7 +182,7 @@ fn solved(array: &Array, medium: Medium, obstacles: Vec<Obstacle>) -> Model {
 fn a_mesh_of_a_sphere_is_the_sphere() {
     // At 40 kHz, and where the inside of the rigid sphere resonates, k a = 4.4934 (p = 0 there: j_1(k a) = 0), which is
     // where an equation without its derivative fails.
-    let array = array(Directivity::Piston(4.5e-3));
+    let array = array(Directivity::piston(4.5e-3));
     for (kind, frequency) in [
         (Surface::Rigid, 40e3),
         (Surface::Soft, 40e3),

@@ -42,7 +42,7 @@ fn mirrored(array: &Array, i: usize, at: f64, [x, y, z]: [f64; 3]) -> Complex64 
 
 #[test]
 fn a_wall_adds_its_image() {
-    let array = array(Directivity::Piston(4.5e-3));
+    let array = array(Directivity::piston(4.5e-3));
     let tilted = Array::new(array.positions().to_vec(), Some(vec![[0.3, 0.1, 1.0]; array.len()])).expect("an array");
     let array = tilted.with_transducer(array.transducer()).expect("a transducer");
     let points = [[0.01, 0.02, 0.15], [0.0599, -0.03, 0.1], [-0.2, 0.1, 0.3]];
@@ -63,7 +63,7 @@ fn a_wall_adds_its_image() {
 
 #[test]
 fn surfaces_do_what_they_must() {
-    let array = array(Directivity::Point);
+    let array = array(Directivity::POINT);
     let [floor, side, back] = [
         ([0.0, -0.05, 0.0], [0.0, 1.0, 0.2]),
         ([0.07, 0.0, 0.0], [1.0, 0.0, 0.0]),
@@ -96,7 +96,7 @@ fn surfaces_do_what_they_must() {
 
 #[test]
 fn images_are_counted() {
-    let array = array(Directivity::Point);
+    let array = array(Directivity::POINT);
     let x = |at: f64| wall([at, 0.0, 0.0], [1.0, 0.0, 0.0], Surface::Rigid);
     let y = |at: f64| wall([0.0, at, 0.0], [0.0, 1.0, 0.0], Surface::Rigid);
     let z = wall([0.0, 0.0, 0.3], [0.0, 0.0, 1.0], Surface::Soft);
@@ -111,7 +111,7 @@ fn images_are_counted() {
 
 #[test]
 fn fields_and_pressures_are_those_of_the_images() {
-    let array = array(Directivity::Piston(4.5e-3));
+    let array = array(Directivity::piston(4.5e-3));
     let model = model(&array, &[wall([0.06, 0.0, 0.0], [1.0, 0.0, 0.0], Surface::Soft)]);
     let drive: Vec<_> = (0..array.len()).map(|i| Complex32::from_polar(1.0, i as f32)).collect();
     let points: Vec<_> = (0..300).map(|j| [0.1 - 1e-3 * f64::from(j), 0.01, 0.1 + 2e-4 * f64::from(j)]).collect();
@@ -132,7 +132,7 @@ fn fields_and_pressures_are_those_of_the_images() {
 #[test]
 fn scenes_keep_obstacles_and_refuse_what_cannot_be() {
     let scene = |points: Vec<[f64; 3]>, obstacles: Vec<Obstacle>| {
-        let scene = Scene::new(array(Directivity::Point), Medium::default(), points, Request::default());
+        let scene = Scene::new(array(Directivity::POINT), Medium::default(), points, Request::default());
         scene.and_then(|scene| scene.with_obstacles(obstacles))
     };
     let told = |obstacles: Vec<Obstacle>| scene(vec![[0.0, 0.0, 0.1]], obstacles).expect_err("refused").to_string();

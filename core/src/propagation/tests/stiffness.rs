@@ -13,7 +13,7 @@ use num_complex::Complex32;
 fn kept() -> (Model, Kept) {
     let place = |i: usize| [0.011 * (i % 4) as f64, 0.012 * (i / 4 % 3) as f64, if i < 12 { 0.0 } else { 0.08 }];
     let normals = (0..24).map(|i| [0.0, 0.0, if i < 12 { 1.0 } else { -1.0 }]).collect();
-    let transducer = Transducer { directivity: Directivity::Piston(4.5e-3), ..Transducer::default() };
+    let transducer = Transducer { directivity: Directivity::piston(4.5e-3), ..Transducer::default() };
     let array = Array::new((0..24).map(place).collect(), Some(normals));
     let array = array.and_then(|array| array.with_transducer(transducer)).expect("an array");
     let wall = Obstacle::Wall { point: [-0.05, 0.0, 0.0], normal: [1.0, 0.0, 0.0], kind: Surface::Rigid };

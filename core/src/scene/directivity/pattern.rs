@@ -9,7 +9,7 @@ use crate::kernels::LANES;
 use crate::kernels::lanes::Lanes;
 use crate::kernels::propagate::directivity::{Chebyshev, Exponent, MIDDLE, Pattern, Pieces, Polynomial};
 use crate::math;
-use crate::scene::transducer::Directivity;
+use crate::scene::directivity::law::{Directivity, Shape};
 
 /// The largest error of a polynomial before it is rounded to f32.
 const ERROR: f64 = 7.5e-7;
@@ -21,13 +21,13 @@ const NODES: usize = 64;
 const TERMS: f64 = 16.0;
 
 impl Directivity {
-    /// What the f32 rows read, for wavenumber k (1/m); none for a point source.
+    /// The pattern that the f32 rows read, for wavenumber k (1/m); none for a point source.
     pub(crate) fn pattern(&self, k: f64) -> Option<Pattern> {
-        let even = match *self {
-            Self::Point => return None,
-            Self::T4010a1 => return Some(Pattern::Pieces(pieces(|c| self.value(c, k)))),
-            Self::Piston(_) | Self::Sinc(_) => true,
-            Self::Cos(exponent) => libm::fmod(exponent, 2.0) == 0.0,
+        let even = match &self.law.shape {
+            Shape::Omnidirectional => return None,
+            Shape::Pieces(bounds) => return Some(Pattern::Pieces(pieces(bounds, |c| self.value(c, k)))),
+            Shape::Even => true,
+            Shape::Power => libm::fmod(self.parameter, 2.0) == 0.0,
         };
         let series = if even {
             short_series(|square| self.value(math::sqrt(square), k))
@@ -36,8 +36,8 @@ impl Directivity {
         };
         let powers = powers(&series);
         let polynomial = if size(&powers) <= TERMS { polynomial(even, &powers) } else { None };
-        Some(polynomial.unwrap_or_else(|| match *self {
-            Self::Cos(exponent) => Pattern::Exponent(Exponent(exponent as f32)),
+        Some(polynomial.unwrap_or_else(|| match self.law.shape {
+            Shape::Power => Pattern::Exponent(Exponent(self.parameter as f32)),
             _ => Pattern::Chebyshev(Chebyshev(series.iter().rev().map(|&x| x as f32).collect())),
         }))
     }
@@ -114,15 +114,11 @@ fn powers(series: &[f64]) -> Vec<f64> {
     powers
 }
 
-/// Where quartics begin, in degrees: at the measured angles, where D bends, and between them. The last ends at 0 degrees.
-const BOUNDS: [f64; LANES - 1] =
-    [90.0, 80.0, 70.0, 65.0, 60.0, 55.0, 50.0, 47.0, 43.0, 40.0, 35.0, 30.0, 26.0, 23.0, 20.0];
-
-/// Quartics of the cosine.
-fn pieces(value: impl Fn(f64) -> f64) -> Pieces {
+/// Quartics of the cosine, which begin at some angles in degrees; the last ends at 0 degrees.
+fn pieces(begins: &[f64; LANES - 1], value: impl Fn(f64) -> f64) -> Pieces {
     let middle = f64::from(MIDDLE);
     let bounds: Lanes = array::from_fn(|k| {
-        BOUNDS.get(k).map_or(1.0, |degrees| math::cos(degrees.to_radians()).max(0.0) - middle) as f32
+        begins.get(k).map_or(1.0, |degrees| math::cos(degrees.to_radians()).max(0.0) - middle) as f32
     });
     let mut coefficients = [[0.0; LANES]; 5];
     for (k, pair) in bounds.windows(2).enumerate() {

@@ -1,0 +1,113 @@
+//! Directivity D(theta) of a transducer: the laws, a file each, and a law with its parameter by name.
+
+pub(crate) mod bessel;
+pub(crate) mod cos;
+pub(crate) mod law;
+pub(crate) mod pattern;
+pub(crate) mod piston;
+pub(crate) mod point;
+pub(crate) mod sinc;
+pub(crate) mod t4010a1;
+
+use alloc::format;
+
+pub use law::{Directivity, Parameter};
+
+use crate::error::{Error, find, real};
+use crate::scene::directivity::law::{Law, Shape};
+
+/// The laws that scene files, Python and C know.
+static LAWS: [&Law; 5] = [&point::LAW, &piston::LAW, &sinc::LAW, &cos::LAW, &t4010a1::LAW];
+
+impl Directivity {
+    /// The directivities that bare names stand for, one of each law.
+    pub fn all() -> impl Iterator<Item = Self> {
+        LAWS.iter().map(|law| Self { law, parameter: law.parameter.map_or(0.0, |parameter| parameter.default) })
+    }
+
+    /// The directivity of a law's name and its parameter (piston: radius in m, sinc: width in m, cos: exponent); left
+    /// out it is the law's own.
+    ///
+    /// ```
+    /// use midair::Directivity;
+    ///
+    /// let names: Vec<&str> = Directivity::all().map(|directivity| directivity.name().0).collect();
+    /// assert_eq!(names, ["point", "piston", "sinc", "cos", "t4010a1"]);
+    /// assert_eq!(Directivity::named("piston", None)?, Directivity::piston(4.5e-3));
+    /// # Ok::<(), midair::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A name not listed, a parameter where none belongs, a radius or width that is not above 0, an exponent
+    /// below 0.
+    pub fn named(name: &str, parameter: Option<f64>) -> Result<Self, Error> {
+        let law = *find("directivity", name, &LAWS, |law| law.name)?;
+        match (law.parameter, parameter) {
+            (None, None) => Ok(Self { law, parameter: 0.0 }),
+            (None, Some(value)) => {
+                Err(Error::invalid(format!("directivity.{}", law.name), value, "it takes no parameter"))
+            }
+            (Some(own), given) => Self { law, parameter: given.unwrap_or(own.default) }.checked(),
+        }
+    }
+
+    /// The name and parameter that [`Directivity::named`] takes.
+    #[must_use]
+    pub fn name(&self) -> (&'static str, Option<f64>) {
+        (self.law.name, self.law.parameter.map(|_| self.parameter))
+    }
+
+    /// The formula, in one line.
+    #[must_use]
+    pub fn about(&self) -> &'static str {
+        self.law.about
+    }
+
+    /// The law's parameter, where it has one.
+    #[must_use]
+    pub fn parameter(&self) -> Option<Parameter> {
+        self.law.parameter
+    }
+
+    pub(crate) fn checked(self) -> Result<Self, Error> {
+        if let Some(Parameter { length, .. }) = self.law.parameter {
+            let item = format!("directivity.{}", self.law.name);
+            real(&item, self.parameter, 0.0, length)?;
+            if self.parameter > 1.0 && length {
+                return Err(Error::invalid(item, self.parameter, "give metres: no transducer is wider than 1 m"));
+            }
+        }
+        Ok(self)
+    }
+
+    /// Refuses beams so narrow that an angle in f32 no longer resolves them, for wavenumber k (1/m).
+    pub(crate) fn check_beam(&self, k: f64) -> Result<(), Error> {
+        // An error of 6e-8 in cos(theta) changes D by 2e-4 at most up to here.
+        if (self.law.sharpness)(self.parameter, k) > 80.0 {
+            let cure = "give metres, at most some 13 wavelengths (an exponent: at most 6400)";
+            return Err(Error::invalid(format!("directivity.{}", self.law.name), self.parameter, cure));
+        }
+        Ok(())
+    }
+
+    /// D at an angle given by its cosine, for wavenumber k (1/m), in double precision.
+    #[must_use]
+    pub fn value(&self, cos_theta: f64, k: f64) -> f64 {
+        if self.silent(cos_theta) { 0.0 } else { (self.law.value)(self.parameter, cos_theta, k) }
+    }
+
+    /// The Taylor coefficients of D by cos(theta), up to the third, for wavenumber k (1/m); all 0 behind a baffle.
+    pub(crate) fn taylor(&self, cos_theta: f64, k: f64) -> [f64; 4] {
+        let c = cos_theta.min(1.0);
+        if self.silent(c) { [0.0; 4] } else { (self.law.taylor)(self.parameter, c, k) }
+    }
+
+    /// Whether an angle lies behind the baffle.
+    fn silent(&self, cos_theta: f64) -> bool {
+        cos_theta < 0.0 && !matches!(self.law.shape, Shape::Omnidirectional)
+    }
+}
+
+#[cfg(test)]
+#[path = "../tests/directivity.rs"]
+mod tests;

@@ -1,0 +1,18 @@
+//! A point source: the paper's model.
+
+use crate::scene::directivity::law::{Directivity, Law, Shape};
+
+pub(super) static LAW: Law = Law {
+    name: "point",
+    parameter: None,
+    about: "D = 1 everywhere, also behind: the paper's model",
+    value: |_, _, _| 1.0,
+    taylor: |_, _, _| [1.0, 0.0, 0.0, 0.0],
+    sharpness: |_, _| 0.0,
+    shape: Shape::Omnidirectional,
+};
+
+impl Directivity {
+    /// D = 1 everywhere, also behind: the paper's model.
+    pub const POINT: Self = Self { law: &LAW, parameter: 0.0 };
+}
