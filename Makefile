@@ -97,7 +97,7 @@ test-rust: ## The core: tests, doctests, each feature set, no_std, a solver adde
 	$(call step,all crates: the oldest Rust (1 min),core/tests/minimum.sh)
 
 test-python: setup ## The package: tests, stubs, types
-	$(call step,package: tests (4 min),$(PYTHON) -m pytest --numprocesses auto --dist loadgroup)
+	$(call step,package: tests (4 min),$(PYTHON) -m pytest --numprocesses auto)
 	$(call step,package: stubs against the extension (20 s),$(PYTHON) -m mypy.stubtest midair._midair)
 	$(call step,package: types (20 s),$(PYTHON) -m mypy python/midair)
 

@@ -23,6 +23,16 @@ export function write(place: HTMLElement, text: string): void {
   if (place.textContent !== text) place.textContent = text;
 }
 
+/** A titled group of controls. */
+export function group(title: string, ...children: (Node | null)[]): HTMLElement {
+  return element("section", { className: "group" }, element("h2", {}, title), ...children);
+}
+
+/** A control with its name, and what it says beside. */
+export function labelled(name: string, control: HTMLElement, aside?: HTMLElement): HTMLElement {
+  return element("label", { className: aside ? "field wide" : "field" }, element("span", {}, name), aside, control);
+}
+
 /** A select of [value, text] pairs. */
 export function choice(
   pairs: readonly (readonly [string, string])[],

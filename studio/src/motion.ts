@@ -2,12 +2,11 @@
 
 import { createChart } from "./chart.ts";
 import type { Context } from "./context.ts";
-import { choice, element, write } from "./dom.ts";
+import { choice, element, labelled, write } from "./dom.ts";
 import type { Frame } from "./door.ts";
 import { sceneOf } from "./scene_file.ts";
 import { gridOf } from "./lattices.ts";
 import { pressure } from "./numbers.ts";
-import { labelled } from "./panels.ts";
 import { framesOf } from "./paths.ts";
 import type { Path, Vec3 } from "./types.ts";
 

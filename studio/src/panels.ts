@@ -1,7 +1,7 @@
 /** Panels: the left column, where array, air, slice, points and all else are chosen. */
 
 import { type Context, millimetres } from "./context.ts";
-import { choice, element, offer, write } from "./dom.ts";
+import { choice, element, group, labelled, offer, write } from "./dom.ts";
 import { soundSpeed } from "./lattices.ts";
 import { createMotion } from "./motion.ts";
 import { createPointTable } from "./table.ts";
@@ -27,16 +27,6 @@ const OBSTACLES: Record<string, Obstacle[]> = {
   wall: [{ point: [0.03, 0, 0], normal: [-1, 0, 0], kind: "rigid" }],
   ball: [{ center: [0, 0, 0.1], radius: 0.02, kind: "rigid" }],
 };
-
-/** A titled group of controls. */
-export function group(title: string, ...children: (Node | null)[]): HTMLElement {
-  return element("section", { className: "group" }, element("h2", {}, title), ...children);
-}
-
-/** A control with its name, and what it says beside. */
-export function labelled(name: string, control: HTMLElement, aside?: HTMLElement): HTMLElement {
-  return element("label", { className: aside ? "field wide" : "field" }, element("span", {}, name), aside, control);
-}
 
 /** Makes the column. */
 export function createPanels(context: Context): Panels {

@@ -16,7 +16,7 @@ use crate::error::Error;
 use crate::kernels::tiles;
 use crate::math::sqrtf;
 use crate::solvers::common::tiled::{Rows, Wave};
-use crate::solvers::even_field::common_level::{MOST_ROTATION, Newton};
+use crate::solvers::even_field::common_level::{MOST_ROTATION, Manner, Newton};
 use crate::solvers::even_field::run::Run;
 use crate::workspace::{Buffer, Workspace};
 
@@ -31,12 +31,14 @@ pub(super) struct Pace {
     least: f32,
     /// Steps at most.
     pub(super) steps: usize,
+    /// How the field is made even at the end: at a level, with what quiet points may leak of it.
+    pub(super) manner: fn(level: f32, quiet: f32) -> Manner,
 }
 
 impl Pace {
     /// For crowded targets. With a part of 0.85 a line of 33 points loses a tenth of the level, with 0.97 nothing more is
     /// gained.
-    pub(super) const LOUD: Self = Self { damping: 1.0, shrink: 0.93, least: 1e-5, steps: 160 };
+    pub(super) const LOUD: Self = Self { damping: 1.0, shrink: 0.93, least: 1e-5, steps: 160, manner: Manner::crowded };
 
     /// The first quarter of it, after which the weakest point tells how loud the end will be, within 3 %.
     pub(super) const FIRST: Self = Self { steps: 40, ..Self::LOUD };
@@ -46,7 +48,7 @@ impl Pace {
 
     /// For crowded quiet points around a few targets: their equations are linear, and there are many. A least damping of
     /// 1e-5 costs 4 % of the level beside a disc of 172 points, one of 1e-3 lets them leak twice as much.
-    pub(super) const SILENT: Self = Self { damping: 1e-2, shrink: 0.5, least: 1e-4, steps: 22 };
+    pub(super) const SILENT: Self = Self { damping: 1e-2, shrink: 0.5, least: 1e-4, steps: 22, manner: Manner::silent };
 }
 
 /// The least curvature D_i, relative to the mean: a transducer that hardly counts turns no further.

@@ -77,7 +77,7 @@ impl Manner {
     }
 
     /// For crowded points: to a level, the smooth part of a field first.
-    pub(super) fn crowded(level: f32) -> Self {
+    pub(super) fn crowded(level: f32, _quiet: f32) -> Self {
         Self {
             level: Some(level),
             damping: CROWDED_DAMPING,
@@ -121,7 +121,8 @@ pub(super) fn polish<'w>(run: &mut Run<'_, '_, 'w>, manner: Manner, wave: &mut W
         }
         fresh |= renew;
         let before = newton.cost(rows, wave, level_here(wave));
-        let tried = match newton.step(rows, wave, level, (renew, damping), &mut trial, run.control) {
+        let renewed = if renew { newton.update(rows, wave, None, run.control) } else { Ok(()) };
+        let tried = match renewed.and_then(|()| newton.step(rows, wave, level, damping, &mut trial, run.control)) {
             // What was half done when the stop came counts for nothing.
             Err(Error::Stopped) => {
                 run.stopped = true;
@@ -293,20 +294,16 @@ impl<'w> Newton<'w> {
         Ok(self.dual.back(&dual, &mut self.rotations).is_finite())
     }
 
-    /// Writes the wave after a step into `trial`, with new derivatives or the last ones; `false` if f32 cannot factor the
-    /// system.
+    /// Writes the wave after a step with the last derivatives into `trial`; returns `false` if f32 cannot factor the system.
     fn step(
         &mut self,
         rows: &Rows,
         wave: &Wave,
         level: Option<f32>,
-        (renew, damping): (bool, f32),
+        damping: f32,
         trial: &mut Wave,
         control: &mut Control,
     ) -> Result<bool, Error> {
-        if renew {
-            self.update(rows, wave, None, control)?;
-        }
         let factor = match self.factor.take() {
             None => self.factored(rows, damping, control)?,
             kept => kept,

@@ -1,8 +1,13 @@
-//! Even fields at the highest common level: point phases, weighted sweeps, then Gauss-Newton until even enough.
+//! Even fields at the highest common level, in the steps of [`solve`]:
 //!
-//! Point phases that reinforce one another are found on G, or several on the matrix of couplings ([`point_phases`]); weighted
-//! Gerchberg-Saxton sweeps with |q| = 1 raise the weakest points ([`weighted_sweeps`]); Gauss-Newton steps on
-//! |P_j| = s p_j, the level s free, make all alike ([`common_level`]).
+//! 1. *Start* ([`point_phases`], [`weighted_sweeps`]): point phases that reinforce one another are found on G, or several
+//!    on the matrix of couplings; weighted Gerchberg-Saxton sweeps with |q| = 1 raise the weakest points.
+//! 2. *Make even* ([`common_level`]): Gauss-Newton steps on |P_j| = s p_j, the level s free.
+//! 3. *Raise*, if the points are crowded ([`Regime`]): least squares on the targets ([`targets`]), and steps that hold the
+//!    level up while they make it even ([`ascent`]).
+//! 4. *Lift to the target*, if free steps ended below it.
+//! 5. *Stiffen*, if the points are traps ([`traps`]).
+//! 6. *Bring to the grid* of the board ([`on_grid`]), and down to the targets ([`answer`]).
 //!
 //! Rows of G are divided by their targets, so that all points ask for the same; the quiet ones come last.
 
@@ -21,6 +26,10 @@ pub(crate) mod traps;
 pub(crate) mod weighted_sweeps;
 pub(crate) mod within;
 
+use alloc::vec::Vec;
+
+use num_complex::Complex32;
+
 use crate::control::Control;
 use crate::error::Error;
 use crate::problem::{Problem, Solution, Status};
@@ -28,15 +37,25 @@ use crate::scene::Aim;
 use crate::solvers::common::tiled::Rows;
 use crate::solvers::even_field::answer::Answer;
 use crate::solvers::even_field::ascent::Pace;
-use crate::solvers::even_field::common_level::Manner;
+use crate::solvers::even_field::common_level::{MOST_STEPS, Manner};
 use crate::solvers::even_field::point_phases::Foci;
 use crate::solvers::even_field::run::{Plan, Run, TOO_MANY};
 use crate::solvers::even_field::search::Search;
 use crate::solvers::even_field::silence::Silence;
-use crate::solvers::even_field::targets::Nearest;
 use crate::workspace::Workspace;
 
-/// An even drive, at the level that the problem aims at: the best that any of some plans finds.
+/// How the points of a scene depend on one another, and so which steps make their field even.
+#[derive(Clone, Copy, PartialEq)]
+enum Regime {
+    /// Points apart: the shortest steps to an even field keep the level.
+    Separate,
+    /// A few targets amid crowded quiet points, whose equations are linear: a short ascent from each start.
+    Silent,
+    /// Points too close to be independent, or too many to be even: the shortest steps let the level go.
+    Crowded,
+}
+
+/// Returns an even drive, at the level that the problem aims at: the best that any of some plans finds.
 ///
 /// # Errors
 /// More memory than allowed; a stop before there is a drive.
@@ -49,80 +68,22 @@ pub(crate) fn solve(
     let silence = Silence::of(problem, plans[0].quiet, work, control)?;
     let mut rows = Rows::alike(problem, &silence.points, work, control)?;
     let foci = Foci::of(&mut rows, work, control)?;
-    let rows = &rows;
-    let moduli = work.floats.take(problem.propagation().lanes());
     // A start that is given is the only one.
     let plans = if problem.has_start() { &plans[plans.len() - 1..] } else { plans };
-    let (plan, steps) = (plans[0], common_level::MOST_STEPS);
-    let mut run = Run { problem, rows, plan, work, control, step: 0, steps, stopped: false, moduli };
-    let mut search = Search::new(rows, work);
-    let symmetric = problem.propagation().control_points().is_some_and(|points| regular::regular(points, work));
-    let extra = (symmetric && !problem.has_start()).then(|| plan.for_regular());
-    let mut crowded = false;
-    if silence.crowded {
-        for plan in plans {
-            search.climb(&mut run, &foci, *plan, (Pace::SILENT, |level| Manner::silent(level, plan.quiet)))?;
-        }
-        crowded = !search.even;
-    } else {
-        for plan in plans.iter().copied().chain(extra) {
-            crowded |= search.level(&mut run, &foci, plan)?;
-            if run.stopped || crowded {
-                break;
-            }
-        }
-    }
-    let wanted = problem.aim() == Aim::Target;
-    let mut nearest = None;
-    if crowded && !run.stopped && !problem.has_start() {
-        let found = targets::approach(&mut run, &mut search)?;
-        // Where all targets are nearly met, no other level is looked for.
-        crowded = !(wanted && (found.near || search.reaches(rows.target)));
-        if crowded && !run.stopped && rows.equations() <= TOO_MANY {
-            search.trial.play_at_full(rows, found.drive.iter().copied());
-            search.climb_on(&mut run, (Pace::LOUD, Manner::crowded))?;
-        }
-        if wanted {
-            nearest = Some(found);
-        } else {
-            work.complexes.give(found.drive);
-        }
-    }
-    if crowded && !run.stopped && rows.equations() <= TOO_MANY && !(wanted && search.reaches(rows.target)) {
-        for plan in plans {
-            search.race(&mut run, &foci, plan.for_crowded())?;
-        }
-    }
-    if let Some(Nearest { drive, near }) = nearest {
-        if !run.stopped && (!search.even || near && !search.reaches(rows.target)) {
-            // No even field was found, or one that is weaker: the nearest to the targets, then.
-            return Solution::new(problem, drive, (Status::OutOfSteps, run.step), run.steps, work, run.control);
-        }
-        work.complexes.give(drive);
-    }
-    let Search { mut best, mut even, lowest, trial: mut wave } = search;
-    // With many points the target may lie above the level where free steps end, and still be in reach.
-    if wanted && !run.stopped && lowest < rows.target && 4 * rows.targeted >= problem.propagation().transducers() {
-        wave.copy(&best);
-        if common_level::polish(&mut run, Manner::separate(Some(rows.target)), &mut wave)?.even {
-            even = true;
-            core::mem::swap(&mut best, &mut wave);
-        }
-    }
-    let stiffened = match if run.stopped { Ok(false) } else { traps::stiffen(&mut run, &mut best) } {
-        // The foci are there.
-        Err(Error::Stopped) => {
-            run.stopped = true;
-            false
-        }
-        stiffened => stiffened?,
-    };
-    let quantization = problem.quantization();
-    if let Some(quantization) = quantization
-        && !(run.stopped || stiffened)
+    let mut run = Run::new(problem, &rows, plans[0], MOST_STEPS, work, control);
+    let mut search = Search::new(&rows, work);
+    let expected = if silence.crowded { Regime::Silent } else { Regime::Separate };
+    let regime = make_even(&mut run, &mut search, &foci, plans, expected)?;
+    if regime == Regime::Crowded
+        && !run.stopped
+        && let Some(drive) = raise(&mut run, &mut search, &foci, plans)?
     {
-        // At full drive, where the grid is finest.
-        run.stopped = on_grid::round(problem, rows, quantization, even, &mut best, work, run.control).is_err();
+        return Solution::new(problem, drive, (Status::OutOfSteps, run.step), run.steps, work, run.control);
+    }
+    lift_to_target(&mut run, &mut search)?;
+    let Search { mut best, even, .. } = search;
+    if !traps::stiffen(&mut run, &mut best)? {
+        on_grid::bring(&mut run, even, &mut best);
     }
     let drive = best.drives(problem.propagation().transducers(), work);
     let status = match (run.stopped, even) {
@@ -130,5 +91,84 @@ pub(crate) fn solve(
         (_, true) => Status::Done,
         _ => Status::OutOfSteps,
     };
-    Answer { drive, status, steps: (run.step, run.steps) }.brought_down(problem, rows, &best, work, run.control)
+    Answer { drive, status, steps: (run.step, run.steps) }.brought_down(problem, &rows, &best, work, run.control)
+}
+
+/// Makes the fields of all starts even as the `expected` regime does, and returns the regime that the points turned out
+/// to be in.
+fn make_even<'w>(
+    run: &mut Run<'_, '_, 'w>,
+    search: &mut Search<'w>,
+    foci: &Foci,
+    plans: &[Plan],
+    expected: Regime,
+) -> Result<Regime, Error> {
+    if expected == Regime::Silent {
+        for plan in plans {
+            search.climb(run, foci, *plan, Pace::SILENT)?;
+        }
+        return Ok(if search.even { Regime::Silent } else { Regime::Crowded });
+    }
+    let symmetric = run.problem.propagation().control_points().is_some_and(|points| regular::regular(points, run.work));
+    let extra = (symmetric && !run.problem.has_start()).then(|| plans[0].for_regular());
+    for plan in plans.iter().copied().chain(extra) {
+        if search.level(run, foci, plan)? {
+            return Ok(Regime::Crowded);
+        }
+        if run.stopped {
+            break;
+        }
+    }
+    Ok(Regime::Separate)
+}
+
+/// Raises the level of crowded points. Returns the drive nearest to the targets instead where no even field was found
+/// that reaches them.
+fn raise<'w>(
+    run: &mut Run<'_, '_, 'w>,
+    search: &mut Search<'w>,
+    foci: &Foci,
+    plans: &[Plan],
+) -> Result<Option<Vec<Complex32>>, Error> {
+    let (target, given) = (run.rows.target, run.problem.has_start());
+    let nearest = if given { None } else { Some(targets::approach(run, search)?) };
+    // Where all targets are nearly met, no other level is looked for.
+    let wanted = run.problem.aim() == Aim::Target;
+    let near = wanted && nearest.as_ref().is_some_and(|nearest| nearest.near);
+    let unfinished = |run: &Run, search: &Search| {
+        !(near || run.stopped || run.rows.equations() > TOO_MANY || wanted && search.reaches(target))
+    };
+    if let Some(nearest) = &nearest
+        && unfinished(run, search)
+    {
+        search.trial.play_at_full(run.rows, nearest.drive.iter().copied());
+        search.climb_on(run, Pace::LOUD)?;
+    }
+    if unfinished(run, search) {
+        for plan in plans {
+            search.race(run, foci, plan.for_crowded())?;
+        }
+    }
+    let Some(nearest) = nearest else { return Ok(None) };
+    // No even field was found, or one that is weaker.
+    if wanted && !run.stopped && (!search.even || near && !search.reaches(target)) {
+        return Ok(Some(nearest.drive));
+    }
+    run.work.complexes.give(nearest.drive);
+    Ok(None)
+}
+
+/// Makes the field even at the target: with many points it may lie above the level where free steps end, and still be in
+/// reach.
+fn lift_to_target<'w>(run: &mut Run<'_, '_, 'w>, search: &mut Search<'w>) -> Result<(), Error> {
+    let (rows, propagation) = (run.rows, run.problem.propagation());
+    let below = run.problem.aim() == Aim::Target && search.lowest < rows.target;
+    if below && !run.stopped && 4 * rows.targeted >= propagation.transducers() {
+        search.trial.copy(&search.best);
+        if common_level::polish(run, Manner::separate(Some(rows.target)), &mut search.trial)?.even {
+            search.even = true;
+            core::mem::swap(&mut search.best, &mut search.trial);
+        }
+    }
+    Ok(())
 }

@@ -1,31 +1,28 @@
 //! An even field brought to a board's grid: error diffusion, or a search of the neighbouring codes where there are few.
 
-use crate::control::Control;
 use crate::device::quantization::Quantization;
 use crate::error::Error;
 use crate::kernels::tiles::error_diffusion::{Task, diffuse, floats};
-use crate::problem::Problem;
 use crate::solvers::common::refinement::refine;
-use crate::solvers::common::tiled::{Rows, Wave};
-use crate::workspace::Workspace;
+use crate::solvers::common::tiled::Wave;
+use crate::solvers::even_field::run::Run;
 
 /// Fewer phases are too far apart for tangents: error diffusion then loses a tenth of the level.
 const FEWEST: u32 = 8;
 
-/// Brings `wave` to the grid and leaves the points as even as that allows, and its field anew. A field that is not
-/// `even` has errors too large to be taken back by the next transducers: it is searched, too.
-///
-/// # Errors
-/// A stop: the drive is then partly where it was.
-pub(super) fn round(
-    problem: &Problem,
-    rows: &Rows,
-    quantization: &Quantization,
-    even: bool,
-    wave: &mut Wave<'_>,
-    work: &Workspace,
-    control: &mut Control,
-) -> Result<(), Error> {
+/// Brings `wave` to the board's grid, if it has one and the run was not stopped, and leaves the points as even as the
+/// grid allows, and its field anew. A field that is not `even` has errors too large to be taken back by the next
+/// transducers: it is searched, too. After a stop the drive is partly where it was.
+pub(super) fn bring(run: &mut Run, even: bool, wave: &mut Wave<'_>) {
+    if let Some(quantization) = run.problem.quantization()
+        && !run.stopped
+    {
+        run.stopped = round(run, quantization, even, wave).is_err();
+    }
+}
+
+fn round(run: &mut Run, quantization: &Quantization, even: bool, wave: &mut Wave<'_>) -> Result<(), Error> {
+    let (problem, rows, work, control) = (run.problem, run.rows, run.work, &mut *run.control);
     let points = rows.order.len();
     if let Some(phases) = &quantization.grid().phases
         && even

@@ -100,7 +100,20 @@ pub(super) struct Run<'a, 'b, 'w> {
     pub(super) moduli: Buffer<'w, f32>,
 }
 
-impl Run<'_, '_, '_> {
+impl<'a, 'b, 'w> Run<'a, 'b, 'w> {
+    /// A run before its first step, of `steps` as far as is known.
+    pub(super) fn new(
+        problem: &'a Problem,
+        rows: &'a Rows<'w>,
+        plan: Plan,
+        steps: usize,
+        work: &'w Workspace,
+        control: &'a mut Control<'b>,
+    ) -> Self {
+        let moduli = work.floats.take(problem.propagation().lanes());
+        Self { problem, rows, plan, work, control, step: 0, steps, stopped: false, moduli }
+    }
+
     /// Whether to go on after a step to `wave`. A step is reported when the next one is done: the last one's residual is
     /// that of the answer, which is reported when it is made.
     pub(super) fn report(&mut self, wave: &Wave) -> bool {

@@ -93,7 +93,7 @@ impl<'w> Search<'w> {
         run: &mut Run<'_, '_, 'w>,
         foci: &Foci,
         plan: Plan,
-        (pace, manner): (Pace, impl Fn(f32) -> Manner),
+        pace: Pace,
     ) -> Result<(), Error> {
         let rows = run.rows;
         let starts = Starts::new(run.problem, rows, foci, &plan, run.work, run.control)?;
@@ -104,7 +104,7 @@ impl<'w> Search<'w> {
                 break;
             }
             raise(run, &starts, start, &mut self.trial);
-            self.climb_on(run, (pace, &manner))?;
+            self.climb_on(run, pace)?;
         }
         Ok(())
     }
@@ -138,7 +138,7 @@ impl<'w> Search<'w> {
         }
         for (_, wave) in ahead.iter().flatten() {
             self.trial.copy(wave);
-            self.climb_on(run, (Pace::REST, Manner::crowded))?;
+            self.climb_on(run, Pace::REST)?;
         }
         Ok(())
     }
@@ -147,15 +147,11 @@ impl<'w> Search<'w> {
     ///
     /// # Errors
     /// More memory than allowed.
-    pub(super) fn climb_on(
-        &mut self,
-        run: &mut Run<'_, '_, 'w>,
-        (pace, manner): (Pace, impl Fn(f32) -> Manner),
-    ) -> Result<(), Error> {
+    pub(super) fn climb_on(&mut self, run: &mut Run<'_, '_, 'w>, pace: Pace) -> Result<(), Error> {
         let rows = run.rows;
         climb(run, pace, &mut self.trial)?;
         let level = self.trial.level(rows);
-        polish(run, manner(level), &mut self.trial)?;
+        polish(run, (pace.manner)(level, run.plan.quiet), &mut self.trial)?;
         let level = self.trial.level(rows);
         let even = self.trial.unevenness(rows, level, run.plan.quiet) <= run.plan.tolerance.max(ALIKE);
         self.offer(rows, even);

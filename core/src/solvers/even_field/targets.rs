@@ -51,13 +51,11 @@ pub(crate) fn met(
     if !silence.enough || rows.equations() > propagation.transducers() {
         return Ok(None);
     }
-    let moduli = work.floats.take(propagation.lanes());
-    let steps = steps + MOST_STEPS;
-    let mut run = Run { problem, rows, plan, work, control, step, steps, stopped: false, moduli };
+    let mut run = Run { step, ..Run::new(problem, rows, plan, steps + MOST_STEPS, work, control) };
     let mut wave = Wave::new(rows, work);
     wave.play_at_full(rows, drive.iter().copied());
     let near = wave.unevenness(rows, rows.target, run.plan.quiet) <= NEAR;
-    let met = near && polish(&mut run, Manner::crowded(rows.target), &mut wave)?.even;
+    let met = near && polish(&mut run, Manner::crowded(rows.target, plan.quiet), &mut wave)?.even;
     Ok(met.then(|| wave.drives(propagation.transducers(), work)))
 }
 
@@ -69,7 +67,7 @@ pub(super) struct Nearest {
     pub(super) near: bool,
 }
 
-/// Offers a search the nearest field, made even if it is near enough.
+/// Offers a search the nearest field, made even if it is near enough. Returns it.
 ///
 /// # Errors
 /// More memory than allowed.
@@ -87,7 +85,7 @@ pub(super) fn approach<'w>(run: &mut Run<'_, '_, 'w>, search: &mut Search<'w>) -
     let level = search.trial.level(rows);
     let near = search.trial.unevenness(rows, rows.target * factor, run.plan.quiet) <= NEAR;
     if !run.stopped && search.trial.unevenness(rows, level, run.plan.quiet) <= NEAR {
-        polish(run, Manner::crowded(level), &mut search.trial)?;
+        polish(run, Manner::crowded(level, run.plan.quiet), &mut search.trial)?;
     }
     let even =
         search.trial.unevenness(rows, search.trial.level(rows), run.plan.quiet) <= run.plan.tolerance.max(NEARLY);

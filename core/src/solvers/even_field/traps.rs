@@ -57,13 +57,24 @@ impl Cost for Softest<'_> {
     }
 }
 
-/// Makes the wave of even foci that of equal traps where the problem is one of traps and asks for no pressures. Whether it did.
+/// Makes the wave of even foci that of equal traps where the problem is one of traps and asks for no pressures. Returns
+/// whether it did; after a stop the foci stay.
 ///
 /// # Errors
-/// More memory than allowed, a stop before the first step.
+/// More memory than allowed.
+pub(super) fn stiffen(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
+    match if run.stopped { Ok(false) } else { descend(run, foci) } {
+        Err(Error::Stopped) => {
+            run.stopped = true;
+            Ok(false)
+        }
+        stiffened => stiffened,
+    }
+}
+
 // Inlined it would enlarge the stack of every solve.
 #[inline(never)]
-pub(super) fn stiffen(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
+fn descend(run: &mut Run, foci: &mut Wave) -> Result<bool, Error> {
     let (problem, work) = (run.problem, run.work);
     let trapping = problem.aim() == Aim::Max && !problem.asks_pressures() && !problem.has_start();
     let kept = problem.propagation().origin().and_then(|(_, _, kept)| kept);
