@@ -2,6 +2,7 @@
 
 use alloc::format;
 use alloc::string::String;
+use core::fmt;
 
 use crate::error::Error;
 use crate::files::node::Node;
@@ -25,6 +26,10 @@ impl Flaw {
     /// The parsers stop at some such depth.
     pub(super) fn nested(at: impl Into<Option<usize>>) -> Self {
         Self::new(at, "nested too deep: a scene file needs four levels of brackets at most")
+    }
+
+    pub(super) fn too_large(at: impl Into<Option<usize>>) -> Self {
+        Self::new(at, "a number too large for any computer: give fewer digits")
     }
 
     pub(super) fn twice(at: impl Into<Option<usize>>, key: &str) -> Self {
@@ -63,5 +68,11 @@ impl Flaw {
         });
         let example = example.or_else(|| schema::example("array", format)).unwrap_or_default();
         source.fault(self.at.map(|at| (text, at)), &format!("{}; for example {example}", self.reason))
+    }
+}
+
+impl fmt::Display for Flaw {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.reason)
     }
 }

@@ -55,7 +55,7 @@ fn table(table: DeTable<'_>) -> Result<Node, Flaw> {
 
 fn node(value: Spanned<DeValue<'_>>) -> Result<Node, Flaw> {
     let at = value.span().start;
-    let too_large = || Flaw::new(at, "a number too large for any computer: give fewer digits");
+    let too_large = || Flaw::too_large(at);
     Ok(match value.into_inner() {
         DeValue::String(text) => Node::Text(text.into_owned()),
         DeValue::Integer(value) => integer(&value).ok_or_else(too_large)?,

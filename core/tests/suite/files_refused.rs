@@ -146,8 +146,17 @@ fn json_is_refused_by_line_column_item_and_cure() {
                 ", line 2, column 39: unknown key of points[0] \"presure\": did you mean pressure?",
                 pressure,
             ),
-            (quiet("\"pressure\": NaN"), ", line 2, column 5", pressure),
-            (quiet("\"pressure\": 1e999"), "no JSON here (a number that JSON does not know", pressure),
+            (quiet("\"pressure\": NaN"), ", line 2, column 51: no JSON here (a value is missing", pressure),
+            (
+                quiet("\"pressure\": 1e999"),
+                ", line 2, column 51: a number too large for any computer: give fewer digits",
+                pressure,
+            ),
+            (
+                quiet("\"pressure\": 1."),
+                ", line 2, column 51: no JSON here (a number that JSON does not know",
+                pressure,
+            ),
             (quiet("\"pressure\": 1,"), "no JSON here (a comma before a closing bracket)", pressure),
             (quiet("pressure: 1"), "no JSON here (a key without double quotes)", "\"position\": [0.0, 0.0, 0.15]"),
             (quiet("\"pressure\" 1"), "no JSON here (a colon is missing", pressure),
@@ -181,6 +190,17 @@ fn json_is_refused_by_line_column_item_and_cure() {
             ("3".into(), "the document is 3: give a table", ""),
             (WHOLE.into(), ", line 2, column 2: no JSON", array),
             ("[".repeat(100_000), "nested too deep", array),
+            (format!("{}1", "{\"a\": ".repeat(100_000)), "nested too deep", array),
+            (
+                "{\"array\": {\"preset\": \"paper20\"},\n \"array\": {}}".into(),
+                ", line 2, column 2: the key \"array\" is written twice",
+                "\"preset\": \"autd3\"",
+            ),
+            (
+                scene(preset, position) + "\n]",
+                ", line 3, column 1: no JSON here (text after the end of the table)",
+                "\"position\": [0.0, 0.0, 0.15]",
+            ),
             (format!("{{{many}\"a\": 1}}"), "more keys than a scene file knows", array),
             (quiet("\"a\nb\": 1"), "a line break or tab within quotes", "\"position\": [0.0, 0.0, 0.15]"),
             (quiet("\"a\\nb\": 1"), "unknown key of points[0] \"a b\"", ""),
@@ -194,6 +214,8 @@ fn what_is_no_text_or_too_much_of_it_is_refused() {
     let refused = |bytes: &[u8]| read(bytes, Format::Toml).unwrap_err().to_string();
     assert!(refused(&[0x80, 0x81, 0x00, 0x80]).contains("UTF-16, or binary"));
     assert!(refused(b"a = \"\x80\"").contains("not text"));
+    let json = read(b"{\"a\": \"\xff\"}", Format::Json).unwrap_err().to_string();
+    assert!(json.contains("not text: give TOML or JSON in UTF-8"), "{json}");
     for endian in [u16::to_le_bytes, u16::to_be_bytes] {
         let wide = |text: &str| text.encode_utf16().flat_map(endian).collect::<Vec<u8>>();
         for text in [format!("\u{feff}{WHOLE}"), WHOLE.to_owned()] {

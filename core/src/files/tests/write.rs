@@ -1,8 +1,6 @@
-//! What is written reads as the same tree, and JSON reads as another reader has it.
+//! A written tree reads as the same tree, in both formats.
 
-use alloc::format;
 use alloc::string::String;
-use alloc::vec::Vec;
 
 use proptest::prelude::*;
 use serde_json::Value;
@@ -70,65 +68,4 @@ proptest! {
         write::toml("", &node, &mut text).expect("no null");
         prop_assert_eq!(toml::read(&text).ok(), Some(node), "{}", text);
     }
-
-    #[test]
-    fn a_number_or_word_is_refused_where_another_reader_refuses_it(text in r#"-?[0-9]{0,3}(\.[0-9]{0,30})?([eE][+-]?[0-9]{0,3})?|"[a\\/bu0-9dD"]{0,14}"?"#) {
-        check(&text);
-    }
-}
-
-/// Our reader and another say the same of a text.
-fn check(text: &str) {
-    let (own, other) = (json::read(text), serde_json::from_str::<Value>(text));
-    assert_eq!(own.as_ref().ok().map(told_short), other.ok().map(|value| format!("{value}")), "{text}");
-}
-
-/// As the other reader's value is written: whole numbers of a list are no longer known as such.
-fn told_short(node: &Node) -> String {
-    format!("{}", told(node))
-}
-
-#[test]
-fn a_document_is_refused_where_another_reader_refuses_it() {
-    let texts = [
-        r#"{"a": [true, false, null], "b": {"c": "d"}}"#,
-        " [\n] \t\r",
-        "[\"\\ud83d\\ude00 \\u00e9 \\/ \\b\\f\\n\\r\\t\"]",
-        "[\"\\ud83d\"]",
-        "[\"\\ude00\"]",
-        "[\"\\ud83d\\u0041\"]",
-        "[\"\\x41\"]",
-        "[\"\\u+123\"]",
-        "[\"a\nb\"]",
-        "[1.5,]",
-        "[1.5 2.5]",
-        "[1.5}",
-        "[1.5",
-        "{\"a\": 1,}",
-        "{\"a\" 1}",
-        "{a: 1}",
-        "{\"a\": 1} x",
-        "truex",
-        "nul",
-        "[NaN]",
-        "\u{a0}1",
-        "",
-        "18446744073709551615",
-        "18446744073709551616",
-        "-9223372036854775808",
-        "-9223372036854775809",
-        "-0",
-        "1e400",
-        "5e-324",
-        "2.4703282292062327208e-324",
-        "1.7976931348623158e308",
-    ];
-    for text in texts {
-        check(text);
-    }
-    let nested = |depth: usize| [vec!["["; depth], vec!["]"; depth]].concat().concat();
-    assert!(json::read(&nested(128)).is_ok() && json::read(&nested(129)).is_err());
-    let members: Vec<String> = (0..257).map(|k| format!("\"k{k}\": 1")).collect();
-    assert!(json::read(&format!("{{{}}}", members[1..].join(","))).is_ok());
-    assert!(json::read(&format!("{{{}}}", members.join(","))).is_err());
 }
