@@ -212,7 +212,7 @@ book/.venv/ready studio/.venv/ready: %/.venv/ready: %/requirements.txt .venv/rea
 		> "$$(echo $(@D)/lib/python*/site-packages)/midair.pth"
 	touch $@
 
-schema: ## Write docs/scene.schema.json anew, from core/src/files/schema.rs
+schema: ## Write docs/scene.schema.json and fuzz/scene.dict anew, from core/src/files/schema.rs
 	$(HOST_PYTHON) book/schema.py
 
 map: ## Write docs/map.md anew: every source file with its first line

@@ -1,4 +1,4 @@
-"""The JSON Schema of a scene file, from the core's own table of its keys: `make schema`."""
+"""The JSON Schema and the fuzzer's words of a scene file, from the core's keys: `make schema`."""
 
 from __future__ import annotations
 
@@ -10,10 +10,22 @@ from typing import Any
 
 ROOT = Path(__file__).parents[1]
 SOURCE = ROOT / "core" / "src" / "files" / "schema.rs"
+LAWS = ROOT / "core" / "src" / "scene" / "directivity"
 SCHEMA = ROOT / "docs" / "scene.schema.json"
+WORDS = ROOT / "fuzz" / "scene.dict"
 
 #: Every key with what it is, for the editor that shows it.
 MEANING = json.loads((Path(__file__).parent / "keys.json").read_text())
+#: The directivities by name, each with its formula.
+DIRECTIVITIES = {
+    name: about
+    for file in sorted(LAWS.glob("*.rs"))
+    for name, about in re.findall(r'name: "(\w+)",.*?about: "(.*?)"', file.read_text(), re.DOTALL)
+}
+MEANING["array.directivity"] += "".join(f" {name}: {about}." for name, about in DIRECTIVITIES.items())
+#: What a fuzzer writes beside keys: names, numbers at the ends, null.
+VALUES = ['"autd3"', '"paper20"', "[1, 2]", '"max"', '"full"', '"all"', "true", "null"]
+VALUES += ["inf", "nan", "-0.0", "1e308", "9223372036854775808"]
 #: Lists of any length whose example is as long as a place in space.
 FREE = {"array.quantization.amplitudes"}
 #: Numbers, or lists of them.
@@ -93,6 +105,17 @@ def text() -> str:
     return json.dumps(schema(), indent=2, ensure_ascii=False) + "\n"
 
 
+def words() -> str:
+    """The fuzzer's dictionary: tables and keys of both formats, and values."""
+    known = tables()
+    paths = [path.removesuffix("[]") for path in known if path]
+    keys = dict.fromkeys(key for table in known.values() for key in table)
+    found = [f"[{path}]" for path in paths] + [f"[[{path}]]" for path in paths]
+    found += [f"{key} = " for key in keys] + [f'"{key}":' for key in keys]
+    found += VALUES + [f'"{name}"' for name in DIRECTIVITIES]
+    return "# Words of scene files.\n" + "".join(f"{json.dumps(word)}\n" for word in found)
+
+
 def page() -> str:
     """The same as a page: a table of keys for each table of a scene file."""
     lines = [
@@ -117,3 +140,4 @@ def page() -> str:
 
 if __name__ == "__main__":
     SCHEMA.write_text(text())
+    WORDS.write_text(words())

@@ -189,8 +189,8 @@ midair_result midair_session_open(const char *scene,
 size_t midair_session_transducers(const midair_session *session);
 
 // Sets an option to a number: of the medium ("frequency", "sound_speed", "temperature", "absorption", "density"), of the
-// transducers ("source_pressure", "directivity.piston", "directivity.sinc", "directivity.cos"), or of the method. A session
-// whose options are set begins anew.
+// transducers ("source_pressure", "directivity." and the name of a directivity that takes a parameter, as in
+// "directivity.piston"), or of the method. A session whose options are set begins anew.
 midair_result midair_session_set_number(midair_session *session,
                                         const char *name,
                                         double value,

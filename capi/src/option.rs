@@ -36,13 +36,12 @@ enum Own {
     Density,
     SourcePressure,
     Directivity,
-    DirectivityOf(&'static str),
     Response,
     Mask,
     Quantization,
 }
 
-const OWN: [(&str, Own); 13] = [
+const OWN: [(&str, Own); 10] = [
     ("frequency", Own::Frequency),
     ("sound_speed", Own::SoundSpeed),
     ("temperature", Own::Temperature),
@@ -50,9 +49,6 @@ const OWN: [(&str, Own); 13] = [
     ("density", Own::Density),
     ("source_pressure", Own::SourcePressure),
     ("directivity", Own::Directivity),
-    ("directivity.piston", Own::DirectivityOf("piston")),
-    ("directivity.sinc", Own::DirectivityOf("sinc")),
-    ("directivity.cos", Own::DirectivityOf("cos")),
     ("response", Own::Response),
     ("mask", Own::Mask),
     ("quantization", Own::Quantization),
@@ -100,6 +96,9 @@ impl Setting {
     /// Sets an option, or sets it anew.
     pub(crate) fn set(&mut self, name: &str, given: Given<'_>) -> Result<(), Error> {
         let value = |item: &str| given.number(item);
+        if let Some(law) = name.strip_prefix("directivity.") {
+            return self.direct(law, Some(value(&format!("directivity.{law}"))?));
+        }
         match word("option", &Value::Text(name.into()), &OWN) {
             Ok(Own::Frequency) => self.medium.frequency = value("medium.frequency")?,
             Ok(Own::SoundSpeed) => self.medium.sound_speed = value("medium.sound_speed")?,
@@ -111,7 +110,6 @@ impl Setting {
                 self.radiate(Transducer { source_pressure, ..self.array.transducer() })?;
             }
             Ok(Own::Directivity) => self.direct(given.text("array.directivity")?, None)?,
-            Ok(Own::DirectivityOf(name)) => self.direct(name, Some(value(&format!("directivity.{name}"))?))?,
             Ok(Own::Response) => {
                 let response = given.complexes("array.response")?;
                 self.array = self.array.clone().with_response(Some(response))?;
@@ -151,7 +149,9 @@ impl Setting {
 /// An option that no method has, with the names known here beside the method's.
 fn with_own_names(error: Error) -> Error {
     let Error::Unknown { kind, name, mut hint, mut known } = error else { return error };
-    let names = OWN.iter().map(|(name, _)| *name).chain(["balance", "aim"]);
+    let with_parameter = Directivity::all().filter(|directivity| directivity.parameter().is_some());
+    let laws: Vec<String> = with_parameter.map(|directivity| format!("directivity.{}", directivity.name().0)).collect();
+    let names = OWN.iter().map(|(name, _)| *name).chain(laws.iter().map(String::as_str)).chain(["balance", "aim"]);
     if let Error::Unknown { hint: own, known: names, .. } = Error::unknown("", &*name, names) {
         hint = if hint.is_empty() { own } else { hint };
         known = format!("{known}, {names}");

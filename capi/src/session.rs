@@ -216,8 +216,8 @@ pub extern "C" fn midair_session_transducers(session: Option<&Session>) -> usize
 }
 
 /// Sets an option to a number: of the medium ("frequency", "sound_speed", "temperature", "absorption", "density"), of the
-/// transducers ("source_pressure", "directivity.piston", "directivity.sinc", "directivity.cos"), or of the method. A session
-/// whose options are set begins anew.
+/// transducers ("source_pressure", "directivity." and the name of a directivity that takes a parameter, as in
+/// "directivity.piston"), or of the method. A session whose options are set begins anew.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_session_set_number(
     session: *mut Session,

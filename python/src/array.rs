@@ -21,7 +21,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 /// N transducers: positions (N, 3) in m, normals (N, 3), and how each radiates.
 ///
 /// Normals are normalised and +z where left out. source_pressure (Pa m) is the on-axis pressure times distance
-/// at full drive, directivity a name ("point", "piston", "sinc", "cos", "t4010a1") or {name: parameter},
+/// at full drive, directivity a name such as "t4010a1" or {name: parameter} (docs/conventions.md lists them),
 /// response (N,) a complex factor of each transducer, 0 for a dead one; mask (N,) is False where one is off.
 /// quantization is what its board can play, {"phases": 256, "amplitudes": [0, 0.5, 1]}: every answer then lies on
 /// that grid. What is left out there, or None, is continuous.
@@ -326,6 +326,18 @@ pub(crate) fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
             board: preset.board.map(Into::into),
         };
         dict.set_item(preset.name, Bound::new(py, info)?)?;
+    }
+    Ok(dict)
+}
+
+/// Every directivity by name: the default of its parameter or None, the parameter's unit, and the formula.
+#[pyfunction]
+pub(crate) fn directivities(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let dict = PyDict::new(py);
+    for directivity in Directivity::all() {
+        let (name, default) = directivity.name();
+        let unit = directivity.parameter().map_or("", |parameter| if parameter.length { "m" } else { "" });
+        dict.set_item(name, (default, unit, directivity.about()))?;
     }
     Ok(dict)
 }

@@ -53,7 +53,7 @@ mod _midair {
     #[pymodule_export]
     use super::ahead::tracks;
     #[pymodule_export]
-    use super::array::{Array, PresetInfo, presets};
+    use super::array::{Array, PresetInfo, directivities, presets};
     #[pymodule_export]
     use super::batch::{Batch, solve_batch};
     #[pymodule_export]

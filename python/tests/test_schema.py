@@ -65,6 +65,7 @@ def documents() -> list[tuple[str, str]]:
 
 def test_it_is_what_the_cores_table_says() -> None:
     assert schema.text() == (ROOT / "docs" / "scene.schema.json").read_text(), "run `make schema`"
+    assert schema.words() == (ROOT / "fuzz" / "scene.dict").read_text(), "run `make schema`"
 
 
 def test_every_key_and_no_other_has_its_meaning() -> None:

@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Array, Scene, SceneWarning
+from .._midair import Array, Scene, SceneWarning, directivities
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 #: The air that a fit may find, in m/s: -60 to 60 degrees C (docs/conventions.md).
 AIR = (293.0, 366.0)
-#: Standard deviations of a directivity's number before any reading: of a cosine's exponent, and of a
-#: piston's radius and a strip's width relative to it. "point" is the cosine to the power of 0.
+#: Standard deviations of a directivity's number before any reading: of an exponent, and of a length in m
+#: relative to it. "point" is the cosine to the power of 0.
 EXPONENT, WIDTH = 2.0, 0.3
 #: And of a clock's phase in rad and the loudness's logarithm: nothing is known of them.
 UNKNOWN = 10.0
@@ -57,7 +57,8 @@ class Model:
         self._second = second
         self._middle = own.positions[second].mean(0) if len(second) else np.zeros(3)
         self.start = np.r_[scene.sound_speed, number, 0.0, 0.0, microphones.ravel(), np.zeros(6)]
-        width = {"cos": EXPONENT, "piston": WIDTH * number, "sinc": WIDTH * number}.get(self._kind, 0.0)
+        default, self._unit, _ = directivities()[self._kind]
+        width = 0.0 if default is None else WIDTH * number if self._unit == "m" else EXPONENT
         pose = np.repeat(priors.pose, 3) if len(second) else np.zeros(6)
         self.spread = np.r_[
             priors.sound_speed,
@@ -117,7 +118,7 @@ class Model:
         found = state.copy()
         found[self.free] += by
         found[SPEED] = np.clip(found[SPEED], *AIR)
-        least = 0.0 if self._kind == "cos" else self.start[NUMBER] / 10
+        least = self.start[NUMBER] / 10 if self._unit == "m" else 0.0
         found[NUMBER] = np.maximum(found[NUMBER], least)
         return found
 

@@ -203,11 +203,10 @@ impl Shot {
 /// Every directivity, without absorption and with 1.3 dB/m.
 fn shots(seed: u64, count: usize) -> Vec<Shot> {
     let mut rng = Rng::new(seed);
-    let patterns = ["point", "piston", "sinc", "cos", "t4010a1"].map(|name| Directivity::named(name, None));
     let mut list = Vec::new();
-    for pattern in patterns {
+    for pattern in Directivity::all() {
         for decay in [0.0, (-0.15 * 8.5e-3 * LOG2_E) as f32] {
-            list.push(Shot::new(&mut rng, pattern.clone().expect("a known name"), decay, count));
+            list.push(Shot::new(&mut rng, pattern, decay, count));
         }
     }
     list
