@@ -1,6 +1,6 @@
 #!/bin/bash
-# The three steps of docs/extending.md, done to a copy of the core with the page's own words: its solver compiles without
-# a warning, passes its own test and, alone in the registry, keeps the law book.
+# The steps of docs/extending.md, done to a copy of the core with the page's own words: its solver and its directivity
+# compile without a warning, pass the tests that run over all of them and, the solver alone in the registry, the law book.
 set -eu -o pipefail
 cd "$(dirname "$0")/../.."
 export CARGO_INCREMENTAL=0
@@ -25,18 +25,28 @@ cp -rp Cargo.toml Cargo.lock rustfmt.toml core "$copy"
 sed -i 's/^members = .*/members = ["core"]/; /^exclude = /d' "$copy/Cargo.toml"
 printf '\n[profile.test.package.midair]\nopt-level = 0\n' >>"$copy/Cargo.toml"
 
+block() { # the first or second block of Rust
+    awk -v wanted="$1" '/^```rust$/ { count++; inside = 1; next } /^```$/ { inside = 0 } inside && count == wanted' "$page"
+}
+
 file=$(words 'core/src/solvers/two_phases\.rs')
-module=$(words 'pub(crate) mod [a-z_]*;')
+module=$(words 'pub(crate) mod two_phases;')
 name=$(words 'pub use [^`]*;')
 entry=$(words 'Entry::of::<[^`]*>(),')
-sed -n '/^```rust$/,/^```$/p' "$page" | sed '1d; $d' >"$copy/$file"
+block 1 >"$copy/$file"
 insert "$module" 'pub(crate) mod uniform;' core/src/solvers/mod.rs
 insert "$name" 'pub use uniform::Uniform;' core/src/solvers/mod.rs
 insert "    $entry" 'pub static SOLVERS.*' core/src/solvers/registry.rs
 
+law=$(words 'core/src/scene/directivity/gauss\.rs')
+listed=$(words '&gauss::LAW')
+block 2 >"$copy/$law"
+insert "$(words 'pub(crate) mod gauss;')" 'pub(crate) mod cos;' core/src/scene/directivity/mod.rs
+sed -i "s/^static LAWS: \[&Law; 5\] = \[/static LAWS: [\&Law; 6] = [${listed/&/\\&}, /" "$copy/core/src/scene/directivity/mod.rs"
+
 own=(--manifest-path "$copy/Cargo.toml" -p midair --features scene-file,parallel)
 export CARGO_TARGET_DIR=$PWD/target
-rustfmt --check --edition 2024 "$copy/$file"
+rustfmt --check --edition 2024 "$copy/$file" "$copy/$law"
 cargo clippy --quiet "${own[@]}" -- -D warnings
 
 # The law book over this solver alone.
@@ -51,4 +61,6 @@ mod oracle;
 mod scenes;
 RUST
 cargo test --quiet "${own[@]}" --lib two_phases
+cargo test --quiet "${own[@]}" --lib directivit
+cargo test --quiet "${own[@]}" --lib eq_5
 cargo test --quiet "${own[@]}" --test suite --test allocations -- --include-ignored

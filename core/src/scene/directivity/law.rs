@@ -14,7 +14,7 @@ pub(crate) struct Law {
     pub(crate) value: fn(f64, f64, f64) -> f64,
     /// The Taylor coefficients D, D', D''/2, D'''/6 by cos theta, of (parameter, cos theta, k), there.
     pub(crate) taylor: fn(f64, f64, f64) -> [f64; 4],
-    /// How fast D varies with the angle, of (parameter, k).
+    /// How fast D varies with the angle, of (parameter, k): x where D falls as 1 - x^2 sin^2(theta)/6 from the axis, about.
     pub(crate) sharpness: fn(f64, f64) -> f64,
     /// What the polynomials of the f32 rows follow.
     pub(crate) shape: Shape,
