@@ -27,7 +27,7 @@ def solvers_command(name: str | None = None, *, json: Annotated[bool, Parameter(
     if name is not None:
         known = {solver_name(name): known[solver_name(name)]}
     if json:
-        print(output.to_json({name: _record(info) for name, info in known.items()}))
+        print(output.to_json({name: _solver_record(info) for name, info in known.items()}))
         return 0
     table = Table("solver", "option", "default", "what it does", box=box.SIMPLE_HEAD)
     for listed, info in known.items():
@@ -62,7 +62,7 @@ def _print_uses(solver: tuple[str, SolverInfo]) -> None:
         console.print(f"  {where + ':':14}{line}", markup=False, highlight=False, soft_wrap=True)
 
 
-def _record(info: SolverInfo) -> dict[str, Any]:
+def _solver_record(info: SolverInfo) -> dict[str, Any]:
     options = {name: {"default": about.default, "doc": about.doc} for name, about in info.options.items()}
     known = {"summary": info.summary, "source": info.source, "balance": info.balance}
     return {**known, "uses_phases": info.uses_phases, "options": options}

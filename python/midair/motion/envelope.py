@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .blocks import MOST, blocks
+from .blocks import BLOCK, blocks
 from .drives import Drives
 
 Hold = Literal["hold", "linear"]
@@ -49,7 +49,7 @@ class Envelope:
             starts, before = self._starts(course, before)
             rest = starts - course.at(0.0)
             # Frames so long that a single one is no block.
-            length = max(1, MOST // len(starts) // count)
+            length = max(1, BLOCK // len(starts) // count)
             for first in range(0, substeps, length):
                 steps = slice(first, min(first + length, substeps))
                 y = np.empty((len(starts), steps.stop - first, count), np.complex64)
