@@ -26,7 +26,7 @@ sed -i 's/^members = .*/members = ["core"]/; /^exclude = /d' "$copy/Cargo.toml"
 printf '\n[profile.test.package.midair]\nopt-level = 0\n' >>"$copy/Cargo.toml"
 
 block() { # the first or second block of Rust
-    awk -v wanted="$1" '/^```rust(,ignore)?$/ { count++; inside = 1; next } /^```$/ { inside = 0 } inside && count == wanted' "$page"
+    awk -v wanted="$1" '/^```(rust|rs)$/ { count++; inside = 1; next } /^```$/ { inside = 0 } inside && count == wanted' "$page"
 }
 
 file=$(words 'core/src/solvers/two_phases\.rs')
