@@ -195,7 +195,7 @@ measuring: setup ## Print the tables of docs/measuring.md and draw docs/measurin
 
 paper: setup ## Make the paper's figures anew (TRIALS=1000) and docs/paper.md from their tables
 	OPENBLAS_NUM_THREADS=1 $(BIN)/midair reproduce all --trials $(TRIALS) --output out/paper
-	$(PYTHON) -m midair.reproduce.page out/paper docs
+	$(PYTHON) -m midair._reproduce.page out/paper docs
 
 docs: setup book/.venv/ready ## Build the book, the documentation as a site: out/site/index.html
 	$(call step,book: built where nothing warns (10 s),NO_MKDOCS_2_WARNING=1 book/.venv/bin/mkdocs build --quiet --strict --config-file book/mkdocs.yml)
@@ -238,4 +238,4 @@ wheels: setup studio ## Wheels for Linux, x86-64 and 64-bit ARM, with the studio
 
 clean: ## Remove what was built
 	$(CARGO) clean
-	rm -rf .venv out bench/.envs core/tests/no_std/target python/midair/*.so studio/.venv studio/node_modules studio/built python/midair/studio/built
+	rm -rf .venv out bench/.envs core/tests/no_std/target python/midair/*.so studio/.venv studio/node_modules studio/built python/midair/_studio/built

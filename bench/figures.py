@@ -17,9 +17,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 
 import midair
-from midair import output
-from midair.reproduce import drawing, methods, scenes, tables
-from midair.sweep.block import solve_block
+from midair._reproduce import drawing, methods, scenes, tables
+from midair._support import output as output
+from midair._sweep.block import solve_block
 
 FOLDER = Path(__file__).parents[1] / "docs"
 SIDE = 20

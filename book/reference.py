@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import midair
 import schema
-from midair.cli.app import app
+from midair._cli.app import app
 
 #: Every public name of the package, a page a theme: file, title, what it is about, names.
 PYTHON = [

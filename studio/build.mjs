@@ -68,7 +68,7 @@ await build({
 await cp(`${out}/widget/widget.mjs`, `${out}/widget.mjs`);
 await rm(`${out}/widget`, { recursive: true });
 
-const shipped = `${here}/../python/midair/studio/built`;
+const shipped = `${here}/../python/midair/_studio/built`;
 await rm(shipped, { recursive: true, force: true });
 await mkdir(shipped, { recursive: true });
 await cp(`${out}/site`, shipped, { recursive: true });

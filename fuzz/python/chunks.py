@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from guided import Data, fuzz
-from midair.sweep.chunks import _digest, load, save
+from midair._sweep.chunks import _digest, load, save
 
 ROWS = 3
 FOLDER = Path(tempfile.mkdtemp(dir="/dev/shm"))

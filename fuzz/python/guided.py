@@ -10,7 +10,7 @@ import atheris
 
 with atheris.instrument_imports(include=["midair", "zipfile", "numpy.lib"]):
     import midair
-    import midair.sweep
+    import midair._sweep
 
 Data = atheris.FuzzedDataProvider
 

@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 
 from guided import REFUSALS, fuzz, refused
-from midair.sweep.request import read
+from midair._sweep.request import read
 
 FOLDER = Path(tempfile.mkdtemp(dir="/dev/shm"))
 FILES = [FOLDER / "sweep.toml", FOLDER / "sweep.json"]

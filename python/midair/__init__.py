@@ -12,7 +12,26 @@ SI units, e^{-jwt}, peak pressures: every convention is in docs/conventions.md.
 
 from importlib.metadata import version as _version
 
-from . import path, shape
+from . import _toolbox, path, shape
+from ._boards import (
+    Board,
+    BoardBusy,
+    BoardError,
+    BoardLost,
+    BoardNotFound,
+    BoardPermission,
+    BoardTimeout,
+    Connection,
+    Port,
+    connect,
+    ports,
+)
+from ._files import read, write
+from ._judging import Kept, Tolerance, tolerate
+from ._judging.compare import Comparison, compare
+from ._judging.exposure import Exposed, Exposure, exposure
+from ._judging.streaming import Streaming, streaming
+from ._measuring import Calibration, Tuning, calibrate, calibration_drives, tune
 from ._midair import (
     Array,
     Batch,
@@ -41,46 +60,16 @@ from ._midair import (
     presets,
     solve,
     solve_batch,
-    solvers,
 )
-from .boards import (
-    Board,
-    BoardBusy,
-    BoardError,
-    BoardLost,
-    BoardNotFound,
-    BoardPermission,
-    BoardTimeout,
-    Connection,
-    Port,
-    connect,
-    ports,
-)
-from .boards.playing import play as _play
-from .calibration import Calibration, calibrate, calibration_drives
-from .compare import Comparison, compare
-from .ear import Ear, ear
-from .exposure import Exposed, Exposure, exposure
-from .files import read, write
-from .motion import Felt, Sequence, SequenceMetrics, sequence, stream
-from .picture import Picture, image
-from .plot import plot
-from .streaming import Streaming, streaming
-from .studio import View, view
-from .sweep import sweep
-from .tolerance import Kept, Tolerance, tolerate
-from .tuning import Tuning, tune
+from ._motion import Felt, Sequence, SequenceMetrics, sequence, stream
+from ._pictures.notebook import solvers
+from ._pictures.plot import plot
+from ._points.ear import Ear, ear
+from ._points.image import Picture, image
+from ._studio import View, view
+from ._sweep import sweep
 
-# Methods that the toolbox adds: `solution.exposure(places)` is `midair.exposure(solution, places)`.
-for _owner, _method in (
-    (Solution, exposure),
-    (Sequence, exposure),
-    (Solution, _play),
-    (Solution, streaming),
-    (Solution, tolerate),
-):
-    setattr(_owner, _method.__name__, _method)
-del _owner, _method, _play
+_toolbox.attach()
 
 __version__ = _version("midair")
 __all__ = [

@@ -1,5 +1,5 @@
 """The program, as `python -m midair`."""
 
-from .cli import main
+from ._cli import main
 
 main()

@@ -170,17 +170,6 @@ impl Array {
         on_board(adjusted(array.into(), source_pressure, directivity, response)?, mask, quantization)
     }
 
-    /// An array from a file: OpenMPD's .pat, Ultraino's .xml.gz, HandyBeam's .xml, AUTD3's geometry .json, or .csv of x, y, z
-    /// and nx, ny, nz in m. The keywords, those of `Array`, override what its format brings.
-    ///
-    /// Raises SceneError for a file that cannot be read or is of no known format, naming the line, and keywords that
-    /// `Array` refuses.
-    #[staticmethod]
-    #[pyo3(signature = (path, **keywords))]
-    fn from_file<'py>(path: &Bound<'py, PyAny>, keywords: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
-        path.py().import("midair.files")?.getattr("read_array")?.call((path,), keywords)
-    }
-
     /// The names of the presets; `midair.presets()` tells more.
     #[staticmethod]
     fn presets() -> Vec<&'static str> {
@@ -252,10 +241,6 @@ impl Array {
         // Left out, it would be the preset's.
         keywords.set_item("quantization", self.quantization(py)?.unwrap_or_else(|| PyDict::new(py)))?;
         called(call, &keywords)
-    }
-
-    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.py().import("midair.notebook")?.call_method1("array", (slf,))
     }
 
     fn __repr__(&self) -> String {

@@ -211,10 +211,6 @@ impl Batch {
         restored::<Self>(py, (record,))
     }
 
-    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.py().import("midair.notebook")?.call_method1("batch", (slf,))
-    }
-
     fn __len__(&self) -> usize {
         self.inner.steps.len()
     }

@@ -1,4 +1,4 @@
-//! Tables of a scene file that Python draws: `[shape]` and `[image]` as points, an obstacle's file as a mesh, by `midair.drawing`.
+//! Tables of a scene file that Python draws: `[shape]` and `[image]` as points, an obstacle's file as a mesh, by the toolbox.
 
 use std::path::Path;
 
@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 use crate::error::{SceneError, refused};
 use crate::mesh::indices;
 use crate::read;
+use crate::toolbox;
 
 type Argument<'py> = Option<Bound<'py, PyAny>>;
 
@@ -60,14 +61,14 @@ fn drawing(py: Python<'_>, name: &str, text: &str, folder: Option<&Path>) -> PyR
     if name != "obstacles" {
         return points(py, name, text, folder).map(|(points, request)| Drawing::Points(points, request));
     }
-    let read = py.import("midair.drawing")?.call_method1("mesh", (text, folder))?;
+    let read = toolbox::call(py, "mesh", (text, folder))?;
     let (vertices, faces): (Bound<'_, PyAny>, Bound<'_, PyAny>) = read.extract()?;
     Ok(Drawing::Mesh(read::vectors("vertices", &vertices)?, indices(&faces)?))
 }
 
 /// Points of a table, and what is asked of them.
 fn points(py: Python<'_>, name: &str, text: &str, folder: Option<&Path>) -> PyResult<(Vec<[f64; 3]>, Request)> {
-    let drawn = py.import("midair.drawing")?.call_method1("points", (name, text, folder))?;
+    let drawn = toolbox::call(py, "points", (name, text, folder))?;
     let (points, pressures, weights): (Bound<'_, PyAny>, Argument<'_>, Argument<'_>) = drawn.extract()?;
     let points = read::vectors("points", &points)?;
     let request = read::request(points.len(), pressures.as_ref(), weights.as_ref())?;

@@ -186,10 +186,6 @@ impl Field {
         self.solution.as_ref().map_or(1.0, |solution| solution.get().inner.scale)
     }
 
-    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.py().import("midair.notebook")?.call_method1("field", (slf,))
-    }
-
     fn __repr__(&self) -> String {
         format!("<midair.Field of {} samples>", self.picture.pressure.len())
     }

@@ -11,6 +11,7 @@ use pyo3::types::{PyBytes, PyString};
 
 use crate::draw;
 use crate::error::{invalid, refused};
+use crate::toolbox;
 
 /// An error of the file system, as Python's own file functions raise it.
 fn os_error(error: &std::io::Error, path: &Path) -> PyErr {
@@ -57,9 +58,7 @@ pub(crate) fn parse(text: &Bound<'_, PyAny>, name: &str, folder: Option<&Path>) 
 
 /// Writes a file whole or not at all, as every result is written.
 pub(crate) fn save(py: Python<'_>, path: &Path, text: &str) -> PyResult<()> {
-    let write = py.import("midair.output")?.getattr("write")?;
-    write.call1((py.import("pathlib")?.getattr("Path")?.call1((path,))?, text.as_bytes()))?;
-    Ok(())
+    toolbox::call(py, "write", (path, text.as_bytes())).map(drop)
 }
 
 /// The files that a scene file consists of: itself, and those that it names. What can be read but once is given.

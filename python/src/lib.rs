@@ -41,6 +41,7 @@ mod solver;
 mod solvers;
 mod subject;
 mod table;
+mod toolbox;
 
 use pyo3::prelude::*;
 
@@ -96,6 +97,8 @@ mod _midair {
     use super::solvers::{OptionInfo, SolverInfo, solvers};
     #[pymodule_export]
     use super::table::table;
+    #[pymodule_export]
+    use super::toolbox::register;
 
     /// The first array makes the numpy crate look for NumPy; were Ctrl-C to come in between, it would panic. Imports
     /// may be interrupted.

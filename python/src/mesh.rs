@@ -16,6 +16,7 @@ use crate::limits;
 use crate::numbers::{Numbers, numbers, told};
 use crate::pickle::{Reduced, restored};
 use crate::read;
+use crate::toolbox;
 
 /// A body of any shape, of a scene's `obstacles`: vertices (V, 3) in m and faces (F, 3), three indices of vertices each,
 /// counterclockwise as seen from outside; the surface is closed.
@@ -74,7 +75,7 @@ impl Mesh {
         let kind = surface("kind", kind)?;
         let scale = read::real_or("scale", scale, 1.0)?;
         let offset = offset.map_or(Ok([0.0; 3]), |offset| read::place("offset", offset))?;
-        let read = py.import("midair.meshes.model")?.call_method1("read", (path, scale, offset))?;
+        let read = toolbox::call(py, "mesh_file", (path, scale, offset))?;
         let (vertices, faces): (Bound<'_, PyAny>, Bound<'_, PyAny>) = read.extract()?;
         Self::of(read::vectors("mesh.vertices", &vertices)?, indices(&faces)?, kind)
     }
@@ -193,7 +194,7 @@ pub(crate) fn behind(py: Python<'_>, model: &Model, obstacles: &[Obstacle]) -> P
     let boundary = midair::Boundary::new(model.array(), model.medium(), obstacles.to_vec()).map_err(refused)?;
     let boundary = Arc::new(boundary);
     let handle = Bound::new(py, Boundary { inner: Arc::clone(&boundary) })?;
-    let sound = py.import("midair.meshes.boundary")?.call_method1("sound", (handle,))?;
+    let sound = toolbox::call(py, "sound", (handle,))?;
     let sound: PyReadonlyArray2<'_, Complex32> = sound.extract()?;
     model.clone().with_sound(boundary, sound.as_slice()?).map_err(refused)
 }

@@ -340,10 +340,6 @@ impl Scene {
         restored::<Self>(py, parts)
     }
 
-    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.py().import("midair.notebook")?.call_method1("scene", (slf,))
-    }
-
     fn __repr__(&self) -> String {
         let (n, m) = (self.inner.array().len(), self.inner.points().len());
         format!("<midair.Scene of {n} transducers and {m} points at {} Hz>", self.inner.medium().frequency)

@@ -68,23 +68,6 @@ impl Solution {
 
 #[pymethods]
 impl Solution {
-    /// Reads what `save` or `midair solve -o` wrote, .npz or .json: an equal solution. Nothing in a file is run.
-    ///
-    /// Raises SceneError for a file that is not in order or whose drive does not give its pressures, FileNotFoundError
-    /// where there is none.
-    #[staticmethod]
-    fn load<'py>(path: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        path.py().import("midair.record")?.call_method1("load", (path,))
-    }
-
-    /// Writes it as .npz, .json or (the drive alone) .csv, by the path's ending, whole or not at all.
-    ///
-    /// Raises SceneError for another ending, and for a path that cannot be written.
-    fn save(slf: &Bound<'_, Self>, path: &Bound<'_, PyAny>) -> PyResult<()> {
-        slf.py().import("midair.record")?.call_method1("save", (path, slf))?;
-        Ok(())
-    }
-
     /// Drives q (N,), complex64, |q| <= 1.
     #[getter]
     fn drive<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Complex32>> {
@@ -252,24 +235,6 @@ impl Solution {
         record.set_item("elapsed", self.elapsed)?;
         record.set_item("trace", self.trace(py))?;
         restored::<Self>(py, (record,))
-    }
-
-    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.py().import("midair.notebook")?.call_method1("solution", (slf,))
-    }
-
-    /// A matplotlib figure of what was asked and got at each point, in Pa, beside the field in the planes through them.
-    ///
-    /// quantity is what the field's picture shows: "pressure", "radiation", "spl" or "phase". A matrix has no field.
-    ///
-    /// Raises SceneError for another quantity.
-    #[pyo3(signature = (*, quantity=None), text_signature = "($self, *, quantity='pressure')")]
-    fn plot<'py>(slf: &Bound<'py, Self>, quantity: Option<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
-        let options = PyDict::new(slf.py());
-        if let Some(quantity) = quantity {
-            options.set_item("quantity", quantity)?;
-        }
-        slf.py().import("midair.plot")?.getattr("answer")?.call((slf,), Some(&options))
     }
 
     fn __repr__(&self) -> String {

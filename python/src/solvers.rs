@@ -115,7 +115,7 @@ impl SolverInfo {
 
 /// Every solver by name, with its documented options and their defaults.
 #[pyfunction]
-pub(crate) fn solvers(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+pub(crate) fn solvers(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
     for entry in registry::SOLVERS {
         let options = PyDict::new(py);
@@ -131,5 +131,5 @@ pub(crate) fn solvers(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
         let info = SolverInfo { name: label, summary, source, balance, uses, options: options.unbind() };
         dict.set_item(name, Bound::new(py, info)?)?;
     }
-    py.import("midair.notebook")?.call_method1("Solvers", (dict,))
+    Ok(dict)
 }

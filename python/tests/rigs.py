@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 import midair
 from firmware import TICKS, TURN, Rig
-from midair.boards.board import Board
+from midair._boards.board import Board
 
 Complex = NDArray[np.complex128]
 

@@ -10,10 +10,10 @@ import pytest
 
 import midair
 from autd3_boards import SITES, boards, matrix, some_boards
-from midair.boards import autd3_commands as commands
-from midair.boards.autd3 import Autd3Transport
-from midair.boards.errors import BoardError
-from midair.boards.poses import poses
+from midair._boards import autd3_commands as commands
+from midair._boards.autd3 import Autd3Transport
+from midair._boards.errors import BoardError
+from midair._boards.poses import poses
 
 
 def random_poses(rng: np.random.Generator, count: int) -> list[tuple[list[float], np.ndarray]]:
@@ -208,12 +208,12 @@ def python(code: str) -> str:
 @pytest.mark.slow
 def test_midair_loads_without_autd3() -> None:
     listed = "[name for name in sys.modules if name.startswith('autd3')]"
-    assert python(f"import sys, midair, midair.boards.poses; print({listed})").strip() == "[]"
+    assert python(f"import sys, midair, midair._boards.poses; print({listed})").strip() == "[]"
 
 
 @pytest.mark.slow
 def test_the_missing_extra_is_named() -> None:
-    code = "try: import midair.boards.autd3\nexcept Exception as error: print(repr(error))"
+    code = "try: import midair._boards.autd3\nexcept Exception as error: print(repr(error))"
     assert (
         python(f"import sys; sys.modules['autd3'] = None\n{code}").strip()
         == """BoardError('AUTD3 boards need autd3: pip install "midair[autd3]"')"""

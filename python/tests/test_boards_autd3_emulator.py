@@ -10,9 +10,9 @@ from autd3_emulator import Emulator, Grid, Record, Recorder, RmsRecordOption
 
 import midair
 from autd3_boards import codes, frame, played, some_boards, widths
-from midair.boards import autd3_commands as commands
-from midair.boards.autd3_commands import PatternBank
-from midair.boards.poses import poses
+from midair._boards import autd3_commands as commands
+from midair._boards.autd3_commands import PatternBank
+from midair._boards.poses import poses
 
 #: One sample of a record: a period of the ultrasound.
 PERIOD = autd3.Duration.from_micros(25)

@@ -10,9 +10,9 @@ from autd3_emulator import Emulator, Recorder
 from autd3_pattern import PhaseBuffer
 
 from autd3_boards import codes, frame, some_boards, widths
-from midair.boards import autd3_commands as commands
-from midair.boards.autd3 import Autd3Transport
-from midair.boards.poses import poses
+from midair._boards import autd3_commands as commands
+from midair._boards.autd3 import Autd3Transport
+from midair._boards.poses import poses
 
 BOARDS = 2
 ARRAY = some_boards(BOARDS)

@@ -22,10 +22,10 @@ import pytest
 
 import midair
 from autd3_wire import FRAME, Wire
-from midair.boards.autd3 import Autd3Transport
-from midair.boards.errors import BoardError, BoardLost, BoardNotFound
-from midair.boards.poses import poses
-from midair.boards.transport import open_transport
+from midair._boards.autd3 import Autd3Transport
+from midair._boards.errors import BoardError, BoardLost, BoardNotFound
+from midair._boards.poses import poses
+from midair._boards.transport import open_transport
 
 SLOW = bool(os.environ.get("MIDAIR_SLOW"))
 FRAMES = 10_000 if SLOW else 300

@@ -6,7 +6,7 @@ import pytest
 import firmware
 import midair
 from firmware import TICKS, TURN, WIDTHS, Rig
-from midair.boards.board import Board
+from midair._boards.board import Board
 from rigs import (
     CASES,
     TURNING,

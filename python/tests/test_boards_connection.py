@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import midair
-from midair.boards.address import parse
+from midair._boards.address import parse
 
 ONES = np.ones(256)
 
@@ -383,7 +383,7 @@ def test_a_missing_extra_is_one_line(module, call, message):
 import importlib.util, midair
 found = importlib.util.find_spec
 importlib.util.find_spec = lambda name, *more: None if name == {module!r} else found(name, *more)
-midair.boards.address.find_spec = importlib.util.find_spec
+midair._boards.address.find_spec = importlib.util.find_spec
 sys.modules[{module!r}] = None
 try:
     midair.{call}

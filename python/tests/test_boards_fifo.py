@@ -8,9 +8,9 @@ from pyftdi.ftdi import FtdiError
 from usb.core import USBError, USBTimeoutError
 
 import midair
-from midair.boards import fifo
-from midair.boards.address import describe, parse
-from midair.boards.transport import open_transport
+from midair._boards import fifo
+from midair._boards.address import describe, parse
+from midair._boards.transport import open_transport
 
 
 class Chip:

@@ -5,8 +5,8 @@ import itertools
 import numpy as np
 import pytest
 
-from midair.boards import line
-from midair.boards.line import LineTransport
+from midair._boards import line
+from midair._boards.line import LineTransport
 
 
 class Clock:

@@ -284,7 +284,7 @@ def test_a_port_that_is_not_there(tmp_path):
 
 
 def test_ports_that_may_not_be_opened():
-    from midair.boards.serial_port import _refused
+    from midair._boards.serial_port import _refused
 
     assert isinstance(_refused("p", OSError(errno.EACCES, "Permission denied")), midair.BoardPermission)
     assert "dialout" in str(_refused("p", OSError(errno.EACCES, "Permission denied")))

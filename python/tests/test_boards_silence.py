@@ -8,7 +8,7 @@ import pytest
 import firmware
 import midair
 from firmware import Rig, SonicSurface
-from midair.boards.board import Board
+from midair._boards.board import Board
 from rigs import BYTEWISE, every, made, off_grid, played
 
 # Off

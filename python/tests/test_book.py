@@ -8,7 +8,7 @@ from types import ModuleType
 import pytest
 
 import midair
-from midair.cli.app import app
+from midair._cli.app import app
 
 ROOT = Path(__file__).parents[2]
 

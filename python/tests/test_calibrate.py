@@ -8,7 +8,7 @@ import pytest
 
 import midair
 from microphones import BELIEVED, TRUE_SPEED, Rig
-from midair.calibration.fit import inverse_factor
+from midair._measuring.fit import inverse_factor
 
 
 def calibrated(
@@ -239,7 +239,7 @@ def test_an_inverse_factor_in_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.slow
 def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    from midair.cli import main
+    from midair._cli import main
 
     rig = Rig(21)
     drives = midair.calibration_drives(rig.array, 2)

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 import midair
-from midair import cli
-from midair.cli import compare, progress, solve
+from midair import _cli as cli
+from midair._cli import compare, progress, solve
 from scenes import METRICS, numbers, same_bits
 
 SOLVERS = sorted(midair.solvers())
@@ -344,7 +344,7 @@ def test_progress_is_shown_only_of_what_takes_over_a_second(
 
 
 LONG = """
-from midair.cli import main, solve as module
+from midair._cli import main, solve as module
 solve = module.solve
 def told(*arguments, **options):
     print("ready", flush=True)

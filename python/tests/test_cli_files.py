@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 
 import midair
-from midair import cli, output
+from midair import _cli as cli
+from midair._support import output as output
 from scenes import same_bits
 
 SCENE = """
@@ -269,7 +270,8 @@ def test_what_nobody_foresaw_is_one_line(run: Run, monkeypatch: pytest.MonkeyPat
 def test_sigterm_ends_and_tidies_where_nothing_can_be_kept() -> None:
     code = """
 import sys, time
-from midair import cli, output
+from midair import _cli as cli
+from midair._support import output as output
 write = output.write
 def slow(path, content):
     part = output.part_of(path)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import midair
-from midair import cli
+from midair import _cli as cli
 
 SCENE = """
 [array]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import midair
-from midair import cli
+from midair import _cli as cli
 from scenes import METRICS
 
 AT = ["--at", "0,0,0.15", "--at", "-0.02,0,0.15"]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 import midair
 import oracle
-from midair.compare import compare
+from midair import compare
 
 Complex = NDArray[np.complex128]
 

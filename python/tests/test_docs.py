@@ -15,8 +15,8 @@ import pytest
 
 import midair
 import midair._midair
-from midair.reproduce import page as paper
-from midair.reproduce import tables
+from midair._reproduce import page as paper
+from midair._reproduce import tables
 from sane import columns, printed, sane, written
 
 ROOT = Path(__file__).parents[2]
@@ -76,7 +76,10 @@ def callables() -> Iterator[tuple[str, Callable[..., object]]]:
     for name, thing in things.items():
         if isinstance(thing, type):
             made = not dataclasses.is_dataclass(thing) and not issubclass(thing, Exception)
-            members = {f"{name}.{key}": getattr(thing, key) for key in vars(thing) if not key.startswith("_")}
+            own = [
+                key for base in thing.__mro__ if base.__module__.startswith("midair") for key in vars(base)
+            ]
+            members = {f"{name}.{key}": getattr(thing, key) for key in own if not key.startswith("_")}
             found = {**members, **({name: thing} if made else {})}
         else:
             found = {name: thing}

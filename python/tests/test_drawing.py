@@ -9,10 +9,10 @@ import pytest
 from PIL import Image
 
 import midair
-from midair import cli, shape
+from midair import _cli as cli
+from midair import shape
 from midair._midair import scene_files
-from midair.plot import answer
-from midair.plot.drawing import nearest_points
+from midair._pictures.answer import answer, nearest_points
 
 ARRAY = "[array]\ngrid = { nx = 10, ny = 10, pitch = 0.01 }\n"
 SVG = '<svg xmlns="http://www.w3.org/2000/svg"><rect width="30" height="10"/></svg>'
@@ -162,7 +162,7 @@ def test_what_is_no_refusal_goes_through_as_it_is(monkeypatch: pytest.MonkeyPatc
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("midair.drawing.points", interrupted)
+    monkeypatch.setattr("midair._toolbox.points", interrupted)
     with pytest.raises(KeyboardInterrupt):
         parse("[shape]\nkind = 'line'\n")
 

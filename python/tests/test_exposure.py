@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import midair
-from midair.limits import LIMITS
+from midair._judging.exposure import LIMITS
 
 ARRAY = midair.Array.grid(12, 10, 10e-3)
 SCENE = midair.Scene(ARRAY, [[-0.02, 0.01, 0.15], [0.03, 0, 0.16]])

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import midair
-from midair.files import pat, read_array
+from midair._boards import pat
+from midair._files import read_array
 
 HEAD = '<?xml version="1.0" encoding="UTF-8"?>\n<java version="11.0.9" class="java.beans.XMLDecoder">\n'
 
@@ -253,7 +254,7 @@ def test_csv_is_read_as_scene_files_read_it(name: str, tmp_path: Path) -> None:
     assert read_array(path) == midair.Scene.parse(scene, folder=tmp_path).array
 
 
-#: Odd files, each read alike, or refused in the same words, by midair.files and by scene files.
+#: Odd files, each read alike, or refused in the same words, by midair._files and by scene files.
 ODD_CSV = [
     b"",
     b"\n\n",

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import midair
-from midair import cli
+from midair import _cli as cli
 
 Run = Callable[..., tuple[int, str, str]]
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import midair
-from midair.files import ControlPoints
+from midair._files import ControlPoints
 
 PI = np.pi
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import midair
-from midair.files import read_array, xml
+from midair._files import read_array, xml
 
 JAVA = '<java class="java.beans.XMLDecoder">{}</java>'
 BOMB = """<?xml version="1.0"?>
@@ -200,7 +200,7 @@ DRIVES: dict[str, tuple[str, Callable[[Path], None], str]] = {
     "no text": ("a.csv", bytes_of(b"\xff\xfe\x00"), "it is no text"),
     "no table": ("a.csv", text("apples,pears\n"), 'line 1: "apples,pears" begins no table'),
     "numbers alone": ("a.csv", text("0.1,0.2,0.3\n"), "line 1: .* begins no table"),
-    "transducers": ("a.csv", text("x,y,z\n0,0,0\n"), "read them by midair.files.read_array"),
+    "transducers": ("a.csv", text("x,y,z\n0,0,0\n"), "read them by midair._files.read_array"),
     "a drive without drives": ("a.csv", text(TABLE), "no drive is in it"),
     "too loud": ("a.csv", text(TABLE + "0,0,0,0,1.5,0\n"), "line 2: amplitude is 1.5: give 0 to 1"),
     "less than nothing": ("a.csv", text(TABLE + "0,0,0,0,-0.5,0\n"), "line 2: amplitude is -0.5"),

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import midair
-from midair.cli import play
-from midair.motion import document
+from midair._cli import play
+from midair._motion import document
 
 SCENE = """[array]
 preset = "autd3"

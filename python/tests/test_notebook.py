@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import midair
-from midair.notebook.above import MOST_DOTS
+from midair._pictures.notebook import MOST_DOTS
 from scenes import small
 
 #: What a picture may take of a notebook, in letters.
@@ -85,7 +85,7 @@ def test_sequences_show_the_ways_of_their_points() -> None:
 
 
 def test_fields_show_a_picture() -> None:
-    from midair.notebook import field
+    from midair._pictures.notebook import field
 
     scene = small()
     made = midair.field(scene, midair.solve(scene))

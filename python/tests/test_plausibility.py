@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import midair
-from midair import cli
+from midair import _cli as cli
 
 ARRAY = midair.Array.preset("paper20")
 POINTS = np.array([[-0.02, 0, 0.15], [0.02, 0, 0.15]])

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import midair
-from midair.plot import answer, contact_sheet
+from midair._pictures.plot import answer, contact_sheet
 from scenes import POINTS, small
 
 BOARD = {"phases": 32, "amplitudes": [0, 1]}

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import midair
-from midair import cli
+from midair import _cli as cli
 
 POINTS = [[-0.03, 0.01, 0.15], [0.03, 0, 0.15], [0, -0.03, 0.15]]
 

@@ -8,7 +8,7 @@ import pytest
 import scipy.sparse
 
 import midair
-from midair import cli
+from midair import _cli as cli
 from scenes import POINTS, exact, small
 
 

@@ -15,11 +15,11 @@ import pytest
 import methods
 import midair
 import oracle
-from midair import cli
-from midair.reproduce import FIGURES, accuracy, fig7, reproduce, scenes, tables, timing
-from midair.reproduce.methods import curves, panels
-from midair.reproduce.run import Run
-from midair.sweep.block import solve_block
+from midair import _cli as cli
+from midair._reproduce import FIGURES, accuracy, fig7, reproduce, scenes, tables, timing
+from midair._reproduce.methods import curves, panels
+from midair._reproduce.run import Run
+from midair._sweep.block import solve_block
 
 #: There so that a hang is a failure and not a hung suite.
 HANG = 60

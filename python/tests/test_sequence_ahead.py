@@ -122,7 +122,7 @@ def test_a_file_goes_on_where_it_was_to_the_same_bits(pressures, tmp_path, monke
     points, file = fast(50), tmp_path / "motion.npz"
     whole = solved(points, 8, pressures=pressures)
     # Whatever the blocks: they have nothing to do with the windows.
-    monkeypatch.setattr("midair.motion.solve.BLOCK", 7)
+    monkeypatch.setattr("midair._motion.solve.BLOCK", 7)
     assert solved(points, 8, pressures=pressures) == whole
 
     class Enough(Exception):

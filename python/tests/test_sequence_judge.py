@@ -8,8 +8,8 @@ import pytest
 
 import midair
 import oracle
-from midair.motion import blocks
-from midair.motion.noise import a_weighting
+from midair._motion.felt import a_weighting
+from midair._support import memory
 from scenes import GAIN, same_bits
 
 RATE, TAU, FRAMES = 10e3, 0.2e-3, 12
@@ -91,8 +91,8 @@ def test_blocks_leave_no_trace(monkeypatch: pytest.MonkeyPatch) -> None:
     whole, closed = made(), made(closed=True)
     before = [one.judge(TAU, hold=hold) for one in (whole, closed) for hold in ("hold", "linear")]
     inside = whole.between(TAU, substeps=5).pressures
-    monkeypatch.setattr(blocks, "MOST", 100)
-    monkeypatch.setattr("midair.motion.envelope.MOST", 100)
+    monkeypatch.setattr(memory, "BLOCK", 100)
+    monkeypatch.setattr("midair._motion.envelope.BLOCK", 100)
     parts, others = made(), made(closed=True)
     assert same_bits(parts.changes, whole.changes)
     assert parts.pressures == pytest.approx(whole.pressures, rel=1e-5)

@@ -121,7 +121,7 @@ def test_thinning_keeps_what_a_plain_loop_keeps() -> None:
         if all(np.linalg.norm(point - other) >= 0.002 for other in kept):
             kept.append(point)
     assert 50 < len(kept) < 390
-    assert (shape.contour.spaced(points, 0.004) == np.array(kept)).all()
+    assert (shape._contour.spaced(points, 0.004) == np.array(kept)).all()
 
 
 def test_a_letter_is_as_high_as_asked_in_the_middle_and_upright() -> None:

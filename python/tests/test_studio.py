@@ -14,10 +14,10 @@ from pathlib import Path
 import pytest
 
 import midair
-from midair import cli
-from midair.cli import studio as command
-from midair.studio.built import BUILT
-from midair.studio.server import POLICY, Server
+from midair import _cli as cli
+from midair._cli import studio as command
+from midair._studio.page import BUILT
+from midair._studio.server import POLICY, Server
 from pages import FILES, build
 
 #: There so that a hang is a failure and not a hung suite.
@@ -197,7 +197,7 @@ def test_a_scene_that_cannot_be_shown_is_one_line(
 def test_the_command_serves_a_scene_until_ctrl_c(built: Path, tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(SCENE)
     program = (
-        "import functools, pathlib, sys; from midair import cli; from midair.cli import studio;"
+        "import functools, pathlib, sys; from midair import _cli as cli; from midair._cli import studio;"
         "studio.Server = functools.partial(studio.Server, folder=pathlib.Path(sys.argv[1]));"
         "cli.main(['studio', 'scene.toml', '--no-browser'])"
     )

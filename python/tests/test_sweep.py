@@ -13,8 +13,8 @@ import pytest
 import zarr
 
 import midair
-from midair.sweep import block, chunks, work
-from midair.sweep.request import read
+from midair._sweep import block, chunks, work
+from midair._sweep.request import read
 from scenes import METRICS
 from sweeps import ASKED, SCENE, changed, equal
 

@@ -11,7 +11,7 @@ import pytest
 import zarr
 
 import midair
-from midair.sweep.request import read
+from midair._sweep.request import read
 from sweeps import equal
 
 GRID = {"nx": 8, "ny": 8, "pitch": 0.01}
@@ -318,7 +318,7 @@ def test_a_bad_axis_or_object_is_refused_in_one_line(name: str) -> None:
 
 
 def test_two_columns_of_one_name_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    from midair.sweep import request
+    from midair._sweep import request
 
     monkeypatch.setattr(request, "METRICS", (*request.METRICS, "limit"))
     with pytest.raises(midair.SceneError, match='two columns of the table would be called "limit"'):

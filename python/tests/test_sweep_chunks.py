@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import midair
-from midair.sweep import chunks, table
-from midair.sweep.block import solve_block
-from midair.sweep.engine import Job
-from midair.sweep.request import read
+from midair._sweep import chunks, table
+from midair._sweep.block import solve_block
+from midair._sweep.engine import Job
+from midair._sweep.request import read
 from sweeps import ASKED, equal
 
 

@@ -10,8 +10,8 @@ import pytest
 import zarr
 
 import midair
-from midair import cli
-from midair.sweep import files
+from midair import _cli as cli
+from midair._sweep import files
 from sweeps import ASKED, TOML, changed
 
 

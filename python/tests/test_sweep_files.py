@@ -15,15 +15,15 @@ import pytest
 import zarr
 
 import midair
-from midair import output
-from midair.sweep import block
-from midair.sweep.block import solve_block
-from midair.sweep.engine import Job
-from midair.sweep.request import read
+from midair._support import output as output
+from midair._sweep import block
+from midair._sweep.block import solve_block
+from midair._sweep.engine import Job
+from midair._sweep.request import read
 from sweeps import ASKED, HANG, SCENE, TOML, changed, equal
 
 #: The package: `midair.sweep` is its function.
-sweep_module = sys.modules["midair.sweep"]
+sweep_module = sys.modules["midair._sweep"]
 
 
 @pytest.fixture(autouse=True)
@@ -55,7 +55,7 @@ def test_a_stopped_sweep_goes_on_and_ends_the_same(monkeypatch: pytest.MonkeyPat
 
 
 def test_another_setting_seed_or_build_is_another_chunk(monkeypatch: pytest.MonkeyPatch) -> None:
-    from midair.sweep import engine
+    from midair._sweep import engine
 
     def path(**tables: Any) -> Path:
         return Job(solve_block, read(changed(**tables)).blocks[0].settings, 0, 5).path

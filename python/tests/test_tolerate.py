@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 import midair
-from midair import cli
-from midair.tolerance import faults
+from midair import _cli as cli
+from midair._judging import faults
 
 ARRAY = midair.Array.grid(16, 16, 10e-3)
 POINTS = np.array([[-0.03, 0.01, 0.15], [0.02, 0.03, 0.15], [0.01, -0.03, 0.16]])

@@ -361,7 +361,7 @@ def test_notebooks_show_tables(kind: str) -> None:
 def test_notebooks_escape_and_cut() -> None:
     text = midair.solve(small(points=np.array(POINTS * 5) + np.arange(20)[:, None] * 1e-3))._repr_html_()
     assert "and 8 more" in text
-    from midair.notebook import _cell
+    from midair._pictures.notebook import _cell
 
     assert _cell("<b>&") == "&lt;b&gt;&amp;"
 

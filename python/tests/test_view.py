@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import midair
-from midair.studio.told import scene_text, shown_scene
-from midair.studio.view import View
+from midair._studio.page import scene_text, shown_scene
+from midair._studio.view import View
 from pages import FILES, STATE, autd3, build
 
 ROOT = Path(__file__).parents[2]
@@ -98,7 +98,7 @@ def own(propagation, targets, weights):
 
 def test_without_anywidget_it_says_what_to_install(monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "anywidget", None)
-    monkeypatch.delitem(sys.modules, "midair.studio.widget", raising=False)
+    monkeypatch.delitem(sys.modules, "midair._studio.widget", raising=False)
     with pytest.raises(midair.SceneError, match=re.escape('pip install "midair[notebook]"')):
         midair.view(autd3())
 

@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 BIN = Path(sys.executable).parent
-STUDIO = ROOT / "python" / "midair" / "studio" / "built"
+STUDIO = ROOT / "python" / "midair" / "_studio" / "built"
 
 PROGRAM = """
 import sys, numpy as np, midair
@@ -37,11 +37,11 @@ def test_the_wheel_holds_the_package_and_works_with_nothing_but_numpy(tmp_path: 
     (wheel,) = tmp_path.glob("midair-*.whl")
     assert "abi3" in wheel.name
     names = set(zipfile.ZipFile(wheel).namelist())
-    assert names >= {"midair/__init__.py", "midair/cli/app.py", "midair/py.typed", "midair/_midair.pyi"}
+    assert names >= {"midair/__init__.py", "midair/_cli/app.py", "midair/py.typed", "midair/_midair.pyi"}
     assert not [name for name in names if "test" in name or "oracle" in name or name.startswith("python/")]
     # Made by `make studio`, if it ran.
     studio = [path for path in STUDIO.rglob("*") if path.is_file()]
-    assert {f"midair/studio/built/{path.relative_to(STUDIO).as_posix()}" for path in studio} <= names
+    assert {f"midair/_studio/built/{path.relative_to(STUDIO).as_posix()}" for path in studio} <= names
 
     uv, bare = BIN / "uv", tmp_path / "bare"
     run(uv, "venv", "--quiet", "--python", sys.executable, bare, cwd=tmp_path)

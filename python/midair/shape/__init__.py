@@ -14,9 +14,9 @@ has equal steps. A contour that closes has no doubled point. Where contours cros
 than half a step to one before it is left out.
 """
 
-from .contour import MOST_POINTS, STEP
-from .figures import circle, line, polyline
-from .lettering import text
-from .vector_graphics import svg
+from ._contour import MOST_POINTS, STEP
+from ._figures import circle, line, polyline
+from ._lettering import text
+from ._vector_graphics import svg
 
 __all__ = ["MOST_POINTS", "STEP", "circle", "line", "polyline", "svg", "text"]

@@ -1,0 +1,213 @@
+"""Boards: drives of an array to the bytes that make a board play them, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from os import PathLike, fspath
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._midair import Array, Codec, Solution, presets
+from .._support.arguments import refused
+
+#: The preset of a kind of board that has none of its own name.
+PRESETS = {"openmpd": "openmpd_board", "mega64": "ultraino_flat8x8"}
+
+#: Columns, rows and pitch in m of kinds that people wire as they like, until they say how.
+GRIDS = {"nano16": (4, 4, 10e-3), "nano": (4, 2, 10e-3), "homies": (16, 16, 10.5e-3)}
+
+
+class Board:
+    """The boards behind an array: what they can play, and the bytes that make them play it.
+
+    name : a kind of board ("autd3", "sonicsurface", "openmpd", "mega64", "nano16", "nano",
+        "homies"), a preset that one of them plays ("sonicsurface_pair", "openmpd_pair"), or
+        OpenMPD's board file .pat, two for a pair
+    array : its transducers, in the order of the board's preset, one board after the other; left
+        out, the preset's, or a grid of nano16 (4 x 4), nano (4 x 2) and homies (16 x 16), which
+        have none
+    tiles : boards along x and y of a preset that tiles, such as (2, 2)
+    channels : (N,) the channel of each transducer, those of a second board after those of the
+        first; left out, the order of the preset
+    corrections : (N,) the phase in rad that each transducer adds by itself. The phase sent is the
+        one wanted less the correction, before it is rounded.
+
+    Transducers that are masked or dead are off, whatever they are told. What each kind is told is
+    in docs/boards.md.
+
+    Raises SceneError for an unknown name, a file that is not in order, and channels or corrections of another
+    number than the transducers.
+
+    >>> import midair
+    >>> board = midair.Board("sonicsurface")
+    >>> solution = midair.solve(midair.Scene(board.array, [[0, 0, 0.15]]))
+    >>> frame = board.encode(solution)
+    >>> len(frame), frame[0], frame[-1]
+    (258, 254, 253)
+    >>> bool(abs(board.decode(frame) - solution.drive).max() < 1e-6)
+    True
+    """
+
+    def __init__(
+        self,
+        name: str | PathLike[str] | Sequence[str | PathLike[str]],
+        array: Array | None = None,
+        *,
+        tiles: tuple[int, int] | None = None,
+        channels: Sequence[int] | NDArray[np.integer] | None = None,
+        corrections: ArrayLike | None = None,
+    ) -> None:
+        paths = _files(name)
+        if paths:
+            name, array, channels, corrections = _from_files(paths, array, channels, corrections)
+        kind = presets()[name].board if name in presets() else name
+        if not isinstance(kind, str):
+            raise refused("board", name, f"no board plays it, give one of {', '.join(Codec.kinds())}")
+        # An unknown name is refused before anything else.
+        Codec(kind, 1)
+        if array is None:
+            array = _own_array(str(name), kind, tiles)
+        elif tiles is not None:
+            raise refused("tiles", tiles, "the array has its boards, leave them out")
+        live = array.mask.copy()
+        if array.response is not None:
+            live &= array.response != 0
+        self._codec = Codec(kind, len(array), channels=channels, corrections=corrections, live=live)
+        self._array = array if array.quantization is not None else _on_board(array, self._codec)
+
+    @property
+    def name(self) -> str:
+        """The kind of board."""
+        return self._codec.name
+
+    @property
+    def array(self) -> Array:
+        """Its transducers, with what the board can play as their quantization."""
+        return self._array
+
+    @property
+    def boards(self) -> int:
+        """Number of boards."""
+        return self._codec.boards
+
+    @property
+    def lines(self) -> int:
+        """Number of lines: one for all boards, or one each; a frame is as many parts of one length."""
+        return self._codec.lines
+
+    @property
+    def channels(self) -> NDArray[np.int64]:
+        """The channel of each transducer (N,)."""
+        return self._codec.channels
+
+    @property
+    def off_frame(self) -> bytes:
+        """The frame that plays nothing."""
+        return self._codec.off_frame
+
+    @property
+    def silence(self) -> bytes:
+        """The bytes that silence it whatever it was told before, in both banks of a board that has two."""
+        return self._codec.silence
+
+    @property
+    def baud(self) -> int | None:
+        """Bits a second of its serial line, ten to a byte; None where it is on no such line."""
+        return self._codec.baud
+
+    @property
+    def rate(self) -> float:
+        """Frames a second that its line can carry."""
+        return self._codec.rate
+
+    @property
+    def limits(self) -> dict[str, Any]:
+        """What it can do, by name: transducers, boards, phases, amplitudes, bytes and frames a second."""
+        grid = self._codec.quantization
+        return {
+            "transducers": len(self.array),
+            "boards": self.boards,
+            "most_boards": self._codec.most_boards,
+            "phases": grid["phases"],
+            "amplitudes": grid["amplitudes"],
+            "frame_bytes": len(self.off_frame),
+            "frames_per_second": self.rate,
+        }
+
+    def encode(self, drive: ArrayLike | Solution) -> bytes:
+        """The frame of a drive (N,), or of a Solution's: the nearest phases and amplitudes of the board.
+
+        What a solution leaves to the supply or to modulation (`solution.scale`) is no part of it.
+
+        Raises SceneError for a drive of another shape, not finite or above 1.
+        """
+        return self._codec.encode(drive.drive if isinstance(drive, Solution) else drive)
+
+    def decode(self, frame: bytes) -> NDArray[np.complex64]:
+        """The drive (N,) that a frame plays, 0 where a transducer is off.
+
+        Raises SceneError for bytes that are no frame of the board.
+        """
+        return self._codec.decode(frame)
+
+    def __repr__(self) -> str:
+        boards = "board" if self.boards == 1 else "boards"
+        return f"<midair.Board {self.name}: {self.boards} {boards}, {len(self.array)} transducers>"
+
+
+def _files(name: Any) -> list[str]:
+    """The board files that were named, none where it is a name."""
+    several = [name] if isinstance(name, str | PathLike) else name
+    try:
+        paths = [fspath(one) for one in several]
+    except TypeError:
+        raise refused("board", name, "give a name, or one or two .pat files") from None
+    if not paths:
+        raise refused("board", name, "give a name, or one or two .pat files")
+    return paths if not isinstance(name, str) or name.lower().endswith(".pat") else []
+
+
+def _from_files(
+    paths: list[str], array: Array | None, channels: Any, corrections: Any
+) -> tuple[str, Array, Any, Any]:
+    """One board file or two, the lower one first: their pins, corrections and dead transducers."""
+    from . import pat
+
+    if len(paths) > 2:
+        raise refused("board", f"{len(paths)} files", "give one or two .pat files")
+    if channels is not None or corrections is not None or array is not None:
+        raise refused("board", paths[0], "the file has its array, channels and corrections, leave them out")
+    boards = [pat.read(path) for path in paths]
+    live = np.concatenate([board.gains for board in boards]) != 0
+    array = Array.preset("openmpd_board" if len(boards) == 1 else "openmpd_pair", mask=live)
+    for path, board in zip(paths, boards, strict=True):
+        if np.abs(board.positions - Array.preset("openmpd_board").positions).max() > 1e-3:
+            raise refused(
+                "board",
+                path,
+                "its positions are not those of an OpenMPD board: use Array.from_file and channels=",
+            )
+    pins = [np.asarray(board.pins) + 256 * k for k, board in enumerate(boards)]
+    degrees = np.concatenate([board.corrections for board in boards])
+    return "openmpd", array, np.concatenate(pins), np.deg2rad(degrees)
+
+
+def _own_array(name: str, kind: str, tiles: tuple[int, int] | None) -> Array:
+    if name in GRIDS:
+        return Array.grid(*GRIDS[name])
+    known = presets()
+    return Array.preset(name if name in known else PRESETS.get(kind, kind), tiles)
+
+
+def _on_board(array: Array, codec: Codec) -> Array:
+    return Array(
+        array.positions,
+        array.normals,
+        source_pressure=array.source_pressure,
+        directivity=array.directivity,
+        response=array.response,
+        mask=array.mask,
+        quantization=dict(codec.quantization),
+    )

@@ -1,0 +1,373 @@
+"""`midair.connect`: a board that plays what is sent, as long as somebody holds it."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+import warnings
+import weakref
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping
+from concurrent.futures import Future, wait
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._midair import Array, SceneError, SceneWarning, Solution
+from .._motion import Sequence
+from .._support.arguments import number, refused
+from . import wire
+from .address import DEFAULT, HOLDS_SEQUENCE, Address, can_modulate, describe, parse
+from .board import Board
+from .errors import BoardError, BoardLost, BoardTimeout
+from .limit import Limit
+from .process import PATIENCE, GuardProcess
+from .wire import Kind, Late
+
+#: Frames of a stream that are on their way at a time: one that plays next and one behind it, or as many as
+#: last so long, in s, lest a busy computer stop them; fewer of those that are made while they play.
+AHEAD = 2
+LEAD = 0.2
+LIVE = 0.04
+
+#: How often somebody who waits says so while the hold runs.
+HOLDS = 4
+
+#: Transducers further than this from where they were solved for, in m, are not those of the board.
+APART = 0.5e-3
+
+#: What a stream may do with a frame that comes too late.
+LATE = {"skip": Late.SKIP, "wait": Late.WAIT, "error": Late.ERROR}
+
+
+@dataclass(frozen=True)
+class Stats:
+    """What a connection has done.
+
+    frames : that the board has been given
+    late : frames of streams that came more than a period late: skipped, or played all the same
+    lapses : how often the hold ran out and everything was turned off
+    """
+
+    frames: int
+    late: int
+    lapses: int
+
+
+class Connection:
+    """A board that plays; from `midair.connect`. At the end of a `with` block it is off.
+
+    A guard process owns the device. It turns everything off when the connection is closed, when the program
+    ends in whatever way, and when no call to send, stream, upload, modulate or off came for `hold` s; the
+    next frame plays again. What is stopped by an error or Ctrl-C midway in a call is turned off, too; a frame
+    that is refused before it is sent changes nothing.
+    """
+
+    board: Board
+
+    def __init__(self, address: Address, board: Board, hold: float, limit: Limit | None) -> None:
+        self.board = board
+        self._place = address.where or address.kind
+        self._hold = hold
+        self._limit = limit
+        self._late = 0
+        self._warned = False
+        self._told: dict[str, Any] = {"state": "off", "frames": 0, "late": 0, "lapses": 0}
+        self._guard = GuardProcess(describe(address, board), hold)
+        self._finalizer = weakref.finalize(self, self._guard.close)
+
+    def send(self, drive: ArrayLike | Solution) -> None:
+        """Play a drive (N,) or a solution until something else comes; waits while two frames wait already.
+
+        Raises SceneError for a drive that is not in order or above the connection's limit, BoardLost where
+        the board is gone, BoardError where the connection is closed.
+        """
+        self._call(Kind.PLAY, wire.WHEN.pack(0.0, 0.0, Late.WAIT) + self._encode(drive))
+
+    def stream(
+        self,
+        drives: Iterable[ArrayLike | Solution] | NDArray[Any] | Sequence,
+        *,
+        rate: float | None = None,
+        late: Literal["skip", "wait", "error"] = "skip",
+    ) -> None:
+        """Play drives one after another; the last one goes on playing.
+
+        drives : (T, N), a midair.Sequence, or what gives drives or solutions one by one, as a generator
+        rate : frames a second; left out, the sequence's own, or as many as the board takes, of which none is
+            late
+        late : with a frame that comes more than a period late because the board is slow: "skip" leaves it out
+            and keeps to the clock, "wait" plays it and moves the clock, "error" raises BoardTimeout. A frame
+            that a generator was slow to give is played when it comes, unless that is an error.
+
+        Raises SceneError for a drive that is not in order or above the connection's limit, BoardTimeout for a
+        rate that late="error" cannot keep, BoardLost where the board is gone, BoardError where the connection
+        is closed.
+        """
+        frames = self._drives(drives)
+        if rate is None and isinstance(drives, Sequence):
+            rate = drives.rate
+        pace = self.board.rate if rate is None else number("rate", rate, above=0)
+        if late not in LATE:
+            raise refused("late", late, f"give {', '.join(LATE)}")
+        if late == "error" and pace > self.board.rate * (1 + 1e-6):
+            raise BoardTimeout(
+                f"rate is {pace:g} frames/s, {self.board.name} takes {self.board.rate:.4g}: "
+                'give a lower one, or late="skip"'
+            )
+        try:
+            known = isinstance(drives, Sequence | np.ndarray | list | tuple)
+            then = None if rate is None else LATE[late]
+            # Faster than the board takes them, frames would only pile up.
+            ahead = max(AHEAD, math.ceil(min(pace, self.board.rate) * (LEAD if known else LIVE)))
+            self._stream(frames, 1 / pace, then, ahead)
+        except BaseException:
+            self._quiet()
+            raise
+
+    def upload(self, sequence: Sequence) -> None:
+        """Let the board play a sequence by itself, over and over, where it can hold one (AUTD3).
+
+        Raises BoardError of a board that holds none, SceneError for frames that are not in order, BoardLost
+        where the board is gone, BoardError where the connection is closed.
+        """
+        if self.board.name not in HOLDS_SEQUENCE:
+            raise BoardError(f"{self.board.name} holds no sequence: use stream")
+        if not isinstance(sequence, Sequence):
+            raise refused("sequence", sequence, "give a midair.Sequence")
+        frames = [self._encode(drive) for drive in self._drives(sequence)]
+        self._call(Kind.UPLOAD, wire.UPLOADED.pack(len(frames), sequence.rate) + b"".join(frames))
+
+    def modulate(self, hz: float | None) -> None:
+        """Modulate the amplitude of what plays, and of what will.
+
+        hz : of the sine on AUTD3, of on and off on SonicSurface; None for no modulation
+
+        Raises BoardError of a board that cannot, SceneError for a frequency that is none, BoardLost where the
+        board is gone, BoardError where the connection is closed.
+        """
+        if hz is not None:
+            hz = number("hz", hz, above=0)
+            can_modulate(self.board.name)
+        self._call(Kind.MODULATE, wire.MODULATION.pack(math.nan if hz is None else hz))
+
+    def off(self) -> None:
+        """Turn everything off; the connection goes on.
+
+        Raises BoardLost where the board is gone, BoardError where the connection is closed.
+        """
+        self._call(Kind.OFF)
+
+    def close(self) -> None:
+        """Turn everything off and let go of the board. Never raises, never hangs; more than once, too."""
+        self._finalizer()
+
+    def __enter__(self) -> Connection:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    @property
+    def emitting(self) -> NDArray[np.complex64]:
+        """The drive (N,) that plays now, decoded from the frame the board has; 0 where nothing does.
+
+        While it is modulated, the drive at full amplitude. Of an uploaded sequence, by the clock.
+        """
+        frame = b""
+        if self._finalizer.alive:
+            with suppress(BoardLost):
+                frame = self._guard.call(Kind.EMITTING)
+        return self.board.decode(frame or self.board.off_frame)
+
+    @property
+    def state(self) -> Literal["off", "playing", "modulating", "lost", "closed"]:
+        """What it does: "off" also once the hold ran out, "lost" once the board was unplugged or stalled."""
+        if not self._finalizer.alive:
+            return "closed"
+        try:
+            self._call(Kind.STATUS)
+        except BoardLost:
+            return "lost"
+        state: Literal["off", "playing", "modulating", "lost"] = self._told["state"]
+        return state
+
+    @property
+    def stats(self) -> Stats:
+        """Counts of frames, of late ones, and of holds that ran out."""
+        if self._finalizer.alive:
+            with suppress(BoardLost):
+                self._call(Kind.STATUS)
+        return Stats(self._told["frames"], self._late + self._told["late"], self._told["lapses"])
+
+    def __repr__(self) -> str:
+        return f"<midair.Connection to {self.board.name} at {self._place}: {self.state}>"
+
+    def _call(self, kind: Kind, content: bytes = b"") -> None:
+        """Ask the guard and note what it tells; turn off where that was stopped midway."""
+        asked = self._guard.ask(kind, content)
+        try:
+            self._note(asked)
+        except BaseException:
+            self._quiet()
+            raise
+
+    def _note(self, asked: Future[bytes], patience: float = PATIENCE) -> None:
+        self._told = json.loads(self._guard.answer(asked, patience))
+
+    def _answered(self, asked: Future[bytes], patience: float) -> None:
+        self._wait(patience, asked)
+        self._note(asked, 0.0)
+
+    def _wait(self, seconds: float, asked: Future[bytes]) -> None:
+        """Wait until a call is answered; the guard is told now and then that somebody waits."""
+        until = time.monotonic() + seconds
+        while (left := until - time.monotonic()) > 0 and not asked.done():
+            if wait([asked], min(left, self._hold / HOLDS)).not_done:
+                self._guard.ask(Kind.HOLD)
+
+    def _quiet(self) -> None:
+        """Turn off what was stopped midway, without waiting for it."""
+        with suppress(BoardError):
+            self._guard.ask(Kind.OFF)
+
+    def _encode(self, drive: ArrayLike | Solution) -> bytes:
+        """The frame of a drive, refused where it is too loud or was solved for transducers elsewhere."""
+        if isinstance(drive, Solution):
+            if drive.scene is not None:
+                self._placed(drive.scene.array)
+            self._warn(drive.scale)
+        frame = self.board.encode(drive)
+        if self._limit is not None:
+            self._limit.check(self.board.decode(frame))
+        return frame
+
+    def _warn(self, scale: float) -> None:
+        """Say once that a board cannot play as softly as was asked."""
+        if scale < 1 and not self._warned:
+            self._warned = True
+            text = (
+                f"the board plays {1 / scale:.3g} times the pressures asked for, "
+                f"{-20 * math.log10(scale):.3g} dB more: turn its supply or modulation down to {scale:.3g}, "
+                "or ask for more"
+            )
+            warnings.warn(text, SceneWarning, stacklevel=4)
+
+    def _placed(self, array: Array) -> None:
+        """Refuse what was solved for transducers that lie elsewhere than the board's."""
+        mine, theirs = self.board.array.positions, array.positions
+        if len(mine) != len(theirs):
+            found = f"{len(theirs)} transducers, {self.board.name} has {len(mine)}"
+        elif (apart := np.linalg.norm(mine - theirs, axis=1)).max() > APART:
+            at = int(apart.argmax())
+            found = f"an array whose transducer {at} lies {1e3 * apart[at]:.3g} mm from the board's"
+        else:
+            return
+        raise SceneError(
+            f"the drive was solved for {found}: solve for connection.board.array, or connect with array="
+        )
+
+    def _drives(self, given: Any) -> Iterator[ArrayLike | Solution]:
+        """The drives of a stream, one by one."""
+        if isinstance(given, Sequence):
+            self._placed(given.array)
+            return (given.drive(frame) for frame in range(len(given)))
+        if isinstance(given, np.ndarray) and given.ndim != 2:
+            raise refused("drives.shape", given.shape, f"give (T, {len(self.board.array)})")
+        try:
+            return iter(given)
+        except TypeError:
+            raise refused(
+                "drives", given, "give (T, N), a midair.Sequence or a generator of drives"
+            ) from None
+
+    def _stream(
+        self, drives: Iterator[ArrayLike | Solution], period: float, late: Late | None, ahead: int
+    ) -> None:
+        """Hand frames to the guard before their time, which it waits for; with None for `late`, at once."""
+        patience = PATIENCE + ahead * period
+        under_way: deque[Future[bytes]] = deque()
+        due = math.inf
+        for asked, drive in _timed(drives):
+            now = time.monotonic()
+            if late is None or math.isinf(due):
+                due = now
+            elif now > due + period:
+                self._late += 1
+                if late == Late.ERROR:
+                    raise BoardTimeout(wire.LATE.format(1e3 * (now - due)))
+                if late == Late.SKIP and asked > due + period:
+                    due += period
+                    continue
+                due = now
+            frame = wire.WHEN.pack(due, due + period, late or Late.WAIT) + self._encode(drive)
+            under_way.append(self._guard.ask(Kind.PLAY, frame))
+            due += period
+            if len(under_way) >= ahead:
+                self._answered(under_way.popleft(), patience)
+        # Nothing is sent any more, but somebody waits.
+        for each in under_way:
+            self._guard.ask(Kind.HOLD)
+            self._answered(each, patience)
+        self._guard.ask(Kind.HOLD)
+        # The last frame has its time, too.
+        if math.isfinite(due):
+            self._wait(due - time.monotonic(), Future())
+
+
+def _timed(drives: Iterator[ArrayLike | Solution]) -> Iterator[tuple[float, ArrayLike | Solution]]:
+    """Each drive with the time at which it was asked for."""
+    asked = time.monotonic()
+    for drive in drives:
+        yield asked, drive
+        asked = time.monotonic()
+
+
+def connect(
+    address: str,
+    *,
+    array: Array | None = None,
+    board: Board | str | None = None,
+    hold: float = 60.0,
+    limit: Mapping[str, Any] | None = None,
+) -> Connection:
+    """Connect to a board: a `Connection`, best in a `with` block, at whose end the board is off.
+
+    address : a board and where it is, as "autd3" (those that are found), "autd3:eth0" (on a network
+        interface), "autd3:emulator", "sonicsurface:/dev/ttyUSB0", "mega64:PORT", "nano16:PORT", "nano:PORT",
+        "openmpd:SERIAL", "openmpd:SERIAL+SERIAL", "homies:SERIAL"; or no device at all:
+        "sonicsurface:loop" is as slow as the line of one, "sonicsurface:null" takes everything at once,
+        "null" is that of an AUTD3, "file:frames.bin" writes the frames
+    array : its transducers, where they are not those of the board's preset
+    board : a `midair.Board` of one's own, or a name where the address has none
+    hold : s without a call to send, stream, upload, modulate or off, after which everything is turned off
+    limit : {"positions": (K, 3) in m or a `midair.Ear`, "pressure": Pa}: frames whose peak |p| is above it
+        there are refused. What else it holds, such as temperature, is for the `midair.Scene` that |p| is
+        computed by.
+
+    A device is held by one program at a time. Raises SceneError for what is not in order, BoardNotFound,
+    BoardBusy, BoardPermission or BoardError where the device cannot be had.
+
+    >>> import midair
+    >>> with midair.connect("sonicsurface:loop") as surface:
+    ...     surface.send(midair.solve(midair.Scene(surface.board.array, [[0, 0, 0.15]])))
+    ...     surface.state
+    'playing'
+    >>> surface.state
+    'closed'
+    """
+    place = parse(address)
+    seconds = number("hold", hold, above=0)
+    if isinstance(board, Board) and array is not None:
+        raise refused("array", array, "the board has its own, leave one of them out")
+    if board is None:
+        board = place.board or DEFAULT
+    if not isinstance(board, Board):
+        board = Board(board, array)
+    if place.kind_of_board not in (None, board.name):
+        raise refused("board", board.name, f'the address "{address}" names another, leave one of them out')
+    return Connection(place, board, seconds, None if limit is None else Limit(limit, board.array))

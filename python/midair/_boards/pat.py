@@ -1,0 +1,112 @@
+"""`.pat`: a board of OpenMPD as it was measured (RMResearch/OpenMPD, Docs/GS_PAT_BoardFileFormat).
+
+Seven lines: the serial number; 256 transducers; 128 divisions of a period; positions "(x, y, z)," in m; the
+pin of each transducer; phase corrections in degrees; gains, 1, or 0 of a dead transducer. Lists end with a
+comma.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from os import PathLike
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._files.content import fault, text
+from .._files.table import numbers
+
+#: Transducers of a board.
+COUNT = 256
+
+LINES = (
+    "serial number",
+    "number of transducers",
+    "divisions of a period",
+    "positions",
+    "pins",
+    "corrections",
+    "gains",
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Pat:
+    """A board of OpenMPD: its transducers in the order of the file, index t = 16 x + y.
+
+    positions : (256, 3) in m, in z = 0, radiating to +z
+    divisions : phases of a period
+    pins : (256,), the place of each transducer's byte in a frame
+    corrections : (256,) in degrees; sent = wanted - correction
+    gains : (256,), 0 where a transducer is dead
+    """
+
+    serial: str
+    positions: NDArray[np.float64]
+    divisions: int
+    pins: NDArray[np.int64]
+    corrections: NDArray[np.float64]
+    gains: NDArray[np.float64]
+
+
+def read(path: str | PathLike[str]) -> Pat:
+    """Read a .pat file, or refuse it by its line."""
+    lines = text(path).rstrip().splitlines()
+    lines += [""] * (len(LINES) - len(lines))
+    for line, (what, found) in enumerate(zip(LINES, lines, strict=False), 1):
+        if not found.strip():
+            raise fault(path, line, f"the {what} are missing: a .pat file has seven lines")
+    count = _whole(path, 2, lines[1], COUNT, COUNT)
+    divisions = _whole(path, 3, lines[2], 2, 65536)
+    positions = _positions(path, lines[3])
+    pins = _list(path, 5, lines[4])
+    wrong = (pins != np.rint(pins)) | (pins < 0) | (pins >= count)
+    if wrong.any():
+        raise fault(path, 5, f"pin {pins[wrong][0]:g} is none: give each of 0 to {count - 1} once")
+    often = np.bincount(pins.astype(np.int64), minlength=count)
+    if (often != 1).any():
+        twice, missing = int(often.argmax()), int(often.argmin())
+        cure = f"give each of 0 to {count - 1} once"
+        raise fault(path, 5, f"pin {twice} is there {often[twice]} times, pin {missing} is missing: {cure}")
+    corrections, gains = _list(path, 6, lines[5]), _list(path, 7, lines[6])
+    if (gains < 0).any():
+        raise fault(path, 7, f"gain {gains[gains < 0][0]:g} is negative: give 1, or 0 where it is dead")
+    if len(lines) > len(LINES):
+        raise fault(path, 8, f"{len(lines)} lines: a .pat file has seven")
+    board = Pat(lines[0].strip(), positions, divisions, pins.astype(np.int64), corrections, gains)
+    for values in (board.positions, board.pins, board.corrections, board.gains):
+        values.flags.writeable = False
+    return board
+
+
+def _whole(path: str | PathLike[str], line: int, found: str, least: int, most: int) -> int:
+    what, value = LINES[line - 1], found.strip().rstrip(",")
+    if not (value.isascii() and value.isdecimal() and least <= int(value[:9]) <= most):
+        bound = f"{least}" if least == most else f"a whole number from {least} to {most}"
+        raise fault(path, line, f'{what} is "{value[:40]}": give {bound}')
+    return int(value)
+
+
+def _positions(path: str | PathLike[str], found: str) -> NDArray[np.float64]:
+    triples = re.findall(r"\(([^()]*)\)", found)
+    rest = re.sub(r"\([^()]*\)", "", found).replace(",", "").strip()
+    if rest:
+        raise fault(path, 4, f'"{rest[:40]}" is no position: give (x, y, z) in m, with commas between')
+    if len(triples) != COUNT:
+        raise fault(path, 4, f"{len(triples)} positions: give (x, y, z) in m for each of {COUNT} transducers")
+    for index, triple in enumerate(triples):
+        if triple.count(",") != 2:
+            raise fault(path, 4, f"position {index} is ({triple}): give three numbers, x, y, z in m")
+    names = [f"{axis} of position {index}" for index in range(COUNT) for axis in "xyz"]
+    cells = [cell.strip() for triple in triples for cell in triple.split(",")]
+    return numbers(path, 4, cells, names).reshape(COUNT, 3)
+
+
+def _list(path: str | PathLike[str], line: int, found: str) -> NDArray[np.float64]:
+    cells = [cell.strip() for cell in found.strip().removesuffix(",").split(",")]
+    what = LINES[line - 1]
+    if len(cells) != COUNT:
+        cure = f"give one for each of {COUNT} transducers in this line, with commas between"
+        raise fault(path, line, f"{len(cells)} {what}: {cure}")
+    return numbers(path, line, cells, [f"{what.removesuffix('s')} {index}" for index in range(COUNT)])

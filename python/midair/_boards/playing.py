@@ -1,0 +1,58 @@
+"""Playing one drive: sent anew while it lasts, off at the end."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from itertools import count
+from typing import Any
+
+from .._midair import SceneError, Solution
+from .._support.arguments import number
+from .connection import Connection, connect
+
+#: A drive that stays is sent anew every so many seconds, well before a connection's `hold` runs out.
+AGAIN = 10.0
+
+#: Seconds between two looks at what the board does.
+LOOK = 0.1
+
+
+def keep(
+    connection: Connection,
+    solution: Solution,
+    seconds: float | None,
+    show: Callable[[], object] = lambda: None,
+) -> None:
+    """Play one drive for so many seconds; None plays it until Ctrl-C."""
+    begin = time.monotonic()
+    for k in count():
+        if k % round(AGAIN / LOOK) == 0:
+            connection.send(solution)
+        left = math.inf if seconds is None else begin + seconds - time.monotonic()
+        if left <= 0:
+            return
+        time.sleep(min(LOOK, left))
+        show()
+
+
+def play(solution: Solution, address: str, *, seconds: float | None = None, **options: Any) -> None:
+    """Play a solution on a board, then turn the board off: `solution.play("autd3", seconds=5)`.
+
+    address, options : as `midair.connect` takes them
+    seconds : how long; left out, until Ctrl-C
+
+    Raises SceneError for a time that is not above 0 and for a solution without a scene, and what
+    `midair.connect` and `send` raise.
+
+    >>> import midair
+    >>> scene = midair.Scene(midair.Array.preset("sonicsurface"), [[0, 0, 0.1]])
+    >>> midair.solve(scene).play("sonicsurface:loop", seconds=0.1)
+    """
+    duration = None if seconds is None else number("seconds", seconds, above=0)
+    if solution.scene is None:
+        raise SceneError("solution.scene is None: give a solution of a Scene, whose array the board drives")
+    given = {} if "board" in options else {"array": solution.scene.array}
+    with connect(address, **{**given, **options}) as connection:
+        keep(connection, solution, duration)

@@ -1,0 +1,134 @@
+"""`midair boards`: the kinds of boards, or one of them in full."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+from rich import box
+from rich.markup import escape
+from rich.table import Table
+
+from .. import Array, Board, SceneError, connect, ports
+from .._boards.address import LINKS, PAIR
+from .._midair import Codec
+from .._support import output
+from .tables import console
+
+#: Boards of 64 in a chain.
+MOST_MEGA64 = 14
+
+#: What an address begins with where it is a port alone.
+BOARD = "sonicsurface"
+
+
+def off_command(address: str) -> int:
+    """Turn a board off.
+
+    Parameters
+    ----------
+    address
+        A board and where it is, such as mega64:/dev/ttyACM0; a port alone is a SonicSurface's.
+    """
+    alone = address.partition(":")[0].removesuffix(PAIR) not in (*LINKS, "null")
+    if address.startswith("file:"):
+        raise SceneError(f'address is "{address}": a file plays nothing, give a board')
+    # Whoever connects begins and ends with silence.
+    whole = f"{BOARD}:{address}" if alone else address
+    # Whatever the length of its chain.
+    array = Array.grid(64, MOST_MEGA64, 10e-3) if whole.startswith("mega64:") else None
+    with connect(whole, array=array) as board:
+        board.off()
+    told = f"{board.board.name} at {address} is off"
+    cure = f"; it was told so as a {BOARD}, other boards take midair off BOARD:{address}" if alone else ""
+    console.print(told + cure, markup=False, highlight=False, soft_wrap=True)
+    return 0
+
+
+def ports_command(*, json: Annotated[bool, Parameter(negative=())] = False) -> int:
+    """List the serial ports. None is opened, and none tells which board it leads to.
+
+    Parameters
+    ----------
+    json
+        Print one JSON document in place of the table.
+    """
+    found = ports()
+    if json:
+        print(output.to_json([asdict(port) for port in found]))
+        return 0
+    if not found:
+        console.print("no serial port: plug the board's adapter in")
+        return 0
+    table = Table("port", "what the system calls it", "maker", "serial number", box=box.SIMPLE_HEAD)
+    for port in found:
+        cells = (port.name, port.description, port.maker or "-", port.serial_number or "-")
+        # What a maker wrote is no markup.
+        table.add_row(*map(escape, cells))
+    console.print(table)
+    return 0
+
+
+def boards_command(name: str | None = None, *, json: Annotated[bool, Parameter(negative=())] = False) -> int:
+    """List the boards that can be played.
+
+    Parameters
+    ----------
+    name
+        A kind of board, or an array that one plays, for what is known of it alone.
+    json
+        Print one JSON document in place of the table.
+    """
+    names = list(Codec.kinds()) if name is None else [name]
+    records = {name: _record(name) for name in names}
+    if json:
+        print(output.to_json(records))
+    elif name is None:
+        _print_list(records)
+    else:
+        _print_one(name, records[name])
+    return 0
+
+
+def _print_list(records: dict[str, dict[str, Any]]) -> None:
+    columns = "board", "channels", "boards", "phases", "amplitudes", "bytes a frame", "frames/s", "what it is"
+    table = Table(*columns, box=box.SIMPLE_HEAD)
+    for name, record in records.items():
+        table.add_row(
+            f"[bold]{name}[/bold]",
+            str(record["transducers"]),
+            f"up to {record['most_boards']}" if record["most_boards"] > 1 else "1",
+            str(record["phases"]),
+            str(len(record["amplitudes"])),
+            str(record["frame_bytes"]),
+            f"{record['frames_per_second']:.4g}",
+            record["summary"],
+        )
+    console.print(table)
+
+
+def _print_one(name: str, record: dict[str, Any]) -> None:
+    amplitudes = record["amplitudes"]
+    shown = ", ".join(f"{amplitude:.3g}" for amplitude in amplitudes[:6])
+    line = "no serial line" if record["baud"] is None else f"serial, {record['baud']} baud"
+    lines = {
+        "board": name,
+        "what it is": record["summary"],
+        "transducers": str(record["transducers"]),
+        "boards": f"{record['boards']} of at most {record['most_boards']}",
+        "phases": str(record["phases"]),
+        "amplitudes": f"{len(amplitudes)}: {shown}{', ...' if len(amplitudes) > 6 else ''}",
+        "line": line,
+        "frame": f"{record['frame_bytes']} bytes, {record['frames_per_second']:.4g} a second",
+        "source": record["source"],
+        "Python": f'midair.Board("{name}")',
+    }
+    for what, text in lines.items():
+        console.print(f"  {what + ':':14}{text}", markup=False, highlight=False, soft_wrap=True)
+
+
+def _record(name: str) -> dict[str, Any]:
+    board = Board(name)
+    summary, source = Codec.kinds()[board.name]
+    return {"summary": summary, "source": source, "baud": board.baud, **board.limits}

@@ -1,0 +1,106 @@
+"""`midair compare`: one scene by several solvers, as a table and a sheet of pictures."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from .. import SceneError
+from .._judging.compare import Comparison, choices, growing
+from .._pictures.plot import Quantity
+from .._support import output
+from .progress import progress_bar
+from .scene import STANDARD, SceneFile
+from .tables import beside, print_solutions, print_written, write_image
+
+TABLES = (".csv", ".json")
+
+
+def compare_command(
+    scene: Path,
+    *,
+    solvers: str = "all",
+    output_file: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    image: Path | None = None,
+    quantity: Quantity = "pressure",
+    balance: bool | None = None,
+    json: Annotated[bool, Parameter(negative=())] = False,
+) -> int:
+    """Solve a scene file by several methods: a table, and a picture with a panel for each on one scale.
+
+    The column "gap" tells how far the weakest point stays below a level that no drive exceeds
+    (`midair.bound`, up to 64 points).
+
+    Parameters
+    ----------
+    scene
+        Scene file, TOML or JSON, or - for standard input. Its solver options hold for its solver.
+    solvers
+        Names separated by commas, or "all".
+    output_file
+        Where the table goes: .csv or .json, or - for CSV on standard output.
+    image
+        Where the contact sheet of fields goes: .png, .svg, .pdf or .jpg.
+    quantity
+        What the sheet shows: |p| in Pa, the radiation pressure, the level in dB or the phase.
+    balance
+        Balance for every method, or (--no-balance) for none; left out, each method's own habit.
+    json
+        Print one JSON document in place of the table.
+    """
+    if json and output_file == STANDARD:
+        raise SceneError("--json and -o - both want standard output: leave one of them out")
+    file = SceneFile(scene)
+    file.check_outputs((output_file, TABLES), (image, output.IMAGES))
+    request = file.scene()
+    names = None if solvers == "all" else [name.strip() for name in solvers.split(",")]
+    count = len(choices(request, names))
+    table = None
+    try:
+        with progress_bar("comparing") as tell:
+            for table in growing(request, names, balance=balance):
+                tell(len(table), count)
+            if image is not None and table is not None:
+                write_image(image, table.plot(quantity=quantity))
+    finally:
+        # What was solved before an interruption is worth its line.
+        if table is not None:
+            _tell(table, output_file, json)
+    return 0
+
+
+def _tell(table: Comparison, output_file: Path | None, json: bool) -> None:
+    document = output_file == STANDARD
+    if output_file is not None and not document:
+        content = _json(table) if output_file.suffix.lower() == ".json" else _csv(table)
+        output.write(output_file, content.encode())
+    if json:
+        print(_json(table))
+        return
+    with beside(document):
+        print_solutions(table.solutions, table.names, table.gaps)
+    if document:
+        print(_csv(table), end="")
+    elif output_file is not None:
+        print_written(output_file)
+
+
+def _rows(table: Comparison) -> list[dict[str, Any]]:
+    columns = table.to_dict()
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
+def _json(table: Comparison) -> str:
+    return output.to_json({"bound": table.bound, "solvers": _rows(table)})
+
+
+def _csv(table: Comparison) -> str:
+    text = io.StringIO()
+    rows = csv.DictWriter(text, list(table.to_dict()), lineterminator="\n")
+    rows.writeheader()
+    rows.writerows(_rows(table))
+    return text.getvalue()

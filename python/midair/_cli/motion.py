@@ -1,0 +1,107 @@
+"""`midair motion`: points that move, solved frame by frame; a table, a file, a picture, an animation."""
+
+from __future__ import annotations
+
+import json as json_text
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+from rich import box
+from rich.table import Table
+
+from .. import SceneError, Sequence
+from .._motion.document import Document, read
+from .._motion.request import solver_name
+from .._support import output
+from .progress import progress_bar
+from .scene import check_outputs
+from .tables import console, print_written, write_image
+
+#: What is told of a sequence, and how many digits.
+COLUMNS = {
+    "level": "{:.4f}",
+    "uniformity": "{:.4f}",
+    "largest_change": "{:.4f}",
+    "seam": "{:.4f}",
+    "dip": "{:.3f}",
+    "noise": "{:.1f}",
+}
+
+
+def motion_command(
+    scene: Path,
+    *,
+    output_file: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    image: Path | None = None,
+    animate: Path | None = None,
+    solvers: str | None = None,
+    json: Annotated[bool, Parameter(negative=())] = False,
+) -> int:
+    """Solve the frames of a scene file with a table [motion], and judge them.
+
+    Parameters
+    ----------
+    scene
+        Scene file, TOML or JSON, with [motion]: docs/motion.md.
+    output_file
+        Where the sequence goes: .npz. It is written as frames are found, unless ahead is "all": stopped and
+        started again, the command goes on where it was.
+    image
+        Where a picture goes, of pressures and phase changes over time: .png, .svg, .pdf or .jpg.
+    animate
+        Where an animation of the field goes: .gif, or .mp4 by ffmpeg.
+    solvers
+        Names with commas between, to be compared; left out, the scene file's, else glide.
+    json
+        Print one JSON document in place of the table.
+    """
+    names = [solver_name(name.strip()) for name in solvers.split(",")] if solvers else []
+    if len(names) > 1 and (output_file is not None or image is not None or animate is not None):
+        raise SceneError(f"--solvers is {solvers}: a file is of one sequence, give one solver")
+    outputs = (output_file, (".npz",)), (image, output.IMAGES), (animate, (".gif", ".mp4"))
+    check_outputs(*outputs, taken=[scene])
+    asked = read(scene)
+    if asked is None:
+        raise SceneError(f'scene file "{scene}" has no [motion]: it says what moves, as docs/motion.md shows')
+    found = {name: _solved(asked, name, output_file) for name in names or [asked.solver]}
+    if json:
+        print(json_text.dumps({name: one.metrics.asdict() for name, one in found.items()}))
+    else:
+        _print(found)
+    for one in found.values():
+        if image is not None:
+            with progress_bar("drawing"):
+                write_image(image, one.plot())
+        if animate is not None:
+            with progress_bar("animating") as tell:
+                one.animate(animate, progress=tell)
+    for path in (output_file, image, animate):
+        if path is not None and not json:
+            print_written(path)
+    return 0
+
+
+def _solved(asked: Document, name: str, file: Path | None) -> Sequence:
+    # Frames that are found together are written at the end.
+    together = asked.settings.get("ahead") == "all"
+    with progress_bar(f"solving by {name}") as tell:
+        found = asked.solve(solver=name, progress=tell, resume=None if together else file)
+    if together and file is not None:
+        found.save(file)
+    return found
+
+
+def _print(found: dict[str, Sequence]) -> None:
+    table = Table(
+        "solver", *(name.replace("_", " ") for name in COLUMNS), box=box.SIMPLE_HEAD, pad_edge=False
+    )
+    for name, one in found.items():
+        metrics = one.metrics.asdict()
+        cells = ("-" if metrics[key] is None else form.format(metrics[key]) for key, form in COLUMNS.items())
+        table.add_row(name, *cells)
+    first = next(iter(found.values()))
+    frames, count = first.targets.shape
+    console.print(f"{frames} frames of {count} points at {first.rate:g} Hz, {len(first.array)} transducers")
+    console.print(table)
+    console.print("largest change and seam in rad a frame; noise in dB, a proxy: docs/motion.md")

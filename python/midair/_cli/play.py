@@ -1,0 +1,208 @@
+"""`midair play`: a drive, a scene or a sequence on a board, until the time is over or Ctrl-C."""
+
+from __future__ import annotations
+
+import math
+import re
+import time
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from itertools import count
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from cyclopts import Parameter
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.live import Live
+
+from .. import (
+    Array,
+    Board,
+    Connection,
+    Scene,
+    SceneError,
+    SceneWarning,
+    Sequence,
+    Solution,
+    connect,
+    presets,
+    read,
+    solve,
+)
+from .._boards.address import DEFAULT, can_modulate, parse
+from .._boards.connection import APART
+from .._boards.playing import LOOK, keep
+from .._motion import document
+from .._points.ear import REFERENCE
+from .._support.arguments import number
+from .progress import progress_bar, tell
+
+#: Seconds of a unit of --for.
+UNITS = {"ms": 1e-3, "s": 1.0, "": 1.0, "min": 60.0, "h": 3600.0}
+
+#: Boards that are always whole, and the presets of one and of two.
+FIXED = {
+    "autd3": ("autd3", "autd3"),
+    "sonicsurface": ("sonicsurface", "sonicsurface_pair"),
+    "openmpd": ("openmpd_board", "openmpd_pair"),
+}
+
+
+def play_command(
+    what: Path,
+    *,
+    on: str,
+    duration: Annotated[str | None, Parameter(name="--for")] = None,
+    modulate: float | None = None,
+    solver: str | None = None,
+) -> int:
+    """Play a scene, a drive or a sequence on a board. Ctrl-C turns it off.
+
+    Parameters
+    ----------
+    what
+        A scene file, which is solved first; or what midair solve -o and midair motion -o wrote.
+    on
+        The board and where it is: sonicsurface:/dev/ttyUSB0, autd3, null, sonicsurface:loop (docs/boards.md).
+    duration
+        How long: 10s, 500ms, 2min. Left out, until Ctrl-C; an open sequence once.
+    modulate
+        Amplitude modulation in Hz, of boards that can.
+    solver
+        Name of the solver of a scene file; left out, the file's own, else the default.
+    """
+    seconds = _seconds(duration)
+    place = parse(on)
+    name = place.board or DEFAULT
+    if modulate is not None:
+        # Solving may take long; what is asked of the board is known before.
+        number("--modulate", modulate, above=0)
+        can_modulate(place.kind_of_board or DEFAULT)
+    thing = _thing(what, solver, lambda array: _board(name, array))
+    board = _board(name, thing.array if isinstance(thing, Sequence) else _scene(thing).array)
+    with connect(on, board=board) as connection, _status(connection, on, _loudness(thing), seconds) as show:
+        if modulate is not None:
+            connection.modulate(modulate)
+        if isinstance(thing, Sequence):
+            connection.stream(_frames(thing, seconds, show), rate=thing.rate)
+        else:
+            keep(connection, thing, seconds, show)
+        # A board that is gone is told, not said to be off.
+        connection.off()
+    return 0
+
+
+def _seconds(text: str | None) -> float | None:
+    """10s, 500ms, 2min or a number of seconds."""
+    if text is None:
+        return None
+    found = re.fullmatch(r"(\d+\.?\d*|\.\d+)\s*(ms|s|min|h|)", text.strip())
+    seconds = float(found[1]) * UNITS[found[2]] if found else math.nan
+    if not 0 < seconds < math.inf:
+        raise SceneError(f'--for is "{text}": give a time such as 10s, 500ms or 2min')
+    return seconds
+
+
+def _thing(path: Path, solver: str | None, board: Callable[[Array], Board]) -> Solution | Sequence:
+    """What is to be played: solved, if it is a scene."""
+    if path.suffix.lower() not in (".toml", ".json"):
+        found = read(path)
+        if solver is not None:
+            raise SceneError(f"--solver is {solver}: {path} is solved already, leave it out")
+        if not isinstance(found, Solution | Sequence) or (
+            isinstance(found, Solution) and found.scene is None
+        ):
+            raise SceneError(
+                f'"{path}" does not say what array it is for: give what midair solve or motion wrote'
+            )
+        return found
+    moving = document.read(path)
+    if moving is not None:
+        with progress_bar("solving") as show:
+            return moving.solve(board(moving.array).array, solver, progress=show)
+    scene = Scene.load(path)
+    return solve(scene.replace(array=board(scene.array).array), solver)
+
+
+def _scene(solution: Solution) -> Scene:
+    assert solution.scene is not None
+    return solution.scene
+
+
+def _board(name: str, array: Array) -> Board:
+    """The boards of a name behind an array: whole ones; where they stand otherwise, it is told."""
+    board = Board(name, array)
+    if board.name not in FIXED:
+        return board
+    one, pair = FIXED[board.name]
+    if len(array) % presets()[one].count:
+        cure = f'give a scene of its array, preset = "{one}"'
+        raise SceneError(
+            f"the array has {len(array)} transducers, {board.name} {presets()[one].count}: {cure}"
+        )
+    # AUTD3 finds its poses in the positions.
+    known = array if board.name == "autd3" else Array.preset((one, pair)[board.boards - 1])
+    if np.abs(known.positions - array.positions).max() > APART:
+        order = "its transducers are taken to be in that board's order"
+        warnings.warn(f"the array stands otherwise than {board.name}: {order}", SceneWarning, stacklevel=2)
+    return board
+
+
+def _frames(
+    sequence: Sequence, seconds: float | None, show: Callable[[], None]
+) -> Iterator[NDArray[np.complex64]]:
+    """The frames of a sequence, over and over if it is closed or a time is given."""
+    frames = len(sequence)
+    once = seconds is None and not sequence.closed
+    last = frames if once else math.inf if seconds is None else round(seconds * sequence.rate)
+    shown = 0.0
+    for k in count():
+        if k >= last:
+            return
+        yield sequence.drive(k % frames)
+        if time.monotonic() - shown > LOOK:
+            shown = time.monotonic()
+            show()
+
+
+def _loudness(thing: Solution | Sequence) -> float:
+    """The sound pressure level at the loudest point, in dB, of what the board plays: it knows of no scale."""
+    scale = thing.scale if isinstance(thing, Solution) else 1.0
+    loudest = float(np.abs(thing.pressures).max(initial=0.0)) / scale
+    return 20 * math.log10(max(loudest, 1e-30) / math.sqrt(2) / REFERENCE)
+
+
+@contextmanager
+def _status(
+    connection: Connection, on: str, level: float, seconds: float | None
+) -> Iterator[Callable[[], None]]:
+    """A line that follows what the board does, and one at the end; one at the begin where no terminal is."""
+    terminal = Console(stderr=True)
+    begin = time.monotonic()
+    sound = f"{level:.0f} dB SPL at the loudest point"
+
+    def line() -> str:
+        passed, stats = time.monotonic() - begin, connection.stats
+        until = "" if seconds is None else f" of {seconds:g} s"
+        rate = f"{stats.frames / max(passed, 1e-3):.4g} frames/s, {stats.late} late"
+        return f"{connection.state} on {on}, {passed:.1f} s{until}, {rate}, {sound}. Ctrl-C turns it off"
+
+    live = Live(console=terminal, transient=True, auto_refresh=False)
+    moves = terminal.is_terminal and not terminal.is_dumb_terminal
+    try:
+        # Ctrl-C may follow at once upon being told of.
+        if moves:
+            live.start()
+        else:
+            tell(f"playing on {on}, {sound}. Ctrl-C turns it off")
+        yield lambda: live.update(line(), refresh=True) if moves else None
+    finally:
+        if moves:
+            live.stop()
+        stats = connection.stats
+        connection.close()
+        passed = time.monotonic() - begin
+        tell(f"off after {passed:.1f} s: {stats.frames} frames, {stats.late} late")

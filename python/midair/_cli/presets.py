@@ -1,0 +1,199 @@
+"""`midair presets`: the list of arrays known by name, or one of them in full; and a picture of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from cyclopts import Parameter
+from rich import box
+from rich.table import Table
+
+from .. import Array, SolverInfo, presets, solvers
+from .._midair import preset_name, solver_name
+from .._support import output
+from .scene import check_outputs
+from .tables import console, print_written, write_image
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+#: Panels of a row.
+COLUMNS = 4
+
+
+def arrays(named: Mapping[str, Array]) -> Figure:
+    """A panel for each array, flat ones from above, others in perspective; colours go along the order."""
+    from matplotlib.figure import Figure
+
+    columns = min(len(named), COLUMNS)
+    rows = -(-len(named) // columns)
+    figure = Figure(figsize=(3.3 * columns + 0.9, 3.4 * rows + 0.4), layout="constrained")
+    axes = []
+    shades: Any = None
+    for k, (name, array) in enumerate(named.items(), 1):
+        places = array.positions * 1e3
+        flat = bool(np.ptp(places[:, 2]) < 1e-6)
+        ax: Any = figure.add_subplot(rows, columns, k, projection=None if flat else "3d")
+        order = np.arange(len(places)) / max(len(places) - 1, 1)
+        shown = places[:, :2] if flat else places
+        size = 3e3 / max(len(places), 60)
+        shade = {} if flat else {"depthshade": False}
+        shades = ax.scatter(*shown.T, c=order, s=size, cmap="viridis", vmin=0, vmax=1, linewidths=0, **shade)
+        ax.set_title(f"{name}\n{len(places)} transducers", fontsize="medium")
+        ax.set_aspect("equal")
+        ax.tick_params(labelsize="x-small")
+        if flat:
+            ax.margins(0.06)
+        else:
+            ax.locator_params(nbins=4)
+        axes.append(ax)
+    bar = figure.colorbar(shades, ax=axes, ticks=[0, 1], shrink=0.6, pad=0.02)
+    bar.set_ticklabels(["first", "last"])
+    figure.supxlabel("x, y (and z) in mm", fontsize="small")
+    return figure
+
+
+def solvers_command(name: str | None = None, *, json: Annotated[bool, Parameter(negative=())] = False) -> int:
+    """List the solvers with their options and defaults.
+
+    Parameters
+    ----------
+    name
+        A solver, for what is known of it alone.
+    json
+        Print one JSON document in place of the table.
+    """
+    known = dict(solvers())
+    if name is not None:
+        known = {solver_name(name): known[solver_name(name)]}
+    if json:
+        print(output.to_json({name: _solver_record(info) for name, info in known.items()}))
+        return 0
+    table = Table("solver", "option", "default", "what it does", box=box.SIMPLE_HEAD)
+    for listed, info in known.items():
+        table.add_row(f"[bold]{listed}[/bold]", "", "", f"{info.summary} ({info.source})")
+        for option, about in info.options.items():
+            table.add_row("", option, str(about.default), about.doc)
+        table.add_row(
+            "", "phases", "used" if info.uses_phases else "not used", "Phases of complex pressures."
+        )
+        table.add_row(
+            "", "balance", str(info.balance), "Solve at the balanced level, reduce the drives afterwards."
+        )
+    console.print(table)
+    if name is not None:
+        _print_uses(*known.items())
+    return 0
+
+
+def _print_uses(solver: tuple[str, SolverInfo]) -> None:
+    """How its options are given, wherever they can be."""
+    name, info = solver
+    key, value = next(((key, about.default) for key, about in info.options.items()), ("balance", True))
+    word = f'"{value}"' if isinstance(value, str) else str(value).lower()
+    lines = {
+        "command line": f"midair solve scene.toml --solver {name} --{key} {value}",
+        "scene file": f'[solver] and under it name = "{name}", {key} = {word}',
+        "Python": f'midair.solve(scene, "{name}", {key}={value!r})',
+    }
+    if info.options == {}:
+        lines["command line"] = f"midair solve scene.toml --solver {name} --balance"
+    for where, line in lines.items():
+        console.print(f"  {where + ':':14}{line}", markup=False, highlight=False, soft_wrap=True)
+
+
+def _solver_record(info: SolverInfo) -> dict[str, Any]:
+    options = {name: {"default": about.default, "doc": about.doc} for name, about in info.options.items()}
+    known = {"summary": info.summary, "source": info.source, "balance": info.balance}
+    return {**known, "uses_phases": info.uses_phases, "options": options}
+
+
+def presets_command(
+    name: str | None = None,
+    *,
+    image: Path | None = None,
+    json: Annotated[bool, Parameter(negative=())] = False,
+) -> int:
+    """List the arrays known by name.
+
+    Parameters
+    ----------
+    name
+        A preset, for what is known of it alone.
+    image
+        Where a picture goes, of the transducers and their order: .png, .svg, .pdf or .jpg.
+    json
+        Print one JSON document in place of the table.
+    """
+    check_outputs((image, output.IMAGES))
+    names = list(presets()) if name is None else [preset_name(name)]
+    if json:
+        print(output.to_json({name: _record(name) for name in names}))
+    elif name is None:
+        _print_list()
+    else:
+        _print_one(names[0])
+    if image is not None:
+        write_image(image, arrays({name: Array.preset(name) for name in names}))
+        if not json:
+            print_written(image)
+    return 0
+
+
+def _print_list() -> None:
+    columns = "preset", "transducers", "tiles", "P0 / Pa m", "board", "what it is", "source"
+    table = Table(*columns, box=box.SIMPLE_HEAD)
+    for name, info in presets().items():
+        tiles = "yes" if info.tiles else "no"
+        table.add_row(
+            f"[bold]{name}[/bold]",
+            str(info.count),
+            tiles,
+            f"{info.source_pressure:g}",
+            info.board or "-",
+            info.summary,
+            info.source,
+        )
+    console.print(table)
+
+
+def _print_one(name: str) -> None:
+    record = _record(name)
+    board = record["quantization"] or {}
+    phases, amplitudes = board.get("phases") or "any", board.get("amplitudes")
+    width, height = (f"{side * 1e3:.1f}" for side in record["extent"])
+    lines = {
+        "preset": name,
+        "what it is": record["summary"],
+        "transducers": f"{record['count']}, {width} x {height} mm from the first to the last",
+        "tiles": "yes, as in --tiles 2,2" if record["tiles"] else "no",
+        "P0": f"{record['source_pressure']:g} Pa m",
+        "directivity": str(record["directivity"]),
+        "board": record["board"] or "none that plays drives",
+        "phases": str(phases),
+        "amplitudes": "any" if amplitudes is None else str(len(amplitudes)),
+        "source": record["source"],
+        "command line": f"midair solve --preset {name} --at 0,0,0.15",
+        "scene file": f'[array] and under it preset = "{name}"',
+        "Python": f'midair.Array.preset("{name}")',
+    }
+    for what, line in lines.items():
+        console.print(f"  {what + ':':14}{line}", markup=False, highlight=False, soft_wrap=True)
+
+
+def _record(name: str) -> dict[str, Any]:
+    info, array = presets()[name], Array.preset(name)
+    return {
+        "summary": info.summary,
+        "source": info.source,
+        "count": info.count,
+        "tiles": info.tiles,
+        "source_pressure": info.source_pressure,
+        "board": info.board,
+        "directivity": array.directivity,
+        "extent": np.ptp(array.positions, axis=0)[:2],
+        "quantization": array.quantization,
+    }

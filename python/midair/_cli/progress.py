@@ -1,0 +1,109 @@
+"""Progress bars on standard error."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    Progress,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+
+#: Exit status of a request that cannot be answered, of a fault of midair's own, of a reader of standard
+#: output that is gone (128 + SIGPIPE), and of Ctrl-C (128 + SIGINT); another signal's is 128 + its number.
+REFUSED, FAULT, UNREAD, INTERRUPTED = 2, 70, 141, 130
+
+
+def one_line(error: BaseException | str) -> str:
+    """What an error says, without line breaks."""
+    if isinstance(error, OSError) and error.strerror:
+        text = f"{error.strerror}: {error.filename}" if error.filename else error.strerror
+    else:
+        text = str(error)
+    return " ".join(text.split())
+
+
+def fault(error: BaseException) -> str:
+    """What nobody foresaw, and where, for a report."""
+    trace = error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    where = "" if trace is None else f" ({Path(trace.tb_frame.f_code.co_filename).name}:{trace.tb_lineno})"
+    said = f"{type(error).__name__}: {one_line(error)}"
+    return f"a fault of midair itself, please report this line with your command and files: {said}{where}"
+
+
+def prepare() -> None:
+    """Make streams that take anything: a closed one leads nowhere, letters it lacks are escaped."""
+    for descriptor in range(3):
+        # Otherwise the next file opened would take the place of a closed stream.
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
+    for stream in (sys.stdout, sys.stderr):
+        # What stands in for a stream, as in a notebook, may not know how.
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def tell(line: str) -> None:
+    """A line on standard error, if anybody reads it."""
+    with suppress(OSError):
+        print(line, file=sys.stderr, flush=True)
+
+
+def abandon() -> None:
+    """Leave standard output to nobody, so that nothing more is said of it when Python ends."""
+    with suppress(OSError, ValueError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)
+
+
+@contextmanager
+def progress_bar(doing: str) -> Iterator[Callable[[int, int], None]]:
+    """A progress bar for whatever takes over a second; the block calls what it gets with (step, steps)."""
+    # A spinner of letters that every terminal has.
+    columns = (
+        SpinnerColumn("line"),
+        TextColumn(doing),
+        BarColumn(),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+    )
+    terminal = Console(stderr=True)
+    # Elsewhere even a bar that leaves nothing behind leaves an empty line.
+    moves = terminal.is_terminal and not terminal.is_dumb_terminal
+    bar = Progress(*columns, console=terminal, transient=True, disable=not moves)
+    task = bar.add_task(doing, total=None)
+    began = time.monotonic()
+    shown = began
+
+    def tell(step: int, steps: int) -> None:
+        nonlocal shown
+        now = time.monotonic()
+        if now - began > 1 and now - shown > 0.1:
+            shown = now
+            bar.start()
+            bar.update(task, completed=step, total=steps)
+
+    try:
+        yield tell
+    finally:
+        # A bar that was never shown would still end its line.
+        if bar.live.is_started:
+            bar.stop()

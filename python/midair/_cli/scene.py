@@ -1,0 +1,89 @@
+"""The scene that a command is about: a file, standard input, or a preset and points as typed."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from .. import Array, Scene, SceneError
+from .._midair import scene_files
+from .._support import output
+
+#: In place of a file: standard input, or standard output.
+STANDARD = Path("-")
+
+#: More than the core reads (64 MB), so that it is the core that refuses.
+_MOST_BYTES = (64 << 20) + 1
+
+
+class SceneFile:
+    """A scene file, or standard input for -: TOML or JSON, its files in its folder."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        # A pipe can be read but once.
+        self._text: bytes | None = None
+        if path == STANDARD:
+            self._text = sys.stdin.buffer.read(_MOST_BYTES)
+        elif not path.is_file():
+            with path.open("rb") as pipe:
+                self._text = pipe.read(_MOST_BYTES)
+
+    def scene(self) -> Scene:
+        """The scene."""
+        if self._text is None:
+            return Scene.load(self.path)
+        name = "standard input" if self.path == STANDARD else str(self.path)
+        return Scene.parse(self._text, name=name, folder=self.path.parent)
+
+    def check_outputs(self, *outputs: tuple[Path | None, tuple[str, ...]]) -> None:
+        """Refuse outputs that cannot be written, or that are files of the scene or one another."""
+        if any(path is not None for path, _ in outputs):
+            check_outputs(*outputs, taken=scene_files(self.path, self._text))
+
+
+def typed_scene(
+    preset: str | None, tiles: str | None, at: Sequence[str] | None, pressure: str | None
+) -> Scene:
+    """A scene without a file: an array by its name, and its points one by one."""
+    example = "--preset autd3 --at 0,0,0.15"
+    if preset is None and not at:
+        raise SceneError(f"scene is left out: give a scene file (midair new writes one), or {example}")
+    if preset is None:
+        raise SceneError(f"--preset is left out: say which array, as in {example}; midair presets lists them")
+    if not at:
+        raise SceneError(f"--at is left out: give the points, as in {example} --at 0.02,0,0.15")
+    points = [numbers("--at", point, 3, "three numbers in m, such as --at 0,0,0.15") for point in at]
+    pressures = None
+    if pressure is not None:
+        each = f", or {len(points)} with commas between, one a point" if len(points) > 1 else ""
+        cure = f"one pressure in Pa{each}"
+        pressures = numbers("--pressure", pressure, (1, len(points)), cure)
+    boards = numbers("--tiles", tiles or "1,1", 2, "boards along x and y, such as --tiles 2,2")
+    if not all(number.is_integer() for number in boards):
+        raise SceneError(f"--tiles is {tiles}: give whole numbers, such as --tiles 2,2")
+    array = Array.preset(preset, (int(boards[0]), int(boards[1])))
+    return Scene(array, points, pressures[0] if pressures and len(pressures) == 1 else pressures)
+
+
+def numbers(name: str, text: str, count: int | tuple[int, ...], cure: str) -> list[float]:
+    """Finite numbers as typed, with commas between; the cure says how many."""
+    try:
+        numbers = [float(number) for number in text.strip("[]() ").split(",")]
+    except ValueError:
+        numbers = []
+    counts = (count,) if isinstance(count, int) else count
+    if len(numbers) not in counts or not all(map(math.isfinite, numbers)):
+        raise SceneError(f'{name} is "{text}": give {cure}')
+    return numbers
+
+
+def check_outputs(*outputs: tuple[Path | None, tuple[str, ...]], taken: Iterable[Path] = ()) -> None:
+    """Refuse outputs that cannot be written, or that are taken files or one another."""
+    others = list(taken)
+    for path, endings in outputs:
+        if path is not None and path != STANDARD:
+            output.check(path, endings, others)
+            others.append(path)

@@ -1,0 +1,139 @@
+"""`midair solve`: one scene by one solver, its metrics, its drive as a file and a picture of its field."""
+
+from __future__ import annotations
+
+import json as json_text
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from .. import Scene, SceneError, Solution, solve
+from .._pictures.plot import Quantity, answer
+from .._support import output
+from .._support.ctrl_c import interruptible
+from .progress import progress_bar
+from .progress import tell as say
+from .scene import STANDARD, SceneFile, check_outputs, typed_scene
+from .tables import beside, print_solutions, print_written, write_image
+
+
+def solve_command(
+    scene: Path | None = None,
+    *,
+    preset: str | None = None,
+    tiles: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    at: Annotated[list[str] | None, Parameter(allow_leading_hyphen=True, negative=())] = None,
+    pressure: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    solver: str | None = None,
+    output_file: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    image: Path | None = None,
+    quantity: Quantity = "pressure",
+    balance: bool | None = None,
+    aim: str | None = None,
+    json: Annotated[bool, Parameter(negative=())] = False,
+    **options: Annotated[str, Parameter(allow_leading_hyphen=True)],
+) -> int:
+    """Find a drive for a scene, judge it, and write what is asked for.
+
+    Any option of the solver is an option here (`midair solvers` lists them): --phases 16 --seed 1.
+
+    Without a file: midair solve --preset autd3 --at 0,0,0.15 --at 0.02,0,0.15 --pressure 1000
+
+    Parameters
+    ----------
+    scene
+        Scene file, TOML or JSON, or - for standard input (`midair new` writes one to begin with).
+    preset
+        In place of a file: the array by its name (`midair presets` lists them).
+    tiles
+        Boards along x and y, such as 2,2.
+    at
+        A point x,y,z in m; once for each point.
+    pressure
+        Peak pressure in Pa at every point, or one a point with commas between. Left out, as much as the
+        array can make.
+    solver
+        Name of the solver; left out, the scene file's, else the default.
+    output_file
+        Where the drive goes: .npz, .csv or .json, or - for JSON on standard output. Left out, nothing is
+        written.
+    image
+        Where a picture goes, of the field and of what was asked and got: .png, .svg, .pdf or .jpg.
+    quantity
+        What the field's picture shows: |p| in Pa, the radiation pressure, the level in dB or the phase.
+    balance
+        Solve at the level the array can reach and reduce the drives afterwards.
+    aim
+        "target" for as loud as asked, "max" for as loud as the array can, for the solvers that use one.
+    json
+        Print one JSON document in place of the table.
+    options
+        Options of the solver, as --name value.
+    """
+    typed = (preset, tiles, at, pressure)
+    if scene is not None and any(typed):
+        raise SceneError("--preset, --tiles, --at and --pressure go without a scene file: change the file")
+    if json and output_file == STANDARD:
+        raise SceneError("--json and -o - both want standard output: leave one of them out")
+    if image == STANDARD:
+        raise SceneError('--image is "-": give a file')
+    outputs = (output_file, output.DRIVES), (image, output.IMAGES)
+    if scene is None:
+        check_outputs(*outputs)
+        request = typed_scene(*typed)
+    else:
+        file = SceneFile(scene)
+        file.check_outputs(*outputs)
+        request = file.scene()
+    values = _values(options) if aim is None else {**_values(options), "aim": aim}
+    with progress_bar("solving") as tell, interruptible() as stop:
+
+        def watch(step: int, steps: int, residual: float) -> bool:
+            tell(step, steps)
+            return not stop()
+
+        solution = solve(request, solver, balance=balance, progress=watch, **values)
+    stopped = solution.status == "stopped"
+    try:
+        if output_file is not None and output_file != STANDARD:
+            output.write_drive(output_file, request, solution)
+        if image is not None and not stopped:
+            with progress_bar("drawing"):
+                write_image(image, answer(solution, quantity=quantity))
+    finally:
+        # An answer is worth its line, also where its file cannot be written.
+        _print(request, solution, json, document=output_file == STANDARD)
+    if output_file is not None and output_file != STANDARD and not json:
+        print_written(output_file)
+    if stopped:
+        say("stopped: what was found so far is above")
+    return 128 + stop.number if stopped else 0
+
+
+def _print(request: Scene, solution: Solution, json: bool, *, document: bool) -> None:
+    if json:
+        print(output.summary(request, solution))
+        return
+    with beside(document):
+        print_solutions([solution])
+    if document:
+        print(output.drive_json(request, solution))
+
+
+def _values(options: dict[str, str]) -> dict[str, Any]:
+    """Options as typed: 16, true and [1, 0] are what they look like, anything else is a word."""
+    values: dict[str, Any] = {}
+    for name, text in options.items():
+        key = name.replace("-", "_")
+        if key in {"pressures", "weights", "start", "progress", "trace"}:
+            raise SceneError(
+                f"--{name} is no option of the command line: put it into the scene file or use Python"
+            )
+        try:
+            value = json_text.loads(text)
+        except (ValueError, RecursionError):
+            value = None
+        # null is no value of any option: it stays a word, and is refused as one.
+        values[key] = text if value is None else value
+    return values

@@ -1,0 +1,157 @@
+"""`midair tolerate`: what faults of array and air leave of a scene's answer, as a table and a picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from .. import SceneError, exposure, solve
+from .._judging import Trials
+from .._support import output
+from .progress import progress_bar
+from .scene import SceneFile, numbers
+from .tables import console, print_columns, print_written, write_image
+
+
+def exposure_command(
+    scene: Path,
+    *,
+    at: Annotated[list[str] | None, Parameter(allow_leading_hyphen=True, negative=())] = None,
+    box: Annotated[list[str] | None, Parameter(allow_leading_hyphen=True, negative=())] = None,
+    limit: str = "howard",
+    solver: str | None = None,
+    json: Annotated[bool, Parameter(negative=())] = False,
+) -> int:
+    """Solve a scene file and tell how loud it is at other places: ears, eyes.
+
+    midair exposure scene.toml --at 0,0.1,0.5 --box=-0.1,-0.1,0.4,0.1,0.1,0.6
+
+    Parameters
+    ----------
+    scene
+        Scene file, TOML or JSON, or - for standard input.
+    at
+        A place x,y,z in m; once for each place.
+    box
+        Two corners x,y,z,x,y,z in m, of which the loudest place is told; once for each box.
+    limit
+        What the levels stand beside: howard (110 dB), acgih (115), acgih-air (145), irpa
+        (100), or a level in dB.
+    solver
+        Name of the solver; left out, the scene file's, else the default.
+    json
+        Print one JSON document in place of the table.
+    """
+    places: dict[str, Any] = {}
+    for text in at or ():
+        places[text] = numbers("--at", text, 3, "three numbers in m, such as --at 0,0.1,0.5")
+    for text in box or ():
+        corners = numbers("--box", text, 6, "two corners in m, such as --box 0,0.1,0.5,0.03,0.13,0.53")
+        places[text] = [corners[:3], corners[3:]]
+    if not places:
+        raise SceneError("--at is left out: give places such as --at 0,0.1,0.5, or a --box")
+    request = SceneFile(scene).scene()
+    with progress_bar("solving"):
+        solution = solve(request, solver)
+    with progress_bar("listening"):
+        found = exposure(request, solution, places, limit=_limit(limit))
+    if json:
+        print(output.to_json({"limit": vars(found.limit), "places": found.to_dict()}))
+    else:
+        print_columns(found.cells())
+        console.print(found.heading, highlight=False)
+    return 0
+
+
+def _limit(text: str) -> str | float:
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def tolerate_command(
+    scene: Path,
+    *,
+    solver: str | None = None,
+    phase: float = 0,
+    gain: float = 0,
+    dead: float = 0,
+    reversed: float = 0,
+    temperature: float = 0,
+    tilt: float = 0,
+    position: float = 0,
+    trials: int = 200,
+    seed: int = 0,
+    scheduler: str | None = None,
+    image: Path | None = None,
+    json: Annotated[bool, Parameter(negative=())] = False,
+) -> int:
+    """Solve a scene file and play the drive with faults: how much of level and uniformity is kept.
+
+    midair tolerate scene.toml --phase 20 --dead 0.05 --temperature 5 --tilt 1
+
+    Parameters
+    ----------
+    scene
+        Scene file, TOML or JSON, or - for standard input.
+    solver
+        Name of the solver; left out, the scene file's, else the default.
+    phase
+        Error of each transducer, standard deviation in degrees.
+    gain
+        Error of each transducer's amplitude, standard deviation relative to 1.
+    dead
+        Probability that a transducer is silent.
+    reversed
+        Probability that a transducer has its wires the wrong way round.
+    temperature
+        How far the air is from the scene's, standard deviation in K.
+    tilt
+        Of the array about its middle, standard deviation in degrees.
+    position
+        Of each transducer along each axis, standard deviation in m.
+    trials
+        How many, of each fault alone and of all together.
+    seed
+        The same table for the same seed.
+    scheduler
+        Address of a Dask scheduler, tcp://host:port; left out, this machine works.
+    image
+        Where a picture of all trials goes: .png, .svg, .pdf or .jpg.
+    json
+        Print one JSON document in place of the table.
+    """
+    file = SceneFile(scene)
+    file.check_outputs((image, output.IMAGES))
+    faults = {
+        "phase": phase,
+        "gain": gain,
+        "dead": dead,
+        "reversed": reversed,
+        "temperature": temperature,
+        "tilt": tilt,
+        "position": position,
+    }
+    found = Trials(file.scene(), solver, faults=faults, trials=trials, seed=seed, options={})
+    try:
+        with progress_bar("trying") as tell:
+            found.run(scheduler=scheduler, progress=tell)
+    finally:
+        # What was tried before an interruption is worth its lines.
+        if (table := found.table()) is not None:
+            if json:
+                print(
+                    output.to_json({"trials": table.trials, "status": table.status, "rows": table.to_dict()})
+                )
+            else:
+                print_columns(table.cells())
+                console.print(table.heading, highlight=False)
+    if image is not None and table is not None:
+        with progress_bar("drawing"):
+            write_image(image, table.plot())
+        if not json:
+            print_written(image)
+    return 0

@@ -1,0 +1,69 @@
+"""AUTD3's geometry, `.json`, as Geometry.to_json of autd3-core 0.12 writes it.
+
+It is a list of boards, {"origin": [x, y, z], "rotation": [w, x, y, z]}. The origin, in mm, is that of
+transducer 0, the rotation a unit quaternion. A board has 249 transducers (autd3-core, devices/autd3.rs) and
+radiates along its +z.
+"""
+
+from __future__ import annotations
+
+import json
+from os import PathLike
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._boards.layout import Layout, turned
+from .._midair import Array
+from .content import fault, text
+
+#: Boards of one link.
+MOST_BOARDS = 128
+
+
+def read(path: str | PathLike[str]) -> Layout:
+    """Read boards one after another, each in the order of its transducers."""
+    try:
+        boards = json.loads(text(path), parse_int=float)
+    except json.JSONDecodeError as error:
+        reason = f"it is no JSON ({error.msg}): give what Geometry.to_json wrote"
+        raise fault(path, error.lineno, reason) from error
+    except RecursionError as error:
+        raise fault(path, None, "its lists nest too deep: give what Geometry.to_json wrote") from error
+    if not isinstance(boards, list):
+        cure = "give a list of boards, as Geometry.to_json writes"
+        if isinstance(boards, dict) and "array" in boards:
+            cure = "this is a scene file, read it by midair.Scene.load"
+        raise fault(path, None, f"it is no list: {cure}")
+    if not 1 <= len(boards) <= MOST_BOARDS:
+        raise fault(path, None, f"{len(boards)} boards: give 1 to {MOST_BOARDS}")
+    origins = np.array([_numbers(path, index, board, "origin", "xyz") for index, board in enumerate(boards)])
+    turns = np.array([_numbers(path, index, board, "rotation", "wxyz") for index, board in enumerate(boards)])
+    for index, length in enumerate(np.linalg.norm(turns, axis=1)):
+        if abs(length - 1) > 1e-3:
+            raise fault(
+                path, None, f"rotation of board {index} has length {length:g}: give a unit quaternion"
+            )
+    board = Array.preset("autd3")
+    own = board.positions - board.positions[0]
+    # A board's point (x, y, z) is x e_x + y e_y + z e_z of the turned axes.
+    axes = np.stack([turned(turns, axis) for axis in np.eye(3).tolist()], axis=1)
+    positions = origins[:, None] / 1e3 + np.einsum("ni,bij->bnj", own, axes)
+    return Layout(
+        positions.reshape(-1, 3),
+        np.repeat(axes[:, 2], len(board), axis=0),
+        source_pressure=board.source_pressure,
+        directivity=board.directivity,
+        quantization=board.quantization,
+    )
+
+
+def _numbers(path: str | PathLike[str], index: int, board: Any, name: str, axes: str) -> NDArray[np.float64]:
+    found = board.get(name) if isinstance(board, dict) else None
+    plain = isinstance(found, list) and len(found) == len(axes)
+    if not plain or not all(type(one) is float and np.isfinite(one) for one in found or []):
+        told = json.dumps(found)[:60]
+        cure = f"give [{', '.join(axes)}]{', in mm' if name == 'origin' else ', a unit quaternion'}"
+        raise fault(path, None, f"{name} of board {index} is {told}: {cure}")
+    return np.array(found, np.float64)

@@ -1,0 +1,131 @@
+"""`.csv` of control points for devices that compute drives by themselves, as Ultraleap's do: no phases.
+
+A row is t,x,y,z,intensity (s, m, 0 to 1) and, where points are modulated, frequency in Hz; rows of one t
+are the points of one frame. z is the distance from the array. Intensities are targets relative to the
+largest.
+"""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path as File
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._midair import SceneError
+from .._motion import Sequence
+from .._support.arguments import number
+from ..path import Path
+from ..path._piece import FARTHEST, real
+from .content import fault, text
+from .table import columns, picked, rows
+
+COLUMNS = ("t", "x", "y", "z", "intensity")
+FREQUENCY = "frequency"
+CURE = f"give {','.join(COLUMNS)} and, if you like, {FREQUENCY}"
+
+Numbers = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ControlPoints:
+    """Control points in time, as a file of them holds them.
+
+    times : (T,) in s
+    points : (T, M, 3) in m
+    intensities : (T, M), 0 to 1
+    frequencies : (T, M) in Hz at which points are modulated, or None
+    """
+
+    times: Numbers
+    points: Numbers
+    intensities: Numbers
+    frequencies: Numbers | None = None
+
+
+def control_points(given: Any, rate: float | None, modulate: float | None) -> ControlPoints:
+    """Points of a Path, a Sequence, numbers (M, 3) or (T, M, 3), or ControlPoints."""
+    if isinstance(given, ControlPoints):
+        return given
+    if isinstance(given, Sequence):
+        times, points, targets = given.times, given.points, given.targets
+    elif isinstance(given, Path):
+        points, targets = given.frames(_rate(rate))
+        times = np.arange(len(points)) / _rate(rate)
+    else:
+        points = _points(given)
+        times = np.arange(len(points)) / (_rate(rate) if len(points) > 1 else 1.0)
+        targets = np.ones(points.shape[:2])
+    largest = targets.max(initial=0.0)
+    frequencies = None
+    if modulate is not None:
+        frequencies = np.full(targets.shape, number("modulate", modulate, above=0))
+    return ControlPoints(times, points, targets / largest if largest else targets, frequencies)
+
+
+def _rate(rate: float | None) -> float:
+    if rate is None:
+        raise SceneError("rate is left out: give frames a second")
+    return number("rate", rate, above=0)
+
+
+def _points(given: ArrayLike) -> Numbers:
+    cure = "give a path, a Sequence, or points (M, 3) or (T, M, 3) in m"
+    found = real("points", given, cure)
+    found = found[None] if found.ndim == 2 else found
+    if found.ndim != 3 or found.shape[2] != 3 or not found.size or not (np.abs(found) <= FARTHEST).all():
+        raise SceneError(f"points has shape {found.shape}: {cure}, finite numbers")
+    return found
+
+
+def write(path: File, given: ControlPoints) -> None:
+    """Write a row for each point of each frame."""
+    modulated = given.frequencies is not None
+    with path.open("w", encoding="ascii", newline="") as stream:
+        table = csv.writer(stream, lineterminator="\n")
+        table.writerow([*COLUMNS, FREQUENCY] if modulated else COLUMNS)
+        for frame, time in enumerate(given.times.tolist()):
+            parts = [given.points[frame], given.intensities[frame][:, None]]
+            if given.frequencies is not None:
+                parts.append(given.frequencies[frame][:, None])
+            table.writerows([time, *row] for row in np.concatenate(parts, axis=1).tolist())
+
+
+def read(path: str | PathLike[str], data: bytes) -> ControlPoints:
+    """Read frames: rows of one t."""
+    table = rows(text(path, data))
+    head, names = next(table)
+    where = columns(path, head, names, COLUMNS, CURE)
+    wanted = (*COLUMNS, FREQUENCY) if FREQUENCY in where else COLUMNS
+    each = [(line, picked(path, line, row, where, wanted)) for line, row in table]
+    if not each:
+        raise fault(path, None, f"no point is in it: {CURE}")
+    lines, values = [line for line, _ in each], np.array([row for _, row in each])
+    _check(path, lines, values)
+    starts = np.flatnonzero(np.diff(values[:, 0], prepend=-np.inf))
+    counts = np.diff(np.append(starts, len(values)))
+    if (counts != counts[0]).any():
+        frame = int(np.argmax(counts != counts[0]))
+        told = f"{counts[frame]} points at t = {values[starts[frame], 0]:g}"
+        cure = f"give {counts[0]} at every t, with intensity 0 where one is not there"
+        raise fault(path, lines[starts[frame]], f"{told}: {cure}")
+    frames = values.reshape(len(starts), counts[0], len(wanted))
+    frequencies = frames[:, :, 5] if len(wanted) == 6 else None
+    return ControlPoints(frames[:, 0, 0], frames[:, :, 1:4], frames[:, :, 4], frequencies)
+
+
+def _check(path: str | PathLike[str], lines: list[int], values: Numbers) -> None:
+    bad = {
+        "t goes back": ("give times that rise", np.diff(values[:, 0], prepend=values[0, 0]) < 0),
+        "intensity is {4:g}": ("give 0 to 1", (values[:, 4] < 0) | (values[:, 4] > 1)),
+    }
+    if values.shape[1] == 6:
+        bad["frequency is {5:g}"] = ("give Hz, at least 0", values[:, 5] < 0)
+    for told, (cure, wrong) in bad.items():
+        if wrong.any():
+            row = int(wrong.argmax())
+            raise fault(path, lines[row], f"{told.format(*values[row])}: {cure}")

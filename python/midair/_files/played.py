@@ -1,0 +1,133 @@
+"""Played: drives as they are written, frame by frame, with the array that they are of where that is known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._boards.board import Board
+from .._midair import Array, SceneError, Solution
+from .._motion import Sequence
+from .._support.arguments import shown
+from .content import content, fault
+
+CURE = 'give board=, such as "sonicsurface"'
+
+
+def write(path: Path, drives: Played, board: Board | None) -> None:
+    """Write `board.encode` of each drive."""
+    if board is None:
+        raise SceneError(f"board is left out, and .bin holds the frames of one: {CURE}")
+    with path.open("wb") as stream:
+        for drive in drives:
+            stream.write(board.encode(drive.astype(np.complex64)))
+
+
+def read(path: str | PathLike[str], board: Board | None) -> NDArray[np.complex64]:
+    """Read drives by `board.decode`, (N,) of one frame, else (T, N)."""
+    if board is None:
+        raise fault(path, None, f"it holds frames, and board is left out: {CURE}")
+    data, length = content(path), len(board.off_frame)
+    if len(data) % length:
+        told = f"{len(data)} bytes are no whole number of frames of {length}"
+        raise fault(path, None, f"{told}: give a file of this board, or another board")
+    drives = np.empty((len(data) // length, len(board.array)), np.complex64)
+    for frame in range(len(drives)):
+        try:
+            drives[frame] = board.decode(data[frame * length : (frame + 1) * length])
+        except SceneError as error:
+            raise fault(path, None, f"frame {frame}: {error}") from error
+    return one_or_more(drives)
+
+
+#: A drive beyond full by more is none; so much do the solvers' f32 leave.
+ROUNDING = 1e-6
+
+
+#: In m: an array whose transducers lie farther from the board's is another one.
+APART = 0.5e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Played:
+    """T drives of N transducers; `alone` where one drive (N,) was given and not frames (T, N)."""
+
+    frames: int
+    transducers: int
+    alone: bool
+    array: Array | None
+    _drive: Callable[[int], NDArray[np.complex64]]
+
+    def __iter__(self) -> Iterator[NDArray[np.complex128]]:
+        """Drives (N,), with no negative zeros, whose phase is told as -pi instead of pi."""
+        for frame in range(self.frames):
+            yield self._drive(frame).astype(np.complex128) + 0
+
+    def all(self) -> NDArray[np.complex64]:
+        """The drives, (N,) or (T, N)."""
+        found = np.array([self._drive(frame) for frame in range(self.frames)], np.complex64)
+        return found[0] if self.alone else found
+
+
+def played(drives: Any, board: Board | None) -> Played:
+    """Drives of a Solution, a Sequence, or numbers (N,) or (T, N); the array may be the board's."""
+    array = None if board is None else board.array
+    if isinstance(drives, Solution):
+        scene, drive = drives.scene, drives.drive
+        array = array if scene is None else scene.array
+        found = Played(1, len(drive), True, array, lambda _: drive)
+    elif isinstance(drives, Sequence):
+        found = Played(len(drives), len(drives.array), False, drives.array, drives.drive)
+    else:
+        numbers = _numbers(drives)
+        frames = np.atleast_2d(numbers)
+        count, transducers = frames.shape
+        found = Played(count, transducers, numbers.ndim == 1, array, lambda frame: frames[frame])
+    if board is not None and len(board.array) != found.transducers:
+        told = f"drives of {found.transducers} transducers, board of {len(board.array)}"
+        raise SceneError(f"{told}: give drives for the board's array, or another board")
+    if board is not None and found.array is not None:
+        apart = np.linalg.norm(found.array.positions - board.array.positions, axis=1)
+        at = int(apart.argmax())
+        if apart[at] > APART:
+            told = f"the drives' transducer {at} lies {1e3 * apart[at]:.3g} mm from the board's"
+            raise SceneError(f"{told}: solve for the board's array, or give midair.Board(..., array)")
+    return found
+
+
+def known(board: Board | str | PathLike[str] | None) -> Board | None:
+    """A board, or the one of a name or .pat file."""
+    if board is None or isinstance(board, Board):
+        return board
+    return Board(board)
+
+
+def one_or_more(drives: NDArray[np.complex64]) -> NDArray[np.complex64]:
+    """Frames (T, N) as they are read: a single one is a drive (N,)."""
+    return drives[0] if len(drives) == 1 else drives
+
+
+def _numbers(value: Any) -> NDArray[np.complex64]:
+    cure = "give a Solution, a Sequence, or complex drives (N,) or (T, N)"
+    try:
+        found = np.asarray(value)
+    except ValueError:
+        raise SceneError(f"drives is {shown(value)}: {cure}") from None
+    if found.dtype.kind not in "fc":
+        told = "of whole numbers, which may be codes of a board" if found.dtype.kind in "iu" else shown(value)
+        raise SceneError(f"drives is {told}: {cure}")
+    if found.ndim not in (1, 2) or not found.size:
+        raise SceneError(f"drives has shape {found.shape}: {cure}")
+    wrong = np.argwhere(~(np.abs(found) <= 1 + ROUNDING))
+    if len(wrong):
+        place = ", ".join(map(str, wrong[0]))
+        raise SceneError(
+            f"drives[{place}] is {found[tuple(wrong[0])]}: give finite numbers, at most 1 in modulus"
+        )
+    return found.astype(np.complex64)

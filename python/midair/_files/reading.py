@@ -1,0 +1,82 @@
+"""`midair.read`: what a file of drives or control points holds, as what it is; told by ending and content."""
+
+from __future__ import annotations
+
+from os import PathLike
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._boards.board import Board
+from .._midair import Array, Solution
+from .._motion import Sequence
+from .._support.arguments import path_of
+from . import acoustools, archive, control_points, holo, one_drive, pair
+from . import played as board_frames
+from .content import content, fault, text
+from .control_points import ControlPoints
+from .played import known
+from .table import number, rows
+
+CSV = (
+    "give index,x,y,z,amplitude,phase, or t,x,y,z,intensity, or AcousTools' frames,transducers,"
+    " or Ultraino's pair ...0_Phase.csv and ...0_Amp.csv"
+)
+
+
+def read(
+    path: str | PathLike[str], *, board: Board | str | PathLike[str] | None = None
+) -> Solution | Sequence | NDArray[np.complex64] | ControlPoints:
+    """Read what `midair.write`, `save` or another program wrote.
+
+    | file | what comes back |
+    |---|---|
+    | `.npz`, `.json` | the Solution or Sequence, or drives that were written alone |
+    | `.holo`, `.csv` of AcousTools or Ultraino, `.bin` | drives, complex64: (N,) of one frame, else (T, N) |
+    | `.csv` of a drive | the drive (N,) |
+    | `.csv` of control points | times, points, intensities and frequencies: midair._files.ControlPoints |
+
+    board : the midair.Board, its name or .pat file, whose frames a .bin holds
+
+    Which .csv it is, its first row tells, and of Ultraino's, which has none, the name. Drives of 512
+    transducers from AcousTools are in the order of the board's array, left out `openmpd_pair`. Nothing in a
+    file is run. Raises SceneError for a file that is not in order, naming the line.
+    """
+    ending, player = path_of("path", path).suffix.lower(), known(board)
+    array = None if player is None else player.array
+    if ending == ".npz":
+        return archive.read(path)
+    if ending == ".json":
+        content(path)
+        return Solution.load(path)
+    if ending == ".holo":
+        return holo.read(path, array)
+    if ending == ".bin":
+        return board_frames.read(path, player)
+    if ending == ".csv":
+        return _csv(path, array)
+    raise fault(path, None, "it has no known ending: give .npz, .json, .csv, .holo or .bin")
+
+
+def _csv(path: str | PathLike[str], array: Array | None) -> NDArray[np.complex64] | ControlPoints:
+    data = content(path)
+    line, head = next(rows(text(path, data)), (0, [""]))
+    if not line:
+        raise fault(path, None, f"no row is in it: {CSV}")
+    names = {name.lower() for name in head}
+    if names >= {"amplitude", "phase"}:
+        return one_drive.read(path, data)
+    if "intensity" in names:
+        return control_points.read(path, data)
+    values = [number(cell) for cell in head]
+    both = pair.partners(path)
+    counted = len(values) == 2 and all(
+        value is not None and value >= 1 and value % 1 == 0 for value in values
+    )
+    if both is not None and (not counted or all(one.exists() for one in both)):
+        return pair.read(*both)
+    if counted:
+        return acoustools.read(path, data, array)
+    if names >= {"x", "y", "z"}:
+        raise fault(path, line, "it holds transducers: read them by midair._files.read_array")
+    raise fault(path, line, f'"{",".join(head)[:60]}" begins no table of drives: {CSV}')

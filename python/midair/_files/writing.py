@@ -1,0 +1,106 @@
+"""`midair.write`: drives, sequences and control points as files of other programs, by ending and layout."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path as File
+from typing import Any
+
+from .._boards.board import Board
+from .._midair import SceneError, Solution
+from .._motion import Sequence
+from .._motion.files import whole
+from .._support import output
+from .._support.arguments import path_of, refused, shown, word
+from ..path import Path
+from . import acoustools, archive, control_points, holo, one_drive, pair
+from . import played as board_frames
+from .control_points import ControlPoints
+from .played import Played, known, played
+
+ENDINGS = (".npz", ".csv", ".json", ".holo", ".bin")
+#: What `Solution.save` writes.
+SAVED = (".npz", ".json", "drive")
+LAYOUTS = ("drive", "acoustools", "ultraino", "points")
+
+
+def write(
+    path: str | PathLike[str],
+    drives: Any,
+    *,
+    board: Board | str | PathLike[str] | None = None,
+    layout: str | None = None,
+    rate: float | None = None,
+    modulate: float | None = None,
+) -> None:
+    """Write drives (or control points) to a file, whole or not at all.
+
+    drives : a Solution, a Sequence, or complex drives (N,) or (T, N), |q| <= 1
+    board : a midair.Board, its name or .pat file; needed for .bin, and tells the array of bare drives
+    layout : of a .csv, below; left out, it follows from what is written
+
+    | ending | what is written | of |
+    |---|---|---|
+    | `.npz` | what `save` of a Solution or Sequence writes; of numbers `drive` or `drives` | any |
+    | `.json` | what `Solution.save` writes | a Solution |
+    | `.holo` | AcousTools: phases of 32 steps, amplitudes of 32 steps | any |
+    | `.bin` | the board's frames, one after another | any, with `board` |
+    | `.csv`, "drive" | index,x,y,z,amplitude,phase; x,y,z where the array is known | one drive |
+    | `.csv`, "acoustools" | a line frames,transducers, then phases in rad; amplitudes are lost | any |
+    | `.csv`, "ultraino" | phases to ...0_Phase.csv, amplitudes to ...0_Amp.csv | any |
+    | `.csv`, "points" | t,x,y,z,intensity[,frequency]: for Ultraleap's devices, no drives | points |
+
+    Drives of 512 transducers in `.holo` and "acoustools" are those of two OpenMPD boards and are put into
+    AcousTools' order. A name with 0_Phase is Ultraino's without a layout, too. Points are a midair.path, a
+    Sequence, or numbers (M, 3) or (T, M, 3) in m; beside them `rate` is in frames a second, and `modulate`
+    the frequency in Hz at which the device is to modulate them.
+
+    Raises SceneError for what a format cannot hold and for a path that cannot be written.
+    """
+    file = path_of("path", path)
+    output.check(file, ENDINGS)
+    chosen = _layout(file, drives, layout)
+    for name, value in (("rate", rate), ("modulate", modulate)):
+        if value is not None and chosen != "points":
+            raise refused(name, value, 'it is of control points: give layout="points", or leave it out')
+    saves = isinstance(drives, Solution) and drives.scene is not None and chosen in SAVED
+    if chosen == "points":
+        given = control_points.control_points(drives, rate, modulate)
+        with whole(file, (".csv",)) as part:
+            control_points.write(part, given)
+    elif saves or (isinstance(drives, Sequence) and chosen == ".npz"):
+        drives.save(file)
+    else:
+        player = known(board)
+        _write(file, chosen, played(drives, player), player)
+
+
+def _layout(file: File, drives: Any, layout: str | None) -> str:
+    """The layout of a .csv; of others the ending."""
+    ending = file.suffix.lower()
+    if ending != ".csv":
+        if layout is not None:
+            raise refused("layout", layout, f"a {ending} file has but one, leave it out")
+        return ending
+    if layout is None:
+        if isinstance(drives, Path | ControlPoints):
+            return "points"
+        return "ultraino" if pair.NAMED in file.name else "drive"
+    found = word("layout", layout).lower().replace("-", "").replace("_", "")
+    if found not in LAYOUTS:
+        raise refused("layout", layout, f"give {', '.join(LAYOUTS[:-1])} or {LAYOUTS[-1]}")
+    return found
+
+
+def _write(file: File, layout: str, drives: Played, board: Board | None) -> None:
+    if layout == "ultraino":
+        pair.write(file, drives)
+        return
+    if layout == ".json":
+        raise SceneError(f"output {shown(file)}: .json holds a Solution of a scene, give .npz, .csv or .holo")
+    with whole(file, ENDINGS) as part:
+        if layout == ".bin":
+            board_frames.write(part, drives, board)
+        else:
+            plain = {".npz": archive, ".holo": holo, "acoustools": acoustools, "drive": one_drive}
+            plain[layout].write(part, drives)

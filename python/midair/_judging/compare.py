@@ -1,0 +1,247 @@
+"""`midair.compare`: one scene by several solvers, in one table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from html import escape
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeGuard
+
+import numpy as np
+
+from .. import _midair
+from .._midair import Array, Propagation, Scene, SceneError, Solution, Solver
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike, NDArray
+
+    from .._pictures.plot import Quantity
+
+#: The most points that `midair.bound` takes.
+BOUND_POINTS = 64
+
+METRICS = ("accuracy", "sigma", "uniformity", "level", "residual", "leak")
+
+#: Keywords of `midair.solve` that a `midair.Solver` is not made with.
+OF_A_SOLVE = {"start", "progress", "trace"}
+
+#: A name, a name with its options, or a solver written in Python.
+Named: TypeAlias = tuple[str, Mapping[str, Any]]
+Entry: TypeAlias = str | Named | Callable[..., Any]
+Solvers: TypeAlias = Entry | Iterable[Entry] | None
+
+
+@dataclass(frozen=True, repr=False)
+class Comparison:
+    """Solutions of one scene by several solvers: prints as a table, `["greedy"]` and `[0]` are its solutions.
+
+    scene : what was solved
+    bound : the level min |p| / target that no drive exceeds (`midair.bound`), or None for over 64 points
+    solutions : in the order asked for
+    """
+
+    scene: Scene | Propagation
+    bound: float | None
+    solutions: tuple[Solution, ...] = ()
+    _options: tuple[Mapping[str, Any], ...] = field(default=(), compare=False)
+    _heard: NDArray[np.bool_] | None = field(default=None, compare=False)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The solvers' names, with the options given where a solver is there more than once."""
+        solvers = [solution.solver for solution in self.solutions]
+        names: list[str] = []
+        for solver, options in zip(solvers, self._options, strict=True):
+            told = (f"{key}={value}" for key, value in options.items())
+            name = ", ".join([solver, *told]) if solvers.count(solver) > 1 else solver
+            again = sum(other == name or other.startswith(f"{name} (") for other in names)
+            names.append(f"{name} ({again + 1})" if again else name)
+        return tuple(names)
+
+    @property
+    def gaps(self) -> list[float] | None:
+        """How far each solution's weakest point stays below the bound, relative to it; None without one."""
+        return (
+            None if self.bound is None else [self._gap(solution, self.bound) for solution in self.solutions]
+        )
+
+    def _gap(self, solution: Solution, bound: float) -> float:
+        weakest = np.min(np.abs(solution.pressures[self._heard]) / solution.targets[self._heard])
+        return float(1 - weakest / bound)
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        """The table as columns of names and numbers, as `pandas.DataFrame` takes them; elapsed is in s."""
+        columns: dict[str, list[Any]] = {"solver": list(self.names)}
+        columns |= {name: [getattr(one.metrics, name) for one in self.solutions] for name in METRICS}
+        errors = [one.complex_error for one in self.solutions]
+        if any(error is not None for error in errors):
+            columns["complex_error"] = errors
+        if self.gaps is not None:
+            columns["gap"] = list(self.gaps)
+        columns["limit"] = [one.options.get("limit") for one in self.solutions]
+        columns |= {
+            name: [getattr(one, name) for one in self.solutions]
+            for name in ("scale", "steps", "elapsed", "status")
+        }
+        return columns
+
+    def plot(self, *, quantity: Quantity = "pressure") -> Figure:
+        """A sheet with the field of every solution, all in the same colours. Returns the figure.
+
+        quantity : "pressure", "radiation", "spl" or "phase", as `midair.plot` takes it
+
+        Raises SceneError for another quantity, and for a matrix, which has no field.
+        """
+        from .._pictures.plot import contact_sheet
+
+        fields = []
+        for solution in self.solutions:
+            if solution.scene is None:
+                raise SceneError("scene is a matrix: a field needs the positions of a Scene")
+            fields.append(_midair.field(solution.scene, solution))
+        return contact_sheet(fields, self.names, quantity)
+
+    def __getitem__(self, which: str | int) -> Solution:
+        if isinstance(which, str):
+            if which not in self.names:
+                raise KeyError(f'no solution is named "{which}": there are {", ".join(self.names)}')
+            which = self.names.index(which)
+        return self.solutions[which]
+
+    def __iter__(self) -> Iterator[Solution]:
+        return iter(self.solutions)
+
+    def __len__(self) -> int:
+        return len(self.solutions)
+
+    def __repr__(self) -> str:
+        columns = cells(self.solutions, self.names, self.gaps)
+        lines = list(zip(*([name, *column] for name, column in columns.items()), strict=True))
+        widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+        texts = ["  ".join(map(str.ljust, line, widths)).rstrip() for line in lines]
+        return "\n".join([texts[0], "-" * (sum(widths) + 2 * (len(widths) - 1)), *texts[1:]])
+
+    def _repr_html_(self) -> str:
+        columns = cells(self.solutions, self.names, self.gaps)
+        head = "".join(f"<th>{escape(name)}</th>" for name in columns)
+        lines = zip(*columns.values(), strict=True)
+        body = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in line)}</tr>" for line in lines)
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def cells(
+    solutions: Iterable[Solution], names: Iterable[str], gaps: Iterable[float] | None = None
+) -> dict[str, list[str]]:
+    """Columns of text for people; the leak only where there are quiet points, the complex error
+    where targets have phases, the gap where it is known.
+    """
+    solutions = list(solutions)
+    quiet = any(solution.metrics.leak > 0 for solution in solutions)
+    columns = {"solver": list(names)}
+    for name in METRICS if quiet else METRICS[:-1]:
+        columns[name] = [f"{getattr(solution.metrics, name):.4f}" for solution in solutions]
+    errors = [solution.complex_error for solution in solutions]
+    if any(error is not None for error in errors):
+        columns["complex error"] = ["-" if error is None else f"{error:.4f}" for error in errors]
+    if gaps is not None:
+        columns["gap"] = [f"{gap:.1%}" for gap in gaps]
+    columns["limit"] = [str(solution.options.get("limit", "-")) for solution in solutions]
+    columns["steps"] = [str(solution.steps) for solution in solutions]
+    columns["time"] = [_duration(solution.elapsed) for solution in solutions]
+    columns["status"] = [_status(solution) for solution in solutions]
+    return columns
+
+
+def _duration(seconds: float) -> str:
+    return f"{seconds:.2f} s" if seconds >= 1 else f"{seconds * 1e3:.2f} ms"
+
+
+def _status(solution: Solution) -> str:
+    return solution.status if solution.scale == 1 else f"{solution.status}, scale {solution.scale:.3g}"
+
+
+def compare(
+    scene: Scene | Propagation,
+    solvers: Solvers = None,
+    *,
+    pressures: ArrayLike | None = None,
+    weights: ArrayLike | None = None,
+    quantization: Mapping[str, Any] | None = None,
+    mask: ArrayLike | None = None,
+    positions: ArrayLike | None = None,
+    balance: bool | None = None,
+) -> Comparison:
+    """Solve one scene by several solvers: a table that prints and plots.
+
+    solvers : names, (name, options) pairs or functions, or one of them; left out, every solver there is
+    pressures, ..., balance : as `midair.solve` takes them, for every solver
+
+    Raises SceneError and TypeError as `midair.solve` does, for the first solver that is refused.
+
+    >>> import midair
+    >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
+    >>> table = midair.compare(scene, ["naive", ("greedy", {"phases": 8})])
+    >>> table["greedy"].metrics.accuracy > 0.8
+    True
+    """
+    asked = {"pressures": pressures, "weights": weights, "balance": balance}
+    board = {"quantization": quantization, "mask": mask, "positions": positions}
+    *_, table = growing(scene, solvers, **asked, **board)
+    return table
+
+
+def growing(scene: Scene | Propagation, solvers: Solvers, **asked: Any) -> Iterator[Comparison]:
+    """The comparison after each solver, so that whoever is interrupted has what was solved before."""
+    if not isinstance(scene, Scene | Propagation):
+        kinds = "midair.Scene or midair.Propagation"
+        raise TypeError(f"expected a {kinds} first, not {type(scene).__qualname__}")
+    entries = choices(scene, solvers)
+    asked = {key: value for key, value in asked.items() if value is not None}
+    beside = {key: asked[key] for key in ("pressures", "weights", "mask") if key in asked}
+    weights = beside.get("weights", getattr(scene, "weights", None))
+    pressures = beside.get("pressures", getattr(scene, "pressures", None))
+    count = len(scene.points) if isinstance(scene, Scene) else scene.shape[0]
+    wanted = _above_zero(pressures, count) & _above_zero(weights, count)
+    # Beyond, it would take too long to know.
+    bound = _midair.bound(scene, **beside) if wanted.sum() <= BOUND_POINTS else None
+    table = Comparison(scene, bound, _heard=wanted)
+    for solver, options in entries:
+        solution = _midair.solve(scene, solver, **asked, **options)
+        table = replace(table, solutions=(*table.solutions, solution), _options=(*table._options, options))
+        yield table
+
+
+def _above_zero(given: ArrayLike | None, count: int) -> NDArray[np.bool_]:
+    """Where pressures or weights are above 0; `solve` refuses by name what are no such numbers."""
+    try:
+        given = np.asarray(1.0 if given is None else given)
+        # Complex pressures have moduli; a negative number is refused, not taken for one.
+        sizes = np.abs(given) if np.iscomplexobj(given) else given.astype(float)
+        return np.broadcast_to(sizes, count) > 0
+    except (TypeError, ValueError):
+        return np.ones(count, dtype=bool)
+
+
+def choices(scene: Scene | Propagation, solvers: Solvers) -> list[tuple[Any, dict[str, Any]]]:
+    """Solvers and their options, refused before any of them works."""
+    if solvers is None:
+        solvers = list(_midair.solvers())
+    elif isinstance(solvers, str) or callable(solvers) or _is_pair(solvers):
+        solvers = [solvers]
+    if not isinstance(solvers, Iterable):
+        raise SceneError(f"solvers is {solvers!r}: give names, (name, options) pairs or functions")
+    entries: list[tuple[Any, dict[str, Any]]] = []
+    for entry in solvers:
+        entries.append((entry[0], dict(entry[1])) if _is_pair(entry) else (entry, {}))
+    if not entries:
+        raise SceneError("solvers is empty: give at least one, or leave it out for all")
+    array = scene.array if isinstance(scene, Scene) else Array.grid(1, 1, 0.01)
+    for solver, options in entries:
+        if not callable(solver):
+            Solver(array, solver, points=1, **{key: options[key] for key in options.keys() - OF_A_SOLVE})
+    return entries
+
+
+def _is_pair(entry: Any) -> TypeGuard[Named]:
+    return isinstance(entry, tuple | list) and len(entry) == 2 and isinstance(entry[1], Mapping)

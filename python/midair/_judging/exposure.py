@@ -1,0 +1,338 @@
+"""`midair.exposure`: sound pressure levels at named places, beside a limit and who named it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._midair import Scene, SceneError, Solution, about, field
+from .._motion import Sequence
+from .._motion.propagation import rows
+from .._points.ear import REFERENCE, Ear
+from .._support import columns
+from .._support.arguments import number, refused, vector
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A level that somebody has named as a limit.
+
+    name : what it is asked for by
+    spl : in dB re 20 uPa
+    band : lowest and highest frequency in Hz that it is meant for
+    source : who says so, and for whom
+    """
+
+    name: str
+    spl: float
+    band: tuple[float, float]
+    source: str
+
+
+LIMITS = {
+    limit.name: limit
+    for limit in (
+        Limit(
+            "howard",
+            110.0,
+            (25e3, 50e3),
+            "consensus of the limits reviewed by Howard, Hansen and Zander 2004, under 4 hours a day",
+        ),
+        Limit(
+            "acgih",
+            115.0,
+            (31.5e3, 100e3),
+            "ACGIH, ceiling at work where the body may touch water or solids that carry the sound",
+        ),
+        Limit(
+            "acgih air",
+            145.0,
+            (31.5e3, 100e3),
+            "ACGIH, the same raised by 30 dB where the body cannot touch such water or solids",
+        ),
+        Limit("irpa", 100.0, (25e3, 100e3), "IRPA 1984, interim guideline for the public, continuous"),
+    )
+}
+
+
+def limit_of(scene: Scene, asked: Any) -> Limit:
+    """The limit by its name, or by a level in dB of one's own; refused where it is not meant for."""
+    if not isinstance(asked, str):
+        return Limit("own", number("limit", asked), (0.0, float("inf")), "a level of one's own")
+    found = LIMITS.get(asked.lower().replace("-", " ").replace("_", " "))
+    if found is None:
+        raise refused("limit", asked, f"give {', '.join(LIMITS)}, or a level in dB")
+    low, high = found.band
+    if not low <= scene.frequency <= high:
+        raise SceneError(
+            f'limit "{found.name}" is for {low / 1e3:g} to {high / 1e3:g} kHz,'
+            f" not {scene.frequency / 1e3:g} kHz: give a level in dB that is meant for it"
+        )
+    return found
+
+
+Points: TypeAlias = NDArray[np.float64]
+Levels: TypeAlias = Callable[[Points], NDArray[np.float64]]
+
+#: Samples a wavelength. No part of p is shorter than that, so that at a distance d from its maximum P, |p| is
+#: at least P cos(k d) (Duffin and Schaeffer 1938): half a cell's diagonal hides 2.2 dB, before the search.
+FINE = 8
+
+#: Points taken at once, so that Ctrl-C is heard between them, and most of a box.
+BLOCK, MOST = 100_000, 20_000_000
+
+#: Samples from which the search starts, how far apart in wavelengths, and how often it halves its step.
+STARTS, APART, HALVINGS = 32, 0.25, 5
+
+#: Loudest samples among which the starts are looked for: of one peak there are some 60.
+SAMPLES = 4000
+
+
+def loudest(name: str, low: Points, high: Points, wavelength: float, levels: Levels) -> tuple[Points, float]:
+    """Where in a box between two corners `levels` of points (P, 3) is largest, and how large it is there."""
+    step = wavelength / FINE
+    counts = np.ceil((high - low) / step * (1 - 1e-9)).astype(int) + 1
+    total = int(np.prod(counts, dtype=float))
+    if total > MOST:
+        sides = " x ".join(f"{side:.3g}" for side in high - low)
+        cure = f"that is {total} points an eighth of a wavelength apart, give a box of at most {MOST}"
+        raise refused(f'places["{name}"]', f"{sides} m", cure)
+    axes = [np.linspace(*ends) for ends in zip(low, high, counts, strict=True)]
+    starts, values = np.empty((0, 3)), np.empty(0)
+    for first in range(0, total, BLOCK):
+        cells = np.unravel_index(np.arange(first, min(first + BLOCK, total)), counts)
+        points = np.stack([axis[cell] for axis, cell in zip(axes, cells, strict=True)], axis=1)
+        points, found = np.r_[starts, points], np.r_[values, levels(points)]
+        kept = _peaks(points, found, APART * wavelength)
+        starts, values = points[kept], found[kept]
+    around = np.stack(np.meshgrid(*[[-1.0, 0.0, 1.0]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    for _ in range(HALVINGS):
+        step /= 2
+        tried = np.clip(starts[:, None] + step * around, low, high)
+        found = levels(tried.reshape(-1, 3)).reshape(tried.shape[:2])
+        best = found.argmax(axis=1)[:, None]
+        starts = np.take_along_axis(tried, best[..., None], axis=1)[:, 0]
+        values = np.take_along_axis(found, best, axis=1)[:, 0]
+    first = int(values.argmax())
+    return starts[first], float(values[first])
+
+
+def _peaks(points: Points, values: NDArray[np.float64], apart: float) -> NDArray[np.int64]:
+    """Indices of the loudest points, each so far from all louder ones that are taken."""
+    left = np.argpartition(-values, SAMPLES)[:SAMPLES] if len(values) > SAMPLES else np.arange(len(values))
+    left = left[np.argsort(-values[left], kind="stable")]
+    taken: list[int] = []
+    while len(left) and len(taken) < STARTS:
+        taken.append(int(left[0]))
+        left = left[np.linalg.norm(points[left] - points[left[0]], axis=1) > apart]
+    return np.array(taken, dtype=np.int64)
+
+
+#: Products of a transducer, a point and a frame taken at once: a fraction of a second.
+WORK = 200_000_000
+
+#: |p| (P, T) in Pa at points (P, 3) in each frame, the points block by block.
+Blocks: TypeAlias = Callable[[Points], Iterator[NDArray[np.float64]]]
+
+
+@dataclass(frozen=True)
+class Exposed:
+    """One place of a `midair.Exposure`.
+
+    name : as given
+    spl : 20 log10(|p|/sqrt(2)/20 uPa) in dB, of a box at its loudest place; -inf in silence
+    position : where, (x, y, z) in m
+    frame : of a sequence, the loudest one there; 0 otherwise
+    """
+
+    name: str
+    spl: float
+    position: tuple[float, float, float]
+    frame: int
+
+
+@dataclass(frozen=True, repr=False)
+class Exposure:
+    """Levels at named places, from `midair.exposure`: prints as a table, `["left ear"]` is a place.
+
+    places : each an `Exposed`, in the order given
+    limit : name, spl in dB, band in Hz and source of what they stand beside
+    """
+
+    places: tuple[Exposed, ...]
+    limit: Limit
+
+    @property
+    def worst(self) -> Exposed:
+        """The place with the highest level."""
+        return max(self.places, key=lambda place: place.spl)
+
+    @property
+    def above(self) -> tuple[str, ...]:
+        """Names of the places where the level is above the limit."""
+        return tuple(place.name for place in self.places if place.spl > self.limit.spl)
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        """The table as columns: place, spl in dB, over (the limit, in dB), x, y, z in m, frame."""
+        x, y, z = zip(*(place.position for place in self.places), strict=True)
+        return {
+            "place": [place.name for place in self.places],
+            "spl": [place.spl for place in self.places],
+            "over": [place.spl - self.limit.spl for place in self.places],
+            "x": list(x),
+            "y": list(y),
+            "z": list(z),
+            "frame": [place.frame for place in self.places],
+        }
+
+    def __getitem__(self, name: str) -> Exposed:
+        for place in self.places:
+            if place.name == name:
+                return place
+        raise KeyError(
+            f'no place is named "{name}": there are {", ".join(place.name for place in self.places)}'
+        )
+
+    def __len__(self) -> int:
+        return len(self.places)
+
+    def cells(self) -> dict[str, list[str]]:
+        """The table as text for people; the frame only where there are several."""
+        table = self.to_dict()
+        cells = {
+            "place": table["place"],
+            "SPL / dB": [f"{spl:.1f}" for spl in table["spl"]],
+            "over limit / dB": [f"{over:+.1f}" for over in table["over"]],
+            "at x, y, z / mm": [", ".join(f"{1e3 * x:.1f}" for x in place.position) for place in self.places],
+        }
+        return cells if not any(table["frame"]) else {**cells, "frame": [*map(str, table["frame"])]}
+
+    @property
+    def heading(self) -> str:
+        """The limit in words."""
+        return f'limit "{self.limit.name}", {self.limit.spl:g} dB: {self.limit.source}'
+
+    def __repr__(self) -> str:
+        return f"{columns.plain(self.cells())}\n{self.heading}"
+
+    def _repr_html_(self) -> str:
+        return columns.html(self.cells(), self.heading)
+
+
+def exposure(
+    scene: Scene | Solution | Sequence,
+    drive: Any = None,
+    places: Mapping[str, ArrayLike | Ear] | None = None,
+    *,
+    limit: str | float = "howard",
+) -> Exposure:
+    """Sound pressure levels at named places, beside a limit and its source.
+
+    scene : a Scene; or a Solution or a Sequence, which stands for its scene and its drive: then `places`
+        comes second, or `solution.exposure(places)`
+    drive : (N,), a Solution, or a Sequence of the scene's array, of which each place gets its loudest frame,
+        at rest
+    places : by name a position (3,) in m, a box as two corners (2, 3), or a `midair.Ear`, which is its box;
+        positions lambda/100 at least from every transducer, boxes lambda
+    limit : "howard" (110 dB), "acgih" (115), "acgih air" (145), "irpa" (100), or a level in dB
+
+    SPL = 20 log10(|p|/sqrt(2)/20 uPa) of a steady wave. A box is sampled every eighth of a wavelength and
+    searched about its loudest samples. The air is free: a head or a wall, which reflects, adds up to 6 dB. A
+    limit is what its source says about levels; what a person bears is nothing that this can tell.
+
+    Raises SceneError for places, a limit or a drive that are not in order, TypeError where scene is neither.
+
+    >>> import midair
+    >>> scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]])
+    >>> found = midair.exposure(midair.solve(scene), {"left ear": [0, 0, 0.6]})
+    >>> found.above
+    ('left ear',)
+    """
+    if isinstance(scene, Sequence):
+        scene, drive, places = scene.scene(0), scene, drive if places is None else places
+    else:
+        scene, drive, places = about(scene, drive, places)
+    named = limit_of(scene, limit)
+    boxes = _boxes(places)
+    blocks = _of_frames(scene, drive) if isinstance(drive, Sequence) else _of_one(scene, drive)
+
+    def levels(points: Points) -> NDArray[np.float64]:
+        return np.concatenate([block.max(axis=1) for block in blocks(points)])
+
+    found = []
+    for name, (low, high) in boxes.items():
+        place = low
+        _keep_off(scene, name, low, high)
+        if (high > low).any():
+            place, _ = loudest(name, low, high, scene.wavelength, levels)
+        (there,) = np.concatenate(list(blocks(place[None])))
+        frame = int(there.argmax())
+        spl = -np.inf if there[frame] == 0 else 20 * np.log10(there[frame] / np.sqrt(2) / REFERENCE)
+        x, y, z = map(float, place)
+        found.append(Exposed(name, float(spl), (x, y, z), frame))
+    return Exposure(tuple(found), named)
+
+
+def _boxes(places: Any) -> dict[str, tuple[Points, Points]]:
+    """The lowest and highest corner of each place."""
+    if not isinstance(places, Mapping) or not places:
+        raise refused(
+            "places", places, 'give a dict of names and positions, such as {"left ear": [0, 0.1, 0.5]}'
+        )
+    boxes = {}
+    for name, place in places.items():
+        if not isinstance(name, str):
+            raise refused("places", name, "give names as text")
+        if isinstance(place, Ear):
+            corners = place.points
+        elif np.ndim(place) == 2 and len(place) == 2:
+            corners = np.stack([vector(f'places["{name}"]', corner) for corner in place])
+        else:
+            corners = vector(f'places["{name}"]', place)[None]
+        boxes[name] = corners.min(axis=0), corners.max(axis=0)
+    return boxes
+
+
+def _keep_off(scene: Scene, name: str, low: Points, high: Points) -> None:
+    """Refuse a box whose loudest place is a transducer's own, and a position where |p| is not known."""
+    positions = scene.array.positions
+    away = np.linalg.norm(positions - positions.clip(low, high), axis=1)
+    nearest = int(away.argmin())
+    box = (high > low).any()
+    least = scene.wavelength if box else scene.wavelength / 100
+    if away[nearest] < least:
+        kind, apart = ("a box ", "a wavelength") if box else ("", "a hundredth of a wavelength")
+        raise SceneError(
+            f'places["{name}"] is {kind}{1e3 * away[nearest]:.2g} mm from transducer {nearest}: give one'
+            f" at least {apart} away, {1e3 * least:.2g} mm"
+        )
+
+
+def _of_one(scene: Scene, drive: ArrayLike | Solution) -> Blocks:
+    """|p| (P, 1) of one drive."""
+
+    def blocks(points: Points) -> Iterator[NDArray[np.float64]]:
+        yield np.abs(field(scene, drive, points).pressure)[:, None].astype(np.float64)
+
+    return blocks
+
+
+def _of_frames(scene: Scene, sequence: Sequence) -> Blocks:
+    """|p| (P, T) of the frames of a sequence."""
+    if sequence.array != scene.array:
+        raise SceneError("drive is a sequence of another array: give sequence.scene(0) as the scene")
+    # Only array and air count here.
+    bare = scene.replace(pressures=None, weights=None, signature=None)
+    drives = sequence.drives
+    size = max(WORK // drives.size, 1)
+
+    def blocks(points: Points) -> Iterator[NDArray[np.float64]]:
+        for first in range(0, len(points), size):
+            matrix = rows(bare, points[first : first + size], "places", first)
+            yield np.abs(matrix @ drives.T).astype(np.float64)
+
+    return blocks

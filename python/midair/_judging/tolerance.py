@@ -1,0 +1,153 @@
+"""`midair.Tolerance`: level and uniformity kept, each fault alone and all together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._midair import Solution
+from .._support import columns
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+#: How far trials of one row lie apart, of the distance between rows: seen apart, not mixed up.
+SPREAD = 0.3
+
+
+def draw(tolerance: Tolerance) -> Figure:
+    """A panel each for level and uniformity: every trial a dot, the mean a line, the 5 % quantile a tick."""
+    from matplotlib.figure import Figure
+
+    names = list(tolerance.rows)
+    figure = Figure(figsize=(9, 1.8 + 0.5 * len(names)), layout="constrained")
+    axes = figure.subplots(1, 2, sharey=True)
+    aside = SPREAD * np.random.default_rng(0).uniform(-1, 1, tolerance.trials)
+    for ax, what in zip(axes, ("level", "uniformity"), strict=True):
+        for row, name in enumerate(names):
+            values = getattr(tolerance.rows[name], what)
+            ax.scatter(values, row + aside, s=6, alpha=0.35, linewidths=0, color="tab:blue")
+            ax.vlines(values.mean(), row - 0.4, row + 0.4, color="black", label="" if row else "mean")
+            worse = np.quantile(values, PART)
+            ax.vlines(
+                worse, row - 0.4, row + 0.4, color="tab:red", label="" if row else f"{PART:.0%} are worse"
+            )
+        ax.set(xlabel=f"{what} kept", xlim=(min(0.0, *ax.get_xlim()), None))
+        ax.axvline(1, color="lightgrey", zorder=0)
+        ax.grid(axis="x", alpha=0.3)
+    labels = [
+        f"{name}\n{UNITS[name].format(tolerance.faults[name])}" if name in UNITS else name for name in names
+    ]
+    axes[0].set_yticks(range(len(names)), labels)
+    axes[0].invert_yaxis()
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    played = "a drive" if tolerance.solution is None else tolerance.solution.solver
+    figure.suptitle(f"{played}, {tolerance.trials} trials a row", fontsize="medium")
+    return figure
+
+
+#: The part of the trials that is worse than what is told beside mean and worst.
+PART = 0.05
+
+#: Each fault's unit, and how one of it is written.
+UNITS = {
+    "phase": "sd {:g} degrees",
+    "gain": "sd {:g}",
+    "dead": "{:g} of all",
+    "reversed": "{:g} of all",
+    "temperature": "sd {:g} K",
+    "tilt": "sd {:g} degrees",
+    "position": "sd {:g} m",
+}
+
+#: The row of all faults together.
+TOGETHER = "together"
+
+
+@dataclass(frozen=True, eq=False)
+class Kept:
+    """What trials of some faults keep.
+
+    level, uniformity : (T,), as parts of those without faults
+    """
+
+    level: NDArray[np.float64]
+    uniformity: NDArray[np.float64]
+
+    def summary(self) -> dict[str, float]:
+        """Mean, the 5 % quantile and the worst of level and uniformity."""
+        told = {}
+        for name, values in (("level", self.level), ("uniformity", self.uniformity)):
+            told[name] = float(values.mean())
+            told[f"{name}_5"] = float(np.quantile(values, PART))
+            told[f"{name}_worst"] = float(values.min())
+        return told
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Tolerance:
+    """Level and uniformity kept by faults, from `midair.tolerate`: prints as a table, `["phase"]` is a row.
+
+    solution : what is played; None where a bare drive was given
+    faults : their sizes by name, those above 0
+    rows : by fault, and "together" where there are several, what its trials kept (`level`, `uniformity`)
+    status : "done", or "stopped" where there are fewer trials than asked for
+    """
+
+    solution: Solution | None
+    faults: Mapping[str, float]
+    rows: Mapping[str, Kept]
+    status: str
+
+    @property
+    def trials(self) -> int:
+        """How many trials there are of each row."""
+        return len(next(iter(self.rows.values())).level)
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        """The table as columns: fault, size, then mean, 5 % quantile and worst of level and uniformity."""
+        table: dict[str, list[Any]] = {
+            "fault": list(self.rows),
+            "size": [self.faults.get(name) for name in self.rows],
+        }
+        for row in self.rows.values():
+            for name, value in row.summary().items():
+                table.setdefault(name, []).append(value)
+        return table
+
+    def cells(self) -> dict[str, list[str]]:
+        """The table as text for people: the parts that are kept."""
+        table = {"fault": list(self.rows)}
+        table["size"] = [UNITS[name].format(self.faults[name]) if name in UNITS else "" for name in self.rows]
+        told = [row.summary() for row in self.rows.values()]
+        for name in told[0]:
+            head = name.replace("_5", " 5 %").replace("_", " ")
+            table[head] = [f"{row[name]:.4f}" for row in told]
+        return table
+
+    def plot(self) -> Figure:
+        """Every trial's level and uniformity, a row a fault. Returns the figure."""
+        pass
+
+        return draw(self)
+
+    def __repr__(self) -> str:
+        return f"{columns.plain(self.cells())}\n{self.heading}"
+
+    def _repr_html_(self) -> str:
+        return columns.html(self.cells(), self.heading)
+
+    @property
+    def heading(self) -> str:
+        """What the table's numbers are, and of how many trials."""
+        stopped = ", stopped" if self.status == "stopped" else ""
+        return f"parts kept of level and uniformity, {self.trials} trials a row{stopped}"
+
+    def __getitem__(self, name: str) -> Kept:
+        if name not in self.rows:
+            raise KeyError(f'no fault is named "{name}": there are {", ".join(self.rows)}')
+        return self.rows[name]

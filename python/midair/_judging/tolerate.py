@@ -1,0 +1,216 @@
+"""`midair.tolerate`: trials of one drive on an array and in air with faults."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .._midair import Scene, SceneError, Solution, about, judge, solve
+from .._support.arguments import callback, refused, whole
+from .._sweep.engine import Arrays, Job, Settings, Stopped, go_on, run
+from .faults import faulty, sizes
+from .tolerance import TOGETHER, Kept, Tolerance
+
+#: Trials at most: means and quantiles are then known to a thousandth of their spread, after minutes to hours.
+MOST_TRIALS = 1_000_000
+
+#: Trials of a job: few enough that a stop loses little.
+SIZE = 10
+
+
+class _Halted(Exception):
+    """`progress` asked to stop."""
+
+
+def tolerate(
+    scene: Scene | Solution,
+    solver: str | Callable[..., Any] | None = None,
+    *,
+    drive: ArrayLike | Solution | None = None,
+    phase: float = 0,
+    gain: float = 0,
+    dead: float = 0,
+    reversed: float = 0,
+    temperature: float = 0,
+    tilt: float = 0,
+    position: float = 0,
+    trials: int = 200,
+    seed: int = 0,
+    threads: int | None = None,
+    scheduler: str | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    **options: Any,
+) -> Tolerance:
+    """Level and uniformity that are kept when a scene's drive is played with faults it was not solved for.
+
+    scene : a Scene; or a Solution, which is played as it is: `solution.tolerate(phase=20)`
+    solver, options : as `midair.solve` takes them; the scene is solved once
+    drive : (N,) or a Solution, played as it is and not solved; targets are the scene's, as in `midair.judge`
+    phase : error of each transducer, standard deviation in degrees
+    gain : error of each transducer's amplitude, standard deviation relative to 1; none is below 0
+    dead, reversed : probability that a transducer is silent, or has its wires the wrong way round
+    temperature : how far the air is from what the scene says, standard deviation in K
+    tilt : of the whole array about its middle, standard deviation in degrees, about an axis drawn at random
+        in its plane
+    position : of each transducer along each axis, standard deviation in m
+    trials : how many, of each fault alone and of all together
+    seed : the answer is the same for a seed, whatever the threads
+    threads : how many at most; left out, one a processor
+    scheduler : address of a Dask scheduler; left out, this machine works
+    progress : called with (trials done, trials); False stops, and what is done is told
+
+    What is kept is `midair.judge`'s level, the mean of |p|/target, and uniformity, min/max of it, over those
+    without faults. Of many transducers in step, a phase error s (rad) leaves exp(-s^2/2) of the level, dead
+    ones 1 - d, reversed ones 1 - 2 d.
+
+    Raises SceneError for faults out of their range, none at all, and what `midair.solve` refuses; TypeError
+    where scene is neither.
+
+    >>> import midair
+    >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
+    >>> table = midair.tolerate(scene, "uniform", phase=20, dead=0.05, trials=20)
+    >>> bool(0.9 < table["dead"].level.mean() < 1.0)
+    True
+    """
+    callback(progress, "trials done, trials")
+    found = Trials(
+        scene,
+        solver,
+        drive=drive,
+        faults={
+            "phase": phase,
+            "gain": gain,
+            "dead": dead,
+            "reversed": reversed,
+            "temperature": temperature,
+            "tilt": tilt,
+            "position": position,
+        },
+        trials=trials,
+        seed=seed,
+        options=options,
+    )
+    found.run(threads=threads, scheduler=scheduler, progress=progress)
+    table = found.table()
+    assert table is not None
+    return table
+
+
+class Trials:
+    """Trials as they are done, for whoever is interrupted and wants what there is."""
+
+    def __init__(
+        self,
+        scene: Scene | Solution,
+        solver: str | Callable[..., Any] | None,
+        *,
+        drive: ArrayLike | Solution | None = None,
+        faults: dict[str, float],
+        trials: int,
+        seed: int,
+        options: dict[str, Any],
+    ) -> None:
+        if isinstance(scene, Solution):
+            scene, drive, _ = about(scene, drive)
+        elif not isinstance(scene, Scene):
+            raise TypeError(
+                f"expected a midair.Scene or a midair.Solution first, not {type(scene).__qualname__}"
+            )
+        self._faults = sizes(**faults)
+        self._trials = whole("trials", trials, least=1)
+        if self._trials > MOST_TRIALS:
+            raise refused("trials", trials, f"give at most {MOST_TRIALS}")
+        self._seed = whole("seed", seed, least=0)
+        if drive is None:
+            solution = solve(scene, solver, **options)
+            # With what was asked for by options.
+            assert solution.scene is not None
+            scene, drive, targets = solution.scene, solution, solution.targets
+        else:
+            for name, value in {"solver": solver, **options}.items():
+                if value is not None:
+                    raise refused(name, value, "drive is played as it is, give it or a solver")
+            targets = np.abs(scene.reach().level if scene.pressures is None else scene.pressures)
+        if not judge(scene, drive, pressures=targets).level:
+            raise SceneError("scene is silent at its points: give pressures above 0 that its array reaches")
+        self._scene, self._targets = scene, targets
+        self._solution = drive if isinstance(drive, Solution) else None
+        self._drive = np.array(drive) if self._solution is None else self._solution.drive
+        self._done: list[Arrays] = []
+
+    def run(
+        self,
+        *,
+        threads: int | None = None,
+        scheduler: str | None = None,
+        progress: Callable[[int, int], object] | None = None,
+    ) -> None:
+        """Do the trials, block by block."""
+        if threads is not None:
+            whole("threads", threads, least=1)
+        # Nothing is kept in files, so that the settings need not be JSON.
+        settings = {
+            "scene": self._scene,
+            "drive": self._drive,
+            "targets": self._targets,
+            "faults": self._faults,
+            "seed": self._seed,
+        }
+        starts = range(0, self._trials, SIZE)
+        jobs = (Job(trials_of, settings, start, min(start + SIZE, self._trials)) for start in starts)
+
+        def receive(job: Job, arrays: Arrays) -> None:
+            self._done.append(arrays)
+            if progress is not None and progress(job.stop, self._trials) is False:
+                raise _Halted
+
+        try:
+            run(jobs, receive, threads=threads, scheduler=scheduler)
+        except _Halted:
+            return
+
+    def table(self) -> Tolerance | None:
+        """What is kept in the trials that are done; None before there is one."""
+        if not self._done:
+            return None
+        rows = {
+            name: Kept(*np.concatenate([arrays[name] for arrays in self._done]).T)
+            for name in groups(self._faults)
+        }
+        found = Tolerance(self._solution, self._faults, rows, "done")
+        return found if found.trials == self._trials else replace(found, status="stopped")
+
+
+def groups(faults: Mapping[str, float]) -> dict[str, Mapping[str, float]]:
+    """The rows: each fault alone, and all together where there are several."""
+    alone: dict[str, Mapping[str, float]] = {name: {name: size} for name, size in faults.items()}
+    return {**alone, TOGETHER: faults} if len(faults) > 1 else alone
+
+
+def trials_of(settings: Settings, start: int, stop: int) -> Arrays:
+    """Level and uniformity (B, 2) of each row in trials start to stop, as parts of those without faults."""
+    scene, drive, targets = settings["scene"], settings["drive"], settings["targets"]
+
+    def measured(played: Scene) -> tuple[float, float]:
+        try:
+            metrics = judge(played, drive, pressures=targets)
+        except SceneError as error:
+            # Where all that reach a point are dead or turned away, the trial has kept nothing.
+            if "reached by no transducer" in str(error):
+                return 0.0, 0.0
+            raise
+        return metrics.level, metrics.uniformity
+
+    rows = groups(settings["faults"])
+    found = {name: np.empty((stop - start, 2)) for name in rows}
+    for trial in range(start, stop):
+        for name, faults in rows.items():
+            if not go_on():
+                raise Stopped
+            found[name][trial - start] = measured(faulty(scene, faults, settings["seed"], trial))
+    whole = measured(scene)
+    return {name: values / whole for name, values in found.items()}

@@ -1,0 +1,200 @@
+"""`midair.calibrate`: an array as it is, from what microphones heard of it."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .._midair import Array, Scene, SceneError, SceneWarning
+from .._support import memory
+from .._support.arguments import callback, number, refused
+from .arguments import drives_of, indices_of, readings_of
+from .fit import Fitted, fit
+from .model import LOUDNESS, Complex, Model, Priors, Real
+from .result import Calibration
+
+#: Below DEAD times the median modulus a transducer is dead, if ALIVE times is two standard deviations off.
+DEAD, ALIVE = 0.4, 0.75
+#: A phase off by more than this many rad is a transducer connected the wrong way round.
+REVERSED = np.radians(115)
+#: Readings this many times louder or quieter than the model are hardly in Pa.
+FACTOR = 2.0
+#: Readings off the model by more than this part of their root mean square are hardly of this array.
+UNEXPLAINED = 0.35
+#: A prior this wide says nothing; a wider one only costs digits.
+MOST_PRIOR = 10
+#: Bytes of the normal equations and what is made of them, over those of one such matrix.
+COPIES = 6
+
+
+def calibrate(
+    scene_or_array: Scene | Array,
+    drives: ArrayLike,
+    readings: ArrayLike,
+    *,
+    microphones: ArrayLike | None = None,
+    complex: bool | None = None,
+    noise: float | None = None,
+    prior: float | None = None,
+    sound_speed_error: float = 10.0,
+    microphones_error: float = 0.0,
+    second_board: Any = None,
+    pose_error: tuple[float, float] = (2e-3, 0.03),
+    progress: Callable[[int, int], object] | None = None,
+) -> Calibration:
+    """Responses of the transducers and the sound speed, from readings of known drives.
+
+    drives : (K, N), what was played: `midair.calibration_drives`
+    readings : (K, M) peak pressures in Pa, |p| or complex ones (e^{-jwt}, a clock shared with the array)
+    microphones : their places (M, 3) in m; left out, the scene's points
+    complex : True asks for complex readings, False takes the moduli of any; left out, as they are
+    noise : standard deviation of a reading in Pa, the least that is assumed; the fit finds what there is
+    prior : how far re and im of a response may be off what the array says, relative to their mean modulus;
+        left out, it is learnt with them
+    sound_speed_error : how far the sound speed may be off, in m/s; 0 holds it
+    microphones_error : how far each coordinate of a microphone may be off, in m; 0 holds them
+    second_board : a slice, indices or a mask of the transducers of a board whose pose is not known
+    pose_error : how far that may be off, in m and rad
+    progress : called with (step, steps)
+
+    All errors are standard deviations. The directivity's one number is fitted, too: an exponent of the cosine
+    for "point" and "cos", the size of a piston or strip. Raises `SceneError` for what cannot be readings.
+
+    Least squares by Levenberg-Marquardt from what the array says, the readings trusted to 30 % of their root
+    mean square first and .6 times tighter a step down to their noise (docs/measuring.md).
+    """
+    given = scene_or_array
+    if not isinstance(given, Array | Scene):
+        raise refused("scene_or_array", given, "give a midair.Scene or a midair.Array")
+    callback(progress, "step, steps")
+    scene = _scene(given, microphones)
+    array = scene.array
+    places = scene.points if microphones is None else _places(microphones)
+    played = drives_of(drives, len(array))
+    heard = readings_of(readings, len(played), len(places), complex)
+    _enough(heard, played)
+    least = number("noise", noise, least=0) if noise is not None else 0.0
+    spread = number("prior", prior, above=0) if prior is not None else None
+    if spread is not None and spread > MOST_PRIOR:
+        raise refused("prior", prior, f"give at most {MOST_PRIOR}, or leave it out to have it learnt")
+    second = indices_of(second_board, len(array))
+    priors = Priors(
+        number("sound_speed_error", sound_speed_error, least=0),
+        number("microphones_error", microphones_error, least=0),
+        _pose(pose_error),
+    )
+    model = Model(scene, places, second, priors, np.iscomplexobj(heard))
+    _room(len(array), len(model.free), heard.size)
+    own = np.ones(len(array)) if array.response is None else np.abs(array.response)
+    believed = np.asarray(own * array.mask, np.float64)
+    if not believed[np.any(played, axis=0)].any():
+        raise SceneError(
+            "array has no transducer that was played: its mask or responses of 0 hold them all off"
+        )
+    played = played * array.mask
+    found = fit(model, played, heard, believed, spread, least, progress or (lambda *_: None))
+    return _result(scene, model, found, believed, played, heard)
+
+
+def _scene(given: Scene | Array, microphones: ArrayLike | None) -> Scene:
+    if isinstance(given, Scene):
+        return given
+    if microphones is None:
+        raise SceneError(
+            "microphones are left out: give their places (M, 3) in m, or a scene whose points they are"
+        )
+    return Scene(given, _places(microphones))
+
+
+def _places(value: ArrayLike) -> Any:
+    try:
+        found = np.atleast_2d(np.asarray(value, np.float64))
+    except (TypeError, ValueError):
+        raise refused("microphones", value, "give their places (M, 3) in m") from None
+    if found.ndim != 2 or found.shape[1] != 3 or not len(found) or not np.isfinite(found).all():
+        raise refused("microphones", value, "give their places (M, 3) in m")
+    return found
+
+
+def _pose(value: Any) -> tuple[float, float]:
+    try:
+        shift, turn = value
+    except (TypeError, ValueError):
+        raise refused("pose_error", value, "give two standard deviations, in m and rad") from None
+    return number("pose_error[0]", shift, least=0), number("pose_error[1]", turn, least=0)
+
+
+def _enough(heard: Any, played: Complex) -> None:
+    """Refuse fewer real numbers than transducers: the prior would make up the rest."""
+    count = heard.size * (2 if np.iscomplexobj(heard) else 1)
+    sounding = int(np.any(played, axis=0).sum())
+    if count < sounding:
+        each = "0.5 complex ones" if np.iscomplexobj(heard) else "1"
+        raise SceneError(
+            f"readings are too few: {heard.size} of {sounding} transducers; "
+            f"at least {each} a transducer are needed, 4 of |p| are plenty"
+        )
+
+
+def _room(transducers: int, others: int, readings: int) -> None:
+    size, most = 8 * (2 * transducers + others) ** 2 * COPIES, memory.limit()
+    if size > most:
+        raise MemoryError(
+            f"a fit of {transducers} transducers to {readings} readings needs {size * 1e-9:.3f} GB, "
+            f"the limit is {most * 1e-9:.3f} GB: calibrate each board as an array of its own, "
+            "or give a higher limit (MIDAIR_MEMORY in the environment)"
+        )
+
+
+def _result(
+    scene: Scene, model: Model, found: Fitted, believed: Real, played: Complex, heard: Any
+) -> Calibration:
+    # One phase is common to all: that of the clock, or none at all where moduli were read.
+    common, scale = np.sum(believed * found.responses), float(np.exp(found.state[LOUDNESS]))
+    response = found.responses * (scale * np.conj(common) / abs(common)) * model.phases
+    sounding = np.any(played, axis=0)
+    loudness = float(np.abs(response[sounding]).mean() / max(believed[sounding].mean(), 1e-30))
+    if not 1 / FACTOR < loudness < FACTOR:
+        warnings.warn(
+            f"readings are {loudness:.3g} times as loud as the array's source_pressure says: "
+            "give peak pressures in Pa, or the responses mean only ratios",
+            SceneWarning,
+            stacklevel=3,
+        )
+    loud = float(np.sqrt(np.mean(np.abs(heard) ** 2)))
+    if found.noise > UNEXPLAINED * loud:
+        warnings.warn(
+            f"readings are off the model by {found.noise / loud:.0%} of their root mean square: "
+            "check the places of the microphones, and that drives and readings are in one order",
+            SceneWarning,
+            stacklevel=3,
+        )
+    gain, error = np.abs(response), found.responses_error * scale
+    median = float(np.median(gain[sounding]))
+    dead = np.flatnonzero(sounding & (gain < DEAD * median) & (gain + 2 * error < ALIVE * median))
+    off = np.abs(np.angle(response * np.conj(model.phases)))
+    reversed_ = np.setdiff1d(np.flatnonzero(sounding & (off > REVERSED) & (gain > 2 * error)), dead)
+    response[dead] = 0
+    # What was not played is known no better than before.
+    response = np.where(sounding, response, 1.0 if scene.array.response is None else scene.array.response)
+    array = model.array(found.state, response)
+    state, errors = found.state, found.state_error
+    return Calibration(
+        response=response,
+        response_error=error,
+        dead=dead,
+        reversed=reversed_,
+        sound_speed=float(state[0]),
+        sound_speed_error=float(errors[0]),
+        microphones=model.microphones(state),
+        microphones_error=model.microphones(errors),
+        pose=state[-6:],
+        pose_error=errors[-6:],
+        noise=found.noise,
+        residuals=found.residuals,
+        scene=scene.replace(array=array, sound_speed=float(state[0])),
+    )

@@ -1,0 +1,181 @@
+"""A calibration: what was found of an array, drawn, and kept in files."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass, fields
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._midair import Array, Scene, SceneError
+from .._support import output
+from .._support.arguments import path_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    pass
+
+
+def draw(calibration: Calibration) -> Figure:
+    """Gains and phases over the array from above, and how far the readings lie off the model."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(12, 3.8), layout="constrained")
+    left, middle, right = figure.subplots(1, 3)
+    places = calibration.array.positions * 1e3
+    shades = (
+        (left, calibration.gain, "gain", "viridis", {"vmin": 0.0, "vmax": float(calibration.gain.max())}),
+        (
+            middle,
+            np.degrees(calibration.phase),
+            "phase / degrees",
+            "twilight",
+            {"vmin": -180.0, "vmax": 180.0},
+        ),
+    )
+    for ax, values, title, colours, ends in shades:
+        _over_array(ax, places, values, colours, ends)
+        for marked, sign, name in ((calibration.dead, "x", "dead"), (calibration.reversed, "o", "reversed")):
+            if len(marked):
+                edge: dict[str, Any] = (
+                    {"c": "red"} if sign == "x" else {"facecolors": "none", "edgecolors": "red"}
+                )
+                ax.scatter(*places[marked, :2].T, marker=sign, s=60, label=f"{len(marked)} {name}", **edge)
+        if len(calibration.dead) + len(calibration.reversed):
+            ax.legend(fontsize="x-small", loc="upper right")
+        ax.set_title(title, fontsize="medium")
+        ax.set_xlabel("x / mm")
+    left.set_ylabel("y / mm")
+    for m, heard in enumerate(np.abs(calibration.residuals).T):
+        right.plot(heard, ".", markersize=3, label=f"microphone {m}")
+    right.axhline(calibration.noise, color="black", linewidth=0.8, label="standard deviation found")
+    right.set_title("residuals / Pa", fontsize="medium")
+    right.set_xlabel("drive")
+    right.legend(fontsize="x-small", loc="upper right")
+    return figure
+
+
+def _over_array(ax: Any, places: Any, values: Any, colours: str, ends: dict[str, float]) -> None:
+    size = 1.5e4 / max(len(places), 60)
+    shown = ax.scatter(*places[:, :2].T, c=values, s=size, cmap=colours, linewidths=0, **ends)
+    ax.figure.colorbar(shown, ax=ax, shrink=0.8)
+    ax.set_aspect("equal")
+    ax.margins(0.06)
+
+
+#: Files that a calibration is kept in: everything, or the scene alone.
+ENDINGS = (".npz", ".toml", ".json")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Calibration:
+    """An array as `midair.calibrate` found it by K drives at M microphones. Errors: standard deviations.
+
+    response : (N,) complex, relative to `source_pressure`, in phase with the array's own on the whole;
+        dead: 0
+    response_error : (N,) of re and of im of each
+    dead, reversed : indices of those that do not sound, and of those that sound the wrong way round
+    sound_speed, sound_speed_error : in m/s
+    microphones, microphones_error : (M, 3) in m; errors of 0 where their places were held
+    pose, pose_error : (6,) of the second board: moved by x, y, z in m and turned about x, y, z in rad, about
+        its middle
+    noise : standard deviation of a reading about the model, in Pa: noise, and what the model does not know
+    residuals : (K, M) model minus readings, in Pa
+    scene : the scene with the corrected array and sound speed
+    """
+
+    response: NDArray[np.complex128]
+    response_error: NDArray[np.float64]
+    dead: NDArray[np.intp]
+    reversed: NDArray[np.intp]
+    sound_speed: float
+    sound_speed_error: float
+    microphones: NDArray[np.float64]
+    microphones_error: NDArray[np.float64]
+    pose: NDArray[np.float64]
+    pose_error: NDArray[np.float64]
+    noise: float
+    residuals: NDArray[Any]
+    scene: Scene
+
+    @property
+    def array(self) -> Array:
+        """The corrected array."""
+        return self.scene.array
+
+    @property
+    def gain(self) -> NDArray[np.float64]:
+        """|response| (N,)."""
+        return np.asarray(np.abs(self.response))
+
+    @property
+    def phase(self) -> NDArray[np.float64]:
+        """The responses' phases (N,) in rad."""
+        return np.asarray(np.angle(self.response))
+
+    @property
+    def gain_error(self) -> NDArray[np.float64]:
+        """Of each gain (N,)."""
+        return self.response_error
+
+    @property
+    def phase_error(self) -> NDArray[np.float64]:
+        """Of each phase (N,) in rad; at most pi / sqrt(3), that of a phase of which nothing is known."""
+        unknown = np.pi / np.sqrt(3)
+        least = np.maximum(self.response_error, 1e-30) / unknown
+        return np.asarray(self.response_error / np.maximum(self.gain, least))
+
+    def __repr__(self) -> str:
+        alive = np.delete(self.gain, self.dead)
+        parts = [
+            f"{len(self.response)} transducers",
+            f"gain {alive.mean():.3g} +- {alive.std():.2g}",
+            f"{len(self.dead)} dead",
+            f"{len(self.reversed)} reversed",
+            f"{self.sound_speed:.2f} +- {self.sound_speed_error:.2g} m/s",
+            f"noise {self.noise:.3g} Pa",
+        ]
+        return f"<Calibration: {', '.join(parts)}>"
+
+    def plot(self) -> Figure:
+        """Gains and phases over the array, dead and reversed ones marked, and the residuals."""
+        pass
+
+        return draw(self)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write everything as .npz, or the corrected scene as .toml or .json.
+
+        Raises SceneError for another ending, and for a path that cannot be written.
+        """
+        path = path_of("path", path)
+        output.check(path, ENDINGS)
+        if path.suffix.lower() != ".npz":
+            self.scene.save(path)
+            return
+        kept = {field.name: getattr(self, field.name) for field in fields(self)}
+        buffer = io.BytesIO()
+        np.savez(buffer, **(kept | {"scene": self.scene.json()}))
+        output.write(path, buffer.getvalue())
+
+    @staticmethod
+    def load(path: str | PathLike[str]) -> Calibration:
+        """Read what `save` wrote as .npz.
+
+        Raises SceneError for a file that is not in order, FileNotFoundError where there is none.
+        """
+        content = path_of("path", path).read_bytes()
+        try:
+            with np.load(io.BytesIO(content), allow_pickle=False) as archive:
+                found = {field.name: archive[field.name] for field in fields(Calibration)}
+            numbers = {name: value if value.ndim else value.item() for name, value in found.items()}
+            return Calibration(**(numbers | {"scene": Scene.parse(str(found["scene"]))}))
+        # Whatever a damaged file makes zip, NumPy and the scene's reader raise.
+        except Exception as error:
+            raise SceneError(
+                f'calibration file "{path}" is damaged, or none: give what calibration.save wrote as .npz'
+            ) from error

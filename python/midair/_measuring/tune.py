@@ -1,0 +1,278 @@
+"""`midair.tune`: a drive found by readings."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from functools import partial
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._midair import Array, Scene, SceneError, SceneWarning, Solution, solve, solver_name, solvers
+from .._support.arguments import callback, flag, refused, whole, word
+from .player import Complex, Drive, Ended, Indices, Player, Read, Real, Status, Tuning, Unreadable
+
+#: Step (rad a unit of value) and nudge (rad) at first, and how they fall (Spall 1998, IEEE TAES 34, 817).
+STEP, NUDGE = 4.0, 0.4
+STEP_FALLS, NUDGE_FALLS, DELAY = 0.602, 0.101, 0.1
+
+
+def spsa(player: Player, drive: Complex, steps: int, seed: int, on_board: Callable[[Real], Drive]) -> None:
+    """Phi <- phi - a_k (f(phi + c_k d) - f(phi - c_k d)) / (2 c_k) d with signs d at random."""
+    rng = np.random.default_rng(seed)
+    phases = np.angle(drive).astype(np.float64)
+    for k in range(steps):
+        nudge = NUDGE / (k + 1) ** NUDGE_FALLS
+        step = STEP / (k + 1 + DELAY * steps) ** STEP_FALLS * (DELAY * steps) ** STEP_FALLS
+        signs = rng.choice([-1.0, 1.0], len(phases))
+        values = [player.value(player(on_board(phases + sign * nudge * signs))) for sign in (1.0, -1.0)]
+        phases -= step * (values[0] - values[1]) / (2 * nudge) * signs
+        player.trace.append(min(values))
+    player(on_board(phases))
+
+
+#: A later candidate wins only if it is better by more than rounding, as in `greedy` (docs/conventions.md).
+ROUNDING = 1e-7
+
+
+def greedy(player: Player, drive: Complex, order: Indices, phases: int, tries: bool) -> None:
+    """One transducer after another takes the phase whose pressures come nearest, all others as they are.
+
+    At any place |p|^2 of a transducer's phase phi is a + b cos phi + c sin phi: three readings determine
+    it at every phase. `tries` reads each of the L phases instead, as the paper has it.
+    """
+    turns = 2 * np.pi * np.arange(phases) / phases
+    heard = np.arange(phases) if tries or phases <= 3 else np.round(np.arange(3) * phases / 3).astype(int)
+    waves = np.stack([np.ones(phases), np.cos(turns), np.sin(turns)], axis=1)
+    # From the phases heard to all of them.
+    spread = np.eye(phases) if len(heard) == phases else waves @ np.linalg.inv(waves[heard])
+    drive = drive.copy()
+    for index in order:
+        powers = []
+        for phase in heard:
+            drive[index] = np.exp(1j * turns[phase])
+            powers.append(player(drive) ** 2)
+        pressures = np.sqrt(np.maximum(spread @ np.array(powers), 0.0))
+        values = np.array([player.value(each) for each in pressures])
+        chosen = int(np.flatnonzero(values <= values.min() + ROUNDING * max(values.max(), 1.0))[0])
+        drive[index] = np.exp(1j * turns[chosen])
+        player.offer(drive, pressures[chosen])
+        player.trace.append(float(values[chosen]))
+
+
+#: How much of a deviation is corrected at once.
+POWER = 0.7
+#: Quieter than this part of the mean, a place would be corrected without end.
+QUIETEST = 0.1
+
+
+def feedback(player: Player, scene: Scene, targets: Real, solver: str, steps: int) -> None:
+    """t_j <- t_j (mean x / x_j)^0.7 with x_j = |p_j| / target_j as read, the scene solved for t.
+
+    The camera feedback of slmsuite. It evens out and gains no level: the model stays as it is.
+    """
+    # Ratios are what is corrected: those that can aim give their loudest at them.
+    aim: Literal["max"] | None = "max" if solvers()[solver_name(word("solver", solver))].uses_aim else None
+    wanted = targets.copy()
+    asked = targets > 0
+    for step in range(steps):
+        with warnings.catch_warnings():
+            if step:
+                # What nobody asked for is nothing to warn of.
+                warnings.simplefilter("ignore", SceneWarning)
+            drive = solve(scene.replace(pressures=wanted), solver, aim=aim).drive
+        pressures = player(drive)
+        player.trace.append(player.value(pressures))
+        x = pressures[asked] / targets[asked]
+        mean = x.mean()
+        if mean == 0:
+            return
+        wanted[asked] *= (mean / np.maximum(x, QUIETEST * mean)) ** POWER
+        wanted[asked] *= targets[asked].mean() / wanted[asked].mean()
+
+
+METHODS = ("greedy", "feedback", "spsa")
+#: Steps where none are asked for.
+STEPS = {"feedback": 10, "spsa": 384}
+
+
+def tune(
+    read: Read,
+    array_or_scene: Array | Scene,
+    method: Literal["greedy", "feedback", "spsa"] = "greedy",
+    *,
+    targets: ArrayLike | None = None,
+    start: Literal["silence", "model"] | ArrayLike | Solution | None = None,
+    phases: int = 16,
+    tries: bool = False,
+    steps: int | None = None,
+    budget: int | None = None,
+    power: bool = False,
+    solver: str = "uniform",
+    seed: int = 0,
+    progress: Callable[[int, int], object] | None = None,
+) -> Tuning:
+    """A drive by readings of a microphone or camera, without trust in the model.
+
+    read : called with a drive (N,), to be played; answers |p| (M,) at the places
+    array_or_scene : a scene whose points are the places, or an array alone with `targets`
+    method : "greedy", transducer by transducer, three readings each; "feedback", the model solved for targets
+        that are corrected by what is read; "spsa", all phases nudged at random
+    targets : |p| (M,) wanted, in the readings' unit; left out, the scene's pressures or balanced level
+    start : "silence" or "model" (the scene solved), a drive (N,) or a Solution; left out, greedy begins in
+        silence, spsa with the model's answer. Feedback always solves
+    phases : L, candidates of greedy
+    tries : greedy reads each candidate, L readings a transducer as in the paper, in place of three
+    steps : of feedback (10, a reading each) and spsa (384, two readings each)
+    budget : readings at most
+    power : read answers |p|^2
+    solver : solves the model
+    seed : of greedy's order and spsa's signs
+    progress : called with (readings, of how many) before each; False stops
+
+    The best drive found is kept, whatever ends the work: Ctrl-C or progress (status "stopped"), the budget
+    ("out_of_readings"), an error of `read` ("failed", `error`, and a SceneWarning that tells of it). A place
+    that gives 0, or the same, in all readings has a SceneWarning, too.
+
+    Raises SceneError for arguments that are not in order, and for readings of another shape than the places.
+    """
+    if not callable(read):
+        raise refused("read", read, "give a function of a drive (N,) that answers |p| (M,)")
+    if word("method", method) not in METHODS:
+        raise refused("method", method, f"give one of {', '.join(METHODS)}")
+    if not isinstance(array_or_scene, Array | Scene):
+        raise refused("array_or_scene", array_or_scene, "give a midair.Scene or a midair.Array")
+    callback(progress, "readings, of how many")
+    seed = whole("seed", seed, least=0)
+    scene = array_or_scene if isinstance(array_or_scene, Scene) else None
+    array = scene.array if scene is not None else array_or_scene
+    assert isinstance(array, Array)
+    wanted = _targets(targets, scene)
+    sounding = array.mask if array.response is None else array.mask & (array.response != 0)
+    alive = np.flatnonzero(sounding)
+    drive = _start(start, method, scene, sounding, solver)
+    heard = whole("phases", phases, least=2) if flag("tries", tries) or phases <= 3 else 3
+    count = whole("steps", steps, least=1) if steps is not None else STEPS.get(method, 0)
+    full = {"greedy": heard * len(alive), "feedback": count, "spsa": 2 * count + 1}[method]
+    most = full if budget is None else min(full, whole("budget", budget, least=1))
+    value = _evenness if method == "feedback" else _residual
+    player = Player(
+        read, len(wanted), flag("power", power), partial(value, wanted), most, progress or (lambda *_: True)
+    )
+    work: Callable[[], None]
+    if method == "greedy":
+        _on_grid(phases, array)
+        order = np.random.default_rng(seed).permutation(alive)
+        work = partial(greedy, player, drive, order, phases, tries)
+    elif method == "feedback":
+        if scene is None:
+            raise SceneError("feedback solves a model: give a midair.Scene whose points are the places read")
+        work = partial(feedback, player, scene, wanted, solver, count)
+    else:
+        work = partial(spsa, player, drive, count, seed, partial(_on_board, array, np.abs(drive)))
+    status, error = _through(work, player)
+    if player.best is None:
+        if error is None:
+            raise KeyboardInterrupt
+        raise SceneError(f"read failed at its first reading: {_line(error)}") from error
+    if error is not None:
+        warnings.warn(
+            f"read failed at reading {player.readings + 1}: {_line(error)}; the best drive so far is kept",
+            SceneWarning,
+            stacklevel=2,
+        )
+    if deaf := player.deaf():
+        warnings.warn(deaf, SceneWarning, stacklevel=2)
+    best, played, pressures = player.best
+    return Tuning(played, pressures, best, player.readings, status, error, np.array(player.trace))
+
+
+def _through(work: Callable[[], None], player: Player) -> tuple[Status, Exception | None]:
+    try:
+        work()
+    except Ended as end:
+        return end.status, None
+    except Unreadable as end:
+        return "failed", end.error
+    except KeyboardInterrupt:
+        return "stopped", None
+    return ("done" if player.readings else "stopped"), None
+
+
+def _line(error: Exception) -> str:
+    return " ".join(f"{type(error).__name__}: {error}".split())
+
+
+def _residual(targets: Real, pressures: Real) -> float:
+    """Eq. (7) relative to silence."""
+    return float(np.sum((targets - pressures) ** 2) / np.sum(targets**2))
+
+
+def _evenness(targets: Real, pressures: Real) -> float:
+    """1 - uniformity."""
+    x = pressures[targets > 0] / targets[targets > 0]
+    return float(1 - x.min() / x.max()) if x.max() > 0 else 1.0
+
+
+def _targets(given: ArrayLike | None, scene: Scene | None) -> Real:
+    if given is None and scene is None:
+        raise SceneError("targets are left out: give |p| (M,) in the readings' unit, or a scene with points")
+    if given is None:
+        assert scene is not None
+        found = np.abs(scene.reach().level if scene.pressures is None else scene.pressures)
+    else:
+        try:
+            found = np.atleast_1d(np.asarray(given, np.float64))
+        except (TypeError, ValueError):
+            raise refused("targets", given, "give |p| (M,) in the readings' unit") from None
+        if scene is not None and found.shape == (1,):
+            found = np.full(len(scene.points), found[0])
+    right = found.ndim == 1 and (scene is None or len(found) == len(scene.points))
+    if not right or not np.isfinite(found).all() or found.min() < 0 or found.max() == 0:
+        raise refused("targets", given, "give |p| (M,) in the readings' unit, one a place, not all 0")
+    return np.asarray(found, np.float64)
+
+
+def _start(
+    given: Any, method: str, scene: Scene | None, sounding: NDArray[np.bool_], solver: str
+) -> NDArray[np.complex128]:
+    """The drive to begin with."""
+    if given is None:
+        given = "silence" if method != "spsa" else "model" if scene is not None else np.ones(len(sounding))
+    if isinstance(given, str):
+        if given not in ("silence", "model"):
+            raise refused("start", given, 'give "silence", "model" or a drive (N,)')
+        if given == "silence" and method == "spsa":
+            raise SceneError(
+                'start is "silence": spsa turns phases of what sounds, give "model" or a drive (N,)'
+            )
+        if given == "silence":
+            return np.zeros(len(sounding), np.complex128)
+        if scene is None:
+            raise SceneError(
+                'start is "model": an array alone has none, give a scene whose points are the places'
+            )
+        given = solve(scene, solver)
+    found = np.asarray(given.drive if isinstance(given, Solution) else given)
+    if found.shape != sounding.shape or found.dtype.kind not in "iufc" or not np.isfinite(found).all():
+        raise refused("start", given, f'give "silence", "model" or a finite drive ({len(sounding)},)')
+    if np.abs(found).max() > 1 + 1e-5:
+        raise refused("start", given, "1 is full drive")
+    return np.asarray(found * sounding, np.complex128)
+
+
+def _on_grid(phases: int, array: Array) -> None:
+    """Refuse phases that the board does not have."""
+    grid = (array.quantization or {}).get("phases")
+    if isinstance(grid, int) and grid % phases:
+        raise refused("phases", phases, f"the board has {grid}, give a divisor of that")
+
+
+def _on_board(array: Array, amplitudes: Real, phases: Real) -> Drive:
+    """A drive of these phases as the board plays it."""
+    grid = (array.quantization or {}).get("phases")
+    if isinstance(grid, int):
+        phases = np.round(phases * grid / (2 * np.pi)) * (2 * np.pi / grid)
+    return np.asarray(amplitudes * np.exp(1j * phases), np.complex64)

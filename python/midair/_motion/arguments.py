@@ -1,0 +1,130 @@
+"""Arguments of a sequence, each read as arrays and numbers or refused by name, value and cure."""
+
+from __future__ import annotations
+
+from typing import Any, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._midair import Array, SceneError
+from .._support.arguments import number, refused, whole
+from .envelope import Hold
+
+
+def points(given: Any) -> NDArray[np.float64]:
+    """Points (T, M, 3) in m."""
+    found = _real("points", given)
+    if found.ndim != 3 or found.shape[2] != 3 or not found.size:
+        raise refused("points.shape", found.shape, "give (T, M, 3), M places in each of T frames")
+    _first("points", found, ~np.isfinite(found), "give finite coordinates in m")
+    return _kept(found)
+
+
+def targets(given: Any, shape: tuple[int, int]) -> NDArray[np.float64]:
+    """Targets (T, M) in Pa; one, or one a point, stands for all frames."""
+    found = _real("targets", given)
+    try:
+        found = np.broadcast_to(found, shape)
+    except ValueError:
+        cure = f"give {shape} like the points, ({shape[1]},) or one number"
+        raise refused("targets.shape", found.shape, cure) from None
+    _first("targets", found, ~(np.isfinite(found) & (found >= 0)), "give a pressure in Pa, 0 for not there")
+    if not found.any():
+        raise SceneError("targets are 0 everywhere: give a pressure above 0 in at least one frame")
+    return _kept(found)
+
+
+def frames(what: str, count: int, expected: int) -> None:
+    """Refuse another number of frames than the points have."""
+    if count != expected:
+        raise refused(f"{what}.shape[0]", count, f"points have {expected} frames, give as many")
+
+
+def quantization(given: Any, array: Array) -> dict[str, Any] | None:
+    """A board as an array tells of it: what is given, else the array's own."""
+    if given is None:
+        return array.quantization
+    try:
+        return Array.grid(1, 1, 0.01, quantization=given).quantization
+    except SceneError as error:
+        raise SceneError(str(error).removeprefix("array.")) from None
+
+
+def time_constant(given: Any) -> float:
+    """A time constant tau in s, 0 for none."""
+    return number("tau", given, least=0)
+
+
+def hold(given: Any) -> Hold:
+    """What a board does between frames."""
+    if not isinstance(given, str) or given not in get_args(Hold):
+        raise refused("hold", given, 'give "hold" or "linear"')
+    return "hold" if given == "hold" else "linear"
+
+
+def substeps(given: Any) -> int:
+    """Sub-steps of a frame."""
+    return whole("substeps", given, least=1)
+
+
+def places(given: Any) -> NDArray[np.float64]:
+    """A place (3,) or a patch of them (K, 3) in m, as (K, 3)."""
+    found = _real("place", given)
+    if found.ndim not in (1, 2) or found.shape[-1] != 3 or not found.size:
+        raise refused("place.shape", found.shape, "give (3,), or (K, 3) for a patch")
+    _first("place", found, ~np.isfinite(found), "give finite coordinates in m")
+    return found.reshape(-1, 3)
+
+
+def bands(given: Any, rate: float, count: int) -> tuple[tuple[float, float], ...]:
+    """Bands (low, high) in Hz in which `count` frames have lines."""
+    try:
+        found = [(band[0], band[1]) for band in given if len(band) == 2]
+        whole = len(found) == len(given)
+    except TypeError:
+        found, whole = [], False
+    if not whole:
+        raise refused("bands", given, "give pairs (low, high) in Hz")
+    read = []
+    for k, (low, high) in enumerate(found):
+        low, high = number(f"bands[{k}][0]", low, above=0), number(f"bands[{k}][1]", high, above=0)
+        if not low < high <= rate / 2:
+            cure = f"give low < high, up to half the frame rate, {rate / 2:g} Hz"
+            raise refused(f"bands[{k}]", (low, high), cure)
+        if not resolved(low, high, rate, count):
+            cure = f"{count} frames have lines {rate / count:g} Hz apart and none there, give more frames"
+            raise refused(f"bands[{k}]", (low, high), cure)
+        read.append((low, high))
+    return tuple(read)
+
+
+def resolved(low: float, high: float, rate: float, count: int) -> bool:
+    """Whether a band of the spectrum of `count` values has a line."""
+    lines = np.fft.rfftfreq(count, 1 / rate)
+    return bool(((lines >= low) & (lines < high)).any())
+
+
+def _real(item: str, given: Any) -> NDArray[np.float64]:
+    if np.ma.is_masked(given):
+        raise refused(item, "a masked array", "fill what it hides")
+    try:
+        found = np.asarray(given)
+    except ValueError:
+        raise refused(item, given, "give an array of real numbers") from None
+    if found.dtype.kind not in "iuf":
+        raise refused(f"{item}.dtype", str(found.dtype), "give real numbers")
+    return found.astype(np.float64)
+
+
+def _first(item: str, found: NDArray[np.float64], wrong: NDArray[np.bool_], cure: str) -> None:
+    if wrong.any():
+        index = tuple(np.argwhere(wrong)[0])
+        raise refused(f"{item}[{', '.join(map(str, index))}]", found[index], cure)
+
+
+def _kept(found: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A copy that nobody changes."""
+    kept = np.array(found)
+    kept.flags.writeable = False
+    return kept

@@ -1,0 +1,147 @@
+"""Scene files of what moves: the table [motion] and its paths, beside array, medium and solver."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import reduce
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import path as paths
+from .._midair import Array, SceneError, read_motion, read_table, solver_name
+from .._points.drawn import called
+from .._support.arguments import existing, refused, word
+from ..path import Path as Moving
+from .frames import AIR
+from .sequence import Sequence
+from .solve import sequence
+
+#: What a path of a file may be.
+KINDS: dict[str, Callable[..., Moving]] = {
+    "circle": paths.circle,
+    "line": paths.line,
+    "polyline": paths.polyline,
+    "lissajous": paths.lissajous,
+    "svg": paths.svg,
+    "morph": paths.morph,
+}
+
+
+@dataclass(frozen=True)
+class Document:
+    """A motion as `midair.sequence` takes it."""
+
+    array: Array
+    path: Moving | NDArray[np.float64]
+    settings: dict[str, Any]
+    solver: str
+    air: dict[str, Any]
+    options: dict[str, Any]
+
+    def solve(self, array: Array | None = None, solver: str | None = None, **keywords: Any) -> Sequence:
+        """The sequence, by this array and solver where given. The file's options are of its own solver."""
+        name = self.solver if solver is None else solver_name(solver)
+        options = self.options if name == self.solver else {}
+        given = {**self.settings, **self.air, **options, **keywords}
+        return sequence(self.array if array is None else array, self.path, name, **given)
+
+
+def read(file: Path) -> Document | None:
+    """The motion of a scene file, None where it has no [motion]. Errors name the file and the line."""
+    moving: list[Moving | NDArray[np.float64]] = []
+
+    def start(name: str, text: str) -> NDArray[np.float64]:
+        """The points of the first frame of a path, or of a file of frames."""
+        folder = file.parent
+        one = _points(text, folder) if name == "motion.file" else _path(tomllib.loads(text), folder)
+        moving.append(one)
+        first: NDArray[np.float64] = one.at([0.0])[0] if isinstance(one, Moving) else one[0]
+        return first
+
+    found = read_motion(existing("path", file, "give a .toml or .json file"), start)
+    if found is None:
+        return None
+    scene, settings = found
+    solver, options = scene.solver or ("glide", {})
+    air = {name: getattr(scene, name) for name in AIR if name != "temperature"}
+    if scene.signature is not None:
+        air["signature"] = scene.signature
+    return Document(scene.array, _together(moving), settings, solver, air, dict(options))
+
+
+def _together(moving: list[Any]) -> Moving | NDArray[np.float64]:
+    """All paths of a document at the same time, or the frames of its file."""
+    together: Moving | NDArray[np.float64] = reduce(lambda one, other: one & other, moving)
+    return together
+
+
+#: The columns of a file of frames, their units and a correct row.
+FRAMES = (["frame", "point", "x", "y", "z"], "with x, y, z in metres", "0,0,0.01,0.0,0.15")
+
+
+def _points(name: str, folder: Path) -> NDArray[np.float64]:
+    """Points (T, M, 3) in m of a .npy file, or of a .csv file with the columns frame, point, x, y, z.
+
+    The core puts the key and its value before a refusal.
+    """
+    file = folder / name
+    if not file.is_file():
+        raise SceneError("there is no such file: give a .npy or .csv file beside the scene file")
+    if file.suffix.lower() == ".csv":
+        return _frames(file)
+    try:
+        found: NDArray[np.float64] = np.load(file, allow_pickle=False)
+    except (ValueError, EOFError, OSError) as error:
+        cure = "give points (T, M, 3) as .npy, or .csv with the columns frame, point, x, y, z"
+        raise SceneError(cure) from error
+    if found.ndim != 3 or found.shape[2] != 3 or not found.size:
+        raise SceneError(f"its shape is {found.shape}: give points (T, M, 3)")
+    return found
+
+
+def _frames(file: Path) -> NDArray[np.float64]:
+    """Points (T, M, 3) of a table with a row for each point of each frame, in any order."""
+    lines, rows = read_table(file.read_bytes(), str(file), *FRAMES)
+
+    def wrong(row: int, reason: str) -> SceneError:
+        return SceneError(f"{file}, line {lines[row]}: {reason}")
+
+    for column, name in enumerate(("frame", "point")):
+        bad = np.flatnonzero((rows[:, column] < 0) | (rows[:, column] % 1 != 0))
+        if bad.size:
+            value = f"{rows[bad[0], column]:g}"
+            raise wrong(bad[0], f"{name} is {value}: count them 0, 1, 2, ...")
+    frames, count = (int(rows[:, column].max()) + 1 for column in (0, 1))
+    if frames * count > len(rows):
+        raise SceneError(
+            f"{file}: {frames} frames of {count} points need {frames * count} rows, {len(rows)} are there"
+        )
+    places = rows[:, 0].astype(int) * count + rows[:, 1].astype(int)
+    once, first = np.unique(places, return_index=True)
+    if len(once) < len(places):
+        twice = np.setdiff1d(np.arange(len(places)), first)[0]
+        frame, point = divmod(int(places[twice]), count)
+        raise wrong(twice, f"point {point} of frame {frame} is there twice: give it once")
+    points = np.empty((frames * count, 3))
+    points[places] = rows[:, 2:]
+    return points.reshape(frames, count, 3)
+
+
+def _path(table: dict[str, Any], folder: Path) -> Moving:
+    if "kind" not in table:
+        raise SceneError(f"kind is left out: give one of {', '.join(KINDS)}")
+    kind = word("kind", table.pop("kind"))
+    if kind not in KINDS:
+        raise refused("kind", kind, f"give one of {', '.join(KINDS)}")
+    modulation = table.pop("am", None)
+    if "pressure" in table:
+        table["pressures"] = table.pop("pressure")
+    if modulation is not None and not isinstance(modulation, dict):
+        raise refused("am", modulation, 'give am = { frequency = 200, shape = "sqrt" }')
+    path: Moving = called(KINDS[kind], kind, table, folder)
+    return path if modulation is None else called(path.with_am, "am", modulation, folder)

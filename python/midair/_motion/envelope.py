@@ -1,0 +1,132 @@
+"""Envelope: what transducers of first order radiate while their drives go from frame to frame.
+
+A transducer of time constant tau answers its drive q by y' = (q - y)/tau. tau = sqrt(3)/(pi B) by its
+two-sided bandwidth B at -6 dB.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import ceil
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._support.memory import BLOCK, blocks
+from .drives import Drives
+
+Hold = Literal["hold", "linear"]
+
+#: Time constants after which nothing is left of a former drive: e^-40 is below every rounding.
+FORGOTTEN = 40
+
+
+@dataclass(frozen=True)
+class Envelope:
+    """Drives played at `rate` frames/s through transducers of the time constant `tau` in s, 0 for none.
+
+    hold "hold" keeps each drive for its frame; "linear" goes on to the next one's amplitude and, the shorter
+    way round, phase, in equal steps. Before an open sequence its first drive has been played for ever, and
+    after it its last one stays; a closed sequence repeats for ever.
+    """
+
+    drives: Drives
+    rate: float
+    closed: bool
+    tau: float
+    hold: Hold
+
+    def inside(self, substeps: int) -> Iterator[tuple[slice, slice, NDArray[np.complex64]]]:
+        """Blocks (frames, sub-steps, y) of y (frames, sub-steps, N) at the times (t + k/substeps)/rate."""
+        times = np.arange(substeps) / (substeps * self.rate)
+        decays = self._decays(times)
+        before = self._before()
+        count = len(self.drives.live)
+        for frames in blocks(len(self.drives), substeps * count):
+            course = self._course(frames)
+            starts, before = self._starts(course, before)
+            rest = starts - course.at(0.0)
+            # Frames so long that a single one is no block.
+            length = max(1, BLOCK // len(starts) // count)
+            for first in range(0, substeps, length):
+                steps = slice(first, min(first + length, substeps))
+                y = np.empty((len(starts), steps.stop - first, count), np.complex64)
+                for k in range(first, steps.stop):
+                    y[:, k - first] = course.at(times[k]) + rest * decays[k]
+                yield frames, steps, y
+
+    def _decays(self, times: NDArray[np.float64]) -> NDArray[np.float32]:
+        """What is left after some times: e^(-t/tau)."""
+        left = np.exp(-times / self.tau) if self.tau > 0 else np.zeros_like(times)
+        return left.astype(np.float32)
+
+    def _before(self) -> NDArray[np.complex128]:
+        """The start of frame 0."""
+        if not self.closed:
+            return self.drives[0].astype(np.complex128)
+        # One lap from silence, or as much of it as is not forgotten: y = lap + y e^(-lap/tau).
+        lap = min(len(self.drives), ceil(FORGOTTEN * self.tau * self.rate) + 1)
+        y = np.zeros(len(self.drives.live), np.complex128)
+        for part in blocks(lap, len(y)):
+            first = len(self.drives) - lap
+            course = self._course(slice(first + part.start, first + part.stop))
+            y = self._starts(course, y)[1]
+        kept = np.exp(-lap / (self.rate * self.tau)) if self.tau > 0 else 0.0
+        return y / (1 - kept)
+
+    def _starts(
+        self, course: _Course, y: NDArray[np.complex128]
+    ) -> tuple[NDArray[np.complex64], NDArray[np.complex128]]:
+        """What y is at the start of each frame of a block, and after it."""
+        begin, end = course.at(0.0), course.at(1 / self.rate)
+        kept = np.exp(-1 / (self.rate * self.tau)) if self.tau > 0 else 0.0
+        starts = np.empty_like(begin)
+        for frame in range(len(begin)):
+            starts[frame] = y
+            y = end[frame] + (y - begin[frame]) * kept
+        return starts, y
+
+    def _course(self, frames: slice) -> _Course:
+        now = self.drives[frames]
+        if self.hold == "hold":
+            return _Course(now)
+        following = np.arange(frames.start, frames.stop) + 1
+        following[following == len(self.drives)] = 0 if self.closed else len(self.drives) - 1
+        return _line(now, self.drives[following], self.rate, self.tau)
+
+
+@dataclass(frozen=True)
+class _Course:
+    """The part of y that follows the drive, (constant + slope t) e^(j speed t), t from its frame's start."""
+
+    constant: NDArray[np.complex64]
+    slope: NDArray[np.complex64] | None = None
+    speed: NDArray[np.float32] | None = None
+
+    def at(self, time: float) -> NDArray[np.complex64]:
+        if self.slope is None or self.speed is None:
+            return self.constant
+        turned = self.speed * np.float32(time)
+        phasor = np.cos(turned) + 1j * np.sin(turned)
+        value: NDArray[np.complex64] = (self.constant + self.slope * np.float32(time)) * phasor
+        return value
+
+
+def _line(now: NDArray[np.complex64], following: NDArray[np.complex64], rate: float, tau: float) -> _Course:
+    """The drive q = (a + b t) e^(j w t + j phase) from one frame to the next, and y of it.
+
+    Put into tau y' + y = q, y = (c + d t) e^(j w t + j phase) gives d = b/(1 + j w tau) and
+    c = (a - tau d)/(1 + j w tau).
+    """
+    amplitude, next_amplitude = np.abs(now), np.abs(following)
+    # Where there is no amplitude there is no phase to come from or go to: that of the other stays.
+    shown = np.where(amplitude > 0, now, following)
+    size = np.abs(shown)
+    direction = np.divide(shown, size, out=np.zeros_like(shown), where=size > 0)
+    speed = np.angle(following * now.conj()) * np.float32(rate)
+    lag = 1 + 1j * speed * np.float32(tau)
+    slope = (next_amplitude - amplitude) * np.float32(rate) * direction / lag
+    constant = (amplitude * direction - np.float32(tau) * slope) / lag
+    return _Course(constant, slope, speed)

@@ -1,0 +1,145 @@
+"""What a hand gets: radiation pressure or force at a fixed place, its spectrum and the rms by band."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from math import ceil, log10, pi, sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .envelope import Envelope
+
+#: Samples/s of the envelope; what lies above half of it folds back at least 30 dB down.
+SAMPLES = 160e3
+
+#: What is heard, in Hz.
+HEARD = (20.0, 16e3)
+
+#: The amplitude modulation that is 0 dB, in Hz.
+REFERENCE = 200.0
+
+#: Silence, in dB: f32 drives do not tell less from nothing.
+SILENCE = -200.0
+
+
+def noise(envelope: Envelope) -> float:
+    """A-weighted rms, 20 Hz to 16 kHz, of d^2/dt^2 of E(t) = mean_i |y_i|^2, in dB.
+
+    0 dB is full amplitude modulation (1 + cos)/2 at 200 Hz by the same transducers.
+    """
+    return max(20 * log10(max(_loudness(envelope), 1e-30) / _reference(envelope.tau)), SILENCE)
+
+
+def _loudness(envelope: Envelope) -> float:
+    substeps = ceil(SAMPLES / envelope.rate)
+    energy = np.empty((len(envelope.drives), substeps))
+    live = max(int(envelope.drives.live.sum()), 1)
+    for frames, steps, y in envelope.inside(substeps):
+        energy[frames, steps] = np.square(y.view(np.float32)).sum(axis=-1, dtype=np.float64) / live
+    rate = substeps * envelope.rate
+    flat = energy.ravel()
+    if envelope.closed:
+        bent = np.roll(flat, -1) - 2 * flat + np.roll(flat, 1)
+        window = np.ones(len(bent))
+    else:
+        bent = np.diff(flat, 2)
+        # A cut in the middle of something would click.
+        window = np.hanning(len(bent) + 2)[1:-1]
+    if not len(bent):
+        return 0.0
+    lines = np.abs(np.fft.rfft(bent * window)) ** 2
+    frequencies = np.fft.rfftfreq(len(bent), 1 / rate)
+    heard = (frequencies >= HEARD[0]) & (frequencies <= HEARD[1])
+    power = 2 * np.sum(lines[heard] * a_weighting(frequencies[heard]) ** 2)
+    return float(rate**2 * sqrt(power / (len(bent) * np.sum(window**2))))
+
+
+def _reference(tau: float) -> float:
+    """The same of |y| = (1 + g cos wt)/2, where g = 1/sqrt(1 + (w tau)^2) is left by the transducers.
+
+    E = |y|^2 has the amplitudes g/2 at w and g^2/8 at 2w.
+    """
+    w = 2 * pi * REFERENCE
+    g = 1 / sqrt(1 + (w * tau) ** 2)
+    weights = a_weighting(np.array([REFERENCE, 2 * REFERENCE]))
+    lines = np.array([w**2 * g / 2, (2 * w) ** 2 * g**2 / 8])
+    return float(np.linalg.norm(weights * lines) / sqrt(2))
+
+
+def a_weighting(frequency: NDArray[np.floating]) -> NDArray[np.float64]:
+    """A-weighting as a factor, 1 at 1 kHz (IEC 61672-1); frequency in Hz."""
+    f = np.square(frequency)
+    low = (f + 20.598997**2) * np.sqrt((f + 107.65265**2) * (f + 737.86223**2))
+    value: NDArray[np.float64] = 10 ** (2.0 / 20) * 12194.217**2 * f**2 / (low * (f + 12194.217**2))
+    return value
+
+
+#: Bands of the skin's slow and fast channels in Hz: steady motion, and vibration.
+BANDS: tuple[tuple[float, float], ...] = ((5.0, 50.0), (50.0, 500.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Felt:
+    """Force in mN, or radiation pressure in Pa, in time and by frequency.
+
+    times, values : (T,) in s, and in `unit`
+    frequencies, spectrum : (T//2 + 1,) in Hz, and the amplitude (peak) of each line, the mean at 0 Hz
+    static : mean over time
+    bands, rms : (low, high) in Hz, low <= f < high, and the rms of each: sqrt(sum of spectrum^2 / 2)
+    unit : "mN" where an area was given, else "Pa"
+    """
+
+    times: NDArray[np.float64]
+    values: NDArray[np.float64]
+    frequencies: NDArray[np.float64]
+    spectrum: NDArray[np.float64]
+    bands: tuple[tuple[float, float], ...]
+    unit: str
+
+    @property
+    def static(self) -> float:
+        """Mean over time, in `unit`."""
+        return float(self.spectrum[0])
+
+    @property
+    def rms(self) -> NDArray[np.float64]:
+        """The rms of each band, in `unit`."""
+        return np.array([rms(self.frequencies, self.spectrum, band) for band in self.bands])
+
+    def __repr__(self) -> str:
+        return "\n".join(f"{name:18}  {value}" for name, value in self._rows())
+
+    def _repr_html_(self) -> str:
+        rows = (f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in self._rows())
+        return f"<table>{''.join(rows)}</table>"
+
+    def _rows(self) -> list[tuple[str, str]]:
+        told = [
+            (f"rms {low:g} to {high:g} Hz", f"{part:.4g} {self.unit}")
+            for (low, high), part in zip(self.bands, self.rms, strict=True)
+        ]
+        return [("static", f"{self.static:.4g} {self.unit}"), *told]
+
+
+def spectrum(values: NDArray[np.float64], rate: float) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Frequencies in Hz, and the amplitude of each line, the mean at 0, of values (T,) at `rate` a second.
+
+    As if they repeated for ever: without a window, so that half the sum of their squares is the power.
+    """
+    count = len(values)
+    lines = np.abs(np.fft.rfft(values)) * (2 / count)
+    lines[0] = values.mean()
+    if count % 2 == 0 and count > 1:
+        # At half the sampling rate a cosine a (-1)^n has the power a^2, and is counted once.
+        lines[-1] /= np.sqrt(2)
+    return np.fft.rfftfreq(count, 1 / rate), lines
+
+
+def rms(frequencies: NDArray[np.float64], lines: NDArray[np.float64], band: Sequence[float]) -> float:
+    """The rms of a band: that of its lines, sqrt(sum of amplitude^2 / 2)."""
+    inside = (frequencies >= band[0]) & (frequencies < band[1])
+    return float(np.sqrt(np.sum(lines[inside] ** 2) / 2))

@@ -1,0 +1,87 @@
+"""Files of a sequence: .npz, written whole or not at all, and read again without running anything."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import struct
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.lib import format as npy
+from numpy.typing import NDArray
+
+from .._midair import Scene, SceneError
+from .._support import output
+from .._support.arguments import path_of
+
+#: Drives of so many bytes are read where they lie, a block at a time.
+LARGE = 1 << 28
+
+#: What a file has to hold.
+KEYS = ("points", "targets", "drives", "scene", "setting")
+
+
+@contextmanager
+def whole(path: str | PathLike[str], endings: tuple[str, ...]) -> Iterator[Path]:
+    """A file that becomes `path` if all goes well, and is removed otherwise."""
+    asked = path_of("path", path)
+    output.check(asked, endings)
+    target = output.real(asked)
+    # A folder, because the ending tells programs what to write.
+    folder = output.part_of(target)
+    try:
+        folder.mkdir()
+        part = folder / f"part{asked.suffix.lower()}"
+        yield part
+        if target.exists():
+            part.chmod(target.stat().st_mode & 0o7777)
+        part.replace(target)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise SceneError(
+            f'output "{path}" cannot be written ({reason}): make room or choose another folder'
+        ) from error
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def save(path: str | PathLike[str], arrays: dict[str, Any], scene: Scene, setting: dict[str, Any]) -> None:
+    """Write arrays, the array, air and obstacles as the JSON text of a scene, and the rest as JSON."""
+    with whole(path, (".npz",)) as part:
+        np.savez(part, **arrays, scene=scene.json(), setting=output.to_json(setting))
+
+
+def _mapped(path: str | PathLike[str]) -> NDArray[Any] | None:
+    """Drives where they lie in a large file that was not compressed; None otherwise."""
+    with zipfile.ZipFile(path) as archive:
+        entry = archive.getinfo("drives.npy")
+    if entry.compress_type != zipfile.ZIP_STORED or entry.file_size < LARGE:
+        return None
+    with open(path, "rb") as stream:
+        # The local header: 26 bytes, then the lengths of the name and of what else there is.
+        stream.seek(entry.header_offset + 26)
+        stream.seek(sum(struct.unpack("<HH", stream.read(4))), os.SEEK_CUR)
+        version = npy.read_magic(stream)
+        read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
+        shape, fortran, dtype = read(stream)
+        if fortran or dtype.hasobject:
+            return None
+        return np.memmap(path, dtype, "r", stream.tell(), shape)
+
+
+def load(path: str | PathLike[str]) -> dict[str, Any]:
+    """The arguments of the sequence that a file holds, not checked."""
+    with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
+        arrays = {key: file[key] for key in KEYS if key != "drives"}
+        mapped = _mapped(path)
+        arrays["drives"] = file["drives"] if mapped is None else mapped
+    scene: Scene = Scene.parse(str(arrays.pop("scene")))
+    setting = dict(json.loads(str(arrays.pop("setting"))))
+    return {"array": scene.array, "obstacles": scene.obstacles, **arrays, **setting}

@@ -1,0 +1,167 @@
+"""Frames of a sequence as they are held: points, targets, drives, air and setting; values that compare."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._midair import Array, Scene
+from .._pictures.notebook import sequence
+from .._support import output
+from .._support.arguments import flag, number, word
+from . import arguments
+from . import drives as driven
+
+#: What the air and what is in it may be told by, and what is kept of it.
+AIR = ("frequency", "sound_speed", "temperature", "absorption", "density", "obstacles")
+KEPT = ("frequency", "sound_speed", "absorption", "density")
+
+
+class Frames:
+    """What a `midair.Sequence` is made of; its documentation tells what the arguments mean."""
+
+    def __init__(
+        self,
+        array: Array,
+        points: ArrayLike,
+        targets: ArrayLike,
+        drives: ArrayLike,
+        *,
+        rate: float,
+        closed: bool = False,
+        change: float | None = None,
+        quantization: Mapping[str, Any] | None = None,
+        solver: str = "",
+        **medium: Any,
+    ) -> None:
+        if not isinstance(array, Array):
+            raise TypeError(f"expected a midair.Array first, not {type(array).__qualname__}")
+        for name in medium.keys() - set(AIR):
+            raise TypeError(f"Sequence has no argument {name!r}: of the air it takes {', '.join(AIR)}")
+        self._points = arguments.points(points)
+        self._targets = arguments.targets(targets, self._points.shape[:2])
+        self._rate = number("rate", rate, above=0)
+        self._closed = flag("closed", closed)
+        self._change = None if change is None else number("change", change, least=0)
+        self._quantization = arguments.quantization(quantization, array)
+        self._solver = word("solver", solver)
+        self._drives = driven.read(drives, array, (self._quantization or {}).get("phases"))
+        arguments.frames("drives", len(self._drives), len(self._points))
+        self._scene = Scene(array, self._points[0], **medium)
+
+    @property
+    def array(self) -> Array:
+        """The transducers."""
+        return self._scene.array
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """The points (T, M, 3) of each frame, in m."""
+        return self._points
+
+    @property
+    def targets(self) -> NDArray[np.float64]:
+        """The targets (T, M) in Pa, 0 where a point is not there."""
+        return self._targets
+
+    @property
+    def rate(self) -> float:
+        """Frames a second."""
+        return self._rate
+
+    @property
+    def closed(self) -> bool:
+        """Whether the first frame follows the last."""
+        return self._closed
+
+    @property
+    def change(self) -> float | None:
+        """The bound of the phase change in rad a frame that held when it was solved, or None."""
+        return self._change
+
+    @property
+    def quantization(self) -> dict[str, Any] | None:
+        """The board, as `midair.Array.quantization` tells of one, or None for any drive."""
+        return self._quantization
+
+    @property
+    def solver(self) -> str:
+        """The name of what solved it."""
+        return self._solver
+
+    @property
+    def codes(self) -> NDArray[Any] | None:
+        """Codes l (T, N) of the phases 2 pi l/L, uint8 or uint16, or None where drives are complex."""
+        return None if self._drives.phases is None else self._drives.held
+
+    @property
+    def drives(self) -> NDArray[np.complex64]:
+        """The drives (T, N), |q| <= 1; of codes, made of them at each call, 0 where a transducer is off."""
+        return self._drives[:]
+
+    def __len__(self) -> int:
+        return len(self._points)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Frames):
+            return NotImplemented
+        same = output.to_json(self._setting()) == output.to_json(other._setting())
+        arrays = (
+            (self._points, other._points),
+            (self._targets, other._targets),
+            (self._drives.held, other._drives.held),
+        )
+        return (
+            same
+            and self._scene == other._scene
+            and all(mine.dtype == theirs.dtype and np.array_equal(mine, theirs) for mine, theirs in arrays)
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        made = partial(type(self), obstacles=self._scene.obstacles, **self.setting())
+        return made, (self.array, self._points, self._targets, self._drives.held)
+
+    def __repr__(self) -> str:
+        return f"<midair.{self._heading()}>"
+
+    def _repr_html_(self) -> str:
+        return sequence(self._scene.array, self._points, self._closed, self._facts())
+
+    def _facts(self) -> list[tuple[str, str]]:
+        frames, count = self._targets.shape
+        board = "any" if self._drives.phases is None else str(self._drives.phases)
+        facts = [
+            (
+                "midair.Sequence",
+                f"{frames} frames at {self._rate:g} Hz, {'closed' if self._closed else 'open'}",
+            ),
+            ("time", f"{frames / self._rate:.4g} s"),
+            ("points", str(count)),
+            ("transducers", str(len(self.array))),
+            ("phases", board),
+        ]
+        bound = [] if self._change is None else [("bound", f"{self._change:.4g} rad a frame")]
+        return facts + bound + ([("solver", self._solver)] if self._solver else [])
+
+    def _heading(self) -> str:
+        frames, count = self._targets.shape
+        how = f"{'closed' if self._closed else 'open'}{f', by {self._solver}' if self._solver else ''}"
+        size = f"{frames} frames at {self._rate:g} Hz, {count} points, {len(self.array)} transducers"
+        return f"Sequence of {size}: {how}"
+
+    def setting(self) -> dict[str, Any]:
+        """All but array, obstacles, points, targets and drives, as the arguments that make it again."""
+        return {**self._setting(), **self._medium()}
+
+    def _setting(self) -> dict[str, Any]:
+        names = ("rate", "closed", "change", "quantization", "solver")
+        return {name: getattr(self, name) for name in names}
+
+    def _medium(self) -> dict[str, Any]:
+        return {name: getattr(self._scene, name) for name in KEPT}

@@ -1,0 +1,170 @@
+"""Frames judged: pressures at rest and inside the frames, changes of phase, and what a hand feels."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._midair import Field, Plane, Scene, field
+from .._support.arguments import number
+from .._support.memory import blocks
+from . import arguments
+from .envelope import Envelope, Hold
+from .felt import BANDS, Felt, noise, spectrum
+from .frames import Frames
+from .metrics import SequenceMetrics, measure
+from .propagation import Between, between, pressures, rows
+
+#: Time constant in s at which the noise of a sequence is told where none is given.
+TAU = 0.2e-3
+
+
+class JudgedFrames(Frames):
+    """Frames, and all that follows from them; `midair.Sequence` adds pictures and files."""
+
+    @property
+    def times(self) -> NDArray[np.float64]:
+        """The start (T,) of each frame, in s."""
+        return np.arange(len(self)) / self._rate
+
+    def drive(self, frame: int) -> NDArray[np.complex64]:
+        """The drive (N,) of a frame.
+
+        Raises IndexError where there is no such frame.
+        """
+        return self._drives[frame]
+
+    def scene(self, frame: int) -> Scene:
+        """A frame's points that are there and their targets, as a scene; all points where none is there.
+
+        Raises IndexError where there is no such frame.
+        """
+        there = self._targets[frame] > 0
+        if not there.any():
+            return self._scene.replace(points=self._points[frame])
+        return self._scene.replace(points=self._points[frame][there], pressures=self._targets[frame][there])
+
+    def field(self, frame: int, plane: Plane | None = None) -> Field:
+        """The field of a frame at rest in a plane, by `midair.field`.
+
+        Raises IndexError where there is no such frame.
+        """
+        return field(self.scene(frame), self.drive(frame), plane)
+
+    @cached_property
+    def pressures(self) -> NDArray[np.float64]:
+        """|p| (T, M) in Pa of each frame's drive at its points, at rest: p_j(t) = sum_i G_ji(t) q_i(t)."""
+        return _fixed(pressures(self._scene, self._points, self._drives))
+
+    @property
+    def radiation(self) -> NDArray[np.float64]:
+        """Radiation pressure (T, M) in Pa on a wall at normal incidence, |p|^2/(rho c^2)."""
+        return self.pressures**2 / (self._scene.density * self._scene.sound_speed**2)
+
+    @cached_property
+    def changes(self) -> NDArray[np.float64]:
+        """The largest |phase change| (T,) in rad of any transducer to the frame before.
+
+        Frame 0 is compared with the last one where the sequence is closed, else 0. A transducer whose
+        amplitude is 0 in one of the two frames does not count.
+        """
+        largest = np.empty(len(self))
+        for frames in blocks(len(self), len(self.array)):
+            largest[frames] = self._drives.changes(frames, self._closed).max(axis=1, initial=0.0)
+        return _fixed(largest)
+
+    def each_change(self, start: int, stop: int) -> NDArray[np.float32]:
+        """|Phase change| (stop - start, N) in rad of every transducer in some frames, as in `changes`."""
+        first, last, _ = slice(start, stop).indices(len(self))
+        return self._drives.changes(slice(first, max(first, last)), self._closed)
+
+    @cached_property
+    def metrics(self) -> SequenceMetrics:
+        """Metrics of the frames at rest; the noise is that of held drives and tau = 0.2 ms."""
+        return self.judge()
+
+    def judge(self, tau: float | None = None, *, hold: Hold = "hold", substeps: int = 4) -> SequenceMetrics:
+        """Metrics in motion: of the pressures inside the frames, as `between` has them.
+
+        Left out, tau means frames at rest, and 0.2 ms for the noise. A target holds for its frame.
+
+        Raises SceneError for a tau below 0, an unknown hold and substeps below 1.
+        """
+        heard = self._envelope(TAU if tau is None else tau, hold)
+        steps = arguments.substeps(substeps)
+        if tau is None:
+            got, targets = self.pressures, self._targets
+        else:
+            got, targets = self._between(heard, steps).pressures, np.repeat(self._targets, steps, axis=0)
+        return measure(got, targets, self.changes, self._closed, noise(heard))
+
+    @property
+    def summary(self) -> str:
+        """What it is, and its metrics, as a table of text."""
+        return f"{self._heading()}\n{self.metrics!r}"
+
+    def between(self, tau: float, hold: Hold = "hold", substeps: int = 4) -> Between:
+        """`times` (T substeps,) in s and |p| `pressures` (T substeps, M) in Pa inside the frames.
+
+        tau : time constant in s of the transducers, y' = (q - y)/tau; 0 for none. By a bandwidth B at -6 dB,
+            tau = sqrt(3)/(pi B)
+        hold : "hold" where the board keeps each drive for its frame, "linear" where it goes on to the next
+            frame's amplitude and, the shorter way round, phase in equal steps, as AUTD3's Silencer does
+        substeps : times a frame, at (t + k/substeps)/rate
+
+        The answer y of the transducers is exact at these times. Points go straight from frame to frame. The
+        first drive of an open sequence has been played for ever before it begins; a closed one repeats.
+
+        Raises SceneError for a tau below 0, an unknown hold and substeps below 1.
+        """
+        return self._between(self._envelope(tau, hold), arguments.substeps(substeps))
+
+    def felt(
+        self,
+        place: ArrayLike,
+        *,
+        area: float | None = None,
+        bands: Any = BANDS,
+        tau: float = 0.0,
+    ) -> Felt:
+        """Radiation pressure at a fixed place (3,), or its mean over a patch (K, 3), at each frame's start.
+
+        It is |p|^2/(rho c^2) in Pa, on a wall at normal incidence; with the patch's `area` in m^2, the force
+        area times mean in mN.
+
+        bands : pairs (low, high) in Hz whose rms is told
+        tau : time constant of the transducers in s, 0 for none
+
+        Amplitude modulation (1 + cos)/2 has 3/8 of the force of full amplitude as its static part,
+        sqrt((1 + cos)/2) has 1/2 and one line. The spectrum takes the sequence as repeated.
+
+        Raises SceneError for a place, area, tau or bands that are not in order.
+        """
+        places = arguments.places(place)
+        size = None if area is None else number("area", area, above=0)
+        read = arguments.bands(bands, self._rate, len(self))
+        gains = rows(self._scene, places, name="place")
+        values = np.empty(len(self))
+        for frames, _, y in self._envelope(tau, "hold").inside(1):
+            pressure = np.abs(y[:, 0] @ gains.T).astype(np.float64)
+            values[frames] = np.mean(pressure**2, axis=1)
+        values /= self._scene.density * self._scene.sound_speed**2
+        if size is not None:
+            values *= 1e3 * size
+        lines = spectrum(values, self._rate)
+        return Felt(self.times, values, *lines, read, "Pa" if size is None else "mN")
+
+    def _envelope(self, tau: float, hold: Hold) -> Envelope:
+        held = arguments.hold(hold)
+        return Envelope(self._drives, self._rate, self._closed, arguments.time_constant(tau), held)
+
+    def _between(self, envelope: Envelope, substeps: int) -> Between:
+        return between(self._scene, self._points, self._targets, envelope, substeps)
+
+
+def _fixed(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    values.flags.writeable = False
+    return values

@@ -1,0 +1,160 @@
+"""What a sequence is asked: path, rate and bound, read once; and the speed that the bound allows."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from dataclasses import dataclass
+from math import ceil, floor, pi
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._midair import Array, Scene, SceneError, SceneWarning, solvers
+from .._support.arguments import number, refused, whole
+from ..path import Path, read
+from .frames import AIR
+
+#: The bound where none is given, in rad a frame: at 10 kHz the shift of 312 Hz that a transducer follows.
+CHANGE = pi / 16
+
+#: Frames that are looked at for the speed limit at most.
+LOOKED = 200
+
+
+@dataclass(frozen=True)
+class Request:
+    """Points (T, M, 3) in m, targets (T, M) in Pa, and how they are to be solved.
+
+    scene : the array, its air and the first frame
+    aim : "target", or "max" where nothing was asked but points
+    """
+
+    array: Array
+    scene: Scene
+    points: NDArray[np.float64]
+    targets: NDArray[np.float64]
+    rate: float
+    change: float
+    closed: bool
+    aim: str
+    air: dict[str, Any]
+    options: dict[str, Any]
+
+    @property
+    def board(self) -> dict[str, Any]:
+        """The board's quantization: as an option says, else the array's own."""
+        return dict(self.options.get("quantization") or self.array.quantization or {})
+
+    @property
+    def full(self) -> bool:
+        """Whether all drives are at full amplitude."""
+        return self.aim == "max" and bool((self.targets > 0).any(axis=1).all())
+
+
+def solver_name(given: Any) -> Any:
+    """The name of a solver as it is known, of which case, "-" and "_" do not count; another as it is."""
+    if not isinstance(given, str):
+        return given
+
+    def plain(name: str) -> str:
+        return re.sub("[-_]", "", name).lower()
+
+    return next((name for name in solvers() if plain(name) == plain(given)), given)
+
+
+def bound(rate: float, change: Any, change_rate: Any) -> float:
+    """The bound in rad a frame, told so or in rad/s."""
+    if change is not None and change_rate is not None:
+        raise refused("change_rate", change_rate, "change is given, too: give one of them")
+    if change_rate is not None:
+        return number("change_rate", change_rate, least=0) / rate
+    return CHANGE if change is None else number("change", change, least=0)
+
+
+def request(
+    array: Array,
+    path: Path | ArrayLike,
+    rate: Any,
+    bounds: tuple[Any, Any],
+    closed: Any,
+    pressures: ArrayLike | None,
+    aim: str | None,
+    options: dict[str, Any],
+) -> Request:
+    """Read all of it, and refuse what does not fit."""
+    if not isinstance(array, Array):
+        raise TypeError(f"expected a midair.Array first, not {type(array).__qualname__}")
+    frames = number("rate", rate, above=0)
+    points, targets, loops = read(path, frames, pressures)
+    if closed and isinstance(path, Path) and not loops:
+        raise refused("closed", closed, "the path's end is not its start, leave it out")
+    air = {name: options.pop(name) for name in AIR if name in options}
+    told = pressures is not None or (isinstance(path, Path) and path.pascals)
+    asked = np.ones(points.shape[:2]) if targets is None else np.asarray(targets)
+    scene = Scene(array, points[0], **air)
+    if not told:
+        # Relative to what the array can do at the first frame.
+        asked = asked * scene.reach().level
+    if aim is None:
+        aim = "max" if targets is None else "target"
+    rad = bound(frames, *bounds)
+    return Request(array, scene, points, asked, frames, rad, bool(closed), aim, air, options)
+
+
+def warn_of_speed(asked: Request, phases: int | None) -> None:
+    """Warn where points move faster than the bound lets a focus follow (docs/motion.md).
+
+    On a board's grid the bound is in whole steps of its phases; where not one fits, the solver tells it.
+
+    A focus that moves by d along e between two frames turns transducer i by k d (u_i e), u_i from it to the
+    focus, of which one phase is free for all: half the spread of k d (u_i e) is needed.
+    """
+    needed, speed = _needed(asked)
+    step = 0.0 if phases is None else 2 * pi / phases
+    allowed = step * floor(asked.change / step + 1e-9) if step else asked.change
+    if needed <= allowed * (1 + 1e-9) or allowed == 0:
+        return
+    faster = ceil(asked.rate * needed / allowed / 100) / 10
+    wanted = step * ceil(needed / step) if step else needed
+    whole = f" in whole steps of {phases} phases" if allowed < asked.change * (1 - 1e-9) else ""
+    wider = f" or pi/{int(pi / wanted)}" if wanted <= pi else ""
+    text = (
+        f"{speed:.3g} m/s needs {needed:.2g} rad a frame, {allowed:.3g} allowed{whole}: the level falls; "
+        f"{faster:g} kHz{wider} would do"
+    )
+    warnings.warn(text, SceneWarning, stacklevel=3)
+
+
+def _needed(asked: Request) -> tuple[float, float]:
+    """The largest bound that a point needs, and its speed, over some frames."""
+    points, there = asked.points, asked.targets > 0
+    steps = np.arange(0 if asked.closed else 1, len(points), max((len(points) - 1) // LOOKED, 1))
+    wavenumber = 2 * pi * asked.scene.frequency / asked.scene.sound_speed
+    most, speed = 0.0, 0.0
+    for step in steps:
+        both = there[step] & there[step - 1]
+        moved = (points[step] - points[step - 1])[both]
+        rays = points[step][both][:, None] - asked.array.positions
+        rays /= np.maximum(np.linalg.norm(rays, axis=2, keepdims=True), 1e-9)
+        along = np.einsum("jik,jk->ji", rays, moved)
+        spread = wavenumber * np.ptp(along, axis=1) / 2
+        if spread.size and spread.max() > most:
+            most = float(spread.max())
+            speed = float(np.linalg.norm(moved[spread.argmax()]) * asked.rate)
+    return most, speed
+
+
+def sight(ahead: Any, closed: bool) -> int | None:
+    """The frames that are known in advance, None for all of them; a closed curve has to know its end."""
+    if isinstance(ahead, str) and ahead == "all":
+        return None
+    if isinstance(ahead, str):
+        raise refused("ahead", ahead, 'give a whole number of frames, or "all"')
+    frames = whole("ahead", ahead, least=0)
+    if closed:
+        raise SceneError(
+            f'closed is True, but ahead is {frames}: give ahead="all", that the last frame meets the first'
+        )
+    return frames

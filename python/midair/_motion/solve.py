@@ -1,0 +1,203 @@
+"""`midair.sequence` and `midair.stream`: frames solved one after another, each within a bound of the last."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from os import PathLike
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._midair import Array, SceneError, SceneWarning, Solver, solvers
+from .._support.arguments import callback, number, refused, whole
+from ..path import Path
+from . import store
+from .ahead import Tracks, board_of, check
+from .found import Followed, Foreseen, Found
+from .frames import AIR
+from .horizon import read_frame, streamed
+from .request import Request, bound, request, sight, solver_name, warn_of_speed
+from .sequence import Sequence
+
+#: Frames between two calls of progress, and in one piece of a file.
+BLOCK = 1024
+
+
+def sequence(
+    array: Array,
+    path: Path | ArrayLike,
+    solver: str = "glide",
+    *,
+    rate: float,
+    change: float | None = None,
+    change_rate: float | None = None,
+    tau: float | None = None,
+    closed: bool = False,
+    ahead: int | str = 0,
+    pressures: ArrayLike | None = None,
+    aim: str | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    resume: str | PathLike[str] | None = None,
+    **options: Any,
+) -> Sequence:
+    """Drives for points that move, frame after frame, no phase changing by more than a bound.
+
+    path : a `midair.path`, or points (T, M, 3) in m, a frame a row
+    solver : "glide" holds the bound; others are started from the last drive where they use a start, and hold
+        the bound if they have an option `change`
+    rate : frames a second
+    change, change_rate : the bound, in rad a frame or in rad/s; left out pi/16 a frame, pi for none
+    tau : time constant of the transducers' envelopes in s, which `glide` takes into account
+    closed : whether the last frame goes on to the first, within the bound; needs ahead="all"
+    ahead : 0, each frame knows the one before; n, the next n frames, too; "all", tracks over the whole
+        sequence
+    pressures : targets in Pa: one, (M,) or (T, M), 0 where a point is not there; left out the
+        path's own, else the balanced level of the first frame, times modulation and fades
+    aim : "target" or "max", as `midair.solve` has it; left out "max" where nothing but points is asked
+    progress : called with (frames done, frames)
+    resume : an .npz file written as the frames are found, in the memory of a block; stopped and called
+        again with the same arguments it goes on, to the same bits
+    options : of the solver, and the air: frequency, sound_speed, temperature, absorption, density, obstacles
+
+    Warns where points move faster than the bound allows. Raises SceneError for whatever is not in order.
+
+    >>> import midair
+    >>> array = midair.Array.preset("autd3")
+    >>> ring = midair.path.circle([0, 0, 0.15], 0.01, frequency=50, points=2)
+    >>> sequence = midair.sequence(array, ring, rate=10e3)
+    >>> sequence.metrics.uniformity > 0.99, sequence.metrics.largest_change <= 0.1964
+    (True, True)
+    """
+    callback(progress, "frames done, frames")
+    solver = solver_name(solver)
+    asked = request(array, path, rate, (change, change_rate), closed, pressures, aim, dict(options))
+    known = sight(ahead, asked.closed)
+    warn_of_speed(asked, (asked.board if known == 0 else board_of(asked.board)).get("phases"))
+    if known is None:
+        if resume is not None:
+            raise SceneError(
+                'resume is given, but ahead is "all": all frames are found together, leave it out'
+            )
+        tracks = _tracks(asked, solver, tau)
+        codes = tracks.find(asked.points, asked.targets, closed=asked.closed, progress=progress)
+        return _told(asked, tracks.played(asked.points, asked.targets, codes), solver, tracks.board)
+    found: Found = (
+        Foreseen(asked, _tracks(asked, solver, tau), known)
+        if known
+        else Followed(asked, _follower(asked, solver, tau), solver == "glide")
+    )
+    if resume is not None:
+        setting = {"solver": solver, "tau": tau, "aim": asked.aim, "options": asked.options, "ahead": known}
+        return store.solved(resume, asked, setting, found, BLOCK, progress)
+    blocks = []
+    for first in range(0, len(asked.points), BLOCK):
+        blocks.append(found.block(slice(first, first + BLOCK)))
+        if progress is not None:
+            progress(min(first + BLOCK, len(asked.points)), len(asked.points))
+    return _told(asked, np.concatenate(blocks), solver, found.board)
+
+
+#: What a stream does not take as `sequence` does.
+ELSEWHERE = {
+    "pressures": "a stream takes them with each frame, as a pair (points, pressures)",
+    "closed": "a stream has no last frame to go on from, leave it out",
+}
+
+
+def stream(
+    array: Array,
+    frames: Iterable[Any],
+    solver: str = "glide",
+    *,
+    rate: float,
+    change: float | None = None,
+    change_rate: float | None = None,
+    tau: float | None = None,
+    ahead: int = 0,
+    aim: str | None = None,
+    **options: Any,
+) -> Iterator[NDArray[np.complex64]]:
+    """The drive (N,) of each of endless frames, as it comes; with `ahead`, so many frames later.
+
+    A frame is points (M, 3), or a pair of points and pressures (M,). The arguments are those of
+    `midair.sequence`. M may change: what appears or vanishes at once makes a jolt as large as the bound lets
+    it be.
+
+    Raises SceneError for whatever is not in order, a frame at its turn.
+
+    >>> import midair
+    >>> array = midair.Array.preset("autd3")
+    >>> hand = ([[0.001 * t, 0.0, 0.15]] for t in range(5))
+    >>> drives = list(midair.stream(array, hand, rate=1e3))
+    >>> len(drives), drives[0].shape
+    (5, (249,))
+    """
+    each, solver = number("rate", rate, above=0), solver_name(solver)
+    frames = _frames(frames, options)
+    most = bound(each, change, change_rate)
+    if whole("ahead", ahead, least=0):
+        check(solver, tau, aim, options.keys() - set(AIR))
+        return streamed(array, frames, most, ahead, aim, options)
+    return _streamed(_solver(array, solver, each, most, tau, {"aim": aim, **options}), frames)
+
+
+def _streamed(found: Solver, frames: Iterable[Any]) -> Iterator[NDArray[np.complex64]]:
+    for frame in frames:
+        points, pressures = read_frame(frame)
+        yield found.follow(points[None], None if pressures is None else pressures[None])[0]
+
+
+def _frames(given: Any, options: dict[str, Any]) -> Iterator[Any]:
+    if isinstance(given, Path):
+        raise TypeError("frames is a midair.path: give path.frames(rate)[0], or use midair.sequence")
+    if not isinstance(given, Iterable):
+        raise TypeError(f"frames is {given}: give points (M, 3) in m, frame after frame")
+    for name, cure in ELSEWHERE.items():
+        if name in options:
+            raise refused(name, options[name], cure)
+    return iter(given)
+
+
+def _tracks(asked: Request, solver: str, tau: float | None) -> Tracks:
+    check(solver, tau, asked.aim, asked.options)
+    board = board_of(asked.board)
+    return Tracks(asked.scene, asked.change, board, lowered=asked.aim == "target", coded=asked.full)
+
+
+def _follower(asked: Request, solver: str, tau: float | None) -> Solver:
+    options = {"aim": asked.aim, **asked.air, **asked.options}
+    return _solver(asked.array, solver, asked.rate, asked.change, tau, options)
+
+
+def _solver(
+    array: Array, solver: str, rate: float, change: float, tau: float | None, options: dict[str, Any]
+) -> Solver:
+    info = solvers().get(solver)
+    known = () if info is None else info.options
+    if tau is not None and info is not None and "tau" not in known:
+        raise refused("tau", tau, f"{solver} takes no account of it, leave it out or use glide")
+    if info is not None and not info.uses_aim:
+        options = {name: value for name, value in options.items() if name != "aim"}
+    own = {"change": change, "tau": tau, "rate": rate}
+    given = {name: value for name, value in own.items() if value is not None and name in known}
+    return Solver(array, solver, **{**given, **options})
+
+
+def _told(asked: Request, drives: NDArray[Any], solver: str, board: Any) -> Sequence:
+    with warnings.catch_warnings():
+        # Told of the request.
+        warnings.simplefilter("ignore", SceneWarning)
+        return Sequence(
+            asked.array,
+            asked.points,
+            asked.targets,
+            drives,
+            rate=asked.rate,
+            closed=asked.closed,
+            change=asked.change,
+            solver=solver,
+            quantization=board,
+            **asked.air,
+        )

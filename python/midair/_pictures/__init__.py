@@ -1,0 +1,1 @@
+"""Pictures: fields, answers and what notebooks show."""

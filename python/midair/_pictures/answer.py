@@ -1,0 +1,184 @@
+"""A solution's picture: what was asked and got at each point, beside its field."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._midair import Field, Solution, field
+from .colours import Quantity, colours, loud, of_pressures
+from .panel import add_bar, draw, grid, paint, sides
+from .sheet import HEADROOM
+from .words import marks, number, place, solver, told
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure, SubFigure
+
+#: Of so many points the distance to the nearest is looked for.
+SAMPLE = 200
+
+#: How many times as fine as the field the points are drawn.
+FINER = 4
+
+#: A scale of differences does not end below this part of that of pressures, or trifles would glare.
+LEAST = 0.1
+
+
+def is_drawing(field: Field, quantity: Quantity, least: int) -> bool:
+    """Whether a picture tells more than marks: more points than `least`, all in the plane of the field."""
+    assert field.shown is not None
+    return quantity in ("pressure", "radiation") and len(field.shown) > least and bool(field.shown.all())
+
+
+def wanted_made_difference(
+    figure: Figure | SubFigure, field: Field, solution: Solution, quantity: Quantity
+) -> None:
+    """Three panels: targets, field, and what was made minus what was wanted at the points.
+
+    Wanted and difference are known at the points alone: each is a square as wide as neighbours are apart,
+    and all else is grey.
+    """
+    largest = float(solution.targets.max())
+    top = max(largest, min(loud(field), HEADROOM * largest))
+    scale = colours([field], quantity, loudest=top)
+    wanted = of_pressures(field, solution.targets, scale)
+    made = of_pressures(field, np.abs(solution.pressures).astype(np.float64), scale)
+    nearest = nearest_points(field)
+    axes = figure.subplots(1, 3, sharex=True, sharey=True)
+    ends = (scale.bottom, scale.top)
+    paint(field, axes[0], at_points(wanted, nearest), scale.map, ends)
+    image = paint(field, axes[1], scale.values(field), scale.map, ends)
+    apart = made - wanted
+    end = min(max(float(np.abs(apart).max()), LEAST * scale.top), scale.top)
+    difference = paint(field, axes[2], at_points(apart, nearest), "RdBu_r", (-end, end))
+    for ax, title in zip(axes, ("wanted", f"made, {place(field)}", "made - wanted"), strict=True):
+        ax.set_title(title, fontsize="medium")
+    for ax in axes[1:]:
+        ax.set_ylabel("")
+        ax.tick_params(labelleft=False)
+    add_bar(image, axes[1:2], scale)
+    over, under = bool((apart > end).any()), bool((apart < -end).any())
+    extend = {(True, True): "both", (True, False): "max", (False, True): "min"}.get((over, under), "neither")
+    figure.colorbar(difference, ax=axes[2], fraction=0.046, pad=0.03, label=scale.label, extend=extend)
+
+
+def at_points(values: NDArray[np.float64], nearest: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Values (M,) of the points where they are, masked where there is none near."""
+    shown: NDArray[np.float64] = np.ma.masked_where(nearest < 0, values[nearest])
+    return shown
+
+
+def nearest_points(field: Field) -> NDArray[np.int64]:
+    """The index of the point at each pixel of a picture finer than the field, -1 where there is none."""
+    axes = sides(field)
+    u, v = (_finer(getattr(field, "xyz"[axis])) for axis in axes)
+    points = field.scene.points[:, axes]
+    reach = max(_pitch(points) / 2, 2 * (u[1] - u[0]))
+    found = np.full((len(v), len(u)), -1, dtype=np.int64)
+    least = np.full(found.shape, np.inf)
+    for index, (x, y) in enumerate(points.tolist()):
+        columns = slice(*np.searchsorted(u, [x - reach, x + reach]).tolist())
+        rows = slice(*np.searchsorted(v, [y - reach, y + reach]).tolist())
+        away = (u[columns] - x) ** 2 + (v[rows, None] - y) ** 2
+        nearer = away < least[rows, columns]
+        least[rows, columns][nearer] = away[nearer]
+        found[rows, columns][nearer] = index
+    return found
+
+
+def _finer(samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The middles of finer pixels over the same length."""
+    step = samples[1] - samples[0]
+    edge, count = samples[0] - step / 2, FINER * len(samples)
+    middles: NDArray[np.float64] = edge + (np.arange(count) + 0.5) * step / FINER
+    return middles
+
+
+def _pitch(points: NDArray[np.float64]) -> float:
+    """The median distance of points (M, 2) to the nearest other."""
+    nearest = []
+    for point in points[:: max(len(points) // SAMPLE, 1)]:
+        away = np.hypot(*(points - point).T)
+        nearest.append(away[away > 0].min(initial=np.inf))
+    return float(np.median(nearest))
+
+
+#: More points than this are dots: bars would run together.
+MOST_BARS = 40
+
+
+def answer(solution: Solution, *, quantity: Quantity = "pressure") -> Figure:
+    """What was asked and got at each point, in Pa, and the field in the planes through the points.
+
+    Of drawings, more than 40 points in one plane, the field has three panels: wanted, made, difference.
+
+    quantity : what the field's picture shows: "pressure", "radiation", "spl" or "phase". Returns the figure.
+
+    Raises SceneError for another quantity.
+    """
+    from matplotlib.figure import Figure
+
+    scene, metrics = solution.scene, solution.metrics
+    panels = [] if scene is None else field(scene, solution).panels
+    drawing = len(panels) == 1 and is_drawing(panels[0], quantity, MOST_BARS)
+    if drawing:
+        figure = Figure(figsize=(12.6, 7.2), layout="constrained")
+        upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(4.4, 2.4)).flat
+    elif len(panels) > 1:
+        figure = Figure(figsize=(max(3.4 * len(panels) + 0.9, 8.0), 7.6), layout="constrained")
+        upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(3.9, 3.2)).flat
+    elif panels:
+        figure = Figure(figsize=(11.0, 4.9), layout="constrained")
+        upper, lower = figure.subfigures(1, 2, squeeze=False, width_ratios=(1.0, 1.1)).flat
+    else:
+        figure = Figure(figsize=(6.4, 4.4), layout="constrained")
+        lower = figure
+    if drawing:
+        wanted_made_difference(upper, panels[0], solution, quantity)
+    elif panels:
+        axes = grid(upper, len(panels))
+        paint = colours(panels, quantity)
+        for panel, ax in zip(panels, axes, strict=True):
+            image = draw(panel, ax, paint)
+            ax.set_title(place(panel), fontsize="medium")
+        add_bar(image, axes, paint)
+    asked_and_got(solution, lower.subplots())
+    numbers = f"accuracy {number(metrics.accuracy)}, sigma {number(metrics.sigma)}"
+    lines = [
+        solver(solution),
+        f"{told(solution, scene)}, {numbers}",
+        marks(panels) if panels and not drawing else "",
+    ]
+    figure.suptitle("\n".join(filter(None, lines)), fontsize="medium")
+    return figure
+
+
+def asked_and_got(solution: Solution, ax: Axes) -> None:
+    """|p| at each point beside its target: bars, or dots where there are many."""
+    from matplotlib.ticker import MaxNLocator
+
+    got, targets = np.abs(solution.pressures), solution.targets
+    index = np.arange(len(got))
+    quiet = targets == 0
+    for chosen, colour, label in ((~quiet, "tab:blue", "got"), (quiet, "tab:orange", "got at a quiet point")):
+        if not chosen.any():
+            continue
+        if len(got) <= MOST_BARS:
+            ax.bar(index[chosen], got[chosen], 0.7, color=colour, label=label)
+        else:
+            ax.plot(index[chosen], got[chosen], ".", color=colour, markersize=4, label=label)
+    ax.hlines(targets, index - 0.5, index + 0.5, color="black", linewidth=1.2, label="asked")
+    paper = solution.scene is not None and solution.scene.in_paper_unit
+    ax.set(
+        xlabel="point",
+        ylabel="|p| in the paper's unit" if paper else "|p| / Pa",
+        xlim=(-0.6, len(got) - 0.4),
+        ylim=(0, 1.18 * max(got.max(), targets.max()) or 1.0),
+    )
+    ax.xaxis.set_major_locator(MaxNLocator("auto", integer=True, min_n_ticks=1))
+    ax.grid(axis="y", alpha=0.3)
+    ax.set_axisbelow(True)
+    ax.legend(loc="upper right", ncols=3, fontsize="small")

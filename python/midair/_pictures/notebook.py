@@ -1,0 +1,301 @@
+"""What notebooks show: arrays, scenes, solutions, fields, sequences and the list of solvers as HTML."""
+
+from __future__ import annotations
+
+import base64
+import io
+import math
+from collections.abc import Iterable, Sequence
+from html import escape
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _midair
+from .._midair import Array, Batch, Field, Scene, Solution, SolverInfo
+
+#: The picture's longer side, in its own units; a unit is a thousandth of what it shows.
+SIDE = 1000
+
+#: The most points and corners of trails that are drawn; of more of them every second, third, ...
+MOST_POINTS, MOST_CORNERS = 200, 400
+
+#: The most transducers that are drawn; of more of them one in each square of so many units.
+MOST_DOTS, SQUARE = 1500, 25
+
+#: Colours that can be told from a light and from a dark page.
+POINT, QUIET = "#e0662e", "#3b8fd4"
+
+#: Radius of the rings of up to so many points, in units; of more the rings cover as much together.
+RING, LARGE = 22, 12
+
+
+def above(
+    array: Array, points: NDArray[np.float64], *, quiet: ArrayLike = False, got: ArrayLike | None = None
+) -> str:
+    """Rings at the points (M, 3) in m over the dots of the transducers.
+
+    quiet : which points (M,) are to be silent; they are drawn in blue
+    got : |p| / target (M,), whose share of each ring is filled: the disc's radius is that part of the ring's
+    """
+    view = _View(array, points)
+    chosen = slice(None, None, -(-len(points) // MOST_POINTS))
+    places = view.place(points)[chosen]
+    silent = np.broadcast_to(np.asarray(quiet, bool), len(points))[chosen]
+    ring = radius(len(places))
+    marks = _rings(places[~silent], POINT, ring) + _rings(places[silent], QUIET, ring)
+    if got is not None:
+        share = np.clip(np.nan_to_num(np.asarray(got, float)), 0, 1.5)[chosen]
+        sizes = np.rint(ring * share).astype(int)
+        discs = zip(places[~silent], sizes[~silent], strict=True)
+        marks += f'<g fill="{POINT}">{"".join(_circle(place, size) for place, size in discs)}</g>'
+    return view.drawn(marks, f"{len(points)} points over {len(array)} transducers, from above")
+
+
+def trails(array: Array, points: NDArray[np.float64], closed: bool) -> str:
+    """The ways of points (T, M, 3) in m over the dots of the transducers, a ring where each begins."""
+    view = _View(array, points.reshape(-1, 3))
+    shown = points[:, : MOST_POINTS // 2]
+    every = max(1, -(-shown.shape[0] * shown.shape[1] // MOST_CORNERS))
+    marks, begins = "", []
+    for way in shown.swapaxes(0, 1):
+        corners = view.place(way[::every] if closed else np.vstack([way[::every], way[-1:]]))
+        line = " ".join(f"{x},{y}" for x, y in corners)
+        marks += f'<{"polygon" if closed else "polyline"} points="{line}"/>'
+        begins.append(corners[0])
+    marks = f'<g fill="none" stroke="{POINT}" stroke-width="8">{marks}</g>'
+    marks += _rings(np.array(begins), POINT, radius(len(begins)))
+    return view.drawn(marks, f"{points.shape[1]} moving points over {len(array)} transducers, from above")
+
+
+def radius(count: int) -> int:
+    """Of the rings of so many points, in units."""
+    return round(RING * min(1.0, math.sqrt(LARGE / max(count, 1))))
+
+
+def _rings(places: NDArray[np.int_], colour: str, ring: int) -> str:
+    circles = "".join(_circle(place, ring) for place in places)
+    return f'<g fill="none" stroke="{colour}" stroke-width="6">{circles}</g>' if circles else ""
+
+
+def _circle(place: NDArray[np.int_], size: int) -> str:
+    return f'<circle cx="{place[0]}" cy="{place[1]}" r="{size}"/>'
+
+
+class _View:
+    """What is seen: a box around array and points, in whole units with y down."""
+
+    def __init__(self, array: Array, points: NDArray[np.float64]) -> None:
+        everything = np.vstack([array.positions[:, :2], points[:, :2]])
+        least, most = everything.min(axis=0), everything.max(axis=0)
+        # A lone point, or transducers in one line, have room around them, too.
+        room = max(float((most - least).max()), 1e-3)
+        edge = 0.06 * room
+        self._corner = np.array([least[0] - edge, most[1] + edge])
+        size = most - least + 2 * edge
+        self._scale = SIDE / float(size.max())
+        self._size = np.ceil(size * self._scale).astype(int)
+        self._array = array
+
+    def place(self, points: NDArray[np.float64]) -> NDArray[np.int_]:
+        """Points in m as (x, y) in units."""
+        units = (points[:, :2] - self._corner) * self._scale * np.array([1, -1])
+        return np.asarray(np.rint(units).astype(int))
+
+    def drawn(self, marks: str, title: str) -> str:
+        """The picture with marks over the transducers' dots."""
+        dots = self.place(self._array.positions)
+        if len(dots) > MOST_DOTS:
+            dots = np.unique(dots // SQUARE, axis=0) * SQUARE
+        # Each dot is a line of no length with round ends, from the one before: a few letters a transducer.
+        steps = np.diff(dots, axis=0, prepend=[[0, 0]])
+        path = "".join(f"m{x} {y}h0" for x, y in steps)
+        width, height = self._size
+        size = f'width="{200 * width // SIDE}" height="{200 * height // SIDE}"'
+        return (
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" {size} role="img">'
+            f"<title>{title}</title>"
+            f'<path d="{path}" stroke="currentColor" stroke-opacity=".35" stroke-width="14" '
+            f'stroke-linecap="round"/>{marks}</svg>'
+        )
+
+
+#: Width and height in inches, and pixels an inch: small enough for a table's side.
+SIZE, RESOLUTION = (3.8, 3.0), 72
+
+#: Colours of the image: enough for the map, and a third of what all of them take.
+COLOURS = 128
+
+
+def picture(field: Field) -> str:
+    """|p| of a field in a plane, with its points, as an image of some 30 kB."""
+    from matplotlib.figure import Figure
+    from PIL import Image
+
+    from .colours import colours
+    from .panel import add_bar, draw
+
+    figure = Figure(figsize=SIZE, layout="constrained")
+    ax = figure.subplots()
+    paint = colours([field], "pressure")
+    add_bar(draw(field, ax, paint), [ax], paint)
+    drawn, content = io.BytesIO(), io.BytesIO()
+    figure.savefig(drawn, format="png", dpi=RESOLUTION, bbox_inches="tight", pad_inches=0.04)
+    Image.open(drawn).convert("RGB").quantize(COLOURS, Image.Quantize.MAXCOVERAGE).save(
+        content, "png", optimize=True
+    )
+    text = base64.b64encode(content.getvalue()).decode()
+    return f'<img alt="|p| in the plane" src="data:image/png;base64,{text}">'
+
+
+#: The most rows shown of a list of points or problems.
+MOST = 12
+
+
+class Solvers(dict[str, SolverInfo]):
+    """The solvers by name: a dictionary that prints one a line."""
+
+    def __repr__(self) -> str:
+        width = max(map(len, self), default=0)
+        return "\n".join(f"{name:{width}}  {info.summary}" for name, info in self.items())
+
+    def _repr_html_(self) -> str:
+        rows = [(name, info.summary, ", ".join(info.options), info.source) for name, info in self.items()]
+        return _table(rows, ("solver", "what it does", "options", "source"))
+
+
+def solvers() -> Solvers:
+    """Every solver by name: a dictionary that prints as a table."""
+    return Solvers(_midair.solvers())
+
+
+def array(array: Array) -> str:
+    """An array: its size, transducers and board."""
+    extent = " x ".join(f"{size:.4g}" for size in 1e3 * np.ptp(array.positions, axis=0))
+    directivity = array.directivity
+    if not isinstance(directivity, str):
+        directivity = ", ".join(f"{name} {parameter:.4g}" for name, parameter in directivity.items())
+    board = array.quantization
+    return _facts(
+        ("midair.Array", f"{len(array)} transducers"),
+        ("extent", f"{extent} mm"),
+        ("source pressure", f"{array.source_pressure:.4g} Pa m"),
+        ("directivity", directivity),
+        ("phases", "any" if board is None or board["phases"] is None else board["phases"]),
+        (
+            "amplitudes",
+            "any" if board is None or board["amplitudes"] is None else _count(board["amplitudes"]),
+        ),
+        ("off", int((~array.mask).sum())),
+    )
+
+
+def scene(scene: Scene) -> str:
+    """A scene: its air, its array and its points, and where they are."""
+    pressures, weights = scene.pressures, scene.weights
+    rows = [
+        (
+            k,
+            *(f"{x:.4g}" for x in 1e3 * point),
+            "balanced" if pressures is None else f"{pressures[k]:.4g}",
+            1 if weights is None else f"{weights[k]:.4g}",
+        )
+        for k, point in enumerate(scene.points[:MOST])
+    ]
+    facts = _facts(
+        ("midair.Scene", f"{len(scene.array)} transducers, {len(scene.points)} points"),
+        ("frequency", f"{scene.frequency:.6g} Hz"),
+        ("sound speed", f"{scene.sound_speed:.5g} m/s"),
+        ("wavelength", f"{1e3 * scene.wavelength:.4g} mm"),
+        *([] if scene.solver is None else [("solver", scene.solver[0])]),
+        *([("obstacles", str(scene.obstacles))] if scene.obstacles else []),
+    )
+    table = _table(
+        rows, ("point", "x / mm", "y / mm", "z / mm", "pressure / Pa", "weight"), len(scene.points)
+    )
+    quiet = False if pressures is None else pressures == 0
+    return facts + table + above(scene.array, scene.points, quiet=quiet)
+
+
+def solution(solution: Solution) -> str:
+    """A solution: how it ended, how good it is, and what the points asked for and got.
+
+    In its picture the ring of a point is what it asked for, and the disc in it what it got.
+    """
+    got, targets = np.abs(solution.pressures), solution.targets
+    rows = [
+        (k, f"{target:.4g}", f"{pressure:.4g}", f"{pressure / target:.3f}" if target else "quiet")
+        for k, (target, pressure) in enumerate(zip(targets[:MOST], got, strict=False))
+    ]
+    facts = _facts(
+        ("midair.Solution", f"{solution.solver}, {solution.status}, {solution.steps} steps"),
+        *((name, f"{value:.4f}") for name, value in solution.metrics.asdict().items()),
+        *([] if solution.scale == 1 else [("scale", f"{solution.scale:.4f}")]),
+        ("time", f"{1e3 * solution.elapsed:.4g} ms"),
+    )
+    table = _table(rows, ("point", "asked / Pa", "got / Pa", "part"), len(got))
+    if solution.scene is None:
+        return facts + table
+    part = got / np.where(targets > 0, targets, np.inf)
+    return facts + table + above(solution.scene.array, solution.scene.points, quiet=targets == 0, got=part)
+
+
+def field(field: Field) -> str:
+    """A field: where it is, how loud, and its picture where it has a plane."""
+    loudest = f"{np.abs(field.pressure).max():.4g}{'' if field.scene.in_paper_unit else ' Pa'}"
+    if field.plane is None:
+        return _facts(("midair.Field", f"at {field.pressure.size} points"), ("loudest", loudest))
+    pass
+
+    plane, panels = field.plane, len(field.panels)
+    return _facts(
+        ("midair.Field", f"{plane.pixels} x {plane.pixels} places"),
+        ("plane", f"{plane.axis} = {1e3 * plane.at:.4g} mm, {1e3 * plane.size:.4g} mm wide"),
+        *([("further planes", f"{panels - 1}, in field.panels")] if panels > 1 else []),
+        ("loudest", loudest),
+        *([] if field.solution is None else [("solver", field.solution.solver)]),
+    ) + picture(field)
+
+
+def sequence(
+    array: Array, points: NDArray[np.float64], closed: bool, facts: Iterable[tuple[str, object]]
+) -> str:
+    """A sequence: its facts, and the ways of its points (T, M, 3)."""
+    return _facts(*facts) + trails(array, points, closed)
+
+
+def batch(batch: Batch) -> str:
+    """A batch: how good its problems are, in the mean and at the worst."""
+    rows = [
+        (name, f"{values.mean():.4f}", f"{values.min():.4f}", f"{values.max():.4f}")
+        for name, values in batch.metrics.asdict().items()
+    ]
+    facts = _facts(
+        ("midair.Batch", f"{len(batch)} problems of {batch.pressures.shape[1]} points"),
+        *((status, batch.status.count(status)) for status in sorted(set(batch.status))),
+        ("time", f"{1e3 * batch.elapsed:.4g} ms"),
+    )
+    return facts + _table(rows, ("metric", "mean", "least", "most"))
+
+
+def _count(table: object) -> int:
+    return np.size(np.asarray(table))
+
+
+def _facts(*rows: tuple[str, object]) -> str:
+    """A table of names and values."""
+    cells = (f"<tr><th>{_cell(name)}</th><td>{_cell(value)}</td></tr>" for name, value in rows)
+    return f"<table>{''.join(cells)}</table>"
+
+
+def _table(rows: Sequence[Iterable[object]], names: Sequence[str], count: int | None = None) -> str:
+    """A table with a head; of `count` rows the first ones."""
+    head = "".join(f"<th>{_cell(name)}</th>" for name in names)
+    body = "".join(f"<tr>{''.join(f'<td>{_cell(cell)}</td>' for cell in row)}</tr>" for row in rows)
+    more = 0 if count is None else count - len(rows)
+    tail = f'<tr><td colspan="{len(names)}">and {more} more</td></tr>' if more > 0 else ""
+    return f"<table><tr>{head}</tr>{body}{tail}</table>"
+
+
+def _cell(value: object) -> str:
+    return escape(str(value))

@@ -1,0 +1,176 @@
+"""One panel: the image of a field in its plane, with the points marked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .._midair import Field, Mesh, Plane, Sphere, Wall
+from . import words
+from .colours import Colours
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure, SubFigure
+    from matplotlib.image import AxesImage
+    from numpy.typing import NDArray
+
+#: Sines of the angle between a wall and a plane below which they count as parallel.
+PARALLEL = 1e-9
+
+#: Lines of rigid and soft surfaces.
+STYLES = {"rigid": "-", "soft": "--"}
+COLOUR = "orange"
+WIDTH = 1.5
+
+
+def outline(field: Field, ax: Axes, axes: tuple[int, int]) -> None:
+    """A line where an obstacle cuts the plane, solid of a rigid one and dashed of a soft one."""
+    plane = field.plane
+    assert plane is not None
+    for obstacle in field.scene.obstacles:
+        if isinstance(obstacle, Wall):
+            _wall(obstacle, plane, ax, axes)
+        elif isinstance(obstacle, Sphere):
+            _sphere(obstacle, plane, ax, axes)
+        else:
+            _mesh(obstacle, plane, ax, axes)
+
+
+def _wall(wall: Wall, plane: Plane, ax: Axes, axes: tuple[int, int]) -> None:
+    normal = np.asarray(wall.normal) / np.linalg.norm(wall.normal)
+    across = normal[list(axes)]
+    steep = float(across @ across)
+    if steep < PARALLEL**2:
+        return
+    # The foot of the plane's origin on the line n . (x - point) = 0.
+    away = float(normal @ wall.point) - normal["xyz".index(plane.axis)] * plane.at
+    foot = across * away / steep * 1e3
+    along = foot + np.array([-across[1], across[0]]) / np.sqrt(steep)
+    style = STYLES[wall.kind]
+    ax.axline((foot[0], foot[1]), (along[0], along[1]), color=COLOUR, linewidth=WIDTH, linestyle=style)
+
+
+def _sphere(sphere: Sphere, plane: Plane, ax: Axes, axes: tuple[int, int]) -> None:
+    from matplotlib.patches import Circle
+
+    away = sphere.center["xyz".index(plane.axis)] - plane.at
+    if abs(away) < sphere.radius:
+        middle = (1e3 * sphere.center[axes[0]], 1e3 * sphere.center[axes[1]])
+        radius = 1e3 * np.sqrt(sphere.radius**2 - away**2)
+        style = STYLES[sphere.kind]
+        ax.add_patch(Circle(middle, radius, fill=False, edgecolor=COLOUR, linewidth=WIDTH, linestyle=style))
+
+
+def _mesh(mesh: Mesh, plane: Plane, ax: Axes, axes: tuple[int, int]) -> None:
+    from matplotlib.collections import LineCollection
+
+    corners = mesh.vertices[mesh.faces]
+    heights = corners[..., "xyz".index(plane.axis)] - plane.at
+    above = heights >= 0
+    cut = above.any(1) & ~above.all(1)
+    corners, heights, above = corners[cut], heights[cut], above[cut]
+    # Of each face that is cut one corner lies alone on its side.
+    alone = np.where(above.sum(1) == 1, above.argmax(1), (~above).argmax(1))
+    faces = np.arange(len(corners))
+    ends = []
+    for step in (1, 2):
+        other = (alone + step) % 3
+        part = heights[faces, alone] / (heights[faces, alone] - heights[faces, other])
+        start = corners[faces, alone]
+        ends.append(start + part[:, None] * (corners[faces, other] - start))
+    lines = 1e3 * np.stack(ends, axis=1)[..., list(axes)]
+    style = STYLES[mesh.kind]
+    ax.add_collection(LineCollection(list(lines), colors=COLOUR, linewidths=WIDTH, linestyles=style))
+
+
+def grid(figure: Figure | SubFigure, count: int, columns: int = 4) -> list[Axes]:
+    """Axes for `count` panels that share theirs, each row's and column's labels once."""
+    columns = min(count, columns)
+    rows = -(-count // columns)
+    axes = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).flatten()
+    for k, ax in enumerate(axes):
+        ax.set_visible(k < count)
+        # The lowest panel of a column need not be in the lowest row.
+        ax.tick_params(labelbottom=k + columns >= count)
+    return list(axes[:count])
+
+
+def draw(field: Field, ax: Axes, colours: Colours) -> AxesImage:
+    """The image and the points of a field."""
+    image = paint(field, ax, colours.values(field), colours.map, (colours.bottom, colours.top))
+    _mark(ax, field, sides(field))
+    return image
+
+
+def sides(field: Field) -> tuple[int, int]:
+    """Which coordinates run across and up a field's plane."""
+    assert field.plane is not None
+    across, up = (axis for axis in range(3) if "xyz"[axis] != field.plane.axis)
+    return across, up
+
+
+def paint(
+    field: Field, ax: Axes, values: NDArray[np.float64], colour_map: str, ends: tuple[float, float]
+) -> AxesImage:
+    """An image in the plane of a field, with its obstacles.
+
+    values : (pixels, pixels)
+    ends : those at the ends of the colour map
+    """
+    across, up = ("xyz"[axis] for axis in sides(field))
+    u, v = (getattr(field, name) * 1e3 for name in (across, up))
+    edge = (u[1] - u[0]) / 2
+    image = ax.imshow(
+        values,
+        origin="lower",
+        extent=(u[0] - edge, u[-1] + edge, v[0] - edge, v[-1] + edge),
+        cmap=colour_map,
+        vmin=ends[0],
+        vmax=ends[1],
+        interpolation="nearest",
+    )
+    # Seen where a phase means nothing.
+    ax.set_facecolor("lightgrey")
+    ax.set(xlim=(u[0] - edge, u[-1] + edge), ylim=(v[0] - edge, v[-1] + edge))
+    outline(field, ax, sides(field))
+    # Inside a row or column that shares its axes the neighbours' labels will do.
+    if ax.xaxis.get_tick_params()["labelbottom"]:
+        ax.set_xlabel(f"{across} / mm")
+    if ax.yaxis.get_tick_params()["labelleft"]:
+        ax.set_ylabel(f"{up} / mm")
+    return image
+
+
+def add_bar(image: AxesImage, axes: Sequence[Axes], colours: Colours) -> None:
+    """The colour bar of some panels."""
+    one = len(axes) == 1
+    bar = axes[0].figure.colorbar(
+        image,
+        ax=axes[0] if one else list(axes),
+        fraction=0.046,
+        pad=0.03 if one else 0.02,
+        label=colours.label,
+        extend=colours.extend,
+    )
+    if colours.quantity == "phase":
+        bar.set_ticks([-np.pi, -np.pi / 2, 0, np.pi / 2, np.pi], labels=["-π", "-π/2", "0", "π/2", "π"])
+
+
+def _mark(ax: Axes, field: Field, axes: tuple[int, int]) -> None:
+    """Dots at the points of the plane, rings at those off it, crosses at quiet ones; fainter off it."""
+    points, shown = field.scene.points, field.shown
+    assert shown is not None
+    quiet = words.quiet(field)
+    size = float(np.clip(400 / len(points), 3, 12))
+    styles: list[tuple[NDArray[np.bool_], dict[str, Any]]] = [
+        (shown & ~quiet, {"s": size, "facecolors": "white", "edgecolors": "deepskyblue"}),
+        (~shown & ~quiet, {"s": size, "facecolors": "none", "edgecolors": "deepskyblue"}),
+        (shown & quiet, {"s": 2 * size, "marker": "x", "color": "lime"}),
+        (~shown & quiet, {"s": 2 * size, "marker": "x", "color": "lime", "alpha": 0.5}),
+    ]
+    for chosen, style in styles:
+        if chosen.any():
+            ax.scatter(*points[chosen][:, axes].T * 1e3, linewidths=0.9, **style)

@@ -1,0 +1,138 @@
+"""Tables of a scene file that the core cannot draw: [shape] and [image], and obstacles in files."""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from collections.abc import Callable
+from inspect import Parameter, signature
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._midair import SceneError
+from .._support.arguments import number, path_of, refused, word
+from ..shape import circle, line, polyline, svg, text
+from ..shape._contour import Points
+from .image import image
+
+#: Formats that modellers write and trimesh reads without further packages.
+ENDINGS = (".stl", ".obj", ".ply", ".off", ".glb")
+
+
+def read(
+    path: str | os.PathLike[str], scale: float = 1.0, offset: Any = (0.0, 0.0, 0.0)
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Vertices (V, 3) in m, each place once, and faces (F, 3), all bodies of the file together.
+
+    scale : metres of the file's unit
+    offset : what is added then (3,), in m
+    """
+    scale = number("scale", scale, least=0)
+    if scale == 0:
+        raise refused("scale", scale, "give the metres of the file's unit, such as 1e-3")
+    away = np.asarray(offset, float)
+    if away.shape != (3,) or not np.isfinite(away).all():
+        raise refused("offset", offset, "give three finite numbers")
+    file = path_of("path", path)
+    trimesh = library()
+    if not file.is_file():
+        told = "it is a folder, device or pipe, give a file" if file.exists() else "there is no such file"
+        raise SceneError(f'path is "{file}": {told}')
+    try:
+        found = trimesh.load(file, force="mesh", process=False)
+        if not len(getattr(found, "faces", ())):
+            raise SceneError(f'path is "{file}": it has no faces, give a surface')
+        if not np.isfinite(found.vertices).all():
+            raise SceneError(f'path is "{file}": it has vertices that are no finite numbers, export it again')
+        # .stl lists the corners of each face anew, .obj and .glb those with a texture's or normal's seam.
+        found.merge_vertices(merge_tex=True, merge_norm=True)
+    except (KeyboardInterrupt, SceneError):
+        raise
+    except BaseException as error:
+        cure = f"export it again, as {', '.join(ENDINGS[:-1])} or {ENDINGS[-1]}"
+        raise SceneError(f'path is "{file}": trimesh cannot read it ({reason(error)}), {cure}') from None
+    vertices, faces = np.asarray(found.vertices, float), np.asarray(found.faces, np.int64)
+    # Faces two of whose corners have become one have no area, and their neighbours meet without them.
+    faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
+    with np.errstate(over="ignore"):
+        return vertices * scale + away, faces
+
+
+def library() -> Any:
+    """The package trimesh."""
+    try:
+        import trimesh
+    except ImportError as error:
+        raise SceneError('Mesh.from_file needs trimesh: pip install "midair[mesh]"') from error
+    return trimesh
+
+
+def reason(error: BaseException) -> str:
+    """What an error says, in a line."""
+    if isinstance(error, ImportError) and isinstance(error.__context__, UnicodeError):
+        # Of bytes that are no text, trimesh says that a package is missing which would guess their letters.
+        error = error.__context__
+    return " ".join(f"{type(error).__name__}: {error}".split())
+
+
+SHAPES: dict[str, Callable[..., Points]] = {
+    "line": line,
+    "circle": circle,
+    "polyline": polyline,
+    "text": text,
+    "svg": svg,
+}
+
+Faces: TypeAlias = NDArray[np.int64]
+Drawn: TypeAlias = tuple[Points, Any, Any]
+
+
+def points(table: str, keys: str, folder: Path | None) -> Drawn:
+    """Points (M, 3), pressures and weights of a table by its name; keys is TOML, its files in folder."""
+    given = tomllib.loads(keys)
+    weight = number("weight", given.pop("weight"), least=0) if "weight" in given else None
+    if table == "image":
+        picture = called(image, "image", given, folder)
+        return picture.points, picture.pressures, weight
+    if "kind" not in given:
+        raise SceneError(f"kind is left out: give one of {', '.join(SHAPES)}")
+    kind = word("kind", given.pop("kind"))
+    if kind not in SHAPES:
+        raise refused("kind", kind, f"give one of {', '.join(SHAPES)}")
+    pressure = number("pressure", given.pop("pressure"), least=0) if "pressure" in given else None
+    return called(SHAPES[kind], kind, given, folder), pressure, weight
+
+
+def mesh(keys: str, folder: Path | None) -> tuple[Points, Faces]:
+    """Vertices (V, 3) and faces (F, 3) of an obstacle's file; keys is TOML."""
+    pass
+
+    given = tomllib.loads(keys)
+    given.pop("kind", None)
+    found: tuple[Points, Faces] = called(read, "an obstacle's file", given, folder)
+    return found
+
+
+def called(draw: Callable[..., Any], kind: str, given: dict[str, Any], folder: Path | None) -> Any:
+    """What a function makes of a table's keys, which are its arguments; `file` is its path."""
+    named = {("file" if name == "path" else name): one for name, one in signature(draw).parameters.items()}
+    needed = [name for name, one in named.items() if one.default is Parameter.empty]
+    for name, value in given.items():
+        if name not in named:
+            raise refused(name, value, f"{kind} has {', '.join(named)}, leave it out")
+    for name in needed:
+        if name not in given:
+            raise SceneError(f"{name} is left out: {kind} needs {', '.join(needed)}")
+    if "file" not in given:
+        return draw(**given)
+    if folder is None:
+        cure = "this document has no folder to find files in, list the points themselves"
+        raise refused("file", given["file"], cure)
+    file = folder / word("file", given.pop("file"))
+    try:
+        return draw(file, **given)
+    except SceneError as error:
+        raise SceneError(str(error).replace("path is ", "file is ", 1)) from error

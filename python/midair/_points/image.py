@@ -1,0 +1,119 @@
+"""Pictures as points: a grid of pixels, each asking for a pressure in proportion to its brightness."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from os import PathLike
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._midair import SceneError
+from .._support.arguments import existing, flag, number, refused, whole
+from ..shape._contour import MOST_POINTS, STEP
+
+#: Below this part of white, -26 dB, a pixel is dark: no method tells so little from silence everywhere.
+DARK = 0.05
+
+
+#: Half a wavelength at 40 kHz and 340 m/s, in m: neighbours nearer than that cannot differ much.
+PITCH = 2 * STEP
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A picture as points, from `midair.image`; `midair.Scene(array, **picture)` is its scene.
+
+    points : (M, 3) in m
+    pressures : (M,) in Pa, 0 of quiet points
+    weights : (M,), all 1
+    """
+
+    points: NDArray[np.float64]
+    pressures: NDArray[np.float64]
+    weights: NDArray[np.float64]
+
+    def keys(self) -> tuple[str, ...]:
+        """The names of its arrays, as `midair.Scene` calls them."""
+        return ("points", "pressures", "weights")
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        if name not in self.keys():
+            raise KeyError(name)
+        found: NDArray[np.float64] = getattr(self, name)
+        return found
+
+
+def image(
+    path: str | PathLike[str],
+    *,
+    size: float,
+    z: float,
+    pixels: int | None = None,
+    pressure: float = 1000.0,
+    quiet: bool = False,
+) -> Picture:
+    """A picture as points of a grid in the plane at z, its middle at x = y = 0, y up.
+
+    size : the longer side of the picture, in m
+    pixels : along the longer side, size / pixels apart; left out, half a wavelength (4.25 mm at 40 kHz), as
+        what nearer neighbours ask for contradicts itself
+    pressure : of white, in Pa; a grey pixel asks for its part of it, brightness / 255
+    quiet : whether dark pixels, below 5 % of white, are quiet points; left out of it otherwise
+
+    Colours are read as their brightness, and what is transparent as black. Every weight is 1. With aim="max"
+    only the ratios of the pressures count: the picture becomes as loud as the array can.
+
+    Raises SceneError for a file that is not there, is no picture or is dark everywhere, for numbers that are
+    not in order, and for more points than 100000.
+    """
+    size, z, pressure = number("size", size, above=0), number("z", z), number("pressure", pressure, above=0)
+    quiet = flag("quiet", quiet)
+    # Rounding never takes a pixel away.
+    pixels = max(int(size / PITCH * (1 + 1e-9)), 1) if pixels is None else whole("pixels", pixels, least=1)
+    brightness = _brightness(path, pixels)
+    rows, columns = np.indices(brightness.shape)
+    pitch = size / pixels
+    x = (columns - (brightness.shape[1] - 1) / 2) * pitch
+    y = ((brightness.shape[0] - 1) / 2 - rows) * pitch
+    light = brightness >= DARK
+    if not light.any():
+        raise refused("path", path, "it is dark everywhere (black or transparent), give white on black")
+    kept = light | quiet
+    points = np.stack([x[kept], y[kept], np.full(int(kept.sum()), z)], axis=1)
+    pressures = pressure * np.where(light, brightness, 0.0)[kept]
+    return Picture(points, pressures, np.ones(len(points)))
+
+
+def _brightness(path: str | PathLike[str], pixels: int) -> NDArray[np.float64]:
+    """Brightness, 0 to 1, of pixels (rows, columns), the longer side so many; each a mean over its square."""
+    file = existing("path", path, "give a picture such as a .png")
+    try:
+        from PIL import Image, ImageOps
+    except ImportError as error:
+        raise SceneError('image needs Pillow: pip install "midair[shapes]"') from error
+    try:
+        with Image.open(file) as opened:
+            longer = max(opened.size)
+            few = [max(round(side * pixels / longer), 1) for side in opened.size]
+            if few[0] * few[1] > MOST_POINTS:
+                raise refused("pixels", pixels, f"more than {MOST_POINTS} points, give fewer")
+            # As its maker meant it to be seen: a photograph may be stored lying on its side.
+            upright = ImageOps.exif_transpose(opened)
+            if upright.size != opened.size:
+                few.reverse()
+            if upright.mode == "F":
+                raise refused("path", file, "its pixels are fractions, save it with 8 bits a colour")
+            if upright.mode.startswith("I"):
+                # Pillow would cut 16 bits off at 255.
+                upright = Image.fromarray((np.asarray(upright) / 257).clip(0, 255).astype(np.uint8))
+            colours = upright.convert("RGBA")
+            black = Image.new("RGBA", colours.size, (0, 0, 0, 255))
+            grey = Image.alpha_composite(black, colours).convert("L")
+            small = grey.resize((few[0], few[1]), Image.Resampling.BOX)
+    except SceneError:
+        raise
+    # Whatever a damaged file makes Pillow raise.
+    except Exception as error:
+        raise refused("path", file, "it cannot be read as a picture, give another file") from error
+    return np.asarray(small, np.float64) / 255

@@ -1,0 +1,91 @@
+"""Fig. 2: the smiley of 38 points, |p| = 1 each, over 36 x 36 transducers."""
+
+from __future__ import annotations
+
+from matplotlib.figure import Figure
+
+from .._sweep.engine import Job
+from . import fields, scenes, tables
+from .methods import panels
+from .run import Found, Run
+from .verdicts import Verdict, outcome
+
+SIZE = 0.1
+
+#: A point is lost below this part of the mean over the points.
+LOST = 0.5
+
+
+def collect(run: Run) -> Found:
+    """A row for each method and point, and the fields."""
+    points = scenes.smiley()
+    jobs = [
+        Job(
+            fields.solve_field,
+            fields.settings(points, 1.0, method.solver, method.options, SIZE),
+            0,
+            1,
+            method.key,
+        )
+        for method in panels()
+    ]
+    found = run.gather(jobs)
+    rows: tables.Rows = []
+    for method in panels():
+        mine = found[method.key]
+        for index, ((x, y, _), pressure) in enumerate(zip(points, mine["pressures"][0], strict=True)):
+            rows.append(
+                {
+                    "method": method.key,
+                    "label": method.label,
+                    "point": index,
+                    "x_mm": x * 1e3,
+                    "y_mm": y * 1e3,
+                    "pressure": float(pressure),
+                    **{
+                        name: float(mine[name][0]) for name in ("accuracy", "sigma", "uniformity", "residual")
+                    },
+                }
+            )
+    return Found(rows, {key: found[key]["field"][0] for key in tables.labels(rows)})
+
+
+def draw(found: Found) -> Figure:
+    """A panel for each method, all in the same colours."""
+    height = -(-len(found.fields) // 3)
+    figure = Figure(figsize=(9.6, 3.25 * height), layout="compressed")
+    grid = figure.subplots(height, 3, squeeze=False, sharex=True, sharey=True)
+    image = None
+    for axes in grid.flat[len(found.fields) :]:
+        axes.set_axis_off()
+    for axes, (key, field) in zip(grid.flat, found.fields.items(), strict=False):
+        # The target is 1; brighter spots are shown as bright as the scale goes.
+        image = fields.picture(axes, field, SIZE, 1.5)
+        first = tables.pick(found.rows, method=key)[0]
+        axes.set_title(
+            f"{first['label']}\naccuracy {first['accuracy']:.2f}, sigma {first['sigma']:.3f}", fontsize=9
+        )
+        axes.label_outer()
+    if image is not None:
+        figure.colorbar(image, ax=grid, fraction=0.03, pad=0.02, label="|p|², target 1", extend="max")
+    return figure
+
+
+def lost(rows: tables.Rows, method: str) -> int:
+    """How many points a method loses."""
+    pressure = tables.column(tables.pick(rows, method=method), "pressure")
+    return int((pressure < LOST * pressure.mean()).sum())
+
+
+def judge(rows: tables.Rows) -> list[Verdict]:
+    """Which methods lose points."""
+    counts = {key: lost(rows, key) for key in tables.labels(rows)}
+    told = ", ".join(f"{key} {count}" for key, count in counts.items())
+    return [
+        Verdict(
+            "fig2",
+            "SDP+BCD loses points of the pattern",
+            outcome(counts["sdp"] > 0),
+            f"points of 38 below half the mean |p|: {told}",
+        )
+    ]

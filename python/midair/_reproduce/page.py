@@ -1,0 +1,220 @@
+"""The page docs/paper.md, from tables of `midair reproduce`: python -m midair._reproduce.page OUT DOCS."""
+
+from __future__ import annotations
+
+import io
+import shutil
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+from pathlib import Path
+from textwrap import fill
+
+from PIL import Image
+
+from .._support import output
+from . import FIGURES, fig2, tables, timing
+from .verdicts import Outcome
+
+#: Colours that the pictures on the page are reduced to, and their width in pixels, for a small repository.
+COLOURS = 128
+WIDTH = 860
+
+HEAD = """# The paper, made anew
+
+Every figure of S. Suzuki, M. Fujiwara, Y. Makino, H. Shinoda, "Radiation Pressure Field Reconstruction for
+Ultrasound Midair Haptics by Greedy Algorithm With Brute-Force Search", IEEE Transactions on Haptics 14(4),
+914-921, 2021 ([doi:10.1109/TOH.2021.3076489](https://doi.org/10.1109/TOH.2021.3076489)), and what became of
+its {count} statements: {outcomes}.
+
+This page is written by `make paper` from the tables in [docs/paper](paper), which
+`midair reproduce all --trials {trials}` makes together with the pictures.
+
+The methods are set as in the authors' public code, without balancing. What brings a drive above full drive
+back to |q| <= 1 (clamp, normalize, or every |q| = 1) decides fig. 3 more than the method does, so each legend
+says it. Means are over the same random points for every method; intervals are 95 % of the mean.
+"""
+
+PLURAL: dict[Outcome, str] = {
+    "holds": "hold",
+    "holds in part": "hold in part",
+    "does not hold": "do not hold",
+}
+
+WORDS = {
+    "fig2": (
+        "Fig. 2: a pattern of 38 points",
+        "36 x 36 transducers, |p| = 1 wanted at each of 38 points at z = 150 mm, lengths in mm. A point"
+        " counts as lost below half the method's own mean.",
+    ),
+    "fig3": (
+        "Fig. 3: accuracy",
+        "20 x 20 transducers, random points within the array's outline at z = 150 mm, each asked for"
+        " p1/sqrt(M). Accuracy is eq. (12), sum |p| over the sum of targets, not clipped. In percent:",
+    ),
+    "fig4": (
+        "Fig. 4: variation",
+        "The same trials. sigma is eq. (13) with 1/M in place of the printed 1/N:",
+    ),
+    "fig5": (
+        "Fig. 5: time over the number of points",
+        "20 x 20 transducers, greedy in fixed order. CPU time of a whole solve, all threads added up, methods"
+        " taking turns on the same scenes, medians. All are this project's own implementations. In ms:",
+    ),
+    "fig6": (
+        "Fig. 6: time over the number of transducers",
+        "64 points, whose range grows with the array. In ms:",
+    ),
+    "fig7": (
+        "Fig. 7: weak and strong targets, the order of the transducers",
+        "36 x 36 transducers, greedy with K = 1, L = 16, one point at (0, 0, 150 mm). Width is the distance"
+        " between the outermost samples of |p| above half its maximum, within 60 mm; an artefact is the"
+        " loudest |p| further than 13.4 mm from the point, relative to the point; power is the mean of"
+        " |q|². Medians over the orders. The third row of panels is not the paper's: it is the cure that"
+        " its section V asks for.",
+    ),
+}
+
+DIFFERENCES = r"""## Where the paper's text and its authors' code differ, or leave something open
+
+| item | paper | authors' code | here |
+| --- | --- | --- | --- |
+| unit of length | none | mm | P0 = 1e-3 Pa m, so that \|p\| = 1 Pa is 1 in mm |
+| greedy's objective | squared errors (eq. 7, alg. 1) | absolute errors | `l2`; `l1` as a curve of its own |
+| sigma, eq. (13) | 1/N | 1/M | 1/M |
+| first line of algs. 1 and 2 | the p start at 0 | - | the drives start at 0 |
+| amplitudes (k+1)/K | no "off" | the same | as printed: it makes the background of fig. 7 (a) |
+| fixed order | columns first, from the corner | x fastest | y fastest: only so is fig. 7 (b) wide in x |
+| random order | a fresh one | unseeded shuffle | a seed for each trial |
+| EVD | gamma = 1 | a row of the eigenvector matrix; q times mean(\|Gq\|/a); clamp | an eigenvector; clamp |
+| SDP+BCD | "as in the original" | raw moduli of the eigenvector; divided by max \|q\| | the same |
+| LM | phases only | phases of drives and points unknown, \|q\| = 1, 200 steps | the same |
+| GS-PAT | 100 iterations | the amplitude enters the back-propagation twice; clamp | once (equal); clamp |
+"""
+
+
+def build(folder: Path, docs: Path) -> None:
+    """Copy the tables and reduced pictures of `folder` to docs/paper, and write docs/paper.md."""
+    place = docs / "paper"
+    place.mkdir(exist_ok=True)
+    for name in FIGURES:
+        shutil.copyfile(folder / f"{name}.csv", place / f"{name}.csv")
+        reduce(folder / f"{name}.png", place / f"{name}.png")
+    output.write(docs / "paper.md", text(place).encode())
+
+
+def reduce(picture: Path, target: Path) -> None:
+    """Write a picture of few colours and of the page's width."""
+    image = Image.open(picture).convert("RGB")
+    image.thumbnail((WIDTH, 2 * WIDTH))
+    content = io.BytesIO()
+    image.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(
+        content, "PNG", optimize=True
+    )
+    output.write(target, content.getvalue())
+
+
+def text(place: Path) -> str:
+    """The page, from the tables in docs/paper."""
+    rows = {name: tables.read(place / f"{name}.csv") for name in FIGURES}
+    verdicts = {name: figure.judge(rows[name]) for name, figure in FIGURES.items()}
+    outcomes = [verdict.verdict for judged in verdicts.values() for verdict in judged]
+    told = ", ".join(f"{outcomes.count(kind)} {words}" for kind, words in PLURAL.items())
+    parts = [HEAD.format(trials=rows["fig3"][0]["trials"], count=len(outcomes), outcomes=told)]
+    for name, (title, words) in WORDS.items():
+        judged = [[it.statement, f"**{it.verdict}**", it.evidence] for it in verdicts[name]]
+        parts += [
+            f"## {title}\n\n![{title}](paper/{name}.png)\n\n{fill(words, 115)}\n",
+            TABLES[name](rows[name]),
+            table(["the paper says", "we find", "by these numbers"], judged),
+        ]
+    parts.append(DIFFERENCES)
+    if "uniform" in tables.labels(rows["fig3"]):
+        parts.append(ours(rows))
+    return "\n".join(parts)
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Rows in Markdown."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |\n" for line in lines)
+
+
+def pattern(rows: tables.Rows) -> str:
+    """Fig. 2: a row for each method."""
+    names = ("accuracy", "sigma", "uniformity")
+    lines = []
+    for key in tables.labels(rows):
+        first = tables.pick(rows, method=key)[0]
+        lines.append([first["label"], *(f"{first[name]:.3f}" for name in names), str(fig2.lost(rows, key))])
+    return table(["method", *names, "lost points"], lines)
+
+
+def wide(rows: tables.Rows, x: str, cell: Callable[[tables.Row], str]) -> str:
+    """A row for each method, a column for each value of x."""
+    sizes = dict.fromkeys(str(row[x]) for row in rows)
+    methods = [tables.pick(rows, method=key) for key in tables.labels(rows)]
+    return table([f"{x} =", *sizes], [[mine[0]["label"], *map(cell, mine)] for mine in methods])
+
+
+def means(rows: tables.Rows, factor: float, digits: int) -> str:
+    """Figs. 3 and 4: means and half their intervals."""
+
+    def cell(row: tables.Row) -> str:
+        half = (row["high"] - row["low"]) / 2
+        return f"{factor * row['mean']:.{digits}f} ± {factor * half:.{digits}f}"
+
+    return wide(rows, "M", cell)
+
+
+def times(rows: tables.Rows, x: str) -> str:
+    """Figs. 5 and 6: medians in ms, and slopes."""
+    firsts = [tables.pick(rows, method=key)[0] for key in tables.labels(rows)]
+    slopes = [[row["label"], timing.told_slope(row)] for row in firsts]
+    medians = wide(rows, x, lambda row: f"{1e3 * row['median']:.3g}")
+    return f"{medians}\n" + table(["method", f"slope of log time over log {x}"], slopes)
+
+
+def foci(rows: tables.Rows) -> str:
+    """Fig. 7: a row for each panel."""
+    names = ("panel", "target", "order", "balance", "orders")
+    head = [*names, "width x / mm", "width y / mm", "artefact", "power"]
+    return table(
+        head,
+        [
+            [
+                *(str(row[name]) for name in names),
+                *(f"{row[name]:.1f}" for name in ("width_x_mm", "width_y_mm")),
+                f"{row['artefact']:.2f}",
+                f"{row['power']:.3f}",
+            ]
+            for row in rows
+        ],
+    )
+
+
+TABLES: dict[str, Callable[[tables.Rows], str]] = {
+    "fig2": pattern,
+    "fig3": partial(means, factor=100, digits=1),
+    "fig4": partial(means, factor=1, digits=4),
+    "fig5": partial(times, x="M"),
+    "fig6": partial(times, x="N"),
+    "fig7": foci,
+}
+
+
+def ours(rows: dict[str, tables.Rows]) -> str:
+    """What `uniform` has over the paper's best two."""
+    accuracies = (tables.pick(rows["fig3"], method=key) for key in ("greedy", "lm", "uniform"))
+    lines = [
+        [str(sigma["M"]), *(f"{100 * row['mean']:.1f}" for row in found), f"{sigma['mean']:.1e}"]
+        for sigma, *found in zip(tables.pick(rows["fig4"], method="uniform"), *accuracies, strict=True)
+    ]
+    return (
+        "## What `uniform` adds\n\n`uniform` makes every point as loud as the others, and all as loud as it"
+        " can.\n\n" + table(["M", "greedy / %", "LM / %", "uniform / %", "uniform's sigma"], lines)
+    )
+
+
+if __name__ == "__main__":
+    build(Path(sys.argv[1]), Path(sys.argv[2]))

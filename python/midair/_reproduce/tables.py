@@ -1,0 +1,82 @@
+"""Tables of numbers behind the figures: lists of rows, and their CSV files."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._support import output
+
+Row = dict[str, Any]
+Rows = list[Row]
+
+#: Half a 95 % interval of a mean in its standard errors.
+NORMAL = 1.96
+
+
+def spread(values: NDArray[np.float64]) -> Row:
+    """Mean, standard deviation (n - 1) and the mean's 95 % interval; one value has no spread."""
+    count, mean = len(values), float(np.mean(values))
+    std = float(np.std(values, ddof=1)) if count > 1 else 0.0
+    half = NORMAL * std / math.sqrt(count)
+    return {"trials": count, "mean": mean, "std": std, "low": mean - half, "high": mean + half}
+
+
+def write(path: Path, rows: Rows) -> None:
+    """A CSV file; numbers with six digits."""
+    text = io.StringIO()
+    out = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
+    out.writeheader()
+    for row in rows:
+        out.writerow(
+            {key: f"{value:.6g}" if isinstance(value, float) else value for key, value in row.items()}
+        )
+    output.write(path, text.getvalue().encode())
+
+
+def read(path: Path) -> Rows:
+    """The rows again, numbers as numbers."""
+    with path.open(newline="", encoding="utf-8") as file:
+        return [{key: _number(text) for key, text in row.items()} for row in csv.DictReader(file)]
+
+
+def _number(text: str) -> Any:
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text
+
+
+def pick(rows: Rows, **wanted: Any) -> Rows:
+    """The rows with these values."""
+    return [row for row in rows if all(row[key] == value for key, value in wanted.items())]
+
+
+def column(rows: Rows, name: str) -> NDArray[np.float64]:
+    """A column as numbers."""
+    return np.array([row[name] for row in rows], float)
+
+
+def by_method(rows: Rows, name: str) -> dict[str, NDArray[np.float64]]:
+    """A column for each method."""
+    return {key: column(pick(rows, method=key), name) for key in labels(rows)}
+
+
+def largest(of: dict[str, NDArray[np.float64]], keys: Sequence[str]) -> NDArray[np.float64]:
+    """The largest of some methods at each place."""
+    top: NDArray[np.float64] = np.max([of[key] for key in keys], axis=0)
+    return top
+
+
+def labels(rows: Rows) -> Sequence[str]:
+    """The methods' keys in the order in which they come."""
+    return list(dict.fromkeys(row["method"] for row in rows))

@@ -1,0 +1,124 @@
+"""Told: a scene as the page takes it, and the scene that the page shows."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .._midair import Array, Mesh, Scene, SceneError, SceneWarning, Solution, Solver, solvers
+from .._support import output
+
+#: Where they are.
+BUILT = Path(__file__).with_name("built")
+
+
+def file(name: str, folder: Path = BUILT) -> Path:
+    """A file of the page by name. Raises SceneError where the page was never built."""
+    path = folder / name
+    if not path.is_file():
+        raise SceneError(f"the studio's {name} is not built: run `make studio` in a clone of midair")
+    return path
+
+
+#: More points than this the page does not take.
+MOST_POINTS = 64
+
+#: The page's air, beside its temperature.
+AIR = {"frequency": 40e3, "absorption": 0.0, "density": 1.18}
+
+
+def scene_text(what: Scene | Solution) -> str:
+    """A scene, or a solution's scene with its solver, as JSON text.
+
+    Raises SceneError for what the page has no place for, and gives a SceneWarning where it solves otherwise.
+    """
+    scene = what.scene if isinstance(what, Solution) else what
+    if scene is None:
+        raise SceneError("solution is of a matrix: the studio shows scenes, give one with a midair.Scene")
+    document = json.loads(scene.json())
+    if isinstance(what, Solution) and what.solver in solvers():
+        document["solver"] = {"name": what.solver}
+    unknown = next(_unknown(scene, document["array"]), None)
+    if unknown is not None:
+        cure = "leave it out (docs/studio.md says what it knows)"
+        raise SceneError(f"the studio has no place for {unknown}: {cure}")
+    for item in _passed_over(what):
+        warnings.warn(f"the studio does not know {item}: its own are taken", SceneWarning, stacklevel=3)
+    return json.dumps(document)
+
+
+def shown_scene(state: dict[str, Any]) -> Scene:
+    """The scene of a page's State (studio/src/types.ts), to be solved by its method A."""
+    array, pressures = state["array"], state["pressures"]
+    named = ("preset", "tiles") if "preset" in array else ("positions", "normals")
+    document = {
+        "medium": {"temperature": state["temperature"]},
+        "array": {name: array[name] for name in named},
+        "points": [
+            {"position": point} | ({} if pressures is None else {"pressure": pressures[k]})
+            for k, point in enumerate(state["points"])
+        ],
+        "solver": {"name": state["methods"][0]},
+        "plane": state["plane"],
+        "obstacles": state["obstacles"],
+    }
+    if state["quantization"] == "none":
+        document["array"]["quantization"] = {}
+    if state["signature"]:
+        document["signature"] = state["signature"]
+    return Scene.parse(json.dumps(document), name="the studio's scene")
+
+
+def _unknown(scene: Scene, written: dict[str, Any]) -> Iterator[str]:
+    """What of a scene the page refuses; `written` is its array as files have it."""
+    for name, usual in AIR.items():
+        if (value := getattr(scene, name)) != usual:
+            yield f"{name} = {value:g} (its own is {usual:g})"
+    for name in ("response", "mask", "quantization"):
+        if written.get(name):
+            yield f"the array's {name}"
+    if "preset" in written:
+        plain = Array.preset(written["preset"], tuple(written["tiles"]) if "tiles" in written else None)
+    else:
+        plain = Array(scene.array.positions)
+    for name in ("source_pressure", "directivity"):
+        if (value := getattr(scene.array, name)) != (its := getattr(plain, name)):
+            yield f"the array's {name} {value} (its own is {its})"
+    if len(scene.points) > MOST_POINTS:
+        yield f"{len(scene.points)} points (it takes {MOST_POINTS})"
+    if scene.weights is not None and (scene.weights != 1).any():
+        yield "weights"
+    if scene.pressures is not None and np.iscomplexobj(scene.pressures):
+        yield "phases of pressures"
+    if any(isinstance(obstacle, Mesh) for obstacle in scene.obstacles):
+        yield "meshes"
+    if scene.plane is not None and scene.plane.axis != "z":
+        yield "an upright plane"
+
+
+def _passed_over(what: Scene | Solution) -> Iterator[str]:
+    """What of a scene or solution the page takes no notice of."""
+    if isinstance(what, Solution):
+        if what.solver not in solvers():
+            yield f"the solver {what.solver}"
+        elif _has_options(what):
+            yield f"the options of {what.solver}"
+    elif what.solver is not None and what.solver[1]:
+        yield f"the options of {what.solver[0]}"
+
+
+def _has_options(solution: Solution) -> bool:
+    """Whether its solver had options other than the usual ones."""
+    assert solution.scene is not None
+    scene = solution.scene
+    usual = Solver(scene.array, solution.solver).options
+    if solvers()[solution.solver].uses_aim:
+        usual = {"aim": "max" if scene.pressures is None else "target", **usual}
+    # As JSON, because options may be arrays.
+    alike: bool = json.loads(output.to_json(usual)) == json.loads(output.to_json(solution.options))
+    return not alike

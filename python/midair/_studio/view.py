@@ -1,0 +1,129 @@
+"""`midair.view`: the studio in a notebook, two ways with Python."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._midair import Plane, Scene, SceneError, Solution
+from .page import BUILT, file, scene_text, shown_scene
+
+if TYPE_CHECKING:
+    from .widget import Widget
+
+
+def view(what: Scene | Solution) -> View:
+    """Show a scene as a picture whose points can be dragged, in a notebook. Needs anywidget.
+
+    what : the midair.Scene, or a midair.Solution, whose scene is shown and whose solver is method A
+
+    Points, pressures and scene as they are shown are attributes of the answer; what is set there is shown.
+    Raises SceneError for scenes with more than the page knows of (docs/studio.md).
+    """
+    if not isinstance(what, Scene | Solution):
+        raise TypeError(f"expected a midair.Scene or midair.Solution, not {type(what).__qualname__}")
+    return View(what, scene_text(what))
+
+
+class View:
+    """The studio in a notebook: the last line of a cell shows it. `midair.view` makes one.
+
+    >>> import midair
+    >>> scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]])
+    >>> picture = midair.view(scene)  # doctest: +SKIP
+    >>> picture.points = [[0.02, 0, 0.15]]  # doctest: +SKIP
+    """
+
+    def __init__(self, what: Scene | Solution, text: str, folder: Path = BUILT) -> None:
+        try:
+            from .widget import Widget
+        except ImportError as error:
+            raise SceneError('view needs anywidget: pip install "midair[notebook]"') from error
+        #: What Python has set and the page has not yet changed.
+        self._given: Scene | None = what if isinstance(what, Scene) else Scene.parse(text)
+        self._widget = Widget(
+            _esm=file("widget.mjs", folder).read_text(encoding="utf-8"),
+            wasm=file("midair.wasm", folder).read_bytes(),
+            scene=text,
+        )
+        self._widget.observe(self._told, "state")
+
+    @property
+    def widget(self) -> Widget:
+        """The anywidget behind it, for layouts, `observe(function, "state")` and `close()`."""
+        return self._widget
+
+    @property
+    def scene(self) -> Scene:
+        """The scene that is shown now, its solver method A; a scene set here is shown."""
+        return shown_scene(self._state()) if self._given is None else self._given
+
+    @scene.setter
+    def scene(self, scene: Scene) -> None:
+        text = scene_text(scene)
+        # The page, where things were dragged since, listens to what differs only.
+        self._widget.scene = f"{text}\n" if text == self._widget.scene else text
+        self._given = scene
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """The points (M, 3) in m, wherever they were dragged to; those set here are shown."""
+        if self._given is not None:
+            return self._given.points
+        return np.array(self._state()["points"], dtype=float).reshape(-1, 3)
+
+    @points.setter
+    def points(self, points: ArrayLike) -> None:
+        before = self.scene
+        scene = before.replace(points=points)
+        plane = before.plane
+        if plane is not None and _cuts(plane, before) and not _cuts(plane, scene) and len(scene.points):
+            # The slice goes along, as it does in the page.
+            scene = scene.replace(plane=Plane(scene.points[0, 2], plane.size, plane.pixels, plane.center))
+        self.scene = scene
+
+    @property
+    def pressures(self) -> NDArray[np.float64] | None:
+        """What the points (M,) are to feel in Pa, None for as much as all can; those set here are shown."""
+        if self._given is not None:
+            pressures = self._given.pressures
+            return None if pressures is None else pressures.real
+        told = self._state()["pressures"]
+        return None if told is None else np.array(told, dtype=float)
+
+    @pressures.setter
+    def pressures(self, pressures: ArrayLike | None) -> None:
+        self.scene = self.scene.replace(pressures=pressures)
+
+    @property
+    def methods(self) -> tuple[str, ...]:
+        """The two methods that the page compares; empty until it is up."""
+        return tuple(self._state()["methods"]) if self._widget.state else ()
+
+    @property
+    def metrics(self) -> dict[str, Any]:
+        """Accuracy, sigma, uniformity and the rest by method, as the page told last; empty until it is up."""
+        return dict(self._widget.metrics)
+
+    def _state(self) -> dict[str, Any]:
+        state: dict[str, Any] = json.loads(self._widget.state)
+        return state
+
+    def _told(self, _: object) -> None:
+        """The page has changed something, or taken what was set."""
+        self._given = None
+
+    def _repr_mimebundle_(self, **keywords: Any) -> Any:
+        return self._widget._repr_mimebundle_(**keywords)
+
+    def __repr__(self) -> str:
+        return f"<midair.View of {len(self.points)} points>"
+
+
+def _cuts(plane: Plane, scene: Scene) -> bool:
+    """Whether the slice goes through a point."""
+    return bool(np.isclose(scene.points[:, 2], plane.at).any())

@@ -1,0 +1,1 @@
+"""Support: what many packages need and nobody draws, holds or hears."""

@@ -1,0 +1,197 @@
+"""Result files: drives as .npz, .csv and .json, every file written whole or not at all."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+import shutil
+import stat
+from collections.abc import Iterable
+from contextlib import suppress
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .._midair import Scene, SceneError, Solution
+
+DRIVES = (".npz", ".csv", ".json")
+METRICS = ("accuracy", "sigma", "uniformity", "level", "residual", "leak")
+IMAGES = (".png", ".svg", ".pdf", ".jpg")
+
+
+#: Names longer than this leave no room for what a temporary name adds; file systems take 255 bytes.
+LONG = 100
+
+
+def check(path: Path, endings: tuple[str, ...], others: Iterable[Path] = ()) -> None:
+    """Refuse a path that nothing can be written to, before any work is done for it.
+
+    `others` are files that it must not be, under whatever name: those that are read, and the other outputs.
+    """
+    if path.suffix.lower() not in endings:
+        raise SceneError(
+            f'output "{path}" has no known ending: give {" or ".join(", ".join(endings).rsplit(", ", 1))}'
+        )
+    try:
+        target = real(path)
+        mode = target.stat().st_mode if target.exists() else None
+        if mode is not None and stat.S_ISDIR(mode):
+            raise SceneError(f'output "{path}" is a folder: give a file')
+        if mode is not None and not stat.S_ISREG(mode):
+            raise SceneError(f'output "{path}" is a device or pipe: give a file')
+        if not target.parent.is_dir():
+            raise SceneError(f'output folder "{path.parent}" is not there: make it first')
+        for other in others:
+            if _same(target, other):
+                raise SceneError(f'output "{path}" is the file "{other}" itself: give another name')
+        if mode is not None and not os.access(target, os.W_OK):
+            raise PermissionError(13, "write-protected")
+        tidy(target)
+        part = part_of(target)
+        part.touch()
+        part.unlink()
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise SceneError(
+            f'output "{path}" cannot be written ({reason}): choose another name or folder'
+        ) from error
+
+
+def real(path: Path) -> Path:
+    """The file itself, where the path is a link to it."""
+    return Path(os.path.realpath(path))
+
+
+def _same(path: Path, other: Path) -> bool:
+    """Whether two names mean one file, by links, dots or letters that the file system holds equal."""
+    if os.path.normcase(os.path.realpath(path)) == os.path.normcase(os.path.realpath(other)):
+        return True
+    return path.exists() and other.exists() and path.samefile(other)
+
+
+def part_of(path: Path) -> Path:
+    """The temporary name beside it."""
+    return path.with_name(f"{_begin(path)}{os.getpid()}.part")
+
+
+def _begin(path: Path) -> str:
+    """What the temporary names of a path begin with; the process's number follows."""
+    name = os.fsencode(path.name)
+    return f".{path.name if len(name) <= LONG else sha256(name).hexdigest()[:32]}."
+
+
+def tidy(path: Path) -> None:
+    """Remove what processes that no longer live have left of a path."""
+    begin = _begin(path)
+    for part in path.parent.iterdir():
+        number = part.name.removeprefix(begin).removesuffix(".part")
+        if part.name == f"{begin}{number}.part" and number.isdecimal() and not _lives(int(number)):
+            with suppress(OSError):
+                shutil.rmtree(part) if part.is_dir() else part.unlink()
+
+
+def _lives(process: int) -> bool:
+    """Whether a process of that number is there; Windows cannot be asked in this way."""
+    if os.name == "nt":
+        return True
+    try:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except PermissionError:
+        return True
+    return True
+
+
+def write(path: Path, content: bytes) -> None:
+    """Write under a temporary name and rename, so that no reader ever meets half a file."""
+    target = real(path)
+    part = part_of(target)
+    try:
+        part.write_bytes(content)
+        if target.exists():
+            part.chmod(stat.S_IMODE(target.stat().st_mode))
+        part.replace(target)
+    except OSError as error:
+        # The temporary name says nothing to the user.
+        raise OSError(error.errno, error.strerror, str(path)) from error
+    finally:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+
+
+def write_drive(path: Path, scene: Scene, solution: Solution) -> None:
+    """Write a drive as .npz, .csv or .json, by the path's ending (docs/conventions.md lists the keys)."""
+    ending = path.suffix.lower()
+    if ending == ".csv":
+        content = _csv(scene, solution)
+    elif ending == ".json":
+        content = drive_json(scene, solution).encode()
+    else:
+        buffer = io.BytesIO()
+        np.savez(buffer, **_record(scene, solution))
+        content = buffer.getvalue()
+    write(path, content)
+
+
+def drive_json(scene: Scene, solution: Solution) -> str:
+    """A drive as the text of a .json file."""
+    return to_json(_record(scene, solution))
+
+
+def summary(scene: Scene, solution: Solution) -> str:
+    """How a scene was solved and how well, point by point, as JSON text: all but the drive."""
+    record = _record(scene, solution)
+    own = {name: getattr(solution, name) for name in ("solver", "options", "status")}
+    kept = ("steps", "elapsed", "scale", *METRICS, "complex_error", "points", "targets", "pressures")
+    return to_json(own | {name: record[name] for name in kept if name in record})
+
+
+def to_json(record: Any) -> str:
+    """JSON: arrays as lists, complex numbers as [re, im]."""
+    return json.dumps(record, default=_plain, allow_nan=False)
+
+
+def _record(scene: Scene, solution: Solution) -> dict[str, Any]:
+    metrics = solution.metrics
+    return {
+        "drive": solution.drive,
+        "amplitudes": solution.amplitudes,
+        "phases": solution.phases,
+        "positions": scene.array.positions,
+        "points": scene.points,
+        "targets": solution.targets,
+        "pressures": solution.pressures,
+        "scale": solution.scale,
+        **{name: getattr(metrics, name) for name in METRICS},
+        **({} if solution.complex_error is None else {"complex_error": solution.complex_error}),
+        "steps": solution.steps,
+        "elapsed": solution.elapsed,
+        **({} if solution.trace is None else {"trace": solution.trace}),
+        "scene": scene.json(solution),
+        **({} if scene.solver is None else {"scene_solver": json.dumps(scene.solver)}),
+    }
+
+
+def _plain(value: Any) -> Any:
+    """Arrays as lists, complex numbers as [re, im]."""
+    array = np.asarray(value)
+    if np.iscomplexobj(array):
+        array = np.stack([array.real, array.imag], axis=-1)
+    return array.tolist()
+
+
+def _csv(scene: Scene, solution: Solution) -> bytes:
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(["index", "x", "y", "z", "amplitude", "phase"])
+    drives = zip(
+        scene.array.positions.tolist(), solution.amplitudes.tolist(), solution.phases.tolist(), strict=True
+    )
+    for index, (position, amplitude, phase) in enumerate(drives):
+        rows.writerow([index, *position, amplitude, phase])
+    return text.getvalue().encode()

@@ -1,0 +1,129 @@
+"""Sweeps: arrays x points x solvers x options x seeds in one tidy table, by one machine or a cluster."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+from .._midair import SceneWarning
+from .._support.arguments import callback, path_of
+from . import chunks, files, table
+from .block import solve_block
+from .engine import Arrays, Job, run
+from .problems import whole
+from .request import Request, read
+from .table import Shortfall
+
+if TYPE_CHECKING:
+    import numpy as np
+
+#: Problems that are handed out and kept together: seconds of work at most, and lanes enough for a batch.
+CHUNK = 64
+
+
+def sweep(
+    request: str | PathLike[str] | Mapping[str, Any],
+    output: str | PathLike[str] | None = None,
+    *,
+    drives: str | PathLike[str] | None = None,
+    scheduler: str | None = None,
+    threads: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> dict[str, np.ndarray[Any, Any]]:
+    """Solve every problem of a sweep; returns the table, a column (rows,) for each name.
+
+    request : a sweep file (TOML or JSON, docs/sweeps.md) or a mapping of its keys; there an Array may stand
+        for an array's table, a Scene for a scene file
+    output : a file for the table, .csv or .parquet
+    drives : a folder for a Zarr group of drives, points and pressures, a row for each row of the table; one
+        that is there is replaced if a sweep made it
+    scheduler : address of a Dask scheduler; left out, threads of this process work
+    threads : how many of them at most; left out, one a processor
+    progress : called with (problems done, problems)
+
+    The numbers depend on the request alone: not on threads, workers, or an interruption. With an output a
+    stopped sweep goes on where it was. Raises SceneError for whatever is not in order; warns once, with
+    counts, of problems that ask for more than the array reaches, or for weak foci unbalanced.
+
+    >>> import midair
+    >>> table = midair.sweep({
+    ...     "array": {"preset": "paper20"},
+    ...     "points": {"count": [2, 4], "x": [-0.1, 0.1], "y": [-0.1, 0.1], "z": 0.15},
+    ...     "solver": [{"name": "greedy", "phases": [16, 256]}, {"name": "naive"}],
+    ...     "seeds": 10,
+    ... })
+    >>> table["accuracy"].shape
+    (60,)
+    """
+    parts: list[dict[str, list[Any]]] = []
+    asked = read(request, drives=drives is not None)
+    work(asked, output, drives, receive=parts.append, scheduler=scheduler, threads=threads, progress=progress)
+    return table.as_columns(parts, asked)
+
+
+def work(
+    asked: Request,
+    output: str | PathLike[str] | None,
+    drives: str | PathLike[str] | None,
+    *,
+    receive: Callable[[dict[str, list[Any]]], None] = lambda columns: None,
+    scheduler: str | None = None,
+    threads: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    chunk: int = CHUNK,
+) -> None:
+    """A sweep whose rows are handed over in order, `chunk` at most at a time: no table need fit memory."""
+    places = [
+        None if path is None else path_of(name, path)
+        for name, path in (("output", output), ("drives", drives))
+    ]
+    kept = files.check(asked, *places)
+    if threads is not None:
+        whole(threads, "threads", least=1)
+    shortfall = Shortfall()
+    callback(progress, "problems done, problems")
+    done = first = 0
+
+    def tell(items: int) -> None:
+        nonlocal done
+        done += items
+        if progress is not None:
+            progress(done, asked.problems)
+
+    with ExitStack() as stack:
+        write = stack.enter_context(table.open_table(places[0], asked)) if places[0] else None
+        give = stack.enter_context(table.open_drives(places[1], asked)) if places[1] else None
+
+        def take(job: Job, arrays: Arrays) -> None:
+            nonlocal first
+            columns = table.rows(job.owner, job, arrays, first)
+            if write is not None:
+                write(columns)
+            if give is not None:
+                give(arrays, first)
+            receive(columns)
+            shortfall.add(arrays)
+            first += job.stop - job.start
+
+        run(
+            _jobs(asked, chunk),
+            take,
+            chunks=kept,
+            scheduler=scheduler,
+            threads=threads,
+            tell=tell,
+            fits=table.fits,
+        )
+    if kept is not None:
+        chunks.remove(kept)
+    if text := shortfall.text():
+        warnings.warn(text, SceneWarning, stacklevel=3)
+
+
+def _jobs(asked: Request, chunk: int) -> Iterator[Job]:
+    for block in asked.blocks:
+        for start in range(0, block.trials, chunk):
+            yield Job(solve_block, block.settings, start, min(start + chunk, block.trials), block)

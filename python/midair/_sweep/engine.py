@@ -1,0 +1,256 @@
+"""Many pure jobs over threads or a Dask cluster: finished ones are kept, results come in order."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import logging
+import os
+import threading
+import warnings
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from queue import Empty, Queue
+from threading import Thread
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import NDArray
+
+from .. import _midair
+from .._midair import SceneError, SceneWarning
+from .._support.ctrl_c import interruptible
+from .chunks import load, save
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+#: Seconds after which a scheduler that has not answered is given up.
+PATIENCE = 6
+
+#: Loggers that Dask gives levels of their own.
+_NOISY = ("distributed", "distributed.client", "tornado", "tornado.application")
+
+
+@contextmanager
+def workers(scheduler: str) -> Iterator[tuple[Executor, int]]:
+    """The cluster as an executor, and how many jobs it does at once."""
+    try:
+        from distributed import KilledWorker
+    except ImportError as error:
+        raise SceneError('a scheduler needs Dask: pip install "midair[cluster]"') from error
+    with _quiet(), _connected(scheduler) as client:
+        try:
+            # A worker lost is no error: its jobs go to another one.
+            yield client.get_executor(pure=False), max(sum(client.nthreads().values()), 1)
+        except KilledWorker as error:
+            raise SceneError(f"worker after worker was lost ({error}): what is done is kept") from error
+        except CancelledError as error:
+            raise SceneError(f'scheduler "{scheduler}" was lost: what is done is kept') from error
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Dask's pages of log about a lost connection, while one line of ours says it."""
+    loggers = [logging.getLogger(name) for name in _NOISY]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
+
+
+def _connected(scheduler: str) -> Client:
+    """A client, in any case within PATIENCE: Dask itself waits for ever for a server that is silent."""
+    from distributed import Client
+
+    answers: Queue[Client | Exception] = Queue()
+
+    def connect() -> None:
+        try:
+            answers.put(Client(scheduler, timeout=PATIENCE, set_as_default=False))
+        except Exception as error:
+            answers.put(error)
+
+    Thread(target=connect, daemon=True).start()
+    try:
+        answer = answers.get(timeout=PATIENCE)
+    except Empty:
+        answer = TimeoutError()
+    if isinstance(answer, Exception):
+        raise SceneError(
+            f'scheduler "{scheduler}" does not answer: give the address that `dask scheduler` prints,'
+            " such as tcp://127.0.0.1:8786"
+        ) from answer
+    return answer
+
+
+Arrays = dict[str, NDArray[Any]]
+Settings = Mapping[str, Any]
+Function = Callable[[Settings, int, int], Arrays]
+
+#: Jobs handed out for each worker: enough that none waits, few enough that results wait in little memory.
+AHEAD = 4
+
+
+#: Seconds between looks at whether somebody pressed Ctrl-C.
+INTERVAL = 0.2
+
+
+@dataclass(frozen=True)
+class Job:
+    """Items start to stop of function(settings, start, stop), which depends on nothing else.
+
+    The function lies at the top of a module, the settings are what JSON can hold.
+    """
+
+    function: Function
+    settings: Settings
+    start: int
+    stop: int
+    #: What the caller knows it by; it stays in this process.
+    owner: Any = None
+
+    @property
+    def path(self) -> Path:
+        """Where the result is kept, below a folder of chunks."""
+        named = [self.function.__module__, self.function.__qualname__, build(), self.settings]
+        key = hashlib.sha256(json.dumps(named, sort_keys=True).encode()).hexdigest()
+        return Path(key[:20], f"{self.start}-{self.stop}.npz")
+
+
+@cache
+def build() -> str:
+    """The version and the compiled core's own digest: other bits never mix with kept ones."""
+    core = Path(str(_midair.__file__)).read_bytes()
+    return f"{version('midair')}-{hashlib.sha256(core).hexdigest()[:16]}"
+
+
+def run(
+    jobs: Iterable[Job],
+    receive: Callable[[Job, Arrays], None],
+    *,
+    chunks: Path | None = None,
+    scheduler: str | None = None,
+    threads: int | None = None,
+    tell: Callable[[int], None] = lambda items: None,
+    fits: Callable[[Job, Arrays], bool] = lambda job, arrays: True,
+) -> None:
+    """Do the jobs and hand each result to `receive`, in the order of the jobs.
+
+    chunks : folder that keeps each result as soon as it is there; a job found in it is not done again
+    scheduler : address of a Dask scheduler; left out, the work is done by threads of this process
+    threads : how many at most; left out, one a processor
+    tell : called with the number of items of each job that is done
+    fits : whether a kept result can be the job's; else it is done again
+    """
+    stop = threading.Event()
+    with (
+        warnings.catch_warnings(),
+        _workers(scheduler, threads, stop) as (executor, workers),
+        interruptible() as interrupted,
+    ):
+        # The same words thousands of times would say less than the column `level`.
+        warnings.simplefilter("ignore", SceneWarning)
+        waiting: deque[tuple[Job, Future[Arrays]]] = deque()
+        unsaved: dict[Future[Arrays], Job] = {}
+
+        def collect() -> None:
+            done, _ = wait(unsaved, INTERVAL, FIRST_COMPLETED)
+            if interrupted():
+                raise interrupted.error()
+            for future in done:
+                job = unsaved.pop(future)
+                if chunks is not None:
+                    save(chunks / job.path, future.result())
+                tell(job.stop - job.start)
+
+        def hand_over(most: int) -> None:
+            while len(waiting) > most:
+                while waiting and waiting[0][1] not in unsaved:
+                    job, future = waiting.popleft()
+                    receive(job, future.result())
+                if len(waiting) > most:
+                    collect()
+
+        try:
+            for job in jobs:
+                kept = None if chunks is None else load(chunks / job.path, job.stop - job.start)
+                if kept is None or not fits(job, kept):
+                    future = executor.submit(
+                        _work, version("midair"), job.function, job.settings, job.start, job.stop
+                    )
+                    unsaved[future] = job
+                else:
+                    future = Future()
+                    future.set_result(kept)
+                    tell(job.stop - job.start)
+                waiting.append((job, future))
+                hand_over(AHEAD * workers)
+            hand_over(0)
+        except BaseException:
+            stop.set()
+            for future in unsaved:
+                future.cancel()
+            executor.shutdown(wait=scheduler is None)
+            if chunks is not None:
+                _keep(chunks, unsaved)
+            raise
+
+
+def _work(asked: str, function: Function, settings: Settings, start: int, stop: int) -> Arrays:
+    """One job, on whatever machine this is."""
+    here = version("midair")
+    if here != asked:
+        raise SceneError(f"a worker has midair {here}, the run midair {asked}: install the same on all")
+    return function(settings, start, stop)
+
+
+#: The event that stops the run a thread works for.
+_own = threading.local()
+
+
+class Stopped(Exception):
+    """The run that a job belongs to is being stopped."""
+
+
+def go_on() -> bool:
+    """Whether the run that this thread works for goes on; long jobs ask now and then."""
+    stop: threading.Event | None = getattr(_own, "stop", None)
+    return stop is None or not stop.is_set()
+
+
+@contextmanager
+def _workers(
+    scheduler: str | None, threads: int | None, stop: threading.Event
+) -> Iterator[tuple[Executor, int]]:
+    """An executor, and how many jobs it does at once."""
+    if scheduler is None:
+        # More than there are processors would only wait for one another.
+        processors = os.cpu_count() or 1
+        count = min(threads or processors, processors)
+        with ThreadPoolExecutor(count, initializer=setattr, initargs=(_own, "stop", stop)) as pool:
+            yield pool, count
+    else:
+        pass
+
+        with workers(scheduler) as found:
+            yield found
+
+
+def _keep(chunks: Path, unsaved: Mapping[Future[Arrays], Job]) -> None:
+    """Save what was finished while the run was being stopped, as far as there is room."""
+    for future, job in unsaved.items():
+        if future.done() and not future.cancelled() and future.exception() is None:
+            try:
+                save(chunks / job.path, future.result())
+            except SceneError:
+                return

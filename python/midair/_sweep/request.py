@@ -1,0 +1,172 @@
+"""The sweep file, read and checked before anything is solved: blocks of problems in the table's order."""
+
+from __future__ import annotations
+
+import json
+import math
+import tomllib
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from os import PathLike
+from pathlib import Path
+from typing import Any, NoReturn
+
+from .._midair import Array, Scene, SceneError, solve, solver_name, solvers
+from .._support.arguments import path_of
+from .axes import Tables, read_axes
+from .block import METRICS, Settings
+from .plain import plain, short
+from .problems import few, known, read_sets, reason, tables_of, whole
+
+#: More problems than this are a slip of the pen.
+MOST = 10**9
+
+_KEYS = ("seed", "seeds", "scenes", "array", "medium", "points", "axes", "solver")
+
+
+@dataclass(frozen=True)
+class Block:
+    """Problems that differ only in their trial; `columns` are what its rows of the table have in common."""
+
+    settings: Settings
+    columns: Mapping[str, Any]
+    trials: int
+
+
+@dataclass(frozen=True)
+class Request:
+    """The blocks in order, the columns that are the same within each, and the files that were read."""
+
+    blocks: Sequence[Block]
+    names: tuple[str, ...]
+    files: Sequence[Path] = ()
+
+    @property
+    def columns(self) -> list[str]:
+        """All columns of the table."""
+        return ["index", *self.names, "trial", *METRICS, "status"]
+
+    @property
+    def problems(self) -> int:
+        """How many rows the table has."""
+        return sum(block.trials for block in self.blocks)
+
+
+def read(source: str | PathLike[str] | Mapping[str, Any], *, drives: bool = False) -> Request:
+    """A sweep file, TOML or JSON by its ending, or a mapping of the same keys, with arrays and scenes.
+
+    Paths of scenes are relative to the file's folder. Raises SceneError for whatever is not in order, and
+    warns of what is hardly meant.
+    """
+    cure = "give a sweep file or a mapping of its keys"
+    path = None if isinstance(source, Mapping) else path_of("request", source, cure)
+    try:
+        tables = plain(source if path is None else _parse(path))
+    except RecursionError as error:
+        raise SceneError(
+            "the sweep is nested too deep, or holds itself: give tables as a sweep file has them"
+        ) from error
+    known(tables, _KEYS, "sweep")
+    seed = whole(tables.get("seed", 0), "seed")
+    trials, seeds = _trials(tables.get("seeds", 1))
+    axes = read_axes(tables)
+    methods = [method for table in tables_of(tables, "solver") for method in _methods(table)]
+    if not methods:
+        raise SceneError("solver is missing: give one or more [[solver]] with a name")
+    common = {"seed": seed, "seeds": seeds, "drives": drives}
+    sets, files = read_sets(tables, axes, path.parent if path else Path(), common)
+    few(len(sets) * len(methods))
+    if len(sets) * len(methods) * trials > MOST:
+        raise SceneError(
+            f"the sweep has {len(sets)} x {len(methods)} x {trials} problems: at most 10^9, shorten an axis"
+        )
+    options = list(dict.fromkeys(key for _, chosen in methods for key in chosen))
+    for name, chosen in methods:
+        _check_method(name, chosen)
+    blocks = [
+        Block(
+            {**settings, "solver": name, "options": chosen},
+            {**columns, "solver": name, **{key: chosen.get(key) for key in options}},
+            trials,
+        )
+        for (settings, columns), (name, chosen) in product(sets, methods)
+    ]
+    asked = Request(blocks, (*sets[0][1], "solver", *options), [*([path] if path else []), *files])
+    twice = [name for name, times in Counter(asked.columns).items() if times > 1]
+    if twice:
+        raise SceneError(f'two columns of the table would be called "{twice[0]}": leave that option out')
+    return asked
+
+
+def _parse(path: Path) -> Tables:
+    try:
+        text = path.read_text(encoding="utf-8")
+        tables = json.loads(text, object_pairs_hook=_once) if path.suffix == ".json" else tomllib.loads(text)
+    except ValueError as error:
+        raise SceneError(f'sweep file "{path}" cannot be read: {error}') from error
+    if not isinstance(tables, dict):
+        raise SceneError(f'sweep file "{path}" holds no tables')
+    return tables
+
+
+def _once(entries: list[tuple[str, Any]]) -> Tables:
+    """A table of JSON whose keys are there once."""
+    table = dict(entries)
+    if len(table) < len(entries):
+        twice = next(key for key, times in Counter(key for key, _ in entries).items() if times > 1)
+        raise ValueError(f'the key "{twice}" is there twice: give it once')
+    return table
+
+
+def _trials(given: Any) -> tuple[int, list[int] | None]:
+    """How many trials, and their seeds where they are listed."""
+    if isinstance(given, list):
+        if not given:
+            raise SceneError("seeds is empty: give a count or a list of seeds")
+        return len(given), [whole(seed, f"seeds[{index}]") for index, seed in enumerate(given)]
+    return whole(given, "seeds", least=1), None
+
+
+def _methods(table: Tables) -> list[tuple[str, dict[str, Any]]]:
+    """A solver's table; a list for an option is an axis."""
+    name = table.pop("name", None)
+    if not isinstance(name, str):
+        raise SceneError(f"solver.name is {short(name)}: give one of {', '.join(solvers())}")
+    name = solver_name(name)
+    options = ("balance", "aim", *solvers()[name].options)
+    table = {spelt(key, options): value for key, value in table.items()}
+    for key, value in table.items():
+        if key not in options:
+            _refuse(name, key, value)
+    axes = [value if isinstance(value, list) else [value] for value in table.values()]
+    for key, values in zip(table, axes, strict=True):
+        if not values:
+            raise SceneError(f"option {key} of {name} is an empty list: give a value or some")
+    few(math.prod(map(len, axes)))
+    return [(name, dict(zip(table, chosen, strict=True))) for chosen in product(*axes)]
+
+
+def spelt(word: Any, words: Iterable[str]) -> str:
+    """The one of the words that is meant, whatever its case, "-" and "_"; else the word itself."""
+    plainly = {known.lower().replace("_", ""): known for known in words}
+    return plainly.get(str(word).lower().replace("-", "").replace("_", ""), str(word))
+
+
+def _refuse(name: str, option: str, value: Any) -> NoReturn:
+    """Let the core refuse an option that a solver has not."""
+    array = {"grid": {"nx": 1, "ny": 1, "pitch": 0.01}}
+    solver = {"name": name, option: value}
+    try:
+        Scene.parse(json.dumps({"array": array, "points": [{"position": [0, 0, 1]}], "solver": solver}))
+    except SceneError as error:
+        raise SceneError(reason(error)) from error
+    raise SceneError(f"{option} is no option of {name}: leave it out")
+
+
+def _check_method(name: str, options: Mapping[str, Any]) -> None:
+    """Let the solver itself refuse an option, on a scene of no effort."""
+    if not isinstance(options.get("order"), list):
+        array = Array.grid(2, 2, 0.01)
+        solve(Scene(array, [[0.0, 0.0, 0.1]]), name, **options)

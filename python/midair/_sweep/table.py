@@ -1,0 +1,207 @@
+"""The output of a sweep: a table as CSV or Parquet, drives as Zarr, under temporary names until whole."""
+
+from __future__ import annotations
+
+import csv
+import shutil
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .._midair import SceneError
+from .._support import output
+from . import files
+from .block import METRICS, trial_seed
+from .engine import Arrays, Job
+from .request import Block, Request
+
+
+class Shortfall:
+    """Counts over the results of a sweep."""
+
+    def __init__(self) -> None:
+        self.problems = self.beyond = self.weak = 0
+        self.least = np.inf
+
+    def add(self, arrays: Arrays) -> None:
+        """Count the problems of one result."""
+        beyond = arrays["beyond"]
+        self.problems += len(beyond)
+        self.beyond += int(beyond.sum())
+        self.weak += int(arrays["weak"].sum())
+        self.least = min(self.least, arrays["level"][beyond].min(initial=np.inf))
+
+    def text(self) -> str:
+        """What is to be told of them; nothing, if there are none."""
+        parts = []
+        if self.beyond:
+            parts.append(
+                f"{self.beyond:,} of {self.problems:,} problems ask for more pressure than the array reaches"
+                f" at a point, and get as little as {self.least:.2g} of it (column level): ask for less, or"
+                " leave the pressure out for the balanced level"
+            )
+        if self.weak:
+            parts.append(
+                f"{self.weak:,} of {self.problems:,} problems ask for less than half the balanced level: foci"
+                " this weak come out smeared, balance = true cures it"
+            )
+        return "; ".join(parts)
+
+
+Columns = dict[str, list[Any]]
+Write = Callable[[Columns], None]
+
+
+def rows(block: Block, job: Job, arrays: Arrays, first: int) -> Columns:
+    """A chunk's part of the table, its first row being row `first`."""
+    count = job.stop - job.start
+    return {
+        "index": list(range(first, first + count)),
+        **{name: [value] * count for name, value in block.columns.items()},
+        "trial": [trial_seed(block.settings, index) for index in range(job.start, job.stop)],
+        **{name: arrays[name].tolist() for name in (*METRICS, "status")},
+    }
+
+
+#: Type, shape of a row, and filling of each array.
+Layout = dict[str, tuple[np.dtype[Any], tuple[int, ...], float]]
+
+
+def _layout(blocks: Sequence[Block]) -> Layout:
+    """The arrays of a group of drives, as wide as the widest block needs them."""
+    settings = [block.settings for block in blocks]
+    most = max(setting["count"] for setting in settings)
+    wide = max(block.columns["transducers"] for block in blocks)
+    layout: Layout = {
+        "drive": (np.dtype(np.complex64), (wide,), 0.0),
+        "scale": (np.dtype(float), (), 1.0),
+        "pressures": (np.dtype(np.complex64), (most,), 0.0),
+        "points": (np.dtype(float), (most, 3), np.nan),
+    }
+    if any(setting.get("pressure", setting.get("pressures")) is not None for setting in settings):
+        layout["targets"] = (np.dtype(float), (most,), 0.0)
+    return layout
+
+
+def fits(job: Job, arrays: Arrays) -> bool:
+    """Whether a kept result has what a table, and a group of drives, take of this job."""
+    block: Block = job.owner
+    expected: Layout = dict.fromkeys(METRICS, (np.dtype(float), (), 0.0))
+    expected |= dict.fromkeys(("beyond", "weak"), (np.dtype(bool), (), False))
+    if block.settings["drives"]:
+        expected |= _layout([block])
+    status = arrays.get("status", np.empty(0)).dtype.kind == "U"
+    found = {name: (array.dtype, array.shape[1:]) for name, array in arrays.items() if name != "status"}
+    return status and found == {name: (dtype, shape) for name, (dtype, shape, _) in expected.items()}
+
+
+@contextmanager
+def _temporary(path: Path) -> Iterator[Path]:
+    """A name beside the path that becomes it, if all goes well."""
+    part = output.part_of(path)
+    try:
+        yield part
+        if path.is_dir():
+            # Somebody's own may have come there meanwhile.
+            files.check_replaceable(path)
+            shutil.rmtree(path)
+        part.replace(path)
+    except OSError as error:
+        raise SceneError(
+            f'"{path}" cannot be written ({error.strerror or error}): make room or choose another folder;'
+            " what is done is kept"
+        ) from error
+    finally:
+        if part.is_dir():
+            shutil.rmtree(part, ignore_errors=True)
+        part.unlink(missing_ok=True)
+
+
+@contextmanager
+def open_table(path: Path, request: Request) -> Iterator[Write]:
+    """A table by the path's ending; what it yields takes columns of rows in order."""
+    write = _parquet if path.suffix.lower() == ".parquet" else _csv
+    with _temporary(output.real(path)) as part, write(part, request) as give:
+        yield give
+
+
+@contextmanager
+def _csv(path: Path, request: Request) -> Iterator[Write]:
+    header = request.columns
+    with path.open("w", newline="", encoding="utf-8") as file:
+        out = csv.writer(file, lineterminator="\n")
+        out.writerow(header)
+        yield lambda columns: out.writerows(zip(*(columns[name] for name in header), strict=True))
+
+
+@contextmanager
+def _parquet(path: Path, request: Request) -> Iterator[Write]:
+    import pyarrow as pa
+    from pyarrow.parquet import ParquetWriter
+
+    kinds = {name: _kind([block.columns[name] for block in request.blocks]) for name in request.names}
+    kinds |= {"index": int, "trial": int, "status": str} | dict.fromkeys(METRICS, float)
+    types = {bool: pa.bool_(), int: pa.int64(), float: pa.float64(), str: pa.string()}
+    schema = pa.schema([(name, types[kinds[name]]) for name in request.columns])
+    with ParquetWriter(path, schema) as out:
+
+        def give(columns: Columns) -> None:
+            plain = {
+                name: [None if value is None else kinds[name](value) for value in columns[name]]
+                for name in schema.names
+            }
+            out.write_table(pa.table(plain, schema=schema))
+
+        yield give
+
+
+def _kind(values: Sequence[Any]) -> type:
+    """The one type that holds all of a column; words hold anything."""
+    found = {type(value) for value in values if value is not None}
+    if found == {int, float}:
+        return float
+    return found.pop() if len(found) == 1 and found <= {bool, int, float} else str
+
+
+@contextmanager
+def open_drives(path: Path, request: Request) -> Iterator[Callable[[Arrays, int], None]]:
+    """A Zarr group with a row for each row of the table; what it yields takes a chunk and its first row.
+
+    drive (rows, N), pressures (rows, M) as attained, complex64; scale (rows,); points (rows, M, 3) in m;
+    targets (rows, M) in Pa if pressures were asked for. N and M are the sweep's largest: what a row lacks is
+    0, points NaN.
+    """
+    import zarr
+
+    with _temporary(output.real(path)) as part:
+        group = zarr.open_group(part, mode="w", attributes=dict(files.MARK))
+        arrays = {
+            name: group.create_array(
+                name,
+                shape=(request.problems, *shape),
+                chunks=(min(request.problems, 1024), *shape),
+                dtype=dtype,
+                fill_value=fill,
+            )
+            for name, (dtype, shape, fill) in _layout(request.blocks).items()
+        }
+
+        def give(chunk: Arrays, first: int) -> None:
+            for name in arrays.keys() & chunk.keys():
+                values = chunk[name]
+                place = (slice(first, first + len(values)), *(slice(length) for length in values.shape[1:]))
+                arrays[name][place] = values
+
+        yield give
+
+
+def as_columns(parts: Sequence[Mapping[str, list[Any]]], request: Request) -> dict[str, np.ndarray[Any, Any]]:
+    """The whole table as arrays; a column with gaps holds objects."""
+    whole = {name: [value for part in parts for value in part[name]] for name in request.columns}
+    return {
+        name: np.array(values, object if None in values or len({type(v) for v in values}) > 1 else None)
+        for name, values in whole.items()
+    }

@@ -1,0 +1,60 @@
+"""Toolbox: methods that Python adds to the extension's classes, and functions that the extension calls.
+
+The extension never imports the package: `midair` registers this module.
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+from . import _midair
+from ._boards.playing import play
+from ._files import read_array, record
+from ._judging.exposure import exposure
+from ._judging.streaming import streaming
+from ._judging.tolerate import tolerate
+from ._midair import Array, Batch, Field, Scene, Solution
+from ._motion import Sequence
+from ._pictures import notebook
+from ._pictures.answer import answer
+from ._points import drawn
+from ._support import output
+
+#: By class and name: `solution.exposure(places)` is `midair.exposure(solution, places)`.
+METHODS: dict[type, dict[str, Any]] = {
+    Array: {"_repr_html_": notebook.array, "from_file": staticmethod(read_array)},
+    Batch: {"_repr_html_": notebook.batch},
+    Field: {"_repr_html_": notebook.field},
+    Scene: {"_repr_html_": notebook.scene},
+    Sequence: {"exposure": exposure},
+    Solution: {
+        "_repr_html_": notebook.solution,
+        "exposure": exposure,
+        "load": staticmethod(record.load),
+        "play": play,
+        "plot": answer,
+        "save": record.save,
+        "streaming": streaming,
+        "tolerate": tolerate,
+    },
+}
+
+
+#: Functions that the extension calls: points and meshes of a scene file's tables, a mesh's file, the writer.
+points, mesh, mesh_file, write = drawn.points, drawn.mesh, drawn.read, output.write
+
+
+def sound(boundary: _midair.Boundary) -> Any:
+    """The sound on a mesh's elements; SciPy and its progress bar load with the first mesh."""
+    from ._points.boundary import sound
+
+    return sound(boundary)
+
+
+def attach() -> None:
+    """Adds the methods, and registers this module with the extension."""
+    for owner, methods in METHODS.items():
+        for name, method in methods.items():
+            setattr(owner, name, method)
+    _midair.register(sys.modules[__name__])

@@ -1,0 +1,146 @@
+"""Circles, lines, polylines and Lissajous figures as paths."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .._support.arguments import flag, number, refused, vector, vectors, whole
+from ..shape._contour import MOST_POINTS
+from ..shape._figures import axes
+from ._curve import Circle, lines
+from ._path import Path
+from ._piece import real
+from ._walk import walk
+
+#: Straight pieces in a period of a sine: a Lissajous figure of 0.1 m strays by 1e-9 m.
+PIECES = 16384
+
+#: More lobes are a slip of the pen.
+MOST_LOBES = 100
+
+
+def circle(
+    center: ArrayLike,
+    radius: float,
+    *,
+    speed: float | None = None,
+    frequency: float | None = None,
+    turns: float = 1.0,
+    start_angle: float = 0.0,
+    normal: ArrayLike = (0.0, 0.0, 1.0),
+    points: int = 1,
+    pressures: ArrayLike | None = None,
+) -> Path:
+    """Points, evenly spaced, that go around a circle, counterclockwise seen against its normal.
+
+    center : (3,) in m
+    radius : in m
+    speed : in m/s; or
+    frequency : turns a second
+    turns : how many; a path of whole turns is closed
+    start_angle : of the first point, in rad, from x (where the plane allows it, else from y)
+    normal : (3,), of any length
+    points : how many, M
+    pressures : in Pa, one number or (M,); left out, balanced
+
+    Raises SceneError for numbers that are not in order, and unless either a speed or a frequency above 0 is
+    given.
+    """
+    radius, turns = number("radius", radius, above=0), number("turns", turns, above=0)
+    angle, count = number("start_angle", start_angle), whole("points", points, least=1)
+    if count > MOST_POINTS:
+        raise refused("points", count, f"give at most {MOST_POINTS}")
+    across, up = axes(vector("normal", normal))
+    curve = Circle(2 * math.pi * radius, True, vector("center", center), across, up, angle)
+    return walk(curve, speed=speed, frequency=frequency, laps=turns, points=count, pressures=pressures)
+
+
+def line(
+    start: ArrayLike,
+    end: ArrayLike,
+    *,
+    speed: float | None = None,
+    frequency: float | None = None,
+    there_and_back: bool = False,
+    pressures: ArrayLike | None = None,
+) -> Path:
+    """A point from start to end, and back where asked, which is a closed path.
+
+    start, end : (3,) in m
+    speed : in m/s; or
+    frequency : how often a second, there and back where asked
+    there_and_back : whether it goes back
+    pressures : in Pa; left out, balanced
+
+    Raises SceneError for an end that is the start, for numbers that are not in order, and unless either a
+    speed or a frequency above 0 is given.
+    """
+    ends = np.stack([vector("start", start), vector("end", end)])
+    closed = flag("there_and_back", there_and_back)
+    if (ends[0] == ends[1]).all():
+        raise refused("end", ends[1], "it is where the start is, give another point")
+    return walk(lines(ends, closed), speed=speed, frequency=frequency, pressures=pressures)
+
+
+def polyline(
+    corners: ArrayLike,
+    *,
+    speed: float | None = None,
+    frequency: float | None = None,
+    closed: bool = False,
+    pressures: ArrayLike | None = None,
+) -> Path:
+    """A point along straight lines between corners (K, 3) in m, closed or not.
+
+    speed : in m/s; or
+    frequency : how often a second it walks the whole
+    pressures : in Pa; left out, balanced
+
+    Raises SceneError for corners in one place, for numbers that are not in order, and unless either a speed
+    or a frequency above 0 is given.
+    """
+    vertices, closed = vectors("corners", corners), flag("closed", closed)
+    if (vertices == vertices[0]).all():
+        raise refused("corners", vertices, "they are all in one place, give different ones")
+    return walk(lines(vertices, closed), speed=speed, frequency=frequency, pressures=pressures)
+
+
+def lissajous(
+    center: ArrayLike,
+    size: tuple[float, float],
+    ratio: tuple[int, int],
+    *,
+    phase: float = math.pi / 2,
+    speed: float | None = None,
+    frequency: float | None = None,
+    pressures: ArrayLike | None = None,
+) -> Path:
+    """A point along x = width / 2 sin(a u + phase), y = height / 2 sin(b u) around a center.
+
+    center : (3,) in m
+    size : width and height of the whole, in m
+    ratio : a : b, two whole numbers; 1 : 1 is an ellipse, 1 : 2 with phase 0 an eight
+    phase : in rad
+    speed : in m/s, constant along the figure (a sine in time would not be); or
+    frequency : figures a second
+    pressures : in Pa; left out, balanced
+
+    Raises SceneError for a size or ratio that is not in order, and unless either a speed or a frequency above
+    0 is given.
+    """
+    middle, phase = vector("center", center), number("phase", phase)
+    sizes, lobes = real("size", size, "give (width, height) in m"), real("ratio", ratio, "give (a, b)")
+    if sizes.shape != (2,) or not np.isfinite(sizes).all() or (sizes < 0).any() or not sizes.any():
+        raise refused("size", size, "give (width, height) in m, not both 0")
+    if lobes.shape != (2,) or not all(1 <= n <= MOST_LOBES and n == round(n) for n in lobes):
+        raise refused("ratio", ratio, f"give two whole numbers from 1 to {MOST_LOBES}")
+    # In lowest terms the figure is walked once.
+    a, b = Fraction(int(lobes[0]), int(lobes[1])).as_integer_ratio()
+    u = 2 * math.pi * np.arange(PIECES * max(a, b)) / (PIECES * max(a, b))
+    shifts = sizes / 2 * np.stack([np.sin(a * u + phase), np.sin(b * u)], axis=1)
+    vertices = middle + np.column_stack([shifts, np.zeros(len(u))])
+    return walk(lines(vertices, True), speed=speed, frequency=frequency, pressures=pressures)

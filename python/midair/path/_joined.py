@@ -1,0 +1,193 @@
+"""Pieces one after the other; what does not meet fades out and in between them, standing still.
+
+A piece of M points has M slots. Points of the second piece that start where points of the first end go on in
+their slots. All others of the first fade to 0; those of the second rise from 0, in slots whose target is 0,
+or in new ones. A slot whose target is 0 holds no point, and only such a slot changes its place at once.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._midair import SceneError
+from .._support.arguments import shown
+from ._beside import same_unit
+from ._piece import ROUNDING, Numbers, Piece, mixed
+
+#: Nearer than this, in m, an end and a start are one place: a ten-thousandth of the wavelength.
+MEET = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A piece in its slots; the other slots are at `idle` (M, 3), with target 0."""
+
+    piece: Piece
+    slots: NDArray[np.int64]
+    idle: Numbers
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Joined(Piece):
+    """Parts, each from its start (s) on."""
+
+    parts: tuple[Part, ...]
+    starts: Numbers
+
+    def place(self, times: Numbers) -> Numbers:
+        """Places in the part of each time."""
+        return self._each(times, lambda part: part.idle, lambda part: part.piece.place)
+
+    def pace(self, times: Numbers) -> Numbers:
+        """Speeds in the part of each time."""
+        return self._each(times, lambda _: np.zeros(self.points), lambda part: part.piece.pace)
+
+    def level(self, times: Numbers) -> Numbers:
+        """Targets in the part of each time."""
+        return self._each(times, lambda _: np.zeros(self.points), lambda part: part.piece.level)
+
+    def _each(
+        self,
+        times: Numbers,
+        idle: Callable[[Part], Numbers],
+        moving: Callable[[Part], Callable[[Numbers], Numbers]],
+    ) -> Numbers:
+        which = (np.searchsorted(self.starts, times, side="right") - 1).clip(0)
+        found = np.empty((len(times), *idle(self.parts[0]).shape))
+        for index in np.unique(which):
+            part, here = self.parts[index], which == index
+            values = np.tile(idle(part), (int(here.sum()), *[1] * (found.ndim - 1)))
+            values[:, part.slots] = moving(part)(part.piece.within(times[here] - self.starts[index]))
+            found[here] = values
+        return found
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Fade(Piece):
+    """Points at rest whose targets go from one to the other along half a period of a cosine."""
+
+    #: (M, 3) in m.
+    at: Numbers
+    #: (M,) each.
+    before: Numbers
+    after: Numbers
+
+    def place(self, times: Numbers) -> Numbers:
+        """The same at all times."""
+        return np.tile(self.at, (len(times), 1, 1))
+
+    def pace(self, times: Numbers) -> Numbers:
+        """None."""
+        return np.zeros((len(times), self.points))
+
+    def level(self, times: Numbers) -> Numbers:
+        """Raised cosine: before (1 + c) / 2 + after (1 - c) / 2, c = cos(pi t / duration)."""
+        shares = (1 - np.cos(math.pi * times / self.duration)[:, None]) / 2
+        return mixed(self.before, self.after, shares)
+
+
+class State(NamedTuple):
+    """Places (M, 3) and targets (M,) at one time."""
+
+    places: Numbers
+    targets: Numbers
+
+
+def then(first: Piece, second: Piece, fade: float | None) -> Piece:
+    """The second after the first, with a fade of so many s between them where they do not meet."""
+    same_unit(first, second)
+    end, begin = _state(first, first.duration), _state(second, 0.0)
+    slots, goes_on = _slots(end, begin)
+    points = max(first.points, int(slots.max()) + 1)
+    more = points - first.points
+    places = np.concatenate([end.places, np.zeros((more, 3))])
+    places[slots[~goes_on]] = begin.places[~goes_on]
+    before = np.concatenate([end.targets, np.zeros(more)])
+    after = np.zeros(points)
+    after[slots] = begin.targets
+    parts = list(_parts(first))
+    if more:
+        new = places[first.points :]
+        parts = [Part(part.piece, part.slots, np.concatenate([part.idle, new])) for part in parts]
+    if not np.allclose(before, after, rtol=ROUNDING, atol=0):
+        if fade is None:
+            raise SceneError(f"{_jump(end, begin, slots, goes_on)}: give a fade in s, such as fade=0.05")
+        rest = Fade(
+            points=points,
+            duration=fade,
+            closed=False,
+            pascals=first.pascals,
+            at=places,
+            before=before,
+            after=after,
+        )
+        parts.append(Part(rest, np.arange(points), places))
+    for part in _parts(second):
+        idle = places.copy()
+        idle[slots] = part.idle
+        parts.append(Part(part.piece, slots[part.slots], idle))
+    return _joined(parts, first.pascals, points)
+
+
+def _joined(parts: list[Part], pascals: bool, points: int) -> Joined:
+    ends = np.cumsum([part.piece.duration for part in parts])
+    path = Joined(
+        points=points,
+        duration=float(ends[-1]),
+        closed=False,
+        pascals=pascals,
+        modulation=max(part.piece.modulation for part in parts),
+        parts=tuple(parts),
+        starts=np.concatenate([[0.0], ends[:-1]]),
+    )
+    first, last = _state(path, 0.0), _state(path, path.duration)
+    apart = np.linalg.norm(first.places - last.places, axis=1)
+    meets = bool((apart[first.targets > 0] <= MEET).all())
+    return replace(path, closed=meets and np.allclose(first.targets, last.targets, rtol=ROUNDING, atol=0))
+
+
+def _parts(piece: Piece) -> Sequence[Part]:
+    if isinstance(piece, Joined):
+        return piece.parts
+    return [Part(piece, np.arange(piece.points), np.zeros((piece.points, 3)))]
+
+
+def _state(piece: Piece, time: float) -> State:
+    at = piece.within(np.array([time]))
+    return State(piece.place(at)[0], piece.level(at)[0])
+
+
+def _slots(end: State, begin: State) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """The slot of each point of the second piece, and whether a point of the first goes on in it."""
+    count = len(begin.places)
+    slots, goes_on = np.full(count, -1), np.zeros(count, bool)
+    open_ends = end.targets > 0
+    for j in np.flatnonzero(begin.targets > 0):
+        apart = np.where(open_ends, np.linalg.norm(end.places - begin.places[j], axis=1), np.inf)
+        nearest = int(apart.argmin())
+        if apart[nearest] <= MEET:
+            slots[j], goes_on[j], open_ends[nearest] = nearest, True, False
+    new = int((~goes_on).sum())
+    free = np.concatenate([np.flatnonzero(end.targets <= 0), len(end.places) + np.arange(new)])
+    slots[~goes_on] = free[:new]
+    return slots, goes_on
+
+
+def _jump(end: State, begin: State, slots: NDArray[np.int64], goes_on: NDArray[np.bool_]) -> str:
+    """What does not meet."""
+    counts = [int((state.targets > 0).sum()) for state in (end, begin)]
+    if counts[0] != counts[1]:
+        return f"M changes from {counts[0]} to {counts[1]} at the joint"
+    starts = np.flatnonzero((begin.targets > 0) & ~goes_on)
+    if len(starts):
+        left = np.setdiff1d(np.flatnonzero(end.targets > 0), slots[goes_on])
+        point = int(starts[0])
+        apart = np.linalg.norm(end.places[left] - begin.places[point], axis=1).min()
+        return f"point {point} of the second path starts {apart * 1e3:.4g} mm from where the first ends"
+    return f"targets jump from {shown(end.targets.tolist())} to {shown(begin.targets.tolist())} at the joint"

@@ -1,0 +1,216 @@
+"""Path: control points and their targets as functions of time, and how paths are put together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .._support.arguments import number, refused, word
+from ._beside import beside
+from ._joined import then
+from ._piece import ROUNDING, Numbers, Piece, instants
+
+Shape: TypeAlias = Literal["sqrt", "cosine", "square"]
+
+#: By periods since the start; each begins at 1.
+SHAPES: dict[str, Callable[[Numbers], Numbers]] = {
+    "sqrt": lambda periods: np.sqrt((1 + np.cos(2 * math.pi * periods)) / 2),
+    "cosine": lambda periods: (1 + np.cos(2 * math.pi * periods)) / 2,
+    "square": lambda periods: ((periods + ROUNDING) % 1 < 0.5).astype(np.float64),
+}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Modulated(Piece):
+    """A piece whose targets are multiplied by 1 - depth + depth shape(frequency t)."""
+
+    piece: Piece
+    frequency: float
+    shape: str
+    depth: float
+
+    def place(self, times: Numbers) -> Numbers:
+        """As the piece's."""
+        return self.piece.place(times)
+
+    def pace(self, times: Numbers) -> Numbers:
+        """As the piece's."""
+        return self.piece.pace(times)
+
+    def level(self, times: Numbers) -> Numbers:
+        """Those of the piece, modulated."""
+        factors = 1 - self.depth + self.depth * SHAPES[self.shape](self.frequency * times)
+        return factors[:, None] * self.piece.level(times)
+
+
+def modulated(piece: Piece, frequency: float, shape: str, depth: float) -> Piece:
+    """The piece, modulated; a closed one holds a whole number of periods."""
+    frequency, depth = number("frequency", frequency, above=0), number("depth", depth, least=0)
+    if depth > 1:
+        raise refused("depth", depth, "give a number from 0 to 1")
+    if word("shape", shape) not in SHAPES:
+        raise refused("shape", shape, f"give one of {', '.join(SHAPES)}")
+    periods = frequency * piece.duration
+    if piece.closed and abs(periods - round(periods)) > ROUNDING * max(periods, 1):
+        near = " or ".join(
+            f"{n / piece.duration:.10g}" for n in (math.floor(periods), math.ceil(periods)) if n
+        )
+        lasts = (
+            f"the closed path of {piece.duration:.6g} s would hold {periods:.6g} periods and jump at its seam"
+        )
+        raise refused("frequency", frequency, f"{lasts}, give {near} Hz")
+    return Modulated(
+        points=piece.points,
+        duration=piece.duration,
+        closed=piece.closed,
+        pascals=piece.pascals,
+        modulation=max(piece.modulation, frequency),
+        piece=piece,
+        frequency=frequency,
+        shape=shape,
+        depth=depth,
+    )
+
+
+#: Frames times points of one answer; 10^8 are 3.2 GB.
+MOST_FRAMES = 100_000_000
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Path:
+    """M control points that move for a time, with a target for each; nothing about it changes.
+
+    Targets are in Pa (peak) where `pressures` were given, and then `pascals` is true. Where they were left
+    out, targets are relative to full: 1, times what modulation and fades leave of it, for a solver that
+    balances. A point whose target is 0 is not there: such a one is to be left out of that frame's scene.
+
+    `a & b` are the points of both at the same time, `a.then(b)` those of b after those of a.
+    """
+
+    _piece: Piece
+
+    @property
+    def points(self) -> int:
+        """M, the number of points, the same at all times."""
+        return self._piece.points
+
+    @property
+    def duration(self) -> float:
+        """In s."""
+        return self._piece.duration
+
+    @property
+    def closed(self) -> bool:
+        """Whether the end joins the start, so that the path can go around for ever."""
+        return self._piece.closed
+
+    @property
+    def pascals(self) -> bool:
+        """Whether targets are in Pa (pressures were given), or relative to full (they were left out)."""
+        return self._piece.pascals
+
+    def at(self, times: ArrayLike) -> Numbers:
+        """Places (T, M, 3) in m at times (T,) in s.
+
+        A closed path goes around; one that is open stands still before its start and after its end.
+
+        Raises SceneError for times that are no finite numbers.
+        """
+        return self._piece.place(self._piece.within(instants(times)))
+
+    def targets(self, times: ArrayLike) -> Numbers:
+        """Targets (T, M) at times (T,) in s: in Pa where pressures were given, else relative to full.
+
+        Raises SceneError for times that are no finite numbers.
+        """
+        return self._piece.level(self._piece.within(instants(times)))
+
+    def speed(self, times: ArrayLike) -> Numbers:
+        """Speeds (T, M) in m/s at times (T,) in s within the path; at a corner, the speed after it.
+
+        Raises SceneError for times that are no finite numbers.
+        """
+        return self._piece.pace(self._piece.within(instants(times)))
+
+    def frames(self, rate: float) -> tuple[Numbers, Numbers]:
+        """Places (T, M, 3) and targets (T, M) at i / rate, i = 0, 1, ..., of round(duration rate) frames.
+
+        One more where the path is open: its end. The step over the seam of a closed path is like any other
+        where duration times rate is whole.
+
+        Raises SceneError for a rate that gives less than two frames, too many for one answer, or too few for
+        the modulation.
+        """
+        rate = number("rate", rate, above=0)
+        # The end of an open path is a frame, that of a closed one the first.
+        count = np.rint(self.duration * rate) + (not self.closed)
+        if count < 2:
+            raise refused(
+                "rate", rate, f"that is {count:g} frames in {self.duration:.6g} s, give a larger one"
+            )
+        if count * self.points > MOST_FRAMES:
+            large = f"{count:g} frames of {self.points} points are too many for one answer"
+            raise refused("rate", rate, f"{large}, take them in parts by at(times) and targets(times)")
+        if rate < 2 * self._piece.modulation * (1 - ROUNDING):
+            least = 2 * self._piece.modulation
+            raise refused(
+                "rate", rate, f"the modulation needs {least:g} frames a second at least, give as many"
+            )
+        times = np.arange(int(count)) / rate
+        return self.at(times), self.targets(times)
+
+    def beside(self, other: Path) -> Path:
+        """The points of both at the same time: this path's first; also `path & other`.
+
+        Both last equally long; or both are closed, their durations in a ratio of whole numbers, and go around
+        until both are at their start again.
+
+        Raises SceneError for paths that last differently, or of which one has pressures and one has none.
+        """
+        return Path(beside(self._piece, _piece("other", other)))
+
+    def __and__(self, other: Any) -> Path:
+        """Both at the same time, as `beside`."""
+        return self.beside(other)
+
+    def then(self, other: Path, fade: float | None = None) -> Path:
+        """The other path after this one.
+
+        fade : in s, used where the end of this path and the start of the other differ in points, places or
+            targets. For so long all points stand still, and targets go from one value to the other (to and
+            from 0 where points vanish and appear) along a raised cosine. Left out, such paths are refused.
+
+        The new path is closed where its end joins its start.
+
+        Raises SceneError for paths that do not join where there is no fade, or of which one has pressures and
+        one has none.
+        """
+        seconds = None if fade is None else number("fade", fade, above=0)
+        return Path(then(self._piece, _piece("other", other), seconds))
+
+    def with_am(self, frequency: float, shape: Shape = "sqrt", depth: float = 1.0) -> Path:
+        """The path with its targets times 1 - depth + depth s(t): amplitude modulation at a frequency in Hz.
+
+        With c = cos(2 pi frequency t), s is sqrt((1 + c) / 2) for "sqrt", whose force on a hand has one line
+        in its spectrum and the mean 1/2; (1 + c) / 2 for "cosine", of mean force 3/8; 1, then 0 for "square".
+        A closed path holds a whole number of periods.
+
+        Raises SceneError for an unknown shape, a depth beyond 0 to 1, and a frequency that a closed path
+        cannot hold.
+        """
+        return Path(modulated(self._piece, frequency, shape, depth))
+
+    def __repr__(self) -> str:
+        """Points, duration and whether it closes."""
+        return f"Path(points={self.points}, duration={self.duration:.6g}, closed={self.closed})"
+
+
+def _piece(item: str, path: Any) -> Piece:
+    if not isinstance(path, Path):
+        raise refused(item, path, "give a path, such as midair.path.circle(...)")
+    return path._piece
