@@ -12,7 +12,7 @@ SI units, e^{-jwt}, peak pressures: every convention is in docs/conventions.md.
 
 from importlib.metadata import version as _version
 
-from . import _toolbox, path, shape
+from . import _toolbox
 from ._boards import (
     Board,
     BoardBusy,

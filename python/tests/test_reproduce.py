@@ -17,8 +17,8 @@ import midair
 import oracle
 from midair import _cli as cli
 from midair._reproduce import FIGURES, accuracy, fig7, reproduce, scenes, tables, timing
-from midair._reproduce.methods import curves, panels
 from midair._reproduce.run import Run
+from midair._reproduce.scenes import curves, panels
 from midair._sweep.block import solve_block
 
 #: There so that a hang is a failure and not a hung suite.

@@ -14,8 +14,7 @@ from os import PathLike
 import numpy as np
 from numpy.typing import NDArray
 
-from .._files.content import fault, text
-from .._files.table import numbers
+from .._support.text import fault, numbers, text
 
 #: Transducers of a board.
 COUNT = 256

@@ -17,9 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import Array, SceneError, SceneWarning
-from .content import fault, text
+from .._support.text import fault, number, numbers, rows, text
 from .played import Played, one_or_more
-from .table import number, numbers, rows
 
 #: Transducers of two boards, of one, and of a side.
 PAIR, BOARD, SIDE = 512, 256, 16

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .._midair import Solution
 from .._motion import Sequence
-from .content import MOST_BYTES, fault
+from .._support.text import MOST_BYTES, fault
 from .played import ROUNDING, Played
 
 CURE = "give what Solution.save, Sequence.save or midair.write wrote"

@@ -13,9 +13,9 @@ from .._boards import pat
 from .._boards.layout import Layout
 from .._midair import Array, SceneError, read_table
 from .._support.arguments import path_of
+from .._support.text import content, fault, unpacked
 from . import arrays as positions
 from . import autd3, handybeam, ultraino, xml
-from .content import content, fault, unpacked
 
 
 def read(path: str | PathLike[str]) -> Layout:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .._boards.layout import Layout, turned
 from .._midair import Array
-from .content import fault, text
+from .._support.text import fault, text
 
 #: Boards of one link.
 MOST_BOARDS = 128

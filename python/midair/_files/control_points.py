@@ -19,10 +19,9 @@ from numpy.typing import ArrayLike, NDArray
 from .._midair import SceneError
 from .._motion import Sequence
 from .._support.arguments import number
+from .._support.text import columns, fault, picked, rows, text
 from ..path import Path
 from ..path._piece import FARTHEST, real
-from .content import fault, text
-from .table import columns, picked, rows
 
 COLUMNS = ("t", "x", "y", "z", "intensity")
 FREQUENCY = "frequency"

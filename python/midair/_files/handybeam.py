@@ -11,8 +11,7 @@ from os import PathLike
 import numpy as np
 
 from .._boards.layout import Layout
-from .content import fault
-from .table import number
+from .._support.text import fault, number
 from .xml import Element
 
 

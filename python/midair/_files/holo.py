@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import Array, SceneError
+from .._support.text import MOST_BYTES, content, fault, unpacked
 from .acoustools import own_order
-from .content import MOST_BYTES, content, fault, unpacked
 from .played import Played, one_or_more
 
 #: Steps of a period and of the amplitude, the phase of a step, what ends a list, and bytes of a number.

@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import SceneError
-from .content import fault, text
+from .._support.text import columns, fault, picked, rows, text
 from .played import ROUNDING, Played
-from .table import columns, picked, rows
 
 NEEDED = ("amplitude", "phase")
 CURE = "give index,x,y,z,amplitude,phase or index,amplitude,phase"

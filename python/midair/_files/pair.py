@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 
 from .._midair import SceneError
 from .._motion.files import whole
-from .content import fault, text
+from .._support.text import fault, numbers, rows, text
 from .played import Played, one_or_more
-from .table import numbers, rows
 
 PHASE, AMPLITUDE = "Phase", "Amp"
 NAMED = f"0_{PHASE}"

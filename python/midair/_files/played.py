@@ -15,7 +15,7 @@ from .._boards.board import Board
 from .._midair import Array, SceneError, Solution
 from .._motion import Sequence
 from .._support.arguments import shown
-from .content import content, fault
+from .._support.text import content, fault
 
 CURE = 'give board=, such as "sonicsurface"'
 

@@ -11,12 +11,11 @@ from .._boards.board import Board
 from .._midair import Array, Solution
 from .._motion import Sequence
 from .._support.arguments import path_of
+from .._support.text import content, fault, number, rows, text
 from . import acoustools, archive, control_points, holo, one_drive, pair
 from . import played as board_frames
-from .content import content, fault, text
 from .control_points import ControlPoints
 from .played import known
-from .table import number, rows
 
 CSV = (
     "give index,x,y,z,amplitude,phase, or t,x,y,z,intensity, or AcousTools' frames,transducers,"

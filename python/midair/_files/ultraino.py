@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._boards.layout import Layout, turned
-from .content import fault
-from .java_beans import Bean, Decoder
-from .xml import Element
+from .._support.text import fault
+from .xml import Bean, Decoder, Element
 
 #: What Transducer.java has where a file says nothing.
 POWER = 2.53

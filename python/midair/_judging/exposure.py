@@ -13,7 +13,7 @@ from .._midair import Scene, SceneError, Solution, about, field
 from .._motion import Sequence
 from .._motion.propagation import rows
 from .._points.ear import REFERENCE, Ear
-from .._support import columns
+from .._support import text as columns
 from .._support.arguments import number, refused, vector
 
 

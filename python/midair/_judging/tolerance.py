@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import Solution
-from .._support import columns
+from .._support import text as columns
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

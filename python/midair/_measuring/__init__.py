@@ -1,7 +1,6 @@
 """Measuring: an array as its readings have it, and drives that readings steer."""
 
-from .calibrate import calibrate
-from .drives import calibration_drives
+from .calibrate import calibrate, calibration_drives
 from .player import Tuning
 from .result import Calibration
 from .tune import tune

@@ -15,9 +15,8 @@ from .._support.arguments import callback, number, refused, whole
 from ..path import Path
 from . import store
 from .ahead import Tracks, board_of, check
-from .found import Followed, Foreseen, Found
 from .frames import AIR
-from .horizon import read_frame, streamed
+from .horizon import Followed, Foreseen, Found, read_frame, streamed
 from .request import Request, bound, request, sight, solver_name, warn_of_speed
 from .sequence import Sequence
 

@@ -21,7 +21,7 @@ from .._midair import Scene, SceneError, SceneWarning
 from .._support import output
 from .._support.arguments import path_of
 from . import files
-from .found import Found
+from .horizon import Found
 from .request import Request
 from .sequence import Sequence
 

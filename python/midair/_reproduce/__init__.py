@@ -14,7 +14,7 @@ from .._midair import SceneError
 from . import drawing, fig2, fig3, fig4, fig5, fig6, fig7, tables
 from .fields import pixels
 from .run import Found, Run, Tell, silent
-from .verdicts import Verdict
+from .tables import Verdict
 
 
 class Figure(Protocol):

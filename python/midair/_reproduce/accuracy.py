@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 from .._sweep.block import solve_block
 from .._sweep.engine import Job
 from . import drawing, scenes, tables
-from .methods import curves
 from .run import Run
+from .scenes import curves
 
 #: Trials that are kept together: a second or two of the slowest method.
 CHUNK = 25

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from .._support import output
 from . import tables
-from .methods import Method
+from .scenes import Method
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

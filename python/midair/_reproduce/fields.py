@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from .. import _midair
 from .._midair import Array, Plane, Scene
 from .._sweep.engine import Arrays
-from .methods import Options
-from .scenes import PITCH, Z
+from .scenes import PITCH, Options, Z
 from .tables import Rows
 
 if TYPE_CHECKING:

@@ -6,9 +6,9 @@ from matplotlib.figure import Figure
 
 from .._sweep.engine import Job
 from . import fields, scenes, tables
-from .methods import panels
 from .run import Found, Run
-from .verdicts import Verdict, outcome
+from .scenes import panels
+from .tables import Verdict, outcome
 
 SIZE = 0.1
 

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from . import accuracy, tables
 from .run import Found, Run
-from .verdicts import Verdict, outcome, percent, span
+from .tables import Verdict, outcome, percent, span
 
 
 def collect(run: Run) -> Found:

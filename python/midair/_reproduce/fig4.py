@@ -7,9 +7,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from . import accuracy, tables
-from .methods import PAPER
 from .run import Found, Run
-from .verdicts import Verdict, outcome
+from .scenes import PAPER
+from .tables import Verdict, outcome
 
 #: The mean sigma that an even field may have.
 EVEN = 1e-4

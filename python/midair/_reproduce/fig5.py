@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from . import scenes, tables, timing
-from .methods import PAPER
 from .run import Found, Run
-from .verdicts import Verdict, outcome
+from .scenes import PAPER
+from .tables import Verdict, outcome
 
 SIDE = 20
 

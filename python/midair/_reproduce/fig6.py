@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from . import fig5, scenes, tables, timing
 from .run import Found, Run
-from .verdicts import Verdict
+from .tables import Verdict
 
 
 def collect(run: Run) -> Found:

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from .. import _midair
 from .._sweep.engine import Arrays, Job
 from . import fields, scenes, tables
-from .methods import Options
 from .run import Found, Run
-from .verdicts import Verdict, outcome
+from .scenes import Options
+from .tables import Verdict, outcome
 
 SIZE = 0.04
 POINT = [[0.0, 0.0, scenes.Z]]

@@ -14,7 +14,7 @@ from PIL import Image
 
 from .._support import output
 from . import FIGURES, fig2, tables, timing
-from .verdicts import Outcome
+from .tables import Outcome
 
 #: Colours that the pictures on the page are reduced to, and their width in pixels, for a small repository.
 COLOURS = 128

@@ -3,9 +3,88 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
-from .._midair import Array
+from .._midair import Array, solvers
+
+Options = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Method:
+    """A curve or a panel. Its label tells what brings a drive back to |q| <= 1: that decides most."""
+
+    key: str
+    label: str
+    solver: str
+    options: Options
+    colour: str
+    #: Whether the paper compares it; the others are drawn dashed and take no part in its statements.
+    in_paper: bool = True
+
+
+#: Every method's default is the setting of the authors' code; balancing was not known.
+PAPER = (
+    Method("greedy", "greedy, K=1 L=16, |q|=1", "greedy", {"balance": False}, "#d62728"),
+    Method("lm", "LM, |q|=1", "lm", {"balance": False}, "#1f77b4"),
+    Method("evd", "EVD, clamp", "evd", {"balance": False}, "#2ca02c"),
+    Method("sdp", "SDP+BCD, raw moduli, normalize", "sdp", {"balance": False}, "#9467bd"),
+    Method("gspat", "GS-PAT, clamp", "gspat", {"balance": False}, "#ff7f0e"),
+)
+
+GS = Method("gs", "GS, |q|=1", "gs", {"balance": False}, "#8c564b", False)
+
+#: The finest grid the paper speaks of.
+FINE = Method(
+    "greedy-fine",
+    "greedy, K=16 L=256, |q|≤1",
+    "greedy",
+    {"balance": False, "amplitudes": 16, "phases": 256},
+    "#7f0000",
+    False,
+)
+
+#: What the authors' code minimises instead of eq. (7).
+L1 = Method(
+    "greedy-l1",
+    "greedy, l1, K=1 L=16, |q|=1",
+    "greedy",
+    {"balance": False, "objective": "l1"},
+    "#ff9896",
+    False,
+)
+
+
+def even() -> tuple[Method, ...]:
+    """Our methods for even fields at the highest level, as far as this build has them."""
+    ours = (
+        Method("uniform", "uniform, |q|≤1", "uniform", {"aim": "max"}, "black", False),
+        Method("best", "best, |q|≤1", "best", {"aim": "max"}, "dimgray", False),
+    )
+    return tuple(method for method in ours if method.solver in solvers())
+
+
+def curves() -> tuple[Method, ...]:
+    """Figs. 3 and 4."""
+    return (*PAPER, FINE, L1, GS, *even())
+
+
+def panels() -> tuple[Method, ...]:
+    """Fig. 2: the paper's six, then ours."""
+    return (*PAPER, GS, *even())
+
+
+def timed() -> tuple[Method, ...]:
+    """Figs. 5 and 6: greedy in fixed order, and by plain brute force, as for absolute errors."""
+    fixed = {"balance": False, "order": "columns"}
+    first, *others = PAPER
+    greedy = Method(first.key, first.label, "greedy", fixed, first.colour)
+    brute = Method(
+        "greedy-brute", "greedy, plain brute force", "greedy", {**fixed, "objective": "l1"}, "#ff9896", False
+    )
+    return (greedy, brute, *others, GS, *even())
+
 
 #: Height of the points, m.
 Z = 0.15

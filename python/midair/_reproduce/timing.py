@@ -15,8 +15,8 @@ from .. import _midair
 from .._midair import Array, Scene
 from .._sweep.engine import Arrays, Job
 from . import drawing, scenes, tables
-from .methods import Options, timed
 from .run import Run
+from .scenes import Options, timed
 
 #: Rounds at most: the median of so many is steady to a few per cent on a quiet machine.
 ROUNDS = 15

@@ -14,9 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from .._midair import Array, Scene, SceneError, SceneWarning, scene_files
-from .axes import Tables, column, put
+from .axes import Tables, array_table, column, put, short
 from .block import array_and_medium, first_scene, trial_seed
-from .plain import array_table, short
 
 #: Settings of a block but for its solver, and the columns that its rows have in common.
 Sets = list[tuple[dict[str, Any], dict[str, Any]]]

@@ -15,9 +15,8 @@ from typing import Any, NoReturn
 
 from .._midair import Array, Scene, SceneError, solve, solver_name, solvers
 from .._support.arguments import path_of
-from .axes import Tables, read_axes
+from .axes import Tables, plain, read_axes, short
 from .block import METRICS, Settings
-from .plain import plain, short
 from .problems import few, known, read_sets, reason, tables_of, whole
 
 #: More problems than this are a slip of the pen.

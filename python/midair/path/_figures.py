@@ -11,10 +11,9 @@ from numpy.typing import ArrayLike
 from .._support.arguments import flag, number, refused, vector, vectors, whole
 from ..shape._contour import MOST_POINTS
 from ..shape._figures import axes
-from ._curve import Circle, lines
+from ._curve import Circle, lines, walk
 from ._path import Path
 from ._piece import real
-from ._walk import walk
 
 #: Straight pieces in a period of a sine: a Lissajous figure of 0.1 m strays by 1e-9 m.
 PIECES = 16384

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._support.arguments import number, refused, word
-from ._beside import beside
-from ._joined import then
+from ._joined import beside, then
 from ._piece import ROUNDING, Numbers, Piece, instants
 
 Shape: TypeAlias = Literal["sqrt", "cosine", "square"]

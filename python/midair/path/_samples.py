@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from .._midair import SceneError
 from .._support.arguments import flag, number, refused
 from ..shape._vector_graphics import outlines
-from ._curve import lines
+from ._curve import lasting, lines, walk
 from ._path import Path
 from ._piece import (
     FARTHEST,
@@ -25,7 +25,6 @@ from ._piece import (
     point_sets,
     real,
 )
-from ._walk import lasting, walk
 
 
 def svg(

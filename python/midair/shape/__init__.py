@@ -15,8 +15,7 @@ than half a step to one before it is left out.
 """
 
 from ._contour import MOST_POINTS, STEP
-from ._figures import circle, line, polyline
-from ._lettering import text
+from ._figures import circle, line, polyline, text
 from ._vector_graphics import svg
 
 __all__ = ["MOST_POINTS", "STEP", "circle", "line", "polyline", "svg", "text"]

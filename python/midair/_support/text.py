@@ -1,0 +1,144 @@
+"""What a file holds, read whole up to a limit; what is wrong with it, told by file, line, value and cure."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterator, Mapping, Sequence
+from html import escape
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._midair import SceneError
+
+#: In bytes, of a file and of what it unpacks to. A drive of 512 transducers is 5 kB at most: 50 000 frames.
+MOST_BYTES = 256 << 20
+
+
+def fault(path: str | PathLike[str], line: int | None, reason: str) -> SceneError:
+    """What is wrong with a file, in one line."""
+    place = f'file "{path}"' if line is None else f'file "{path}", line {line}'
+    return SceneError(" ".join(f"{place}: {reason}".split()))
+
+
+def content(path: str | PathLike[str], most: int = MOST_BYTES, *, empty: bool = False) -> bytes:
+    """The bytes of a file, which may be empty."""
+    file = Path(path)
+    try:
+        if file.exists() and not file.is_file():
+            raise fault(path, None, "it is a folder, device or pipe: give a file")
+        with file.open("rb") as stream:
+            found = stream.read(most + 1)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise fault(path, None, f"it cannot be read ({reason}): give a file that is there") from error
+    if len(found) > most:
+        raise fault(path, None, f"it is larger than {most >> 20} MB: give a smaller one")
+    if not found and not empty:
+        raise fault(path, None, "it is empty: give a file with something in it")
+    return found
+
+
+def text(path: str | PathLike[str], found: bytes | None = None) -> str:
+    """The text of a file, UTF-8."""
+    try:
+        return (content(path) if found is None else found).decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise fault(path, None, "it is no text: give a text file in UTF-8") from error
+
+
+def unpacked(path: str | PathLike[str], found: bytes, kind: str, most: int = MOST_BYTES) -> bytes:
+    """What zlib has packed, "gzip" or "zlib", and no more than `most` of it."""
+    packed = zlib.decompressobj(31 if kind == "gzip" else 15)
+    try:
+        whole = packed.decompress(found, most + 1)
+    except zlib.error as error:
+        raise fault(path, None, f"its {kind} data are damaged: get the file again") from error
+    if len(whole) > most:
+        raise fault(path, None, f"it unpacks to more than {most >> 20} MB: give a smaller one")
+    if not packed.eof:
+        raise fault(path, None, f"its {kind} data end too soon: get the file again")
+    if packed.unused_data:
+        raise fault(path, None, f"something follows its {kind} data: get the file again")
+    return whole
+
+
+def rows(text: str) -> Iterator[tuple[int, list[str]]]:
+    """Line numbers and cells; empty lines and those that begin with # are passed over."""
+    for line, row in enumerate(text.splitlines(), 1):
+        if row.strip() and not row.lstrip().startswith("#"):
+            yield line, cells(row)
+
+
+def cells(row: str) -> list[str]:
+    """The cells of a row."""
+    separator = next((mark for mark in ";\t" if mark in row), ",")
+    return [cell.strip().strip('"').strip() for cell in row.split(separator)]
+
+
+def number(cell: str) -> float | None:
+    """A finite number, None for anything else."""
+    try:
+        found = float(cell) if "_" not in cell else np.nan
+    except ValueError:
+        return None
+    return found if np.isfinite(found) else None
+
+
+def numbers(
+    path: str | PathLike[str], line: int, found: Sequence[str], names: Sequence[str] = ()
+) -> NDArray[np.float64]:
+    """A row of finite numbers; `names` are those of its columns, else they are counted."""
+    try:
+        row = np.array(found, np.float64)
+    except ValueError:
+        row = np.array([np.nan])
+    # Python's numbers may have underscores.
+    if not np.isfinite(row).all() or "_" in "".join(found):
+        for index, cell in enumerate(found):
+            if number(cell) is None:
+                name = names[index] if names else f"column {index + 1}"
+                raise fault(path, line, f'{name} is "{cell}": give a finite number')
+    return row
+
+
+def columns(
+    path: str | PathLike[str], line: int, header: Sequence[str], needed: Sequence[str], cure: str
+) -> dict[str, int]:
+    """Where a row of names has its columns; those that are needed must be there, none twice."""
+    found = [name.lower() for name in header]
+    for name in needed:
+        if name not in found:
+            raise fault(path, line, f'there is no column "{name}": {cure}')
+        if found.count(name) > 1:
+            raise fault(path, line, f'column "{name}" is there twice: {cure}')
+    return {name: index for index, name in reversed(list(enumerate(found)))}
+
+
+def picked(
+    path: str | PathLike[str], line: int, row: Sequence[str], where: dict[str, int], names: Sequence[str]
+) -> NDArray[np.float64]:
+    """Some columns of a row, by name."""
+    cell = [row[where[name]] if where[name] < len(row) else "" for name in names]
+    return numbers(path, line, cell, names)
+
+
+def plain(columns: Mapping[str, list[str]]) -> str:
+    """A heading, a rule and a line for each row."""
+    lines = list(zip(*([name, *column] for name, column in columns.items()), strict=True))
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    texts = ["  ".join(map(str.ljust, line, widths)).rstrip() for line in lines]
+    return "\n".join([texts[0], "-" * (sum(widths) + 2 * (len(widths) - 1)), *texts[1:]])
+
+
+def html(columns: Mapping[str, list[str]], caption: str) -> str:
+    """The same as an HTML table under a caption."""
+    head = "".join(f"<th>{escape(name)}</th>" for name in columns)
+    rows = zip(*columns.values(), strict=True)
+    body = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows)
+    return (
+        f"<table><caption>{escape(caption)}</caption>"
+        f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    )
