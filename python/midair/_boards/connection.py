@@ -24,7 +24,7 @@ from . import wire
 from .address import DEFAULT, HOLDS_SEQUENCE, Address, can_modulate, describe, parse
 from .board import Board
 from .errors import BoardError, BoardLost, BoardTimeout
-from .playing import Limit
+from .limit import Limit
 from .process import PATIENCE, GuardProcess
 from .wire import Kind, Late
 
