@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from .. import _midair
-from .._sweep.engine import Arrays, Job
+from .._sweep.chunks import Arrays
+from .._sweep.engine import Job
 from . import fields, scenes, tables
 from .run import Found, Run
 from .scenes import Options

@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .._sweep.engine import Arrays, Job, run
+from .._sweep.chunks import Arrays
+from .._sweep.engine import Job, run
 from .tables import Rows
 
 Tell = Callable[[int, int], None]

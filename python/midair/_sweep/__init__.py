@@ -12,7 +12,8 @@ from .._midair import SceneWarning
 from .._support.arguments import callback, path_of
 from . import chunks, files, table
 from .block import solve_block
-from .engine import Arrays, Job, run
+from .chunks import Arrays
+from .engine import Job, run
 from .problems import whole
 from .request import Request, read
 from .table import Shortfall

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from .. import _midair
 from .._midair import Array, Scene, SceneError, SceneWarning, solvers
-from .engine import Arrays, Stopped, go_on
+from .chunks import Arrays
+from .engine import Stopped, go_on
 
 METRICS = ("accuracy", "sigma", "uniformity", "level", "residual", "leak")
 

@@ -8,15 +8,16 @@ import re
 import zipfile
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .._midair import SceneError
 from .._support import output
 
-if TYPE_CHECKING:
-    from .engine import Arrays
+#: The arrays of a result, by their names.
+Arrays = dict[str, NDArray[Any]]
 
 #: No result of a job comes near this many bytes; what does is not read.
 MOST_BYTES = 1 << 30

@@ -20,12 +20,10 @@ from queue import Empty, Queue
 from threading import Thread
 from typing import TYPE_CHECKING, Any
 
-from numpy.typing import NDArray
-
 from .. import _midair
 from .._midair import SceneError, SceneWarning
 from .._support.ctrl_c import interruptible
-from .chunks import load, save
+from .chunks import Arrays, load, save
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -93,7 +91,6 @@ def _connected(scheduler: str) -> Client:
     return answer
 
 
-Arrays = dict[str, NDArray[Any]]
 Settings = Mapping[str, Any]
 Function = Callable[[Settings, int, int], Arrays]
 

@@ -15,7 +15,8 @@ from .._midair import SceneError
 from .._support import output
 from . import files
 from .block import METRICS, trial_seed
-from .engine import Arrays, Job
+from .chunks import Arrays
+from .engine import Job
 from .request import Block, Request
 
 

@@ -1,0 +1,149 @@
+"""Who may import whom in the package: downwards only, no circles, lazy and type-checking imports counted."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+import midair
+
+PACKAGE = Path(midair.__file__).parent
+
+#: The packages and lone modules from the lowest layer up; one may import those before it, and itself.
+LAYERS = (
+    "_midair",
+    "_support",
+    "shape",
+    "path",
+    "_points",
+    "_pictures",
+    "_motion",
+    "_boards",
+    "_files",
+    "_sweep",
+    "_measuring",
+    "_judging",
+    "_studio",
+    "_reproduce",
+    "_toolbox",
+    "midair",
+    "_cli",
+    "__main__",
+)
+
+#: Modules of fewer than 40 lines, each with its reason.
+SHORT = {
+    "midair.__main__": "python -m midair",
+    "midair._boards.errors": "the guard's process imports it, and nothing that loads NumPy",
+    "midair._boards.layout": "arrays and files of poses have the rule in common",
+    "midair._boards.start": "the guard's process begins here, before it imports what a board needs",
+    "midair._cli.studio": "a command a file",
+    "midair._reproduce.fig6": "a figure a file",
+    "midair._studio.widget": "imports anywidget, an extra",
+}
+
+#: Public modules, which show public names only.
+PUBLIC = ("midair", "midair.path", "midair.shape")
+
+
+def imported(text: str, package: str) -> Iterator[str]:
+    """The names that a module's imports give, dotted, wherever in the file they stand."""
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            parts = package.split(".")
+            above = parts[: len(parts) + 1 - node.level] if node.level else []
+            origin = ".".join([*above, *([node.module] if node.module else [])])
+            yield from (f"{origin}.{alias.name}" for alias in node.names)
+
+
+def graph(texts: dict[str, str]) -> dict[str, set[str]]:
+    """The modules that each module imports, by dotted names; `a.b.__init__` is the package a.b."""
+    known = {name.removesuffix(".__init__") for name in texts} | {"midair._midair"}
+
+    def longest(name: str) -> str | None:
+        parts = name.split(".")
+        return next((part for n in range(len(parts), 0, -1) if (part := ".".join(parts[:n])) in known), None)
+
+    uses = {}
+    for name, text in texts.items():
+        module, package = name.removesuffix(".__init__"), name.rpartition(".")[0]
+        uses[module] = {used for inner in imported(text, package) if (used := longest(inner))} - {module}
+    return uses
+
+
+def layer(module: str) -> int:
+    """The layer of a module: that of the package right under midair, or of the package itself."""
+    parts = module.split(".")
+    name = parts[1] if len(parts) > 1 else parts[0]
+    assert name in LAYERS, f"{name} is in no layer: list it"
+    return LAYERS.index(name)
+
+
+def upward(uses: dict[str, set[str]]) -> list[str]:
+    return [f"{a} imports {b}" for a in uses for b in sorted(uses[a]) if layer(b) > layer(a)]
+
+
+def circle(uses: dict[str, set[str]]) -> list[str]:
+    """The modules of one circle, or none."""
+    try:
+        TopologicalSorter(uses).prepare()
+    except CycleError as error:
+        return list(error.args[1])
+    return []
+
+
+def sources() -> dict[str, str]:
+    files = sorted(PACKAGE.rglob("*.py"))
+    return {
+        ".".join(("midair", *file.relative_to(PACKAGE).with_suffix("").parts)): file.read_text(
+            encoding="utf-8"
+        )
+        for file in files
+    }
+
+
+def test_imports_run_downwards_and_in_no_circle() -> None:
+    uses = graph(sources())
+    assert upward(uses) == []
+    assert circle(uses) == []
+
+
+@pytest.mark.parametrize(
+    ("module", "line"),
+    [
+        ("midair._support.text", "from .._motion.sequence import Sequence"),
+        ("midair._points.ear", "def later():\n    from .. import _boards"),
+        ("midair._sweep.axes", "import midair"),
+    ],
+)
+def test_an_import_of_a_higher_layer_is_seen(module: str, line: str) -> None:
+    texts = sources()
+    texts[module] += f"\n{line}\n"
+    assert len(upward(graph(texts))) == 1
+
+
+def test_a_circle_is_seen_through_a_type_checking_import() -> None:
+    texts = sources()
+    texts["midair._sweep.axes"] += "\nif TYPE_CHECKING:\n    from .block import Block\n"
+    texts["midair._sweep.block"] += "\nfrom .axes import plain\n"
+    assert set(circle(graph(texts))) == {"midair._sweep.axes", "midair._sweep.block"}
+
+
+def test_the_package_has_few_modules_and_a_short_one_has_its_reason() -> None:
+    texts = {name: text for name, text in sources().items() if not name.endswith(".__init__")}
+    assert len(sources()) <= 150
+    assert {name for name, text in texts.items() if text.count("\n") < 40} == set(SHORT)
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_public_modules_show_public_names_only(name: str) -> None:
+    module = importlib.import_module(name)
+    shown = {inner for inner in dir(module) if not inner.startswith("_")}
+    assert shown == set(module.__all__) - {"__version__"}
