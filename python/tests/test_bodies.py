@@ -213,9 +213,9 @@ def test_pictures_show_where_bodies_are() -> None:
 def test_a_mesh_is_solved_once(cache: Path) -> None:
     array = midair.Array.grid(4, 3, 10e-3)
     mesh = ball(1, radius=0.0079)
-    before = set(cache.rglob("*.npy"))
+    before = set(cache.rglob("*.npz"))
     first = midair.Scene(array, POINTS[:2], obstacles=[mesh]).propagation()
-    kept = set(cache.rglob("*.npy")) - before
+    kept = set(cache.rglob("*.npz")) - before
     assert len(kept) == 1
     # From the file, and again where that is broken.
     for spoil in (b"", b"\x93NUMPY nonsense"):
@@ -226,7 +226,7 @@ def test_a_mesh_is_solved_once(cache: Path) -> None:
     # Any other medium or mesh is another boundary.
     midair.Scene(array, POINTS[:2], frequency=39e3, obstacles=[mesh])
     midair.Scene(array, POINTS[:2], obstacles=[ball(1, "soft", 0.0079)])
-    assert len(set(cache.rglob("*.npy")) - before) == 3
+    assert len(set(cache.rglob("*.npz")) - before) == 3
 
 
 @pytest.mark.slow
@@ -375,4 +375,4 @@ def test_ctrl_c_is_heard_while_a_mesh_is_solved(tmp_path: Path) -> None:
     program.send_signal(signal.SIGINT)
     error = program.communicate(timeout=60)[1]
     assert error.strip().endswith("KeyboardInterrupt")
-    assert not list(tmp_path.rglob("*.npy")) + list(tmp_path.rglob("*.part"))
+    assert not list(tmp_path.rglob("*.npz")) + list(tmp_path.rglob("*.part"))

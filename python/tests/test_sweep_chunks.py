@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import midair
+from midair._support import kept as kept_files
 from midair._sweep import chunks, table
 from midair._sweep.block import solve_block
 from midair._sweep.engine import Job
@@ -121,7 +122,7 @@ FORGED: dict[str, Callable[[dict[str, Any]], bytes]] = {
 def test_what_is_forged_is_made_anew(name: str, kept: tuple[Path, dict[str, np.ndarray]]) -> None:
     path, arrays = kept
     content = FORGED[name](arrays)
-    path.write_bytes(content + chunks._digest(path, content))
+    path.write_bytes(content + kept_files.digest(chunks.identity(path), content))
     found = chunks.load(path, 5)
     assert found is None or not table.fits(job(), found)
     assert not Path("sprung").exists()
@@ -140,7 +141,7 @@ def test_a_sweep_over_damaged_chunks_ends_the_same(monkeypatch: pytest.MonkeyPat
     paths[2].write_bytes(paths[2].read_bytes()[:-40])
     paths[3].unlink()
     forged = saved(level=np.zeros(5))
-    paths[4].write_bytes(forged + chunks._digest(paths[4], forged))
+    paths[4].write_bytes(forged + kept_files.digest(chunks.identity(paths[4]), forged))
     # A number changed within an array, which a zip archive alone would also notice, and its check after it.
     paths[5].write_bytes(content[:300] + b"\x01" + content[301:])
     assert equal(midair.sweep(ASKED, "table.csv"), whole)

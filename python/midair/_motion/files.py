@@ -40,9 +40,7 @@ def whole(path: str | PathLike[str], endings: tuple[str, ...]) -> Iterator[Path]
         folder.mkdir()
         part = folder / f"part{asked.suffix.lower()}"
         yield part
-        if target.exists():
-            part.chmod(target.stat().st_mode & 0o7777)
-        part.replace(target)
+        output.put(part, target)
     except OSError as error:
         reason = error.strerror or str(error)
         raise SceneError(

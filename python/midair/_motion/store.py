@@ -1,10 +1,9 @@
-"""A sequence on its way to disk: pieces beside the file, the state after each, and the file made of them."""
+"""Store: a sequence on its way to disk, piece after piece beside the file that is made of them."""
 
 from __future__ import annotations
 
 import json
-import os
-import shutil
+import re
 import warnings
 import zipfile
 from collections.abc import Callable
@@ -18,7 +17,7 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from .._midair import Scene, SceneError, SceneWarning
-from .._support import output
+from .._support import kept, output
 from .._support.arguments import path_of
 from . import files
 from .horizon import Found
@@ -27,6 +26,12 @@ from .sequence import Sequence
 
 #: What the folder beside the file is called.
 ENDING = ".resume"
+
+#: The file in it that names the request, and what begins the name of an array of the state in a piece.
+REQUEST, STATE = "request", "state."
+
+#: Names of files that are ours.
+OWN = re.compile(r"request|\d{12}\.npz")
 
 
 def solved(
@@ -41,15 +46,20 @@ def solved(
     target = path_of("resume", path)
     output.check(target, (".npz",))
     folder = target.with_name(target.name + ENDING)
-    own = _fingerprint(asked, setting, block)
     total = len(asked.points)
-    done = _begin(folder, own, found)
-    for first in range(done, total, block):
-        _keep(folder, first, found.block(slice(first, first + block)), found)
-        if progress is not None:
-            progress(min(first + block, total), total)
-    _assemble(target, folder, asked, setting, found.board, block)
-    shutil.rmtree(folder)
+    with kept.locked(folder):
+        pieces = Pieces(folder, _fingerprint(asked, setting, block))
+        done = 0
+        while done < total and (piece := pieces.load(done)) is not None:
+            state, done = piece[1], done + block
+        if done:
+            found.restore(min(done, total), state)
+        for first in range(done, total, block):
+            pieces.save(first, found.block(slice(first, first + block)), found.state())
+            if progress is not None:
+                progress(min(first + block, total), total)
+        _assemble(target, pieces, asked, setting, found.board, block)
+        kept.remove(folder, OWN)
     return Sequence.load(target)
 
 
@@ -64,49 +74,48 @@ def _fingerprint(asked: Request, setting: dict[str, Any], block: int) -> str:
     return digest.hexdigest()
 
 
-def _begin(folder: Path, own: str, found: Found) -> int:
-    """The frames that are done already, the rest to be found from there."""
-    told = folder / "request"
-    if not folder.exists():
-        folder.mkdir()
-        output.write(told, own.encode())
-        return 0
-    if not told.exists() or told.read_text() != own:
-        raise SceneError(
-            f'resume folder "{folder}" belongs to another request: remove it, or give another file'
-        )
-    state = folder / "state.npz"
-    if not state.exists():
-        return 0
-    with np.load(state, allow_pickle=False) as kept:
-        done = int(kept["done"])
-        found.restore(done, {name: kept[name] for name in kept.files if name != "done"})
-        return done
+class Pieces:
+    """Pieces of one request in a folder: drives (frames, N) and what there is to know to go on after them."""
 
+    def __init__(self, folder: Path, request: str) -> None:
+        self._folder = folder
+        self._request = request
+        path = folder / REQUEST
+        with kept.refusing(path):
+            other = path.read_bytes() if path.is_file() else b""
+            # A damaged name of a request is none: each piece says whose it is.
+            if re.fullmatch(rb"[0-9a-f]{64}", other) and other != request.encode():
+                raise SceneError(
+                    f'resume folder "{folder}" belongs to another request: remove it, or give another file'
+                )
+            output.write(path, request.encode())
 
-def _keep(folder: Path, first: int, drives: NDArray[Any], found: Found) -> None:
-    """Write a piece, then that it is done."""
-    part = folder / "piece.part"
-    with part.open("wb") as stream:
-        np.save(stream, drives)
-    part.replace(folder / f"{first:012d}.npy")
-    with part.open("wb") as stream:
-        np.savez(stream, done=first + len(drives), **found.state())
-        stream.flush()
-        os.fsync(stream.fileno())
-    part.replace(folder / "state.npz")
+    def save(self, first: int, drives: NDArray[Any], state: dict[str, Any]) -> None:
+        """Keep the piece that begins with a frame."""
+        state = {f"{STATE}{name}": np.asarray(value) for name, value in state.items()}
+        kept.save(*self._named(first), {"drives": drives, **state})
+
+    def load(self, first: int) -> tuple[NDArray[Any], dict[str, Any]] | None:
+        """Load the piece that begins with a frame; None where it is not there, or damaged."""
+        arrays = kept.load(*self._named(first))
+        if arrays is None:
+            return None
+        drives = arrays.pop("drives")
+        return drives, {name.removeprefix(STATE): value for name, value in arrays.items()}
+
+    def _named(self, first: int) -> tuple[Path, str]:
+        return self._folder / f"{first:012d}.npz", f"{self._request}/{first}"
 
 
 def _assemble(
     target: Path,
-    folder: Path,
+    pieces: Pieces,
     asked: Request,
     setting: dict[str, Any],
     board: dict[str, Any] | None,
     block: int,
 ) -> None:
-    """The file that `Sequence.save` writes, its drives copied piece after piece."""
-    pieces = [folder / f"{first:012d}.npy" for first in range(0, len(asked.points), block)]
+    """Write the file that `Sequence.save` writes, its drives copied piece after piece."""
     shape = (len(asked.points), len(asked.array))
     with warnings.catch_warnings():
         # Told of the request.
@@ -130,8 +139,12 @@ def _assemble(
             with archive.open(f"{name}.npy", "w", force_zip64=True) as stream:
                 npy.write_array(stream, np.asanyarray(values), allow_pickle=False)
         with archive.open("drives.npy", "w", force_zip64=True) as stream:
-            descr = npy.dtype_to_descr(np.load(pieces[0], mmap_mode="r").dtype)
-            header = {"descr": descr, "fortran_order": False, "shape": shape}
-            npy.write_array_header_2_0(stream, header)
-            for piece in pieces:
-                stream.write(np.load(piece, allow_pickle=False).tobytes())
+            for first in range(0, shape[0], block):
+                piece = pieces.load(first)
+                if piece is None:
+                    raise SceneError(f'a piece of "{target}{ENDING}" was damaged meanwhile: run this again')
+                if first == 0:
+                    descr = npy.dtype_to_descr(piece[0].dtype)
+                    header = {"descr": descr, "fortran_order": False, "shape": shape}
+                    npy.write_array_header_2_0(stream, header)
+                stream.write(piece[0].tobytes())

@@ -11,6 +11,7 @@ from typing import Protocol
 from matplotlib.figure import Figure as Picture
 
 from .._midair import SceneError
+from .._support.kept import locked
 from . import drawing, fig2, fig3, fig4, fig5, fig6, fig7, tables
 from .fields import pixels
 from .run import Found, Run, Tell, silent
@@ -68,9 +69,11 @@ def reproduce(
         raise SceneError(f"seed is {seed}: give 0 to 2^63 - 1")
     _make(output)
     verdicts: list[Verdict] = []
-    for name in dict.fromkeys(names):
-        with progress(name) as tell:
-            verdicts += _figure(name, Run(trials, seed, output / ".chunks", scheduler, tell), output)
+    chunks = output / ".chunks"
+    with locked(chunks):
+        for name in dict.fromkeys(names):
+            with progress(name) as tell:
+                verdicts += _figure(name, Run(trials, seed, chunks, scheduler, tell), output)
     tables.write(output / "verdicts.csv", [verdict.row() for verdict in verdicts])
     return verdicts
 

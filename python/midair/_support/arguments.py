@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import reprlib
 from os import PathLike
 from pathlib import Path
@@ -25,7 +26,10 @@ def refused(item: str, value: Any, cure: str) -> SceneError:
 
 def shown(value: Any) -> str:
     """A value as somebody may recognise it."""
-    return f'"{value}"' if isinstance(value, str | PathLike) else reprlib.repr(value)
+    if isinstance(value, str | PathLike):
+        # A character that a terminal does not show is shown as its code.
+        return f'"{str(value).replace(chr(0), chr(92) + "0")}"'
+    return reprlib.repr(value)
 
 
 def number(item: str, value: Any, *, above: float | None = None, least: float | None = None) -> float:
@@ -88,7 +92,7 @@ def _numbers(item: str, value: Any, shape: tuple[int, ...], cure: str) -> NDArra
 
 def path_of(item: str, value: Any, cure: str = "give the name of a file") -> Path:
     """The name of a file, which need not be there."""
-    if not isinstance(value, str | PathLike):
+    if not isinstance(value, str | PathLike) or "\0" in os.fsdecode(value):
         raise refused(item, value, cure)
     return Path(value)
 

@@ -113,15 +113,32 @@ def write(path: Path, content: bytes) -> None:
     part = part_of(target)
     try:
         part.write_bytes(content)
-        if target.exists():
-            part.chmod(stat.S_IMODE(target.stat().st_mode))
-        part.replace(target)
+        put(part, target)
     except OSError as error:
         # The temporary name says nothing to the user.
         raise OSError(error.errno, error.strerror, str(path)) from error
     finally:
         with suppress(OSError):
             part.unlink(missing_ok=True)
+
+
+def put(part: Path, target: Path) -> None:
+    """Give a finished temporary file its name; first its bytes, then the name reach the disk itself."""
+    if target.exists():
+        part.chmod(stat.S_IMODE(target.stat().st_mode))
+    _sync(part, os.O_RDWR)
+    part.replace(target)
+    # Windows has no folders to open, some file systems none to bring to disk.
+    with suppress(OSError):
+        _sync(target.parent, os.O_RDONLY)
+
+
+def _sync(path: Path, flags: int) -> None:
+    handle = os.open(path, flags)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
 
 
 def write_drive(path: Path, scene: Scene, solution: Solution) -> None:

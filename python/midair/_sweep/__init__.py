@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from .._midair import SceneWarning
 from .._support.arguments import callback, path_of
+from .._support.kept import locked
 from . import chunks, files, table
 from .block import solve_block
 from .chunks import Arrays
@@ -81,7 +82,7 @@ def work(
         None if path is None else path_of(name, path)
         for name, path in (("output", output), ("drives", drives))
     ]
-    kept = files.check(asked, *places)
+    folder = files.check(asked, *places)
     if threads is not None:
         whole(threads, "threads", least=1)
     shortfall = Shortfall()
@@ -94,32 +95,33 @@ def work(
         if progress is not None:
             progress(done, asked.problems)
 
-    with ExitStack() as stack:
-        write = stack.enter_context(table.open_table(places[0], asked)) if places[0] else None
-        give = stack.enter_context(table.open_drives(places[1], asked)) if places[1] else None
+    with nullcontext() if folder is None else locked(folder):
+        with ExitStack() as stack:
+            write = stack.enter_context(table.open_table(places[0], asked)) if places[0] else None
+            give = stack.enter_context(table.open_drives(places[1], asked)) if places[1] else None
 
-        def take(job: Job, arrays: Arrays) -> None:
-            nonlocal first
-            columns = table.rows(job.owner, job, arrays, first)
-            if write is not None:
-                write(columns)
-            if give is not None:
-                give(arrays, first)
-            receive(columns)
-            shortfall.add(arrays)
-            first += job.stop - job.start
+            def take(job: Job, arrays: Arrays) -> None:
+                nonlocal first
+                columns = table.rows(job.owner, job, arrays, first)
+                if write is not None:
+                    write(columns)
+                if give is not None:
+                    give(arrays, first)
+                receive(columns)
+                shortfall.add(arrays)
+                first += job.stop - job.start
 
-        run(
-            _jobs(asked, chunk),
-            take,
-            chunks=kept,
-            scheduler=scheduler,
-            threads=threads,
-            tell=tell,
-            fits=table.fits,
-        )
-    if kept is not None:
-        chunks.remove(kept)
+            run(
+                _jobs(asked, chunk),
+                take,
+                chunks=folder,
+                scheduler=scheduler,
+                threads=threads,
+                tell=tell,
+                fits=table.fits,
+            )
+        if folder is not None:
+            chunks.remove(folder)
     if text := shortfall.text():
         warnings.warn(text, SceneWarning, stacklevel=3)
 

@@ -9,8 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from .._midair import SceneError
-from .._support import output
-from . import chunks
+from .._support import kept, output
 from .request import Request
 
 TABLES = (".csv", ".parquet")
@@ -34,9 +33,9 @@ def check(asked: Request, table: Path | None, drives: Path | None) -> Path | Non
     beside = table or drives
     if beside is None:
         return None
-    kept = beside.with_name(f".{beside.name}.chunks")
-    chunks.check(kept)
-    return kept
+    folder = beside.with_name(f".{beside.name}.chunks")
+    kept.check(folder)
+    return folder
 
 
 def _need(package: str, path: Path) -> None:

@@ -1,0 +1,174 @@
+"""Kept files: arrays that can be made again, each with a digest, in folders of one run at a time."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import os
+import re
+import sys
+import zipfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._midair import SceneError
+from . import output
+
+Arrays = dict[str, NDArray[Any]]
+
+#: A file of more bytes is not read.
+MOST_BYTES = 1 << 32
+
+#: Bytes of the digest, the last of a file.
+DIGEST = hashlib.sha256().digest_size
+
+#: The file that a process locks while it works on a folder.
+LOCK = "lock"
+
+
+def load(path: Path, identity: str) -> Arrays | None:
+    """Load the arrays that `save` wrote of this identity; None where there are none, or damaged ones."""
+    try:
+        if not path.is_file() or path.stat().st_size > MOST_BYTES:
+            return None
+        content = path.read_bytes()
+        packed = content[:-DIGEST]
+        if content[-DIGEST:] != digest(identity, packed):
+            return None
+        with zipfile.ZipFile(io.BytesIO(packed)) as file:
+            # An entry that is not compressed cannot grow while it is read.
+            if any(part.compress_type != zipfile.ZIP_STORED for part in file.infolist()):
+                return None
+        with np.load(io.BytesIO(packed), allow_pickle=False) as file:
+            arrays = dict(file)
+        return arrays if all(array.nbytes <= len(packed) for array in arrays.values()) else None
+    # Whatever the file holds, it does not end a run.
+    except Exception:
+        return None
+
+
+def save(path: Path, identity: str, arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Save arrays with a digest of their bytes and of `identity`, the work that they answer.
+
+    Raises SceneError where the file cannot be written.
+    """
+    if path.parent.is_symlink():
+        raise SceneError(f'"{path.parent}" is a link: remove it, or choose another output')
+    content = io.BytesIO()
+    np.savez(content, **arrays)  # type: ignore[arg-type]
+    packed = content.getvalue()
+    with refusing(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        output.write(path, packed + digest(identity, packed))
+
+
+def digest(identity: str, packed: bytes) -> bytes:
+    """Digest of the bytes and of the work: a file moved to another work's place is damaged, too."""
+    return hashlib.sha256(f"{identity}\n".encode() + packed).digest()
+
+
+@contextmanager
+def refusing(path: Path) -> Iterator[None]:
+    """Report what the system refuses of a path as one line."""
+    try:
+        yield
+    except OSError as error:
+        raise SceneError(
+            f'"{path}" cannot be written ({error.strerror or error}): make room or choose another folder;'
+            " what is done is kept"
+        ) from error
+
+
+def check(folder: Path) -> None:
+    """Refuse a folder of kept files that is a link or no folder."""
+    if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
+        raise SceneError(
+            f'"{folder}" is there and no folder of kept results: remove it, or choose another output'
+        )
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Make the folder if need be, and hold it: no other run works on it meanwhile.
+
+    Raises SceneError at once where another one holds it. The system frees what a killed process held.
+    """
+    check(folder)
+    with refusing(folder):
+        handle = _held(folder)
+    if handle is None:
+        raise SceneError(
+            f'"{folder}" is in use by another run of the same work:'
+            " wait until that ends, or choose another output"
+        )
+    windows = os.name == "nt"
+    try:
+        yield
+    finally:
+        # Windows removes no open file; elsewhere it has to go while it is held.
+        if windows:
+            os.close(handle)
+        with suppress(OSError):
+            (folder / LOCK).unlink()
+            folder.rmdir()
+        if not windows:
+            os.close(handle)
+
+
+def _held(folder: Path) -> int | None:
+    """Open and lock the folder's lock file; None where another run has it."""
+    path = folder / LOCK
+    while True:
+        folder.mkdir(parents=True, exist_ok=True)
+        with suppress(FileNotFoundError):
+            handle = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
+            try:
+                _lock(handle)
+                # A run that has just ended may have removed this very file.
+                if os.path.samestat(os.fstat(handle), path.stat()):
+                    return handle
+            except (BlockingIOError, PermissionError):
+                os.close(handle)
+                return None
+            except BaseException:
+                os.close(handle)
+                raise
+            os.close(handle)
+
+
+def _lock(handle: int) -> None:
+    """Lock an open file, unless another run has it."""
+    if sys.platform == "win32":
+        import msvcrt
+
+        msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
+    else:
+        import fcntl
+
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+def remove(folder: Path, own: re.Pattern[str]) -> None:
+    """Remove what has own names from a folder, and the folder if it holds nothing else; follow no link."""
+    for file in inside(folder):
+        if own.fullmatch(file.name) or temporary(own, file.name):
+            with suppress(OSError):
+                file.unlink()
+    with suppress(OSError):
+        folder.rmdir()
+
+
+def temporary(own: re.Pattern[str], name: str) -> bool:
+    """Whether a name is the temporary one of an own file, as `output.write` makes them."""
+    found = re.fullmatch(r"\.(.+)\.\d+\.part", name)
+    return found is not None and own.fullmatch(found[1]) is not None
+
+
+def inside(folder: Path) -> list[Path]:
+    """List a folder; a link or what is not there holds nothing."""
+    return [] if folder.is_symlink() or not folder.is_dir() else list(folder.iterdir())

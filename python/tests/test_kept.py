@@ -1,0 +1,232 @@
+"""Kept files: what is damaged is made anew, one run works on a folder, nothing of others is touched."""
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import midair
+import midair._motion.solve as motion
+from midair._points import cache
+from midair._support import kept, output
+from sweeps import ASKED
+
+BOARD = midair.Array.grid(8, 8, 10e-3, quantization=midair.Array.preset("sonicsurface").quantization)
+ANGLE = np.arange(80)[:, None] / 40
+RING = np.stack([0.01 * np.cos(ANGLE), 0.01 * np.sin(ANGLE), np.full(ANGLE.shape, 0.12)], axis=-1)
+
+#: A run on a folder, which stops after so many pieces.
+SCRIPT = """
+import sys, time
+from pathlib import Path
+sys.path.insert(0, {tests!r})
+import test_kept
+test_kept.motion.BLOCK = 16
+if {most}:
+    import resource, signal
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, ({most}, resource.RLIM_INFINITY))
+try:
+    test_kept.solved(Path({path!r}), progress=lambda *_: time.sleep({slow}))
+except test_kept.midair.SceneError as error:
+    sys.exit(str(error))
+"""
+
+
+@pytest.fixture(autouse=True)
+def small(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(motion, "BLOCK", 16)
+
+
+def solved(path: Path, **more: Any) -> midair.Sequence:
+    return midair.sequence(BOARD, RING, rate=500, resume=path, **more)
+
+
+class Enough(Exception):
+    pass
+
+
+@pytest.fixture
+def whole() -> midair.Sequence:
+    return midair.sequence(BOARD, RING, rate=500)
+
+
+@pytest.fixture
+def stopped(tmp_path: Path) -> Path:
+    """A file on its way: all but the last piece are there."""
+    path = tmp_path / "x.npz"
+
+    def stop(done: int, total: int) -> None:
+        if done >= total - 16:
+            raise Enough
+
+    with pytest.raises(Enough):
+        solved(path, progress=stop)
+    assert len(pieces(path)) == 4
+    return path
+
+
+def pieces(path: Path) -> list[Path]:
+    return sorted(path.with_name("x.npz.resume").glob("*.npz"))
+
+
+def zeros(path: Path) -> None:
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2 :] = bytes(len(content) - len(content) // 2)
+    path.write_bytes(content)
+
+
+SPOILT = {
+    "half zeros": lambda found: zeros(found[1]),
+    "exchanged": lambda found: found[1].write_bytes(found[2].read_bytes()),
+    "cut": lambda found: found[2].write_bytes(found[2].read_bytes()[:-1]),
+    "empty": lambda found: found[0].write_bytes(b""),
+    "missing": lambda found: found[1].unlink(),
+    "a folder": lambda found: (found[3].unlink(), found[3].mkdir()),
+    "request cut": lambda found: (found[0].parent / "request").write_bytes(b"12"),
+    "request no text": lambda found: (found[0].parent / "request").write_bytes(b"\xff\xfe"),
+    "request gone": lambda found: (found[0].parent / "request").unlink(),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SPOILT)
+def test_a_spoilt_piece_is_solved_anew(name: str, stopped: Path, whole: midair.Sequence) -> None:
+    SPOILT[name](pieces(stopped))
+    if name == "a folder":
+        with pytest.raises(midair.SceneError, match=r"000000000048\.npz"):
+            solved(stopped)
+        return
+    assert solved(stopped) == whole
+    assert [file.name for file in stopped.parent.iterdir()] == ["x.npz"]
+
+
+def test_what_is_of_others_in_the_folder_stays(stopped: Path, whole: midair.Sequence) -> None:
+    folder = pieces(stopped)[0].parent
+    (folder / "precious.txt").write_text("mine")
+    (folder / ".000000000000.npz.4000000.part").touch()
+    assert solved(stopped) == whole
+    assert [file.name for file in folder.iterdir()] == ["precious.txt"]
+
+
+def test_a_folder_that_is_a_link_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "other").mkdir()
+    (tmp_path / "x.npz.resume").symlink_to(tmp_path / "other", target_is_directory=True)
+    with pytest.raises(midair.SceneError, match="no folder of kept results"):
+        solved(tmp_path / "x.npz")
+    assert not list((tmp_path / "other").iterdir())
+
+
+def start(path: Path, slow: float, most: int = 0) -> "subprocess.Popen[str]":
+    """Start a run that sleeps after each piece, whose files may have so many bytes."""
+    script = SCRIPT.format(tests=str(Path(__file__).parent), path=str(path), slow=slow, most=most)
+    return subprocess.Popen(
+        [sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+
+
+@pytest.mark.slow
+def test_a_second_run_on_one_folder_gets_one_line(tmp_path: Path, whole: midair.Sequence) -> None:
+    path = tmp_path / "x.npz"
+    first = start(path, 0.5)
+    while not pieces(path):
+        assert first.poll() is None
+        time.sleep(0.02)
+    second = start(path, 0)
+    told = second.communicate(timeout=60)[1]
+    assert second.returncode == 1
+    assert told.count("\n") == 1
+    assert "is in use by another run of the same work: wait until that ends" in told
+    assert first.communicate(timeout=60) == ("", "")
+    assert first.returncode == 0
+    assert midair.Sequence.load(path) == whole
+    assert [file.name for file in tmp_path.iterdir()] == ["x.npz"]
+
+
+@pytest.mark.slow
+def test_a_killed_run_frees_its_folder(tmp_path: Path, whole: midair.Sequence) -> None:
+    path = tmp_path / "x.npz"
+    first = start(path, 5)
+    while not pieces(path):
+        time.sleep(0.02)
+    first.kill()
+    first.communicate()
+    assert solved(path) == whole
+    assert [file.name for file in tmp_path.iterdir()] == ["x.npz"]
+
+
+def test_two_sweeps_of_one_output_do_not_meet(tmp_path: Path) -> None:
+    with (
+        kept.locked(tmp_path / ".table.csv.chunks"),
+        pytest.raises(midair.SceneError, match="in use by another run"),
+    ):
+        midair.sweep(ASKED, tmp_path / "table.csv")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_lock_is_free_again_and_leaves_nothing(tmp_path: Path) -> None:
+    for _ in range(2):
+        with kept.locked(tmp_path / "a" / "b"):
+            assert (tmp_path / "a" / "b" / kept.LOCK).exists()
+    assert not list((tmp_path / "a").iterdir())
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="POSIX")
+def test_a_full_disk_is_told_in_one_line(tmp_path: Path) -> None:
+    run = start(tmp_path / "x.npz", 0, most=1500)
+    told = run.communicate(timeout=60)[1]
+    assert run.returncode == 1
+    assert told.count("\n") == 1
+    assert '000000000000.npz" cannot be written (File too large): make room' in told
+    assert not list(tmp_path.rglob("*.part"))
+
+
+def test_kept_sound_of_a_mesh_with_a_flipped_bit_is_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cache, "folder", lambda: tmp_path)
+    sound = np.full((40, 30), 1 + 2j, np.complex64)
+    cache.store(b"content", sound)
+    file = cache.path(b"content")[0]
+    content = file.read_bytes()
+    found = cache.load(b"content", (40, 30))
+    assert found is not None
+    assert np.array_equal(found, sound)
+    for spoilt in (
+        content[:400] + bytes([content[400] ^ 1]) + content[401:],
+        content[: len(content) // 2] + bytes(len(content) // 2),
+        bytes(len(content)),
+        content.replace(b"(40, 30)", b"(40, 3\n)"),
+        b"\x93NUMPY\x01\x00F\x00{'descr': '<c8', 'fortran_order': False, 'shape': (99999999999999, 9)}\n",
+    ):
+        file.write_bytes(spoilt)
+        assert cache.load(b"content", (40, 30)) is None
+    # Another mesh's.
+    cache.path(b"other")[0].write_bytes(content)
+    assert cache.load(b"other", (40, 30)) is None
+    (tmp_path / "notes.npz").write_text("mine")
+    monkeypatch.setattr(cache, "MOST", 0)
+    cache.prune(tmp_path)
+    assert [file.name for file in tmp_path.iterdir()] == ["notes.npz"]
+
+
+@pytest.mark.parametrize("name", ["a\0.npz", Path("a\0.npz")])
+def test_a_name_that_no_file_can_have_is_refused(name: Any) -> None:
+    with pytest.raises(midair.SceneError, match=r'resume is "a\\0.npz": give the name of a file'):
+        solved(name)
+
+
+def test_what_is_written_reaches_the_disk_before_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[str] = []
+    monkeypatch.setattr(
+        output.os, "fsync", lambda handle: seen.append(Path(f"/proc/self/fd/{handle}").resolve().name)
+    )
+    kept.save(tmp_path / "a.npz", "a", {"x": np.zeros(3)})
+    assert [name.endswith(".part") for name in seen] == [True, False]
+    assert seen[1] == tmp_path.name
