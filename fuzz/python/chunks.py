@@ -9,7 +9,7 @@ import numpy as np
 
 from guided import Data, fuzz
 from midair._support.kept import digest
-from midair._sweep.chunks import identity, load, save
+from midair._sweep.engine import identity, load, save
 
 ROWS = 3
 FOLDER = Path(tempfile.mkdtemp(dir="/dev/shm"))

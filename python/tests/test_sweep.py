@@ -13,7 +13,7 @@ import pytest
 import zarr
 
 import midair
-from midair._sweep import block, chunks, work
+from midair._sweep import block, engine, work
 from midair._sweep.request import read
 from scenes import METRICS
 from sweeps import ASKED, SCENE, changed, equal
@@ -165,7 +165,7 @@ def test_too_much_and_too_little_is_told_once_with_counts(name: str, monkeypatch
     points = {**ASKED["points"], "count": 3, "pressure": [0.9 * pressure, pressure]}
     request = changed(array=PAPER, points=points, solver=solvers[: 3 if name == "beyond" else 2])
     request["seeds"] = 8 if name == "beyond" else 12
-    monkeypatch.setattr(chunks, "remove", lambda folder: None)
+    monkeypatch.setattr(engine, "remove", lambda folder: None)
     for _ in range(2):
         with pytest.warns(midair.SceneWarning) as told:
             midair.sweep(request, "table.csv")

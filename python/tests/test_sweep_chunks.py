@@ -11,7 +11,7 @@ import pytest
 
 import midair
 from midair._support import kept as kept_files
-from midair._sweep import chunks, table
+from midair._sweep import engine, table
 from midair._sweep.block import solve_block
 from midair._sweep.engine import Job
 from midair._sweep.request import read
@@ -34,7 +34,7 @@ def kept() -> tuple[Path, dict[str, np.ndarray]]:
     whole = job()
     arrays = solve_block(whole.settings, 0, 5)
     path = Path("kept", whole.path)
-    chunks.save(path, arrays)
+    engine.save(path, arrays)
     return path, arrays
 
 
@@ -56,20 +56,20 @@ def mutations(content: bytes) -> dict[str, bytes]:
 def test_no_damage_passes_or_escapes(kept: tuple[Path, dict[str, np.ndarray]]) -> None:
     path, arrays = kept
     content = path.read_bytes()
-    assert equal(chunks.load(path, 5) or {}, arrays)
+    assert equal(engine.load(path, 5) or {}, arrays)
     found = mutations(content)
     assert len(found) > 300
     for name, damaged in found.items():
         path.write_bytes(damaged)
-        assert damaged == content or chunks.load(path, 5) is None, name
+        assert damaged == content or engine.load(path, 5) is None, name
     other = path.with_name("5-10.npz")
     other.write_bytes(content)
-    assert chunks.load(other, 5) is None, "another job's"
+    assert engine.load(other, 5) is None, "another job's"
     other.unlink()
     other.mkdir()
-    assert chunks.load(other, 5) is None, "a folder"
+    assert engine.load(other, 5) is None, "a folder"
     path.write_bytes(content)
-    assert equal(chunks.load(path, 5) or {}, arrays)
+    assert equal(engine.load(path, 5) or {}, arrays)
 
 
 class Trap:
@@ -122,8 +122,8 @@ FORGED: dict[str, Callable[[dict[str, Any]], bytes]] = {
 def test_what_is_forged_is_made_anew(name: str, kept: tuple[Path, dict[str, np.ndarray]]) -> None:
     path, arrays = kept
     content = FORGED[name](arrays)
-    path.write_bytes(content + kept_files.digest(chunks.identity(path), content))
-    found = chunks.load(path, 5)
+    path.write_bytes(content + kept_files.digest(engine.identity(path), content))
+    found = engine.load(path, 5)
     assert found is None or not table.fits(job(), found)
     assert not Path("sprung").exists()
 
@@ -131,7 +131,7 @@ def test_what_is_forged_is_made_anew(name: str, kept: tuple[Path, dict[str, np.n
 def test_a_sweep_over_damaged_chunks_ends_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = midair.sweep(ASKED)
     with monkeypatch.context() as patch:
-        patch.setattr(chunks, "remove", lambda folder: None)
+        patch.setattr(engine, "remove", lambda folder: None)
         midair.sweep(ASKED, "table.csv")
     paths = sorted(Path().glob(".table.csv.chunks/*/*.npz"))
     assert len(paths) == 12
@@ -141,7 +141,7 @@ def test_a_sweep_over_damaged_chunks_ends_the_same(monkeypatch: pytest.MonkeyPat
     paths[2].write_bytes(paths[2].read_bytes()[:-40])
     paths[3].unlink()
     forged = saved(level=np.zeros(5))
-    paths[4].write_bytes(forged + kept_files.digest(chunks.identity(paths[4]), forged))
+    paths[4].write_bytes(forged + kept_files.digest(engine.identity(paths[4]), forged))
     # A number changed within an array, which a zip archive alone would also notice, and its check after it.
     paths[5].write_bytes(content[:300] + b"\x01" + content[301:])
     assert equal(midair.sweep(ASKED, "table.csv"), whole)
@@ -151,7 +151,7 @@ def test_a_sweep_over_damaged_chunks_ends_the_same(monkeypatch: pytest.MonkeyPat
 def test_only_what_is_ours_is_removed() -> None:
     midair.sweep(ASKED, "table.csv")
     folder, own = Path(".table.csv.chunks"), job().path
-    chunks.save(folder / own, {"level": np.zeros(5)})
+    engine.save(folder / own, {"level": np.zeros(5)})
     (folder / own).with_name(".0-5.npz.4000000.part").touch()
     Path("elsewhere").mkdir()
     kept = [folder / "notes.txt", folder / own.parent / "notes.txt", Path("elsewhere", "0-5.npz")]

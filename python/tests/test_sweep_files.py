@@ -171,7 +171,7 @@ def test_drives_of_a_former_sweep_are_replaced_where_links_lead() -> None:
 
 
 def test_drives_that_came_meanwhile_are_not_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sweep_module.chunks, "remove", lambda folder: None)
+    monkeypatch.setattr(sweep_module.engine, "remove", lambda folder: None)
     real = sweep_module.run
 
     def slow(*arguments: Any, **keywords: Any) -> None:

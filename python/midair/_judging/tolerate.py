@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from .._midair import Scene, SceneError, Solution, about, judge, solve
 from .._support.arguments import callback, refused, whole
-from .._sweep.chunks import Arrays
+from .._support.kept import Arrays
 from .._sweep.engine import Job, Settings, Stopped, go_on, run
 from .faults import faulty, sizes
 from .tolerance import TOGETHER, Kept, Tolerance

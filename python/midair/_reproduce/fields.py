@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .. import _midair
 from .._midair import Array, Plane, Scene
-from .._sweep.chunks import Arrays
+from .._support.kept import Arrays
 from .scenes import PITCH, Options, Z
 from .tables import Rows
 

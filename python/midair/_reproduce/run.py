@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .._sweep.chunks import Arrays
+from .._support.kept import Arrays
 from .._sweep.engine import Job, run
 from .tables import Rows
 

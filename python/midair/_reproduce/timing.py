@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .. import _midair
 from .._midair import Array, Scene
-from .._sweep.chunks import Arrays
+from .._support.kept import Arrays
 from .._sweep.engine import Job
 from . import drawing, scenes, tables
 from .run import Run

@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from .._midair import SceneWarning
 from .._support.arguments import callback, path_of
-from .._support.kept import locked
-from . import chunks, files, table
+from .._support.kept import Arrays, locked
+from . import engine, files, table
 from .block import solve_block
-from .chunks import Arrays
 from .engine import Job, run
 from .problems import whole
 from .request import Request, read
@@ -121,7 +120,7 @@ def work(
                 fits=table.fits,
             )
         if folder is not None:
-            chunks.remove(folder)
+            engine.remove(folder)
     if text := shortfall.text():
         warnings.warn(text, SceneWarning, stacklevel=3)
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .. import _midair
 from .._midair import Array, Scene, SceneError, SceneWarning, solvers
-from .chunks import Arrays
+from .._support.kept import Arrays
 from .engine import Stopped, go_on
 
 METRICS = ("accuracy", "sigma", "uniformity", "level", "residual", "leak")

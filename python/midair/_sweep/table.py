@@ -13,9 +13,9 @@ import numpy as np
 
 from .._midair import SceneError
 from .._support import output
+from .._support.kept import Arrays
 from . import files
 from .block import METRICS, trial_seed
-from .chunks import Arrays
 from .engine import Job
 from .request import Block, Request
 
