@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import midair
+from midair._support.ctrl_c import interruptibly
 from scenes import same_bits, small, usable
 
 #: One step a transducer, and one step an iteration.
@@ -193,3 +194,38 @@ def test_a_forked_child_has_threads_of_its_own() -> None:
         [sys.executable, "-c", FORKED], capture_output=True, text=True, timeout=HANG, check=True
     )
     assert ran.stdout == "0 True\n"
+
+
+LEFT_BEHIND = """
+import os, signal, threading, time
+from midair._support.ctrl_c import interruptibly, leave
+signal.signal(signal.SIGINT, signal.default_int_handler)
+library, late = threading.Event(), []
+def interrupt():
+    global sent
+    sent = time.monotonic()
+    os.kill(os.getpid(), signal.SIGINT)
+for attempt in range(3):
+    threading.Timer(0.1, interrupt).start()
+    try:
+        interruptibly(library.wait, 60)
+    except KeyboardInterrupt:
+        late.append(time.monotonic() - sent)
+print(len(late), min(late) < 0.1, flush=True)
+{0}
+leave(130)
+"""
+
+
+@POSIX
+@pytest.mark.parametrize("end", ["", "library.set()"])
+def test_ctrl_c_leaves_a_call_of_a_library_behind(end: str) -> None:
+    command = [sys.executable, "-c", LEFT_BEHIND.format(end)]
+    ran = subprocess.run(command, capture_output=True, text=True, timeout=HANG / 2)
+    assert (ran.stdout, ran.stderr, ran.returncode) == ("3 True\n", "", 130)
+
+
+def test_a_call_of_a_library_returns_and_raises() -> None:
+    assert interruptibly(max, [3, 1], default=0) == 3
+    with pytest.raises(ZeroDivisionError):
+        interruptibly(divmod, 1, 0)

@@ -11,7 +11,7 @@ from typing import NoReturn
 from cyclopts import App, CycloptsError, UnusedCliTokensError
 
 from .. import BoardError, SceneError, SceneWarning, __version__
-from .._support.ctrl_c import Terminated, terminable
+from .._support.ctrl_c import Terminated, leave, terminable
 from .boards import boards_command, off_command, ports_command
 from .calibrate import calibrate_command
 from .compare import compare_command
@@ -73,7 +73,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
         sys.stdout.flush()
     except OSError:
         abandon()
-    sys.exit(status)
+    leave(status)
 
 
 def usage(arguments: Sequence[str]) -> str:

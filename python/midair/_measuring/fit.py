@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from .._support.ctrl_c import interruptibly
 from .model import AIR, CLOCK, LOUDNESS, SPEED, Complex, Model, Real
 
 #: Readings are first trusted to this part of their root mean square, then so many times tighter a step.
@@ -92,21 +92,21 @@ def fit(
         at = model.moved(state, off[2 * n :])
         return Place(off, responses, at, _heard(drives, responses, model.matrix(at), phased) - readings)
 
-    here = place(np.zeros(len(spread)))
+    here, one = place(np.zeros(len(spread))), np.eye(len(spread))
     trust, damping, noise = max(FIRST_TRUST * rms, noise), 0.0, max(noise, 1e-6 * rms)
     for step in range(STEPS):
         progress(step, STEPS)
         square, slope = _normal(model, drives, here, spread)
         unknowns = here.off / spread
-        left = np.sum(inverse_factor(square / trust**2 + np.eye(len(spread))) ** 2, axis=0)
+        left = interruptibly(_inverse_diagonal, square / trust**2 + one)
         # Of the unknowns, what the readings determine takes as many readings with it.
         found = float(np.sqrt(here.misfit / max(count - np.sum(1 - left), 1.0)))
         settled = trust <= 1.05 * max(found, noise)
         trust = max(noise, TIGHTER * trust, min(trust, found))
         cost = here.misfit / trust**2 + unknowns @ unknowns
         while True:
-            factor = inverse_factor(square / trust**2 + (1 + damping) * np.eye(len(spread)))
-            then = unknowns - factor.T @ (factor @ (slope / trust**2 + unknowns))
+            curvature = square / trust**2 + (1 + damping) * one
+            then = unknowns - interruptibly(np.linalg.solve, curvature, slope / trust**2 + unknowns)
             there = place(then * spread)
             gain = cost - there.misfit / trust**2 - np.sum((there.off / spread) ** 2)
             if gain > 0 or damping > MOST_DAMPING:
@@ -187,19 +187,6 @@ def _normal(model: Model, drives: Complex, here: Place, spread: Real) -> tuple[R
     return square, slope
 
 
-def inverse_factor(square: Any) -> Any:
-    """The inverse L^-1 of the Cholesky factor of a matrix L L^T.
-
-    By halves, between which Ctrl-C is heard: [[S, T^T], [T, U]] has the factor [[A, 0], [B, C]], A A^T = S,
-    B = T A^-T, C C^T = U - B B^T, and that the inverse [[A^-1, 0], [-C^-1 B A^-1, C^-1]].
-    """
-    n = len(square)
-    if n <= 64:
-        return np.linalg.inv(np.linalg.cholesky(square))
-    half = n // 2
-    found = np.zeros_like(square)
-    found[:half, :half] = a = inverse_factor(square[:half, :half])
-    b = square[half:, :half] @ a.T
-    found[half:, half:] = c = inverse_factor(square[half:, half:] - b @ b.T)
-    found[half:, :half] = -c @ (b @ a)
-    return found
+def _inverse_diagonal(square: Real) -> Real:
+    """The diagonal of a matrix's inverse, by Cholesky's factor: no rounding makes it negative."""
+    return np.asarray(np.sum(np.linalg.inv(np.linalg.cholesky(square)) ** 2, axis=0))

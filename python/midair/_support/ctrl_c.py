@@ -1,13 +1,21 @@
-"""Ctrl-C and SIGTERM on the command line: work stops between two steps, all else ends and tidies up."""
+"""Ctrl-C and SIGTERM: work stops between two steps, library calls are left behind, all else tidies up."""
 
 from __future__ import annotations
 
+import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator
+from concurrent.futures import Future
 from contextlib import contextmanager
 from types import FrameType
-from typing import Any
+from typing import Any, NoReturn, TypeVar
+
+T = TypeVar("T")
+
+#: The name of a thread that calls a library.
+LIBRARY = "midair: a library's call"
 
 #: Signals that ask a program to end; Windows has only the first two.
 ENDING = [
@@ -64,6 +72,34 @@ def terminable() -> Iterator[None]:
 
     with _handling(end, ENDING[1:]) as before:
         yield
+
+
+def interruptibly(function: Callable[..., T], *arguments: Any, **keywords: Any) -> T:
+    """Calls a library's function that releases the GIL; Ctrl-C arrives meanwhile, within a tenth of a second.
+
+    The call runs in a thread. Ctrl-C leaves it behind, and Python ends when it has ended: a library's memory
+    must not go while it computes.
+    """
+    result: Future[T] = Future()
+
+    def call() -> None:
+        try:
+            result.set_result(function(*arguments, **keywords))
+        except BaseException as error:
+            result.set_exception(error)
+
+    thread = threading.Thread(target=call, name=LIBRARY)
+    thread.start()
+    while thread.is_alive():
+        thread.join(0.05)
+    return result.result()
+
+
+def leave(status: int) -> NoReturn:
+    """Ends the program, at once where Ctrl-C left a library's call behind."""
+    if any(thread.name == LIBRARY for thread in threading.enumerate()):
+        os._exit(status)
+    sys.exit(status)
 
 
 Handler = Callable[[int, FrameType | None], Any]
