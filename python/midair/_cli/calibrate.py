@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
 from typing import Annotated, Any
 
-import numpy as np
 from cyclopts import Parameter
 
 from .. import Scene, SceneError, calibrate
 from .._measuring.result import ENDINGS
 from .._support import output
+from .._support.text import arrays
 from .progress import progress_bar
 from .scene import check_outputs
 from .tables import print_written
@@ -80,12 +79,11 @@ def calibrate_command(
 
 
 def _read(path: Path) -> dict[str, Any]:
-    content = path.read_bytes()
     try:
-        with np.load(io.BytesIO(content), allow_pickle=False) as archive:
-            found = {key: archive[key] for key in KEYS if key in archive}
-    # Whatever a damaged file makes zip and NumPy raise.
-    except Exception as error:
+        found = arrays(path, KEYS)
+    except SceneError as error:
+        raise SceneError(f'readings file "{path}": {error}') from error
+    except ValueError as error:
         raise SceneError(
             f'readings file "{path}" is damaged, or no .npz: give what numpy.savez wrote'
         ) from error

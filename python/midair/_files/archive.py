@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import zipfile
 from os import PathLike
 from pathlib import Path
@@ -11,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Solution
+from .._midair import SceneError, Solution
 from .._motion import Sequence
-from .._support.text import MOST_BYTES, fault
+from .._support.text import MOST_BYTES, arrays, fault
 from .played import ROUNDING, Played
 
 CURE = "give what Solution.save, Sequence.save or midair.write wrote"
@@ -51,10 +50,10 @@ def read(path: str | PathLike[str]) -> Solution | Sequence | NDArray[np.complex6
 
 def _drives(path: str | PathLike[str], name: str, dimensions: int) -> NDArray[np.complex64]:
     try:
-        with np.load(io.BytesIO(Path(path).read_bytes()), allow_pickle=False) as found:
-            drives = found[name]
-    # Whatever a damaged file makes zip and NumPy raise.
-    except Exception as error:
+        drives = arrays(path, [name])[name]
+    except SceneError as error:
+        raise fault(path, None, str(error)) from error
+    except (ValueError, KeyError) as error:
         raise fault(path, None, f"{name} is damaged, or no numbers: {CURE}") from error
     if drives.dtype.kind not in "fc" or drives.ndim != dimensions or not drives.size:
         told = f"{drives.dtype} of shape {drives.shape}"

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import io
+import errno
 import json
+import os
 from os import PathLike
 from typing import Any
 
@@ -12,6 +13,7 @@ import numpy as np
 from .._midair import Scene, SceneError, Solution
 from .._support import output
 from .._support.arguments import path_of
+from .._support.text import arrays, content
 
 #: What a file has to hold for a solution to be made of it.
 KEYS = ("drive", "pressures", "targets", "scale", "steps", "elapsed")
@@ -44,9 +46,10 @@ def load(path: str | PathLike[str]) -> Solution:
     ending = path.suffix.lower()
     if ending not in {".npz", ".json"}:
         raise SceneError(f'solution file "{name}" has no known ending: give .npz or .json')
-    content = path.read_bytes()
+    if not path.exists():
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
     try:
-        record = _npz(content) if ending == ".npz" else json.loads(content)
+        record = arrays(path) if ending == ".npz" else json.loads(content(path))
         solution: Solution = Solution._restore(_parts(record))  # type: ignore[attr-defined]
     except SceneError as error:
         raise SceneError(f'solution file "{name}": {error}') from error
@@ -56,11 +59,6 @@ def load(path: str | PathLike[str]) -> Solution:
             f'solution file "{name}" is damaged, or none: give what solution.save or midair solve -o wrote'
         ) from error
     return solution
-
-
-def _npz(content: bytes) -> dict[str, Any]:
-    with np.load(io.BytesIO(content), allow_pickle=False) as archive:
-        return dict(archive)
 
 
 def _parts(record: dict[str, Any]) -> dict[str, Any]:

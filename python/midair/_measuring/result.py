@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from .._midair import Array, Scene, SceneError
 from .._support import output
 from .._support.arguments import path_of
+from .._support.text import arrays
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -168,13 +169,17 @@ class Calibration:
 
         Raises SceneError for a file that is not in order, FileNotFoundError where there is none.
         """
-        content = path_of("path", path).read_bytes()
+        source = path_of("path", path)
         try:
-            with np.load(io.BytesIO(content), allow_pickle=False) as archive:
-                found = {field.name: archive[field.name] for field in fields(Calibration)}
-            numbers = {name: value if value.ndim else value.item() for name, value in found.items()}
+            found = arrays(source)
+            numbers: dict[str, Any] = {
+                field.name: value if (value := found[field.name]).ndim else value.item()
+                for field in fields(Calibration)
+            }
             return Calibration(**(numbers | {"scene": Scene.parse(str(found["scene"]))}))
-        # Whatever a damaged file makes zip, NumPy and the scene's reader raise.
+        except OSError:
+            raise
+        # Whatever a damaged file makes NumPy and the scene's reader raise.
         except Exception as error:
             raise SceneError(
                 f'calibration file "{path}" is damaged, or none: give what calibration.save wrote as .npz'

@@ -16,6 +16,7 @@ from .. import path as paths
 from .._midair import Array, SceneError, read_motion, read_table, solver_name
 from .._points.drawn import called
 from .._support.arguments import existing, refused, word
+from .._support.text import array, content
 from ..path import Path as Moving
 from .frames import AIR
 from .sequence import Sequence
@@ -95,8 +96,10 @@ def _points(name: str, folder: Path) -> NDArray[np.float64]:
     if file.suffix.lower() == ".csv":
         return _frames(file)
     try:
-        found: NDArray[np.float64] = np.load(file, allow_pickle=False)
-    except (ValueError, EOFError, OSError) as error:
+        found: NDArray[np.float64] = array(file)
+    except SceneError:
+        raise
+    except ValueError as error:
         cure = "give points (T, M, 3) as .npy, or .csv with the columns frame, point, x, y, z"
         raise SceneError(cure) from error
     if found.ndim != 3 or found.shape[2] != 3 or not found.size:
@@ -106,7 +109,7 @@ def _points(name: str, folder: Path) -> NDArray[np.float64]:
 
 def _frames(file: Path) -> NDArray[np.float64]:
     """Points (T, M, 3) of a table with a row for each point of each frame, in any order."""
-    lines, rows = read_table(file.read_bytes(), str(file), *FRAMES)
+    lines, rows = read_table(content(file, empty=True), str(file), *FRAMES)
 
     def wrong(row: int, reason: str) -> SceneError:
         return SceneError(f"{file}, line {lines[row]}: {reason}")

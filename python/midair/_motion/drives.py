@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from os import PathLike
+from threading import Lock
 from typing import Any
+from weakref import finalize
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Array
+from .._midair import Array, SceneError
 from .._support.arguments import refused
 from .._support.memory import blocks
 
@@ -20,11 +26,13 @@ SLACK = 1e-6
 class Drives:
     """The drive of each frame: `held` (T, N), complex64, or codes l of phases 2 pi l/L as uint8 or uint16.
 
+    `held` lies in memory, or in a file.
+
     live : (N,) False where a transducer is masked or dead, whose drive is 0
     phases : L, or None for complex drives
     """
 
-    held: NDArray[Any]
+    held: NDArray[Any] | Stored
     live: NDArray[np.bool_]
     phases: int | None
 
@@ -66,9 +74,9 @@ def coded(drives: NDArray[np.complex64], phases: int) -> NDArray[Any]:
     return narrow(codes, phases)
 
 
-def narrow(codes: NDArray[Any], phases: int, *, copy: bool = True) -> NDArray[Any]:
+def narrow(codes: NDArray[Any], phases: int) -> NDArray[Any]:
     """Codes in as few bytes as they need."""
-    small: NDArray[Any] = codes.astype(np.uint8 if phases <= 256 else np.uint16, copy=copy)
+    small: NDArray[Any] = codes.astype(np.uint8 if phases <= 256 else np.uint16)
     return small
 
 
@@ -82,39 +90,105 @@ def read(given: Any, array: Array, phases: int | None) -> Drives:
     live = sounding(array)
     if np.ma.is_masked(given):
         raise refused("drives", "a masked array", "fill what it hides")
-    found = np.asarray(given)
+    found = given if isinstance(given, Stored) else np.asarray(given)
     if found.ndim != 2 or found.shape[1] != len(array) or not len(found):
         raise refused("drives.shape", found.shape, f"give (T, {len(array)}), a drive for each frame")
-    if found.dtype.kind in "iu":
-        return Drives(_codes(found, phases, copy=not isinstance(given, np.memmap)), live, phases)
-    if found.dtype.kind not in "fc":
+    whole = found.dtype.kind in "iu"
+    if not whole and found.dtype.kind not in "fc":
         raise refused("drives.dtype", str(found.dtype), "give complex drives or whole phase codes")
-    # A file's own, which may be larger than memory, stay where they are.
-    mapped = isinstance(given, np.memmap) and found.dtype == np.complex64
-    drives = found if mapped else np.array(found, np.complex64)
-    for frames in blocks(*drives.shape):
-        # What is not a number is not within either.
-        within = np.abs(drives[frames]) <= 1 + SLACK
-        if not within.all():
-            frame, one = np.argwhere(~within)[0]
-            frame += frames.start
-            raise refused(f"drives[{frame}, {one}]", found[frame, one], "give |q| of at most 1")
-    if not mapped:
-        drives[:, ~live] = 0
-        drives.flags.writeable = False
-    return Drives(drives, live, None)
-
-
-def _codes(found: NDArray[Any], phases: int | None, *, copy: bool) -> NDArray[Any]:
-    if phases is None:
+    if whole and phases is None:
         raise refused(
             "quantization",
             None,
             'drives of whole numbers are phase codes, give quantization={"phases": 256} or complex drives',
         )
-    least, most = found.min(), found.max()
-    if least < 0 or most >= phases:
-        raise refused("drives", least if least < 0 else most, f"give codes from 0 to {phases - 1}")
-    codes = narrow(found, phases, copy=copy)
-    codes.flags.writeable = False
-    return codes
+    most = phases if whole else None
+    if isinstance(found, Stored):
+        found.check = partial(_check, phases=most)
+        for frames in blocks(*found.shape):
+            found[frames]
+        if whole or found.dtype == np.complex64:
+            return Drives(found, live, most)
+        found = found[:]
+    if whole:
+        _check(found, 0, most)
+        drives = narrow(found, phases or 1)
+    else:
+        drives = np.array(found, np.complex64)
+        for frames in blocks(*drives.shape):
+            _check(drives[frames], frames.start, None)
+        drives[:, ~live] = 0
+    drives.flags.writeable = False
+    return Drives(drives, live, most)
+
+
+def _check(block: NDArray[Any], first: int, phases: int | None) -> None:
+    """Refuse codes that are none of so many phases, or drives above 1; `first` is the block's first frame."""
+    if phases is not None:
+        least, most = block.min(), block.max()
+        if least < 0 or most >= phases:
+            raise refused("drives", least if least < 0 else most, f"give codes from 0 to {phases - 1}")
+        return
+    # A drive that is not a number is not within either.
+    within = np.abs(block) <= 1 + SLACK
+    if not within.all():
+        frame, one = np.argwhere(~within)[0]
+        raise refused(f"drives[{first + frame}, {one}]", block[frame, one], "give |q| of at most 1")
+
+
+class Stored:
+    """Drives (T, N) in a file that may be larger than memory, read and checked a block at a time.
+
+    The file is not mapped: the system ends a process that reads a mapped file which another one cut.
+    """
+
+    ndim = 2
+
+    def __init__(
+        self, path: str | PathLike[str], dtype: np.dtype[Any], shape: tuple[int, ...], start: int
+    ) -> None:
+        self.dtype, self.shape = dtype, shape
+        self.check: Callable[[NDArray[Any], int], None] = lambda block, first: None
+        self._path, self._start, self._lock = path, start, Lock()
+        self._handle = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+        finalize(self, os.close, self._handle)
+        self._stamp = self._now()
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, frames: int | slice | NDArray[np.intp]) -> NDArray[Any]:
+        index = np.arange(len(self))[frames]
+        rows = index.reshape(-1)
+        # Frames in a row are read at once.
+        runs = np.split(rows, np.flatnonzero(np.diff(rows) != 1) + 1)
+        found = np.concatenate([self._rows(run) for run in runs])
+        return found.reshape(*index.shape, self.shape[1])
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        return self[:] if dtype is None else self[:].astype(dtype)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return np.asarray, (self[:],)
+
+    def _rows(self, run: NDArray[np.intp]) -> NDArray[Any]:
+        """The drives of frames that follow one another."""
+        found = np.empty((len(run), self.shape[1]), self.dtype)
+        if not found.size:
+            return found
+        left = found.data.cast("B")
+        with self._lock:
+            os.lseek(self._handle, self._start + int(run[0]) * found.strides[0], os.SEEK_SET)
+            while left and (part := os.read(self._handle, len(left))):
+                left[: len(part)] = part
+                left = left[len(part) :]
+            same = not left and self._now() == self._stamp
+        if not same:
+            raise SceneError(f'file "{self._path}" was changed while it was in use: load it again')
+        self.check(found, int(run[0]))
+        return found
+
+    def _now(self) -> tuple[int, int]:
+        """What changes when the file does."""
+        found = os.fstat(self._handle)
+        return found.st_size, found.st_mtime_ns

@@ -15,11 +15,12 @@ from typing import Any
 
 import numpy as np
 from numpy.lib import format as npy
-from numpy.typing import NDArray
 
 from .._midair import Scene, SceneError
 from .._support import output
 from .._support.arguments import path_of
+from .._support.text import arrays
+from .drives import Stored
 
 #: Drives of so many bytes are read where they lie, a block at a time.
 LARGE = 1 << 28
@@ -56,7 +57,7 @@ def save(path: str | PathLike[str], arrays: dict[str, Any], scene: Scene, settin
         np.savez(part, **arrays, scene=scene.json(), setting=output.to_json(setting))
 
 
-def _mapped(path: str | PathLike[str]) -> NDArray[Any] | None:
+def _stored(path: str | PathLike[str]) -> Stored | None:
     """Drives where they lie in a large file that was not compressed; None otherwise."""
     with zipfile.ZipFile(path) as archive:
         entry = archive.getinfo("drives.npy")
@@ -71,15 +72,14 @@ def _mapped(path: str | PathLike[str]) -> NDArray[Any] | None:
         shape, fortran, dtype = read(stream)
         if fortran or dtype.hasobject:
             return None
-        return np.memmap(path, dtype, "r", stream.tell(), shape)
+        return Stored(path, dtype, shape, stream.tell()) if len(shape) == 2 else None
 
 
 def load(path: str | PathLike[str]) -> dict[str, Any]:
     """The arguments of the sequence that a file holds, not checked."""
-    with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as file:
-        arrays = {key: file[key] for key in KEYS if key != "drives"}
-        mapped = _mapped(path)
-        arrays["drives"] = file["drives"] if mapped is None else mapped
-    scene: Scene = Scene.parse(str(arrays.pop("scene")))
-    setting = dict(json.loads(str(arrays.pop("setting"))))
-    return {"array": scene.array, "obstacles": scene.obstacles, **arrays, **setting}
+    kept: dict[str, Any] = arrays(path, [key for key in KEYS if key != "drives"])
+    stored = _stored(path)
+    kept["drives"] = arrays(path, ["drives"])["drives"] if stored is None else stored
+    scene: Scene = Scene.parse(str(kept.pop("scene")))
+    setting = dict(json.loads(str(kept.pop("setting"))))
+    return {"array": scene.array, "obstacles": scene.obstacles, **kept, **setting}

@@ -96,7 +96,7 @@ class Frames:
     @property
     def codes(self) -> NDArray[Any] | None:
         """Codes l (T, N) of the phases 2 pi l/L, uint8 or uint16, or None where drives are complex."""
-        return None if self._drives.phases is None else self._drives.held
+        return None if self._drives.phases is None else self._drives.held[:]
 
     @property
     def drives(self) -> NDArray[np.complex64]:

@@ -94,7 +94,7 @@ class Sequence(JudgedFrames):
             return Sequence(**files.load(source))
         except SceneError as error:
             raise SceneError(f'sequence file "{name}": {error}') from error
-        except OSError:
+        except FileNotFoundError:
             raise
         # Whatever a damaged file makes zip, NumPy and JSON raise.
         except Exception as error:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import SceneError
+from .._support import memory
 from .._support.arguments import number, path_of, refused, word
 from ..shape import circle, line, polyline, svg, text
 from ..shape._contour import Points
@@ -20,6 +21,9 @@ from .image import image
 
 #: Formats that modellers write and trimesh reads without further packages.
 ENDINGS = (".stl", ".obj", ".ply", ".off", ".glb")
+
+#: Bytes in memory at once for one of a file, by trials of all formats.
+EACH = 16
 
 
 def read(
@@ -41,8 +45,16 @@ def read(
     if not file.is_file():
         told = "it is a folder, device or pipe, give a file" if file.exists() else "there is no such file"
         raise SceneError(f'path is "{file}": {told}')
+    ending = file.suffix.lower()
+    if ending not in ENDINGS:
+        raise SceneError(f'path is "{file}": {_formats("it is of no known format")}')
+    if (needed := file.stat().st_size * EACH) > memory.limit():
+        raise SceneError(
+            f'path is "{file}": it needs {needed >> 20} MB of {memory.limit() >> 20} allowed,'
+            " give one of fewer faces"
+        )
     try:
-        found = trimesh.load(file, force="mesh", process=False)
+        found = trimesh.load(file, file_type=ending[1:], force="mesh", process=False)
         if not len(getattr(found, "faces", ())):
             raise SceneError(f'path is "{file}": it has no faces, give a surface')
         if not np.isfinite(found.vertices).all():
@@ -52,13 +64,17 @@ def read(
     except (KeyboardInterrupt, SceneError):
         raise
     except BaseException as error:
-        cure = f"export it again, as {', '.join(ENDINGS[:-1])} or {ENDINGS[-1]}"
-        raise SceneError(f'path is "{file}": trimesh cannot read it ({reason(error)}), {cure}') from None
+        told = _formats(f"trimesh cannot read it ({reason(error)})")
+        raise SceneError(f'path is "{file}": {told}') from None
     vertices, faces = np.asarray(found.vertices, float), np.asarray(found.faces, np.int64)
     # Faces two of whose corners have become one have no area, and their neighbours meet without them.
     faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
     with np.errstate(over="ignore"):
         return vertices * scale + away, faces
+
+
+def _formats(wrong: str) -> str:
+    return f"{wrong}, export it again, as {', '.join(ENDINGS[:-1])} or {ENDINGS[-1]}"
 
 
 def library() -> Any:

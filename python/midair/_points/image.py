@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from io import BytesIO
 from os import PathLike
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import SceneError
+from .._support import memory
 from .._support.arguments import existing, flag, number, refused, whole
+from .._support.text import content
 from ..shape._contour import MOST_POINTS, STEP
+
+#: Formats that are read, whatever a file is called. Of others Pillow runs programs: of .eps Ghostscript.
+FORMATS = ("PNG", "JPEG", "GIF", "BMP", "WEBP", "TIFF", "PPM")
+
+#: Bytes a pixel that are needed at once: four copies in red, green, blue and opacity.
+EACH = 16
 
 #: Below this part of white, -26 dB, a pixel is dark: no method tells so little from silence everywhere.
 DARK = 0.05
@@ -93,8 +102,16 @@ def _brightness(path: str | PathLike[str], pixels: int) -> NDArray[np.float64]:
     except ImportError as error:
         raise SceneError('image needs Pillow: pip install "midair[shapes]"') from error
     try:
-        with Image.open(file) as opened:
+        with Image.open(BytesIO(content(file)), formats=FORMATS) as opened:
             longer = max(opened.size)
+            needed, most = opened.width * opened.height * EACH, memory.limit()
+            if needed > most:
+                raise refused(
+                    "path",
+                    file,
+                    f"{opened.width} x {opened.height} pixels need {needed / 1e6:.0f} MB of {most / 1e6:.0f}"
+                    " allowed, make it smaller",
+                )
             few = [max(round(side * pixels / longer), 1) for side in opened.size]
             if few[0] * few[1] > MOST_POINTS:
                 raise refused("pixels", pixels, f"more than {MOST_POINTS} points, give fewer")
@@ -115,5 +132,6 @@ def _brightness(path: str | PathLike[str], pixels: int) -> NDArray[np.float64]:
         raise
     # Whatever a damaged file makes Pillow raise.
     except Exception as error:
-        raise refused("path", file, "it cannot be read as a picture, give another file") from error
+        cure = f"it cannot be read as a picture, give a file of {', '.join(FORMATS[:-1])} or {FORMATS[-1]}"
+        raise refused("path", file, cure) from error
     return np.asarray(small, np.float64) / 255

@@ -1,17 +1,22 @@
-"""What a file holds, read whole up to a limit; what is wrong with it, told by file, line, value and cure."""
+"""Foreign files: read up to a limit, nothing in them run; what is wrong, by file, line, value and cure."""
 
 from __future__ import annotations
 
+import io
+import zipfile
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from html import escape
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from .._midair import SceneError
+from . import memory
 
 #: In bytes, of a file and of what it unpacks to. A drive of 512 transducers is 5 kB at most: 50 000 frames.
 MOST_BYTES = 256 << 20
@@ -24,8 +29,10 @@ def fault(path: str | PathLike[str], line: int | None, reason: str) -> SceneErro
 
 
 def content(path: str | PathLike[str], most: int = MOST_BYTES, *, empty: bool = False) -> bytes:
-    """The bytes of a file, which may be empty."""
-    file = Path(path)
+    """The bytes of a file, which may be empty; at most `most`, and what MIDAIR_MEMORY allows."""
+    file, most = Path(path), min(most, memory.limit())
+    if "\0" in str(file):
+        raise SceneError("a name of a file has a character of code 0: give the name of a file")
     try:
         if file.exists() and not file.is_file():
             raise fault(path, None, "it is a folder, device or pipe: give a file")
@@ -35,10 +42,51 @@ def content(path: str | PathLike[str], most: int = MOST_BYTES, *, empty: bool = 
         reason = error.strerror or str(error)
         raise fault(path, None, f"it cannot be read ({reason}): give a file that is there") from error
     if len(found) > most:
-        raise fault(path, None, f"it is larger than {most >> 20} MB: give a smaller one")
+        raise fault(path, None, f"it is larger than {_size(most)}: give a smaller one")
     if not found and not empty:
         raise fault(path, None, "it is empty: give a file with something in it")
     return found
+
+
+def arrays(path: str | PathLike[str], only: Collection[str] | None = None) -> dict[str, NDArray[Any]]:
+    """The arrays of an .npz file, all or some, unpacked to no more bytes than MIDAIR_MEMORY allows.
+
+    Raises OSError where the file cannot be opened, SceneError where it is too large, and ValueError for all
+    that is damaged.
+    """
+    with open(path, "rb") as stream:
+        try:
+            with zipfile.ZipFile(stream) as archive:
+                sizes = {part.filename.removesuffix(".npy"): part.file_size for part in archive.infolist()}
+            names = [name for name in sizes if only is None or name in only]
+            needed = sum(sizes[name] for name in names)
+            if needed > memory.limit():
+                raise SceneError(
+                    f"it unpacks to {_size(needed)}, more than the {_size(memory.limit())} allowed:"
+                    " give a smaller one, or raise MIDAIR_MEMORY"
+                )
+            with np.load(stream, allow_pickle=False) as found:
+                return {name: found[name] for name in names}
+        except SceneError:
+            raise
+        # Whatever a damaged file makes zip and NumPy raise.
+        except Exception as error:
+            raise ValueError(f"no .npz: {error}") from error
+
+
+def array(path: str | PathLike[str]) -> NDArray[Any]:
+    """The array of a .npy file. Raises ValueError where it is damaged."""
+    found = io.BytesIO(content(path))
+    try:
+        whole: NDArray[Any] = npy.read_array(found, allow_pickle=False)
+    except Exception as error:
+        raise ValueError(f"no .npy: {error}") from error
+    return whole
+
+
+def _size(count: int) -> str:
+    """A number of bytes as somebody reads it."""
+    return f"{count >> 20} MB" if count >= 1 << 20 else f"{count} bytes"
 
 
 def text(path: str | PathLike[str], found: bytes | None = None) -> str:

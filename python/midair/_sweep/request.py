@@ -15,6 +15,7 @@ from typing import Any, NoReturn
 
 from .._midair import Array, Scene, SceneError, solve, solver_name, solvers
 from .._support.arguments import path_of
+from .._support.text import text as read_text
 from .axes import Tables, plain, read_axes, short
 from .block import METRICS, Settings
 from .problems import few, known, read_sets, reason, tables_of, whole
@@ -101,7 +102,7 @@ def read(source: str | PathLike[str] | Mapping[str, Any], *, drives: bool = Fals
 
 def _parse(path: Path) -> Tables:
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_text(path)
         tables = json.loads(text, object_pairs_hook=_once) if path.suffix == ".json" else tomllib.loads(text)
     except ValueError as error:
         raise SceneError(f'sweep file "{path}" cannot be read: {error}') from error

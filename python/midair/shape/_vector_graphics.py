@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from io import StringIO
+from collections.abc import Callable, Iterator
+from io import BytesIO
 from os import PathLike
 from pathlib import Path
 from typing import Any
+from xml.etree.ElementTree import Element, iterparse
 
 import numpy as np
 
 from .._midair import SceneError
 from .._support.arguments import existing, number, refused, shown
+from .._support.text import content
 from ._contour import MOST_POINTS, STEP, Contour, Points, box, placed, points_along, ways
+
+#: Bounds of a drawing that svgelements reads within seconds: its time grows by the square of the letters of a
+#: transform or a style sheet. Elements and letters count as often as references repeat them.
+MOST_DEPTH = 100
+MOST_LETTERS = 4 << 20
+MOST_TRANSFORM = 2000
+MOST_STYLE = 16_000
+
+#: Attributes that may be long; a picture inside a drawing is passed over.
+LONG, PASSED = ("d", "points"), ("href", "{http://www.w3.org/1999/xlink}href")
 
 
 def svg(path: str | PathLike[str], *, size: float, z: float, step: float = STEP) -> Points:
@@ -43,7 +55,9 @@ def outlines(caller: str, path: str | PathLike[str], size: float, z: float) -> l
     except ImportError as error:
         raise SceneError(f'{caller} needs svgelements: pip install "midair[shapes]"') from error
     try:
-        drawing = svgelements.SVG.parse(StringIO(str(path)) if written else str(name))
+        source = str(path).encode() if written else content(name, empty=True)
+        _check(name, source)
+        drawing = svgelements.SVG.parse(BytesIO(source))
         found = [
             contour for part in _parts(svgelements, name, drawing) for contour in _contours(svgelements, part)
         ]
@@ -60,6 +74,62 @@ def outlines(caller: str, path: str | PathLike[str], size: float, z: float) -> l
         raise refused("path", name, f"what it draws is {shown(longer)} large, give another file")
     scale = size / longer
     return placed(found, (scale, -scale), z)
+
+
+def _check(file: Path, source: bytes) -> None:
+    """Refuse a drawing that is too large or too deep once its references are unfolded."""
+
+    def wrong(what: str) -> SceneError:
+        return refused("path", file, f"{what}, simplify it")
+
+    named: dict[str, Element] = {}
+    style = depth = 0
+    root = Element("svg")
+    for event, element in iterparse(BytesIO(source), ("start", "end")):
+        depth += 1 if event == "start" else -1
+        if depth > MOST_DEPTH:
+            raise wrong(f"it is more than {MOST_DEPTH} deep")
+        if event == "start":
+            root = element if depth == 1 else root
+            named[element.get("id", "")] = element
+            for name, value in element.attrib.items():
+                most = MOST_TRANSFORM if name.lower().endswith("transform") else MOST_STYLE
+                if name not in LONG + PASSED and len(value) > most:
+                    raise wrong(f"it has {name.rpartition('}')[2]} of more than {most} letters")
+        elif element.tag.endswith("style"):
+            style += len(element.text or "")
+            if style > MOST_STYLE:
+                raise wrong(f"it has style sheets of more than {MOST_STYLE} letters")
+    _unfolded(root, named, {}, wrong)
+
+
+def _unfolded(
+    element: Element,
+    named: dict[str, Element],
+    known: dict[int, tuple[int, int, int]],
+    wrong: Callable[[str], SceneError],
+) -> tuple[int, int, int]:
+    """Elements, letters of attributes and depth of an element whose references are unfolded."""
+    if id(element) in known:
+        if not (found := known[id(element)])[0]:
+            raise wrong("a <use> in it refers to itself")
+        return found
+    known[id(element)] = (0, 0, 0)
+    inner = list(element)
+    if element.tag.endswith("use"):
+        target = next((element.get(name) for name in reversed(PASSED) if element.get(name)), None) or ""
+        inner += [named[target[1:]]] if target[1:] in named else []
+    parts = [_unfolded(part, named, known, wrong) for part in inner]
+    letters = sum(len(value) for name, value in element.attrib.items() if name not in PASSED)
+    count, letters = 1 + sum(part[0] for part in parts), letters + sum(part[1] for part in parts)
+    depth = 1 + max((part[2] for part in parts), default=0)
+    if count > MOST_POINTS or letters > MOST_LETTERS or depth > MOST_DEPTH:
+        raise wrong(
+            f"unfolded, it has more than {MOST_POINTS} elements, {MOST_LETTERS >> 20} MB"
+            f" or {MOST_DEPTH} levels"
+        )
+    known[id(element)] = count, letters, depth
+    return known[id(element)]
 
 
 def _parts(svgelements: Any, file: Path, drawing: Any) -> Iterator[list[Any]]:
