@@ -36,6 +36,16 @@ typedef enum {
     MIDAIR_RESULT_FAULT = 3,
 } midair_result;
 
+// What carries bytes to boards.
+typedef enum {
+    // A serial line.
+    MIDAIR_LINK_KIND_SERIAL = 0,
+    // FIFOs of FTDI chips, one a board.
+    MIDAIR_LINK_KIND_FIFO = 1,
+    // AUTD3's protocol over UDP.
+    MIDAIR_LINK_KIND_UDP = 2,
+} midair_link_kind;
+
 // How a solve ended.
 typedef enum {
     // The method ran to its end.
@@ -63,6 +73,28 @@ typedef struct {
     // Imaginary part.
     float im;
 } midair_complex;
+
+// How bytes reach boards, and what these do by themselves; 1 for yes, 0 for no.
+typedef struct {
+    // What carries the bytes.
+    midair_link_kind kind;
+    // Number of lines; a frame is as many parts of one length, one after the other.
+    size_t lines;
+    // Bits a second of a serial line, ten to a byte; else 0.
+    uint32_t baud;
+    // Frames a second that the line can carry.
+    double rate;
+    // The byte that exchanges the two banks of a board that has them, else -1.
+    int32_t swap;
+    // Whether opening the port may restart the board.
+    int32_t restarts;
+    // Whether the lines of two boards may be the two of one chip.
+    int32_t one_chip;
+    // Whether amplitudes can be modulated.
+    int32_t modulates;
+    // Whether the boards can play a sequence by themselves.
+    int32_t holds_sequence;
+} midair_link;
 
 // How good a drive is, over the points with a pressure and a weight above 0, x = |p| / pressure asked for.
 typedef struct {
@@ -103,6 +135,12 @@ midair_result midair_array_preset(const char *name,
                                   midair_array **array,
                                   char *message,
                                   size_t message_size);
+
+// Makes the array of a kind of board, such as "nano16": its preset's, or a grid of a kind that its owners wire as they like.
+midair_result midair_array_board(const char *kind,
+                                 midair_array **array,
+                                 char *message,
+                                 size_t message_size);
 
 // Makes a flat grid of nx by ny transducers, pitch metres apart, centred in z = 0, x fastest, that radiate to +z.
 midair_result midair_array_grid(size_t nx,
@@ -164,6 +202,12 @@ midair_result midair_board_silence(const midair_board *board,
                                    size_t size,
                                    char *message,
                                    size_t message_size);
+
+// Writes how bytes reach the boards.
+midair_result midair_board_link(const midair_board *board,
+                                midair_link *link,
+                                char *message,
+                                size_t message_size);
 
 // Frees a board. NULL is nothing to free.
 void midair_board_free(midair_board *board);

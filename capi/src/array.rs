@@ -28,6 +28,24 @@ pub unsafe extern "C" fn midair_array_preset(
     })
 }
 
+/// Makes the array of a kind of board, such as "nano16": its preset's, or a grid of a kind that its owners wire as they like.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_array_board(
+    kind: *const c_char,
+    array: *mut *mut Array,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    outcome(Message { text: message, size: message_size }, || {
+        // SAFETY: the caller's word for kind and array.
+        unsafe {
+            let made = text("board", kind).and_then(|kind| midair::Array::of_board(kind, [1, 1]));
+            give("array", array, made.map(Array))
+        }
+        .map(|()| "")
+    })
+}
+
 /// Makes a flat grid of nx by ny transducers, pitch metres apart, centred in z = 0, x fastest, that radiate to +z.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_array_grid(

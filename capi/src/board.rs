@@ -11,6 +11,63 @@ pub struct Board {
     silence: Vec<u8>,
 }
 
+/// What carries bytes to boards.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub enum LinkKind {
+    /// A serial line.
+    Serial = 0,
+    /// FIFOs of FTDI chips, one a board.
+    Fifo = 1,
+    /// AUTD3's protocol over UDP.
+    Udp = 2,
+}
+
+/// How bytes reach boards, and what these do by themselves; 1 for yes, 0 for no.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Link {
+    /// What carries the bytes.
+    pub kind: LinkKind,
+    /// Number of lines; a frame is as many parts of one length, one after the other.
+    pub lines: usize,
+    /// Bits a second of a serial line, ten to a byte; else 0.
+    pub baud: u32,
+    /// Frames a second that the line can carry.
+    pub rate: f64,
+    /// The byte that exchanges the two banks of a board that has them, else -1.
+    pub swap: i32,
+    /// Whether opening the port may restart the board.
+    pub restarts: i32,
+    /// Whether the lines of two boards may be the two of one chip.
+    pub one_chip: i32,
+    /// Whether amplitudes can be modulated.
+    pub modulates: i32,
+    /// Whether the boards can play a sequence by themselves.
+    pub holds_sequence: i32,
+}
+
+impl From<&midair::Board> for Link {
+    fn from(board: &midair::Board) -> Self {
+        let link = board.link();
+        Self {
+            kind: match link {
+                midair::Link::Serial { .. } => LinkKind::Serial,
+                midair::Link::Fifo { .. } => LinkKind::Fifo,
+                _ => LinkKind::Udp,
+            },
+            lines: board.lines(),
+            baud: board.baud().unwrap_or_default(),
+            rate: board.rate(),
+            swap: link.swap().map_or(-1, i32::from),
+            restarts: link.restarts().into(),
+            one_chip: link.one_chip().into(),
+            modulates: link.modulates().into(),
+            holds_sequence: link.holds_sequence().into(),
+        }
+    }
+}
+
 /// Makes as many boards of a kind, such as "sonicsurface" or "openmpd", as an array of so many transducers needs, in the
 /// order of the kind's preset.
 #[unsafe(no_mangle)]
@@ -81,6 +138,23 @@ pub unsafe extern "C" fn midair_board_silence(
         room("bytes", bytes, size, silence.len())?;
         // SAFETY: there is room, by the caller's word.
         unsafe { write(bytes, silence) };
+        Ok("")
+    })
+}
+
+/// Writes how bytes reach the boards.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_board_link(
+    board: Option<&Board>,
+    link: *mut Link,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    outcome(Message { text: message, size: message_size }, || {
+        let board = &handle("board", board)?.inner;
+        room("link", link, 1, 1)?;
+        // SAFETY: there is room, by the caller's word.
+        unsafe { link.write(board.into()) };
         Ok("")
     })
 }

@@ -8,11 +8,23 @@ import pytest
 
 import midair
 from library import METRICS, Library
+from midair._midair import Codec
 
 POINTS = np.array([[-0.02, 0.01, 0.15], [0.02, 0.0, 0.16], [0.0, -0.03, 0.15]])
 PRESSURES = np.array([900.0, 700.0, 1100.0])
 WEIGHTS = np.array([1.0, 2.0, 0.5])
 STATUSES = ["done", "out_of_steps", "stopped"]
+#: midair_link in C's layout.
+LINK = np.dtype(
+    [
+        ("kind", "i4"),
+        ("lines", "u8"),
+        ("baud", "u4"),
+        ("rate", "f8"),
+        *((name, "i4") for name in ("swap", "restarts", "one_chip", "modulates", "holds_sequence")),
+    ],
+    align=True,
+)
 pytestmark = pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 
 
@@ -137,7 +149,7 @@ def test_field_and_judge(library: Library, grid: c_void_p) -> None:
     library.plain("session_free", session)
 
 
-@pytest.mark.parametrize("name", ["autd3", "sonicsurface", "openmpd", "mega64", "nano16", "nano", "homies"])
+@pytest.mark.parametrize("name", Codec.kinds())
 def test_bytes_of_boards(library: Library, name: str) -> None:
     mine = midair.Board(name)
     count = len(mine.array)
@@ -147,6 +159,19 @@ def test_bytes_of_boards(library: Library, name: str) -> None:
     frame = np.zeros(library.plain("board_frame_size", board), np.uint8)
     library.done("board_encode", board, drive, count, frame, len(frame))
     assert frame.tobytes() == mine.encode(drive)
+    link = np.zeros(1, LINK)
+    library.done("board_link", board, link)
+    known = mine.link
+    assert ["serial", "fifo", "udp"][link["kind"][0]] == known["kind"]
+    assert link["swap"][0] == (-1 if known["swap"] is None else int(known["swap"], 16))
+    assert (link["lines"][0], link["baud"][0], link["rate"][0]) == (mine.lines, mine.baud or 0, mine.rate)
+    for fact in ("restarts", "one_chip", "modulates", "holds_sequence"):
+        assert link[fact][0] == known[fact]
+    array = library.new("array_board", name)
+    positions = np.zeros((count, 3))
+    library.done("array_positions", array, positions, None, count)
+    assert positions.tobytes() == mine.array.positions.tobytes()
+    library.plain("array_free", array)
     silence = np.zeros(library.plain("board_silence_size", board), np.uint8)
     library.done("board_silence", board, silence, len(silence))
     assert silence.tobytes() == mine.silence

@@ -155,18 +155,7 @@ impl Array {
         let Ok(name) = name.extract::<String>() else {
             return Err(invalid("preset", &quoted(name), "give a name as text"));
         };
-        let tiles = match tiles {
-            None => [1, 1],
-            Some(tiles) => {
-                let pair: Vec<Bound<'_, PyAny>> =
-                    tiles.try_iter().and_then(|few| few.take(3).collect()).unwrap_or_default();
-                let [x, y] = &pair[..] else {
-                    return Err(invalid("tiles", &quoted(tiles), "give two whole numbers, boards along x and y"));
-                };
-                [read::count("tiles[0]", x)?, read::count("tiles[1]", y)?]
-            }
-        };
-        let array = midair::Array::preset(&name, tiles).map_err(refused)?;
+        let array = midair::Array::preset(&name, read::tiles(tiles)?).map_err(refused)?;
         on_board(adjusted(array.into(), source_pressure, directivity, response)?, mask, quantization)
     }
 

@@ -3,8 +3,9 @@
 use midair::{Board, Complex32};
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
+use pyo3::types::{IntoPyDict, PyBytes, PyDict};
 
+use crate::array::Array;
 use crate::error::{invalid, refused};
 use crate::give;
 use crate::quantization;
@@ -45,15 +46,21 @@ impl Codec {
         Ok(Self { board })
     }
 
-    /// The kinds of boards, each with a line that says what it is and where its bytes are read.
+    /// The kinds of boards by name, each as the codec of one transducer.
     #[staticmethod]
     fn kinds(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         let kinds = PyDict::new(py);
         for name in Board::names() {
-            let board = Board::new(name, 1).map_err(refused)?;
-            kinds.set_item(name, (board.summary(), board.source()))?;
+            kinds.set_item(name, Self { board: Board::new(name, 1).map_err(refused)? })?;
         }
         Ok(kinds)
+    }
+
+    /// The array of a kind until the caller gives one: its preset's, or a grid.
+    #[staticmethod]
+    #[pyo3(signature = (kind, tiles=None))]
+    fn array(kind: &str, tiles: Argument<'_, '_>) -> PyResult<Array> {
+        Ok(midair::Array::of_board(kind, read::tiles(tiles)?).map_err(refused)?.into())
     }
 
     /// The frame of a drive (N,).
@@ -87,6 +94,34 @@ impl Codec {
     #[getter]
     fn name(&self) -> &'static str {
         self.board.name()
+    }
+
+    /// What it is, in one line.
+    #[getter]
+    fn summary(&self) -> &'static str {
+        self.board.summary()
+    }
+
+    /// Where its bytes are read.
+    #[getter]
+    fn source(&self) -> &'static str {
+        self.board.source()
+    }
+
+    /// How bytes reach it and what it does behind that link, by name.
+    #[getter]
+    fn link<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let link = self.board.link();
+        let facts = [
+            ("restarts", link.restarts()),
+            ("one_chip", link.one_chip()),
+            ("modulates", link.modulates()),
+            ("holds_sequence", link.holds_sequence()),
+        ]
+        .into_py_dict(py)?;
+        facts.set_item("kind", link.name())?;
+        facts.set_item("swap", link.swap().map(|byte| format!("{byte:02x}")))?;
+        Ok(facts)
     }
 
     /// Number of boards.

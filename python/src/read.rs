@@ -8,6 +8,16 @@ use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
 use crate::error::{invalid, refused};
 use crate::numbers::{Numbers, array, numbers, quoted, told};
 
+/// Boards along x and y, one where none are given.
+pub(crate) fn tiles(value: Option<&Bound<'_, PyAny>>) -> PyResult<[usize; 2]> {
+    let Some(value) = value else { return Ok([1, 1]) };
+    let pair: Vec<Bound<'_, PyAny>> = value.try_iter().and_then(|few| few.take(3).collect()).unwrap_or_default();
+    let [x, y] = &pair[..] else {
+        return Err(invalid("tiles", &quoted(value), "give two whole numbers, boards along x and y"));
+    };
+    Ok([count("tiles[0]", x)?, count("tiles[1]", y)?])
+}
+
 /// Kinds of numbers, in numpy's letters.
 const REAL: &str = "iuf";
 pub(crate) const NUMBER: &str = "iufc";

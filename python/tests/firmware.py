@@ -9,37 +9,13 @@ ultrasonic-homies/ultrasonic-holography; AUTD3's frame is midair's own: codes, n
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import cache
-from typing import Any, Protocol
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-Codes = NDArray[np.int64]
-Levels = NDArray[np.bool]
-Complex = NDArray[np.complex128]
-
-
-def harmonic(levels: Levels) -> Complex:
-    """The drive of each channel from its pin's levels (ticks, channels) over a period.
-
-    An output s(t) = Re q e^{-jwt} has q = (2/T) integral of s e^{jwt}; a square wave of half a period is 1.
-    """
-    ticks = len(levels)
-    middles = np.exp(2j * np.pi * (np.arange(ticks) + 0.5) / ticks)
-    return np.sin(np.pi / ticks) * (middles @ levels)
-
-
-def pulses(starts: Codes, widths: Codes, ticks: int) -> Complex:
-    """The drive of pulses that go high at tick `start` for `width` ticks of a period."""
-    return _pulses(ticks)[np.ravel(starts), np.ravel(widths)]
-
-
-@cache
-def _pulses(ticks: int) -> Complex:
-    from_zero = harmonic(np.tri(ticks, k=-1, dtype=bool).T)
-    return np.exp(2j * np.pi * np.arange(ticks)[:, None] / ticks) * from_zero
+from pulses import Codes, Complex, Levels, harmonic, pulses
 
 
 class Line(Protocol):
@@ -337,51 +313,58 @@ class Homies:
         return pulses(starts, np.where(self.enabled, 128, 0), 256)
 
 
-class Rig:
-    """The boards of a kind and their lines; a frame is as many equal parts as there are lines."""
+@dataclass(frozen=True)
+class Kind:
+    """What a kind of board is known by.
 
-    def __init__(self, kind: str, boards: int = 1) -> None:
-        lines: dict[str, Any] = {
-            "autd3": lambda: [Autd3(boards)],
-            "sonicsurface": lambda: [SonicSurfaces(boards)],
-            "openmpd": lambda: [OpenMpd() for _ in range(boards)],
-            "mega64": lambda: [Chain(boards)],
-            "nano16": lambda: [Arduino(16, 2)],
-            "nano": lambda: [Arduino(24, 1)],
-            "homies": lambda: [Homies() for _ in range(boards)],
-        }
-        self.lines: Sequence[Line] = lines[kind]()
+    lines : the lines of so many boards and what listens to them
+    length : bytes of a frame of so many boards
+    off : whether a frame of so many boards says in the board's own word that nothing plays
+    ticks : of a period; 0 of a board that is sent codes instead of pulses
+    widths : of pulses in ticks; left out, half a period or none
+    """
 
-    def receive(self, frame: bytes) -> None:
-        part, rest = divmod(len(frame), len(self.lines))
-        assert rest == 0, "a frame is equal parts for its lines"
-        for k, line in enumerate(self.lines):
-            line.receive(frame[k * part : (k + 1) * part])
-
-    def play(self, frame: bytes, channels: Codes) -> Complex:
-        """The drive of the transducers on these channels while the frame is played."""
-        self.receive(frame)
-        return self.drive[channels]
-
-    @property
-    def drive(self) -> Complex:
-        return np.concatenate([line.drive for line in self.lines])
+    lines: Callable[[int], Sequence[Line]]
+    length: Callable[[int], int]
+    off: Callable[[int, bytes], bool]
+    ticks: int = 0
+    widths: Sequence[int] = ()
 
 
-#: Ticks of a period and the widths of pulses that a kind of board can play; AUTD3 has codes instead.
-TICKS = {"sonicsurface": 32, "openmpd": 128, "mega64": 10, "nano16": 16, "nano": 24, "homies": 256}
-WIDTHS = {"openmpd": range(65), "mega64": range(6)}
+def _no_bits(_: int, frame: bytes) -> bool:
+    return all(byte >> 4 == 0 for byte in frame if byte & 15)
 
 
-#: The drive of a half wave that starts with the period, which is called phase 0 on boards of pulses.
-TURN = dict.fromkeys(TICKS, 1j) | {"autd3": 1.0}
-
-
-def playable(kind: str) -> Complex:
-    """All drives that the pulses (or codes) of a kind can make, (widths, starts) in a row."""
-    if kind == "autd3":
-        phases, amplitudes = np.arange(256) / 256, np.arange(256) / 255
-        return np.ravel(amplitudes * np.exp(2j * np.pi * phases[:, None]))
-    ticks = TICKS[kind]
-    starts, widths = np.meshgrid(np.arange(ticks), np.array(WIDTHS.get(kind, (0, ticks // 2))))
-    return pulses(starts, widths, ticks) / TURN[kind]
+KINDS = {
+    "autd3": Kind(
+        lambda boards: [Autd3(boards)],
+        lambda boards: 498 * boards,
+        lambda boards, frame: not np.frombuffer(frame, np.uint8).reshape(boards, 2, 249)[:, 1].any(),
+    ),
+    "sonicsurface": Kind(
+        lambda boards: [SonicSurfaces(boards)],
+        lambda boards: 258 if boards == 1 else 517,
+        lambda boards, frame: set(frame) <= {32, 192, 193, 253, 254} and frame.count(32) == 256 * boards,
+        ticks=32,
+    ),
+    "openmpd": Kind(
+        lambda boards: [OpenMpd() for _ in range(boards)],
+        lambda boards: 512 * boards,
+        lambda boards, frame: frame == boards * (b"\x80" + bytes(511)),
+        ticks=128,
+        widths=range(65),
+    ),
+    "mega64": Kind(
+        lambda boards: [Chain(boards)], lambda boards: 200 * boards + 10, _no_bits, ticks=10, widths=range(6)
+    ),
+    "nano16": Kind(lambda _: [Arduino(16, 2)], lambda _: 65, _no_bits, ticks=16),
+    "nano": Kind(lambda _: [Arduino(24, 1)], lambda _: 49, _no_bits, ticks=24),
+    "homies": Kind(
+        lambda boards: [Homies() for _ in range(boards)],
+        lambda boards: 1024 * boards,  # off goes as words of eight
+        lambda boards, frame: (
+            frame == boards * b"".join(bytes([0x55, 0, c, 0, 0, 1, 0, 0xAA]) for c in range(128))
+        ),
+        ticks=256,
+    ),
+}

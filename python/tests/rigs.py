@@ -1,52 +1,88 @@
 """Boards' kinds and numbers with the models of their firmware, for the tests of their bytes."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 import midair
-from firmware import TICKS, TURN, Rig
+from firmware import KINDS
 from midair._boards.board import Board
-
-Complex = NDArray[np.complex128]
+from midair._midair import Codec
+from pulses import Codes, Complex, pulses
 
 TURNING = 2j * np.pi
 
 
-def lattice(transducers: int) -> midair.Array:
-    return midair.Array.grid(8, transducers // 8, 10e-3)
+class Rig:
+    """The boards of a kind and their lines; a frame is as many equal parts as there are lines."""
+
+    def __init__(self, kind: str, boards: int = 1) -> None:
+        self.lines = KINDS[kind].lines(boards)
+
+    def receive(self, frame: bytes) -> None:
+        part, rest = divmod(len(frame), len(self.lines))
+        assert rest == 0, "a frame is equal parts for its lines"
+        for k, line in enumerate(self.lines):
+            line.receive(frame[k * part : (k + 1) * part])
+
+    def play(self, frame: bytes, channels: Codes) -> Complex:
+        """The drive of the transducers on these channels while the frame is played."""
+        self.receive(frame)
+        return self.drive[channels]
+
+    @property
+    def drive(self) -> Complex:
+        return np.concatenate([line.drive for line in self.lines])
 
 
-#: Each kind and number of boards, and how to make it.
-CASES: dict[tuple[str, int], Callable[[], Board]] = {
-    ("autd3", 1): lambda: Board("autd3"),
-    ("autd3", 2): lambda: Board("autd3", tiles=(2, 1)),
-    ("autd3", 4): lambda: Board("autd3", tiles=(2, 2)),
-    ("sonicsurface", 1): lambda: Board("sonicsurface"),
-    ("sonicsurface", 2): lambda: Board("sonicsurface_pair"),
-    ("openmpd", 1): lambda: Board("openmpd"),
-    ("openmpd", 2): lambda: Board("openmpd_pair"),
-    ("mega64", 1): lambda: Board("mega64"),
-    ("mega64", 2): lambda: Board("mega64", lattice(128)),
-    ("mega64", 3): lambda: Board("mega64", lattice(192)),
-    ("mega64", 14): lambda: Board("mega64", lattice(896)),
-    ("nano16", 1): lambda: Board("nano16"),
-    ("nano", 1): lambda: Board("nano"),
-    ("homies", 1): lambda: Board("homies", lattice(128)),
-    ("homies", 2): lambda: Board("homies"),
-}
+TICKS = {kind: known.ticks for kind, known in KINDS.items() if known.ticks}
+WIDTHS = {kind: known.widths for kind, known in KINDS.items() if known.widths}
+
+#: The drive of a half wave that starts with the period, which is called phase 0 on boards of pulses.
+TURN = {kind: 1j if known.ticks else 1.0 for kind, known in KINDS.items()}
+
+
+def playable(kind: str) -> Complex:
+    """All drives that the pulses (or codes) of a kind can make, (widths, starts) in a row."""
+    if kind == "autd3":
+        phases, amplitudes = np.arange(256) / 256, np.arange(256) / 255
+        return np.ravel(amplitudes * np.exp(TURNING * phases[:, None]))
+    ticks = TICKS[kind]
+    starts, widths = np.meshgrid(np.arange(ticks), np.array(WIDTHS.get(kind, (0, ticks // 2))))
+    return pulses(starts, widths, ticks) / TURN[kind]
+
+
+#: Numbers of boards that are played together; of other kinds one, and two where two can.
+TOGETHER = {"autd3": (1, 2, 4), "mega64": (1, 2, 3, 14)}
+
+#: Each kind and number of boards.
+CASES = [
+    (kind, boards)
+    for kind, known in Codec.kinds().items()
+    for boards in TOGETHER.get(kind, range(1, min(known.most_boards, 2) + 1))
+]
 
 every = pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case[0]}-{case[1]}")
-single = pytest.mark.parametrize("kind", [*TICKS, "autd3"])
+single = pytest.mark.parametrize("kind", KINDS)
 
 #: Boards that read a stream of bytes.
 BYTEWISE = [case for case in CASES if case[0] != "autd3" and case[1] < 14]
 
 
 def made(case: tuple[str, int]) -> tuple[Board, Rig]:
-    return CASES[case](), Rig(*case)
+    """So many boards of a kind: in an array of their own where there is one, else on a grid."""
+    kind, boards = case
+    board = Board(kind)
+    if boards != board.boards:
+        channels = len(board.array) // board.boards
+        if f"{kind}_pair" in midair.presets():
+            board = Board(f"{kind}_pair")
+        elif kind in midair.presets():
+            board = Board(kind, tiles=(2, boards // 2))
+        else:
+            board = Board(kind, midair.Array.grid(8, boards * channels // 8, 10e-3))
+    assert board.boards == boards
+    return board, Rig(kind, boards)
 
 
 def of_kind(kind: str) -> tuple[Board, Rig]:

@@ -51,7 +51,7 @@ def frames(count: int, seed: int = 1) -> list[bytes]:
 
 def described(address: str) -> Autd3Transport:
     """A transport as a guard makes it, from JSON."""
-    made = open_transport(json.loads(json.dumps({"kind": "autd3", "address": address, "poses": POSES})))
+    made = open_transport(json.loads(json.dumps({"kind": "udp", "address": address, "poses": POSES})))
     assert isinstance(made, Autd3Transport)
     return made
 

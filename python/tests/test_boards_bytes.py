@@ -5,17 +5,22 @@ import pytest
 
 import firmware
 import midair
-from firmware import TICKS, TURN, WIDTHS, Rig
+from firmware import KINDS
 from midair._boards.board import Board
 from rigs import (
     CASES,
+    TICKS,
+    TURN,
     TURNING,
+    WIDTHS,
+    Rig,
     decoded,
     every,
     forbidden,
     made,
     of_kind,
     off_grid,
+    playable,
     played,
     single,
 )
@@ -43,7 +48,7 @@ def test_drives_on_the_grid_come_back(case: tuple[str, int]) -> None:
     rng = np.random.default_rng(16)
     phases = np.arange(board.limits["phases"]) / board.limits["phases"]
     amplitudes = board.limits["amplitudes"]
-    own = firmware.playable(case[0])
+    own = playable(case[0])
     for frame in range(FRAMES.get(case, 1000)):
         size = len(board.array)
         on_grid = rng.choice(amplitudes, size) * np.exp(TURNING * rng.choice(phases, size))
@@ -57,7 +62,7 @@ def test_drives_on_the_grid_come_back(case: tuple[str, int]) -> None:
 @single
 def test_every_drive_that_the_firmware_can_play_comes_back(kind: str) -> None:
     board, rig = of_kind(kind)
-    own = firmware.playable(kind)
+    own = playable(kind)
     if kind in TICKS:
         widths = WIDTHS.get(kind, (0, 1))
         assert len(own) == TICKS[kind] * len(widths)
@@ -341,20 +346,12 @@ def test_a_burst_of_homies_with_an_odd_count_is_refused_or_read_as_it_is_played(
 def test_frames_are_as_long_as_the_line_is_told(case: tuple[str, int]) -> None:
     kind, boards = case
     board, _ = made(case)
-    length = {
-        "autd3": 498 * boards,
-        "sonicsurface": 258 if boards == 1 else 517,
-        "openmpd": 512 * boards,
-        "mega64": 200 * boards + 10,
-        "nano16": 65,
-        "nano": 49,
-        "homies": 1024 * boards,  # off goes as words of eight
-    }
+    length = KINDS[kind].length(boards)
     rng = np.random.default_rng(27)
     for frame in (board.off_frame, *(board.encode(off_grid(rng, len(board.array))) for _ in range(3))):
-        assert len(frame) == length[kind]
+        assert len(frame) == length
     if board.baud:
-        assert board.rate == pytest.approx(board.baud / 10 / length[kind])
+        assert board.rate == pytest.approx(board.baud / 10 / length)
 
 
 @every

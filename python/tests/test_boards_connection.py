@@ -26,9 +26,9 @@ def loop():
 @pytest.mark.parametrize(
     ("address", "board", "kind", "where"),
     [
-        ("autd3", "autd3", "autd3", ""),
-        ("autd3:emulator", "autd3", "autd3", "emulator"),
-        ("autd3:[fe80::1]:5000", "autd3", "autd3", "[fe80::1]:5000"),
+        ("autd3", "autd3", "udp", ""),
+        ("autd3:emulator", "autd3", "udp", "emulator"),
+        ("autd3:[fe80::1]:5000", "autd3", "udp", "[fe80::1]:5000"),
         ("autd3:null", "autd3", "null", ""),
         ("sonicsurface:/dev/ttyUSB0", "sonicsurface", "serial", "/dev/ttyUSB0"),
         ("sonicsurface_pair:COM3", "sonicsurface_pair", "serial", "COM3"),

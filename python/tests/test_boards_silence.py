@@ -7,26 +7,11 @@ import pytest
 
 import firmware
 import midair
-from firmware import Rig, SonicSurface
+from firmware import KINDS, SonicSurface
 from midair._boards.board import Board
-from rigs import BYTEWISE, every, made, off_grid, played
+from rigs import BYTEWISE, Rig, every, made, off_grid, played
 
 # Off
-
-
-def off_bytes(kind: str, boards: int, frame: bytes) -> None:
-    """A frame that plays nothing says so in the board's own word for off."""
-    if kind == "autd3":
-        assert not np.frombuffer(frame, np.uint8).reshape(boards, 2, 249)[:, 1].any()
-    elif kind == "sonicsurface":
-        assert set(frame) <= {32, 192, 193, 253, 254}
-        assert frame.count(32) == 256 * boards
-    elif kind == "openmpd":
-        assert frame == boards * (b"\x80" + bytes(511))
-    elif kind == "homies":
-        assert frame == boards * b"".join(bytes([0x55, 0, c, 0, 0, 1, 0, 0xAA]) for c in range(128))
-    else:
-        assert all(byte >> 4 == 0 for byte in frame if byte & 15)
 
 
 @every
@@ -35,7 +20,7 @@ def test_zero_is_the_boards_own_off(case: tuple[str, int]) -> None:
     played(board, rig, np.ones(len(board.array)))
     for frame in (board.encode(np.zeros(len(board.array))), board.off_frame):
         assert not rig.play(frame, board.channels).any()
-        off_bytes(*case, frame)
+        assert KINDS[case[0]].off(case[1], frame)
     assert board.encode(np.zeros(len(board.array))) == board.off_frame
 
 

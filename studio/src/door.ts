@@ -43,12 +43,13 @@ export interface Solver {
   aims: boolean;
 }
 
-/** A board that can be played; `baud` is 0 where it hangs on no serial line. */
+/** A board that can be played; `baud` is 0 where it hangs on no serial line, opening the port may restart it. */
 export interface BoardKind {
   name: string;
   summary: string;
   channels: number;
   baud: number;
+  restarts: boolean;
 }
 
 /** What the core offers. */
@@ -230,11 +231,12 @@ function read(lines: string[]): Catalogue {
       board,
     })),
     solvers: of("solver").map(([name, summary, aims]) => ({ name, summary, aims: aims === "1" })),
-    boards: of("board").map(([name, summary, channels, baud]) => ({
+    boards: of("board").map(([name, summary, channels, baud, restarts]) => ({
       name,
       summary,
       channels: Number(channels),
       baud: Number(baud),
+      restarts: restarts === "1",
     })),
   };
 }

@@ -3,7 +3,7 @@
 // Start-up is that of docs/boards.md: silence, and once more when an Arduino listens, which restarts when its
 // port is opened.
 
-import type { Catalogue } from "./door.ts";
+import type { BoardKind, Catalogue } from "./door.ts";
 
 /** What is used of a `SerialPort` of the Web Serial API. */
 export interface SerialPortLike {
@@ -13,11 +13,8 @@ export interface SerialPortLike {
   addEventListener(kind: "disconnect", listener: () => void): void;
 }
 
-/** A board's name and bits a second, of which a byte takes 10. */
-export interface SerialBoard {
-  name: string;
-  baud: number;
-}
+/** What is known of a board at a serial port; a byte takes 10 of its bits a second. */
+export type SerialBoard = Pick<BoardKind, "name" | "baud" | "restarts">;
 
 /** "gone": the port has failed, or was closed. */
 export type PlayerState = "off" | "playing" | "gone";
@@ -34,8 +31,6 @@ export interface Player {
 
 /** An Arduino that restarts listens to its boot loader for so long, in ms. */
 const RESTART = 2000;
-/** The boards that are Arduinos. */
-const RESTARTS = /^(mega64|nano)/;
 /** A port that takes nothing for so long behind what its line carries is stalled, in ms. */
 const STALLED = 1000;
 /** Of long frames less than one is in the line when the next one comes: so much of its time, in ms. */
@@ -169,7 +164,7 @@ export async function connect(
   }
 
   await give(silence);
-  if (RESTARTS.test(board.name)) {
+  if (board.restarts) {
     await sleep(RESTART);
     await give(silence);
   }

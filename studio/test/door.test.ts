@@ -103,5 +103,7 @@ test("boards at a serial port, by the arrays that they play", () => {
   const catalogue = door.catalogue();
   const baud = (preset: string) => boardOf(catalogue, preset)?.baud;
   expect(["sonicsurface_pair", "ultraino_flat8x8"].map(baud)).toEqual([230400, 115200]);
+  const restarts = (preset: string) => boardOf(catalogue, preset)?.restarts;
+  expect(["sonicsurface_pair", "ultraino_flat8x8"].map(restarts)).toEqual([false, true]);
   expect(["autd3", "openmpd_pair", "nothing"].map(baud)).toEqual([undefined, undefined, undefined]);
 });

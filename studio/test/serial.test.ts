@@ -2,7 +2,7 @@ import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { connect, guard } from "../src/serial.ts";
 import type { Player, SerialBoard } from "../src/serial.ts";
 
-const SURFACE = { name: "sonicsurface", baud: 230400 };
+const SURFACE = { name: "sonicsurface", baud: 230400, restarts: false };
 const SILENCE = Uint8Array.of(0, 0);
 
 beforeEach(() => void vi.useFakeTimers());
@@ -82,7 +82,7 @@ test("silence goes first and last, and the newest drive between", async () => {
 
 test("an Arduino is silenced once more when it has restarted", async () => {
   const port = fakePort();
-  const connected = connect(port, { name: "mega64", baud: 115200 }, async () => SILENCE, SILENCE, () => {});
+  const connected = connect(port, { name: "mega64", baud: 115200, restarts: true }, async () => SILENCE, SILENCE, () => {});
   await vi.advanceTimersByTimeAsync(1900);
   expect(port.given).toHaveLength(1);
   await vi.advanceTimersByTimeAsync(200);

@@ -9,7 +9,8 @@ use num_complex::Complex32;
 
 use crate::device::boards::FORMATS;
 use crate::device::code::Code;
-use crate::device::format::{Format, Line};
+use crate::device::format::Format;
+use crate::device::link::Link;
 use crate::device::quantization::Quantization;
 use crate::error::{self, Error, one_each};
 use crate::math;
@@ -53,7 +54,7 @@ impl Board {
     /// # Errors
     /// An unknown name, no transducers, or more than the boards have channels.
     pub fn new(name: &str, transducers: usize) -> Result<Self, Error> {
-        let format = error::find("board", name, &FORMATS, |format| format.name)?;
+        let format = format(name)?;
         let most = format.channels * format.most_boards;
         if transducers == 0 || transducers > most {
             let cure = format!("{} has 1 to {most} channels", format.name);
@@ -158,7 +159,7 @@ impl Board {
     /// Number of lines: one for all boards, or one each. A frame is as many parts of one length, one after the other.
     #[must_use]
     pub fn lines(&self) -> usize {
-        if self.format.apart { self.boards } else { 1 }
+        if let Link::Fifo { .. } = self.format.link { self.boards } else { 1 }
     }
 
     /// The most boards that play together.
@@ -185,21 +186,27 @@ impl Board {
         (self.format.size)(self.boards)
     }
 
+    /// How bytes reach it.
+    #[must_use]
+    pub fn link(&self) -> Link {
+        self.format.link
+    }
+
     /// Bits a second of its serial line, `None` where it is on no such line.
     #[must_use]
     pub fn baud(&self) -> Option<u32> {
-        match self.format.line {
-            Line::Serial(baud) => Some(baud),
-            Line::Frames(_) => None,
+        match self.format.link {
+            Link::Serial { baud, .. } => Some(baud),
+            _ => None,
         }
     }
 
     /// Frames a second that its line can carry; a byte takes ten bits of a serial line.
     #[must_use]
     pub fn rate(&self) -> f64 {
-        match self.format.line {
-            Line::Serial(baud) => f64::from(baud) / (10 * self.frame_size()) as f64,
-            Line::Frames(rate) => rate,
+        match self.format.link {
+            Link::Serial { baud, .. } => f64::from(baud) / (10 * self.frame_size()) as f64,
+            Link::Fifo { rate, .. } | Link::Udp { rate } => rate,
         }
     }
 
@@ -287,7 +294,7 @@ impl Board {
     }
 }
 
-/// The quantization of a kind of board.
-pub(crate) fn quantization(name: &str) -> Result<Quantization, Error> {
-    error::find("board", name, &FORMATS, |format| format.name)?.steps.quantization()
+/// What is known of a kind of board.
+pub(crate) fn format(name: &str) -> Result<&'static Format, Error> {
+    error::find("board", name, &FORMATS, |format| format.name)
 }

@@ -1,9 +1,10 @@
-//! Format: the bytes that a board's firmware reads, as data and two functions.
+//! Format: all that is known of a kind of board: its bytes, its link and its array, as data and functions.
 
 use alloc::format;
 use alloc::vec::Vec;
 
 use crate::device::code::{Code, Steps};
+use crate::device::link::Link;
 use crate::error::Error;
 
 /// A kind of board.
@@ -18,9 +19,8 @@ pub(crate) struct Format {
     /// Boards that can play together.
     pub(crate) most_boards: usize,
     pub(crate) steps: Steps,
-    pub(crate) line: Line,
-    /// Whether each board is on a line of its own.
-    pub(crate) apart: bool,
+    pub(crate) link: Link,
+    pub(crate) layout: Layout,
     /// The channel of transducer i of one board, in the order of its preset.
     pub(crate) order: fn(usize) -> usize,
     /// Bytes of a frame of so many boards.
@@ -31,6 +31,14 @@ pub(crate) struct Format {
     pub(crate) decode: Decode,
     /// Silences so many boards whatever they were told before, half a frame included, by their off frame.
     pub(crate) silence: fn(boards: usize, off: &[u8]) -> Vec<u8>,
+}
+
+/// Where the transducers of a kind of board are until the caller gives an array.
+pub(crate) enum Layout {
+    /// As in the preset of that name.
+    Preset(&'static str),
+    /// On a grid of columns, rows and a pitch in m: its owners wire it as they like.
+    Grid(usize, usize, f64),
 }
 
 /// One off frame completes what was cut, the next is whole, and both banks of a board that has two are off.
@@ -45,15 +53,6 @@ pub(crate) fn thrice(_: usize, off: &[u8]) -> Vec<u8> {
 
 pub(crate) type Encode = fn(boards: usize, code: &dyn Fn(usize) -> Code, frame: &mut [u8]);
 pub(crate) type Decode = fn(boards: usize, frame: &[u8], put: &mut dyn FnMut(usize, Code)) -> Result<(), Error>;
-
-/// What carries the bytes.
-#[derive(Clone, Copy)]
-pub(crate) enum Line {
-    /// A serial line of so many bits a second, ten to a byte.
-    Serial(u32),
-    /// Anything else, by the frames a second that it carries.
-    Frames(f64),
-}
 
 /// Bytes that are written one after the other.
 pub(crate) struct Writer<'a> {

@@ -7,6 +7,8 @@ use alloc::vec::Vec;
 
 use num_complex::Complex64;
 
+use crate::device::board;
+use crate::device::format::Layout;
 use crate::device::quantization::Quantization;
 use crate::error::{Error, one_each, real};
 use crate::math;
@@ -149,6 +151,24 @@ impl Array {
         let normals = preset.normal.map(|normal| positions.iter().map(|&place| normal(place)).collect());
         let array = Self::new(positions, normals)?;
         Ok(Self { origin, transducer: preset.transducer, ..array }.with_quantization(preset.quantization()?))
+    }
+
+    /// That of a kind of board: its preset, or a grid of a kind that its owners wire as they like.
+    ///
+    /// # Errors
+    /// An unknown name, tiles of 0, tiles for a kind that cannot be tiled.
+    pub fn of_board(kind: &str, tiles: [usize; 2]) -> Result<Self, Error> {
+        let format = board::format(kind)?;
+        match format.layout {
+            Layout::Preset(name) => Self::preset(name, tiles),
+            Layout::Grid(nx, ny, pitch) if tiles == [1, 1] => {
+                Ok(Self::grid(nx, ny, pitch)?.with_quantization(Some(format.steps.quantization()?)))
+            }
+            Layout::Grid(..) => {
+                let cure = "this kind of board is one piece: leave tiles out";
+                Err(Error::invalid("array.tiles", format!("{tiles:?}"), cure))
+            }
+        }
     }
 
     /// The same array with other transducers.

@@ -38,7 +38,7 @@ pub struct Preset {
 impl Preset {
     /// The quantization of its device.
     pub(crate) fn quantization(&self) -> Result<Option<Quantization>, Error> {
-        self.board.map(board::quantization).transpose()
+        self.board.map(|kind| board::format(kind)?.steps.quantization()).transpose()
     }
 }
 

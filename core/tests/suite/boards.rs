@@ -4,7 +4,7 @@
 
 use std::f32::consts::TAU;
 
-use midair::{Board, Code, Complex32, Rng, presets};
+use midair::{Board, Code, Complex32, Link, Origin, Rng, presets};
 
 /// Every kind with one board and with several.
 const BOARDS: [(&str, usize); 11] = [
@@ -189,6 +189,39 @@ fn every_preset_of_a_board_has_its_grid_and_its_order() {
         channels.dedup();
         assert_eq!(channels.len(), array.len(), "{}", preset.name);
     }
+}
+
+#[test]
+fn every_kind_has_an_array_of_its_own_and_a_link() {
+    let mut origins = Vec::new();
+    for name in Board::names() {
+        let array = midair::Array::of_board(name, [1, 1]).expect(name);
+        let board = board(name, array.len());
+        assert_eq!(array.quantization(), board.quantization().ok().as_ref(), "{name}");
+        assert_eq!(array.len(), board.channel_count(), "{name}");
+        assert_eq!(board.baud().is_some(), matches!(board.link(), Link::Serial { .. }), "{name}");
+        assert!(board.link().modulates() || !board.link().holds_sequence(), "{name}");
+        assert_eq!(board.lines(), if board.link().name() == "fifo" { board.boards() } else { 1 }, "{name}");
+        origins.push((name, array.origin().clone()));
+    }
+    let grid = |nx, ny, pitch| Origin::Grid { nx, ny, pitch };
+    let preset = |name| Origin::Preset { name, tiles: [1, 1] };
+    assert_eq!(
+        origins,
+        [
+            ("autd3", preset("autd3")),
+            ("sonicsurface", preset("sonicsurface")),
+            ("openmpd", preset("openmpd_board")),
+            ("mega64", preset("ultraino_flat8x8")),
+            ("nano16", grid(4, 4, 10e-3)),
+            ("nano", grid(4, 2, 10e-3)),
+            ("homies", grid(16, 16, 10.5e-3)),
+        ]
+    );
+    let refused = midair::Array::of_board("nano", [2, 1]).expect_err("refused").to_string();
+    assert_eq!(refused, "array.tiles is [2, 1]: this kind of board is one piece: leave tiles out");
+    let tiled = midair::Array::of_board("autd3", [2, 2]).expect("tiled");
+    assert_eq!(tiled.len(), 4 * 249);
 }
 
 #[cfg(feature = "scene-file")]

@@ -12,22 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 from .._midair import Array, Codec, Solution, presets
 from .._support.arguments import refused
 
-#: The preset of a kind of board that has none of its own name.
-PRESETS = {"openmpd": "openmpd_board", "mega64": "ultraino_flat8x8"}
-
-#: Columns, rows and pitch in m of kinds that people wire as they like, until they say how.
-GRIDS = {"nano16": (4, 4, 10e-3), "nano": (4, 2, 10e-3), "homies": (16, 16, 10.5e-3)}
-
 
 class Board:
     """The boards behind an array: what they can play, and the bytes that make them play it.
 
-    name : a kind of board ("autd3", "sonicsurface", "openmpd", "mega64", "nano16", "nano",
-        "homies"), a preset that one of them plays ("sonicsurface_pair", "openmpd_pair"), or
-        OpenMPD's board file .pat, two for a pair
+    name : a kind of board (`midair boards` lists them, such as "autd3" and "sonicsurface"), a
+        preset that one of them plays ("sonicsurface_pair", "openmpd_pair"), or OpenMPD's board
+        file .pat, two for a pair
     array : its transducers, in the order of the board's preset, one board after the other; left
-        out, the preset's, or a grid of nano16 (4 x 4), nano (4 x 2) and homies (16 x 16), which
-        have none
+        out, the preset's, or a grid of a kind that has none
     tiles : boards along x and y of a preset that tiles, such as (2, 2)
     channels : (N,) the channel of each transducer, those of a second board after those of the
         first; left out, the order of the preset
@@ -68,7 +61,7 @@ class Board:
         # An unknown name is refused before anything else.
         Codec(kind, 1)
         if array is None:
-            array = _own_array(str(name), kind, tiles)
+            array = Array.preset(str(name), tiles) if name in presets() else Codec.array(kind, tiles)
         elif tiles is not None:
             raise refused("tiles", tiles, "the array has its boards, leave them out")
         live = array.mask.copy()
@@ -111,6 +104,11 @@ class Board:
     def silence(self) -> bytes:
         """The bytes that silence it whatever it was told before, in both banks of a board that has two."""
         return self._codec.silence
+
+    @property
+    def link(self) -> dict[str, Any]:
+        """How bytes reach it ("kind": "serial", "fifo" or "udp") and what it does by itself, by name."""
+        return self._codec.link
 
     @property
     def baud(self) -> int | None:
@@ -192,13 +190,6 @@ def _from_files(
     pins = [np.asarray(board.pins) + 256 * k for k, board in enumerate(boards)]
     degrees = np.concatenate([board.corrections for board in boards])
     return "openmpd", array, np.concatenate(pins), np.deg2rad(degrees)
-
-
-def _own_array(name: str, kind: str, tiles: tuple[int, int] | None) -> Array:
-    if name in GRIDS:
-        return Array.grid(*GRIDS[name])
-    known = presets()
-    return Array.preset(name if name in known else PRESETS.get(kind, kind), tiles)
 
 
 def _on_board(array: Array, codec: Codec) -> Array:

@@ -21,7 +21,7 @@ from .._midair import Array, SceneError, SceneWarning, Solution
 from .._motion import Sequence
 from .._support.arguments import number, refused
 from . import wire
-from .address import DEFAULT, HOLDS_SEQUENCE, Address, can_modulate, describe, parse
+from .address import DEFAULT, Address, can_modulate, describe, parse
 from .board import Board
 from .errors import BoardError, BoardLost, BoardTimeout
 from .limit import Limit
@@ -135,7 +135,7 @@ class Connection:
         Raises BoardError of a board that holds none, SceneError for frames that are not in order, BoardLost
         where the board is gone, BoardError where the connection is closed.
         """
-        if self.board.name not in HOLDS_SEQUENCE:
+        if not self.board.link["holds_sequence"]:
             raise BoardError(f"{self.board.name} holds no sequence: use stream")
         if not isinstance(sequence, Sequence):
             raise refused("sequence", sequence, "give a midair.Sequence")
@@ -338,8 +338,8 @@ def connect(
     """Connect to a board: a `Connection`, best in a `with` block, at whose end the board is off.
 
     address : a board and where it is, as "autd3" (those that are found), "autd3:eth0" (on a network
-        interface), "autd3:emulator", "sonicsurface:/dev/ttyUSB0", "mega64:PORT", "nano16:PORT", "nano:PORT",
-        "openmpd:SERIAL", "openmpd:SERIAL+SERIAL", "homies:SERIAL"; or no device at all:
+        interface), "autd3:emulator", "sonicsurface:/dev/ttyUSB0" and other boards at a port,
+        "openmpd:SERIAL", "openmpd:SERIAL+SERIAL" and others of an FTDI chip; or no device at all:
         "sonicsurface:loop" is as slow as the line of one, "sonicsurface:null" takes everything at once,
         "null" is that of an AUTD3, "file:frames.bin" writes the frames
     array : its transducers, where they are not those of the board's preset

@@ -32,7 +32,7 @@ class Transport(Protocol):
 TRANSPORTS = {
     "serial": ("serial_port", "SerialTransport"),
     "fifo": ("fifo", "FifoTransport"),
-    "autd3": ("autd3", "Autd3Transport"),
+    "udp": ("autd3", "Autd3Transport"),
     "null": ("simulated", "NullTransport"),
     "loop": ("simulated", "LoopTransport"),
     "file": ("simulated", "FileTransport"),
@@ -45,7 +45,7 @@ SIMULATED = ("null", "loop", "file")
 def open_transport(description: dict[str, Any]) -> Transport:
     """The transport that a description, made of what JSON holds, tells of.
 
-    {"kind": "serial", "port": ..., "baud": ..., ...} or {"kind": "autd3", "address": ..., "poses": [...]}:
+    {"kind": "serial", "port": ..., "baud": ..., ...} or {"kind": "udp", "address": ..., "poses": [...]}:
     `kind` names the class, the other entries are its arguments. Opening it leaves the device silent.
     """
     given = dict(description)

@@ -11,8 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from .. import Array, Board, SceneError, connect, ports
-from .._boards.address import LINKS, PAIR
-from .._midair import Codec
+from .._boards.address import KINDS, PAIR
 from .._support import output
 from .tables import console
 
@@ -31,7 +30,7 @@ def off_command(address: str) -> int:
     address
         A board and where it is, such as mega64:/dev/ttyACM0; a port alone is a SonicSurface's.
     """
-    alone = address.partition(":")[0].removesuffix(PAIR) not in (*LINKS, "null")
+    alone = address.partition(":")[0].removesuffix(PAIR) not in (*KINDS, "null")
     if address.startswith("file:"):
         raise SceneError(f'address is "{address}": a file plays nothing, give a board')
     # Whoever connects begins and ends with silence.
@@ -80,7 +79,7 @@ def boards_command(name: str | None = None, *, json: Annotated[bool, Parameter(n
     json
         Print one JSON document in place of the table.
     """
-    names = list(Codec.kinds()) if name is None else [name]
+    names = list(KINDS) if name is None else [name]
     records = {name: _record(name) for name in names}
     if json:
         print(output.to_json(records))
@@ -130,5 +129,11 @@ def _print_one(name: str, record: dict[str, Any]) -> None:
 
 def _record(name: str) -> dict[str, Any]:
     board = Board(name)
-    summary, source = Codec.kinds()[board.name]
-    return {"summary": summary, "source": source, "baud": board.baud, **board.limits}
+    kind = KINDS[board.name]
+    return {
+        "summary": kind.summary,
+        "source": kind.source,
+        "link": board.link,
+        "baud": board.baud,
+        **board.limits,
+    }

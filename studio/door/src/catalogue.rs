@@ -18,8 +18,9 @@ pub(crate) fn catalogue() -> String {
     }
     for name in Board::names() {
         if let Ok(board) = Board::new(name, 1) {
-            let (summary, baud) = (board.summary(), board.baud().unwrap_or_default());
-            let _ = writeln!(text, "board\t{name}\t{summary}\t{}\t{baud}", board.channel_count());
+            let (summary, channels) = (board.summary(), board.channel_count());
+            let (baud, restarts) = (board.baud().unwrap_or_default(), u8::from(board.link().restarts()));
+            let _ = writeln!(text, "board\t{name}\t{summary}\t{channels}\t{baud}\t{restarts}");
         }
     }
     text

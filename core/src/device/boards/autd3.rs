@@ -2,7 +2,8 @@
 
 use crate::device::boards::planes;
 use crate::device::code::{Levels, Steps};
-use crate::device::format::{Format, Line, twice};
+use crate::device::format::{Format, Layout, twice};
+use crate::device::link::Link;
 
 const CHANNELS: usize = 249;
 
@@ -14,8 +15,8 @@ pub(crate) const FORMAT: Format = Format {
     most_boards: 128,
     steps: Steps { phases: 256, levels: Levels::Even(255) },
     // Frames are acknowledged (up to 1500 a second over loopback), and phases take 1 ms to follow.
-    line: Line::Frames(1000.0),
-    apart: false,
+    link: Link::Udp { rate: 1000.0 },
+    layout: Layout::Preset("autd3"),
     order: |transducer| transducer,
     size: |boards| 2 * CHANNELS * boards,
     encode: |boards, code, frame| planes::write::<CHANNELS>(boards, 0, code, frame),

@@ -1,7 +1,8 @@
 //! ultrasonic-homies rev 1: two FPGAs of 128 channels; words switch channels off, a burst sets phases and switches on.
 
 use crate::device::code::{Code, Levels, Steps};
-use crate::device::format::{Format, Line, Reader, Writer, twice};
+use crate::device::format::{Format, Layout, Reader, Writer, twice};
+use crate::device::link::Link;
 use crate::error::Error;
 
 const CHANNELS: usize = 128;
@@ -24,8 +25,8 @@ pub(crate) const FORMAT: Format = Format {
     most_boards: 2,
     steps: Steps { phases: 256, levels: Levels::OnOff },
     // At 1 MB/s a FIFO, far below what it is built for.
-    line: Line::Frames(900.0),
-    apart: true,
+    link: Link::Fifo { rate: 900.0, one_chip: true },
+    layout: Layout::Grid(16, 16, 10.5e-3),
     order: |transducer| transducer,
     size: |boards| SIZE * boards,
     encode,

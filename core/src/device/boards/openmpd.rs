@@ -2,7 +2,8 @@
 
 use crate::device::boards::planes;
 use crate::device::code::{Levels, Steps};
-use crate::device::format::{Format, Line, thrice};
+use crate::device::format::{Format, Layout, thrice};
+use crate::device::link::Link;
 
 const CHANNELS: usize = 256;
 /// Marks the first byte of a frame, which may not be missed.
@@ -16,8 +17,8 @@ pub(crate) const FORMAT: Format = Format {
     most_boards: 2,
     steps: Steps { phases: 128, levels: Levels::Widths },
     // 40 kHz by the divider it begins with, 4.
-    line: Line::Frames(10e3),
-    apart: true,
+    link: Link::Fifo { rate: 10e3, one_chip: false },
+    layout: Layout::Preset("openmpd_board"),
     order,
     size: |boards| 2 * CHANNELS * boards,
     encode: |boards, code, frame| planes::write::<CHANNELS>(boards, BEGIN, code, frame),

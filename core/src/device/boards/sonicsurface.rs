@@ -3,7 +3,8 @@
 use alloc::vec::Vec;
 
 use crate::device::code::{Code, Levels, Steps};
-use crate::device::format::{Format, Line, Reader, Writer};
+use crate::device::format::{Format, Layout, Reader, Writer};
+use crate::device::link::Link;
 use crate::error::Error;
 
 const CHANNELS: usize = 256;
@@ -24,8 +25,8 @@ pub(crate) const FORMAT: Format = Format {
     channels: CHANNELS,
     most_boards: 2,
     steps: Steps { phases: 32, levels: Levels::OnOff },
-    line: Line::Serial(230_400),
-    apart: false,
+    link: Link::Serial { baud: 230_400, swap: Some(SWAP), restarts: false },
+    layout: Layout::Preset("sonicsurface"),
     order,
     size: |boards| if boards == 1 { CHANNELS + 2 } else { (CHANNELS + 2) * boards + 1 },
     encode,

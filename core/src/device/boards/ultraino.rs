@@ -3,7 +3,8 @@
 use alloc::format;
 
 use crate::device::code::{Code, Levels, Steps};
-use crate::device::format::{Format, Line, Reader, Writer, thrice};
+use crate::device::format::{Format, Layout, Reader, Writer, thrice};
+use crate::device::link::Link;
 use crate::error::Error;
 
 /// Exchanges the two buffers.
@@ -11,7 +12,7 @@ const SWAP: u8 = 0x00;
 /// A Nano's: back to the first byte of the buffer.
 const RESET: u8 = 0x10;
 
-const BAUD: Line = Line::Serial(115_200);
+const ARDUINO: Link = Link::Serial { baud: 115_200, swap: None, restarts: true };
 const SOURCE: &str = "Ultraino: firmware of the driver boards and the classes of its Java program that write to them";
 
 pub(crate) const MEGA64: Format = Format {
@@ -21,8 +22,8 @@ pub(crate) const MEGA64: Format = Format {
     channels: 64,
     most_boards: 14,
     steps: Steps { phases: 10, levels: Levels::Widths },
-    line: BAUD,
-    apart: false,
+    link: ARDUINO,
+    layout: Layout::Preset("ultraino_flat8x8"),
     order: |transducer| transducer,
     size: |boards| 200 * boards + DURATIONS.len() + 1,
     encode: |boards, code, frame| {
@@ -62,8 +63,8 @@ pub(crate) const NANO16: Format = Format {
     channels: 16,
     most_boards: 1,
     steps: Steps { phases: 16, levels: Levels::OnOff },
-    line: BAUD,
-    apart: false,
+    link: ARDUINO,
+    layout: Layout::Grid(4, 4, 10e-3),
     order: |transducer| transducer,
     size: |_| 65,
     encode: |_, code, frame| write_nano::<16>(16, code, frame),
@@ -78,8 +79,8 @@ pub(crate) const NANO: Format = Format {
     channels: 8,
     most_boards: 1,
     steps: Steps { phases: 24, levels: Levels::OnOff },
-    line: BAUD,
-    apart: false,
+    link: ARDUINO,
+    layout: Layout::Grid(4, 2, 10e-3),
     order: |transducer| transducer,
     size: |_| 49,
     encode: |_, code, frame| write_nano::<8>(24, code, frame),
