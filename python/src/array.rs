@@ -177,6 +177,11 @@ impl Array {
         rows(py, self.inner.normals())
     }
 
+    /// Whether a point (x, y, z) in m lies behind every transducer.
+    fn _is_behind(&self, point: [f64; 3]) -> bool {
+        self.inner.is_behind(point)
+    }
+
     /// Complex responses (N,), or None where all are 1.
     #[getter]
     fn response<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<Complex64>>> {

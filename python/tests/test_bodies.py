@@ -73,6 +73,7 @@ def exact(scene: midair.Scene, points: Any, kind: str = "rigid") -> NDArray[np.c
     return own.source_pressure * found
 
 
+@pytest.mark.filterwarnings("ignore:.*behind every transducer:midair.SceneWarning")
 @pytest.mark.parametrize("kind", ["rigid", "soft"])
 @pytest.mark.parametrize(("radius", "away"), [(0.0005, 0.02), (0.02, 0.1), (0.02, 0.03), (0.09, 0.13)])
 def test_a_sphere_is_its_series(kind: Any, radius: float, away: float) -> None:

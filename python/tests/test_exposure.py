@@ -142,3 +142,9 @@ def test_bad_limits_are_refused() -> None:
     for limit in ("none", float("nan"), True):
         with pytest.raises(midair.SceneError, match="limit is"):
             midair.exposure(SCENE, np.ones(120), {"here": [0, 0, 0.5]}, limit=limit)
+
+
+def test_a_place_behind_every_transducer_is_a_warning() -> None:
+    solution = midair.solve(midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]]))
+    with pytest.warns(midair.SceneWarning, match=r'places\["wall"\] is behind every transducer'):
+        midair.exposure(solution, {"ear": [0, 0, 0.3], "wall": [[-0.02, 0, -0.3], [0.02, 0.01, -0.29]]})

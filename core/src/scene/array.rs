@@ -242,6 +242,14 @@ impl Array {
         &self.positions
     }
 
+    /// Returns whether a point lies behind every transducer: in the half space that none of them looks into.
+    #[must_use]
+    pub fn is_behind(&self, point: [f64; 3]) -> bool {
+        let ahead =
+            |(place, normal): (&[f64; 3], &[f64; 3])| (0..3).map(|k| (point[k] - place[k]) * normal[k]).sum::<f64>();
+        self.positions.iter().zip(&*self.normals).all(|transducer| ahead(transducer) < 0.0)
+    }
+
     /// Unit normals (N, 3).
     #[must_use]
     pub fn normals(&self) -> &[[f64; 3]] {

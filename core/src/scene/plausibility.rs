@@ -182,9 +182,10 @@ fn largest(bounds: &[[f64; 2]; 3]) -> f64 {
     bounds.iter().fold(0.0, |most, [low, high]| f64::max(most, high - low))
 }
 
-/// The box around an array in which its points are looked for.
-#[derive(Clone, Copy, Debug)]
+/// An array and the box around it in which its points are looked for.
+#[derive(Clone, Debug)]
 pub(crate) struct Vicinity {
+    array: Array,
     bounds: [[f64; 2]; 3],
     size: f64,
 }
@@ -194,23 +195,28 @@ impl Vicinity {
         let bounds = array.bounds();
         let size = largest(&bounds);
         let most = FARTHEST.max(size);
-        Self { bounds: bounds.map(|[low, high]| [low - most, high + most]), size }
+        Self { array: array.clone(), bounds: bounds.map(|[low, high]| [low - most, high + most]), size }
     }
 
-    /// The first point outside and how many there are, named by its index.
+    /// The first point far away, or else behind every transducer, and how many there are, named by its index.
     pub(crate) fn doubt(&self, points: &[[f64; 3]], name: impl Fn(usize) -> String) -> Option<Doubt> {
-        let outside = |point: &[f64; 3]| {
-            let beyond = point.iter().zip(&self.bounds).any(|(x, [low, high])| x < low || x > high);
-            beyond && point.iter().all(|x| x.is_finite())
+        let outside = |point: &[f64; 3]| point.iter().zip(&self.bounds).any(|(x, [low, high])| x < low || x > high);
+        let first = |doubtful: &dyn Fn(&[f64; 3]) -> bool| {
+            let all =
+                points.iter().enumerate().filter(|(_, point)| point.iter().all(|x| x.is_finite()) && doubtful(point));
+            let indices: Vec<usize> = all.map(|(j, _)| j).collect();
+            let &j = indices.first()?;
+            let others = if indices.len() > 1 { format!(" (and {} more)", indices.len() - 1) } else { String::new() };
+            let [x, y, z] = points[j].map(short);
+            Some((j, format!("[{x}, {y}, {z}] m{others}")))
         };
-        let first = points.iter().position(outside)?;
-        let others = points.iter().filter(|point| outside(point)).count() - 1;
-        let others = if others > 0 { format!(" (and {others} more)") } else { String::new() };
-        let point = points[first];
-        let away = point.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let [x, y, z] = point.map(short);
-        let cure = format!("far beyond an array of {} m: {}", short(self.size), metres(away, &(0.01..=2.0)));
-        Some(doubt(name(first), format!("[{x}, {y}, {z}] m{others}"), cure))
+        if let Some((j, value)) = first(&outside) {
+            let away = points[j].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+            let length = metres(away, &(0.01..=2.0));
+            return Some(doubt(name(j), value, format!("far beyond an array of {} m: {length}", short(self.size))));
+        }
+        let (j, value) = first(&|point| self.array.is_behind(*point))?;
+        Some(doubt(name(j), value, "behind every transducer, where a board sends no sound: give a point in front"))
     }
 }
 

@@ -238,16 +238,16 @@ impl Session {
         remarks.into_iter().flatten()
     }
 
-    /// What is hardly meant of the points of a request that was answered: one far beyond the array, until there was one;
-    /// and, of the first request, two pressures in one place. Costs a comparison a coordinate.
+    /// Returns doubts about the points of a request that was answered: one far beyond the array or behind it, until there
+    /// was one; and, of the first request, two pressures in one place. Costs a comparison a coordinate.
     pub fn doubts(&mut self, ask: &SolveRequest) -> Vec<Doubt> {
         let far = self.far(&ask.points, |j| format!("points[{j}].position"));
         let first = !core::mem::replace(&mut self.compared, true);
-        let contrary = if first { contrary(self.task.setup.medium, &ask.points, &ask.request) } else { None };
+        let contrary = first.then(|| contrary(self.task.setup.medium, &ask.points, &ask.request)).flatten();
         far.into_iter().chain(contrary).collect()
     }
 
-    /// As [`Session::doubts`], of all points (B, M, 3) of a batch far beyond the array.
+    /// As [`Session::doubts`], of all points (B, M, 3) of a batch far beyond the array or behind it.
     pub fn batch_doubts(&mut self, points: &[[f64; 3]], each: usize) -> Vec<Doubt> {
         let far = self.far(points, |k| format!("problems[{}].points[{}].position", k / each, k % each));
         far.into_iter().collect()

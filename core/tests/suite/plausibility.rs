@@ -153,3 +153,17 @@ fn presets_tiles_and_the_papers_scenes_are_nobodys_slip() {
     let room = Array::preset("autd3", [8, 8]).expect("tiles");
     assert_eq!(told(room, Medium::default(), vec![[1.0, 2.0, 3.0]], None), [""; 0]);
 }
+
+#[test]
+fn points_behind_every_transducer_are_doubted() {
+    let air = Medium::default();
+    let behind = |name: &str, point: [f64; 3]| told(preset(name), air, vec![point], None);
+    for name in ["autd3", "sonicsurface", "paper20", "openmpd_board"] {
+        let text = &behind(name, [0.0, 0.0, -0.12])[0];
+        assert!(text.starts_with("points[0].position is [0, 0, -0.12] m: behind every transducer"), "{name}: {text}");
+    }
+    // Between two boards each point is in front of one of them.
+    let heights: Vec<f64> = preset("openmpd_pair").positions().iter().map(|place| place[2]).collect();
+    let middle = heights.iter().sum::<f64>() / heights.len() as f64;
+    assert!(behind("openmpd_pair", [0.0, 0.0, middle]).is_empty());
+}

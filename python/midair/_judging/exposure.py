@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import product
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Scene, SceneError, Solution, about, field
+from .._midair import Scene, SceneError, SceneWarning, Solution, about, field
 from .._motion import Sequence
 from .._motion.propagation import rows
 from .._points.ear import REFERENCE, Ear
@@ -245,6 +247,7 @@ def exposure(
     limit is what its source says about levels; what a person bears is nothing that this can tell.
 
     Raises SceneError for places, a limit or a drive that are not in order, TypeError where scene is neither.
+    Warns (SceneWarning) of a place behind every transducer.
 
     >>> import midair
     >>> scene = midair.Scene(midair.Array.preset("autd3"), [[0, 0, 0.15]])
@@ -267,6 +270,9 @@ def exposure(
     for name, (low, high) in boxes.items():
         place = low
         _keep_off(scene, name, low, high)
+        if all(scene.array._is_behind(corner) for corner in product(*zip(low, high, strict=True))):
+            why = "behind every transducer, where the model has no sound that leaks: give a place in front"
+            warnings.warn(f'places["{name}"] is {why}', SceneWarning, stacklevel=2)
         if (high > low).any():
             place, _ = loudest(name, low, high, scene.wavelength, levels)
         (there,) = np.concatenate(list(blocks(place[None])))
