@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import pytest
 from pyftdi.ftdi import FtdiError
+from pyftdi.usbtools import UsbToolsError
 from usb.core import USBError, USBTimeoutError
 
 import midair
@@ -24,7 +25,7 @@ class Chip:
         scheme, _, serial = place.rpartition(":")
         assert scheme == "ftdi://:"
         if serial not in self.there:
-            raise FtdiError(f"No USB device with S/N {serial}")
+            raise UsbToolsError(f"No USB device with S/N {serial}")
         self.written, self.failing, self.closed = bytearray(), None, False
         self.opened[serial if interface == "1" else f"{serial}/{interface}"] = self
 

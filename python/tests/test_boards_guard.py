@@ -94,7 +94,7 @@ def test_what_ends_is_off(programs, line, act, number, _):
 @pytest.mark.slow
 @pytest.mark.parametrize("_", range(HANGS))
 @pytest.mark.parametrize("act", ["stopped", "spin", "native"])
-def test_what_hangs_is_off_after_the_hold(programs, line, act, _):
+def test_what_hangs_is_off_after_the_hold_or_before(programs, line, act, _):
     begin = time.monotonic()
     process = started(programs, "sleep" if act == "stopped" else act, line, HOLD)
     begin = time.monotonic()
@@ -148,7 +148,7 @@ def test_a_guard_that_hangs_is_replaced(line):
     os.kill(surface._guard._process.pid, signal.SIGSTOP)
     begin = time.monotonic()
     surface.close()
-    assert time.monotonic() - begin < 4
+    assert time.monotonic() - begin < 2
     line.wait(lambda surface: surface.silent)
 
 

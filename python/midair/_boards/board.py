@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from os import PathLike, fspath
 from typing import Any
 
@@ -67,8 +68,14 @@ class Board:
         live = array.mask.copy()
         if array.response is not None:
             live &= array.response != 0
+        # What makes an equal board, in a pickle.
+        self._made = kind, array, channels, corrections
         self._codec = Codec(kind, len(array), channels=channels, corrections=corrections, live=live)
         self._array = array if array.quantization is not None else _on_board(array, self._codec)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        name, array, channels, corrections = self._made
+        return partial(Board, channels=channels, corrections=corrections), (name, array)
 
     @property
     def name(self) -> str:

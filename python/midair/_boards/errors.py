@@ -27,6 +27,11 @@ class BoardTimeout(BoardError):
     """The device did not take what was sent in time."""
 
 
+def named(error: BaseException) -> str:
+    """What an error of a library says, with its name."""
+    return ": ".join(filter(None, (type(error).__name__, " ".join(str(error).split()))))
+
+
 #: By the name under which the guard process tells its owner of one.
 KINDS: dict[str, type[BoardError]] = {
     kind.__name__: kind

@@ -8,13 +8,12 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import Any
 
-from pyftdi.ftdi import Ftdi, FtdiError
-from usb.core import USBError
+from pyftdi.ftdi import Ftdi
 
 from .errors import BoardBusy, BoardError, BoardLost, BoardNotFound, BoardPermission, BoardTimeout
 
 #: A board that takes nothing for so long, in ms, is stalled.
-STALLED_MS = 1000
+STALLED_MS = 200
 
 #: As OpenMPD's own driver has them: a packet that is not full is sent after 2 ms; bytes a USB transfer.
 LATENCY_MS = 2
@@ -76,7 +75,8 @@ class FifoTransport:
             one = k % len(self._chips)
             try:
                 self._chips[one].write_data(content[k * self._part : (k + 1) * self._part])
-            except (FtdiError, USBError) as error:
+            # Whatever pyftdi and libusb raise.
+            except Exception as error:
                 # What is for the other boards is written all the same: it may turn them off.
                 failed = _failed(self._places[one][0], error)
         if failed is not None:
@@ -92,7 +92,10 @@ def _open(serial: str, interface: int) -> Any:
         chip.set_latency_timer(LATENCY_MS)
         chip.write_data_set_chunksize(CHUNK)
         chip.purge_buffers()
-    except (FtdiError, USBError, ValueError, OSError) as error:
+    # Whatever pyftdi and libusb raise, UsbToolsError of a chip that is not there among it.
+    except Exception as error:
+        with suppress(Exception):
+            chip.close()
         number = _number(error)
         if number == NO_ACCESS:
             raise BoardPermission(

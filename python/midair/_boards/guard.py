@@ -1,8 +1,8 @@
 """Guard: the process that owns a device, and turns it off when its owner ends, hangs or asks for it.
 
 It learns of its owner's end by the end of the pipe between them, and by its parent's number, which changes
-even where a forked child of the owner holds the pipe open. It is of a session of its own, so that what ends
-the owner's terminal does not end it.
+even where a forked child of the owner holds the pipe open. It misses the beats of an owner that is stopped or
+hangs in foreign code. It is of a session of its own: what ends the owner's terminal does not end it.
 """
 
 from __future__ import annotations
@@ -21,12 +21,15 @@ from queue import Empty, SimpleQueue
 from typing import Any
 
 from . import wire
-from .errors import BoardError, BoardTimeout
+from .errors import BoardError, BoardLost, BoardTimeout, named
 from .transport import Transport, open_transport
 from .wire import Kind, Late
 
 #: How often the guard looks whether its owner lives, in s.
 TICK = 0.02
+
+#: How long the guard may be at work with its device before its owner takes it for one that hangs, in s.
+BUSY = {Kind.UPLOAD: 10.0, Kind.MODULATE: 10.0}
 
 Message = tuple[Kind, int, bytes]
 
@@ -70,6 +73,9 @@ class Guard:
         self._playing: list[bytes] = []
         self._uploaded = (0.0, 1.0)
         self._lost = False
+        self._beaten = time.monotonic()
+        self._until = math.inf
+        self._lock = threading.Lock()
         self._frames = 0
         self._late = 0
         self._lapses = 0
@@ -81,12 +87,21 @@ class Guard:
             for kind, number, content in self._come():
                 if kind == Kind.CLOSE:
                     return
+                self._until = time.monotonic() + BUSY.get(kind, wire.MISSED)
                 self._serve(kind, number, content)
+            self._until = time.monotonic() + wire.MISSED
             if self._waiting and self._waiting[0].due <= time.monotonic():
                 self._play_next()
-            if self._playing and time.monotonic() - self._called >= self._hold:
+            now = time.monotonic()
+            if self._playing and (now - self._called >= self._hold or now - self._beaten >= wire.MISSED):
                 self._lapses += 1
                 self._attempt(0, self._off)
+
+    def beat(self, number: int) -> None:
+        """Note that the owner lives, and answer unless the device keeps the guard too long; in any thread."""
+        self._beaten = now = time.monotonic()
+        if now < self._until:
+            self._answer(Kind.DONE, number, b"")
 
     def _come(self) -> list[Message]:
         """The messages that have come, after a pause."""
@@ -135,12 +150,16 @@ class Guard:
         except BoardError as error:
             self._lost |= type(error) is not BoardError
             self._fail(number, error)
+        # Whatever the device's library raises.
+        except Exception as error:
+            self._lost = True
+            self._fail(number, BoardLost(f"the link failed ({named(error)}): connect again"))
         else:
             self._answer(Kind.DONE, number, self.status())
 
     def _fail(self, number: int, error: BoardError) -> None:
         """Answer that a call failed, and with it whatever was sent before this could be known; turn off."""
-        told = {"kind": type(error).__name__, "message": str(error)}
+        told = _told(error)
         for message in self._more():
             if message[0] == Kind.PLAY:
                 self._serve(*message)
@@ -149,7 +168,7 @@ class Guard:
         failed, self._waiting, self._playing = self._waiting, deque(), []
         for each in (number, *(other.number for other in failed)):
             self._answer(Kind.FAILED, each, self.status(**told))
-        with suppress(BoardError):
+        with suppress(Exception):
             self._transport.silence()
 
     def _play_next(self) -> None:
@@ -209,7 +228,7 @@ class Guard:
     def _answer(self, kind: Kind, number: int, content: bytes) -> None:
         # Number 0 is nobody's call; an owner that is gone is noticed by `run`.
         if number:
-            with suppress(wire.Gone):
+            with suppress(wire.Gone), self._lock:
                 wire.write(self._replies, kind, number, content)
 
 
@@ -218,7 +237,8 @@ def main() -> None:
     parent = os.getppid()
     requests, replies = _pipes()
     inbox: SimpleQueue[Message] = SimpleQueue()
-    threading.Thread(target=_listen, args=(requests, inbox), daemon=True).start()
+    served: list[Guard] = []
+    threading.Thread(target=_listen, args=(requests, inbox, served), daemon=True).start()
     kind, number, content = inbox.get()
     if kind == Kind.CLOSE:
         return
@@ -229,12 +249,13 @@ def main() -> None:
     try:
         transport = open_transport(setting["transport"])
         guard = Guard(transport, setting["hold"], parent, inbox, replies)
+        served.append(guard)
         wire.write(replies, Kind.DONE, number, guard.status())
         guard.run()
-    except (BoardError, ImportError) as error:
-        told = {"kind": type(error).__name__, "message": str(error)}
+    # Whatever a device's library raises where the device cannot be opened.
+    except Exception as error:
         with suppress(wire.Gone):
-            wire.write(replies, Kind.FAILED, number, json.dumps(told).encode())
+            wire.write(replies, Kind.FAILED, number, json.dumps(_told(error)).encode())
     finally:
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
         if transport is not None:
@@ -252,11 +273,21 @@ def _pipes() -> tuple[int, int]:
     return requests, replies
 
 
-def _listen(requests: int, inbox: SimpleQueue[Message]) -> None:
-    """Hand every message to the inbox, and one that closes when the owner is gone."""
+def _told(error: Exception) -> dict[str, str]:
+    """An error as its owner raises it, in one line; of one that is not the boards' own with its name."""
+    text = str(error) if isinstance(error, BoardError | ImportError) else named(error)
+    return {"kind": type(error).__name__, "message": " ".join(text.split())}
+
+
+def _listen(requests: int, inbox: SimpleQueue[Message], served: list[Guard]) -> None:
+    """Hand beats to the guard at once, all else to the inbox, and what closes when the owner is gone."""
     with suppress(wire.Gone):
         while True:
-            inbox.put(wire.read(requests))
+            kind, number, content = wire.read(requests)
+            if kind != Kind.BEAT:
+                inbox.put((kind, number, content))
+            elif served:
+                served[0].beat(number)
     inbox.put((Kind.CLOSE, 0, b""))
 
 

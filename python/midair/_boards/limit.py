@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .._midair import Array, Scene, field
 from .._points.ear import Ear
-from .._support.arguments import refused
+from .._support.arguments import refused, shown
 from .errors import BoardError
 
 
@@ -33,8 +33,12 @@ class Limit:
         try:
             points = positions.points if isinstance(positions, Ear) else np.atleast_2d(positions)
             self._scene = Scene(array, points, **more)
-            most = np.asarray(pressure, np.float64)
-            self._most = np.broadcast_to(most, len(self._scene.points))
+            most = np.asarray(pressure)
+            if most.dtype.kind not in "iuf":
+                raise TypeError(f"pressure is {shown(pressure)}")
+            # What its giver makes of it later does not matter.
+            self._most = np.array(np.broadcast_to(most, len(self._scene.points)), np.float64)
+            self._most.flags.writeable = False
         except TypeError as error:
             raise refused("limit", given, f"{error}; {form}") from error
         except ValueError as error:

@@ -7,7 +7,8 @@ import os
 import subprocess
 import sys
 import threading
-from concurrent.futures import Future, InvalidStateError
+import time
+from concurrent.futures import Future, InvalidStateError, wait
 from concurrent.futures import TimeoutError as NoAnswer
 from contextlib import suppress
 from itertools import count
@@ -25,7 +26,13 @@ PATIENCE = 12.0
 OPENING = 70.0
 
 #: How long a guard may take to turn its device off and end, in s.
-ENDING = 2.0
+ENDING = 0.9
+
+#: The environment of a guard has it: a program that connects there was started in place of an interpreter.
+GUARD = "MIDAIR_GUARD"
+
+#: An answer to a beat is waited for in so many parts.
+WAITS = 6
 
 CLOSED = "this connection is closed: connect again"
 
@@ -61,6 +68,7 @@ class GuardProcess:
             self.close()
             raise
         self._opened = True
+        threading.Thread(target=self._beat, daemon=True).start()
 
     def call(self, kind: Kind, content: bytes = b"") -> bytes:
         """Ask, and wait for the answer."""
@@ -106,6 +114,21 @@ class GuardProcess:
             self._process.kill()
             reader.join()
             self._silence()
+
+    def _beat(self) -> None:
+        """Beat while the guard answers; end one that hangs, upon which what reads turns the device off."""
+        with suppress(BoardError):
+            while True:
+                asked = self.ask(Kind.BEAT)
+                # This program may itself be stopped for any time, which is one short wait.
+                for _ in range(WAITS):
+                    if wait([asked], wire.MISSED / WAITS).done:
+                        break
+                else:
+                    self._process.kill()
+                    return
+                asked.result()
+                time.sleep(wire.BEATS)
 
     def _write(self) -> None:
         """Pass messages on until there are no more."""
@@ -155,12 +178,24 @@ def _started() -> subprocess.Popen[bytes]:
     """A guard between two pipes, in a session of its own, with the interpreter's own library and no more."""
     try:
         return subprocess.Popen(
-            [sys.executable, "-I", "-S", str(Path(__file__).with_name("start.py"))],
+            [_interpreter(), "-I", "-S", str(Path(__file__).with_name("start.py"))],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             start_new_session=True,
+            env={**os.environ, GUARD: "1"},
         )
     except OSError as error:
-        told = f'the guard process "{sys.executable}" cannot be started ({error.strerror})'
+        told = f'the guard process "{_interpreter()}" cannot be started ({error.strerror})'
         raise BoardError(f"{told}: end other programs, or give more memory") from error
+
+
+def _interpreter() -> str:
+    """The Python that runs a guard: not a frozen application, which would start itself without end."""
+    asked = os.environ.get("MIDAIR_PYTHON") or ("" if getattr(sys, "frozen", False) else sys.executable)
+    if not asked or GUARD in os.environ:
+        raise BoardError(
+            "a board's guard process needs a Python interpreter, and this program is none: "
+            "name one by the environment variable MIDAIR_PYTHON"
+        )
+    return asked

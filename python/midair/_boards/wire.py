@@ -22,6 +22,7 @@ class Kind(IntEnum):
     EMITTING = 7
     HOLD = 8  # nothing: the owner lives and waits for what it asked for
     CLOSE = 9
+    BEAT = 10  # nothing: the owner's interpreter answers; so does the guard's, by DONE without content
     DONE = 16  # JSON: the guard's status
     FAILED = 17  # JSON: status, and the error's kind and message
     FRAME = 18  # the frame that plays now; empty where nothing does
@@ -31,6 +32,10 @@ HEADER = struct.Struct("<BQI")
 WHEN = struct.Struct("<ddB")
 MODULATION = struct.Struct("<d")
 UPLOADED = struct.Struct("<Id")
+
+#: How often an owner beats, in s, and for how long either may be missed before everything is turned off.
+BEATS = 0.1
+MISSED = 0.6
 
 #: What a frame that is late, by ms, is told to be where that is an error.
 LATE = "a frame of the stream is {:.3g} ms late: give a lower rate"

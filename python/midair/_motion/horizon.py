@@ -7,6 +7,7 @@ three thousandths, as a window that moves frame by frame, in a quarter of the ti
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Iterator
 from itertools import chain, islice
 from typing import Any, Protocol
@@ -43,7 +44,8 @@ class Horizon:
     ) -> None:
         self._tracks = tracks
         self._coming = frames
-        self._ahead = ahead
+        # More frames than any list has are all of them.
+        self._ahead = min(ahead, sys.maxsize >> 1)
         # The frame handed out last and those in sight; codes of the first of them, and how many stay.
         self._frames: list[Frame] = []
         self._codes: NDArray[np.uint16] | None = None if state is None else state["codes"]
@@ -106,7 +108,8 @@ def streamed(
 ) -> Iterator[NDArray[np.complex64]]:
     """The drive (N,) of each of endless frames, points (M, 3) or pairs of points and pressures (M,)."""
     air = {name: options[name] for name in AIR if name in options}
-    board = board_of(options.get("quantization") or array.quantization)
+    given = options.get("quantization")
+    board = board_of(array.quantization if given is None else given)
     coming = (_read(array, air, frame) for frame in frames)
     for first in coming:
         tracks = Tracks(Scene(array, first[0], **air), change, board, lowered=aim != "max", coded=False)

@@ -21,6 +21,9 @@ from .propagation import Between, between, pressures, rows
 #: Time constant in s at which the noise of a sequence is told where none is given.
 TAU = 0.2e-3
 
+#: What settles goes below the least number there is, which a program may have made an error (np.seterr).
+SETTLING = np.errstate(under="ignore")
+
 
 class JudgedFrames(Frames):
     """Frames, and all that follows from them; `midair.Sequence` adds pictures and files."""
@@ -86,6 +89,7 @@ class JudgedFrames(Frames):
         """Metrics of the frames at rest; the noise is that of held drives and tau = 0.2 ms."""
         return self.judge()
 
+    @SETTLING
     def judge(self, tau: float | None = None, *, hold: Hold = "hold", substeps: int = 4) -> SequenceMetrics:
         """Metrics in motion: of the pressures inside the frames, as `between` has them.
 
@@ -106,6 +110,7 @@ class JudgedFrames(Frames):
         """What it is, and its metrics, as a table of text."""
         return f"{self._heading()}\n{self.metrics!r}"
 
+    @SETTLING
     def between(self, tau: float, hold: Hold = "hold", substeps: int = 4) -> Between:
         """`times` (T substeps,) in s and |p| `pressures` (T substeps, M) in Pa inside the frames.
 
@@ -122,6 +127,7 @@ class JudgedFrames(Frames):
         """
         return self._between(self._envelope(tau, hold), arguments.substeps(substeps))
 
+    @SETTLING
     def felt(
         self,
         place: ArrayLike,

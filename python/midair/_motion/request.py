@@ -45,7 +45,8 @@ class Request:
     @property
     def board(self) -> dict[str, Any]:
         """The board's quantization: as an option says, else the array's own."""
-        return dict(self.options.get("quantization") or self.array.quantization or {})
+        given = self.options.get("quantization")
+        return dict((self.array.quantization if given is None else given) or {})
 
     @property
     def full(self) -> bool:
