@@ -212,8 +212,8 @@ book/.venv/ready studio/.venv/ready: %/.venv/ready: %/requirements.txt .venv/rea
 		> "$$(echo $(@D)/lib/python*/site-packages)/midair.pth"
 	touch $@
 
-schema: ## Write docs/scene.schema.json and fuzz/scene.dict anew, from core/src/files/schema.rs
-	$(HOST_PYTHON) book/schema.py
+schema: .venv/extension ## Write docs/scene.schema.json and fuzz/scene.dict anew, from the core's keys
+	$(PYTHON) book/schema.py
 
 map: ## Write docs/map.md anew: every source file with its first line
 	MIDAIR_MAP=write $(CARGO) test --quiet $(CORE) --test suite map

@@ -3,26 +3,18 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from midair._midair import directivities, scene_keys
+
 ROOT = Path(__file__).parents[1]
-SOURCE = ROOT / "core" / "src" / "files" / "schema.rs"
-LAWS = ROOT / "core" / "src" / "scene" / "directivity"
 SCHEMA = ROOT / "docs" / "scene.schema.json"
 WORDS = ROOT / "fuzz" / "scene.dict"
 
-#: Every key with what it is, for the editor that shows it.
-MEANING = json.loads((Path(__file__).parent / "keys.json").read_text())
 #: The directivities by name, each with its formula.
-DIRECTIVITIES = {
-    name: about
-    for file in sorted(LAWS.glob("*.rs"))
-    for name, about in re.findall(r'name: "(\w+)",.*?about: "(.*?)"', file.read_text(), re.DOTALL)
-}
-MEANING["array.directivity"] += "".join(f" {name}: {about}." for name, about in DIRECTIVITIES.items())
+DIRECTIVITIES = {name: about for name, (_, about, _) in directivities().items()}
 #: What a fuzzer writes beside keys: names, numbers at the ends, null.
 VALUES = ['"autd3"', '"paper20"', "[1, 2]", '"max"', '"full"', '"all"', "true", "null"]
 VALUES += ["inf", "nan", "-0.0", "1e308", "9223372036854775808"]
@@ -34,17 +26,15 @@ NUMBER_OR_LIST = {"motion.path[].pressures", "motion.path[].size"}
 REPEATED = {"shape", "image", "motion.path"}
 
 
-def tables() -> dict[str, dict[str, Any]]:
-    """The core's table: path of a table, and its keys with an example each."""
-    text = SOURCE.read_text().split("const TABLES", 1)[1].split("];\n", 1)[0]
-    found: dict[str, dict[str, Any]] = {}
-    # A table's path comes before its keys; a key before its example, a plain or a raw string.
-    entry = r'\(\s*"([^"]*)",\s*&\[|\("(\w+)", (?:r#"(.*?)"#|"([^"]*)")\)'
-    table = ""
-    for path, key, raw, plain in re.findall(entry, text, re.DOTALL):
-        table = table if key else path
-        if key:
-            found.setdefault(table, {})[key] = json.loads(raw or plain)
+def tables() -> dict[str, dict[str, tuple[Any, str]]]:
+    """The core's keys: path of a table, and its keys with an example and the meaning of each."""
+    found = {
+        table: {key: (json.loads(example), about) for key, (example, about) in keys.items()}
+        for table, keys in scene_keys().items()
+    }
+    example, about = found["array"]["directivity"]
+    laws = "".join(f" {name}: {formula}." for name, formula in DIRECTIVITIES.items())
+    found["array"]["directivity"] = (example, about + laws)
     return found
 
 
@@ -88,9 +78,9 @@ def schema() -> dict[str, Any]:
         if table not in known:
             return None
         properties = {}
-        for key, example in known[table].items():
+        for key, (example, about) in known[table].items():
             path = f"{table}.{key}" if table else key
-            properties[key] = {"description": MEANING[path], **of_key(path, example, of_table)}
+            properties[key] = {"description": about, **of_key(path, example, of_table)}
         # A solver has options of its own.
         return {"type": "object", "properties": properties, "additionalProperties": table == "solver"}
 
@@ -131,9 +121,8 @@ def page() -> str:
             "| key | what | example |",
             "|---|---|---|",
         ]
-        for key, example in keys.items():
-            path = f"{table}.{key}" if table else key
-            lines.append(f"| `{key}` | {MEANING[path]} | `{json.dumps(example, ensure_ascii=False)}` |")
+        for key, (example, about) in keys.items():
+            lines.append(f"| `{key}` | {about} | `{json.dumps(example, ensure_ascii=False)}` |")
         lines.append("")
     return "\n".join(lines)
 

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._midair import Mesh, Solution, Sphere, Wall, _Directivity, _Quantization
 
+{air}
 class Board(TypedDict, total=False):
     quantization: _Quantization | None
     mask: ArrayLike | None
@@ -36,12 +37,7 @@ class Solve(Board, total=False):
     progress: Callable[[int, int, float], object] | None
     trace: bool
 
-class Setting(Board, total=False):
-    frequency: float | None
-    sound_speed: float | None
-    temperature: float | None
-    absorption: float | None
-    density: float | None
+class Setting(Board, Air, total=False):
     source_pressure: float | None
     directivity: _Directivity | None
     signature: str | ArrayLike | None
@@ -141,6 +137,17 @@ def kind(name: str, option: midair.OptionInfo) -> list[str]:
     return [own, "Sequence[int]", "NDArray[np.integer]"] if option.list else [own]
 
 
+def air() -> str:
+    """The keywords of the air, and the numbers of a scene's as its properties."""
+    lines = ["class Air(TypedDict, total=False):"]
+    for name, (_, about) in midair._midair.scene_keys()["medium"].items():
+        lines += [f"    {name}: float | None", f'    """{about}"""']
+    lines += ["", "class Numbers:"]
+    for name in midair.Scene(midair.Array([[0, 0, 0]]), [[0, 0, 1]]).medium:
+        lines += ["    @property", f"    def {name}(self) -> float: ..."]
+    return "\n".join(lines) + "\n"
+
+
 def keywords() -> str:
     """The file of keywords: for each solver a class of its options, and of these with each call's own."""
     classes: dict[str, list[str]] = {}
@@ -154,7 +161,7 @@ def keywords() -> str:
             fields += [f"{key}: {' | '.join(kind(option_name, option))} | None", f'"""{option.doc}"""']
     fields = [f"{key}: {' | '.join(kinds)} | None" for key, kinds in every.items()]
     classes["Every"] = ['"""Options of all solvers, for the one that a scene file names."""', *fields]
-    text = [KEYWORDS]
+    text = [KEYWORDS.format(air=air())]
     for name, lines in classes.items():
         text += ["\n".join([f"class {name}(TypedDict, total=False):", *(f"    {line}" for line in lines)])]
         text += [

@@ -232,7 +232,7 @@ midair_result midair_session_open(const char *scene,
 // Number N of a session's transducers, so that a drive has room; 0 for NULL and for a session at work.
 size_t midair_session_transducers(const midair_session *session);
 
-// Sets an option to a number: of the medium ("frequency", "sound_speed", "temperature", "absorption", "density"), of the
+// Sets an option to a number: of the medium (every key of `[medium]` in a scene file, such as "temperature"), of the
 // transducers ("source_pressure", "directivity." and the name of a directivity that takes a parameter, as in
 // "directivity.piston"), or of the method. A session whose options are set begins anew.
 midair_result midair_session_set_number(midair_session *session,

@@ -29,11 +29,6 @@ pub(crate) struct Setting {
 /// An option that does not belong to the method.
 #[derive(Clone, Copy)]
 enum Own {
-    Frequency,
-    SoundSpeed,
-    Temperature,
-    Absorption,
-    Density,
     SourcePressure,
     Directivity,
     Response,
@@ -41,12 +36,7 @@ enum Own {
     Quantization,
 }
 
-const OWN: [(&str, Own); 10] = [
-    ("frequency", Own::Frequency),
-    ("sound_speed", Own::SoundSpeed),
-    ("temperature", Own::Temperature),
-    ("absorption", Own::Absorption),
-    ("density", Own::Density),
+const OWN: [(&str, Own); 5] = [
     ("source_pressure", Own::SourcePressure),
     ("directivity", Own::Directivity),
     ("response", Own::Response),
@@ -99,12 +89,11 @@ impl Setting {
         if let Some(law) = name.strip_prefix("directivity.") {
             return self.direct(law, Some(value(&format!("directivity.{law}"))?));
         }
+        if let Some(key) = Medium::key(name) {
+            self.medium = self.medium.with(&[(key.name, value(&format!("medium.{}", key.name))?)])?;
+            return Ok(());
+        }
         match word("option", &Value::Text(name.into()), &OWN) {
-            Ok(Own::Frequency) => self.medium.frequency = value("medium.frequency")?,
-            Ok(Own::SoundSpeed) => self.medium.sound_speed = value("medium.sound_speed")?,
-            Ok(Own::Temperature) => self.medium.sound_speed = Medium::sound_speed_at(value("medium.temperature")?)?,
-            Ok(Own::Absorption) => self.medium.absorption = value("medium.absorption")?,
-            Ok(Own::Density) => self.medium.density = value("medium.density")?,
             Ok(Own::SourcePressure) => {
                 let source_pressure = value("array.source_pressure")?;
                 self.radiate(Transducer { source_pressure, ..self.array.transducer() })?;
@@ -151,7 +140,8 @@ fn with_own_names(error: Error) -> Error {
     let Error::Unknown { kind, name, mut hint, mut known } = error else { return error };
     let with_parameter = Directivity::all().filter(|directivity| directivity.parameter().is_some());
     let laws: Vec<String> = with_parameter.map(|directivity| format!("directivity.{}", directivity.name().0)).collect();
-    let names = OWN.iter().map(|(name, _)| *name).chain(laws.iter().map(String::as_str)).chain(["balance", "aim"]);
+    let own = Medium::KEYS.iter().map(|key| key.name).chain(OWN.iter().map(|(name, _)| *name));
+    let names = own.chain(laws.iter().map(String::as_str)).chain(["balance", "aim"]);
     if let Error::Unknown { hint: own, known: names, .. } = Error::unknown("", &*name, names) {
         hint = if hint.is_empty() { own } else { hint };
         known = format!("{known}, {names}");

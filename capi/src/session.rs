@@ -215,7 +215,7 @@ pub extern "C" fn midair_session_transducers(session: Option<&Session>) -> usize
     session.and_then(|session| session.state().ok()).map_or(0, |state| state.session.transducers())
 }
 
-/// Sets an option to a number: of the medium ("frequency", "sound_speed", "temperature", "absorption", "density"), of the
+/// Sets an option to a number: of the medium (every key of `[medium]` in a scene file, such as "temperature"), of the
 /// transducers ("source_pressure", "directivity." and the name of a directivity that takes a parameter, as in
 /// "directivity.piston"), or of the method. A session whose options are set begins anew.
 #[unsafe(no_mangle)]

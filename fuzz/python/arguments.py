@@ -39,7 +39,7 @@ def keywords(data: Data, *names: str) -> dict[str, Any]:
     return {name: cheap(name, odd(data)) for name in chosen}
 
 
-MEDIUM = ("frequency", "sound_speed", "temperature", "absorption", "density")
+MEDIUM = tuple(midair._midair.scene_keys()["medium"])
 TRANSDUCER = ("source_pressure", "directivity", "response", "mask", "quantization")
 
 

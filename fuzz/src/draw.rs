@@ -148,16 +148,16 @@ impl<'a> Draw<'a> {
         Ok(array.with_response(response)?.with_mask(mask)?.with_quantization(quantization))
     }
 
-    /// The air, mostly as it is.
-    pub fn medium(&mut self) -> Medium {
-        let mut medium = Medium::default();
-        if self.flag() {
-            medium.frequency = self.one(&[40e3, 25e3, 1e3, 1e6, 1e9, 1e-3]);
-            medium.sound_speed = 340.0 + self.real(100.0);
-            medium.absorption = self.real(1.0).abs();
-            medium.density = self.one(&[1.18, 1e3, 0.0, 1e-300]);
+    /// The air, mostly as it is; each key that is given is at its example, or odd.
+    pub fn medium(&mut self) -> Result<Medium, Error> {
+        let mut given = Vec::new();
+        for key in Medium::KEYS {
+            if self.whole(0, 7) == 7 {
+                let usual: f64 = key.example.parse().unwrap_or_default();
+                given.push((key.name, usual * self.one(&[1.0, 0.6, 25.0, 2.5e4, 2.5e-8, 0.0, 1e-300, -1.0])));
+            }
         }
-        medium
+        Medium::default().with(&given)
     }
 
     /// Targets and weights of `count` points.

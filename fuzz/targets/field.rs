@@ -10,7 +10,7 @@ fuzz_target!(|bytes: &[u8]| {
 });
 
 fn run(draw: &mut Draw) -> Result<(), Error> {
-    let (array, medium, points) = (draw.array()?, draw.medium(), draw.points(9));
+    let (array, medium, points) = (draw.array()?, draw.medium()?, draw.points(9));
     let request = draw.request(points.len());
     let scene = Scene::new(array, medium, points, request)?;
     let model = Model::of(&scene, InstructionSet::best());

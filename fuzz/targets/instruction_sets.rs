@@ -10,7 +10,7 @@ fuzz_target!(|bytes: &[u8]| {
 });
 
 fn run(draw: &mut Draw) -> Result<(), Error> {
-    let (array, medium) = (draw.array()?, draw.medium());
+    let (array, medium) = (draw.array()?, draw.medium()?);
     let points = draw.points(70);
     let request = draw.request(points.len());
     let drive = draw.drive(array.len());

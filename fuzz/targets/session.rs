@@ -16,7 +16,7 @@ fuzz_target!(|bytes: &[u8]| {
 });
 
 fn run(draw: &mut Draw) -> Result<(), Error> {
-    let model = Model::new(&draw.array()?, draw.medium(), InstructionSet::best())?;
+    let model = Model::new(&draw.array()?, draw.medium()?, InstructionSet::best())?;
     let transducers = model.array().len();
     let configured = draw.solver(model.array().quantization(), transducers)?;
     let (solver, balance): (Solver, bool) = (configured.solver.into(), draw.flag());

@@ -37,7 +37,7 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
 
 /// G of an array at some points.
 fn computed(draw: &mut Draw, set: InstructionSet) -> Result<(Propagation, Setup, Allowed), Error> {
-    let (array, medium) = (draw.array()?, draw.medium());
+    let (array, medium) = (draw.array()?, draw.medium()?);
     let points = draw.points(40);
     let propagation = Model::new(&array, medium, set)?.propagation(&points)?;
     Ok((propagation, Setup::of(&array, medium), Allowed::of(&array, medium, &points)))
@@ -56,5 +56,5 @@ fn given(draw: &mut Draw) -> Result<(Propagation, Setup, Allowed), Error> {
     let quantization = draw.maybe(Draw::quantization).transpose()?.map(Into::into);
     let positions = draw.maybe(|draw| draw.list(transducers, Draw::place).into());
     let allowed = Allowed::given(&propagation);
-    Ok((propagation, Setup { medium: draw.medium(), quantization, positions }, allowed))
+    Ok((propagation, Setup { medium: draw.medium()?, quantization, positions }, allowed))
 }

@@ -8,6 +8,28 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._midair import Mesh, Solution, Sphere, Wall, _Directivity, _Quantization
 
+class Air(TypedDict, total=False):
+    frequency: float | None
+    """Frequency f in Hz; left out 40e3."""
+    sound_speed: float | None
+    """Sound speed c in m/s; left out 340. Or temperature."""
+    absorption: float | None
+    """Absorption alpha of the amplitude in Np/m; left out 0. Air at 40 kHz has 0.15, 1.3 dB/m."""
+    density: float | None
+    """Density rho in kg/m^3; left out 1.18."""
+    temperature: float | None
+    """In degrees C, in place of sound_speed: c = 331.3 sqrt(1 + T/273.15) m/s."""
+
+class Numbers:
+    @property
+    def frequency(self) -> float: ...
+    @property
+    def sound_speed(self) -> float: ...
+    @property
+    def absorption(self) -> float: ...
+    @property
+    def density(self) -> float: ...
+
 class Board(TypedDict, total=False):
     quantization: _Quantization | None
     mask: ArrayLike | None
@@ -22,12 +44,7 @@ class Solve(Board, total=False):
     progress: Callable[[int, int, float], object] | None
     trace: bool
 
-class Setting(Board, total=False):
-    frequency: float | None
-    sound_speed: float | None
-    temperature: float | None
-    absorption: float | None
-    density: float | None
+class Setting(Board, Air, total=False):
     source_pressure: float | None
     directivity: _Directivity | None
     signature: str | ArrayLike | None

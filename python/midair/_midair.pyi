@@ -1,14 +1,16 @@
 """The compiled core. Shapes: N transducers, M points; SI units."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from inspect import Signature
 from os import PathLike
 from pathlib import Path
-from typing import Any, Literal, TypeAlias, final
+from typing import Any, ClassVar, Literal, TypeAlias, Unpack, final
 
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
+from . import _keywords as k
 from ._calls import Solver as Solver
 from ._calls import solve as solve
 from ._calls import solve_batch as solve_batch
@@ -54,6 +56,7 @@ __all__ = [
     "read_table",
     "register",
     "scene_files",
+    "scene_keys",
     "solve",
     "solve_batch",
     "solver_name",
@@ -154,7 +157,8 @@ class PresetInfo:
     def __eq__(self, other: object, /) -> bool: ...
 
 @final
-class Scene:
+class Scene(k.Numbers):
+    __signature__: ClassVar[Signature]
     def __new__(
         cls,
         array: Array,
@@ -162,15 +166,11 @@ class Scene:
         pressures: ArrayLike | None = None,
         *,
         weights: ArrayLike | None = None,
-        frequency: float | None = None,
-        sound_speed: float | None = None,
-        temperature: float | None = None,
-        absorption: float | None = None,
-        density: float | None = None,
         source_pressure: float | None = None,
         directivity: _Directivity | None = None,
         signature: str | ArrayLike | None = None,
         obstacles: Iterable[Wall | Sphere | Mesh] | None = None,
+        **medium: Unpack[k.Air],
     ) -> Scene: ...
     @staticmethod
     def load(path: str | PathLike[str]) -> Scene: ...
@@ -187,16 +187,12 @@ class Scene:
         points: _Numbers = None,
         pressures: _Numbers = ...,
         weights: _Numbers = ...,
-        frequency: float | None = None,
-        sound_speed: float | None = None,
-        temperature: float | None = None,
-        absorption: float | None = None,
-        density: float | None = None,
         source_pressure: float | None = None,
         directivity: _Directivity | None = None,
         signature: str | ArrayLike | None = ...,
         obstacles: Iterable[Wall | Sphere | Mesh] | None = ...,
         plane: Plane | None = ...,
+        **medium: Unpack[k.Air],
     ) -> Scene: ...
     def propagation(self) -> NDArray[np.complex64]: ...
     def reach(self) -> Reach: ...
@@ -209,15 +205,9 @@ class Scene:
     @property
     def weights(self) -> NDArray[np.float64] | None: ...
     @property
-    def frequency(self) -> float: ...
-    @property
-    def sound_speed(self) -> float: ...
+    def medium(self) -> dict[str, float]: ...
     @property
     def wavelength(self) -> float: ...
-    @property
-    def absorption(self) -> float: ...
-    @property
-    def density(self) -> float: ...
     @property
     def in_paper_unit(self) -> bool: ...
     @property
@@ -619,6 +609,7 @@ def read_table(
     text: bytes, name: str, names: list[str] | None = None, units: str = "in metres", example: str = ""
 ) -> tuple[NDArray[np.uintp], NDArray[np.float64]]: ...
 def scene_files(path: str | PathLike[str], text: bytes | None = None) -> list[Path]: ...
+def scene_keys() -> dict[str, dict[str, tuple[str, str]]]: ...
 def solver_name(name: str) -> str: ...
 def gorkov(
     scene: Scene | Solution,

@@ -5,6 +5,7 @@ The extension never imports the package: `midair` registers this module.
 
 from __future__ import annotations
 
+import inspect
 import sys
 from typing import Any
 
@@ -52,8 +53,30 @@ def sound(boundary: _midair.Boundary) -> Any:
     return sound(boundary)
 
 
+def air() -> None:
+    """Gives Scene the keys of the medium: in its signature and documentation, the numbers as properties."""
+
+    def number(name: str, about: str) -> property:
+        def read(scene: Scene) -> float:
+            """One number of a scene's air."""
+            return scene.medium[name]
+
+        return property(read, doc=about)
+
+    keys = {name: about for name, (_, about) in _midair.scene_keys()["medium"].items()}
+    for name in Scene(Array([[0, 0, 0]]), [[0, 0, 1]]).medium:
+        setattr(Scene, name, number(name, keys[name]))
+    lines = "\n".join(f"{name} : {about.removesuffix('.')}" for name, about in keys.items())
+    Scene.__doc__ = (Scene.__doc__ or "").replace("{medium}", lines)
+    signature = inspect.signature(Scene)
+    own = list(signature.parameters.values())[:-1]
+    air = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None) for name in keys]
+    Scene.__signature__ = signature.replace(parameters=[*own[:4], *air, *own[4:]])
+
+
 def attach() -> None:
     """Adds the methods, and registers this module with the extension."""
+    air()
     for owner, methods in METHODS.items():
         for name, method in methods.items():
             setattr(owner, name, method)

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use midair::files::{self, Format, MOST_BYTES, Source};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyString};
+use pyo3::types::{IntoPyDict, PyBytes, PyDict, PyString};
 
 use crate::draw;
 use crate::error::{invalid, refused};
@@ -68,4 +68,15 @@ pub(crate) fn scene_files(path: PathBuf, text: Option<Vec<u8>>) -> PyResult<Vec<
     let bytes = text.map_or_else(|| bytes_of(&path), Ok)?;
     let named = read(&path, &bytes, |bytes, format, source| files::references(bytes, format, source).map_err(refused))?;
     Ok([path].into_iter().chain(named).collect())
+}
+
+/// Every table of a scene file with its keys, in order: an example in JSON and the meaning of each.
+#[pyfunction]
+pub(crate) fn scene_keys(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let tables = PyDict::new(py);
+    for (table, keys) in files::tables() {
+        let texts = keys.iter().map(|key| (key.name, (key.example, key.about)));
+        tables.set_item(table, texts.collect::<Vec<_>>().into_py_dict(py)?)?;
+    }
+    Ok(tables)
 }

@@ -16,6 +16,7 @@ mod give;
 mod gorkov;
 mod instruction_set;
 mod judge;
+mod keywords;
 mod limits;
 mod mesh;
 mod metrics;
@@ -66,7 +67,7 @@ mod _midair {
     #[pymodule_export]
     use super::field::{Field, field};
     #[pymodule_export]
-    use super::files::scene_files;
+    use super::files::{scene_files, scene_keys};
     #[pymodule_export]
     use super::gorkov::{Gorkov, gorkov};
     #[pymodule_export]

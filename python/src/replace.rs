@@ -6,31 +6,13 @@ use pyo3::types::PyDict;
 
 use crate::array::Array;
 use crate::error::{invalid, refused};
+use crate::keywords::Keywords;
 use crate::numbers::quoted;
 use crate::obstacle::read_obstacles;
 use crate::plane::Plane;
 use crate::read;
-use crate::scene::{Scene, remade};
-use crate::setting::Keywords;
+use crate::scene::{ARGUMENTS, Scene, remade};
 use crate::signature::read_signature;
-
-/// What `Scene.replace` takes.
-const PARTS: [&str; 14] = [
-    "array",
-    "points",
-    "pressures",
-    "weights",
-    "frequency",
-    "sound_speed",
-    "temperature",
-    "absorption",
-    "density",
-    "source_pressure",
-    "directivity",
-    "signature",
-    "obstacles",
-    "plane",
-];
 
 // Here, not beside the class: `Keywords` itself reads scenes.
 #[pymethods]
@@ -53,7 +35,7 @@ impl Scene {
 
 /// The scene with changes, named as its constructor names them.
 fn replaced(py: Python<'_>, scene: &Scene, changes: &Bound<'_, PyDict>) -> PyResult<Scene> {
-    let (own, keywords) = (&*scene.inner, Keywords::of(changes)?);
+    let (own, keywords) = (&*scene.inner, Keywords::of(py, Some(changes))?);
     let array = match keywords.take("array")? {
         None => scene.array(),
         Some(array) => match array.cast::<Array>() {
@@ -103,8 +85,8 @@ fn replaced(py: Python<'_>, scene: &Scene, changes: &Bound<'_, PyDict>) -> PyRes
     };
     let obstacles = keywords.take_or_none("obstacles")?;
     let obstacles = obstacles.map_or_else(|| Ok(own.obstacles().to_vec()), |given| read_obstacles(&given))?;
-    if let Some(name) = keywords.left() {
-        return Err(refused(midair::Error::unknown("part of a scene", name, PARTS)));
+    if let Some(unknown) = keywords.unknown("part of a scene", &[&ARGUMENTS[..], &["plane"]].concat()) {
+        return Err(refused(unknown));
     }
     remade(py, scene, (&array, medium), points, request, (plane, signature, obstacles))
 }

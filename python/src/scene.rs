@@ -7,13 +7,15 @@ use std::sync::Arc;
 use midair::files::{self, Format, Provenance};
 use midair::{Complex32, Control, Doubt, Medium, Request};
 use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{IntoPyDict, PyDict};
 
 use crate::array::{Array, adjusted};
 use crate::ctrl_c::attend;
 use crate::error::{refused, warn_all};
 use crate::give::{self, rows};
+use crate::keywords::Keywords;
 use crate::obstacle::{read_obstacles, shown_obstacles};
 use crate::pickle::{Reduced, restored};
 use crate::plane::Plane;
@@ -24,6 +26,10 @@ use crate::signature::{read_signature, shown_signature};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
+/// What the constructor takes beside the air.
+pub(crate) const ARGUMENTS: [&str; 8] =
+    ["array", "points", "pressures", "weights", "source_pressure", "directivity", "signature", "obstacles"];
+
 /// A request: an array, points in the air, and what each of them shall feel.
 ///
 /// array : the midair.Array, N transducers
@@ -32,11 +38,7 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 ///     the array can reach together: sum_j (s/p1_j)^2 = 1, p1_j = sum_i |G_ji|. Complex ones ask for phases, too, of the
 ///     methods that use them
 /// weights : (M,) or one for all: they multiply the points' terms of eq. (7); a point of weight 0 takes no part
-/// frequency : in Hz; left out 40e3
-/// sound_speed : in m/s; left out 340; or
-/// temperature : in degrees C, for 331.3 sqrt(1 + T/273.15) m/s
-/// absorption : alpha of the amplitude in Np/m; left out 0
-/// density : in kg/m^3; left out 1.18
+/// {medium}
 /// source_pressure, directivity : P0 in Pa m and D, in place of the array's
 /// signature : turns the foci into traps: "trap", "twin", "vortex" or complex factors (N,) or (M, N) of modulus 1, which
 ///     multiply the responses c while it is solved; pressures are then those of the foci, and `field` and `gorkov` tell the
@@ -117,8 +119,8 @@ impl Scene {
 impl Scene {
     #[new]
     #[pyo3(signature = (
-        array, points, pressures=None, *, weights=None, frequency=None, sound_speed=None, temperature=None,
-        absorption=None, density=None, source_pressure=None, directivity=None, signature=None, obstacles=None
+        array, points, pressures=None, *, weights=None, source_pressure=None, directivity=None, signature=None,
+        obstacles=None, **medium
     ))]
     #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
     fn new(
@@ -127,25 +129,17 @@ impl Scene {
         points: &Bound<'_, PyAny>,
         pressures: Argument<'_, '_>,
         weights: Argument<'_, '_>,
-        frequency: Argument<'_, '_>,
-        sound_speed: Argument<'_, '_>,
-        temperature: Argument<'_, '_>,
-        absorption: Argument<'_, '_>,
-        density: Argument<'_, '_>,
         source_pressure: Argument<'_, '_>,
         directivity: Argument<'_, '_>,
         signature: Argument<'_, '_>,
         obstacles: Argument<'_, '_>,
+        medium: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        let default = Medium::default();
-        let speed = sound_speed.map(|speed| read::real("sound_speed", speed)).transpose()?;
-        let temperature = temperature.map(|value| read::real("temperature", value)).transpose()?;
-        let medium = Medium {
-            frequency: read::real_or("frequency", frequency, default.frequency)?,
-            sound_speed: Medium::sound_speed(speed, temperature).map_err(refused)?,
-            absorption: read::real_or("absorption", absorption, default.absorption)?,
-            density: read::real_or("density", density, default.density)?,
-        };
+        let keywords = Keywords::of(py, medium)?;
+        let medium = keywords.medium(Medium::default())?;
+        if let Some(unknown) = keywords.unknown("argument of Scene", &ARGUMENTS) {
+            return Err(PyTypeError::new_err(unknown.to_string()));
+        }
         let array = adjusted(array.get().clone(), source_pressure, directivity, None)?;
         let points = read::vectors("points", points)?;
         // Without points there is nothing to compare lengths with; the core says so.
@@ -215,34 +209,16 @@ impl Scene {
         self.inner.request().weights.clone().map(|weights| give::list(py, weights))
     }
 
-    /// Frequency in Hz.
+    /// The numbers of the air by name, as the constructor takes them.
     #[getter]
-    fn frequency(&self) -> f64 {
-        self.inner.medium().frequency
-    }
-
-    /// Sound speed in m/s.
-    #[getter]
-    fn sound_speed(&self) -> f64 {
-        self.inner.medium().sound_speed
+    fn medium<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        self.inner.medium().numbers().collect::<Vec<_>>().into_py_dict(py)
     }
 
     /// Wavelength in m.
     #[getter]
     fn wavelength(&self) -> f64 {
         self.inner.medium().wavelength()
-    }
-
-    /// Absorption in Np/m.
-    #[getter]
-    fn absorption(&self) -> f64 {
-        self.inner.medium().absorption
-    }
-
-    /// Density in kg/m^3.
-    #[getter]
-    fn density(&self) -> f64 {
-        self.inner.medium().density
     }
 
     /// Whether pressures are in the paper's unit: eq. (5) in mm, which source_pressure = 1e-3 reproduces.
@@ -303,15 +279,14 @@ impl Scene {
         points: &Bound<'_, PyAny>,
         pressures: Argument<'_, '_>,
         weights: Argument<'_, '_>,
-        medium: [f64; 4],
+        medium: &Bound<'_, PyDict>,
         solver: Option<(String, Bound<'_, PyDict>)>,
         plane: Option<Bound<'_, Plane>>,
         phases: Argument<'_, '_>,
         signature: Argument<'_, '_>,
         obstacles: &Bound<'_, PyAny>,
     ) -> PyResult<Self> {
-        let [frequency, sound_speed, absorption, density] = medium;
-        let medium = Medium { frequency, sound_speed, absorption, density };
+        let medium = Keywords::of(medium.py(), Some(medium))?.medium(Medium::default())?;
         let points = read::vectors("points", points)?;
         let phases = phases.map(|phases| read::reals("phases", phases)).transpose()?;
         let request = Request { phases, ..read::request(points.len(), pressures, weights)? };
@@ -327,15 +302,13 @@ impl Scene {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
-        let Medium { frequency, sound_speed, absorption, density } = self.inner.medium();
-        let medium = [frequency, sound_speed, absorption, density];
         // Moduli and phases as they are kept: to the last bit.
         let Request { pressures, phases, weights } = self.inner.request().clone();
         let [pressures, phases, weights] =
             [pressures, phases, weights].map(|list| list.map(|list| give::list(py, list)));
         let (solver, plane, signature) = (self.solver(py)?, self.plane(), self.signature(py)?);
         let obstacles = self.obstacles(py)?;
-        let points = self.points(py)?;
+        let (points, medium) = (self.points(py)?, self.medium(py)?);
         let parts = (self.array(), points, pressures, weights, medium, solver, plane, phases, signature, obstacles);
         restored::<Self>(py, parts)
     }

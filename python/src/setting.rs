@@ -8,9 +8,10 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyDictMethods};
 
-use crate::array::{Array, adjusted, on_board};
+use crate::array::{Array, on_board};
 use crate::error::{invalid, refused, warn_all};
 use crate::give::rows;
+use crate::keywords::Keywords;
 use crate::obstacle::{read_obstacles, shown_obstacles};
 use crate::propagation::Propagation;
 use crate::quantization::shown;
@@ -82,11 +83,9 @@ impl Source {
         let keywords = read::option_dict(py, &choice.table())?;
         let first = match self {
             Self::Model(model) => {
-                let Medium { frequency, sound_speed, absorption, density } = model.medium();
-                keywords.set_item("frequency", frequency)?;
-                keywords.set_item("sound_speed", sound_speed)?;
-                keywords.set_item("absorption", absorption)?;
-                keywords.set_item("density", density)?;
+                for (name, value) in model.medium().numbers() {
+                    keywords.set_item(name, value)?;
+                }
                 let shown = shown_signature(py, model.signature(), model.array().len())?;
                 keywords.set_item("signature", shown)?;
                 keywords.set_item("obstacles", shown_obstacles(py, model.obstacles())?)?;
@@ -102,61 +101,10 @@ impl Source {
     }
 }
 
-/// Keywords, taken out one by one.
-pub(crate) struct Keywords<'py>(Bound<'py, PyDict>);
-
-impl<'py> Keywords<'py> {
-    pub(crate) fn of(keywords: &Bound<'py, PyDict>) -> PyResult<Self> {
-        keywords.copy().map(Self)
-    }
-
-    /// A keyword where None stands for leaving it out.
-    pub(crate) fn take(&self, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
-        Ok(self.take_or_none(name)?.filter(|value| !value.is_none()))
-    }
-
-    /// A keyword that may be Python's None.
-    pub(crate) fn take_or_none(&self, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let value = self.0.get_item(name)?;
-        if value.is_some() {
-            self.0.del_item(name)?;
-        }
-        Ok(value)
-    }
-
-    /// One that nobody took.
-    pub(crate) fn left(&self) -> Option<String> {
-        self.0.keys().iter().next().map(|name| name.to_string())
-    }
-
-    /// A medium as the keywords change it.
-    pub(crate) fn medium(&self, own: Medium) -> PyResult<Medium> {
-        let take = |name: &str| self.take(name);
-        let [speed, temperature] = [("sound_speed", take("sound_speed")?), ("temperature", take("temperature")?)]
-            .map(|(name, value)| value.map(|value| read::real(name, &value)).transpose());
-        let sound_speed = match (speed?, temperature?) {
-            (None, None) => own.sound_speed,
-            (speed, temperature) => Medium::sound_speed(speed, temperature).map_err(refused)?,
-        };
-        Ok(Medium {
-            frequency: read::real_or("frequency", take("frequency")?.as_ref(), own.frequency)?,
-            sound_speed,
-            absorption: read::real_or("absorption", take("absorption")?.as_ref(), own.absorption)?,
-            density: read::real_or("density", take("density")?.as_ref(), own.density)?,
-        })
-    }
-
-    /// An array with the transducers that the keywords make of its own.
-    pub(crate) fn transducer(&self, array: Array) -> PyResult<Array> {
-        let (pressure, directivity) = (self.take("source_pressure")?, self.take("directivity")?);
-        adjusted(array, pressure.as_ref(), directivity.as_ref(), None)
-    }
-
-    /// The array and medium of a Scene or an Array, as the keywords change them.
-    fn ready(&self, array: Array, own: Medium, beside: Beside<'_, '_>) -> PyResult<Arc<Ready>> {
-        let medium = self.medium(own)?;
-        on_board(self.transducer(array)?, beside.mask, beside.quantization)?.ready(medium)
-    }
+/// The array and medium of a Scene or an Array, as keywords change them.
+fn ready(keywords: &Keywords<'_>, array: Array, own: Medium, beside: Beside<'_, '_>) -> PyResult<Arc<Ready>> {
+    let medium = keywords.medium(own)?;
+    on_board(keywords.transducer(array)?, beside.mask, beside.quantization)?.ready(medium)
 }
 
 impl Setting {
@@ -167,10 +115,7 @@ impl Setting {
         solver: Argument<'_, '_>,
         keywords: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        let keywords = Keywords(match keywords {
-            Some(keywords) => keywords.copy()?,
-            None => PyDict::new(object.py()),
-        });
+        let keywords = Keywords::of(object.py(), keywords)?;
         let (signature, obstacles) = (keywords.take_or_none("signature")?, keywords.take_or_none("obstacles")?);
         let [balance, aim, quantization, mask, positions] =
             ["balance", "aim", "quantization", "mask", "positions"].map(|name| keywords.take(name));
@@ -188,7 +133,7 @@ impl Setting {
             aim: aim.map(|value| read::aim(&value)).transpose()?,
         };
         let mut configured = |board: Option<&midair::Quantization>| {
-            choice.options = read::options(Some(&keywords.0))?;
+            choice.options = read::options(Some(keywords.rest()))?;
             let configured = configure(&choice, board).map_err(refused)?;
             choice.name = configured.info.name.into();
             choice.balance = Some(choice.balance.unwrap_or(configured.info.balance));
@@ -232,7 +177,7 @@ impl Setting {
                 Some(none) if none.is_none() => None,
                 Some(signature) => Some(read_signature(&signature, array.inner.len())?),
             };
-            let ready = keywords.ready(array, medium, beside)?;
+            let ready = ready(&keywords, array, medium, beside)?;
             let Ready { model, doubts, .. } = &*ready;
             warn_all(object.py(), doubts.iter().filter(|doubt| !told.contains(doubt)))?;
             let (configured, balance) = configured(model.array().quantization())?;

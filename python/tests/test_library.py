@@ -35,8 +35,10 @@ def test_errors_are_of_the_kinds_that_people_catch() -> None:
 
 
 def test_keywords_have_the_names_and_order_of_the_design() -> None:
+    air = midair._midair.scene_keys()["medium"]
+    assert {"frequency", "sound_speed", "temperature", "absorption", "density"} <= set(air)
     parameters = {
-        midair.Scene: "array points pressures weights frequency sound_speed temperature absorption density "
+        midair.Scene: f"array points pressures weights {' '.join(air)} "
         "source_pressure directivity signature obstacles",
         midair.Array: "positions normals source_pressure directivity response mask quantization",
         midair.Plane: "z size pixels center axis at",

@@ -8,6 +8,7 @@ use crate::error::Error;
 use crate::files::fault::Fault;
 use crate::files::node::Node;
 use crate::files::schema;
+use crate::scene::Key;
 
 /// A value of the document and its path, such as `points[3].pressure`.
 pub(super) struct Item<'a> {
@@ -140,6 +141,12 @@ impl<'a> Table<'a> {
         read: impl FnOnce(&Item<'a>) -> Result<T, Fault>,
     ) -> Result<Option<T>, Fault> {
         self.get(key).map(|item| read(&item)).transpose()
+    }
+
+    /// The numbers that are given for some keys.
+    pub(super) fn reals(&self, keys: &[Key]) -> Result<Vec<(&'static str, f64)>, Fault> {
+        let given = keys.iter().filter_map(|key| self.get(key.name).map(|item| (key.name, item)));
+        given.map(|(name, item)| Ok((name, item.real()?))).collect()
     }
 
     /// The value of a key that must be there.

@@ -22,6 +22,7 @@ pub use csv::{Columns, Table, read_table};
 pub use drawn::{Draw, Drawing};
 pub use motion::Motion;
 pub use positions::COLUMNS as POSITIONS;
+pub use schema::tables;
 pub use source::{Format, MOST_BYTES, Source};
 pub use tables::Provenance;
 

@@ -158,14 +158,7 @@ fn signature(item: &Item<'_>) -> Result<Signature, Fault> {
 }
 
 fn medium(table: &Table<'_>) -> Result<Medium, Fault> {
-    let default = Medium::default();
-    let real = |key: &str| table.read(key, Item::real);
-    Ok(Medium {
-        frequency: real("frequency")?.unwrap_or(default.frequency),
-        sound_speed: Medium::sound_speed(real("sound_speed")?, real("temperature")?)?,
-        absorption: real("absorption")?.unwrap_or(default.absorption),
-        density: real("density")?.unwrap_or(default.density),
-    })
+    Ok(Medium::default().with(&table.reals(Medium::KEYS)?)?)
 }
 
 fn array(table: &Table<'_>, source: Source<'_>) -> Result<Array, Fault> {

@@ -1,163 +1,249 @@
-//! The keys of a scene file, each with a value as it may be written, for errors that show a correct line.
+//! The keys of a scene file, each with its meaning and with a value, for editors and for errors that show a correct line.
 
 use alloc::format;
 use alloc::string::String;
 
 use crate::files::source::Format;
+use crate::scene::{Key, Medium};
 
-/// A table's path, and its keys with an example in JSON.
-type Table = (&'static str, &'static [(&'static str, &'static str)]);
+/// A table's path, and its keys.
+type Table = (&'static str, &'static [Key]);
 
 const TABLES: &[Table] = &[
     (
         "",
         &[
-            ("medium", r#"{"frequency": 40e3}"#),
-            ("array", r#"{"preset": "autd3"}"#),
-            ("points", r#"[{"position": [0.0, 0.0, 0.15]}]"#),
-            ("shape", r#"[{"kind": "circle", "center": [0.0, 0.0, 0.15], "radius": 0.03}]"#),
-            ("image", r#"[{"file": "logo.png", "size": 0.08, "z": 0.15, "pixels": 18}]"#),
-            ("obstacles", r#"[{"point": [0.1, 0.0, 0.0], "normal": [-1.0, 0.0, 0.0]}]"#),
-            ("signature", r#""trap""#),
-            ("motion", r#"{"rate": 10e3}"#),
-            ("solver", r#"{"name": "greedy"}"#),
-            ("plane", r#"{"z": 0.15}"#),
-            ("version", r#""1.0""#),
-            ("status", r#""done""#),
+            Key::new("medium", r#"{"frequency": 40e3}"#, "The air."),
+            Key::new("array", r#"{"preset": "autd3"}"#, "The transducers: exactly one of grid, preset and positions."),
+            Key::new("points", r#"[{"position": [0.0, 0.0, 0.15]}]"#, "Control points, one table each."),
+            Key::new(
+                "shape",
+                r#"[{"kind": "circle", "center": [0.0, 0.0, 0.15], "radius": 0.03}]"#,
+                "Points along a drawing; by the Python package.",
+            ),
+            Key::new(
+                "image",
+                r#"[{"file": "logo.png", "size": 0.08, "z": 0.15, "pixels": 18}]"#,
+                "Points of a picture; by the Python package.",
+            ),
+            Key::new(
+                "obstacles",
+                r#"[{"point": [0.1, 0.0, 0.0], "normal": [-1.0, 0.0, 0.0]}]"#,
+                "What the waves meet: a wall, a ball or a mesh each.",
+            ),
+            Key::new("signature", r#""trap""#, "Foci are turned into traps: trap, twin or vortex."),
+            Key::new("motion", r#"{"rate": 10e3}"#, "Points that move, in place of points; of `midair motion` alone."),
+            Key::new("solver", r#"{"name": "greedy"}"#, "The method where none is named, with its options."),
+            Key::new("plane", r#"{"z": 0.15}"#, "Where pictures are taken; left out, it follows the points."),
+            Key::new("version", r#""1.0""#, "Of midair, in results; read and ignored."),
+            Key::new("status", r#""done""#, "How the solve ended, in results; read and ignored."),
         ],
     ),
-    (
-        "medium",
-        &[
-            ("frequency", "40e3"),
-            ("sound_speed", "340.0"),
-            ("temperature", "25.0"),
-            ("absorption", "0.15"),
-            ("density", "1.2"),
-        ],
-    ),
+    ("medium", Medium::KEYS),
     (
         "array",
         &[
-            ("grid", r#"{"nx": 20, "ny": 20, "pitch": 10e-3}"#),
-            ("preset", r#""autd3""#),
-            ("tiles", "[2, 2]"),
-            ("positions", "[[0.0, 0.0, 0.0], [0.01, 0.0, 0.0]]"),
-            ("normals", "[[0.0, 0.0, 1.0], [0.0, 0.0, 1.0]]"),
-            ("source_pressure", "4.386"),
-            ("directivity", r#"{"piston": 4.5e-3}"#),
-            ("response", "[[1.0, 0.0], [0.5, -0.2]]"),
-            ("mask", "[true, false]"),
-            ("quantization", r#"{"phases": 256}"#),
+            Key::new("grid", r#"{"nx": 20, "ny": 20, "pitch": 10e-3}"#, "A flat grid, centred in z = 0, x fastest."),
+            Key::new("preset", r#""autd3""#, "An array by its name: `midair presets` lists them."),
+            Key::new("tiles", "[2, 2]", "Boards along x and y, with a preset."),
+            Key::new("positions", "[[0.0, 0.0, 0.0], [0.01, 0.0, 0.0]]", "m, a place each; or a CSV file of them."),
+            Key::new(
+                "normals",
+                "[[0.0, 0.0, 1.0], [0.0, 0.0, 1.0]]",
+                "Directions, one each, with positions; left out +z.",
+            ),
+            Key::new(
+                "source_pressure",
+                "4.386",
+                "On-axis pressure times distance at full drive, Pa m; left out 4.386.",
+            ),
+            Key::new("directivity", r#"{"piston": 4.5e-3}"#, "A name, or a table of one name and its parameter."),
+            Key::new("response", "[[1.0, 0.0], [0.5, -0.2]]", "Complex factor [re, im] of each transducer; 0 is dead."),
+            Key::new("mask", "[true, false]", "Of each transducer; false is off."),
+            Key::new(
+                "quantization",
+                r#"{"phases": 256}"#,
+                "What the board can play; left out the preset's, {} any drive.",
+            ),
         ],
     ),
-    ("array.grid", &[("nx", "20"), ("ny", "20"), ("pitch", "10e-3")]),
-    ("array.positions", &[("file", r#""bowl.csv""#)]),
-    ("array.quantization", &[("phases", "256"), ("amplitudes", "[0.0, 0.5, 1.0]")]),
-    ("points[]", &[("position", "[0.0, 0.0, 0.15]"), ("pressure", "500.0"), ("phase", "1.57"), ("weight", "1.0")]),
+    (
+        "array.grid",
+        &[
+            Key::new("nx", "20", "Transducers along x."),
+            Key::new("ny", "20", "Transducers along y."),
+            Key::new("pitch", "10e-3", "m between neighbours."),
+        ],
+    ),
+    (
+        "array.positions",
+        &[Key::new(
+            "file",
+            r#""bowl.csv""#,
+            "CSV with a row x, y, z or x, y, z, nx, ny, nz in m, beside the scene file.",
+        )],
+    ),
+    (
+        "array.quantization",
+        &[
+            Key::new("phases", "256", "How many phases, evenly spaced, 2 to 65536."),
+            Key::new("amplitudes", "[0.0, 0.5, 1.0]", "The amplitudes, 0 to 1."),
+        ],
+    ),
+    (
+        "points[]",
+        &[
+            Key::new("position", "[0.0, 0.0, 0.15]", "x, y, z in m."),
+            Key::new("pressure", "500.0", "Pa, peak; 0 is a quiet point. On every point or on none."),
+            Key::new("phase", "1.57", "rad, for the methods that use phases; left out 0."),
+            Key::new("weight", "1.0", "Multiplies the point's term; left out 1, 0 takes no part."),
+        ],
+    ),
     (
         "shape[]",
         &[
-            ("kind", r#""circle""#),
-            ("start", "[-0.03, 0.0, 0.15]"),
-            ("end", "[0.03, 0.0, 0.15]"),
-            ("center", "[0.0, 0.0, 0.15]"),
-            ("radius", "0.03"),
-            ("normal", "[0.0, 0.0, 1.0]"),
-            ("points", "[[-0.03, 0.0, 0.15], [0.03, 0.0, 0.15], [0.0, 0.03, 0.15]]"),
-            ("closed", "true"),
-            ("string", r#""hi""#),
-            ("height", "0.03"),
-            ("font", r#""DejaVu Sans""#),
-            ("file", r#""logo.svg""#),
-            ("size", "0.08"),
-            ("z", "0.15"),
-            ("step", "0.002"),
-            ("pressure", "500.0"),
-            ("weight", "1.0"),
+            Key::new("kind", r#""circle""#, "line, circle, polyline, text or svg."),
+            Key::new("start", "[-0.03, 0.0, 0.15]", "Of a line: x, y, z in m."),
+            Key::new("end", "[0.03, 0.0, 0.15]", "Of a line: x, y, z in m."),
+            Key::new("center", "[0.0, 0.0, 0.15]", "Of a circle: x, y, z in m."),
+            Key::new("radius", "0.03", "Of a circle, m."),
+            Key::new("normal", "[0.0, 0.0, 1.0]", "Of a circle's plane; left out +z."),
+            Key::new(
+                "points",
+                "[[-0.03, 0.0, 0.15], [0.03, 0.0, 0.15], [0.0, 0.03, 0.15]]",
+                "Corners of a polyline, m.",
+            ),
+            Key::new("closed", "true", "Whether a polyline ends where it begins; left out false."),
+            Key::new("string", r#""hi""#, "Of a text: what is written."),
+            Key::new("height", "0.03", "Of a text: that of a capital H, m."),
+            Key::new("font", r#""DejaVu Sans""#, "Of a text: the font's name; left out DejaVu Sans."),
+            Key::new("file", r#""logo.svg""#, "Of an svg: its file, beside the scene file."),
+            Key::new("size", "0.08", "Of an svg: the longer side, m."),
+            Key::new("z", "0.15", "Of a text or svg: its plane, m."),
+            Key::new("step", "0.002", "m between neighbours; left out 2.125e-3."),
+            Key::new("pressure", "500.0", "Pa, of each point."),
+            Key::new("weight", "1.0", "Of each point."),
         ],
     ),
     (
         "image[]",
         &[
-            ("file", r#""logo.png""#),
-            ("size", "0.08"),
-            ("z", "0.15"),
-            ("pixels", "18"),
-            ("pressure", "500.0"),
-            ("quiet", "true"),
-            ("weight", "1.0"),
+            Key::new("file", r#""logo.png""#, "A picture, beside the scene file."),
+            Key::new("size", "0.08", "The longer side, m."),
+            Key::new("z", "0.15", "Its plane, m."),
+            Key::new("pixels", "18", "Along the longer side; left out, half a wavelength at 40 kHz apart."),
+            Key::new("pressure", "500.0", "Pa, of white; left out 1000."),
+            Key::new("quiet", "true", "Whether dark pixels are quiet points; left out false."),
+            Key::new("weight", "1.0", "Of each point."),
         ],
     ),
     (
         "obstacles[]",
         &[
-            ("kind", r#""rigid""#),
-            ("point", "[0.1, 0.0, 0.0]"),
-            ("normal", "[-1.0, 0.0, 0.0]"),
-            ("center", "[0.0, 0.0, 0.1]"),
-            ("radius", "0.02"),
-            ("vertices", "[[0.0, 0.0, 0.1], [0.01, 0.0, 0.1], [0.0, 0.01, 0.1], [0.0, 0.0, 0.11]]"),
-            ("faces", "[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]"),
-            ("file", r#""hand.stl""#),
-            ("scale", "1e-3"),
-            ("offset", "[0.0, 0.0, 0.1]"),
+            Key::new("kind", r#""rigid""#, "rigid or soft; left out rigid."),
+            Key::new("point", "[0.1, 0.0, 0.0]", "Of a wall: x, y, z in m."),
+            Key::new(
+                "normal",
+                "[-1.0, 0.0, 0.0]",
+                "Of a wall: across it; its sense counts only where the array lies in the wall.",
+            ),
+            Key::new("center", "[0.0, 0.0, 0.1]", "Of a ball: x, y, z in m."),
+            Key::new("radius", "0.02", "Of a ball, m."),
+            Key::new(
+                "vertices",
+                "[[0.0, 0.0, 0.1], [0.01, 0.0, 0.1], [0.0, 0.01, 0.1], [0.0, 0.0, 0.11]]",
+                "Of a mesh: places in m.",
+            ),
+            Key::new(
+                "faces",
+                "[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]",
+                "Of a mesh: three indices of vertices each.",
+            ),
+            Key::new("file", r#""hand.stl""#, "Of a mesh: its file, beside the scene file."),
+            Key::new("scale", "1e-3", "Of a mesh's file: m for one of its units."),
+            Key::new("offset", "[0.0, 0.0, 0.1]", "Of a mesh's file: where its origin goes, m."),
         ],
     ),
     (
         "motion",
         &[
-            ("rate", "10e3"),
-            ("change", "0.19635"),
-            ("change_rate", "2000.0"),
-            ("tau", "0.15e-3"),
-            ("closed", "true"),
-            ("ahead", "4"),
-            ("path", r#"[{"kind": "circle", "center": [0.0, 0.0, 0.15], "radius": 0.02, "frequency": 25.0}]"#),
-            ("file", r#""points.npy""#),
+            Key::new("rate", "10e3", "Frames a second."),
+            Key::new("change", "0.19635", "Most that a phase may change, rad a frame; left out pi/16."),
+            Key::new("change_rate", "2000.0", "The same in rad/s."),
+            Key::new("tau", "0.15e-3", "Time constant of the transducers' envelopes, s."),
+            Key::new("closed", "true", r#"Whether the last frame leads to the first; needs ahead = "all"."#),
+            Key::new("ahead", "4", r#"Frames known ahead: 0, a number of them, or "all"."#),
+            Key::new(
+                "path",
+                r#"[{"kind": "circle", "center": [0.0, 0.0, 0.15], "radius": 0.02, "frequency": 25.0}]"#,
+                "Points that move at the same time, one table each.",
+            ),
+            Key::new(
+                "file",
+                r#""points.npy""#,
+                "Frames instead: .npy (T, M, 3) in m, or CSV with the columns frame, point, x, y, z.",
+            ),
         ],
     ),
     (
         "motion.path[]",
         &[
-            ("kind", r#""circle""#),
-            ("center", "[0.0, 0.0, 0.15]"),
-            ("radius", "0.02"),
-            ("start", "[-0.03, 0.0, 0.15]"),
-            ("end", "[0.03, 0.0, 0.15]"),
-            ("corners", "[[-0.03, 0.0, 0.15], [0.03, 0.0, 0.15], [0.0, 0.03, 0.15]]"),
-            ("size", "[0.04, 0.02]"),
-            ("ratio", "[3, 2]"),
-            ("file", r#""logo.svg""#),
-            ("z", "0.15"),
-            ("from_points", "[[-0.02, 0.0, 0.15], [0.02, 0.0, 0.15]]"),
-            ("to_points", "[[0.0, -0.02, 0.15], [0.0, 0.02, 0.15]]"),
-            ("speed", "4.0"),
-            ("frequency", "25.0"),
-            ("turns", "1.0"),
-            ("start_angle", "0.0"),
-            ("phase", "1.57"),
-            ("normal", "[0.0, 0.0, 1.0]"),
-            ("points", "3"),
-            ("there_and_back", "true"),
-            ("closed", "true"),
-            ("duration", "0.5"),
-            ("pressure", "500.0"),
-            ("pressures", "[500.0, 300.0]"),
-            ("am", r#"{"frequency": 200.0, "shape": "sqrt"}"#),
+            Key::new(
+                "kind",
+                r#""circle""#,
+                "circle, line, polyline, lissajous, svg or morph; the other keys are those of `midair.path`.",
+            ),
+            Key::new("center", "[0.0, 0.0, 0.15]", "Of a circle or lissajous, m."),
+            Key::new("radius", "0.02", "Of a circle, m."),
+            Key::new("start", "[-0.03, 0.0, 0.15]", "Of a line, m."),
+            Key::new("end", "[0.03, 0.0, 0.15]", "Of a line, m."),
+            Key::new("corners", "[[-0.03, 0.0, 0.15], [0.03, 0.0, 0.15], [0.0, 0.03, 0.15]]", "Of a polyline, m."),
+            Key::new("size", "[0.04, 0.02]", "Of a lissajous, two widths in m; of an svg, its longer side in m."),
+            Key::new("ratio", "[3, 2]", "Of a lissajous: whole numbers of turns."),
+            Key::new("file", r#""logo.svg""#, "Of an svg, beside the scene file."),
+            Key::new("z", "0.15", "Of an svg, m."),
+            Key::new("from_points", "[[-0.02, 0.0, 0.15], [0.02, 0.0, 0.15]]", "Of a morph, m."),
+            Key::new("to_points", "[[0.0, -0.02, 0.15], [0.0, 0.02, 0.15]]", "Of a morph, m."),
+            Key::new("speed", "4.0", "m/s; or frequency."),
+            Key::new("frequency", "25.0", "Rounds a second; or speed."),
+            Key::new("turns", "1.0", "Of a circle."),
+            Key::new("start_angle", "0.0", "Of a circle, rad."),
+            Key::new("phase", "1.57", "Of a lissajous, rad; left out pi/2."),
+            Key::new("normal", "[0.0, 0.0, 1.0]", "Of a circle; left out +z."),
+            Key::new("points", "3", "Of a circle: how many, evenly spaced."),
+            Key::new("there_and_back", "true", "Of a line."),
+            Key::new("closed", "true", "Of a polyline: back to its first corner."),
+            Key::new("duration", "0.5", "Of a morph, s; or speed."),
+            Key::new("pressure", "500.0", "Pa; left out, balanced."),
+            Key::new("pressures", "[500.0, 300.0]", "Pa, one for all or one for each point; left out, balanced."),
+            Key::new("am", r#"{"frequency": 200.0, "shape": "sqrt"}"#, "Amplitude modulation."),
         ],
     ),
-    ("motion.path[].am", &[("frequency", "200.0"), ("shape", r#""sqrt""#), ("depth", "1.0")]),
-    ("solver", &[("name", r#""greedy""#), ("balance", "true"), ("aim", r#""max""#)]),
+    (
+        "motion.path[].am",
+        &[
+            Key::new("frequency", "200.0", "Hz."),
+            Key::new("shape", r#""sqrt""#, "sqrt, cosine or square; left out sqrt."),
+            Key::new("depth", "1.0", "0 to 1; left out 1."),
+        ],
+    ),
+    (
+        "solver",
+        &[
+            Key::new("name", r#""greedy""#, "`midair solvers` lists them."),
+            Key::new("balance", "true", "Solve at the level the array can reach and reduce the drives afterwards."),
+            Key::new("aim", r#""max""#, "target: as loud as asked; max: as loud as the array can."),
+        ],
+    ),
     (
         "plane",
         &[
-            ("z", "0.15"),
-            ("axis", r#""y""#),
-            ("at", "0.0"),
-            ("size", "0.1"),
-            ("pixels", "200"),
-            ("center", "[0.0, 0.0]"),
+            Key::new("z", "0.15", "m: a plane normal to z."),
+            Key::new("axis", r#""y""#, "x, y or z: the plane is normal to it."),
+            Key::new("at", "0.0", "m: where it crosses that axis."),
+            Key::new("size", "0.1", "Of the square, m."),
+            Key::new("pixels", "200", "Along a side; left out 200."),
+            Key::new("center", "[0.0, 0.0]", "Of the square, m: (x, y), (x, z) or (y, z)."),
         ],
     ),
 ];
@@ -178,9 +264,14 @@ pub(super) fn renamed(table: &str, key: &str) -> Option<&'static str> {
     FORMER.iter().find(|(at, former, _)| is(at, &pattern(table)) && *former == key).map(|(.., now)| *now)
 }
 
+/// Every table of a scene file by its path, `points[]` where there may be many, and its keys.
+pub fn tables() -> impl Iterator<Item = (&'static str, &'static [Key])> {
+    TABLES.iter().copied()
+}
+
 /// The keys of a table: `medium`, `points[3]`.
 pub(super) fn keys(table: &str) -> impl Iterator<Item = &'static str> + Clone {
-    rows(&pattern(table)).iter().map(|(key, _)| *key)
+    rows(&pattern(table)).iter().map(|key| key.name)
 }
 
 /// A correct line for the key at a path, or for the nearest one around it.
@@ -189,8 +280,8 @@ pub(super) fn example(path: &str, format: Format) -> Option<String> {
     let mut path = path.trim_end_matches("[]");
     loop {
         let (table, key) = path.rsplit_once('.').unwrap_or(("", path));
-        if let Some((key, json)) = rows(table).iter().find(|(known, _)| *known == key) {
-            return Some(line(table, key, json, format));
+        if let Some(key) = rows(table).iter().find(|known| known.name == key) {
+            return Some(line(table, key.name, key.example, format));
         }
         path = table.trim_end_matches("[]");
         if path.is_empty() {
@@ -201,7 +292,7 @@ pub(super) fn example(path: &str, format: Format) -> Option<String> {
 
 /// A correct line for a key of whatever table has it.
 pub(super) fn example_of_key(key: &str, format: Format) -> Option<String> {
-    let table = TABLES.iter().find(|(_, rows)| rows.iter().any(|(known, _)| *known == key))?.0;
+    let table = TABLES.iter().find(|(_, rows)| rows.iter().any(|known| known.name == key))?.0;
     example(&if table.is_empty() { key.into() } else { format!("{table}.{key}") }, format)
 }
 
@@ -219,7 +310,7 @@ pub(super) fn line(table: &str, key: &str, json: &str, format: Format) -> String
     }
 }
 
-fn rows(pattern: &str) -> &'static [(&'static str, &'static str)] {
+fn rows(pattern: &str) -> &'static [Key] {
     TABLES.iter().find(|(path, _)| is(path, pattern)).map_or(&[], |(_, rows)| rows)
 }
 

@@ -50,15 +50,7 @@ pub(super) fn document(scene: &Scene, provenance: &Provenance) -> Result<Node, E
         ("version", maybe(provenance.version.as_deref().map(text))),
         ("status", maybe(provenance.status.as_deref().map(text))),
         ("signature", maybe(signature.transpose()?)),
-        (
-            "medium",
-            table([
-                ("frequency", Node::Real(medium.frequency)),
-                ("sound_speed", Node::Real(medium.sound_speed)),
-                ("absorption", Node::Real(medium.absorption)),
-                ("density", Node::Real(medium.density)),
-            ]),
-        ),
+        ("medium", Node::Table(medium.numbers().map(|(name, value)| (name.into(), Node::Real(value))).collect())),
         ("array", array(scene.array())),
         ("solver", maybe(solver.transpose()?)),
         ("plane", maybe(scene.plane.map(plane))),

@@ -4,25 +4,23 @@ use num_complex::Complex64;
 
 use crate::error::{Error, real};
 use crate::math;
+use crate::scene::key::numbers;
 
-/// A homogeneous medium and the frequency used in it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "four numbers that a caller sets freely; a scene checks them")]
-pub struct Medium {
-    /// Frequency f in Hz.
-    pub frequency: f64,
-    /// Sound speed c in m/s; [`Medium::sound_speed_at`] gives it from a temperature.
-    pub sound_speed: f64,
-    /// Amplitude absorption alpha in Np/m (1.3 dB/m, air at 40 kHz, is 0.15).
-    pub absorption: f64,
-    /// Density rho in kg/m^3.
-    pub density: f64,
-}
-
-impl Default for Medium {
-    /// 40 kHz, 340 m/s (a wavelength of 8.5 mm, as in the paper), no absorption, 1.18 kg/m^3.
-    fn default() -> Self {
-        Self { frequency: 40e3, sound_speed: 340.0, absorption: 0.0, density: 1.18 }
+numbers! {
+    /// A homogeneous medium and the frequency used in it. Left out, its numbers are those of the paper: a wavelength of 8.5 mm.
+    pub struct Medium of "medium" {
+        /// Frequency f in Hz; left out 40e3.
+        frequency = 40e3, above 0.0, such as 40e3;
+        /// Sound speed c in m/s; left out 340. Or temperature.
+        sound_speed = 340.0, above 0.0, such as 340.0;
+        /// Absorption alpha of the amplitude in Np/m; left out 0. Air at 40 kHz has 0.15, 1.3 dB/m.
+        absorption = 0.0, least 0.0, such as 0.15;
+        /// Density rho in kg/m^3; left out 1.18.
+        density = 1.18, above 0.0, such as 1.2;
+    }
+    or by {
+        /// In degrees C, in place of sound_speed: c = 331.3 sqrt(1 + T/273.15) m/s.
+        temperature, such as 25.0;
     }
 }
 
@@ -43,19 +41,31 @@ impl Medium {
         273.15 * (ratio * ratio - 1.0)
     }
 
-    /// The sound speed in m/s, given as such or by a temperature in degrees Celsius; 340 where neither is given.
+    /// The medium with some of [`Medium::KEYS`] changed.
+    ///
+    /// ```
+    /// let warm = midair::Medium::default().with(&[("temperature", 25.0), ("density", 1.184)])?;
+    /// assert!((warm.sound_speed - 346.1).abs() < 0.1);
+    /// # Ok::<(), midair::Error>(())
+    /// ```
     ///
     /// # Errors
-    /// Both given, or what [`Medium::sound_speed_at`] refuses.
-    pub fn sound_speed(speed: Option<f64>, temperature: Option<f64>) -> Result<f64, Error> {
-        match (speed, temperature) {
-            (Some(_), Some(temperature)) => {
-                Err(Error::invalid("medium.temperature", temperature, "sound_speed is given too: keep one of them"))
+    /// An unknown name; a temperature beside a sound speed, or not above -273.15. Other ranges are checked by a scene.
+    pub fn with(mut self, given: &[(&str, f64)]) -> Result<Self, Error> {
+        let of = |name: &str| given.iter().find(|(key, _)| *key == name).map(|&(_, value)| value);
+        if let Some(temperature) = of("temperature") {
+            if of("sound_speed").is_some() {
+                let cure = "sound_speed is given too: keep one of them";
+                return Err(Error::invalid("medium.temperature", temperature, cure));
             }
-            (Some(speed), None) => Ok(speed),
-            (None, Some(temperature)) => Self::sound_speed_at(temperature),
-            (None, None) => Ok(Self::default().sound_speed),
+            self.sound_speed = Self::sound_speed_at(temperature)?;
         }
+        for &(name, value) in given {
+            if !self.set(name, value) && name != "temperature" {
+                return Err(Error::unknown("key of medium", name, Self::KEYS.iter().map(|key| key.name)));
+            }
+        }
+        Ok(self)
     }
 
     /// c/f in m.
@@ -102,10 +112,7 @@ impl Medium {
     }
 
     pub(crate) fn check(&self) -> Result<(), Error> {
-        real("medium.frequency", self.frequency, 0.0, true)?;
-        real("medium.sound_speed", self.sound_speed, 0.0, true)?;
-        real("medium.absorption", self.absorption, 0.0, false)?;
-        real("medium.density", self.density, 0.0, true)?;
+        self.in_range()?;
         let wavelength = self.wavelength();
         if !(1e-9..=1e9).contains(&wavelength) {
             return Err(Error::invalid(

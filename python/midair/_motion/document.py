@@ -18,7 +18,6 @@ from .._points.drawn import called
 from .._support.arguments import existing, refused, word
 from .._support.text import array, content
 from ..path import Path as Moving
-from .frames import AIR
 from .sequence import Sequence
 from .solve import sequence
 
@@ -69,7 +68,7 @@ def read(file: Path) -> Document | None:
         return None
     scene, settings = found
     solver, options = scene.solver or ("glide", {})
-    air = {name: getattr(scene, name) for name in AIR if name != "temperature"}
+    air = {**scene.medium, "obstacles": scene.obstacles}
     if scene.signature is not None:
         air["signature"] = scene.signature
     return Document(scene.array, _together(moving), settings, solver, air, dict(options))

@@ -9,16 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Scene
+from .._midair import Array, Scene, scene_keys
 from .._pictures.notebook import sequence
 from .._support import output
 from .._support.arguments import flag, number, word
 from . import arguments
 from . import drives as driven
 
-#: What the air and what is in it may be told by, and what is kept of it.
-AIR = ("frequency", "sound_speed", "temperature", "absorption", "density", "obstacles")
-KEPT = ("frequency", "sound_speed", "absorption", "density")
+#: The keywords for the air and what stands in it.
+AIR = (*scene_keys()["medium"], "obstacles")
 
 
 class Frames:
@@ -164,4 +163,4 @@ class Frames:
         return {name: getattr(self, name) for name in names}
 
     def _medium(self) -> dict[str, Any]:
-        return {name: getattr(self._scene, name) for name in KEPT}
+        return self._scene.medium

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .._midair import Array, Scene, SceneError, SceneWarning
+from .._midair import Array, Scene, SceneError, SceneWarning, scene_keys
 
 
 def plain(value: Any, name: str = "") -> Any:
@@ -80,7 +80,7 @@ Tables = dict[str, Any]
 #: Tables that have axes, and their keys of which each takes one number or word: a list there is an axis too.
 _SINGLE = {
     "array": ("preset", "source_pressure", "directivity", "quantization"),
-    "medium": ("frequency", "sound_speed", "temperature", "absorption", "density"),
+    "medium": tuple(scene_keys()["medium"]),
     "points": (),
 }
 

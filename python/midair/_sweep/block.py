@@ -68,8 +68,7 @@ def _read(text: str) -> tuple[Array, dict[str, Any]]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SceneWarning)
         scene = Scene.parse(text)
-    names = ("frequency", "sound_speed", "absorption", "density")
-    return scene.array, {name: getattr(scene, name) for name in names}
+    return scene.array, scene.medium
 
 
 def first_scene(settings: Settings) -> Scene:
