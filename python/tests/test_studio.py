@@ -119,6 +119,9 @@ def test_every_answer_is_strict(served: Server) -> None:
         headers = answer[1]
         assert headers["X-Content-Type-Options"] == "nosniff"
         assert headers["Cache-Control"] == "no-store"
+        assert headers["Cross-Origin-Opener-Policy"] == "same-origin"
+        assert headers["Cross-Origin-Resource-Policy"] == "same-origin"
+        assert headers["Permissions-Policy"] == "serial=(self)"
         assert "default-src 'none'" in headers["Content-Security-Policy"]
         assert "unsafe-eval'" not in headers["Content-Security-Policy"].replace("'wasm-unsafe-eval'", "")
         assert headers["Server"].strip() == "midair"

@@ -2,7 +2,7 @@
 
 import type { Context } from "./context.ts";
 import { element, write } from "./dom.ts";
-import { type Player, type SerialPortLike, boardOf, connect, guard } from "./serial.ts";
+import { type Player, type SerialBoard, type SerialPortLike, attended, boardOf, connect, guard } from "./serial.ts";
 
 /** What browsers with WebSerial have. */
 type WithSerial = Navigator & { serial?: { requestPort(): Promise<SerialPortLike> } };
@@ -23,17 +23,24 @@ export function createBoardButton(context: Context): HTMLElement {
     const board = "preset" in array ? boardOf(engine.catalogue, array.preset) : null;
     if (!board) return context.alarm(say("noBoard"));
     const port = await serial.requestPort();
+    const found = await attended(open(port, board), window, document);
+    player = found.player;
+    if (player.state === "gone") return forget();
+    unguard = guard(player, window, document);
+    // Who left meanwhile presses the button again.
+    if (found.present) play();
+    else show();
+  }
+
+  async function open(port: SerialPortLike, board: SerialBoard): Promise<Player> {
     await studio.settled();
     const silence = await engine.slots[0].silence(studio.scene(0), board.name);
     const encode = (drive: Float32Array) => engine.slots[0].encode(studio.scene(0), drive, board.name);
-    player = await connect(port, board, encode, silence, (state, line) => {
+    return connect(port, board, encode, silence, (state, line) => {
       if (line) context.alarm(say("failed", { line }));
       if (state === "gone") forget();
       show();
     });
-    if (player.state === "gone") return forget();
-    unguard = guard(player, window, document);
-    play();
   }
 
   function forget() {

@@ -184,22 +184,43 @@ export async function connect(
 }
 
 /** What of a document tells whether it is seen. */
-export type Seen = EventTarget & { readonly hidden: boolean };
+export type Seen = EventTarget & { readonly hidden: boolean; hasFocus(): boolean };
 
 /**
- * Turns the player off when the page is hidden, left or without focus, or by Escape; answers what ends that.
+ * Turns the player off when the page is hidden or without focus, or by Escape, and lets go of the port when the page is
+ * left or led to another address, which another page may do; answers what ends that.
  *
  * A page that is killed can send nothing: the board plays on, and its supply is the last word.
  */
-export function guard(player: Player, window: EventTarget, document: Seen): () => void {
+export function guard(player: Pick<Player, "off" | "close">, window: EventTarget, document: Seen): () => void {
   const off = () => void player.off();
+  const close = () => void player.close();
   const hidden = () => document.hidden && off();
   const escape = (event: Event) => (event as KeyboardEvent).key === "Escape" && off();
   const ending = new AbortController();
   const { signal } = ending;
   window.addEventListener("blur", off, { signal });
-  window.addEventListener("pagehide", off, { signal });
+  for (const kind of ["pagehide", "hashchange", "popstate"]) window.addEventListener(kind, close, { signal });
   window.addEventListener("keydown", escape, { signal, capture: true });
   document.addEventListener("visibilitychange", hidden, { signal });
   return () => ending.abort();
+}
+
+/** Waits for a player; answers it, and whether the page was present all the time: seen, in focus, at its address. */
+export async function attended(
+  begun: Promise<Player>,
+  window: EventTarget,
+  document: Seen,
+): Promise<{ player: Player; present: boolean }> {
+  let [left, led] = [false, false];
+  const off = async () => void (left = true);
+  const close = async () => void (left = led = true);
+  const end = guard({ off, close }, window, document);
+  try {
+    const player = await begun;
+    if (led) void player.close();
+    return { player, present: !left && !document.hidden && document.hasFocus() };
+  } finally {
+    end();
+  }
 }

@@ -1,5 +1,5 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { connect, guard } from "../src/serial.ts";
+import { attended, connect, guard } from "../src/serial.ts";
 import type { Player, SerialBoard } from "../src/serial.ts";
 
 const SURFACE = { name: "sonicsurface", baud: 230400, restarts: false };
@@ -180,11 +180,14 @@ test("a first silence that fails is a player that is gone", async () => {
   expect(told).toHaveLength(1);
 });
 
+/** A document that is seen and has the focus. */
+const seen = () => Object.assign(new EventTarget(), { hidden: false as boolean, hasFocus: (): boolean => true });
+
 test("blur, a hidden or left page and Escape turn off, until that is ended", () => {
   const off = vi.fn(async () => {});
   const player: Player = { state: "playing", play: () => {}, off, close: off };
   const window = new EventTarget();
-  const document = Object.assign(new EventTarget(), { hidden: false });
+  const document = seen();
   const key = (name: string) => Object.assign(new Event("keydown"), { key: name });
   const end = guard(player, window, document);
   const count = (event: Event, target: EventTarget) => {
@@ -204,4 +207,54 @@ test("blur, a hidden or left page and Escape turn off, until that is ended", () 
     expect(count(event, window)).toBe(0);
   }
   expect(count(new Event("visibilitychange"), document)).toBe(0);
+});
+
+test.each(["hashchange", "popstate", "pagehide"])("%s lets go of the port: nothing is played until it is asked for anew", async (kind) => {
+  const { port, player, told } = await begin();
+  const window = new EventTarget();
+  guard(player, window, seen());
+  player.play(drive(1));
+  await vi.runAllTimersAsync();
+  window.dispatchEvent(new Event(kind));
+  // Another page led this one to another scene, whose drive comes at once.
+  expect(player.state).not.toBe("playing");
+  player.play(drive(9));
+  await vi.runAllTimersAsync();
+  expect(port.given).toEqual([[0, 0], [1], [0, 0]]);
+  expect(port.closed).toBe(1);
+  expect(told.at(-1)).toBe("gone");
+});
+
+const LEAVING: [string, (window: EventTarget, document: ReturnType<typeof seen>) => void, boolean][] = [
+  ["nothing happens", () => {}, true],
+  ["the window loses the focus", (window) => window.dispatchEvent(new Event("blur")), false],
+  ["the window lost it before", (_, document) => void (document.hasFocus = () => false), false],
+  ["the page is hidden", (_, document) => void (document.hidden = true), false],
+  [
+    "the page is hidden and shown again",
+    (_, document) => {
+      document.hidden = true;
+      document.dispatchEvent(new Event("visibilitychange"));
+      document.hidden = false;
+    },
+    false,
+  ],
+  ["Escape is pressed", (window) => window.dispatchEvent(Object.assign(new Event("keydown"), { key: "Escape" })), false],
+  ["the page is led elsewhere", (window) => window.dispatchEvent(new Event("hashchange")), false],
+];
+
+test.each(LEAVING)("while an Arduino restarts %s", async (_, happens, stays) => {
+  const port = fakePort();
+  const window = new EventTarget();
+  const document = seen();
+  const mega = { name: "mega64", baud: 115200, restarts: true };
+  const begun = attended(connect(port, mega, async () => SILENCE, SILENCE, () => {}), window, document);
+  await vi.advanceTimersByTimeAsync(1000);
+  happens(window, document);
+  await vi.runAllTimersAsync();
+  const { player, present } = await begun;
+  await vi.runAllTimersAsync();
+  expect(present).toBe(stays);
+  expect(player.state).toBe(_ === "the page is led elsewhere" ? "gone" : "off");
+  expect(port.given.flat().every((byte) => byte === 0)).toBe(true);
 });

@@ -32,6 +32,16 @@ POLICY = (
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 
+#: A page that opened this one has no hold of it, nobody's page takes its files, and a board is for this page alone.
+HEADERS = {
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Permissions-Policy": "serial=(self)",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+    "Cache-Control": "no-store",
+}
+
 #: Names of this machine. Another one in a request is a foreign page that had its own name lead here.
 HERE = re.compile(r"(127\.0\.0\.1|localhost)(:\d+)?", re.IGNORECASE)
 
@@ -43,6 +53,7 @@ class Server(ThreadingHTTPServer):
     """
 
     daemon_threads = True
+    request_queue_size = 64
 
     def __init__(self, scene: str | None = None, port: int = 0, folder: Path = BUILT) -> None:
         file("index.html", folder)
@@ -94,8 +105,8 @@ class Answer(BaseHTTPRequestHandler):
     def end_headers(self) -> None:
         """Puts the policy below every answer's headers, a refusal's, too."""
         self.send_header("Content-Security-Policy", POLICY)
-        self.send_header("X-Content-Type-Options", "nosniff")
-        self.send_header("Cache-Control", "no-store")
+        for name, value in HEADERS.items():
+            self.send_header(name, value)
         super().end_headers()
 
     def log_message(self, format: str, *arguments: Any) -> None:

@@ -58,3 +58,20 @@ test("an array that no serial board plays is told so", async () => {
   expect(await page.getByRole("alert").innerText()).toContain("sonicsurface");
   await context.close();
 });
+
+test("a page that is led to another address lets go of its board, and asks anew", async () => {
+  const { page, context } = await visit(open.browser, `${open.url}#v=1&a=sonicsurface&p=0,0,150`);
+  await withPort(page);
+  await page.getByRole("button", { name: /connect/i }).click();
+  await expect.poll(async () => (await given(page)).length, { timeout: 20_000 }).toBeGreaterThanOrEqual(3);
+  const [, silence] = await given(page);
+  await page.evaluate(() => void (location.hash = "#v=1&a=sonicsurface&p=60,60,80"));
+  await page.getByRole("button", { name: /connect/i }).waitFor();
+  await expect.poll(async () => (await given(page)).at(-1), { timeout: 10_000 }).toEqual(silence);
+  const count = (await given(page)).length;
+  await point(page, 1).focus();
+  await page.keyboard.press("ArrowRight");
+  await page.waitForTimeout(500);
+  expect(await given(page)).toHaveLength(count);
+  await context.close();
+});
