@@ -20,6 +20,9 @@ pub(crate) enum Given<'a> {
 #[derive(Clone)]
 pub(crate) struct Setting {
     array: Array,
+    /// The medium that the session began with, the keys set since, and what they make of it.
+    before: Medium,
+    given: Vec<(&'static str, f64)>,
     medium: Medium,
     signature: Option<Signature>,
     obstacles: Vec<Obstacle>,
@@ -48,7 +51,8 @@ impl Setting {
     /// An array in the default air, and a method by its name.
     pub(crate) fn new(array: Array, method: &str) -> Result<Self, Error> {
         let choice = Choice::new(find(method)?.info.name.into(), Options::new())?;
-        Ok(Self { array, medium: Medium::default(), signature: None, obstacles: Vec::new(), choice })
+        let (before, medium, given) = (Medium::default(), Medium::default(), Vec::new());
+        Ok(Self { array, before, given, medium, signature: None, obstacles: Vec::new(), choice })
     }
 
     /// The array, the air and all that stands in it, and the method of a scene.
@@ -56,6 +60,8 @@ impl Setting {
         let default = || Choice::new(DEFAULT.into(), Options::new());
         Ok(Self {
             array: scene.array().clone(),
+            before: scene.medium(),
+            given: Vec::new(),
             medium: scene.medium(),
             signature: scene.signature().cloned(),
             obstacles: scene.obstacles().to_vec(),
@@ -90,8 +96,7 @@ impl Setting {
             return self.direct(law, Some(value(&format!("directivity.{law}"))?));
         }
         if let Some(key) = Medium::key(name) {
-            self.medium = self.medium.with(&[(key.name, value(&format!("medium.{}", key.name))?)])?;
-            return Ok(());
+            return self.breathe(key.name, value(&format!("medium.{}", key.name))?);
         }
         match word("option", &Value::Text(name.into()), &OWN) {
             Ok(Own::SourcePressure) => {
@@ -112,6 +117,17 @@ impl Setting {
             }
             Err(_) => self.choose(name, given)?,
         }
+        Ok(())
+    }
+
+    /// Sets a key of the medium; the last of sound speed and temperature counts.
+    fn breathe(&mut self, key: &'static str, value: f64) -> Result<(), Error> {
+        let instead = |other: &str| [[key, other], [other, key]].contains(&["sound_speed", "temperature"]);
+        let mut given = self.given.clone();
+        given.retain(|(other, _)| *other != key && !instead(other));
+        given.push((key, value));
+        self.medium = self.before.with(&given)?;
+        self.given = given;
         Ok(())
     }
 

@@ -12,13 +12,17 @@ class Air(TypedDict, total=False):
     frequency: float | None
     """Frequency f in Hz; left out 40e3."""
     sound_speed: float | None
-    """Sound speed c in m/s; left out 340. Or temperature."""
+    """Sound speed c in m/s; left out that of the temperature, or 340."""
     absorption: float | None
-    """Absorption alpha of the amplitude in Np/m; left out 0. Air at 40 kHz has 0.15, 1.3 dB/m."""
+    """Absorption alpha of the amplitude in Np/m; left out that of the air, or 0."""
     density: float | None
-    """Density rho in kg/m^3; left out 1.18."""
+    """Density rho in kg/m^3; left out that of the air, or 1.18."""
     temperature: float | None
-    """In degrees C, in place of sound_speed: c = 331.3 sqrt(1 + T/273.15) m/s."""
+    """Of the air in degrees C, in place of sound_speed: c = 331.3 sqrt(1 + T/273.15) m/s, and absorption and density."""
+    humidity: float | None
+    """Of the air in percent: absorption (ISO 9613-1) and density; left out 50, where the air is given at all."""
+    air_pressure: float | None
+    """Of the air in Pa, likewise; left out 101325."""
 
 class Numbers:
     @property

@@ -179,7 +179,7 @@ def test_a_page_that_is_not_built_is_one_line(run: Run, monkeypatch, tmp_path: P
     ("text", "words"),
     [
         ("[array]\npreset = 'autd4'", "autd4"),
-        (SCENE.replace("20.0", "20.0\nabsorption = 0.15"), "absorption = 0.15"),
+        (SCENE.replace("20.0", "20.0\nfrequency = 25e3"), "frequency = 25000"),
         (SCENE.replace("pressure = 500.0", "pressure = 500.0\nweight = 2.0"), "weights"),
     ],
 )

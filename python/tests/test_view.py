@@ -50,7 +50,6 @@ def test_scenes_survive_the_page() -> None:
     ("scene", "words"),
     [
         (lambda: autd3(frequency=41e3), "frequency = 41000 (its own is 40000)"),
-        (lambda: autd3(density=1.2), "density = 1.2"),
         (lambda: autd3(weights=[2.0]), "weights"),
         (lambda: autd3(pressures=[1j]), "phases"),
         (lambda: autd3(points=np.linspace([-0.05, 0, 0.1], [0.05, 0, 0.1], 65)), "65 points"),

@@ -24,6 +24,8 @@ export const initial: State = {
   array: { preset: "autd3", tiles: [2, 2] },
   quantization: "board",
   temperature: 25,
+  absorption: 0,
+  density: 1.18,
   points: [...ring(7), [0, 0, HEIGHT]],
   pressures: null,
   methods: ["uniform", "naive"],

@@ -8,7 +8,7 @@
 // | `v` | 1 | `z` | slice: height,size or height,size,x,y of its middle |
 // | `a` | preset, or preset.2x2 boards | `f` | signature: trap, twin, vortex |
 // | `l` | levels: board, none | `o` | wall,x,y,z,nx,ny,nz,rigid_ball,x,y,z,radius,soft |
-// | `t` | temperature of the air | `e` | ear: x,y,z |
+// | `t` | temperature, or temperature,Np/m,kg/m^3 of the air | `e` | ear: x,y,z |
 // | `m` | methods A.B | `g` | path: circle,radius,Hz or line,length,Hz |
 // | `p` | points: x,y,z or x,y,z,Pa | `w`, `s`, `c`, `k` | view, slot (a, b), map, scale |
 //
@@ -125,11 +125,18 @@ function readPath(text: string): State["path"] {
   return kind === "circle" ? { kind, radius: size, frequency } : { kind, length: size, frequency };
 }
 
+function readAir(text: string): Partial<State> {
+  const [temperature, ...rest] = cells("t", text, [1, 3], "temperature or temperature,absorption,density");
+  const air = { temperature: number("t", temperature, -60, 60) };
+  if (!rest.length) return air;
+  return { ...air, absorption: number("absorption of t", rest[0], 0, 1e3), density: number("density of t", rest[1], 1e-3, 1e3) };
+}
+
 const READERS: Record<string, (text: string) => Partial<State>> = {
   v: (text) => (text === "1" ? {} : wrong("v", text, "this page reads v=1")),
   a: (text) => ({ array: readArray(text) }),
   l: (text) => ({ quantization: word("l", text, LEVELS) }),
-  t: (text) => ({ temperature: number("t", text, -60, 60) }),
+  t: readAir,
   m: (text) => ({ methods: readMethods(text) }),
   p: readPoints,
   z: (text) => ({ plane: readPlane(text) }),
@@ -188,12 +195,14 @@ function writePath(path: NonNullable<State["path"]>): string {
 export function writeLink(state: State): string {
   const { array, pressures, plane } = state;
   const point = (at: Vec3, k: number) => [...at.map(mm), ...(pressures ? [pressures[k]] : [])].join();
+  const usual = state.absorption === initial.absorption && state.density === initial.density;
+  const air = usual ? [] : [state.absorption, state.density];
   const middle = plane.center.some((x) => mm(x) !== "0") ? plane.center.map(mm) : [];
   const pairs: [string, string | null][] = [
     ["v", "1"],
     ["a", "preset" in array ? `${array.preset}.${array.tiles.join("x")}` : "own"],
     ["l", state.quantization],
-    ["t", String(state.temperature)],
+    ["t", [state.temperature, ...air].join()],
     ["m", state.methods.join(".")],
     ["p", state.points.map(point).join("_")],
     ["z", [mm(plane.z), mm(plane.size), ...middle].join()],

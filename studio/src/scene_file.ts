@@ -51,7 +51,7 @@ function writeObstacle(each: Obstacle): Obstacle {
 export function sceneOf(state: State, slot: Slot): SceneFile {
   const { pressures, plane, obstacles, signature } = state;
   return {
-    medium: { temperature: state.temperature },
+    medium: { temperature: state.temperature, absorption: state.absorption, density: state.density },
     array: { ...writeArray(state.array), ...(state.quantization === "none" ? { quantization: {} } : {}) },
     points: state.points.map((at, k) => ({
       position: place(at),
@@ -81,8 +81,6 @@ function check(scene: SceneFile): void {
     }
   };
   only("medium.frequency", medium.frequency, 40e3);
-  only("medium.absorption", medium.absorption, 0);
-  only("medium.density", medium.density, 1.18);
   for (const key of ["response", "mask"]) only(`array.${key}`, array[key], undefined);
   only("array.quantization", array.quantization, {});
   if (array.preset === undefined) {
@@ -147,13 +145,15 @@ export function stateOf(scene: SceneFile, state: State): State {
   const { medium = {}, array, points, obstacles = [], signature = "", solver } = scene;
   const methods: [string, string] = [...state.methods];
   if (solver) methods[state.slot] = solver.name;
-  const temperature = medium.temperature ?? temperatureOf(medium.sound_speed ?? 340);
+  const { sound_speed = 340, temperature = temperatureOf(sound_speed), absorption = 0, density = 1.18 } = medium;
   const loud = points.length > 0 && points[0].pressure !== undefined;
   return structuredClone({
     ...state,
     array: readArray(array),
     quantization: array.quantization === undefined ? "board" : "none",
     temperature,
+    absorption,
+    density,
     points: points.map(({ position }) => position),
     pressures: loud ? points.map(({ pressure = 0 }) => pressure) : null,
     methods,

@@ -30,6 +30,10 @@ export interface State {
   quantization: "board" | "none";
   /** Of the air, in degrees C. */
   temperature: number;
+  /** Absorption of the air in Np/m. */
+  absorption: number;
+  /** Density of the air in kg/m^3. */
+  density: number;
   points: Vec3[];
   /** Peak |p| of each point in Pa, 0 for a quiet one; null: as loud as all can be at once. */
   pressures: number[] | null;

@@ -35,6 +35,8 @@ export function randomState(random: () => number): State {
     ]),
     quantization: one(["board", "none"]),
     temperature: below(1200) / 10 - 60,
+    absorption: random() < 0.5 ? 0 : random(),
+    density: random() < 0.5 ? 1.18 : 1 + random(),
     points,
     pressures: random() < 0.5 ? null : points.map(() => (random() < 0.2 ? 0 : 5000 * random())),
     methods: [one(["uniform", "greedy"]), one(["naive", "gspat"])],

@@ -26,7 +26,7 @@ test("the keys of a scene", () => {
   const points: Vec3[] = [[0, 0, 0.1]];
   const state: State = { ...initial, array, quantization: "none", points, pressures: [0] };
   expect(sceneOf(state, 1)).toEqual({
-    medium: { temperature: 25 },
+    medium: { temperature: 25, absorption: 0, density: 1.18 },
     array: { positions: [[0, 0, 0.3]], normals, quantization: {} },
     points: [{ position: [0, 0, 0.1], pressure: 0 }],
     solver: { name: "naive" },
@@ -55,7 +55,6 @@ const GOOD = sceneOf(initial, 0);
 const point = { position: [0, 0, 0.1] as Vec3 };
 test.each<[Partial<SceneFile>, string]>([
   [{ medium: { frequency: 25e3 } }, "medium.frequency is 25000: the page has 40000, use the package"],
-  [{ medium: { absorption: 0.15 } }, "medium.absorption is 0.15"],
   [{ array: { preset: "autd3", mask: [true, false] } }, "array.mask is [true,false]: the page"],
   [{ array: { preset: "autd3", quantization: { phases: 16 } } }, "array.quantization"],
   [{ array: { positions: [[0, 0, 0]], source_pressure: 1 } }, "array.source_pressure is 1"],

@@ -11,18 +11,25 @@ numbers! {
     pub struct Medium of "medium" {
         /// Frequency f in Hz; left out 40e3.
         frequency = 40e3, above 0.0, such as 40e3;
-        /// Sound speed c in m/s; left out 340. Or temperature.
+        /// Sound speed c in m/s; left out that of the temperature, or 340.
         sound_speed = 340.0, above 0.0, such as 340.0;
-        /// Absorption alpha of the amplitude in Np/m; left out 0. Air at 40 kHz has 0.15, 1.3 dB/m.
+        /// Absorption alpha of the amplitude in Np/m; left out that of the air, or 0.
         absorption = 0.0, least 0.0, such as 0.15;
-        /// Density rho in kg/m^3; left out 1.18.
+        /// Density rho in kg/m^3; left out that of the air, or 1.18.
         density = 1.18, above 0.0, such as 1.2;
     }
     or by {
-        /// In degrees C, in place of sound_speed: c = 331.3 sqrt(1 + T/273.15) m/s.
+        /// Of the air in degrees C, in place of sound_speed: c = 331.3 sqrt(1 + T/273.15) m/s, and absorption and density.
         temperature, such as 25.0;
+        /// Of the air in percent: absorption (ISO 9613-1) and density; left out 50, where the air is given at all.
+        humidity, such as 50.0;
+        /// Of the air in Pa, likewise; left out 101325.
+        air_pressure, such as 101325.0;
     }
 }
+
+/// The keys from which the numbers of air follow.
+const AIR: [&str; 3] = ["temperature", "humidity", "air_pressure"];
 
 impl Medium {
     /// c = 331.3 sqrt(1 + T/273.15) m/s, T in degrees Celsius (ideal gas, dry air).
@@ -41,31 +48,40 @@ impl Medium {
         273.15 * (ratio * ratio - 1.0)
     }
 
-    /// The medium with some of [`Medium::KEYS`] changed.
+    /// The medium with some of [`Medium::KEYS`] changed. Where a temperature, a humidity or an air pressure is given, all
+    /// numbers that are not are those of [`Medium::air`]; a temperature left out is that of the sound speed.
     ///
     /// ```
-    /// let warm = midair::Medium::default().with(&[("temperature", 25.0), ("density", 1.184)])?;
-    /// assert!((warm.sound_speed - 346.1).abs() < 0.1);
+    /// let warm = midair::Medium::default().with(&[("temperature", 25.0), ("density", 1.18)])?;
+    /// assert_eq!(warm.density, 1.18);
+    /// assert!((warm.sound_speed - 346.1).abs() < 0.1 && (warm.absorption - 0.160).abs() < 0.001);
     /// # Ok::<(), midair::Error>(())
     /// ```
     ///
     /// # Errors
-    /// An unknown name; a temperature beside a sound speed, or not above -273.15. Other ranges are checked by a scene.
+    /// An unknown name; a temperature beside a sound speed; what [`Medium::air`] refuses. Other ranges are checked by a scene.
     pub fn with(mut self, given: &[(&str, f64)]) -> Result<Self, Error> {
         let of = |name: &str| given.iter().find(|(key, _)| *key == name).map(|&(_, value)| value);
-        if let Some(temperature) = of("temperature") {
-            if of("sound_speed").is_some() {
-                let cure = "sound_speed is given too: keep one of them";
-                return Err(Error::invalid("medium.temperature", temperature, cure));
-            }
-            self.sound_speed = Self::sound_speed_at(temperature)?;
-        }
         for &(name, value) in given {
-            if !self.set(name, value) && name != "temperature" {
+            if !self.set(name, value) && !AIR.contains(&name) {
                 return Err(Error::unknown("key of medium", name, Self::KEYS.iter().map(|key| key.name)));
             }
         }
-        Ok(self)
+        let air = AIR.map(of);
+        if air.iter().all(Option::is_none) {
+            return Ok(self);
+        }
+        if let (Some(temperature), Some(_)) = (air[0], of("sound_speed")) {
+            let cure = "sound_speed is given too: keep one of them";
+            return Err(Error::invalid("medium.temperature", temperature, cure));
+        }
+        let mut made = self.air_of(air)?;
+        for (name, value) in self.numbers() {
+            if of(name).is_some() || (name == "sound_speed" && air[0].is_none()) {
+                made.set(name, value);
+            }
+        }
+        Ok(made)
     }
 
     /// c/f in m.

@@ -1,6 +1,7 @@
 //! Scene: an array, a medium, control points and what is asked of them, checked once.
 
 pub(crate) mod aim;
+pub(crate) mod air;
 pub(crate) mod array;
 pub(crate) mod choice;
 pub(crate) mod directivity;

@@ -121,6 +121,8 @@ fn of_medium(medium: Medium) -> Vec<Doubt> {
     if !TEMPERATURE.contains(&celsius) {
         let (value, cure) = of_speed(sound_speed, celsius);
         doubts.push(doubt("medium.sound_speed", value, cure));
+        // The air of a doubtful temperature is no measure.
+        return doubts;
     }
     let most = ABSORPTION * (frequency / 40e3) * (frequency / 40e3);
     if absorption > most && FREQUENCY.contains(&frequency) {

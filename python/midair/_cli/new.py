@@ -95,7 +95,7 @@ name = "uniform"            # `midair solvers` lists the methods, `midair solver
 # aim = "max"               # as loud as the array can, in the ratios of the pressures
 
 # [medium]
-# temperature = 25.0        # degrees C; or sound_speed = 340.0 in m/s
+# temperature = 25.0        # degrees C, with humidity = 50.0 in percent; or sound_speed = 340.0 in m/s
 # absorption = 0.15         # Np/m
 
 # [plane]                   # what --image draws; left out, it goes through the points

@@ -28,8 +28,9 @@ def file(name: str, folder: Path = BUILT) -> Path:
 #: More points than this the page does not take.
 MOST_POINTS = 64
 
-#: The page's air, beside its temperature.
-AIR = {"frequency": 40e3, "absorption": 0.0, "density": 1.18}
+#: The page's frequency in Hz, and its air unless a scene says otherwise.
+FREQUENCY = 40e3
+AIR = {"absorption": 0.0, "density": 1.18}
 
 
 def scene_text(what: Scene | Solution) -> str:
@@ -57,7 +58,7 @@ def shown_scene(state: dict[str, Any]) -> Scene:
     array, pressures = state["array"], state["pressures"]
     named = ("preset", "tiles") if "preset" in array else ("positions", "normals")
     document = {
-        "medium": {"temperature": state["temperature"]},
+        "medium": {"temperature": state["temperature"]} | {name: state.get(name, AIR[name]) for name in AIR},
         "array": {name: array[name] for name in named},
         "points": [
             {"position": point} | ({} if pressures is None else {"pressure": pressures[k]})
@@ -76,9 +77,8 @@ def shown_scene(state: dict[str, Any]) -> Scene:
 
 def _unknown(scene: Scene, written: dict[str, Any]) -> Iterator[str]:
     """What of a scene the page refuses; `written` is its array as files have it."""
-    for name, usual in AIR.items():
-        if (value := getattr(scene, name)) != usual:
-            yield f"{name} = {value:g} (its own is {usual:g})"
+    if scene.frequency != FREQUENCY:
+        yield f"frequency = {scene.frequency:g} (its own is {FREQUENCY:g})"
     for name in ("response", "mask", "quantization"):
         if written.get(name):
             yield f"the array's {name}"

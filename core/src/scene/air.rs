@@ -1,0 +1,75 @@
+//! Air: sound speed, density and absorption by temperature, humidity and air pressure (ISO 9613-1).
+
+use alloc::format;
+
+use crate::error::{Error, real};
+use crate::math;
+use crate::scene::medium::Medium;
+
+/// 0 degrees C, in K.
+const ZERO: f64 = 273.15;
+
+/// The air pressure of the standard in Pa, which is that of air where none is given.
+const STANDARD: f64 = 101_325.0;
+
+/// The relative humidity in percent of air where none is given.
+const HUMIDITY: f64 = 50.0;
+
+impl Medium {
+    /// Air of a temperature in degrees C, a relative humidity in percent and an air pressure in Pa.
+    ///
+    /// c = 331.3 sqrt(1 + T/273.15) m/s. Density is that of a mixture of two ideal gases, dry air and vapour. Absorption is
+    /// that of ISO 9613-1, eq. (3) to (5) and annex B; it holds from -20 to 50 degrees C within 10 %.
+    ///
+    /// ```
+    /// let air = midair::Medium::air(40e3, 20.0, 50.0, 101_325.0)?;
+    /// assert!((air.absorption * 8.686 - 1.32).abs() < 0.01); // dB/m
+    /// assert!((air.density - 1.199).abs() < 0.001);
+    /// # Ok::<(), midair::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A temperature not above -273.15, a humidity beyond 100 or between 0 and 1, a pressure beyond 10 to 200 kPa.
+    pub fn air(frequency: f64, temperature: f64, humidity: f64, air_pressure: f64) -> Result<Self, Error> {
+        let sound_speed = Self::sound_speed_at(temperature)?;
+        real("medium.humidity", humidity, 0.0, false)?;
+        if humidity > 100.0 || (humidity > 0.0 && humidity < 1.0) {
+            let cure = format!("give percent: 0, or 1 to 100 ({HUMIDITY} is usual)");
+            return Err(Error::invalid("medium.humidity", humidity, cure));
+        }
+        if !(1e4..=2e5).contains(&air_pressure) {
+            let cure = format!("give Pa, 10000 to 200000 (101.325 kPa are {STANDARD})");
+            return Err(Error::invalid("medium.air_pressure", format!("{air_pressure:?}"), cure));
+        }
+        let kelvin = temperature + ZERO;
+        // Vapour is no more than all of the air, whatever the temperature.
+        let vapour = (humidity / 100.0 * saturation(kelvin)).min(air_pressure);
+        let density = (air_pressure - vapour) / (287.05 * kelvin) + vapour / (461.5 * kelvin);
+        let absorption = absorption(frequency, kelvin, 100.0 * vapour / air_pressure, air_pressure / STANDARD);
+        Ok(Self { frequency, sound_speed, absorption, density })
+    }
+
+    /// The air of what is given; left out, the temperature is that of the sound speed, the rest as usual.
+    pub(super) fn air_of(self, given: [Option<f64>; 3]) -> Result<Self, Error> {
+        let [temperature, humidity, air_pressure] = given;
+        let temperature = temperature.unwrap_or_else(|| self.temperature());
+        Self::air(self.frequency, temperature, humidity.unwrap_or(HUMIDITY), air_pressure.unwrap_or(STANDARD))
+    }
+}
+
+/// The pressure of saturated vapour in Pa, eq. (B.2) and (B.3).
+fn saturation(kelvin: f64) -> f64 {
+    STANDARD * math::pow(10.0, -6.8346 * math::pow(273.16 / kelvin, 1.261) + 4.6151)
+}
+
+/// alpha in Np/m, eq. (3) to (5): `vapour` is its molar part in percent, `pressure` in units of the standard's.
+fn absorption(frequency: f64, kelvin: f64, vapour: f64, pressure: f64) -> f64 {
+    let warmth = kelvin / 293.15;
+    let oxygen = pressure * (24.0 + 4.04e4 * vapour * (0.02 + vapour) / (0.391 + vapour));
+    let drag = math::exp(-4.17 * (1.0 / math::cbrt(warmth) - 1.0));
+    let nitrogen = pressure / math::sqrt(warmth) * (9.0 + 280.0 * vapour * drag);
+    let squared = frequency * frequency;
+    let relaxation = |strength: f64, heat: f64, own: f64| strength * math::exp(-heat / kelvin) / (own + squared / own);
+    let relaxations = relaxation(0.01275, 2239.1, oxygen) + relaxation(0.1068, 3352.0, nitrogen);
+    squared * (1.84e-11 / pressure * math::sqrt(warmth) + math::pow(warmth, -2.5) * relaxations)
+}

@@ -1,0 +1,117 @@
+"""Air by temperature, humidity and pressure: a published table, the standard's formula, every way in."""
+
+import math
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+
+import midair
+
+ARRAY = midair.Array.preset("autd3")
+POINT = [[0, 0, 0.15]]
+#: Np in dB.
+NEPER = 20 / math.log(10)
+
+#: ISO 9613-2, table 2: dB/km at the octaves 1, 2, 4 and 8 kHz, by degrees C and percent.
+TABLE = {
+    (10, 70): (3.7, 9.7, 32.8, 117),
+    (20, 70): (5.0, 9.0, 22.9, 76.6),
+    (30, 70): (7.4, 12.7, 23.1, 59.3),
+    (15, 20): (8.2, 28.2, 88.8, 202),
+    (15, 50): (4.2, 10.8, 36.2, 129),
+    (15, 80): (4.1, 8.3, 23.7, 82.8),
+}
+
+
+def scene(**air: Any) -> midair.Scene:
+    """A scene in this air; frequencies that people hear are no slip here."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", midair.SceneWarning)
+        return midair.Scene(ARRAY, POINT, **air)
+
+
+def oracle(f: float, celsius: float, percent: float, pascals: float) -> tuple[float, float, float]:
+    """Sound speed in m/s, absorption in dB/m, density in kg/m^3: ISO 9613-1, ideal gases."""
+    kelvin, ratio, standard = celsius + 273.15, (celsius + 273.15) / 293.15, pascals / 101325
+    saturated = 10 ** (4.6151 - 6.8346 * (273.16 / kelvin) ** 1.261)
+    h = percent * saturated / standard
+    oxygen = standard * (24 + 4.04e4 * h * (0.02 + h) / (0.391 + h))
+    nitrogen = standard * ratio**-0.5 * (9 + 280 * h * math.exp(-4.170 * (ratio ** (-1 / 3) - 1)))
+    classical = 1.84e-11 / standard * ratio**0.5
+    relaxing = 0.01275 * math.exp(-2239.1 / kelvin) / (oxygen + f**2 / oxygen)
+    relaxing += 0.1068 * math.exp(-3352.0 / kelvin) / (nitrogen + f**2 / nitrogen)
+    loss = 8.686 * f**2 * (classical + ratio**-2.5 * relaxing)
+    moist, gas = percent / 100 * saturated * 101325, 8.314462
+    density = ((pascals - moist) * 0.0289647 + moist * 0.0180153) / (gas * kelvin)
+    return 331.3 * math.sqrt(kelvin / 273.15), loss, density
+
+
+@pytest.mark.parametrize(("celsius", "percent"), TABLE)
+def test_absorption_is_that_of_the_published_table(celsius: float, percent: float) -> None:
+    for octave, loss in zip((0.3, 0.6, 0.9), TABLE[celsius, percent][1:], strict=True):
+        air = scene(frequency=1e3 * 10**octave, temperature=celsius, humidity=percent)
+        # The table has three digits.
+        assert air.absorption * NEPER * 1e3 == pytest.approx(loss, rel=0.006)
+
+
+def test_air_is_the_standards_formula() -> None:
+    random = np.random.default_rng(1)
+    for _ in range(200):
+        f, celsius = random.uniform(5e3, 1e6), random.uniform(-30, 50)
+        percent, pascals = random.uniform(1, 100), random.uniform(5e4, 1.5e5)
+        air = scene(frequency=f, temperature=celsius, humidity=percent, air_pressure=pascals)
+        speed, loss, density = oracle(f, celsius, percent, pascals)
+        assert air.sound_speed == pytest.approx(speed, rel=1e-12)
+        assert air.absorption * 8.686 == pytest.approx(loss, rel=1e-9)
+        assert air.density == pytest.approx(density, rel=2e-4)
+    assert oracle(40e3, 20, 50, 101325)[1] == pytest.approx(1.32, abs=0.01)
+
+
+def test_what_is_left_out_is_usual_and_what_is_given_stays() -> None:
+    usual = scene(temperature=25, humidity=50, air_pressure=101325)
+    assert scene(temperature=25).medium == usual.medium
+    given = scene(temperature=25, absorption=0, density=1.2)
+    assert (given.sound_speed, given.absorption, given.density) == (usual.sound_speed, 0, 1.2)
+    # A temperature left out is that of the sound speed, which stays to the bit.
+    damp = scene(sound_speed=usual.sound_speed, humidity=50)
+    assert damp.sound_speed == usual.sound_speed
+    assert damp.absorption == pytest.approx(usual.absorption, rel=1e-12)
+    assert scene(humidity=50).sound_speed == 340
+    assert scene().medium == {"frequency": 40e3, "sound_speed": 340, "absorption": 0, "density": 1.18}
+
+
+def test_every_way_in_has_the_same_air() -> None:
+    air = {"temperature": 30.0, "humidity": 80.0, "air_pressure": 9e4}
+    wanted = scene(**air)
+    lines = "\n".join(f"{name} = {value}" for name, value in air.items())
+    text = f"[medium]\n{lines}\n[array]\npreset = 'autd3'\n[[points]]\nposition = [0, 0, 0.15]"
+    assert midair.Scene.parse(text) == wanted
+    assert scene().replace(**air) == wanted
+    drive = midair.solve(wanted, "fast").drive
+    assert (midair.Solver(ARRAY, "fast", **air)(POINT).drive == drive).all()
+    assert (midair.solve_batch(ARRAY, [POINT], solver="fast", **air).drives[0] == drive).all()
+    moving = midair.Sequence(ARRAY, [POINT], [[9.0]], drive[None], rate=1e3, **air)
+    assert moving == midair.Sequence(ARRAY, [POINT], [[9.0]], drive[None], rate=1e3, **wanted.medium)
+
+
+@pytest.mark.parametrize(
+    ("air", "text"),
+    [
+        ({"humidity": 0.5}, "medium.humidity is 0.5: give percent: 0, or 1 to 100 (50 is usual)"),
+        ({"humidity": 101}, "medium.humidity is 101: give percent: 0, or 1 to 100 (50 is usual)"),
+        ({"humidity": -1}, "medium.humidity is -1.0: give a number of at least 0"),
+        (
+            {"air_pressure": 101.325},
+            "medium.air_pressure is 101.325: give Pa, 10000 to 200000 (101.325 kPa are 101325)",
+        ),
+        ({"air_pressure": math.nan}, "medium.air_pressure is NaN"),
+        ({"temperature": -300, "humidity": 20}, "medium.temperature is -300.0: give a number above -273.15"),
+        ({"temperature": 20, "sound_speed": 343}, "medium.temperature is 20: sound_speed is given too"),
+    ],
+)
+def test_air_that_cannot_be_is_refused(air: dict[str, float], text: str) -> None:
+    with pytest.raises(midair.SceneError) as refusal:
+        scene(**air)
+    assert str(refusal.value).startswith(text)
