@@ -57,7 +57,7 @@ impl Mesh {
         Self::of(read::vectors("mesh.vertices", vertices)?, indices(faces)?, kind)
     }
 
-    /// A file of a modeller: .stl, .obj, .ply, .off, .glb and what else trimesh reads (the extra midair[mesh]).
+    /// A file of a modeller: .stl, .obj, .ply, .off or .glb (the extra midair[mesh]).
     ///
     /// scale is the metres of its unit, 1e-3 of a file in millimetres; offset (3,) in m is added then.
     ///
@@ -181,6 +181,12 @@ impl Boundary {
         let threads = limits::threads(py)?;
         let incident = attend(py, None, |control| self.inner.incident(&mut control.on(threads)))?;
         PyArray1::from_vec(py, incident).reshape([self.inner.elements(), self.inner.transducers()])
+    }
+
+    /// What sound (E, N) leaves inside the bodies, of what comes there without them.
+    fn left_inside(&self, py: Python<'_>, sound: PyReadonlyArray2<'_, Complex32>) -> PyResult<f64> {
+        let (sound, threads) = (sound.as_slice()?, limits::threads(py)?);
+        attend(py, None, |control| self.inner.left_inside(sound, &mut control.on(threads)))
     }
 }
 

@@ -54,8 +54,8 @@ const STRETCH: usize = 1 << 14;
 pub struct Boundary {
     pub(crate) obstacles: Obstacles,
     /// The array and its images in walls, responses left out.
-    sources: Vec<Sources>,
-    elements: Vec<Element>,
+    pub(super) sources: Vec<Sources>,
+    pub(super) elements: Vec<Element>,
     /// The elements' images in walls.
     images: Vec<(f64, Vec<Element>)>,
 }
@@ -118,10 +118,12 @@ impl Boundary {
     /// A (E, E), row by row.
     ///
     /// # Errors
-    /// More memory than allowed; a stop.
+    /// Bodies that coincide, cross or contain each other, or are thinner than the elements carry; more memory than allowed; a
+    /// stop.
     pub fn matrix(&self, control: &mut Control) -> Result<Vec<Complex32>, Error> {
         let count = self.elements.len();
         control.room("the boundary of the meshes", [self.transducers(), count], bytes(8, &[count, count]))?;
+        self.enclosed(control)?;
         let mut matrix = vec![Complex32::ZERO; count * count];
         let share = STRETCH.div_ceil(count);
         let steps = count.div_ceil(share);

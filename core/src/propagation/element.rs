@@ -101,6 +101,11 @@ impl Element {
         self.patch.center
     }
 
+    /// The distance of its farthest corner from its middle.
+    pub(crate) fn reach(&self) -> f64 {
+        self.patch.reach
+    }
+
     /// What the equation at its middle has beside its integrals: half of p, or half of j/k dp/dn.
     pub(crate) fn jump(&self) -> Complex64 {
         match self.kind {

@@ -6,6 +6,7 @@ pub(crate) mod dense;
 pub(crate) mod element;
 pub(crate) mod field;
 pub(crate) mod gorkov;
+mod inside;
 pub(crate) mod jet;
 pub(crate) mod kept;
 pub(crate) mod model;

@@ -134,8 +134,13 @@ impl Mesh {
         if (0..3).any(|axis| place[axis] < self.bounds[axis][0] || place[axis] > self.bounds[axis][1]) {
             return false;
         }
-        let angles: f64 = self.triangles().map(|corners| solid_angle(corners.map(|corner| minus(corner, place)))).sum();
-        angles > core::f64::consts::TAU
+        self.winding(place) > 0.5
+    }
+
+    /// How often the surface goes round a place: 1 inside, 0 outside.
+    pub(crate) fn winding(&self, place: [f64; 3]) -> f64 {
+        let angle = |corners: Triangle| solid_angle(corners.map(|corner| minus(corner, place)));
+        self.triangles().map(angle).sum::<f64>() / (2.0 * core::f64::consts::TAU)
     }
 }
 

@@ -32,7 +32,7 @@ POLICY = (
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 
-#: A page that opened this one has no hold of it, nobody's page takes its files, and a board is for this page alone.
+#: A page that opened this one has no hold of it, no other page takes its files or reaches the serial ports.
 HEADERS = {
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cross-Origin-Resource-Policy": "same-origin",

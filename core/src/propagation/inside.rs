@@ -1,0 +1,106 @@
+//! Inside: what tells that meshes cannot be solved, before by their geometry and after by the sound that is left inside.
+//!
+//! A place inside one body has the winding number 1: the solid angles of all triangles there add up to 4 pi. Where bodies
+//! overlap or coincide it is 2, outside 0. It is asked a little below the middle of each element, so deep that a plate
+//! which is too thin for its elements has no inside there.
+
+use alloc::format;
+use alloc::vec::Vec;
+
+use num_complex::{Complex32, Complex64};
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::math;
+use crate::propagation::boundary::Boundary;
+use crate::propagation::element::Element;
+use crate::scene::Mesh;
+use crate::scene::geometry::{cross, dot, minus};
+use crate::scene::mesh::Triangle;
+
+/// How deep below an element its body is looked for, of its reach. By trials on rigid plates: in their shadow the sound is
+/// within 2 % from .18 of the reach on, 12 % off at .06, and the plate is transparent at .03.
+const DEPTH: f64 = 0.12;
+
+/// Elements below which the sound inside is looked at, at most.
+const LOOKS: usize = 64;
+
+impl Boundary {
+    /// Refuses bodies that coincide, cross or contain each other, and plates thinner than the elements carry.
+    pub(crate) fn enclosed(&self, control: &mut Control) -> Result<(), Error> {
+        let parts = self.elements.iter().collect();
+        control.each(parts, &|element: &Element, control| {
+            let place = below(element.center(), element.normal, DEPTH * element.reach());
+            let winding: f64 = self.obstacles.meshes().map(|mesh| mesh.winding(place)).sum();
+            let [x, y, z] = element.center();
+            let at = format!("near ({x:.4}, {y:.4}, {z:.4}) m");
+            if winding > 1.5 {
+                let value = format!("bodies that cross, contain each other or are there twice {at}");
+                return Err(Error::invalid("obstacles", value, "join them to one surface, a union of the modeller's"));
+            }
+            if winding < 0.5 {
+                let least = 1e3 * DEPTH * element.reach();
+                let value = format!("a body thinner than {least:.2} mm, or one that crosses itself, {at}");
+                return Err(Error::invalid(
+                    "obstacles",
+                    value,
+                    "make it thicker, give finer faces, or mend the surface",
+                ));
+            }
+            control.pulse()
+        })
+    }
+
+    /// The sound (E, N) that a solution leaves inside the bodies, of what comes there without them: 0 of an exact one, 1 of
+    /// bodies that are transparent. It is the root mean square over transducers and places amid the bodies.
+    ///
+    /// # Errors
+    /// Sound of another boundary; a stop.
+    pub fn left_inside(&self, sound: &[Complex32], control: &mut Control) -> Result<f64, Error> {
+        self.check_sound(sound)?;
+        let triangles: Vec<Triangle> = self.obstacles.meshes().flat_map(Mesh::triangles).collect();
+        let transducers = self.transducers();
+        let (mut left, mut came) = (0.0, 0.0);
+        let mut row = Vec::new();
+        for element in self.elements.iter().step_by(self.elements.len().div_ceil(LOOKS)) {
+            let (from, way) = (element.center(), element.normal.map(|x| -x));
+            let far = triangles.iter().filter_map(|&triangle| hit(from, way, triangle)).fold(f64::INFINITY, f64::min);
+            if !far.is_finite() {
+                continue;
+            }
+            let place = below(from, element.normal, 0.5 * far);
+            self.row(place, &mut row);
+            for i in 0..transducers {
+                let sent: Complex64 = self.sources.iter().map(|sources| sources.exact(i, place)).sum();
+                let heard = row.iter().enumerate().map(|(e, heard)| {
+                    let u = sound[e * transducers + i];
+                    heard * Complex64::new(f64::from(u.re), f64::from(u.im))
+                });
+                left += (sent + heard.sum::<Complex64>()).norm_sqr();
+                came += sent.norm_sqr();
+            }
+            control.pulse()?;
+        }
+        Ok(if came > 0.0 { math::sqrt(left / came) } else { 0.0 })
+    }
+}
+
+fn below(center: [f64; 3], normal: [f64; 3], depth: f64) -> [f64; 3] {
+    [0, 1, 2].map(|axis| center[axis] - depth * normal[axis])
+}
+
+/// How far a ray goes until it meets a triangle, which is not the one that it begins on (T. Moeller and B. Trumbore, J. Graph.
+/// Tools 2, 21, 1997).
+fn hit(from: [f64; 3], way: [f64; 3], [a, b, c]: Triangle) -> Option<f64> {
+    let (ab, ac, start) = (minus(b, a), minus(c, a), minus(from, a));
+    let across = cross(way, ac);
+    let scale = dot(ab, across);
+    let (u, turned) = (dot(start, across) / scale, cross(start, ab));
+    let (v, far) = (dot(way, turned) / scale, dot(ac, turned) / scale);
+    let size = math::sqrt(dot(ab, ab));
+    (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && far > 1e-6 * size).then_some(far)
+}
+
+#[cfg(test)]
+#[path = "tests/inside.rs"]
+mod tests;
