@@ -110,6 +110,10 @@ def test_solvers_are_listed_with_options_and_defaults(run: Run) -> None:
         assert f" {name} " in out
         for option, about in info.options.items():
             assert any(line.split()[:2] == [option, str(about.default)] for line in out.splitlines())
+    # Beside its own default, what AUTD3's grid makes of it.
+    rows = [line.split()[:5] for line in run("solvers", "greedy")[1].splitlines()]
+    assert ["phases", "16", "(autd3", "256)"] in [row[:4] for row in rows]
+    assert ["amplitudes", "1", "(autd3", "16)"] in [row[:4] for row in rows]
 
 
 def test_presets_are_listed_with_their_counts(run: Run) -> None:

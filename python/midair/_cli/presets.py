@@ -11,7 +11,7 @@ from cyclopts import Parameter
 from rich import box
 from rich.table import Table
 
-from .. import Array, SolverInfo, presets, solvers
+from .. import Array, Solver, SolverInfo, presets, solvers
 from .._midair import preset_name, solver_name
 from .._support import output
 from .scene import check_outputs
@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 #: Panels of a row.
 COLUMNS = 4
+
+#: The board whose defaults stand beside a method's own where they differ.
+BOARD = "autd3"
 
 
 def arrays(named: Mapping[str, Array]) -> Figure:
@@ -75,8 +78,10 @@ def solvers_command(name: str | None = None, *, json: Annotated[bool, Parameter(
     table = Table("solver", "option", "default", "what it does", box=box.SIMPLE_HEAD)
     for listed, info in known.items():
         table.add_row(f"[bold]{listed}[/bold]", "", "", f"{info.summary} ({info.source})")
+        board = Solver(Array.preset(BOARD), listed).options
         for option, about in info.options.items():
-            table.add_row("", option, str(about.default), about.doc)
+            own = "" if board[option] == about.default else f" ({BOARD} {board[option]})"
+            table.add_row("", option, f"{about.default}{own}", about.doc)
         table.add_row(
             "", "phases", "used" if info.uses_phases else "not used", "Phases of complex pressures."
         )
