@@ -13,7 +13,7 @@ from .._midair import Array, Scene, SceneError, SceneWarning
 from .._support import memory
 from .._support.arguments import callback, number, refused, whole
 from .arguments import drives_of, indices_of, readings_of
-from .fit import Fitted, fit
+from .fit import Fitted, robust
 from .model import LOUDNESS, Complex, Model, Priors, Real
 from .result import Calibration
 
@@ -71,6 +71,8 @@ FACTOR = 2.0
 UNEXPLAINED = 0.35
 #: A prior this wide says nothing; a wider one only costs digits.
 MOST_PRIOR = 10
+#: Outlying readings that a warning names.
+NAMED = 3
 #: Bytes of the normal equations and what is made of them, over those of one such matrix.
 COPIES = 6
 
@@ -109,7 +111,8 @@ def calibrate(
     for "point" and "cos", the size of a piston or strip. Raises `SceneError` for what cannot be readings.
 
     Least squares by Levenberg-Marquardt from what the array says, the readings trusted to 30 % of their root
-    mean square first and .6 times tighter a step down to their noise (docs/measuring.md).
+    mean square first and .6 times tighter a step down to their noise (docs/measuring.md). Readings that lie
+    more than six times the scatter of all off the model are left out, named by a warning and in `outlying`.
     """
     given = scene_or_array
     if not isinstance(given, Array | Scene):
@@ -140,7 +143,7 @@ def calibrate(
             "array has no transducer that was played: its mask or responses of 0 hold them all off"
         )
     played = played * array.mask
-    found = fit(model, played, heard, believed, spread, least, progress or (lambda *_: None))
+    found = robust(model, played, heard, believed, spread, least, progress or (lambda *_: None))
     return _result(scene, model, found, believed, played, heard)
 
 
@@ -209,7 +212,17 @@ def _result(
             SceneWarning,
             stacklevel=3,
         )
-    loud = float(np.sqrt(np.mean(np.abs(heard) ** 2)))
+    outlying = np.argwhere(~found.used)
+    if len(outlying):
+        named = ", ".join(f"drive {k} at microphone {m}" for k, m in outlying[:NAMED].tolist())
+        more = ", ..." if len(outlying) > NAMED else ""
+        warnings.warn(
+            f"{len(outlying)} of {found.used.size} readings lie far off the model and are left out:"
+            f" {named}{more}",
+            SceneWarning,
+            stacklevel=3,
+        )
+    loud = float(np.sqrt(np.mean(np.abs(heard[found.used]) ** 2)))
     if found.noise > UNEXPLAINED * loud:
         warnings.warn(
             f"readings are off the model by {found.noise / loud:.0%} of their root mean square: "
@@ -240,5 +253,6 @@ def _result(
         pose_error=errors[-6:],
         noise=found.noise,
         residuals=found.residuals,
+        outlying=outlying,
         scene=scene.replace(array=array, sound_speed=float(state[0])),
     )

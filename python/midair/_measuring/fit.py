@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .._support.ctrl_c import interruptibly
 from .model import AIR, CLOCK, LOUDNESS, SPEED, Complex, Model, Real
@@ -13,6 +14,11 @@ from .model import AIR, CLOCK, LOUDNESS, SPEED, Complex, Model, Real
 #: Readings are first trusted to this part of their root mean square, then so many times tighter a step.
 #: Without it the fit ends in false minima where noise is small and readings are few.
 FIRST_TRUST, TIGHTER = 0.3, 0.6
+#: A reading so many standard deviations of all off the model is outlying; a normal one is so in 10^9. Scatter
+#: below this part of the median reading is none that matters.
+OUTLYING, LEAST_SCATTER = 6.0, 1e-3
+#: Above this part of outlying readings it is the model that is wrong; rounds of leaving out at most.
+MOST_OUTLYING, ROUNDS = 0.2, 8
 #: Steps at most. Once trusted to their noise, the fit ends when a step gains less than this part of its cost.
 STEPS, GAIN = 40, 1e-3
 #: The most damping of a step that is tried, in units of the prior's curvature.
@@ -37,8 +43,9 @@ class Fitted:
     state_error: Real
     #: In Pa.
     noise: float
-    #: Model minus reading (K, M) in Pa.
+    #: Model minus reading (K, M) in Pa, and which readings were used.
     residuals: Real | Complex
+    used: NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -57,7 +64,7 @@ class Place:
         return float(np.vdot(self.residuals, self.residuals).real)
 
 
-def fit(
+def robust(
     model: Model,
     drives: Complex,
     readings: Real | Complex,
@@ -66,19 +73,57 @@ def fit(
     noise: float,
     progress: Callable[[int, int], object],
 ) -> Fitted:
+    """Fit, leave out the readings that lie far off, and fit again until none changes sides.
+
+    Arguments are those of `fit`.
+
+    Far is OUTLYING times the readings' own scatter, by the median of their distances from the model. Where so
+    many are far that the model must be wrong, all are used.
+    """
+
+    def fitted(used: NDArray[np.bool_]) -> Fitted:
+        return fit(model, drives, readings, believed, prior, noise, progress, used)
+
+    used = np.ones(readings.shape, bool)
+    first = found = fitted(used)
+    # The median of the modulus of a normal number, and of one of two parts, by their standard deviation.
+    median = np.sqrt(2 * np.log(2)) if np.iscomplexobj(readings) else 0.6745
+    least = LEAST_SCATTER * float(np.median(np.abs(readings)))
+    for _ in range(ROUNDS):
+        off = np.abs(found.residuals)
+        then = off <= OUTLYING * max(float(np.median(off)) / median, least)
+        if np.array_equal(then, used):
+            break
+        if then.mean() < 1 - MOST_OUTLYING:
+            return first
+        used = then
+        found = fitted(used)
+    return found
+
+
+def fit(
+    model: Model,
+    drives: Complex,
+    readings: Real | Complex,
+    believed: Real,
+    prior: float | None,
+    noise: float,
+    progress: Callable[[int, int], object],
+    used: NDArray[np.bool_],
+) -> Fitted:
     """Responses and state of the least misfit, weighed against their distance from what was believed.
 
     Readings (K, M) of drives (K, N): moduli, or complex. `believed` are the responses' moduli: re and im are
     along and across the phases that the model's array has. `prior` is their standard deviation, relative to
     the mean modulus; None learns it from step to step, as the spread of each. `noise` in Pa is the least that
-    readings are taken to have.
+    readings are taken to have; of those that are not `used` nothing is taken.
     """
-    phased = np.iscomplexobj(readings)
-    state = _start(model, drives, readings, believed)
+    phased, given, readings = np.iscomplexobj(readings), readings, readings * used
+    state = _start(model, drives, readings, believed, used)
     n, modulus = len(believed), float(believed.mean())
     spread = np.r_[np.full(2 * n, (prior or PRIOR) * modulus), model.spread[model.free]]
-    rms = float(np.sqrt(np.mean(np.abs(readings) ** 2)))
-    count = readings.size * (2 if phased else 1)
+    rms = float(np.sqrt(np.sum(np.abs(readings) ** 2) / used.sum()))
+    count = int(used.sum()) * (2 if phased else 1)
 
     loudness = 2 * n + int(np.searchsorted(model.free, LOUDNESS))
 
@@ -90,13 +135,14 @@ def fit(
         off = np.r_[responses.real - believed, responses.imag, off[2 * n :]]
         off[loudness] += np.log(scale)
         at = model.moved(state, off[2 * n :])
-        return Place(off, responses, at, _heard(drives, responses, model.matrix(at), phased) - readings)
+        heard = _heard(drives, responses, model.matrix(at), phased) * used
+        return Place(off, responses, at, heard - readings)
 
     here, one = place(np.zeros(len(spread))), np.eye(len(spread))
     trust, damping, noise = max(FIRST_TRUST * rms, noise), 0.0, max(noise, 1e-6 * rms)
     for step in range(STEPS):
         progress(step, STEPS)
-        square, slope = _normal(model, drives, here, spread)
+        square, slope = _normal(model, drives, here, spread, used)
         unknowns = here.off / spread
         left = interruptibly(_inverse_diagonal, square / trust**2 + one)
         # Of the unknowns, what the readings determine takes as many readings with it.
@@ -129,11 +175,14 @@ def fit(
         here.state,
         others,
         max(found, noise),
-        here.residuals,
+        _heard(drives, here.responses, model.matrix(here.state), phased) - given,
+        used,
     )
 
 
-def _start(model: Model, drives: Complex, readings: Real | Complex, believed: Real) -> Real:
+def _start(
+    model: Model, drives: Complex, readings: Real | Complex, believed: Real, used: NDArray[np.bool_]
+) -> Real:
     """What is believed, at the loudness of the readings and in the air that fits them best.
 
     The speeds within three standard deviations are looked through: over a large array a wave slips by more
@@ -145,7 +194,7 @@ def _start(model: Model, drives: Complex, readings: Real | Complex, believed: Re
     for offset in np.arange(-reach, reach + SPEED_STEP, SPEED_STEP) if reach else [0.0]:
         state = model.start.copy()
         state[SPEED] = np.clip(state[SPEED] + offset, *AIR)
-        p = _heard(drives, believed, model.matrix(state), phased)
+        p = _heard(drives, believed, model.matrix(state), phased) * used
         product = np.vdot(p, readings) / np.linalg.norm(p)
         if abs(product) > best:
             state[LOUDNESS] = np.log(np.linalg.norm(readings) / np.linalg.norm(p))
@@ -160,7 +209,9 @@ def _heard(drives: Complex, responses: Real | Complex, matrix: Complex, phased: 
     return p if phased else np.abs(p)
 
 
-def _normal(model: Model, drives: Complex, here: Place, spread: Real) -> tuple[Real, Real]:
+def _normal(
+    model: Model, drives: Complex, here: Place, spread: Real, used: NDArray[np.bool_]
+) -> tuple[Real, Real]:
     """J^T J and J^T r of the residuals r, by the unknowns.
 
     d|p|/dx_i = conj(p)/|p| G_i q_i (re, -im), and the same of G's derivatives by the state, summed over i.
@@ -170,7 +221,7 @@ def _normal(model: Model, drives: Complex, here: Place, spread: Real) -> tuple[R
     square, slope = np.zeros((len(spread), len(spread))), np.zeros(len(spread))
     for m, row in enumerate(matrix):
         for begin in range(0, len(drives), BLOCK):
-            q = drives[begin : begin + BLOCK]
+            q = drives[begin : begin + BLOCK] * used[begin : begin + BLOCK, m, None]
             left = here.residuals[begin : begin + BLOCK, m]
             each, others = q * row, q @ slopes[:, m].T
             if np.iscomplexobj(left):

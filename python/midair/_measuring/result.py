@@ -86,6 +86,7 @@ class Calibration:
         its middle
     noise : standard deviation of a reading about the model, in Pa: noise, and what the model does not know
     residuals : (K, M) model minus readings, in Pa
+    outlying : (L, 2) drive and microphone of each reading that lay far off the model and was left out
     scene : the scene with the corrected array and sound speed
     """
 
@@ -101,6 +102,7 @@ class Calibration:
     pose_error: NDArray[np.float64]
     noise: float
     residuals: NDArray[Any]
+    outlying: NDArray[np.intp]
     scene: Scene
 
     @property
@@ -139,6 +141,7 @@ class Calibration:
             f"{len(self.reversed)} reversed",
             f"{self.sound_speed:.2f} +- {self.sound_speed_error:.2g} m/s",
             f"noise {self.noise:.3g} Pa",
+            *([f"{len(self.outlying)} readings left out"] if len(self.outlying) else []),
         ]
         return f"<Calibration: {', '.join(parts)}>"
 
