@@ -165,8 +165,28 @@ pub fn same_name(a: &str, b: &str) -> bool {
     letters(a).eq(letters(b))
 }
 
-/// The known name that one mistyped is likely to mean: at most a third of its letters away, or begun by it.
+/// Names that other packages have for what is called otherwise here.
+const ELSEWHERE: [(&str, &str); 11] = [
+    ("method", "solver"),
+    ("algorithm", "solver"),
+    ("iterations", "steps"),
+    ("iteration", "steps"),
+    ("iters", "steps"),
+    ("maxiter", "steps"),
+    ("niter", "steps"),
+    ("speed_of_sound", "sound_speed"),
+    ("spacing", "pitch"),
+    ("resolution", "pixels"),
+    ("px", "pixels"),
+];
+
+/// The known name that one mistyped is likely to mean: at most a third of its letters away, or begun by it; or what other
+/// packages call so.
 pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+    let called_so = |ours: &str| ELSEWHERE.iter().any(|(theirs, other)| *other == ours && same_name(theirs, name));
+    if let Some(ours) = known.iter().find(|ours| called_so(ours)) {
+        return Some(ours);
+    }
     let typed: Vec<char> = letters(name).take(64).collect();
     let distance = |other: &str| {
         let other: Vec<char> = letters(other).collect();

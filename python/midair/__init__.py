@@ -67,6 +67,7 @@ from ._pictures.plot import plot
 from ._points.ear import Ear, ear
 from ._points.image import Picture, image
 from ._studio import View, view
+from ._support import slips as _slips
 from ._sweep import sweep
 
 _toolbox.attach()
@@ -145,3 +146,5 @@ __all__ = [
     "view",
     "write",
 ]
+
+_slips.attach(__name__)

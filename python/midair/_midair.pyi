@@ -62,6 +62,7 @@ __all__ = [
     "solver_name",
     "solvers",
     "tracks",
+    "unknown",
 ]
 
 _Numbers: TypeAlias = ArrayLike | None
@@ -612,6 +613,7 @@ def read_table(
 def scene_files(path: str | PathLike[str], text: bytes | None = None) -> list[Path]: ...
 def scene_keys() -> dict[str, dict[str, tuple[str, str]]]: ...
 def solver_name(name: str) -> str: ...
+def unknown(kind: str, name: str, known: list[str]) -> tuple[str, str]: ...
 def gorkov(
     scene: Scene | Solution,
     drive: ArrayLike | Solution | None = None,

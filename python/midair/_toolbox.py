@@ -20,7 +20,7 @@ from ._motion import Sequence
 from ._pictures import notebook
 from ._pictures.answer import answer
 from ._points import drawn
-from ._support import output
+from ._support import arguments, output
 
 #: By class and name: `solution.exposure(places)` is `midair.exposure(solution, places)`.
 METHODS: dict[type, dict[str, Any]] = {
@@ -42,8 +42,8 @@ METHODS: dict[type, dict[str, Any]] = {
 }
 
 
-#: Functions that the extension calls: points and meshes of a scene file's tables, a mesh's file, the writer.
-points, mesh, mesh_file, write = drawn.points, drawn.mesh, drawn.read, output.write
+#: Functions that the extension calls: for a scene file's tables, for a mesh's file, to write and to warn.
+points, mesh, mesh_file, write, warn = drawn.points, drawn.mesh, drawn.read, output.write, arguments.warn
 
 
 def sound(boundary: _midair.Boundary) -> Any:

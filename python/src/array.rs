@@ -8,7 +8,7 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 
-use crate::error::{invalid, refused};
+use crate::error::{invalid, refused, warn_all};
 use crate::give::{self, rows};
 use crate::numbers::quoted;
 use crate::pickle::{Reduced, called, restored};
@@ -97,9 +97,9 @@ pub(crate) fn adjusted(
 
 #[pymethods]
 impl Array {
-    #[new]
+    #[staticmethod]
     #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
-    #[pyo3(signature = (positions, normals=None, *, source_pressure=None, directivity=None, response=None, mask=None, quantization=None))]
+    #[pyo3(name = "_new", signature = (positions, normals=None, *, source_pressure=None, directivity=None, response=None, mask=None, quantization=None))]
     fn new(
         positions: &Bound<'_, PyAny>,
         normals: Argument<'_, '_>,
@@ -122,6 +122,7 @@ impl Array {
     #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
     #[pyo3(signature = (nx, ny, pitch, *, source_pressure=None, directivity=None, response=None, mask=None, quantization=None))]
     fn grid(
+        py: Python<'_>,
         nx: &Bound<'_, PyAny>,
         ny: &Bound<'_, PyAny>,
         pitch: &Bound<'_, PyAny>,
@@ -133,6 +134,7 @@ impl Array {
     ) -> PyResult<Self> {
         let (nx, ny) = (read::count("nx", nx)?, read::count("ny", ny)?);
         let array = midair::Array::grid(nx, ny, read::real("pitch", pitch)?).map_err(refused)?;
+        warn_all(py, array.doubt())?;
         on_board(adjusted(array.into(), source_pressure, directivity, response)?, mask, quantization)
     }
 

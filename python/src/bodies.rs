@@ -39,8 +39,8 @@ impl Hash for Wall {
 
 #[pymethods]
 impl Wall {
-    #[new]
-    #[pyo3(signature = (point, normal, kind="rigid"))]
+    #[staticmethod]
+    #[pyo3(name = "_new", signature = (point, normal, kind="rigid"))]
     fn new(point: &Bound<'_, PyAny>, normal: &Bound<'_, PyAny>, kind: &str) -> PyResult<Self> {
         let kind = surface("wall.kind", kind)?;
         Ok(Self { point: read::place("wall.point", point)?, normal: read::place("wall.normal", normal)?, kind })
@@ -108,8 +108,8 @@ impl Hash for Sphere {
 
 #[pymethods]
 impl Sphere {
-    #[new]
-    #[pyo3(signature = (center, radius, kind="rigid"))]
+    #[staticmethod]
+    #[pyo3(name = "_new", signature = (center, radius, kind="rigid"))]
     fn new(center: &Bound<'_, PyAny>, radius: &Bound<'_, PyAny>, kind: &str) -> PyResult<Self> {
         let kind = surface("sphere.kind", kind)?;
         Ok(Self { center: read::place("sphere.center", center)?, radius: read::real("sphere.radius", radius)?, kind })

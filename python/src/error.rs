@@ -1,9 +1,9 @@
 //! `midair.SceneError`, `midair.SceneWarning`: refusals and warnings.
 
-use std::ffi::CString;
-
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
+
+use crate::toolbox;
 
 pyo3::create_exception!(
     midair,
@@ -33,9 +33,9 @@ pub(crate) fn invalid(item: &str, value: &str, cure: &str) -> PyErr {
     refused(midair::Error::invalid(item, value, cure))
 }
 
-/// Warns by a [`SceneWarning`].
+/// Warns by a [`SceneWarning`], at the line that called the package.
 pub(crate) fn warn(py: Python<'_>, text: &impl ToString) -> PyResult<()> {
-    PyErr::warn(py, &py.get_type::<SceneWarning>(), &CString::new(text.to_string()).unwrap_or_default(), 1)
+    toolbox::call(py, "warn", (text.to_string(),)).map(drop)
 }
 
 /// Warns of each.

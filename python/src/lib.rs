@@ -79,7 +79,7 @@ mod _midair {
     #[pymodule_export]
     use super::motion::read_motion;
     #[pymodule_export]
-    use super::names::{preset_name, solver_name};
+    use super::names::{preset_name, solver_name, unknown};
     #[pymodule_export]
     use super::plane::Plane;
     #[pymodule_export]

@@ -50,8 +50,8 @@ impl Hash for Mesh {
 
 #[pymethods]
 impl Mesh {
-    #[new]
-    #[pyo3(signature = (vertices, faces, kind="rigid"))]
+    #[staticmethod]
+    #[pyo3(name = "_new", signature = (vertices, faces, kind="rigid"))]
     fn new(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>, kind: &str) -> PyResult<Self> {
         let kind = surface("mesh.kind", kind)?;
         Self::of(read::vectors("mesh.vertices", vertices)?, indices(faces)?, kind)

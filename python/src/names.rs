@@ -1,7 +1,9 @@
 //! Names as they are listed, for those that somebody typed: whatever their case, "-" and "_".
 
-use midair::{presets, solvers};
+use midair::{Error, presets, solvers};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::error::refused;
 
@@ -15,4 +17,20 @@ pub(crate) fn solver_name(name: &str) -> PyResult<&'static str> {
 #[pyfunction]
 pub(crate) fn preset_name(name: &str) -> PyResult<&'static str> {
     Ok(presets::find(name).map_err(refused)?.name)
+}
+
+/// The hint at the known name that an unknown one is likely to mean, or ""; and the line that refuses it.
+#[pyfunction]
+pub(crate) fn unknown(kind: &str, name: &str, known: Vec<String>) -> (String, String) {
+    let error = Error::unknown(kind, name, known.iter().map(String::as_str));
+    let hint = if let Error::Unknown { hint, .. } = &error { hint.clone() } else { String::new() };
+    (hint, error.to_string())
+}
+
+/// Refuses a keyword that a call does not have. Python does so for every function but the fastest, `Solver.__call__`.
+#[cold]
+pub(crate) fn unknown_argument(name: &str, others: &Bound<'_, PyDict>, known: &[&str]) -> PyErr {
+    let other = others.keys().iter().next().map_or_else(String::new, |key| key.to_string());
+    let known = known.iter().copied();
+    PyTypeError::new_err(Error::unknown(format!("argument of {name}"), other, known).to_string())
 }

@@ -41,8 +41,9 @@ impl Hash for Plane {
 
 #[pymethods]
 impl Plane {
-    #[new]
+    #[staticmethod]
     #[pyo3(
+        name = "_new",
         signature = (z=None, size=None, pixels=None, center=None, *, axis=None, at=None),
         text_signature = "(z=None, size=None, pixels=200, center=(0, 0), *, axis='z', at=None)"
     )]

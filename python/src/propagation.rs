@@ -34,7 +34,8 @@ impl Hash for Propagation {
 
 #[pymethods]
 impl Propagation {
-    #[new]
+    #[staticmethod]
+    #[pyo3(name = "_new")]
     fn new(matrix: &Bound<'_, PyAny>) -> PyResult<Self> {
         let (entries, points) = read::matrix("propagation", matrix)?;
         Ok(Self { inner: midair::Propagation::from_matrix(&entries, points).map_err(refused)? })

@@ -117,8 +117,8 @@ impl Scene {
 
 #[pymethods]
 impl Scene {
-    #[new]
-    #[pyo3(signature = (
+    #[staticmethod]
+    #[pyo3(name = "_new", signature = (
         array, points, pressures=None, *, weights=None, source_pressure=None, directivity=None, signature=None,
         obstacles=None, **medium
     ))]
@@ -137,7 +137,7 @@ impl Scene {
     ) -> PyResult<Self> {
         let keywords = Keywords::of(py, medium)?;
         let medium = keywords.medium(Medium::default())?;
-        if let Some(unknown) = keywords.unknown("argument of Scene", &ARGUMENTS) {
+        if let Some(unknown) = keywords.unknown("argument of midair.Scene", &ARGUMENTS) {
             return Err(PyTypeError::new_err(unknown.to_string()));
         }
         let array = adjusted(array.get().clone(), source_pressure, directivity, None)?;

@@ -270,7 +270,8 @@ pub(crate) fn about<'py>(
     }
     let Ok(scene) = scene.cast::<Scene>() else {
         let kind = scene.get_type().qualname()?;
-        return Err(PyTypeError::new_err(format!("expected a midair.Scene or a midair.Solution first, not {kind}")));
+        let text = "expected a midair.Scene or a midair.Solution first";
+        return Err(PyTypeError::new_err(format!("{text}, not {kind}: midair.Scene(array, points) makes one")));
     };
     let drive = drive.ok_or_else(|| invalid("drive", "None", "give one (N,), or a Solution alone"))?;
     Ok((scene.clone(), drive, place))

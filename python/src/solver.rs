@@ -13,6 +13,7 @@ use crate::ctrl_c::attend;
 use crate::error::{invalid, refused, warn_all};
 use crate::give;
 use crate::metrics::Metrics;
+use crate::names::unknown_argument;
 use crate::numbers::in_place;
 use crate::out;
 use crate::pickle::{Reduced, called};
@@ -127,8 +128,8 @@ fn copy_pressures(value: Argument<'_, '_>, count: usize, kept: &mut Request) -> 
 
 #[pymethods]
 impl Solver {
-    #[new]
-    #[pyo3(signature = (scene, solver=None, *, points=None, **options))]
+    #[staticmethod]
+    #[pyo3(name = "_new", signature = (scene, solver=None, *, points=None, **options))]
     fn new(
         scene: &Bound<'_, PyAny>,
         solver: Argument<'_, '_>,
@@ -159,7 +160,7 @@ impl Solver {
     /// Finds a drive for points (M, 3) in m, as `solve` would; a matrix has its own, and they are left out. Without out the
     /// answer is a new Solution. With out, a complex64 array (N,), the drive is written there and the solver itself is
     /// returned: its drive, pressures, metrics and status are those of the last call.
-    #[pyo3(signature = (points=None, pressures=None, *, weights=None, start=None, out=None))]
+    #[pyo3(signature = (points=None, pressures=None, *, weights=None, start=None, out=None, **others))]
     fn __call__<'py>(
         slf: &Bound<'py, Self>,
         points: Argument<'_, 'py>,
@@ -167,7 +168,11 @@ impl Solver {
         weights: Argument<'_, 'py>,
         start: Argument<'_, 'py>,
         out: Argument<'_, 'py>,
+        others: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Py<PyAny>> {
+        if let Some(others) = others {
+            return Err(unknown_argument("midair.Solver", others, &["points", "pressures", "weights", "start", "out"]));
+        }
         let clock = Instant::now();
         let (py, Self { choice, info, points: most, .. }) = (slf.py(), slf.get());
         let mut state = slf.get().state()?;

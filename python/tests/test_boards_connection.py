@@ -51,7 +51,10 @@ def test_addresses(address, board, kind, where):
 @pytest.mark.parametrize(
     ("address", "message"),
     [
-        ("sonic:/dev/ttyUSB0", "there is no such board, give one of null, file:PATH, autd3,"),
+        (
+            "sonic:/dev/ttyUSB0",
+            "there is no such board, did you mean sonicsurface? give one of null, file:PATH, autd3,",
+        ),
         ("", "there is no such board"),
         ("sonicsurface", "it names no place, give sonicsurface:PORT or sonicsurface:loop"),
         ("openmpd:", "openmpd:SERIAL"),

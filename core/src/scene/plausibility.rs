@@ -107,6 +107,14 @@ impl Array {
         doubts.extend(extent(self, medium));
         doubts
     }
+
+    /// What is hardly meant of an array in any medium: a width beyond every array's.
+    #[must_use]
+    pub fn doubt(&self) -> Option<Doubt> {
+        let side = largest(&self.bounds());
+        (side > LARGEST)
+            .then(|| doubt("array.positions", format!("{} m wide", short(side)), metres(side, &(0.01..=2.0))))
+    }
 }
 
 fn of_medium(medium: Medium) -> Vec<Doubt> {
@@ -176,8 +184,7 @@ fn extent(array: &Array, medium: Medium) -> Option<Doubt> {
             return Some(told(None, distance(places[0], places[1]), "no neighbours within five wavelengths"));
         }
     }
-    let side = largest(&array.bounds());
-    (side > LARGEST).then(|| doubt("array.positions", format!("{} m wide", short(side)), metres(side, &(0.01..=2.0))))
+    array.doubt()
 }
 
 fn largest(bounds: &[[f64; 2]; 3]) -> f64 {

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
 
-from .._midair import Codec
+from .._midair import Codec, unknown
 from .._support.arguments import refused, word
 from .board import Board
 from .errors import BoardError
@@ -57,8 +57,10 @@ def parse(address: Any) -> Address:
         return Address(None, "file", os.path.abspath(where))
     kind = name.removesuffix(PAIR)
     if kind not in KINDS:
-        known = ", ".join(("null", "file:PATH", "autd3", *_examples()))
-        raise refused("address", text, f"there is no such board, give one of {known}")
+        examples = dict(zip(KINDS, _examples(), strict=True))
+        hint, _ = unknown("board", kind, list(examples))
+        known = ", ".join(("null", "file:PATH", "autd3", *examples.values()))
+        raise refused("address", text, f"there is no such board, {hint}give one of {known}")
     if where in ("null", "loop"):
         return Address(name, where, "")
     if not where and name != "autd3":

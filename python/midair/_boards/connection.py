@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import time
-import warnings
 import weakref
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
@@ -17,9 +16,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, SceneError, SceneWarning, Solution
+from .._midair import Array, SceneError, Solution
 from .._motion import Sequence
-from .._support.arguments import number, refused
+from .._support.arguments import number, refused, warn
 from . import wire
 from .address import DEFAULT, Address, can_modulate, describe, parse
 from .board import Board
@@ -255,7 +254,7 @@ class Connection:
                 f"{-20 * math.log10(scale):.3g} dB more: turn its supply or modulation down to {scale:.3g}, "
                 "or ask for more"
             )
-            warnings.warn(text, SceneWarning, stacklevel=4)
+            warn(text)
 
     def _placed(self, array: Array) -> None:
         """Refuse what was solved for transducers that lie elsewhere than the board's."""

@@ -10,7 +10,8 @@ from typing import Any
 
 from .._midair import SceneError, Solution
 from .._support.arguments import number
-from .connection import Connection, connect
+from . import connection as connections
+from .connection import Connection
 
 #: A drive that stays is sent anew every so many seconds, well before a connection's `hold` runs out.
 AGAIN = 10.0
@@ -54,5 +55,5 @@ def play(solution: Solution, address: str, *, seconds: float | None = None, **op
     if solution.scene is None:
         raise SceneError("solution.scene is None: give a solution of a Scene, whose array the board drives")
     given = {} if "board" in options else {"array": solution.scene.array}
-    with connect(address, **{**given, **options}) as connection:
+    with connections.connect(address, **{**given, **options}) as connection:
         keep(connection, solution, duration)

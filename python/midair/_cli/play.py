@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 import time
-import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import count
@@ -24,7 +23,6 @@ from .. import (
     Connection,
     Scene,
     SceneError,
-    SceneWarning,
     Sequence,
     Solution,
     connect,
@@ -37,7 +35,7 @@ from .._boards.connection import APART
 from .._boards.playing import LOOK, keep
 from .._motion import document
 from .._points.ear import REFERENCE
-from .._support.arguments import number
+from .._support.arguments import number, warn
 from .progress import progress_bar, tell
 
 #: Seconds of a unit of --for.
@@ -147,7 +145,7 @@ def _board(name: str, array: Array) -> Board:
     known = array if board.name == "autd3" else Array.preset((one, pair)[board.boards - 1])
     if np.abs(known.positions - array.positions).max() > APART:
         order = "its transducers are taken to be in that board's order"
-        warnings.warn(f"the array stands otherwise than {board.name}: {order}", SceneWarning, stacklevel=2)
+        warn(f"the array stands otherwise than {board.name}: {order}")
     return board
 
 

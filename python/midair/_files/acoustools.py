@@ -9,14 +9,14 @@ then there are phases in rad, a line a frame; there are no amplitudes.
 
 from __future__ import annotations
 
-import warnings
 from os import PathLike
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Array, SceneError, SceneWarning
+from .._midair import Array, SceneError
+from .._support.arguments import warn
 from .._support.text import fault, number, numbers, rows, text
 from .played import Played, one_or_more
 
@@ -74,7 +74,7 @@ def write(path: Path, drives: Played) -> None:
     if least < FULL:
         told = f"amplitudes down to {least:.3g} are not written"
         cure = "AcousTools' .csv holds phases alone, and plays them at full amplitude; .holo keeps amplitudes"
-        warnings.warn(f"{told}: {cure}", SceneWarning, stacklevel=4)
+        warn(f"{told}: {cure}")
 
 
 def read(path: str | PathLike[str], data: bytes, array: Array | None = None) -> NDArray[np.complex64]:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Scene, SceneError, SceneWarning
+from .._midair import Array, Scene, SceneError
 from .._support import memory
-from .._support.arguments import callback, number, refused, whole
+from .._support.arguments import callback, number, refused, warn, whole
 from .arguments import drives_of, indices_of, readings_of
 from .fit import Fitted, robust
 from .model import LOUDNESS, Complex, Model, Priors, Real
@@ -206,11 +205,9 @@ def _result(
     sounding = np.any(played, axis=0)
     loudness = float(np.abs(response[sounding]).mean() / max(believed[sounding].mean(), 1e-30))
     if not 1 / FACTOR < loudness < FACTOR:
-        warnings.warn(
+        warn(
             f"readings are {loudness:.3g} times as loud as the array's source_pressure says: "
-            "give peak pressures in Pa, or the responses mean only ratios",
-            SceneWarning,
-            stacklevel=3,
+            "give peak pressures in Pa, or the responses mean only ratios"
         )
     outlying = np.argwhere(~found.used)
     if len(outlying):
@@ -224,11 +221,9 @@ def _result(
         )
     loud = float(np.sqrt(np.mean(np.abs(heard[found.used]) ** 2)))
     if found.noise > UNEXPLAINED * loud:
-        warnings.warn(
+        warn(
             f"readings are off the model by {found.noise / loud:.0%} of their root mean square: "
-            "check the places of the microphones, and that drives and readings are in one order",
-            SceneWarning,
-            stacklevel=3,
+            "check the places of the microphones, and that drives and readings are in one order"
         )
     gain, error = np.abs(response), found.responses_error * scale
     median = float(np.median(gain[sounding]))

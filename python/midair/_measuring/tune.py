@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Array, Scene, SceneError, SceneWarning, Solution, solve, solver_name, solvers
-from .._support.arguments import callback, flag, refused, whole, word
+from .._support.arguments import callback, flag, refused, warn, whole, word
 from .player import Complex, Drive, Ended, Indices, Player, Read, Real, Status, Tuning, Unreadable
 
 #: Step (rad a unit of value) and nudge (rad) at first, and how they fall (Spall 1998, IEEE TAES 34, 817).
@@ -178,13 +178,9 @@ def tune(
             raise KeyboardInterrupt
         raise SceneError(f"read failed at its first reading: {_line(error)}") from error
     if error is not None:
-        warnings.warn(
-            f"read failed at reading {player.readings + 1}: {_line(error)}; the best drive so far is kept",
-            SceneWarning,
-            stacklevel=2,
-        )
+        warn(f"read failed at reading {player.readings + 1}: {_line(error)}; the best drive so far is kept")
     if deaf := player.deaf():
-        warnings.warn(deaf, SceneWarning, stacklevel=2)
+        warn(deaf)
     best, played, pressures = player.best
     return Tuning(played, pressures, best, player.readings, status, error, np.array(player.trace))
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import warnings
 from dataclasses import dataclass
 from math import ceil, floor, pi
 from typing import Any
@@ -11,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Scene, SceneError, SceneWarning, solvers
-from .._support.arguments import number, refused, whole
+from .._midair import Array, Scene, SceneError, solvers
+from .._support.arguments import number, refused, warn, whole
 from ..path import Path, read
 from .frames import AIR
 
@@ -125,7 +124,7 @@ def warn_of_speed(asked: Request, phases: int | None) -> None:
         f"{speed:.3g} m/s needs {needed:.2g} rad a frame, {allowed:.3g} allowed{whole}: the level falls; "
         f"{faster:g} kHz{wider} would do"
     )
-    warnings.warn(text, SceneWarning, stacklevel=3)
+    warn(text)
 
 
 def _needed(asked: Request) -> tuple[float, float]:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import json
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .._midair import Array, Mesh, Scene, SceneError, SceneWarning, Solution, Solver, solvers
+from .._midair import Array, Mesh, Scene, SceneError, Solution, Solver, solvers
 from .._support import output
+from .._support.arguments import warn
 
 #: Where they are.
 BUILT = Path(__file__).with_name("built")
@@ -49,7 +49,7 @@ def scene_text(what: Scene | Solution) -> str:
         cure = "leave it out (docs/studio.md says what it knows)"
         raise SceneError(f"the studio has no place for {unknown}: {cure}")
     for item in _passed_over(what):
-        warnings.warn(f"the studio does not know {item}: its own are taken", SceneWarning, stacklevel=3)
+        warn(f"the studio does not know {item}: its own are taken")
     return json.dumps(document)
 
 

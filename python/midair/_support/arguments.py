@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import os
 import reprlib
+import sys
+import warnings
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -12,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import SceneError
+from .._midair import SceneError, SceneWarning
 
 #: A file larger than this is no drawing that somebody means, as with scene files.
 MOST_BYTES = 64 << 20
@@ -22,6 +24,14 @@ def refused(item: str, value: Any, cure: str) -> SceneError:
     """A refusal, as one line."""
     given = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
     return SceneError(" ".join(f"{item} is {shown(given)}: {cure}".split()))
+
+
+def warn(text: str) -> None:
+    """Warns by a SceneWarning, at the line that called the package."""
+    level, frame = 1, sys._getframe()
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "midair":
+        level, frame = level + 1, frame.f_back
+    warnings.warn(text, SceneWarning, stacklevel=level)
 
 
 def shown(value: Any) -> str:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, nullcontext
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
-from .._midair import SceneWarning
-from .._support.arguments import callback, path_of
+from .._support.arguments import callback, path_of, warn
 from .._support.kept import Arrays, locked
 from . import engine, files, table
 from .block import solve_block
@@ -122,7 +120,7 @@ def work(
         if folder is not None:
             engine.remove(folder)
     if text := shortfall.text():
-        warnings.warn(text, SceneWarning, stacklevel=3)
+        warn(text)
 
 
 def _jobs(asked: Request, chunk: int) -> Iterator[Job]:

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from .._midair import Array, Scene, SceneError, SceneWarning, scene_files
+from .._support.arguments import warn
 from .axes import Tables, array_table, column, put, short
 from .block import array_and_medium, first_scene, trial_seed
 
@@ -101,7 +102,7 @@ def read_sets(
             )
     texts = dict.fromkeys(str(one.message) for one in told if issubclass(one.category, SceneWarning))
     for text in list(texts)[:MOST_TOLD]:
-        warnings.warn(text, SceneWarning, stacklevel=2)
+        warn(text)
     return sets, list(dict.fromkeys(files))
 
 

@@ -1,0 +1,113 @@
+"""Slips of the keyboard: a keyword that a public callable does not have is refused by one line with a hint.
+
+`attach` wraps what a package's `__all__` names, once, when it is imported. A call that succeeds pays for one
+more Python frame, and signatures and docstrings stay.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from types import FunctionType, MethodDescriptorType, ModuleType
+from typing import Any, cast
+
+from .._midair import SceneError, unknown
+
+#: Kinds of parameters that a keyword may name.
+NAMED = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
+
+
+def attach(package: str) -> None:
+    """Wraps the functions, classes and modules of a package's `__all__`."""
+    module = sys.modules[package]
+    for key in module.__all__:
+        value, name = getattr(module, key), f"{package}.{key}"
+        if isinstance(value, ModuleType):
+            attach(value.__name__)
+        elif isinstance(value, type):
+            _class(value, name)
+        elif callable(value):
+            wrapped = _guided(value, name)
+            # Where it is defined as well: pickles find a function there.
+            for home in {package, value.__module__}:
+                setattr(sys.modules[home], key, wrapped)
+
+
+def _class(owner: type, name: str) -> None:
+    """Wraps the methods of a class, those that call it among them."""
+    for key, value in list(vars(owner).items()):
+        if key == "_new":
+            # The constructor of a class of the extension.
+            cast(Any, owner).__new__ = _constructor(value.__func__, name)
+        elif key in ("__init__", "__new__"):
+            if isinstance(value, FunctionType):
+                setattr(owner, key, _guided(value, name))
+        elif key.startswith("_"):
+            continue
+        elif isinstance(value, staticmethod | classmethod):
+            setattr(owner, key, type(value)(_guided(value.__func__, f"{name}.{key}")))
+        elif isinstance(value, FunctionType | MethodDescriptorType):
+            setattr(owner, key, _guided(value, f"{name}.{key}"))
+
+
+def _guided(function: Callable[..., Any], name: str) -> Callable[..., Any]:
+    """The function, whose refusals of a keyword hint at the one that was meant."""
+
+    @functools.wraps(function)
+    def call(*arguments: Any, **keywords: Any) -> Any:
+        try:
+            return function(*arguments, **keywords)
+        except (TypeError, SceneError) as error:
+            if keywords and (slip := _slip(function, name, arguments, keywords, error)):
+                raise slip from None
+            raise
+
+    return call
+
+
+def _constructor(make: Callable[..., Any], name: str) -> Callable[..., Any]:
+    """A class's `__new__` of a function that makes its instances."""
+    guided = _guided(make, name)
+
+    def new(cls: type, /, *arguments: Any, **keywords: Any) -> Any:
+        return guided(*arguments, **keywords)
+
+    signature = inspect.signature(make)
+    own = inspect.Parameter("cls", inspect.Parameter.POSITIONAL_ONLY)
+    cast(Any, new).__signature__ = signature.replace(parameters=[own, *signature.parameters.values()])
+    return new
+
+
+def _slip(
+    function: Callable[..., Any],
+    name: str,
+    arguments: Sequence[Any],
+    keywords: Mapping[str, Any],
+    error: Exception,
+) -> Exception | None:
+    """The error in other words, if a keyword that the function does not name is its cause."""
+    signature = inspect.signature(function)
+    named = [each.name for each in signature.parameters.values() if each.kind in NAMED]
+    known = [each for each in named if each != "self" and not each.startswith("_")]
+    for keyword in keywords:
+        if keyword in named:
+            continue
+        hint, line = unknown(f"argument of {name}", keyword, known)
+        if not _binds(signature, arguments, keywords):
+            return TypeError(line if known else f'{name} takes no keywords: leave "{keyword}" out')
+        # Options go on to a solver. One that it does not have may be a slip of an argument's name.
+        place = f'"{keyword}": known'
+        if hint and place in str(error):
+            return type(error)(str(error).replace(place, f'"{keyword}": {hint}known'))
+    return None
+
+
+def _binds(signature: inspect.Signature, arguments: Sequence[Any], keywords: Mapping[str, Any]) -> bool:
+    """Whether a call has what the signature requires."""
+    try:
+        signature.bind(*arguments, **keywords)
+    except TypeError:
+        return False
+    return True
