@@ -50,6 +50,7 @@ __all__ = [
     "field",
     "gorkov",
     "judge",
+    "memory_limit",
     "preset_name",
     "presets",
     "read_motion",
@@ -587,6 +588,7 @@ def judge(
     weights: _Numbers = None,
     mask: _Numbers = None,
 ) -> Metrics: ...
+def memory_limit() -> int: ...
 def tracks(
     scene: Scene,
     points: ArrayLike,

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import inspect
 import sys
-from typing import Any
+from typing import Any, cast
 
 from . import _midair
 from ._boards.playing import play
@@ -64,11 +64,13 @@ def air() -> None:
         return property(read, doc=about)
 
     keys = {name: about for name, (_, about) in _midair.scene_keys()["medium"].items()}
-    for name in Scene(Array([[0, 0, 0]]), [[0, 0, 1]]).medium:
+    # Constructors take their place later: midair._support.slips.
+    make, array = cast(Any, Scene)._new, cast(Any, Array)._new([[0, 0, 0]])
+    for name in make(array, [[0, 0, 1]]).medium:
         setattr(Scene, name, number(name, keys[name]))
     lines = "\n".join(f"{name} : {about.removesuffix('.')}" for name, about in keys.items())
     Scene.__doc__ = (Scene.__doc__ or "").replace("{medium}", lines)
-    signature = inspect.signature(Scene)
+    signature = inspect.signature(make)
     own = list(signature.parameters.values())[:-1]
     air = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None) for name in keys]
     Scene.__signature__ = signature.replace(parameters=[*own[:4], *air, *own[4:]])

@@ -73,6 +73,8 @@ mod _midair {
     #[pymodule_export]
     use super::judge::{bound, judge};
     #[pymodule_export]
+    use super::limits::memory_limit;
+    #[pymodule_export]
     use super::mesh::{Boundary, Mesh};
     #[pymodule_export]
     use super::metrics::{BatchMetrics, Metrics};

@@ -35,11 +35,26 @@ pub(crate) fn threads(_py: Python<'_>) -> PyResult<Threads> {
 /// more than three quarters of the machine's. The environment is read once.
 pub(crate) fn memory() -> PyResult<u64> {
     static ASKED: OnceLock<Result<u64, String>> = OnceLock::new();
-    let asked = ASKED.get_or_init(|| match std::env::var("MIDAIR_MEMORY").ok().filter(|text| !text.is_empty()) {
+    ASKED.get_or_init(asked).clone().map_err(no_bytes)
+}
+
+/// The same, read anew, for what Python computes.
+#[pyfunction]
+pub(crate) fn memory_limit() -> PyResult<u64> {
+    asked().map_err(no_bytes)
+}
+
+/// The limit, or the text of the environment that is none.
+fn asked() -> Result<u64, String> {
+    match std::env::var("MIDAIR_MEMORY").ok().filter(|text| !text.is_empty()) {
         None => Ok(installed().map_or(MEMORY, |bytes| MEMORY.min(bytes / 4 * 3))),
         Some(text) => read(&text).ok_or(text),
-    });
-    asked.clone().map_err(|text| invalid("MIDAIR_MEMORY", &text, "give bytes, such as 2e9, 500MB or 16GB"))
+    }
+}
+
+#[allow(clippy::needless_pass_by_value, reason = "for map_err")]
+fn no_bytes(text: String) -> PyErr {
+    invalid("MIDAIR_MEMORY", &text, "give bytes, such as 2e9, 500MB or 16GB")
 }
 
 /// Bytes of a number with a unit or without.

@@ -53,7 +53,7 @@ def test_addresses(address, board, kind, where):
     [
         (
             "sonic:/dev/ttyUSB0",
-            "there is no such board, did you mean sonicsurface? give one of null, file:PATH, autd3,",
+            "there is no such board, did you mean sonicsurface. give one of null, file:PATH, autd3,",
         ),
         ("", "there is no such board"),
         ("sonicsurface", "it names no place, give sonicsurface:PORT or sonicsurface:loop"),

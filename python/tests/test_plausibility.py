@@ -34,7 +34,7 @@ def batch(points: np.ndarray, **keywords: float) -> midair.Batch:
 
 #: Way in, and how the warning begins.
 SLIPS: dict[str, tuple[Callable[[], object], str]] = {
-    "pitch": (lambda: midair.Scene(midair.Array.grid(9, 9, 10.5), POINTS), "array.grid.pitch is 10.5 m"),
+    "pitch": (lambda: midair.Scene(midair.Array.grid(9, 9, 1.05), POINTS), "array.grid.pitch is 1.05 m"),
     "points": (lambda: scene(POINTS * 1e3), "points[0].position is [-20, 0, 150] m (and 1 more)"),
     "frequency": (lambda: scene(frequency=40), "medium.frequency is 40 Hz"),
     "temperature": (lambda: scene(temperature=298), "medium.sound_speed is 479.1 m/s"),
@@ -64,10 +64,10 @@ def test_a_slip_is_told_once(slip: str) -> None:
 
 
 def test_a_slip_of_an_array_is_told_of_each_of_its_scenes() -> None:
-    wide = midair.Array.grid(9, 9, 10.5)
+    wide = midair.Array.grid(9, 9, 1.05)
     for _ in range(2):
         (text,) = heard(lambda: midair.Scene(wide, POINTS))
-        assert text.startswith("array.grid.pitch is 10.5 m")
+        assert text.startswith("array.grid.pitch is 1.05 m")
     assert len(heard(lambda: midair.Solver(wide, "fast"))) == 1
     assert heard(lambda: midair.Scene(wide, POINTS, frequency=40)) != [text]
 

@@ -8,8 +8,8 @@ import pytest
 
 import midair
 import oracle
+from midair._motion import drives
 from midair._motion.felt import a_weighting
-from midair._support import memory
 from scenes import GAIN, same_bits
 
 RATE, TAU, FRAMES = 10e3, 0.2e-3, 12
@@ -91,7 +91,7 @@ def test_blocks_leave_no_trace(monkeypatch: pytest.MonkeyPatch) -> None:
     whole, closed = made(), made(closed=True)
     before = [one.judge(TAU, hold=hold) for one in (whole, closed) for hold in ("hold", "linear")]
     inside = whole.between(TAU, substeps=5).pressures
-    monkeypatch.setattr(memory, "BLOCK", 100)
+    monkeypatch.setattr(drives, "BLOCK", 100)
     monkeypatch.setattr("midair._motion.envelope.BLOCK", 100)
     parts, others = made(), made(closed=True)
     assert same_bits(parts.changes, whole.changes)

@@ -57,9 +57,8 @@ def parse(address: Any) -> Address:
         return Address(None, "file", os.path.abspath(where))
     kind = name.removesuffix(PAIR)
     if kind not in KINDS:
-        examples = dict(zip(KINDS, _examples(), strict=True))
-        hint, _ = unknown("board", kind, list(examples))
-        known = ", ".join(("null", "file:PATH", "autd3", *examples.values()))
+        hint, _ = unknown("board", kind, list(KINDS))
+        known = ", ".join(("null", "file:PATH", "autd3", *_examples()))
         raise refused("address", text, f"there is no such board, {hint}give one of {known}")
     if where in ("null", "loop"):
         return Address(name, where, "")

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, Scene, SceneError
-from .._support import memory
+from .._midair import Array, Scene, SceneError, memory_limit
 from .._support.arguments import callback, number, refused, warn, whole
 from .arguments import drives_of, indices_of, readings_of
 from .fit import Fitted, robust
@@ -187,7 +186,7 @@ def _enough(heard: Any, played: Complex) -> None:
 
 
 def _room(transducers: int, others: int, readings: int) -> None:
-    size, most = 8 * (2 * transducers + others) ** 2 * COPIES, memory.limit()
+    size, most = 8 * (2 * transducers + others) ** 2 * COPIES, memory_limit()
     if size > most:
         raise MemoryError(
             f"a fit of {transducers} transducers to {readings} readings needs {size * 1e-9:.3f} GB, "

@@ -14,8 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .._support.memory import BLOCK, blocks
-from .drives import Drives
+from .drives import BLOCK, Drives, blocks
 
 Hold = Literal["hold", "linear"]
 

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Field, Plane, Scene, field
 from .._support.arguments import number
-from .._support.memory import blocks
 from . import arguments
+from .drives import blocks
 from .envelope import Envelope, Hold
 from .felt import BANDS, Felt, noise, spectrum
 from .frames import Frames

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._support.memory import blocks
 from .arguments import resolved
+from .drives import blocks
 from .felt import BANDS, rms, spectrum
 
 if TYPE_CHECKING:

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import Scene, SceneError, SceneWarning
-from .._support.memory import blocks
-from .drives import Drives
+from .drives import Drives, blocks
 from .envelope import Envelope
 
 #: Entries of G at once behind obstacles, where it is kept in double precision.

@@ -12,8 +12,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import SceneError
-from .._support import memory
+from .._midair import SceneError, memory_limit
 from .._support.arguments import number, path_of, refused, word
 from ..shape import circle, line, polyline, svg, text
 from ..shape._contour import Points
@@ -48,9 +47,9 @@ def read(
     ending = file.suffix.lower()
     if ending not in ENDINGS:
         raise SceneError(f'path is "{file}": {_formats("it is of no known format")}')
-    if (needed := file.stat().st_size * EACH) > memory.limit():
+    if (needed := file.stat().st_size * EACH) > memory_limit():
         raise SceneError(
-            f'path is "{file}": it needs {needed >> 20} MB of {memory.limit() >> 20} allowed,'
+            f'path is "{file}": it needs {needed >> 20} MB of {memory_limit() >> 20} allowed,'
             " give one of fewer faces"
         )
     try:

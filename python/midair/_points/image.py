@@ -9,8 +9,7 @@ from os import PathLike
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import SceneError
-from .._support import memory
+from .._midair import SceneError, memory_limit
 from .._support.arguments import existing, flag, number, refused, whole
 from .._support.text import content
 from ..shape._contour import MOST_POINTS, STEP
@@ -104,7 +103,7 @@ def _brightness(path: str | PathLike[str], pixels: int) -> NDArray[np.float64]:
     try:
         with Image.open(BytesIO(content(file)), formats=FORMATS) as opened:
             longer = max(opened.size)
-            needed, most = opened.width * opened.height * EACH, memory.limit()
+            needed, most = opened.width * opened.height * EACH, memory_limit()
             if needed > most:
                 raise refused(
                     "path",

@@ -40,7 +40,7 @@ def _class(owner: type, name: str) -> None:
     for key, value in list(vars(owner).items()):
         if key == "_new":
             # The constructor of a class of the extension.
-            cast(Any, owner).__new__ = _constructor(value.__func__, name)
+            cast(Any, owner).__new__ = _constructor(value.__func__, owner, name)
         elif key in ("__init__", "__new__"):
             if isinstance(value, FunctionType):
                 setattr(owner, key, _guided(value, name))
@@ -52,24 +52,24 @@ def _class(owner: type, name: str) -> None:
             setattr(owner, key, _guided(value, f"{name}.{key}"))
 
 
-def _guided(function: Callable[..., Any], name: str) -> Callable[..., Any]:
-    """The function, whose refusals of a keyword hint at the one that was meant."""
+def _guided(function: Callable[..., Any], name: str, signed: Any = None) -> Callable[..., Any]:
+    """The function, whose refusals of a keyword hint at the one that was meant; `signed` has its signature."""
 
     @functools.wraps(function)
     def call(*arguments: Any, **keywords: Any) -> Any:
         try:
             return function(*arguments, **keywords)
         except (TypeError, SceneError) as error:
-            if keywords and (slip := _slip(function, name, arguments, keywords, error)):
+            if keywords and (slip := _slip(signed or function, name, arguments, keywords, error)):
                 raise slip from None
             raise
 
     return call
 
 
-def _constructor(make: Callable[..., Any], name: str) -> Callable[..., Any]:
+def _constructor(make: Callable[..., Any], owner: type, name: str) -> Callable[..., Any]:
     """A class's `__new__` of a function that makes its instances."""
-    guided = _guided(make, name)
+    guided = _guided(make, name, owner)
 
     def new(cls: type, /, *arguments: Any, **keywords: Any) -> Any:
         return guided(*arguments, **keywords)

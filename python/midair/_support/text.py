@@ -15,8 +15,7 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-from .._midair import SceneError
-from . import memory
+from .._midair import SceneError, memory_limit
 
 #: In bytes, of a file and of what it unpacks to. A drive of 512 transducers is 5 kB at most: 50 000 frames.
 MOST_BYTES = 256 << 20
@@ -30,7 +29,7 @@ def fault(path: str | PathLike[str], line: int | None, reason: str) -> SceneErro
 
 def content(path: str | PathLike[str], most: int = MOST_BYTES, *, empty: bool = False) -> bytes:
     """The bytes of a file, which may be empty; at most `most`, and what MIDAIR_MEMORY allows."""
-    file, most = Path(path), min(most, memory.limit())
+    file, most = Path(path), min(most, memory_limit())
     if "\0" in str(file):
         raise SceneError("a name of a file has a character of code 0: give the name of a file")
     try:
@@ -60,9 +59,9 @@ def arrays(path: str | PathLike[str], only: Collection[str] | None = None) -> di
                 sizes = {part.filename.removesuffix(".npy"): part.file_size for part in archive.infolist()}
             names = [name for name in sizes if only is None or name in only]
             needed = sum(sizes[name] for name in names)
-            if needed > memory.limit():
+            if needed > memory_limit():
                 raise SceneError(
-                    f"it unpacks to {_size(needed)}, more than the {_size(memory.limit())} allowed:"
+                    f"it unpacks to {_size(needed)}, more than the {_size(memory_limit())} allowed:"
                     " give a smaller one, or raise MIDAIR_MEMORY"
                 )
             with np.load(stream, allow_pickle=False) as found:
