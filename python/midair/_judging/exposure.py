@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
@@ -11,12 +10,12 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Scene, SceneError, SceneWarning, Solution, about, field
+from .._midair import Scene, SceneError, Solution, about, field
 from .._motion import Sequence
 from .._motion.propagation import rows
 from .._points.ear import REFERENCE, Ear
 from .._support import text as columns
-from .._support.arguments import number, refused, vector
+from .._support.arguments import number, refused, vector, warn
 
 
 @dataclass(frozen=True)
@@ -272,7 +271,7 @@ def exposure(
         _keep_off(scene, name, low, high)
         if all(scene.array._is_behind(corner) for corner in product(*zip(low, high, strict=True))):
             why = "behind every transducer, where the model has no sound that leaks: give a place in front"
-            warnings.warn(f'places["{name}"] is {why}', SceneWarning, stacklevel=2)
+            warn(f'places["{name}"] is {why}')
         if (high > low).any():
             place, _ = loudest(name, low, high, scene.wavelength, levels)
         (there,) = np.concatenate(list(blocks(place[None])))

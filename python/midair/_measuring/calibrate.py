@@ -212,11 +212,9 @@ def _result(
     if len(outlying):
         named = ", ".join(f"drive {k} at microphone {m}" for k, m in outlying[:NAMED].tolist())
         more = ", ..." if len(outlying) > NAMED else ""
-        warnings.warn(
+        warn(
             f"{len(outlying)} of {found.used.size} readings lie far off the model and are left out:"
-            f" {named}{more}",
-            SceneWarning,
-            stacklevel=3,
+            f" {named}{more}"
         )
     loud = float(np.sqrt(np.mean(np.abs(heard[found.used]) ** 2)))
     if found.noise > UNEXPLAINED * loud:

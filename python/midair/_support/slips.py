@@ -53,7 +53,7 @@ def _class(owner: type, name: str) -> None:
 
 
 def _guided(function: Callable[..., Any], name: str, signed: Any = None) -> Callable[..., Any]:
-    """The function, whose refusals of a keyword hint at the one that was meant; `signed` has its signature."""
+    """A function whose refusal of a keyword hints at the one that was meant. `signed` has its signature."""
 
     @functools.wraps(function)
     def call(*arguments: Any, **keywords: Any) -> Any:
