@@ -59,6 +59,8 @@ mod math;
 #[forbid(unsafe_code)]
 pub mod motion;
 #[forbid(unsafe_code)]
+pub mod points;
+#[forbid(unsafe_code)]
 mod problem;
 #[forbid(unsafe_code)]
 mod propagation;

@@ -22,6 +22,8 @@ from ._metrics import Metrics as Metrics
 from ._points.ear import Ear
 
 __all__ = [
+    "MOST_POINTS",
+    "STEP",
     "Array",
     "Batch",
     "BatchMetrics",
@@ -45,12 +47,16 @@ __all__ = [
     "Sphere",
     "Wall",
     "about",
+    "along",
     "bound",
+    "circle",
     "directivities",
     "field",
     "gorkov",
     "judge",
     "memory_limit",
+    "line",
+    "polyline",
     "preset_name",
     "presets",
     "read_motion",
@@ -70,6 +76,9 @@ _Numbers: TypeAlias = ArrayLike | None
 _Directivity: TypeAlias = str | dict[str, float]
 _Quantization: TypeAlias = dict[str, int | ArrayLike | None]
 _Option: TypeAlias = bool | int | float | str | Sequence[int] | NDArray[np.integer] | None
+
+MOST_POINTS: int
+STEP: float
 
 class SceneError(ValueError): ...
 class SceneWarning(UserWarning): ...
@@ -606,6 +615,10 @@ def solvers() -> dict[str, SolverInfo]: ...
 def presets() -> dict[str, PresetInfo]: ...
 def directivities() -> dict[str, tuple[float | None, str, str]]: ...
 def preset_name(name: str) -> str: ...
+def along(contours: Sequence[ArrayLike], step: float) -> NDArray[np.float64]: ...
+def circle(center: ArrayLike, radius: float, normal: ArrayLike, step: float) -> NDArray[np.float64]: ...
+def line(start: ArrayLike, end: ArrayLike, step: float) -> NDArray[np.float64]: ...
+def polyline(points: ArrayLike, closed: bool, step: float) -> NDArray[np.float64]: ...
 def read_motion(
     path: str | PathLike[str], start: Callable[[str, str], NDArray[np.float64]]
 ) -> tuple[Scene, dict[str, Any]] | None: ...

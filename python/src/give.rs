@@ -1,4 +1,4 @@
-//! Arrays handed out: copies that cannot be written, so that an answer stays what it was.
+//! Arrays handed out: those of an answer are copies that cannot be written, so that it stays what it was.
 
 use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -18,4 +18,9 @@ pub(crate) fn table<T: Element>(py: Python<'_>, values: Vec<T>, shape: [usize; 2
 /// Vectors (K, 3).
 pub(crate) fn rows<'py>(py: Python<'py>, vectors: &[[f64; 3]]) -> PyResult<Bound<'py, PyArray2<f64>>> {
     table(py, vectors.as_flattened().to_vec(), [vectors.len(), 3])
+}
+
+/// Vectors (K, 3) that belong to the caller alone.
+pub(crate) fn fresh<'py>(py: Python<'py>, vectors: &[[f64; 3]]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    vectors.as_flattened().to_vec().into_pyarray(py).reshape([vectors.len(), 3])
 }

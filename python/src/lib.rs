@@ -27,6 +27,7 @@ mod obstacle;
 mod out;
 mod pickle;
 mod plane;
+mod points;
 mod propagation;
 mod quantization;
 mod reach;
@@ -85,6 +86,8 @@ mod _midair {
     #[pymodule_export]
     use super::plane::Plane;
     #[pymodule_export]
+    use super::points::{along, circle, line, polyline};
+    #[pymodule_export]
     use super::propagation::Propagation;
     #[pymodule_export]
     use super::reach::Reach;
@@ -107,6 +110,8 @@ mod _midair {
     /// may be interrupted.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("STEP", midair::points::STEP)?;
+        module.add("MOST_POINTS", midair::points::MOST)?;
         module.py().import("numpy")?;
         PyArray1::<f64>::zeros(module.py(), 0, false);
         Ok(())

@@ -116,15 +116,15 @@ pressure = 10
         ),
         (
             "kind = 'line'\nradius = 1.0",
-            "line 5, column 10: shape.radius is 1.0: line has start, end, step, leave",
+            "line 5, column 10: shape.radius is 1.0: line has start, end, step, pressure, weight, leave",
         ),
         (
             "kind = 'line'\nstart = [0, 0, 1]\nend = [0, 1]",
-            "line 6, column 7: shape.end is [0.0, 1.0]: give three",
+            "line 6, column 7: shape.end is [0, 1]: give 3",
         ),
         (
             "kind = 'line'\nstart = [0, 0, 1]\nend = [0, 1, 0]\nstep = nan",
-            "line 7, column 8: shape.step is nan",
+            "line 7, column 8: shape.step is NaN",
         ),
         (
             "kind = 'line'\nstart = [0, 0, 1]\nend = [0, 1, 0]\npressure = -3",
@@ -164,7 +164,7 @@ def test_what_is_no_refusal_goes_through_as_it_is(monkeypatch: pytest.MonkeyPatc
 
     monkeypatch.setattr("midair._toolbox.points", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        parse("[shape]\nkind = 'line'\n")
+        parse("[shape]\nkind = 'text'\nstring = 'hi'\nheight = 1\nz = 1\n")
 
 
 @pytest.mark.slow

@@ -1,5 +1,7 @@
 /** The WebAssembly door as functions over plain data. Refusals are thrown as one line. */
 
+import type { Vec3 } from "./types.ts";
+
 /** How good a drive is, over the points with a pressure above 0; `weakest` is the least |p| there, in Pa. */
 export interface Metrics {
   accuracy: number;
@@ -81,6 +83,10 @@ export interface Door {
   load(drive: ArrayLike<number>): void;
   /** re and im at places (K, 3) in m. */
   field(places: Float64Array): Float32Array;
+  /** At most so many points of a horizontal circle; m. */
+  circle(center: Vec3, radius: number, most: number): Vec3[];
+  /** At most so many points along straight lines from vertex to vertex of each contour; m. */
+  along(contours: Vec3[][], most: number): Vec3[];
   bound(): number;
   follow(points: Float64Array, frames: number): Frame[];
   frame(index: number): Float32Array;
@@ -179,6 +185,16 @@ export function openDoor(module: WebAssembly.Module): Door {
       const count = Math.floor(places.length / 3);
       return new Float32Array(wasm.memory.buffer, wasm.studio_pressures(studio), 2 * count).slice();
     },
+    circle(center, radius, most) {
+      giveNumbers([...center, radius]);
+      done(wasm.studio_circle(studio, most));
+      return places(numbers());
+    },
+    along(contours, most) {
+      giveNumbers(contours.flatMap((contour) => [contour.length, ...contour.flat()]));
+      done(wasm.studio_along(studio, most));
+      return places(numbers());
+    },
     bound() {
       done(wasm.studio_bound(studio));
       return numbers()[0];
@@ -211,6 +227,11 @@ export function openDoor(module: WebAssembly.Module): Door {
       wasm.studio_free(studio);
     },
   };
+}
+
+/** Places (K, 3). */
+function places(found: Float64Array): Vec3[] {
+  return Array.from({ length: found.length / 3 }, (_, k) => [...found.subarray(3 * k, 3 * k + 3)] as Vec3);
 }
 
 function metrics(found: Float64Array): Metrics {

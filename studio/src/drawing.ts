@@ -1,7 +1,6 @@
-/** Drawing: points along the lines of an SVG, measured by the browser; only its geometry is taken. */
+/** Drawing: the lines of an SVG, measured by the browser; only its geometry is taken. */
 
-import { along, centred } from "./shapes.ts";
-import type { Contour } from "./shapes.ts";
+import { box, type Contour, placed } from "./contours.ts";
 import type { Vec3 } from "./types.ts";
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -82,17 +81,14 @@ function outlines(text: string): Contour[] {
 }
 
 /**
- * What makes points of a step, all in m, on the lines of an SVG in the plane at z, as `fitting` takes it.
+ * The lines of an SVG, the longer side `size` m, the middle at a place in m; y points up as in the picture.
  *
- * The longer side is `size` m, the middle at x = y = 0; y points up as in the picture. A fault is one line.
+ * A fault is one line.
  */
-export function drawing(text: string, size: number, z: number): (step: number) => Vec3[] {
+export function drawing(text: string, size: number, at: Vec3): Contour[] {
   const contours = outlines(text);
   if (!contours.length) wrong("has no lines");
-  const middle = centred(contours);
-  const side = 2 * middle.flat().reduce((most, [x, y]) => Math.max(most, Math.abs(x), Math.abs(y)), 0);
+  const side = Math.max(...box(contours).map(([least, most]) => most - least));
   if (!(side > 0 && side < Infinity)) wrong("has no size");
-  const scale = size / side;
-  const placed = middle.map((contour) => contour.map(([x, y]): Vec3 => [scale * x, -scale * y, z]));
-  return (step) => along(placed, step);
+  return placed(contours, [size / side, -size / side], at);
 }

@@ -2,9 +2,9 @@
 
 import type { Context } from "./context.ts";
 import { drawing } from "./drawing.ts";
+import { MOST_POINTS } from "./initial.ts";
 import { readArray, readDrive, writeDrive } from "./files.ts";
 import { stateOf } from "./scene_file.ts";
-import { fitting } from "./shapes.ts";
 import type { Slot, Vec3 } from "./types.ts";
 
 /** The longer side of a drawing that is dropped in, in m. */
@@ -21,8 +21,8 @@ export async function open(context: Context, file: File): Promise<void> {
       studio.change(stateOf(JSON.parse(await engine.slots[0].read(text, ending === "toml")), state));
     } else if (ending === "svg") {
       const [x, y] = state.plane.center;
-      const points = fitting(drawing(text, Math.min(SIZE, state.plane.size), state.plane.z));
-      studio.change({ points: points.map(([a, b, z]) => [a + x, b + y, z]), pressures: null, path: null });
+      const contours = drawing(text, Math.min(SIZE, state.plane.size), [x, y, state.plane.z]);
+      studio.change({ points: await engine.slots[0].along(contours, MOST_POINTS), pressures: null, path: null });
     } else if (/^index\b.*\bamplitude\b/.test(text)) {
       await compareDrive(context, readDrive(text));
     } else if (ending === "csv") {

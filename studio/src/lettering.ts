@@ -1,6 +1,6 @@
 /** Lettering: letters of single strokes, which make far fewer points than outlines. */
 
-import { along, centred, STEP } from "./shapes.ts";
+import { type Contour, placed } from "./contours.ts";
 import type { Vec3 } from "./types.ts";
 
 /** A capital is so many units high, and letters are so many apart. */
@@ -57,10 +57,10 @@ const STROKES: Record<string, string> = {
   "♥": "200305162536454320",
 };
 
-/** Points in m on a line of text, capitals `height` high, in the plane at z, its middle at x = y = 0. */
-export function letters(text: string, height: number, z: number, step = STEP): Vec3[] {
+/** The strokes of a line of text, capitals `height` high, its middle at a place; m. */
+export function letters(text: string, height: number, at: Vec3): Contour[] {
   const unit = height / HEIGHT;
-  const contours: Vec3[][] = [];
+  const contours: Contour[] = [];
   let pen = 0;
   for (const letter of text.trim().toUpperCase()) {
     if (letter === " ") {
@@ -72,10 +72,9 @@ export function letters(text: string, height: number, z: number, step = STEP): V
     }
     const strokes = STROKES[letter].split(" ").map((stroke) => stroke.match(/../g)!);
     const start = pen;
-    contours.push(...strokes.map((stroke) => stroke.map(([x, y]): Vec3 => [start + +x, +y, z])));
+    contours.push(...strokes.map((stroke) => stroke.map(([x, y]): Vec3 => [start + +x, +y, 0])));
     pen += GAP + Math.max(...strokes.flat().map(([x]) => +x));
   }
   if (!contours.length) throw new Error("the text is empty: give at least a letter");
-  const sized = contours.map((contour) => contour.map(([x, y]): Vec3 => [x * unit, y * unit, z]));
-  return along(centred(sized), step);
+  return placed(contours, [unit, unit], at);
 }

@@ -2,8 +2,8 @@
 
 import type { Context } from "./context.ts";
 import { choice, element } from "./dom.ts";
+import { MOST_POINTS } from "./initial.ts";
 import { letters } from "./lettering.ts";
-import { circle, fitting, line } from "./shapes.ts";
 import type { Vec3 } from "./types.ts";
 
 /** Sizes of what is drawn, in m. */
@@ -11,7 +11,7 @@ const SIZE = 0.06;
 
 /** Makes the controls. */
 export function createShapes(context: Context): { root: HTMLElement } {
-  const { studio, say } = context;
+  const { studio, engine, say } = context;
   const kind = choice(
     [
       ["circle", say("shapeCircle")],
@@ -25,17 +25,19 @@ export function createShapes(context: Context): { root: HTMLElement } {
   const text = element("input", { type: "text", value: "HI", maxLength: 8, hidden: true, "aria-label": say("shapeText") });
   const draw = element("button", { className: "small", onclick: apply }, say("draw"));
 
-  function apply() {
+  async function apply() {
     const { plane } = studio.view.state;
     const [x, y] = plane.center;
     const half = Math.min(SIZE, plane.size / 2) / 2;
-    const makers: Record<string, (step: number) => Vec3[]> = {
-      circle: (step) => circle([x, y, plane.z], half, step),
-      line: (step) => line([x - half, y, plane.z], [x + half, y, plane.z], step),
-      text: (step) => letters(text.value, half, plane.z, step).map(([a, b, z]) => [a + x, b + y, z]),
+    const at: Vec3 = [x, y, plane.z];
+    const [first] = engine.slots;
+    const makers: Record<string, () => Promise<Vec3[]>> = {
+      circle: () => first.circle(at, half, MOST_POINTS),
+      line: () => first.along([[[x - half, y, plane.z], [x + half, y, plane.z]]], MOST_POINTS),
+      text: async () => first.along(letters(text.value, half, at), MOST_POINTS),
     };
     try {
-      studio.change({ points: fitting(makers[kind.value]), pressures: null, path: null });
+      studio.change({ points: await makers[kind.value](), pressures: null, path: null });
     } catch (error) {
       context.alarm(say("failed", { line: (error as Error).message }));
     }

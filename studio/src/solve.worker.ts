@@ -56,6 +56,8 @@ const jobs = {
     }
   },
   array: () => door.array(),
+  circle: (center: Vec3, radius: number, most: number) => door.circle(center, radius, most),
+  along: (contours: Vec3[][], most: number) => door.along(contours, most),
   field: (at: Float64Array) => door.field(at),
   save: (toml: boolean) => door.save(toml),
   /** The bytes by which a board plays a drive. */

@@ -1,17 +1,16 @@
-//! Tables that a door draws: `[shape]` and `[image]` as points, an obstacle's file as a mesh.
+//! Tables that a binding draws: text, drawings and pictures as points, an obstacle's file as a mesh.
 //!
 //! The core knows nothing of fonts, drawings, pictures and models.
 
-use alloc::format;
-use alloc::string::{String, ToString};
+use alloc::string::String;
 use alloc::vec;
 use alloc::vec::Vec;
 
-use crate::error::Error;
 use crate::files::fault::Fault;
 use crate::files::item::{Item, Table};
 use crate::files::node::Node;
-use crate::files::{schema, write};
+use crate::files::shape::shape;
+use crate::files::write;
 use crate::scene::Request;
 
 /// What a table is drawn as.
@@ -24,7 +23,7 @@ pub enum Drawing {
     Mesh(Vec<[f64; 3]>, Vec<[u32; 3]>),
 }
 
-/// Draws a table by its name, `shape`, `image`, `obstacles` or `motion.path`, and its keys as TOML; `motion.file` by the
+/// Draws a table by its name, `shape` (of text and drawings), `image`, `obstacles` or `motion.path`, and its keys as TOML; `motion.file` by the
 /// file's name.
 ///
 /// A refusal is one line, `radius is -0.03: give a number above 0`; that of a key is told with its place.
@@ -90,19 +89,12 @@ pub(super) fn mesh(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Surface, Faul
 
 fn one(name: &str, item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Drawing, Fault> {
     item.table()?;
+    if name == "shape"
+        && let Some((points, request)) = shape(item)?
+    {
+        return Ok(Drawing::Points(points, request));
+    }
     let mut text = String::new();
     write::toml("", item.node, &mut text).ok_or_else(|| item.refused("give numbers, words and lists of them"))?;
-    draw(name, &text).map_err(|refusal| refused(item, &refusal))
-}
-
-/// A refusal of a key, reported as one of the document's.
-pub(super) fn refused(item: &Item<'_>, refusal: &str) -> Fault {
-    let parts = refusal.split_once(" is ").and_then(|(key, rest)| Some((key, rest.split_once(": ")?)));
-    match parts.filter(|(key, _)| schema::keys(&item.path).any(|known| known == *key)) {
-        Some((key, (value, cure))) => {
-            let path = format!("{}.{key}", item.path);
-            Fault::at(path.as_str(), Error::invalid(path.as_str(), value, cure))
-        }
-        None => Fault::at(item.path.as_str(), Error::invalid(item.path.as_str(), item.node, refusal.to_string())),
-    }
+    draw(name, &text).map_err(|refusal| item.told(&refusal))
 }

@@ -34,6 +34,18 @@ impl<'a> Item<'a> {
         Fault::at(self.path.as_str(), Error::invalid(name, self.node, cure))
     }
 
+    /// A refusal of one of this table's keys, such as `radius is -0.03: give a number above 0`, as one of the document's.
+    pub(super) fn told(&self, refusal: &str) -> Fault {
+        let parts = refusal.split_once(" is ").and_then(|(key, rest)| Some((key, rest.split_once(": ")?)));
+        match parts.filter(|(key, _)| schema::keys(&self.path).any(|known| known == *key)) {
+            Some((key, (value, cure))) => {
+                let path = format!("{}.{key}", self.path);
+                Fault::at(path.as_str(), Error::invalid(path.as_str(), value, cure))
+            }
+            None => self.refused(refusal),
+        }
+    }
+
     pub(super) fn real(&self) -> Result<f64, Fault> {
         self.node.real().ok_or_else(|| self.refused("give a number"))
     }
@@ -81,13 +93,22 @@ impl<'a> Item<'a> {
         self.each(Item::numbers, &format!("give a list of lists of {N} numbers"))
     }
 
+    /// A number of at least 0.
+    pub(super) fn least_zero(&self) -> Result<f64, Fault> {
+        let number = self.real()?;
+        if number >= 0.0 && number.is_finite() { Ok(number) } else { Err(self.refused("give a number of at least 0")) }
+    }
+
+    pub(super) fn flag(&self) -> Result<bool, Fault> {
+        match self.node {
+            Node::Bool(flag) => Ok(*flag),
+            _ => Err(self.refused("give true or false")),
+        }
+    }
+
     /// A list of true and false.
     pub(super) fn flags(&self) -> Result<Vec<bool>, Fault> {
-        let flag = |item: &Item<'_>| match item.node {
-            Node::Bool(flag) => Ok(*flag),
-            _ => Err(item.refused("give true or false")),
-        };
-        self.each(flag, "give a list of true and false")
+        self.each(Item::flag, "give a list of true and false")
     }
 
     /// Every value of a list.

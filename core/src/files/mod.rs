@@ -5,12 +5,14 @@ mod drawn;
 mod fault;
 mod item;
 mod json;
+mod kind;
 mod motion;
 mod node;
 mod place;
 mod positions;
 mod read;
 mod schema;
+mod shape;
 mod source;
 mod step;
 mod syntax;
@@ -66,7 +68,8 @@ pub fn read_from(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Sce
     read_drawn(bytes, format, source, &mut drawn::undrawn)
 }
 
-/// The same of a document whose tables `[shape]` and `[image]`, and whose obstacles' files, are drawn by the caller.
+/// The same of a document whose tables `[shape]` of text and drawings, whose `[image]`, and whose obstacles' files are drawn by the
+/// caller.
 ///
 /// # Errors
 /// As [`read_from`], and what `draw` refuses.

@@ -65,7 +65,7 @@ fn doubt(item: impl Into<String>, value: impl Into<String>, cure: impl Into<Stri
 }
 
 /// A number to four digits, as short as it can be written.
-fn short(x: f64) -> String {
+pub(crate) fn short(x: f64) -> String {
     let x: f64 = format!("{x:.3e}").parse().unwrap_or(x);
     if x == 0.0 || (1e-4..1e7).contains(&x.abs()) { format!("{x}") } else { format!("{x:e}") }
 }

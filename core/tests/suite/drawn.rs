@@ -16,13 +16,16 @@ file = "logo.png"
 size = 0.08
 
 [[shape]]
-kind = "circle"
-radius = 0.03
-center = [0, 0.01, 0.15]
+kind = "text"
+height = 0.03
+string = "hi"
+z = 0.15
 
 [[shape]]
 kind = "svg"
 file = "logo.svg"
+size = 0.03
+z = 0.15
 "#;
 
 const SOURCE: Source<'static> = Source { name: "drawn.toml", folder: None };
@@ -49,9 +52,9 @@ fn tables_are_drawn_in_order_after_the_points() {
     assert_eq!(scene.request().weights, None);
     let names: Vec<&str> = asked.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names, ["shape", "shape", "image"]);
-    let circle: toml::Table = asked[0].1.parse().expect("TOML");
-    assert_eq!(circle["radius"].as_float(), Some(0.03));
-    assert_eq!(circle["center"].as_array().map(Vec::len), Some(3));
+    let text: toml::Table = asked[0].1.parse().expect("TOML");
+    assert_eq!(text["height"].as_float(), Some(0.03));
+    assert_eq!(text["string"].as_str(), Some("hi"));
 }
 
 #[test]
@@ -73,12 +76,18 @@ fn a_refusal_is_told_with_the_place_of_its_key() {
     let refusal = |text: &str| Err(text.to_owned());
     for (answer, begin) in [
         (
-            "radius is -1: give more",
-            ", line 15, column 10: shape[0].radius is -1: give more; for example radius = 0.03",
+            "height is -1: give more",
+            ", line 15, column 10: shape[0].height is -1: give more; for example height = 0.03",
         ),
         ("step is left out: give one", ", line 13, column 1: shape[0].step is left out: give one"),
-        ("svgelements: there is none", ", line 13, column 1: shape[0] is a table of center, kind, radius: svgelements"),
-        ("it is late: come back", ", line 13, column 1: shape[0] is a table of center, kind, radius: it is late: come"),
+        (
+            "svgelements: there is none",
+            ", line 13, column 1: shape[0] is a table of height, kind, string, z: svgelements",
+        ),
+        (
+            "it is late: come back",
+            ", line 13, column 1: shape[0] is a table of height, kind, string, z: it is late: come",
+        ),
     ] {
         let error = told(SCENE, Format::Toml, &refusal(answer));
         assert!(error.starts_with(&format!("drawn.toml{begin}")), "{error}");
@@ -92,11 +101,11 @@ fn a_refusal_is_told_with_the_place_of_its_key() {
 fn what_is_no_table_of_known_keys_never_reaches_the_door() {
     for (part, other, begin) in [
         (
-            "radius = 0.03",
-            "radus = 0.03",
-            ", line 15, column 1: unknown key of shape[0] \"radus\": did you mean radius?",
+            "height = 0.03",
+            "hight = 0.03",
+            ", line 15, column 1: unknown key of shape[0] \"hight\": did you mean height?",
         ),
-        ("center = [", "centre = [", ", line 16, column 1: unknown key of shape[0] \"centre\": it is called center;"),
+        ("string = ", "text = ", ", line 16, column 1: unknown key of shape[0] \"text\": it is called string;"),
         (
             "file = \"logo.png\"",
             "path = \"logo.png\"",
@@ -126,6 +135,77 @@ fn pressures_are_of_all_or_none_across_tables() {
 #[test]
 fn a_reader_without_a_door_says_who_draws() {
     let error = read(SCENE.as_bytes(), Format::Toml).expect_err("nobody draws").to_string();
-    let begin = "scene file, line 13, column 1: shape[0] is a table of center, kind, radius: midair's Python package";
+    let begin =
+        "scene file, line 13, column 1: shape[0] is a table of height, kind, string, z: midair's Python package";
     assert!(error.starts_with(begin), "{error}");
+}
+
+/// A scene with a table `[shape]`.
+fn shaped(shape: &str) -> String {
+    format!("[array]\npreset = \"paper20\"\n[shape]\n{shape}\n")
+}
+
+#[test]
+fn lines_circles_and_polylines_need_no_door() {
+    use midair::points::{STEP, circle, line, polyline};
+    let [a, b, c] = [[0.0, 0.0, 0.15], [0.02, 0.0, 0.15], [0.02, 0.01, 0.15]];
+    for (text, points) in [
+        ("kind = 'line'\nstart = [0, 0, 0.15]\nend = [0.02, 0, 0.15]", line(a, b, STEP)),
+        (
+            "kind = 'circle'\ncenter = [0, 0, 0.15]\nradius = 0.02\nnormal = [1, 0, 1]\nstep = 0.003",
+            circle(a, 0.02, [1.0, 0.0, 1.0], 0.003),
+        ),
+        (
+            "kind = 'polyline'\npoints = [[0, 0, 0.15], [0.02, 0, 0.15], [0.02, 0.01, 0.15]]\nclosed = true",
+            polyline(&[a, b, c], true, STEP),
+        ),
+    ] {
+        let scene = read(shaped(&format!("{text}\npressure = 70\nweight = 2")).as_bytes(), Format::Toml).expect(text);
+        assert_eq!(scene.points(), points.expect(text));
+        assert_eq!(scene.request().pressures, Some(vec![70.0; scene.points().len()]));
+        assert_eq!(scene.request().weights, Some(vec![2.0; scene.points().len()]));
+    }
+}
+
+#[test]
+fn a_wrong_shape_is_refused_with_its_place() {
+    const LINE: &str = "kind = 'line'\nstart = [0, 0, 1]\n";
+    for (text, begin) in [
+        ("kind = 'square'", "4, column 8: shape.kind is \"square\": give one of line, circle, polyline, text, svg;"),
+        ("radius = 1.0", "3, column 1: shape.kind is left out: give one of line, circle"),
+        ("kind = 'circle'\nradius = 1.0", "3, column 1: shape.center is left out: circle needs center, radius;"),
+        (
+            "kind = 'line'\nradius = 1.0",
+            "5, column 10: shape.radius is 1.0: line has start, end, step, pressure, weight, leave",
+        ),
+        (&format!("{LINE}end = [0, 1]"), "6, column 7: shape.end is [0, 1]: give 3 numbers"),
+        (&format!("{LINE}end = [0, 0, 1]"), "6, column 7: shape.end is [0.0, 0.0, 1.0]: it is where the start is"),
+        (&format!("{LINE}end = [0, 1, 0]\nstep = nan"), "7, column 8: shape.step is NaN: give a finite number"),
+        (&format!("{LINE}end = [0, 1, 0]\nstep = 1e-9"), "7, column 8: shape.step is 1e-9: 1.414 m of contours"),
+        (
+            &format!("{LINE}end = [0, 1, 0]\npressure = -3"),
+            "7, column 12: shape.pressure is -3: give a number of at least 0",
+        ),
+        (
+            &format!("{LINE}end = [0, 1, 0]\nweight = inf"),
+            "7, column 10: shape.weight is inf: give a number of at least 0",
+        ),
+        (
+            "kind = 'polyline'\npoints = [[0, 0, 1]]",
+            "5, column 10: shape.points is [[0.0, 0.0, 1.0]]: give at least two",
+        ),
+        (
+            "kind = 'polyline'\npoints = [[0, 0, 1], [0, 0, nan]]",
+            "5, column 10: shape.points is [0.0, 0.0, NaN]: give three",
+        ),
+        (
+            "kind = 'polyline'\npoints = [[0, 0, 1], [0, 1, 1]]\nclosed = 1",
+            "6, column 10: shape.closed is 1: give true",
+        ),
+        ("kind = 'svg'\nsize = 1\nz = 1", "3, column 1: shape.file is left out: svg needs file, size, z"),
+    ] {
+        let error = read(shaped(text).as_bytes(), Format::Toml).expect_err(text).to_string();
+        assert!(error.starts_with(&format!("scene file, line {begin}")), "{error}");
+        assert!(!error.contains('\n'), "{error}");
+    }
 }

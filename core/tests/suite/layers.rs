@@ -16,6 +16,7 @@ const CORE: &[&str] = &[
     "device",
     "workspace",
     "scene",
+    "points",
     "linalg",
     "propagation",
     "problem",

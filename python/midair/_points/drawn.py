@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .._midair import SceneError, memory_limit
 from .._support.arguments import number, path_of, refused, word
-from ..shape import circle, line, polyline, svg, text
+from ..shape import svg, text
 from ..shape._contour import Points
 from .image import image
 
@@ -93,13 +93,7 @@ def reason(error: BaseException) -> str:
     return " ".join(f"{type(error).__name__}: {error}".split())
 
 
-SHAPES: dict[str, Callable[..., Points]] = {
-    "line": line,
-    "circle": circle,
-    "polyline": polyline,
-    "text": text,
-    "svg": svg,
-}
+SHAPES: dict[str, Callable[..., Points]] = {"text": text, "svg": svg}
 
 Faces: TypeAlias = NDArray[np.int64]
 Drawn: TypeAlias = tuple[Points, Any, Any]
@@ -112,19 +106,13 @@ def points(table: str, keys: str, folder: Path | None) -> Drawn:
     if table == "image":
         picture = called(image, "image", given, folder)
         return picture.points, picture.pressures, weight
-    if "kind" not in given:
-        raise SceneError(f"kind is left out: give one of {', '.join(SHAPES)}")
-    kind = word("kind", given.pop("kind"))
-    if kind not in SHAPES:
-        raise refused("kind", kind, f"give one of {', '.join(SHAPES)}")
+    kind = given.pop("kind")
     pressure = number("pressure", given.pop("pressure"), least=0) if "pressure" in given else None
     return called(SHAPES[kind], kind, given, folder), pressure, weight
 
 
 def mesh(keys: str, folder: Path | None) -> tuple[Points, Faces]:
     """Vertices (V, 3) and faces (F, 3) of an obstacle's file; keys is TOML."""
-    pass
-
     given = tomllib.loads(keys)
     given.pop("kind", None)
     found: tuple[Points, Faces] = called(read, "an obstacle's file", given, folder)

@@ -9,10 +9,9 @@ from os import PathLike
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import SceneError, memory_limit
+from .._midair import MOST_POINTS, STEP, SceneError, memory_limit
 from .._support.arguments import existing, flag, number, refused, whole
 from .._support.text import content
-from ..shape._contour import MOST_POINTS, STEP
 
 #: Formats that are read, whatever a file is called. Of others Pillow runs programs: of .eps Ghostscript.
 FORMATS = ("PNG", "JPEG", "GIF", "BMP", "WEBP", "TIFF", "PPM")

@@ -44,6 +44,19 @@ class Circle(Curve):
         return self.center + radius * (np.cos(angles) * self.across + np.sin(angles) * self.up)
 
 
+def axes(normal: Numbers) -> tuple[Numbers, Numbers]:
+    """Unit vectors normal to `normal`: along x as far as it allows (else along y), and to the left."""
+    size = math.hypot(*normal)
+    if not 0 < size < math.inf:
+        raise refused("normal", normal, "give a direction such as [0, 0, 1]")
+    normal = normal / size
+    # A normal along x leaves no direction along x in its plane.
+    axis = np.eye(3)[0 if abs(normal[0]) < 0.999 else 1]
+    across = axis - normal * (axis @ normal)
+    across /= math.hypot(*across)
+    return across, np.cross(normal, across)
+
+
 @dataclass(frozen=True, eq=False)
 class Lines(Curve):
     """Straight lines between vertices, and the way along them to each."""

@@ -8,10 +8,9 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .._midair import MOST_POINTS
 from .._support.arguments import flag, number, refused, vector, vectors, whole
-from ..shape._contour import MOST_POINTS
-from ..shape._figures import axes
-from ._curve import Circle, lines, walk
+from ._curve import Circle, axes, lines, walk
 from ._path import Path
 from ._piece import real
 

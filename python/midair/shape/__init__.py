@@ -14,7 +14,7 @@ has equal steps. A contour that closes has no doubled point. Where contours cros
 than half a step to one before it is left out.
 """
 
-from ._contour import MOST_POINTS, STEP
+from .._midair import MOST_POINTS, STEP
 from ._figures import circle, line, polyline, text
 from ._vector_graphics import svg
 

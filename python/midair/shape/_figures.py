@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .. import _midair
+from .._midair import STEP
 from .._support.arguments import flag, number, refused, vector, vectors, word
-from ._contour import STEP, Contour, Points, box, count, few, placed, points_along, spaced, ways
+from ._contour import Contour, Points, box, placed, points_along, ways
 
 
 def line(start: ArrayLike, end: ArrayLike, *, step: float = STEP) -> Points:
@@ -21,11 +22,7 @@ def line(start: ArrayLike, end: ArrayLike, *, step: float = STEP) -> Points:
     Raises SceneError for an end that is the start, for numbers that are not in order, and for more points
     than 100000.
     """
-    step = number("step", step, above=0)
-    ends = np.stack([vector("start", start), vector("end", end)])
-    if (ends[0] == ends[1]).all():
-        raise refused("end", ends[1], "it is where the start is, give another point")
-    return points_along([(ends, False)], step)
+    return _midair.line(vector("start", start), vector("end", end), number("step", step))
 
 
 def circle(
@@ -44,27 +41,8 @@ def circle(
     Raises SceneError for a radius or step not above 0, a normal of no length, and for more points than
     100000.
     """
-    step, radius = number("step", step, above=0), number("radius", radius, above=0)
-    center, normal = vector("center", center), vector("normal", normal)
-    across, up = axes(normal)
-    few(2 * math.pi * radius, step)
-    steps = count(2 * math.pi * radius, step)
-    angles = 2 * math.pi * np.arange(steps) / steps
-    ring = np.cos(angles)[:, None] * across + np.sin(angles)[:, None] * up
-    return spaced(center + radius * ring, step)
-
-
-def axes(normal: Points) -> tuple[Points, Points]:
-    """Unit vectors normal to `normal`: along x as far as it allows (else along y), and to the left."""
-    size = math.hypot(*normal)
-    if not 0 < size < math.inf:
-        raise refused("normal", normal, "give a direction such as [0, 0, 1]")
-    normal = normal / size
-    # A normal along x leaves no direction along x in its plane.
-    axis = np.eye(3)[0 if abs(normal[0]) < 0.999 else 1]
-    across = axis - normal * (axis @ normal)
-    across /= math.hypot(*across)
-    return across, np.cross(normal, across)
+    center, radius = vector("center", center), number("radius", radius)
+    return _midair.circle(center, radius, vector("normal", normal), number("step", step))
 
 
 def polyline(points: ArrayLike, *, step: float = STEP, closed: bool = False) -> Points:
@@ -79,11 +57,7 @@ def polyline(points: ArrayLike, *, step: float = STEP, closed: bool = False) -> 
     Raises SceneError for points that are all in one place, for numbers that are not in order, and for more
     points than 100000.
     """
-    step, closed = number("step", step, above=0), flag("closed", closed)
-    vertices = vectors("points", points)
-    if (vertices == vertices[0]).all():
-        raise refused("points", vertices, "they are all in one place, give different ones")
-    return points_along([(vertices, closed)], step)
+    return _midair.polyline(vectors("points", points), flag("closed", closed), number("step", step))
 
 
 def text(string: str, *, height: float, z: float, step: float = STEP, font: str | None = None) -> Points:
@@ -98,7 +72,7 @@ def text(string: str, *, height: float, z: float, step: float = STEP, font: str 
     Raises SceneError for text without outlines, an unknown font, sizes not above 0, and for more points than
     100000.
     """
-    step, height, z = number("step", step, above=0), number("height", height, above=0), number("z", z)
+    step, height, z = number("step", step), number("height", height, above=0), number("z", z)
     if not word("string", string).strip():
         raise refused("string", string, "give at least a letter")
     outlines, capital = _outlines(string, font), _outlines("H", font)

@@ -11,10 +11,10 @@ from xml.etree.ElementTree import Element, iterparse
 
 import numpy as np
 
-from .._midair import SceneError
+from .._midair import MOST_POINTS, STEP, SceneError
 from .._support.arguments import existing, number, refused, shown
 from .._support.text import content
-from ._contour import MOST_POINTS, STEP, Contour, Points, box, placed, points_along, ways
+from ._contour import Contour, Points, box, placed, points_along, ways
 
 #: Bounds of a drawing that svgelements reads within seconds: its time grows by the square of the letters of a
 #: transform or a style sheet. Elements and letters count as often as references repeat them.
@@ -41,8 +41,7 @@ def svg(path: str | PathLike[str], *, size: float, z: float, step: float = STEP)
     Raises SceneError for a file that is not there or draws nothing, sizes not above 0, and for more points
     than 100000.
     """
-    step = number("step", step, above=0)
-    return points_along(outlines("shape.svg", path, size, z), step)
+    return points_along(outlines("shape.svg", path, size, z), number("step", step))
 
 
 def outlines(caller: str, path: str | PathLike[str], size: float, z: float) -> list[Contour]:

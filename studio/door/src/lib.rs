@@ -6,6 +6,7 @@
 #![allow(clippy::missing_safety_doc, reason = "a module of WebAssembly sees no memory but its own")]
 
 mod catalogue;
+mod drawn;
 mod opened;
 mod play;
 mod studio;
@@ -139,6 +140,18 @@ pub extern "C" fn studio_load(studio: &mut Studio) -> u32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_field(studio: &mut Studio) -> u32 {
     studio.work(Studio::field)
+}
+
+/// Points (K, 3) in m of a horizontal circle, at most `most`: its center (3,) and radius are the numbers handed in.
+#[unsafe(no_mangle)]
+pub extern "C" fn studio_circle(studio: &mut Studio, most: usize) -> u32 {
+    studio.work(|studio| studio.circle(most))
+}
+
+/// Points (K, 3) in m along contours, at most `most`: of each its number of vertices, then those (V, 3), are handed in.
+#[unsafe(no_mangle)]
+pub extern "C" fn studio_along(studio: &mut Studio, most: usize) -> u32 {
+    studio.work(|studio| studio.along(most))
 }
 
 /// The level that no drive exceeds: the first of the numbers.

@@ -2,7 +2,7 @@
 
 use midair::files::{self, Format, Provenance};
 use midair::solvers::{DEFAULT, configure};
-use midair::{SolveRequest, Choice, Control, Error, InstructionSet, Model, Options, Problem, Scene, Session};
+use midair::{Choice, Control, Error, InstructionSet, Model, Options, Problem, Scene, Session, SolveRequest};
 
 /// A scene and what solves it.
 pub(crate) struct Opened {

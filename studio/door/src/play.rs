@@ -1,6 +1,6 @@
 //! Play: frames that follow one another, and the bytes by which a board plays them.
 
-use midair::{SolveRequest, Board, Complex32, Control, Error, Frames};
+use midair::{Board, Complex32, Control, Error, Frames, SolveRequest};
 
 use crate::opened::Opened;
 use crate::studio::Studio;

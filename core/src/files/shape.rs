@@ -1,0 +1,44 @@
+//! Tables `[shape]`: lines, circles and polylines as points; text and drawings are drawn by the caller.
+
+use alloc::string::ToString;
+use alloc::vec;
+use alloc::vec::Vec;
+
+use crate::files::fault::Fault;
+use crate::files::item::Item;
+use crate::files::kind::{self, Kind};
+use crate::points::{STEP, circle, line, polyline};
+use crate::scene::Request;
+
+const KINDS: [Kind; 5] = [
+    ("line", &["start", "end"], &[]),
+    ("circle", &["center", "radius"], &["normal"]),
+    ("polyline", &["points"], &["closed"]),
+    ("text", &["string", "height", "z"], &["font"]),
+    ("svg", &["file", "size", "z"], &[]),
+];
+
+/// Points and what is requested of them.
+type Made = (Vec<[f64; 3]>, Request);
+
+/// The points of a shape; none of text and drawings.
+pub(super) fn shape(item: &Item<'_>) -> Result<Option<Made>, Fault> {
+    let (kind, table) = kind::of(item, &KINDS, &["step", "pressure", "weight"])?;
+    let step = table.read("step", Item::real)?.unwrap_or(STEP);
+    let points = match kind {
+        "line" => line(table.need("start")?.numbers()?, table.need("end")?.numbers()?, step),
+        "circle" => {
+            let normal = table.read("normal", Item::numbers)?.unwrap_or([0.0, 0.0, 1.0]);
+            circle(table.need("center")?.numbers()?, table.need("radius")?.real()?, normal, step)
+        }
+        "polyline" => {
+            let closed = table.read("closed", Item::flag)?.unwrap_or_default();
+            polyline(&table.need("points")?.vectors()?, closed, step)
+        }
+        _ => return Ok(None),
+    };
+    let points = points.map_err(|error| item.told(&error.to_string()))?;
+    let all = |key: &str| table.read(key, |value| Ok(vec![value.least_zero()?; points.len()]));
+    let request = Request { pressures: all("pressure")?, phases: None, weights: all("weight")? };
+    Ok(Some((points, request)))
+}

@@ -1,0 +1,140 @@
+//! Contours as points: even steps along each, and no two points nearer than half a step.
+
+use alloc::collections::BTreeMap;
+use alloc::format;
+use alloc::vec;
+use alloc::vec::Vec;
+
+use crate::error::{Error, real};
+use crate::math;
+use crate::scene::{distance, short};
+
+/// The distance of neighbours where none is given, in m: a quarter of the wavelength at 40 kHz and 340 m/s.
+pub const STEP: f64 = 340.0 / 40e3 / 4.0;
+
+/// The most points of a shape: more are a slip of its unit.
+pub const MOST: usize = 100_000;
+
+/// Rounding of coordinates never decides whether two points are half a step apart.
+const ROUNDING: f64 = 1e-9;
+
+/// Points along contours of straight lines, each from vertex to vertex (K, 3) in m, both ends included.
+///
+/// Each contour has equal steps, as near to `step` (m) as can be. A point nearer than half a step to one before it is left
+/// out: so a contour that ends where it began has no point twice.
+///
+/// # Errors
+/// A step that is not above 0, a contour without vertices, a coordinate that is not finite, more than [`MOST`] points.
+///
+/// ```
+/// let corner = vec![[0.0, 0.0, 0.15], [0.01, 0.0, 0.15], [0.01, 0.01, 0.15]];
+/// let points = midair::points::along(&[corner], 0.005)?;
+/// assert_eq!(points[2..], [[0.01, 0.0, 0.15], [0.01, 0.005, 0.15], [0.01, 0.01, 0.15]]);
+/// # Ok::<(), midair::Error>(())
+/// ```
+pub fn along(contours: &[Vec<[f64; 3]>], step: f64) -> Result<Vec<[f64; 3]>, Error> {
+    real("step", step, 0.0, true)?;
+    let measured: Vec<Lines> = contours.iter().map(|vertices| Lines::new(vertices)).collect::<Result<_, _>>()?;
+    few(measured.iter().map(Lines::length).sum(), step)?;
+    let points = measured.iter().flat_map(|lines| {
+        let steps = count(lines.length(), step);
+        (0..=steps).map(move |k| lines.after(lines.length() * k as f64 / steps as f64))
+    });
+    Ok(spaced(points.collect(), step))
+}
+
+/// The points that `make` makes with the least step from [`STEP`] on, to 2 %, with which they are at most `most`.
+///
+/// # Errors
+/// Those of `make`.
+///
+/// ```
+/// use midair::points::{circle, fitted};
+///
+/// let ring = fitted(20, |step| circle([0.0, 0.0, 0.15], 0.03, [0.0, 0.0, 1.0], step))?;
+/// assert!((18..=20).contains(&ring.len()));
+/// # Ok::<(), midair::Error>(())
+/// ```
+pub fn fitted(most: usize, mut make: impl FnMut(f64) -> Result<Vec<[f64; 3]>, Error>) -> Result<Vec<[f64; 3]>, Error> {
+    let mut step = STEP;
+    let mut points = make(step)?;
+    while points.len() > most.max(1) {
+        step *= (points.len() as f64 / most.max(1) as f64 / 1.2).clamp(1.02, 4.0);
+        points = make(step)?;
+    }
+    Ok(points)
+}
+
+/// Refuses a length of so many steps that nobody means it.
+pub(crate) fn few(length: f64, step: f64) -> Result<(), Error> {
+    if length / step <= MOST as f64 {
+        return Ok(());
+    }
+    let cure = format!("{} m of contours would be more than {MOST} points, give a larger one", short(length));
+    Err(Error::invalid("step", format_args!("{step:?}"), cure))
+}
+
+/// How many equal steps, as near to `step` as can be, make up a length.
+pub(crate) fn count(length: f64, step: f64) -> usize {
+    math::rint(length / step).max(1.0) as usize
+}
+
+/// The points in their order, without those nearer than half a step to one before them.
+pub(crate) fn spaced(mut points: Vec<[f64; 3]>, step: f64) -> Vec<[f64; 3]> {
+    let least = step / 2.0 * (1.0 - ROUNDING);
+    // Nearer than a cell's side are only points of this cell and of those around it.
+    let mut cells: BTreeMap<[i64; 3], Vec<[f64; 3]>> = BTreeMap::new();
+    points.retain(|&point| {
+        let cell = point.map(|x| math::floor(x / least) as i64);
+        let around = (0..27).map(|k: i64| [k / 9, k / 3 % 3, k % 3]);
+        let mut near =
+            around.filter_map(|by| cells.get(&[0, 1, 2].map(|axis| cell[axis].saturating_add(by[axis] - 1)))).flatten();
+        let kept = near.all(|&other| distance(point, other) >= least);
+        if kept {
+            cells.entry(cell).or_default().push(point);
+        }
+        kept
+    });
+    points
+}
+
+/// Straight lines from vertex to vertex, and the way along them to each.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Lines {
+    vertices: Vec<[f64; 3]>,
+    ways: Vec<f64>,
+}
+
+impl Lines {
+    pub(crate) fn new(vertices: &[[f64; 3]]) -> Result<Self, Error> {
+        if vertices.is_empty() || vertices.iter().flatten().any(|x| !x.is_finite()) {
+            return Err(Error::invalid("contour", format_args!("{vertices:?}"), "give vertices of finite numbers"));
+        }
+        let mut ways = vec![0.0];
+        let mut way = 0.0;
+        ways.extend(vertices.windows(2).map(|pair| {
+            way += distance(pair[0], pair[1]);
+            way
+        }));
+        Ok(Self { vertices: vertices.into(), ways })
+    }
+
+    pub(crate) fn length(&self) -> f64 {
+        self.ways[self.ways.len() - 1]
+    }
+
+    /// The place after a way along the lines; their start before it, their end beyond it.
+    pub(crate) fn after(&self, way: f64) -> [f64; 3] {
+        let way = way.max(0.0);
+        let next = self.ways.partition_point(|&end| end <= way);
+        let (Some(&to), Some(&end)) = (self.vertices.get(next), self.ways.get(next)) else {
+            return self.vertices[self.vertices.len() - 1];
+        };
+        let (from, begin) = (self.vertices[next - 1], self.ways[next - 1]);
+        [0, 1, 2].map(|axis| (to[axis] - from[axis]) / (end - begin) * (way - begin) + from[axis])
+    }
+}
+
+#[cfg(test)]
+#[path = "tests/contour.rs"]
+mod tests;
