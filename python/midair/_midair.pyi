@@ -56,10 +56,12 @@ __all__ = [
     "judge",
     "memory_limit",
     "line",
+    "placed",
     "polyline",
     "preset_name",
     "presets",
     "read_motion",
+    "read_sweep",
     "read_table",
     "register",
     "scene_files",
@@ -68,6 +70,7 @@ __all__ = [
     "solve_batch",
     "solver_name",
     "solvers",
+    "sweep_keys",
     "tracks",
     "unknown",
 ]
@@ -622,6 +625,9 @@ def polyline(points: ArrayLike, closed: bool, step: float) -> NDArray[np.float64
 def read_motion(
     path: str | PathLike[str], start: Callable[[str, str], NDArray[np.float64]]
 ) -> tuple[Scene, dict[str, Any]] | None: ...
+def placed(path: str | PathLike[str], refusal: str) -> str: ...
+def read_sweep(path: str | PathLike[str]) -> dict[str, Any]: ...
+def sweep_keys(table: str) -> list[str]: ...
 def read_table(
     text: bytes, name: str, names: list[str] | None = None, units: str = "in metres", example: str = ""
 ) -> tuple[NDArray[np.uintp], NDArray[np.float64]]: ...

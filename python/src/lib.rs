@@ -42,6 +42,7 @@ mod solve;
 mod solver;
 mod solvers;
 mod subject;
+mod sweep;
 mod table;
 mod toolbox;
 
@@ -101,6 +102,8 @@ mod _midair {
     use super::solver::Solver;
     #[pymodule_export]
     use super::solvers::{OptionInfo, SolverInfo, solvers};
+    #[pymodule_export]
+    use super::sweep::{placed, read_sweep, sweep_keys};
     #[pymodule_export]
     use super::table::table;
     #[pymodule_export]

@@ -236,8 +236,40 @@ def test_what_dead_processes_left_is_removed() -> None:
     assert all(path.exists() for path in live)
 
 
-def test_a_doubled_key_of_a_sweep_file_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "sweep.json"
-    path.write_text('{"seeds": 2, "seeds": 1}')
-    with pytest.raises(midair.SceneError, match='the key "seeds" is there twice: give it once'):
-        midair.sweep(path)
+@pytest.mark.parametrize(
+    ("name", "text", "told"),
+    [
+        (
+            "a.json",
+            '{"seeds": 2, "seeds": 1}',
+            'line 1, column 14: the key "seeds" is written twice: keep one',
+        ),
+        ("a.toml", "seeds = 2\nseeds = 1", 'line 2, column 1: the key "seeds" is written twice'),
+        ("a.json", "[" * 100000, "nested too deep"),
+        ("a.toml", "seeds = 3\nsedes = 4", 'line 2, column 1: unknown key "sedes": did you mean seeds?'),
+        ("a.toml", TOML.replace("preset", "prest"), 'unknown key of array "prest": did you mean preset?'),
+        ("a.toml", TOML.replace("count", "cuont"), 'unknown key of points "cuont": did you mean count?'),
+        (
+            "a.toml",
+            "seed = 1\nseeds = 2020-01-01",
+            "line 2, column 9: seeds is '2020-01-01': give a whole number",
+        ),
+        ("a.toml", "[[solver]]\nname = 3", "solver.name is 3: give one of"),
+        ("a.toml", "[points]\nz = inf", "line 2, column 5: points.z is inf: give a finite number"),
+        ("a.toml", "seed = ", "line 1, column 8: no TOML here"),
+        ("a.json", "[]", "line 1, column 1: the document is []: give a table"),
+        ("a.toml", "", "empty"),
+    ],
+)
+def test_a_mistake_in_a_sweep_file_is_reported_in_its_line(name: str, text: str, told: str) -> None:
+    Path(name).write_text(text)
+    with pytest.raises(midair.SceneError) as error:
+        midair.sweep(name)
+    assert told in str(error.value)
+    assert ", line " not in told or str(error.value).startswith(f"{name}, {told}")
+    assert "\n" not in str(error.value)
+
+
+def test_whole_numbers_of_a_sweep_file_stay_whole() -> None:
+    Path("a.toml").write_text(TOML.replace("seeds = 3", "seeds = [9223372036854775807, 1]"))
+    assert read("a.toml").blocks[0].settings["seeds"] == [9223372036854775807, 1]

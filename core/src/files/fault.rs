@@ -50,10 +50,10 @@ impl Fault {
             (At::Key(table, key), _) => {
                 (Some(place::find_key(text, format, table, key)), example_of_key(table, key, format))
             }
-            (At::Value(path), _) => (Some(place::find(text, format, path).0), example(path, format)),
+            (At::Value(path), _) => (Some(place::find(text, format, path)), example(path, format)),
             (At::Own, Error::Invalid { item, .. }) => {
                 let path = in_document(text, format, item);
-                let offset = path.as_ref().map(|path| place::find(text, format, path).0);
+                let offset = path.as_ref().map(|path| place::find(text, format, path));
                 (offset, path.and_then(|path| example(&path, format)))
             }
             (At::Own, _) => (None, None),
@@ -73,10 +73,7 @@ fn in_document(text: &str, format: Format, item: &str) -> Option<String> {
     };
     let tables = ["", "array.", "solver.", "medium.", "plane."];
     let paths = tables.map(|table| format!("{table}{item}"));
-    let written = paths.iter().find(|path| {
-        let steps = path.split(['.', '[']).count();
-        place::find(text, format, path).1 == steps
-    });
+    let written = paths.iter().find(|path| place::whole(text, format, path).is_some());
     // What is left out stands nowhere, but its table may.
     let known = || paths.iter().find(|path| schema::example(path, format).is_some());
     written.or_else(known).cloned()

@@ -73,19 +73,14 @@ impl<'a> Item<'a> {
 
     /// Exactly N numbers.
     pub(super) fn numbers<const N: usize>(&self) -> Result<[f64; N], Fault> {
-        let numbers = match self.node {
-            Node::Numbers(list) => list.as_slice().try_into().ok(),
-            _ => None,
-        };
+        let numbers = self.node.reals().and_then(|list| (&*list).try_into().ok());
         numbers.ok_or_else(|| self.refused(&format!("give {N} numbers")))
     }
 
     /// Any number of numbers.
     pub(super) fn reals(&self) -> Result<Vec<f64>, Fault> {
-        match self.node {
-            Node::Numbers(list) => Ok(list.clone()),
-            _ => Err(self.refused("give a list of numbers")),
-        }
+        let numbers = self.node.reals().ok_or_else(|| self.refused("give a list of numbers"))?;
+        Ok(numbers.into_owned())
     }
 
     /// A list of lists of N numbers.
@@ -113,9 +108,8 @@ impl<'a> Item<'a> {
 
     /// Every value of a list.
     pub(super) fn each<T>(&self, read: impl Fn(&Item<'a>) -> Result<T, Fault>, cure: &str) -> Result<Vec<T>, Fault> {
-        let list: &[Node] = match self.node {
-            Node::List(list) => list,
-            Node::Numbers(numbers) if numbers.is_empty() => &[],
+        let list = match self.node {
+            Node::List(list) if list.is_empty() || self.node.reals().is_none() => list,
             _ => return Err(self.refused(cure)),
         };
         let item = |index: usize| Item { path: format!("{}[{index}]", self.path), node: &list[index] };
@@ -124,8 +118,12 @@ impl<'a> Item<'a> {
 
     /// A table of keys that the schema knows.
     pub(super) fn table(&self) -> Result<Table<'a>, Fault> {
+        self.table_of(&schema::keys(&self.path).collect::<Vec<_>>())
+    }
+
+    /// A table of these keys.
+    pub(super) fn table_of(&self, known: &[&str]) -> Result<Table<'a>, Fault> {
         let table = self.open_table()?;
-        let known: Vec<&str> = schema::keys(&self.path).collect();
         for (key, _) in table.entries {
             if !known.contains(&key.as_str()) {
                 let kind = if self.path.is_empty() { "key".into() } else { format!("key of {}", self.path) };

@@ -15,6 +15,7 @@ mod schema;
 mod shape;
 mod source;
 mod step;
+mod sweep;
 mod syntax;
 mod tables;
 mod toml;
@@ -23,9 +24,11 @@ mod write;
 pub use csv::{Columns, Table, read_table};
 pub use drawn::{Draw, Drawing};
 pub use motion::Motion;
+pub use node::Node;
 pub use positions::COLUMNS as POSITIONS;
 pub use schema::tables;
 pub use source::{Format, MOST_BYTES, Source};
+pub use sweep::sweep_keys;
 pub use tables::Provenance;
 
 use alloc::string::String;
@@ -33,7 +36,6 @@ use alloc::vec::Vec;
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
-use crate::files::node::Node;
 use crate::files::source::BYTE_ORDER_MARK;
 use crate::scene::Scene;
 
@@ -114,6 +116,34 @@ pub fn read_motion(
 ) -> Result<Option<Motion>, Error> {
     let (text, document) = parse(bytes, format, source)?;
     motion::motion(&document, source, draw).map_err(|fault| fault.told(text, format, source))
+}
+
+/// Reads a document of a sweep: its values, whose keys are known.
+///
+/// # Errors
+/// A fault of the format, an unknown key.
+///
+/// ```
+/// use midair::files::{Format, Source, read_sweep};
+///
+/// let text = "seeds = 2\nseeds = 1\n[[solver]]\nname = \"greedy\"\n";
+/// let twice = read_sweep(text.as_bytes(), Format::Toml, Source::default()).unwrap_err();
+/// assert!(twice.to_string().starts_with("scene file, line 2, column 1: the key \"seeds\" is written twice"));
+/// ```
+pub fn read_sweep(bytes: &[u8], format: Format, source: Source<'_>) -> Result<Node, Error> {
+    let (text, document) = parse(bytes, format, source)?;
+    sweep::check(&document).map_err(|fault| fault.told(text, format, source))?;
+    Ok(document)
+}
+
+/// A refusal of a document's value, such as `points.z is -1: give more`, with its place; none where the document has no such
+/// value.
+#[must_use]
+pub fn placed(bytes: &[u8], format: Format, source: Source<'_>, refusal: &str) -> Option<Error> {
+    let (text, _) = parse(bytes, format, source).ok()?;
+    let item = refusal.split(" is ").next()?;
+    let at = place::whole(text, format, item)?;
+    Some(source.fault(Some((text, at)), refusal))
 }
 
 /// The files that a document names, in its folder.

@@ -1,21 +1,31 @@
-//! A document of TOML or JSON as a tree of values, before anybody asks what they mean.
+//! A document of TOML or JSON as a tree of values, which have no meaning yet.
 
+use alloc::borrow::Cow;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
 
 /// A value of a document.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Node {
+#[allow(clippy::exhaustive_enums, reason = "the values of TOML and JSON")]
+pub enum Node {
+    /// JSON's null.
     Null,
+    /// True or false.
     Bool(bool),
+    /// A whole number.
     Integer(i64),
+    /// A whole number beyond `i64`.
     Large(u64),
+    /// Any other number.
     Real(f64),
+    /// Text; of TOML also a date.
     Text(String),
-    /// A list of nothing but numbers, which may be a million positions' coordinates.
+    /// A list of numbers that are not all whole; it may be a million positions' coordinates.
     Numbers(Vec<f64>),
+    /// Any other list.
     List(Vec<Node>),
+    /// A table, each key once.
     Table(Vec<(String, Node)>),
 }
 
@@ -36,9 +46,19 @@ impl Node {
         entries.iter().find(|(name, _)| name == key).map(|(_, node)| node)
     }
 
-    /// A list, in its short form where it has nothing but numbers.
+    /// The numbers of a list that has nothing else.
+    pub(super) fn reals(&self) -> Option<Cow<'_, [f64]>> {
+        match self {
+            Self::Numbers(list) => Some(list.into()),
+            Self::List(list) => list.iter().map(Self::real).collect::<Option<Vec<_>>>().map(Cow::Owned),
+            _ => None,
+        }
+    }
+
+    /// A list, in its short form where it has nothing but numbers. Whole numbers stay whole.
     pub(super) fn list(items: Vec<Self>) -> Self {
-        let numbers: Option<Vec<f64>> = items.iter().map(Self::real).collect();
+        let short = items.iter().any(|item| matches!(item, Self::Real(_)));
+        let numbers = short.then(|| items.iter().map(Self::real).collect()).flatten();
         numbers.map_or(Self::List(items), Self::Numbers)
     }
 }
@@ -56,13 +76,14 @@ impl fmt::Display for Node {
                 write!(f, "\"{}...\"", text.chars().take(37).collect::<String>())
             }
             Self::Text(text) => write!(f, "\"{text}\""),
-            Self::Numbers(list) if list.len() <= 8 => {
-                write!(f, "[{}]", list.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "))
-            }
-            Self::Numbers(list) => write!(f, "a list of {} numbers", list.len()),
-            Self::List(list) if list.is_empty() => f.write_str("[]"),
-            Self::List(list) if list.len() == 1 && !matches!(list[0], Self::List(_)) => write!(f, "[{}]", list[0]),
-            Self::List(list) => write!(f, "a list of {} values", list.len()),
+            Self::Numbers(list) => numbers(list, f),
+            Self::List(list) => match self.reals() {
+                Some(reals) => numbers(&reals, f),
+                None if list.len() == 1 && (list[0].reals().is_some() || !matches!(list[0], Self::List(_))) => {
+                    write!(f, "[{}]", list[0])
+                }
+                None => write!(f, "a list of {} values", list.len()),
+            },
             Self::Table(table) if table.is_empty() => f.write_str("an empty table"),
             Self::Table(table) => {
                 let keys = table.iter().take(4).map(|(key, _)| key.as_str()).collect::<Vec<_>>().join(", ");
@@ -70,4 +91,11 @@ impl fmt::Display for Node {
             }
         }
     }
+}
+
+fn numbers(list: &[f64], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    if list.len() > 8 {
+        return write!(f, "a list of {} numbers", list.len());
+    }
+    write!(f, "[{}]", list.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "))
 }

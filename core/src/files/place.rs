@@ -6,11 +6,16 @@ use crate::files::source::Format;
 use crate::files::step::{Place, Step};
 use crate::files::{json, toml};
 
-/// Where the value at a path such as `points[3].pressure` begins, as deep as the path leads in this document: its offset,
-/// and how many steps of the path led there.
-pub(super) fn find(text: &str, format: Format, path: &str) -> (usize, usize) {
-    let place = follow(text, format, &steps(path));
-    (place.value, place.steps)
+/// Where the value at a path such as `points[3].pressure` begins, as deep as the path leads in this document.
+pub(super) fn find(text: &str, format: Format, path: &str) -> usize {
+    follow(text, format, &steps(path)).value
+}
+
+/// Where the value at a path begins, if all of the path leads there.
+pub(super) fn whole(text: &str, format: Format, path: &str) -> Option<usize> {
+    let steps = steps(path);
+    let place = follow(text, format, &steps);
+    (!steps.is_empty() && place.steps == steps.len()).then_some(place.value)
 }
 
 /// Where a key of the table at a path is written.

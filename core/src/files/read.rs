@@ -268,17 +268,18 @@ fn choice(table: &Table<'_>, board: Option<&Quantization>) -> Result<Choice, Fau
 
 /// An option's value.
 pub(super) fn value(item: &Item<'_>) -> Result<Value, Fault> {
-    let refused = || item.refused("give a number, a word or a list of whole numbers");
     Ok(match item.node {
         Node::Bool(value) => Value::Bool(*value),
         Node::Integer(value) => Value::Integer((*value).into()),
         Node::Large(value) => Value::Integer((*value).into()),
         Node::Real(value) => Value::Real(*value),
         Node::Text(value) => Value::Text(value.clone()),
-        Node::Numbers(values) if values.iter().all(|value| value.fract() == 0.0 && value.abs() < 1e15) => {
-            Value::Integers(values.iter().map(|&value| value as i64).collect())
-        }
-        _ => return Err(refused()),
+        list => match list.reals() {
+            Some(values) if values.iter().all(|value| value.fract() == 0.0 && value.abs() < 1e15) => {
+                Value::Integers(values.iter().map(|&value| value as i64).collect())
+            }
+            _ => return Err(item.refused("give a number, a word or a list of whole numbers")),
+        },
     })
 }
 

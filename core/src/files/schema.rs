@@ -314,9 +314,9 @@ fn rows(pattern: &str) -> &'static [Key] {
     TABLES.iter().find(|(path, _)| is(path, pattern)).map_or(&[], |(_, rows)| rows)
 }
 
-/// Whether tables of the schema are meant by a pattern: `shape[]` by a lone `shape`, too.
+/// Whether tables of the schema are meant by a pattern: `shape[]` by a lone `shape`, too, and `array` by one of several.
 fn is(path: &str, pattern: &str) -> bool {
-    path == pattern || path.strip_suffix("[]") == Some(pattern)
+    path.trim_end_matches("[]") == pattern.trim_end_matches("[]")
 }
 
 /// A path without its indices: `points[3].pressure` as `points[].pressure`.

@@ -123,7 +123,7 @@ fn inline(node: &Node, text: &mut String) -> Option<()> {
 fn is_section(node: &Node) -> bool {
     match node {
         Node::Table(_) => true,
-        Node::List(list) => list.iter().all(|node| matches!(node, Node::Table(_))),
+        Node::List(list) => !list.is_empty() && list.iter().all(|node| matches!(node, Node::Table(_))),
         _ => false,
     }
 }

@@ -13,7 +13,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from .._midair import Array, Scene, SceneError, SceneWarning, scene_files
+from .._midair import Array, Scene, SceneError, SceneWarning, scene_files, sweep_keys
 from .._support.arguments import warn
 from .axes import Tables, array_table, column, put, short
 from .block import array_and_medium, first_scene, trial_seed
@@ -29,7 +29,6 @@ MOST_TOLD = 3
 
 _FIXED = ("positions", "pressures", "weights")
 _RANDOM = ("count", "x", "y", "z")
-_POINTS = (*_RANDOM, *_FIXED, "pressure", "shift")
 
 
 def known(table: Mapping[str, Any], keys: Sequence[str], where: str) -> None:
@@ -180,7 +179,7 @@ def _scenes(tables: Tables, folder: Path) -> tuple[list[Base], list[Path]]:
 def _settings(tables: Tables, common: Mapping[str, Any], where: str, at: str) -> tuple[dict[str, Any], int]:
     """Settings of a block but for its solver, and its number of transducers."""
     points = table_of(tables, "points")
-    known(points, _POINTS, "points")
+    known(points, sweep_keys("points"), "points")
     shift = points.get("shift", [0.0, 0.0, 0.0])
     if not _numbers(shift, 3):
         raise SceneError(f"points.shift is {short(shift)}: give three numbers, in metres")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import tomllib
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,17 +12,14 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, NoReturn
 
-from .._midair import Array, Scene, SceneError, solve, solver_name, solvers
+from .._midair import Array, Scene, SceneError, placed, read_sweep, solve, solver_name, solvers, sweep_keys
 from .._support.arguments import path_of
-from .._support.text import text as read_text
 from .axes import Tables, plain, read_axes, short
 from .block import METRICS, Settings
 from .problems import few, known, read_sets, reason, tables_of, whole
 
 #: More problems than this are a slip of the pen.
 MOST = 10**9
-
-_KEYS = ("seed", "seeds", "scenes", "array", "medium", "points", "axes", "solver")
 
 
 @dataclass(frozen=True)
@@ -57,18 +53,27 @@ class Request:
 def read(source: str | PathLike[str] | Mapping[str, Any], *, drives: bool = False) -> Request:
     """A sweep file, TOML or JSON by its ending, or a mapping of the same keys, with arrays and scenes.
 
-    Paths of scenes are relative to the file's folder. Raises SceneError for whatever is not in order, and
-    warns of what is hardly meant.
+    Paths of scenes are relative to the file's folder. Raises SceneError for whatever is not in order, with
+    its place in the file, and warns of what is hardly meant.
     """
-    cure = "give a sweep file or a mapping of its keys"
-    path = None if isinstance(source, Mapping) else path_of("request", source, cure)
+    if isinstance(source, Mapping):
+        return _read(source, None, drives)
+    path = path_of("request", source, "give a sweep file or a mapping of its keys")
+    tables = read_sweep(path)
     try:
-        tables = plain(source if path is None else _parse(path))
+        return _read(tables, path, drives)
+    except SceneError as error:
+        raise SceneError(placed(path, str(error))) from error
+
+
+def _read(given: Mapping[str, Any], path: Path | None, drives: bool) -> Request:
+    try:
+        tables = plain(given)
     except RecursionError as error:
         raise SceneError(
             "the sweep is nested too deep, or holds itself: give tables as a sweep file has them"
         ) from error
-    known(tables, _KEYS, "sweep")
+    known(tables, sweep_keys(""), "sweep")
     seed = whole(tables.get("seed", 0), "seed")
     trials, seeds = _trials(tables.get("seeds", 1))
     axes = read_axes(tables)
@@ -98,26 +103,6 @@ def read(source: str | PathLike[str] | Mapping[str, Any], *, drives: bool = Fals
     if twice:
         raise SceneError(f'two columns of the table would be called "{twice[0]}": leave that option out')
     return asked
-
-
-def _parse(path: Path) -> Tables:
-    try:
-        text = read_text(path)
-        tables = json.loads(text, object_pairs_hook=_once) if path.suffix == ".json" else tomllib.loads(text)
-    except ValueError as error:
-        raise SceneError(f'sweep file "{path}" cannot be read: {error}') from error
-    if not isinstance(tables, dict):
-        raise SceneError(f'sweep file "{path}" holds no tables')
-    return tables
-
-
-def _once(entries: list[tuple[str, Any]]) -> Tables:
-    """A table of JSON whose keys are there once."""
-    table = dict(entries)
-    if len(table) < len(entries):
-        twice = next(key for key, times in Counter(key for key, _ in entries).items() if times > 1)
-        raise ValueError(f'the key "{twice}" is there twice: give it once')
-    return table
 
 
 def _trials(given: Any) -> tuple[int, list[int] | None]:
