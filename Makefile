@@ -212,7 +212,7 @@ book/.venv/ready studio/.venv/ready: %/.venv/ready: %/requirements.txt .venv/rea
 		> "$$(echo $(@D)/lib/python*/site-packages)/midair.pth"
 	touch $@
 
-schema: .venv/extension ## Write docs/scene.schema.json and fuzz/scene.dict anew, from the core's keys
+schema: .venv/extension ## Write docs/*.schema.json and fuzz/*.dict anew, from the core's keys
 	$(PYTHON) book/schema.py
 
 map: ## Write docs/map.md anew: every source file with its first line

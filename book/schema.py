@@ -1,4 +1,4 @@
-"""The JSON Schema and the fuzzer's words of a scene file, from the core's keys: `make schema`."""
+"""The JSON Schemas and the fuzzer's words of scene files and sweeps, from the core's keys: `make schema`."""
 
 from __future__ import annotations
 
@@ -7,17 +7,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from midair._midair import directivities, scene_keys
+from midair._midair import directivities, scene_keys, sweep_keys
 
 ROOT = Path(__file__).parents[1]
-SCHEMA = ROOT / "docs" / "scene.schema.json"
-WORDS = ROOT / "fuzz" / "scene.dict"
 
 #: The directivities by name, each with its formula.
 DIRECTIVITIES = {name: about for name, (_, about, _) in directivities().items()}
 #: What a fuzzer writes beside keys: names, numbers at the ends, null.
 VALUES = ['"autd3"', '"paper20"', "[1, 2]", '"max"', '"full"', '"all"', "true", "null"]
 VALUES += ["inf", "nan", "-0.0", "1e308", "9223372036854775808"]
+HEAD = {"$schema": "http://json-schema.org/draft-07/schema#"}
 #: Lists of any length whose example is as long as a place in space.
 FREE = {"array.quantization.amplitudes"}
 #: Numbers, or lists of them.
@@ -86,18 +85,58 @@ def schema() -> dict[str, Any]:
 
     root = of_table("")
     assert root is not None
-    head = {"$schema": "http://json-schema.org/draft-07/schema#", "title": "Scene file of midair"}
-    return head | root
+    return HEAD | {"title": "Scene file of midair"} | root
 
 
-def text() -> str:
-    """The schema as it is written."""
-    return json.dumps(schema(), indent=2, ensure_ascii=False) + "\n"
+def several(rule: dict[str, Any]) -> dict[str, Any]:
+    """A value, or a list of such."""
+    return {"anyOf": [rule, {"type": "array", "items": rule}]}
 
 
-def words() -> str:
+def axes(table: dict[str, Any]) -> dict[str, Any]:
+    """A table of a scene file, where a list of values is an axis of a sweep."""
+    axis = {}
+    for key, rule in table["properties"].items():
+        one = {name: part for name, part in rule.items() if name != "description"}
+        axis[key] = {"description": rule["description"], **several(one)}
+    return {"type": "object", "properties": axis, "additionalProperties": False}
+
+
+def sweep_schema() -> dict[str, Any]:
+    """The schema of sweep files: arrays, medium, points and solvers as in a scene file, and lists of each."""
+    scene, number = schema()["properties"], {"type": "number"}
+    range_ = {"anyOf": [number, {"type": "array", "items": number, "minItems": 2, "maxItems": 2}]}
+    own: dict[str, dict[str, Any]] = {
+        "seed": {"type": "integer"},
+        "seeds": several({"type": "integer"}),
+        "scenes": {"type": "array", "items": {"type": "string"}},
+        "array": several(axes(scene["array"])),
+        "medium": axes(scene["medium"]),
+        "axes": {"type": "object"},
+        "solver": several({"type": "object", "properties": {"name": {"type": "string"}}}),
+        "count": several({"type": "integer"}),
+        "positions": {"type": "array", "items": of_value([0.0, 0.0, 0.0], False)},
+        "pressures": of_value([0.0], True),
+        "weights": of_value([0.0], True),
+        "shift": of_value([0.0, 0.0, 0.0], False),
+    } | dict.fromkeys(("x", "y", "z", "pressure"), range_)
+
+    def of_table(table: str) -> dict[str, Any]:
+        keys = sweep_keys()[table].items()
+        rules = {key: {"description": about, **own[key]} for key, (_, about) in keys}
+        return {"type": "object", "properties": rules, "additionalProperties": False}
+
+    own["points"] = {"anyOf": [of_table("points"), scene["points"]]}
+    return HEAD | {"title": "Sweep file of midair"} | of_table("")
+
+
+def text(schema: dict[str, Any]) -> str:
+    """A schema as it is written."""
+    return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
+
+
+def words(known: dict[str, dict[str, Any]]) -> str:
     """The fuzzer's dictionary: tables and keys of both formats, and values."""
-    known = tables()
     paths = [path.removesuffix("[]") for path in known if path]
     keys = dict.fromkeys(key for table in known.values() for key in table)
     found = [f"[{path}]" for path in paths] + [f"[[{path}]]" for path in paths]
@@ -127,6 +166,14 @@ def page() -> str:
     return "\n".join(lines)
 
 
+#: What `make schema` writes.
+WRITTEN = {
+    "docs/scene.schema.json": lambda: text(schema()),
+    "docs/sweep.schema.json": lambda: text(sweep_schema()),
+    "fuzz/scene.dict": lambda: words(tables()),
+    "fuzz/sweep.dict": lambda: words({**tables(), **sweep_keys()}),
+}
+
 if __name__ == "__main__":
-    SCHEMA.write_text(text())
-    WORDS.write_text(words())
+    for name, content in WRITTEN.items():
+        (ROOT / name).write_text(content())

@@ -25,7 +25,7 @@ TARGET = "x86_64-unknown-linux-gnu"
 #: Seconds until the record is written and another target may have its turn.
 SLICE = 600
 
-RUST = ("scene", "positions", "solve", "field", "session", "instruction_sets")
+RUST = ("scene", "positions", "sweep", "solve", "field", "session", "instruction_sets")
 PYTHON = ("arguments", "chunks", "sweep_file")
 
 OPTIONS = ["-print_final_stats=1", "-max_len=4096", "-timeout=60", "-rss_limit_mb=4096", "-verbosity=1"]
@@ -62,8 +62,8 @@ def seeds(name: str) -> list[Path]:
         for path in (record.ROOT / "golden").glob("*.json"):
             (golden / path.name).write_text(json.dumps(json.loads(path.read_text())["scene"]))
         folders += [golden, record.ROOT / "docs" / "scenes"]
-    if name == "sweep_file":
-        folders.append(record.ROOT / "docs" / "sweeps")
+    if name.startswith("sweep"):
+        folders += [FUZZ / "corpus" / "sweep_file", record.ROOT / "docs" / "sweeps"]
     return [folder for folder in folders if folder.is_dir()]
 
 
@@ -77,7 +77,7 @@ def command(name: str, seconds: int, executions: int) -> list[str]:
         program = [str(FUZZ / "target" / TARGET / "release" / name)]
     else:
         program = [str(FUZZ / ".venv" / "bin" / "python"), str(FUZZ / "python" / f"{name}.py")]
-    dictionary = FUZZ / f"{name}.dict"
+    dictionary = FUZZ / f"{name.removesuffix('_file')}.dict"
     options = [*OPTIONS, f"-artifact_prefix={found}/", f"-max_total_time={seconds}", f"-runs={executions}"]
     if dictionary.exists():
         options.append(f"-dict={dictionary}")

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use midair::Key;
 use midair::files::{self, Format, MOST_BYTES, Source};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
@@ -73,8 +74,21 @@ pub(crate) fn scene_files(path: PathBuf, text: Option<Vec<u8>>) -> PyResult<Vec<
 /// Every table of a scene file with its keys, in order: an example in JSON and the meaning of each.
 #[pyfunction]
 pub(crate) fn scene_keys(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    keys(py, files::tables())
+}
+
+/// The same of the tables that are a sweep file's own.
+#[pyfunction]
+pub(crate) fn sweep_keys(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    keys(py, files::sweep_tables())
+}
+
+fn keys<'py>(
+    py: Python<'py>,
+    all: impl IntoIterator<Item = (&'static str, &'static [Key])>,
+) -> PyResult<Bound<'py, PyDict>> {
     let tables = PyDict::new(py);
-    for (table, keys) in files::tables() {
+    for (table, keys) in all {
         let texts = keys.iter().map(|key| (key.name, (key.example, key.about)));
         tables.set_item(table, texts.collect::<Vec<_>>().into_py_dict(py)?)?;
     }

@@ -69,7 +69,7 @@ mod _midair {
     #[pymodule_export]
     use super::field::{Field, field};
     #[pymodule_export]
-    use super::files::{scene_files, scene_keys};
+    use super::files::{scene_files, scene_keys, sweep_keys};
     #[pymodule_export]
     use super::gorkov::{Gorkov, gorkov};
     #[pymodule_export]
@@ -103,7 +103,7 @@ mod _midair {
     #[pymodule_export]
     use super::solvers::{OptionInfo, SolverInfo, solvers};
     #[pymodule_export]
-    use super::sweep::{placed, read_sweep, sweep_keys};
+    use super::sweep::{placed, read_sweep};
     #[pymodule_export]
     use super::table::table;
     #[pymodule_export]

@@ -1,37 +1,24 @@
 //! Sweep files, read for the toolbox: values, keys and places.
 
-use std::path::PathBuf;
-
-use midair::files::{self, Node};
+use midair::files::{self, Format, Node, Source};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::error::refused;
-use crate::files::{bytes_of, read};
 
-/// The keys of a table of sweep files.
+/// The tables of a sweep file's text; name is what errors call it.
 #[pyfunction]
-pub(crate) fn sweep_keys(table: &str) -> Vec<&'static str> {
-    files::sweep_keys(table).collect()
+pub(crate) fn read_sweep<'py>(py: Python<'py>, text: &[u8], name: &str) -> PyResult<Bound<'py, PyAny>> {
+    let tables = files::read_sweep(text, Format::of_document(name, text), Source { name, folder: None });
+    value(py, &tables.map_err(refused)?)
 }
 
-/// The tables of a sweep file.
+/// A refusal of a value of the text with its place, where it has one.
 #[pyfunction]
-pub(crate) fn read_sweep(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyAny>> {
-    let tables = read(&path, &bytes_of(&path)?, |bytes, format, source| {
-        files::read_sweep(bytes, format, source).map_err(refused)
-    });
-    value(py, &tables?)
-}
-
-/// A refusal of a file's value with its place, where it has one.
-#[pyfunction]
-pub(crate) fn placed(path: PathBuf, refusal: &str) -> PyResult<String> {
-    read(&path, &bytes_of(&path)?, |bytes, format, source| {
-        let found = files::placed(bytes, format, source, refusal);
-        Ok(found.map_or_else(|| refusal.to_owned(), |error| error.to_string()))
-    })
+pub(crate) fn placed(text: &[u8], name: &str, refusal: &str) -> String {
+    let found = files::placed(text, Format::of_document(name, text), Source { name, folder: None }, refusal);
+    found.map_or_else(|| refusal.to_owned(), |error| error.to_string())
 }
 
 fn value<'py>(py: Python<'py>, node: &Node) -> PyResult<Bound<'py, PyAny>> {

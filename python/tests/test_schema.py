@@ -1,4 +1,4 @@
-"""docs/scene.schema.json: made from the core's table of keys, and true of scene files."""
+"""docs/*.schema.json: made from the core's tables of keys, and true of scene files and sweeps."""
 
 import importlib.util
 import json
@@ -64,12 +64,12 @@ def documents() -> list[tuple[str, str]]:
 
 
 def test_it_is_what_the_cores_table_says() -> None:
-    assert schema.text() == (ROOT / "docs" / "scene.schema.json").read_text(), "run `make schema`"
-    assert schema.words() == (ROOT / "fuzz" / "scene.dict").read_text(), "run `make schema`"
+    for name, content in schema.WRITTEN.items():
+        assert content() == (ROOT / name).read_text(), "run `make schema`"
 
 
 def test_every_key_has_its_meaning_on_one_line() -> None:
-    for table, keys in schema.tables().items():
+    for table, keys in [*schema.tables().items(), *schema.sweep_keys().items()]:
         for key, (_, about) in keys.items():
             assert about.endswith("."), f"{table}.{key}"
             assert "\n" not in about, f"{table}.{key}"
@@ -78,6 +78,33 @@ def test_every_key_has_its_meaning_on_one_line() -> None:
 @pytest.mark.parametrize(("name", "text"), documents(), ids=[name for name, _ in documents()])
 def test_scene_files_fit(name: str, text: str) -> None:
     assert faults(tomllib.loads(text), SCHEMA) == []
+
+
+def sweeps() -> list[tuple[str, str]]:
+    """The sweep files of docs/sweeps, and those of the pages."""
+    found = [(file.name, file.read_text()) for file in sorted((ROOT / "docs" / "sweeps").glob("*.toml"))]
+    for page in sorted((ROOT / "docs").rglob("*.md")):
+        blocks = re.findall(r"^```toml\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
+        found += [(f"{page.name}, {k + 1}", block) for k, block in enumerate(blocks) if "[[solver]]" in block]
+    return found
+
+
+@pytest.mark.parametrize(("name", "text"), sweeps(), ids=[name for name, _ in sweeps()])
+def test_sweep_files_fit(name: str, text: str) -> None:
+    assert faults(tomllib.loads(text), schema.sweep_schema()) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("sedes = 3", ".sedes is unknown"),
+        ("seeds = '3'", ".seeds is no integer"),
+        ("[points]\ncuont = 3", ".points.cuont is unknown"),
+        ("[medium]\ntemperature = ['cold']", ".medium.temperature is no number"),
+    ],
+)
+def test_faults_of_sweep_files_are_found(text: str, fault: str) -> None:
+    assert fault in faults(tomllib.loads(text), schema.sweep_schema())
 
 
 @pytest.mark.parametrize(

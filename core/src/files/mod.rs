@@ -28,7 +28,7 @@ pub use node::Node;
 pub use positions::COLUMNS as POSITIONS;
 pub use schema::tables;
 pub use source::{Format, MOST_BYTES, Source};
-pub use sweep::sweep_keys;
+pub use sweep::sweep_tables;
 pub use tables::Provenance;
 
 use alloc::string::String;

@@ -19,7 +19,7 @@ const TABLES: &[Table] = &[
             Key::new(
                 "shape",
                 r#"[{"kind": "circle", "center": [0.0, 0.0, 0.15], "radius": 0.03}]"#,
-                "Points along a drawing; by the Python package.",
+                "Points along a line, circle or polyline; along text and drawings by the Python package.",
             ),
             Key::new(
                 "image",

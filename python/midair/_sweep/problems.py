@@ -6,7 +6,7 @@ import json
 import math
 import re
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping
 from functools import lru_cache
 from itertools import product
 from os import PathLike
@@ -31,7 +31,7 @@ _FIXED = ("positions", "pressures", "weights")
 _RANDOM = ("count", "x", "y", "z")
 
 
-def known(table: Mapping[str, Any], keys: Sequence[str], where: str) -> None:
+def known(table: Mapping[str, Any], keys: Collection[str], where: str) -> None:
     """Refuse a key that is not among those."""
     for key in table:
         if key not in keys:
@@ -179,7 +179,7 @@ def _scenes(tables: Tables, folder: Path) -> tuple[list[Base], list[Path]]:
 def _settings(tables: Tables, common: Mapping[str, Any], where: str, at: str) -> tuple[dict[str, Any], int]:
     """Settings of a block but for its solver, and its number of transducers."""
     points = table_of(tables, "points")
-    known(points, sweep_keys("points"), "points")
+    known(points, sweep_keys()["points"], "points")
     shift = points.get("shift", [0.0, 0.0, 0.0])
     if not _numbers(shift, 3):
         raise SceneError(f"points.shift is {short(shift)}: give three numbers, in metres")

@@ -14,6 +14,7 @@ from typing import Any, NoReturn
 
 from .._midair import Array, Scene, SceneError, placed, read_sweep, solve, solver_name, solvers, sweep_keys
 from .._support.arguments import path_of
+from .._support.text import content
 from .axes import Tables, plain, read_axes, short
 from .block import METRICS, Settings
 from .problems import few, known, read_sets, reason, tables_of, whole
@@ -59,11 +60,12 @@ def read(source: str | PathLike[str] | Mapping[str, Any], *, drives: bool = Fals
     if isinstance(source, Mapping):
         return _read(source, None, drives)
     path = path_of("request", source, "give a sweep file or a mapping of its keys")
-    tables = read_sweep(path)
+    text = content(path)
+    tables = read_sweep(text, str(path))
     try:
         return _read(tables, path, drives)
     except SceneError as error:
-        raise SceneError(placed(path, str(error))) from error
+        raise SceneError(placed(text, str(path), str(error))) from error
 
 
 def _read(given: Mapping[str, Any], path: Path | None, drives: bool) -> Request:
@@ -73,7 +75,7 @@ def _read(given: Mapping[str, Any], path: Path | None, drives: bool) -> Request:
         raise SceneError(
             "the sweep is nested too deep, or holds itself: give tables as a sweep file has them"
         ) from error
-    known(tables, sweep_keys(""), "sweep")
+    known(tables, sweep_keys()[""], "sweep")
     seed = whole(tables.get("seed", 0), "seed")
     trials, seeds = _trials(tables.get("seeds", 1))
     axes = read_axes(tables)
