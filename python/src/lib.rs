@@ -87,7 +87,7 @@ mod _midair {
     #[pymodule_export]
     use super::plane::Plane;
     #[pymodule_export]
-    use super::points::{along, circle, line, polyline};
+    use super::points::{Curve, along};
     #[pymodule_export]
     use super::propagation::Propagation;
     #[pymodule_export]

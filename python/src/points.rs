@@ -1,44 +1,86 @@
-//! Points of lines, circles and contours, evenly spaced by the core.
+//! Curves as points, and points along contours, by the core.
 
 use midair::points;
-use numpy::PyArray2;
+use numpy::{PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 
 use crate::error::refused;
 use crate::give::fresh;
+use crate::pickle::Reduced;
 use crate::read::{place, vectors};
 
-type Points<'py> = PyResult<Bound<'py, PyArray2<f64>>>;
-
-/// Points (M, 3) of a line.
-#[pyfunction]
-pub(crate) fn line<'py>(start: &Bound<'py, PyAny>, end: &Bound<'py, PyAny>, step: f64) -> Points<'py> {
-    let points = points::line(place("start", start)?, place("end", end)?, step);
-    fresh(start.py(), &points.map_err(refused)?)
+/// A curve by arc length: a line, a circle, or straight lines.
+#[pyclass(frozen, module = "midair._midair")]
+pub(crate) struct Curve {
+    curve: points::Curve,
+    /// How it was made: a static method and its arguments.
+    made: (&'static str, Py<PyTuple>),
 }
 
-/// Points (M, 3) of a circle.
-#[pyfunction]
-pub(crate) fn circle<'py>(
-    center: &Bound<'py, PyAny>,
-    radius: f64,
-    normal: &Bound<'py, PyAny>,
-    step: f64,
-) -> Points<'py> {
-    let points = points::circle(place("center", center)?, radius, place("normal", normal)?, step);
-    fresh(center.py(), &points.map_err(refused)?)
+fn made<'py>(
+    py: Python<'py>,
+    curve: Result<points::Curve, midair::Error>,
+    method: &'static str,
+    arguments: impl IntoPyObject<'py, Target = PyTuple, Output = Bound<'py, PyTuple>, Error = PyErr>,
+) -> PyResult<Curve> {
+    Ok(Curve { curve: curve.map_err(refused)?, made: (method, arguments.into_pyobject(py)?.unbind()) })
 }
 
-/// Points (M, 3) of a polyline.
-#[pyfunction]
-pub(crate) fn polyline<'py>(points: &Bound<'py, PyAny>, closed: bool, step: f64) -> Points<'py> {
-    let found = points::polyline(&vectors("points", points)?, closed, step);
-    fresh(points.py(), &found.map_err(refused)?)
+#[pymethods]
+impl Curve {
+    #[staticmethod]
+    fn line(start: &Bound<'_, PyAny>, end: &Bound<'_, PyAny>, there_and_back: bool) -> PyResult<Self> {
+        let curve = points::Curve::line(place("start", start)?, place("end", end)?, there_and_back);
+        made(start.py(), curve, "line", (start, end, there_and_back))
+    }
+
+    #[staticmethod]
+    fn circle(center: &Bound<'_, PyAny>, radius: f64, normal: &Bound<'_, PyAny>, angle: f64) -> PyResult<Self> {
+        let curve = points::Curve::circle(place("center", center)?, radius, place("normal", normal)?, angle);
+        made(center.py(), curve, "circle", (center, radius, normal, angle))
+    }
+
+    #[staticmethod]
+    fn lines(item: &str, corners: &Bound<'_, PyAny>, closed: bool) -> PyResult<Self> {
+        let curve = points::Curve::lines(item, &vectors(item, corners)?, closed);
+        made(corners.py(), curve, "lines", (item, corners, closed))
+    }
+
+    #[getter]
+    fn length(&self) -> f64 {
+        self.curve.length()
+    }
+
+    #[getter]
+    fn closed(&self) -> bool {
+        self.curve.closed()
+    }
+
+    /// Points (M, 3), evenly spaced.
+    fn points<'py>(&self, py: Python<'py>, step: f64) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        fresh(py, &self.curve.points(step).map_err(refused)?)
+    }
+
+    /// Places (..., 3) after ways (...) in m from its start.
+    fn after<'py>(&self, py: Python<'py>, ways: PyReadonlyArrayDyn<'_, f64>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let places = ways.as_array().iter().flat_map(|&way| self.curve.after(way)).collect();
+        let shape: Vec<usize> = ways.shape().iter().copied().chain([3]).collect();
+        PyArray1::from_vec(py, places).reshape(shape)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        Ok((py.get_type::<Self>().getattr(self.made.0)?, self.made.1.bind(py).clone()))
+    }
 }
 
 /// Points (M, 3) along contours of vertices (K, 3).
 #[pyfunction]
-pub(crate) fn along<'py>(py: Python<'py>, contours: Vec<Bound<'py, PyAny>>, step: f64) -> Points<'py> {
+pub(crate) fn along<'py>(
+    py: Python<'py>,
+    contours: Vec<Bound<'py, PyAny>>,
+    step: f64,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let contours: Vec<_> = contours.iter().map(|contour| vectors("contour", contour)).collect::<PyResult<_>>()?;
     fresh(py, &points::along(&contours, step).map_err(refused)?)
 }

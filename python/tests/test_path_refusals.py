@@ -31,7 +31,7 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "a million points": (lambda: ring(points=10**6), "points is 1000000: give at most 100000"),
     "a word for an angle": (lambda: ring(start_angle="x"), 'start_angle is "x": give a number'),
     "no normal": (lambda: ring(normal=(0, 0, 0)), "normal is [0.0, 0.0, 0.0]: give a direction"),
-    "no radius": (lambda: path.circle([0, 0, 1], 0, speed=1), "radius is 0: give a number above 0"),
+    "no radius": (lambda: path.circle([0, 0, 1], 0, speed=1), "radius is 0.0: give a number above 0"),
     "a huge radius": (
         lambda: path.circle([0, 0, 1], 1e308, speed=1),
         "the way is inf m long: give a path of",

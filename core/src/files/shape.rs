@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 use crate::files::fault::Fault;
 use crate::files::item::Item;
 use crate::files::kind::{self, Kind};
-use crate::points::{STEP, circle, line, polyline};
+use crate::points::{Curve, STEP};
 use crate::scene::Request;
 
 const KINDS: [Kind; 5] = [
@@ -24,20 +24,20 @@ type Made = (Vec<[f64; 3]>, Request);
 /// The points of a shape; none of text and drawings.
 pub(super) fn shape(item: &Item<'_>) -> Result<Option<Made>, Fault> {
     let (kind, table) = kind::of(item, &KINDS, &["step", "pressure", "weight"])?;
-    let step = table.read("step", Item::real)?.unwrap_or(STEP);
-    let points = match kind {
-        "line" => line(table.need("start")?.numbers()?, table.need("end")?.numbers()?, step),
+    let curve = match kind {
+        "line" => Curve::line(table.need("start")?.numbers()?, table.need("end")?.numbers()?, false),
         "circle" => {
             let normal = table.read("normal", Item::numbers)?.unwrap_or([0.0, 0.0, 1.0]);
-            circle(table.need("center")?.numbers()?, table.need("radius")?.real()?, normal, step)
+            Curve::circle(table.need("center")?.numbers()?, table.need("radius")?.real()?, normal, 0.0)
         }
         "polyline" => {
             let closed = table.read("closed", Item::flag)?.unwrap_or_default();
-            polyline(&table.need("points")?.vectors()?, closed, step)
+            Curve::lines("points", &table.need("points")?.vectors()?, closed)
         }
         _ => return Ok(None),
     };
-    let points = points.map_err(|error| item.told(&error.to_string()))?;
+    let step = table.read("step", Item::real)?.unwrap_or(STEP);
+    let points = curve.and_then(|curve| curve.points(step)).map_err(|error| item.told(&error.to_string()))?;
     let all = |key: &str| table.read(key, |value| Ok(vec![value.least_zero()?; points.len()]));
     let request = Request { pressures: all("pressure")?, phases: None, weights: all("weight")? };
     Ok(Some((points, request)))

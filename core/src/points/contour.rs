@@ -36,10 +36,7 @@ pub fn along(contours: &[Vec<[f64; 3]>], step: f64) -> Result<Vec<[f64; 3]>, Err
     real("step", step, 0.0, true)?;
     let measured: Vec<Lines> = contours.iter().map(|vertices| Lines::new(vertices)).collect::<Result<_, _>>()?;
     few(measured.iter().map(Lines::length).sum(), step)?;
-    let points = measured.iter().flat_map(|lines| {
-        let steps = count(lines.length(), step);
-        (0..=steps).map(move |k| lines.after(lines.length() * k as f64 / steps as f64))
-    });
+    let points = measured.iter().flat_map(|lines| even(lines.length(), step, |way| lines.after(way)));
     Ok(spaced(points.collect(), step))
 }
 
@@ -49,9 +46,10 @@ pub fn along(contours: &[Vec<[f64; 3]>], step: f64) -> Result<Vec<[f64; 3]>, Err
 /// Those of `make`.
 ///
 /// ```
-/// use midair::points::{circle, fitted};
+/// use midair::points::{Curve, fitted};
 ///
-/// let ring = fitted(20, |step| circle([0.0, 0.0, 0.15], 0.03, [0.0, 0.0, 1.0], step))?;
+/// let circle = Curve::circle([0.0, 0.0, 0.15], 0.03, [0.0, 0.0, 1.0], 0.0)?;
+/// let ring = fitted(20, |step| circle.points(step))?;
 /// assert!((18..=20).contains(&ring.len()));
 /// # Ok::<(), midair::Error>(())
 /// ```
@@ -74,9 +72,10 @@ pub(crate) fn few(length: f64, step: f64) -> Result<(), Error> {
     Err(Error::invalid("step", format_args!("{step:?}"), cure))
 }
 
-/// How many equal steps, as near to `step` as can be, make up a length.
-pub(crate) fn count(length: f64, step: f64) -> usize {
-    math::rint(length / step).max(1.0) as usize
+/// The places after equal steps, as near to `step` as can be, from the beginning to the end of a length.
+pub(crate) fn even(length: f64, step: f64, after: impl Fn(f64) -> [f64; 3]) -> impl Iterator<Item = [f64; 3]> {
+    let steps = math::rint(length / step).max(1.0);
+    (0..=steps as usize).map(move |k| after(length * k as f64 / steps))
 }
 
 /// The points in their order, without those nearer than half a step to one before them.

@@ -1,7 +1,7 @@
-//! Points of lines, circles and contours, evenly spaced along them.
+//! Points of lines, circles and contours: evenly spaced along them, or after a way along one.
 
 pub(crate) mod contour;
-pub(crate) mod figure;
+pub(crate) mod curve;
 
 pub use contour::{MOST, STEP, along, fitted};
-pub use figure::{circle, line, polyline};
+pub use curve::Curve;

@@ -147,21 +147,23 @@ fn shaped(shape: &str) -> String {
 
 #[test]
 fn lines_circles_and_polylines_need_no_door() {
-    use midair::points::{STEP, circle, line, polyline};
+    use midair::points::{Curve, STEP};
     let [a, b, c] = [[0.0, 0.0, 0.15], [0.02, 0.0, 0.15], [0.02, 0.01, 0.15]];
-    for (text, points) in [
-        ("kind = 'line'\nstart = [0, 0, 0.15]\nend = [0.02, 0, 0.15]", line(a, b, STEP)),
+    for (text, curve, step) in [
+        ("kind = 'line'\nstart = [0, 0, 0.15]\nend = [0.02, 0, 0.15]", Curve::line(a, b, false), STEP),
         (
             "kind = 'circle'\ncenter = [0, 0, 0.15]\nradius = 0.02\nnormal = [1, 0, 1]\nstep = 0.003",
-            circle(a, 0.02, [1.0, 0.0, 1.0], 0.003),
+            Curve::circle(a, 0.02, [1.0, 0.0, 1.0], 0.0),
+            0.003,
         ),
         (
             "kind = 'polyline'\npoints = [[0, 0, 0.15], [0.02, 0, 0.15], [0.02, 0.01, 0.15]]\nclosed = true",
-            polyline(&[a, b, c], true, STEP),
+            Curve::lines("points", &[a, b, c], true),
+            STEP,
         ),
     ] {
         let scene = read(shaped(&format!("{text}\npressure = 70\nweight = 2")).as_bytes(), Format::Toml).expect(text);
-        assert_eq!(scene.points(), points.expect(text));
+        assert_eq!(scene.points(), curve.and_then(|curve| curve.points(step)).expect(text));
         assert_eq!(scene.request().pressures, Some(vec![70.0; scene.points().len()]));
         assert_eq!(scene.request().weights, Some(vec![2.0; scene.points().len()]));
     }

@@ -8,9 +8,9 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._midair import MOST_POINTS
+from .._midair import MOST_POINTS, Curve
 from .._support.arguments import flag, number, refused, vector, vectors, whole
-from ._curve import Circle, axes, lines, walk
+from ._curve import walk
 from ._path import Path
 from ._piece import real
 
@@ -48,12 +48,11 @@ def circle(
     Raises SceneError for numbers that are not in order, and unless either a speed or a frequency above 0 is
     given.
     """
-    radius, turns = number("radius", radius, above=0), number("turns", turns, above=0)
+    radius, turns = number("radius", radius), number("turns", turns, above=0)
     angle, count = number("start_angle", start_angle), whole("points", points, least=1)
     if count > MOST_POINTS:
         raise refused("points", count, f"give at most {MOST_POINTS}")
-    across, up = axes(vector("normal", normal))
-    curve = Circle(2 * math.pi * radius, True, vector("center", center), across, up, angle)
+    curve = Curve.circle(vector("center", center), radius, vector("normal", normal), angle)
     return walk(curve, speed=speed, frequency=frequency, laps=turns, points=count, pressures=pressures)
 
 
@@ -77,11 +76,8 @@ def line(
     Raises SceneError for an end that is the start, for numbers that are not in order, and unless either a
     speed or a frequency above 0 is given.
     """
-    ends = np.stack([vector("start", start), vector("end", end)])
-    closed = flag("there_and_back", there_and_back)
-    if (ends[0] == ends[1]).all():
-        raise refused("end", ends[1], "it is where the start is, give another point")
-    return walk(lines(ends, closed), speed=speed, frequency=frequency, pressures=pressures)
+    curve = Curve.line(vector("start", start), vector("end", end), flag("there_and_back", there_and_back))
+    return walk(curve, speed=speed, frequency=frequency, pressures=pressures)
 
 
 def polyline(
@@ -101,10 +97,8 @@ def polyline(
     Raises SceneError for corners in one place, for numbers that are not in order, and unless either a speed
     or a frequency above 0 is given.
     """
-    vertices, closed = vectors("corners", corners), flag("closed", closed)
-    if (vertices == vertices[0]).all():
-        raise refused("corners", vertices, "they are all in one place, give different ones")
-    return walk(lines(vertices, closed), speed=speed, frequency=frequency, pressures=pressures)
+    curve = Curve.lines("corners", vectors("corners", corners), flag("closed", closed))
+    return walk(curve, speed=speed, frequency=frequency, pressures=pressures)
 
 
 def lissajous(
@@ -141,4 +135,4 @@ def lissajous(
     u = 2 * math.pi * np.arange(PIECES * max(a, b)) / (PIECES * max(a, b))
     shifts = sizes / 2 * np.stack([np.sin(a * u + phase), np.sin(b * u)], axis=1)
     vertices = middle + np.column_stack([shifts, np.zeros(len(u))])
-    return walk(lines(vertices, True), speed=speed, frequency=frequency, pressures=pressures)
+    return walk(Curve.lines("figure", vertices, True), speed=speed, frequency=frequency, pressures=pressures)

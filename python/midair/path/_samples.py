@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._midair import SceneError
+from .._midair import Curve, SceneError
 from .._support.arguments import flag, number, refused
 from ..shape._vector_graphics import outlines
-from ._curve import lasting, lines, walk
+from ._curve import lasting, walk
 from ._path import Path
 from ._piece import (
     FARTHEST,
@@ -52,7 +52,7 @@ def svg(
     if len(contours) > 1:
         cure = "leave one in each drawing, and put paths together by & or .then(..., fade=)"
         raise SceneError(f"the drawing has {len(contours)} outlines, of which a point walks one: {cure}")
-    return walk(lines(*contours[0]), speed=speed, frequency=frequency, pressures=pressures)
+    return walk(Curve.lines("outline", *contours[0]), speed=speed, frequency=frequency, pressures=pressures)
 
 
 class Frames(NamedTuple):

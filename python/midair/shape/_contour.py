@@ -42,15 +42,3 @@ def box(contours: Iterable[Contour]) -> tuple[Points, Points]:
 def ways(straight: bool) -> Points:
     """Where on a straight or curved segment, from 0 to 1, its vertices are taken."""
     return np.linspace(0.0, 1.0, 2 if straight else PIECES + 1)
-
-
-def measured(vertices: Points, closed: bool) -> tuple[Points, Points]:
-    """The vertices, the first once more where the contour closes, and the way along it to each."""
-    vertices = np.concatenate([vertices, vertices[:1]]) if closed else vertices
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(vertices, axis=0), axis=1))])
-    return vertices, along
-
-
-def reached(vertices: Points, along: Points, ways: Points) -> Points:
-    """Where one is on a contour after each of `ways` (...) along it: (..., 3)."""
-    return np.stack([np.interp(ways, along, axis) for axis in vertices.T], axis=-1)

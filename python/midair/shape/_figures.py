@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .. import _midair
-from .._midair import STEP
+from .._midair import STEP, Curve
 from .._support.arguments import flag, number, refused, vector, vectors, word
 from ._contour import Contour, Points, box, placed, points_along, ways
 
@@ -22,7 +21,8 @@ def line(start: ArrayLike, end: ArrayLike, *, step: float = STEP) -> Points:
     Raises SceneError for an end that is the start, for numbers that are not in order, and for more points
     than 100000.
     """
-    return _midair.line(vector("start", start), vector("end", end), number("step", step))
+    curve = Curve.line(vector("start", start), vector("end", end), False)
+    return curve.points(number("step", step))
 
 
 def circle(
@@ -41,8 +41,8 @@ def circle(
     Raises SceneError for a radius or step not above 0, a normal of no length, and for more points than
     100000.
     """
-    center, radius = vector("center", center), number("radius", radius)
-    return _midair.circle(center, radius, vector("normal", normal), number("step", step))
+    curve = Curve.circle(vector("center", center), number("radius", radius), vector("normal", normal), 0.0)
+    return curve.points(number("step", step))
 
 
 def polyline(points: ArrayLike, *, step: float = STEP, closed: bool = False) -> Points:
@@ -57,7 +57,8 @@ def polyline(points: ArrayLike, *, step: float = STEP, closed: bool = False) -> 
     Raises SceneError for points that are all in one place, for numbers that are not in order, and for more
     points than 100000.
     """
-    return _midair.polyline(vectors("points", points), flag("closed", closed), number("step", step))
+    curve = Curve.lines("points", vectors("points", points), flag("closed", closed))
+    return curve.points(number("step", step))
 
 
 def text(string: str, *, height: float, z: float, step: float = STEP, font: str | None = None) -> Points:

@@ -1,14 +1,15 @@
 //! Drawn: points along circles and contours, spaced so that they are few enough.
 
 use midair::Error;
-use midair::points::{along, circle, fitted};
+use midair::points::{Curve, along, fitted};
 
 use crate::studio::Studio;
 
 impl Studio {
     pub(crate) fn circle(&mut self, most: usize) -> Result<(), Error> {
         let &[x, y, z, radius] = &self.numbers_in[..] else { return Err(wrong("give a center and a radius")) };
-        self.draw(most, |step| circle([x, y, z], radius, [0.0, 0.0, 1.0], step))
+        let circle = Curve::circle([x, y, z], radius, [0.0, 0.0, 1.0], 0.0)?;
+        self.draw(most, |step| circle.points(step))
     }
 
     pub(crate) fn along(&mut self, most: usize) -> Result<(), Error> {

@@ -1,7 +1,7 @@
 use proptest::prelude::*;
 
+use crate::points::Curve;
 use crate::points::contour::{Lines, along, fitted, spaced};
-use crate::points::{circle, line};
 use crate::scene::distance;
 
 #[test]
@@ -39,7 +39,8 @@ fn a_contour_that_ends_where_it_began_has_no_point_twice() {
 
 #[test]
 fn so_many_points_at_most_and_those_of_the_usual_step_where_they_fit() {
-    let ring = |step| circle([0.0, 0.0, 0.1], 0.01, [0.0, 0.0, 1.0], step);
+    let circle = Curve::circle([0.0, 0.0, 0.1], 0.01, [0.0, 0.0, 1.0], 0.0).unwrap();
+    let ring = |step| circle.points(step);
     assert_eq!(fitted(64, ring).unwrap().len(), 30);
     for most in 1..30 {
         let count = fitted(most, ring).unwrap().len();
@@ -49,8 +50,8 @@ fn so_many_points_at_most_and_those_of_the_usual_step_where_they_fit() {
 
 #[test]
 fn a_length_that_nobody_means_is_refused() {
-    let [start, end] = [[0.0, 0.0, 0.1], [1000.0, 0.0, 0.1]];
-    let told = |step| line(start, end, step).unwrap_err().to_string();
+    let line = Curve::line([0.0, 0.0, 0.1], [1000.0, 0.0, 0.1], false).unwrap();
+    let told = |step| line.points(step).unwrap_err().to_string();
     assert!(told(2e-3).starts_with("step is 0.002: 1000 m of contours would be more than 100000 points"));
     assert_eq!(told(0.0), "step is 0.0: give a number above 0");
     assert_eq!(told(f64::NAN), "step is NaN: give a finite number");
@@ -65,7 +66,7 @@ proptest! {
     ) {
         let length = distance(start, end);
         prop_assume!(length > 1e-3);
-        let points = line(start, end, step).unwrap();
+        let points = Curve::line(start, end, false).unwrap().points(step).unwrap();
         let steps = points.len() - 1;
         prop_assert_eq!(points[0], start);
         prop_assert!(length < step / 2.0 || distance(points[steps], end) < 1e-12);

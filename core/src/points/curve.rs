@@ -1,0 +1,160 @@
+//! Curves by arc length: a circle or straight lines, as evenly spaced points and as the place after a way.
+
+use alloc::vec::Vec;
+use core::f64::consts::PI;
+
+use crate::error::{Error, real};
+use crate::math;
+use crate::points::contour::{Lines, even, few, spaced};
+use crate::scene::{cross, dot};
+
+/// A curve of a length in m that closes or not.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    length: f64,
+    closed: bool,
+    course: Course,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Course {
+    Circle { center: [f64; 3], across: [f64; 3], up: [f64; 3], angle: f64 },
+    Lines(Lines),
+}
+
+impl Curve {
+    /// A circle around a center, in the plane normal to `normal` of any length; center and radius in m.
+    ///
+    /// It begins at `angle` (rad) from x, as far as the plane allows (else from y), and goes counterclockwise, seen against
+    /// the normal: c + r (cos(a) u + sin(a) v), a = angle + way/r.
+    ///
+    /// # Errors
+    /// A radius that is not above 0, a number that is not finite, a normal of no length.
+    ///
+    /// ```
+    /// let circle = midair::points::Curve::circle([0.0, 0.0, 0.15], 0.02, [0.0, 0.0, 1.0], 0.0)?;
+    /// assert_eq!(circle.after(0.0), [0.02, 0.0, 0.15]);
+    /// # Ok::<(), midair::Error>(())
+    /// ```
+    pub fn circle(center: [f64; 3], radius: f64, normal: [f64; 3], angle: f64) -> Result<Self, Error> {
+        place("center", center)?;
+        let length = 2.0 * PI * real("radius", radius, 0.0, true)?;
+        let angle = real("start_angle", angle, f64::MIN, false)?;
+        let [across, up] = axes(normal)?;
+        Ok(Self { length, closed: true, course: Course::Circle { center, across, up, angle } })
+    }
+
+    /// Straight lines from corner to corner (K, 3) in m, at least two; where `closed`, also from the last back to the first.
+    ///
+    /// # Errors
+    /// Fewer than two corners, corners that are all in one place, a number that is not finite. Errors call them `item`.
+    ///
+    /// ```
+    /// let corners = [[0.0, 0.0, 0.15], [0.01, 0.0, 0.15], [0.01, 0.01, 0.15], [0.0, 0.01, 0.15]];
+    /// let square = midair::points::Curve::lines("corners", &corners, true)?;
+    /// assert_eq!(square.after(0.02), [0.01, 0.01, 0.15]);
+    /// assert_eq!(square.points(0.005)?.len(), 8);
+    /// # Ok::<(), midair::Error>(())
+    /// ```
+    pub fn lines(item: &str, corners: &[[f64; 3]], closed: bool) -> Result<Self, Error> {
+        let refused = |cure: &str| Err(Error::invalid(item, format_args!("{corners:?}"), cure));
+        if corners.len() < 2 {
+            return refused("give at least two");
+        }
+        if corners.iter().all(|corner| *corner == corners[0]) {
+            return refused("they are all in one place, give different ones");
+        }
+        corners.iter().try_for_each(|&corner| place(item, corner))?;
+        let corners: Vec<[f64; 3]> = corners.iter().chain(corners.first().filter(|_| closed)).copied().collect();
+        let lines = Lines::new(&corners)?;
+        Ok(Self { length: lines.length(), closed, course: Course::Lines(lines) })
+    }
+
+    /// A straight line from start to end in m, and back where asked.
+    ///
+    /// # Errors
+    /// An end that is the start, a number that is not finite.
+    ///
+    /// ```
+    /// let line = midair::points::Curve::line([-0.02, 0.0, 0.15], [0.02, 0.0, 0.15], false)?;
+    /// assert_eq!(line.points(0.01)?.len(), 5);
+    /// # Ok::<(), midair::Error>(())
+    /// ```
+    pub fn line(start: [f64; 3], end: [f64; 3], there_and_back: bool) -> Result<Self, Error> {
+        place("start", start)?;
+        if start == end {
+            let cure = "it is where the start is, give another point";
+            return Err(Error::invalid("end", format_args!("{end:?}"), cure));
+        }
+        Self::lines("end", &[start, end], there_and_back)
+    }
+
+    /// Evenly spaced points in m from its start, `step` m apart or as near to that as equal steps can be.
+    ///
+    /// The last is its end, unless it closes. A point nearer than half a step to one before it is left out.
+    ///
+    /// # Errors
+    /// A step that is not above 0, more than [`MOST`](crate::points::MOST) points.
+    pub fn points(&self, step: f64) -> Result<Vec<[f64; 3]>, Error> {
+        few(self.length, real("step", step, 0.0, true)?)?;
+        Ok(spaced(even(self.length, step, |way| self.after(way)).collect(), step))
+    }
+
+    /// Its length in m.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// Whether its end is its start.
+    #[must_use]
+    pub fn closed(&self) -> bool {
+        self.closed
+    }
+
+    /// The place after a way in m from its start. Lines end where they do; a circle goes on.
+    #[must_use]
+    pub fn after(&self, way: f64) -> [f64; 3] {
+        match &self.course {
+            Course::Lines(lines) => lines.after(way),
+            Course::Circle { center, across, up, angle } => {
+                let radius = self.length / (2.0 * PI);
+                let angle = angle + way / radius;
+                let (sin, cos) = (math::sin(angle), math::cos(angle));
+                [0, 1, 2].map(|axis| center[axis] + radius * (cos * across[axis] + sin * up[axis]))
+            }
+        }
+    }
+}
+
+/// Unit vectors normal to `normal`: along x as far as it allows (else along y), and to the left.
+fn axes(normal: [f64; 3]) -> Result<[[f64; 3]; 2], Error> {
+    let size = size(normal);
+    if !(size > 0.0 && size < f64::INFINITY) {
+        return Err(Error::invalid("normal", format_args!("{normal:?}"), "give a direction such as [0, 0, 1]"));
+    }
+    let normal = normal.map(|x| x / size);
+    // A normal along x leaves no direction along x in its plane.
+    let axis = if normal[0].abs() < 0.999 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+    let part = dot(axis, normal);
+    let across = [0, 1, 2].map(|k| axis[k] - normal[k] * part);
+    let length = self::size(across);
+    let across = across.map(|x| x / length);
+    Ok([across, cross(normal, across)])
+}
+
+fn size([x, y, z]: [f64; 3]) -> f64 {
+    math::hypot(math::hypot(x, y), z)
+}
+
+/// Refuses a place that is none.
+fn place(item: &str, at: [f64; 3]) -> Result<(), Error> {
+    if at.iter().all(|x| x.is_finite()) {
+        return Ok(());
+    }
+    Err(Error::invalid(item, format_args!("{at:?}"), "give three finite numbers"))
+}
+
+#[cfg(test)]
+#[path = "tests/curve.rs"]
+mod tests;
