@@ -83,10 +83,7 @@ pub(crate) fn sweep_keys(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     keys(py, files::sweep_tables())
 }
 
-fn keys<'py>(
-    py: Python<'py>,
-    all: impl IntoIterator<Item = (&'static str, &'static [Key])>,
-) -> PyResult<Bound<'py, PyDict>> {
+fn keys(py: Python<'_>, all: impl IntoIterator<Item = (&'static str, &'static [Key])>) -> PyResult<Bound<'_, PyDict>> {
     let tables = PyDict::new(py);
     for (table, keys) in all {
         let texts = keys.iter().map(|key| (key.name, (key.example, key.about)));

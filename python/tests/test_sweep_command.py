@@ -46,11 +46,11 @@ def test_the_command_writes_what_python_gives(run: Run) -> None:
 
 POINTS = ASKED["points"]
 BAD: dict[str, tuple[dict[str, Any], str]] = {
-    "an unknown key": ({"sedes": 4}, 'unknown key of sweep "sedes": known are seed, seeds'),
+    "an unknown key": ({"sedes": 4}, 'unknown key "sedes": did you mean seeds? known are seed, seeds'),
     "an unknown key of points": ({"points": {**POINTS, "w": 1}}, 'unknown key of points "w"'),
     "an unknown key of the array": (
         {"array": {"prest": "paper20"}},
-        'array 0 or medium of the sweep: unknown key of array "prest": did you mean preset?',
+        'sweep.json, line 1, column 35: unknown key of array "prest": did you mean preset?',
     ),
     "an unknown key of the medium": ({"medium": {"temprature": 20}}, 'unknown key of medium "temprature"'),
     "a medium that is none": ({"medium": 3}, "medium"),
@@ -77,7 +77,7 @@ BAD: dict[str, tuple[dict[str, Any], str]] = {
     "a range turned round": ({"points": {**POINTS, "x": [1.0, -1.0]}}, "points.x is [1.0, -1.0]"),
     "a range that is none": (
         {"points": {**POINTS, "x": [0.0, float("nan")]}},
-        "points.x[1] is nan: give a finite",
+        "no JSON here (a value is missing, or not a number",
     ),
     "more than 10^9": (
         {"seeds": 10**8},

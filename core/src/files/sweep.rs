@@ -47,6 +47,7 @@ const POINTS: &[Key] = &[
 ];
 
 /// The tables of a sweep file that are its own, by path, and their keys.
+#[must_use]
 pub fn sweep_tables() -> [(&'static str, &'static [Key]); 2] {
     [("", FILE), ("points", POINTS)]
 }

@@ -43,8 +43,11 @@ pub(super) fn find(text: &str, steps: &[Step<'_>]) -> Place {
 }
 
 fn table(table: DeTable<'_>) -> Result<Node, Flaw> {
+    // The parser sorts keys by name; a document's own order counts.
+    let mut given: Vec<_> = table.into_iter().collect();
+    given.sort_by_key(|(key, _)| key.span().start);
     let mut entries = Vec::new();
-    for (key, value) in table {
+    for (key, value) in given {
         let at = key.span().start;
         let key = key.into_inner().into_owned();
         Flaw::check_key(at, &key, &entries)?;

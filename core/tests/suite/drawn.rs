@@ -82,11 +82,11 @@ fn a_refusal_is_told_with_the_place_of_its_key() {
         ("step is left out: give one", ", line 13, column 1: shape[0].step is left out: give one"),
         (
             "svgelements: there is none",
-            ", line 13, column 1: shape[0] is a table of height, kind, string, z: svgelements",
+            ", line 13, column 1: shape[0] is a table of kind, height, string, z: svgelements",
         ),
         (
             "it is late: come back",
-            ", line 13, column 1: shape[0] is a table of height, kind, string, z: it is late: come",
+            ", line 13, column 1: shape[0] is a table of kind, height, string, z: it is late: come",
         ),
     ] {
         let error = told(SCENE, Format::Toml, &refusal(answer));
@@ -136,7 +136,7 @@ fn pressures_are_of_all_or_none_across_tables() {
 fn a_reader_without_a_door_says_who_draws() {
     let error = read(SCENE.as_bytes(), Format::Toml).expect_err("nobody draws").to_string();
     let begin =
-        "scene file, line 13, column 1: shape[0] is a table of height, kind, string, z: midair's Python package";
+        "scene file, line 13, column 1: shape[0] is a table of kind, height, string, z: midair's Python package";
     assert!(error.starts_with(begin), "{error}");
 }
 
