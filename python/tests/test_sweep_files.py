@@ -256,6 +256,7 @@ def test_what_dead_processes_left_is_removed() -> None:
         ),
         ("a.toml", "[[solver]]\nname = 3", "solver.name is 3: give one of"),
         ("a.toml", "[points]\nz = inf", "line 2, column 5: points.z is inf: give a finite number"),
+        ("a.toml", "[points]\nx = [0.0, nan]", "line 2, column 11: points.x[1] is nan: give a finite number"),
         ("a.toml", "seed = ", "line 1, column 8: no TOML here"),
         ("a.json", "[]", "line 1, column 1: the document is []: give a table"),
         ("a.toml", "", "empty"),
