@@ -150,6 +150,27 @@ def test_a_mistake_is_reported_in_its_own_line(tmp_path: Path, name: str, text: 
         assert len(run.stderr.splitlines()) == 1
 
 
+@pytest.mark.parametrize(
+    ("was", "now", "fault"),
+    [
+        ("change = 0.5", "change = inf", "line 10, column 10: motion.change is inf: give a finite number"),
+        ("rate = 1000", "rate = -1000", "line 9, column 8: motion.rate is -1000.0: give a number above 0"),
+        ("change = 0.5", "tau = -1", "line 10, column 7: motion.tau is -1.0: give a number"),
+        ("change = 0.5", "ahead = -2", "line 10, column 9: motion.ahead is -2: give"),
+    ],
+)
+def test_a_refused_value_of_motion_is_reported_in_its_line(
+    tmp_path: Path, was: str, now: str, fault: str
+) -> None:
+    moving = read(tmp_path, SCENE.replace(was, now))
+    with pytest.raises(midair.SceneError) as refusal:
+        moving.solve()
+    assert str(refusal.value).startswith(f"{tmp_path / 'scene.toml'}, {fault}")
+    # A value that is given beside the file has no place in it.
+    with pytest.raises(midair.SceneError, match=r"^rate is -3"):
+        read(tmp_path, SCENE).solve(rate=-3)
+
+
 def test_json_and_toml_of_one_motion_are_the_same(tmp_path: Path) -> None:
     one = read(tmp_path, SCENE)
     circle = {"kind": "circle", "center": [0, 0, 0.15], "radius": 0.01, "frequency": 5, "pressure": 100}

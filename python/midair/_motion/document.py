@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import path as paths
-from .._midair import Array, SceneError, read_motion, read_table, solver_name
+from .._midair import Array, SceneError, placed, read_motion, read_table, solver_name
 from .._points.drawn import called
 from .._support.arguments import existing, refused, word
 from .._support.text import array, content
@@ -42,13 +42,23 @@ class Document:
     solver: str
     air: dict[str, Any]
     options: dict[str, Any]
+    file: Path
 
     def solve(self, array: Array | None = None, solver: str | None = None, **keywords: Any) -> Sequence:
-        """The sequence, by this array and solver where given. The file's options are of its own solver."""
+        """The sequence, by this array and solver where given. The file's options are of its own solver.
+
+        A refused value of [motion] is reported with its place in the file.
+        """
         name = self.solver if solver is None else solver_name(solver)
         options = self.options if name == self.solver else {}
         given = {**self.settings, **self.air, **options, **keywords}
-        return sequence(self.array if array is None else array, self.path, name, **given)
+        try:
+            return sequence(self.array if array is None else array, self.path, name, **given)
+        except SceneError as error:
+            told = placed(self.file.read_bytes(), str(self.file), f"motion.{error}")
+            if told.startswith("motion.") or str(error).partition(" is ")[0] in keywords:
+                raise
+            raise SceneError(told) from error
 
 
 def read(file: Path) -> Document | None:
@@ -71,7 +81,7 @@ def read(file: Path) -> Document | None:
     air = {**scene.medium, "obstacles": scene.obstacles}
     if scene.signature is not None:
         air["signature"] = scene.signature
-    return Document(scene.array, _together(moving), settings, solver, air, dict(options))
+    return Document(scene.array, _together(moving), settings, solver, air, dict(options), file)
 
 
 def _together(moving: list[Any]) -> Moving | NDArray[np.float64]:
