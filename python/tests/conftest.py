@@ -1,8 +1,10 @@
 """Settings of the test run: one BLAS thread, and a limit of CPU time for tests that are not marked slow."""
 
+import json
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 
@@ -15,6 +17,9 @@ LIMIT = 1.0
 
 OVER: list[str] = []
 
+#: The one line of each refusal, by test file and test.
+REFUSALS = Path(__file__).with_name("refusals")
+
 
 @pytest.fixture(autouse=True)
 def no_figure_stays() -> Iterator[None]:
@@ -22,6 +27,23 @@ def no_figure_stays() -> Iterator[None]:
     yield
     if pyplot := sys.modules.get("matplotlib.pyplot"):
         pyplot.close("all")
+
+
+@pytest.fixture
+def kept(request: pytest.FixtureRequest, tmp_path: Path) -> Callable[..., None]:
+    """Compares the lines of a test's refusals with refusals/, or keeps them there: MIDAIR_REFUSALS=write."""
+    file = REFUSALS / f"{request.path.stem}.json"
+    every = json.loads(file.read_text("utf-8")) if file.exists() else {}
+
+    def check(*texts: str) -> None:
+        assert all(len(text.splitlines()) == 1 for text in texts), texts
+        lines = [text.strip().replace(f"{tmp_path}{os.sep}", "TMP/") for text in texts]
+        if os.environ.get("MIDAIR_REFUSALS") == "write":
+            every[request.node.name] = lines
+            file.write_text(json.dumps(every, ensure_ascii=False, indent=1, sort_keys=True) + "\n", "utf-8")
+        assert lines == every.get(request.node.name)
+
+    return check
 
 
 def quick(config: pytest.Config) -> bool:

@@ -21,6 +21,7 @@ BOMB = """<?xml version="1.0"?>
 <java>&z;</java>""".format(
     "".join(f'<!ENTITY {b} "{f"&{a};" * 10}">' for a, b in zip("abcdefghij", "bcdefghijz", strict=True))
 )
+Kept = Callable[..., None]
 UNIT = {"origin": [0, 0, 0], "rotation": [1, 0, 0, 0]}
 
 
@@ -39,110 +40,79 @@ def zeros(count: int, wbits: int = 31) -> bytes:
     return b"".join(packer.compress(bytes(1 << 20)) for _ in range(count)) + packer.flush()
 
 
-ARRAYS: dict[str, tuple[str, Callable[[], bytes], str]] = {
-    "empty": ("a.pat", bytes, "it is empty"),
-    "pictures": ("a.pat", lambda: b"\x89PNG\xff\xfe", "it is no text"),
-    "a pat of one line": ("a.pat", lambda: b"7", "line 2: the number of transducers are missing"),
-    "no ending": ("a", lambda: b"7", "it has no known ending: give .pat .OpenMPD., .xml.gz"),
-    "gzip that ends": ("a.xml.gz", lambda: gzip.compress(JAVA.encode())[:-9], "gzip data end too soon"),
-    "gzip damaged": (
-        "a.xml.gz",
-        lambda: gzip.compress(b"a" * 999)[:10] + b"\xff" * 30,
-        "gzip data are damaged",
-    ),
-    "gzip and more": ("a.xml.gz", lambda: gzip.compress(JAVA.encode()) + b"1", "follows its gzip data"),
-    "gzip bomb": ("a.xml.gz", lambda: zeros(80), "it unpacks to more than 64 MB"),
-    "XML that ends": ("a.xml", lambda: b"<java>\n<object", "line 2: it is no XML"),
-    "entity bomb": ("a.xml", BOMB.encode, "line 2: a document type is declared"),
+ARRAYS: dict[str, tuple[str, Callable[[], bytes]]] = {
+    "empty": ("a.pat", bytes),
+    "pictures": ("a.pat", lambda: b"\x89PNG\xff\xfe"),
+    "a pat of one line": ("a.pat", lambda: b"7"),
+    "no ending": ("a", lambda: b"7"),
+    "gzip that ends": ("a.xml.gz", lambda: gzip.compress(JAVA.encode())[:-9]),
+    "gzip damaged": ("a.xml.gz", lambda: gzip.compress(b"a" * 999)[:10] + b"\xff" * 30),
+    "gzip and more": ("a.xml.gz", lambda: gzip.compress(JAVA.encode()) + b"1"),
+    "gzip bomb": ("a.xml.gz", lambda: zeros(80)),
+    "XML that ends": ("a.xml", lambda: b"<java>\n<object"),
+    "entity bomb": ("a.xml", BOMB.encode),
     "outer entity": (
         "a.xml",
         lambda: b'<!DOCTYPE a [<!ENTITY x SYSTEM "file:///etc/passwd">]>\n<java>&x;</java>',
-        "a document type is declared",
     ),
-    "deep": ("a.xml", lambda: b"<a>" * 5000, "elements more than 100 deep"),
-    "no words": ("a.xml", lambda: b'<?xml version="1.0" encoding="klingon"?><java/>', "unknown"),
-    "nothing in it": ("a.xml", lambda: JAVA.format("").encode(), "no Transducer is in it"),
-    "another XML": ("a.xml", lambda: b"<svg/>", "no System/Transducers/Transducer is in it"),
-    "a name unknown": ("a.xml", lambda: JAVA.format('<object idref="T"/>').encode(), '"T" is used before'),
-    "a name of itself": (
-        "a.xml",
-        lambda: JAVA.format('<object id="T" idref="T"/>').encode(),
-        "no Transducer",
-    ),
-    "a number of words": (
-        "a.xml",
-        lambda: JAVA.format("\n<float>one</float>").encode(),
-        'line 2: <float> is "one"',
-    ),
-    "not a number": ("a.xml", lambda: JAVA.format("<double>NaN</double>").encode(), '<double> is "NaN"'),
+    "deep": ("a.xml", lambda: b"<a>" * 5000),
+    "no words": ("a.xml", lambda: b'<?xml version="1.0" encoding="klingon"?><java/>'),
+    "nothing in it": ("a.xml", lambda: JAVA.format("").encode()),
+    "another XML": ("a.xml", lambda: b"<svg/>"),
+    "a name unknown": ("a.xml", lambda: JAVA.format('<object idref="T"/>').encode()),
+    "a name of itself": ("a.xml", lambda: JAVA.format('<object id="T" idref="T"/>').encode()),
+    "a number of words": ("a.xml", lambda: JAVA.format("\n<float>one</float>").encode()),
+    "not a number": ("a.xml", lambda: JAVA.format("<double>NaN</double>").encode()),
     "no length": (
         "a.xml",
         lambda: JAVA.format(
             '<object class="x.Transducer"><void property="transform"><void property="rot">'
             '<void property="w"><float>0</float></void></void></void></object>'
         ).encode(),
-        "rot is .0.0, 0.0, 0.0, 0.0.: give a quaternion",
     ),
     "power of words": (
         "a.xml",
         lambda: JAVA.format(
             '<object class="x.Transducer"><void property="power"><string>much</string></void></object>'
         ).encode(),
-        "power is 'much': give a number",
     ),
-    "no index": (
-        "a.xml",
-        lambda: handybeam('Xmm="1" Ymm="2" Zmm="0"'),
-        'line 2: Index is "": give each of 0 to 0',
-    ),
-    "index beyond": ("a.xml", lambda: handybeam('Index="1" Xmm="1" Ymm="2" Zmm="0"'), 'Index is "1"'),
-    "index twice": (
-        "a.xml",
-        lambda: handybeam(*['Index="1" Xmm="1" Ymm="2" Zmm="0"'] * 2),
-        "Index 1 is there twice",
-    ),
-    "no height": ("a.xml", lambda: handybeam('Index="0" Xmm="1" Ymm="2"'), 'Zmm is "": give a finite number'),
-    "JSON that ends": ("a.json", lambda: b'[{"origin": [0,\n', "line 2: it is no JSON"),
-    "a deep JSON": ("a.json", lambda: b"[" * 100_000, "nest too deep|no JSON"),
-    "no boards": ("a.json", lambda: b"[]", "0 boards: give 1 to 128"),
-    "many boards": ("a.json", lambda: json.dumps([UNIT] * 129).encode(), "129 boards"),
-    "a scene": ("a.json", lambda: b'{"array": {}}', "scene file, read it by midair.Scene.load"),
-    "no origin": ("a.json", lambda: b'[{"rotation": [1, 0, 0, 0]}]', "origin of board 0 is null"),
-    "flat origin": (
-        "a.json",
-        lambda: boards(origin=[0, 0]),
-        "origin of board 1 is .0.0, 0.0.: give .x, y, z., in mm",
-    ),
-    "origin of words": ("a.json", lambda: boards(origin=[0, 0, "1"]), "origin of board 1"),
-    "origin beyond": (
-        "a.json",
-        lambda: boards(origin=[0, 0, float("nan")]),
-        "origin of board 1 is .0.0, 0.0, NaN.",
-    ),
-    "huge origin": ("a.json", lambda: b'[{"origin": [0, 0, 1e999], "rotation": [1, 0, 0, 0]}]', "Infinity"),
-    "a long number": (
-        "a.json",
-        lambda: boards(origin=[0, 0, 10**400]),
-        "origin of board 1 is .0.0, 0.0, Infinity",
-    ),
-    "a longer number": ("a.json", lambda: b"[" + b"1" * 9999 + b"]", "origin of board 0 is null"),
-    "long rotation": (
-        "a.json",
-        lambda: boards(rotation=[1, 0, 0, 0.1]),
-        "rotation of board 1 has length 1.00",
-    ),
+    "no index": ("a.xml", lambda: handybeam('Xmm="1" Ymm="2" Zmm="0"')),
+    "index beyond": ("a.xml", lambda: handybeam('Index="1" Xmm="1" Ymm="2" Zmm="0"')),
+    "index twice": ("a.xml", lambda: handybeam(*['Index="1" Xmm="1" Ymm="2" Zmm="0"'] * 2)),
+    "no height": ("a.xml", lambda: handybeam('Index="0" Xmm="1" Ymm="2"')),
+    "JSON that ends": ("a.json", lambda: b'[{"origin": [0,\n'),
+    "no boards": ("a.json", lambda: b"[]"),
+    "many boards": ("a.json", lambda: json.dumps([UNIT] * 129).encode()),
+    "a scene": ("a.json", lambda: b'{"array": {}}'),
+    "no origin": ("a.json", lambda: b'[{"rotation": [1, 0, 0, 0]}]'),
+    "flat origin": ("a.json", lambda: boards(origin=[0, 0])),
+    "origin of words": ("a.json", lambda: boards(origin=[0, 0, "1"])),
+    "origin beyond": ("a.json", lambda: boards(origin=[0, 0, float("nan")])),
+    "huge origin": ("a.json", lambda: b'[{"origin": [0, 0, 1e999], "rotation": [1, 0, 0, 0]}]'),
+    "a long number": ("a.json", lambda: boards(origin=[0, 0, 10**400])),
+    "a longer number": ("a.json", lambda: b"[" + b"1" * 9999 + b"]"),
+    "long rotation": ("a.json", lambda: boards(rotation=[1, 0, 0, 0.1])),
 }
 
 
 @pytest.mark.parametrize("name", ARRAYS)
-def test_arrays_that_cannot_be_read(name: str, tmp_path: Path) -> None:
-    file, make, told = ARRAYS[name]
+def test_arrays_that_cannot_be_read(name: str, tmp_path: Path, kept: Kept) -> None:
+    file, make = ARRAYS[name]
     path = tmp_path / file
     path.write_bytes(make())
     begin = time.perf_counter()
-    with pytest.raises(midair.SceneError, match=told) as refused:
+    with pytest.raises(midair.SceneError) as refused:
         read_array(path)
     assert time.perf_counter() - begin < 5
+    kept(str(refused.value))
+
+
+def test_a_deep_json(tmp_path: Path) -> None:
+    path = tmp_path / "a.json"
+    path.write_bytes(b"[" * 100_000)
+    # Versions of Python differ in how deep they read.
+    with pytest.raises(midair.SceneError, match=r"nest too deep|no JSON") as refused:
+        read_array(path)
     assert str(refused.value).startswith(f'file "{path}"')
     assert "\n" not in str(refused.value)
 
@@ -193,88 +163,70 @@ def paired(phases: str, amplitudes: str | None) -> Callable[[Path], None]:
 PAIR = "a0_Phase.csv"
 TABLE = "index,x,y,z,amplitude,phase\n"
 POINTS = "t,x,y,z,intensity\n"
-DRIVES: dict[str, tuple[str, Callable[[Path], None], str]] = {
-    "no ending": ("a.txt", text("1"), "it has no known ending"),
-    "empty": ("a.csv", text(""), "it is empty"),
-    "blank": ("a.csv", text("\n\n# nothing\n"), "no row is in it"),
-    "no text": ("a.csv", bytes_of(b"\xff\xfe\x00"), "it is no text"),
-    "no table": ("a.csv", text("apples,pears\n"), 'line 1: "apples,pears" begins no table'),
-    "numbers alone": ("a.csv", text("0.1,0.2,0.3\n"), "line 1: .* begins no table"),
-    "transducers": ("a.csv", text("x,y,z\n0,0,0\n"), "read them by midair._files.read_array"),
-    "a drive without drives": ("a.csv", text(TABLE), "no drive is in it"),
-    "too loud": ("a.csv", text(TABLE + "0,0,0,0,1.5,0\n"), "line 2: amplitude is 1.5: give 0 to 1"),
-    "less than nothing": ("a.csv", text(TABLE + "0,0,0,0,-0.5,0\n"), "line 2: amplitude is -0.5"),
-    "no phase": ("a.csv", text(TABLE + "0,0,0,0,1\n"), 'line 2: phase is "": give a finite number'),
-    "phase beyond": ("a.csv", text(TABLE + "0,0,0,0,1,nan\n"), 'line 2: phase is "nan"'),
-    "a row left out": ("a.csv", text(TABLE + "0,0,0,0,1,1\n2,0,0,0,1,1\n"), "line 3: index is 2: give 1"),
-    "column twice": ("a.csv", text("phase,amplitude,phase\n0,1,0\n"), 'column "phase" is there twice'),
-    "a frame less": ("a.csv", text("3,2\n0,1\n0,1\n"), "line 3: 3 frames are told and 2 are there"),
-    "a frame more": ("a.csv", text("1,2\n0,1\n0,1\n"), "line 3: 1 frames are told and more are there"),
-    "a phase less": ("a.csv", text("2,2\n0,1\n0\n"), "line 3: 1 phases: give one for each of 2"),
-    "a phase of words": ("a.csv", text("1,2\n0,one\n"), 'line 2: column 2 is "one"'),
-    "a phase beyond": ("a.csv", text("1,2\n0,inf\n"), 'line 2: column 2 is "inf"'),
-    "many frames": (
-        "a.csv",
-        text("900000000,900000000\n0\n"),
-        "line 1: 900000000 frames of 900000000 transducers are told, more than",
-    ),
-    "a pair of one": (PAIR, paired("0,1\n", None), '"a0_Amp.csv", are not beside it'),
-    "a pair of two sizes": (
-        PAIR,
-        paired("0,1\n0,1\n", "0,1\n"),
-        "1 x 2 amplitudes: give as many as phases, 2 x 2",
-    ),
-    "rows of two sizes": (PAIR, paired("0,1\n0\n", "0,1\n"), "line 2: 1 columns: give 2"),
-    "a pair too loud": (PAIR, paired("0,1\n", "0,2\n"), "amplitude 2 in frame 0, column 2: give 0 to 1"),
-    "a pair of words": (PAIR, paired("0,a\n", "0,1\n"), 'line 1: column 2 is "a"'),
-    "an empty pair": (PAIR, paired("#\n", "0,1\n"), "no row is in it"),
-    "points alone": ("a.csv", text(POINTS), "no point is in it"),
-    "bright": ("a.csv", text(POINTS + "0,0,0,0.1,2\n"), "line 2: intensity is 2: give 0 to 1"),
-    "back in time": ("a.csv", text(POINTS + "1,0,0,0.1,1\n0,0,0,0.1,1\n"), "line 3: t goes back"),
-    "a point less": (
-        "a.csv",
-        text(POINTS + "0,0,0,1,1\n0,1,0,1,1\n1,0,0,1,1\n"),
-        "line 4: 1 points at t = 1",
-    ),
-    "a point beyond": ("a.csv", text(POINTS + "0,0,nan,1,1\n"), 'line 2: y is "nan"'),
-    "no place": ("a.csv", text("t,intensity\n0,1\n"), 'there is no column "x"'),
-    "not packed": ("a.holo", bytes_of(b"hello"), "zlib data are damaged"),
-    "packed and cut": ("a.holo", bytes_of(holo(*[0] * 999, 63)[:-5]), "zlib data end too soon"),
-    "half a number": ("a.holo", bytes_of(zlib.compress(bytes(7))), "7 bytes are in it"),
-    "nothing packed": ("a.holo", bytes_of(zlib.compress(b"")), "0 bytes are in it"),
-    "no end": ("a.holo", bytes_of(holo(1, 2, 3)), "no list of phases is in it"),
-    "an end alone": ("a.holo", bytes_of(holo(63, 63)), "no list of phases is in it"),
-    "no amplitudes": ("a.holo", bytes_of(holo(1, 2, 63)), "1 lists are in it"),
-    "few amplitudes": ("a.holo", bytes_of(holo(1, 2, 63, 3, 63, 0)), "not all of 2 numbers"),
-    "a large number": ("a.holo", bytes_of(holo(1, 40, 63, 1, 1, 63)), "number 1 is 40: give 0 to 32"),
-    "a huge number": ("a.holo", bytes_of(holo(1, 1 << 33, 63, 1, 1, 63)), "number 1 is 8589934592"),
-    "no board": ("a.bin", bytes_of(bytes(258)), 'board is left out: give board=, such as "sonicsurface"'),
-    "no archive": ("a.npz", bytes_of(b"hello"), "it is damaged, or no .npz"),
-    "no drive": ("a.npz", archive(pressure=np.ones(3)), "there is no drive in it"),
-    "a drive of objects": ("a.npz", archive(drive=np.array([{}])), "drive is damaged, or no numbers"),
-    "a drive of words": ("a.npz", archive(drive=np.array(["a"])), "drive is <U1 of shape"),
-    "a flat drive": ("a.npz", archive(drives=np.ones(3)), r"drives is float64 of shape \(3,\)"),
-    "drives beyond": (
-        "a.npz",
-        archive(drives=np.array([[0, np.nan]])),
-        r"drives\[0, 1\] is nan: give finite",
-    ),
-    "drives too loud": ("a.npz", archive(drive=np.array([0, 2j])), r"drive\[1\] is 2j: give finite"),
-    "an archive bomb": ("a.npz", bomb, "drives unpacks to more than 256 MB"),
-    "a damaged solution": ("a.npz", archive(scene="{}", drive=np.ones(3)), "damaged, or none"),
-    "a damaged sequence": ("a.npz", archive(setting="{}", drives=np.ones(3)), "damaged, or none"),
+DRIVES: dict[str, tuple[str, Callable[[Path], None]]] = {
+    "no ending": ("a.txt", text("1")),
+    "empty": ("a.csv", text("")),
+    "blank": ("a.csv", text("\n\n# nothing\n")),
+    "no text": ("a.csv", bytes_of(b"\xff\xfe\x00")),
+    "no table": ("a.csv", text("apples,pears\n")),
+    "numbers alone": ("a.csv", text("0.1,0.2,0.3\n")),
+    "transducers": ("a.csv", text("x,y,z\n0,0,0\n")),
+    "a drive without drives": ("a.csv", text(TABLE)),
+    "too loud": ("a.csv", text(TABLE + "0,0,0,0,1.5,0\n")),
+    "less than nothing": ("a.csv", text(TABLE + "0,0,0,0,-0.5,0\n")),
+    "no phase": ("a.csv", text(TABLE + "0,0,0,0,1\n")),
+    "phase beyond": ("a.csv", text(TABLE + "0,0,0,0,1,nan\n")),
+    "a row left out": ("a.csv", text(TABLE + "0,0,0,0,1,1\n2,0,0,0,1,1\n")),
+    "column twice": ("a.csv", text("phase,amplitude,phase\n0,1,0\n")),
+    "a frame less": ("a.csv", text("3,2\n0,1\n0,1\n")),
+    "a frame more": ("a.csv", text("1,2\n0,1\n0,1\n")),
+    "a phase less": ("a.csv", text("2,2\n0,1\n0\n")),
+    "a phase of words": ("a.csv", text("1,2\n0,one\n")),
+    "a phase beyond": ("a.csv", text("1,2\n0,inf\n")),
+    "many frames": ("a.csv", text("900000000,900000000\n0\n")),
+    "a pair of one": (PAIR, paired("0,1\n", None)),
+    "a pair of two sizes": (PAIR, paired("0,1\n0,1\n", "0,1\n")),
+    "rows of two sizes": (PAIR, paired("0,1\n0\n", "0,1\n")),
+    "a pair too loud": (PAIR, paired("0,1\n", "0,2\n")),
+    "a pair of words": (PAIR, paired("0,a\n", "0,1\n")),
+    "an empty pair": (PAIR, paired("#\n", "0,1\n")),
+    "points alone": ("a.csv", text(POINTS)),
+    "bright": ("a.csv", text(POINTS + "0,0,0,0.1,2\n")),
+    "back in time": ("a.csv", text(POINTS + "1,0,0,0.1,1\n0,0,0,0.1,1\n")),
+    "a point less": ("a.csv", text(POINTS + "0,0,0,1,1\n0,1,0,1,1\n1,0,0,1,1\n")),
+    "a point beyond": ("a.csv", text(POINTS + "0,0,nan,1,1\n")),
+    "no place": ("a.csv", text("t,intensity\n0,1\n")),
+    "not packed": ("a.holo", bytes_of(b"hello")),
+    "packed and cut": ("a.holo", bytes_of(holo(*[0] * 999, 63)[:-5])),
+    "half a number": ("a.holo", bytes_of(zlib.compress(bytes(7)))),
+    "nothing packed": ("a.holo", bytes_of(zlib.compress(b""))),
+    "no end": ("a.holo", bytes_of(holo(1, 2, 3))),
+    "an end alone": ("a.holo", bytes_of(holo(63, 63))),
+    "no amplitudes": ("a.holo", bytes_of(holo(1, 2, 63))),
+    "few amplitudes": ("a.holo", bytes_of(holo(1, 2, 63, 3, 63, 0))),
+    "a large number": ("a.holo", bytes_of(holo(1, 40, 63, 1, 1, 63))),
+    "a huge number": ("a.holo", bytes_of(holo(1, 1 << 33, 63, 1, 1, 63))),
+    "no board": ("a.bin", bytes_of(bytes(258))),
+    "no archive": ("a.npz", bytes_of(b"hello")),
+    "no drive": ("a.npz", archive(pressure=np.ones(3))),
+    "a drive of objects": ("a.npz", archive(drive=np.array([{}]))),
+    "a drive of words": ("a.npz", archive(drive=np.array(["a"]))),
+    "a flat drive": ("a.npz", archive(drives=np.ones(3))),
+    "drives beyond": ("a.npz", archive(drives=np.array([[0, np.nan]]))),
+    "drives too loud": ("a.npz", archive(drive=np.array([0, 2j]))),
+    "an archive bomb": ("a.npz", bomb),
+    "a damaged solution": ("a.npz", archive(scene="{}", drive=np.ones(3))),
+    "a damaged sequence": ("a.npz", archive(setting="{}", drives=np.ones(3))),
 }
 
 
 @pytest.mark.parametrize("name", DRIVES)
-def test_drives_that_cannot_be_read(name: str, tmp_path: Path) -> None:
-    file, make, told = DRIVES[name]
-    path = tmp_path / file
-    make(path)
-    with pytest.raises(midair.SceneError, match=told) as refused:
-        midair.read(path)
-    assert "\n" not in str(refused.value)
-    assert str(path.parent) in str(refused.value)
+def test_drives_that_cannot_be_read(name: str, tmp_path: Path, kept: Kept) -> None:
+    file, make = DRIVES[name]
+    make(tmp_path / file)
+    with pytest.raises(midair.SceneError) as refused:
+        midair.read(tmp_path / file)
+    kept(str(refused.value))
 
 
 @pytest.mark.slow
@@ -308,65 +260,44 @@ def test_files_that_are_none(tmp_path: Path) -> None:
 
 
 FRAMES = np.ones((2, 6), np.complex64)
-REQUESTS: dict[str, tuple[str, Any, dict[str, Any], str]] = {
-    "ending": ("a.mat", FRAMES, {}, "has no known ending: give .npz, .csv, .json, .holo or .bin"),
-    "nan": ("a.npz", FRAMES * np.nan, {}, r"drives\[0, 0\] is .*nan.*: give finite numbers"),
-    "loud": ("a.holo", FRAMES * 2, {}, r"drives\[0, 0\] is .2.0.*at most 1 in modulus"),
-    "codes": ("a.npz", np.ones((2, 6), int), {}, "of whole numbers, which may be codes of a board"),
-    "words": ("a.npz", "drive", {}, "give a Solution, a Sequence, or complex drives"),
-    "ragged": ("a.npz", [[1.0], [1.0, 2.0]], {}, "give a Solution, a Sequence, or complex drives"),
-    "shape": ("a.npz", np.ones((2, 2, 2)), {}, r"drives has shape \(2, 2, 2\)"),
-    "nothing": ("a.npz", np.ones(0), {}, r"drives has shape \(0,\)"),
-    "frames as a table": (
-        "a.csv",
-        FRAMES,
-        {},
-        '2 frames: this .csv holds one drive, give layout="acoustools"',
-    ),
-    "frames as json": ("a.json", FRAMES, {}, ".json holds a Solution of a scene"),
-    "layout": (
-        "a.csv",
-        FRAMES,
-        {"layout": "matlab"},
-        'layout is "matlab": give drive, acoustools, ultraino or points',
-    ),
-    "layout of none": ("a.holo", FRAMES, {"layout": "points"}, "a .holo file has but one, leave it out"),
-    "rate": ("a.holo", FRAMES, {"rate": 10.0}, "rate is 10.0: it is of control points"),
-    "modulate": ("a.csv", np.zeros((1, 3)), {"layout": "points", "modulate": -1.0}, "modulate is -1.0"),
-    "points": ("a.csv", np.zeros((2, 5)), {"layout": "points"}, r"points has shape \(1, 2, 5\)"),
-    "points of words": ("a.csv", "here", {"layout": "points"}, 'points is "here"'),
-    "a path as drives": (
-        "a.npz",
-        midair.path.circle((0, 0, 0.2), 0.03, frequency=5.0),
-        {},
-        "drives is .*Path",
-    ),
-    "no board": ("a.bin", FRAMES, {}, "board is left out, and .bin holds the frames of one"),
-    "another board": ("a.bin", FRAMES, {"board": "autd3"}, "drives of 6 transducers, board of 249"),
+REQUESTS: dict[str, tuple[str, Any, dict[str, Any]]] = {
+    "ending": ("a.mat", FRAMES, {}),
+    "nan": ("a.npz", FRAMES * np.nan, {}),
+    "loud": ("a.holo", FRAMES * 2, {}),
+    "codes": ("a.npz", np.ones((2, 6), int), {}),
+    "words": ("a.npz", "drive", {}),
+    "ragged": ("a.npz", [[1.0], [1.0, 2.0]], {}),
+    "shape": ("a.npz", np.ones((2, 2, 2)), {}),
+    "nothing": ("a.npz", np.ones(0), {}),
+    "frames as a table": ("a.csv", FRAMES, {}),
+    "frames as json": ("a.json", FRAMES, {}),
+    "layout": ("a.csv", FRAMES, {"layout": "matlab"}),
+    "layout of none": ("a.holo", FRAMES, {"layout": "points"}),
+    "rate": ("a.holo", FRAMES, {"rate": 10.0}),
+    "modulate": ("a.csv", np.zeros((1, 3)), {"layout": "points", "modulate": -1.0}),
+    "points": ("a.csv", np.zeros((2, 5)), {"layout": "points"}),
+    "points of words": ("a.csv", "here", {"layout": "points"}),
+    "a path as drives": ("a.npz", midair.path.circle((0, 0, 0.2), 0.03, frequency=5.0), {}),
+    "no board": ("a.bin", FRAMES, {}),
+    "another board": ("a.bin", FRAMES, {"board": "autd3"}),
     "another array": (
         "a.bin",
         midair.Sequence(
             midair.Array.grid(16, 16, 8e-3), np.full((2, 1, 3), 0.1), 1.0, np.ones((2, 256)) + 0j, rate=9.0
         ),
         {"board": "sonicsurface"},
-        "the drives' transducer 0 lies .* mm from the board's: solve for the board's array",
     ),
-    "unknown board": ("a.bin", FRAMES, {"board": "stratos"}, "board is"),
-    "name of a pair": (
-        "a.csv",
-        FRAMES,
-        {"layout": "ultraino"},
-        'put 0_Phase into the name, as in "a0_Phase.csv"',
-    ),
+    "unknown board": ("a.bin", FRAMES, {"board": "stratos"}),
+    "name of a pair": ("a.csv", FRAMES, {"layout": "ultraino"}),
 }
 
 
 @pytest.mark.parametrize("name", REQUESTS)
-def test_what_cannot_be_written_leaves_nothing(name: str, tmp_path: Path) -> None:
-    file, drives, keywords, told = REQUESTS[name]
-    with pytest.raises(midair.SceneError, match=told) as refused:
+def test_what_cannot_be_written_leaves_nothing(name: str, tmp_path: Path, kept: Kept) -> None:
+    file, drives, keywords = REQUESTS[name]
+    with pytest.raises(midair.SceneError) as refused:
         midair.write(tmp_path / file, drives, **keywords)
-    assert "\n" not in str(refused.value)
+    kept(str(refused.value))
     assert not list(tmp_path.iterdir())
 
 
