@@ -92,6 +92,7 @@ test-rust: ## The core: tests, doctests, each feature set, no_std, a solver adde
 	$(call step,core: without features (5 s),$(CARGO) check -p midair --no-default-features)
 	$(call step,core: feature std (5 s),$(CARGO) check -p midair --no-default-features --features std)
 	$(call step,core: feature parallel (5 s),$(CARGO) check -p midair --no-default-features --features parallel)
+	$(call step,core: seeds and past finds of fuzzing pass (1 min),$(CARGO) test --quiet --manifest-path fuzz/Cargo.toml --no-default-features)
 	$(call step,core: a program without std (30 s),$(CARGO) run --release --manifest-path core/tests/no_std/Cargo.toml)
 	$(call step,core: the steps of docs/extending.md on a copy (1 min),core/tests/extending.sh)
 	$(call step,all crates: the oldest Rust (1 min),core/tests/minimum.sh)

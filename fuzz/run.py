@@ -25,8 +25,8 @@ TARGET = "x86_64-unknown-linux-gnu"
 #: Seconds until the record is written and another target may have its turn.
 SLICE = 600
 
-RUST = ("scene", "positions", "sweep", "solve", "field", "session", "instruction_sets")
-PYTHON = ("arguments", "chunks", "sweep_file")
+RUST = ("scene", "positions", "sweep", "solve", "field", "session", "instruction_sets", "frames")
+PYTHON = ("arguments", "chunks", "sweep_file", "picture", "drawing", "resume", "sequence_file")
 
 OPTIONS = ["-print_final_stats=1", "-max_len=4096", "-timeout=60", "-rss_limit_mb=4096", "-verbosity=1"]
 

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import tempfile
-from pathlib import Path
-
-from guided import REFUSALS, fuzz, refused
+from guided import REFUSALS, folder, fuzz, refused
 from midair._sweep.request import read
 
-FOLDER = Path(tempfile.mkdtemp(dir="/dev/shm"))
+FOLDER = folder()
 FILES = [FOLDER / "sweep.toml", FOLDER / "sweep.json"]
 
 

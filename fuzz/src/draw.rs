@@ -1,10 +1,10 @@
 //! Draws: numbers, arrays, media, points, requests and solvers from a fuzzer's bytes, mostly sane, sometimes odd.
 
-use libfuzzer_sys::arbitrary::Unstructured;
+use arbitrary::Unstructured;
 use midair::solvers::{Configured, SOLVERS};
 use midair::{
-    Aim, Array, Complex32, Complex64, Directivity, Error, Medium, Options, Parameter, Quantization, Request, Start, Transducer,
-    Value,
+    Aim, Array, Complex32, Complex64, Directivity, Error, Medium, Options, Parameter, Quantization, Request, Start,
+    Transducer, Value,
 };
 
 /// Numbers at which arithmetic or a check may turn over.

@@ -1,43 +1,4 @@
-//! Every instruction set: rows, fields and answers as near to eq. (5) in f64 as the scalar ones, at any length.
+//! See `midair_fuzz::instruction_sets`.
 #![no_main]
 
-use libfuzzer_sys::fuzz_target;
-use midair::{Control, Error, InstructionSet, Model, Problem, Setup, Workspace};
-use midair_fuzz::{Allowed, Draw, one_line};
-
-fuzz_target!(|bytes: &[u8]| {
-    one_line(run(&mut Draw::new(bytes)));
-});
-
-fn run(draw: &mut Draw) -> Result<(), Error> {
-    let (array, medium) = (draw.array()?, draw.medium()?);
-    let points = draw.points(70);
-    let request = draw.request(points.len());
-    let drive = draw.drive(array.len());
-    let configured = draw.solver(array.quantization(), array.len())?;
-    let allowed = Allowed::of(&array, medium, &points);
-    let mut answers = InstructionSet::all().map(|set| {
-        let model = Model::new(&array, medium, set)?;
-        let propagation = model.propagation(&points)?;
-        let setup = Setup::of(&array, medium);
-        let problem = Problem::with_propagation(propagation.clone(), setup, &request)?;
-        allowed.check_rows(&propagation);
-        if let Some(field) = one_line(midair::field(&model, &drive, &points, &mut Control::none())) {
-            allowed.check_field(&propagation, &drive, 1.0, &field, set.name());
-        }
-        let (work, none) = (&mut Workspace::new(), &mut Control::none());
-        let solution = midair::solve(&problem, &*configured.solver, configured.info.balance, work, none)?;
-        allowed.check_field(&propagation, &solution.drive, solution.scale, &solution.pressures, set.name());
-        Ok(problem.balance())
-    });
-    let first: Result<_, Error> = answers.next().expect("scalar");
-    for other in answers {
-        match (&first, other) {
-            (Ok(balance), Ok(other)) => {
-                assert!((other / balance - 1.0).abs() < 1e-3, "balanced by {other} for {balance}");
-            }
-            (first, other) => assert_eq!(first.as_ref().err(), other.as_ref().err()),
-        }
-    }
-    Ok(())
-}
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| midair_fuzz::instruction_sets::check(bytes));

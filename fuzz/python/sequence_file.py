@@ -1,0 +1,49 @@
+"""Files of sequences: any bytes are refused in one line, or are a sequence whose drives a board can play."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from guided import REFUSALS, Data, folder, fuzz, midair, refused, spoilt
+from midair._motion import files
+
+ARRAY = midair.Array.grid(3, 3, 10e-3)
+POINTS = np.broadcast_to([0.0, 0.0, 0.1], (6, 1, 3))
+FILE = folder() / "q.npz"
+
+
+def made() -> list[bytes]:
+    """A sequence of drives and one of codes, stored and packed."""
+    found = []
+    for given in (
+        {"drives": np.exp(1j * np.arange(54.0).reshape(6, 9))},
+        {"drives": np.arange(54).reshape(6, 9) % 16, "quantization": {"phases": 16}},
+    ):
+        midair.Sequence(ARRAY, POINTS, 1.0, rate=100, **given).save(FILE)
+        found.append(FILE.read_bytes())
+        with np.load(FILE) as kept:
+            np.savez_compressed(FILE, **kept)
+        found.append(FILE.read_bytes())
+    return found
+
+
+KEPT = made()
+
+
+def test(content: bytes) -> None:
+    data = Data(content)
+    # As if it were too large for memory, or not.
+    files.LARGE = data.PickValueInList((0, 1 << 28))
+    spoil = data.ConsumeIntInRange(0, 3)
+    FILE.write_bytes(spoilt(data, data.PickValueInList(KEPT)) if spoil else content[2:])
+    try:
+        found = midair.Sequence.load(FILE)
+        drives = found.drives
+    except REFUSALS as error:
+        refused(error)
+        return
+    assert (np.abs(drives) <= 1 + 1e-6).all()
+    assert drives.shape == (len(found), len(found.array))
+
+
+fuzz(test)

@@ -1,0 +1,17 @@
+//! The reader of sweep files: any bytes are refused in one line or are tables, whose values have a place.
+
+use crate::one_line;
+use midair::files::{Format, Node, Source, placed, read_sweep};
+
+/// Check what the bytes make.
+pub fn check(bytes: &[u8]) {
+    for format in [Format::Toml, Format::Json] {
+        let Some(tables) = one_line(read_sweep(bytes, format, Source::default())) else { continue };
+        let Node::Table(entries) = tables else { panic!("a sweep is a table") };
+        for (key, _) in entries {
+            let refusal = placed(bytes, format, Source::default(), &format!("{key} is wrong: give another"));
+            let line = refusal.expect("a place").to_string();
+            assert!(line.starts_with("scene file, line "), "{line}");
+        }
+    }
+}

@@ -1,0 +1,28 @@
+"""Targets of guided fuzzing written in Python: the inputs of the tree, seeds and past crashes, pass."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+FUZZ = Path(__file__).resolve().parents[2] / "fuzz"
+TARGETS = sorted(
+    path.stem
+    for path in (FUZZ / "python").glob("*.py")
+    if "\nfuzz(test)\n" in path.read_text(encoding="utf-8")
+)
+
+
+def test_every_target_is_run_by_make_fuzz() -> None:
+    text = (FUZZ / "run.py").read_text(encoding="utf-8")
+    assert len(TARGETS) == 7
+    assert all(f'"{name}"' in text for name in TARGETS)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", TARGETS)
+def test_seeds_and_past_crashes_pass(name: str) -> None:
+    script = FUZZ / "python" / f"{name}.py"
+    told = subprocess.run([sys.executable, script, "replay"], capture_output=True, text=True, timeout=120)
+    assert told.returncode == 0, told.stderr
