@@ -36,16 +36,6 @@ typedef enum {
     MIDAIR_RESULT_FAULT = 3,
 } midair_result;
 
-// What carries bytes to boards.
-typedef enum {
-    // A serial line.
-    MIDAIR_LINK_KIND_SERIAL = 0,
-    // FIFOs of FTDI chips, one a board.
-    MIDAIR_LINK_KIND_FIFO = 1,
-    // AUTD3's protocol over UDP.
-    MIDAIR_LINK_KIND_UDP = 2,
-} midair_link_kind;
-
 // How a solve ended.
 typedef enum {
     // The method ran to its end.
@@ -55,6 +45,16 @@ typedef enum {
     // It was stopped; the answer is the best so far.
     MIDAIR_STATUS_STOPPED = 2,
 } midair_status;
+
+// What carries bytes to boards.
+typedef enum {
+    // A serial line.
+    MIDAIR_LINK_KIND_SERIAL = 0,
+    // FIFOs of FTDI chips, one a board.
+    MIDAIR_LINK_KIND_FIFO = 1,
+    // AUTD3's protocol over UDP.
+    MIDAIR_LINK_KIND_UDP = 2,
+} midair_link_kind;
 
 // An array of transducers. It never changes: any number of threads may use it at the same time.
 typedef struct midair_array midair_array;
@@ -73,6 +73,34 @@ typedef struct {
     // Imaginary part.
     float im;
 } midair_complex;
+
+// How good a drive is, over the points with a pressure and a weight above 0, x_j = |p_j| / target_j.
+typedef struct {
+    // sum |p_j| / sum target_j, unclipped: eq. (12).
+    double accuracy;
+    // Standard deviation (1/M) of x / max x: eq. (13) for equal targets. 0 for one point or silence.
+    double sigma;
+    // min x / max x; 1 for one point, 0 in silence.
+    double uniformity;
+    // Mean x.
+    double level;
+    // sum w (target - |p|)^2 / sum w target^2: eq. (7) relative to silence.
+    double residual;
+    // max |p_j| over the quiet points (target 0) over the largest target; 0 where there are none.
+    double leak;
+} midair_metrics;
+
+// What a solve tells beside the drive.
+typedef struct {
+    // How it ended.
+    midair_status status;
+    // Steps taken.
+    size_t steps;
+    // What supply or modulation have to multiply the drive by; 1 unless the board has no such amplitude.
+    double scale;
+    // How good it is, the scale counted in.
+    midair_metrics metrics;
+} midair_answer;
 
 // How bytes reach boards, and what these do by themselves; 1 for yes, 0 for no.
 typedef struct {
@@ -95,34 +123,6 @@ typedef struct {
     // Whether the boards can play a sequence by themselves.
     int32_t holds_sequence;
 } midair_link;
-
-// How good a drive is, over the points with a pressure and a weight above 0, x = |p| / pressure asked for.
-typedef struct {
-    // Sum of |p| over the sum of the pressures asked for.
-    double accuracy;
-    // Standard deviation of x / max x.
-    double sigma;
-    // min x / max x.
-    double uniformity;
-    // Mean x.
-    double level;
-    // Sum of the squared misses, weighted, relative to silence.
-    double residual;
-    // Largest |p| at a point of pressure 0 over the largest pressure asked for.
-    double leak;
-} midair_metrics;
-
-// What a solve tells beside the drive.
-typedef struct {
-    // How it ended.
-    midair_status status;
-    // Steps taken.
-    size_t steps;
-    // What supply or modulation have to multiply the drive by; 1 unless the board has no such amplitude.
-    double scale;
-    // How good it is, the scale counted in.
-    midair_metrics metrics;
-} midair_answer;
 
 #ifdef __cplusplus
 extern "C" {
@@ -172,6 +172,38 @@ midair_result midair_array_positions(const midair_array *array,
 
 // Frees an array. Sessions made of it go on. NULL is nothing to free.
 void midair_array_free(midair_array *array);
+
+// Solves problems of count points each by one call, over so many threads at most (0 for one a processor): points
+// (problems, count, 3) in m, pressures and weights (problems, count) as in midair_session_solve(), drives (problems,
+// transducers), answers (problems,), which may be NULL. Each answer is bit for bit that of midair_session_solve() for the
+// problem alone in a new session, whatever the threads. A refused problem is named, and nothing is written. A weight of 0
+// fills up problems of fewer points.
+midair_result midair_session_solve_batch(midair_session *session,
+                                         const double *points,
+                                         const double *pressures,
+                                         const double *weights,
+                                         size_t problems,
+                                         size_t count,
+                                         size_t threads,
+                                         midair_complex *drives,
+                                         size_t transducers,
+                                         midair_answer *answers,
+                                         char *message,
+                                         size_t message_size);
+
+// Solves the requests of count scenes by one call, over so many threads at most (0 for one a processor): scenes (count,) are
+// texts as midair_session_open() takes them, folder is where they look up files, or NULL. drives (count, transducers) have a
+// row for each scene, with 0 behind the drive of a scene of fewer transducers; answers (count,) may be NULL. A refused scene
+// is named, and nothing is written.
+midair_result midair_solve_scenes(const char *const *scenes,
+                                  const char *folder,
+                                  size_t count,
+                                  size_t threads,
+                                  midair_complex *drives,
+                                  size_t transducers,
+                                  midair_answer *answers,
+                                  char *message,
+                                  size_t message_size);
 
 // Makes as many boards of a kind, such as "sonicsurface" or "openmpd", as an array of so many transducers needs, in the
 // order of the kind's preset.

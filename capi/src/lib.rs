@@ -7,6 +7,7 @@
 
 pub mod abi;
 pub mod array;
+pub mod batch;
 pub mod board;
 mod instruction_set;
 pub mod memory;

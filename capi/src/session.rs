@@ -17,13 +17,13 @@ use crate::outcome::{Message, Outcome, outcome};
 pub struct Session(Mutex<State>);
 
 /// What a call changes.
-struct State {
+pub(crate) struct State {
     setting: Setting,
     /// What was said of the setting.
     doubts: Vec<String>,
     model: Model,
-    session: midair::Session,
-    ask: SolveRequest,
+    pub(crate) session: midair::Session,
+    pub(crate) ask: SolveRequest,
     /// The request of the scene that it was opened from.
     own: Option<SolveRequest>,
 }
@@ -40,21 +40,21 @@ pub enum Status {
     Stopped = 2,
 }
 
-/// How good a drive is, over the points with a pressure and a weight above 0, x = |p| / pressure asked for.
+/// How good a drive is, over the points with a pressure and a weight above 0, x_j = |p_j| / target_j.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Metrics {
-    /// Sum of |p| over the sum of the pressures asked for.
+    /// sum |p_j| / sum target_j, unclipped: eq. (12).
     pub accuracy: f64,
-    /// Standard deviation of x / max x.
+    /// Standard deviation (1/M) of x / max x: eq. (13) for equal targets. 0 for one point or silence.
     pub sigma: f64,
-    /// min x / max x.
+    /// min x / max x; 1 for one point, 0 in silence.
     pub uniformity: f64,
     /// Mean x.
     pub level: f64,
-    /// Sum of the squared misses, weighted, relative to silence.
+    /// sum w (target - |p|)^2 / sum w target^2: eq. (7) relative to silence.
     pub residual: f64,
-    /// Largest |p| at a point of pressure 0 over the largest pressure asked for.
+    /// max |p_j| over the quiet points (target 0) over the largest target; 0 where there are none.
     pub leak: f64,
 }
 
@@ -79,14 +79,20 @@ impl From<midair::Metrics> for Metrics {
     }
 }
 
+impl From<midair::Status> for Status {
+    fn from(status: midair::Status) -> Self {
+        match status {
+            midair::Status::Done => Self::Done,
+            midair::Status::OutOfSteps => Self::OutOfSteps,
+            _ => Self::Stopped,
+        }
+    }
+}
+
 impl From<&midair::Solution> for Answer {
     fn from(solution: &midair::Solution) -> Self {
-        let status = match solution.status {
-            midair::Status::Done => Status::Done,
-            midair::Status::OutOfSteps => Status::OutOfSteps,
-            _ => Status::Stopped,
-        };
-        Self { status, steps: solution.steps, scale: solution.scale, metrics: solution.metrics().into() }
+        let midair::Solution { status, steps, scale, .. } = *solution;
+        Self { status: status.into(), steps, scale, metrics: solution.metrics().into() }
     }
 }
 
@@ -101,8 +107,27 @@ impl State {
         Ok((Self { setting, doubts, model, session, ask, own: None }, news))
     }
 
+    /// That of a scene's text, and what is hardly meant of it.
+    pub(crate) fn of_scene(text: &str, source: Source<'_>) -> Result<(Self, String), Error> {
+        let scene = read_from(text.as_bytes(), Format::of_text(text.as_bytes()), source)?;
+        let (state, said) = Self::open(Setting::of_scene(&scene)?, &[])?;
+        Ok((Self { own: Some(SolveRequest::of_scene(&scene)), ..state }, said))
+    }
+
+    /// Solves the request of the scene that it was opened from.
+    pub(crate) fn solve_own(&mut self) -> Result<&midair::Solution, Error> {
+        if let Some(own) = &self.own {
+            // In place: the memory of the last request serves this one.
+            self.ask.points.clone_from(&own.points);
+            self.ask.request.pressures.clone_from(&own.request.pressures);
+            self.ask.request.phases.clone_from(&own.request.phases);
+            self.ask.request.weights.clone_from(&own.request.weights);
+        }
+        self.session.solve(&self.ask, &mut Control::none())
+    }
+
     /// What the caller should hear beside the last answer, each kind once in a session.
-    fn remarks(&mut self) -> String {
+    pub(crate) fn remarks(&mut self) -> String {
         let doubts = self.session.doubts(&self.ask);
         let doubts = doubts.iter().map(ToString::to_string);
         let lines: Vec<String> = doubts.chain(self.session.remarks().map(|remark| remark.to_string())).collect();
@@ -115,12 +140,12 @@ impl Session {
     ///
     /// # Safety
     /// The handle is NULL or one that was not freed yet.
-    unsafe fn behind<'a>(session: *mut Self) -> Result<&'a Self, Error> {
+    pub(crate) unsafe fn behind<'a>(session: *mut Self) -> Result<&'a Self, Error> {
         // SAFETY: as the caller's; what changes is behind the lock.
         handle("session", unsafe { session.as_ref() })
     }
 
-    fn state(&self) -> Result<MutexGuard<'_, State>, Error> {
+    pub(crate) fn state(&self) -> Result<MutexGuard<'_, State>, Error> {
         match self.0.try_lock() {
             Ok(state) => Ok(state),
             // A call that panicked has left nothing behind that the next one reads.
@@ -140,6 +165,20 @@ impl Session {
         *state = State { own: state.own.take(), ..next };
         Ok(news)
     }
+}
+
+/// Writes a request over the last one, in its memory.
+pub(crate) fn write_request(
+    ask: &mut SolveRequest,
+    points: &[[f64; 3]],
+    pressures: Option<&[f64]>,
+    weights: Option<&[f64]>,
+) {
+    ask.points.clear();
+    ask.points.extend_from_slice(points);
+    keep(&mut ask.request.pressures, pressures);
+    ask.request.phases = None;
+    keep(&mut ask.request.weights, weights);
 }
 
 /// Copies numbers into a list that is kept.
@@ -196,11 +235,8 @@ pub unsafe extern "C" fn midair_session_open(
         unsafe {
             let made = text("scene", scene).and_then(|scene| {
                 let folder = if folder.is_null() { None } else { Some(Path::new(text("folder", folder)?)) };
-                let source = Source { name: "scene", folder };
-                let scene = read_from(scene.as_bytes(), Format::of_text(scene.as_bytes()), source)?;
-                let (mut state, said) = State::open(Setting::of_scene(&scene)?, &[])?;
+                let (state, said) = State::of_scene(scene, Source { name: "scene", folder })?;
                 news = said;
-                state.own = Some(SolveRequest::of_scene(&scene));
                 Ok(Session(Mutex::new(state)))
             });
             give("session", session, made)
@@ -290,8 +326,7 @@ pub unsafe extern "C" fn midair_session_solve(
     outcome(message, || {
         // SAFETY: the caller's word.
         let mut state = unsafe { Session::behind(session) }?.state()?;
-        let State { session, ask, own, .. } = &mut *state;
-        room("drive", drive, transducers, session.transducers())?;
+        room("drive", drive, transducers, state.session.transducers())?;
         if !answer.is_null() {
             room("answer", answer, 1, 1)?;
         }
@@ -303,20 +338,13 @@ pub unsafe extern "C" fn midair_session_solve(
                 list_or_none("weights", weights, count)?,
             )
         };
-        // In place: the memory of the last request serves this one.
-        if let (Some(own), true) = (own, points.is_empty()) {
-            ask.points.clone_from(&own.points);
-            ask.request.pressures.clone_from(&own.request.pressures);
-            ask.request.phases.clone_from(&own.request.phases);
-            ask.request.weights.clone_from(&own.request.weights);
+        let solution = if state.own.is_some() && points.is_empty() {
+            state.solve_own()?
         } else {
-            ask.points.clear();
-            ask.points.extend_from_slice(points);
-            keep(&mut ask.request.pressures, pressures);
-            ask.request.phases = None;
-            keep(&mut ask.request.weights, weights);
-        }
-        let solution = session.solve(ask, &mut Control::none())?;
+            let State { session, ask, .. } = &mut *state;
+            write_request(ask, points, pressures, weights);
+            session.solve(ask, &mut Control::none())?
+        };
         // SAFETY: there is room, by the caller's word; both complex types are two f32 in a row.
         unsafe {
             write(drive.cast(), &solution.drive);

@@ -17,3 +17,18 @@ fn the_header_is_that_of_the_crate() {
         assert!(kept == made, "capi/include/midair.h is not what capi/src says: run `make header`");
     }
 }
+
+/// cbindgen expands no macro, so that the texts of the metrics stand in capi/src, too.
+#[test]
+fn the_metrics_are_described_as_in_the_core() {
+    let header = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("include/midair.h")).expect("a header");
+    macro_rules! check {
+        ($(#[doc = $text:literal] $name:ident)*) => {
+            $(
+                let lines = concat!("    //", $text, "\n    double ", stringify!($name), ";\n");
+                assert!(header.contains(lines), "capi/src/session.rs says otherwise than the core:\n{lines}");
+            )*
+        };
+    }
+    midair::metrics!(check);
+}

@@ -24,7 +24,7 @@ RETURNED = {
 def kind(argument: str) -> type:
     """The type of an argument of the header."""
     if "*" in argument:
-        return c_char_p if re.match(r"(const )?char ", argument) else c_void_p
+        return c_char_p if re.match(r"(const )?char \*[^*]+$", argument) else c_void_p
     return {"size_t": c_size_t, "double": c_double}[argument.split()[0]]
 
 

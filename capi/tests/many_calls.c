@@ -54,6 +54,29 @@ static void solve(midair_session *session, size_t call, size_t count)
     granted(midair_session_solve(session, points, NULL, NULL, count, drive, N, &answer, message, sizeof message));
 }
 
+static void solve_many(midair_session *session)
+{
+    static const char *const scenes[3] = {
+        "signature = \"trap\"\n[array]\ngrid = { nx = 6, ny = 6, pitch = 0.0105 }\n[[points]]\nposition = [0, 0, 0.1]\n",
+        "[array]\ngrid = { nx = 8, ny = 8, pitch = 0.0105 }\n[[obstacles]]\npoint = [0, 0.1, 0]\nnormal = [0, -1, 0]\n"
+        "[[points]]\nposition = [0, 0, 0.1]\n",
+        "[array]\ngrid = { nx = 8 }\n"};
+    static midair_complex drives[40 * N];
+    static midair_answer answers[40];
+    double points[40 * 3];
+    size_t k;
+    for (k = 0; k < 40; k++) {
+        points[3 * k] = 0.0005 * (double)k;
+        points[3 * k + 1] = 0.0;
+        points[3 * k + 2] = 0.12;
+    }
+    granted(midair_session_solve_batch(session, points, NULL, NULL, 40, 1, 3, drives, N, answers, message, sizeof message));
+    granted(midair_solve_scenes(scenes, NULL, 2, 2, drives, N, answers, message, sizeof message));
+    refused(midair_solve_scenes(scenes, NULL, 3, 2, drives, N, answers, message, sizeof message));
+    points[50] = NAN;
+    refused(midair_session_solve_batch(session, points, NULL, NULL, 40, 1, 3, drives, N, NULL, message, sizeof message));
+}
+
 static void all(size_t call)
 {
     const double point[3] = {0.0, 0.0, 0.12}, nowhere[3] = {0.0, NAN, 0.12}, ones[N] = {1.0};
@@ -74,6 +97,9 @@ static void all(size_t call)
     granted(midair_session_solve(session, point, NULL, NULL, 1, drive, N, NULL, message, sizeof message));
     granted(midair_session_judge(session, drive, N, point, NULL, NULL, 1, &metrics, message, sizeof message));
     granted(midair_session_field(session, drive, N, point, 1, &pressure, message, sizeof message));
+    if (call % 10 == 0) {
+        solve_many(session);
+    }
     granted(midair_board_new("mega64", N, &board, message, sizeof message));
     granted(midair_board_encode(board, drive, N, bytes, midair_board_frame_size(board), message, sizeof message));
     granted(midair_board_silence(board, bytes, midair_board_silence_size(board), message, sizeof message));

@@ -31,6 +31,18 @@ pub(crate) fn modulus(z: Complex32) -> f64 {
     sqrt(re * re + im * im)
 }
 
+/// The phase of z in rad in [0, 2 pi); 0 where z = 0.
+pub(crate) fn phase(z: Complex32) -> f64 {
+    use core::f64::consts::TAU;
+    if z == Complex32::ZERO {
+        return 0.0;
+    }
+    let angle = atan2(f64::from(z.im), f64::from(z.re));
+    let positive = if angle < 0.0 { angle + TAU } else { angle };
+    // A tiny negative angle rounds up to 2 pi.
+    if positive < TAU { positive.abs() } else { 0.0 }
+}
+
 /// z/|z| of z = re + j im; 1 where it is 0.
 pub(crate) fn unit(re: f32, im: f32) -> (f32, f32) {
     let modulus = sqrtf(re * re + im * im);

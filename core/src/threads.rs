@@ -1,4 +1,7 @@
-//! Threads: parts of one work over a pool, while the calling thread listens.
+//! Threads: parts of one work over several threads, while the calling thread listens.
+//!
+//! With the feature `parallel` they are those of a pool of rayon's. With `std` alone they are made for the work and end with
+//! it, and there is one unless more are wanted.
 
 use alloc::vec::Vec;
 use core::sync::atomic::AtomicBool;
@@ -6,7 +9,7 @@ use core::sync::atomic::AtomicBool;
 #[cfg(feature = "parallel")]
 use alloc::sync::Arc;
 
-/// How many threads work at once, and whose they are: unless told otherwise, as many as rayon's own pool has.
+/// How many threads work at once, and whose they are: by default as many as rayon's own pool has, or one without rayon.
 #[derive(Clone, Debug, Default)]
 pub struct Threads {
     #[cfg(feature = "parallel")]
@@ -24,8 +27,9 @@ impl Threads {
 
     /// The same, `most` of them at once; at least 1.
     #[must_use]
-    pub fn at_most(self, most: usize) -> Self {
-        Self { most: Some(most.max(1)), ..self }
+    pub fn at_most(mut self, most: usize) -> Self {
+        self.most = Some(most.max(1));
+        self
     }
 
     /// How many work at once.
@@ -36,7 +40,9 @@ impl Threads {
         }
         #[cfg(feature = "parallel")]
         let all = self.pool.as_ref().map_or_else(rayon::current_num_threads, |pool| pool.current_num_threads());
-        #[cfg(not(feature = "parallel"))]
+        #[cfg(all(feature = "std", not(feature = "parallel")))]
+        let all = if self.most.is_none() { 1 } else { std::thread::available_parallelism().map_or(1, Into::into) };
+        #[cfg(not(feature = "std"))]
         let all = 1;
         self.most.map_or(all, |most| most.min(all))
     }
@@ -44,7 +50,7 @@ impl Threads {
     /// Runs every part on a thread of its own (at most [`Threads::count`] parts); the results in order. Meanwhile `listen`
     /// is asked every few milliseconds whether to go on; once it says no, `stop` is set for the parts to see. `None` if
     /// they are better run here: a single one, or where this thread is itself one of a pool's.
-    #[cfg(feature = "parallel")]
+    #[cfg(feature = "std")]
     pub(crate) fn spread<T: Send, R: Send>(
         &self,
         parts: Vec<T>,
@@ -58,21 +64,25 @@ impl Threads {
         /// Often enough that a stop feels immediate, seldom enough to cost nothing.
         const INTERVAL: Duration = Duration::from_millis(20);
 
-        if parts.len() < 2 || self.count() < 2 || rayon::current_thread_index().is_some() {
+        if parts.len() < 2 || self.count() < 2 {
+            return Err(parts);
+        }
+        #[cfg(feature = "parallel")]
+        if rayon::current_thread_index().is_some() {
             return Err(parts);
         }
         let mut results: Vec<Option<R>> = parts.iter().map(|_| None).collect();
         let (done, waiting) = channel::<()>();
-        let places = &mut results;
-        in_place(self.pool.as_deref(), |scope| {
-            for (part, place) in parts.into_iter().zip(places) {
-                let done = done.clone();
-                scope.spawn(move |_| {
-                    *place = Some(run(part));
-                    drop(done);
-                });
+        let tasks = parts.into_iter().zip(&mut results).map(|(part, place)| {
+            let done = done.clone();
+            move || {
+                *place = Some(run(part));
+                drop(done);
             }
-            drop(done);
+        });
+        let tasks: Vec<_> = tasks.collect();
+        drop(done);
+        self.run(tasks, || {
             while waiting.recv_timeout(INTERVAL) == Err(RecvTimeoutError::Timeout) {
                 if !listen() {
                     stop.store(true, Relaxed);
@@ -82,8 +92,35 @@ impl Threads {
         Ok(results.into_iter().flatten().collect())
     }
 
+    /// Every task on a thread of the pool's, or of rayon's own, and `meanwhile` on this one.
+    #[cfg(feature = "parallel")]
+    fn run<'s>(&self, tasks: Vec<impl FnOnce() + Send + 's>, meanwhile: impl FnOnce()) {
+        let body = |scope: &rayon::Scope<'s>| {
+            for task in tasks {
+                scope.spawn(move |_| task());
+            }
+            meanwhile();
+        };
+        match &self.pool {
+            Some(pool) => pool.in_place_scope(body),
+            None => rayon::in_place_scope(body),
+        }
+    }
+
+    /// Every task on a thread that ends with it, and `meanwhile` on this one.
+    #[cfg(all(feature = "std", not(feature = "parallel")))]
+    #[allow(clippy::unused_self, reason = "a pool's threads are its own")]
+    fn run(&self, tasks: Vec<impl FnOnce() + Send>, meanwhile: impl FnOnce()) {
+        std::thread::scope(|scope| {
+            for task in tasks {
+                scope.spawn(task);
+            }
+            meanwhile();
+        });
+    }
+
     /// Without threads all parts are run here.
-    #[cfg(not(feature = "parallel"))]
+    #[cfg(not(feature = "std"))]
     pub(crate) fn spread<T, R>(
         &self,
         parts: Vec<T>,
@@ -92,14 +129,5 @@ impl Threads {
         _run: &(dyn Fn(T) -> R + Sync),
     ) -> Result<Vec<R>, Vec<T>> {
         Err(parts)
-    }
-}
-
-/// A scope of the pool, or of rayon's own, its body run by this thread.
-#[cfg(feature = "parallel")]
-fn in_place<'s>(pool: Option<&rayon::ThreadPool>, body: impl FnOnce(&rayon::Scope<'s>)) {
-    match pool {
-        Some(pool) => pool.in_place_scope(body),
-        None => rayon::in_place_scope(body),
     }
 }

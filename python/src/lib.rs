@@ -105,7 +105,7 @@ mod _midair {
     #[pymodule_export]
     use super::sweep::{placed, read_sweep};
     #[pymodule_export]
-    use super::table::table;
+    use super::table::{drive_from_csv, drive_to_csv, table};
     #[pymodule_export]
     use super::toolbox::register;
 

@@ -43,6 +43,7 @@ SHORT = {
     "midair._boards.layout": "arrays and files of poses have the rule in common",
     "midair._boards.start": "the guard's process begins here, before it imports what a board needs",
     "midair._cli.studio": "a command a file",
+    "midair._files.one_drive": "a format a file",
     "midair._reproduce.fig6": "a figure a file",
     "midair._studio.widget": "imports anywidget, an extra",
 }

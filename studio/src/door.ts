@@ -1,6 +1,9 @@
 /** The WebAssembly door as functions over plain data. Refusals are thrown as one line. */
 
-import type { Vec3 } from "./types.ts";
+import type { OwnArray, Vec3 } from "./types.ts";
+
+/** A CSV of more transducers is refused. */
+const MOST_TRANSDUCERS = 16384;
 
 /** How good a drive is, over the points with a pressure above 0; `weakest` is the least |p| there, in Pa. */
 export interface Metrics {
@@ -81,6 +84,12 @@ export interface Door {
   solve(): Answer;
   judge(): Metrics;
   load(drive: ArrayLike<number>): void;
+  /** The array of a CSV. */
+  readArray(text: string, name: string): OwnArray;
+  /** The drive (N of re, im) of a CSV. */
+  readDrive(text: string, name: string): Float32Array;
+  /** The drive as `midair solve -o drive.csv` writes it. */
+  writeDrive(): string;
   /** re and im at places (K, 3) in m. */
   field(places: Float64Array): Float32Array;
   /** At most so many points of a horizontal circle; m. */
@@ -128,6 +137,7 @@ export function openDoor(module: WebAssembly.Module): Door {
     const place = wasm.studio_text_in(studio, encoded.length);
     new Uint8Array(wasm.memory.buffer, place, encoded.length).set(encoded);
   };
+  const giveFile = (given: string, name: string) => giveText(`${name.replace(/\s+/g, " ")}\n${given}`);
   const giveNumbers = (given: ArrayLike<number>) => {
     const place = wasm.studio_numbers_in(studio, given.length);
     new Float64Array(wasm.memory.buffer, place, given.length).set(given);
@@ -178,6 +188,24 @@ export function openDoor(module: WebAssembly.Module): Door {
     load(given) {
       giveNumbers(given);
       done(wasm.studio_load(studio));
+    },
+    readArray(given, name) {
+      giveFile(given, name);
+      done(wasm.studio_read_array(studio));
+      const found = numbers();
+      const rows = Array.from({ length: found.length / 3 }, (_, k) => [...found.subarray(3 * k, 3 * k + 3)] as Vec3);
+      const count = rows.length / 2;
+      if (count > MOST_TRANSDUCERS) throw new Error(`${name}: ${count} rows: give at most ${MOST_TRANSDUCERS}`);
+      return { name, positions: rows.slice(0, count), normals: rows.slice(count) };
+    },
+    readDrive(given, name) {
+      giveFile(given, name);
+      done(wasm.studio_read_drive(studio));
+      return drive();
+    },
+    writeDrive() {
+      done(wasm.studio_write_drive(studio));
+      return text();
     },
     field(places) {
       giveNumbers(places);

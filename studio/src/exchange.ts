@@ -3,9 +3,8 @@
 import type { Context } from "./context.ts";
 import { drawing } from "./drawing.ts";
 import { MOST_POINTS } from "./initial.ts";
-import { readArray, readDrive, writeDrive } from "./files.ts";
 import { stateOf } from "./scene_file.ts";
-import type { Slot, Vec3 } from "./types.ts";
+import type { Slot } from "./types.ts";
 
 /** The longer side of a drawing that is dropped in, in m. */
 const SIZE = 0.08;
@@ -24,9 +23,9 @@ export async function open(context: Context, file: File): Promise<void> {
       const contours = drawing(text, Math.min(SIZE, state.plane.size), [x, y, state.plane.z]);
       studio.change({ points: await engine.slots[0].along(contours, MOST_POINTS), pressures: null, path: null });
     } else if (/^index\b.*\bamplitude\b/.test(text)) {
-      await compareDrive(context, readDrive(text));
+      await compareDrive(context, await engine.slots[0].readDrive(text, file.name));
     } else if (ending === "csv") {
-      studio.change({ array: readArray(text, file.name) });
+      studio.change({ array: await engine.slots[0].readArray(text, file.name) });
     } else {
       throw new Error("give .toml, .json, .csv or .svg");
     }
@@ -56,10 +55,6 @@ function save(name: string, content: BlobPart, type: string): void {
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
-/** The positions of positions and normals. */
-const placesOf = (array: Float64Array) =>
-  Array.from({ length: array.length / 6 }, (_, k) => [...array.subarray(3 * k, 3 * k + 3)] as Vec3);
-
 /** The scene as the command line reads it, with slot A's method. */
 export async function exportScene({ studio, engine, plain }: Context): Promise<void> {
   await studio.settled();
@@ -69,11 +64,10 @@ export async function exportScene({ studio, engine, plain }: Context): Promise<v
 }
 
 /** The drive of the slot that is shown, as `midair solve -o drive.csv` writes it. */
-export async function exportDrive({ studio, alarm, say, plain }: Context, slot: Slot): Promise<void> {
+export async function exportDrive({ studio, engine, alarm, say, plain }: Context, slot: Slot): Promise<void> {
   await studio.settled();
-  const { results, array } = studio.view;
-  const { answer, refused } = results[slot];
-  if (answer) save("drive.csv", writeDrive(placesOf(array), answer.drive), "text/csv");
+  const { answer, refused } = studio.view.results[slot];
+  if (answer) save("drive.csv", await engine.slots[0].writeDrive(studio.scene(slot), answer.drive), "text/csv");
   else alarm(say("unsolved", { line: plain(refused) }));
 }
 

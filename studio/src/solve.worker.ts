@@ -71,6 +71,14 @@ const jobs = {
     beside.open(scene);
     return beside.silence(board);
   },
+  readArray: (text: string, name: string) => beside.readArray(text, name),
+  readDrive: (text: string, name: string) => beside.readDrive(text, name),
+  /** The CSV of a drive that solves a scene. */
+  writeDrive(scene: string, drive: Float32Array): string {
+    beside.open(scene);
+    beside.load(drive);
+    return beside.writeDrive();
+  },
   /** A scene file as JSON. */
   read(text: string, toml: boolean): string {
     beside.open(text, toml);

@@ -6,7 +6,10 @@ export type Vec3 = [number, number, number];
 /** An array: a preset by name, of so many boards, or positions and normals of one's own. */
 export type ArrayChoice =
   | { preset: string; tiles: [number, number] }
-  | { name: string; positions: Vec3[]; normals: Vec3[] };
+  | OwnArray;
+
+/** Metres, and unit vectors whither each transducer radiates. */
+export type OwnArray = { name: string; positions: Vec3[]; normals: Vec3[] };
 
 /** What the waves meet, as `[[obstacles]]` of a scene file. */
 export type Obstacle =

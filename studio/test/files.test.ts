@@ -1,7 +1,19 @@
+// Arrays and drives as CSV, read and written by the core.
 import { readFileSync } from "node:fs";
 import { expect, test } from "vitest";
-import { readArray, readDrive, writeDrive } from "../src/files.ts";
+import { compile, openDoor } from "../src/door.ts";
 import type { Vec3 } from "../src/types.ts";
+
+const door = openDoor(await compile(readFileSync(new URL("../built/midair.wasm", import.meta.url))));
+const readDrive = (text: string) => door.readDrive(text, "drive");
+
+/** The CSV of a drive of transducers at these positions. */
+function writeDrive(positions: Vec3[], drive: Float32Array): string {
+  const points = [{ position: [0, 0, 0.2] }];
+  door.open(JSON.stringify({ array: { positions }, points }));
+  door.load(drive);
+  return door.writeDrive();
+}
 
 const DRIVE = readFileSync(new URL("drive.csv", import.meta.url), "utf8");
 const FLAT: Vec3[] = [[0, 0, 0], [0.01, 0, 0]];
@@ -14,31 +26,32 @@ test.each([
   ['"x","y","z","nx","ny","nz"\n0,0,0,0,0,-2\n0.01,0,0,0,3,4\n', FLAT, [[0, 0, -1], [0, 0.6, 0.8]]],
   ["0,0,0,0,0,5", [[0, 0, 0]], [[0, 0, 1]]],
 ])("arrays are read: %j", (text, positions, normals) => {
-  const array = readArray(text, "a.csv");
+  const array = door.readArray(text, "a.csv");
   expect(array.name).toBe("a.csv");
   expect(array.positions).toEqual(positions);
   expect(array.normals.map((each) => each.map((x) => x + 0))).toEqual(normals);
 });
 
 test.each([
-  ["", "a.csv: no row is in it"],
-  ["# nothing\n", "a.csv: no row is in it"],
-  ["x,y,z\n", "a.csv: no row is in it"],
+  ["", "a.csv: empty: give rows x,y,z in metres"],
+  ["# nothing\n", "a.csv: empty: give rows"],
+  ["x,y,z\n", "a.csv: empty: give rows"],
+  ["x,x,y,z\n0,0,0,0\n", 'a.csv, line 1: column "x" is there twice'],
   ["1,2\n", "a.csv, line 1: 2 columns"],
   ["0,0,0,0\n", "a.csv, line 1: 4 columns"],
-  ["x,y,w\n0,0,0\n", "a.csv, line 1: no column is named z"],
-  ["x,y,z,nx\n0,0,0,1\n", "a.csv, line 1: no column is named ny"],
+  ["x,y,w\n0,0,0\n", "a.csv, line 1: columns are x, y, w: name them x,y,z"],
+  ["x,y,z,nx\n0,0,0,1\n", "a.csv, line 1: columns are x, y, z, nx: name them"],
   ["0,0,0\n\n0.01,abc,0\n", 'a.csv, line 3: y is "abc": give a number'],
   ["0,0,0\n0.01,0\n", 'a.csv, line 2: z is "": give a number'],
   ["0,0,0\nInfinity,0,0\n", 'a.csv, line 2: x is "Infinity"'],
-  ["0,0,0,0,0,1\n0.01,0,0,0,0,0\n", "a.csv, line 2: nx,ny,nz is 0,0,0"],
-  ["-80,0,0\n80,0,0\n", "a.csv: the array is 160 m large: give positions in m"],
-  ["0,0,0\n1,0,0\n", "a.csv: the nearest two transducers are 1 m apart"],
-  ["0,0,0\n1e-5,0,0\n", "a.csv: the nearest two transducers are 0.00001 m apart"],
-  ["0,0,0\n0,0,0\n", "a.csv: the nearest two transducers are 0 m apart"],
+  ["0,0,0,0,0,1\n0.01,0,0,0,0,0\n", "a.csv: array.normals[1] is "],
+  ["-80,0,0\n80,0,0\n", "a.csv: array.positions is "],
+  ["0,0,0\n1,0,0\n", "a.csv: array.positions is "],
+  ["0,0,0\n1e-5,0,0\n", "a.csv: array.positions is "],
+  ["0,0,0\n0,0,0\n", "a.csv: array.positions is "],
   [Array.from({ length: 16385 }, (_, k) => `${k},0,0`).join("\n"), "a.csv: 16385 rows"],
 ])("faults of arrays are one line: %#", (text, line) => {
-  expect(() => readArray(text, "a.csv")).toThrow(line);
+  expect(() => door.readArray(text, "a.csv")).toThrow(line);
 });
 
 test("a drive that the package wrote is written alike", () => {
@@ -65,9 +78,9 @@ test("numbers are written as Python writes them", () => {
 });
 
 test.each([
-  ["", "drive: it is empty"],
-  ["index,amplitude\n0,1\n", "drive, line 1: no column is named phase"],
-  ["amplitude,phase\n", "drive: no drive is in it"],
+  ["", "drive: empty: give rows amplitude,phase"],
+  ["index,amplitude\n0,1\n", "drive, line 1: columns are index, amplitude: name them"],
+  ["amplitude,phase\n", "drive: empty: give rows amplitude,phase"],
   ["amplitude,phase\n2,0\n", "drive, line 2: amplitude is 2: give 0 to 1"],
   ["index,amplitude,phase\n0,1,0\n2,1,0\n", "drive, line 3: index is 2: give 1"],
   ["amplitude,phase\n1,x\n", 'drive, line 2: phase is "x"'],

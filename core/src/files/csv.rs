@@ -10,7 +10,7 @@ use crate::error::{Error, one_line};
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::exhaustive_structs, reason = "the words of a kind of file")]
 pub struct Columns<'a> {
-    /// Lists of names, the shorter first; a longer one begins with the shorter.
+    /// Lists of names, the shorter first.
     pub choices: &'a [&'a [&'a str]],
     /// The units, for errors: `in metres`.
     pub units: &'a str,
@@ -128,7 +128,7 @@ fn cells(line: &str) -> Vec<&str> {
     line.split(separator).map(|cell| cell.trim().trim_matches('"').trim()).collect()
 }
 
-fn fault(name: &str, line: Option<usize>, reason: &str) -> Error {
+pub(super) fn fault(name: &str, line: Option<usize>, reason: &str) -> Error {
     let place = line.map_or_else(|| name.to_string(), |line| format!("{name}, line {line}"));
     Error::File { place: one_line(&place), reason: one_line(reason) }
 }

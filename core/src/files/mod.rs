@@ -2,6 +2,7 @@
 
 mod csv;
 mod drawn;
+mod drive;
 mod fault;
 mod item;
 mod json;
@@ -23,9 +24,10 @@ mod write;
 
 pub use csv::{Columns, Table, read_table};
 pub use drawn::{Draw, Drawing};
+pub use drive::{read_drive, write_drive};
 pub use motion::Motion;
 pub use node::Node;
-pub use positions::COLUMNS as POSITIONS;
+pub use positions::{COLUMNS as POSITIONS, read_array};
 pub use schema::tables;
 pub use source::{Format, MOST_BYTES, Source};
 pub use sweep::sweep_tables;

@@ -9,6 +9,7 @@ use std::io::Read;
 use crate::error::Error;
 use crate::files::csv::{self, Columns};
 use crate::files::source::{MOST_BYTES, Source};
+use crate::scene::Array;
 
 /// Transducers of a file.
 pub(super) struct Positions {
@@ -46,8 +47,20 @@ pub(super) fn read(name: &str, source: Source<'_>) -> Result<Positions, Error> {
     if bytes.len() > MOST_BYTES {
         return Err(refused(&quoted, "it is larger than 64 MB: give at most 1048576 rows"));
     }
-    let name = path.display().to_string();
-    let table = csv::read_table(&bytes, &name, COLUMNS)?;
+    positions(&bytes, &path.display().to_string())
+}
+
+/// Reads an array from a file's text; `name` is what errors call the file.
+///
+/// # Errors
+/// Those of [`crate::files::read_table`] and of [`Array::new`].
+pub fn read_array(bytes: &[u8], name: &str) -> Result<Array, Error> {
+    let Positions { positions, normals } = positions(bytes, name)?;
+    Array::new(positions, normals).map_err(|error| csv::fault(name, None, &error.to_string()))
+}
+
+fn positions(bytes: &[u8], name: &str) -> Result<Positions, Error> {
+    let table = csv::read_table(bytes, name, COLUMNS)?;
     let vectors = |from: usize| table.rows.iter().map(|row| [row[from], row[from + 1], row[from + 2]]).collect();
     let turned = table.rows[0].len() == 6;
     Ok(Positions { positions: vectors(0), normals: turned.then(|| vectors(3)) })

@@ -2,23 +2,56 @@
 
 use crate::math;
 
-/// Metrics over the points with a pressure and a weight above 0, x_j = |p_j| / target_j.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[allow(clippy::exhaustive_structs, reason = "six numbers defined in docs/conventions.md")]
-pub struct Metrics {
-    /// sum |p_j| / sum target_j, unclipped: eq. (12).
-    pub accuracy: f64,
-    /// Standard deviation (1/M) of x / max x: eq. (13) for equal targets. 0 for one point or silence.
-    pub sigma: f64,
-    /// min x / max x; 1 for one point, 0 in silence.
-    pub uniformity: f64,
-    /// Mean x.
-    pub level: f64,
-    /// sum w (target - |p|)^2 / sum w target^2: eq. (7) relative to silence.
-    pub residual: f64,
-    /// max |p_j| over the quiet points (target 0) over the largest target; 0 where there are none.
-    pub leak: f64,
+/// Hands the name of each metric, with its text, to a macro: what every binding says of it.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! metrics {
+    ($define:ident) => {
+        $define! {
+            /// sum |p_j| / sum target_j, unclipped: eq. (12).
+            accuracy
+            /// Standard deviation (1/M) of x / max x: eq. (13) for equal targets. 0 for one point or silence.
+            sigma
+            /// min x / max x; 1 for one point, 0 in silence.
+            uniformity
+            /// Mean x.
+            level
+            /// sum w (target - |p|)^2 / sum w target^2: eq. (7) relative to silence.
+            residual
+            /// max |p_j| over the quiet points (target 0) over the largest target; 0 where there are none.
+            leak
+        }
+    };
 }
+
+macro_rules! define {
+    ($($(#[$text:meta])* $name:ident)*) => {
+        /// Metrics over the points with a pressure and a weight above 0, x_j = |p_j| / target_j.
+        #[derive(Clone, Copy, Debug, Default, PartialEq)]
+        #[allow(clippy::exhaustive_structs, reason = "six numbers defined in docs/conventions.md")]
+        pub struct Metrics {
+            $($(#[$text])* pub $name: f64,)*
+        }
+
+        impl Metrics {
+            /// Their names.
+            pub const NAMES: [&'static str; 6] = [$(stringify!($name)),*];
+
+            /// The numbers in the order of the names.
+            #[must_use]
+            pub fn values(self) -> [f64; 6] {
+                [$(self.$name),*]
+            }
+
+            /// The metrics of numbers in the order of the names.
+            #[must_use]
+            pub fn from_values([$($name),*]: [f64; 6]) -> Self {
+                Self { $($name),* }
+            }
+        }
+    };
+}
+metrics!(define);
 
 /// In double precision, and without memory: the points are walked more than once instead.
 ///

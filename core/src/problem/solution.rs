@@ -362,15 +362,7 @@ impl Solution {
     /// If there is no such transducer.
     #[must_use]
     pub fn phase(&self, i: usize) -> f64 {
-        use core::f64::consts::TAU;
-        let q = self.drive[i];
-        if q == Complex32::ZERO {
-            return 0.0;
-        }
-        let angle = math::atan2(f64::from(q.im), f64::from(q.re));
-        let positive = if angle < 0.0 { angle + TAU } else { angle };
-        // A tiny negative angle rounds up to 2 pi.
-        if positive < TAU { positive.abs() } else { 0.0 }
+        math::phase(self.drive[i])
     }
 }
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 import json
 import os
@@ -16,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from .._midair import Scene, SceneError, Solution
+from .._midair import Scene, SceneError, Solution, drive_to_csv
 
 DRIVES = (".npz", ".csv", ".json")
 METRICS = ("accuracy", "sigma", "uniformity", "level", "residual", "leak")
@@ -145,7 +144,7 @@ def write_drive(path: Path, scene: Scene, solution: Solution) -> None:
     """Write a drive as .npz, .csv or .json, by the path's ending (docs/conventions.md lists the keys)."""
     ending = path.suffix.lower()
     if ending == ".csv":
-        content = _csv(scene, solution)
+        content = drive_to_csv(solution.drive, scene.array.positions).encode()
     elif ending == ".json":
         content = drive_json(scene, solution).encode()
     else:
@@ -200,15 +199,3 @@ def _plain(value: Any) -> Any:
     if np.iscomplexobj(array):
         array = np.stack([array.real, array.imag], axis=-1)
     return array.tolist()
-
-
-def _csv(scene: Scene, solution: Solution) -> bytes:
-    text = io.StringIO()
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(["index", "x", "y", "z", "amplitude", "phase"])
-    drives = zip(
-        scene.array.positions.tolist(), solution.amplitudes.tolist(), solution.phases.tolist(), strict=True
-    )
-    for index, (position, amplitude, phase) in enumerate(drives):
-        rows.writerow([index, *position, amplitude, phase])
-    return text.getvalue().encode()

@@ -117,6 +117,24 @@ pub extern "C" fn studio_array(studio: &mut Studio) -> u32 {
     studio.work(Studio::array)
 }
 
+/// Reads an array from a CSV, the name of the file in the text's first line: the numbers are as of `studio_array`.
+#[unsafe(no_mangle)]
+pub extern "C" fn studio_read_array(studio: &mut Studio) -> u32 {
+    studio.work(Studio::read_array)
+}
+
+/// Takes the drive of a CSV, the name of the file in the text's first line.
+#[unsafe(no_mangle)]
+pub extern "C" fn studio_read_drive(studio: &mut Studio) -> u32 {
+    studio.work(Studio::read_drive)
+}
+
+/// Writes the drive as CSV into the text.
+#[unsafe(no_mangle)]
+pub extern "C" fn studio_write_drive(studio: &mut Studio) -> u32 {
+    studio.work(Studio::write_drive)
+}
+
 /// Solves the scene by its solver. The numbers are accuracy, sigma, uniformity, level, residual, leak, scale, status (0
 /// done, 1 out of steps, 2 stopped), steps, and target, re and im of each point in Pa; warnings are the text.
 #[unsafe(no_mangle)]

@@ -1,6 +1,7 @@
 //! Studio: the buffers between the page and the core, and what a page may do with a scene.
 
-use midair::{Complex32, Control, Error, InstructionSet, Metrics, Status, bound, field};
+use midair::files::{read_array, read_drive, write_drive};
+use midair::{Array, Complex32, Control, Error, InstructionSet, Medium, Status, bound, field};
 
 use crate::opened::Opened;
 
@@ -54,10 +55,38 @@ impl Studio {
     }
 
     pub(crate) fn array(&mut self) -> Result<(), Error> {
-        let array = self.opened()?.scene.array();
-        let numbers = array.positions().iter().chain(array.normals()).flatten().copied().collect();
-        self.numbers = numbers;
+        self.numbers = placed(self.opened()?.scene.array());
         Ok(())
+    }
+
+    pub(crate) fn read_array(&mut self) -> Result<(), Error> {
+        let (name, text) = self.named();
+        let array = read_array(text, &name)?;
+        if let Some(doubt) = array.doubts(Medium::default()).first() {
+            return Err(Error::File { place: name, reason: doubt.to_string() });
+        }
+        self.numbers = placed(&array);
+        Ok(())
+    }
+
+    pub(crate) fn read_drive(&mut self) -> Result<(), Error> {
+        let (name, text) = self.named();
+        let drive = read_drive(text, &name)?;
+        self.take(drive);
+        Ok(())
+    }
+
+    pub(crate) fn write_drive(&mut self) -> Result<(), Error> {
+        let array = self.opened.as_ref().ok_or_else(none)?.scene.array();
+        self.text = write_drive(Some(array.positions()), &self.drive);
+        Ok(())
+    }
+
+    /// The first line of the text handed in, the name of a file, and what is in that file.
+    fn named(&self) -> (String, &[u8]) {
+        let end = self.text_in.iter().position(|&byte| byte == b'\n').unwrap_or(self.text_in.len());
+        let text = self.text_in.get(end + 1..).unwrap_or_default();
+        (String::from_utf8_lossy(&self.text_in[..end]).into_owned(), text)
     }
 
     pub(crate) fn solve(&mut self) -> Result<(), Error> {
@@ -67,7 +96,7 @@ impl Studio {
         self.drive.extend_from_slice(&solution.drive);
         self.scale = solution.scale as f32;
         self.numbers.clear();
-        self.numbers.extend(listed(solution.metrics()));
+        self.numbers.extend(solution.metrics().values());
         let status = match solution.status {
             Status::Done => 0.0,
             Status::OutOfSteps => 1.0,
@@ -84,7 +113,7 @@ impl Studio {
     pub(crate) fn judge(&mut self) -> Result<(), Error> {
         let problem = self.opened()?.problem()?;
         let metrics = problem.judge(&played(&self.drive, self.scale), &mut Control::none())?;
-        self.numbers = listed(metrics).to_vec();
+        self.numbers = metrics.values().to_vec();
         Ok(())
     }
 
@@ -119,17 +148,17 @@ impl Studio {
     }
 }
 
+/// Positions, then normals.
+fn placed(array: &Array) -> Vec<f64> {
+    array.positions().iter().chain(array.normals()).flatten().copied().collect()
+}
+
 fn none() -> Error {
     Error::invalid("scene", "none", "open one first")
 }
 
 fn played(drive: &[Complex32], scale: f32) -> Vec<Complex32> {
     drive.iter().map(|q| q * scale).collect()
-}
-
-fn listed(metrics: Metrics) -> [f64; 6] {
-    let Metrics { accuracy, sigma, uniformity, level, residual, leak } = metrics;
-    [accuracy, sigma, uniformity, level, residual, leak]
 }
 
 fn lines(said: impl IntoIterator<Item = impl ToString>) -> String {

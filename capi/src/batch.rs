@@ -1,0 +1,176 @@
+//! Batches: many requests of one session, or many scenes, solved over threads by one call.
+
+use std::ffi::c_char;
+use std::num::NonZero;
+use std::path::Path;
+use std::thread;
+
+use midair::files::Source;
+use midair::{Complex32, Control, Error, SolveRequest, Threads};
+
+use crate::memory::{Complex, list, list_or_none, room, text, vectors, write};
+use crate::outcome::{Message, Outcome, outcome};
+use crate::session::{Answer, Session, State, write_request};
+
+/// So many threads at most, as many as there are processors for 0.
+fn at_most(threads: usize) -> usize {
+    let all = thread::available_parallelism().map_or(1, NonZero::get);
+    if threads == 0 { all } else { threads.min(all) }
+}
+
+/// The number of entries that problems of so many points have.
+fn entries(problems: usize, count: usize) -> Result<usize, Error> {
+    let cure = "no memory holds so many points: look at the counts";
+    problems.checked_mul(count).ok_or_else(|| Error::invalid("problems", problems, cure))
+}
+
+/// Solves problems of count points each by one call, over so many threads at most (0 for one a processor): points
+/// (problems, count, 3) in m, pressures and weights (problems, count) as in midair_session_solve(), drives (problems,
+/// transducers), answers (problems,), which may be NULL. Each answer is bit for bit that of midair_session_solve() for the
+/// problem alone in a new session, whatever the threads. A refused problem is named, and nothing is written. A weight of 0
+/// fills up problems of fewer points.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_session_solve_batch(
+    session: *mut Session,
+    points: *const f64,
+    pressures: *const f64,
+    weights: *const f64,
+    problems: usize,
+    count: usize,
+    threads: usize,
+    drives: *mut Complex,
+    transducers: usize,
+    answers: *mut Answer,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    outcome(Message { text: message, size: message_size }, || {
+        // SAFETY: the caller's word.
+        let mut state = unsafe { Session::behind(session) }?.state()?;
+        let State { session, ask, .. } = &mut *state;
+        let (size, aim) = (session.transducers(), ask.aim);
+        if transducers != size {
+            return Err(Error::invalid("transducers", transducers, format!("the session has {size}")));
+        }
+        let rows = entries(problems, transducers)?;
+        room("drives", drives, rows, rows)?;
+        if !answers.is_null() {
+            room("answers", answers, problems, problems)?;
+        }
+        let all = entries(problems, count)?;
+        // SAFETY: the caller's word for the lists.
+        let (points, pressures, weights) = unsafe {
+            (
+                vectors("points", points, all)?,
+                list_or_none("pressures", pressures, all)?,
+                list_or_none("weights", weights, all)?,
+            )
+        };
+        let request = |k: usize, ask: &mut SolveRequest| {
+            let own = k * count..(k + 1) * count;
+            let [pressures, weights] = [pressures, weights].map(|list| list.map(|list| &list[own.clone()]));
+            write_request(ask, &points[own], pressures, weights);
+            ask.aim = aim;
+            Ok(())
+        };
+        let mut found = vec![Complex32::ZERO; rows];
+        let control = &mut Control::none().on(Threads::default().at_most(at_most(threads)));
+        let batch = session.solve_batch(problems, count, &request, &mut found, control)?;
+        let answer = |k: usize| Answer {
+            status: batch.status[k].into(),
+            steps: batch.steps[k],
+            scale: batch.scale[k],
+            metrics: batch.metrics[k].into(),
+        };
+        // SAFETY: there is room, by the caller's word; both complex types are two f32 in a row.
+        unsafe {
+            write(drives.cast(), &found);
+            if !answers.is_null() {
+                write(answers, &(0..problems).map(answer).collect::<Vec<_>>());
+            }
+        }
+        let doubts = session.batch_doubts(points, count);
+        let lines: Vec<String> = doubts.iter().map(ToString::to_string).chain(batch.remarks).collect();
+        Ok(lines.join("\n"))
+    })
+}
+
+/// Solves the requests of count scenes by one call, over so many threads at most (0 for one a processor): scenes (count,) are
+/// texts as midair_session_open() takes them, folder is where they look up files, or NULL. drives (count, transducers) have a
+/// row for each scene, with 0 behind the drive of a scene of fewer transducers; answers (count,) may be NULL. A refused scene
+/// is named, and nothing is written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn midair_solve_scenes(
+    scenes: *const *const c_char,
+    folder: *const c_char,
+    count: usize,
+    threads: usize,
+    drives: *mut Complex,
+    transducers: usize,
+    answers: *mut Answer,
+    message: *mut c_char,
+    message_size: usize,
+) -> Outcome {
+    outcome(Message { text: message, size: message_size }, || {
+        let rows = entries(count, transducers)?;
+        room("drives", drives, rows, rows)?;
+        if !answers.is_null() {
+            room("answers", answers, count, count)?;
+        }
+        // SAFETY: the caller's word for scenes and folder.
+        let (scenes, folder) = unsafe {
+            let texts = list("scenes", scenes, count)?.iter().enumerate();
+            let scenes: Result<Vec<&str>, Error> =
+                texts.map(|(k, &scene)| text(&format!("scenes[{k}]"), scene)).collect();
+            (scenes?, if folder.is_null() { None } else { Some(Path::new(text("folder", folder)?)) })
+        };
+        let share = count.div_ceil(at_most(threads)).max(1);
+        let solve = |k: usize| solve_scene(k, scenes[k], folder, transducers);
+        let solved: Vec<Result<Solved, Error>> = thread::scope(|scope| {
+            let part =
+                |first: usize| scope.spawn(move || (first..count.min(first + share)).map(solve).collect::<Vec<_>>());
+            let parts: Vec<_> = (0..count).step_by(share).map(part).collect();
+            parts
+                .into_iter()
+                .flat_map(|part| part.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+                .collect()
+        });
+        let solved: Vec<Solved> = solved.into_iter().collect::<Result<_, _>>()?;
+        // SAFETY: there is room, by the caller's word; both complex types are two f32 in a row.
+        unsafe {
+            for (k, one) in solved.iter().enumerate() {
+                write(drives.add(k * transducers).cast(), &one.drive);
+            }
+            if !answers.is_null() {
+                write(answers, &solved.iter().map(|one| one.answer).collect::<Vec<_>>());
+            }
+        }
+        let lines: Vec<String> = solved.into_iter().flat_map(|one| one.said).collect();
+        Ok(lines.join("\n"))
+    })
+}
+
+/// The drive of a scene, as long as a row, its answer, and what was said.
+struct Solved {
+    drive: Vec<Complex32>,
+    answer: Answer,
+    said: Vec<String>,
+}
+
+fn solve_scene(k: usize, text: &str, folder: Option<&Path>, row: usize) -> Result<Solved, Error> {
+    let place = format!("scenes[{k}]");
+    let (mut state, said) = State::of_scene(text, Source { name: &place, folder })?;
+    if state.session.transducers() > row {
+        let found = format!("{} transducers", state.session.transducers());
+        return Err(Error::invalid(place, found, format!("a row of drives has room for {row}")));
+    }
+    let solution = state.solve_own().map_err(|error| match error {
+        Error::Memory { .. } => error,
+        error => Error::File { place: place.clone(), reason: error.to_string() },
+    })?;
+    let (mut drive, answer) = (solution.drive.clone(), solution.into());
+    drive.resize(row, Complex32::ZERO);
+    let said = format!("{said}\n{}", state.remarks());
+    let said = said.lines().filter(|line| !line.is_empty()).map(|line| format!("{place}: {line}")).collect();
+    Ok(Solved { drive, answer, said })
+}
