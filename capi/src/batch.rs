@@ -2,6 +2,7 @@
 
 use std::ffi::c_char;
 use std::num::NonZero;
+use std::panic::resume_unwind;
 use std::path::Path;
 use std::thread;
 
@@ -16,6 +17,15 @@ use crate::session::{Answer, Session, State, write_request};
 fn at_most(threads: usize) -> usize {
     let all = thread::available_parallelism().map_or(1, NonZero::get);
     if threads == 0 { all } else { threads.min(all) }
+}
+
+/// Does a work that starts threads on a thread of its own: what Rust keeps of a thread that waits for others is freed with
+/// that thread, and the caller's keeps nothing.
+fn aside<R: Send>(work: impl FnOnce() -> R + Send) -> Result<R, Error> {
+    // SAFETY: all that the work borrows outlives the thread, which is joined before this function returns.
+    let thread = unsafe { thread::Builder::new().spawn_unchecked(work) };
+    let thread = thread.map_err(|error| Error::invalid("threads", error, "the system starts no more: end some"))?;
+    Ok(thread.join().unwrap_or_else(|panic| resume_unwind(panic)))
 }
 
 /// The number of entries that problems of so many points have.
@@ -74,8 +84,12 @@ pub unsafe extern "C" fn midair_session_solve_batch(
             Ok(())
         };
         let mut found = vec![Complex32::ZERO; rows];
-        let control = &mut Control::none().on(Threads::default().at_most(at_most(threads)));
-        let batch = session.solve_batch(problems, count, &request, &mut found, control)?;
+        let threads = at_most(threads);
+        let mut solve = || {
+            let control = &mut Control::none().on(Threads::default().at_most(threads));
+            session.solve_batch(problems, count, &request, &mut found, control)
+        };
+        let batch = if threads == 1 { solve() } else { aside(solve)? }?;
         let answer = |k: usize| Answer {
             status: batch.status[k].into(),
             steps: batch.steps[k],
@@ -125,16 +139,16 @@ pub unsafe extern "C" fn midair_solve_scenes(
             (scenes?, if folder.is_null() { None } else { Some(Path::new(text("folder", folder)?)) })
         };
         let share = count.div_ceil(at_most(threads)).max(1);
-        let solve = |k: usize| solve_scene(k, scenes[k], folder, transducers);
-        let solved: Vec<Result<Solved, Error>> = thread::scope(|scope| {
-            let part =
-                |first: usize| scope.spawn(move || (first..count.min(first + share)).map(solve).collect::<Vec<_>>());
-            let parts: Vec<_> = (0..count).step_by(share).map(part).collect();
-            parts
-                .into_iter()
-                .flat_map(|part| part.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-                .collect()
-        });
+        let part = |first: usize| -> Vec<Result<Solved, Error>> {
+            (first..count.min(first + share)).map(|k| solve_scene(k, scenes[k], folder, transducers)).collect()
+        };
+        let spread = || {
+            thread::scope(|scope| {
+                let parts: Vec<_> = (0..count).step_by(share).map(|first| scope.spawn(move || part(first))).collect();
+                parts.into_iter().flat_map(|part| part.join().unwrap_or_else(|panic| resume_unwind(panic))).collect()
+            })
+        };
+        let solved = if share < count { aside(spread)? } else { part(0) };
         let solved: Vec<Solved> = solved.into_iter().collect::<Result<_, _>>()?;
         // SAFETY: there is room, by the caller's word; both complex types are two f32 in a row.
         unsafe {

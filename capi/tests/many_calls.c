@@ -13,6 +13,8 @@
 #include <midair.h>
 
 #define N 64
+/* So many problems that several threads have a part each. */
+#define MANY 2100
 
 static char message[1024];
 
@@ -61,20 +63,20 @@ static void solve_many(midair_session *session)
         "[array]\ngrid = { nx = 8, ny = 8, pitch = 0.0105 }\n[[obstacles]]\npoint = [0, 0.1, 0]\nnormal = [0, -1, 0]\n"
         "[[points]]\nposition = [0, 0, 0.1]\n",
         "[array]\ngrid = { nx = 8 }\n"};
-    static midair_complex drives[40 * N];
-    static midair_answer answers[40];
-    double points[40 * 3];
+    static midair_complex drives[MANY * N];
+    static midair_answer answers[MANY];
+    static double points[MANY * 3];
     size_t k;
-    for (k = 0; k < 40; k++) {
-        points[3 * k] = 0.0005 * (double)k;
+    for (k = 0; k < MANY; k++) {
+        points[3 * k] = 1e-5 * (double)k;
         points[3 * k + 1] = 0.0;
         points[3 * k + 2] = 0.12;
     }
-    granted(midair_session_solve_batch(session, points, NULL, NULL, 40, 1, 3, drives, N, answers, message, sizeof message));
+    granted(midair_session_solve_batch(session, points, NULL, NULL, MANY, 1, 3, drives, N, answers, message, sizeof message));
     granted(midair_solve_scenes(scenes, NULL, 2, 2, drives, N, answers, message, sizeof message));
     refused(midair_solve_scenes(scenes, NULL, 3, 2, drives, N, answers, message, sizeof message));
     points[50] = NAN;
-    refused(midair_session_solve_batch(session, points, NULL, NULL, 40, 1, 3, drives, N, NULL, message, sizeof message));
+    refused(midair_session_solve_batch(session, points, NULL, NULL, MANY, 1, 3, drives, N, NULL, message, sizeof message));
 }
 
 static void all(size_t call)

@@ -63,6 +63,18 @@ def test_a_batch_has_the_bits_of_the_package(library: Library, name: str) -> Non
     library.plain("session_free", session)
 
 
+def test_a_batch_over_threads_has_the_bits_of_the_package(library: Library) -> None:
+    array = library.new("array_grid", 12, 10, 0.0105)
+    session = library.session(array, "naive")
+    # So many that several threads have a part each.
+    points = np.random.default_rng(6).uniform(-0.03, 0.03, (6000, 2, 3)) + np.array([0, 0, 0.14])
+    mine = midair.solve_batch(midair.Array.grid(12, 10, 0.0105), points, solver="naive")
+    for threads in (1, 2, 10**9):
+        assert batch(library, session, 120, threads, points, None, None)[0].tobytes() == mine.drives.tobytes()
+    library.plain("session_free", session)
+    library.plain("array_free", array)
+
+
 def test_a_batch_warns_as_the_package_does(library: Library) -> None:
     session = library.new("session_open", GRID + POINTS, None)
     points, pressures, _ = requests()
