@@ -14,7 +14,8 @@ PYTHON = [
         "scenes",
         "Arrays and scenes",
         "What is asked for: transducers, points, the air, and what stands in it.",
-        "Array presets PresetInfo Scene Reach Plane Wall Sphere Mesh Propagation SceneError SceneWarning",
+        f"Array presets PresetInfo Scene Reach Plane {' '.join(midair._midair.bodies())} Mesh Propagation "
+        "SceneError SceneWarning",
     ),
     (
         "solving",

@@ -20,7 +20,7 @@ from typing import Literal, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._midair import Mesh, Solution, Sphere, Wall, _Directivity, _Quantization
+from ._midair import Solution, _Directivity, _Obstacle, _Quantization
 
 {air}
 class Board(TypedDict, total=False):
@@ -41,7 +41,7 @@ class Setting(Board, Air, total=False):
     source_pressure: float | None
     directivity: _Directivity | None
     signature: str | ArrayLike | None
-    obstacles: Iterable[Wall | Sphere | Mesh] | None
+    obstacles: Iterable[_Obstacle] | None
 
 class Solver(Setting, total=False):
     points: int | None
@@ -137,6 +137,41 @@ def kind(name: str, option: midair.OptionInfo) -> list[str]:
     return [own, "Sequence[int]", "NDArray[np.integer]"] if option.list else [own]
 
 
+BODY = """
+@final
+class {name}:
+    def __new__(
+        cls, {arguments}, kind: Literal["rigid", "soft"] = "rigid"
+    ) -> {name}: ...
+{parts}    @property
+    def kind(self) -> Literal["rigid", "soft"]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+"""
+
+
+def bodies() -> str:
+    """The file of obstacles that a few numbers describe, a class for each kind."""
+    kinds = midair._midair.bodies()
+    text = '"""Obstacles of a few numbers, from the core. Made by `make stubs`."""\n\n'
+    text += "from typing import Literal, TypeAlias, final\n\nfrom numpy.typing import ArrayLike\n\n"
+    text += f"__all__ = {sorted(kinds)}\n".replace("'", '"')
+    for name, parts in kinds.items():
+        given = {part: "float" if count == 1 else "ArrayLike" for part, count in parts.items()}
+        known = {
+            part: "float" if count == 1 else f"tuple[{', '.join(['float'] * count)}]"
+            for part, count in parts.items()
+        }
+        text += BODY.format(
+            name=name,
+            arguments=", ".join(f"{part}: {kind}" for part, kind in given.items()),
+            parts="".join(
+                f"    @property\n    def {part}(self) -> {kind}: ...\n" for part, kind in known.items()
+            ),
+        )
+    return text + f"\nBody: TypeAlias = {' | '.join(kinds)}\n"
+
+
 def air() -> str:
     """The keywords of the air, and the numbers of a scene's as its properties."""
     lines = ["class Air(TypedDict, total=False):"]
@@ -196,4 +231,5 @@ def calls() -> str:
 
 if __name__ == "__main__":
     FOLDER.joinpath("_keywords.pyi").write_text(keywords(), encoding="utf-8")
+    FOLDER.joinpath("_bodies.pyi").write_text(bodies(), encoding="utf-8")
     FOLDER.joinpath("_calls.pyi").write_text(calls(), encoding="utf-8")

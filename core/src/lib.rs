@@ -89,8 +89,8 @@ pub use problem::{Beyond, Metrics, Problem, Reach, Setup, Solution, Status, boun
 pub use propagation::{Boundary, Gorkov, Model, Particle, Propagation, field, gorkov};
 pub use rng::Rng;
 pub use scene::{
-    Aim, Array, Axis, Choice, Directivity, Doubt, Key, Medium, Mesh, Obstacle, OptionValue, Options, Origin, Parameter,
-    Plane, Request, Scene, Signature, Start, Surface, Transducer, Value, presets, spell, spl, word,
+    Aim, Array, Axis, Body, Choice, Directivity, Doubt, Key, Medium, Mesh, Obstacle, OptionValue, Options, Origin,
+    Parameter, Plane, Request, Scene, Signature, Start, Surface, Transducer, Value, presets, spell, spl, word,
 };
 pub use session::{Batch, Frames, Session, SolveRequest};
 pub use solvers::options::{Configure, OptionInfo};

@@ -6,7 +6,7 @@ from typing import Literal, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._midair import Mesh, Solution, Sphere, Wall, _Directivity, _Quantization
+from ._midair import Solution, _Directivity, _Obstacle, _Quantization
 
 class Air(TypedDict, total=False):
     frequency: float | None
@@ -52,7 +52,7 @@ class Setting(Board, Air, total=False):
     source_pressure: float | None
     directivity: _Directivity | None
     signature: str | ArrayLike | None
-    obstacles: Iterable[Wall | Sphere | Mesh] | None
+    obstacles: Iterable[_Obstacle] | None
 
 class Solver(Setting, total=False):
     points: int | None

@@ -10,7 +10,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
+from . import _bodies
 from . import _keywords as k
+from ._bodies import Sphere as Sphere
+from ._bodies import Wall as Wall
 from ._calls import Solver as Solver
 from ._calls import solve as solve
 from ._calls import solve_batch as solve_batch
@@ -49,6 +52,7 @@ __all__ = [
     "Wall",
     "about",
     "along",
+    "bodies",
     "bound",
     "directivities",
     "drive_from_csv",
@@ -76,6 +80,7 @@ __all__ = [
 ]
 
 _Numbers: TypeAlias = ArrayLike | None
+_Obstacle: TypeAlias = _bodies.Body | Mesh
 _Directivity: TypeAlias = str | dict[str, float]
 _Quantization: TypeAlias = dict[str, int | ArrayLike | None]
 _Option: TypeAlias = bool | int | float | str | Sequence[int] | NDArray[np.integer] | None
@@ -198,7 +203,7 @@ class Scene(k.Numbers):
         source_pressure: float | None = None,
         directivity: _Directivity | None = None,
         signature: str | ArrayLike | None = None,
-        obstacles: Iterable[Wall | Sphere | Mesh] | None = None,
+        obstacles: Iterable[_Obstacle] | None = None,
         **medium: Unpack[k.Air],
     ) -> Scene: ...
     @staticmethod
@@ -219,7 +224,7 @@ class Scene(k.Numbers):
         source_pressure: float | None = None,
         directivity: _Directivity | None = None,
         signature: str | ArrayLike | None = ...,
-        obstacles: Iterable[Wall | Sphere | Mesh] | None = ...,
+        obstacles: Iterable[_Obstacle] | None = ...,
         plane: Plane | None = ...,
         **medium: Unpack[k.Air],
     ) -> Scene: ...
@@ -244,40 +249,12 @@ class Scene(k.Numbers):
     @property
     def signature(self) -> str | NDArray[np.complex128] | None: ...
     @property
-    def obstacles(self) -> list[Wall | Sphere | Mesh]: ...
+    def obstacles(self) -> list[_Obstacle]: ...
     @property
     def plane(self) -> Plane | None: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def _repr_html_(scene: Scene) -> str: ...
-
-@final
-class Wall:
-    def __new__(
-        cls, point: ArrayLike, normal: ArrayLike, kind: Literal["rigid", "soft"] = "rigid"
-    ) -> Wall: ...
-    @property
-    def point(self) -> tuple[float, float, float]: ...
-    @property
-    def normal(self) -> tuple[float, float, float]: ...
-    @property
-    def kind(self) -> Literal["rigid", "soft"]: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-
-@final
-class Sphere:
-    def __new__(
-        cls, center: ArrayLike, radius: float, kind: Literal["rigid", "soft"] = "rigid"
-    ) -> Sphere: ...
-    @property
-    def center(self) -> tuple[float, float, float]: ...
-    @property
-    def radius(self) -> float: ...
-    @property
-    def kind(self) -> Literal["rigid", "soft"]: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
 
 @final
 class Mesh:
@@ -631,6 +608,7 @@ def tracks(
 def register(toolbox: object) -> None: ...
 def solvers() -> dict[str, SolverInfo]: ...
 def presets() -> dict[str, PresetInfo]: ...
+def bodies() -> dict[str, dict[str, int]]: ...
 def directivities() -> dict[str, tuple[float | None, str, str]]: ...
 def preset_name(name: str) -> str: ...
 def along(contours: Sequence[ArrayLike], step: float) -> NDArray[np.float64]: ...

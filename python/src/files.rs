@@ -8,7 +8,7 @@ use midair::Key;
 use midair::files::{self, Format, MOST_BYTES, Source};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyBytes, PyDict, PyString};
+use pyo3::types::{PyBytes, PyDict, PyString};
 
 use crate::draw;
 use crate::error::{invalid, refused};
@@ -85,9 +85,11 @@ pub(crate) fn sweep_keys(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
 
 fn keys(py: Python<'_>, all: impl IntoIterator<Item = (&'static str, &'static [Key])>) -> PyResult<Bound<'_, PyDict>> {
     let tables = PyDict::new(py);
-    for (table, keys) in all {
-        let texts = keys.iter().map(|key| (key.name, (key.example, key.about)));
-        tables.set_item(table, texts.collect::<Vec<_>>().into_py_dict(py)?)?;
+    for (path, keys) in all {
+        let table = tables.call_method1("setdefault", (path, PyDict::new(py)))?;
+        for key in keys {
+            table.set_item(key.name, (key.example, key.about))?;
+        }
     }
     Ok(tables)
 }

@@ -61,7 +61,7 @@ mod _midair {
     #[pymodule_export]
     use super::batch::{Batch, solve_batch};
     #[pymodule_export]
-    use super::bodies::{Sphere, Wall};
+    use super::bodies::bodies;
     #[pymodule_export]
     use super::codec::Codec;
     #[pymodule_export]
@@ -115,6 +115,7 @@ mod _midair {
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("STEP", midair::points::STEP)?;
         module.add("MOST_POINTS", midair::points::MOST)?;
+        super::bodies::add_bodies(module)?;
         module.py().import("numpy")?;
         PyArray1::<f64>::zeros(module.py(), 0, false);
         Ok(())

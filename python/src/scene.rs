@@ -43,7 +43,7 @@ pub(crate) const ARGUMENTS: [&str; 8] =
 /// signature : turns the foci into traps: "trap", "twin", "vortex" or complex factors (N,) or (M, N) of modulus 1, which
 ///     multiply the responses c while it is solved; pressures are then those of the foci, and `field` and `gorkov` tell the
 ///     real ones
-/// obstacles : what the waves meet, a list of midair.Wall, Sphere and Mesh
+/// obstacles : what the waves meet, a list of midair.Wall, Sphere, Mesh and the like
 ///
 /// A drive q makes p_j = sum_i G_ji q_i, G_ji = P0/r D(theta) e^(-alpha r) e^(jkr) c_i: eq. (5) of Suzuki et al., IEEE Trans.
 /// Haptics 14, 914 (2021), with directivity, absorption and response.
@@ -240,7 +240,7 @@ impl Scene {
         shown_signature(py, self.inner.signature(), self.inner.array().len())
     }
 
-    /// What the waves meet: a list of midair.Wall, Sphere and Mesh.
+    /// What the waves meet: a list of midair.Wall, Sphere, Mesh and the like.
     #[getter]
     fn obstacles<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         shown_obstacles(py, self.inner.obstacles())

@@ -56,7 +56,9 @@ midair.solve_batch(array, points, solver="lm", phases=16)  # wrong: another solv
 """
 
 
-@pytest.mark.parametrize(("file", "text"), [("_keywords.pyi", "keywords"), ("_calls.pyi", "calls")])
+@pytest.mark.parametrize(
+    ("file", "text"), [("_keywords.pyi", "keywords"), ("_calls.pyi", "calls"), ("_bodies.pyi", "bodies")]
+)
 def test_the_stubs_are_what_the_registry_says(file: str, text: str) -> None:
     path = ROOT / "python" / "midair" / file
     assert path.read_text(encoding="utf-8") == MADE[text](), "run `make stubs`"

@@ -94,7 +94,9 @@ function check(scene: SceneFile): void {
   });
   obstacles.forEach((each, k) => {
     const cure = "the page has walls and balls, use the package";
-    if ("vertices" in each) refuse(`obstacles[${k}]`, "a mesh", cure);
+    const keys = Object.keys(each).filter((key) => key !== "kind").sort().join();
+    if (keys === "center,radius" || keys === "normal,point") return;
+    refuse(`obstacles[${k}]`, "vertices" in each ? "a mesh" : keys, cure);
   });
   if (signature !== undefined && typeof signature !== "string") {
     refuse("signature", signature, 'give "trap", "twin" or "vortex"');

@@ -1,5 +1,6 @@
 //! Reading of a document's values as types, each refused by its path where it is another.
 
+use alloc::borrow::Cow;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -73,8 +74,13 @@ impl<'a> Item<'a> {
 
     /// Exactly N numbers.
     pub(super) fn numbers<const N: usize>(&self) -> Result<[f64; N], Fault> {
-        let numbers = self.node.reals().and_then(|list| (&*list).try_into().ok());
-        numbers.ok_or_else(|| self.refused(&format!("give {N} numbers")))
+        self.some(N).map(|list| core::array::from_fn(|k| list[k]))
+    }
+
+    /// So many numbers.
+    pub(super) fn some(&self, count: usize) -> Result<Vec<f64>, Fault> {
+        let numbers = self.node.reals().filter(|list| list.len() == count);
+        numbers.map(Cow::into_owned).ok_or_else(|| self.refused(&format!("give {count} numbers")))
     }
 
     /// Any number of numbers.

@@ -15,8 +15,8 @@ use crate::files::node::Node;
 use crate::files::positions;
 use crate::files::source::Source;
 use crate::scene::{
-    Array, Axis, Choice, Directivity, Medium, Mesh, Obstacle, OptionValue, Options, Plane, Request, Scene, Signature,
-    Surface, Transducer, Value,
+    Array, Axis, Body, Choice, Directivity, Key, Medium, Mesh, Obstacle, OptionValue, Options, Plane, Request, Scene,
+    Signature, Surface, Transducer, Value,
 };
 use crate::solvers::registry;
 
@@ -99,16 +99,23 @@ fn obstacles(all: &Item<'_>, draw: &mut Draw<'_>) -> Result<Vec<Obstacle>, Fault
     items.iter().map(|item| obstacle(item, draw)).collect()
 }
 
-/// A wall, sphere or mesh, whichever its keys are of.
+/// Keys of a mesh: listed, or of its file.
+const MESH: [&[&str]; 2] = [&["vertices", "faces"], &["file", "scale", "offset"]];
+
+/// A body or a mesh, whichever its keys are of.
 fn obstacle(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Obstacle, Fault> {
     let table = item.table()?;
-    let kinds: [&[&str]; 4] =
-        [&["point", "normal"], &["center", "radius"], &["vertices", "faces"], &["file", "scale", "offset"]];
-    let given = kinds.map(|keys| keys.iter().any(|key| table.get(key).is_some()));
-    if given.iter().filter(|given| **given).count() != 1 {
-        let cure =
-            "give point and normal of a wall, center and radius of a sphere, or vertices and faces or a file of a mesh";
-        let value = if given.contains(&true) { "described in two ways" } else { "not described" };
+    let given: Vec<&str> = table.entries.iter().map(|(key, _)| &**key).filter(|key| *key != "kind").collect();
+    let given: Vec<&str> = given.into_iter().filter(|key| table.get(key).is_some()).collect();
+    let all_of = |keys: &[&str]| !given.is_empty() && given.iter().all(|key| keys.contains(key));
+    let names = |body: &Body| body.parts.iter().map(|(key, _)| key.name).collect::<Vec<_>>();
+    // Kinds may share keys: the one with the fewest parts left out is meant.
+    let body = Obstacle::BODIES.iter().filter(|body| all_of(&names(body))).min_by_key(|body| body.parts.len());
+    let [listed, filed] = MESH.map(all_of);
+    if body.is_none() && !listed && !filed {
+        let bodies = Obstacle::BODIES.iter().map(|body| format!("{} of a {}", names(body).join(" and "), body.noun));
+        let cure = format!("give {}, or vertices and faces or a file of a mesh", bodies.collect::<Vec<_>>().join(", "));
+        let value = if given.is_empty() { "not described" } else { "described in two ways" };
         return Err(Error::invalid(item.path.as_str(), value, cure).into());
     }
     let kind = table.read("kind", |kind| {
@@ -116,14 +123,13 @@ fn obstacle(item: &Item<'_>, draw: &mut Draw<'_>) -> Result<Obstacle, Fault> {
         known.map_err(|error| Fault::at(kind.path.as_str(), error))
     })?;
     let kind = kind.unwrap_or_default();
-    let [wall, sphere, listed, _] = given;
-    if wall {
-        let (point, normal) = (table.need("point")?.numbers()?, table.need("normal")?.numbers()?);
-        return Ok(Obstacle::Wall { point, normal, kind });
-    }
-    if sphere {
-        let (center, radius) = (table.need("center")?.numbers()?, table.need("radius")?.real()?);
-        return Ok(Obstacle::Sphere { center, radius, kind });
+    if let Some(body) = body {
+        let part = |(key, count): &(Key, usize)| {
+            let item = table.need(key.name)?;
+            if *count == 1 { Ok([item.real()?].into()) } else { item.some(*count) }
+        };
+        let parts = body.parts.iter().map(part).collect::<Result<Vec<_>, Fault>>()?;
+        return Ok((body.make)(&parts, kind));
     }
     let (vertices, faces) = if listed {
         (table.need("vertices")?.vectors()?, table.need("faces")?.each(face, "give a list of lists of three indices")?)

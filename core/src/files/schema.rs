@@ -4,7 +4,7 @@ use alloc::format;
 use alloc::string::String;
 
 use crate::files::source::Format;
-use crate::scene::{Key, Medium};
+use crate::scene::{Key, Medium, Obstacle};
 
 /// A table's path, and its keys.
 type Table = (&'static str, &'static [Key]);
@@ -137,18 +137,11 @@ const TABLES: &[Table] = &[
             Key::new("weight", "1.0", "Of each point."),
         ],
     ),
+    ("obstacles[]", Obstacle::PARTS),
     (
         "obstacles[]",
         &[
             Key::new("kind", r#""rigid""#, "rigid or soft; left out rigid."),
-            Key::new("point", "[0.1, 0.0, 0.0]", "Of a wall: x, y, z in m."),
-            Key::new(
-                "normal",
-                "[-1.0, 0.0, 0.0]",
-                "Of a wall: across it; its sense counts only where the array lies in the wall.",
-            ),
-            Key::new("center", "[0.0, 0.0, 0.1]", "Of a ball: x, y, z in m."),
-            Key::new("radius", "0.02", "Of a ball, m."),
             Key::new(
                 "vertices",
                 "[[0.0, 0.0, 0.1], [0.01, 0.0, 0.1], [0.0, 0.01, 0.1], [0.0, 0.0, 0.11]]",
@@ -264,14 +257,14 @@ pub(super) fn renamed(table: &str, key: &str) -> Option<&'static str> {
     FORMER.iter().find(|(at, former, _)| is(at, &pattern(table)) && *former == key).map(|(.., now)| *now)
 }
 
-/// Every table of a scene file by its path, `points[]` where there may be many, and its keys.
+/// Every table of a scene file by its path, `points[]` where there may be many, and its keys, in one or more parts.
 pub fn tables() -> impl Iterator<Item = (&'static str, &'static [Key])> {
     TABLES.iter().copied()
 }
 
 /// The keys of a table: `medium`, `points[3]`.
 pub(super) fn keys(table: &str) -> impl Iterator<Item = &'static str> + Clone {
-    rows(&pattern(table)).iter().map(|key| key.name)
+    rows(&pattern(table)).map(|key| key.name)
 }
 
 /// A correct line for the key at a path, or for the nearest one around it.
@@ -280,7 +273,7 @@ pub(super) fn example(path: &str, format: Format) -> Option<String> {
     let mut path = path.trim_end_matches("[]");
     loop {
         let (table, key) = path.rsplit_once('.').unwrap_or(("", path));
-        if let Some(key) = rows(table).iter().find(|known| known.name == key) {
+        if let Some(key) = rows(table).find(|known| known.name == key) {
             return Some(line(table, key.name, key.example, format));
         }
         path = table.trim_end_matches("[]");
@@ -310,8 +303,9 @@ pub(super) fn line(table: &str, key: &str, json: &str, format: Format) -> String
     }
 }
 
-fn rows(pattern: &str) -> &'static [Key] {
-    TABLES.iter().find(|(path, _)| is(path, pattern)).map_or(&[], |(_, rows)| rows)
+fn rows(pattern: &str) -> impl Iterator<Item = &'static Key> + Clone + use<> {
+    let pattern = String::from(pattern);
+    TABLES.iter().filter(move |(path, _)| is(path, &pattern)).flat_map(|(_, rows)| *rows)
 }
 
 /// Whether tables of the schema are meant by a pattern: `shape[]` by a lone `shape`, too, and `array` by one of several.

@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::files::node::Node;
 use crate::scene::presets;
 use crate::scene::presets::Preset;
-use crate::scene::{Array, Axis, Obstacle, Origin, Plane, Scene, Surface, Transducer, Value};
+use crate::scene::{Array, Axis, Key, Obstacle, Origin, Plane, Scene, Surface, Transducer, Value};
 
 /// How a scene was solved, written beside it so that a result can be replayed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -109,20 +109,20 @@ fn quantization(array: &Array) -> Node {
 }
 
 fn obstacle(obstacle: &Obstacle) -> Node {
-    let kind = |kind: &Surface| ("kind", text(kind.name()));
-    match obstacle {
-        Obstacle::Wall { point, normal, kind: surface } => {
-            table([kind(surface), ("point", numbers(point)), ("normal", numbers(normal))])
-        }
-        Obstacle::Sphere { center, radius, kind: surface } => {
-            table([kind(surface), ("center", numbers(center)), ("radius", Node::Real(*radius))])
-        }
-        Obstacle::Mesh(mesh) => {
-            let face = |face: &[u32; 3]| Node::List(face.map(|corner| Node::Integer(corner.into())).to_vec());
-            let faces = Node::List(mesh.faces().iter().map(face).collect());
-            table([kind(&mesh.kind()), ("vertices", vectors(mesh.vertices())), ("faces", faces)])
-        }
+    let kind = |kind: Surface| ("kind".to_string(), text(kind.name()));
+    if let Obstacle::Mesh(mesh) = obstacle {
+        let face = |face: &[u32; 3]| Node::List(face.map(|corner| Node::Integer(corner.into())).to_vec());
+        let faces = Node::List(mesh.faces().iter().map(face).collect());
+        let parts = [("vertices".into(), vectors(mesh.vertices())), ("faces".into(), faces)];
+        return Node::Table([kind(mesh.kind())].into_iter().chain(parts).collect());
     }
+    let described = Obstacle::BODIES.iter().find_map(|body| Some((body, (body.read)(obstacle)?)));
+    described.map_or(Node::Null, |(body, (parts, surface))| {
+        let part = |((key, count), part): (&(Key, usize), &Vec<f64>)| {
+            (key.name.to_string(), if *count == 1 { Node::Real(part[0]) } else { numbers(part) })
+        };
+        Node::Table([kind(surface)].into_iter().chain(body.parts.iter().zip(&parts).map(part)).collect())
+    })
 }
 
 fn plane(plane: Plane) -> Node {

@@ -3,6 +3,7 @@
 pub(crate) mod aim;
 pub(crate) mod air;
 pub(crate) mod array;
+pub(crate) mod body;
 pub(crate) mod choice;
 pub(crate) mod directivity;
 pub(crate) mod extent;
@@ -26,6 +27,7 @@ pub(crate) mod wall;
 pub use aim::Aim;
 pub use array::{Array, Origin};
 pub(crate) use array::{UNITS, check_positions};
+pub use body::Body;
 pub use choice::Choice;
 pub use directivity::{Directivity, Parameter};
 pub(crate) use extent::{check_array, check_places};

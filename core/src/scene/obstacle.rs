@@ -7,9 +7,10 @@ use alloc::vec::Vec;
 
 use crate::error::{Error, real};
 use crate::scene::array::vector;
+use crate::scene::body::obstacles;
 use crate::scene::geometry::distance;
 use crate::scene::mesh::{Mesh, area_vector};
-use crate::scene::surface::{ON, Surface};
+use crate::scene::surface::ON;
 use crate::scene::wall::{Mirror, compatible, mirror};
 use crate::scene::{Array, Medium};
 
@@ -25,39 +26,28 @@ const MOST_ELEMENTS: f64 = 30_000.0;
 /// The least distance of a body from a transducer, in wavelengths: nearer, what goes to and fro is beyond eq. (5).
 const CLEAR: f64 = 0.25;
 
-/// A body that waves cannot enter.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Obstacle {
-    /// A plane without end. Sound is on the array's side; where the array lies in the plane, on that of the normal.
-    Wall {
-        /// Any point of it (3,) in m.
-        point: [f64; 3],
-        /// The direction (3,) that it faces, of any length.
-        normal: [f64; 3],
-        /// What it does.
-        kind: Surface,
-    },
-    /// A sphere, the only obstacle of its scene.
-    Sphere {
-        /// Its middle (3,) in m.
-        center: [f64; 3],
-        /// Its radius in m, up to 12 wavelengths.
-        radius: f64,
-        /// What it does.
-        kind: Surface,
-    },
-    /// A body of any shape. Its field is known once the sound on its surface is: see [`crate::Boundary`].
-    Mesh(Arc<Mesh>),
-}
-
-impl Obstacle {
-    fn noun(&self) -> &'static str {
-        match self {
-            Self::Wall { .. } => "wall",
-            Self::Sphere { .. } => "sphere",
-            Self::Mesh(_) => "mesh",
+obstacles! {
+    /// A body that waves cannot enter.
+    #[derive(Clone, Debug, PartialEq)]
+    #[non_exhaustive]
+    pub enum Obstacle {
+        /// A plane without end. Sound is on the array's side; where the array lies in the plane, on that of the normal.
+        Wall = "wall" {
+            /// any point of it, x, y, z in m.
+            point: [f64; 3], such as "[0.1, 0.0, 0.0]";
+            /// the direction that it faces, of any length; its sense counts only where the array lies in the wall.
+            normal: [f64; 3], such as "[-1.0, 0.0, 0.0]";
         }
+        /// A sphere, the only obstacle of its scene.
+        Sphere = "sphere" {
+            /// its middle, x, y, z in m.
+            center: [f64; 3], such as "[0.0, 0.0, 0.1]";
+            /// in m, up to 12 wavelengths.
+            radius: f64, such as "0.02";
+        }
+        ---
+        /// A body of any shape. Its field is known once the sound on its surface is: see [`crate::Boundary`].
+        Mesh(Arc<Mesh>) = "mesh",
     }
 }
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,12 +31,9 @@ def outline(field: Field, ax: Axes, axes: tuple[int, int]) -> None:
     plane = field.plane
     assert plane is not None
     for obstacle in field.scene.obstacles:
-        if isinstance(obstacle, Wall):
-            _wall(obstacle, plane, ax, axes)
-        elif isinstance(obstacle, Sphere):
-            _sphere(obstacle, plane, ax, axes)
-        else:
-            _mesh(obstacle, plane, ax, axes)
+        draw = OUTLINES.get(type(obstacle))
+        if draw is not None:
+            draw(obstacle, plane, ax, axes)
 
 
 def _wall(wall: Wall, plane: Plane, ax: Axes, axes: tuple[int, int]) -> None:
@@ -84,6 +81,10 @@ def _mesh(mesh: Mesh, plane: Plane, ax: Axes, axes: tuple[int, int]) -> None:
     lines = 1e3 * np.stack(ends, axis=1)[..., list(axes)]
     style = STYLES[mesh.kind]
     ax.add_collection(LineCollection(list(lines), colors=COLOUR, linewidths=WIDTH, linestyles=style))
+
+
+#: How each kind is drawn; others are left out.
+OUTLINES: dict[type, Callable[..., None]] = {Wall: _wall, Sphere: _sphere, Mesh: _mesh}
 
 
 def grid(figure: Figure | SubFigure, count: int, columns: int = 4) -> list[Axes]:

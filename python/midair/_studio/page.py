@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .._midair import Array, Mesh, Scene, SceneError, Solution, Solver, solvers
+from .._midair import Array, Mesh, Scene, SceneError, Solution, Solver, Sphere, Wall, solvers
 from .._support import output
 from .._support.arguments import warn
 
@@ -95,8 +95,9 @@ def _unknown(scene: Scene, written: dict[str, Any]) -> Iterator[str]:
         yield "weights"
     if scene.pressures is not None and np.iscomplexobj(scene.pressures):
         yield "phases of pressures"
-    if any(isinstance(obstacle, Mesh) for obstacle in scene.obstacles):
-        yield "meshes"
+    for obstacle in scene.obstacles:
+        if not isinstance(obstacle, Wall | Sphere):
+            yield "meshes" if isinstance(obstacle, Mesh) else f"a {type(obstacle).__name__.lower()}"
     if scene.plane is not None and scene.plane.axis != "z":
         yield "an upright plane"
 

@@ -1,0 +1,125 @@
+//! Body: an obstacle of a few numbers, declared once for scene files and bindings.
+
+use alloc::vec::Vec;
+
+use crate::scene::{Key, Obstacle, Surface};
+
+/// The numbers of each part of a body, and its surface.
+pub(crate) type Described = (Vec<Vec<f64>>, Surface);
+
+/// A kind of obstacle that a few numbers describe.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct Body {
+    /// Its name in messages.
+    pub noun: &'static str,
+    /// What describes it, each with the count of its numbers.
+    pub parts: &'static [(Key, usize)],
+    /// Makes one of the numbers of each part and what its surface does; the counts are right.
+    pub make: fn(&[Vec<f64>], Surface) -> Obstacle,
+    /// The numbers of each part and the surface, of an obstacle of this kind.
+    pub read: fn(&Obstacle) -> Option<Described>,
+}
+
+/// A type that some numbers make.
+pub(crate) trait Numbers {
+    const COUNT: usize;
+    fn of(numbers: &[f64]) -> Self;
+    fn list(&self) -> Vec<f64>;
+}
+
+impl Numbers for f64 {
+    const COUNT: usize = 1;
+
+    fn of(numbers: &[f64]) -> Self {
+        numbers[0]
+    }
+
+    fn list(&self) -> Vec<f64> {
+        [*self].into()
+    }
+}
+
+impl<const N: usize> Numbers for [f64; N] {
+    const COUNT: usize = N;
+
+    fn of(numbers: &[f64]) -> Self {
+        core::array::from_fn(|k| numbers[k])
+    }
+
+    fn list(&self) -> Vec<f64> {
+        self.to_vec()
+    }
+}
+
+/// Declares the obstacles: the bodies of a few numbers with unit and example of each, and those of one value.
+///
+/// The enum gets `BODIES`, a [`Body`] for each kind, `PARTS`, the keys of all of them, and `noun`.
+macro_rules! obstacles {
+    (
+        $(#[$meta:meta])*
+        pub enum $enum:ident {
+            $(
+                $(#[$about:meta])*
+                $name:ident = $noun:literal {
+                    $( $(#[doc = $doc:literal])+ $field:ident: $type:ty, such as $example:literal; )+
+                }
+            )+
+            ---
+            $( $(#[$other_about:meta])* $other:ident($of:ty) = $other_noun:literal, )*
+        }
+    ) => {
+        $(#[$meta])*
+        pub enum $enum {
+            $(
+                $(#[$about])*
+                $name {
+                    $( $(#[doc = $doc])+ $field: $type, )+
+                    /// What its surface does.
+                    kind: $crate::scene::Surface,
+                },
+            )+
+            $( $(#[$other_about])* $other($of), )*
+        }
+
+        impl $enum {
+            /// The kinds that a few numbers describe.
+            pub const BODIES: &[$crate::scene::Body] = &[$(
+                $crate::scene::Body {
+                    noun: $noun,
+                    parts: &[$( (
+                        $crate::scene::Key::new(stringify!($field), $example, concat!("Of a ", $noun, ":", $($doc),+)),
+                        <$type as $crate::scene::body::Numbers>::COUNT,
+                    ), )+],
+                    make: |parts, kind| {
+                        let mut parts = parts.iter();
+                        $( let $field = parts.next().map_or_else(
+                            || $crate::scene::body::Numbers::of(&[]),
+                            |part| $crate::scene::body::Numbers::of(part),
+                        ); )+
+                        Self::$name { $( $field, )+ kind }
+                    },
+                    read: |obstacle| match obstacle {
+                        Self::$name { $( $field, )+ kind } => {
+                            Some(([$( $crate::scene::body::Numbers::list($field) ),+].into(), *kind))
+                        }
+                        _ => None,
+                    },
+                },
+            )+];
+
+            /// What describes them, kind after kind.
+            pub const PARTS: &[$crate::scene::Key] = &[$($(
+                $crate::scene::Key::new(stringify!($field), $example, concat!("Of a ", $noun, ":", $($doc),+)),
+            )+)+];
+
+            fn noun(&self) -> &'static str {
+                match self {
+                    $( Self::$name { .. } => $noun, )+
+                    $( Self::$other(_) => $other_noun, )*
+                }
+            }
+        }
+    };
+}
+pub(crate) use obstacles;
