@@ -135,6 +135,7 @@ def test_a_mesh_of_a_sphere_is_the_sphere(kind: Any, frequency: float) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_solving_beside_a_sphere() -> None:
     scene = midair.Scene(midair.Array.preset("paper20"), POINTS)
     heard = exact(scene, POINTS)

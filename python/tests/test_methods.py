@@ -49,7 +49,9 @@ def solver(name: str, **options):
     return lambda where, seed: midair.solve(where, name, balance=False, **options)
 
 
-@pytest.mark.parametrize("count", [2, 4, 8, 16, 32, 64])
+@pytest.mark.parametrize(
+    "count", [2, 4, 8, *(pytest.param(count, marks=pytest.mark.slow) for count in (16, 32, 64))]
+)
 @pytest.mark.parametrize("name", DIRECT)
 def test_direct_methods_are_the_reference(name: str, count: int) -> None:
     reference = getattr(methods, name)

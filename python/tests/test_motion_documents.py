@@ -60,6 +60,7 @@ def drives(folder: Path, text: str) -> tuple[np.ndarray, np.ndarray]:
     return played.drives, written.drives
 
 
+@pytest.mark.slow
 def test_play_and_motion_play_the_same_drives(tmp_path: Path) -> None:
     played, solved = drives(tmp_path, SCENE)
     np.testing.assert_array_equal(played, solved)
@@ -69,6 +70,7 @@ def test_play_and_motion_play_the_same_drives(tmp_path: Path) -> None:
     assert np.abs(quiet).max() < 0.1
 
 
+@pytest.mark.slow
 def test_play_and_motion_play_the_same_traps(tmp_path: Path) -> None:
     text = 'signature = "trap"\n' + SCENE
     played, solved = drives(tmp_path, text)
@@ -112,6 +114,7 @@ def test_a_file_that_is_not_there_is_named_once(tmp_path: Path) -> None:
         read(tmp_path, FRAMES.replace("csv", "npy"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "text", "fault"),
     [

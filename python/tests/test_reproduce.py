@@ -189,6 +189,7 @@ def test_an_interval_is_1_96_standard_errors() -> None:
     assert tables.spread(np.array([0.5]))["low"] == 0.5
 
 
+@pytest.mark.slow
 def test_verdicts_follow_the_numbers(everything: Path) -> None:
     rows = tables.read(everything / "fig3.csv")
     for row in rows:

@@ -344,5 +344,5 @@ def test_a_point_on_a_transducer_is_named_by_frame_and_index() -> None:
     points[7, 2] = ARRAY.positions[5]
     with pytest.raises(midair.SceneError, match=r"points\[7, 2\] is 0.000e0 m from transducer 5"):
         _ = made(points=points).pressures
-    with pytest.raises(TypeError, match="no argument 'humidity'"):
-        made(humidity=0.5)
+    with pytest.raises(TypeError, match="no argument 'wind'"):
+        made(wind=0.5)

@@ -118,6 +118,7 @@ def test_the_batch_solver_takes_what_shares_a_seed(scenes: bool, monkeypatch: py
     assert taken == [setting["solver"] for setting in settings if not fresh.items() <= setting.items()]
 
 
+@pytest.mark.slow
 def test_csv_parquet_and_python_agree() -> None:
     table = midair.sweep(ASKED, "table.csv")
     with Path("table.csv").open(newline="") as file:
