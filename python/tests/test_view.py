@@ -1,5 +1,6 @@
 """`midair.view` with a page that is played, and the scenes that Python and the page tell each other."""
 
+import inspect
 import json
 import re
 import sys
@@ -201,7 +202,7 @@ def test_a_view_that_is_not_built_says_so(tmp_path: Path) -> None:
 
 def test_the_page_of_the_docs_runs(shown, monkeypatch, built: Path) -> None:
     # Its blocks need anywidget and a built page, and are not among those that test_docs.py runs.
-    monkeypatch.setattr(View.__init__, "__defaults__", (built,))
+    monkeypatch.setattr(inspect.unwrap(View.__init__), "__defaults__", (built,))
     names: dict[str, object] = {}
     text = (ROOT / "docs" / "studio.md").read_text(encoding="utf-8")
     blocks = re.findall(r"^```py\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
