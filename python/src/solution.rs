@@ -124,7 +124,7 @@ impl Solution {
         self.inner.complex_error()
     }
 
-    /// How the solve ended: "done", "out_of_steps" or "stopped".
+    /// How the solve ended: "done", "missed" (by more than 1 %), "out_of_steps" or "stopped".
     #[getter]
     fn status(&self) -> String {
         self.inner.status.to_string()

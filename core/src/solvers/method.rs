@@ -26,10 +26,10 @@ pub trait Solve {
         None
     }
 
-    /// Whether it makes all points even. Where they are too many for that, [`crate::solve`] balances the problem and uses
-    /// `descent` instead.
+    /// Whether it goes on until the targets are met, and an answer that misses them has the status
+    /// [`crate::Status::Missed`].
     #[doc(hidden)]
-    fn makes_even(&self) -> bool {
+    fn meets_targets(&self) -> bool {
         false
     }
 

@@ -9,7 +9,6 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::problem::{Problem, Solution, Status};
 use crate::solvers::batching;
-use crate::solvers::descent::Descent;
 use crate::solvers::last::Last;
 use crate::solvers::method::Solve;
 use crate::workspace::Workspace;
@@ -62,8 +61,6 @@ pub(crate) fn solve_after(
     work: &mut Workspace,
     control: &mut Control,
 ) -> Result<Solution, Error> {
-    let other = if solver.makes_even() { Descent::instead(problem) } else { None };
-    let (solver, balance) = other.as_ref().map_or((solver, balance), |other| (other as &dyn Solve, true));
     let factor = factor(problem, solver, balance);
     let prepared = problem.prepared(factor, work);
     let own = prepared.as_ref().unwrap_or(problem);
@@ -77,23 +74,14 @@ pub(crate) fn solve_after(
     let quantized = |solution: Solution| quantized(solution, factor, work, control);
     match solution.and_then(quantized) {
         Err(Error::Stopped) => Ok(Solution::silent(problem, work)),
-        // The end of another method's descent is not what was asked for.
         Ok(mut solution) => {
-            if other.is_some() && missed(&solution) {
-                solution.status = Status::OutOfSteps;
+            if problem.missed(solver.meets_targets(), solver.quiet(), &solution).is_some() {
+                solution.status = Status::Missed;
             }
             Ok(solution)
         }
         error => error,
     }
-}
-
-/// The error, relative to the targets, above which these are missed.
-const MISS: f64 = 0.01;
-
-/// Whether an answer that calls itself done misses its targets.
-fn missed(solution: &Solution) -> bool {
-    solution.status == Status::Done && solution.metrics().residual > MISS * MISS
 }
 
 /// The answer on the device's grid, balancing undone.

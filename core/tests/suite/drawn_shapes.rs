@@ -138,7 +138,7 @@ fn pictures_end_where_long_descents_end_and_the_default_takes_them_to_descent() 
     assert!(error(&own) <= 0.055, "{}", error(&own));
     assert_eq!(own.drive, usual.drive);
     // What was missed is not called done.
-    assert_eq!(usual.status, Status::OutOfSteps);
+    assert_eq!(usual.status, Status::Missed);
 }
 
 #[test]
