@@ -65,7 +65,7 @@ def test_a_scene_is_typed_in_one_line(run: Run) -> None:
     array = midair.Array.preset("autd3", (2, 1))
     for more, pressures in [
         ([], None),
-        (["--pressure", "900"], 900.0),
+        (["--pressure", "800"], 800.0),
         (["--pressure=900, 500"], [900.0, 500.0]),
     ]:
         scene = midair.Scene(array, [[0, 0, 0.15], [-0.02, 0, 0.15]], pressures)

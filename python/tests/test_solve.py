@@ -277,7 +277,7 @@ def test_scene_file_names_the_solver_until_told_otherwise(tmp_path) -> None:
 
 
 def test_solution_scene():
-    array = midair.Array.preset("autd3")
+    array = midair.Array.preset("autd3", quantization={})
     points = [[0, 0, 0.1], [0.02, 0, 0.1]]
     scene = midair.Scene(array, points, 100.0, weights=[1, 2], temperature=25)
     for solution in (midair.solve(scene), midair.Solver(scene)(points, [100, 100], weights=[1, 2])):

@@ -33,6 +33,13 @@ pub trait Solve {
         false
     }
 
+    /// Whether it drives every transducer at full power however weak the targets are: weak foci then come out smeared, or too
+    /// loud.
+    #[doc(hidden)]
+    fn plays_at_full(&self) -> bool {
+        false
+    }
+
     /// Solves the frame after the last, where it remembers that.
     ///
     /// # Errors

@@ -55,7 +55,9 @@ impl fmt::Display for Remark {
             Self::Weak(part) => {
                 f.write_str("targets are ")?;
                 if *part < 0.01 { write!(f, "{part:.1e}") } else { write!(f, "{part:.2}") }?;
-                f.write_str(" of the balanced level: foci this weak come out smeared, balance=True cures it")
+                f.write_str(
+                    " of the balanced level: foci this weak come out smeared or too loud, balance=True cures it",
+                )
             }
             Self::PhasesUnused => {
                 f.write_str("the phases of the pressures are not used by this solver, only |p|: these use them: ")?;
@@ -136,5 +138,5 @@ impl Remark {
 
 /// The part of the balanced level that weak targets are, where a solver takes them as they stand.
 pub(crate) fn weak_part(problem: &Problem, solver: &dyn Solve, balance: bool) -> Option<f64> {
-    (problem.is_weak() && !balance && !solver.finds_level()).then(|| 1.0 / problem.balance())
+    (problem.is_weak() && !balance && solver.plays_at_full()).then(|| 1.0 / problem.balance())
 }

@@ -18,9 +18,9 @@ const MOST_POWER: f32 = 1.0 + 2e-6;
 
 /// Solves a problem, balancing it first if asked to.
 ///
-/// Balancing multiplies the targets by [`Problem::balance`] when that is above 1, and divides the drives by it
-/// afterwards: the cure of the paper's section V, where foci much weaker than the array can make come out
-/// smeared. Metrics, trace and progress speak of the final drive and the caller's targets.
+/// Balancing multiplies the targets by [`Problem::balance`] when that is above 1, and brings the drives down to the targets
+/// afterwards, as far as that is down: the cure of the paper's section V, where foci much weaker than the array can make
+/// come out smeared. Metrics, trace and progress speak of the final drive and the caller's targets.
 ///
 /// Where the array has [`crate::Quantization`], every drive of the answer lies on them, rounded to the nearest phase and
 /// amplitude. Balancing then reduces to the nearest amplitude; where that would be below the least one above 0, the
@@ -87,7 +87,7 @@ pub(crate) fn solve_after(
 /// The answer on the device's grid, balancing undone.
 fn quantized(mut solution: Solution, factor: f64, work: &Workspace, control: &mut Control) -> Result<Solution, Error> {
     check(&solution)?;
-    if solution.quantize(factor, work, control)? {
+    if solution.quantize(excess(&solution, factor), work, control)? {
         control.correct(|| solution.metrics().residual);
     }
     Ok(solution)
@@ -113,10 +113,16 @@ pub(crate) fn solve_interleaved(
     for (k, (solution, problem)) in solutions.iter_mut().flatten().zip(problems).enumerate() {
         let at = |error| (k, error);
         check(solution).map_err(at)?;
-        solution.quantize(factor(problem), work, &mut Control::none()).map_err(at)?;
+        solution.quantize(excess(solution, factor(problem)), work, &mut Control::none()).map_err(at)?;
     }
     balanced.into_iter().flatten().for_each(|problem| problem.recycle(work));
     Ok(solutions)
+}
+
+/// How many times as loud as asked an answer to balanced targets is, at least 1: what its drives are divided by.
+fn excess(solution: &Solution, factor: f64) -> f64 {
+    let level = if factor > 1.0 { solution.metrics().level } else { 1.0 };
+    if level.is_finite() { level.max(1.0) } else { factor }
 }
 
 /// Refuses an answer that no array can play.
@@ -134,7 +140,7 @@ fn check(solution: &Solution) -> Result<(), Error> {
     Err(Error::lost())
 }
 
-/// What the targets are multiplied by before solving, and the answer divided by afterwards.
+/// What the targets are multiplied by before solving.
 fn factor(problem: &Problem, solver: &dyn Solve, balance: bool) -> f64 {
     if balance && !solver.finds_level() { problem.balance().max(1.0) } else { 1.0 }
 }

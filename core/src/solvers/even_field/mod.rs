@@ -77,15 +77,16 @@ pub(crate) fn meet(
     let Even { solution, regime } = even(problem, plans, work, control)?;
     let quiet = f64::from(plans[0].quiet);
     let apart = regime == Some(Regime::Separate) && problem.targeted().len() == problem.propagation().points();
-    let missed = problem.missed(true, Some(quiet), &solution).is_some() || problem.leaks(quiet, &solution).is_some();
+    let leaks = problem.leaks(quiet, &solution).is_some();
+    let missed = leaks || problem.missed(true, Some(quiet), &solution).is_some();
     // Of points apart the highest common level is the answer, reached or not.
     if apart || !missed || problem.aim() == Aim::Max {
         return Ok(solution);
     }
     let task = Task { before: solution.steps, ..nearest::USUAL };
     let nearest = nearest::nearest(problem, task, work, control)?;
-    let crowded = matches!(regime, None | Some(Regime::Crowded));
-    nearest::nearer(problem, quiet, [solution, nearest], crowded, work, control)
+    let uneven = leaks || matches!(regime, None | Some(Regime::Crowded));
+    nearest::nearer(problem, quiet, [solution, nearest], uneven, work, control)
 }
 
 /// Returns an even drive, at the level that the problem aims at: the best that any of some plans finds.

@@ -31,6 +31,9 @@ const STEPS_ALIKE: usize = 1500;
 /// A board of fewer amplitudes plays all transducers at one.
 const AMPLITUDES: usize = 16;
 
+/// What misses a thousandth less is no better: rounding decides there.
+const BETTER: f64 = 0.999;
+
 /// The error that needs no amplitudes.
 const MET: f64 = 1e-3;
 
@@ -105,7 +108,7 @@ pub(super) fn nearer(
     first.quantize(1.0, work, control)?;
     second.quantize(1.0, work, control)?;
     let misses = [&first, &second].map(|solution| problem.miss(solution, quiet));
-    if misses[1] <= misses[0] && (uneven || misses[1] <= MISS) {
+    if misses[1] <= BETTER * misses[0] && (uneven || misses[1] <= MISS) {
         first.recycle(work);
         return Ok(second);
     }
