@@ -87,7 +87,8 @@ pub(crate) fn solve_after(
 /// The answer on the device's grid, balancing undone.
 fn quantized(mut solution: Solution, factor: f64, work: &Workspace, control: &mut Control) -> Result<Solution, Error> {
     check(&solution)?;
-    if solution.quantize(excess(&solution, factor), work, control)? {
+    let excess = excess(&solution, factor);
+    if solution.quantize(excess, work, control)? || excess != factor {
         control.correct(|| solution.metrics().residual);
     }
     Ok(solution)
