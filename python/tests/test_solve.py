@@ -225,7 +225,7 @@ def test_balance_solves_at_the_balanced_level_and_reduces_the_drive() -> None:
     full = solution.drive / np.abs(solution.drive)
     asked = ratios > 0
     # Brought down to the targets, which the points then have in the mean.
-    assert 1 / reduced == pytest.approx(np.mean(np.abs(G @ full)[asked] / ratios[asked]), rel=1e-5)
+    assert 1 / reduced == pytest.approx(np.mean(np.abs(G @ full)[asked] / ratios[asked]), rel=2e-4)
     # Within f32 rounding of the level that was solved at.
     found = oracle.regrets(G, ratios * factor, full, order=order)
     assert found.max() < REGRET
@@ -233,7 +233,7 @@ def test_balance_solves_at_the_balanced_level_and_reduces_the_drive() -> None:
     assert solution.targets.tolist() == ratios.tolist()
     p_abs = np.abs(G @ solution.drive)
     assert numbers(solution.metrics) == pytest.approx(oracle.metrics(p_abs, ratios), rel=1e-2)
-    assert solution.metrics.level == pytest.approx(1, abs=1e-4)
+    assert solution.metrics.level == pytest.approx(1, abs=2e-4)
     assert solution.trace[-1] == pytest.approx(solution.metrics.residual, abs=1e-4)
     assert solution.options["balance"] is True
 

@@ -115,10 +115,6 @@ impl Solve for Fast {
         Ok(if phases.is_some() { solution.on_grid() } else { solution })
     }
 
-    fn plays_at_full(&self) -> bool {
-        true
-    }
-
     fn interleaved(&self) -> Option<&dyn Any> {
         Some(self)
     }

@@ -34,10 +34,6 @@ impl Method for Gs {
 }
 
 impl Solve for Gs {
-    fn plays_at_full(&self) -> bool {
-        true
-    }
-
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let rows = Rows::new(problem, work, control)?;
         let mut projector = Projector::new(&rows, work);

@@ -55,10 +55,6 @@ impl Method for Lm {
 }
 
 impl Solve for Lm {
-    fn plays_at_full(&self) -> bool {
-        true
-    }
-
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let rows = Rows::new(problem, work, control)?;
         let mut state = State::new(problem, &rows, self.seed, work, control)?;

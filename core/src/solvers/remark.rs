@@ -138,5 +138,5 @@ impl Remark {
 
 /// The part of the balanced level that weak targets are, where a solver takes them as they stand.
 pub(crate) fn weak_part(problem: &Problem, solver: &dyn Solve, balance: bool) -> Option<f64> {
-    (problem.is_weak() && !balance && solver.plays_at_full()).then(|| 1.0 / problem.balance())
+    (problem.is_weak() && !balance && !solver.finds_level() && solver.plays_at_full()).then(|| 1.0 / problem.balance())
 }

@@ -120,10 +120,12 @@ pub(crate) fn solve_interleaved(
     Ok(solutions)
 }
 
-/// How many times as loud as asked an answer to balanced targets is, at least 1: what its drives are divided by.
+/// How many times as loud as asked an answer to balanced targets is, at least 1: what its drives are divided by. In 12 binary
+/// digits, which do not depend on the unit of the pressures.
 fn excess(solution: &Solution, factor: f64) -> f64 {
     let level = if factor > 1.0 { solution.metrics().level } else { 1.0 };
-    if level.is_finite() { level.max(1.0) } else { factor }
+    let digits = ((level as f32).to_bits() + (1 << 10)) & !0x7ff;
+    if level.is_finite() { f64::from(f32::from_bits(digits)).max(1.0) } else { factor }
 }
 
 /// Refuses an answer that no array can play.

@@ -64,10 +64,6 @@ fn raise(raised: &mut [f32], moduli: &[f32], targets: &[f32], mean: f32) {
 }
 
 impl Solve for Wgs {
-    fn plays_at_full(&self) -> bool {
-        true
-    }
-
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let rows = Rows::new(problem, work, control)?;
         let mut projector = Projector::new(&rows, work);

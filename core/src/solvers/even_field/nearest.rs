@@ -31,6 +31,9 @@ const STEPS_ALIKE: usize = 1500;
 /// A board of fewer amplitudes plays all transducers at one.
 const AMPLITUDES: usize = 16;
 
+/// An even answer gives way to another that misses this part of what it misses.
+const MUCH: f64 = 0.33;
+
 /// What misses a thousandth less is no better: rounding decides there.
 const BETTER: f64 = 0.999;
 
@@ -108,7 +111,7 @@ pub(super) fn nearer(
     first.quantize(1.0, work, control)?;
     second.quantize(1.0, work, control)?;
     let misses = [&first, &second].map(|solution| problem.miss(solution, quiet));
-    if misses[1] <= BETTER * misses[0] && (uneven || misses[1] <= MISS) {
+    if misses[1] <= BETTER * misses[0] && (uneven || misses[1] <= MISS.max(MUCH * misses[0])) {
         first.recycle(work);
         return Ok(second);
     }

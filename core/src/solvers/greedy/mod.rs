@@ -303,10 +303,6 @@ impl Solve for Greedy {
         Ok(Solution::of_field(problem, drive.into_vec(), &field, status, steps, work, control)?.on_grid())
     }
 
-    fn plays_at_full(&self) -> bool {
-        true
-    }
-
     fn interleaved(&self) -> Option<&dyn Any> {
         Some(self)
     }
