@@ -9,9 +9,10 @@ use std::thread;
 use midair::files::Source;
 use midair::{Complex32, Control, Error, SolveRequest, Threads};
 
+use crate::answer::Answer;
 use crate::memory::{Complex, list, list_or_none, room, text, vectors, write};
 use crate::outcome::{Message, Outcome, outcome};
-use crate::session::{Answer, Session, State, write_request};
+use crate::session::{Session, State, write_request};
 
 /// So many threads at most, as many as there are processors for 0.
 fn at_most(threads: usize) -> usize {

@@ -6,6 +6,7 @@
 #![allow(unsafe_code, reason = "a C caller hands over addresses; each block says why it may follow them")]
 
 pub mod abi;
+pub mod answer;
 pub mod array;
 pub mod batch;
 pub mod board;

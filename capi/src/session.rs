@@ -7,6 +7,7 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 use midair::files::{Format, Source, read_from};
 use midair::{Control, Error, Model, Problem, Request, SolveRequest};
 
+use crate::answer::{Answer, Metrics};
 use crate::array::Array;
 use crate::memory::{Complex, drive as read_drive, give, handle, list, list_or_none, room, text, vectors, write};
 use crate::option::{Given, Setting};
@@ -26,77 +27,6 @@ pub(crate) struct State {
     pub(crate) ask: SolveRequest,
     /// The request of the scene that it was opened from.
     own: Option<SolveRequest>,
-}
-
-/// How a solve ended.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub enum Status {
-    /// The method ran to its end.
-    Done = 0,
-    /// The method's steps ran out before its tolerance was met.
-    OutOfSteps = 1,
-    /// It was stopped; the answer is the best so far.
-    Stopped = 2,
-    /// The method ran to its end, and the targets are missed by more than 1 %.
-    Missed = 3,
-}
-
-/// How good a drive is, over the points with a pressure and a weight above 0, x_j = |p_j| / target_j.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub struct Metrics {
-    /// sum |p_j| / sum target_j, unclipped: eq. (12).
-    pub accuracy: f64,
-    /// Standard deviation (1/M) of x / max x: eq. (13) for equal targets. 0 for one point or silence.
-    pub sigma: f64,
-    /// min x / max x; 1 for one point, 0 in silence.
-    pub uniformity: f64,
-    /// Mean x.
-    pub level: f64,
-    /// sum w (target - |p|)^2 / sum w target^2: eq. (7) relative to silence.
-    pub residual: f64,
-    /// max |p_j| over the quiet points (target 0) over the largest target; 0 where there are none.
-    pub leak: f64,
-}
-
-/// What a solve tells beside the drive.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub struct Answer {
-    /// How it ended.
-    pub status: Status,
-    /// Steps taken.
-    pub steps: usize,
-    /// What supply or modulation have to multiply the drive by; 1 unless the board has no such amplitude.
-    pub scale: f64,
-    /// How good it is, the scale counted in.
-    pub metrics: Metrics,
-}
-
-impl From<midair::Metrics> for Metrics {
-    fn from(metrics: midair::Metrics) -> Self {
-        let midair::Metrics { accuracy, sigma, uniformity, level, residual, leak } = metrics;
-        Self { accuracy, sigma, uniformity, level, residual, leak }
-    }
-}
-
-impl From<midair::Status> for Status {
-    fn from(status: midair::Status) -> Self {
-        match status {
-            midair::Status::Done => Self::Done,
-            midair::Status::OutOfSteps => Self::OutOfSteps,
-            midair::Status::Missed => Self::Missed,
-            _ => Self::Stopped,
-        }
-    }
-}
-
-impl From<&midair::Solution> for Answer {
-    fn from(solution: &midair::Solution) -> Self {
-        let midair::Solution { status, steps, scale, .. } = *solution;
-        Self { status: status.into(), steps, scale, metrics: solution.metrics().into() }
-    }
 }
 
 impl State {

@@ -26,7 +26,7 @@ fn the_metrics_are_described_as_in_the_core() {
         ($(#[doc = $text:literal] $name:ident)*) => {
             $(
                 let lines = concat!("    //", $text, "\n    double ", stringify!($name), ";\n");
-                assert!(header.contains(lines), "capi/src/session.rs says otherwise than the core:\n{lines}");
+                assert!(header.contains(lines), "capi/src/answer.rs says otherwise than the core:\n{lines}");
             )*
         };
     }
