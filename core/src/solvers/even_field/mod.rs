@@ -76,7 +76,8 @@ pub(crate) fn meet(
     }
     let Even { solution, regime } = even(problem, plans, work, control)?;
     let quiet = f64::from(plans[0].quiet);
-    let apart = regime == Some(Regime::Separate) && problem.targeted().len() == problem.propagation().points();
+    let loud = || problem.targets()[..problem.propagation().points()].iter().all(|&target| target > 0.0);
+    let apart = regime == Some(Regime::Separate) && loud();
     let leaks = problem.leaks(quiet, &solution).is_some();
     let missed = leaks || problem.missed(true, Some(quiet), &solution).is_some();
     // Of points apart the highest common level is the answer, reached or not.
