@@ -140,7 +140,7 @@ static napi_value set_option(napi_env env, napi_callback_info info)
 /* solve(object, points, pressures or undefined): the drive as a Float32Array of re, im, and what is told of it. */
 static napi_value solve(napi_env env, napi_callback_info info)
 {
-    static const char *const endings[] = {"done", "out_of_steps", "stopped", "missed"};
+    static const char *const endings[] = {"done", "out_of_steps", "stopped"};
     napi_value arguments[3], answer, buffer, drive;
     size_t count = 3, coordinates, asked;
     void *points, *pressures = NULL, *data;

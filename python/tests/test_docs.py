@@ -36,9 +36,9 @@ def blocks(page: Path, language: str) -> list[str]:
 @pytest.mark.slow
 def test_docstrings_run() -> None:
     finder, runner = doctest.DocTestFinder(), doctest.DocTestRunner()
-    names = [midair, *(getattr(midair._midair, name) for name in midair._midair.__all__)]
-    for thing in names:
-        for example in finder.find(thing, getattr(thing, "__name__", None), module=False, globs={}):
+    things = {"midair": midair, **{name: getattr(midair._midair, name) for name in midair._midair.__all__}}
+    for name, thing in things.items():
+        for example in finder.find(thing, name, module=False, globs={}):
             runner.run(example)
     assert runner.failures == 0
     assert runner.tries > 10

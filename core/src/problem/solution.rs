@@ -31,8 +31,6 @@ pub enum Status {
     OutOfSteps,
     /// The caller asked to stop; the answer is the best so far.
     Stopped,
-    /// The method ran to its end, and the targets are missed by more than 1 %.
-    Missed,
 }
 
 /// z / factor, rounded once.
@@ -47,9 +45,9 @@ impl Status {
     /// # Errors
     /// A name of none.
     pub fn named(name: &str) -> Result<Self, Error> {
-        let all = [Self::Done, Self::OutOfSteps, Self::Stopped, Self::Missed];
+        let all = [Self::Done, Self::OutOfSteps, Self::Stopped];
         let found = all.into_iter().find(|status| format!("{status}") == name);
-        found.ok_or_else(|| Error::unknown("status", name, ["done", "out_of_steps", "stopped", "missed"]))
+        found.ok_or_else(|| Error::unknown("status", name, ["done", "out_of_steps", "stopped"]))
     }
 }
 
@@ -59,7 +57,6 @@ impl fmt::Display for Status {
             Self::Done => "done",
             Self::OutOfSteps => "out_of_steps",
             Self::Stopped => "stopped",
-            Self::Missed => "missed",
         })
     }
 }
@@ -295,11 +292,6 @@ impl Solution {
         } else if self.steps > 0 && control.step(self.steps, steps, || self.residual_for(problem)).is_break() {
             self.status = Status::Stopped;
         }
-    }
-
-    /// Reports the answer's own residual in place of that of the last step.
-    pub(crate) fn correct(&self, problem: &Problem, control: &mut Control) {
-        control.correct(|| self.residual_for(problem));
     }
 
     /// The drives (N,) with `scale` counted in: what the transducers play.
