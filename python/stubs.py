@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._midair import Solution, _Directivity, _Obstacle, _Quantization
 
 {air}
+{parts}
 class Board(TypedDict, total=False):
     quantization: _Quantization | None
     mask: ArrayLike | None
@@ -37,9 +38,7 @@ class Solve(Board, total=False):
     progress: Callable[[int, int, float], object] | None
     trace: bool
 
-class Setting(Board, Air, total=False):
-    source_pressure: float | None
-    directivity: _Directivity | None
+class Setting(Board, Keys, total=False):
     signature: str | ArrayLike | None
     obstacles: Iterable[_Obstacle] | None
 
@@ -183,6 +182,29 @@ def air() -> str:
     return "\n".join(lines) + "\n"
 
 
+#: Types of an array's parts by their kind: as a keyword, and as a property.
+KINDS = {
+    "real": ("float", "float"),
+    "directivity": ("_Directivity", "_Directivity"),
+    "complexes": ("ArrayLike", "NDArray[np.complex128] | None"),
+    "flags": ("ArrayLike", "NDArray[np.bool_]"),
+    "quantization": ("_Quantization", "dict[str, int | NDArray[np.float64] | None] | None"),
+}
+
+
+def parts() -> str:
+    """The keywords of an array's parts, alone and beside the air's, and its properties."""
+    kinds = midair._midair.array_parts()
+    lines = ["class Parts(TypedDict, total=False):"]
+    for name, kind in kinds.items():
+        about = midair._midair.scene_keys()["array"][name][1]
+        lines += [f"    {name}: {KINDS[kind][0]} | None", f'    """{about}"""']
+    lines += ["", "class Keys(Air, Parts, total=False): ...", "", "class Radiating:"]
+    for name, kind in kinds.items():
+        lines += ["    @property", f"    def {name}(self) -> {KINDS[kind][1]}: ..."]
+    return "\n".join(lines) + "\n"
+
+
 def keywords() -> str:
     """The file of keywords: for each solver a class of its options, and of these with each call's own."""
     classes: dict[str, list[str]] = {}
@@ -196,7 +218,7 @@ def keywords() -> str:
             fields += [f"{key}: {' | '.join(kind(option_name, option))} | None", f'"""{option.doc}"""']
     fields = [f"{key}: {' | '.join(kinds)} | None" for key, kinds in every.items()]
     classes["Every"] = ['"""Options of all solvers, for the one that a scene file names."""', *fields]
-    text = [KEYWORDS.format(air=air())]
+    text = [KEYWORDS.format(air=air(), parts=parts())]
     for name, lines in classes.items():
         text += ["\n".join([f"class {name}(TypedDict, total=False):", *(f"    {line}" for line in lines)])]
         text += [

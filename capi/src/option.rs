@@ -3,7 +3,7 @@
 use midair::solvers::{DEFAULT, configure, find};
 use midair::{
     Aim, Array, Board, Choice, Complex64, Directivity, Error, InstructionSet, Medium, Model, Obstacle, OptionValue,
-    Options, Scene, Session, Signature, Transducer, Value, word,
+    Options, PartKind, PartValue, Quantization, Scene, Session, Signature, Transducer, Value, word,
 };
 
 use crate::instruction_set::instruction_set;
@@ -28,24 +28,6 @@ pub(crate) struct Setting {
     obstacles: Vec<Obstacle>,
     choice: Choice,
 }
-
-/// An option that does not belong to the method.
-#[derive(Clone, Copy)]
-enum Own {
-    SourcePressure,
-    Directivity,
-    Response,
-    Mask,
-    Quantization,
-}
-
-const OWN: [(&str, Own); 5] = [
-    ("source_pressure", Own::SourcePressure),
-    ("directivity", Own::Directivity),
-    ("response", Own::Response),
-    ("mask", Own::Mask),
-    ("quantization", Own::Quantization),
-];
 
 impl Setting {
     /// An array in the default air, and a method by its name.
@@ -93,30 +75,17 @@ impl Setting {
     pub(crate) fn set(&mut self, name: &str, given: Given<'_>) -> Result<(), Error> {
         let value = |item: &str| given.number(item);
         if let Some(law) = name.strip_prefix("directivity.") {
-            return self.direct(law, Some(value(&format!("directivity.{law}"))?));
+            let law = Directivity::named(law, Some(value(&format!("directivity.{law}"))?))?;
+            let transducer = Transducer { directivity: law, ..self.array.transducer() };
+            self.array = self.array.clone().with_transducer(transducer)?;
+            return Ok(());
         }
         if let Some(key) = Medium::key(name) {
             return self.breathe(key.name, value(&format!("medium.{}", key.name))?);
         }
-        match word("option", &Value::Text(name.into()), &OWN) {
-            Ok(Own::SourcePressure) => {
-                let source_pressure = value("array.source_pressure")?;
-                self.radiate(Transducer { source_pressure, ..self.array.transducer() })?;
-            }
-            Ok(Own::Directivity) => self.direct(given.text("array.directivity")?, None)?,
-            Ok(Own::Response) => {
-                let response = given.complexes("array.response")?;
-                self.array = self.array.clone().with_response(Some(response))?;
-            }
-            Ok(Own::Mask) => self.array = self.array.clone().with_mask(Some(given.flags("array.mask")?))?,
-            Ok(Own::Quantization) => {
-                let board = given.text("array.quantization")?;
-                let none = word("quantization", &Value::Text(board.into()), &[("none", ())]).is_ok();
-                let quantization = if none { None } else { Some(Board::new(board, 1)?.quantization()?) };
-                self.array = self.array.clone().with_quantization(quantization);
-            }
-            Err(_) => self.choose(name, given)?,
-        }
+        let Some(part) = Array::part(name) else { return self.choose(name, given) };
+        let value = given.part(&format!("array.{}", part.name), part.kind())?;
+        self.array = part.put(self.array.clone(), value)?;
         Ok(())
     }
 
@@ -129,15 +98,6 @@ impl Setting {
         self.medium = self.before.with(&given)?;
         self.given = given;
         Ok(())
-    }
-
-    fn radiate(&mut self, transducer: Transducer) -> Result<(), Error> {
-        self.array = self.array.clone().with_transducer(transducer)?;
-        Ok(())
-    }
-
-    fn direct(&mut self, name: &str, parameter: Option<f64>) -> Result<(), Error> {
-        self.radiate(Transducer { directivity: Directivity::named(name, parameter)?, ..self.array.transducer() })
     }
 
     /// Sets an option of the method.
@@ -156,7 +116,7 @@ fn with_own_names(error: Error) -> Error {
     let Error::Unknown { kind, name, mut hint, mut known } = error else { return error };
     let with_parameter = Directivity::all().filter(|directivity| directivity.parameter().is_some());
     let laws: Vec<String> = with_parameter.map(|directivity| format!("directivity.{}", directivity.name().0)).collect();
-    let own = Medium::KEYS.iter().map(|key| key.name).chain(OWN.iter().map(|(name, _)| *name));
+    let own = Medium::KEYS.iter().map(|key| key.name).chain(Array::PARTS.iter().map(|part| part.name));
     let names = own.chain(laws.iter().map(String::as_str)).chain(["balance", "aim"]);
     if let Error::Unknown { hint: own, known: names, .. } = Error::unknown("", &*name, names) {
         hint = if hint.is_empty() { own } else { hint };
@@ -179,6 +139,22 @@ impl Given<'_> {
             Self::Text(text) => Value::Text(text.into()),
             Self::Number(number) => whole(number).map_or(Value::Real(number), |whole| Value::Integer(whole.into())),
             Self::Numbers(list) => Value::Integers(entries(item, list, "give whole numbers", whole)?),
+        })
+    }
+
+    /// As a part of the array; a board's name stands for its quantization.
+    fn part(self, item: &str, kind: PartKind) -> Result<PartValue, Error> {
+        Ok(match kind {
+            PartKind::Real => PartValue::Real(self.number(item)?),
+            PartKind::Directivity => PartValue::Directivity(Directivity::named(self.text(item)?, None)?),
+            PartKind::Complexes => PartValue::Complexes(self.complexes(item)?),
+            PartKind::Flags => PartValue::Flags(self.flags(item)?),
+            PartKind::Quantization => {
+                let board = self.text(item)?;
+                let none = word(item, &Value::Text(board.into()), &[("none", ())]).is_ok();
+                let own = if none { Quantization::new(None, None) } else { Board::new(board, 1)?.quantization() };
+                PartValue::Quantization(own?)
+            }
         })
     }
 

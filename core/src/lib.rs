@@ -90,7 +90,8 @@ pub use propagation::{Boundary, Gorkov, Model, Particle, Propagation, field, gor
 pub use rng::Rng;
 pub use scene::{
     Aim, Array, Axis, Body, Choice, Directivity, Doubt, Key, Medium, Mesh, Obstacle, OptionValue, Options, Origin,
-    Parameter, Plane, Request, Scene, Signature, Start, Surface, Transducer, Value, presets, spell, spl, word,
+    Parameter, Part, PartKind, PartValue, Plane, Request, Scene, Signature, Start, Surface, Transducer, Value, presets,
+    spell, spl, word,
 };
 pub use session::{Batch, Frames, Session, SolveRequest};
 pub use solvers::options::{Configure, OptionInfo};

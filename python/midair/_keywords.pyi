@@ -34,6 +34,32 @@ class Numbers:
     @property
     def density(self) -> float: ...
 
+class Parts(TypedDict, total=False):
+    source_pressure: float | None
+    """On-axis pressure times distance at full drive, Pa m; left out 4.386."""
+    directivity: _Directivity | None
+    """A name, or a table of one name and its parameter."""
+    response: ArrayLike | None
+    """Complex factor [re, im] of each transducer; 0 is dead."""
+    mask: ArrayLike | None
+    """Of each transducer; false is off."""
+    quantization: _Quantization | None
+    """What the board can play; left out the preset's, {} any drive."""
+
+class Keys(Air, Parts, total=False): ...
+
+class Radiating:
+    @property
+    def source_pressure(self) -> float: ...
+    @property
+    def directivity(self) -> _Directivity: ...
+    @property
+    def response(self) -> NDArray[np.complex128] | None: ...
+    @property
+    def mask(self) -> NDArray[np.bool_]: ...
+    @property
+    def quantization(self) -> dict[str, int | NDArray[np.float64] | None] | None: ...
+
 class Board(TypedDict, total=False):
     quantization: _Quantization | None
     mask: ArrayLike | None
@@ -48,9 +74,7 @@ class Solve(Board, total=False):
     progress: Callable[[int, int, float], object] | None
     trace: bool
 
-class Setting(Board, Air, total=False):
-    source_pressure: float | None
-    directivity: _Directivity | None
+class Setting(Board, Keys, total=False):
     signature: str | ArrayLike | None
     obstacles: Iterable[_Obstacle] | None
 

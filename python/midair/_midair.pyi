@@ -52,6 +52,7 @@ __all__ = [
     "Wall",
     "about",
     "along",
+    "array_parts",
     "bodies",
     "bound",
     "directivities",
@@ -107,51 +108,28 @@ class SceneError(ValueError): ...
 class SceneWarning(UserWarning): ...
 
 @final
-class Array:
+class Array(k.Radiating):
     def __new__(
         cls,
         positions: ArrayLike,
         normals: ArrayLike | None = None,
-        *,
-        source_pressure: float | None = None,
-        directivity: _Directivity | None = None,
-        response: ArrayLike | None = None,
-        mask: ArrayLike | None = None,
-        quantization: _Quantization | None = None,
+        **parts: Unpack[k.Parts],
     ) -> Array: ...
     @staticmethod
     def grid(
         nx: int,
         ny: int,
         pitch: float,
-        *,
-        source_pressure: float | None = None,
-        directivity: _Directivity | None = None,
-        response: ArrayLike | None = None,
-        mask: ArrayLike | None = None,
-        quantization: _Quantization | None = None,
+        **parts: Unpack[k.Parts],
     ) -> Array: ...
     @staticmethod
     def preset(
         name: str,
         tiles: tuple[int, int] | None = None,
-        *,
-        source_pressure: float | None = None,
-        directivity: _Directivity | None = None,
-        response: ArrayLike | None = None,
-        mask: ArrayLike | None = None,
-        quantization: _Quantization | None = None,
+        **parts: Unpack[k.Parts],
     ) -> Array: ...
     @staticmethod
-    def from_file(
-        path: str | PathLike[str],
-        *,
-        source_pressure: float | None = None,
-        directivity: str | Mapping[str, float] | None = None,
-        response: ArrayLike | None = None,
-        mask: ArrayLike | None = None,
-        quantization: Mapping[str, Any] | None = None,
-    ) -> Array: ...
+    def from_file(path: str | PathLike[str], **parts: Unpack[k.Parts]) -> Array: ...
     @staticmethod
     def presets() -> list[str]: ...
     @property
@@ -159,16 +137,7 @@ class Array:
     @property
     def normals(self) -> NDArray[np.float64]: ...
     def _is_behind(self, point: Sequence[float]) -> bool: ...
-    @property
-    def response(self) -> NDArray[np.complex128] | None: ...
-    @property
-    def mask(self) -> NDArray[np.bool_]: ...
-    @property
-    def quantization(self) -> dict[str, int | NDArray[np.float64] | None] | None: ...
-    @property
-    def source_pressure(self) -> float: ...
-    @property
-    def directivity(self) -> _Directivity: ...
+    def _part(self, name: str) -> Any: ...
     def __len__(self) -> int: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
@@ -200,11 +169,9 @@ class Scene(k.Numbers):
         pressures: ArrayLike | None = None,
         *,
         weights: ArrayLike | None = None,
-        source_pressure: float | None = None,
-        directivity: _Directivity | None = None,
         signature: str | ArrayLike | None = None,
         obstacles: Iterable[_Obstacle] | None = None,
-        **medium: Unpack[k.Air],
+        **keys: Unpack[k.Keys],
     ) -> Scene: ...
     @staticmethod
     def load(path: str | PathLike[str]) -> Scene: ...
@@ -221,12 +188,10 @@ class Scene(k.Numbers):
         points: _Numbers = None,
         pressures: _Numbers = ...,
         weights: _Numbers = ...,
-        source_pressure: float | None = None,
-        directivity: _Directivity | None = None,
         signature: str | ArrayLike | None = ...,
         obstacles: Iterable[_Obstacle] | None = ...,
         plane: Plane | None = ...,
-        **medium: Unpack[k.Air],
+        **keys: Unpack[k.Keys],
     ) -> Scene: ...
     def propagation(self) -> NDArray[np.complex64]: ...
     def reach(self) -> Reach: ...
@@ -624,6 +589,7 @@ def read_table(
 def drive_from_csv(text: bytes, name: str) -> NDArray[np.complex64]: ...
 def drive_to_csv(drive: ArrayLike, positions: ArrayLike | None = None) -> str: ...
 def scene_files(path: str | PathLike[str], text: bytes | None = None) -> list[Path]: ...
+def array_parts() -> dict[str, str]: ...
 def scene_keys() -> dict[str, dict[str, tuple[str, str]]]: ...
 def solver_name(name: str) -> str: ...
 def unknown(kind: str, name: str, known: list[str]) -> tuple[str, str]: ...

@@ -5,7 +5,6 @@ The extension never imports the package: `midair` registers this module.
 
 from __future__ import annotations
 
-import inspect
 import sys
 from typing import Any, cast
 
@@ -53,32 +52,26 @@ def sound(boundary: _midair.Boundary) -> Any:
     return sound(boundary)
 
 
-def air() -> None:
-    """Gives Scene the keys of the medium: in its signature and documentation, the numbers as properties."""
-
-    def number(name: str, about: str) -> property:
-        def read(scene: Scene) -> float:
-            """One number of a scene's air."""
-            return scene.medium[name]
-
-        return property(read, doc=about)
-
-    keys = {name: about for name, (_, about) in _midair.scene_keys()["medium"].items()}
+def declared() -> None:
+    """Gives Scene the numbers of its air and Array its parts: as properties, and in the documentation."""
+    keys = _midair.scene_keys()
     # Constructors take their place later: midair._support.slips.
     make, array = cast(Any, Scene)._new, cast(Any, Array)._new([[0, 0, 0]])
+    air = {name: about for name, (_, about) in keys["medium"].items()}
     for name in make(array, [[0, 0, 1]]).medium:
-        setattr(Scene, name, number(name, keys[name]))
-    lines = "\n".join(f"{name} : {about.removesuffix('.')}" for name, about in keys.items())
-    Scene.__doc__ = (Scene.__doc__ or "").replace("{medium}", lines)
-    signature = inspect.signature(make)
-    own = list(signature.parameters.values())[:-1]
-    air = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None) for name in keys]
-    Scene.__signature__ = signature.replace(parameters=[*own[:4], *air, *own[4:]])
+        setattr(Scene, name, property(lambda scene, name=name: scene.medium[name], doc=air[name]))  # type: ignore[misc]
+    parts = {name: keys["array"][name][1] for name in _midair.array_parts()}
+    for name, about in parts.items():
+        setattr(Array, name, property(lambda array, name=name: array._part(name), doc=about))  # type: ignore[misc]
+    for owner, place, named in ((Scene, "{medium}", air), (Array, "{parts}", parts)):
+        lines = "\n".join(f"{name} : {about.removesuffix('.')}" for name, about in named.items())
+        owner.__doc__ = (owner.__doc__ or "").replace(place, lines)
+    Scene.__doc__ = (Scene.__doc__ or "").replace("{parts}", ", ".join(parts))
 
 
 def attach() -> None:
     """Adds the methods, and registers this module with the extension."""
-    air()
+    declared()
     for owner, methods in METHODS.items():
         for name, method in methods.items():
             setattr(owner, name, method)

@@ -3,28 +3,28 @@
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
-use midair::{Complex64, Directivity, Medium, Origin, Transducer};
-use numpy::{PyArray1, PyArray2};
+use midair::{Directivity, Medium, Origin, PartKind, PartValue, Transducer};
+use numpy::PyArray2;
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict};
+use pyo3::types::PyDict;
 
 use crate::error::{invalid, refused, warn_all};
-use crate::give::{self, rows};
+use crate::give::rows;
 use crate::numbers::quoted;
+use crate::parts::{self, Given};
 use crate::pickle::{Reduced, called, restored};
-use crate::quantization::{self, read_quantization};
 use crate::read;
 use crate::ready::{Kept, Ready};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// N transducers: positions (N, 3) in m, normals (N, 3), and how each radiates.
+/// N transducers: where they are, and how each radiates.
 ///
-/// Normals are normalised and +z where left out. source_pressure (Pa m) is the on-axis pressure times distance
-/// at full drive, directivity a name such as "t4010a1" or {name: parameter} (docs/conventions.md lists them),
-/// response (N,) a complex factor of each transducer, 0 for a dead one; mask (N,) is False where one is off.
-/// quantization is what its board can play, {"phases": 256, "amplitudes": [0, 0.5, 1]}: every answer then lies on
-/// that grid. What is left out there, or None, is continuous.
+/// positions, normals : (N, 3) in m and as directions, which are normalised; +z where left out
+/// {parts}
+///
+/// docs/conventions.md lists the directivities. A quantization is what the board can play, such as {"phases": 256,
+/// "amplitudes": [0, 0.5, 1]}: every answer then lies on that grid. What is left out there, or None, is continuous.
 ///
 /// Raises SceneError for numbers of another shape or not finite, values out of their range, and unknown names.
 ///
@@ -51,6 +51,15 @@ impl From<&Arc<Ready>> for Array {
 }
 
 impl Array {
+    /// Itself with these parts in place of its own.
+    pub(crate) fn with_parts(self, given: Given) -> PyResult<Self> {
+        if given.is_empty() {
+            return Ok(self);
+        }
+        let array = given.into_iter().try_fold(self.inner, |array, (part, value)| part.put(array, value));
+        array.map(Self::from).map_err(refused)
+    }
+
     /// Itself prepared for a medium.
     pub(crate) fn ready(&self, medium: Medium) -> PyResult<Arc<Ready>> {
         self.kept.get(&self.inner, medium)
@@ -72,46 +81,18 @@ impl Hash for Array {
     }
 }
 
-/// Applies the keywords that every way to make an array shares; what is left out stays as it is.
-pub(crate) fn adjusted(
-    array: Array,
-    source_pressure: Argument<'_, '_>,
-    directivity: Argument<'_, '_>,
-    response: Argument<'_, '_>,
-) -> PyResult<Array> {
-    if [source_pressure, directivity, response].iter().all(Option::is_none) {
-        return Ok(array);
-    }
-    let own = array.inner.transducer();
-    let transducer = Transducer {
-        source_pressure: read::real_or("source_pressure", source_pressure, own.source_pressure)?,
-        directivity: directivity.map_or(Ok(own.directivity), read::directivity)?,
-    };
-    let array = array.inner.with_transducer(transducer).map_err(refused)?;
-    let array = match response {
-        None => array,
-        Some(response) => array.with_response(Some(read::complexes("response", response)?)).map_err(refused)?,
-    };
-    Ok(array.into())
-}
-
 #[pymethods]
 impl Array {
     #[staticmethod]
-    #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
-    #[pyo3(name = "_new", signature = (positions, normals=None, *, source_pressure=None, directivity=None, response=None, mask=None, quantization=None))]
+    #[pyo3(name = "_new", signature = (positions, normals=None, **parts))]
     fn new(
         positions: &Bound<'_, PyAny>,
         normals: Argument<'_, '_>,
-        source_pressure: Argument<'_, '_>,
-        directivity: Argument<'_, '_>,
-        response: Argument<'_, '_>,
-        mask: Argument<'_, '_>,
-        quantization: Argument<'_, '_>,
+        parts: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let normals = normals.map(|normals| read::vectors("normals", normals)).transpose()?;
         let array = midair::Array::new(read::vectors("positions", positions)?, normals).map_err(refused)?;
-        on_board(adjusted(array.into(), source_pressure, directivity, response)?, mask, quantization)
+        Self::from(array).with_parts(parts::keywords("Array", parts)?)
     }
 
     /// A flat grid of nx x ny transducers, pitch metres apart, centred in z = 0, x fastest. The keywords are those of
@@ -119,23 +100,18 @@ impl Array {
     ///
     /// Raises SceneError for less than one transducer, a pitch that is not above 0, and keywords that `Array` refuses.
     #[staticmethod]
-    #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
-    #[pyo3(signature = (nx, ny, pitch, *, source_pressure=None, directivity=None, response=None, mask=None, quantization=None))]
+    #[pyo3(signature = (nx, ny, pitch, **parts))]
     fn grid(
         py: Python<'_>,
         nx: &Bound<'_, PyAny>,
         ny: &Bound<'_, PyAny>,
         pitch: &Bound<'_, PyAny>,
-        source_pressure: Argument<'_, '_>,
-        directivity: Argument<'_, '_>,
-        response: Argument<'_, '_>,
-        mask: Argument<'_, '_>,
-        quantization: Argument<'_, '_>,
+        parts: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let (nx, ny) = (read::count("nx", nx)?, read::count("ny", ny)?);
         let array = midair::Array::grid(nx, ny, read::real("pitch", pitch)?).map_err(refused)?;
         warn_all(py, array.doubt())?;
-        on_board(adjusted(array.into(), source_pressure, directivity, response)?, mask, quantization)
+        Self::from(array).with_parts(parts::keywords("Array.grid", parts)?)
     }
 
     /// A known board or the paper's array; tiles = (x, y) boards. The keywords, those of `Array`, override the preset's
@@ -143,22 +119,13 @@ impl Array {
     ///
     /// Raises SceneError for an unknown name, for tiles of a preset that has none, and keywords that `Array` refuses.
     #[staticmethod]
-    #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
-    #[pyo3(signature = (name, tiles=None, *, source_pressure=None, directivity=None, response=None, mask=None, quantization=None))]
-    fn preset(
-        name: &Bound<'_, PyAny>,
-        tiles: Argument<'_, '_>,
-        source_pressure: Argument<'_, '_>,
-        directivity: Argument<'_, '_>,
-        response: Argument<'_, '_>,
-        mask: Argument<'_, '_>,
-        quantization: Argument<'_, '_>,
-    ) -> PyResult<Self> {
+    #[pyo3(signature = (name, tiles=None, **parts))]
+    fn preset(name: &Bound<'_, PyAny>, tiles: Argument<'_, '_>, parts: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let Ok(name) = name.extract::<String>() else {
             return Err(invalid("preset", &quoted(name), "give a name as text"));
         };
         let array = midair::Array::preset(&name, read::tiles(tiles)?).map_err(refused)?;
-        on_board(adjusted(array.into(), source_pressure, directivity, response)?, mask, quantization)
+        Self::from(array).with_parts(parts::keywords("Array.preset", parts)?)
     }
 
     /// The names of the presets; `midair.presets()` tells more.
@@ -184,38 +151,13 @@ impl Array {
         self.inner.is_behind(point)
     }
 
-    /// Complex responses (N,), or None where all are 1.
-    #[getter]
-    fn response<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<Complex64>>> {
-        self.inner.response().map(|response| give::list(py, response.to_vec()))
-    }
-
-    /// Which transducers are on (N,), bool.
-    #[getter]
-    fn mask<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
-        quantization::mask(py, &self.inner)
-    }
-
-    /// What the board can play, as {"phases": L or None, "amplitudes": (K,) or None}, or None where any drive can be had.
-    #[getter]
-    fn quantization<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        quantization::shown(py, self.inner.quantization())
-    }
-
-    /// P0 in Pa m.
-    #[getter]
-    fn source_pressure(&self) -> f64 {
-        self.inner.transducer().source_pressure
-    }
-
-    /// The directivity: a name, or a dictionary of one name and its parameter.
-    #[getter]
-    fn directivity<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let directivity: Directivity = self.inner.transducer().directivity;
-        match directivity.name() {
-            (name, None) => Ok(name.into_pyobject(py)?.into_any()),
-            (name, Some(parameter)) => Ok([(name, parameter)].into_py_dict(py)?.into_any()),
-        }
+    /// A part by its name, or None where the array has none; a mask is all True then.
+    fn _part<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let value = midair::Array::part(name).and_then(|part| match (part.of(&self.inner), part.kind()) {
+            (None, PartKind::Flags) => Some(PartValue::Flags(vec![true; self.inner.len()])),
+            (value, _) => value,
+        });
+        value.map(|value| parts::shown(py, value)).transpose()
     }
 
     fn __len__(&self) -> usize {
@@ -230,12 +172,9 @@ impl Array {
             Origin::Preset { name, tiles: [x, y] } => (class.getattr("preset")?, name, (x, y)).into_pyobject(py)?,
         };
         let keywords = PyDict::new(py);
-        keywords.set_item("source_pressure", self.source_pressure())?;
-        keywords.set_item("directivity", self.directivity(py)?)?;
-        keywords.set_item("response", self.response(py))?;
-        keywords.set_item("mask", array.mask().map(|mask| give::list(py, mask.to_vec())))?;
-        // Left out, it would be the preset's.
-        keywords.set_item("quantization", self.quantization(py)?.unwrap_or_else(|| PyDict::new(py)))?;
+        for (name, value) in array.stated() {
+            keywords.set_item(name, parts::shown(py, value)?)?;
+        }
         called(call, &keywords)
     }
 
@@ -246,7 +185,7 @@ impl Array {
             midair::Origin::Preset { name, tiles: [x, y] } => format!(" \"{name}\", {x} x {y} boards,"),
             _ => String::new(),
         };
-        let (count, pressure) = (self.inner.len(), self.source_pressure());
+        let (count, pressure) = (self.inner.len(), self.inner.transducer().source_pressure);
         format!("<midair.Array{origin} of {count} transducers, {pressure} Pa m, {name}>")
     }
 }
@@ -321,16 +260,4 @@ pub(crate) fn directivities(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         dict.set_item(name, (default, unit, directivity.about()))?;
     }
     Ok(dict)
-}
-
-/// The array with what is given of mask and quantization; what is left out stays as it is.
-pub(crate) fn on_board(array: Array, mask: Argument<'_, '_>, quantization: Argument<'_, '_>) -> PyResult<Array> {
-    let array = match quantization {
-        None => array,
-        Some(quantization) => array.inner.with_quantization(Some(read_quantization(quantization)?)).into(),
-    };
-    match mask {
-        None => Ok(array),
-        Some(mask) => Ok(array.inner.with_mask(Some(read::flags("mask", mask)?)).map_err(refused)?.into()),
-    }
 }

@@ -4,8 +4,9 @@ use midair::Medium;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyDictMethods};
 
-use crate::array::{Array, adjusted};
+use crate::array::Array;
 use crate::error::refused;
+use crate::parts;
 use crate::read;
 
 /// Keywords, taken out one by one.
@@ -35,10 +36,11 @@ impl<'py> Keywords<'py> {
         &self.0
     }
 
-    /// The refusal of the first one that is left; `known` are those of the call beside the air's.
+    /// The refusal of the first one that is left; `known` are those of the call beside the air's and the array's.
     pub(crate) fn unknown(&self, what: &str, known: &[&str]) -> Option<midair::Error> {
         let left = self.0.keys().iter().next()?;
-        let names = known.iter().copied().chain(Medium::KEYS.iter().map(|key| key.name));
+        let keys = Medium::KEYS.iter().chain(midair::Array::PART_KEYS).map(|key| key.name);
+        let names = known.iter().copied().chain(keys);
         Some(midair::Error::unknown(what, left.to_string(), names))
     }
 
@@ -53,9 +55,8 @@ impl<'py> Keywords<'py> {
         own.with(&given).map_err(refused)
     }
 
-    /// An array with the transducers that the keywords make of its own.
-    pub(crate) fn transducer(&self, array: Array) -> PyResult<Array> {
-        let (pressure, directivity) = (self.take("source_pressure")?, self.take("directivity")?);
-        adjusted(array, pressure.as_ref(), directivity.as_ref(), None)
+    /// An array with the parts that the keywords give in place of its own.
+    pub(crate) fn array(&self, array: Array) -> PyResult<Array> {
+        array.with_parts(parts::given(|name| self.take(name))?)
     }
 }

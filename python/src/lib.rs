@@ -25,6 +25,7 @@ mod names;
 mod numbers;
 mod obstacle;
 mod out;
+mod parts;
 mod pickle;
 mod plane;
 mod points;
@@ -84,6 +85,8 @@ mod _midair {
     use super::motion::read_motion;
     #[pymodule_export]
     use super::names::{preset_name, solver_name, unknown};
+    #[pymodule_export]
+    use super::parts::array_parts;
     #[pymodule_export]
     use super::plane::Plane;
     #[pymodule_export]

@@ -1,7 +1,6 @@
-//! `quantization` and `mask` arguments, from Python and back.
+//! `quantization` arguments, from Python and back.
 
 use midair::Quantization;
-use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -41,9 +40,4 @@ pub(crate) fn shown<'py>(py: Python<'py>, quantization: Option<&Quantization>) -
     table.set_item("phases", quantization.phases())?;
     table.set_item("amplitudes", quantization.amplitudes().map(|table| give::list(py, table.to_vec())))?;
     Ok(Some(table))
-}
-
-/// The mask (N,), all True where none was given.
-pub(crate) fn mask<'py>(py: Python<'py>, array: &midair::Array) -> Bound<'py, PyArray1<bool>> {
-    give::list(py, array.mask().map_or_else(|| vec![true; array.len()], <[_]>::to_vec))
 }

@@ -43,7 +43,7 @@ fn replaced(py: Python<'_>, scene: &Scene, changes: &Bound<'_, PyDict>) -> PyRes
             Err(_) => return Err(invalid("array", &quoted(&array), "give a midair.Array")),
         },
     };
-    let array = keywords.transducer(array)?;
+    let array = keywords.array(array)?;
     let medium = keywords.medium(own.medium())?;
     let points = keywords.take("points")?;
     let points = points.map_or_else(|| Ok(own.points().to_vec()), |points| read::vectors("points", &points))?;

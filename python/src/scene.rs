@@ -11,7 +11,7 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 
-use crate::array::{Array, adjusted};
+use crate::array::Array;
 use crate::ctrl_c::attend;
 use crate::error::{refused, warn_all};
 use crate::give::{self, rows};
@@ -26,9 +26,8 @@ use crate::signature::{read_signature, shown_signature};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// What the constructor takes beside the air.
-pub(crate) const ARGUMENTS: [&str; 8] =
-    ["array", "points", "pressures", "weights", "source_pressure", "directivity", "signature", "obstacles"];
+/// What the constructor takes beside the air and the array's parts.
+pub(crate) const ARGUMENTS: [&str; 6] = ["array", "points", "pressures", "weights", "signature", "obstacles"];
 
 /// A request: an array, points in the air, and what each of them shall feel.
 ///
@@ -39,7 +38,7 @@ pub(crate) const ARGUMENTS: [&str; 8] =
 ///     methods that use them
 /// weights : (M,) or one for all: they multiply the points' terms of eq. (7); a point of weight 0 takes no part
 /// {medium}
-/// source_pressure, directivity : P0 in Pa m and D, in place of the array's
+/// {parts} : in place of the array's
 /// signature : turns the foci into traps: "trap", "twin", "vortex" or complex factors (N,) or (M, N) of modulus 1, which
 ///     multiply the responses c while it is solved; pressures are then those of the foci, and `field` and `gorkov` tell the
 ///     real ones
@@ -119,8 +118,7 @@ impl Scene {
 impl Scene {
     #[staticmethod]
     #[pyo3(name = "_new", signature = (
-        array, points, pressures=None, *, weights=None, source_pressure=None, directivity=None, signature=None,
-        obstacles=None, **medium
+        array, points, pressures=None, *, weights=None, signature=None, obstacles=None, **keys
     ))]
     #[allow(clippy::too_many_arguments, reason = "Python's keywords")]
     fn new(
@@ -129,18 +127,16 @@ impl Scene {
         points: &Bound<'_, PyAny>,
         pressures: Argument<'_, '_>,
         weights: Argument<'_, '_>,
-        source_pressure: Argument<'_, '_>,
-        directivity: Argument<'_, '_>,
         signature: Argument<'_, '_>,
         obstacles: Argument<'_, '_>,
-        medium: Option<&Bound<'_, PyDict>>,
+        keys: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        let keywords = Keywords::of(py, medium)?;
+        let keywords = Keywords::of(py, keys)?;
         let medium = keywords.medium(Medium::default())?;
+        let array = keywords.array(array.get().clone())?;
         if let Some(unknown) = keywords.unknown("argument of midair.Scene", &ARGUMENTS) {
             return Err(PyTypeError::new_err(unknown.to_string()));
         }
-        let array = adjusted(array.get().clone(), source_pressure, directivity, None)?;
         let points = read::vectors("points", points)?;
         // Without points there is nothing to compare lengths with; the core says so.
         let request =

@@ -8,7 +8,7 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyDictMethods};
 
-use crate::array::{Array, on_board};
+use crate::array::Array;
 use crate::error::{invalid, refused, warn_all};
 use crate::give::rows;
 use crate::keywords::Keywords;
@@ -101,12 +101,6 @@ impl Source {
     }
 }
 
-/// The array and medium of a Scene or an Array, as keywords change them.
-fn ready(keywords: &Keywords<'_>, array: Array, own: Medium, beside: Beside<'_, '_>) -> PyResult<Arc<Ready>> {
-    let medium = keywords.medium(own)?;
-    on_board(keywords.transducer(array)?, beside.mask, beside.quantization)?.ready(medium)
-}
-
 impl Setting {
     /// From a Scene (its array and medium), an Array or a Propagation, and keywords: the Scene's, `signature`, `obstacles`,
     /// `quantization`, `mask`, `balance`, `aim`, and the solver's options.
@@ -117,15 +111,7 @@ impl Setting {
     ) -> PyResult<Self> {
         let keywords = Keywords::of(object.py(), keywords)?;
         let (signature, obstacles) = (keywords.take_or_none("signature")?, keywords.take_or_none("obstacles")?);
-        let [balance, aim, quantization, mask, positions] =
-            ["balance", "aim", "quantization", "mask", "positions"].map(|name| keywords.take(name));
-        let (balance, aim, quantization, mask, positions) = (balance?, aim?, quantization?, mask?, positions?);
-        let beside = Beside {
-            quantization: quantization.as_ref(),
-            mask: mask.as_ref(),
-            positions: positions.as_ref(),
-            ..Beside::default()
-        };
+        let (balance, aim, positions) = (keywords.take("balance")?, keywords.take("aim")?, keywords.take("positions")?);
         let mut choice = Choice {
             name: solver.map_or_else(|| Ok(midair::solvers::DEFAULT.into()), read::name)?,
             options: midair::Options::new(),
@@ -151,6 +137,9 @@ impl Setting {
             if obstacles.is_some_and(|obstacles| !obstacles.is_none()) {
                 return Err(invalid("obstacles", "given", "a matrix has them in it: they go with a Scene or an Array"));
             }
+            let (quantization, mask) = (keywords.take("quantization")?, keywords.take("mask")?);
+            let (quantization, mask, positions) = (quantization.as_ref(), mask.as_ref(), positions.as_ref());
+            let beside = Beside { quantization, mask, positions, ..Beside::default() };
             let (propagation, setup) = given(&matrix.get().inner, beside)?;
             let (configured, balance) = configured(setup.quantization.as_deref())?;
             let source = Source::Given(propagation.clone(), Arc::new(setup.clone()));
@@ -177,7 +166,8 @@ impl Setting {
                 Some(none) if none.is_none() => None,
                 Some(signature) => Some(read_signature(&signature, array.inner.len())?),
             };
-            let ready = ready(&keywords, array, medium, beside)?;
+            let medium = keywords.medium(medium)?;
+            let ready = keywords.array(array)?.ready(medium)?;
             let Ready { model, doubts, .. } = &*ready;
             warn_all(object.py(), doubts.iter().filter(|doubt| !told.contains(doubt)))?;
             let (configured, balance) = configured(model.array().quantization())?;

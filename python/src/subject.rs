@@ -6,9 +6,9 @@ use midair::{Control, Problem, Quantization, Request, Setup};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
-use crate::array::on_board;
 use crate::error::{invalid, refused};
 use crate::instruction_set::instruction_set;
+use crate::parts;
 use crate::propagation::Propagation;
 use crate::quantization::read_quantization;
 use crate::read;
@@ -41,7 +41,11 @@ impl Beside<'_, '_> {
         if [pressures, weights, quantization, mask].iter().all(Option::is_none) {
             return Ok(scene.clone());
         }
-        let (array, own) = (on_board(scene.array(), mask, quantization)?, &scene.inner);
+        let given = parts::given(|name| {
+            let given = [("mask", mask), ("quantization", quantization)].into_iter().find(|(known, _)| *known == name);
+            Ok(given.and_then(|(_, value)| value.cloned()))
+        })?;
+        let (array, own) = (scene.array().with_parts(given)?, &scene.inner);
         let given = read::request(own.points().len(), pressures, weights)?;
         let asked = if given.pressures.is_some() { given.clone() } else { own.request().clone() };
         let request = Request { weights: given.weights.or_else(|| own.request().weights.clone()), ..asked };

@@ -68,6 +68,9 @@ export function sceneOf(state: State, slot: Slot): SceneFile {
   };
 }
 
+/** What an array has beside its places on the page. */
+const USUAL: Record<string, unknown> = { source_pressure: 4.386, directivity: "point", quantization: {} };
+
 function refuse(item: string, value: unknown, cure: string): never {
   throw new Error(`${item} is ${JSON.stringify(value)?.slice(0, 40)}: ${cure}`);
 }
@@ -81,11 +84,12 @@ function check(scene: SceneFile): void {
     }
   };
   only("medium.frequency", medium.frequency, 40e3);
-  for (const key of ["response", "mask"]) only(`array.${key}`, array[key], undefined);
-  only("array.quantization", array.quantization, {});
-  if (array.preset === undefined) {
-    only("array.source_pressure", array.source_pressure, 4.386);
-    only("array.directivity", array.directivity, "point");
+  const { preset, tiles, grid, positions, normals, ...parts } = array;
+  for (const [key, value] of Object.entries(parts)) {
+    // P0 and directivity of a preset are the preset's.
+    if (preset === undefined || !["source_pressure", "directivity"].includes(key)) {
+      only(`array.${key}`, value, USUAL[key]);
+    }
   }
   if (points.length > MOST_POINTS) refuse("points", points.length, `the page has at most ${MOST_POINTS}`);
   points.forEach(({ weight, phase }, k) => {

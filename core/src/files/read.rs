@@ -15,8 +15,8 @@ use crate::files::node::Node;
 use crate::files::positions;
 use crate::files::source::Source;
 use crate::scene::{
-    Array, Axis, Body, Choice, Directivity, Key, Medium, Mesh, Obstacle, OptionValue, Options, Plane, Request, Scene,
-    Signature, Surface, Transducer, Value,
+    Array, Axis, Body, Choice, Directivity, Key, Medium, Mesh, Obstacle, OptionValue, Options, Part, PartKind,
+    PartValue, Plane, Request, Scene, Signature, Surface, Value,
 };
 use crate::solvers::registry;
 
@@ -192,18 +192,23 @@ fn array(table: &Table<'_>, source: Source<'_>) -> Result<Array, Fault> {
     } else {
         placed(table, source)?
     };
-    let default = array.transducer();
-    let array = array.with_transducer(Transducer {
-        source_pressure: table.read("source_pressure", Item::real)?.unwrap_or(default.source_pressure),
-        directivity: table.read("directivity", directivity)?.unwrap_or(default.directivity),
-    })?;
-    let response = table.read("response", Item::vectors)?;
-    let response = response.map(|list| list.into_iter().map(|[re, im]| Complex64::new(re, im)).collect());
-    let array = array.with_response(response)?.with_mask(table.read("mask", Item::flags)?)?;
-    // A preset has its own quantization unless the table says otherwise.
-    Ok(match table.read("quantization", quantization)? {
-        Some(quantization) => array.with_quantization(Some(quantization)),
-        None => array,
+    // What is left out is the preset's, or usual.
+    Array::PARTS.iter().try_fold(array, |array, part| match table.get(part.name) {
+        None => Ok(array),
+        Some(item) => Ok(part.put(array, value_of(part, &item)?)?),
+    })
+}
+
+/// The value of a part.
+fn value_of(part: &Part, item: &Item<'_>) -> Result<PartValue, Fault> {
+    Ok(match part.kind() {
+        PartKind::Real => PartValue::Real(item.real()?),
+        PartKind::Directivity => PartValue::Directivity(directivity(item)?),
+        PartKind::Complexes => {
+            PartValue::Complexes(item.vectors()?.into_iter().map(|[re, im]| Complex64::new(re, im)).collect())
+        }
+        PartKind::Flags => PartValue::Flags(item.flags()?),
+        PartKind::Quantization => PartValue::Quantization(quantization(item)?),
     })
 }
 

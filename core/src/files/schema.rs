@@ -4,7 +4,7 @@ use alloc::format;
 use alloc::string::String;
 
 use crate::files::source::Format;
-use crate::scene::{Key, Medium, Obstacle};
+use crate::scene::{Array, Key, Medium, Obstacle};
 
 /// A table's path, and its keys.
 type Table = (&'static str, &'static [Key]);
@@ -52,21 +52,9 @@ const TABLES: &[Table] = &[
                 "[[0.0, 0.0, 1.0], [0.0, 0.0, 1.0]]",
                 "Directions, one each, with positions; left out +z.",
             ),
-            Key::new(
-                "source_pressure",
-                "4.386",
-                "On-axis pressure times distance at full drive, Pa m; left out 4.386.",
-            ),
-            Key::new("directivity", r#"{"piston": 4.5e-3}"#, "A name, or a table of one name and its parameter."),
-            Key::new("response", "[[1.0, 0.0], [0.5, -0.2]]", "Complex factor [re, im] of each transducer; 0 is dead."),
-            Key::new("mask", "[true, false]", "Of each transducer; false is off."),
-            Key::new(
-                "quantization",
-                r#"{"phases": 256}"#,
-                "What the board can play; left out the preset's, {} any drive.",
-            ),
         ],
     ),
+    ("array", Array::PART_KEYS),
     (
         "array.grid",
         &[

@@ -3,14 +3,9 @@
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-use num_complex::Complex64;
-
-use crate::device::quantization::Quantization;
 use crate::error::Error;
 use crate::files::node::Node;
-use crate::scene::presets;
-use crate::scene::presets::Preset;
-use crate::scene::{Array, Axis, Key, Obstacle, Origin, Plane, Scene, Surface, Transducer, Value};
+use crate::scene::{Array, Axis, Key, Obstacle, Origin, PartValue, Plane, Scene, Surface, Value};
 
 /// How a scene was solved, written beside it so that a result can be replayed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -70,42 +65,24 @@ fn array(array: &Array) -> Node {
         }
         Origin::Positions => (positions, normals) = (vectors(array.positions()), vectors(array.normals())),
     }
-    let Transducer { source_pressure, directivity } = array.transducer();
-    let directivity = match directivity.name() {
-        (name, None) => text(name),
-        (name, Some(parameter)) => table([(name, Node::Real(parameter))]),
-    };
-    let response = |response: &[_]| Node::List(response.iter().map(|c: &Complex64| numbers(&[c.re, c.im])).collect());
-    let mask = |mask: &[bool]| Node::List(mask.iter().copied().map(Node::Bool).collect());
-    table([
-        ("grid", grid),
-        ("preset", preset),
-        ("tiles", tiles),
-        ("positions", positions),
-        ("normals", normals),
-        ("source_pressure", Node::Real(source_pressure)),
-        ("directivity", directivity),
-        ("response", maybe(array.response().map(response))),
-        ("mask", maybe(array.mask().map(mask))),
-        ("quantization", quantization(array)),
-    ])
+    let places = [("grid", grid), ("preset", preset), ("tiles", tiles), ("positions", positions), ("normals", normals)];
+    table(places.into_iter().chain(array.stated().map(|(name, value)| (name, part(value)))))
 }
 
-/// What a file has to say of an array's quantization: nothing where its preset says the same.
-fn quantization(array: &Array) -> Node {
-    let known = match array.origin() {
-        Origin::Preset { name, .. } => presets::find(name).and_then(Preset::quantization).ok().flatten(),
-        _ => None,
-    };
-    let quantization = array.quantization();
-    if quantization == known.as_ref() {
-        return Node::Null;
+fn part(value: PartValue) -> Node {
+    match value {
+        PartValue::Real(number) => Node::Real(number),
+        PartValue::Directivity(law) => match law.name() {
+            (name, None) => text(name),
+            (name, Some(parameter)) => table([(name, Node::Real(parameter))]),
+        },
+        PartValue::Complexes(list) => Node::List(list.iter().map(|c| numbers(&[c.re, c.im])).collect()),
+        PartValue::Flags(list) => Node::List(list.into_iter().map(Node::Bool).collect()),
+        PartValue::Quantization(board) => table([
+            ("phases", maybe(board.phases().map(|phases| Node::Integer(phases.into())))),
+            ("amplitudes", maybe(board.amplitudes().map(numbers))),
+        ]),
     }
-    let phases = quantization.and_then(Quantization::phases);
-    table([
-        ("phases", maybe(phases.map(|phases| Node::Integer(phases.into())))),
-        ("amplitudes", maybe(quantization.and_then(Quantization::amplitudes).map(numbers))),
-    ])
 }
 
 fn obstacle(obstacle: &Obstacle) -> Node {
@@ -157,9 +134,9 @@ fn option(value: &Value) -> Result<Node, Error> {
 }
 
 /// A table; what is null is not written.
-fn table<const N: usize>(entries: [(&str, Node); N]) -> Node {
+fn table<'a>(entries: impl IntoIterator<Item = (&'a str, Node)>) -> Node {
     // In a loop: unrolled for each table it would take kilobytes.
-    let entries = Vec::from(entries);
+    let entries: Vec<_> = entries.into_iter().collect();
     Node::Table(entries.into_iter().map(|(key, node)| (key.to_string(), node)).collect())
 }
 

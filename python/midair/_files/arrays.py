@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from os import PathLike
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from .._boards import pat
 from .._boards.layout import Layout
-from .._midair import Array, SceneError, read_table
+from .._midair import Array, SceneError, array_parts, read_table
 from .._support.arguments import path_of
 from .._support.text import content, fault, unpacked
 from . import arrays as positions
@@ -32,15 +30,7 @@ ENDINGS = (
 )
 
 
-def read_array(
-    path: str | PathLike[str],
-    *,
-    source_pressure: float | None = None,
-    directivity: str | Mapping[str, float] | None = None,
-    response: ArrayLike | None = None,
-    mask: ArrayLike | None = None,
-    quantization: Mapping[str, Any] | None = None,
-) -> Array:
+def read_array(path: str | PathLike[str], **parts: Any) -> Array:
     """An array from a file, in m: a keyword that is given counts, else what the file or its format says.
 
     - `.pat`, a board of OpenMPD: P0 3.4 Pa m, piston of 4.5 mm, the board's grid; gains are responses.
@@ -57,18 +47,10 @@ def read_array(
     Raises SceneError for a file that is not in order, naming the line; FileNotFoundError where there is none.
     """
     found = _layout(path)
-    given = {
-        "source_pressure": source_pressure,
-        "directivity": directivity,
-        "response": response,
-        "mask": mask,
-        "quantization": quantization,
-    }
-    keywords: dict[str, Any] = {
-        key: getattr(found, key) if value is None else value for key, value in given.items()
-    }
+    given = {name: value for name, value in parts.items() if value is not None}
+    own = {name: getattr(found, name, None) for name in array_parts()}
     try:
-        return Array(found.positions, found.normals, **keywords)
+        return Array(found.positions, found.normals, **{**own, **given})
     except SceneError as error:
         raise fault(path, None, str(error)) from error
 

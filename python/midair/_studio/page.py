@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .._midair import Array, Mesh, Scene, SceneError, Solution, Solver, Sphere, Wall, solvers
+from .._midair import Array, Mesh, Scene, SceneError, Solution, Solver, Sphere, Wall, array_parts, solvers
 from .._support import output
 from .._support.arguments import warn
 
@@ -79,16 +79,14 @@ def _unknown(scene: Scene, written: dict[str, Any]) -> Iterator[str]:
     """What of a scene the page refuses; `written` is its array as files have it."""
     if scene.frequency != FREQUENCY:
         yield f"frequency = {scene.frequency:g} (its own is {FREQUENCY:g})"
-    for name in ("response", "mask", "quantization"):
-        if written.get(name):
-            yield f"the array's {name}"
     if "preset" in written:
         plain = Array.preset(written["preset"], tuple(written["tiles"]) if "tiles" in written else None)
     else:
-        plain = Array(scene.array.positions)
-    for name in ("source_pressure", "directivity"):
-        if (value := getattr(scene.array, name)) != (its := getattr(plain, name)):
-            yield f"the array's {name} {value} (its own is {its})"
+        plain = Array(scene.array.positions, scene.array.normals)
+    own = json.loads(scene.replace(array=plain).json())["array"]
+    for name in array_parts():
+        if (value := written.get(name)) and value != (its := own.get(name)):
+            yield f"the array's {name}" + ("" if its is None else f" {value} (its own is {its})")
     if len(scene.points) > MOST_POINTS:
         yield f"{len(scene.points)} points (it takes {MOST_POINTS})"
     if scene.weights is not None and (scene.weights != 1).any():

@@ -13,7 +13,10 @@ from collections.abc import Callable, Mapping, Sequence
 from types import FunctionType, MethodDescriptorType, ModuleType
 from typing import Any, cast
 
-from .._midair import SceneError, unknown
+from .._midair import SceneError, array_parts, scene_keys, unknown
+
+#: Keywords that the core declares, by the name of the last argument that takes them: `**parts` of an array.
+DECLARED = {"parts": tuple(array_parts()), "keys": (*scene_keys()["medium"], *array_parts())}
 
 #: Kinds of parameters that a keyword may name.
 NAMED = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
@@ -60,11 +63,31 @@ def _guided(function: Callable[..., Any], name: str, signed: Any = None) -> Call
         try:
             return function(*arguments, **keywords)
         except (TypeError, SceneError) as error:
-            if keywords and (slip := _slip(signed or function, name, arguments, keywords, error)):
+            if keywords and (slip := _slip(signed or call, name, arguments, keywords, error)):
                 raise slip from None
             raise
 
+    if _takes_declared(function):
+        cast(Any, call).__signature__ = _signature(function)
     return call
+
+
+def _takes_declared(function: Any) -> bool:
+    """Whether the last argument stands for keywords that the core declares."""
+    if code := getattr(function, "__code__", None):
+        last = code.co_varnames[code.co_argcount + code.co_kwonlyargcount :][:1]
+        return bool(code.co_flags & inspect.CO_VARKEYWORDS) and last[:1] and last[0] in DECLARED
+    return (function.__text_signature__ or "").rpartition("**")[2][:-1] in DECLARED
+
+
+def _signature(function: Callable[..., Any]) -> inspect.Signature:
+    """A function's signature, with the keywords that the core declares one by one."""
+    signature = inspect.signature(function)
+    *own, last = signature.parameters.values()
+    one = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None) for name in DECLARED[last.name]
+    ]
+    return signature.replace(parameters=[*own, *one])
 
 
 def _constructor(make: Callable[..., Any], owner: type, name: str) -> Callable[..., Any]:
@@ -74,7 +97,7 @@ def _constructor(make: Callable[..., Any], owner: type, name: str) -> Callable[.
     def new(cls: type, /, *arguments: Any, **keywords: Any) -> Any:
         return guided(*arguments, **keywords)
 
-    signature = inspect.signature(make)
+    signature = _signature(make) if _takes_declared(make) else inspect.signature(make)
     own = inspect.Parameter("cls", inspect.Parameter.POSITIONAL_ONLY)
     cast(Any, new).__signature__ = signature.replace(parameters=[own, *signature.parameters.values()])
     return new

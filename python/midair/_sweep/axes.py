@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .._midair import Array, Scene, SceneError, SceneWarning, scene_keys
+from .._midair import Array, Scene, SceneError, SceneWarning, array_parts, scene_keys
 
 
 def plain(value: Any, name: str = "") -> Any:
@@ -79,7 +79,10 @@ Tables = dict[str, Any]
 
 #: Tables that have axes, and their keys of which each takes one number or word: a list there is an axis too.
 _SINGLE = {
-    "array": ("preset", "source_pressure", "directivity", "quantization"),
+    "array": (
+        "preset",
+        *(name for name, kind in array_parts().items() if kind not in ("complexes", "flags")),
+    ),
     "medium": tuple(scene_keys()["medium"]),
     "points": (),
 }

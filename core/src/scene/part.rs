@@ -1,0 +1,184 @@
+//! Part: what an array has beside its places, such as a mask; each is declared once here for every binding.
+
+use alloc::format;
+use alloc::vec::Vec;
+
+use num_complex::Complex64;
+
+use crate::device::quantization::Quantization;
+use crate::error::{Error, same_name};
+use crate::scene::array::{Array, Origin};
+use crate::scene::directivity::Directivity;
+use crate::scene::key::Key;
+use crate::scene::presets::{self, Preset};
+use crate::scene::transducer::Transducer;
+
+/// What a part is: bindings read and write one kind, whatever the part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::exhaustive_enums, reason = "a binding has to read every kind")]
+pub enum PartKind {
+    /// One number.
+    Real,
+    /// A law by its name, with or without its parameter.
+    Directivity,
+    /// A complex number for each transducer.
+    Complexes,
+    /// Whether each transducer has it.
+    Flags,
+    /// Phases and amplitudes; one without any binds nothing.
+    Quantization,
+}
+
+/// The value of a part, of its kind.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::exhaustive_enums, reason = "a binding has to write every kind")]
+pub enum PartValue {
+    /// One number.
+    Real(f64),
+    /// A law.
+    Directivity(Directivity),
+    /// One of each transducer (N,).
+    Complexes(Vec<Complex64>),
+    /// One of each transducer (N,).
+    Flags(Vec<bool>),
+    /// What a board can play.
+    Quantization(Quantization),
+}
+
+type Checked = Result<Array, Error>;
+
+/// How a part is read from an array, and how an array gets it.
+#[derive(Debug)]
+enum Access {
+    Real(fn(&Array) -> f64, fn(Array, f64) -> Checked),
+    Directivity(fn(&Array) -> Directivity, fn(Array, Directivity) -> Checked),
+    Complexes(fn(&Array) -> Option<&[Complex64]>, fn(Array, Option<Vec<Complex64>>) -> Checked),
+    Flags(fn(&Array) -> Option<&[bool]>, fn(Array, Option<Vec<bool>>) -> Checked),
+    Quantization(fn(&Array) -> Option<&Quantization>, fn(Array, Option<Quantization>) -> Array),
+}
+
+/// A part of every array. All of them are [`Array::PARTS`].
+#[derive(Debug)]
+pub struct Part {
+    /// Its name in scene files, Python and C.
+    pub name: &'static str,
+    access: Access,
+}
+
+/// Declares the parts, each with its meaning, an example and its access.
+macro_rules! parts {
+    ($( $(#[doc = $doc:literal])+ $name:ident, such as $example:literal: $access:expr; )+) => {
+        impl Array {
+            /// Every part, in the order of scene files.
+            pub const PARTS: &'static [Part] = &[$( Part { name: stringify!($name), access: $access }, )+];
+
+            /// The keys of the parts.
+            pub const PART_KEYS: &'static [Key] =
+                &[$( Key::new(stringify!($name), $example, concat!($($doc),+)), )+];
+        }
+    };
+}
+
+parts! {
+    /// On-axis pressure times distance at full drive, Pa m; left out 4.386.
+    source_pressure, such as "4.386": Access::Real(
+        |array| array.transducer().source_pressure,
+        |array, source_pressure| {
+            let transducer = Transducer { source_pressure, ..array.transducer() };
+            array.with_transducer(transducer)
+        },
+    );
+    /// A name, or a table of one name and its parameter.
+    directivity, such as r#"{"piston": 4.5e-3}"#: Access::Directivity(
+        |array| array.transducer().directivity,
+        |array, directivity| {
+            let transducer = Transducer { directivity, ..array.transducer() };
+            array.with_transducer(transducer)
+        },
+    );
+    /// Complex factor [re, im] of each transducer; 0 is dead.
+    response, such as "[[1.0, 0.0], [0.5, -0.2]]": Access::Complexes(Array::response, Array::with_response);
+    /// Of each transducer; false is off.
+    mask, such as "[true, false]": Access::Flags(Array::mask, Array::with_mask);
+    /// What the board can play; left out the preset's, {} any drive.
+    quantization, such as r#"{"phases": 256}"#: Access::Quantization(Array::quantization, Array::with_quantization);
+}
+
+impl Part {
+    /// The kind of its values.
+    #[must_use]
+    pub fn kind(&self) -> PartKind {
+        match self.access {
+            Access::Real(..) => PartKind::Real,
+            Access::Directivity(..) => PartKind::Directivity,
+            Access::Complexes(..) => PartKind::Complexes,
+            Access::Flags(..) => PartKind::Flags,
+            Access::Quantization(..) => PartKind::Quantization,
+        }
+    }
+
+    /// That of an array, or `None` where it has none.
+    #[must_use]
+    pub fn of(&self, array: &Array) -> Option<PartValue> {
+        match self.access {
+            Access::Real(get, _) => Some(PartValue::Real(get(array))),
+            Access::Directivity(get, _) => Some(PartValue::Directivity(get(array))),
+            Access::Complexes(get, _) => get(array).map(|list| PartValue::Complexes(list.to_vec())),
+            Access::Flags(get, _) => get(array).map(|list| PartValue::Flags(list.to_vec())),
+            Access::Quantization(get, _) => get(array).cloned().map(PartValue::Quantization),
+        }
+    }
+
+    /// The array with this part in place of its own.
+    ///
+    /// ```
+    /// use midair::{Array, PartValue};
+    ///
+    /// let mask = Array::part("mask").expect("a part");
+    /// let array = mask.put(Array::grid(2, 1, 10e-3)?, PartValue::Flags(vec![true, false]))?;
+    /// assert_eq!(array.mask(), Some(&[true, false][..]));
+    /// # Ok::<(), midair::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A value of another kind, and what the array's own methods refuse, such as another number of values than transducers.
+    pub fn put(&self, array: Array, value: PartValue) -> Result<Array, Error> {
+        match (&self.access, value) {
+            (Access::Real(_, set), PartValue::Real(value)) => set(array, value),
+            (Access::Directivity(_, set), PartValue::Directivity(value)) => set(array, value),
+            (Access::Complexes(_, set), PartValue::Complexes(value)) => set(array, Some(value)),
+            (Access::Flags(_, set), PartValue::Flags(value)) => set(array, Some(value)),
+            (Access::Quantization(_, set), PartValue::Quantization(value)) => Ok(set(array, Some(value))),
+            (_, value) => {
+                let cure = format!("give a value of the kind {:?}", self.kind());
+                Err(Error::invalid(format!("array.{}", self.name), format!("{value:?}"), cure))
+            }
+        }
+    }
+}
+
+impl Array {
+    /// The part of this name, whatever the case, "-" and "_".
+    #[must_use]
+    pub fn part(name: &str) -> Option<&'static Part> {
+        Self::PARTS.iter().find(|part| same_name(part.name, name))
+    }
+
+    /// The parts that, given beside its origin, make the same array again: no quantization where the preset has it.
+    pub fn stated(&self) -> impl Iterator<Item = (&'static str, PartValue)> + '_ {
+        let preset = match self.origin() {
+            Origin::Preset { name, .. } => presets::find(name).and_then(Preset::quantization).ok().flatten(),
+            _ => None,
+        };
+        let others = preset.is_some() && self.quantization().is_none();
+        let free = others.then(|| Quantization::new(None, None).ok().map(PartValue::Quantization)).flatten();
+        Self::PARTS.iter().filter_map(move |part| {
+            let value = match (part.of(self), part.kind()) {
+                (Some(PartValue::Quantization(own)), _) if Some(&own) == preset.as_ref() => None,
+                (None, PartKind::Quantization) => free.clone(),
+                (value, _) => value,
+            };
+            Some((part.name, value?))
+        })
+    }
+}
