@@ -89,3 +89,8 @@ def test_an_ear_is_a_box_that_falls_silent(array):
 def test_bad_boxes_are_refused(given, told):
     with pytest.raises(midair.SceneError, match=told):
         midair.ear(**given)
+
+
+def test_what_is_no_scene_is_refused():
+    with pytest.raises(TypeError, match=r"expected a midair\.Scene first, not int"):
+        midair.ear([0, 0, 0.1]).quieten(3)

@@ -156,6 +156,12 @@ def test_bad_requests_are_refused(asked: dict[str, float], told: str) -> None:
         midair.tolerate(SCENE, "naive", **asked)
 
 
+@pytest.mark.parametrize("name", ["fase", "dedd"])
+def test_a_fault_mistyped_is_told_by_name(name: str) -> None:
+    with pytest.raises(TypeError, match=rf'argument of midair\.tolerate "{name}": .*known are phase, gain, dead'):
+        midair.tolerate(SCENE, "naive", **{name: 1})
+
+
 def test_few_transducers_that_are_all_dead_keep_nothing() -> None:
     one = midair.Scene(midair.Array([[0, 0, 0]]), [[0, 0, 0.1]])
     table = midair.tolerate(one, "naive", dead=0.5, trials=40)

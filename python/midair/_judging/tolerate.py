@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from inspect import signature
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._midair import Scene, SceneError, Solution, about, judge, solve
+from .._midair import Scene, SceneError, Solution, about, judge, solve, solvers, unknown
 from .._support.arguments import callback, refused, whole
 from .._support.kept import Arrays
 from .._sweep.engine import Job, Settings, Stopped, go_on, run
@@ -69,7 +70,7 @@ def tolerate(
     ones 1 - d, reversed ones 1 - 2 d.
 
     Raises SceneError for faults out of their range, none at all, and what `midair.solve` refuses; TypeError
-    where scene is neither.
+    where scene is neither, and for a fault's name mistyped.
 
     >>> import midair
     >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
@@ -122,6 +123,8 @@ class Trials:
                 f"expected a midair.Scene or a midair.Solution first, not {type(scene).__qualname__}"
             )
         self._faults = sizes(**faults)
+        if not self._faults:
+            raise _faultless(faults, options)
         self._trials = whole("trials", trials, least=1)
         if self._trials > MOST_TRIALS:
             raise refused("trials", trials, f"give at most {MOST_TRIALS}")
@@ -215,3 +218,12 @@ def trials_of(settings: Settings, start: int, stop: int) -> Arrays:
             found[name][trial - start] = measured(faulty(scene, faults, settings["seed"], trial))
     whole = measured(scene)
     return {name: values / whole for name, values in found.items()}
+
+
+def _faultless(faults: Mapping[str, float], options: Mapping[str, Any]) -> Exception:
+    """The refusal of a call without faults: a keyword that no solver has is a fault's name mistyped."""
+    known = {*signature(solve).parameters, *(option for each in solvers().values() for option in each.options)}
+    for name in options:
+        if name.rstrip("_") not in known:
+            return TypeError(unknown("argument of midair.tolerate", name, list(faults))[1])
+    return refused("faults", [], f"give at least one of {', '.join(faults)} above 0")

@@ -42,8 +42,10 @@ class Ear:
 
         Where its pressures were left out, they become the balanced level (`scene.reach().level`).
 
-        Raises SceneError for a point nearer than lambda/100 to a transducer.
+        Raises SceneError for a point nearer than lambda/100 to a transducer; TypeError for what is no scene.
         """
+        if not isinstance(scene, Scene):
+            raise TypeError(f"expected a midair.Scene first, not {type(scene).__qualname__}")
         own = scene.reach().level if scene.pressures is None else scene.pressures
         silence = np.zeros(len(self.points))
         weights = None if scene.weights is None else np.r_[scene.weights, silence + 1.0]
