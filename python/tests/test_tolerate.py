@@ -158,7 +158,7 @@ def test_bad_requests_are_refused(asked: dict[str, float], told: str) -> None:
 
 @pytest.mark.parametrize("name", ["fase", "dedd"])
 def test_a_fault_mistyped_is_told_by_name(name: str) -> None:
-    with pytest.raises(TypeError, match=rf'argument of midair\.tolerate "{name}": .*known are phase, gain, dead'):
+    with pytest.raises(TypeError, match=rf'midair\.tolerate "{name}": .*known are phase, gain'):
         midair.tolerate(SCENE, "naive", **{name: 1})
 
 

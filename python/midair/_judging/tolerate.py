@@ -222,7 +222,7 @@ def trials_of(settings: Settings, start: int, stop: int) -> Arrays:
 
 def _faultless(faults: Mapping[str, float], options: Mapping[str, Any]) -> Exception:
     """The refusal of a call without faults: a keyword that no solver has is a fault's name mistyped."""
-    known = {*signature(solve).parameters, *(option for each in solvers().values() for option in each.options)}
+    known = {*signature(solve).parameters}.union(*(each.options for each in solvers().values()))
     for name in options:
         if name.rstrip("_") not in known:
             return TypeError(unknown("argument of midair.tolerate", name, list(faults))[1])
