@@ -127,6 +127,30 @@ struct Solution : midair_answer {
     std::vector<Complex> drive;
 };
 
+/// Drives (problems, N), one after the other, an answer for each, and what was said, a line each.
+struct Batch {
+    Batch(std::size_t problems, std::size_t transducers) : drives(problems * transducers), answers(problems) {}
+
+    std::vector<Complex> drives;
+    std::vector<midair_answer> answers;
+    std::string warning;
+};
+
+/// The drives of several scenes, each a file's text, over so many threads at most, 0 for one a processor: rows of N, with 0
+/// behind the drive of a scene of fewer transducers. Files that they name are looked up in folder.
+inline Batch solve_scenes(const std::vector<std::string> &scenes, std::size_t transducers,
+                          const std::string &folder = {}, std::size_t threads = 0) {
+    Batch batch(scenes.size(), transducers);
+    std::vector<const char *> texts;
+    for (const std::string &scene : scenes) {
+        texts.push_back(scene.c_str());
+    }
+    batch.warning = detail::call(midair_solve_scenes, texts.data(), folder.empty() ? nullptr : folder.c_str(),
+                                 texts.size(), threads, detail::plain(batch.drives.data()), transducers,
+                                 batch.answers.data());
+    return batch;
+}
+
 /// An array and a method: used by one thread at a time.
 class Session {
 public:
@@ -182,6 +206,23 @@ public:
                                 detail::list("pressures", pressures, each), detail::list("weights", weights, each),
                                 each, detail::plain(drive), count, &answer);
         return answer;
+    }
+
+    /// Drives for problems of `each` points, one problem after the other, over so many threads at most, 0 for one a
+    /// processor; pressures and weights are one for each point, or left out.
+    Batch solve_batch(const Points &points, std::size_t each, const std::vector<double> &pressures = {},
+                      const std::vector<double> &weights = {}, std::size_t threads = 0) {
+        if (each == 0 || points.size() % each != 0) {
+            throw Error(MIDAIR_RESULT_INVALID, "points is " + std::to_string(points.size()) +
+                                                   " of them: give " + std::to_string(each) + " for each problem");
+        }
+        Batch batch(points.size() / each, transducers);
+        batch.warning =
+            detail::call(midair_session_solve_batch, handle.get(), detail::flat(points),
+                         detail::list("pressures", pressures, points.size()),
+                         detail::list("weights", weights, points.size()), batch.answers.size(), each, threads,
+                         detail::plain(batch.drives.data()), transducers, batch.answers.data());
+        return batch;
     }
 
     /// The metrics of any drive.

@@ -10,7 +10,7 @@ use midair::files::Source;
 use midair::{Complex32, Control, Error, SolveRequest, Threads};
 
 use crate::answer::Answer;
-use crate::memory::{Complex, list, list_or_none, room, text, vectors, write};
+use crate::memory::{Complex, Lists, list, room, text, write};
 use crate::outcome::{Message, Outcome, outcome};
 use crate::session::{Session, State, write_request};
 
@@ -33,6 +33,16 @@ fn aside<R: Send>(work: impl FnOnce() -> R + Send) -> Result<R, Error> {
 fn entries(problems: usize, count: usize) -> Result<usize, Error> {
     let cure = "no memory holds so many points: look at the counts";
     problems.checked_mul(count).ok_or_else(|| Error::invalid("problems", problems, cure))
+}
+
+/// Refuses where no drive, or no answer, of so many problems can be written; how many entries the drives have.
+fn outputs(problems: usize, drives: *mut Complex, transducers: usize, answers: *mut Answer) -> Result<usize, Error> {
+    let rows = entries(problems, transducers)?;
+    room("drives", drives, rows, rows)?;
+    if !answers.is_null() {
+        room("answers", answers, problems, problems)?;
+    }
+    Ok(rows)
 }
 
 /// Solves problems of count points each by one call, over so many threads at most (0 for one a processor): points
@@ -63,24 +73,13 @@ pub unsafe extern "C" fn midair_session_solve_batch(
         if transducers != size {
             return Err(Error::invalid("transducers", transducers, format!("the session has {size}")));
         }
-        let rows = entries(problems, transducers)?;
-        room("drives", drives, rows, rows)?;
-        if !answers.is_null() {
-            room("answers", answers, problems, problems)?;
-        }
-        let all = entries(problems, count)?;
+        let rows = outputs(problems, drives, transducers, answers)?;
         // SAFETY: the caller's word for the lists.
-        let (points, pressures, weights) = unsafe {
-            (
-                vectors("points", points, all)?,
-                list_or_none("pressures", pressures, all)?,
-                list_or_none("weights", weights, all)?,
-            )
-        };
+        let all = unsafe { Lists::read(points, pressures, weights, entries(problems, count)?) }?;
         let request = |k: usize, ask: &mut SolveRequest| {
             let own = k * count..(k + 1) * count;
-            let [pressures, weights] = [pressures, weights].map(|list| list.map(|list| &list[own.clone()]));
-            write_request(ask, &points[own], pressures, weights);
+            let [pressures, weights] = [all.pressures, all.weights].map(|list| list.map(|list| &list[own.clone()]));
+            write_request(ask, Lists { points: &all.points[own], pressures, weights });
             ask.aim = aim;
             Ok(())
         };
@@ -104,7 +103,7 @@ pub unsafe extern "C" fn midair_session_solve_batch(
                 write(answers, &(0..problems).map(answer).collect::<Vec<_>>());
             }
         }
-        let doubts = session.batch_doubts(points, count);
+        let doubts = session.batch_doubts(all.points, count);
         let lines: Vec<String> = doubts.iter().map(ToString::to_string).chain(batch.remarks).collect();
         Ok(lines.join("\n"))
     })
@@ -127,11 +126,7 @@ pub unsafe extern "C" fn midair_solve_scenes(
     message_size: usize,
 ) -> Outcome {
     outcome(Message { text: message, size: message_size }, || {
-        let rows = entries(count, transducers)?;
-        room("drives", drives, rows, rows)?;
-        if !answers.is_null() {
-            room("answers", answers, count, count)?;
-        }
+        outputs(count, drives, transducers, answers)?;
         // SAFETY: the caller's word for scenes and folder.
         let (scenes, folder) = unsafe {
             let texts = list("scenes", scenes, count)?.iter().enumerate();

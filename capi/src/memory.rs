@@ -92,6 +92,34 @@ pub(crate) unsafe fn drive<'a>(start: *const Complex, count: usize) -> Result<&'
     unsafe { list("drive", start.cast::<Complex32>(), count) }
 }
 
+/// A request as a caller writes it: points (count, 3), and pressures and weights (count,), which may be NULL.
+#[derive(Clone, Copy)]
+pub(crate) struct Lists<'a> {
+    pub(crate) points: &'a [[f64; 3]],
+    pub(crate) pressures: Option<&'a [f64]>,
+    pub(crate) weights: Option<&'a [f64]>,
+}
+
+impl Lists<'_> {
+    /// # Safety
+    /// That of [`vectors`] and [`list`].
+    pub(crate) unsafe fn read(
+        points: *const f64,
+        pressures: *const f64,
+        weights: *const f64,
+        count: usize,
+    ) -> Result<Self, Error> {
+        // SAFETY: as the caller's.
+        unsafe {
+            Ok(Self {
+                points: vectors("points", points, count)?,
+                pressures: list_or_none("pressures", pressures, count)?,
+                weights: list_or_none("weights", weights, count)?,
+            })
+        }
+    }
+}
+
 /// Refuses a buffer that has another length than what is written to it.
 pub(crate) fn room<T>(item: &str, start: *mut T, count: usize, needed: usize) -> Result<(), Error> {
     if count != needed {

@@ -9,7 +9,7 @@ use midair::{Control, Error, Model, Problem, Request, SolveRequest};
 
 use crate::answer::{Answer, Metrics};
 use crate::array::Array;
-use crate::memory::{Complex, drive as read_drive, give, handle, list, list_or_none, room, text, vectors, write};
+use crate::memory::{Complex, Lists, drive as read_drive, give, handle, list, room, text, vectors, write};
 use crate::option::{Given, Setting};
 use crate::outcome::{Message, Outcome, outcome};
 
@@ -101,17 +101,12 @@ impl Session {
 }
 
 /// Writes a request over the last one, in its memory.
-pub(crate) fn write_request(
-    ask: &mut SolveRequest,
-    points: &[[f64; 3]],
-    pressures: Option<&[f64]>,
-    weights: Option<&[f64]>,
-) {
+pub(crate) fn write_request(ask: &mut SolveRequest, lists: Lists<'_>) {
     ask.points.clear();
-    ask.points.extend_from_slice(points);
-    keep(&mut ask.request.pressures, pressures);
+    ask.points.extend_from_slice(lists.points);
+    keep(&mut ask.request.pressures, lists.pressures);
     ask.request.phases = None;
-    keep(&mut ask.request.weights, weights);
+    keep(&mut ask.request.weights, lists.weights);
 }
 
 /// Copies numbers into a list that is kept.
@@ -264,18 +259,12 @@ pub unsafe extern "C" fn midair_session_solve(
             room("answer", answer, 1, 1)?;
         }
         // SAFETY: the caller's word for the lists.
-        let (points, pressures, weights) = unsafe {
-            (
-                vectors("points", points, count)?,
-                list_or_none("pressures", pressures, count)?,
-                list_or_none("weights", weights, count)?,
-            )
-        };
-        let solution = if state.own.is_some() && points.is_empty() {
+        let lists = unsafe { Lists::read(points, pressures, weights, count) }?;
+        let solution = if state.own.is_some() && lists.points.is_empty() {
             state.solve_own()?
         } else {
             let State { session, ask, .. } = &mut *state;
-            write_request(ask, points, pressures, weights);
+            write_request(ask, lists);
             session.solve(ask, &mut Control::none())?
         };
         // SAFETY: there is room, by the caller's word; both complex types are two f32 in a row.
@@ -309,14 +298,8 @@ pub unsafe extern "C" fn midair_session_judge(
         let state = unsafe { Session::behind(session) }?.state()?;
         room("metrics", metrics, 1, 1)?;
         // SAFETY: the caller's word for the lists.
-        let (drive, points, pressures, weights) = unsafe {
-            (
-                read_drive(drive, transducers)?,
-                vectors("points", points, count)?,
-                list_or_none("pressures", pressures, count)?,
-                list_or_none("weights", weights, count)?,
-            )
-        };
+        let (drive, Lists { points, pressures, weights }) =
+            unsafe { (read_drive(drive, transducers)?, Lists::read(points, pressures, weights, count)?) };
         let list = |given: Option<&[f64]>| given.map(<[_]>::to_vec);
         let request = Request { pressures: list(pressures), phases: None, weights: list(weights) };
         let control = &mut Control::none();

@@ -48,10 +48,9 @@ def test_a_batch_has_the_bits_of_the_package(library: Library, name: str) -> Non
     text = HEADS[name] + POINTS
     scene = midair.Scene.parse(text)
     points, pressures, weights = requests()
-    solver, options = scene.solver or ("uniform", {})
     session = library.new("session_open", text, None)
     for lists in ((pressures, weights), (pressures, None), (None, None)):
-        mine = midair.solve_batch(scene, points, lists[0], solver, weights=lists[1], **options)
+        mine = midair.solve_batch(scene, points, lists[0], weights=lists[1])
         for threads in (1, 2, 0):
             drives, answers, _ = batch(library, session, len(scene.array), threads, points, *lists)
             assert drives.tobytes() == mine.drives.tobytes()

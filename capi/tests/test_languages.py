@@ -41,9 +41,37 @@ def test_node(package: Path) -> None:
     assert lines[2] == "refused: points[0].position is [0.0, 0.0, NaN]: give three finite numbers"
 
 
+def test_node_solves_batches_and_scenes_as_one_by_one(package: Path) -> None:
+    program = """
+        const { Session, solveScenes } = require('.');
+        const fresh = () => new Session('autd3', 'fast');
+        const problems = [[[0, 0, 0.15], [0.02, 0, 0.15]], [[0, 0.01, 0.14], [-0.02, 0, 0.15]]];
+        const pressures = [[500, 600], [700, 800]];
+        const same = (one, other) => one.drive.join() === other.drive.join() && one.level === other.level;
+        const alone = problems.map((points, k) => fresh().solve(points, pressures[k]));
+        const batch = fresh().solveBatch(problems, pressures, 2);
+        const pa = (k, j) => `pressure = ${pressures[k][j]}.0\\n`;
+        const point = (k) => (at, j) => `[[points]]\\nposition = [${at}]\\n${pa(k, j)}`;
+        const head = '[array]\\npreset = "autd3"\\n[solver]\\nname = "fast"\\n';
+        const text = (k) => head + problems[k].map(point(k)).join('');
+        const scenes = solveScenes([text(0), text(1)], 300);
+        const rest = scenes.flatMap((one) => [...one.drive.slice(2 * 249)]);
+        const own = scenes.map((one) => ({ ...one, drive: one.drive.slice(0, 2 * 249) }));
+        const alike = (answers) => answers.length === 2 && answers.every((one, k) => same(one, alone[k]));
+        console.log(JSON.stringify([alike(batch), alike(own), rest.length, rest.every((x) => x === 0)]));
+    """
+    assert json.loads(run("node", "-e", program, cwd=package)) == [True, True, 204, True]
+
+
 @pytest.mark.parametrize(
     ("line", "error"),
     [
+        ("new Session('autd3').solveBatch([[[0, 0]]])", "give a session and problems of as many points"),
+        ("new Session('autd3').solveBatch([])", "give a session and problems of as many points"),
+        ("new Session('autd3').solveBatch([[[0, 0, 0.1]]], [[1, 2]])", "give pressures as a Float64Array"),
+        ("solveScenes([3], 249)", "give the text of each scene"),
+        ("solveScenes('x', 249)", "give an array of scenes"),
+        ("solveScenes(['[array'], 249)", "scenes[0]"),
         ("new Session('autd4')", 'unknown preset "autd4": did you mean autd3?'),
         ("new Session('autd3', 'fast', { block: -1 })", "block is -1"),
         ("new Session('autd3', 'fast', { block: {} })", "give a number or a text for an option"),
@@ -57,7 +85,7 @@ def test_node(package: Path) -> None:
 )
 def test_node_throws_what_is_refused(package: Path, line: str, error: str) -> None:
     program = f"""
-        const {{ Session, frame }} = require('.'), binding = require('./midair.node');
+        const {{ Session, solveScenes, frame }} = require('.'), binding = require('./midair.node');
         let said = 'nothing';
         try {{ {line}; }} catch (error) {{ said = error.message; }}
         console.log(JSON.stringify(said));

@@ -77,7 +77,10 @@ def test_files_are_looked_up_in_the_folder(library: Library, tmp_path: Path) -> 
             "this document has no folder to find files in",
         ),
         ('[array]\npreset = "autd3"\n[motion]\nrate = 1\n', "its points move"),
-        ('[array]\npreset = "autd3"\n[[shape]]\nkind = "line"\n', "midair's Python package draws it"),
+        (
+            '[array]\npreset = "autd3"\n[[shape]]\nkind = "text"\nstring = "hi"\nheight = 0.03\nz = 0.15\n',
+            "midair's Python package draws it",
+        ),
     ],
 )
 def test_a_text_that_is_no_scene_is_refused_in_its_line(library: Library, text: str, fault: str) -> None:

@@ -137,14 +137,148 @@ static napi_value set_option(napi_env env, napi_callback_info info)
     return refused(env, result, message) ? NULL : string(env, message);
 }
 
+/* What is told of one drive, a row of those in a buffer, as an object. */
+static napi_value answer_of(napi_env env, napi_value buffer, size_t transducers, const midair_answer *told, size_t row)
+{
+    static const char *const endings[] = {"done", "out_of_steps", "stopped"};
+    napi_value answer, drive;
+    napi_create_typedarray(env, napi_float32_array, 2 * transducers, buffer, row * transducers * sizeof(midair_complex),
+                           &drive);
+    napi_create_object(env, &answer);
+    napi_set_named_property(env, answer, "drive", drive);
+    napi_set_named_property(env, answer, "status", string(env, endings[told[row].status]));
+    set(env, answer, "scale", told[row].scale);
+    set(env, answer, "accuracy", told[row].metrics.accuracy);
+    set(env, answer, "uniformity", told[row].metrics.uniformity);
+    set(env, answer, "level", told[row].metrics.level);
+    return answer;
+}
+
+/* Those of several drives as an array, and the warnings of all. */
+static napi_value answers_of(napi_env env, napi_value buffer, size_t transducers, const midair_answer *told,
+                             size_t count, const char *message)
+{
+    napi_value answers;
+    napi_create_array_with_length(env, count, &answers);
+    for (size_t row = 0; row < count; row++) {
+        napi_set_element(env, answers, (uint32_t)row, answer_of(env, buffer, transducers, told, row));
+    }
+    napi_set_named_property(env, answers, "warning", string(env, message));
+    return answers;
+}
+
+/* Pressures of some points, which may be left out; 0 if they are others. */
+static int pressures_of(napi_env env, napi_value value, size_t points, void **pressures)
+{
+    napi_valuetype kind;
+    size_t asked;
+    *pressures = NULL;
+    return napi_typeof(env, value, &kind) == napi_ok &&
+           (kind == napi_undefined ||
+            (numbers(env, value, napi_float64_array, pressures, &asked) && asked == points));
+}
+
+/* A whole number, 0 for any other. */
+static size_t whole(napi_env env, napi_value value)
+{
+    double number = 0;
+    napi_get_value_double(env, value, &number);
+    return number >= 1 && number < 4294967296.0 ? (size_t)number : 0;
+}
+
+/* solveBatch(object, points, points of a problem, pressures or undefined, threads): an array of what solve gives. */
+static napi_value solve_batch(napi_env env, napi_callback_info info)
+{
+    napi_value arguments[5], buffer, answers = NULL;
+    size_t count = 5, coordinates, each, problems;
+    void *points, *pressures, *data;
+    midair_answer *told;
+    held *own;
+    line message;
+    napi_get_cb_info(env, info, &count, arguments, NULL, NULL);
+    own = session_of(env, arguments[0]);
+    each = whole(env, arguments[2]);
+    if (own == NULL || !numbers(env, arguments[1], napi_float64_array, &points, &coordinates) || each == 0 ||
+        coordinates % (3 * each) != 0) {
+        return wrong(env, "give a session and problems of as many points x, y, z each");
+    }
+    if (!pressures_of(env, arguments[3], coordinates / 3, &pressures)) {
+        return wrong(env, "give pressures as a Float64Array of one for each point, or leave them out");
+    }
+    problems = coordinates / 3 / each;
+    told = calloc(problems + 1, sizeof *told);
+    napi_create_arraybuffer(env, problems * own->transducers * sizeof(midair_complex), &data, &buffer);
+    if (told != NULL &&
+        !refused(env, midair_session_solve_batch(own->session, points, pressures, NULL, problems, each,
+                                                 whole(env, arguments[4]), data, own->transducers, told, message,
+                                                 sizeof message),
+                 message)) {
+        answers = answers_of(env, buffer, own->transducers, told, problems, message);
+    }
+    free(told);
+    return answers;
+}
+
+/* The text of an element, to be freed; NULL where it is none. */
+static char *element(napi_env env, napi_value list, size_t index)
+{
+    napi_value value;
+    size_t length;
+    char *found;
+    if (napi_get_element(env, list, (uint32_t)index, &value) != napi_ok ||
+        napi_get_value_string_utf8(env, value, NULL, 0, &length) != napi_ok || (found = malloc(length + 1)) == NULL) {
+        return NULL;
+    }
+    napi_get_value_string_utf8(env, value, found, length + 1, NULL);
+    return found;
+}
+
+/* solveScenes(texts, transducers, folder or undefined, threads): an array of what solve gives. */
+static napi_value solve_scenes(napi_env env, napi_callback_info info)
+{
+    napi_value arguments[4], buffer, answers = NULL;
+    size_t count = 4, transducers, known;
+    uint32_t scenes = 0;
+    char folder[4096], **texts;
+    void *data;
+    midair_answer *told;
+    line message;
+    napi_get_cb_info(env, info, &count, arguments, NULL, NULL);
+    transducers = whole(env, arguments[1]);
+    if (napi_get_array_length(env, arguments[0], &scenes) != napi_ok || transducers == 0) {
+        return wrong(env, "give an array of scenes and the number of transducers of a row");
+    }
+    texts = calloc(scenes + 1, sizeof *texts);
+    told = calloc(scenes + 1, sizeof *told);
+    for (known = 0; texts != NULL && known < scenes; known++) {
+        if ((texts[known] = element(env, arguments[0], known)) == NULL) {
+            break;
+        }
+    }
+    napi_create_arraybuffer(env, scenes * transducers * sizeof(midair_complex), &data, &buffer);
+    if (known < scenes || texts == NULL || told == NULL) {
+        wrong(env, "give the text of each scene");
+    } else if (!refused(env, midair_solve_scenes((const char *const *)texts,
+                                                 text(env, arguments[2], folder, sizeof folder) ? folder : NULL, scenes,
+                                                 whole(env, arguments[3]), data, transducers, told, message,
+                                                 sizeof message),
+                        message)) {
+        answers = answers_of(env, buffer, transducers, told, scenes, message);
+    }
+    for (size_t k = 0; texts != NULL && k < known; k++) {
+        free(texts[k]);
+    }
+    free(texts);
+    free(told);
+    return answers;
+}
+
 /* solve(object, points, pressures or undefined): the drive as a Float32Array of re, im, and what is told of it. */
 static napi_value solve(napi_env env, napi_callback_info info)
 {
-    static const char *const endings[] = {"done", "out_of_steps", "stopped"};
-    napi_value arguments[3], answer, buffer, drive;
-    size_t count = 3, coordinates, asked;
-    void *points, *pressures = NULL, *data;
-    napi_valuetype kind;
+    napi_value arguments[3], answer, buffer;
+    size_t count = 3, coordinates;
+    void *points, *pressures, *data;
     midair_answer told;
     held *own;
     line message;
@@ -153,9 +287,7 @@ static napi_value solve(napi_env env, napi_callback_info info)
     if (own == NULL || !numbers(env, arguments[1], napi_float64_array, &points, &coordinates) || coordinates % 3 != 0) {
         return wrong(env, "give a session and points as a Float64Array of x, y, z");
     }
-    napi_typeof(env, arguments[2], &kind);
-    if (kind != napi_undefined && (!numbers(env, arguments[2], napi_float64_array, &pressures, &asked) ||
-                                   asked != coordinates / 3)) {
+    if (!pressures_of(env, arguments[2], coordinates / 3, &pressures)) {
         return wrong(env, "give pressures as a Float64Array of one for each point, or leave them out");
     }
     napi_create_arraybuffer(env, own->transducers * sizeof(midair_complex), &data, &buffer);
@@ -164,15 +296,8 @@ static napi_value solve(napi_env env, napi_callback_info info)
                 message)) {
         return NULL;
     }
-    napi_create_typedarray(env, napi_float32_array, 2 * own->transducers, buffer, 0, &drive);
-    napi_create_object(env, &answer);
-    napi_set_named_property(env, answer, "drive", drive);
-    napi_set_named_property(env, answer, "status", string(env, endings[told.status]));
+    answer = answer_of(env, buffer, own->transducers, &told, 0);
     napi_set_named_property(env, answer, "warning", string(env, message));
-    set(env, answer, "scale", told.scale);
-    set(env, answer, "accuracy", told.metrics.accuracy);
-    set(env, answer, "uniformity", told.metrics.uniformity);
-    set(env, answer, "level", told.metrics.level);
     return answer;
 }
 
@@ -208,7 +333,8 @@ NAPI_MODULE_INIT()
     static const struct {
         const char *name;
         napi_callback call;
-    } functions[] = {{"open", open_session}, {"set", set_option}, {"solve", solve}, {"frame", frame}};
+    } functions[] = {{"open", open_session}, {"set", set_option}, {"solve", solve}, {"solveBatch", solve_batch},
+                     {"solveScenes", solve_scenes}, {"frame", frame}};
     for (size_t i = 0; i < sizeof functions / sizeof *functions; i++) {
         napi_value function;
         napi_create_function(env, functions[i].name, NAPI_AUTO_LENGTH, functions[i].call, NULL, &function);

@@ -1,10 +1,21 @@
-// midair for Node: `new Session(preset, method, options)`, `session.solve(points, pressures)`, `frame(board, drive)`.
+// midair for Node: `new Session(preset, method, options)`, `session.solve(points, pressures)`,
+// `session.solveBatch(problems, pressures)`, `solveScenes(texts, transducers)`, `frame(board, drive)`.
 'use strict';
 
 const binding = require('./midair.node');
 
 function warn(text) {
   if (text !== '') process.emitWarning(text, 'MidairWarning');
+}
+
+function warned(answer) {
+  warn(answer.warning);
+  return answer;
+}
+
+// Numbers of whatever depth; left out they stay so.
+function flat(numbers) {
+  return numbers === undefined ? undefined : Float64Array.from(numbers.flat(Infinity));
 }
 
 class Session {
@@ -17,11 +28,19 @@ class Session {
 
   // points: [[x, y, z], ...] in m; pressures: [Pa, ...], or left out for as much as the array reaches.
   solve(points, pressures) {
-    const asked = pressures === undefined ? undefined : Float64Array.from(pressures);
-    const answer = binding.solve(this, Float64Array.from(points.flat()), asked);
-    warn(answer.warning);
-    return answer;
+    return warned(binding.solve(this, flat(points), flat(pressures)));
+  }
+
+  // problems: [[[x, y, z], ...], ...] of as many points each; pressures: a row for each. An answer for each problem, over so
+  // many threads at most, 0 for one a processor.
+  solveBatch(problems, pressures, threads = 0) {
+    return warned(binding.solveBatch(this, flat(problems), problems[0]?.length, flat(pressures), threads));
   }
 }
 
-module.exports = { Session, frame: binding.frame };
+// scenes: the texts of scene files; drives have a row of so many transducers each. An answer for each scene.
+function solveScenes(scenes, transducers, folder, threads = 0) {
+  return warned(binding.solveScenes(scenes, transducers, folder, threads));
+}
+
+module.exports = { Session, solveScenes, frame: binding.frame };
