@@ -1,5 +1,6 @@
 //! Arguments by what they mean (points, pressures, drives, options), read for the core; everything else refused by name.
 
+use midair::solvers as registry;
 use midair::{Aim, Choice, Complex32, Complex64, Directivity, OptionValue, Options, Request, Start, Value};
 use numpy::Element;
 use pyo3::prelude::*;
@@ -253,6 +254,24 @@ pub(crate) fn options(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Options>
         }
     }
     Ok(options)
+}
+
+/// The solver, its options, whether to balance and the aim, from the keywords and from what a scene file chooses.
+pub(crate) fn chosen(
+    file: Option<&Choice>,
+    solver: Option<&Bound<'_, PyAny>>,
+    keywords: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Choice> {
+    let named = solver.map(name).transpose()?;
+    let given = options(keywords)?;
+    // Another solver's options in the file do not fit; the same one's do, and keywords win over them.
+    let named = named.as_deref().map(registry::find).transpose().map_err(refused)?.map(|entry| entry.info.name);
+    let file = file.filter(|choice| named.is_none_or(|name| name == choice.name));
+    let name = named.or(file.map(|choice| choice.name.as_str())).unwrap_or(registry::DEFAULT);
+    let mut options = file.map(|choice| choice.options.clone()).unwrap_or_default();
+    options.extend(registry::find(name).and_then(|entry| entry.spelled(&given)).map_err(refused)?);
+    let (balance, aim) = file.map_or((None, None), |choice| (choice.balance, choice.aim));
+    Ok(Choice { name: name.into(), options, balance, aim })
 }
 
 /// A solver by its name and options, as `options` of a solution and `solver` of a scene tell them.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use midair::solvers::{Info, configure};
+use midair::solvers::{Configured, Info, configure};
 use midair::{Choice, Control, Medium, Model, Problem, Request, Session, Setup};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -102,8 +102,8 @@ impl Source {
 }
 
 impl Setting {
-    /// From a Scene (its array and medium), an Array or a Propagation, and keywords: the Scene's, `signature`, `obstacles`,
-    /// `quantization`, `mask`, `balance`, `aim`, and the solver's options.
+    /// From a Scene (its array, medium and solver), an Array or a Propagation, and keywords: the Scene's, `signature`,
+    /// `obstacles`, `balance`, `aim`, and the solver's options.
     pub(crate) fn read(
         object: &Bound<'_, PyAny>,
         solver: Argument<'_, '_>,
@@ -112,21 +112,17 @@ impl Setting {
         let keywords = Keywords::of(object.py(), keywords)?;
         let (signature, obstacles) = (keywords.take_or_none("signature")?, keywords.take_or_none("obstacles")?);
         let (balance, aim, positions) = (keywords.take("balance")?, keywords.take("aim")?, keywords.take("positions")?);
-        let mut choice = Choice {
-            name: solver.map_or_else(|| Ok(midair::solvers::DEFAULT.into()), read::name)?,
-            options: midair::Options::new(),
-            balance: balance.map(|value| read::flag("balance", &value)).transpose()?,
-            aim: aim.map(|value| read::aim(&value)).transpose()?,
-        };
-        let mut configured = |board: Option<&midair::Quantization>| {
-            choice.options = read::options(Some(keywords.rest()))?;
+        let balance = balance.map(|value| read::flag("balance", &value)).transpose()?;
+        let aim = aim.map(|value| read::aim(&value)).transpose()?;
+        let chosen = |own: Option<&Choice>, board: Option<&midair::Quantization>| {
+            let mut choice = read::chosen(own, solver, Some(keywords.rest()))?;
+            (choice.balance, choice.aim) = (balance.or(choice.balance), aim.or(choice.aim));
             let configured = configure(&choice, board).map_err(refused)?;
-            choice.name = configured.info.name.into();
             choice.balance = Some(choice.balance.unwrap_or(configured.info.balance));
             choice.options.clone_from(&configured.options);
-            Ok::<_, PyErr>((configured, choice.balance == Some(true)))
+            Ok::<_, PyErr>((choice, configured))
         };
-        let (session, info, source) = if let Ok(matrix) = object.cast::<Propagation>() {
+        if let Ok(matrix) = object.cast::<Propagation>() {
             if signature.is_some_and(|signature| !signature.is_none()) {
                 return Err(invalid(
                     "signature",
@@ -141,40 +137,41 @@ impl Setting {
             let (quantization, mask, positions) = (quantization.as_ref(), mask.as_ref(), positions.as_ref());
             let beside = Beside { quantization, mask, positions, ..Beside::default() };
             let (propagation, setup) = given(&matrix.get().inner, beside)?;
-            let (configured, balance) = configured(setup.quantization.as_deref())?;
+            let (choice, Configured { solver, info, .. }) = chosen(None, setup.quantization.as_deref())?;
             let source = Source::Given(propagation.clone(), Arc::new(setup.clone()));
-            let session = Session::with_propagation(propagation, setup, configured.solver, balance);
-            (session.map_err(refused)?, configured.info, source)
-        } else {
-            if positions.is_some() {
-                return Err(invalid("positions", "given", "an array has its own: they go with Propagation"));
-            }
-            let (array, medium, told, own, behind) = if let Ok(scene) = object.cast::<Scene>() {
-                let scene = scene.get();
-                let (doubts, own) = (&scene.ready.doubts[..], scene.inner.signature());
-                (scene.array(), scene.inner.medium(), doubts, own, scene.inner.obstacles())
-            } else if let Ok(array) = object.cast::<Array>() {
-                (array.get().clone(), Medium::default(), &[][..], None, &[][..])
-            } else {
+            let session = Session::with_propagation(propagation, setup, solver, choice.balance == Some(true));
+            return Ok(Self { session: session.map_err(refused)?, choice, info, source });
+        }
+        if positions.is_some() {
+            return Err(invalid("positions", "given", "an array has its own: they go with Propagation"));
+        }
+        let scene = object.cast::<Scene>().ok().map(Bound::get);
+        let (array, medium) = match (scene, object.cast::<Array>()) {
+            (Some(scene), _) => (scene.array(), scene.inner.medium()),
+            (None, Ok(array)) => (array.get().clone(), Medium::default()),
+            (None, Err(_)) => {
                 let kind = object.get_type().qualname()?;
                 return Err(PyTypeError::new_err(format!(
                     "expected a midair.Scene, midair.Array or midair.Propagation first, not {kind}"
                 )));
-            };
-            let signature = match signature {
-                None => own.cloned(),
-                Some(none) if none.is_none() => None,
-                Some(signature) => Some(read_signature(&signature, array.inner.len())?),
-            };
-            let medium = keywords.medium(medium)?;
-            let ready = keywords.array(array)?.ready(medium)?;
-            let Ready { model, doubts, .. } = &*ready;
-            warn_all(object.py(), doubts.iter().filter(|doubt| !told.contains(doubt)))?;
-            let (configured, balance) = configured(model.array().quantization())?;
-            let obstacles = obstacles.map_or_else(|| Ok(behind.to_vec()), |given| read_obstacles(&given))?;
-            let model = ready.behind(object.py(), &obstacles)?.with_signature(signature);
-            (Session::new(model.clone(), configured.solver, balance), configured.info, Source::Model(model))
+            }
         };
-        Ok(Self { session, choice, info, source })
+        let signature = match signature {
+            None => scene.and_then(|scene| scene.inner.signature()).cloned(),
+            Some(none) if none.is_none() => None,
+            Some(signature) => Some(read_signature(&signature, array.inner.len())?),
+        };
+        let medium = keywords.medium(medium)?;
+        let ready = keywords.array(array)?.ready(medium)?;
+        let Ready { model, doubts, .. } = &*ready;
+        let told = scene.map_or(&[][..], |scene| &scene.ready.doubts);
+        warn_all(object.py(), doubts.iter().filter(|doubt| !told.contains(doubt)))?;
+        let own = scene.and_then(|scene| scene.inner.solver.as_ref());
+        let (choice, Configured { solver, info, .. }) = chosen(own, model.array().quantization())?;
+        let behind = scene.map_or(&[][..], |scene| scene.inner.obstacles());
+        let obstacles = obstacles.map_or_else(|| Ok(behind.to_vec()), |given| read_obstacles(&given))?;
+        let model = ready.behind(object.py(), &obstacles)?.with_signature(signature);
+        let session = Session::new(model.clone(), solver, choice.balance == Some(true));
+        Ok(Self { session, choice, info, source: Source::Model(model) })
     }
 }

@@ -18,24 +18,6 @@ use crate::subject::{Beside, Subject};
 
 type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
-/// The solver, its options and whether to balance, from the keywords and the scene file.
-fn chosen(
-    subject: &Subject,
-    solver: Argument<'_, '_>,
-    keywords: Option<&Bound<'_, PyDict>>,
-) -> PyResult<midair::Choice> {
-    let name = solver.map(read::name).transpose()?;
-    let given = read::options(keywords)?;
-    // Another solver's options in the file do not fit; the same one's do, and keywords win over them.
-    let named = name.as_deref().map(registry::find).transpose().map_err(refused)?.map(|entry| entry.info.name);
-    let file = subject.choice().filter(|choice| named.is_none_or(|name| name == choice.name));
-    let name = named.or(file.map(|choice| choice.name.as_str())).unwrap_or(registry::DEFAULT);
-    let mut options = file.map(|choice| choice.options.clone()).unwrap_or_default();
-    options.extend(registry::find(name).and_then(|entry| entry.spelled(&given)).map_err(refused)?);
-    let (balance, aim) = file.map_or((None, None), |choice| (choice.balance, choice.aim));
-    Ok(midair::Choice { name: name.into(), options, balance, aim })
-}
-
 /// Finds a drive q (N,), |q| <= 1, whose pressures p = G q come near to the targets: a Solution.
 ///
 /// scene : a Scene, or a matrix G (`Propagation`) with what goes beside it
@@ -90,7 +72,7 @@ pub(crate) fn solve(
     let raised = function.as_ref().map(Function::raised).or(energy.as_ref().map(energy::Function::raised));
     let mut choice = match &function {
         Some(function) => function.choice(py)?,
-        None => chosen(&subject, solver, options.as_ref())?,
+        None => read::chosen(subject.choice(), solver, options.as_ref())?,
     };
     read::callback(progress.as_ref().map(|callback| callback.bind(py)), "step, steps, residual")?;
     if let Some(aim) = aim {

@@ -78,6 +78,27 @@ def test_a_scene_lends_its_array_and_medium() -> None:
 
 
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
+def test_a_scenes_own_solver_counts() -> None:
+    text = """
+        [array]
+        grid = { nx = 6, ny = 5, pitch = 0.01 }
+        [solver]
+        name = "greedy"
+        phases = 16
+        balance = true
+        [[points]]
+        position = [0, 0, 0.1]
+    """
+    scene = midair.Scene.parse(text)
+    own = midair.solve_batch(scene, POINTS)
+    assert own == midair.solve_batch(scene, POINTS, solver="greedy", phases=16, balance=True)
+    assert own[0].options["phases"] == midair.Solver(scene).options["phases"] == 16
+    assert own[0].options["balance"] is True
+    # Keywords win, and another solver's options do not fit.
+    assert midair.solve_batch(scene, POINTS, phases=8)[0].options["phases"] == 8
+    assert midair.solve_batch(scene, POINTS, solver="fast")[0].solver == "fast"
+
+
 def test_starts_of_both_kinds() -> None:
     first = midair.solve_batch(ARRAY, POINTS, PRESSURES, "gs", steps=5)
     phases = np.zeros((B, M))
