@@ -1,6 +1,7 @@
 #!/bin/bash
 # The steps of docs/extending.md, done to a copy of the core with the page's own words: its solver and its directivity
 # compile without a warning, pass the tests that run over all of them and, the solver alone in the registry, the law book.
+# The same copy has the trials of trials.sh: a key of the medium, a board and an obstacle.
 set -eu -o pipefail
 cd "$(dirname "$0")/../.."
 export CARGO_INCREMENTAL=0
@@ -13,16 +14,53 @@ words() { # the one thing in backquotes on the page that looks like this
     echo "$found"
 }
 
-insert() { # what, after which line, into which file of the copy
-    grep -q "$2" "$copy/$3" || { echo "extending: $3 has no line $2" >&2; exit 1; }
-    sed -i "0,/$2/s//&\n$1/" "$copy/$3"
+touched=()
+
+create() { # a file of the copy, from stdin
+    touched+=("$1")
+    cat >"$copy/$1"
+}
+
+after() { # a text, then a file: stdin goes below the first line that has the text
+    touched+=("$2")
+    TEXT=$(cat) MARK=$1 awk '{ print } !done && index($0, ENVIRON["MARK"]) { print ENVIRON["TEXT"]; done = 1 }
+        END { exit !done }' "$copy/$2" >"$copy/after" || { echo "extending: $2 has no line $1" >&2; exit 1; }
+    mv "$copy/after" "$copy/$2"
+}
+
+swap() { # a text, another in its place, and the file
+    touched+=("$3")
+    grep -qF "$1" "$copy/$3" || { echo "extending: $3 has no $1" >&2; exit 1; }
+    OLD=$1 NEW=$2 awk '!done && (at = index($0, ENVIRON["OLD"])) {
+        $0 = substr($0, 1, at - 1) ENVIRON["NEW"] substr($0, at + length(ENVIRON["OLD"])); done = 1 } { print }' \
+        "$copy/$3" >"$copy/after"
+    mv "$copy/after" "$copy/$3"
+}
+
+append() { # to a file of the copy, from stdin
+    touched+=("$1")
+    cat >>"$copy/$1"
+}
+
+at_most() { # a count of files, and for what
+    local count
+    count=$(printf '%s\n' "${touched[@]}" | sort -u | wc -l)
+    echo "extending: $2 touches $count files, $1 at most"
+    [ "$count" -le "$1" ] || { printf '%s\n' "${touched[@]}" | sort -u >&2; exit 1; }
+    touched=()
+}
+
+noted() { # the line of CHANGELOG.md
+    after '### What is new, by part' CHANGELOG.md <<<"- **$1**, a trial."
 }
 
 # Compiled for speed it would take minutes; the crates it depends on are those that were compiled before.
 rm -rf "$copy"
 mkdir -p "$copy"
-cp -rp Cargo.toml Cargo.lock rustfmt.toml core "$copy"
-sed -i 's/^members = .*/members = ["core"]/; /^exclude = /d' "$copy/Cargo.toml"
+cp -rp Cargo.toml Cargo.lock rustfmt.toml CHANGELOG.md core python "$copy"
+mkdir "$copy/docs"
+cp -p docs/*.md "$copy/docs"
+sed -i 's/^members = .*/members = ["core", "python"]/; /^exclude = /d' "$copy/Cargo.toml"
 printf '\n[profile.test.package.midair]\nopt-level = 0\n' >>"$copy/Cargo.toml"
 
 block() { # the first or second block of Rust
@@ -33,21 +71,28 @@ file=$(words 'core/src/solvers/two_phases\.rs')
 module=$(words 'pub(crate) mod two_phases;')
 name=$(words 'pub use [^`]*;')
 entry=$(words 'Entry::of::<[^`]*>(),')
-block 1 >"$copy/$file"
-insert "$module" 'pub(crate) mod uniform;' core/src/solvers/mod.rs
-insert "$name" 'pub use uniform::Uniform;' core/src/solvers/mod.rs
-insert "    $entry" 'pub static SOLVERS.*' core/src/solvers/registry.rs
+create "$file" < <(block 1)
+after 'pub(crate) mod uniform;' core/src/solvers/mod.rs <<<"$module"
+after 'pub use uniform::Uniform;' core/src/solvers/mod.rs <<<"$name"
+after 'pub static SOLVERS' core/src/solvers/registry.rs <<<"    $entry"
+at_most 3 'a solver, without its documentation,'
 
 law=$(words 'core/src/scene/directivity/gauss\.rs')
-listed=$(words '&gauss::LAW')
-block 2 >"$copy/$law"
-insert "$(words 'pub(crate) mod gauss;')" 'pub(crate) mod cos;' core/src/scene/directivity/mod.rs
-sed -i "s/^static LAWS: \[&Law; 5\] = \[/static LAWS: [\&Law; 6] = [${listed/&/\\&}, /" "$copy/core/src/scene/directivity/mod.rs"
+create "$law" < <(block 2)
+after 'pub(crate) mod cos;' core/src/scene/directivity/mod.rs <<<"$(words 'pub(crate) mod gauss;')"
+swap '[&Law; 5] = [' "[&Law; 6] = [$(words '&gauss::LAW'), " core/src/scene/directivity/mod.rs
+after '| `"point"` |' docs/conventions.md <<<'| `gauss` | a trial |'
+noted gauss
+at_most 4 'a directivity'
+
+. core/tests/trials.sh
 
 own=(--manifest-path "$copy/Cargo.toml" -p midair --features scene-file,parallel)
 export CARGO_TARGET_DIR=$PWD/target
 rustfmt --check --edition 2024 "$copy/$file" "$copy/$law"
 cargo clippy --quiet "${own[@]}" -- -D warnings
+cargo check --quiet --manifest-path "$copy/Cargo.toml" -p midair-python
+python3 -m py_compile "$copy"/python/tests/{firmware,test_obstacles}.py "$copy"/python/midair/{__init__,_pictures/panel}.py
 
 # The law book over this solver alone.
 sed -i '1a #![allow(unused_imports)]
@@ -55,12 +100,11 @@ sed -i '1a #![allow(unused_imports)]
 cat >"$copy/core/tests/suite/main.rs" <<'RUST'
 //! The law book.
 #![allow(dead_code, unreachable_pub, reason = "the other tests use the rest")]
+mod boards;
 mod laws;
 mod motions;
 mod oracle;
 mod scenes;
 RUST
-cargo test --quiet "${own[@]}" --lib two_phases
-cargo test --quiet "${own[@]}" --lib directivit
-cargo test --quiet "${own[@]}" --lib eq_5
-cargo test --quiet "${own[@]}" --test suite --test allocations -- --include-ignored
+cargo test --quiet "${own[@]}" --lib -- two_phases directivit eq_5 nonlinearity bubble
+MIDAIR_GOLDEN=write cargo test --quiet "${own[@]}" --test suite --test allocations -- --include-ignored

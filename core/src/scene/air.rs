@@ -46,7 +46,10 @@ impl Medium {
         let vapour = (humidity / 100.0 * saturation(kelvin)).min(air_pressure);
         let density = (air_pressure - vapour) / (287.05 * kelvin) + vapour / (461.5 * kelvin);
         let absorption = absorption(frequency, kelvin, 100.0 * vapour / air_pressure, air_pressure / STANDARD);
-        Ok(Self { frequency, sound_speed, absorption, density })
+        // Numbers that do not follow from the air keep their defaults.
+        let mut air = Self::default();
+        (air.frequency, air.sound_speed, air.absorption, air.density) = (frequency, sound_speed, absorption, density);
+        Ok(air)
     }
 
     /// The air of what is given; left out, the temperature is that of the sound speed, the rest as usual.

@@ -119,7 +119,7 @@ impl Array {
 
 fn of_medium(medium: Medium) -> Vec<Doubt> {
     let mut doubts = Vec::new();
-    let Medium { frequency, sound_speed, absorption, density } = medium;
+    let Medium { frequency, sound_speed, absorption, density, .. } = medium;
     if !FREQUENCY.contains(&frequency) {
         let cure = in_unit(frequency, "Hz", &[("kHz", 1e3), ("MHz", 1e6)], &(20e3..=1e6));
         let cure = format!("ultrasound in air is 20000 to 1000000 Hz: {cure}");
