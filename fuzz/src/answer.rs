@@ -53,6 +53,14 @@ impl Allowed {
         Self((0..propagation.points()).map(row).collect())
     }
 
+    /// The largest relative error allowed of a point's level, the sum of its moduli: 1 and more where f32 may round it to
+    /// silence, at an angle where a directivity is nearly 0.
+    pub fn doubt(&self, propagation: &Propagation) -> f64 {
+        let level = |j: usize| (0..propagation.transducers()).map(|i| propagation.exact(j, i).norm()).sum::<f64>();
+        let doubts = self.0.iter().enumerate().map(|(j, row)| row.iter().sum::<f64>() / level(j));
+        doubts.map(|doubt| if doubt.is_nan() { f64::INFINITY } else { doubt }).fold(NEAR, f64::max)
+    }
+
     /// Holds every row to eq. (5) in f64, and its padding to silence.
     pub fn check_rows(&self, propagation: &Propagation) {
         let (points, set) = (propagation.points(), propagation.instruction_set());

@@ -1,27 +1,20 @@
-//! The reader of a scene's file of positions: any bytes are refused in one line or are an array.
-
-use std::fs;
-use std::path::PathBuf;
-use std::sync::LazyLock;
+//! The readers of CSV files, of positions and of drives: any bytes are refused in one line, or are an array or a drive.
 
 use crate::one_line;
-use midair::files::{Format, Source, read_from};
-
-const SCENE: &[u8] = b"[array]\npositions = { file = \"bowl.csv\" }\n[[points]]\nposition = [0.0, 0.0, 0.15]\n";
-
-/// A folder of this process alone, in memory.
-static FOLDER: LazyLock<PathBuf> = LazyLock::new(|| {
-    let folder = PathBuf::from(format!("/dev/shm/midair-fuzz-{}", std::process::id()));
-    fs::create_dir_all(&folder).expect("a folder");
-    folder
-});
+use midair::files::{read_array, read_drive, write_drive};
 
 /// Check what the bytes make.
 pub fn check(bytes: &[u8]) {
-    fs::write(FOLDER.join("bowl.csv"), bytes).expect("a file");
-    let source = Source { folder: Some(&FOLDER), ..Source::default() };
-    if let Some(scene) = one_line(read_from(SCENE, Format::Toml, source)) {
-        let rows = bytes.split(|&byte| byte == b'\n' || byte == b'\r').count();
-        assert!(scene.array().len() <= rows, "{} transducers of {rows} rows", scene.array().len());
+    let rows = bytes.split(|&byte| byte == b'\n' || byte == b'\r').count();
+    if let Some(array) = one_line(read_array(bytes, "bowl.csv")) {
+        assert!(array.len() <= rows, "{} transducers of {rows} rows", array.len());
+        assert!(array.positions().iter().flatten().all(|x| x.is_finite()), "{:?}", array.positions());
+    }
+    if let Some(drive) = one_line(read_drive(bytes, "drive.csv")) {
+        assert!(drive.len() <= rows, "{} transducers of {rows} rows", drive.len());
+        assert!(drive.iter().all(|q| q.norm() <= 1.0 + 1e-5), "{drive:?}");
+        let again = one_line(read_drive(write_drive(None, &drive).as_bytes(), "drive.csv")).expect("a drive");
+        let off = drive.iter().zip(&again).map(|(a, b)| (a - b).norm()).fold(0.0, f32::max);
+        assert!(drive.len() == again.len() && off < 1e-5, "off by {off}: {drive:?}");
     }
 }

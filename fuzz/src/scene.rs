@@ -7,6 +7,9 @@ use midair::{Request, Scene};
 /// Larger arrays are read, but not written in two formats: a few bytes of a grid make millions.
 const MOST: usize = 4096;
 
+/// The table without which a document is no motion.
+const MOTION: &[u8] = b"motion";
+
 /// Check what the bytes make.
 pub fn check(bytes: &[u8]) {
     for format in [Format::Toml, Format::Json] {
@@ -15,8 +18,10 @@ pub fn check(bytes: &[u8]) {
         {
             survives(&scene);
         }
-        let mut start = |_: &str, _: &str| Ok(Drawing::Points(vec![[0.0, 0.0, 0.15]], Request::default()));
-        one_line(read_motion(bytes, format, Source::default(), &mut start));
+        if bytes.windows(MOTION.len()).any(|word| word == MOTION) {
+            let mut start = |_: &str, _: &str| Ok(Drawing::Points(vec![[0.0, 0.0, 0.15]], Request::default()));
+            one_line(read_motion(bytes, format, Source::default(), &mut start));
+        }
     }
 }
 
