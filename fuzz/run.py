@@ -146,7 +146,7 @@ def what(text: str) -> str:
 
 
 def build(sanitizer: str, folder: Path) -> None:
-    """The Rust targets, with debug assertions and overflow checks; twice as fast without tracing comparisons."""
+    """The Rust targets, with debug assertions and overflow checks; comparisons are not traced, for speed."""
     path = f"{FUZZ / '.tools' / 'bin'}{os.pathsep}{os.environ['PATH']}"
     command = ["cargo", "+nightly", "fuzz", "build", f"--sanitizer={sanitizer}", f"--target-dir={folder}"]
     command += ["--no-trace-compares"]

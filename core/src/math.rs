@@ -45,7 +45,14 @@ pub(crate) fn phase(z: Complex32) -> f64 {
 
 /// z/|z| of z = re + j im; 1 where it is 0.
 pub(crate) fn unit(re: f32, im: f32) -> (f32, f32) {
-    let modulus = sqrtf(re * re + im * im);
+    /// Smaller squares have fewer digits.
+    const LEAST: f32 = 1e-30;
+    const UP: f32 = (1_u64 << 60) as f32;
+    let square = re * re + im * im;
+    if square < LEAST && (re != 0.0 || im != 0.0) {
+        return unit(UP * re, UP * im);
+    }
+    let modulus = sqrtf(square);
     if modulus > 0.0 { (re / modulus, im / modulus) } else { (1.0, 0.0) }
 }
 

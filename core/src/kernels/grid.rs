@@ -269,7 +269,8 @@ impl Grid {
                 let square = s.add(s.mul(re, re), s.mul(im, im));
                 // Most answers have one modulus.
                 let least = FULL * most;
-                some.known = (s.less(square, s.splat(least * least)) == 0).then_some(common);
+                let least = least * least;
+                some.known = (least > f32::MIN_POSITIVE && s.less(square, s.splat(least)) == 0).then_some(common);
                 s.apart(own.len(), &mut some);
                 differ |= some.differ & (u32::MAX >> (32 - own.len()));
                 for (own, (re, im)) in own.iter_mut().zip(some.q[0].into_iter().zip(some.q[1])) {

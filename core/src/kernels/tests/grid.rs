@@ -134,3 +134,15 @@ fn factor_and_the_largest() {
         assert!(!grid.round(set, 1.0, [1.0; 2], &mut other), "{set}: one is not");
     }
 }
+
+#[test]
+fn moduli_whose_squares_underflow_stay_what_they_are() {
+    let drive = [4.7e-23, 5.1e-23].map(|modulus| Complex32::new(0.0, modulus));
+    for set in InstructionSet::all() {
+        let mut out = drive.to_vec();
+        grid(Some(16), None).round(set, 1.0, [5.1e-23; 2], &mut out);
+        for (got, q) in out.iter().zip(drive) {
+            assert!((got.im / q.im - 1.0).abs() < 1e-6, "{set}: {got} for {q}");
+        }
+    }
+}
