@@ -64,7 +64,7 @@ def odd(data: Data, depth: int = 3) -> Any:
     dtype = np.dtype(data.PickValueInList(DTYPES))
     content = data.ConsumeBytes(int(np.prod(shape)) * dtype.itemsize)
     if dtype.hasobject or len(content) < int(np.prod(shape)) * dtype.itemsize:
-        return laid_out(data, np.zeros(shape)).astype(dtype)
+        return laid_out(data, np.zeros(shape).astype(dtype))
     return laid_out(data, np.frombuffer(content, dtype).reshape(shape))
 
 

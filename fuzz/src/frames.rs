@@ -28,7 +28,12 @@ pub fn check(bytes: &[u8]) {
         one_line(board.encode(&drive, &mut sent)).expect("a drive of the board");
         one_line(board.decode(&sent, &mut again)).expect("a frame of the board");
         let off = drive.iter().zip(&again).map(|(a, b)| (a - b).norm()).fold(0.0, f32::max);
-        assert!(off < 1e-5, "{name}: off by {off}");
+        // Of its 256 phases this one spares two, which would be read as the ends of a word.
+        let step = if name == "homies" { std::f32::consts::TAU / 256.0 } else { 0.0 };
+        assert!(off < step + 1e-5, "{name}: off by {off}");
+        let mut once_more = vec![0; board.frame_size()];
+        one_line(board.encode(&again, &mut once_more)).expect("a drive of the board");
+        assert_eq!(sent, once_more, "{name}");
     }
 }
 

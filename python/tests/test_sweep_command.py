@@ -70,6 +70,7 @@ BAD: dict[str, tuple[dict[str, Any], str]] = {
     "a seed below 0": ({"seeds": [3, -1]}, "seeds[1] is -1"),
     "no points": ({"points": None}, "points is missing"),
     "points of 0": ({"points": {**POINTS, "count": 0}}, "points.count is 0"),
+    "more points than memory holds": ({"points": {**POINTS, "count": 10**17}}, "points.count is 1000"),
     "no range": (
         {"points": {"count": 2, "x": 0.0, "y": 0.0}},
         "points.z is None: give a number or [low, high]",

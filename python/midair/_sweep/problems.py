@@ -13,7 +13,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from .._midair import Array, Scene, SceneError, SceneWarning, scene_files, sweep_keys
+from .._midair import Array, Scene, SceneError, SceneWarning, memory_limit, scene_files, sweep_keys
 from .._support.arguments import warn
 from .axes import Tables, array_table, column, put, short
 from .block import array_and_medium, first_scene, trial_seed
@@ -23,6 +23,9 @@ Sets = list[tuple[dict[str, Any], dict[str, Any]]]
 
 #: More combinations of axes are a slip of the pen, too.
 MOST_BLOCKS = 10**6
+
+#: Bytes that a random point and its target take while they are drawn.
+POINT = 64
 
 #: Different warnings that are told before any work; more would repeat themselves.
 MOST_TOLD = 3
@@ -241,7 +244,11 @@ def _random(points: Tables, shift: list[float]) -> dict[str, Any]:
         if key in points:
             raise SceneError(f"points.{key} is given without positions: it goes with fixed points")
     region = [[end + by for end in _range(points, key)] for key, by in zip("xyz", shift, strict=True)]
-    return {"count": whole(points.get("count"), "points.count", least=1), "region": region}
+    count = whole(points.get("count"), "points.count", least=1)
+    if count * POINT > memory_limit():
+        most = memory_limit() // POINT
+        raise SceneError(f"points.count is {count}: give at most {most} points, or raise MIDAIR_MEMORY")
+    return {"count": count, "region": region}
 
 
 def _numbers(value: Any, count: int) -> bool:

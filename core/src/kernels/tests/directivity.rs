@@ -5,14 +5,14 @@ use core::array::from_fn;
 use crate::kernels::lanes::{LANES, Lanes};
 use crate::kernels::propagate::form::{Form, Radiation, formed};
 use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
-use crate::kernels::tests::{ROUNDING, WAVENUMBER, wide};
+use crate::kernels::tests::{ROUNDING, STRIDE, WAVENUMBER, wide};
 use crate::scene::Directivity;
 
 /// The largest difference from D over cosines from -1 to 1, sixteen at a time.
 fn error(set: InstructionSet, directivity: Directivity, steps: i32) -> f64 {
     let radiation = Radiation { decay: None, pattern: directivity.pattern(WAVENUMBER) };
     let mut error = 0.0_f64;
-    for first in (-steps..=steps).step_by(LANES) {
+    for first in (-steps..=steps).step_by(LANES * STRIDE) {
         let cosines: Lanes = from_fn(|l| (first + l as i32).min(steps) as f32 / steps as f32);
         // Half the ray at twice the inverse distance: the cosine has all its digits.
         let rays = cosines.map(|c| 0.5 * c);

@@ -44,6 +44,9 @@ use crate::scene::Directivity;
 /// Around a whole group where every operation is interpreted and takes a thousand times as long.
 const LENGTHS: RangeInclusive<usize> = if cfg!(miri) { 15..=17 } else { 1..=67 };
 
+/// A step over values that a polynomial follows.
+pub(super) const STRIDE: usize = if cfg!(miri) { 2000 } else { 1 };
+
 /// One rounding to f32, relative.
 const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
 
