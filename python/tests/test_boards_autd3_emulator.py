@@ -95,6 +95,7 @@ def test_their_field_is_that_of_the_drive(count: int) -> None:
     assert apart(pulses=True) < 1e-4
 
 
+@pytest.mark.slow
 def test_a_sequence_plays_over_and_over() -> None:
     array = some_boards(2)
     drives = [solution.drive for solution in solutions(array, 7, 31)]

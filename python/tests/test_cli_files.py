@@ -266,6 +266,7 @@ def test_what_nobody_foresaw_is_one_line(run: Run, monkeypatch: pytest.MonkeyPat
         assert told in err, err
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_sigterm_ends_and_tidies_where_nothing_can_be_kept() -> None:
     code = """

@@ -232,6 +232,7 @@ def test_write_that_fails_leaves_nothing_behind(
     assert not list(Path().glob("*.part")) + list(Path().glob(".*"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "command",
     ["solve none.toml", "solve scene.toml --phases 1 -o out.csv", "sovle", "compare scene.toml --nosuch 1"],

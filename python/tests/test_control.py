@@ -187,6 +187,7 @@ def test_interrupt_ends_whatever_takes_long(call: str) -> None:
     assert (out, child.returncode) == ("interrupted\n", 0)
 
 
+@pytest.mark.slow
 @POSIX
 def test_a_forked_child_has_threads_of_its_own() -> None:
     # The parent has used all its threads before the fork; the child has none of them.
@@ -217,6 +218,7 @@ leave(130)
 """
 
 
+@pytest.mark.slow
 @POSIX
 @pytest.mark.parametrize("end", ["", "library.set()"])
 def test_ctrl_c_leaves_a_call_of_a_library_behind(end: str) -> None:

@@ -74,6 +74,7 @@ def test_an_ear_is_the_box_about_its_points() -> None:
     assert one.spl >= ear.spl(SCENE, drive) - 1e-3
 
 
+@pytest.mark.slow
 def test_a_sequence_has_its_loudest_frame() -> None:
     ring = midair.path.circle([0, 0, 0.15], 0.02, speed=0.5, points=1)
     sequence = midair.sequence(ARRAY, ring.frames(2e3)[0][:40], rate=2e3)

@@ -5,7 +5,7 @@ import json
 import time
 import zipfile
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -95,7 +95,12 @@ ARRAYS: dict[str, tuple[str, Callable[[], bytes]]] = {
 }
 
 
-@pytest.mark.parametrize("name", ARRAYS)
+def bombs_apart(names: Iterable[str]) -> list[Any]:
+    """The names as parameters, what unpacks to hundreds of megabytes marked slow."""
+    return [pytest.param(name, marks=[pytest.mark.slow] * name.endswith(" bomb")) for name in names]
+
+
+@pytest.mark.parametrize("name", bombs_apart(ARRAYS))
 def test_arrays_that_cannot_be_read(name: str, tmp_path: Path, kept: Kept) -> None:
     file, make = ARRAYS[name]
     path = tmp_path / file
@@ -220,7 +225,7 @@ DRIVES: dict[str, tuple[str, Callable[[Path], None]]] = {
 }
 
 
-@pytest.mark.parametrize("name", DRIVES)
+@pytest.mark.parametrize("name", bombs_apart(DRIVES))
 def test_drives_that_cannot_be_read(name: str, tmp_path: Path, kept: Kept) -> None:
     file, make = DRIVES[name]
     make(tmp_path / file)

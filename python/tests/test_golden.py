@@ -33,6 +33,7 @@ def test_there_are_golden_vectors() -> None:
     assert len(GOLDEN) >= 6
 
 
+@pytest.mark.slow
 def test_golden_vectors_come_out_bit_for_bit_under_the_scalar_set(tmp_path: Path) -> None:
     environment = {**os.environ, "MIDAIR_SIMD": "scalar"}
     command = [sys.executable, "-c", PROGRAM, *map(str, GOLDEN)]

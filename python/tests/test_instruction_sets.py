@@ -36,10 +36,12 @@ def refusal() -> str:
     return done.stderr.decode().splitlines()[-1]
 
 
+@pytest.mark.slow
 def test_an_unknown_instruction_set_is_refused_in_one_line() -> None:
     assert "MIDAIR_SIMD is avx9: this machine has scalar" in refusal()
 
 
+@pytest.mark.slow
 def test_the_scalar_set_gives_the_bits_that_it_gives_everywhere() -> None:
     done = run(MIDAIR_SIMD="scalar")
     assert (done.returncode, len(done.stdout)) == (0, FIELD + MATRIX + LEVEL)

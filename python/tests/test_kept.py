@@ -175,6 +175,7 @@ def test_a_lock_is_free_again_and_leaves_nothing(tmp_path: Path) -> None:
     assert not list((tmp_path / "a").iterdir())
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="POSIX")
 def test_a_full_disk_is_told_in_one_line(tmp_path: Path) -> None:
     run = start(tmp_path / "x.npz", 0, most=1500)

@@ -53,6 +53,7 @@ def run(code: str, **environment: str) -> str:
     return ran.stdout
 
 
+@pytest.mark.slow
 @POSIX
 @pytest.mark.parametrize("case", TOO_MUCH)
 def test_too_much_is_refused_in_one_line(case: str) -> None:

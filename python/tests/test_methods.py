@@ -60,7 +60,7 @@ def test_direct_methods_are_the_reference(name: str, count: int) -> None:
 
 
 @pytest.mark.parametrize("limit", ["clamp", "normalize", "full"])
-@pytest.mark.parametrize("name", ["tikhonov", "evd", "gspat"])
+@pytest.mark.parametrize("name", ["tikhonov", pytest.param("evd", marks=pytest.mark.slow), "gspat"])
 def test_every_limit_is_the_reference(name: str, limit: str) -> None:
     reference = getattr(methods, name)
     ours, theirs = means(
@@ -132,7 +132,7 @@ def test_lm_makes_sixty_four_points_even() -> None:
         assert midair.solve(scene(64, seed), "lm").metrics.sigma < 1e-3
 
 
-@pytest.mark.parametrize("count", [4, 16, 64])
+@pytest.mark.parametrize("count", [4, 16, pytest.param(64, marks=pytest.mark.slow)])
 def test_the_order_of_fig_3_holds(count: int) -> None:
     names = ("lm", "greedy", "gspat", "evd", "sdp")
     mean = {

@@ -186,6 +186,7 @@ def test_json_and_toml_of_one_motion_are_the_same(tmp_path: Path) -> None:
     np.testing.assert_array_equal(one.solve().drives, other.solve().drives)
 
 
+@pytest.mark.slow
 def test_a_scene_that_rests_is_no_motion(tmp_path: Path) -> None:
     (tmp_path / "a.toml").write_text("[array]\npreset = 'autd3'\n[[points]]\nposition = [0, 0, 0.15]\n")
     assert document.read(tmp_path / "a.toml") is None

@@ -99,5 +99,6 @@ def test_fields_show_a_picture() -> None:
     assert "<img" not in at
 
 
+@pytest.mark.slow
 def test_only_fields_load_matplotlib() -> None:
     subprocess.run([sys.executable, "-c", LOADS_NO_MATPLOTLIB], check=True)

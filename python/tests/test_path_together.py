@@ -119,6 +119,7 @@ def test_a_target_that_jumps_fades_where_it_is() -> None:
     assert joined.targets([0.1, 0.15, 0.2])[:, 0] == pytest.approx([1000, 1500, 2000])
 
 
+@pytest.mark.slow
 def test_a_long_chain_is_as_good_as_a_short_one() -> None:
     chain = still(0.0, seconds=0.01)
     for k in range(1, 600):
@@ -131,6 +132,7 @@ def test_a_long_chain_is_as_good_as_a_short_one() -> None:
 places = st.lists(st.integers(0, 8), min_size=1, max_size=5, unique=True)
 
 
+@pytest.mark.slow
 @steady
 @given(st.lists(places, min_size=2, max_size=5), st.floats(0.01, 0.2))
 def test_whatever_is_joined_is_there_at_its_time(sets: list[list[int]], fade: float) -> None:

@@ -209,6 +209,7 @@ def test_plot_refuses_what_is_no_picture() -> None:
             draw(matrix)
 
 
+@pytest.mark.slow
 def test_a_sheet_shares_axes_and_a_scale_that_no_method_alone_sets() -> None:
     scene = flat(pressures=60)
     table = midair.compare(scene, ["naive", "uniform", "gspat", "evd"], balance=True)

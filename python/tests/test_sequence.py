@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import midair
+from midair import _cli as cli
 from midair._motion.drives import Stored
 
 RATE = 10e3
@@ -300,14 +301,18 @@ def test_the_command_writes_a_closed_sequence(tmp_path: Path):
         (("rate = 10e3", "rate = "), "no TOML here"),
     ],
 )
-def test_a_bad_scene_file_is_refused_in_a_line(tmp_path: Path, change: tuple[str, str], told: str):
+def test_a_bad_scene_file_is_refused_in_a_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], change: tuple[str, str], told: str
+):
     scene = tmp_path / "orbit.toml"
     scene.write_text(SCENE.replace(*change))
-    done = ran(scene)
-    assert done.returncode == 2
-    assert told in done.stderr
-    assert done.stderr.startswith("error: ")
-    assert done.stderr.count("\n") == 1
+    with pytest.raises(SystemExit) as left:
+        cli.main(["motion", str(scene)])
+    error = capsys.readouterr().err
+    assert left.value.code == 2
+    assert told in error
+    assert error.startswith("error: ")
+    assert error.count("\n") == 1
 
 
 @pytest.mark.slow

@@ -218,6 +218,7 @@ def test_an_animation_has_the_frames_asked_for(tmp_path: Path) -> None:
     assert [file.name for file in tmp_path.iterdir()] == ["motion.gif"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("at", [1, 3])
 def test_an_interrupted_animation_leaves_nothing(at: int, tmp_path: Path) -> None:
     def interrupt(done: int, _: int) -> None:

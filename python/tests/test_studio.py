@@ -196,6 +196,7 @@ def test_a_scene_that_cannot_be_shown_is_one_line(
     assert run(tmp_path / "none.toml")[0] == 2
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="its Ctrl-C goes to the whole console")
 def test_the_command_serves_a_scene_until_ctrl_c(built: Path, tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(SCENE)

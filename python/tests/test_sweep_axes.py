@@ -107,6 +107,7 @@ def test_axes_are_crossed_and_a_random_point_is_the_same_along_them() -> None:
     assert (one[:, :, 0, ..., 0] == one[:, :, 1, ..., 0]).all()
 
 
+@pytest.mark.slow
 def test_files_spell_axes_in_every_way_of_toml() -> None:
     rest = """
         [array]

@@ -67,6 +67,7 @@ def test_another_setting_seed_or_build_is_another_chunk(monkeypatch: pytest.Monk
     assert len(set(paths)) == len(paths)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [{}, {"seed": 1}], ids=["one by one", "batch"])
 def test_a_stopped_sweep_leaves_its_chunks_in_their_midst(
     seed: dict[str, int], monkeypatch: pytest.MonkeyPatch

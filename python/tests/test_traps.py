@@ -293,6 +293,7 @@ def test_a_stop_keeps_the_traps_that_there_are(last: int) -> None:
     assert 0.99 * foci < least(scene, stopped).min() <= whole * 1.01
 
 
+@pytest.mark.slow
 def test_foci_that_are_asked_for_are_not_made_others() -> None:
     array = midair.Array(*traps.openmpd())
     points = scattered(3, [0.05, 0.05, 0.02], 0.02, 1)
