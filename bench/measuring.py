@@ -168,7 +168,7 @@ def main() -> None:
     row("2 complex, 40 dB", 2, 40, phased=True)
     row("bad array, 4, 40 dB", 4, 40, **BAD)
     row("bad array, 4, 60 dB", 4, 60, **BAD)
-    four = midair.Array.preset("autd3", (2, 2))
+    four = midair.Array(midair.Array.preset("autd3", (2, 2)).positions)
     row("four AUTD3 boards (996), 4, 60 dB", 4, 60, seeds=SEEDS[:2], array=four, height=0.2)
     print("\n| way | noise | readings | model: level / min/max | tuned |")
     print("|---|---|---|---|---|")

@@ -131,7 +131,9 @@ def draw(array: midair.Array, path: Path) -> None:
 
 def main() -> None:
     """Print the table and draw the picture."""
-    array = midair.Array.preset("autd3", (2, 2))
+    # Point sources in the paper's medium, as `moduli` has them.
+    board = midair.Array.preset("autd3", (2, 2))
+    array = midair.Array(board.positions, quantization=board.quantization)
     draw(array, Path(__file__).parents[1] / "docs" / "motion.png")
     print("| M | speed | bound | tau | change / bound | uniformity | in motion | level, each | mean |")
     print("|---|---|---|---|---|---|---|---|---|")

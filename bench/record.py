@@ -78,8 +78,8 @@ def table(rows: Sequence[Row], bench: str = "bench", only: Sequence[tuple[str, s
     told = {rival for rival, _ in only} if only else {row["rival"] for row in shown}
     versions = dict.fromkeys(f"{row['rival']} {row['version']}" for row in rows if row["rival"] in told)
     details = (
-        f"{first['date']}, {first['cpu']}, one thread, 2 x 2 AUTD3 boards, G included; medians of CPU time"
-        f" over {first['rounds']} rounds; midair is `midair.solve` from NumPy arrays.{_beside_gspat(found)}"
+        f"{first['date']}, {first['cpu']}, one thread, 2 x 2 AUTD3 boards of point sources, G included;"
+        f" medians of CPU time over {first['rounds']} rounds; midair is `midair.solve` from NumPy arrays.{_beside_gspat(found)}"
         " Answers: on the grid where there is one, by one forward model, means over"
         f" {first['scenes']} scenes. {'; '.join(versions)}."
         f" [What the numbers include and whom they favour]({bench}/README.md)."

@@ -17,16 +17,18 @@ CHOICES = {
 
 def prepare(task: dict[str, Any]) -> Prepared:
     quantization = {"none": {}, "board": None}[task["grid"]]
+    # Point sources in air that does not absorb, as everybody's.
     array = midair.Array.preset(
-        task["preset"], task["tiles"] and tuple(task["tiles"]), quantization=quantization
+        task["preset"], task["tiles"] and tuple(task["tiles"]), directivity="point", quantization=quantization
     )
+    air = {"sound_speed": task["sound_speed"], "absorption": 0.0}
     points, pressures = task["points"], task["pressures"]
     method, options = CHOICES.get(task["method"], (task["method"], {}))
     if "seed" in midair.solvers()[method].options:
         options = {**options, "seed": task["seed"]}
 
     def solve() -> midair.Solution:
-        scene = midair.Scene(array, points, pressures, sound_speed=task["sound_speed"])
+        scene = midair.Scene(array, points, pressures, **air)
         return midair.solve(scene, method, **options)
 
     def answer(drive: Any) -> dict[str, Any]:
@@ -36,7 +38,7 @@ def prepare(task: dict[str, Any]) -> Prepared:
 
     if task["form"] == "solve":
         return lambda: solve().drive, answer
-    solver = midair.Solver(array, method, points=len(points), **options)
+    solver = midair.Solver(array, method, points=len(points), **air, **options)
     out = np.empty(len(array), np.complex64)
 
     def follow() -> Any:

@@ -20,8 +20,8 @@ pub(crate) enum Given<'a> {
 #[derive(Clone)]
 pub(crate) struct Setting {
     array: Array,
-    /// The medium that the session began with, the keys set since, and what they make of it.
-    before: Medium,
+    /// The medium of the session's scene, where it has one, the keys set since, and what they make of it.
+    before: Option<Medium>,
     given: Vec<(&'static str, f64)>,
     medium: Medium,
     signature: Option<Signature>,
@@ -30,11 +30,11 @@ pub(crate) struct Setting {
 }
 
 impl Setting {
-    /// An array in the default air, and a method by its name.
+    /// An array in its own medium, and a method by its name.
     pub(crate) fn new(array: Array, method: &str) -> Result<Self, Error> {
         let choice = Choice::new(find(method)?.info.name.into(), Options::new())?;
-        let (before, medium, given) = (Medium::default(), Medium::default(), Vec::new());
-        Ok(Self { array, before, given, medium, signature: None, obstacles: Vec::new(), choice })
+        let (medium, given) = (array.medium(&[])?, Vec::new());
+        Ok(Self { array, before: None, given, medium, signature: None, obstacles: Vec::new(), choice })
     }
 
     /// The array, the air and all that stands in it, and the method of a scene.
@@ -42,7 +42,7 @@ impl Setting {
         let default = || Choice::new(DEFAULT.into(), Options::new());
         Ok(Self {
             array: scene.array().clone(),
-            before: scene.medium(),
+            before: Some(scene.medium()),
             given: Vec::new(),
             medium: scene.medium(),
             signature: scene.signature().cloned(),
@@ -95,7 +95,7 @@ impl Setting {
         let mut given = self.given.clone();
         given.retain(|(other, _)| *other != key && !instead(other));
         given.push((key, value));
-        self.medium = self.before.with(&given)?;
+        self.medium = self.before.map_or_else(|| self.array.medium(&given), |scene| scene.with(&given))?;
         self.given = given;
         Ok(())
     }

@@ -159,6 +159,7 @@ fn main() {
     let (hand, count) = if full { (&[1, 4, 8, 16, 64][..], 1024) } else { (&[3][..], 20) };
     let (some, one_group) = if full { (&[4, 16, 64][..], &[4, 16][..]) } else { (&[3][..], &[3][..]) };
     let board = Array::preset("autd3", tiles).expect("boards");
+    let board = board.with_transducer(Transducer::default()).expect("point sources");
     let free = board.clone().with_quantization(None);
     let coarse = Quantization::new(Some(32), Some(vec![0.0, 1.0])).expect("a grid");
     let coarse = free.clone().with_quantization(Some(coarse));

@@ -6,11 +6,14 @@
 
 use std::time::Instant;
 
-use midair::{Array, Control, InstructionSet, Medium, Model, Options, Request, Rng, Session, SolveRequest, solvers};
+use midair::{
+    Array, Control, InstructionSet, Medium, Model, Options, Request, Rng, Session, SolveRequest, Transducer, solvers,
+};
 
 /// Nanoseconds of each of `calls` solves.
 fn measured(tiles: [usize; 2], points: usize, name: &str, calls: usize) -> Vec<u64> {
     let array = Array::preset("autd3", tiles).expect("boards").with_quantization(None);
+    let array = array.with_transducer(Transducer::default()).expect("point sources");
     let model = Model::new(&array, Medium::default(), InstructionSet::best()).expect("an array");
     let configured = solvers::find(name).and_then(|entry| entry.configure(&Options::new())).expect("a method");
     let mut session = Session::new(model, configured.solver, configured.info.balance);

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use midair::solvers;
 use midair::{
     Array, Complex32, Complex64, Control, InstructionSet, Medium, Metrics, Model, Options, Plane, Problem, Propagation,
-    Request, Rng, Scene, Session, Setup, SolveRequest, Value, Workspace,
+    Request, Rng, Scene, Session, Setup, SolveRequest, Transducer, Value, Workspace,
 };
 
 /// Algorithm 2, by the book.
@@ -238,6 +238,7 @@ fn main() {
             against_the_textbook(&grid(20), points, 15);
         }
         let boards = Array::preset("autd3", [2, 2]).expect("boards").with_quantization(None);
+        let boards = boards.with_transducer(Transducer::default()).expect("point sources");
         against_the_textbook(&boards, 64, 9);
         against_the_textbook(&grid(36), 38, 9);
         for (array, points) in [&grid(20), &boards].into_iter().flat_map(|a| [32, 64, 128, 256].map(|m| (a, m))) {

@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
 use midair::{
-    Array, Board, Complex32, Control, Error, InstructionSet, Medium, Model, Problem, Request, Solution, Solve,
+    Array, Board, Complex32, Control, Error, InstructionSet, Model, Problem, Request, Solution, Solve,
     Workspace, solve,
 };
 
@@ -62,7 +62,7 @@ impl<S: Solve> Player<S> {
         let board = Board::new(board, array.len())?;
         Ok(Self {
             solver,
-            model: Model::new(array, Medium::default(), InstructionSet::SCALAR)?,
+            model: Model::new(array, array.medium(&[])?, InstructionSet::SCALAR)?,
             points: vec![[0.0; 3]; points],
             request: Request::default(),
             problem: None,

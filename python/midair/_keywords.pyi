@@ -16,7 +16,7 @@ class Air(TypedDict, total=False):
     absorption: float | None
     """Absorption alpha of the amplitude in Np/m; left out that of the air, or 0."""
     density: float | None
-    """Density rho in kg/m^3; left out that of the air, or 1.18."""
+    """Density rho in kg/m^3; left out that of the air, or 1.223."""
     temperature: float | None
     """Of the air in degrees C, in place of sound_speed: c = 331.3 sqrt(1 + T/273.15) m/s, and absorption and density."""
     humidity: float | None

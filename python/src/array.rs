@@ -6,7 +6,7 @@ use std::sync::Arc;
 use midair::{Directivity, Medium, Origin, PartKind, PartValue, Transducer};
 use numpy::PyArray2;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{IntoPyDict, PyDict};
 
 use crate::error::{invalid, refused, warn_all};
 use crate::give::rows;
@@ -146,6 +146,28 @@ impl Array {
         rows(py, self.inner.normals())
     }
 
+    /// The numbers of the air by name that a scene on it has unless it states others: of presets of hardware 25 degrees C,
+    /// 50 % humidity and 101.325 kPa, else the paper's 340 m/s, without absorption.
+    ///
+    /// >>> import midair
+    /// >>> round(midair.Array.preset("autd3").medium["sound_speed"], 1)
+    /// 346.1
+    #[getter]
+    fn medium<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        self.inner.medium(&[]).map_err(refused)?.numbers().collect::<Vec<_>>().into_py_dict(py)
+    }
+
+    /// Whether its scenes have a room's air unless they state another.
+    #[getter]
+    fn _hardware(&self) -> bool {
+        self.inner.is_hardware()
+    }
+
+    /// The same array as hardware, or not.
+    fn _with_hardware(&self, hardware: bool) -> Self {
+        self.inner.clone().with_hardware(hardware).into()
+    }
+
     /// Whether a point (x, y, z) in m lies behind every transducer.
     fn _is_behind(&self, point: [f64; 3]) -> bool {
         self.inner.is_behind(point)
@@ -166,6 +188,9 @@ impl Array {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
         let (class, array) = (py.get_type::<Self>(), &self.inner);
+        if array.is_hardware() && *array.origin() == Origin::Positions {
+            return Ok((class.getattr("_with_hardware")?, (self._with_hardware(false), true).into_pyobject(py)?));
+        }
         let call = match array.origin() {
             Origin::Positions => (class, self.positions(py)?, self.normals(py)?).into_pyobject(py)?,
             Origin::Grid { nx, ny, pitch } => (class.getattr("grid")?, nx, ny, pitch).into_pyobject(py)?,

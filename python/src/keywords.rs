@@ -44,15 +44,15 @@ impl<'py> Keywords<'py> {
         Some(midair::Error::unknown(what, left.to_string(), names))
     }
 
-    /// A medium as the keywords change it.
-    pub(crate) fn medium(&self, own: Medium) -> PyResult<Medium> {
+    /// A scene's medium, or that of an array, as the keywords change it.
+    pub(crate) fn medium(&self, own: Option<Medium>, array: &Array) -> PyResult<Medium> {
         let mut given = Vec::new();
         for key in Medium::KEYS {
             if let Some(value) = self.take(key.name)? {
                 given.push((key.name, read::real(key.name, &value)?));
             }
         }
-        own.with(&given).map_err(refused)
+        own.map_or_else(|| array.inner.medium(&given), |own| own.with(&given)).map_err(refused)
     }
 
     /// An array with the parts that the keywords give in place of its own.

@@ -44,7 +44,7 @@ fn replaced(py: Python<'_>, scene: &Scene, changes: &Bound<'_, PyDict>) -> PyRes
         },
     };
     let array = keywords.array(array)?;
-    let medium = keywords.medium(own.medium())?;
+    let medium = keywords.medium(Some(own.medium()), &array)?;
     let points = keywords.take("points")?;
     let points = points.map_or_else(|| Ok(own.points().to_vec()), |points| read::vectors("points", &points))?;
     let kept = |item: &str, own: &Option<Vec<f64>>| match own {

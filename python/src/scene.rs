@@ -132,7 +132,7 @@ impl Scene {
         keys: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let keywords = Keywords::of(py, keys)?;
-        let medium = keywords.medium(Medium::default())?;
+        let medium = keywords.medium(None, array.get())?;
         let array = keywords.array(array.get().clone())?;
         if let Some(unknown) = keywords.unknown("argument of midair.Scene", &ARGUMENTS) {
             return Err(PyTypeError::new_err(unknown.to_string()));
@@ -282,7 +282,7 @@ impl Scene {
         signature: Argument<'_, '_>,
         obstacles: &Bound<'_, PyAny>,
     ) -> PyResult<Self> {
-        let medium = Keywords::of(medium.py(), Some(medium))?.medium(Medium::default())?;
+        let medium = Keywords::of(medium.py(), Some(medium))?.medium(None, array.get())?;
         let points = read::vectors("points", points)?;
         let phases = phases.map(|phases| read::reals("phases", phases)).transpose()?;
         let request = Request { phases, ..read::request(points.len(), pressures, weights)? };

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use midair::solvers::{Configured, Info, configure};
-use midair::{Choice, Control, Medium, Model, Problem, Request, Session, Setup};
+use midair::{Choice, Control, Model, Problem, Request, Session, Setup};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyDictMethods};
@@ -147,8 +147,8 @@ impl Setting {
         }
         let scene = object.cast::<Scene>().ok().map(Bound::get);
         let (array, medium) = match (scene, object.cast::<Array>()) {
-            (Some(scene), _) => (scene.array(), scene.inner.medium()),
-            (None, Ok(array)) => (array.get().clone(), Medium::default()),
+            (Some(scene), _) => (scene.array(), Some(scene.inner.medium())),
+            (None, Ok(array)) => (array.get().clone(), None),
             (None, Err(_)) => {
                 let kind = object.get_type().qualname()?;
                 return Err(PyTypeError::new_err(format!(
@@ -161,7 +161,7 @@ impl Setting {
             Some(none) if none.is_none() => None,
             Some(signature) => Some(read_signature(&signature, array.inner.len())?),
         };
-        let medium = keywords.medium(medium)?;
+        let medium = keywords.medium(medium, &array)?;
         let ready = keywords.array(array)?.ready(medium)?;
         let Ready { model, doubts, .. } = &*ready;
         let told = scene.map_or(&[][..], |scene| &scene.ready.doubts);

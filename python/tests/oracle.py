@@ -4,6 +4,7 @@ SI units, time factor e^{-jwt}: an outgoing wave runs as e^{+jkr}. G has a row p
 per transducer, so that a field is G @ drive.
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,22 @@ def pattern(directivity: Directivity, k: float, theta: Real) -> Real:
     else:
         raise ValueError(f"unknown directivity {name!r}")
     return np.where(theta <= np.pi / 2, d, 0.0)
+
+
+def air(f: float, celsius: float, percent: float, pascals: float) -> tuple[float, float, float]:
+    """Sound speed in m/s, absorption in dB/m, density in kg/m^3: ISO 9613-1, ideal gases."""
+    kelvin, ratio, standard = celsius + 273.15, (celsius + 273.15) / 293.15, pascals / 101325
+    saturated = 10 ** (4.6151 - 6.8346 * (273.16 / kelvin) ** 1.261)
+    h = percent * saturated / standard
+    oxygen = standard * (24 + 4.04e4 * h * (0.02 + h) / (0.391 + h))
+    nitrogen = standard * ratio**-0.5 * (9 + 280 * h * math.exp(-4.170 * (ratio ** (-1 / 3) - 1)))
+    classical = 1.84e-11 / standard * ratio**0.5
+    relaxing = 0.01275 * math.exp(-2239.1 / kelvin) / (oxygen + f**2 / oxygen)
+    relaxing += 0.1068 * math.exp(-3352.0 / kelvin) / (nitrogen + f**2 / nitrogen)
+    loss = 8.686 * f**2 * (classical + ratio**-2.5 * relaxing)
+    moist, gas = percent / 100 * saturated * 101325, 8.314462
+    density = ((pascals - moist) * 0.0289647 + moist * 0.0180153) / (gas * kelvin)
+    return 331.3 * math.sqrt(kelvin / 273.15), loss, density
 
 
 def propagation(

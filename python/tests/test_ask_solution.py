@@ -60,7 +60,8 @@ def test_forces_and_streaming() -> None:
         assert long == midair.gorkov(solution, points, radius=5e-4) == solution.gorkov(points, radius=5e-4)
     force = midair.streaming(solution.scene, solution, POINTS).force
     np.testing.assert_array_equal(force, midair.streaming(solution, POINTS).force)
-    np.testing.assert_array_equal(force, solution.streaming(POINTS, absorption=0.15).force)
+    own = solution.scene.absorption
+    np.testing.assert_array_equal(force, solution.streaming(POINTS, absorption=own).force)
 
 
 def test_exposure(solution: midair.Solution) -> None:

@@ -230,7 +230,7 @@ def test_radiation_is_compared_as_radiation() -> None:
     ]
     # 400 Pa: p^2/(rho c^2) is 1.17 Pa.
     shown = wanted.get_array().compressed()
-    assert shown == pytest.approx(np.full(len(shown), 400**2 / (1.18 * 340**2)))
+    assert shown == pytest.approx(np.full(len(shown), 400**2 / (1.223 * 340**2)))
 
 
 def test_few_points_other_quantities_and_points_off_the_plane_are_drawn_as_before() -> None:

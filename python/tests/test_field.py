@@ -31,7 +31,7 @@ def test_field_is_indexed_y_x_and_its_plane_includes_both_ends() -> None:
         assert abs(field.pressure[iy, ix] - expected) < 1e-4 * np.abs(field.pressure).max()
     assert field.points is None
     assert field.radiation == pytest.approx(
-        np.abs(field.pressure.astype(complex)) ** 2 / (1.18 * 340**2), rel=1e-12
+        np.abs(field.pressure.astype(complex)) ** 2 / (1.223 * 340**2), rel=1e-12
     )
 
 

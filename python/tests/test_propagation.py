@@ -135,7 +135,7 @@ def test_the_matrix_of_a_scene_gets_the_answer_of_the_scene(solver: str) -> None
         assert numbers(found.metrics) == pytest.approx(numbers(known.metrics), abs=1e-3)
         # The radiation is that of default air.
         p_abs = np.abs(found.pressures.astype(complex))
-        assert found.radiation == pytest.approx(p_abs**2 / (1.18 * 340**2), rel=1e-12)
+        assert found.radiation == pytest.approx(p_abs**2 / (1.223 * 340**2), rel=1e-12)
         bound = GAIN * np.abs(G).sum(axis=1)
         assert (np.abs(found.pressures - exact(scene) @ found.drive) <= bound).all()
 

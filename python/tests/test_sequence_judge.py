@@ -62,7 +62,7 @@ def test_pressures_and_changes_are_those_of_plain_loops(closed: bool) -> None:
     changes = [max(turned(q, p) for q, p in zip(drives[new], drives[old], strict=True)) for new, old in pairs]
     assert sequence.changes == pytest.approx(changes, abs=1e-6)
     assert sequence.times == pytest.approx(np.arange(FRAMES) / RATE)
-    assert sequence.radiation == pytest.approx(sequence.pressures**2 / (1.18 * 343.0**2))
+    assert sequence.radiation == pytest.approx(sequence.pressures**2 / (1.223 * 343.0**2))
     assert (sequence.metrics.seam is None) != closed
 
 
@@ -225,7 +225,7 @@ def modulated(
 
 
 def test_amplitude_modulation_has_three_eighths_or_half_of_the_force() -> None:
-    full = np.abs(gains(SPOT)).sum() ** 2 / (1.18 * 340**2)
+    full = np.abs(gains(SPOT)).sum() ** 2 / (1.223 * 340**2)
     plain, root = (
         modulated(shape).felt(SPOT, bands=[(5, 50), (50, 250), (50, 500)])
         for shape in (lambda c: (1 + c) / 2, lambda c: np.sqrt((1 + c) / 2))
@@ -241,7 +241,7 @@ def test_amplitude_modulation_has_three_eighths_or_half_of_the_force() -> None:
 
 def test_a_patch_feels_the_mean_of_its_places_and_its_area() -> None:
     patch, sequence = circles()[0], made()
-    expected = [np.mean(abs(gains(patch) @ q) ** 2) / (1.18 * 340**2) for q in wild()]
+    expected = [np.mean(abs(gains(patch) @ q) ** 2) / (1.223 * 340**2) for q in wild()]
     pressure, force = (sequence.felt(patch, area=area, bands=[(500, 5000)]) for area in (None, 2e-4))
     assert pressure.values == pytest.approx(np.array(expected), rel=1e-3)
     assert force.values == pytest.approx(1e3 * 2e-4 * np.array(expected), rel=1e-3)

@@ -221,10 +221,11 @@ def test_an_axis_of_presets_brings_their_own_pressure_even_to_an_object() -> Non
     array = midair.Array.preset("paper20")
     scene = midair.Scene(array, PLACES)
     names = ["paper20", "autd3"]
-    expected = [
-        midair.solve(midair.Scene(midair.Array.preset(name), PLACES), "uniform").pressures for name in names
-    ]
     for own in ({"array": array, "points": {"positions": PLACES}}, {"scenes": [scene]}):
+        # The medium of a scene is a part of it; without one it is that of each array.
+        air = scene.medium if "scenes" in own else {}
+        each = [midair.Scene(midair.Array.preset(name), PLACES, **air) for name in names]
+        expected = [midair.solve(one, "uniform").pressures for one in each]
         request = {**own, "axes": {"array.preset": names}, "solver": {"name": "uniform"}}
         midair.sweep(request, drives="drives.zarr")
         assert np.array_equal(zarr.open("drives.zarr", mode="r")["pressures"][:], expected)

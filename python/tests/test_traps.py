@@ -79,10 +79,10 @@ def test_a_plane_standing_wave_has_the_textbook_force() -> None:
     z = traps.WAVELENGTH / 16
     scene = midair.Scene(array, [[0, 0, z]])
     found = midair.gorkov(scene, [1, 1], radius=5e-4)
-    density, kappa = 29 / 1.18, 1.18 * 340**2 / (29 * 900**2)
+    density, kappa = 29 / 1.223, 1.223 * 340**2 / (29 * 900**2)
     contrast = (5 * density - 2) / (2 * density + 1) / 3 - kappa / 3
     # p = 2 P cos(k z) up to a phase: the energy density is (2 P)^2/(4 rho c^2).
-    energy = (2e3) ** 2 / (4 * 1.18 * 340**2)
+    energy = (2e3) ** 2 / (4 * 1.223 * 340**2)
     force = 4 * np.pi * contrast * (5e-4) ** 3 * k * energy * np.sin(2 * k * z)
     # Towards a node of the pressure, up from z = 0.
     assert found.force[0, 2] == pytest.approx(force, rel=1e-5)

@@ -13,7 +13,7 @@ from scipy.optimize import minimize
 import midair
 from oracle import Complex, Real
 
-FREQUENCY, SOUND_SPEED, DENSITY = 40e3, 340.0, 1.18
+FREQUENCY, SOUND_SPEED, DENSITY = 40e3, 340.0, 1.223
 WAVELENGTH = SOUND_SPEED / FREQUENCY
 # A first derivative by eight samples: its error is of order (k h)^8, with k h = 0.06 below rounding.
 STEP = WAVELENGTH / 100

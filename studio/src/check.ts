@@ -46,8 +46,8 @@ const RULES: Record<keyof State, Rule> = {
   array: [isArray, 'give { preset: "autd3", tiles: [2, 2] }, or name, positions and normals of your own'],
   quantization: oneOf("board", "none"),
   temperature: [(value) => isNumber(value) && value > -273 && value < 1000, "give degrees C"],
-  absorption: [(value) => isNumber(value) && value >= 0, "give Np/m"],
-  density: [(value) => isNumber(value) && value > 0, "give kg/m^3"],
+  absorption: [(value) => value === null || (isNumber(value) && value >= 0), "give Np/m, or null"],
+  density: [(value) => value === null || (isNumber(value) && value > 0), "give kg/m^3, or null"],
   points: [
     (value) => isPlaces(value) && (value as unknown[]).length <= MOST_POINTS,
     `give 1 to ${MOST_POINTS} places [x, y, z] in m`,

@@ -195,8 +195,8 @@ function writePath(path: NonNullable<State["path"]>): string {
 export function writeLink(state: State): string {
   const { array, pressures, plane } = state;
   const point = (at: Vec3, k: number) => [...at.map(mm), ...(pressures ? [pressures[k]] : [])].join();
-  const usual = state.absorption === initial.absorption && state.density === initial.density;
-  const air = usual ? [] : [state.absorption, state.density];
+  const { absorption, density } = state;
+  const air = absorption === null || density === null ? [] : [absorption, density];
   const middle = plane.center.some((x) => mm(x) !== "0") ? plane.center.map(mm) : [];
   const pairs: [string, string | null][] = [
     ["v", "1"],

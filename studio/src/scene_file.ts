@@ -49,9 +49,13 @@ function writeObstacle(each: Obstacle): Obstacle {
 
 /** The JSON scene of a state, solved by the method of a slot: lengths in m, to 1e-9. */
 export function sceneOf(state: State, slot: Slot): SceneFile {
-  const { pressures, plane, obstacles, signature } = state;
+  const { pressures, plane, obstacles, signature, temperature, absorption, density } = state;
   return {
-    medium: { temperature: state.temperature, absorption: state.absorption, density: state.density },
+    medium: {
+      temperature,
+      ...(absorption === null ? {} : { absorption }),
+      ...(density === null ? {} : { density }),
+    },
     array: { ...writeArray(state.array), ...(state.quantization === "none" ? { quantization: {} } : {}) },
     points: state.points.map((at, k) => ({
       position: place(at),
@@ -151,7 +155,7 @@ export function stateOf(scene: SceneFile, state: State): State {
   const { medium = {}, array, points, obstacles = [], signature = "", solver } = scene;
   const methods: [string, string] = [...state.methods];
   if (solver) methods[state.slot] = solver.name;
-  const { sound_speed = 340, temperature = temperatureOf(sound_speed), absorption = 0, density = 1.18 } = medium;
+  const { sound_speed = 340, temperature = temperatureOf(sound_speed), absorption = null, density = null } = medium;
   const loud = points.length > 0 && points[0].pressure !== undefined;
   return structuredClone({
     ...state,

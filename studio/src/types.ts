@@ -33,10 +33,10 @@ export interface State {
   quantization: "board" | "none";
   /** Of the air, in degrees C. */
   temperature: number;
-  /** Absorption of the air in Np/m. */
-  absorption: number;
-  /** Density of the air in kg/m^3. */
-  density: number;
+  /** Absorption of the air in Np/m; null: that of air of this temperature. */
+  absorption: number | null;
+  /** Density of the air in kg/m^3; null likewise. */
+  density: number | null;
   points: Vec3[];
   /** Peak |p| of each point in Pa, 0 for a quiet one; null: as loud as all can be at once. */
   pressures: number[] | null;

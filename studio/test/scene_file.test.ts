@@ -26,7 +26,7 @@ test("the keys of a scene", () => {
   const points: Vec3[] = [[0, 0, 0.1]];
   const state: State = { ...initial, array, quantization: "none", points, pressures: [0] };
   expect(sceneOf(state, 1)).toEqual({
-    medium: { temperature: 25, absorption: 0, density: 1.18 },
+    medium: { temperature: 25 },
     array: { positions: [[0, 0, 0.3]], normals, quantization: {} },
     points: [{ position: [0, 0, 0.1], pressure: 0 }],
     solver: { name: "naive" },

@@ -42,8 +42,8 @@ pub(super) fn at(
     source: Source<'_>,
     draw: &mut Draw<'_>,
 ) -> Result<Scene, Fault> {
-    let medium = root.read("medium", |item| medium(&item.table()?))?.unwrap_or_default();
     let array = array(&root.need("array")?.table()?, source)?;
+    let medium = root.read("medium", |item| Ok(array.medium(&item.table()?.reals(Medium::KEYS)?)?))?;
     let signature = root.read("signature", signature)?;
     let obstacles = root.get("obstacles").map_or_else(|| Ok(Vec::new()), |all| obstacles(&all, draw))?;
     let scene = Scene::new(array, medium, places, request)?.with_signature(signature)?;
@@ -161,10 +161,6 @@ fn face(item: &Item<'_>) -> Result<[u32; 3], Fault> {
 
 fn signature(item: &Item<'_>) -> Result<Signature, Fault> {
     Signature::named(item.text()?).map_err(|error| Fault::at("signature", error))
-}
-
-fn medium(table: &Table<'_>) -> Result<Medium, Fault> {
-    Ok(Medium::default().with(&table.reals(Medium::KEYS)?)?)
 }
 
 fn array(table: &Table<'_>, source: Source<'_>) -> Result<Array, Fault> {

@@ -12,6 +12,9 @@ const ZERO: f64 = 273.15;
 /// The air pressure of the standard in Pa, which is that of air where none is given.
 const STANDARD: f64 = 101_325.0;
 
+/// The temperature in degrees C of the air around boards.
+const ROOM: f64 = 25.0;
+
 /// The relative humidity in percent of air where none is given.
 const HUMIDITY: f64 = 50.0;
 
@@ -50,6 +53,21 @@ impl Medium {
         let mut air = Self::default();
         (air.frequency, air.sound_speed, air.absorption, air.density) = (frequency, sound_speed, absorption, density);
         Ok(air)
+    }
+
+    /// Air of 25 degrees C, 50 % humidity and 101.325 kPa: that of scenes on boards which state no other.
+    ///
+    /// ```
+    /// let air = midair::Medium::room(40e3)?;
+    /// assert!((air.sound_speed - 346.13).abs() < 0.01 && (air.density - 1.177).abs() < 0.001);
+    /// assert!((air.absorption - 0.160).abs() < 0.001);
+    /// # Ok::<(), midair::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// None: the numbers are in range, and a scene checks the frequency.
+    pub fn room(frequency: f64) -> Result<Self, Error> {
+        Self::air(frequency, ROOM, HUMIDITY, STANDARD)
     }
 
     /// The air of what is given; left out, the temperature is that of the sound speed, the rest as usual.

@@ -13,6 +13,7 @@ use crate::device::quantization::Quantization;
 use crate::error::{Error, one_each, real};
 use crate::math;
 use crate::scene::geometry::{bounds, lattice};
+use crate::scene::medium::Medium;
 use crate::scene::presets;
 use crate::scene::transducer::Transducer;
 
@@ -70,6 +71,8 @@ pub struct Array {
     response: Option<Arc<[Complex64]>>,
     mask: Option<Arc<[bool]>>,
     quantization: Option<Arc<Quantization>>,
+    /// Whether scenes without a medium have a room's air: no part of the value, as the origin.
+    hardware: bool,
     origin: Origin,
 }
 
@@ -113,6 +116,7 @@ impl Array {
             response: None,
             mask: None,
             quantization: None,
+            hardware: false,
             origin: Origin::Positions,
         })
     }
@@ -150,7 +154,8 @@ impl Array {
         let positions = (preset.positions)(tiles);
         let normals = preset.normal.map(|normal| positions.iter().map(|&place| normal(place)).collect());
         let array = Self::new(positions, normals)?;
-        Ok(Self { origin, transducer: preset.transducer, ..array }.with_quantization(preset.quantization()?))
+        let array = Self { origin, transducer: preset.transducer, hardware: preset.is_hardware(), ..array };
+        Ok(array.with_quantization(preset.quantization()?))
     }
 
     /// That of a kind of board: its preset, or a grid of a kind that its owners wire as they like.
@@ -312,6 +317,41 @@ impl Array {
         }
     }
 
+    /// Whether its transducers are hardware, as those of every preset but the paper's; scenes without a medium then have
+    /// [`Medium::room`].
+    #[must_use]
+    pub fn is_hardware(&self) -> bool {
+        self.hardware
+    }
+
+    /// The same array as hardware, or not: a subset of a board, or its transducers where they were measured.
+    #[must_use]
+    pub fn with_hardware(mut self, hardware: bool) -> Self {
+        self.hardware = hardware;
+        self
+    }
+
+    /// The medium of a scene on this array that states some of [`Medium::KEYS`], or none of them: on hardware
+    /// [`Medium::room`] at the frequency given, else the paper's, [`Medium::default`]; changed by [`Medium::with`].
+    ///
+    /// ```
+    /// use midair::{Array, Medium};
+    ///
+    /// let board = Array::preset("autd3", [1, 1])?;
+    /// assert_eq!(board.medium(&[])?, Medium::room(40e3)?);
+    /// assert_eq!(board.medium(&[("absorption", 0.0)])?, Medium { absorption: 0.0, ..Medium::room(40e3)? });
+    /// assert_eq!(Array::preset("paper20", [1, 1])?.medium(&[])?, Medium::default());
+    /// # Ok::<(), midair::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Medium::with`].
+    pub fn medium(&self, given: &[(&str, f64)]) -> Result<Medium, Error> {
+        let usual = Medium::default();
+        let frequency = given.iter().find(|(name, _)| *name == "frequency").map_or(usual.frequency, |&(_, f)| f);
+        if self.hardware { Medium::room(frequency)? } else { usual }.with(given)
+    }
+
     /// How the array came about.
     #[must_use]
     pub fn origin(&self) -> &Origin {
@@ -335,7 +375,7 @@ impl Array {
     }
 }
 
-/// By value: how an array came about does not count, nor whether a mask of no effect was given.
+/// By value: how an array came about does not count, nor whether it is hardware or a mask of no effect was given.
 impl PartialEq for Array {
     fn eq(&self, other: &Self) -> bool {
         let on = |array: &Self, i: usize| array.mask.as_ref().is_none_or(|mask| mask[i]);

@@ -7,7 +7,8 @@ use crate::math;
 use crate::scene::key::numbers;
 
 numbers! {
-    /// A homogeneous medium and the frequency used in it. Left out, its numbers are those of the paper: a wavelength of 8.5 mm.
+    /// A homogeneous medium and the frequency used in it. Its default is the paper's: air of 14.5 degrees C, a wavelength of
+    /// 8.5 mm, without absorption. That of an array is [`Array::medium`](crate::Array::medium).
     pub struct Medium of "medium" {
         /// Frequency f in Hz; left out 40e3.
         frequency = 40e3, above 0.0, such as 40e3;
@@ -15,8 +16,8 @@ numbers! {
         sound_speed = 340.0, above 0.0, such as 340.0;
         /// Absorption alpha of the amplitude in Np/m; left out that of the air, or 0.
         absorption = 0.0, least 0.0, such as 0.15;
-        /// Density rho in kg/m^3; left out that of the air, or 1.18.
-        density = 1.18, above 0.0, such as 1.2;
+        /// Density rho in kg/m^3; left out that of the air, or 1.223.
+        density = 1.223, above 0.0, such as 1.2;
     }
     or by {
         /// Of the air in degrees C, in place of sound_speed: c = 331.3 sqrt(1 + T/273.15) m/s, and absorption and density.
@@ -105,7 +106,7 @@ impl Medium {
     ///
     /// ```
     /// let pascals = midair::Medium::default().radiation(5e3);
-    /// assert!((pascals - 183.3).abs() < 0.1);
+    /// assert!((pascals - 176.8).abs() < 0.1);
     /// ```
     #[must_use]
     pub fn radiation(&self, pressure: f64) -> f64 {
@@ -119,7 +120,7 @@ impl Medium {
     /// ```
     /// let air = midair::Medium::default();
     /// let shares = [2e3, 5e3, 10e3].map(|pressure| (100.0 * air.second_harmonic(pressure)).round());
-    /// assert_eq!(shares, [8.0, 21.0, 41.0]);
+    /// assert_eq!(shares, [8.0, 20.0, 40.0]);
     /// ```
     #[must_use]
     pub fn second_harmonic(&self, pressure: f64) -> f64 {

@@ -82,12 +82,18 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// A scene of M `points` (M, 3) in m.
+    /// A scene of M `points` (M, 3) in m; without a medium, in that of the array ([`Array::medium`]).
     ///
     /// # Errors
     /// No point, a value that is not finite or out of range, lists of unequal lengths, nothing asked for, a
     /// transducer or point too far away for f32 phases. A point *on* a transducer is found when solving.
-    pub fn new(array: Array, medium: Medium, points: Vec<[f64; 3]>, request: Request) -> Result<Self, Error> {
+    pub fn new(
+        array: Array,
+        medium: impl Into<Option<Medium>>,
+        points: Vec<[f64; 3]>,
+        request: Request,
+    ) -> Result<Self, Error> {
+        let medium = medium.into().map_or_else(|| array.medium(&[]), Ok)?;
         check_array(&array, medium)?;
         request.check(points.len())?;
         check_places(array.centre(), medium, "points", ".position", &points)?;

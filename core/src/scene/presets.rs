@@ -40,6 +40,11 @@ impl Preset {
     pub(crate) fn quantization(&self) -> Result<Option<Quantization>, Error> {
         self.board.map(|kind| board::format(kind)?.steps.quantization()).transpose()
     }
+
+    /// Whether it is hardware in real air: every preset but the paper's arrays of point sources.
+    pub(crate) fn is_hardware(&self) -> bool {
+        self.transducer != PAPER
+    }
 }
 
 /// P0 = 1e-3 Pa m is eq. (5) with lengths in millimetres.
@@ -82,10 +87,10 @@ pub const PRESETS: [Preset; 13] = [
     Preset {
         name: "autd3",
         summary: "AUTD3 boards of 249 transducers, tiles of 192.0 x 151.4 mm",
-        source: "AUTD3 software, geometry of the device (18 x 14 at 10.16 mm, three sites missing); its manual, pulse width encoder",
+        source: "AUTD3 software, geometry of the device (18 x 14 at 10.16 mm, three sites missing), P0, lobe; its manual, pulse width encoder",
         count: 249,
         tiles: true,
-        transducer: Transducer { source_pressure: 4.386, directivity: Directivity::POINT },
+        transducer: Transducer { source_pressure: 4.386, directivity: Directivity::T4010A1 },
         board: Some("autd3"),
         positions: autd3,
         normal: None,

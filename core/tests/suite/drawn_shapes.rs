@@ -32,9 +32,9 @@ fn disc(radius: f64, pitch: f64) -> Vec<[f64; 3]> {
     grid(2 * (radius / pitch) as usize + 1, pitch).into_iter().filter(inside).collect()
 }
 
-/// Four AUTD3 boards of any drive.
+/// Point sources at the places of four AUTD3 boards.
 fn array() -> Array {
-    Array::preset("autd3", [2, 2]).expect("a preset").with_quantization(None)
+    Array::new(Array::preset("autd3", [2, 2]).expect("a preset").positions().to_vec(), None).expect("positions")
 }
 
 /// Points, all asked for `factor` times the balanced level.

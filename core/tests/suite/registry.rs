@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use midair::solvers::{DEFAULT, SOLVERS, find};
 use midair::{
-    Aim, Array, Choice, Complex32, Control, Directivity, InstructionSet, Options, Origin, Problem, Value, Workspace,
+    Aim, Array, Choice, Complex32, Control, Directivity, InstructionSet, Options, Origin, Problem, Transducer, Value,
+    Workspace,
 };
 
 use crate::scenes::{preset, problem, random_points, scene, widen};
@@ -171,7 +172,8 @@ fn phases_and_amplitudes_lie_on_the_grid_asked_for() {
 
 #[test]
 fn a_seed_is_another_answer_and_an_index_of_nothing_else() {
-    let problem = problem(&scene(preset("autd3"), random_points(6, 0.08, 2), None));
+    let array = preset("autd3").with_transducer(Transducer::default()).expect("point sources");
+    let problem = problem(&scene(array, random_points(6, 0.08, 2), None));
     for entry in SOLVERS {
         let options = entry.options();
         let has = |name: &str| options.iter().any(|option| option.name == name);

@@ -200,7 +200,7 @@ def _from_files(
 
 
 def _on_board(array: Array, codec: Codec) -> Array:
-    return Array(
+    made = Array(
         array.positions,
         array.normals,
         source_pressure=array.source_pressure,
@@ -209,3 +209,4 @@ def _on_board(array: Array, codec: Codec) -> Array:
         mask=array.mask,
         quantization=dict(codec.quantization),
     )
+    return made._with_hardware(array._hardware)

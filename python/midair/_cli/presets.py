@@ -167,6 +167,7 @@ def _print_list() -> None:
 
 def _print_one(name: str) -> None:
     record = _record(name)
+    air = record["medium"]
     board = record["quantization"] or {}
     phases, amplitudes = board.get("phases") or "any", board.get("amplitudes")
     width, height = (f"{side * 1e3:.1f}" for side in record["extent"])
@@ -177,6 +178,7 @@ def _print_one(name: str) -> None:
         "tiles": "yes, as in --tiles 2,2" if record["tiles"] else "no",
         "P0": f"{record['source_pressure']:g} Pa m",
         "directivity": str(record["directivity"]),
+        "air": f"{air['sound_speed']:.1f} m/s, {air['absorption']:.3f} Np/m, {air['density']:.3f} kg/m^3",
         "board": record["board"] or "none that plays drives",
         "phases": str(phases),
         "amplitudes": "any" if amplitudes is None else str(len(amplitudes)),
@@ -199,6 +201,7 @@ def _record(name: str) -> dict[str, Any]:
         "source_pressure": info.source_pressure,
         "board": info.board,
         "directivity": array.directivity,
+        "medium": array.medium,
         "extent": np.ptp(array.positions, axis=0)[:2],
         "quantization": array.quantization,
     }

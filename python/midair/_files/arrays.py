@@ -40,7 +40,8 @@ def read_array(path: str | PathLike[str], **parts: Any) -> Array:
     - `.json` of AUTD3, as Geometry.to_json writes, board after board: as the preset `autd3`.
     - `.csv`: x,y,z or x,y,z,nx,ny,nz, as scene files read them.
 
-    What no file says is that of `midair.Array`. Positions are those of the file, not centred; a flat board
+    What no file says is that of `midair.Array`. All but `.csv` are of boards: scenes on them that state no
+    medium have air of 25 degrees C. Positions are those of the file, not centred; a flat board
     of OpenMPD, Ultraino or HandyBeam lies in z = 0 and radiates to +z. Phase corrections are no part of an
     array: a board applies them when it plays.
 
@@ -50,9 +51,11 @@ def read_array(path: str | PathLike[str], **parts: Any) -> Array:
     given = {name: value for name, value in parts.items() if value is not None}
     own = {name: getattr(found, name, None) for name in array_parts()}
     try:
-        return Array(found.positions, found.normals, **{**own, **given})
+        made = Array(found.positions, found.normals, **{**own, **given})
     except SceneError as error:
         raise fault(path, None, str(error)) from error
+    # A format that says how its transducers radiate is of a board.
+    return made._with_hardware(found.directivity is not None)
 
 
 def _layout(path: str | PathLike[str]) -> Layout:

@@ -132,9 +132,10 @@ class Model:
         own = self._array
         same = np.isnan(number) or number == kind_of(own.directivity)[1]
         directivity = own.directivity if same else {self._kind: float(number)}
-        return Array(
+        made = Array(
             positions, normals, source_pressure=own.source_pressure, directivity=directivity, **(keep or {})
         )
+        return made._with_hardware(own._hardware)
 
     def _placed(self, state: Real) -> tuple[Real, Real]:
         """Positions and normals (N, 3) with the second board where the state has it."""

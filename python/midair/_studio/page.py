@@ -28,9 +28,8 @@ def file(name: str, folder: Path = BUILT) -> Path:
 #: More points than this the page does not take.
 MOST_POINTS = 64
 
-#: The page's frequency in Hz, and its air unless a scene says otherwise.
+#: The page's frequency in Hz.
 FREQUENCY = 40e3
-AIR = {"absorption": 0.0, "density": 1.18}
 
 
 def scene_text(what: Scene | Solution) -> str:
@@ -58,7 +57,7 @@ def shown_scene(state: dict[str, Any]) -> Scene:
     array, pressures = state["array"], state["pressures"]
     named = ("preset", "tiles") if "preset" in array else ("positions", "normals")
     document = {
-        "medium": {"temperature": state["temperature"]} | {name: state.get(name, AIR[name]) for name in AIR},
+        "medium": {name: state.get(name) for name in ("temperature", "absorption", "density")},
         "array": {name: array[name] for name in named},
         "points": [
             {"position": point} | ({} if pressures is None else {"pressure": pressures[k]})

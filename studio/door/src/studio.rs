@@ -1,7 +1,7 @@
 //! Studio: the buffers between the page and the core, and what a page may do with a scene.
 
 use midair::files::{read_array, read_drive, write_drive};
-use midair::{Array, Complex32, Control, Error, InstructionSet, Medium, Status, bound, field};
+use midair::{Array, Complex32, Control, Error, InstructionSet, Status, bound, field};
 
 use crate::opened::Opened;
 
@@ -62,7 +62,7 @@ impl Studio {
     pub(crate) fn read_array(&mut self) -> Result<(), Error> {
         let (name, text) = self.named();
         let array = read_array(text, &name)?;
-        if let Some(doubt) = array.doubts(Medium::default()).first() {
+        if let Some(doubt) = array.doubts(array.medium(&[])?).first() {
             return Err(Error::File { place: name, reason: doubt.to_string() });
         }
         self.numbers = placed(&array);
