@@ -79,7 +79,8 @@ def table(rows: Sequence[Row], bench: str = "bench", only: Sequence[tuple[str, s
     versions = dict.fromkeys(f"{row['rival']} {row['version']}" for row in rows if row["rival"] in told)
     details = (
         f"{first['date']}, {first['cpu']}, one thread, 2 x 2 AUTD3 boards of point sources, G included;"
-        f" medians of CPU time over {first['rounds']} rounds; midair is `midair.solve` from NumPy arrays.{_beside_gspat(found)}"
+        f" medians of CPU time over {first['rounds']} rounds; midair is `midair.solve` from NumPy arrays."
+        f"{_beside_gspat(found)}"
         " Answers: on the grid where there is one, by one forward model, means over"
         f" {first['scenes']} scenes. {'; '.join(versions)}."
         f" [What the numbers include and whom they favour]({bench}/README.md)."
