@@ -244,7 +244,7 @@ midair_result midair_board_link(const midair_board *board,
 // Frees a board. NULL is nothing to free.
 void midair_board_free(midair_board *board);
 
-// Makes a session of an array and a method, such as "uniform" or "fast", in air of 340 m/s at 40 kHz. The session keeps
+// Makes a session of an array and a method, such as "uniform" or "fast", in the array's own medium. The session keeps
 // what it needs of the array, which may be freed.
 midair_result midair_session_new(const midair_array *array,
                                  const char *method,

@@ -120,7 +120,7 @@ fn keep(list: &mut Option<Vec<f64>>, given: Option<&[f64]>) {
     kept.extend_from_slice(given);
 }
 
-/// Makes a session of an array and a method, such as "uniform" or "fast", in air of 340 m/s at 40 kHz. The session keeps
+/// Makes a session of an array and a method, such as "uniform" or "fast", in the array's own medium. The session keeps
 /// what it needs of the array, which may be freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn midair_session_new(
