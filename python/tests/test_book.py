@@ -40,6 +40,7 @@ def test_every_command_is_described(reference: ModuleType) -> None:
     assert page.startswith("# Command line\n")
 
 
+@pytest.mark.slow
 def test_every_option_is_described(reference: ModuleType) -> None:
     sections = dict(re.findall(r"^## midair (\S+)\n(.*?)(?=^## |\Z)", reference.command_line(), re.M | re.S))
     for name, section in sections.items():

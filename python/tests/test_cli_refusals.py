@@ -174,6 +174,7 @@ def test_bad_json_file_is_refused_in_one_line(refuse: Refuse, kept: Kept, bad: s
     kept(refuse("solve", "bad.json", "-o", "out.npz"))
 
 
+@pytest.mark.slow
 def test_oversized_file_is_refused_unread(refuse: Refuse) -> None:
     with Path("huge.toml").open("wb") as huge:
         huge.truncate(65 << 20)

@@ -68,6 +68,7 @@ def test_pressures_weights_and_balance_hold_for_every_solver() -> None:
     assert table.gaps[0] == pytest.approx(1 - weakest / most)
 
 
+@pytest.mark.slow
 def test_beyond_the_points_that_a_bound_takes_there_is_no_gap() -> None:
     points = np.random.default_rng(1).uniform([-0.04, -0.04, 0.15], [0.04, 0.04, 0.15], (65, 3))
     table = midair.compare(small(points=points), "naive")

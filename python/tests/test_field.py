@@ -125,6 +125,7 @@ def test_a_plane_asked_for_without_a_point_in_it_is_warned_of(tmp_path: Path) ->
         midair.field(scene, np.ones(64), plane)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 def test_a_solutions_scale_counts_in_field_and_judge() -> None:
     board = {"phases": 32, "amplitudes": [0, 1]}

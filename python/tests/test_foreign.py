@@ -222,6 +222,7 @@ def test_what_is_above_one_in_a_large_file_is_refused_even_if_its_time_says_noth
         found.drives  # noqa: B018
 
 
+@pytest.mark.slow
 def test_flipped_bits_of_a_sequence_are_damage_and_no_error_of_the_system(tmp_path: Path) -> None:
     path = tmp_path / "q.npz"
     points = np.broadcast_to([0, 0, 0.1], (4, 1, 3))

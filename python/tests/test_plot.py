@@ -98,6 +98,7 @@ def test_an_upright_picture_names_its_axes() -> None:
 
 
 # 400 Pa m are hardly meant.
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 @pytest.mark.parametrize(
     ("source_pressure", "quantity", "label", "factor"),

@@ -52,6 +52,7 @@ def test_bound_is_the_value_of_the_relaxation(seed: int) -> None:
     assert best * (1 - 1e-5) < found < best * 1.005
 
 
+@pytest.mark.slow
 def test_bound_of_a_scene_is_the_value_of_the_relaxation() -> None:
     scene = midair.Scene(midair.Array.grid(5, 4, 10e-3), POINTS[:3], [300, 200, 250])
     best = relaxation(exact(scene), scene.pressures)

@@ -181,6 +181,7 @@ def test_arrays_may_be_objects() -> None:
     assert mixed["transducers"].tolist() == [64, 249]
 
 
+@pytest.mark.slow
 def test_scenes_may_be_objects_beside_files() -> None:
     scenes = [
         midair.Scene(array, PLACES, [300.0, 200.0], weights=[1.0, 0.5], temperature=20.0)

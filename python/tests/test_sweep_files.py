@@ -161,6 +161,7 @@ def test_drives_of_somebody_else_are_not_replaced(
     assert tree(Path()) == before
 
 
+@pytest.mark.slow
 def test_drives_of_a_former_sweep_are_replaced_where_links_lead() -> None:
     midair.sweep(ASKED, drives="real.zarr")
     Path("link.zarr").symlink_to("real.zarr", target_is_directory=True)

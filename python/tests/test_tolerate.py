@@ -123,6 +123,7 @@ def test_progress_may_stop_and_what_is_done_stays() -> None:
     assert "stopped" in repr(part)
 
 
+@pytest.mark.slow
 def test_the_table_is_of_its_trials() -> None:
     table = midair.tolerate(SCENE, "naive", dead=0.1, gain=0.1, trials=40)
     columns = table.to_dict()
@@ -226,6 +227,7 @@ position = [0.015, 0.01, 0.1]
 """
 
 
+@pytest.mark.slow
 def test_the_command_prints_what_python_gives(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
