@@ -2,7 +2,7 @@
 # and every file counted that a contributor edits. `make` writes the others: docs/map.md, schemas, stubs, golden bytes.
 
 # A key of the medium: the coefficient of nonlinearity, which the second harmonic is proportional to.
-after 'density = 1.18, above 0.0, such as 1.2;' core/src/scene/medium.rs <<'RUST'
+after 'pub struct Medium of "medium" {' core/src/scene/medium.rs <<'RUST'
         /// Coefficient of nonlinearity beta, of the second harmonic; left out 1.2, that of air.
         nonlinearity = 1.2, above 0.0, such as 1.2;
 RUST
