@@ -44,6 +44,8 @@ typedef enum {
     MIDAIR_STATUS_OUT_OF_STEPS = 1,
     // It was stopped; the answer is the best so far.
     MIDAIR_STATUS_STOPPED = 2,
+    // The method ran to its end, and the targets are missed by more than 1 %.
+    MIDAIR_STATUS_MISSED = 3,
 } midair_status;
 
 // What carries bytes to boards.

@@ -10,6 +10,8 @@ pub enum Status {
     OutOfSteps = 1,
     /// It was stopped; the answer is the best so far.
     Stopped = 2,
+    /// The method ran to its end, and the targets are missed by more than 1 %.
+    Missed = 3,
 }
 
 /// How good a drive is, over the points with a pressure and a weight above 0, x_j = |p_j| / target_j.
@@ -56,6 +58,7 @@ impl From<midair::Status> for Status {
         match status {
             midair::Status::Done => Self::Done,
             midair::Status::OutOfSteps => Self::OutOfSteps,
+            midair::Status::Missed => Self::Missed,
             _ => Self::Stopped,
         }
     }

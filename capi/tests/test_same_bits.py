@@ -13,7 +13,7 @@ from midair._midair import Codec
 POINTS = np.array([[-0.02, 0.01, 0.15], [0.02, 0.0, 0.16], [0.0, -0.03, 0.15]])
 PRESSURES = np.array([900.0, 700.0, 1100.0])
 WEIGHTS = np.array([1.0, 2.0, 0.5])
-STATUSES = ["done", "out_of_steps", "stopped"]
+STATUSES = ["done", "out_of_steps", "stopped", "missed"]
 #: midair_link in C's layout.
 LINK = np.dtype(
     [

@@ -140,7 +140,7 @@ static napi_value set_option(napi_env env, napi_callback_info info)
 /* What is told of one drive, a row of those in a buffer, as an object. */
 static napi_value answer_of(napi_env env, napi_value buffer, size_t transducers, const midair_answer *told, size_t row)
 {
-    static const char *const endings[] = {"done", "out_of_steps", "stopped"};
+    static const char *const endings[] = {"done", "out_of_steps", "stopped", "missed"};
     napi_value answer, drive;
     napi_create_typedarray(env, napi_float32_array, 2 * transducers, buffer, row * transducers * sizeof(midair_complex),
                            &drive);

@@ -116,7 +116,7 @@ impl Batch {
         give::list(py, self.inner.scale.clone())
     }
 
-    /// How each ended (B,): "done", "out_of_steps" or "stopped".
+    /// How each ended (B,): "done", "missed", "out_of_steps" or "stopped".
     #[getter]
     fn status(&self) -> Vec<String> {
         self.inner.status.iter().map(ToString::to_string).collect()

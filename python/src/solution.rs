@@ -124,7 +124,7 @@ impl Solution {
         self.inner.complex_error()
     }
 
-    /// How the solve ended: "done", "out_of_steps" or "stopped".
+    /// How the solve ended: "done", "missed" (by more than 1 %), "out_of_steps" or "stopped".
     #[getter]
     fn status(&self) -> String {
         self.inner.status.to_string()
@@ -241,9 +241,13 @@ impl Solution {
         let metrics = self.inner.metrics();
         let (name, status) = (&self.choice.name, self.inner.status);
         let (accuracy, sigma) = (metrics.accuracy, metrics.sigma);
+        // Without pressures nothing was asked that could be met or missed.
+        let asked = self.inner.requested().2.pressures.is_some();
+        let level =
+            if asked { format!("accuracy {accuracy:.4}") } else { format!("{accuracy:.4} of the balanced level") };
         let scale = self.inner.scale;
         let supply = if scale < 1.0 { format!(", drives to be scaled by {scale:.4}") } else { String::new() };
-        format!("<midair.Solution by {name}: {status}, accuracy {accuracy:.4}, sigma {sigma:.4}{supply}>")
+        format!("<midair.Solution by {name}: {status}, {level}, sigma {sigma:.4}{supply}>")
     }
 }
 

@@ -124,7 +124,8 @@ pub(crate) fn solve(
     let elapsed = clock.elapsed().as_secs_f64();
     let beyond = attend(py, None, |mut control| problem.beyond(&mut control))?;
     let leak = Remark::leak(&problem, &*configured.solver, &inner);
-    for remark in [beyond.map(Remark::Beyond), leak, Remark::scaled(&inner)].into_iter().flatten() {
+    let missed = Remark::missed(&problem, &*configured.solver, &inner);
+    for remark in [beyond.map(Remark::Beyond), missed, leak, Remark::scaled(&inner)].into_iter().flatten() {
         warn(py, &remark)?;
     }
     Ok(Solution::new(inner, Arc::new(choice), elapsed).of(subject.scene(), trace))

@@ -65,13 +65,15 @@ def test_a_scene_is_typed_in_one_line(run: Run) -> None:
     array = midair.Array.preset("autd3", (2, 1))
     for more, pressures in [
         ([], None),
-        (["--pressure", "900"], 900.0),
+        (["--pressure", "800"], 800.0),
         (["--pressure=900, 500"], [900.0, 500.0]),
     ]:
         scene = midair.Scene(array, [[0, 0, 0.15], [-0.02, 0, 0.15]], pressures)
         status, out, err = run("solve", "--preset", "AUTD-3", "--tiles", "2,1", *AT, *more, "--json")
         record = json.loads(out)
-        assert (status, err) == (0, "")
+        # The boards' amplitudes are too coarse for 1 % of so little.
+        assert status == 0
+        assert not err or err.startswith("warning: the pressures are missed by")
         assert record["points"] == scene.points.tolist()
         assert record["targets"] == midair.solve(scene).targets.tolist()
 

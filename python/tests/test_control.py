@@ -104,7 +104,10 @@ def test_progress_of_a_balanced_solve_speaks_of_the_final_drive() -> None:
     scene = small(pressures=1.0)
     midair.solve(scene, "greedy", balance=True, progress=lambda *step: told.append(step[2]))
     solution = midair.solve(scene, "greedy", balance=True)
-    assert told[-1] == pytest.approx(solution.metrics.residual, abs=1e-5)
+    # As loud as it was before it was brought down to the targets.
+    before = np.abs(solution.pressures) / solution.amplitudes.max() / scene.reach().level
+    assert told[-1] == pytest.approx(np.mean((1 - before) ** 2), abs=1e-4)
+    assert solution.metrics.residual <= told[-1]
     assert told[0] > 0.9
 
 

@@ -56,7 +56,10 @@ def test_more_quiet_points_than_can_be_silenced_are_told():
     few = midair.Array.grid(6, 6, 10e-3)
     quiet = np.stack(np.meshgrid(*[np.linspace(-0.04, 0.04, 9)] * 2), axis=-1).reshape(-1, 2)
     points = np.r_[[[0.0, 0.0, 0.1]], np.c_[quiet + 0.005, np.full(len(quiet), 0.1)]]
-    with pytest.warns(midair.SceneWarning, match=r"quiet points leak .* silences about 13"):
+    with (
+        pytest.warns(midair.SceneWarning, match="pressures are missed"),
+        pytest.warns(midair.SceneWarning, match=r"quiet points leak .* silences about 13"),
+    ):
         midair.solve(midair.Scene(few, points, pressures=np.r_[200.0, np.zeros(len(quiet))]))
 
 

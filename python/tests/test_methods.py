@@ -171,6 +171,7 @@ STARTED = ("uniform", "best", "greedy", "glide", "descent", "lm", "gspat", "gs",
 
 
 @pytest.mark.parametrize("name", sorted(midair.solvers()))
+@pytest.mark.filterwarnings("ignore:the pressures are missed")
 def test_a_start_is_used_or_refused(name: str) -> None:
     where = scene(4, 0)
     if name not in STARTED:
@@ -195,6 +196,7 @@ def test_a_start_is_used_or_refused(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["uniform", "best", "lm", "gspat", "gs", "wgs"])
+@pytest.mark.filterwarnings("ignore:the pressures are missed")
 def test_going_on_from_an_answer_makes_it_no_worse(name: str) -> None:
     for count, seed, steps in [(4, 0, 1), (16, 1, 1), (16, 2, 5), (64, 3, 5)]:
         first = midair.solve(scene(count, seed), name, balance=False)

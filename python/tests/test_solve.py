@@ -222,15 +222,18 @@ def test_balance_solves_at_the_balanced_level_and_reduces_the_drive() -> None:
     solution = midair.solve(scene, "greedy", balance=True, order="rows", trace=True)
     (reduced,) = np.unique(np.round(solution.amplitudes, 9))
     factor = oracle.balanced_factor(G, ratios)
-    assert 1 / reduced == pytest.approx(factor, rel=1e-5)
+    full = solution.drive / np.abs(solution.drive)
+    asked = ratios > 0
+    # Brought down to the targets, which the points then have in the mean.
+    assert 1 / reduced == pytest.approx(np.mean(np.abs(G @ full)[asked] / ratios[asked]), rel=2e-4)
     # Within f32 rounding of the level that was solved at.
-    found = oracle.regrets(G, ratios / reduced, solution.drive / np.abs(solution.drive), order=order)
+    found = oracle.regrets(G, ratios * factor, full, order=order)
     assert found.max() < REGRET
     # All that is told refers to the drive returned and the pressures asked for.
     assert solution.targets.tolist() == ratios.tolist()
     p_abs = np.abs(G @ solution.drive)
     assert numbers(solution.metrics) == pytest.approx(oracle.metrics(p_abs, ratios), rel=1e-2)
-    assert solution.metrics.accuracy > 0.8
+    assert solution.metrics.level == pytest.approx(1, abs=2e-4)
     assert solution.trace[-1] == pytest.approx(solution.metrics.residual, abs=1e-4)
     assert solution.options["balance"] is True
 
@@ -277,7 +280,7 @@ def test_scene_file_names_the_solver_until_told_otherwise(tmp_path) -> None:
 
 
 def test_solution_scene():
-    array = midair.Array.preset("autd3")
+    array = midair.Array.preset("autd3", quantization={})
     points = [[0, 0, 0.1], [0.02, 0, 0.1]]
     scene = midair.Scene(array, points, 100.0, weights=[1, 2], temperature=25)
     for solution in (midair.solve(scene), midair.Solver(scene)(points, [100, 100], weights=[1, 2])):

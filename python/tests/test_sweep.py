@@ -153,7 +153,7 @@ SHORT: dict[str, tuple[float, str]] = {
     ),
     "weak": (
         0.1,
-        r"^24 of 24 problems ask for less than half the balanced level: .*, balance = true cures it$",
+        r"^12 of 24 problems ask for less than half the balanced level: .*, balance = true cures it$",
     ),
 }
 

@@ -20,7 +20,7 @@ export interface Answer {
   metrics: Metrics;
   /** What supply or modulation multiply the drive by. */
   scale: number;
-  status: "done" | "out_of_steps" | "stopped";
+  status: "done" | "out_of_steps" | "stopped" | "missed";
   steps: number;
   /** Of each point, in Pa. */
   targets: number[];
@@ -173,7 +173,7 @@ export function openDoor(module: WebAssembly.Module): Door {
       return {
         metrics: metrics(found),
         scale: found[6],
-        status: (["done", "out_of_steps", "stopped"] as const)[found[7]],
+        status: (["done", "out_of_steps", "stopped", "missed"] as const)[found[7]],
         steps: found[8],
         targets: Array.from({ length: points }, (_, j) => at(j, 0)),
         pressures: Array.from({ length: points }, (_, j) => [at(j, 1), at(j, 2)]),

@@ -25,6 +25,9 @@ const SLACK: f64 = 5e-5;
 /// The part of a pressure that an amplitude of the table has to keep to be taken for it.
 const KEPT: f64 = 0.9;
 
+/// The part of a pressure that may be lost to the amplitudes of a table.
+const LOST: f64 = 2e-3;
+
 /// What comes out of rounding the number of steps in a change where it is a whole number.
 const STEP_ROUNDING: f64 = 1e-9;
 
@@ -114,6 +117,15 @@ impl Quantization {
             Some(&least) if largest > 0.0 && largest < FULL * least => largest / least,
             _ => 1.0,
         }
+    }
+
+    /// The two amplitudes above 0 next to `factor`, where the lower one alone would be more than a five hundredth too low and
+    /// the upper one is at most twice the lower.
+    pub(crate) fn between(&self, factor: f64) -> Option<[f64; 2]> {
+        let table = self.amplitudes()?;
+        let next = table.partition_point(|&amplitude| amplitude <= factor);
+        let [below, above] = [*table.get(next.checked_sub(1)?)?, *table.get(next)?];
+        (above <= 2.0 * below && factor - below > LOST * factor).then_some([below, above])
     }
 
     /// Full drive brought down to `factor` (at most 1) and no louder: the amplitude to drive at and the scale that is

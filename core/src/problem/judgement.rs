@@ -10,9 +10,49 @@ use crate::math;
 use crate::problem::Problem;
 use crate::problem::array_request::ArrayRequest;
 use crate::problem::metrics::Metrics;
-use crate::scene::check_drive;
+use crate::problem::solution::{Solution, Status};
+use crate::scene::{Aim, check_drive};
+
+/// Times what was allowed that quiet points leak when it is told: crowded ones, of which a few speak for all, leak up to three
+/// times as much between these.
+const LOUD: f64 = 4.0;
+
+/// The error from which targets count as missed.
+pub(crate) const MISS: f64 = 0.01;
 
 impl Problem {
+    /// By how much an answer misses the targets where that is more than 1 %: of a method that `meets` targets, which were
+    /// given and are what it aims at, and that was not stopped. Quiet points may leak the part `quiet` of the largest.
+    pub(crate) fn missed(&self, meets: bool, quiet: Option<f64>, solution: &Solution) -> Option<f64> {
+        let asked = meets && self.asks_pressures() && self.aim() == Aim::Target && solution.status != Status::Stopped;
+        let miss = if asked { self.miss(solution, quiet.unwrap_or(0.0)) } else { 0.0 };
+        (miss > MISS).then_some(miss)
+    }
+
+    /// What quiet points leak, as [`Problem::weighted_leak`], where that is much more than the part `quiet` that was allowed.
+    pub(crate) fn leaks(&self, quiet: f64, solution: &Solution) -> Option<f64> {
+        let leak = self.weighted_leak(&solution.pressures);
+        (solution.status != Status::Stopped && leak >= LOUD * quiet && leak > 0.0).then_some(leak)
+    }
+
+    /// The error of an answer, sqrt(sum w (target - |p|)^2 / sum w target^2) over all points of weight above 0; of a quiet
+    /// point what it leaks above the part `quiet` of the largest target.
+    pub(crate) fn miss(&self, solution: &Solution, quiet: f64) -> f64 {
+        let ArrayRequest { active, pascals, weights, .. } = &*self.targets;
+        // Relative to the largest, so that no square of a finite number overflows.
+        let largest = active.iter().fold(0.0, |most: f64, &j| most.max(pascals[j]));
+        let heaviest = active.iter().fold(0.0, |most: f64, &j| most.max(weights[j]));
+        let (mut miss, mut all) = (0.0, 0.0);
+        for &j in active {
+            let (weight, target) = (weights[j] / heaviest, pascals[j] / largest);
+            let gap = (math::modulus(solution.pressures[j]) / largest - target).abs();
+            let gap = if target > 0.0 { gap } else { (gap - quiet).max(0.0) };
+            miss += weight * gap * gap;
+            all += weight * target * target;
+        }
+        if all > 0.0 { math::sqrt(miss / all) } else { 0.0 }
+    }
+
     /// The most that a quiet point leaks, times its weight over the targets' largest, relative to the loudest targeted one;
     /// `pressures` are those of the caller's points.
     pub(crate) fn weighted_leak(&self, pressures: &[Complex32]) -> f64 {

@@ -5,6 +5,7 @@ pub(crate) mod complex_targets;
 pub(crate) mod feasibility;
 pub(crate) mod judgement;
 pub(crate) mod metrics;
+pub(crate) mod mix;
 pub(crate) mod range;
 pub(crate) mod setup;
 pub(crate) mod solution;

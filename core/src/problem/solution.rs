@@ -16,6 +16,7 @@ use crate::math;
 use crate::problem::Problem;
 use crate::problem::array_request::ArrayRequest;
 use crate::problem::metrics::Metrics;
+use crate::problem::mix::{is_of_one_amplitude, mix};
 use crate::problem::setup::Setup;
 use crate::propagation::{Propagation, field_of};
 use crate::scene::{Request, Scene, check_drive};
@@ -31,6 +32,8 @@ pub enum Status {
     OutOfSteps,
     /// The caller asked to stop; the answer is the best so far.
     Stopped,
+    /// The method ran to its end, and the targets are missed by more than 1 %.
+    Missed,
 }
 
 /// z / factor, rounded once.
@@ -45,9 +48,9 @@ impl Status {
     /// # Errors
     /// A name of none.
     pub fn named(name: &str) -> Result<Self, Error> {
-        let all = [Self::Done, Self::OutOfSteps, Self::Stopped];
+        let all = [Self::Done, Self::OutOfSteps, Self::Stopped, Self::Missed];
         let found = all.into_iter().find(|status| format!("{status}") == name);
-        found.ok_or_else(|| Error::unknown("status", name, ["done", "out_of_steps", "stopped"]))
+        found.ok_or_else(|| Error::unknown("status", name, ["done", "out_of_steps", "stopped", "missed"]))
     }
 }
 
@@ -57,6 +60,7 @@ impl fmt::Display for Status {
             Self::Done => "done",
             Self::OutOfSteps => "out_of_steps",
             Self::Stopped => "stopped",
+            Self::Missed => "missed",
         })
     }
 }
@@ -255,20 +259,23 @@ impl Solution {
             return Ok(false);
         }
         let set = self.request.propagation.instruction_set();
-        let largest = f64::from(kernels::grid::largest(set, &self.drive)) / factor;
+        let largest = f64::from(kernels::grid::largest(set, &self.drive));
+        let one = self.request.given && is_of_one_amplitude(&self.drive, largest);
+        let largest = largest / factor;
         let scale = quantization.scale(largest);
         // Drives at full amplitude and the board's phases become others at one amplitude: the field keeps its shape.
         let most = (largest / scale) as f32;
         let common = quantization.nearest(Complex32::new(most, 0.0)).re;
         let alike = quantization.grid().round(set, (factor * scale) as f32, [most, common], &mut self.drive);
         self.scale *= scale;
-        if !alike {
+        let mixed = one && mix(&self.request, &mut self.drive, (f64::from(common), largest), work, control)?;
+        if mixed || !alike {
             self.set_pressures(&field_of(&self.request.propagation, &self.drive, work, control)?);
         } else if common != 1.0 || scale != 1.0 {
             let change = f64::from(common) * scale;
             self.pressures.iter_mut().for_each(|p| *p = divided(*p, 1.0 / change));
         }
-        Ok(!alike || common != 1.0)
+        Ok(mixed || !alike || common != 1.0)
     }
 
     /// Metrics of the pressures against the caller's targets; f64 arithmetic over the M values.
@@ -292,6 +299,11 @@ impl Solution {
         } else if self.steps > 0 && control.step(self.steps, steps, || self.residual_for(problem)).is_break() {
             self.status = Status::Stopped;
         }
+    }
+
+    /// Reports the answer's own residual in place of that of the last step.
+    pub(crate) fn correct(&self, problem: &Problem, control: &mut Control) {
+        control.correct(|| self.residual_for(problem));
     }
 
     /// The drives (N,) with `scale` counted in: what the transducers play.

@@ -59,6 +59,8 @@ fn remarks(outcomes: &[Outcome]) -> Vec<String> {
         let excess = outcomes[k].excess;
         format!("{many} a pressure is beyond reach, in problems[{k}] {excess:.2} times what the array gives there: reach() of a Scene tells what it can do")
     });
+    let missed = worst(|outcome| f64::from(outcome.missed > 0.0) + outcome.missed)
+        .map(|(many, k)| format!("{many} targets are missed; problems[{k}]: {}", Remark::Missed(outcomes[k].missed)));
     let weak = worst(|outcome| 1.0 / outcome.weak)
         .map(|(many, k)| format!("{many} targets are weak; problems[{k}]: {}", Remark::Weak(outcomes[k].weak)));
     let scaled = worst(|outcome| 1.0 / outcome.scale).map(|(many, k)| {
@@ -67,7 +69,7 @@ fn remarks(outcomes: &[Outcome]) -> Vec<String> {
     });
     let unused = outcomes.iter().filter(|outcome| outcome.phases_unused).count();
     let unused = (unused > 0).then(|| format!("in {unused} of {} problems {}", outcomes.len(), Remark::PhasesUnused));
-    [beyond, weak, unused, scaled].into_iter().flatten().collect()
+    [beyond, missed, weak, unused, scaled].into_iter().flatten().collect()
 }
 
 /// How a problem ended.
@@ -79,6 +81,8 @@ pub(super) struct Outcome {
     steps: usize,
     /// How many times its reach a point is asked for, where that is above 1.
     excess: f64,
+    /// The error by which the targets are missed, where that is told; else 0.
+    missed: f64,
     /// The part of the balanced level that weak targets are; else 1.
     weak: f64,
     /// Whether the targets have phases that the solver does not use.
@@ -89,7 +93,8 @@ impl Default for Outcome {
     /// Not begun: silence.
     fn default() -> Self {
         let metrics = Metrics { residual: 1.0, ..Metrics::default() };
-        Self { metrics, scale: 1.0, status: Status::Stopped, steps: 0, excess: 0.0, weak: 1.0, phases_unused: false }
+        let (scale, status, steps) = (1.0, Status::Stopped, 0);
+        Self { metrics, scale, status, steps, excess: 0.0, missed: 0.0, weak: 1.0, phases_unused: false }
     }
 }
 
@@ -101,6 +106,7 @@ impl Outcome {
             status: solution.status,
             steps: solution.steps,
             excess: problem.excess(),
+            missed: problem.missed(solver.meets_targets(), solver.quiet(), solution).unwrap_or(0.0),
             weak: weak_part(problem, solver, balance).unwrap_or(1.0),
             phases_unused: Remark::phases_unused(problem, solver).is_some(),
         }

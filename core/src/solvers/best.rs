@@ -52,10 +52,10 @@ impl Solve for Best {
             tolerance: self.tolerance as f32,
             quiet: self.quiet as f32,
         };
-        even_field::solve(problem, &[as_uniform, plan], work, control)
+        even_field::meet(problem, &[as_uniform, plan], work, control)
     }
 
-    fn makes_even(&self) -> bool {
+    fn meets_targets(&self) -> bool {
         true
     }
 

@@ -1,18 +1,17 @@
-//! descent: least squares over all phases, for pictures and other large sets of points.
+//! descent: least squares over all phases and amplitudes, for pictures and other large sets of points.
 //!
-//! L-BFGS on the phases ([`crate::solvers::common::least_squares`]), from which Gauss-Newton steps go on to fields that meet every
-//! target, where these are near.
+//! L-BFGS ([`crate::solvers::common::least_squares`]) in the steps of [`crate::solvers::even_field::nearest`].
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::problem::{Problem, Solution, Status};
-use crate::solvers::common::least_squares::{LeastSquares, Task, least_squares};
-use crate::solvers::even_field::targets::{met, too_many};
+use crate::problem::{Problem, Solution};
+use crate::solvers::common::least_squares::Task;
+use crate::solvers::even_field::nearest::nearest;
 use crate::solvers::method::{Info, Method, Solve, check_iteration};
 use crate::workspace::Workspace;
 
 options! {
-    /// L-BFGS on the phases, one amplitude for all. Time O(N M) a step, memory O(N M).
+    /// L-BFGS on the phases, then on amplitudes too. Time O(N M) a step, memory O(N M).
     pub struct Descent {
         /// Steps of the best start, at most.
         pub steps: u32 = 500,
@@ -23,18 +22,6 @@ options! {
         pub starts: u32 = 3,
         /// Seed of these phases, 0 to 2^64 - 1.
         pub seed: u64 = 0,
-    }
-}
-
-/// Steps of points that are to be all alike: their error falls on and on, where that of a picture comes to an end.
-const STEPS_ALIKE: u32 = 1500;
-
-impl Descent {
-    /// In place of a method that makes points even, where these are too many.
-    pub(crate) fn instead(problem: &Problem) -> Option<Self> {
-        let alike = problem.targets()[..problem.propagation().points()].windows(2).all(|pair| pair[0] == pair[1]);
-        let steps = if alike { STEPS_ALIKE } else { Self::default().steps };
-        too_many(problem).then(|| Self { steps, ..Self::default() })
     }
 }
 
@@ -58,21 +45,16 @@ impl Method for Descent {
 
 impl Solve for Descent {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
-        let task = Task {
-            steps: self.steps as usize,
-            tolerance: self.tolerance,
-            starts: self.starts as usize,
-            seed: self.seed,
-            factor: 1.0,
-            before: 0,
-        };
-        let LeastSquares { mut drive, mut status, steps } = least_squares(problem, &task, work, control)?;
-        if status != Status::Stopped
-            && let Some(even) = met(problem, &drive, steps, work, control)?
-        {
-            work.complexes.give(core::mem::replace(&mut drive, even));
-            status = Status::Done;
-        }
-        Solution::new(problem, drive, (status, steps.0), steps.1, work, control)
+        let Self { steps, tolerance, starts, seed } = *self;
+        let (steps, starts) = (steps as usize, starts as usize);
+        nearest(problem, Task { steps, tolerance, starts, seed, factor: 1.0, before: 0 }, work, control)
+    }
+
+    fn finds_level(&self) -> bool {
+        true
+    }
+
+    fn meets_targets(&self) -> bool {
+        true
     }
 }

@@ -49,6 +49,10 @@ impl Method for Evd {
 }
 
 impl Solve for Evd {
+    fn plays_at_full(&self) -> bool {
+        false
+    }
+
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let propagation = problem.propagation();
         let (count, targets) = (propagation.points(), problem.targets());

@@ -347,7 +347,7 @@ impl<'w> Frame<'w> {
         }
         let mut drive = work.complexes.take(last.played.len()).into_vec();
         drive.copy_from_slice(&last.played);
-        Answer { drive, status, steps: (1, 1) }.brought_down(problem, rows, wave, work, control)
+        Answer { drive, status, steps: (1, 1), mixed: false }.brought_down(problem, rows, wave, work, control)
     }
 }
 

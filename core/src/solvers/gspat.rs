@@ -50,6 +50,10 @@ impl Method for Gspat {
 }
 
 impl Solve for Gspat {
+    fn plays_at_full(&self) -> bool {
+        false
+    }
+
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let propagation = problem.propagation();
         let (count, lanes) = (propagation.points(), propagation.lanes());

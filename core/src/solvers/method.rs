@@ -26,11 +26,18 @@ pub trait Solve {
         None
     }
 
-    /// Whether it makes all points even. Where they are too many for that, [`crate::solve`] balances the problem and uses
-    /// `descent` instead.
+    /// Whether it goes on until the targets are met, and an answer that misses them has the status
+    /// [`crate::Status::Missed`].
     #[doc(hidden)]
-    fn makes_even(&self) -> bool {
+    fn meets_targets(&self) -> bool {
         false
+    }
+
+    /// Whether it drives every transducer at full power however weak the targets are: weak foci then come out smeared, or too
+    /// loud.
+    #[doc(hidden)]
+    fn plays_at_full(&self) -> bool {
+        true
     }
 
     /// Solves the frame after the last, where it remembers that.

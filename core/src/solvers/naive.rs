@@ -32,6 +32,10 @@ impl Method for Naive {
 }
 
 impl Solve for Naive {
+    fn plays_at_full(&self) -> bool {
+        false
+    }
+
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let propagation = problem.propagation();
         let count = propagation.points();

@@ -6,17 +6,19 @@ use core::f64::consts::TAU;
 use core::fmt;
 
 use crate::device::quantization::steps_within;
-use crate::problem::{Beyond, Problem, Solution, Status};
+use crate::problem::{Beyond, Problem, Solution};
 use crate::solvers::even_field::silence::silenceable;
 use crate::solvers::method::Solve;
 use crate::solvers::registry::SOLVERS;
 
 /// What a caller should hear beside an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::exhaustive_enums, reason = "the six ways in which an answer is another than was asked")]
+#[allow(clippy::exhaustive_enums, reason = "the seven ways in which an answer is another than was asked")]
 pub enum Remark {
     /// What was asked for and cannot be had.
     Beyond(Beyond),
+    /// The error by which the targets are missed, where that is more than 1 %.
+    Missed(f64),
     /// The part of the balanced level that the targets are: below half of it, and nothing balanced them.
     Weak(f64),
     /// The targets have phases, and the solver does not use them.
@@ -45,10 +47,17 @@ impl fmt::Display for Remark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Beyond(beyond) => beyond.fmt(f),
+            Self::Missed(error) => write!(
+                f,
+                "the pressures are missed by {:.1} % of their root mean square: ask for less, or for fewer points",
+                100.0 * error
+            ),
             Self::Weak(part) => {
                 f.write_str("targets are ")?;
                 if *part < 0.01 { write!(f, "{part:.1e}") } else { write!(f, "{part:.2}") }?;
-                f.write_str(" of the balanced level: foci this weak come out smeared, balance=True cures it")
+                f.write_str(
+                    " of the balanced level: foci this weak come out smeared or too loud, balance=True cures it",
+                )
             }
             Self::PhasesUnused => {
                 f.write_str("the phases of the pressures are not used by this solver, only |p|: these use them: ")?;
@@ -80,15 +89,17 @@ impl fmt::Display for Remark {
     }
 }
 
-/// Times what was allowed that quiet points leak when it is told: crowded ones, of which a few speak for all, leak up to three
-/// times as much between these.
-const LOUD: f64 = 4.0;
-
 impl Remark {
     /// That targets are weak, where a solver takes them as they stand.
     #[must_use]
     pub fn weak(problem: &Problem, solver: &dyn Solve, balance: bool) -> Option<Self> {
         weak_part(problem, solver, balance).map(Self::Weak)
+    }
+
+    /// That the targets are missed by more than 1 %, where a solver goes on until they are met.
+    #[must_use]
+    pub fn missed(problem: &Problem, solver: &dyn Solve, solution: &Solution) -> Option<Self> {
+        problem.missed(solver.meets_targets(), solver.quiet(), solution).map(Self::Missed)
     }
 
     /// That the targets have phases which the solver does not use.
@@ -101,9 +112,9 @@ impl Remark {
     #[must_use]
     pub fn leak(problem: &Problem, solver: &dyn Solve, solution: &Solution) -> Option<Self> {
         let quiet = solver.quiet()?;
-        let leak = problem.weighted_leak(&solution.pressures);
+        let leak = problem.leaks(quiet, solution)?;
         let able = silenceable(problem.propagation().transducers(), problem.targeted().len());
-        (solution.status != Status::Stopped && leak >= LOUD * quiet).then_some(Self::Leak { leak, quiet, able })
+        Some(Self::Leak { leak, quiet, able })
     }
 
     /// That the board's phases are too coarse for the bound on their changes; one of 0 asks for that.
@@ -127,5 +138,5 @@ impl Remark {
 
 /// The part of the balanced level that weak targets are, where a solver takes them as they stand.
 pub(crate) fn weak_part(problem: &Problem, solver: &dyn Solve, balance: bool) -> Option<f64> {
-    (problem.is_weak() && !balance && !solver.finds_level()).then(|| 1.0 / problem.balance())
+    (problem.is_weak() && !balance && !solver.finds_level() && solver.plays_at_full()).then(|| 1.0 / problem.balance())
 }

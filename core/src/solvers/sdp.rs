@@ -78,6 +78,10 @@ impl Method for Sdp {
 }
 
 impl Solve for Sdp {
+    fn plays_at_full(&self) -> bool {
+        false
+    }
+
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let propagation = problem.propagation();
         let (count, lanes) = (propagation.points(), propagation.lanes());

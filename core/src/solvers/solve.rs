@@ -9,7 +9,6 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::problem::{Problem, Solution, Status};
 use crate::solvers::batching;
-use crate::solvers::descent::Descent;
 use crate::solvers::last::Last;
 use crate::solvers::method::Solve;
 use crate::workspace::Workspace;
@@ -19,9 +18,9 @@ const MOST_POWER: f32 = 1.0 + 2e-6;
 
 /// Solves a problem, balancing it first if asked to.
 ///
-/// Balancing multiplies the targets by [`Problem::balance`] when that is above 1, and divides the drives by it
-/// afterwards: the cure of the paper's section V, where foci much weaker than the array can make come out
-/// smeared. Metrics, trace and progress speak of the final drive and the caller's targets.
+/// Balancing multiplies the targets by [`Problem::balance`] when that is above 1, and brings the drives down to the targets
+/// afterwards, as far as that is down: the cure of the paper's section V, where foci much weaker than the array can make
+/// come out smeared. Metrics, trace and progress speak of the final drive and the caller's targets.
 ///
 /// Where the array has [`crate::Quantization`], every drive of the answer lies on them, rounded to the nearest phase and
 /// amplitude. Balancing then reduces to the nearest amplitude; where that would be below the least one above 0, the
@@ -62,8 +61,6 @@ pub(crate) fn solve_after(
     work: &mut Workspace,
     control: &mut Control,
 ) -> Result<Solution, Error> {
-    let other = if solver.makes_even() { Descent::instead(problem) } else { None };
-    let (solver, balance) = other.as_ref().map_or((solver, balance), |other| (other as &dyn Solve, true));
     let factor = factor(problem, solver, balance);
     let prepared = problem.prepared(factor, work);
     let own = prepared.as_ref().unwrap_or(problem);
@@ -77,10 +74,9 @@ pub(crate) fn solve_after(
     let quantized = |solution: Solution| quantized(solution, factor, work, control);
     match solution.and_then(quantized) {
         Err(Error::Stopped) => Ok(Solution::silent(problem, work)),
-        // The end of another method's descent is not what was asked for.
         Ok(mut solution) => {
-            if other.is_some() && missed(&solution) {
-                solution.status = Status::OutOfSteps;
+            if problem.missed(solver.meets_targets(), solver.quiet(), &solution).is_some() {
+                solution.status = Status::Missed;
             }
             Ok(solution)
         }
@@ -88,18 +84,11 @@ pub(crate) fn solve_after(
     }
 }
 
-/// The error, relative to the targets, above which these are missed.
-const MISS: f64 = 0.01;
-
-/// Whether an answer that calls itself done misses its targets.
-fn missed(solution: &Solution) -> bool {
-    solution.status == Status::Done && solution.metrics().residual > MISS * MISS
-}
-
 /// The answer on the device's grid, balancing undone.
 fn quantized(mut solution: Solution, factor: f64, work: &Workspace, control: &mut Control) -> Result<Solution, Error> {
     check(&solution)?;
-    if solution.quantize(factor, work, control)? {
+    let excess = excess(&solution, factor);
+    if solution.quantize(excess, work, control)? || excess != factor {
         control.correct(|| solution.metrics().residual);
     }
     Ok(solution)
@@ -125,10 +114,18 @@ pub(crate) fn solve_interleaved(
     for (k, (solution, problem)) in solutions.iter_mut().flatten().zip(problems).enumerate() {
         let at = |error| (k, error);
         check(solution).map_err(at)?;
-        solution.quantize(factor(problem), work, &mut Control::none()).map_err(at)?;
+        solution.quantize(excess(solution, factor(problem)), work, &mut Control::none()).map_err(at)?;
     }
     balanced.into_iter().flatten().for_each(|problem| problem.recycle(work));
     Ok(solutions)
+}
+
+/// How many times as loud as asked an answer to balanced targets is, at least 1: what its drives are divided by. In 12 binary
+/// digits, which do not depend on the unit of the pressures.
+fn excess(solution: &Solution, factor: f64) -> f64 {
+    let level = if factor > 1.0 { solution.metrics().level } else { 1.0 };
+    let digits = ((level as f32).to_bits() + (1 << 10)) & !0x7ff;
+    if level.is_finite() { f64::from(f32::from_bits(digits)).max(1.0) } else { factor }
 }
 
 /// Refuses an answer that no array can play.
@@ -146,7 +143,7 @@ fn check(solution: &Solution) -> Result<(), Error> {
     Err(Error::lost())
 }
 
-/// What the targets are multiplied by before solving, and the answer divided by afterwards.
+/// What the targets are multiplied by before solving.
 fn factor(problem: &Problem, solver: &dyn Solve, balance: bool) -> f64 {
     if balance && !solver.finds_level() { problem.balance().max(1.0) } else { 1.0 }
 }

@@ -38,6 +38,10 @@ impl Method for Tikhonov {
 }
 
 impl Solve for Tikhonov {
+    fn plays_at_full(&self) -> bool {
+        false
+    }
+
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
         let propagation = problem.propagation();
         let count = propagation.points();

@@ -38,10 +38,10 @@ impl Method for Uniform {
 
 impl Solve for Uniform {
     fn solve(&self, problem: &Problem, work: &mut Workspace, control: &mut Control) -> Result<Solution, Error> {
-        even_field::solve(problem, &[Plan::alone(self.steps, self.tolerance, self.quiet)], work, control)
+        even_field::meet(problem, &[Plan::alone(self.steps, self.tolerance, self.quiet)], work, control)
     }
 
-    fn makes_even(&self) -> bool {
+    fn meets_targets(&self) -> bool {
         true
     }
 

@@ -138,7 +138,39 @@ fn pictures_end_where_long_descents_end_and_the_default_takes_them_to_descent() 
     assert!(error(&own) <= 0.055, "{}", error(&own));
     assert_eq!(own.drive, usual.drive);
     // What was missed is not called done.
-    assert_eq!(usual.status, Status::OutOfSteps);
+    assert_eq!(usual.status, Status::Missed);
+}
+
+/// Points all around a ball of 12 mm.
+fn shell(count: usize) -> Vec<[f64; 3]> {
+    let turn = core::f64::consts::PI * (1.0 + 5.0_f64.sqrt());
+    let on = |i: usize| {
+        let z = 1.0 - (2.0 * i as f64 + 1.0) / count as f64;
+        let (radius, angle) = ((1.0 - z * z).sqrt(), turn * (i as f64 + 0.5));
+        [0.012 * radius * angle.cos(), 0.012 * radius * angle.sin(), 0.15 + 0.012 * z]
+    };
+    (0..count).map(on).collect()
+}
+
+#[test]
+fn below_the_balanced_level_amplitudes_meet_what_phases_miss() {
+    let chequers = |p: &[f64; 3]| 1.0 - ((p[0] + p[1]) / 4.25e-3).round().rem_euclid(2.0);
+    let half = disc(0.02, 4.25e-3);
+    let (picture, values) = picture(20);
+    let scenes = [
+        // Least squares over phases and amplitudes in f64, from four starts: 0, .020, .001.
+        (half.clone(), half.iter().map(chequers).collect(), 0.9, 0.003),
+        (shell(100), vec![1.0; 100], 0.9, 0.022),
+        (picture, values, 0.3, 0.008),
+    ];
+    for (points, ratios, part, most) in scenes {
+        let factor = part * problem(&scene(array(), points.clone(), Some(ratios.clone()))).balance();
+        let pressures = ratios.iter().map(|ratio: &f64| ratio * factor).collect();
+        let solution = solved(&problem(&scene(array(), points, Some(pressures))), &Uniform::default());
+        let miss = error(&solution);
+        assert!(miss <= most, "{miss} of {part}, at most {most}");
+        assert_eq!(solution.status == Status::Missed, miss > 0.01, "{miss} {}", solution.status);
+    }
 }
 
 #[test]

@@ -133,24 +133,47 @@ fn balancing_reduces_by_the_table_and_below_it_by_the_scale() {
         assert!((metrics.accuracy - free.metrics().accuracy).abs() < 1e-3, "{metrics:?}");
         assert!((metrics.sigma - free.metrics().sigma).abs() < 1e-3, "{metrics:?}");
     };
+    // Balancing brings the drives down to the targets.
+    assert!((free.metrics().level - 1.0).abs() < 5e-4, "{:?}", free.metrics());
+    let part = f64::from(free.drive[7].norm());
     // No amplitude at all, and on/off: all of it is left to the supply.
     for table in [&[1.0][..], &[0.0, 1.0]] {
         let solution = at(0.2, Some(quantization(65_536, table)));
-        assert!((solution.scale - 0.2).abs() < 1e-6 && solution.amplitude(7) > 0.999, "{}", solution.scale);
+        assert!((solution.scale - part).abs() < 1e-6 && solution.amplitude(7) > 0.999, "{}", solution.scale);
         same(solution.metrics());
     }
     // The table has it; the table has nothing so small.
-    let within = at(0.2, Some(quantization(65_536, &[0.0, 0.1, 0.2, 1.0])));
-    assert!(within.scale == 1.0 && (within.amplitude(7) - 0.2).abs() < 1e-6);
+    let within = at(0.2, Some(quantization(65_536, &[0.0, 0.1, part, 1.0])));
+    assert!(within.scale == 1.0 && (within.amplitude(7) - part).abs() < 1e-6);
     same(within.metrics());
-    let below = at(0.2, Some(quantization(65_536, &[0.0, 0.4, 1.0])));
-    assert!((below.scale - 0.5).abs() < 1e-6 && (below.amplitude(7) - 0.4).abs() < 1e-6, "{}", below.scale);
+    let below = at(0.2, Some(quantization(65_536, &[0.0, 2.0 * part, 1.0])));
+    assert!((below.scale - 0.5).abs() < 1e-6 && (below.amplitude(7) - 2.0 * part).abs() < 1e-6, "{}", below.scale);
     same(below.metrics());
     // Between two values the nearest one is taken, and the metrics say what that costs.
-    let between = at(0.2, Some(quantization(65_536, &[0.15, 1.0])));
-    assert!(between.scale == 1.0 && (between.amplitude(7) - 0.15).abs() < 1e-6);
+    let between = at(0.2, Some(quantization(65_536, &[0.75 * part, 1.0])));
+    assert!(between.scale == 1.0 && (between.amplitude(7) - 0.75 * part).abs() < 1e-6);
     let expected = 0.75 * free.metrics().accuracy;
     assert!((between.metrics().accuracy - expected).abs() < 1e-3, "{:?}", between.metrics());
+}
+
+#[test]
+fn a_level_between_two_amplitudes_of_a_fine_table_is_met_by_both() {
+    let array = preset("autd3");
+    let board = array.quantization().expect("quantization").clone();
+    for (count, most) in [(1, 1e-3), (3, 2e-3), (8, 6e-3)] {
+        let points = random_points(count, 0.08, 320 + count as u64);
+        let balanced = problem(&scene(array.clone(), points.clone(), None)).targets_in_pascals()[0];
+        for part in [0.031, 0.1, 0.21, 0.47] {
+            let scene = scene(array.clone(), points.clone(), Some(vec![part * balanced; count]));
+            let own = problem(&scene);
+            for (name, most) in [("uniform", most), ("best", most), ("wgs", 5.0 * most)] {
+                let solution = solved(solvers::find(name).expect("a solver"), &own, true);
+                assert_on_grid(name, &solution.drive, &board);
+                let level = solution.metrics().level;
+                assert!((level - 1.0).abs() < most, "{name}, M = {count}, {part}: {level}");
+            }
+        }
+    }
 }
 
 #[test]
@@ -315,7 +338,7 @@ fn the_sweep_keeps_zeros_amplitudes_and_unequal_targets() {
 
 #[test]
 #[ignore = "slow"]
-fn a_device_plays_no_point_louder_than_asked_and_keeps_nine_tenths() {
+fn a_device_plays_no_point_louder_than_asked_unless_it_misses_less_and_keeps_nine_tenths() {
     let sixteen: Vec<f64> = (0..16).map(|k| f64::from(k) / 15.0).collect();
     let devices = [
         preset("autd3").quantization().expect("quantization").clone(),
@@ -326,7 +349,7 @@ fn a_device_plays_no_point_louder_than_asked_and_keeps_nine_tenths() {
         quantization(256, &[]),
         Quantization::new(None, Some(sixteen)).expect("quantization"),
     ];
-    for device in devices {
+    for (k, device) in devices.into_iter().enumerate() {
         for (count, seed) in [(1, 0), (2, 1), (3, 2), (8, 3), (16, 4), (64, 5)] {
             let array = preset("autd3").with_quantization(Some(device.clone()));
             let points = random_points(count, 0.08, 300 + seed);
@@ -334,13 +357,17 @@ fn a_device_plays_no_point_louder_than_asked_and_keeps_nine_tenths() {
             for part in [0.03, 0.4, 0.61, 0.77, 1.0, 1.5] {
                 let pressures = (0..count).map(|j| part * balanced * [1.0, 0.8][j % 2]).collect();
                 let scene = scene(array.clone(), points.clone(), Some(pressures));
+                let mut even = f64::INFINITY;
                 for name in ["uniform", "best"] {
                     let solution = solved(solvers::find(name).expect("a solver"), &problem(&scene), true);
                     let pairs = solution.pressures.iter().zip(solution.targets());
                     let loudest = pairs.map(|(p, target)| f64::from(p.norm()) / target).fold(0.0, f64::max);
                     let scale = solution.scale;
-                    let told = format!("{name}, M = {count}, {part} on {device:?}: {loudest}, {scale}");
-                    assert!(loudest <= 1.0 + 1e-4, "{told}");
+                    let told = format!("{name}, M = {count}, {part} on device {k}: {loudest}, {scale}");
+                    // Louder only where it misses the targets less than the even answer.
+                    let residual = solution.metrics().residual;
+                    assert!(loudest <= 1.0 + 1e-4 || residual < even, "{told}");
+                    even = residual;
                     // As loud as asked to a tenth, or all that the array has.
                     let full = scale == 1.0 && solution.drive.iter().all(|q| q.norm() > 0.9999);
                     assert!(full || loudest >= 0.9 - 1e-4, "{told}");

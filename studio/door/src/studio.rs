@@ -100,6 +100,7 @@ impl Studio {
         let status = match solution.status {
             Status::Done => 0.0,
             Status::OutOfSteps => 1.0,
+            Status::Missed => 3.0,
             _ => 2.0,
         };
         self.numbers.extend([solution.scale, status, solution.steps as f64]);

@@ -9,6 +9,9 @@
 //! descent is caught; the powers are smooth: a picture of 961 points ends at a third to nine tenths of the error that moduli
 //! alone end at. The first starts are those of a focus whose cone covers the points ([`crate::solvers::common::cover`]), whose
 //! fields have no zeros near the picture.
+//!
+//! Below the balanced level amplitudes are free as well ([`with_amplitudes`]): from the drive of the balanced level, brought
+//! down, they meet what phases alone miss.
 
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
@@ -27,6 +30,7 @@ use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::Workspace;
 
 /// How much work to spend.
+#[derive(Clone, Copy)]
 pub(crate) struct Task {
     /// Steps of the best start, at most.
     pub(crate) steps: usize,
@@ -47,6 +51,19 @@ pub(crate) struct LeastSquares {
     pub(crate) status: Status,
     pub(crate) steps: (usize, usize),
 }
+
+/// Steps by phases and amplitudes: with fewer points a step takes less time, and the last digits take more of them.
+fn free_steps(points: usize) -> usize {
+    (MOST_FREE_WORK / points.max(1)).clamp(LEAST_FREE, MOST_FREE)
+}
+
+/// Points times steps: some .3 s of 996 transducers.
+const MOST_FREE_WORK: usize = 300_000;
+const LEAST_FREE: usize = 300;
+const MOST_FREE: usize = 1500;
+
+/// Ten steps by phases and amplitudes lower the error by this part of it, or are the last.
+const FREE_TOLERANCE: f64 = 3e-4;
 
 /// One of so many steps lowers the error of the powers.
 const POWER_STEPS: usize = 5;
@@ -116,6 +133,43 @@ pub(crate) fn least_squares(
     }
     drop(best);
     Ok(LeastSquares { drive, status, steps: (done, all) })
+}
+
+/// The drive of least squares that phases and amplitudes lead to from a `drive` near the targets, no worse than that.
+///
+/// # Errors
+/// More memory than allowed.
+pub(crate) fn with_amplitudes(
+    problem: &Problem,
+    drive: &[Complex32],
+    before: (usize, usize),
+    work: &Workspace,
+    control: &mut Control,
+) -> Result<LeastSquares, Error> {
+    let rows = Rows::new(problem, work, control)?;
+    let targets = &problem.targets()[..rows.order.len()];
+    let asked = RowRequest { targets, weights: problem.weights(), measure: Measure::Moduli };
+    let mut wave = Wave::new(&rows, work);
+    wave.play(&rows, drive.iter().copied());
+    let begun = asked.of(&wave);
+    let mut descent = PhaseDescent::with_amplitudes(wave, &asked, &rows, work);
+    let most = free_steps(rows.order.len());
+    let (mut done, all) = (before.0, before.1.max(before.0) + most);
+    let status = descend(&mut descent, asked, &rows, (most, FREE_TOLERANCE), |wave| {
+        let stop = done > before.0 && control.step(done, all, || problem.residual(&asked.heard(wave, 1.0))).is_break();
+        done += usize::from(!stop);
+        stop
+    });
+    let mut out = descent.wave.drives(problem.propagation().transducers(), work);
+    let amplitude = asked.amplitude(&descent.wave.moduli);
+    if descent.cost < begun {
+        for q in &mut out {
+            *q *= amplitude;
+        }
+    } else {
+        out.copy_from_slice(drive);
+    }
+    Ok(LeastSquares { drive: out, status, steps: (done, all) })
 }
 
 /// Targets and weights of the rows, and what the error is made of.

@@ -6,8 +6,12 @@
 //!
 //! A step costs two products with G, however many rows there are, and curvature is learnt from the last steps
 //! ([`crate::solvers::common::quasi_newton`]). Each drive rotates by the arc tangent of what a step asks for.
+//!
+//! With amplitudes free a drive is the mean of a pair of phasors, q_i = (a_i + b_i)/2, so that |q_i| <= 1 holds by itself:
+//! the steps rotate both, each by half of that slope.
 
 use crate::kernels::tiles;
+use crate::math::sqrtf;
 use crate::solvers::common::quasi_newton::{QuasiNewton, dot};
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::{Buffer, Workspace};
@@ -33,12 +37,20 @@ pub(crate) trait Cost {
     fn pull(&self, wave: &Wave, pulls: [&mut [f32]; 2]);
 }
 
+/// The largest modulus that a pair begins at: at 1 its two phasors are one, and nothing would draw them apart.
+const MOST_BEGUN: f32 = 0.97;
+
+/// The pairs of phasors of all drives: the first of each, then the second.
+type Pairs<'w> = [Buffer<'w, f32>; 2];
+
 /// A descent under way.
 pub(crate) struct PhaseDescent<'w> {
     pub(crate) wave: Wave<'w>,
     /// E of the wave.
     pub(crate) cost: f64,
     trial: Wave<'w>,
+    /// Where amplitudes are free: those of the wave, and of the trial.
+    pairs: Option<[Pairs<'w>; 2]>,
     gradient: Buffer<'w, f32>,
     newton: QuasiNewton<'w>,
     pulls: [Buffer<'w, f32>; 2],
@@ -46,12 +58,28 @@ pub(crate) struct PhaseDescent<'w> {
 }
 
 impl<'w> PhaseDescent<'w> {
+    /// By phases alone, |q| = 1.
     pub(crate) fn new(wave: Wave<'w>, cost: &impl Cost, rows: &Rows, work: &'w Workspace) -> Self {
+        Self::by(None, wave, cost, rows, work)
+    }
+
+    /// By phases and amplitudes, |q| <= 1.
+    pub(crate) fn with_amplitudes(mut wave: Wave<'w>, cost: &impl Cost, rows: &Rows, work: &'w Workspace) -> Self {
+        let mut pairs = [(); 2].map(|()| [(); 2].map(|()| work.floats.take(2 * rows.lanes)));
+        split(&wave.drive, rows, &mut pairs[0]);
+        mean(&pairs[0], &mut wave);
+        wave.hear(rows);
+        Self::by(Some(pairs), wave, cost, rows, work)
+    }
+
+    fn by(pairs: Option<[Pairs<'w>; 2]>, wave: Wave<'w>, cost: &impl Cost, rows: &Rows, work: &'w Workspace) -> Self {
+        let phases = if pairs.is_some() { 2 * rows.lanes } else { rows.lanes };
         let mut descent = Self {
             trial: Wave::new(rows, work),
             wave,
+            pairs,
             cost: 0.0,
-            gradient: work.floats.take(rows.lanes),
+            gradient: work.floats.take(phases),
             newton: QuasiNewton::new(work),
             pulls: [(); 2].map(|()| work.floats.take(rows.count)),
             sums: [(); 2].map(|()| work.floats.take_any(rows.lanes)),
@@ -72,9 +100,30 @@ impl<'w> PhaseDescent<'w> {
         cost.pull(&self.wave, self.pulls.each_mut().map(|plane| &mut plane[..]));
         let ([re, im], [sum_re, sum_im]) = (&self.pulls, &mut self.sums);
         tiles::correlate(rows.set, rows.tiles(), [re, im], [&mut *sum_re, &mut *sum_im]);
-        let [qr, qi] = &self.wave.drive;
-        for (i, gradient) in self.gradient.iter_mut().enumerate() {
-            *gradient = qr[i] * sum_im[i] - qi[i] * sum_re[i];
+        let (share, [qr, qi]) = self.pairs.as_ref().map_or((1.0, &self.wave.drive), |[own, _]| (0.5, own));
+        for (k, own) in self.gradient.chunks_exact_mut(rows.lanes).enumerate() {
+            let [qr, qi] = [qr, qi].map(|part| &part[k * rows.lanes..]);
+            for (i, gradient) in own.iter_mut().enumerate() {
+                *gradient = share * (qr[i] * sum_im[i] - qi[i] * sum_re[i]);
+            }
+        }
+    }
+
+    /// Writes the wave after a part of a step into the trial.
+    fn turn(&mut self, rows: &Rows, direction: &[f32], part: f32) {
+        let Some([own, trial]) = &mut self.pairs else {
+            return self.trial.rotate(rows, &self.wave, direction, part);
+        };
+        rotate(own, direction, part, trial);
+        mean(trial, &mut self.trial);
+        self.trial.hear(rows);
+    }
+
+    /// Takes the trial.
+    fn accept(&mut self) {
+        core::mem::swap(&mut self.wave, &mut self.trial);
+        if let Some([own, trial]) = &mut self.pairs {
+            core::mem::swap(own, trial);
         }
     }
 
@@ -82,7 +131,7 @@ impl<'w> PhaseDescent<'w> {
     pub(crate) fn step(&mut self, cost: &impl Cost, rows: &Rows) -> bool {
         loop {
             let work = self.newton.work;
-            let [mut direction, mut change] = [(); 2].map(|()| work.floats.take_any(rows.lanes));
+            let [mut direction, mut change] = [(); 2].map(|()| work.floats.take_any(self.gradient.len()));
             direction.copy_from_slice(&self.gradient);
             self.newton.descend(&mut direction);
             let longest = direction.iter().fold(0.0_f32, |most, x| most.max(x.abs()));
@@ -91,10 +140,10 @@ impl<'w> PhaseDescent<'w> {
                 let limit = if self.newton.knows_nothing() { FIRST / longest } else { (LONGEST / longest).min(1.0) };
                 let mut part = limit;
                 for _ in 0..TRIALS {
-                    self.trial.rotate(rows, &self.wave, &direction, part);
+                    self.turn(rows, &direction, part);
                     let trial = cost.of(&self.trial);
                     if trial <= self.cost + ENOUGH * f64::from(part) * slope {
-                        core::mem::swap(&mut self.wave, &mut self.trial);
+                        self.accept();
                         self.cost = trial;
                         change.copy_from_slice(&self.gradient);
                         self.slope(cost, rows);
@@ -116,5 +165,35 @@ impl<'w> PhaseDescent<'w> {
                 return false;
             }
         }
+    }
+}
+
+/// Writes the pair of phasors whose mean is each drive; none for a transducer without effect.
+fn split([qr, qi]: &[Buffer<'_, f32>; 2], rows: &Rows, [re, im]: &mut Pairs<'_>) {
+    for i in (0..rows.lanes).filter(|&i| rows.tiles().reaches(i)) {
+        let modulus = sqrtf(qr[i] * qr[i] + qi[i] * qi[i]);
+        let (x, y) = if modulus > 0.0 { (qr[i] / modulus, qi[i] / modulus) } else { (1.0, 0.0) };
+        let cos = modulus.min(MOST_BEGUN);
+        let sin = sqrtf(1.0 - cos * cos);
+        (re[i], im[i]) = (x * cos - y * sin, y * cos + x * sin);
+        (re[rows.lanes + i], im[rows.lanes + i]) = (x * cos + y * sin, y * cos - x * sin);
+    }
+}
+
+/// Writes the mean of each pair into the drives of a wave; its field is still the old one.
+fn mean(pairs: &Pairs<'_>, wave: &mut Wave<'_>) {
+    for (drive, phasors) in wave.drive.iter_mut().zip(pairs) {
+        let (first, second) = phasors.split_at(drive.len());
+        drive.iter_mut().zip(first.iter().zip(second)).for_each(|(q, (a, b))| *q = 0.5 * (a + b));
+    }
+}
+
+/// Rotates each phasor by the phase atan(`part` `direction`) at modulus 1, 0 staying 0.
+fn rotate([qr, qi]: &Pairs<'_>, direction: &[f32], part: f32, [re, im]: &mut Pairs<'_>) {
+    for (i, direction) in direction.iter().enumerate() {
+        let slope = part * direction;
+        let (x, y) = (qr[i] - slope * qi[i], qi[i] + slope * qr[i]);
+        let scale = 1.0 / sqrtf((x * x + y * y).max(f32::MIN_POSITIVE));
+        (re[i], im[i]) = (scale * x, scale * y);
     }
 }

@@ -17,6 +17,8 @@ pub(crate) struct Answer {
     pub(crate) status: Status,
     /// Steps done, of how many.
     pub(crate) steps: (usize, usize),
+    /// Whether a level between two amplitudes of the board is made of both.
+    pub(crate) mixed: bool,
 }
 
 impl Answer {
@@ -32,11 +34,17 @@ impl Answer {
         work: &Workspace,
         control: &mut Control,
     ) -> Result<Solution, Error> {
-        let Self { mut drive, status, steps: (step, steps) } = self;
+        let Self { mut drive, status, steps: (step, steps), mixed } = self;
         let quantization = problem.quantization();
         let loudest = wave.moduli[..rows.targeted].iter().copied().fold(0.0, f32::max);
         let lower = problem.aim() == Aim::Target && loudest > rows.target;
         let factor = if lower { f64::from(rows.target / loudest) } else { 1.0 };
+        let on_grid =
+            status != Status::Stopped && quantization.is_some_and(|quantization| quantization.phases().is_some());
+        if mixed && lower && problem.mix(&mut drive, factor, work, control)? {
+            let solution = Solution::new(problem, drive, (status, step), steps, work, control)?;
+            return Ok(if on_grid { solution.on_grid() } else { solution });
+        }
         let (amplitude, scale) = quantization.map_or((factor, 1.0), |quantization| quantization.lowered(factor));
         for q in &mut drive {
             *q *= amplitude as f32;
@@ -48,7 +56,7 @@ impl Answer {
             Solution::new(problem, drive, (status, step), steps, work, control)?
         };
         let mut solution = solution.scaled(scale);
-        if status != Status::Stopped && quantization.is_some_and(|quantization| quantization.phases().is_some()) {
+        if on_grid {
             solution = solution.on_grid();
         }
         solution.tell(problem, steps, control);

@@ -9,12 +9,16 @@
 //! 5. *Stiffen*, if the points are traps ([`traps`]).
 //! 6. *Bring to the grid* of the board ([`on_grid`]), and down to the targets ([`answer`]).
 //!
+//! Where that misses the targets, points that are crowded or to be quiet get the drive of least squares ([`nearest`]): so do
+//! pictures, of which no even field is looked for.
+//!
 //! Rows of G are divided by their targets, so that all points ask for the same; the quiet ones come last.
 
 pub(crate) mod answer;
 pub(crate) mod ascent;
 pub(crate) mod coincident;
 pub(crate) mod common_level;
+pub(crate) mod nearest;
 pub(crate) mod on_grid;
 pub(crate) mod point_phases;
 pub(crate) mod regular;
@@ -34,6 +38,7 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::problem::{Problem, Solution, Status};
 use crate::scene::Aim;
+use crate::solvers::common::least_squares::Task;
 use crate::solvers::common::tiled::Rows;
 use crate::solvers::even_field::answer::Answer;
 use crate::solvers::even_field::ascent::Pace;
@@ -55,6 +60,36 @@ enum Regime {
     Crowded,
 }
 
+/// Returns the drive that meets the targets, or comes nearest to them: the even one, unless it misses them and another does
+/// not.
+///
+/// # Errors
+/// More memory than allowed; a stop before there is a drive.
+pub(crate) fn meet(
+    problem: &Problem,
+    plans: &[Plan],
+    work: &Workspace,
+    control: &mut Control,
+) -> Result<Solution, Error> {
+    if nearest::is_picture(problem) {
+        return nearest::nearest(problem, nearest::for_picture(problem), work, control);
+    }
+    let Even { solution, regime, reached } = even(problem, plans, work, control)?;
+    let quiet = f64::from(plans[0].quiet);
+    let loud = || problem.targets()[..problem.propagation().points()].iter().all(|&target| target > 0.0);
+    let leaks = problem.leaks(quiet, &solution).is_some();
+    let missed = leaks || problem.missed(true, Some(quiet), &solution).is_some();
+    // Of points apart the highest common level is the answer, reached or not; of others if it is reached.
+    let highest = loud() && regime == Some(Regime::Separate) || reached && !leaks;
+    if highest || !missed || problem.aim() == Aim::Max {
+        return Ok(solution);
+    }
+    let task = Task { before: solution.steps, ..nearest::USUAL };
+    let nearest = nearest::nearest(problem, task, work, control)?;
+    let uneven = leaks || matches!(regime, None | Some(Regime::Crowded));
+    nearest::nearer(problem, quiet, [solution, nearest], uneven, work, control)
+}
+
 /// Returns an even drive, at the level that the problem aims at: the best that any of some plans finds.
 ///
 /// # Errors
@@ -65,6 +100,20 @@ pub(crate) fn solve(
     work: &Workspace,
     control: &mut Control,
 ) -> Result<Solution, Error> {
+    even(problem, plans, work, control).map(|even| even.solution)
+}
+
+/// An even field's answer.
+struct Even {
+    solution: Solution,
+    /// How the points depend on one another; `None` where the field is not even.
+    regime: Option<Regime>,
+    /// Whether it is even and reaches the targets, until a board's amplitudes bring it down.
+    reached: bool,
+}
+
+/// As [`solve`].
+fn even(problem: &Problem, plans: &[Plan], work: &Workspace, control: &mut Control) -> Result<Even, Error> {
     let silence = Silence::of(problem, plans[0].quiet, work, control)?;
     let mut rows = Rows::alike(problem, &silence.points, work, control)?;
     let foci = Foci::of(&mut rows, work, control)?;
@@ -78,7 +127,9 @@ pub(crate) fn solve(
         && !run.stopped
         && let Some(drive) = raise(&mut run, &mut search, &foci, plans)?
     {
-        return Solution::new(problem, drive, (Status::OutOfSteps, run.step), run.steps, work, run.control);
+        let ended = (Status::OutOfSteps, run.step);
+        let solution = Solution::new(problem, drive, ended, run.steps, work, run.control)?;
+        return Ok(Even { solution, regime: None, reached: false });
     }
     lift_to_target(&mut run, &mut search)?;
     let Search { mut best, even, .. } = search;
@@ -91,7 +142,11 @@ pub(crate) fn solve(
         (_, true) => Status::Done,
         _ => Status::OutOfSteps,
     };
-    Answer { drive, status, steps: (run.step, run.steps) }.brought_down(problem, &rows, &best, work, run.control)
+    let reached = even && best.moduli[..rows.targeted].iter().all(|&modulus| modulus >= rows.target);
+    let regime = even.then_some(regime);
+    let answer = Answer { drive, status, steps: (run.step, run.steps), mixed: true };
+    let solution = answer.brought_down(problem, &rows, &best, work, run.control)?;
+    Ok(Even { solution, regime, reached })
 }
 
 /// Makes the fields of all starts even as the `expected` regime does, and returns the regime that the points turned out

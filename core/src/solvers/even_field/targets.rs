@@ -16,30 +16,18 @@ use crate::solvers::even_field::search::{NEARLY, Search};
 use crate::solvers::even_field::silence::Silence;
 use crate::workspace::Workspace;
 
-/// More points than that are a picture: an even field of theirs takes seconds ...
-const PICTURE: usize = 400;
-
-/// ... unless fewer than that are to sound: few points amid a quiet zone.
-const LIT: usize = 64;
-
 /// The largest part of a target that a drive may be off by for all targets to be in reach of it.
 const NEAR: f32 = 0.05;
 
-/// Whether a problem has more points than an even field is looked for, with targets to be met.
-pub(crate) fn too_many(problem: &Problem) -> bool {
-    let lit = problem.targets().iter().filter(|&&target| target > 0.0).count();
-    let picture = problem.propagation().points() > PICTURE && lit >= LIT;
-    picture && problem.aim() == Aim::Target && !problem.has_start()
-}
-
-/// A drive near by with |q| = 1 that meets every target, if Gauss-Newton steps find one in time; `steps` are those done, of
-/// how many.
+/// A drive near by with |q| = 1 that meets every target times `factor`, if Gauss-Newton steps find one in time; `steps` are
+/// those done, of how many.
 ///
 /// # Errors
 /// More memory than allowed.
-pub(crate) fn met(
+pub(super) fn met(
     problem: &Problem,
     drive: &[Complex32],
+    factor: f32,
     (step, steps): (usize, usize),
     work: &Workspace,
     control: &mut Control,
@@ -54,8 +42,9 @@ pub(crate) fn met(
     let mut run = Run { step, ..Run::new(problem, rows, plan, steps + MOST_STEPS, work, control) };
     let mut wave = Wave::new(rows, work);
     wave.play_at_full(rows, drive.iter().copied());
-    let near = wave.unevenness(rows, rows.target, run.plan.quiet) <= NEAR;
-    let met = near && polish(&mut run, Manner::crowded(rows.target, plan.quiet), &mut wave)?.even;
+    let level = rows.target * factor;
+    let near = wave.unevenness(rows, level, run.plan.quiet) <= NEAR;
+    let met = near && polish(&mut run, Manner::crowded(level, plan.quiet), &mut wave)?.even;
     Ok(met.then(|| wave.drives(propagation.transducers(), work)))
 }
 
