@@ -292,7 +292,10 @@ def test_images_count_the_scale_in_and_show_the_quantity_asked_for(
 @pytest.mark.slow
 def test_compare_has_a_line_and_a_panel_for_each_solver(run: Run) -> None:
     status, out, err = run("compare", "scene.toml", "--image", "sheet.png")
-    assert (status, err, files()) == (0, "", {"scene.toml", "sheet.png"})
+    assert (status, files()) == (0, {"scene.toml", "sheet.png"})
+    # So few transducers cannot do more: the methods that meet targets report it.
+    assert err
+    assert all("missed by" in line for line in err.splitlines())
     rows = out.strip().splitlines()[2:]
     assert [row.split()[0] for row in rows] == list(midair.solvers())
     width, height = png_size("sheet.png")
