@@ -51,9 +51,10 @@ def test_targets_in_pascals_are_met_and_modulation_is_played(ring):
     found = midair.sequence(array, still.with_am(200, "sqrt"), rate=RATE)
     there = found.targets > 25
     np.testing.assert_allclose(found.pressures[there], found.targets[there], rtol=2e-3)
-    relative = midair.sequence(array, ring.with_am(200, "cosine"), rate=RATE)
-    assert relative.targets.min() == pytest.approx(0.0, abs=1e-6 * relative.targets.max())
     # The balanced level itself is a little above what two points so near can have.
+    with pytest.warns(midair.SceneWarning, match="missed by"):
+        relative = midair.sequence(array, ring.with_am(200, "cosine"), rate=RATE)
+    assert relative.targets.min() == pytest.approx(0.0, abs=1e-6 * relative.targets.max())
     part = relative.targets / relative.targets.max()
     loud = (part > 0.1) & (part < 0.85)
     np.testing.assert_allclose(relative.pressures[loud], relative.targets[loud], rtol=0.03)

@@ -134,6 +134,10 @@ impl Solve for Glide {
         true
     }
 
+    fn meets_targets(&self) -> bool {
+        true
+    }
+
     fn remembers(&self) -> bool {
         true
     }
