@@ -17,15 +17,16 @@ type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// An upper bound on the level min |p| / target over the points with a pressure: no drive, quantised or not, exceeds it.
 ///
-/// It is the value of a semidefinite relaxation and lies some 8 to 9 % above the best field known. At most 64 points.
+/// Up to three points it is the highest level itself, to 1e-4. Of more it is the value of a semidefinite relaxation, some 8 to
+/// 9 % above the best field known; above 64 points it is looser.
 /// pressures in Pa (one number or (M,)), weights (M,) and mask (N,) go with a Propagation, or replace a scene's own.
 ///
-/// Raises SceneError for more points and for no pressure above 0, TypeError where scene is neither.
+/// Raises SceneError for no pressure above 0, TypeError where scene is neither.
 ///
 /// >>> import midair
 /// >>> scene = midair.Scene(midair.Array.preset("paper20"), [[-0.02, 0, 0.15], [0.02, 0, 0.15]])
-/// >>> level = midair.solve(scene, "wgs").metrics.level
-/// >>> level < midair.bound(scene) < 1.12 * level
+/// >>> level = midair.solve(scene, "best").metrics.level
+/// >>> level < midair.bound(scene) < 1.0002 * level
 /// True
 #[pyfunction]
 #[pyo3(signature = (scene, *, pressures=None, weights=None, mask=None))]

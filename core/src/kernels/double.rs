@@ -15,6 +15,12 @@ pub(crate) const WIDE: usize = 4;
 /// Groups of a row that stay in registers while others are added to it.
 const BLOCK: usize = 8;
 
+/// Lanes that [`divided`] takes at once.
+pub(crate) const SPAN: usize = 16;
+
+/// Rows that [`divided`] takes at most.
+pub(crate) const MOST_ROWS: usize = 25;
+
 type Group = [f64; WIDE];
 
 #[inline(always)]
@@ -69,6 +75,42 @@ pub(crate) fn times_adjoint(set: InstructionSet, rows: [&[f64]; 2], vector: [&[f
             }
         }
     });
+}
+
+/// d_i = sqrt(`sum_r c_r row_ri`), no less than `least`, and the sums of `row_ri/d_i` of each row (over a multiple of
+/// [`SPAN`] lanes); the sum of d.
+pub(crate) fn divided(set: InstructionSet, rows: &[f64], factors: &[f64], least: f64, sums: &mut [f64]) -> f64 {
+    dispatch!(set, _s => {
+        let lanes = rows.len() / factors.len();
+        let mut parts = [[0.0; SPAN]; MOST_ROWS];
+        let mut whole = [0.0; SPAN];
+        for at in 0..lanes / SPAN {
+            let own = |r: usize| rows[r * lanes + at * SPAN..].first_chunk::<SPAN>().expect("a span");
+            let mut d = [0.0; SPAN];
+            for (r, factor) in factors.iter().enumerate() {
+                let row = own(r);
+                for lane in 0..SPAN {
+                    d[lane] += factor * row[lane];
+                }
+            }
+            let mut inverse = [0.0; SPAN];
+            for lane in 0..SPAN {
+                let square = if d[lane] > least * least { d[lane] } else { least * least };
+                let root = sqrt(square);
+                whole[lane] += root;
+                inverse[lane] = 1.0 / root;
+            }
+            for (r, part) in parts.iter_mut().take(factors.len()).enumerate() {
+                let row = own(r);
+                for lane in 0..SPAN {
+                    part[lane] += row[lane] * inverse[lane];
+                }
+            }
+        }
+        let all = |parts: [f64; SPAN]| parts.as_chunks().0.iter().map(|group| total(*group)).sum::<f64>();
+        sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum = all(part));
+        all(whole)
+    })
 }
 
 /// sum_r row_ri row_r over rows of `size`, N groups from group `at` on.

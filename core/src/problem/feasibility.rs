@@ -9,7 +9,7 @@ use core::fmt;
 use crate::control::Control;
 use crate::error::Error;
 use crate::problem::Problem;
-use crate::problem::upper_bound::{MOST_POINTS, rough_bound};
+use crate::problem::upper_bound::{FEW_POINTS, rough_bound};
 
 /// The paper's own p1/sqrt(M) is out of reach by 14 % in the mean and by a quarter in single scenes of few points. What is
 /// proven to be further away is a slip.
@@ -99,7 +99,7 @@ impl Problem {
         if let Some(alone) = self.beyond_alone() {
             return Ok(Some(alone));
         }
-        if self.balance() >= EVERYDAY || self.targeted().len() > MOST_POINTS {
+        if self.balance() >= EVERYDAY || self.targeted().len() > FEW_POINTS {
             return Ok(None);
         }
         let most = rough_bound(self, control)?;

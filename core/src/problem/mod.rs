@@ -6,6 +6,7 @@ pub(crate) mod feasibility;
 pub(crate) mod judgement;
 pub(crate) mod metrics;
 pub(crate) mod mix;
+pub(crate) mod optimum;
 pub(crate) mod range;
 pub(crate) mod setup;
 pub(crate) mod solution;

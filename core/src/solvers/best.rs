@@ -27,6 +27,9 @@ options! {
 /// Starts carried on to drives: how loud a field can be made even is known only then.
 const FINALISTS: usize = 4;
 
+/// Even fields raised on.
+const RAISED: usize = 3;
+
 impl Method for Best {
     const INFO: Info =
         Info::new("best", "the loudest even field from many starts", "as uniform").balanced().with_start().with_aim();
@@ -51,6 +54,7 @@ impl Solve for Best {
             sweeps: self.steps as usize,
             tolerance: self.tolerance as f32,
             quiet: self.quiet as f32,
+            raised: RAISED,
         };
         even_field::meet(problem, &[as_uniform, plan], work, control)
     }

@@ -23,6 +23,7 @@ mod metrics;
 mod motion;
 mod motions;
 #[allow(dead_code, unreachable_pub, reason = "an independent reference, also for tests to come")]
+mod optimum;
 mod oracle;
 mod paper;
 mod plausibility;

@@ -22,7 +22,7 @@ fn levels(scene: &Scene, problem: &Problem) -> Vec<(&'static str, f64)> {
 #[test]
 #[ignore = "slow"]
 fn no_solver_exceeds_the_bound_and_the_best_comes_near() {
-    for (count, near) in [(1, 1.0001), (2, 1.12), (4, 1.12), (16, 1.12), (64, 1.20)] {
+    for (count, near) in [(1, 1.0001), (2, 1.0002), (4, 1.12), (16, 1.12), (64, 1.20)] {
         for seed in 0..2 {
             let scene = scene(preset("paper20"), random_points(count, 0.1, 200 + seed), None);
             let problem = problem(&scene);
@@ -68,13 +68,6 @@ fn quiet_and_weightless_points_do_not_bind_and_units_cancel() {
     assert!((three / same - 1.0).abs() < 1e-9, "{three} {same}");
     let double = with(vec![1.0, 2.0, 1.4, 0.0, 0.0], None);
     assert!((2.0 * double / same - 1.0).abs() < 1e-9, "{double} {same}");
-}
-
-#[test]
-fn more_points_than_the_bound_takes_are_refused() {
-    let many = problem(&scene(preset("paper20"), random_points(65, 0.1, 32), None));
-    let error = bound(&many, &mut Control::none()).expect_err("too many").to_string();
-    assert_eq!(error, "points is 65 with a pressure: a bound takes at most 64");
 }
 
 #[test]

@@ -31,6 +31,8 @@ pub(super) struct Pace {
     least: f32,
     /// Steps at most.
     pub(super) steps: usize,
+    /// An even field is the end once a step promises no more than this part of its level.
+    settled: f32,
     /// How the field is made even at the end: at a level, with what quiet points may leak of it.
     pub(super) manner: fn(level: f32, quiet: f32) -> Manner,
 }
@@ -38,7 +40,8 @@ pub(super) struct Pace {
 impl Pace {
     /// For crowded targets. With a part of 0.85 a line of 33 points loses a tenth of the level, with 0.97 nothing more is
     /// gained.
-    pub(super) const LOUD: Self = Self { damping: 1.0, shrink: 0.93, least: 1e-5, steps: 160, manner: Manner::crowded };
+    pub(super) const LOUD: Self =
+        Self { damping: 1.0, shrink: 0.93, least: 1e-5, steps: 160, settled: f32::INFINITY, manner: Manner::crowded };
 
     /// The first quarter of it, after which the weakest point tells how loud the end will be, within 3 %.
     pub(super) const FIRST: Self = Self { steps: 40, ..Self::LOUD };
@@ -46,9 +49,21 @@ impl Pace {
     /// What comes after that quarter: .93^40 of the damping.
     pub(super) const REST: Self = Self { damping: 0.0549, steps: 120, ..Self::LOUD };
 
+    /// For crowded targets of which the weakest have been raised.
+    pub(super) const SOFT: Self =
+        Self { damping: 0.1, shrink: 0.9, steps: 100, manner: Manner::stubborn, ..Self::LOUD };
+
     /// For crowded quiet points around a few targets: their equations are linear, and there are many. A least damping of
     /// 1e-5 costs 4 % of the level beside a disc of 172 points, one of 1e-3 lets them leak twice as much.
-    pub(super) const SILENT: Self = Self { damping: 1e-2, shrink: 0.5, least: 1e-4, steps: 22, manner: Manner::silent };
+    pub(super) const SILENT: Self =
+        Self { damping: 1e-2, shrink: 0.5, least: 1e-4, steps: 22, settled: f32::INFINITY, manner: Manner::silent };
+
+    /// For separate targets, even or nearly: whole steps.
+    pub(super) const RISE: Self =
+        Self { damping: 1e-6, shrink: 1.0, least: 1e-6, steps: 20, settled: 1e-5, manner: Manner::rising };
+
+    /// For few of them, whose phases still turn while their level hardly rises.
+    pub(super) const RISE_OF_FEW: Self = Self { steps: 60, settled: 1e-6, ..Self::RISE };
 }
 
 /// The least curvature D_i, relative to the mean: a transducer that hardly counts turns no further.
@@ -66,10 +81,11 @@ pub(super) fn climb<'w>(run: &mut Run<'_, '_, 'w>, pace: Pace, wave: &mut Wave<'
     let size = newton.dual.size;
     let mut multipliers = work.floats.take(newton.dual.lanes());
     multipliers[..rows.targeted].fill(1.0 / rows.targeted as f32);
-    let mut damping = pace.damping;
+    let (mut damping, mut promised) = (pace.damping, f32::INFINITY);
     for _ in 0..pace.steps {
         let level = wave.level(rows);
-        if run.stopped || wave.unevenness(rows, level, run.plan.quiet) <= run.plan.tolerance {
+        let settled = promised <= pace.settled * level;
+        if run.stopped || settled && wave.unevenness(rows, level, run.plan.quiet) <= run.plan.tolerance {
             break;
         }
         metric.measure(rows, wave, &multipliers);
@@ -107,6 +123,7 @@ pub(super) fn climb<'w>(run: &mut Run<'_, '_, 'w>, pace: Pace, wave: &mut Wave<'
         if !trial.level(rows).is_finite() || !shift.is_finite() {
             break;
         }
+        promised = shift;
         core::mem::swap(wave, &mut trial);
         for (multiplier, new) in multipliers.iter_mut().zip(&new) {
             *multiplier += part * (new - *multiplier);

@@ -16,8 +16,12 @@
 
 pub(crate) mod answer;
 pub(crate) mod ascent;
+pub(crate) mod coarse;
 pub(crate) mod coincident;
 pub(crate) mod common_level;
+pub(crate) mod cones;
+pub(crate) mod few;
+pub(crate) mod leaders;
 pub(crate) mod nearest;
 pub(crate) mod on_grid;
 pub(crate) mod point_phases;
@@ -25,6 +29,7 @@ pub(crate) mod regular;
 pub(crate) mod run;
 pub(crate) mod search;
 pub(crate) mod silence;
+pub(crate) mod soft_minimum;
 pub(crate) mod targets;
 pub(crate) mod traps;
 pub(crate) mod weighted_sweeps;
@@ -120,7 +125,8 @@ fn even(problem: &Problem, plans: &[Plan], work: &Workspace, control: &mut Contr
     // A start that is given is the only one.
     let plans = if problem.has_start() { &plans[plans.len() - 1..] } else { plans };
     let mut run = Run::new(problem, &rows, plans[0], MOST_STEPS, work, control);
-    let mut search = Search::new(&rows, work);
+    let raised = plans.iter().map(|plan| plan.raised(&rows)).max().unwrap_or(0);
+    let mut search = Search::new(&rows, if problem.has_start() { 0 } else { raised }, work);
     let expected = if silence.crowded { Regime::Silent } else { Regime::Separate };
     let regime = make_even(&mut run, &mut search, &foci, plans, expected)?;
     if regime == Regime::Crowded
@@ -131,10 +137,13 @@ fn even(problem: &Problem, plans: &[Plan], work: &Workspace, control: &mut Contr
         let solution = Solution::new(problem, drive, ended, run.steps, work, run.control)?;
         return Ok(Even { solution, regime: None, reached: false });
     }
+    if regime == Regime::Separate && !run.stopped && !search.finds(&run) {
+        search.rise(&mut run)?;
+    }
     lift_to_target(&mut run, &mut search)?;
     let Search { mut best, even, .. } = search;
     if !traps::stiffen(&mut run, &mut best)? {
-        on_grid::bring(&mut run, even, &mut best);
+        on_grid::bring(&mut run, [even, plans.iter().any(|plan| plan.raised > 0)], &mut best);
     }
     let drive = best.drives(problem.propagation().transducers(), work);
     let status = match (run.stopped, even) {
@@ -165,8 +174,12 @@ fn make_even<'w>(
         return Ok(if search.even { Regime::Silent } else { Regime::Crowded });
     }
     let symmetric = run.problem.propagation().control_points().is_some_and(|points| regular::regular(points, run.work));
-    let extra = (symmetric && !run.problem.has_start()).then(|| plans[0].for_regular());
+    let unequal = !symmetric && run.rows.unequal();
+    let extra = ((symmetric || unequal) && !run.problem.has_start()).then(|| plans[0].for_regular());
     for plan in plans.iter().copied().chain(extra) {
+        if unequal && search.finds(run) {
+            break;
+        }
         if search.level(run, foci, plan)? {
             return Ok(Regime::Crowded);
         }
@@ -201,7 +214,11 @@ fn raise<'w>(
     }
     if unfinished(run, search) {
         for plan in plans {
-            search.race(run, foci, plan.for_crowded())?;
+            if plan.raised > 0 && run.rows.targeted == run.rows.order.len() {
+                search.soften(run, foci, *plan)?;
+            } else {
+                search.race(run, foci, plan.for_crowded())?;
+            }
         }
     }
     let Some(nearest) = nearest else { return Ok(None) };

@@ -47,7 +47,7 @@ pub(super) struct Foci<'w> {
     /// Sums of |G|^2.
     powers: Buffer<'w, f32>,
     /// See [`Starts`].
-    weights: Buffer<'w, f32>,
+    pub(super) weights: Buffer<'w, f32>,
     /// From the strongest point on: an order that does not depend on the order of the scene's points.
     visits: Buffer<'w, u32>,
 }

@@ -21,6 +21,8 @@ pub(crate) struct Plan {
     pub(crate) tolerance: f32,
     /// What a quiet point may leak, relative to the level.
     pub(crate) quiet: f32,
+    /// How many of the even fields of separate points are raised on.
+    pub(crate) raised: usize,
 }
 
 /// A quiet point counts from this many times what it may leak on: the last tenth would take as many steps as all before.
@@ -35,11 +37,17 @@ pub(crate) const SWEEPS: u32 = 4;
 /// Equations of which a step takes tens of milliseconds: the level of more is not raised any further.
 pub(super) const TOO_MANY: usize = 500;
 
+/// Targets are unequal where one is this part of another, ...
+const UNEQUAL: f32 = 3.0;
+
+/// ... which counts from so many on.
+const MANY: usize = 16;
+
 impl Plan {
     /// One start, found on G itself.
     pub(crate) const fn alone(sweeps: u32, tolerance: f64, quiet: f64) -> Self {
         let (tolerance, quiet) = (tolerance as f32, quiet as f32);
-        Self { starts: 1, finalists: 1, seed: 0, sweeps: sweeps as usize, tolerance, quiet }
+        Self { starts: 1, finalists: 1, seed: 0, sweeps: sweeps as usize, tolerance, quiet, raised: 0 }
     }
 
     /// Beside one start for points that lie regularly: it may have broken a tie for the worse.
@@ -47,9 +55,22 @@ impl Plan {
         Self { starts: 16, finalists: 3, ..*self }
     }
 
+    /// How many even fields are raised on: of unequal targets one at least, since the shortest steps to an even field cost
+    /// them a tenth of the level.
+    pub(super) fn raised(&self, rows: &Rows) -> usize {
+        if rows.unequal() { self.raised.max(1) } else { self.raised }
+    }
+
     /// For crowded points, of which the energy of a start says less of the level it ends at: more of them are raised.
     pub(super) fn for_crowded(&self) -> Self {
         Self { starts: self.starts.max(16), finalists: (2 * self.finalists).max(4), ..*self }
+    }
+}
+
+impl Rows<'_> {
+    /// Whether there are many targets, some much louder than others.
+    pub(super) fn unequal(&self) -> bool {
+        self.targeted >= MANY && self.scale[..self.targeted].iter().any(|&scale| scale >= UNEQUAL)
     }
 }
 

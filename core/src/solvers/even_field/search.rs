@@ -1,11 +1,16 @@
 //! Search: fields from several starts, of which the loudest even one is kept.
 
 use crate::error::Error;
+use crate::scene::Aim;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::ascent::{Pace, climb};
 use crate::solvers::even_field::common_level::{MOST_STEPS, Manner, Polish, polish};
+use crate::solvers::even_field::cones;
+use crate::solvers::even_field::few::{self, FEW};
+use crate::solvers::even_field::leaders::{self, Leaders};
 use crate::solvers::even_field::point_phases::{Foci, Starts};
 use crate::solvers::even_field::run::{Plan, Run};
+use crate::solvers::even_field::soft_minimum;
 use crate::solvers::even_field::weighted_sweeps::raise;
 use crate::workspace::Workspace;
 
@@ -31,18 +36,19 @@ pub(super) struct Search<'w> {
     /// |P| of its weakest targeted point; below 0 before there is any.
     pub(super) lowest: f32,
     pub(super) trial: Wave<'w>,
+    /// Even fields to be raised on, and how many.
+    raised: usize,
+    leaders: Leaders<'w>,
 }
 
 /// One of so many starts is followed to its end: with one of four the level of a letter of 160 points is 2 to 4 % lower.
 const RACERS: usize = 3;
 
-/// So many of them at most.
-const MOST_AHEAD: usize = 3;
-
 impl<'w> Search<'w> {
-    pub(super) fn new(rows: &Rows, work: &'w Workspace) -> Self {
+    /// Nothing yet; so many fields are to be raised on.
+    pub(super) fn new(rows: &Rows, raised: usize, work: &'w Workspace) -> Self {
         let [best, trial] = [(); 2].map(|()| Wave::new(rows, work));
-        Self { best, even: false, lowest: -1.0, trial }
+        Self { best, even: false, lowest: -1.0, trial, raised, leaders: Leaders::new(raised) }
     }
 
     /// Keeps the trial if it is better: even before loud.
@@ -57,6 +63,11 @@ impl<'w> Search<'w> {
     /// Whether the best is even, no weaker than a target.
     pub(super) fn reaches(&self, target: f32) -> bool {
         self.even && self.lowest >= target * (1.0 - 2.0 * NEARLY)
+    }
+
+    /// Whether nothing louder is asked for.
+    pub(super) fn finds(&self, run: &Run) -> bool {
+        run.problem.aim() == Aim::Target && self.reaches(run.rows.target)
     }
 
     /// By the shortest steps to an even field, from each start of a plan; whether the points turned out to be crowded.
@@ -76,6 +87,9 @@ impl<'w> Search<'w> {
             let level = self.trial.level(rows);
             let uneven = !even && self.trial.unevenness(rows, level, run.plan.quiet) > NEARLY;
             crowded |= uneven || (many && level < KEPT * before);
+            if even && self.raised > 0 {
+                self.leaders.offer(&self.trial, rows, run.work);
+            }
             self.offer(rows, even);
             if run.stopped {
                 break;
@@ -117,28 +131,86 @@ impl<'w> Search<'w> {
     pub(super) fn race(&mut self, run: &mut Run<'_, '_, 'w>, foci: &Foci, plan: Plan) -> Result<(), Error> {
         let rows = run.rows;
         let starts = Starts::new(run.problem, rows, foci, &plan, run.work, run.control)?;
-        let most = starts.count.div_ceil(RACERS).min(MOST_AHEAD);
+        let most = starts.count.div_ceil(RACERS).min(leaders::MOST);
         run.plan = plan;
         run.steps += starts.count * (1 + plan.sweeps + Pace::FIRST.steps) + most * (Pace::REST.steps + MOST_STEPS);
-        let mut ahead: [Option<(f32, Wave)>; MOST_AHEAD] = [const { None }; MOST_AHEAD];
+        let mut ahead = Leaders::new(most);
         for start in 0..starts.count {
             if run.stopped {
                 break;
             }
             raise(run, &starts, start, &mut self.trial);
             climb(run, Pace::FIRST, &mut self.trial)?;
-            let lowest = self.trial.lowest(rows);
-            let weakest = |slot: &Option<(f32, Wave)>| slot.as_ref().map_or(f32::NEG_INFINITY, |(lowest, _)| *lowest);
-            let last = ahead[..most].iter_mut().min_by(|a, b| weakest(a).total_cmp(&weakest(b)));
-            if let Some(last) = last.filter(|last| weakest(last) < lowest) {
-                let (_, mut wave) = last.take().unwrap_or_else(|| (lowest, Wave::new(rows, run.work)));
-                wave.copy(&self.trial);
-                *last = Some((lowest, wave));
-            }
+            ahead.offer(&self.trial, rows, run.work);
         }
-        for (_, wave) in ahead.iter().flatten() {
+        for wave in ahead.fields() {
             self.trial.copy(wave);
             self.climb_on(run, Pace::REST)?;
+        }
+        Ok(())
+    }
+
+    /// From the loudest fields of separate points on: of few, from the start that is known to be best, of more, through the
+    /// soft minimum.
+    ///
+    /// # Errors
+    /// More memory than allowed.
+    pub(super) fn rise(&mut self, run: &mut Run<'_, '_, 'w>) -> Result<(), Error> {
+        let (rows, alone) = (run.rows, run.rows.targeted == run.rows.order.len());
+        let leaders = core::mem::replace(&mut self.leaders, Leaders::new(0));
+        let few = alone && (2..=FEW).contains(&rows.targeted);
+        if self.raised == 0 || rows.targeted == 1 {
+            return Ok(());
+        }
+        if few && let Some(starts) = few::start(run)? {
+            run.plan.sweeps = 0;
+            raise(run, &starts, 0, &mut self.trial);
+            self.rise_on(run, Pace::RISE_OF_FEW)?;
+        }
+        for wave in leaders.fields().take(if few { 0 } else { leaders::MOST }) {
+            self.trial.copy(wave);
+            if alone {
+                soft_minimum::raise(run, &mut self.trial);
+            }
+            self.rise_on(run, Pace::RISE)?;
+        }
+        Ok(())
+    }
+
+    /// By whole steps that raise the level of the trial.
+    fn rise_on(&mut self, run: &mut Run<'_, '_, 'w>, pace: Pace) -> Result<(), Error> {
+        run.steps += pace.steps + MOST_STEPS;
+        climb(run, pace, &mut self.trial)?;
+        let even = polish(run, Manner::separate(None), &mut self.trial)?.even;
+        self.offer(run.rows, even);
+        Ok(())
+    }
+
+    /// Through the soft minimum, from the best field of crowded points and from waves that have their focus before or behind
+    /// them.
+    ///
+    /// # Errors
+    /// More memory than allowed.
+    pub(super) fn soften(&mut self, run: &mut Run<'_, '_, 'w>, foci: &Foci, plan: Plan) -> Result<(), Error> {
+        let rows = run.rows;
+        let mut ahead = Leaders::new(leaders::MOST);
+        run.plan = plan;
+        run.steps += leaders::MOST * (Pace::SOFT.steps + 2 * MOST_STEPS);
+        self.trial.copy(&self.best);
+        for cone in 0..=cones::COUNT {
+            if cone > 0 {
+                let Some(starts) = cones::start(run, foci, cone - 1) else { break };
+                raise(run, &starts, 0, &mut self.trial);
+            }
+            if run.stopped {
+                break;
+            }
+            soft_minimum::raise(run, &mut self.trial);
+            ahead.offer(&self.trial, rows, run.work);
+        }
+        for wave in ahead.fields() {
+            self.trial.copy(wave);
+            self.climb_on(run, Pace::SOFT)?;
         }
         Ok(())
     }

@@ -1,8 +1,7 @@
 //! Traps of which nothing is asked: phases turned until the softest of all is as stiff as can be.
 //!
-//! ```text
-//! E = -min K + 1/s ln sum_ja e^{-s (K_ja - min K)}        K the stiffness at point j along its axis a, over the least at first
-//! ```
+//! What is raised is the soft minimum ([`soft_minimum`]) of K_ja, the stiffness at point j along its axis a, over the least at
+//! first.
 //!
 //! Equal foci are not equal traps: each lies in the others' waves, and across the boards' axis traps are a tenth as stiff as
 //! along it. Along x and y foci cannot be told from one another, so that their levels alone bring no more than nine tenths of
@@ -18,6 +17,7 @@ use crate::scene::{Aim, Signature};
 use crate::solvers::common::phase_descent::{Cost, PhaseDescent};
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::run::Run;
+use crate::solvers::even_field::soft_minimum;
 
 /// How sharp the minimum is, one after the other, and steps of each: twice the steps bring 1 % more.
 const SHARPNESS: [f64; 2] = [8.0, 32.0];
@@ -41,18 +41,14 @@ impl Softest<'_> {
 
 impl Cost for Softest<'_> {
     fn of(&self, wave: &Wave) -> f64 {
-        let parts = self.parts(wave);
-        let least = least(&parts);
-        let sum: f64 = parts.iter().map(|k| math::exp(self.sharpness * (least - k))).sum();
-        math::log(sum) / self.sharpness - least
+        soft_minimum::negated(self.parts(wave).iter().copied(), self.sharpness)
     }
 
     fn pull(&self, wave: &Wave, pulls: [&mut [f32]; 2]) {
         let parts = self.parts(wave);
-        let least = least(&parts);
-        let shares: Vec<f64> = parts.iter().map(|k| math::exp(self.sharpness * (least - k))).collect();
-        let whole = -self.unit * shares.iter().sum::<f64>();
-        let weights: Vec<f64> = shares.iter().map(|share| share / whole).collect();
+        let (least, sum) = soft_minimum::shares(parts.iter().copied(), self.sharpness);
+        let share = |k: &f64| math::exp(self.sharpness * (least - k)) / (-self.unit * sum);
+        let weights: Vec<f64> = parts.iter().map(share).collect();
         self.stiffness.pull(wave.field.each_ref().map(|plane| &plane[..]), &weights, pulls);
     }
 }

@@ -1,0 +1,312 @@
+//! Optimum: the highest level of few points, reached from below and bounded from above, by branching over their phases.
+//!
+//! With h_i = (G_ji/t_j)_j and the points' phases v_j given, the level is a concave function of the drives, and its maximum
+//! over |q_i| <= 1 the minimum of the dual over weights w_j >= 0 of sum 1:
+//!
+//! ```text
+//! s(v) = min_w sum_i |x_i|                                     x_i = sum_j w_j conj(v_j) h_ji
+//!     <= sum_i (|x_i|^2/d_i + d_i)/2                           for any w and d > 0, at any v:
+//!      = (sum_j w_j^2 M_jj + sum_i d_i)/2 + sum_{j<k} w_j w_k Re(conj(v_j) v_k M_jk)      M_jk = sum_i h_ji conj(h_ki)/d_i
+//! ```
+//!
+//! a sum of cosines of phase differences, which is bounded over a box of phases: the certificate. With d_i >= |x_i| the drive
+//! conj(x_i)/d_i is one that can be played: the level that is reached. A box whose certificate is above the best level is
+//! halved. Good w come from iteratively reweighted least squares, that is the minimum of the certificate at the box's middle.
+
+use core::cmp::Ordering;
+use core::f64::consts::PI;
+
+use num_complex::Complex64;
+
+use crate::control::{Control, bytes};
+use crate::error::Error;
+use crate::kernels::InstructionSet;
+use crate::kernels::double::{self, MOST_ROWS};
+use crate::math::{cos, sin, sqrt};
+use crate::workspace::{Buffer, Workspace};
+
+/// Points at most: the phases of more have too many boxes.
+pub(crate) const MOST: usize = 5;
+
+/// Rounding of sums in double precision, generously.
+pub(crate) const ROUNDING: f64 = 1e-9;
+
+/// Intervals that each phase is cut into at first.
+const CUT: usize = 4;
+
+/// Weights tried for a box, each set from the one before.
+const TRIES: usize = 4;
+
+/// Other weights are looked for while the present ones cost more than this part of what the box's width costs.
+const WORTH: f64 = 0.1;
+
+/// The shortest step of a phase, in rad: the level is flat where it is highest.
+const SETTLED: f64 = 3e-3;
+
+/// Numbers of a box: its certificate, the phases of its middle, weights.
+const BOX: usize = 1 + 2 * MOST;
+
+/// What is added to the diagonal of the weights' equations, relative to its mean: coincident points make them singular.
+const RIDGE: f64 = 1e-12;
+
+/// Rows of the matrix of the weights' equations.
+const SIDE: usize = 8;
+
+/// What is found.
+#[derive(Clone, Copy)]
+pub(crate) struct Optimum {
+    /// No drive's level is higher.
+    pub(crate) bound: f64,
+    /// A drive has this level.
+    pub(crate) level: f64,
+    /// Of the points, in rad, and what each counts: that drive is the phase of the transducers' `sum_j w_j v_j conj(h_ji)`.
+    pub(crate) phases: [f64; MOST],
+    pub(crate) weights: [f64; MOST],
+}
+
+/// How long it is looked for.
+#[derive(Clone, Copy)]
+pub(crate) struct Effort {
+    /// Until the bound is above the level by no more than this part of it, ...
+    pub(crate) gap: f64,
+    /// ... or so many boxes have been looked at.
+    pub(crate) boxes: usize,
+}
+
+/// Finds the optimum of `points` (at most [`MOST`]), the planes of h over `lanes` transducers.
+///
+/// # Errors
+/// More memory than allowed, a stop.
+pub(crate) fn search(
+    set: InstructionSet,
+    [re, im]: [&[f64]; 2],
+    points: usize,
+    effort: Effort,
+    work: &Workspace,
+    control: &mut Control,
+) -> Result<Optimum, Error> {
+    let lanes = re.len() / points;
+    let taken = bytes(8, &[lanes, points, points]).saturating_add(bytes(16, &[BOX, effort.boxes]));
+    control.room("the phases of the points", [lanes, points], taken)?;
+    let mut products = work.doubles.take_any(points * points * lanes);
+    for (to, [j, k, part]) in products.chunks_exact_mut(lanes).zip(terms(points)) {
+        let own = |plane: &[f64], j: usize, i: usize| plane[j * lanes + i];
+        for (i, to) in to.iter_mut().enumerate() {
+            let (a, b) = ([own(re, j, i), own(im, j, i)], [own(re, k, i), own(im, k, i)]);
+            *to = if part == 0 { a[0] * b[0] + a[1] * b[1] } else { a[1] * b[0] - a[0] * b[1] };
+        }
+    }
+    let powers = products.chunks_exact(lanes).take(points).map(|row| row.iter().sum::<f64>()).sum::<f64>();
+    let best = Optimum { bound: f64::INFINITY, level: 0.0, phases: [0.0; MOST], weights: [0.0; MOST] };
+    let least = 1e-9 * sqrt(powers / lanes as f64) / points as f64;
+    let mut torus = Torus { set, points, products, half: [0.0; MOST], least, best, left_out: 0.0, gap: effort.gap };
+    torus.branch(effort.boxes, work, control)?;
+    torus.settle(control)?;
+    torus.best.bound *= 1.0 + ROUNDING;
+    Ok(torus.best)
+}
+
+/// The points of each row of products and whether it is the imaginary part: |h_j|^2, then re and im of h_j conj(h_k), j < k.
+fn terms(points: usize) -> impl Iterator<Item = [usize; 3]> {
+    let pairs = (0..points).flat_map(move |j| (j + 1..points).flat_map(move |k| [[j, k, 0], [j, k, 1]]));
+    (0..points).map(|j| [j, j, 0]).chain(pairs)
+}
+
+/// The boxes of phases under way.
+struct Torus<'w> {
+    set: InstructionSet,
+    points: usize,
+    products: Buffer<'w, f64>,
+    /// Half the width of a box along each phase; the first phase is 0.
+    half: [f64; MOST],
+    /// The least d.
+    least: f64,
+    best: Optimum,
+    /// The highest certificate of the boxes that are done with.
+    left_out: f64,
+    gap: f64,
+}
+
+impl Torus<'_> {
+    fn branch(&mut self, most: usize, work: &Workspace, control: &mut Control) -> Result<(), Error> {
+        let points = self.points;
+        let mut count = CUT.pow(points as u32 - 1);
+        let [mut boxes, mut next] = [(); 2].map(|()| work.doubles.take(BOX * most.max(count)));
+        self.half[1..points].fill(PI / CUT as f64);
+        for (k, own) in boxes.as_chunks_mut::<BOX>().0.iter_mut().take(count).enumerate() {
+            own[0] = f64::INFINITY;
+            for j in 1..points {
+                own[1 + j] = (2 * (k / CUT.pow(j as u32 - 1) % CUT) + 1) as f64 * self.half[j];
+            }
+            own[1 + MOST..][..points].fill(1.0 / points as f64);
+        }
+        let mut spent = 0;
+        for axis in (1..points.max(2)).cycle() {
+            let all = &mut boxes.as_chunks_mut::<BOX>().0[..count];
+            // The most promising ones first.
+            all.sort_unstable_by(|a, b| compare(b, a));
+            for own in all.iter_mut() {
+                control.pulse()?;
+                self.measure(own, control)?;
+            }
+            spent += count;
+            let enough = self.best.level * (1.0 + self.gap);
+            let done = |own: &&[f64; BOX]| own[0] <= enough;
+            self.left_out = all.iter().filter(done).fold(self.left_out, |most, own| most.max(own[0]));
+            let open = count - all.iter().filter(done).count();
+            if open == 0 || points == 1 || spent + 2 * open > most {
+                self.best.bound = all.iter().fold(self.left_out, |most, own| most.max(own[0]));
+                break;
+            }
+            self.half[axis] *= 0.5;
+            let halves = next.as_chunks_mut::<BOX>().0.as_chunks_mut::<2>().0;
+            for (own, halves) in all.iter().filter(|own| !done(own)).zip(halves) {
+                *halves = [*own; 2];
+                halves[0][1 + axis] -= self.half[axis];
+                halves[1][1 + axis] += self.half[axis];
+            }
+            core::mem::swap(&mut boxes, &mut next);
+            count = 2 * open;
+        }
+        Ok(())
+    }
+
+    /// Turns the phases of the highest level on as long as that raises it, by shorter and shorter steps.
+    fn settle(&mut self, control: &mut Control) -> Result<(), Error> {
+        let mut step = PI / 32.0;
+        (self.half, self.gap) = ([0.0; MOST], 0.0);
+        while step > SETTLED {
+            let before = self.best.level;
+            for (axis, turn) in (1..self.points).flat_map(|axis| [(axis, step), (axis, -step)]) {
+                control.pulse()?;
+                let mut own = [f64::INFINITY; BOX];
+                own[1..=MOST].copy_from_slice(&self.best.phases);
+                own[1 + MOST..].copy_from_slice(&self.best.weights);
+                own[1 + axis] += turn;
+                self.measure(&mut own, control)?;
+            }
+            if self.best.level <= before {
+                step *= 0.5;
+            }
+        }
+        Ok(())
+    }
+
+    /// Lowers the certificate of a box, and keeps its middle if that has the highest level.
+    fn measure(&mut self, own: &mut [f64; BOX], control: &mut Control) -> Result<(), Error> {
+        let points = self.points;
+        let phases: [f64; MOST] = own[1..=MOST].try_into().expect("a phase each");
+        let mut weights: [f64; MOST] = own[1 + MOST..].try_into().expect("a weight each");
+        let turned = |j: usize, k: usize| Complex64::new(cos(phases[k] - phases[j]), sin(phases[k] - phases[j]));
+        for _ in 0..TRIES {
+            let mut factors = [0.0; MOST_ROWS];
+            for (factor, [j, k, part]) in factors.iter_mut().zip(terms(points)) {
+                let both = weights[j] * weights[k];
+                *factor = match part {
+                    // |x| at the middle, widened by what it is over the box.
+                    0 if j == k => both * (1.0 + self.half[j] * self.half[j] / 3.0),
+                    0 => 2.0 * both * turned(j, k).re,
+                    _ => -2.0 * both * turned(j, k).im,
+                };
+            }
+            let mut sums = [0.0; MOST_ROWS];
+            let count = points * points;
+            let whole = double::divided(self.set, &self.products, &factors[..count], self.least, &mut sums[..count]);
+            // Re(conj(v_j) v_k M_jk) of all pairs.
+            let mut matrix = [0.0; SIDE * SIDE];
+            let mut swing = Swing::default();
+            let mut certificate = 0.5 * whole;
+            let mut pairs = sums[points..count].as_chunks::<2>().0.iter();
+            for j in 0..points {
+                matrix[j * SIDE + j] = sums[j];
+                certificate += 0.5 * weights[j] * weights[j] * sums[j];
+                for k in j + 1..points {
+                    let &[re, im] = pairs.next().expect("a sum each");
+                    let product = turned(j, k) * Complex64::new(re, im);
+                    (matrix[j * SIDE + k], matrix[k * SIDE + j]) = (product.re, product.re);
+                    swing.add([j, k], product * (weights[j] * weights[k]), self.half);
+                }
+            }
+            certificate += swing.most(self.half);
+            own[0] = own[0].min(certificate);
+            let pressure = |j: usize| (0..points).map(|k| matrix[j * SIDE + k] * weights[k]).sum::<f64>();
+            let level = (0..points).map(pressure).fold(f64::INFINITY, f64::min);
+            if level > self.best.level {
+                self.best = Optimum { level, phases, weights, ..self.best };
+            }
+            own[1 + MOST..].copy_from_slice(&weights);
+            let dual = (0..points).map(|j| weights[j] * pressure(j)).sum::<f64>();
+            let enough = self.best.level * (1.0 + self.gap);
+            if own[0] <= enough || dual - level <= WORTH * (certificate - dual) {
+                break;
+            }
+            let Some(better) = self.reweighted(&matrix, control)? else { break };
+            weights = better;
+        }
+        Ok(())
+    }
+
+    /// The weights at which the certificate at the middle is least: A w = 1 over those that are not below 0, of sum 1.
+    fn reweighted(&self, matrix: &[f64; SIDE * SIDE], control: &mut Control) -> Result<Option<[f64; MOST]>, Error> {
+        let (points, mut among) = (self.points, [true; MOST]);
+        let mean = (0..points).map(|j| matrix[j * SIDE + j]).sum::<f64>() / points as f64;
+        for _ in 0..points {
+            let (mut system, mut weights) = ([0.0; SIDE * SIDE], [0.0; SIDE]);
+            for j in 0..SIDE {
+                let own = j < points && among[j];
+                system[j * SIDE + j] = if own { matrix[j * SIDE + j] + RIDGE * mean } else { 1.0 };
+                for k in (j + 1..points).filter(|&k| own && among[k]) {
+                    system[j * SIDE + k] = matrix[j * SIDE + k];
+                }
+                weights[j] = if own { 1.0 } else { 0.0 };
+            }
+            if !double::factor(self.set, &mut system, SIDE, control)? {
+                return Ok(None);
+            }
+            double::solve(self.set, &system, &mut weights);
+            let below = (0..points).filter(|&j| weights[j] < 0.0);
+            if below.clone().count() == 0 {
+                let sum = weights.iter().sum::<f64>();
+                return Ok((sum > 0.0).then(|| core::array::from_fn(|j| weights[j] / sum)));
+            }
+            below.for_each(|j| among[j] = false);
+        }
+        Ok(None)
+    }
+}
+
+/// What a sum of cosines of phase differences adds to a certificate: at the middle, and at most over the box.
+#[derive(Default)]
+struct Swing {
+    middle: f64,
+    /// Its slope along each phase.
+    slopes: [f64; MOST],
+    /// What the second and third order of all cosines add.
+    bent: f64,
+    /// The sum of what each cosine is at most.
+    apart: f64,
+}
+
+impl Swing {
+    /// Adds `|product| cos(c + t)`, c the phase of the product and |t| at most the sum of two half widths:
+    /// cos(c + t) <= cos c - t sin c + max(0, -cos c) t^2/2 + |t|^3/6.
+    fn add(&mut self, [j, k]: [usize; 2], product: Complex64, half: [f64; MOST]) {
+        let (size, width) = (product.norm(), half[j] + half[k]);
+        self.middle += product.re;
+        self.slopes[j] += product.im;
+        self.slopes[k] -= product.im;
+        self.bent += 0.5 * (-product.re).max(0.0) * width * width + size * width * width * width / 6.0;
+        let within = width >= PI || product.re >= size * cos(width);
+        self.apart += if within { size } else { product.re * cos(width) + product.im.abs() * sin(width) };
+    }
+
+    fn most(&self, half: [f64; MOST]) -> f64 {
+        let along = self.slopes.iter().zip(half).map(|(slope, half)| slope.abs() * half).sum::<f64>();
+        (self.middle + along + self.bent).min(self.apart)
+    }
+}
+
+/// By the certificate, then by the phases: no two boxes are alike.
+fn compare(a: &[f64; BOX], b: &[f64; BOX]) -> Ordering {
+    a.iter().zip(b).map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
+}

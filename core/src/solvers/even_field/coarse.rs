@@ -1,0 +1,158 @@
+//! Coarse: drives of a board with few phases, searched for the loudest weakest point; transducers may be off.
+//!
+//! ```text
+//! E = sum_j (s/|P_j|)^2p,  p = 4, 8, 16           lower with every change of one transducer to another code of the grid
+//! ```
+//!
+//! Two phases leave errors of a tenth at every point, and which of them a drive is rounded to depends on the phase that all
+//! drives have in common: several are tried.
+
+use num_complex::Complex32;
+
+use crate::control::bytes;
+use crate::device::quantization::Quantization;
+use crate::error::Error;
+use crate::math::phasor;
+use crate::solvers::common::tiled::Wave;
+use crate::solvers::even_field::run::Run;
+use crate::workspace::Buffer;
+
+/// Common phases tried, beside the drive as it is.
+const TURNS: usize = 8;
+
+/// p, two to the power of it, one after the other, and sweeps over the transducers at most of each.
+const SHARPNESS: [u32; 3] = [2, 3, 4];
+const SWEEPS: usize = 8;
+
+/// The most codes of a transducer: those of seven phases, and off.
+const MOST_CODES: usize = 8;
+
+/// Raises the weakest target of a wave that lies on the grid, `free` being the same before rounding.
+///
+/// # Errors
+/// More memory than allowed, a stop.
+pub(super) fn raise<'w>(
+    run: &mut Run<'_, '_, 'w>,
+    quantization: &Quantization,
+    free: &[Complex32],
+    wave: &mut Wave<'w>,
+) -> Result<(), Error> {
+    let (rows, work) = (run.rows, run.work);
+    let sides = [free.len(), rows.targeted];
+    run.control.room("the columns of G", sides, bytes(16, &sides))?;
+    let mut codes = [Complex32::ZERO; MOST_CODES];
+    let phases = quantization.phases().unwrap_or(0) as usize;
+    for (k, code) in codes.iter_mut().take(phases).enumerate() {
+        let v = phasor(core::f64::consts::TAU * k as f64 / phases as f64);
+        *code = quantization.nearest(Complex32::new(v.re as f32, v.im as f32));
+    }
+    let off = quantization.amplitudes().is_none_or(|table| table[0] == 0.0);
+    let mut search = Search::new(run, &codes[..phases + usize::from(off)]);
+    let mut best = wave.drives(free.len(), work);
+    let mut most = wave.lowest(rows);
+    let mut trial = Wave::new(rows, work);
+    let mut drive = work.complexes.take(free.len());
+    for turn in 0..=TURNS {
+        drive.copy_from_slice(if turn == 0 { &best } else { free });
+        if turn > 0 {
+            let v = phasor(core::f64::consts::TAU * turn as f64 / (phases * TURNS) as f64);
+            drive.iter_mut().for_each(|q| *q *= Complex32::new(v.re as f32, v.im as f32));
+            quantization.grid().round(rows.set, 1.0, [1.0; 2], &mut drive);
+        }
+        trial.play(rows, drive.iter().copied());
+        search.descend(run, &trial, &mut drive)?;
+        trial.play(rows, drive.iter().copied());
+        if trial.lowest(rows) > most {
+            most = trial.lowest(rows);
+            best.copy_from_slice(&drive);
+            core::mem::swap(wave, &mut trial);
+        }
+    }
+    work.complexes.give(best);
+    Ok(())
+}
+
+/// The columns of G at the targeted points, and the field under way.
+struct Search<'a, 'w> {
+    codes: &'a [Complex32],
+    points: usize,
+    /// G_ji of a transducer after the other.
+    columns: [Buffer<'w, f64>; 2],
+    field: [Buffer<'w, f64>; 2],
+    /// s^2.
+    unit: f64,
+}
+
+impl<'a, 'w> Search<'a, 'w> {
+    fn new(run: &Run<'_, '_, 'w>, codes: &'a [Complex32]) -> Self {
+        let (rows, work) = (run.rows, run.work);
+        let points = rows.targeted;
+        let mut columns = [(); 2].map(|()| work.doubles.take(rows.lanes * points));
+        let mut own = [(); 2].map(|()| work.floats.take(rows.lanes));
+        for j in 0..points {
+            rows.conjugate(j, own.each_mut().map(|plane| &mut plane[..]));
+            for (i, (re, im)) in own[0].iter().zip(&own[1]).enumerate() {
+                (columns[0][i * points + j], columns[1][i * points + j]) = (f64::from(*re), -f64::from(*im));
+            }
+        }
+        Self { codes, points, columns, field: [(); 2].map(|()| work.doubles.take(points)), unit: 0.0 }
+    }
+
+    /// Changes one transducer after the other as long as that lowers E.
+    fn descend(&mut self, run: &mut Run, wave: &Wave, drive: &mut [Complex32]) -> Result<(), Error> {
+        let mean = f64::from(wave.level(run.rows));
+        self.unit = mean * mean;
+        for (field, own) in self.field.iter_mut().zip(&wave.field) {
+            field.iter_mut().zip(own.iter()).for_each(|(field, own)| *field = f64::from(*own));
+        }
+        for sharpness in SHARPNESS {
+            for _ in 0..SWEEPS {
+                let mut moved = false;
+                for (i, q) in drive.iter_mut().enumerate() {
+                    run.control.pulse()?;
+                    moved |= self.turn(i, q, sharpness);
+                }
+                if !moved {
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets one transducer to the code of the least E; whether that is another.
+    fn turn(&mut self, i: usize, q: &mut Complex32, sharpness: u32) -> bool {
+        let own = i * self.points..(i + 1) * self.points;
+        let [re, im] = self.columns.each_ref().map(|plane| &plane[own.clone()]);
+        let [field_re, field_im] = self.field.each_ref().map(|plane| &plane[..]);
+        let energy = |change: [f64; 2]| {
+            let points = re.iter().zip(im).zip(field_re.iter().zip(field_im));
+            let each = points.map(|((re, im), (x, y))| {
+                let [x, y] = [x + re * change[0] - im * change[1], y + re * change[1] + im * change[0]];
+                let mut ratio = self.unit / (x * x + y * y).max(f64::MIN_POSITIVE);
+                for _ in 0..sharpness {
+                    ratio *= ratio;
+                }
+                ratio
+            });
+            each.sum::<f64>()
+        };
+        let change = |code: Complex32| [f64::from(code.re - q.re), f64::from(code.im - q.im)];
+        let mut least = (energy([0.0; 2]), None);
+        for &code in self.codes.iter().filter(|code| **code != *q) {
+            let found = energy(change(code));
+            if found < least.0 * (1.0 - 1e-9) {
+                least = (found, Some(code));
+            }
+        }
+        let Some(code) = least.1 else { return false };
+        let [a, b] = change(code);
+        for j in 0..self.points {
+            let [re, im] = [self.columns[0][own.start + j], self.columns[1][own.start + j]];
+            self.field[0][j] += re * a - im * b;
+            self.field[1][j] += re * b + im * a;
+        }
+        *q = code;
+        true
+    }
+}
