@@ -38,6 +38,8 @@ class Rig:
     turned: float = 0.0
     microphones: int = 4
     height: float = 0.15
+    misplaced: float = 0.0
+    held: bool = False
 
     def __post_init__(self) -> None:
         """Draw what is off."""
@@ -55,6 +57,8 @@ class Rig:
         self.places = (
             middle + np.c_[self.spots(self.microphones, 0.05), np.full(self.microphones, self.height)]
         )
+        off = np.random.default_rng([self.seed, 1]).normal(size=self.places.shape)
+        self.given = self.places + self.misplaced * off
         self.new = middle + np.c_[self.spots(4, 0.04), np.full(4, self.height)]
         self.truth = self.matrix(self.new)
         self.best = np.abs(self.truth @ midair.solve(midair.Propagation(self.truth), "uniform").drive).mean()
@@ -105,7 +109,8 @@ def calibrated(
     drives = midair.calibration_drives(rig.array, readings, microphones=rig.microphones, seed=rig.seed)
     heard = rig.read(drives, decibels, phased)
     began = time.process_time()
-    found = midair.calibrate(rig.array, drives, heard, microphones=rig.places)
+    error = 0 if rig.held else None
+    found = midair.calibrate(rig.array, drives, heard, microphones=rig.given, microphones_error=error)
     return found, time.process_time() - began
 
 
@@ -160,6 +165,9 @@ def main() -> None:
     print("| readings | model | calibrated | worst | min/max | dead found, wrongly | m/s off | CPU s |")
     print("|---|---|---|---|---|---|---|---|")
     row("4 a transducer of \\|p\\|, 40 dB", 4, 40)
+    row("4, 40 dB, microphones held", 4, 40, held=True)
+    row("4, 40 dB, microphones 1 mm off", 4, 40, misplaced=1e-3)
+    row("4, 30 dB, 15 % dead", 4, 30, dead=0.15)
     row("4, 60 dB", 4, 60)
     row("2, 40 dB", 2, 40)
     row("2, 60 dB", 2, 60)

@@ -59,8 +59,9 @@ def calibration_drives(
     return drives
 
 
-#: Below DEAD times the median modulus a transducer is dead, if ALIVE times is two standard deviations off.
-DEAD, ALIVE = 0.4, 0.75
+#: A transducer is named dead if it is so with more than this probability, or if it is so rather than not and
+#: its gain is below QUIET times the median by so many standard deviations.
+DEAD, QUIET, SURELY = 0.99, 0.5, 4
 #: A phase off by more than this many rad is a transducer connected the wrong way round.
 REVERSED = np.radians(115)
 #: Readings this many times louder or quieter than the model are hardly in Pa.
@@ -85,7 +86,7 @@ def calibrate(
     noise: float | None = None,
     prior: float | None = None,
     sound_speed_error: float = 10.0,
-    microphones_error: float = 0.0,
+    microphones_error: float | None = None,
     second_board: Any = None,
     pose_error: tuple[float, float] = (2e-3, 0.03),
     progress: Callable[[int, int], object] | None = None,
@@ -97,10 +98,11 @@ def calibrate(
     microphones : their places (M, 3) in m; left out, the scene's points
     complex : True asks for complex readings, False takes the moduli of any; left out, as they are
     noise : standard deviation of a reading in Pa, the least that is assumed; the fit finds what there is
-    prior : how far re and im of a response may be off what the array says, relative to their mean modulus;
-        left out, it is learnt with them
+    prior : how far re and im of a living response may be off what the array says, relative to their mean
+        modulus; left out, it is learnt with them
     sound_speed_error : how far the sound speed may be off, in m/s; 0 holds it
-    microphones_error : how far each coordinate of a microphone may be off, in m; 0 holds them
+    microphones_error : how far each coordinate of a microphone may be off, in m; left out, it is learnt, from
+        1 mm on; 0 holds their places
     second_board : a slice, indices or a mask of the transducers of a board whose pose is not known
     pose_error : how far that may be off, in m and rad
     progress : called with (step, steps)
@@ -129,7 +131,7 @@ def calibrate(
     second = indices_of(second_board, len(array))
     priors = Priors(
         number("sound_speed_error", sound_speed_error, least=0),
-        number("microphones_error", microphones_error, least=0),
+        None if microphones_error is None else number("microphones_error", microphones_error, least=0),
         _pose(pose_error),
     )
     model = Model(scene, places, second, priors, np.iscomplexobj(heard))
@@ -223,10 +225,10 @@ def _result(
             "check the places of the microphones, and that drives and readings are in one order"
         )
     gain, error = np.abs(response), found.responses_error * scale
-    median = float(np.median(gain[sounding]))
-    dead = np.flatnonzero(sounding & (gain < DEAD * median) & (gain + 2 * error < ALIVE * median))
+    quiet = (found.chances[1] > 0.5) & (gain + SURELY * error < QUIET * np.median(gain[sounding]))
+    dead = np.flatnonzero(sounding & (quiet | (found.chances[1] > DEAD)))
     off = np.abs(np.angle(response * np.conj(model.phases)))
-    reversed_ = np.setdiff1d(np.flatnonzero(sounding & (off > REVERSED) & (gain > 2 * error)), dead)
+    reversed_ = np.setdiff1d(np.flatnonzero(sounding & (off > REVERSED) & (found.chances[2] > 0.5)), dead)
     response[dead] = 0
     # What was not played is known no better than before.
     response = np.where(sounding, response, 1.0 if scene.array.response is None else scene.array.response)

@@ -9,28 +9,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._support.ctrl_c import interruptibly
-from .model import AIR, CLOCK, LOUDNESS, SPEED, Complex, Model, Real
+from .model import AIR, CLOCK, LOUDNESS, SPEED, Belief, Complex, Model, Real
 
-#: Readings are first trusted to this part of their root mean square, then so many times tighter a step.
-#: Without it the fit ends in false minima where noise is small and readings are few.
+#: Readings are first trusted to this part of their root mean square, then at most so many times tighter or
+#: looser a step. Without it the fit ends in false minima where noise is small and readings are few.
 FIRST_TRUST, TIGHTER = 0.3, 0.6
 #: A reading so many standard deviations of all off the model is outlying; a normal one is so in 10^9. Scatter
 #: below this part of the median reading is none that matters.
 OUTLYING, LEAST_SCATTER = 6.0, 1e-3
 #: Above this part of outlying readings it is the model that is wrong; rounds of leaving out at most.
 MOST_OUTLYING, ROUNDS = 0.2, 8
-#: Steps at most. Once trusted to their noise, the fit ends when a step gains less than this part of its cost.
-STEPS, GAIN = 40, 1e-3
-#: The most damping of a step that is tried, in units of the prior's curvature.
-MOST_DAMPING = 1e3
+#: Steps at most. Once trusted to their noise, the fit ends when a step gains less than this part of its cost,
+#: and changes the chances of no transducer by more than so much.
+STEPS, GAIN, CHANGE = 40, 1e-3, 0.02
+#: The most damping of a step that is tried, in units of the prior's curvature; with less than the other it is
+#: whole.
+MOST_DAMPING, WHOLE = 1e3, 0.1
 #: A step that would make the mean response less than this is no step.
 LEAST_SCALE = 0.1
 #: Speeds looked through before the first step are so far apart, in m/s.
 SPEED_STEP = 0.5
 #: Drives of a block of the normal equations: what Ctrl-C waits for.
 BLOCK = 256
-#: Where no prior is given, that of re and im of a response to begin with, relative to their mean modulus.
-PRIOR = 0.3
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,8 @@ class Fitted:
     #: Model minus reading (K, M) in Pa, and which readings were used.
     residuals: Real | Complex
     used: NDArray[np.bool_]
+    #: How probable it is that each transducer is alive, dead or reversed (3, N).
+    chances: Real
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,8 @@ class Place:
     responses: Complex
     state: Real
     residuals: Real | Complex
+    #: Of a modulus in Pa, as it is trusted.
+    noise: float
 
     @property
     def misfit(self) -> float:
@@ -114,57 +118,58 @@ def fit(
     """Responses and state of the least misfit, weighed against their distance from what was believed.
 
     Readings (K, M) of drives (K, N): moduli, or complex. `believed` are the responses' moduli: re and im are
-    along and across the phases that the model's array has. `prior` is their standard deviation, relative to
-    the mean modulus; None learns it from step to step, as the spread of each. `noise` in Pa is the least that
+    along and across the phases that the model's array has. `prior` is the standard deviation of living ones,
+    relative to the mean modulus; None learns it from step to step. `noise` in Pa is the least that
     readings are taken to have; of those that are not `used` nothing is taken.
     """
     phased, given, readings = np.iscomplexobj(readings), readings, readings * used
     state = _start(model, drives, readings, believed, used)
-    n, modulus = len(believed), float(believed.mean())
-    spread = np.r_[np.full(2 * n, (prior or PRIOR) * modulus), model.spread[model.free]]
+    n, known = len(believed), Belief(model, believed, prior)
     rms = float(np.sqrt(np.sum(np.abs(readings) ** 2) / used.sum()))
     count = int(used.sum()) * (2 if phased else 1)
 
     loudness = 2 * n + int(np.searchsorted(model.free, LOUDNESS))
 
-    def place(off: Real) -> Place:
+    def place(off: Real, noise: float) -> Place:
         responses = believed + off[:n] + 1j * off[n : 2 * n]
-        # The loudness is the mean response, and the responses are what is left of it.
-        scale = max(float(responses.real.sum() / believed.sum()), LEAST_SCALE)
+        # The loudness takes what is common to the responses: as much as brings them nearest to their prior.
+        scale = max(known.scale(responses), LEAST_SCALE)
         responses /= scale
         off = np.r_[responses.real - believed, responses.imag, off[2 * n :]]
         off[loudness] += np.log(scale)
         at = model.moved(state, off[2 * n :])
-        heard = _heard(drives, responses, model.matrix(at), phased) * used
-        return Place(off, responses, at, heard - readings)
+        heard = _heard(drives, responses, model.matrix(at), phased, noise) * used
+        return Place(off, responses, at, heard - readings, noise)
 
-    here, one = place(np.zeros(len(spread))), np.eye(len(spread))
     trust, damping, noise = max(FIRST_TRUST * rms, noise), 0.0, max(noise, 1e-6 * rms)
+    here, one, left = place(known.mean, trust), np.eye(len(known.mean)), np.ones(len(known.mean))
     for step in range(STEPS):
         progress(step, STEPS)
+        spread = known.spread.copy()
         square, slope = _normal(model, drives, here, spread, used)
-        unknowns = here.off / spread
-        left = interruptibly(_inverse_diagonal, square / trust**2 + one)
         # Of the unknowns, what the readings determine takes as many readings with it.
         found = float(np.sqrt(here.misfit / max(count - np.sum(1 - left), 1.0)))
         settled = trust <= 1.05 * max(found, noise)
-        trust = max(noise, TIGHTER * trust, min(trust, found))
+        trust = max(noise, float(np.clip(found, TIGHTER * trust, trust / TIGHTER)))
+        left = interruptibly(_inverse_diagonal, square / trust**2 + one)
+        unknowns = (here.off - known.mean) / spread
         cost = here.misfit / trust**2 + unknowns @ unknowns
         while True:
             curvature = square / trust**2 + (1 + damping) * one
             then = unknowns - interruptibly(np.linalg.solve, curvature, slope / trust**2 + unknowns)
-            there = place(then * spread)
-            gain = cost - there.misfit / trust**2 - np.sum((there.off / spread) ** 2)
+            there = place(known.mean + then * spread, here.noise)
+            gain = cost - there.misfit / trust**2 - np.sum(((there.off - known.mean) / spread) ** 2)
             if gain > 0 or damping > MOST_DAMPING:
                 break
             damping = max(4 * damping, 0.01)
+        whole, change = damping < WHOLE, 0.0
         if gain > 0:
             here, damping = there, damping / 4
-        if settled and gain < GAIN * cost:
+            # Only a whole step ends where the posterior's mean is.
+            change = known.learn(here.off, left) if whole else 1.0
+        if settled and gain < GAIN * cost and change < CHANGE:
             break
-        if prior is None:
-            squares = here.off[: 2 * n] ** 2 + left[: 2 * n] * spread[: 2 * n] ** 2
-            spread[: 2 * n] = np.repeat(np.sqrt(squares.reshape(2, n).mean(axis=1)), n)
+        here = place(here.off, trust)
     progress(STEPS, STEPS)
     error = np.sqrt(left) * spread
     others = np.zeros(len(state))
@@ -177,6 +182,7 @@ def fit(
         max(found, noise),
         _heard(drives, here.responses, model.matrix(here.state), phased) - given,
         used,
+        known.chances,
     )
 
 
@@ -203,10 +209,12 @@ def _start(
     return np.asarray(start)
 
 
-def _heard(drives: Complex, responses: Real | Complex, matrix: Complex, phased: bool) -> Real | Complex:
-    """What the readings (K, M) would be."""
+def _heard(
+    drives: Complex, responses: Real | Complex, matrix: Complex, phased: bool, noise: float = 0.0
+) -> Real | Complex:
+    """What the readings (K, M) would be: p, or the root mean square of a modulus with noise."""
     p = drives @ (matrix * responses).T
-    return p if phased else np.abs(p)
+    return p if phased else np.hypot(np.abs(p), noise)
 
 
 def _normal(
@@ -215,6 +223,7 @@ def _normal(
     """J^T J and J^T r of the residuals r, by the unknowns.
 
     d|p|/dx_i = conj(p)/|p| G_i q_i (re, -im), and the same of G's derivatives by the state, summed over i.
+    |p| is that with noise.
     """
     matrix = model.matrix(here.state)
     slopes = model.slopes(here.state, matrix) * here.responses
@@ -229,7 +238,8 @@ def _normal(
                 rows, left = np.concatenate([rows.real, rows.imag]), np.concatenate([left.real, left.imag])
             else:
                 p = each @ here.responses
-                turned = (np.conj(p) / np.maximum(np.abs(p), np.finfo(float).tiny))[:, None]
+                heard = np.hypot(np.abs(p), max(here.noise, np.finfo(float).tiny))
+                turned = (np.conj(p) / heard)[:, None]
                 each, others = each * turned, others * turned
                 rows = np.hstack([each.real, -each.imag, others.real])
             rows *= spread

@@ -1,4 +1,4 @@
-"""What microphones hear of an array by the core's propagation, and how that changes with air and places."""
+"""What microphones hear of an array by the core's propagation, and what is believed before they do."""
 
 from __future__ import annotations
 
@@ -21,6 +21,22 @@ AIR = (293.0, 366.0)
 EXPONENT, WIDTH = 2.0, 0.3
 #: And of a clock's phase in rad and the loudness's logarithm: nothing is known of them.
 UNKNOWN = 10.0
+#: And of a microphone's coordinates in m, to begin with.
+MISPLACED = 1e-3
+#: A transducer is alive, dead, or connected the wrong way round: how probable each is before any reading. The
+#: fit learns that from those above DECIDED alone: from all, much noise would let all be dead.
+SIGNS, CHANCES = np.array([1.0, 0.0, -1.0]), np.array([0.94, 0.05, 0.01])
+DECIDED = 0.9
+#: Where none is given: standard deviation of re and im of a living response, relative to the mean modulus.
+SPREAD = 0.3
+#: What is learnt of responses and of places starts as if some more of them were off by that much: a part of
+#: the mean modulus, and m.
+OFF, OFF_PLACE = 0.2, 0.1e-3
+#: No response is known to less than this part of the mean modulus, a dead one's 0 neither.
+LEAST = 0.02
+#: Steps of learning are so many times those of expectation and maximisation, safe below 2, and change a
+#: standard deviation at most by the factor.
+OVER_RELAXED, FACTOR = 1.7, 1.5
 #: Where a state has what.
 SPEED, NUMBER, CLOCK, LOUDNESS, PLACES = range(5)
 
@@ -31,8 +47,8 @@ class Priors:
 
     #: In m/s.
     sound_speed: float
-    #: Of each coordinate of a microphone, in m.
-    microphones: float
+    #: Of each coordinate of a microphone, in m; None is learnt.
+    microphones: float | None
     #: Of the second board: where it lies, in m, and how it is turned, in rad.
     pose: tuple[float, float]
 
@@ -65,10 +81,13 @@ class Model:
             width,
             UNKNOWN * phased,
             UNKNOWN,
-            np.full(microphones.size, priors.microphones),
+            np.full(microphones.size, MISPLACED if priors.microphones is None else priors.microphones),
             pose,
         ]
         self.free = np.flatnonzero(self.spread)
+        #: Which of what is free are coordinates whose spread is learnt.
+        first = np.searchsorted(self.free, PLACES)
+        self.learnt = first + np.arange(microphones.size if priors.microphones is None else 0)
 
     def array(self, state: Real, response: Complex) -> Array:
         """The array as the state has it."""
@@ -165,3 +184,79 @@ def rotation(turn: Real) -> Real:
     x, y, z = turn / angle if angle else turn
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
+
+
+class Belief:
+    """Independent normal numbers for the unknowns: re and im of N responses, then what of the state is free.
+
+    A response is normal about what is believed of it, or about the opposite of that, or it is exactly 0. One
+    normal number stands for the three, with their mean and spread by how probable each is.
+
+    mean, spread : (2N + F,) how far each unknown is from what is believed, and its standard deviation
+    chances : (3, N) how probable it is that a transducer is alive, dead or reversed
+    """
+
+    def __init__(self, model: Model, believed: Real, prior: float | None) -> None:
+        n = len(believed)
+        self._centre, self._modulus = np.array([believed, np.zeros(n)]), float(believed.mean())
+        self._alive, self._learnt = np.full((1, 1), (prior or SPREAD) * self._modulus), prior is None
+        self._places = 2 * n + model.learnt
+        self.chances = np.zeros((3, n))
+        self.chances[0] = 1
+        self.mean, self.spread = np.zeros((2, 2 * n + len(model.free)))
+        self.spread[2 * n :] = model.spread[model.free]
+        self._stand()
+
+    def learn(self, off: Real, left: Real) -> float:
+        """Take over what a step of the fit found, and return the most that a chance changed.
+
+        `off` is how far each unknown is from what is believed, `left` the part of the prior's variance that
+        the readings leave.
+        """
+        n, variance = self.chances.shape[1], left * self.spread**2
+        own, left_of, at, spread = (
+            each[: 2 * n].reshape(2, n) for each in (off, variance, self.mean, self.spread)
+        )
+        # What the readings and all others tell of each: its own prior divided out.
+        told = np.maximum(1 / left_of - 1 / spread**2, 1e-9 / self._modulus**2)
+        middle = (own / left_of - at / spread**2) / told
+        apart = middle - (SIGNS[:, None, None] - 1) * self._centre
+        parts = np.sum(self.chances > DECIDED, axis=1) + n / 2 * CHANCES
+        widths = 1 / told + (SIGNS[:, None, None] * self._alive) ** 2
+        likely = np.log(parts)[:, None] - np.sum(np.log(widths) + apart**2 / widths, axis=1) / 2
+        likely = np.exp(likely - likely.max(axis=0))
+        before, self.chances = self.chances, likely / likely.sum(axis=0)
+        if self._learnt:
+            kept = self._alive**2 / widths
+            squares = np.sum(self.chances[::2, None] * ((kept * apart) ** 2 + kept / told)[::2], axis=0)
+            # One for re and im: with two, quieter responses that differ less would be ever more probable.
+            squares = squares.mean(axis=0, keepdims=True)
+            sounding = float(self.chances[::2].sum())
+            self._alive = _learnt(self._alive, squares, sounding, n / 4, OFF * self._modulus)
+        if len(self._places):
+            places = self._places
+            # By as many coordinates as the readings determine (MacKay 1992).
+            # Less one: with few of them the spread is in doubt itself, and errors are to hold.
+            determined = max(np.sum(1 - left[places]) - 1, 1.0)
+            self.spread[places] = np.sqrt((np.sum(off[places] ** 2) + OFF_PLACE**2) / determined)
+        self._stand()
+        return float(np.abs(self.chances - before).max())
+
+    def scale(self, responses: Complex) -> float:
+        """The number that divides responses (N,) to the least distance from the prior, in its spreads."""
+        n = len(responses)
+        mean = self._centre[0] + self.mean[:n]
+        parts = np.array([responses.real, responses.imag]) / self.spread[: 2 * n].reshape(2, n)
+        return float(np.sum(parts**2) / max(parts[0] @ (mean / self.spread[:n]), np.finfo(float).tiny))
+
+    def _stand(self) -> None:
+        n, sign, sounding = self.chances.shape[1], SIGNS @ self.chances, SIGNS**2 @ self.chances
+        self.mean[: 2 * n] = np.ravel((sign - 1) * self._centre)
+        variance = sounding * self._alive**2 + (sounding - sign**2) * self._centre**2
+        self.spread[: 2 * n] = np.sqrt(np.maximum(variance, (LEAST * self._modulus) ** 2)).ravel()
+
+
+def _learnt(last: Real, squares: Real, count: float, more: float, off: float) -> Real:
+    """Standard deviations by the squares (..., K) of `count` numbers and of `more`, one step past them."""
+    then = (squares.sum(axis=-1).reshape(last.shape) + more * off**2) / (count + more)
+    return np.asarray(last * np.clip((np.sqrt(then) / last) ** OVER_RELAXED, 1 / FACTOR, FACTOR))
