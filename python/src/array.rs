@@ -150,8 +150,8 @@ impl Array {
     /// 50 % humidity and 101.325 kPa, else the paper's 340 m/s, without absorption.
     ///
     /// >>> import midair
-    /// >>> round(midair.Array.preset("autd3").medium["sound_speed"], 1)
-    /// 346.1
+    /// >>> midair.Array.preset("paper20").medium.get("sound_speed")
+    /// 340.0
     #[getter]
     fn medium<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         self.inner.medium(&[]).map_err(refused)?.numbers().collect::<Vec<_>>().into_py_dict(py)
@@ -164,7 +164,8 @@ impl Array {
     }
 
     /// The same array as hardware, or not.
-    fn _with_hardware(&self, hardware: bool) -> Self {
+    #[pyo3(name = "_with_hardware")]
+    fn with_hardware(&self, hardware: bool) -> Self {
         self.inner.clone().with_hardware(hardware).into()
     }
 
@@ -189,7 +190,7 @@ impl Array {
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
         let (class, array) = (py.get_type::<Self>(), &self.inner);
         if array.is_hardware() && *array.origin() == Origin::Positions {
-            return Ok((class.getattr("_with_hardware")?, (self._with_hardware(false), true).into_pyobject(py)?));
+            return Ok((class.getattr("_with_hardware")?, (self.with_hardware(false), true).into_pyobject(py)?));
         }
         let call = match array.origin() {
             Origin::Positions => (class, self.positions(py)?, self.normals(py)?).into_pyobject(py)?,

@@ -57,7 +57,7 @@ type Lanes = [Complex64; RANK];
 /// with |q| <= 1, quantised or not, exceeds it.
 ///
 /// Up to three points it is the highest level itself, to 1e-4, and at four mostly to 1 %, by branching over the points'
-/// phases ([`crate::problem::optimum`]). From five points on it is the value of a relaxation, to 0.1 % for most scenes: for
+/// phases (`problem::optimum`). From five points on it is the value of a relaxation, to 0.1 % for most scenes: for
 /// the paper's random scenes 8 to 9 % above the best field known. Above 64 points the search for it is cut short; of more
 /// than 400, it is the bound on some of them. Deterministic; in double precision, time O(N M) a step and some hundred steps.
 ///

@@ -175,7 +175,7 @@ fn settled(q: Complex32) -> Complex32 {
     q * (1.5 - 0.5 * q.norm_sqr())
 }
 
-/// Takes a drive as the last one, of which every transducer that reaches a point has a phase.
+/// Takes a drive as the last one, by the board's nearest phases; every transducer that reaches a point must have a phase.
 fn begin(last: &mut Last, problem: &Problem, drive: &[Complex32]) -> Result<(), Error> {
     let propagation = problem.propagation();
     let reaches = |i: usize| (0..propagation.points()).any(|j| propagation.exact(j, i).norm() > 0.0);
@@ -183,7 +183,8 @@ fn begin(last: &mut Last, problem: &Problem, drive: &[Complex32]) -> Result<(), 
         let cure = "a transducer that is off has no phase to begin with: give |q| above 0, or no start";
         return Err(Error::invalid(format!("start[{i}]"), 0, cure));
     }
-    last.begin(drive.iter().map(|&q| unit(q)));
+    let board = problem.quantization();
+    last.begin(drive.iter().map(|&q| board.map_or(unit(q), |board| board.nearest(unit(q)))));
     Ok(())
 }
 

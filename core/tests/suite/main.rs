@@ -22,8 +22,8 @@ mod map;
 mod metrics;
 mod motion;
 mod motions;
-#[allow(dead_code, unreachable_pub, reason = "an independent reference, also for tests to come")]
 mod optimum;
+#[allow(dead_code, unreachable_pub, reason = "an independent reference, also for tests to come")]
 mod oracle;
 mod paper;
 mod plausibility;

@@ -176,6 +176,23 @@ fn a_frame_goes_on_from_a_drive_and_refuses_one_without_a_phase() {
 }
 
 #[test]
+fn a_drive_to_begin_with_that_is_not_on_the_grid_ends_on_it() {
+    let board = array(Some(8));
+    let begun: Vec<Complex32> = (0..SIDE * SIDE).map(|i| Complex32::from_polar(0.3, i as f32)).collect();
+    let request = Request { pressures: Some(vec![10.0; COUNT]), ..Request::default() };
+    let model = Model::new(&board, Medium::default(), InstructionSet::best()).expect("an array");
+    let problem = Problem::of_model(&model, &circles(1), &request, &mut Control::none()).expect("a problem");
+    let problem = problem.with_start(Start::Drive(begun)).expect("a start");
+    for change in [0.0, 0.1, PI / 4.0, PI] {
+        let glide = Glide { change, ..Glide::default() };
+        let solved =
+            midair::solve(&problem, &glide, false, &mut Workspace::new(), &mut Control::none()).expect("drives");
+        let eighths = |q: &Complex32| f64::from(q.arg()) / (PI / 4.0);
+        assert!(solved.drive.iter().all(|q| (eighths(q) - eighths(q).round()).abs() < 1e-5), "{change}");
+    }
+}
+
+#[test]
 fn a_sequence_stopped_and_gone_on_with_has_the_same_bits() {
     let (points, array) = (circles(30), array(Some(256)));
     let glide = || Glide { tau: 2e-4, change: PI / 8.0, ..Glide::default() };
