@@ -12,7 +12,6 @@ use core::slice;
 use num_complex::Complex32;
 
 use crate::control::Control;
-use crate::error::Error;
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::linalg::Planar;
 use crate::math;
@@ -40,41 +39,31 @@ pub(crate) fn is_of_one_amplitude(drive: &[Complex32], amplitude: f64) -> bool {
 
 impl Problem {
     /// Brings full drives down to `level`, as [`mix`].
-    ///
-    /// # Errors
-    /// A stop.
-    pub(crate) fn mix(
-        &self,
-        drive: &mut [Complex32],
-        level: f64,
-        work: &Workspace,
-        control: &mut Control,
-    ) -> Result<bool, Error> {
+    pub(crate) fn mix(&self, drive: &mut [Complex32], level: f64, work: &Workspace, control: &mut Control) -> bool {
         mix(&self.targets, drive, (1.0, level), work, control)
     }
 }
 
 /// Brings drives of the amplitude `own` down to `level`, and no targeted point above it, where pressures are requested and one
-/// amplitude of the board loses more of them. Returns whether the mix meets them; if not, the drives stay as they are.
-///
-/// # Errors
-/// A stop.
+/// amplitude of the board loses more of them. Returns whether the mix meets them; if not, or after a stop, the drives stay as
+/// they are.
 pub(crate) fn mix(
     request: &ArrayRequest,
     drive: &mut [Complex32],
     (own, level): (f64, f64),
     work: &Workspace,
     control: &mut Control,
-) -> Result<bool, Error> {
+) -> bool {
     let quantization = request.setup.quantization.as_deref().filter(|_| request.given);
-    let Some(pair) = quantization.and_then(|board| board.between(level)) else { return Ok(false) };
+    let Some(pair) = quantization.and_then(|board| board.between(level)) else { return false };
     // Half way between two amplitudes, rounding took either.
     for q in drive.iter_mut().filter(|q| !is_of_one_amplitude(slice::from_ref(q), own)) {
         *q *= (own / math::modulus(*q)) as f32;
     }
     let [level, below, above] = [level, pair[0], pair[1]].map(|amplitude| (amplitude / own) as f32);
     let propagation = &request.propagation;
-    let mut points = Points::new(request, &field_of(propagation, drive, work, control)?, level, work);
+    let Ok(field) = field_of(propagation, drive, work, control) else { return false };
+    let mut points = Points::new(request, &field, level, work);
     let leak = points.wrong()[1];
     let [mut re, mut im] = [(); 2].map(|()| work.floats.take(propagation.lanes()));
     let mut parts = work.floats.take(drive.len());
@@ -83,7 +72,9 @@ pub(crate) fn mix(
     for round in 0..ROUNDS {
         for ((i, q), part) in drive.iter().enumerate().zip(&mut *parts) {
             if *q != Complex32::ZERO {
-                control.pulse()?;
+                if control.pulse().is_err() {
+                    return false;
+                }
                 propagation.row(i, &mut re, &mut im);
                 points.along(*q, &mut re, &mut im);
                 *part = points.choose([&re, &im], *part, [below, above]);
@@ -103,7 +94,7 @@ pub(crate) fn mix(
     if met {
         drive.iter_mut().zip(&*parts).for_each(|(q, part)| *q *= *part);
     }
-    Ok(met)
+    met
 }
 
 /// The errors e of the points, and how waves become parts c of pressures.

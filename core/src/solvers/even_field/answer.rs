@@ -41,7 +41,7 @@ impl Answer {
         let factor = if lower { f64::from(rows.target / loudest) } else { 1.0 };
         let on_grid =
             status != Status::Stopped && quantization.is_some_and(|quantization| quantization.phases().is_some());
-        if mixed && lower && problem.mix(&mut drive, factor, work, control)? {
+        if mixed && lower && problem.mix(&mut drive, factor, work, control) {
             let solution = Solution::new(problem, drive, (status, step), steps, work, control)?;
             return Ok(if on_grid { solution.on_grid() } else { solution });
         }
