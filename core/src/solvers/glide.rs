@@ -123,7 +123,7 @@ impl Solve for Glide {
             if first.status == Status::Stopped {
                 return Ok(first);
             }
-            last.begin(first.drive.iter().map(|&q| unit(q)));
+            last.begin(first.drive.iter().map(|&q| placed(problem, q)));
             first.recycle(work);
             free = true;
         }
@@ -170,6 +170,11 @@ fn unit(q: Complex32) -> Complex32 {
     if q == Complex32::ZERO { q } else { Complex32::new(re, im) }
 }
 
+/// q/|q| at the nearest phase of the board, from which codes are counted.
+fn placed(problem: &Problem, q: Complex32) -> Complex32 {
+    problem.quantization().map_or(unit(q), |board| board.nearest(unit(q)))
+}
+
 /// q/|q| of a q that is 1 but for rounding, or 0: a step of Newton's for the root.
 fn settled(q: Complex32) -> Complex32 {
     q * (1.5 - 0.5 * q.norm_sqr())
@@ -183,8 +188,7 @@ fn begin(last: &mut Last, problem: &Problem, drive: &[Complex32]) -> Result<(), 
         let cure = "a transducer that is off has no phase to begin with: give |q| above 0, or no start";
         return Err(Error::invalid(format!("start[{i}]"), 0, cure));
     }
-    let board = problem.quantization();
-    last.begin(drive.iter().map(|&q| board.map_or(unit(q), |board| board.nearest(unit(q)))));
+    last.begin(drive.iter().map(|&q| placed(problem, q)));
     Ok(())
 }
 
