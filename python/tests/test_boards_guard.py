@@ -42,8 +42,9 @@ CASES = [(act, number) for act, numbers in ENDS.items() for number in numbers]
 def programs():
     """A process that has imported midair and forks a program for each line it reads."""
     script = str(Path(__file__).with_name("programs.py"))
+    # A group of its own below pytest's: the kernel drops SIGTSTP in a group without a parent outside it.
     with subprocess.Popen(
-        [sys.executable, script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        [sys.executable, script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, process_group=0
     ) as process:
         yield process
         process.stdin.close()
