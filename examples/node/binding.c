@@ -137,8 +137,8 @@ static napi_value set_option(napi_env env, napi_callback_info info)
     return refused(env, result, message) ? NULL : string(env, message);
 }
 
-/* What is told of one drive, a row of those in a buffer, as an object. */
-static napi_value answer_of(napi_env env, napi_value buffer, size_t transducers, const midair_answer *told, size_t row)
+/* The answer of one drive, a row of those in a buffer, as an object. */
+static napi_value answer_of(napi_env env, napi_value buffer, size_t transducers, const midair_answer *found, size_t row)
 {
     static const char *const endings[] = {"done", "out_of_steps", "stopped", "missed"};
     napi_value answer, drive;
@@ -146,22 +146,22 @@ static napi_value answer_of(napi_env env, napi_value buffer, size_t transducers,
                            &drive);
     napi_create_object(env, &answer);
     napi_set_named_property(env, answer, "drive", drive);
-    napi_set_named_property(env, answer, "status", string(env, endings[told[row].status]));
-    set(env, answer, "scale", told[row].scale);
-    set(env, answer, "accuracy", told[row].metrics.accuracy);
-    set(env, answer, "uniformity", told[row].metrics.uniformity);
-    set(env, answer, "level", told[row].metrics.level);
+    napi_set_named_property(env, answer, "status", string(env, endings[found[row].status]));
+    set(env, answer, "scale", found[row].scale);
+    set(env, answer, "accuracy", found[row].metrics.accuracy);
+    set(env, answer, "uniformity", found[row].metrics.uniformity);
+    set(env, answer, "level", found[row].metrics.level);
     return answer;
 }
 
 /* Those of several drives as an array, and the warnings of all. */
-static napi_value answers_of(napi_env env, napi_value buffer, size_t transducers, const midair_answer *told,
+static napi_value answers_of(napi_env env, napi_value buffer, size_t transducers, const midair_answer *found,
                              size_t count, const char *message)
 {
     napi_value answers;
     napi_create_array_with_length(env, count, &answers);
     for (size_t row = 0; row < count; row++) {
-        napi_set_element(env, answers, (uint32_t)row, answer_of(env, buffer, transducers, told, row));
+        napi_set_element(env, answers, (uint32_t)row, answer_of(env, buffer, transducers, found, row));
     }
     napi_set_named_property(env, answers, "warning", string(env, message));
     return answers;
@@ -171,11 +171,11 @@ static napi_value answers_of(napi_env env, napi_value buffer, size_t transducers
 static int pressures_of(napi_env env, napi_value value, size_t points, void **pressures)
 {
     napi_valuetype kind;
-    size_t asked;
+    size_t given;
     *pressures = NULL;
     return napi_typeof(env, value, &kind) == napi_ok &&
            (kind == napi_undefined ||
-            (numbers(env, value, napi_float64_array, pressures, &asked) && asked == points));
+            (numbers(env, value, napi_float64_array, pressures, &given) && given == points));
 }
 
 /* A whole number, 0 for any other. */
@@ -192,7 +192,7 @@ static napi_value solve_batch(napi_env env, napi_callback_info info)
     napi_value arguments[5], buffer, answers = NULL;
     size_t count = 5, coordinates, each, problems;
     void *points, *pressures, *data;
-    midair_answer *told;
+    midair_answer *found;
     held *own;
     line message;
     napi_get_cb_info(env, info, &count, arguments, NULL, NULL);
@@ -206,16 +206,16 @@ static napi_value solve_batch(napi_env env, napi_callback_info info)
         return wrong(env, "give pressures as a Float64Array of one for each point, or leave them out");
     }
     problems = coordinates / 3 / each;
-    told = calloc(problems + 1, sizeof *told);
+    found = calloc(problems + 1, sizeof *found);
     napi_create_arraybuffer(env, problems * own->transducers * sizeof(midair_complex), &data, &buffer);
-    if (told != NULL &&
+    if (found != NULL &&
         !refused(env, midair_session_solve_batch(own->session, points, pressures, NULL, problems, each,
-                                                 whole(env, arguments[4]), data, own->transducers, told, message,
+                                                 whole(env, arguments[4]), data, own->transducers, found, message,
                                                  sizeof message),
                  message)) {
-        answers = answers_of(env, buffer, own->transducers, told, problems, message);
+        answers = answers_of(env, buffer, own->transducers, found, problems, message);
     }
-    free(told);
+    free(found);
     return answers;
 }
 
@@ -241,7 +241,7 @@ static napi_value solve_scenes(napi_env env, napi_callback_info info)
     uint32_t scenes = 0;
     char folder[4096], **texts;
     void *data;
-    midair_answer *told;
+    midair_answer *found;
     line message;
     napi_get_cb_info(env, info, &count, arguments, NULL, NULL);
     transducers = whole(env, arguments[1]);
@@ -249,37 +249,37 @@ static napi_value solve_scenes(napi_env env, napi_callback_info info)
         return wrong(env, "give an array of scenes and the number of transducers of a row");
     }
     texts = calloc(scenes + 1, sizeof *texts);
-    told = calloc(scenes + 1, sizeof *told);
+    found = calloc(scenes + 1, sizeof *found);
     for (known = 0; texts != NULL && known < scenes; known++) {
         if ((texts[known] = element(env, arguments[0], known)) == NULL) {
             break;
         }
     }
     napi_create_arraybuffer(env, scenes * transducers * sizeof(midair_complex), &data, &buffer);
-    if (known < scenes || texts == NULL || told == NULL) {
+    if (known < scenes || texts == NULL || found == NULL) {
         wrong(env, "give the text of each scene");
     } else if (!refused(env, midair_solve_scenes((const char *const *)texts,
                                                  text(env, arguments[2], folder, sizeof folder) ? folder : NULL, scenes,
-                                                 whole(env, arguments[3]), data, transducers, told, message,
+                                                 whole(env, arguments[3]), data, transducers, found, message,
                                                  sizeof message),
                         message)) {
-        answers = answers_of(env, buffer, transducers, told, scenes, message);
+        answers = answers_of(env, buffer, transducers, found, scenes, message);
     }
     for (size_t k = 0; texts != NULL && k < known; k++) {
         free(texts[k]);
     }
     free(texts);
-    free(told);
+    free(found);
     return answers;
 }
 
-/* solve(object, points, pressures or undefined): the drive as a Float32Array of re, im, and what is told of it. */
+/* solve(object, points, pressures or undefined): the drive as a Float32Array of re, im, and its answer. */
 static napi_value solve(napi_env env, napi_callback_info info)
 {
     napi_value arguments[3], answer, buffer;
     size_t count = 3, coordinates;
     void *points, *pressures, *data;
-    midair_answer told;
+    midair_answer found;
     held *own;
     line message;
     napi_get_cb_info(env, info, &count, arguments, NULL, NULL);
@@ -292,11 +292,11 @@ static napi_value solve(napi_env env, napi_callback_info info)
     }
     napi_create_arraybuffer(env, own->transducers * sizeof(midair_complex), &data, &buffer);
     if (refused(env, midair_session_solve(own->session, points, pressures, NULL, coordinates / 3, data, own->transducers,
-                                          &told, message, sizeof message),
+                                          &found, message, sizeof message),
                 message)) {
         return NULL;
     }
-    answer = answer_of(env, buffer, own->transducers, &told, 0);
+    answer = answer_of(env, buffer, own->transducers, &found, 0);
     napi_set_named_property(env, answer, "warning", string(env, message));
     return answer;
 }

@@ -241,7 +241,7 @@ impl Solution {
         let metrics = self.inner.metrics();
         let (name, status) = (&self.choice.name, self.inner.status);
         let (accuracy, sigma) = (metrics.accuracy, metrics.sigma);
-        // Without pressures nothing was asked that could be met or missed.
+        // Without pressures there is no request to be met or missed.
         let asked = self.inner.requested().2.pressures.is_some();
         let level =
             if asked { format!("accuracy {accuracy:.4}") } else { format!("{accuracy:.4} of the balanced level") };

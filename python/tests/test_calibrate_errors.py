@@ -19,7 +19,7 @@ def board() -> NDArray[np.float64]:
 
 
 def rig(seed: int, decibels: float, dead: int, off: float) -> dict[str, Any]:
-    """A board of gains of 10 % and phases of 20 degrees, heard by four microphones off their places by `off`.
+    """A board of gains of 10 % and phases of 20 degrees, recorded by four microphones off their places by `off`.
 
     The model is one's own: p = sum of 4.386/r e^{jkr} x q, and noise so far below the level of four foci.
     """
@@ -32,10 +32,10 @@ def rig(seed: int, decibels: float, dead: int, off: float) -> dict[str, Any]:
     corners = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]]) * 0.03 + random.uniform(-0.015, 0.015, (4, 2))
     microphones = places.mean(axis=0) + np.c_[corners, random.uniform(0.14, 0.18, 4)]
     r = np.linalg.norm(microphones[:, None] - places, axis=2)
-    heard = 4.386 / r * np.exp(2j * np.pi * 40e3 / speed * r) * response
+    waves = 4.386 / r * np.exp(2j * np.pi * 40e3 / speed * r) * response
     drives = np.exp(2j * np.pi * random.integers(0, 256, (n, n)) / 256)
-    p = np.abs(drives @ heard.T)
-    noise = np.abs(heard).sum(axis=1).mean() / 2 * 10 ** (-decibels / 20)
+    p = np.abs(drives @ waves.T)
+    noise = np.abs(waves).sum(axis=1).mean() / 2 * 10 ** (-decibels / 20)
     readings = np.abs(p + noise * random.normal(size=p.shape))
     believed = microphones + off * random.normal(size=microphones.shape)
     found = midair.calibrate(midair.Array(places), drives, readings, microphones=believed)

@@ -13,7 +13,7 @@ use crate::problem::metrics::Metrics;
 use crate::problem::solution::{Solution, Status};
 use crate::scene::{Aim, check_drive};
 
-/// Times what was allowed that quiet points leak when it is told: crowded ones, of which a few speak for all, leak up to three
+/// Quiet points that leak more times what was allowed are reported: crowded ones, of which a few speak for all, leak up to three
 /// times as much between these.
 const LOUD: f64 = 4.0;
 
@@ -24,8 +24,9 @@ impl Problem {
     /// By how much an answer misses the targets where that is more than 1 %: of a method that `meets` targets, which were
     /// given and are what it aims at, and that was not stopped. Quiet points may leak the part `quiet` of the largest.
     pub(crate) fn missed(&self, meets: bool, quiet: Option<f64>, solution: &Solution) -> Option<f64> {
-        let asked = meets && self.asks_pressures() && self.aim() == Aim::Target && solution.status != Status::Stopped;
-        let miss = if asked { self.miss(solution, quiet.unwrap_or(0.0)) } else { 0.0 };
+        let requested =
+            meets && self.asks_pressures() && self.aim() == Aim::Target && solution.status != Status::Stopped;
+        let miss = if requested { self.miss(solution, quiet.unwrap_or(0.0)) } else { 0.0 };
         (miss > MISS).then_some(miss)
     }
 

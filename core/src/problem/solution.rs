@@ -260,7 +260,7 @@ impl Solution {
         }
         let set = self.request.propagation.instruction_set();
         let largest = f64::from(kernels::grid::largest(set, &self.drive));
-        let one = self.request.given && is_of_one_amplitude(&self.drive, largest);
+        let of_one = self.request.given && is_of_one_amplitude(&self.drive, largest);
         let largest = largest / factor;
         let scale = quantization.scale(largest);
         // Drives at full amplitude and the board's phases become others at one amplitude: the field keeps its shape.
@@ -268,7 +268,7 @@ impl Solution {
         let common = quantization.nearest(Complex32::new(most, 0.0)).re;
         let alike = quantization.grid().round(set, (factor * scale) as f32, [most, common], &mut self.drive);
         self.scale *= scale;
-        let mixed = one && mix(&self.request, &mut self.drive, (f64::from(common), largest), work, control);
+        let mixed = of_one && mix(&self.request, &mut self.drive, (f64::from(common), largest), work, control);
         if mixed || !alike {
             self.set_pressures(&field_of(&self.request.propagation, &self.drive, work, control)?);
         } else if common != 1.0 || scale != 1.0 {

@@ -12,7 +12,7 @@ use crate::device::format::Layout;
 use crate::device::quantization::Quantization;
 use crate::error::{Error, one_each, real};
 use crate::math;
-use crate::scene::geometry::{bounds, lattice};
+use crate::scene::geometry::{bounds, check_finite, lattice};
 use crate::scene::medium::Medium;
 use crate::scene::presets;
 use crate::scene::transducer::Transducer;
@@ -386,28 +386,6 @@ impl PartialEq for Array {
             && self.quantization == other.quantization
             && (0..self.len()).all(|i| on(self, i) == on(other, i))
     }
-}
-
-/// Refuses positions of another number than the transducers, or not finite.
-pub(crate) fn check_positions(positions: &[[f64; 3]], transducers: usize) -> Result<(), Error> {
-    one_each("positions", positions.len(), "of them", transducers, "transducers")?;
-    check_finite("positions", positions)
-}
-
-/// Refuses coordinates that are not finite, named only then.
-fn check_finite(item: &str, vectors: &[[f64; 3]]) -> Result<(), Error> {
-    match vectors.iter().position(|vector| !vector.iter().all(|x| x.is_finite())) {
-        Some(i) => vector(&format!("{item}[{i}]"), &vectors[i]),
-        None => Ok(()),
-    }
-}
-
-/// Refuses a coordinate that is not finite.
-pub(crate) fn vector(item: &str, vector: &[f64; 3]) -> Result<(), Error> {
-    if vector.iter().all(|x| x.is_finite()) {
-        return Ok(());
-    }
-    Err(Error::invalid(item, format!("{vector:?}"), "give three finite numbers"))
 }
 
 fn count(item: &str, transducers: usize) -> Result<(), Error> {

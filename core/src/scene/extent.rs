@@ -3,7 +3,8 @@
 use alloc::format;
 
 use crate::error::Error;
-use crate::scene::array::{Array, vector};
+use crate::scene::array::Array;
+use crate::scene::geometry::vector;
 use crate::scene::medium::Medium;
 
 /// Wavelengths from the array's middle, 279 m at 40 kHz: there phases in f32 are wrong by 0.004 rad in the mean and by

@@ -1,7 +1,9 @@
-//! Geometry: lattices of positions, bounding boxes, distances.
+//! Geometry: lattices of positions, bounding boxes, distances, and coordinates that are refused.
 
+use alloc::format;
 use alloc::vec::Vec;
 
+use crate::error::{Error, one_each};
 use crate::math;
 
 /// `nx` x `ny` positions `pitch` metres apart, centred, x fastest.
@@ -42,4 +44,26 @@ pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 /// The distance of two places.
 pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     math::sqrt((0..3).map(|axis| (a[axis] - b[axis]) * (a[axis] - b[axis])).sum())
+}
+
+/// Refuses positions of another number than the transducers, or not finite.
+pub(crate) fn check_positions(positions: &[[f64; 3]], transducers: usize) -> Result<(), Error> {
+    one_each("positions", positions.len(), "of them", transducers, "transducers")?;
+    check_finite("positions", positions)
+}
+
+/// Refuses coordinates that are not finite, named only then.
+pub(crate) fn check_finite(item: &str, vectors: &[[f64; 3]]) -> Result<(), Error> {
+    match vectors.iter().position(|vector| !vector.iter().all(|x| x.is_finite())) {
+        Some(i) => vector(&format!("{item}[{i}]"), &vectors[i]),
+        None => Ok(()),
+    }
+}
+
+/// Refuses a coordinate that is not finite.
+pub(crate) fn vector(item: &str, vector: &[f64; 3]) -> Result<(), Error> {
+    if vector.iter().all(|x| x.is_finite()) {
+        return Ok(());
+    }
+    Err(Error::invalid(item, format!("{vector:?}"), "give three finite numbers"))
 }

@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 
 use crate::error::Error;
 use crate::math;
-use crate::scene::array::vector;
+use crate::scene::geometry::vector;
 use crate::scene::geometry::{bounds, cross, distance, dot, minus};
 use crate::scene::surface::Surface;
 

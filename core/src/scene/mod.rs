@@ -26,13 +26,13 @@ pub(crate) mod value;
 pub(crate) mod wall;
 
 pub use aim::Aim;
+pub(crate) use array::UNITS;
 pub use array::{Array, Origin};
-pub(crate) use array::{UNITS, check_positions};
 pub use body::Body;
 pub use choice::Choice;
 pub use directivity::{Directivity, Parameter};
 pub(crate) use extent::{check_array, check_places};
-pub(crate) use geometry::{cross, distance, dot};
+pub(crate) use geometry::{check_positions, cross, distance, dot};
 pub use key::Key;
 pub use medium::{Medium, spl};
 pub use mesh::Mesh;

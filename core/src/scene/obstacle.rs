@@ -6,9 +6,9 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use crate::error::{Error, real};
-use crate::scene::array::vector;
 use crate::scene::body::obstacles;
 use crate::scene::geometry::distance;
+use crate::scene::geometry::vector;
 use crate::scene::mesh::{Mesh, area_vector};
 use crate::scene::surface::ON;
 use crate::scene::wall::{Mirror, compatible, mirror};

@@ -5,8 +5,8 @@ use alloc::vec::Vec;
 use core::fmt;
 
 use crate::error::{Error, find, real};
-use crate::scene::array::vector;
 use crate::scene::geometry::bounds;
+use crate::scene::geometry::vector;
 
 /// A point within this part of the wavelength of a plane lies in it: even a standing wave has 4/5 of its pressure there.
 const NEAR: f64 = 0.1;

@@ -4,8 +4,8 @@ use alloc::format;
 
 use crate::error::Error;
 use crate::math;
-use crate::scene::array::vector;
 use crate::scene::geometry::dot;
+use crate::scene::geometry::vector;
 use crate::scene::surface::{ON, Surface};
 use crate::scene::{Array, Medium};
 

@@ -81,7 +81,7 @@ pub(super) struct Outcome {
     steps: usize,
     /// How many times its reach a point is asked for, where that is above 1.
     excess: f64,
-    /// The error by which the targets are missed, where that is told; else 0.
+    /// The error by which the targets are missed, where that is reported; else 0.
     missed: f64,
     /// The part of the balanced level that weak targets are; else 1.
     weak: f64,

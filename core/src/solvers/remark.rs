@@ -13,7 +13,7 @@ use crate::solvers::registry::SOLVERS;
 
 /// What a caller should hear beside an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::exhaustive_enums, reason = "the seven ways in which an answer is another than was asked")]
+#[allow(clippy::exhaustive_enums, reason = "the seven ways in which an answer differs from the request")]
 pub enum Remark {
     /// What was asked for and cannot be had.
     Beyond(Beyond),

@@ -120,7 +120,7 @@ pub(crate) fn solve_interleaved(
     Ok(solutions)
 }
 
-/// How many times as loud as asked an answer to balanced targets is, at least 1: what its drives are divided by. In 12 binary
+/// How many times as loud as its targets an answer to balanced targets is, at least 1: what its drives are divided by. In 12 binary
 /// digits, which do not depend on the unit of the pressures.
 fn excess(solution: &Solution, factor: f64) -> f64 {
     let level = if factor > 1.0 { solution.metrics().level } else { 1.0 };

@@ -138,8 +138,8 @@ def fit(
         off = np.r_[responses.real - believed, responses.imag, off[2 * n :]]
         off[loudness] += np.log(scale)
         at = model.moved(state, off[2 * n :])
-        heard = _heard(drives, responses, model.matrix(at), phased, noise) * used
-        return Place(off, responses, at, heard - readings, noise)
+        modelled = _modelled(drives, responses, model.matrix(at), phased, noise) * used
+        return Place(off, responses, at, modelled - readings, noise)
 
     trust, damping, noise = max(FIRST_TRUST * rms, noise), 0.0, max(noise, 1e-6 * rms)
     here, one, left = place(known.mean, trust), np.eye(len(known.mean)), np.ones(len(known.mean))
@@ -180,7 +180,7 @@ def fit(
         here.state,
         others,
         max(found, noise),
-        _heard(drives, here.responses, model.matrix(here.state), phased) - given,
+        _modelled(drives, here.responses, model.matrix(here.state), phased) - given,
         used,
         known.chances,
     )
@@ -200,7 +200,7 @@ def _start(
     for offset in np.arange(-reach, reach + SPEED_STEP, SPEED_STEP) if reach else [0.0]:
         state = model.start.copy()
         state[SPEED] = np.clip(state[SPEED] + offset, *AIR)
-        p = _heard(drives, believed, model.matrix(state), phased) * used
+        p = _modelled(drives, believed, model.matrix(state), phased) * used
         product = np.vdot(p, readings) / np.linalg.norm(p)
         if abs(product) > best:
             state[LOUDNESS] = np.log(np.linalg.norm(readings) / np.linalg.norm(p))
@@ -209,7 +209,7 @@ def _start(
     return np.asarray(start)
 
 
-def _heard(
+def _modelled(
     drives: Complex, responses: Real | Complex, matrix: Complex, phased: bool, noise: float = 0.0
 ) -> Real | Complex:
     """What the readings (K, M) would be: p, or the root mean square of a modulus with noise."""
@@ -238,8 +238,8 @@ def _normal(
                 rows, left = np.concatenate([rows.real, rows.imag]), np.concatenate([left.real, left.imag])
             else:
                 p = each @ here.responses
-                heard = np.hypot(np.abs(p), max(here.noise, np.finfo(float).tiny))
-                turned = (np.conj(p) / heard)[:, None]
+                modelled = np.hypot(np.abs(p), max(here.noise, np.finfo(float).tiny))
+                turned = (np.conj(p) / modelled)[:, None]
                 each, others = each * turned, others * turned
                 rows = np.hstack([each.real, -each.imag, others.real])
             rows *= spread

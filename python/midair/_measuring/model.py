@@ -217,18 +217,18 @@ class Belief:
         own, left_of, at, spread = (
             each[: 2 * n].reshape(2, n) for each in (off, variance, self.mean, self.spread)
         )
-        # What the readings and all others tell of each: its own prior divided out.
-        told = np.maximum(1 / left_of - 1 / spread**2, 1e-9 / self._modulus**2)
-        middle = (own / left_of - at / spread**2) / told
+        # By the readings and all others alone: its own prior divided out.
+        precision = np.maximum(1 / left_of - 1 / spread**2, 1e-9 / self._modulus**2)
+        middle = (own / left_of - at / spread**2) / precision
         apart = middle - (SIGNS[:, None, None] - 1) * self._centre
         parts = np.sum(self.chances > DECIDED, axis=1) + n / 2 * CHANCES
-        widths = 1 / told + (SIGNS[:, None, None] * self._alive) ** 2
+        widths = 1 / precision + (SIGNS[:, None, None] * self._alive) ** 2
         likely = np.log(parts)[:, None] - np.sum(np.log(widths) + apart**2 / widths, axis=1) / 2
         likely = np.exp(likely - likely.max(axis=0))
         before, self.chances = self.chances, likely / likely.sum(axis=0)
         if self._learnt:
             kept = self._alive**2 / widths
-            squares = np.sum(self.chances[::2, None] * ((kept * apart) ** 2 + kept / told)[::2], axis=0)
+            squares = np.sum(self.chances[::2, None] * ((kept * apart) ** 2 + kept / precision)[::2], axis=0)
             # One for re and im: with two, quieter responses that differ less would be ever more probable.
             squares = squares.mean(axis=0, keepdims=True)
             sounding = float(self.chances[::2].sum())

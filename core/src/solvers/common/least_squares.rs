@@ -148,20 +148,21 @@ pub(crate) fn with_amplitudes(
 ) -> Result<LeastSquares, Error> {
     let rows = Rows::new(problem, work, control)?;
     let targets = &problem.targets()[..rows.order.len()];
-    let asked = RowRequest { targets, weights: problem.weights(), measure: Measure::Moduli };
+    let request = RowRequest { targets, weights: problem.weights(), measure: Measure::Moduli };
     let mut wave = Wave::new(&rows, work);
     wave.play(&rows, drive.iter().copied());
-    let begun = asked.of(&wave);
-    let mut descent = PhaseDescent::with_amplitudes(wave, &asked, &rows, work);
+    let begun = request.of(&wave);
+    let mut descent = PhaseDescent::with_amplitudes(wave, &request, &rows, work);
     let most = free_steps(rows.order.len());
     let (mut done, all) = (before.0, before.1.max(before.0) + most);
-    let status = descend(&mut descent, asked, &rows, (most, FREE_TOLERANCE), |wave| {
-        let stop = done > before.0 && control.step(done, all, || problem.residual(&asked.heard(wave, 1.0))).is_break();
+    let status = descend(&mut descent, request, &rows, (most, FREE_TOLERANCE), |wave| {
+        let stop =
+            done > before.0 && control.step(done, all, || problem.residual(&request.heard(wave, 1.0))).is_break();
         done += usize::from(!stop);
         stop
     });
     let mut out = descent.wave.drives(problem.propagation().transducers(), work);
-    let amplitude = asked.amplitude(&descent.wave.moduli);
+    let amplitude = request.amplitude(&descent.wave.moduli);
     if descent.cost < begun {
         for q in &mut out {
             *q *= amplitude;

@@ -11,7 +11,7 @@
 //! the steps rotate both, each by half of that slope.
 
 use crate::kernels::tiles;
-use crate::math::sqrtf;
+use crate::math::{sqrtf, unit};
 use crate::solvers::common::quasi_newton::{QuasiNewton, dot};
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::workspace::{Buffer, Workspace};
@@ -172,7 +172,7 @@ impl<'w> PhaseDescent<'w> {
 fn split([qr, qi]: &[Buffer<'_, f32>; 2], rows: &Rows, [re, im]: &mut Pairs<'_>) {
     for i in (0..rows.lanes).filter(|&i| rows.tiles().reaches(i)) {
         let modulus = sqrtf(qr[i] * qr[i] + qi[i] * qi[i]);
-        let (x, y) = if modulus > 0.0 { (qr[i] / modulus, qi[i] / modulus) } else { (1.0, 0.0) };
+        let (x, y) = unit(qr[i], qi[i]);
         let cos = modulus.min(MOST_BEGUN);
         let sin = sqrtf(1.0 - cos * cos);
         (re[i], im[i]) = (x * cos - y * sin, y * cos + x * sin);

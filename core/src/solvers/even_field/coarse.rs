@@ -14,6 +14,7 @@ use crate::device::quantization::Quantization;
 use crate::error::Error;
 use crate::math::phasor;
 use crate::solvers::common::tiled::Wave;
+use crate::solvers::even_field::on_grid::FEWEST;
 use crate::solvers::even_field::run::Run;
 use crate::workspace::Buffer;
 
@@ -27,10 +28,18 @@ const SWEEPS: usize = 8;
 /// The most codes of a transducer: those of seven phases, and off.
 const MOST_CODES: usize = 8;
 
-/// Raises the weakest target of a wave that lies on the grid, `free` being the same before rounding.
+/// The board, if it has so few phases and all points of the run have a target.
+pub(super) fn board<'a>(run: &Run<'a, '_, '_>) -> Option<&'a Quantization> {
+    let points = run.rows.order.len();
+    let few = |board: &&Quantization| board.phases().is_some_and(|phases| phases < FEWEST);
+    run.problem.quantization().filter(few).filter(|_| points > 1 && points == run.rows.targeted)
+}
+
+/// Raises the weakest target of a wave that lies on the grid, `free` being the same before rounding. A stop leaves the
+/// best so far.
 ///
 /// # Errors
-/// More memory than allowed, a stop.
+/// More memory than allowed.
 pub(super) fn raise<'w>(
     run: &mut Run<'_, '_, 'w>,
     quantization: &Quantization,
@@ -60,7 +69,10 @@ pub(super) fn raise<'w>(
             quantization.grid().round(rows.set, 1.0, [1.0; 2], &mut drive);
         }
         trial.play(rows, drive.iter().copied());
-        search.descend(run, &trial, &mut drive)?;
+        if search.descend(run, &trial, &mut drive).is_err() {
+            run.stopped = true;
+            break;
+        }
         trial.play(rows, drive.iter().copied());
         if trial.lowest(rows) > most {
             most = trial.lowest(rows);

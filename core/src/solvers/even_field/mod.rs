@@ -1,13 +1,15 @@
 //! Even fields at the highest common level, in the steps of [`solve`]:
 //!
 //! 1. *Start* ([`point_phases`], [`weighted_sweeps`]): point phases that reinforce one another are found on G, or several
-//!    on the matrix of couplings; weighted Gerchberg-Saxton sweeps with |q| = 1 raise the weakest points.
+//!    on the matrix of couplings; weighted Gerchberg-Saxton sweeps with |q| = 1 raise the weakest points. `best` has the start
+//!    of the highest level of [`few`] points.
 //! 2. *Make even* ([`common_level`]): Gauss-Newton steps on |P_j| = s p_j, the level s free.
 //! 3. *Raise*, if the points are crowded ([`Regime`]): least squares on the targets ([`targets`]), and steps that hold the
-//!    level up while they make it even ([`ascent`]).
+//!    level up while they make it even ([`ascent`]). `best` begins them from [`cones`], too, and carries the loudest even fields
+//!    ([`leaders`]) of any points on, through the [`soft_minimum`].
 //! 4. *Lift to the target*, if free steps ended below it.
 //! 5. *Stiffen*, if the points are traps ([`traps`]).
-//! 6. *Bring to the grid* of the board ([`on_grid`]), and down to the targets ([`answer`]).
+//! 6. *Bring to the grid* of the board ([`on_grid`], with few phases [`coarse`]), and down to the targets ([`answer`]).
 //!
 //! Where that misses the targets, points that are crowded or to be quiet get the drive of least squares ([`nearest`]): so do
 //! pictures, of which no even field is looked for.
@@ -143,7 +145,14 @@ fn even(problem: &Problem, plans: &[Plan], work: &Workspace, control: &mut Contr
     lift_to_target(&mut run, &mut search)?;
     let Search { mut best, even, .. } = search;
     if !traps::stiffen(&mut run, &mut best)? {
-        on_grid::bring(&mut run, [even, plans.iter().any(|plan| plan.raised > 0)], &mut best);
+        let board = coarse::board(&run).filter(|_| plans.iter().any(|plan| plan.raised > 0));
+        let free = board.map(|board| (board, best.drives(problem.propagation().transducers(), work)));
+        on_grid::bring(&mut run, even, &mut best);
+        if let Some((board, free)) = free
+            && !run.stopped
+        {
+            coarse::raise(&mut run, board, &free, &mut best)?;
+        }
     }
     let drive = best.drives(problem.propagation().transducers(), work);
     let status = match (run.stopped, even) {

@@ -1,7 +1,7 @@
 //! Nearest: the drive whose field is nearest to the targets, where points cannot be even or miss their targets.
 //!
 //! 1. *Phases* of least squares at the balanced level ([`least_squares`]), or at the targets where these are higher: all
-//!    power goes where it is asked for.
+//!    power goes to the targets.
 //! 2. *Meet* the targets by Gauss-Newton steps, where all are near ([`met`]).
 //! 3. *Phases and amplitudes* at the targets ([`with_amplitudes`]), where these are not met and the board has amplitudes: below
 //!    the balanced level there is freedom left, which one amplitude for all throws away.

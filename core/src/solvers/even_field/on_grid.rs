@@ -5,30 +5,24 @@ use crate::error::Error;
 use crate::kernels::tiles::error_diffusion::{Task, diffuse, floats};
 use crate::solvers::common::refinement::refine;
 use crate::solvers::common::tiled::Wave;
-use crate::solvers::even_field::coarse;
 use crate::solvers::even_field::run::Run;
 
 /// Fewer phases are too far apart for tangents: error diffusion then loses a tenth of the level.
-const FEWEST: u32 = 8;
+pub(super) const FEWEST: u32 = 8;
 
 /// Brings `wave` to the board's grid, if it has one and the run was not stopped, and leaves the points as even as the
-/// grid allows, and its field anew; `thorough`ly where that may take longer than the solve. A field that is not `even` has errors too large to be taken back by the next
+/// grid allows, and its field anew. A field that is not `even` has errors too large to be taken back by the next
 /// transducers: it is searched, too. After a stop the drive is partly where it was.
-pub(super) fn bring<'w>(run: &mut Run<'_, '_, 'w>, [even, thorough]: [bool; 2], wave: &mut Wave<'w>) {
+pub(super) fn bring(run: &mut Run, even: bool, wave: &mut Wave<'_>) {
     if let Some(quantization) = run.problem.quantization()
         && !run.stopped
     {
-        run.stopped = round(run, quantization, [even, thorough], wave).is_err();
+        run.stopped = round(run, quantization, even, wave).is_err();
     }
 }
 
-fn round<'w>(
-    run: &mut Run<'_, '_, 'w>,
-    quantization: &Quantization,
-    [even, thorough]: [bool; 2],
-    wave: &mut Wave<'w>,
-) -> Result<(), Error> {
-    let (problem, rows, work) = (run.problem, run.rows, run.work);
+fn round(run: &mut Run, quantization: &Quantization, even: bool, wave: &mut Wave<'_>) -> Result<(), Error> {
+    let (problem, rows, work, control) = (run.problem, run.rows, run.work, &mut *run.control);
     let points = rows.order.len();
     if let Some(phases) = &quantization.grid().phases
         && even
@@ -51,25 +45,18 @@ fn round<'w>(
         };
         let drive = wave.drive.each_mut().map(|plane| &mut plane[..]);
         let field = wave.field.each_ref().map(|plane| &plane[..points]);
-        diffuse(rows.set, task, drive, field, &mut codes, run.control)?;
+        diffuse(rows.set, task, drive, field, &mut codes, control)?;
         wave.hear(rows);
     } else {
-        let transducers = problem.propagation().transducers();
-        let mut drive = wave.drives(transducers, work);
-        let free = wave.drives(transducers, work);
+        let mut drive = wave.drives(problem.propagation().transducers(), work);
         if points > 1 {
-            refine(problem, &mut drive, work, run.control);
+            refine(problem, &mut drive, work, control);
         } else {
             // One point is alike on any grid.
             quantization.grid().round(rows.set, 1.0, [1.0; 2], &mut drive);
         }
         wave.play(rows, drive.iter().copied());
         work.complexes.give(drive);
-        if thorough && points > 1 && points == rows.targeted && quantization.phases().is_some_and(|some| some < FEWEST)
-        {
-            coarse::raise(run, quantization, &free, wave)?;
-        }
-        work.complexes.give(free);
     }
     Ok(())
 }

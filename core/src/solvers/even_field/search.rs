@@ -65,7 +65,7 @@ impl<'w> Search<'w> {
         self.even && self.lowest >= target * (1.0 - 2.0 * NEARLY)
     }
 
-    /// Whether nothing louder is asked for.
+    /// Whether the requested pressures are reached.
     pub(super) fn finds(&self, run: &Run) -> bool {
         run.problem.aim() == Aim::Target && self.reaches(run.rows.target)
     }
