@@ -19,7 +19,7 @@ def board() -> NDArray[np.float64]:
 
 
 def rig(seed: int, decibels: float, dead: int, off: float) -> dict[str, Any]:
-    """A board of gains of 10 % and phases of 20 degrees, recorded by four microphones that are `off` their places.
+    """A board, gains of 10 % and phases of 20 degrees, and readings of four microphones `off` their places.
 
     The model is one's own: p = sum of 4.386/r e^{jkr} x q, and noise so far below the level of four foci.
     """
