@@ -125,6 +125,7 @@ def test_a_board_stays_one_whatever_is_made_of_it(tmp_path) -> None:
     assert midair.Array.from_file(plain).medium == PAPER
 
 
+@pytest.mark.slow
 def test_a_calibrated_board_is_still_one() -> None:
     board = midair.Array.preset("autd3")
     scene = midair.Scene(board, [[0, 0, 0.15], [0.03, 0.02, 0.17], [-0.04, 0.03, 0.2]])

@@ -4,8 +4,9 @@
 //! c_ij = G_ij q_i / P_j             the part of a point's pressure that a transducer makes, of its component along P_j
 //! e_j  = sum_i a_i c_ij - level     the error; at quiet points the pressure itself, relative to the loudest point's
 //! ```
-//! One transducer after another takes the amplitude that leaves the smaller sum of e^2: the next ones take back the errors of
-//! those before (Floyd and Steinberg, Proc. SID 17(2), 1976). Later rounds choose anew. Time O(N M) a round.
+//! Amplitudes are drawn at random first, which leaves errors of about `step / (2 sqrt(N))`. One transducer after another then
+//! takes the amplitude that leaves the smaller sum of e^2: the next ones take back the errors of those before (Floyd and
+//! Steinberg, Proc. SID 17(2), 1976), until the errors are small enough. Later rounds choose anew. Time O(N M) a round.
 
 use core::slice;
 
@@ -18,10 +19,15 @@ use crate::math;
 use crate::problem::Problem;
 use crate::problem::array_request::ArrayRequest;
 use crate::propagation::field_of;
+use crate::rng::Rng;
 use crate::workspace::{Buffer, Workspace};
 
-/// Rounds of choices at most.
+/// Rounds of choices at most, and after how many choices the errors are looked at.
 const ROUNDS: usize = 6;
+const CHUNK: usize = 64;
+
+/// The aim is lower than the level by this part, and the root mean square of errors about it that is small enough.
+const NEAR: f32 = 5e-4;
 
 /// A point may be louder than its target by this part, which is rounding.
 const SLACK: f32 = 5e-5;
@@ -63,34 +69,49 @@ pub(crate) fn mix(
     let [level, below, above] = [level, pair[0], pair[1]].map(|amplitude| (amplitude / own) as f32);
     let propagation = &request.propagation;
     let Ok(field) = field_of(propagation, drive, work, control) else { return false };
-    let mut points = Points::new(request, &field, level, work);
-    let leak = points.wrong()[1];
-    let [mut re, mut im] = [(); 2].map(|()| work.floats.take(propagation.lanes()));
+    let mut points = Points::new(request, &field, work);
+    points.read(&field, level, level);
+    let (leak, lost) = (points.wrong()[1], level - below);
     let mut parts = work.floats.take(drive.len());
-    parts.fill(level);
-    let mut aim = level;
-    for round in 0..ROUNDS {
-        for ((i, q), part) in drive.iter().enumerate().zip(&mut *parts) {
-            if *q != Complex32::ZERO {
+    let (mut rng, share) = (Rng::new(0), f64::from((level - below) / (above - below)));
+    parts.fill_with(|| if rng.uniform() < share { above } else { below });
+    let mut drawn = work.complexes.take(drive.len());
+    drawn.iter_mut().zip(&*drive).zip(&*parts).for_each(|((drawn, q), part)| *drawn = q * part);
+    let Ok(field) = field_of(propagation, &drawn, work, control) else { return false };
+    let mut aim = level * (1.0 - NEAR);
+    points.read(&field, 1.0, aim);
+    let meets = |points: &Points, aim: f32, most: f32| {
+        let [loud, quiet] = points.wrong();
+        points.loudest() + aim <= (1.0 + SLACK) * level
+            && loud <= most * most
+            && quiet - leak <= QUIET * QUIET * level * level
+    };
+    let [mut re, mut im] = [(); 2].map(|()| work.floats.take(propagation.lanes()));
+    let mut met = meets(&points, aim, NEAR * level);
+    for visit in 0..ROUNDS * drive.len().div_ceil(CHUNK) {
+        if met {
+            break;
+        }
+        let chunk = visit % drive.len().div_ceil(CHUNK);
+        if chunk == 0 && visit > 0 {
+            let louder = (points.loudest() + aim - level).max(0.0);
+            points.lower(louder);
+            aim -= louder;
+        }
+        for i in chunk * CHUNK..drive.len().min((chunk + 1) * CHUNK) {
+            if drive[i] != Complex32::ZERO {
                 if control.pulse().is_err() {
                     return false;
                 }
                 propagation.row(i, &mut re, &mut im);
-                points.along(*q, &mut re, &mut im);
-                *part = points.choose([&re, &im], *part, [below, above]);
+                points.along(drive[i], &mut re, &mut im);
+                parts[i] = points.choose([&re, &im], parts[i], [below, above]);
             }
         }
-        let louder = points.loudest() + aim - level;
-        if round > 0 && louder <= SLACK * level {
-            break;
-        }
-        points.lower(louder.max(0.0));
-        aim -= louder.max(0.0);
+        met = meets(&points, aim, NEAR * level);
     }
     points.lower(aim - level);
-    let ([loud, quiet], lost) = (points.wrong(), level - below);
-    let met =
-        points.loudest() <= SLACK * level && loud <= lost * lost / 4.0 && quiet - leak <= QUIET * QUIET * level * level;
+    let met = met || meets(&points, level, lost / 2.0);
     if met {
         drive.iter_mut().zip(&*parts).for_each(|(q, part)| *q *= *part);
     }
@@ -109,8 +130,8 @@ struct Points<'w> {
 }
 
 impl<'w> Points<'w> {
-    /// The points of a `field` that every drive brings to the part `level` of it.
-    fn new(request: &ArrayRequest, field: &Planar, level: f32, work: &'w Workspace) -> Self {
+    /// The points of the `field` of full drives.
+    fn new(request: &ArrayRequest, field: &Planar, work: &'w Workspace) -> Self {
         let lanes = request.propagation.lanes();
         let [error, inverse] = [(); 2].map(|()| Planar::zeros(1, lanes, work));
         let [loud, quiet] = [(); 2].map(|()| work.floats.take(lanes));
@@ -125,11 +146,18 @@ impl<'w> Points<'w> {
             } else {
                 points.quiet[j] = 1.0;
                 points.inverse.re[j] = 1.0 / math::sqrtf(loudest);
-                let part = level * points.inverse.re[j];
-                (points.error.re[j], points.error.im[j]) = (field.re[j] * part, field.im[j] * part);
             }
         }
         points
+    }
+
+    /// The errors of a `field` times `part`, where points with a target are to have `level`.
+    fn read(&mut self, field: &Planar, part: f32, level: f32) {
+        for j in 0..field.re.len() {
+            let [re, im] = [part * field.re[j], part * field.im[j]];
+            self.error.re[j] = re * self.inverse.re[j] - im * self.inverse.im[j] - level * self.loud[j];
+            self.error.im[j] = (re * self.inverse.im[j] + im * self.inverse.re[j]) * self.quiet[j];
+        }
     }
 
     /// Waves become parts of the points' pressures: c, of a transducer of drive q.
