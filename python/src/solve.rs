@@ -125,7 +125,8 @@ pub(crate) fn solve(
     let beyond = attend(py, None, |mut control| problem.beyond(&mut control))?;
     let leak = Remark::leak(&problem, &*configured.solver, &inner);
     let missed = Remark::missed(&problem, &*configured.solver, &inner);
-    for remark in [beyond.map(Remark::Beyond), missed, leak, Remark::scaled(&inner)].into_iter().flatten() {
+    let (scaled, harmonic) = (Remark::scaled(&inner), Remark::harmonic(&problem, &inner));
+    for remark in [beyond.map(Remark::Beyond), missed, leak, scaled, harmonic].into_iter().flatten() {
         warn(py, &remark)?;
     }
     Ok(Solution::new(inner, Arc::new(choice), elapsed).of(subject.scene(), trace))

@@ -84,3 +84,20 @@ def test_a_warning_made_an_error_leaves_the_drive_written() -> None:
         solver(POINTS, 800, out=out)
     assert np.abs(out).max() > 0.5
     assert solver(POINTS, 800).status == "done"
+
+
+def test_the_second_harmonic_has_a_warning_where_it_is_large() -> None:
+    """3 pi beta |p|/(2 rho c^2), beta = 1.2, above .25: of pressures that are requested and reached."""
+    board, point = midair.Array.preset("autd3", (2, 2)), [[0, 0, 0.15]]
+    air = board.medium
+    assert not heard(lambda: midair.solve(midair.Scene(board, point, 6000)))
+    share = 1.5 * np.pi * 1.2 * 8000 / (air["density"] * air["sound_speed"] ** 2)
+    line = f"at 8.0 kPa the second harmonic, which is not in the model, is estimated at {share:.2f} of |p|"
+    loud = midair.Scene(board, point, 8000)
+    solver = midair.Solver(loud)
+    for call in (lambda: midair.solve(loud), lambda: solver(loud.points, 8000)):
+        (text,) = heard(call)
+        assert text.startswith(line)
+    assert not heard(lambda: solver(loud.points, 8000))
+    (text,) = heard(lambda: midair.solve_batch(board, [point, point], [[6000], [8000]]))
+    assert text.startswith(f"in 1 of 2 problems harmonics count; problems[1]: {line}")

@@ -8,7 +8,7 @@ use num_complex::Complex32;
 
 use crate::problem::{Metrics, Problem, Solution, Status};
 use crate::solvers::method::Solve;
-use crate::solvers::remark::{Remark, weak_part};
+use crate::solvers::remark::{Remark, harmonic, weak_part};
 
 /// What comes out of [`crate::Session::solve_batch`] beside the drives, for B problems of M points.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,9 +67,13 @@ fn remarks(outcomes: &[Outcome]) -> Vec<String> {
         let scale = outcomes[k].scale;
         format!("{many} the device has no such amplitude: scale the drives by supply or modulation, those of problems[{k}] by {scale:.4} (batch.scale)")
     });
+    let harmonic = worst(|outcome| outcome.harmonic.map_or(0.0, |(share, _)| 1.0 + share)).and_then(|(many, k)| {
+        let (share, pressure) = outcomes[k].harmonic?;
+        Some(format!("{many} harmonics count; problems[{k}]: {}", Remark::Harmonic { share, pressure }))
+    });
     let unused = outcomes.iter().filter(|outcome| outcome.phases_unused).count();
     let unused = (unused > 0).then(|| format!("in {unused} of {} problems {}", outcomes.len(), Remark::PhasesUnused));
-    [beyond, missed, weak, unused, scaled].into_iter().flatten().collect()
+    [beyond, missed, weak, unused, scaled, harmonic].into_iter().flatten().collect()
 }
 
 /// How a problem ended.
@@ -87,14 +91,16 @@ pub(super) struct Outcome {
     weak: f64,
     /// Whether the targets have phases that the solver does not use.
     phases_unused: bool,
+    /// The second harmonic's share and |p|, where it is large.
+    harmonic: Option<(f64, f64)>,
 }
 
 impl Default for Outcome {
     /// Not begun: silence.
     fn default() -> Self {
         let metrics = Metrics { residual: 1.0, ..Metrics::default() };
-        let (scale, status, steps) = (1.0, Status::Stopped, 0);
-        Self { metrics, scale, status, steps, excess: 0.0, missed: 0.0, weak: 1.0, phases_unused: false }
+        let (scale, status, steps, phases_unused, harmonic) = (1.0, Status::Stopped, 0, false, None);
+        Self { metrics, scale, status, steps, excess: 0.0, missed: 0.0, weak: 1.0, phases_unused, harmonic }
     }
 }
 
@@ -109,6 +115,7 @@ impl Outcome {
             missed: problem.missed(solver.meets_targets(), solver.quiet(), solution).unwrap_or(0.0),
             weak: weak_part(problem, solver, balance).unwrap_or(1.0),
             phases_unused: Remark::phases_unused(problem, solver).is_some(),
+            harmonic: harmonic(problem, solution),
         }
     }
 }

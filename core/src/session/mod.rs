@@ -60,7 +60,7 @@ pub struct Session {
     /// The last frame, where the solver remembers it.
     last: Last,
     /// Which kinds of remark it has made.
-    told: [bool; 7],
+    told: [bool; 8],
     /// Whether it has looked for the proof that targets cannot be had together.
     looked: bool,
     /// Where points are looked for, until one was found outside.
@@ -101,7 +101,7 @@ impl Session {
             workers: Vec::new(),
             solution: None,
             last: Last::default(),
-            told: [false; 7],
+            told: [false; 8],
             looked: false,
             vicinity,
             compared,
@@ -218,7 +218,7 @@ impl Session {
     /// nothing but the one time that it looks for the proof of [`Problem::beyond`].
     pub fn remarks(&mut self) -> impl Iterator<Item = Remark> + use<> {
         let (Some(problem), Some(solution)) = (self.problem(), self.solution()) else {
-            return [None; 7].into_iter().flatten();
+            return [None; 8].into_iter().flatten();
         };
         let mut beyond = problem.beyond_alone();
         let look = beyond.is_none() && problem.is_doubtful() && !self.looked;
@@ -230,7 +230,8 @@ impl Session {
         let leak = Remark::leak(problem, &*self.task.solver, solution);
         let still = Remark::still(problem, &*self.task.solver);
         let missed = Remark::missed(problem, &*self.task.solver, solution);
-        let mut remarks = [beyond.map(Remark::Beyond), missed, weak, unused, leak, still, Remark::scaled(solution)];
+        let (scaled, harmonic) = (Remark::scaled(solution), Remark::harmonic(problem, solution));
+        let mut remarks = [beyond.map(Remark::Beyond), missed, weak, unused, leak, still, scaled, harmonic];
         self.looked |= look;
         for (told, remark) in self.told.iter_mut().zip(&mut remarks) {
             *remark = remark.filter(|_| !*told);

@@ -1,19 +1,22 @@
 //! Remarks: what a caller should hear beside an answer.
 //!
-//! Targets beyond reach or too weak, phases left out of account, a scale left over, a bound that lets nothing move.
+//! Targets beyond reach or too weak, phases left out of account, a scale left over, a bound that lets nothing move, a
+//! focus so loud that its harmonics count.
 
 use core::f64::consts::TAU;
 use core::fmt;
 
 use crate::device::quantization::steps_within;
+use crate::math;
 use crate::problem::{Beyond, Problem, Solution};
+use crate::scene::Aim;
 use crate::solvers::even_field::silence::silenceable;
 use crate::solvers::method::Solve;
 use crate::solvers::registry::SOLVERS;
 
 /// What a caller should hear beside an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(clippy::exhaustive_enums, reason = "the seven ways in which an answer differs from the request")]
+#[allow(clippy::exhaustive_enums, reason = "the eight ways in which an answer differs from the request")]
 pub enum Remark {
     /// What was asked for and cannot be had.
     Beyond(Beyond),
@@ -40,6 +43,13 @@ pub enum Remark {
         quiet: f64,
         /// Quiet points a wavelength apart that so many transducers can silence beside the targets.
         able: usize,
+    },
+    /// The second harmonic, which the linear model leaves out, is a large part of the loudest point.
+    Harmonic {
+        /// The estimated share ([`crate::Medium::second_harmonic`]).
+        share: f64,
+        /// |p| of that point in Pa.
+        pressure: f64,
     },
 }
 
@@ -72,6 +82,12 @@ impl fmt::Display for Remark {
                 "quiet points leak {leak:.1e} of the loudest point where quiet={quiet} allows less: the array silences about \
                  {able} that are a wavelength apart, allow more or ask for fewer"
             ),
+            Self::Harmonic { share, pressure } => write!(
+                f,
+                "at {:.1} kPa the second harmonic, which is not in the model, is estimated at {share:.2} of |p|: the real focus is \
+                 weaker; request less, or measure it",
+                pressure / 1e3
+            ),
             Self::Still { change, phases } => {
                 let step = TAU / f64::from(*phases);
                 write!(
@@ -88,6 +104,9 @@ impl fmt::Display for Remark {
         }
     }
 }
+
+/// The share of the second harmonic that a remark names: that of some 6 kPa.
+const HARMONIC: f64 = 0.25;
 
 impl Remark {
     /// That targets are weak, where a solver takes them as they stand.
@@ -117,6 +136,12 @@ impl Remark {
         Some(Self::Leak { leak, quiet, able })
     }
 
+    /// That the second harmonic is a large part of the loudest point.
+    #[must_use]
+    pub fn harmonic(problem: &Problem, solution: &Solution) -> Option<Self> {
+        harmonic(problem, solution).map(|(share, pressure)| Self::Harmonic { share, pressure })
+    }
+
     /// That the board's phases are too coarse for the bound on their changes; one of 0 asks for that.
     #[must_use]
     pub fn still(problem: &Problem, solver: &dyn Solve) -> Option<Self> {
@@ -139,4 +164,17 @@ impl Remark {
 /// The part of the balanced level that weak targets are, where a solver takes them as they stand.
 pub(crate) fn weak_part(problem: &Problem, solver: &dyn Solve, balance: bool) -> Option<f64> {
     (problem.is_weak() && !balance && !solver.finds_level() && solver.plays_at_full()).then(|| 1.0 / problem.balance())
+}
+
+/// The estimated share of the second harmonic at the loudest point, where it is large and pressures are requested, and |p| in
+/// Pa there. Pressures under a signature are not those that are played.
+pub(crate) fn harmonic(problem: &Problem, solution: &Solution) -> Option<(f64, f64)> {
+    let kept = problem.propagation().origin().and_then(|(.., kept)| kept);
+    if !problem.asks_pressures() || problem.aim() != Aim::Target || kept.is_some_and(|kept| kept.signature.is_some()) {
+        return None;
+    }
+    let loudest = solution.pressures.iter().fold(0.0f32, |most, p| most.max(p.norm_sqr()));
+    let pressure = math::sqrt(f64::from(loudest));
+    let share = problem.setup().medium.second_harmonic(pressure);
+    (share > HARMONIC).then_some((share, pressure))
 }
