@@ -59,7 +59,7 @@ Where the name is known only when the program runs, options are handed over as `
 """
 
 from collections.abc import Callable
-from typing import Any, Literal, TypeAlias, Unpack, final, overload
+from typing import Any, Final, Literal, TypeAlias, Unpack, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -102,26 +102,16 @@ class Solver:
     def restore(
         self, drives: NDArray[np.complex64], weights: NDArray[np.float32], unevenness: float
     ) -> None: ...
-    @property
-    def drive(self) -> NDArray[np.complex64]: ...
-    @property
-    def pressures(self) -> NDArray[np.complex64]: ...
-    @property
-    def metrics(self) -> Metrics: ...
-    @property
-    def complex_error(self) -> float | None: ...
-    @property
-    def status(self) -> str: ...
-    @property
-    def scale(self) -> float: ...
-    @property
-    def steps(self) -> int: ...
-    @property
-    def elapsed(self) -> float: ...
-    @property
-    def solver(self) -> str: ...
-    @property
-    def options(self) -> dict[str, _Option]: ...
+    drive: Final[NDArray[np.complex64]]
+    pressures: Final[NDArray[np.complex64]]
+    metrics: Final[Metrics]
+    complex_error: Final[float | None]
+    status: Final[str]
+    scale: Final[float]
+    steps: Final[int]
+    elapsed: Final[float]
+    solver: Final[str]
+    options: Final[dict[str, _Option]]
 
 {batch}'''
 
@@ -142,8 +132,7 @@ class {name}:
     def __new__(
         cls, {arguments}, kind: Literal["rigid", "soft"] = "rigid"
     ) -> {name}: ...
-{parts}    @property
-    def kind(self) -> Literal["rigid", "soft"]: ...
+{parts}    kind: Final[Literal["rigid", "soft"]]
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
 """
@@ -153,7 +142,7 @@ def bodies() -> str:
     """The file of obstacles that a few numbers describe, a class for each kind."""
     kinds = midair._midair.bodies()
     text = '"""Obstacles of a few numbers, from the core. Made by `make stubs`."""\n\n'
-    text += "from typing import Literal, TypeAlias, final\n\nfrom numpy.typing import ArrayLike\n\n"
+    text += "from typing import Final, Literal, TypeAlias, final\n\nfrom numpy.typing import ArrayLike\n\n"
     text += f"__all__ = {sorted(kinds)}\n".replace("'", '"')
     for name, parts in kinds.items():
         given = {part: "float" if count == 1 else "ArrayLike" for part, count in parts.items()}
@@ -164,9 +153,7 @@ def bodies() -> str:
         text += BODY.format(
             name=name,
             arguments=", ".join(f"{part}: {kind}" for part, kind in given.items()),
-            parts="".join(
-                f"    @property\n    def {part}(self) -> {kind}: ...\n" for part, kind in known.items()
-            ),
+            parts="".join(f"    {part}: Final[{kind}]\n" for part, kind in known.items()),
         )
     return text + f"\nBody: TypeAlias = {' | '.join(kinds)}\n"
 

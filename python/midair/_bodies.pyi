@@ -1,6 +1,6 @@
 """Obstacles of a few numbers, from the core. Made by `make stubs`."""
 
-from typing import Literal, TypeAlias, final
+from typing import Final, Literal, TypeAlias, final
 
 from numpy.typing import ArrayLike
 
@@ -11,12 +11,9 @@ class Wall:
     def __new__(
         cls, point: ArrayLike, normal: ArrayLike, kind: Literal["rigid", "soft"] = "rigid"
     ) -> Wall: ...
-    @property
-    def point(self) -> tuple[float, float, float]: ...
-    @property
-    def normal(self) -> tuple[float, float, float]: ...
-    @property
-    def kind(self) -> Literal["rigid", "soft"]: ...
+    point: Final[tuple[float, float, float]]
+    normal: Final[tuple[float, float, float]]
+    kind: Final[Literal["rigid", "soft"]]
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
 
@@ -25,12 +22,9 @@ class Sphere:
     def __new__(
         cls, center: ArrayLike, radius: float, kind: Literal["rigid", "soft"] = "rigid"
     ) -> Sphere: ...
-    @property
-    def center(self) -> tuple[float, float, float]: ...
-    @property
-    def radius(self) -> float: ...
-    @property
-    def kind(self) -> Literal["rigid", "soft"]: ...
+    center: Final[tuple[float, float, float]]
+    radius: Final[float]
+    kind: Final[Literal["rigid", "soft"]]
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
 

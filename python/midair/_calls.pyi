@@ -4,7 +4,7 @@ Where the name is known only when the program runs, options are handed over as `
 """
 
 from collections.abc import Callable
-from typing import Any, Literal, TypeAlias, Unpack, final, overload
+from typing import Any, Final, Literal, TypeAlias, Unpack, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -115,26 +115,16 @@ class Solver:
     def restore(
         self, drives: NDArray[np.complex64], weights: NDArray[np.float32], unevenness: float
     ) -> None: ...
-    @property
-    def drive(self) -> NDArray[np.complex64]: ...
-    @property
-    def pressures(self) -> NDArray[np.complex64]: ...
-    @property
-    def metrics(self) -> Metrics: ...
-    @property
-    def complex_error(self) -> float | None: ...
-    @property
-    def status(self) -> str: ...
-    @property
-    def scale(self) -> float: ...
-    @property
-    def steps(self) -> int: ...
-    @property
-    def elapsed(self) -> float: ...
-    @property
-    def solver(self) -> str: ...
-    @property
-    def options(self) -> dict[str, _Option]: ...
+    drive: Final[NDArray[np.complex64]]
+    pressures: Final[NDArray[np.complex64]]
+    metrics: Final[Metrics]
+    complex_error: Final[float | None]
+    status: Final[str]
+    scale: Final[float]
+    steps: Final[int]
+    elapsed: Final[float]
+    solver: Final[str]
+    options: Final[dict[str, _Option]]
 
 @overload
 def solve_batch(scene: _Driven, points: _Numbers, pressures: _Numbers, solver: Literal["uniform"], **keywords: Unpack[k.BatchUniform]) -> Batch: ...

@@ -54,12 +54,7 @@ class Guard:
     """
 
     def __init__(
-        self,
-        transport: Transport,
-        hold: float,
-        parent: int,
-        inbox: SimpleQueue[Message],
-        replies: int,
+        self, transport: Transport, hold: float, parent: int, inbox: SimpleQueue[Message], replies: int
     ) -> None:
         self._transport = transport
         self._hold = hold

@@ -17,19 +17,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.live import Live
 
-from .. import (
-    Array,
-    Board,
-    Connection,
-    Scene,
-    SceneError,
-    Sequence,
-    Solution,
-    connect,
-    presets,
-    read,
-    solve,
-)
+from .. import Array, Board, Connection, Scene, SceneError, Sequence, Solution, connect, presets, read, solve
 from .._boards.address import DEFAULT, can_modulate, parse
 from .._boards.connection import APART
 from .._boards.playing import LOOK, keep

@@ -129,12 +129,7 @@ class JudgedFrames(Frames):
 
     @SETTLING
     def felt(
-        self,
-        place: ArrayLike,
-        *,
-        area: float | None = None,
-        bands: Any = BANDS,
-        tau: float = 0.0,
+        self, place: ArrayLike, *, area: float | None = None, bands: Any = BANDS, tau: float = 0.0
     ) -> Felt:
         """Radiation pressure at a fixed place (3,), or its mean over a patch (K, 3), at each frame's start.
 

@@ -63,11 +63,7 @@ class Between(NamedTuple):
 
 
 def between(
-    scene: Scene,
-    points: NDArray[np.float64],
-    targets: NDArray[np.float64],
-    envelope: Envelope,
-    substeps: int,
+    scene: Scene, points: NDArray[np.float64], targets: NDArray[np.float64], envelope: Envelope, substeps: int
 ) -> Between:
     """|p_j| = |sum_i G_ji y_i| at the times (t + k/substeps)/rate, points on straight lines between frames.
 

@@ -52,10 +52,7 @@ WORDS = {
         "20 x 20 transducers, random points within the array's outline at z = 150 mm, each asked for"
         " p1/sqrt(M). Accuracy is eq. (12), sum |p| over the sum of targets, not clipped. In percent:",
     ),
-    "fig4": (
-        "Fig. 4: variation",
-        "The same trials. sigma is eq. (13) with 1/M in place of the printed 1/N:",
-    ),
+    "fig4": ("Fig. 4: variation", "The same trials. sigma is eq. (13) with 1/M in place of the printed 1/N:"),
     "fig5": (
         "Fig. 5: time over the number of points",
         "20 x 20 transducers, greedy in fixed order. CPU time of a whole solve, all threads added up, methods"

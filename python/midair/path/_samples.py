@@ -122,11 +122,7 @@ class Samples(Piece):
 
 
 def from_array(
-    points: ArrayLike,
-    *,
-    rate: float,
-    pressures: ArrayLike | None = None,
-    closed: bool = False,
+    points: ArrayLike, *, rate: float, pressures: ArrayLike | None = None, closed: bool = False
 ) -> Path:
     """A path through frames of points (T, M, 3) in m, at `rate` frames a second, straight between them.
 
