@@ -373,3 +373,19 @@ def test_numbers_below_the_least_are_no_error():
         assert found.metrics == plain.metrics
         found.between(1e-4)
         found.felt([0, 0, 0.15], bands=[(5, 50)])
+
+
+@pytest.mark.parametrize(("points", "most"), [(1, 1.0), (4, 1.5), (8, 1.5)])
+def test_glide_keeps_codes_of_few_phases(points: int, most: float) -> None:
+    """Each change of a code sounds: one point needs those of the free phases' nearest codes, more points need some more."""
+    t, turn = np.arange(200)[:, None] / 10e3, 2 * np.pi * np.arange(points) / points
+    x, y = (0.02 * of(2 * np.pi * 6 * t + turn) for of in (np.cos, np.sin))
+    path = np.stack([x, y, np.full_like(x, 0.2)], -1)
+
+    def codes(quantization: dict[str, int]) -> np.ndarray:
+        board = midair.Array.grid(16, 16, 10.5e-3, quantization=quantization)
+        drives = np.asarray(midair.sequence(board, path, rate=10e3).drives)
+        return np.round(np.angle(drives) / (2 * np.pi / 32)) % 32
+
+    few, free = (np.count_nonzero(np.diff(codes(board), axis=0)) for board in ({"phases": 32}, {}))
+    assert 0.5 * free < few <= most * free

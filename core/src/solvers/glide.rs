@@ -330,7 +330,8 @@ impl<'w> Frame<'w> {
                 let mut codes = work.floats.take_any(rows.lanes);
                 let (most, targeted) = (*most, rows.targeted);
                 let tiles = rows.tiles();
-                let task = error_diffusion::Task { tiles, phases, weights, targeted, most, memory: &mut memory };
+                let choice = error_diffusion::Choice::in_motion(phases, most);
+                let task = error_diffusion::Task { tiles, choice, weights, targeted, memory: &mut memory };
                 let field = wave.field.each_ref().map(|plane| &plane[..targeted]);
                 let drive = wave.drive.each_mut().map(|plane| &mut plane[..]);
                 error_diffusion::diffuse(rows.set, task, drive, field, &mut codes, control)?;

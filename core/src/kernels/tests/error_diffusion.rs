@@ -12,7 +12,7 @@ use crate::kernels::lanes::padded;
 use crate::kernels::propagate::rows::Rows;
 use crate::kernels::simd::instruction_set::InstructionSet;
 use crate::kernels::tests::wide;
-use crate::kernels::tiles::error_diffusion::{Task, diffuse, floats};
+use crate::kernels::tiles::error_diffusion::{Choice, Task, diffuse, floats};
 use crate::kernels::tiles::{Tiles, height, lanes, pack, size};
 use crate::rng::Rng;
 
@@ -94,12 +94,12 @@ impl Even {
         let heard = self.field(&self.drive);
         let field = [over(|z| z.re, &heard, self.points), over(|z| z.im, &heard, self.points)];
         let (mut memory, mut codes) = (vec![f32::NAN; floats(self.points)], vec![f32::NAN; all]);
+        let phases = Phases::new(count);
         let task = Task {
             tiles: Tiles { planes: [&planes[0], &planes[1]], lanes: all },
-            phases: &Phases::new(count),
+            choice: Choice::even(&phases, most),
             weights: &self.weights,
             targeted: self.targeted,
-            most,
             memory: &mut memory,
         };
         let field = field.each_ref().map(|plane| &plane[..]);

@@ -10,6 +10,8 @@
 //!     the one code whose step up or down lowers sum w r^2 most is taken, if there is one
 //! ```
 //!
+//! In motion a drive keeps its last code while the nearest is less than 3/4 of a step away: each change of code sounds.
+//!
 //! Rounding leaves errors at the points; the next tiles, which are to be rounded anyway, choose their codes so that these
 //! take them back (Floyd and Steinberg, Proc. SID 17(2), 1976). What remains is what the last tiles leave;
 //! exchanging single codes (direct binary search, Analoui and Allebach, SPIE 1666, 1992) takes off two thirds of that.
@@ -29,16 +31,41 @@ use crate::kernels::simd::{Simd, TINY};
 use crate::kernels::tiles::{Tiles, add_wave};
 use crate::math::sqrtf;
 
+/// Which code a drive takes.
+#[derive(Clone, Copy)]
+pub(crate) struct Choice<'a> {
+    phases: &'a Phases,
+    /// The largest code, up or down.
+    most: f32,
+    /// A drive within this part of a step of code 0 has that code: 1/2 is nearest rounding.
+    kept: f32,
+    /// How far a drive may turn, to take back errors at the points, in turns.
+    rotation: f32,
+    /// Root mean square of what is wrong, relative to the level, below which exchanges do not pay.
+    even: f32,
+}
+
+impl<'a> Choice<'a> {
+    /// As even as the phases allow, by codes up to `most`.
+    pub(crate) fn even(phases: &'a Phases, most: f32) -> Self {
+        Self { phases, most, kept: 0.5, rotation: MOST_ROTATION, even: EVEN[0] }
+    }
+
+    /// In motion, where code 0 is that of the last frame: few codes change, as each change is a step that sounds.
+    pub(crate) fn in_motion(phases: &'a Phases, most: f32) -> Self {
+        let step = 1.0 / phases.count();
+        Self { phases, most, kept: 0.75, rotation: 0.25 * step, even: (step * step).clamp(EVEN[0], EVEN[1]) }
+    }
+}
+
 /// An even drive, the points that it is even at, and the memory of both passes.
 pub(crate) struct Task<'a> {
     pub(crate) tiles: Tiles<'a>,
-    pub(crate) phases: &'a Phases,
+    pub(crate) choice: Choice<'a>,
     /// Weights of the points.
     pub(crate) weights: &'a [f32],
     /// Points with a target, which come first; the others are quiet.
     pub(crate) targeted: usize,
-    /// The largest code, up or down.
-    pub(crate) most: f32,
     /// [`floats`] numbers.
     pub(crate) memory: &'a mut [f32],
 }
@@ -49,18 +76,15 @@ pub(crate) const fn floats(points: usize) -> usize {
 }
 
 const LISTS: usize = 7;
-
 /// Points whose complex sums fill a register.
 const EIGHT: usize = LANES / 2;
-
 /// Tiles rounded together: their choice is waited for once.
 const MOST: usize = 4;
-
 /// Rotations in turns beyond which a pressure is no longer near its tangent.
 const MOST_ROTATION: f32 = 0.125;
 
-/// Root mean square of what is wrong, relative to the level, below which exchanges do not pay.
-const EVEN: f32 = 5e-5;
+/// The least and the largest [`Choice::even`].
+const EVEN: [f32; 2] = [5e-5, 1e-3];
 
 /// Passes that exchange codes at most: a third takes less than a tenth off what is wrong.
 const ROUNDS: usize = 2;
@@ -203,8 +227,7 @@ pub(crate) fn diffuse(
     control: &mut Control,
 ) -> Result<(), Error> {
     dispatch!(set, s => {
-        let Task { tiles, phases, weights, targeted, most, memory } = task;
-        let phases = (phases, most);
+        let Task { tiles, choice, weights, targeted, memory } = task;
         let mut points = Points::new(s, weights, targeted, field, memory);
         let (qr, qi, codes) = (groups_mut(qr), groups_mut(qi), groups_mut(codes));
         let (mut re, mut im, mut own) = (qr.chunks_mut(MOST), qi.chunks_mut(MOST), codes.chunks_mut(MOST));
@@ -213,21 +236,21 @@ pub(crate) fn diffuse(
             control.pulse()?;
             // There are whole pairs of tiles.
             match codes.len() {
-                MOST => round_tiles::<_, MOST>(s, tiles, tile, phases, &mut points, [re, im], codes),
-                _ => round_tiles::<_, 2>(s, tiles, tile, phases, &mut points, [re, im], codes),
+                MOST => round_tiles::<_, MOST>(s, tiles, tile, choice, &mut points, [re, im], codes),
+                _ => round_tiles::<_, 2>(s, tiles, tile, choice, &mut points, [re, im], codes),
             }
             tile += MOST;
         }
         for _ in 0..ROUNDS {
             let off = s.reduce_add(points.look(s)) * points.share;
-            if off <= EVEN * EVEN * points.level * points.level {
+            if off <= choice.even * choice.even * points.level * points.level {
                 break;
             }
             let mut moved = false;
             for tile in 0..tiles.lanes / LANES {
                 control.pulse()?;
                 let own = [&mut qr[tile], &mut qi[tile]];
-                moved |= exchange(s, tiles, tile, phases, &mut points, own, &mut codes[tile]);
+                moved |= exchange(s, tiles, tile, choice, &mut points, own, &mut codes[tile]);
             }
             if !moved {
                 break;
@@ -243,7 +266,7 @@ fn round_tiles<S: Simd, const K: usize>(
     s: S,
     tiles: Tiles<'_>,
     tile: usize,
-    phases: (&Phases, f32),
+    choice: Choice<'_>,
     points: &mut Points<'_>,
     [own_re, own_im]: [&mut [Lanes]; 2],
     codes: &mut [Lanes],
@@ -276,11 +299,11 @@ fn round_tiles<S: Simd, const K: usize>(
     points.hear(s, tiles, tile, &change);
     let slope = 2.0 / core::f32::consts::TAU * s.reduce_add(slope);
     let far = s.splat(slope / points.weigh_change(s).max(f32::MIN_POSITIVE));
-    let most = s.splat(MOST_ROTATION);
+    let most = s.splat(choice.rotation);
     let lists = own_re.iter_mut().zip(own_im).zip(codes);
     for (((re, im), codes), (&q, (&down, change))) in lists.zip(q.iter().zip(down.iter().zip(&mut change))) {
         let rotation = s.max(s.min(s.mul(down, far), most), s.sub(zero, most));
-        let (code, new) = rounded(s, phases, q, rotation);
+        let (code, new) = rounded(s, choice, q, rotation);
         s.store(code, codes);
         s.store(new[0], re);
         s.store(new[1], im);
@@ -295,12 +318,15 @@ fn round_tiles<S: Simd, const K: usize>(
 
 /// The codes nearest to where rotations in turns bring q, and their phasors.
 #[inline(always)]
-fn rounded<S: Simd>(s: S, (phases, most_code): (&Phases, f32), q: [S::V; 2], rotation: S::V) -> (S::V, [S::V; 2]) {
+fn rounded<S: Simd>(s: S, choice: Choice<'_>, q: [S::V; 2], rotation: S::V) -> (S::V, [S::V; 2]) {
     s.aside(
         #[inline(always)]
         || {
-            let code = s.floor(s.fma(rotation, s.splat(phases.count()), phases.later(s, q)));
-            let code = s.max(s.min(code, s.splat(most_code)), s.splat(-most_code));
+            let Choice { phases, most, kept, .. } = choice;
+            let later = s.fma(rotation, s.splat(phases.count()), phases.later(s, q));
+            let off = s.abs(s.sub(later, s.splat(0.5)));
+            let code = s.select_less(off, s.splat(kept), s.splat(0.0), s.floor(later));
+            let code = s.max(s.min(code, s.splat(most)), s.splat(-most));
             // Transducers without effect stay silent.
             (code, phases.phasors(s, code, q))
         },
@@ -313,7 +339,7 @@ fn exchange<S: Simd>(
     s: S,
     tiles: Tiles<'_>,
     tile: usize,
-    (phases, most_code): (&Phases, f32),
+    Choice { phases, most: most_code, .. }: Choice<'_>,
     points: &mut Points<'_>,
     [own_re, own_im]: [&mut Lanes; 2],
     codes: &mut Lanes,

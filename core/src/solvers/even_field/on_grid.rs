@@ -2,7 +2,7 @@
 
 use crate::device::quantization::Quantization;
 use crate::error::Error;
-use crate::kernels::tiles::error_diffusion::{Task, diffuse, floats};
+use crate::kernels::tiles::error_diffusion::{Choice, Task, diffuse, floats};
 use crate::solvers::common::refinement::refine;
 use crate::solvers::common::tiled::Wave;
 use crate::solvers::even_field::run::Run;
@@ -37,10 +37,9 @@ fn round(run: &mut Run, quantization: &Quantization, even: bool, wave: &mut Wave
         let mut codes = work.floats.take_any(rows.lanes);
         let task = Task {
             tiles: rows.tiles(),
-            phases,
+            choice: Choice::even(phases, f32::INFINITY),
             weights: &weights,
             targeted: rows.targeted,
-            most: f32::INFINITY,
             memory: &mut memory,
         };
         let drive = wave.drive.each_mut().map(|plane| &mut plane[..]);
