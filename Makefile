@@ -196,7 +196,7 @@ measuring: setup ## Print the tables of docs/measuring.md and draw docs/measurin
 
 paper: setup ## Make the paper's figures anew (TRIALS=1000) and docs/paper.md from their tables
 	OPENBLAS_NUM_THREADS=1 $(BIN)/midair reproduce all --trials $(TRIALS) --output out/paper
-	$(PYTHON) -m midair._reproduce.page out/paper docs
+	$(PYTHON) book/paper.py out/paper docs
 
 docs: setup book/.venv/ready ## Build the book, the documentation as a site: out/site/index.html
 	$(call step,book: built where nothing warns (10 s),NO_MKDOCS_2_WARNING=1 book/.venv/bin/mkdocs build --quiet --strict --config-file book/mkdocs.yml)

@@ -44,8 +44,8 @@ def reproduce_command(
         names, output_folder, trials=trials, seed=seed, scheduler=scheduler, progress=progress_bar
     )
     table = Table("figure", "statement", "verdict", "what decides", box=box.SIMPLE_HEAD, pad_edge=False)
-    for verdict in verdicts:
-        table.add_row(verdict.figure, verdict.statement, verdict.verdict, verdict.evidence)
+    for figure, verdict in verdicts:
+        table.add_row(figure, *verdict)
     console.print(table)
     return 0
 

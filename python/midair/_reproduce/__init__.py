@@ -49,7 +49,7 @@ def reproduce(
     seed: int = 0,
     scheduler: str | None = None,
     progress: Callable[[str], AbstractContextManager[Tell]] = lambda figure: nullcontext(silent),
-) -> list[Verdict]:
+) -> list[tuple[str, Verdict]]:
     """Write NAME.png, NAME.svg and NAME.csv for each figure, and verdicts.csv, into the folder `output`.
 
     figures : names of FIGURES, or "all"
@@ -57,7 +57,8 @@ def reproduce(
     scheduler : address of a Dask scheduler for all but what is timed
     progress : opened with the name of each figure; gives what is called with (items done, items)
 
-    What is finished is kept in `output`/.chunks, and a run that was stopped goes on there.
+    Returns the verdicts, each with the name of its figure. What is finished is kept in `output`/.chunks, and
+    a run that was stopped goes on there.
     """
     names = [name for asked in figures for name in (FIGURES if asked == "all" else [asked])]
     for name in names:
@@ -68,13 +69,14 @@ def reproduce(
     if not 0 <= seed < 2**63:
         raise SceneError(f"seed is {seed}: give 0 to 2^63 - 1")
     _make(output)
-    verdicts: list[Verdict] = []
+    verdicts: list[tuple[str, Verdict]] = []
     chunks = output / ".chunks"
     with locked(chunks):
         for name in dict.fromkeys(names):
             with progress(name) as tell:
-                verdicts += _figure(name, Run(trials, seed, chunks, scheduler, tell), output)
-    tables.write(output / "verdicts.csv", [verdict.row() for verdict in verdicts])
+                judged = _figure(name, Run(trials, seed, chunks, scheduler, tell), output)
+            verdicts += [(name, verdict) for verdict in judged]
+    tables.write(output / "verdicts.csv", [{"figure": name, **one._asdict()} for name, one in verdicts])
     return verdicts
 
 

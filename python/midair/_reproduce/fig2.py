@@ -83,7 +83,6 @@ def judge(rows: tables.Rows) -> list[Verdict]:
     told = ", ".join(f"{key} {count}" for key, count in counts.items())
     return [
         Verdict(
-            "fig2",
             "SDP+BCD loses points of the pattern",
             outcome(counts["sdp"] > 0),
             f"points of 38 below half the mean |p|: {told}",

@@ -31,32 +31,27 @@ def judge(rows: tables.Rows) -> list[Verdict]:
     fine = abs(mean["greedy-fine"] - greedy)
     verdicts = [
         Verdict(
-            "fig3",
             "greedy's accuracy is above 80 % at every M",
             outcome(least["mean"] > 0.8),
             f"lowest mean {percent(least['mean'])} at M = {least['M']}"
             f" (95 %: {percent(least['low'])} to {percent(least['high'])})",
         ),
         Verdict(
-            "fig3",
             "LM is the most accurate, greedy comes next",
             outcome(bool((lead > 0).all()), bool((second > 0).all())),
             f"LM over greedy {span(lead, counts)}; greedy over the best of the others {span(second, counts)}",
         ),
         Verdict(
-            "fig3",
             "EVD and SDP+BCD are less accurate than greedy",
             outcome(bool((low > 0).all())),
             f"greedy over the better of the two {span(low, counts)}",
         ),
         Verdict(
-            "fig3",
             "GS-PAT is slightly less accurate than LM",
             outcome(bool((gap > 0).all()), bool((gap < 0.05).all())),
             f"LM over GS-PAT {span(gap, counts)}; slightly is taken as below 5 points",
         ),
         Verdict(
-            "fig3",
             "K=16, L=256 gains less than a point over K=1, L=16",
             outcome(bool((fine < 0.01).all())),
             f"difference at most {100 * fine.max():.2f} points, at M = {counts[int(fine.argmax())]}",
@@ -66,7 +61,6 @@ def judge(rows: tables.Rows) -> list[Verdict]:
         gain = mean["uniform"] - greedy
         verdicts.append(
             Verdict(
-                "fig3",
                 "(ours) `uniform` is more accurate than greedy at every M",
                 outcome(bool((gain > 0).all())),
                 f"uniform over greedy {span(gain, counts)}",

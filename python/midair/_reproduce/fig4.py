@@ -40,14 +40,12 @@ def judge(rows: tables.Rows) -> list[Verdict]:
     even = mean["gspat"] < mean["greedy"]
     verdicts = [
         Verdict(
-            "fig4",
             "LM has the least variation",
             outcome(bool(lowest.all()), bool(lowest.any())),
             f"LM {_range(mean['lm'])}"
             + (f"; not the least at M = {', '.join(map(str, where))}" if where else ""),
         ),
         Verdict(
-            "fig4",
             "greedy's variation is relatively large at every M",
             outcome(bool(squares.all()), bool(absolutes.all())),
             f"among the two largest of five at {squares.sum()} of {len(counts)} M with squared errors, as"
@@ -55,7 +53,6 @@ def judge(rows: tables.Rows) -> list[Verdict]:
             f" authors' code ({_range(mean['greedy-l1'])})",
         ),
         Verdict(
-            "fig4",
             "GS-PAT's variation is little",
             outcome(bool(even.all()), bool(even.any())),
             f"GS-PAT {_range(mean['gspat'])}; below greedy at {even.sum()} of {len(counts)} M",
@@ -65,7 +62,6 @@ def judge(rows: tables.Rows) -> list[Verdict]:
         worst = int(mean["uniform"].argmax())
         verdicts.append(
             Verdict(
-                "fig4",
                 "(ours) `uniform` has sigma of at most 1e-4 at every M",
                 outcome(bool((mean["uniform"] <= EVEN).all())),
                 f"largest mean {mean['uniform'][worst]:.1e} at M = {counts[worst]}",

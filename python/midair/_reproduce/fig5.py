@@ -39,16 +39,14 @@ def judge(rows: tables.Rows) -> list[Verdict]:
     share = median["greedy"] / median["gspat"]
     faster = ", ".join(str(count) for count, part in zip(counts, share, strict=True) if part < 1)
     verdicts = [
-        linear(rows, "fig5", "M", "greedy"),
+        linear(rows, "M", "greedy"),
         Verdict(
-            "fig5",
             "greedy and GS-PAT are more than ten times as fast as the others",
             outcome(*(bool((ratio[key] > 10).all()) for key in slow)),
             "times the slower of the two: "
             + ", ".join(f"{key} {ratio[key].min():.1f} to {ratio[key].max():.1f}" for key in slow),
         ),
         Verdict(
-            "fig5",
             "GS-PAT is faster at small M, greedy at large M",
             outcome(bool(share[0] > 1), bool(share[-1] < 1)),
             f"greedy over GS-PAT in time: {share[0]:.2f} at M = {counts[0]},"
@@ -56,15 +54,14 @@ def judge(rows: tables.Rows) -> list[Verdict]:
         ),
     ]
     if "greedy-brute" in median:
-        verdicts.append(linear(rows, "fig5", "M", "greedy-brute"))
+        verdicts.append(linear(rows, "M", "greedy-brute"))
     return verdicts
 
 
-def linear(rows: tables.Rows, figure: str, x: str, method: str) -> Verdict:
+def linear(rows: tables.Rows, x: str, method: str) -> Verdict:
     """Whether a method's time is linear in x."""
     row = tables.pick(rows, method=method)[0]
     return Verdict(
-        figure,
         f"{'greedy' if method == 'greedy' else 'greedy by plain brute force'} is linear in {x}",
         outcome(abs(row["slope_large"] - 1) <= LINEAR),
         f"log-log slope {timing.told_slope(row)}",

@@ -23,4 +23,4 @@ def draw(found: Found) -> Figure:
 def judge(rows: tables.Rows) -> list[Verdict]:
     """Greedy is linear in N."""
     found = [key for key in ("greedy", "greedy-brute") if tables.pick(rows, method=key)]
-    return [fig5.linear(rows, "fig6", "N", key) for key in found]
+    return [fig5.linear(rows, "N", key) for key in found]

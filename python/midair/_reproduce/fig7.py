@@ -131,21 +131,18 @@ def judge(rows: tables.Rows) -> list[Verdict]:
     a, b, c, d, e, f = rows
     return [
         Verdict(
-            "fig7",
             "(a) a weak focus in random order is narrow, with artefacts around it",
             outcome(a["narrow"] >= 0.5, a["artefact"] > 2 * c["artefact"]),
             f"narrower than 15 mm in {a['narrow']:.0%} of {a['orders']} orders; artefacts of"
             f" {a['artefact']:.2f} of the focus in the median, {c['artefact']:.2f} with |p| = 10",
         ),
         Verdict(
-            "fig7",
             "(b) a weak focus in fixed order is smeared along x",
             outcome(b["width_x_mm"] > 2 * b["width_y_mm"] and b["width_x_mm"] > 1e3 * NARROW),
             f"{b['width_x_mm']:.1f} mm in x, {b['width_y_mm']:.1f} mm in y",
         ),
         *(
             Verdict(
-                "fig7",
                 f"({row['panel']}) a strong focus in {order} order is ideal",
                 outcome(row["ideal"] == 1.0, row["ideal"] >= 0.5),
                 f"{row['width_x_mm']:.1f} mm in x, {row['width_y_mm']:.1f} mm in y;"
@@ -154,7 +151,6 @@ def judge(rows: tables.Rows) -> list[Verdict]:
             for row, order in ((c, "random"), (d, "fixed"))
         ),
         Verdict(
-            "fig7",
             "(section V) balancing makes the weak focus ideal in either order",
             outcome(e["ideal"] == 1.0, f["ideal"] == 1.0),
             f"random {e['width_x_mm']:.1f} x {e['width_y_mm']:.1f} mm, artefacts {e['artefact']:.2f};"

@@ -6,9 +6,8 @@ import csv
 import io
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,18 +17,12 @@ from .._support import output
 Outcome = Literal["holds", "holds in part", "does not hold"]
 
 
-@dataclass(frozen=True)
-class Verdict:
+class Verdict(NamedTuple):
     """A statement, what became of it, and the numbers that decide."""
 
-    figure: str
     statement: str
     verdict: Outcome
     evidence: str
-
-    def row(self) -> Row:
-        """As a row of verdicts.csv."""
-        return asdict(self)
 
 
 def outcome(*parts: bool) -> Outcome:

@@ -1,4 +1,4 @@
-"""The page docs/paper.md, from tables of `midair reproduce`: python -m midair._reproduce.page OUT DOCS."""
+"""The page docs/paper.md, `make paper`, from tables of `midair reproduce`: python book/paper.py OUT DOCS."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from textwrap import fill
 
 from PIL import Image
 
-from .._support import output
-from . import FIGURES, fig2, tables, timing
-from .tables import Outcome
+from midair._reproduce import FIGURES, fig2, tables, timing
+from midair._reproduce.tables import Outcome
+from midair._support import output
 
 #: Colours that the pictures on the page are reduced to, and their width in pixels, for a small repository.
 COLOURS = 128
