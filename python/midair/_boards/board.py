@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Array, Codec, Solution, presets
 from .._support.arguments import refused
+from .layout import changed
 
 
 class Board:
@@ -71,7 +72,8 @@ class Board:
         # What makes an equal board, in a pickle.
         self._made = kind, array, channels, corrections
         self._codec = Codec(kind, len(array), channels=channels, corrections=corrections, live=live)
-        self._array = array if array.quantization is not None else _on_board(array, self._codec)
+        grid = dict(self._codec.quantization)
+        self._array = array if array.quantization is not None else changed(array, quantization=grid)
 
     def __reduce__(self) -> tuple[Any, ...]:
         name, array, channels, corrections = self._made
@@ -197,16 +199,3 @@ def _from_files(
     pins = [np.asarray(board.pins) + 256 * k for k, board in enumerate(boards)]
     degrees = np.concatenate([board.corrections for board in boards])
     return "openmpd", array, np.concatenate(pins), np.deg2rad(degrees)
-
-
-def _on_board(array: Array, codec: Codec) -> Array:
-    made = Array(
-        array.positions,
-        array.normals,
-        source_pressure=array.source_pressure,
-        directivity=array.directivity,
-        response=array.response,
-        mask=array.mask,
-        quantization=dict(codec.quantization),
-    )
-    return made._with_hardware(array._hardware)

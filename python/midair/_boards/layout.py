@@ -1,4 +1,4 @@
-"""Layout: what a file says of an array, as `midair.Array` takes it."""
+"""Layout: what a file says of an array, as `midair.Array` takes it; an array with other parts."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .._midair import Array, array_parts
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,6 +23,12 @@ class Layout:
     response: NDArray[np.float64] | None = None
     mask: NDArray[np.bool_] | None = None
     quantization: Any = None
+
+
+def changed(array: Array, **parts: Any) -> Array:
+    """An array with other positions, normals or parts, all else as it is."""
+    own = {name: getattr(array, name) for name in ("positions", "normals", *array_parts())}
+    return Array(**{**own, **parts})._with_hardware(array._hardware)
 
 
 def turned(quaternions: NDArray[np.float64], vector: Sequence[float]) -> NDArray[np.float64]:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from html import escape
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeGuard
 
 import numpy as np
 
 from .. import _midair
 from .._midair import Array, Propagation, Scene, SceneError, Solution, Solver
+from .._support import text
+from .._support.output import METRICS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
 #: The most points that `midair.bound` takes.
 BOUND_POINTS = 64
 
-METRICS = ("accuracy", "sigma", "uniformity", "level", "residual", "leak")
 
 #: Keywords of `midair.solve` that a `midair.Solver` is not made with.
 OF_A_SOLVE = {"start", "progress", "trace"}
@@ -116,18 +116,10 @@ class Comparison:
         return len(self.solutions)
 
     def __repr__(self) -> str:
-        columns = cells(self.solutions, self.names, self.gaps)
-        lines = list(zip(*([name, *column] for name, column in columns.items()), strict=True))
-        widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-        texts = ["  ".join(map(str.ljust, line, widths)).rstrip() for line in lines]
-        return "\n".join([texts[0], "-" * (sum(widths) + 2 * (len(widths) - 1)), *texts[1:]])
+        return text.plain(cells(self.solutions, self.names, self.gaps))
 
     def _repr_html_(self) -> str:
-        columns = cells(self.solutions, self.names, self.gaps)
-        head = "".join(f"<th>{escape(name)}</th>" for name in columns)
-        lines = zip(*columns.values(), strict=True)
-        body = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in line)}</tr>" for line in lines)
-        return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+        return text.html(cells(self.solutions, self.names, self.gaps))
 
 
 def cells(

@@ -4,69 +4,47 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Array, Scene
+from .._boards.layout import changed
+from .._midair import Scene
 from .._support.arguments import number, refused
 
 #: Sound speed at 0 degrees C in m/s and that temperature in K: docs/conventions.md.
 SPEED, ZERO = 331.3, 273.15
 
-#: The largest fault that is answered, in its unit.
-MOST = {
-    "phase": 180.0,
-    "gain": 1.0,
-    "dead": 1.0,
-    "reversed": 1.0,
-    "temperature": 50.0,
-    "tilt": 45.0,
-    "position": 0.01,
-}
-
 Responses: TypeAlias = NDArray[np.complex128]
-Drawn: TypeAlias = Callable[[Scene, float, np.random.Generator], Scene]
 
 
 def sizes(**asked: float) -> dict[str, float]:
     """The faults above 0, in their order."""
-    read = {name: number(name, asked[name], least=0) for name in MOST}
+    read = {name: number(name, asked[name], least=0) for name in FAULTS}
     for name, size in read.items():
-        if size > MOST[name]:
-            raise refused(name, size, f"give at most {MOST[name]:g}")
+        if size > FAULTS[name].most:
+            raise refused(name, size, f"give at most {FAULTS[name].most:g}")
     return {name: size for name, size in read.items() if size > 0}
 
 
 def faulty(scene: Scene, faults: Mapping[str, float], seed: int, trial: int) -> Scene:
     """The scene with faults as a trial draws them: each the same, whichever others there are."""
-    for index, (name, draw) in enumerate(DRAWS.items()):
+    for index, (name, fault) in enumerate(FAULTS.items()):
         if name in faults:
             random = np.random.default_rng([seed, trial, index])
-            scene = draw(scene, faults[name], random)
+            scene = fault.draw(scene, faults[name], random)
     return scene
 
 
 def _responses(scene: Scene, factors: NDArray[np.float64] | Responses) -> Scene:
     array = scene.array
     own = 1.0 if array.response is None else array.response
-    return _changed(scene, array.positions, array.normals, np.asarray(own * factors, complex))
+    return _changed(scene, response=np.asarray(own * factors, complex))
 
 
-def _changed(
-    scene: Scene, positions: NDArray[np.float64], normals: NDArray[np.float64], response: Responses | None
-) -> Scene:
-    array = scene.array
-    changed = Array(
-        positions,
-        normals,
-        source_pressure=array.source_pressure,
-        directivity=array.directivity,
-        response=response,
-        mask=array.mask,
-    )
-    return scene.replace(array=changed)
+def _changed(scene: Scene, **parts: Any) -> Scene:
+    return scene.replace(array=changed(scene.array, quantization=None, **parts))
 
 
 def _phase(scene: Scene, size: float, random: np.random.Generator) -> Scene:
@@ -103,7 +81,7 @@ def _tilt(scene: Scene, size: float, random: np.random.Generator) -> Scene:
     turn = _rotation(axis / np.linalg.norm(axis), float(angle))
     middle = array.positions.mean(axis=0)
     positions = middle + (array.positions - middle) @ turn.T
-    return _changed(scene, positions, array.normals @ turn.T, array.response)
+    return _changed(scene, positions=positions, normals=array.normals @ turn.T)
 
 
 def _rotation(axis: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
@@ -117,16 +95,24 @@ def _rotation(axis: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
 def _position(scene: Scene, size: float, random: np.random.Generator) -> Scene:
     array = scene.array
     moved = array.positions + size * random.standard_normal(array.positions.shape)
-    return _changed(scene, moved, array.normals, array.response)
+    return _changed(scene, positions=moved)
 
 
-#: How each fault is drawn; the order is part of the seed.
-DRAWS: dict[str, Drawn] = {
-    "phase": _phase,
-    "gain": _gain,
-    "dead": _dead,
-    "reversed": _reversed,
-    "temperature": _temperature,
-    "tilt": _tilt,
-    "position": _position,
+class Fault(NamedTuple):
+    """How a fault is drawn, the largest that is answered, in its unit, and how one of it is written."""
+
+    draw: Callable[[Scene, float, np.random.Generator], Scene]
+    most: float
+    unit: str
+
+
+#: The order is part of the seed.
+FAULTS = {
+    "phase": Fault(_phase, 180.0, "sd {:g} degrees"),
+    "gain": Fault(_gain, 1.0, "sd {:g}"),
+    "dead": Fault(_dead, 1.0, "{:g} of all"),
+    "reversed": Fault(_reversed, 1.0, "{:g} of all"),
+    "temperature": Fault(_temperature, 50.0, "sd {:g} K"),
+    "tilt": Fault(_tilt, 45.0, "sd {:g} degrees"),
+    "position": Fault(_position, 0.01, "sd {:g} m"),
 }

@@ -16,8 +16,6 @@ from .._support.arguments import number
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    pass
-
 #: Arrows along a side, and the part of the largest force below which there is none.
 ARROWS, FAINT = 20, 0.05
 
@@ -82,8 +80,6 @@ class Streaming:
 
         Raises SceneError for forces at single points.
         """
-        pass
-
         return draw(self, ax)
 
 

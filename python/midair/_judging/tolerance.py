@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from .._midair import Solution
 from .._support import text as columns
+from .faults import FAULTS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,9 +40,7 @@ def draw(tolerance: Tolerance) -> Figure:
         ax.set(xlabel=f"{what} kept", xlim=(min(0.0, *ax.get_xlim()), None))
         ax.axvline(1, color="lightgrey", zorder=0)
         ax.grid(axis="x", alpha=0.3)
-    labels = [
-        f"{name}\n{UNITS[name].format(tolerance.faults[name])}" if name in UNITS else name for name in names
-    ]
+    labels = ["\n".join(filter(None, (name, tolerance._size(name)))) for name in names]
     axes[0].set_yticks(range(len(names)), labels)
     axes[0].invert_yaxis()
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
@@ -52,17 +51,6 @@ def draw(tolerance: Tolerance) -> Figure:
 
 #: The part of the trials that is worse than what is told beside mean and worst.
 PART = 0.05
-
-#: Each fault's unit, and how one of it is written.
-UNITS = {
-    "phase": "sd {:g} degrees",
-    "gain": "sd {:g}",
-    "dead": "{:g} of all",
-    "reversed": "{:g} of all",
-    "temperature": "sd {:g} K",
-    "tilt": "sd {:g} degrees",
-    "position": "sd {:g} m",
-}
 
 #: The row of all faults together.
 TOGETHER = "together"
@@ -108,6 +96,10 @@ class Tolerance:
         """How many trials there are of each row."""
         return len(next(iter(self.rows.values())).level)
 
+    def _size(self, name: str) -> str:
+        """How large the fault of a row is, with its unit; nothing of all together."""
+        return FAULTS[name].unit.format(self.faults[name]) if name in FAULTS else ""
+
     def to_dict(self) -> dict[str, list[Any]]:
         """The table as columns: fault, size, then mean, 5 % quantile and worst of level and uniformity."""
         table: dict[str, list[Any]] = {
@@ -122,7 +114,7 @@ class Tolerance:
     def cells(self) -> dict[str, list[str]]:
         """The table as text for people: the parts that are kept."""
         table = {"fault": list(self.rows)}
-        table["size"] = [UNITS[name].format(self.faults[name]) if name in UNITS else "" for name in self.rows]
+        table["size"] = [self._size(name) for name in self.rows]
         told = [row.summary() for row in self.rows.values()]
         for name in told[0]:
             head = name.replace("_5", " 5 %").replace("_", " ")
@@ -131,8 +123,6 @@ class Tolerance:
 
     def plot(self) -> Figure:
         """Every trial's level and uniformity, a row a fault. Returns the figure."""
-        pass
-
         return draw(self)
 
     def __repr__(self) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .._boards.layout import changed
 from .._midair import Array, Scene, SceneWarning, directivities
 
 Real = NDArray[np.float64]
@@ -151,10 +152,9 @@ class Model:
         own = self._array
         same = np.isnan(number) or number == kind_of(own.directivity)[1]
         directivity = own.directivity if same else {self._kind: float(number)}
-        made = Array(
-            positions, normals, source_pressure=own.source_pressure, directivity=directivity, **(keep or {})
-        )
-        return made._with_hardware(own._hardware)
+        bare = {"response": None, "mask": None, "quantization": None}
+        placed = {"positions": positions, "normals": normals, "directivity": directivity}
+        return changed(own, **placed, **(keep or bare))
 
     def _placed(self, state: Real) -> tuple[Real, Real]:
         """Positions and normals (N, 3) with the second board where the state has it."""

@@ -18,8 +18,6 @@ from .._support.text import arrays
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    pass
-
 
 def draw(calibration: Calibration) -> Figure:
     """Gains and phases over the array from above, and how far the readings lie off the model."""
@@ -147,8 +145,6 @@ class Calibration:
 
     def plot(self) -> Figure:
         """Gains and phases over the array, dead and reversed ones marked, and the residuals."""
-        pass
-
         return draw(self)
 
     def save(self, path: str | PathLike[str]) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterable, Iterator
 from os import PathLike
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Array, SceneError, SceneWarning, Solver, solvers
+from .._midair import Array, SceneError, Solver, solvers
 from .._support.arguments import callback, number, refused, whole
 from ..path import Path
 from . import store
@@ -81,7 +80,9 @@ def sequence(
             )
         tracks = _tracks(asked, solver, tau)
         codes = tracks.find(asked.points, asked.targets, closed=asked.closed, progress=progress)
-        return _told(asked, tracks.played(asked.points, asked.targets, codes), solver, tracks.board)
+        return store.sequence_of(
+            asked, tracks.played(asked.points, asked.targets, codes), solver, tracks.board
+        )
     found: Found = (
         Foreseen(asked, _tracks(asked, solver, tau), known)
         if known
@@ -95,7 +96,7 @@ def sequence(
         blocks.append(found.block(slice(first, first + BLOCK)))
         if progress is not None:
             progress(min(first + BLOCK, len(asked.points)), len(asked.points))
-    return _told(asked, np.concatenate(blocks), solver, found.board)
+    return store.sequence_of(asked, np.concatenate(blocks), solver, found.board)
 
 
 #: What a stream does not take as `sequence` does.
@@ -182,21 +183,3 @@ def _solver(
     own = {"change": change, "tau": tau, "rate": rate}
     given = {name: value for name, value in own.items() if value is not None and name in known}
     return Solver(array, solver, **{**given, **options})
-
-
-def _told(asked: Request, drives: NDArray[Any], solver: str, board: Any) -> Sequence:
-    with warnings.catch_warnings():
-        # Told of the request.
-        warnings.simplefilter("ignore", SceneWarning)
-        return Sequence(
-            asked.array,
-            asked.points,
-            asked.targets,
-            drives,
-            rate=asked.rate,
-            closed=asked.closed,
-            change=asked.change,
-            solver=solver,
-            quantization=board,
-            **asked.air,
-        )

@@ -7,6 +7,7 @@ import re
 import warnings
 import zipfile
 from collections.abc import Callable
+from dataclasses import replace
 from hashlib import sha256
 from os import PathLike
 from pathlib import Path
@@ -32,6 +33,24 @@ REQUEST, STATE = "request", "state."
 
 #: Names of files that are ours.
 OWN = re.compile(r"request|\d{12}\.npz")
+
+
+def sequence_of(asked: Request, drives: NDArray[Any], solver: str, board: dict[str, Any] | None) -> Sequence:
+    """The sequence of a request, as `solver` and `board` answer it; whatever it warns of, the request did."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SceneWarning)
+        return Sequence(
+            asked.array,
+            asked.points,
+            asked.targets,
+            drives,
+            rate=asked.rate,
+            closed=asked.closed,
+            change=asked.change,
+            solver=solver,
+            quantization=board,
+            **asked.air,
+        )
 
 
 def solved(
@@ -117,21 +136,8 @@ def _assemble(
 ) -> None:
     """Write the file that `Sequence.save` writes, its drives copied piece after piece."""
     shape = (len(asked.points), len(asked.array))
-    with warnings.catch_warnings():
-        # Told of the request.
-        warnings.simplefilter("ignore", SceneWarning)
-        empty = Sequence(
-            asked.array,
-            asked.points[:2],
-            np.ones(asked.targets[:2].shape),
-            np.ones((2, shape[1]), np.complex64),
-            rate=asked.rate,
-            closed=asked.closed,
-            change=asked.change,
-            solver=setting["solver"],
-            quantization=board,
-            **asked.air,
-        )
+    two = replace(asked, points=asked.points[:2], targets=np.ones(asked.targets[:2].shape))
+    empty = sequence_of(two, np.ones((2, shape[1]), np.complex64), setting["solver"], board)
     texts = {"scene": empty.scene(0).json(), "setting": output.to_json(empty.setting())}
     with files.whole(target, (".npz",)) as part, zipfile.ZipFile(part, "w", allowZip64=True) as archive:
         small = {"points": asked.points, "targets": asked.targets}

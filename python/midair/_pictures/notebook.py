@@ -245,8 +245,6 @@ def field(field: Field) -> str:
     loudest = f"{np.abs(field.pressure).max():.4g}{'' if field.scene.in_paper_unit else ' Pa'}"
     if field.plane is None:
         return _facts(("midair.Field", f"at {field.pressure.size} points"), ("loudest", loudest))
-    pass
-
     plane, panels = field.plane, len(field.panels)
     return _facts(
         ("midair.Field", f"{plane.pixels} x {plane.pixels} places"),

@@ -180,12 +180,10 @@ def plain(columns: Mapping[str, list[str]]) -> str:
     return "\n".join([texts[0], "-" * (sum(widths) + 2 * (len(widths) - 1)), *texts[1:]])
 
 
-def html(columns: Mapping[str, list[str]], caption: str) -> str:
-    """The same as an HTML table under a caption."""
+def html(columns: Mapping[str, list[str]], caption: str = "") -> str:
+    """The same as an HTML table, under a caption if there is one."""
     head = "".join(f"<th>{escape(name)}</th>" for name in columns)
     rows = zip(*columns.values(), strict=True)
     body = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows)
-    return (
-        f"<table><caption>{escape(caption)}</caption>"
-        f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-    )
+    above = f"<caption>{escape(caption)}</caption>" if caption else ""
+    return f"<table>{above}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"

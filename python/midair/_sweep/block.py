@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from .. import _midair
 from .._midair import Array, Scene, SceneError, SceneWarning, solvers
 from .._support.kept import Arrays
+from .._support.output import METRICS
 from .engine import Stopped, go_on
-
-METRICS = ("accuracy", "sigma", "uniformity", "level", "residual", "leak")
 
 #: What a table needs of each problem: whether more is asked for than the array reaches, or too little.
 TOLD = (*METRICS, "status", "beyond", "weak")

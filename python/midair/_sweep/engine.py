@@ -239,8 +239,6 @@ def _workers(
         with ThreadPoolExecutor(count, initializer=setattr, initargs=(_own, "stop", stop)) as pool:
             yield pool, count
     else:
-        pass
-
         with workers(scheduler) as found:
             yield found
 

@@ -14,9 +14,10 @@ from typing import Any, NoReturn
 
 from .._midair import Array, Scene, SceneError, placed, read_sweep, solve, solver_name, solvers, sweep_keys
 from .._support.arguments import path_of
+from .._support.output import METRICS
 from .._support.text import content
 from .axes import Tables, plain, read_axes, short
-from .block import METRICS, Settings
+from .block import Settings
 from .problems import few, known, read_sets, reason, tables_of, whole
 
 #: More problems than this are a slip of the pen.

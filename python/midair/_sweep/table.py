@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from .._midair import SceneError
 from .._support import output
-from .._support.kept import Arrays
+from .._support.kept import Arrays, refusing
+from .._support.output import METRICS
 from . import files
-from .block import METRICS, trial_seed
+from .block import trial_seed
 from .engine import Job
 from .request import Block, Request
 
@@ -104,17 +104,13 @@ def _temporary(path: Path) -> Iterator[Path]:
     """A name beside the path that becomes it, if all goes well."""
     part = output.part_of(path)
     try:
-        yield part
-        if path.is_dir():
-            # Somebody's own may have come there meanwhile.
-            files.check_replaceable(path)
-            shutil.rmtree(path)
-        part.replace(path)
-    except OSError as error:
-        raise SceneError(
-            f'"{path}" cannot be written ({error.strerror or error}): make room or choose another folder;'
-            " what is done is kept"
-        ) from error
+        with refusing(path):
+            yield part
+            if path.is_dir():
+                # Somebody's own may have come there meanwhile.
+                files.check_replaceable(path)
+                shutil.rmtree(path)
+            part.replace(path)
     finally:
         if part.is_dir():
             shutil.rmtree(part, ignore_errors=True)
