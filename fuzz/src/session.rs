@@ -1,4 +1,4 @@
-//! A session asked one request after another, of changing sizes, and in a batch: each as if it were alone, bit for bit.
+//! Requests of changing sizes through one session, and as a batch: each gives the bits of a solve of its own.
 
 use std::sync::Arc;
 
@@ -23,6 +23,14 @@ fn run(draw: &mut Draw) -> Result<(), Error> {
     let mut session = Session::new(model.clone(), Arc::clone(&solver), balance);
     for ask in &asks {
         let lone = alone(&model, ask, &*solver, balance);
+        if !session.last().is_empty() {
+            // A solver that remembers goes on from its last frame. Cleared, it begins as a solve of its own does.
+            if let (Ok(next), Ok((problem, _))) = (session.solve(ask, &mut Control::none()), &lone) {
+                let allowed = Allowed::of(model.array(), model.medium(), &ask.points);
+                allowed.check(problem, &model.propagation(&ask.points)?, next, configured.info.name);
+            }
+            session.last().clear();
+        }
         match (session.solve(ask, &mut Control::none()), lone) {
             (Ok(found), Ok((problem, lone))) => {
                 let allowed = Allowed::of(model.array(), model.medium(), &ask.points);
