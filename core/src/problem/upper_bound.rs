@@ -59,12 +59,15 @@ type Lanes = [Complex64; RANK];
 /// Up to three points it is the highest level itself, to 1e-4, and at four mostly to 1 %, by branching over the points'
 /// phases (`problem::optimum`). From five points on it is the value of a relaxation, to 0.1 % for most scenes: for
 /// the paper's random scenes 8 to 9 % above the best field known. Above 64 points the search for it is cut short; of more
-/// than 400, it is the bound on some of them. Deterministic; in double precision, time O(N M) a step and some hundred steps.
+/// than 400, it is the bound on some of them. Of points that no transducer reaches it is 0. Deterministic; in double precision, time O(N M) a step and some hundred steps.
 ///
 /// # Errors
 /// A stop.
 pub fn bound(problem: &Problem, control: &mut Control) -> Result<f64, Error> {
     let rows = Rows::new(problem, MOST_POINTS, control)?;
+    if rows.count() == 0 {
+        return Ok(0.0);
+    }
     let mut least = f64::INFINITY;
     if rows.points <= optimum::MOST {
         let set = problem.propagation().instruction_set();
