@@ -57,6 +57,10 @@ def test_a_picture_of_more_pixels_than_memory_allows_is_refused_before_it_is_rea
     monkeypatch.setenv("MIDAIR_MEMORY", "10kB")
     with pytest.raises(midair.SceneError):
         midair.image(path, size=0.1, z=0.1)
+    monkeypatch.delenv("MIDAIR_MEMORY")
+    path.write_bytes(b"P6 60000 60000 255\n")
+    with pytest.raises(midair.SceneError, match="more than 178 million pixels, make it smaller"):
+        midair.image(path, size=0.1, z=0.1)
 
 
 def nested(levels: int, width: int) -> str:

@@ -128,6 +128,8 @@ def _brightness(path: str | PathLike[str], pixels: int) -> NDArray[np.float64]:
             small = grey.resize((few[0], few[1]), Image.Resampling.BOX)
     except SceneError:
         raise
+    except Image.DecompressionBombError as error:
+        raise refused("path", file, "it has more than 178 million pixels, make it smaller") from error
     # Whatever a damaged file makes Pillow raise.
     except Exception as error:
         cure = f"it cannot be read as a picture, give a file of {', '.join(FORMATS[:-1])} or {FORMATS[-1]}"
