@@ -22,7 +22,10 @@ export function createBoardButton(context: Context): HTMLElement {
     const { array } = studio.view.state;
     const board = "preset" in array ? boardOf(engine.catalogue, array.preset) : null;
     if (!board) return context.alarm(say("noBoard"));
+    const address = location.href;
     const port = await serial.requestPort();
+    // Another page may have led this one to its own scene meanwhile.
+    if (location.href !== address) return;
     const found = await attended(open(port, board), window, document);
     player = found.player;
     if (player.state === "gone") return forget();
