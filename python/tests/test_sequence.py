@@ -377,7 +377,7 @@ def test_numbers_below_the_least_are_no_error():
 
 @pytest.mark.parametrize(("points", "most"), [(1, 1.0), (4, 1.5), (8, 1.5)])
 def test_glide_keeps_codes_of_few_phases(points: int, most: float) -> None:
-    """Each change of a code sounds: one point needs those of the free phases' nearest codes, more points need some more."""
+    """Each change of a code sounds: about as many are needed as of the nearest codes of free phases."""
     t, turn = np.arange(200)[:, None] / 10e3, 2 * np.pi * np.arange(points) / points
     x, y = (0.02 * of(2 * np.pi * 6 * t + turn) for of in (np.cos, np.sin))
     path = np.stack([x, y, np.full_like(x, 0.2)], -1)
