@@ -195,3 +195,19 @@ fn what_cannot_be_even_is_out_of_steps() {
             .is_ok_and(|entry| entry.configure(&[("starts".into(), midair::Value::Integer(0))].into()).is_err())
     );
 }
+
+#[test]
+#[ignore = "slow"]
+fn points_that_fill_a_line_or_a_space_are_even_and_loud() {
+    let mut rng = midair::Rng::new(1);
+    let cube = (0..60).map(|_| [0.0, 0.0, 0.15].map(|middle| middle + 12e-3 * (rng.uniform() - 0.5))).collect();
+    let line = (0..31).map(|k| [0.0, 0.0, 0.12 + 2e-3 * f64::from(k)]).collect();
+    for (points, gain) in [(cube, 0.0), (line, 1.05)] {
+        let problem = max(problem(&scene(array(), points, None)));
+        let [uniform, best] = [&Uniform::default() as &dyn Solve, &Best::default()].map(|of| solved(&problem, of));
+        let weakest = |solution: &Solution| solution.metrics().accuracy * solution.metrics().uniformity;
+        assert_eq!(best.status, Status::Done);
+        assert!(best.metrics().uniformity >= 0.99, "{}", best.metrics().uniformity);
+        assert!(weakest(&best) >= gain * weakest(&uniform), "{} {}", weakest(&best), weakest(&uniform));
+    }
+}

@@ -49,10 +49,6 @@ impl Pace {
     /// What comes after that quarter: .93^40 of the damping.
     pub(super) const REST: Self = Self { damping: 0.0549, steps: 120, ..Self::LOUD };
 
-    /// For crowded targets of which the weakest have been raised.
-    pub(super) const SOFT: Self =
-        Self { damping: 0.1, shrink: 0.9, steps: 100, manner: Manner::stubborn, ..Self::LOUD };
-
     /// For crowded quiet points around a few targets: their equations are linear, and there are many. A least damping of
     /// 1e-5 costs 4 % of the level beside a disc of 172 points, one of 1e-3 lets them leak twice as much.
     pub(super) const SILENT: Self =
@@ -135,8 +131,8 @@ pub(super) fn climb<'w>(run: &mut Run<'_, '_, 'w>, pace: Pace, wave: &mut Wave<'
 }
 
 /// D^-1/2 of every transducer.
-struct Metric<'w> {
-    roots: Buffer<'w, f32>,
+pub(super) struct Metric<'w> {
+    pub(super) roots: Buffer<'w, f32>,
     /// y_j P_j/|P_j| over the rows of G.
     pulls: [Buffer<'w, f32>; 2],
     /// sum_j conj(G_ji) y_j P_j/|P_j|.
@@ -144,7 +140,7 @@ struct Metric<'w> {
 }
 
 impl<'w> Metric<'w> {
-    fn new(rows: &Rows, work: &'w Workspace) -> Self {
+    pub(super) fn new(rows: &Rows, work: &'w Workspace) -> Self {
         Self {
             roots: work.floats.take(rows.lanes),
             pulls: [(); 2].map(|()| work.floats.take(rows.count)),
@@ -152,7 +148,7 @@ impl<'w> Metric<'w> {
         }
     }
 
-    fn measure(&mut self, rows: &Rows, wave: &Wave, multipliers: &[f32]) {
+    pub(super) fn measure(&mut self, rows: &Rows, wave: &Wave, multipliers: &[f32]) {
         for k in 0..rows.targeted {
             let part = if wave.moduli[k] > 0.0 { multipliers[k] / wave.moduli[k] } else { 0.0 };
             (self.pulls[0][k], self.pulls[1][k]) = (part * wave.field[0][k], part * wave.field[1][k]);

@@ -88,11 +88,6 @@ impl Manner {
         }
     }
 
-    /// For crowded points that only small steps make even.
-    pub(super) fn stubborn(level: f32, quiet: f32) -> Self {
-        Self { patience: 2 * MOST_STEPS, ..Self::crowded(level, quiet) }
-    }
-
     /// For separate points after an ascent: to the level nearest by.
     pub(super) fn rising(_level: f32, _quiet: f32) -> Self {
         Self::separate(None)

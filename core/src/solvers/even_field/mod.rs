@@ -5,8 +5,9 @@
 //!    of the highest level of [`few`] points.
 //! 2. *Make even* ([`common_level`]): Gauss-Newton steps on |P_j| = s p_j, the level s free.
 //! 3. *Raise*, if the points are crowded ([`Regime`]): least squares on the targets ([`targets`]), and steps that hold the
-//!    level up while they make it even ([`ascent`]). `best` begins them from [`cones`], too, and carries the loudest even fields
-//!    ([`leaders`]) of any points on, through the [`soft_minimum`].
+//!    level up while they make it even ([`ascent`]). `best` goes through the [`soft_minimum`] and the [`penalty`] from
+//!    [`cones`], and from random phases; so does any plan that finds no even field. `best` carries the loudest even fields
+//!    ([`leaders`]) of separate points on, too.
 //! 4. *Lift to the target*, if free steps ended below it.
 //! 5. *Stiffen*, if the points are traps ([`traps`]).
 //! 6. *Bring to the grid* of the board ([`on_grid`], with few phases [`coarse`]), and down to the targets ([`answer`]).
@@ -26,6 +27,7 @@ pub(crate) mod few;
 pub(crate) mod leaders;
 pub(crate) mod nearest;
 pub(crate) mod on_grid;
+pub(crate) mod penalty;
 pub(crate) mod point_phases;
 pub(crate) mod regular;
 pub(crate) mod run;
@@ -51,7 +53,7 @@ use crate::solvers::even_field::answer::Answer;
 use crate::solvers::even_field::ascent::Pace;
 use crate::solvers::even_field::common_level::{MOST_STEPS, Manner};
 use crate::solvers::even_field::point_phases::Foci;
-use crate::solvers::even_field::run::{Plan, Run, TOO_MANY};
+use crate::solvers::even_field::run::{FEW_ENOUGH, Plan, Run, TOO_MANY};
 use crate::solvers::even_field::search::Search;
 use crate::solvers::even_field::silence::Silence;
 use crate::workspace::Workspace;
@@ -208,6 +210,7 @@ fn raise<'w>(
     plans: &[Plan],
 ) -> Result<Option<Vec<Complex32>>, Error> {
     let (target, given) = (run.rows.target, run.problem.has_start());
+    let alone = run.rows.targeted == run.rows.order.len();
     let nearest = if given { None } else { Some(targets::approach(run, search)?) };
     // Where all targets are nearly met, no other level is looked for.
     let wanted = run.problem.aim() == Aim::Target;
@@ -223,11 +226,15 @@ fn raise<'w>(
     }
     if unfinished(run, search) {
         for plan in plans {
-            if plan.raised > 0 && run.rows.targeted == run.rows.order.len() {
+            if plan.raised > 0 && alone {
                 search.soften(run, foci, *plan)?;
             } else {
                 search.race(run, foci, plan.for_crowded())?;
             }
+        }
+        if alone && run.rows.equations() <= FEW_ENOUGH {
+            let starts = plans.iter().map(|plan| plan.scattered(search.even)).max().unwrap_or(0);
+            search.scatter(run, starts)?;
         }
     }
     let Some(nearest) = nearest else { return Ok(None) };

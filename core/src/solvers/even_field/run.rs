@@ -37,6 +37,9 @@ pub(crate) const SWEEPS: u32 = 4;
 /// Equations of which a step takes tens of milliseconds: the level of more is not raised any further.
 pub(super) const TOO_MANY: usize = 500;
 
+/// Equations of so few points that they are made even from drives of random phases, too.
+pub(super) const FEW_ENOUGH: usize = 128;
+
 /// Targets are unequal where one is this part of another, ...
 const UNEQUAL: f32 = 3.0;
 
@@ -59,6 +62,15 @@ impl Plan {
     /// them a tenth of the level.
     pub(super) fn raised(&self, rows: &Rows) -> usize {
         if rows.unequal() { self.raised.max(1) } else { self.raised }
+    }
+
+    /// From how many drives of random phases crowded points are made even, where another start made them so or not.
+    pub(super) fn scattered(&self, even: bool) -> usize {
+        match self.raised {
+            0 if even => 0,
+            0 => 6,
+            _ => 12,
+        }
     }
 
     /// For crowded points, of which the energy of a start says less of the level it ends at: more of them are raised.

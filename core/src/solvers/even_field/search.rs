@@ -1,6 +1,13 @@
 //! Search: fields from several starts, of which the loudest even one is kept.
 
+use core::f64::consts::TAU;
+use core::ops::Range;
+
+use num_complex::Complex32;
+
 use crate::error::Error;
+use crate::math::phasor;
+use crate::rng::Rng;
 use crate::scene::Aim;
 use crate::solvers::common::tiled::{Rows, Wave};
 use crate::solvers::even_field::ascent::{Pace, climb};
@@ -8,6 +15,7 @@ use crate::solvers::even_field::common_level::{MOST_STEPS, Manner, Polish, polis
 use crate::solvers::even_field::cones;
 use crate::solvers::even_field::few::{self, FEW};
 use crate::solvers::even_field::leaders::{self, Leaders};
+use crate::solvers::even_field::penalty;
 use crate::solvers::even_field::point_phases::{Foci, Starts};
 use crate::solvers::even_field::run::{Plan, Run};
 use crate::solvers::even_field::soft_minimum;
@@ -27,6 +35,9 @@ pub(super) const NEARLY: f32 = 1e-3;
 
 /// At the highest level that is the part they may be off by: there the last steps trade level for evenness.
 const ALIKE: f32 = 2e-3;
+
+/// An even field with less than this part of an uneven one's weakest point is no answer.
+const FAINT: f32 = 0.6;
 
 /// The best field so far.
 pub(super) struct Search<'w> {
@@ -195,7 +206,7 @@ impl<'w> Search<'w> {
         let rows = run.rows;
         let mut ahead = Leaders::new(leaders::MOST);
         run.plan = plan;
-        run.steps += leaders::MOST * (Pace::SOFT.steps + 2 * MOST_STEPS);
+        run.steps += (leaders::MOST + 1) * penalty::MOST_STEPS;
         self.trial.copy(&self.best);
         for cone in 0..=cones::COUNT {
             if cone > 0 {
@@ -210,7 +221,41 @@ impl<'w> Search<'w> {
         }
         for wave in ahead.fields() {
             self.trial.copy(wave);
-            self.climb_on(run, Pace::SOFT)?;
+            self.tighten(run, penalty::ALL)?;
+        }
+        self.trial.copy(&self.best);
+        self.tighten(run, penalty::ALL)
+    }
+
+    /// By the penalty, from drives of random phases: where points fill a space, the loudest fields are not near smooth ones.
+    ///
+    /// # Errors
+    /// More memory than allowed.
+    pub(super) fn scatter(&mut self, run: &mut Run<'_, '_, 'w>, starts: usize) -> Result<(), Error> {
+        let (mut rng, mut ahead) = (Rng::new(run.plan.seed), Leaders::new(starts / RACERS));
+        for _ in 0..starts {
+            let drive = (0..run.problem.propagation().transducers()).map(|_| phasor(TAU * rng.uniform()));
+            self.trial.play_at_full(run.rows, drive.map(|q| Complex32::new(q.re as f32, q.im as f32)));
+            penalty::raise(run, penalty::FIRST, &mut self.trial)?;
+            ahead.offer(&self.trial, run.rows, run.work);
+        }
+        for wave in ahead.fields() {
+            self.trial.copy(wave);
+            self.tighten(run, penalty::REST)?;
+        }
+        Ok(())
+    }
+
+    /// By the penalty, from the trial.
+    fn tighten(&mut self, run: &mut Run<'_, '_, 'w>, parts: Range<usize>) -> Result<(), Error> {
+        let rows = run.rows;
+        run.steps += penalty::MOST_STEPS;
+        penalty::raise(run, parts, &mut self.trial)?;
+        let level = self.trial.level(rows);
+        let even = self.trial.unevenness(rows, level, run.plan.quiet) <= run.plan.tolerance.max(penalty::CLOSE);
+        // Better uneven than faint.
+        if even && (self.even || self.trial.lowest(rows) >= FAINT * self.lowest) {
+            self.offer(rows, true);
         }
         Ok(())
     }
