@@ -226,7 +226,7 @@ fn raise<'w>(
     }
     if unfinished(run, search) {
         for plan in plans {
-            if plan.raised > 0 && alone {
+            if plan.raised(run.rows) > 0 && alone {
                 search.soften(run, foci, *plan)?;
             } else {
                 search.race(run, foci, plan.for_crowded())?;
