@@ -95,8 +95,9 @@ beforeAll(async () => {
 
 afterAll(async () => {
   await browser?.close();
-  const ended = new Promise((done) => lab?.once("exit", done));
-  lab?.kill();
+  if (!lab) return;
+  const ended = new Promise((done) => lab.once("exit", done));
+  lab.kill();
   await ended;
   await rm(folder, { recursive: true });
 });
