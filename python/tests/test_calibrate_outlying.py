@@ -78,3 +78,13 @@ def test_what_was_left_out_is_kept_in_the_file(tmp_path: Path) -> None:
         found = midair.calibrate(ARRAY, drives, readings, microphones=PLACES)
     found.save(tmp_path / "found.npz")
     assert midair.Calibration.load(tmp_path / "found.npz").outlying.tolist() == [[7, 2]]
+
+
+@pytest.mark.slow
+def test_a_program_that_makes_every_fault_of_a_number_an_error_calibrates() -> None:
+    array, places = midair.Array.preset("ultraino_flat8x8"), [[0, 0, 0.15], [0.03, 0, 0.15]]
+    drives = midair.calibration_drives(array)
+    readings = np.abs(drives @ midair.Scene(array, places).propagation().T)
+    with np.errstate(all="raise"):
+        found = midair.calibrate(array, drives, readings, microphones=places)
+    assert np.abs(found.response).min() > 0.99

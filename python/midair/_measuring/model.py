@@ -207,6 +207,8 @@ class Belief:
         self.spread[2 * n :] = model.spread[model.free]
         self._stand()
 
+    # A chance may be less than the least number there is, which a program may have made an error (np.seterr).
+    @np.errstate(under="ignore")
     def learn(self, off: Real, left: Real) -> float:
         """Take over what a step of the fit found, and return the most that a chance changed.
 
