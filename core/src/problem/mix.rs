@@ -8,17 +8,19 @@
 //! takes the amplitude that leaves the smaller sum of e^2: the next ones take back the errors of those before (Floyd and
 //! Steinberg, Proc. SID 17(2), 1976), until the errors are small enough. Later rounds choose anew. Time O(N M) a round.
 
+use core::ops::Range;
 use core::slice;
 
 use num_complex::Complex32;
 
 use crate::control::Control;
+use crate::error::Error;
 use crate::kernels::lanes::{LANES, Lanes, groups, groups_mut};
 use crate::linalg::Planar;
 use crate::math;
 use crate::problem::Problem;
 use crate::problem::array_request::ArrayRequest;
-use crate::propagation::field_of;
+use crate::propagation::{Propagation, field_of};
 use crate::rng::Rng;
 use crate::workspace::{Buffer, Workspace};
 
@@ -86,7 +88,6 @@ pub(crate) fn mix(
             && loud <= most * most
             && quiet - leak <= QUIET * QUIET * level * level
     };
-    let [mut re, mut im] = [(); 2].map(|()| work.floats.take(propagation.lanes()));
     let mut met = meets(&points, aim, NEAR * level);
     for visit in 0..ROUNDS * drive.len().div_ceil(CHUNK) {
         if met {
@@ -98,15 +99,9 @@ pub(crate) fn mix(
             points.lower(louder);
             aim -= louder;
         }
-        for i in chunk * CHUNK..drive.len().min((chunk + 1) * CHUNK) {
-            if drive[i] != Complex32::ZERO {
-                if control.pulse().is_err() {
-                    return false;
-                }
-                propagation.row(i, &mut re, &mut im);
-                points.along(drive[i], &mut re, &mut im);
-                parts[i] = points.choose([&re, &im], parts[i], [below, above]);
-            }
+        let range = chunk * CHUNK..drive.len().min((chunk + 1) * CHUNK);
+        if points.choose_all(propagation, (range, drive), &mut parts, [below, above], work, control).is_err() {
+            return false;
         }
         met = meets(&points, aim, NEAR * level);
     }
@@ -168,6 +163,26 @@ impl<'w> Points<'w> {
             *re = wave[0] * unit_re - wave[1] * unit_im;
             *im = (wave[0] * unit_im + wave[1] * unit_re) * quiet;
         }
+    }
+
+    /// Chooses the parts of a range of drives, one after another.
+    fn choose_all(
+        &mut self,
+        propagation: &Propagation,
+        (range, drive): (Range<usize>, &[Complex32]),
+        parts: &mut [f32],
+        pair: [f32; 2],
+        work: &Workspace,
+        control: &mut Control,
+    ) -> Result<(), Error> {
+        let [mut re, mut im] = [(); 2].map(|()| work.floats.take(propagation.lanes()));
+        for i in range.filter(|&i| drive[i] != Complex32::ZERO) {
+            control.pulse()?;
+            propagation.row(i, &mut re, &mut im);
+            self.along(drive[i], &mut re, &mut im);
+            parts[i] = self.choose([&re, &im], parts[i], pair);
+        }
+        Ok(())
     }
 
     /// The one of two parts that leaves the smaller error, in place of that before, counted in.
