@@ -13,7 +13,7 @@ from rich.table import Table
 from .. import Array, Board, SceneError, connect, ports
 from .._boards.address import KINDS, PAIR
 from .._support import output
-from .tables import console
+from .tables import console, print_facts
 
 #: Boards of 64 in a chain.
 MOST_MEGA64 = 14
@@ -123,8 +123,7 @@ def _print_one(name: str, record: dict[str, Any]) -> None:
         "source": record["source"],
         "Python": f'midair.Board("{name}")',
     }
-    for what, text in lines.items():
-        console.print(f"  {what + ':':14}{text}", markup=False, highlight=False, soft_wrap=True)
+    print_facts(lines)
 
 
 def _record(name: str) -> dict[str, Any]:

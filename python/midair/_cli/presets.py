@@ -15,7 +15,7 @@ from .. import Array, Solver, SolverInfo, presets, solvers
 from .._midair import preset_name, solver_name
 from .._support import output
 from .scene import check_outputs
-from .tables import console, print_written, write_image
+from .tables import console, print_facts, print_written, write_image
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -106,8 +106,7 @@ def _print_uses(solver: tuple[str, SolverInfo]) -> None:
     }
     if info.options == {}:
         lines["command line"] = f"midair solve scene.toml --solver {name} --balance"
-    for where, line in lines.items():
-        console.print(f"  {where + ':':14}{line}", markup=False, highlight=False, soft_wrap=True)
+    print_facts(lines)
 
 
 def _solver_record(info: SolverInfo) -> dict[str, Any]:
@@ -187,8 +186,7 @@ def _print_one(name: str) -> None:
         "scene file": f'[array] and under it preset = "{name}"',
         "Python": f'midair.Array.preset("{name}")',
     }
-    for what, line in lines.items():
-        console.print(f"  {what + ':':14}{line}", markup=False, highlight=False, soft_wrap=True)
+    print_facts(lines)
 
 
 def _record(name: str) -> dict[str, Any]:

@@ -40,6 +40,12 @@ class _Console(Console):
 console = _Console() if sys.stdout is not None and sys.stdout.isatty() else _Console(width=120)
 
 
+def print_facts(lines: Mapping[str, str]) -> None:
+    """Names and what is known by them, a line each, words as they are."""
+    for name, line in lines.items():
+        console.print(f"  {name + ':':14}{line}", markup=False, highlight=False, soft_wrap=True)
+
+
 @contextmanager
 def beside(document: bool) -> Iterator[None]:
     """Tables on standard error where a document takes standard output."""
