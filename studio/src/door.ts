@@ -192,8 +192,7 @@ export function openDoor(module: WebAssembly.Module): Door {
     readArray(given, name) {
       giveFile(given, name);
       done(wasm.studio_read_array(studio));
-      const found = numbers();
-      const rows = Array.from({ length: found.length / 3 }, (_, k) => [...found.subarray(3 * k, 3 * k + 3)] as Vec3);
+      const rows = places(numbers());
       const count = rows.length / 2;
       if (count > MOST_TRANSDUCERS) throw new Error(`${name}: ${count} rows: give at most ${MOST_TRANSDUCERS}`);
       return { name, positions: rows.slice(0, count), normals: rows.slice(count) };

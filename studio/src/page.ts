@@ -175,7 +175,6 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     const file = event.dataTransfer?.files[0];
     if (file) void open(context, file);
   };
-  const over = (event: DragEvent) => event.preventDefault();
   announceChanges(context);
   context.listen(() => {
     place();
@@ -194,11 +193,12 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   }
   const size = new ResizeObserver(context.repaint);
   [canvas, stage.view, ...compare.slices].forEach((each) => size.observe(each));
-  window.addEventListener("scroll", context.repaint, { passive: true, capture: true });
-  const keys = manner.compact ? root : window;
-  keys.addEventListener("keydown", press as EventListener);
-  root.addEventListener("drop", dropped);
-  root.addEventListener("dragover", over);
+  const listening = new AbortController();
+  const { signal } = listening;
+  window.addEventListener("scroll", context.repaint, { passive: true, capture: true, signal });
+  (manner.compact ? root : window).addEventListener("keydown", press as EventListener, { signal });
+  root.addEventListener("drop", dropped, { signal });
+  root.addEventListener("dragover", (event) => event.preventDefault(), { signal });
   place();
 
   return {
@@ -209,10 +209,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       endings.forEach((act) => act());
       cancelAnimationFrame(frame);
       size.disconnect();
-      window.removeEventListener("scroll", context.repaint, { capture: true });
-      keys.removeEventListener("keydown", press as EventListener);
-      root.removeEventListener("drop", dropped);
-      root.removeEventListener("dragover", over);
+      listening.abort();
       painter.dispose();
     },
   };
