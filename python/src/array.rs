@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 
 use crate::error::{invalid, refused, warn_all};
+use crate::getters::getters;
 use crate::give::rows;
 use crate::numbers::quoted;
 use crate::parts::{self, Given};
@@ -134,35 +135,6 @@ impl Array {
         midair::presets::PRESETS.iter().map(|preset| preset.name).collect()
     }
 
-    /// Positions (N, 3) in m.
-    #[getter]
-    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        rows(py, self.inner.positions())
-    }
-
-    /// Unit normals (N, 3).
-    #[getter]
-    fn normals<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        rows(py, self.inner.normals())
-    }
-
-    /// The numbers of the air by name that a scene on it has unless it states others: of presets of hardware 25 degrees C,
-    /// 50 % humidity and 101.325 kPa, else the paper's 340 m/s, without absorption.
-    ///
-    /// >>> import midair
-    /// >>> midair.Array.preset("paper20").medium.get("sound_speed")
-    /// 340.0
-    #[getter]
-    fn medium<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.inner.medium(&[]).map_err(refused)?.numbers().collect::<Vec<_>>().into_py_dict(py)
-    }
-
-    /// Whether its scenes have a room's air unless they state another.
-    #[getter]
-    fn _hardware(&self) -> bool {
-        self.inner.is_hardware()
-    }
-
     /// The same array as hardware, or not.
     #[pyo3(name = "_with_hardware")]
     fn with_hardware(&self, hardware: bool) -> Self {
@@ -214,6 +186,28 @@ impl Array {
         let (count, pressure) = (self.inner.len(), self.inner.transducer().source_pressure);
         format!("<midair.Array{origin} of {count} transducers, {pressure} Pa m, {name}>")
     }
+}
+
+getters! {
+    Array:
+
+    /// Positions (N, 3) in m.
+    positions(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, self.inner.positions());
+
+    /// Unit normals (N, 3).
+    normals(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, self.inner.normals());
+
+    /// The numbers of the air by name that a scene on it has unless it states others: of presets of hardware 25 degrees C,
+    /// 50 % humidity and 101.325 kPa, else the paper's 340 m/s, without absorption.
+    ///
+    /// >>> import midair
+    /// >>> midair.Array.preset("paper20").medium.get("sound_speed")
+    /// 340.0
+    medium(self, py) -> PyResult<Bound<'py, PyDict>> =
+        self.inner.medium(&[]).map_err(refused)?.numbers().collect::<Vec<_>>().into_py_dict(py);
+
+    /// Whether its scenes have a room's air unless they state another.
+    _hardware(self) -> bool = self.inner.is_hardware();
 }
 
 /// What is known of a preset.

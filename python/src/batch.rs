@@ -12,6 +12,7 @@ use pyo3::types::PyDict;
 
 use crate::ctrl_c::attend;
 use crate::error::{SceneError, invalid, refused, warn_all};
+use crate::getters::getters;
 use crate::give::{self, rows};
 use crate::limits;
 use crate::metrics::BatchMetrics;
@@ -92,59 +93,11 @@ impl Batch {
         Ok(Solution::new(solution, choice, self.elapsed / count as f64))
     }
 
-    /// Drives (B, N), complex64, |q| <= 1; `out` itself where that was given.
-    #[getter]
-    fn drives(&self, py: Python<'_>) -> Py<PyArray2<Complex32>> {
-        self.drives.clone_ref(py)
-    }
-
-    /// Complex pressures (B, M) in Pa (peak), complex64.
-    #[getter]
-    fn pressures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Complex32>>> {
-        give::table(py, self.inner.pressures.clone(), [self.inner.steps.len(), self.points])
-    }
-
-    /// How good each is: attributes of shape (B,).
-    #[getter]
-    fn metrics(&self) -> BatchMetrics {
-        BatchMetrics { inner: self.inner.metrics.clone() }
-    }
-
-    /// What supply or modulation have to multiply each drive by (B,).
-    #[getter]
-    fn scale<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        give::list(py, self.inner.scale.clone())
-    }
-
-    /// How each ended (B,): "done", "missed", "out_of_steps" or "stopped".
-    #[getter]
-    fn status(&self) -> Vec<String> {
-        self.inner.status.iter().map(ToString::to_string).collect()
-    }
-
     /// Steps of each (B,).
     #[getter]
     fn steps<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         let steps = self.inner.steps.iter().map(|&steps| i64::try_from(steps).unwrap_or(i64::MAX));
         give::list(py, steps.collect())
-    }
-
-    /// Whether a pressure of each is above what the array reaches at its point (B,), bool.
-    #[getter]
-    fn beyond<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
-        give::list(py, self.inner.beyond.clone())
-    }
-
-    /// Whether the pressures of each are below half the balanced level, solved unbalanced (B,), bool.
-    #[getter]
-    fn weak<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
-        give::list(py, self.inner.weak.clone())
-    }
-
-    /// Seconds from the checked arguments to the last answer.
-    #[getter]
-    fn elapsed(&self) -> f64 {
-        self.elapsed
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> PyResult<bool> {
@@ -218,6 +171,35 @@ impl Batch {
     fn __repr__(&self) -> String {
         format!("<midair.Batch of {} problems of {} points>", self.inner.steps.len(), self.points)
     }
+}
+
+getters! {
+    Batch:
+
+    /// Drives (B, N), complex64, |q| <= 1; `out` itself where that was given.
+    drives(self, py) -> Py<PyArray2<Complex32>> = self.drives.clone_ref(py);
+
+    /// Complex pressures (B, M) in Pa (peak), complex64.
+    pressures(self, py) -> PyResult<Bound<'py, PyArray2<Complex32>>> =
+        give::table(py, self.inner.pressures.clone(), [self.inner.steps.len(), self.points]);
+
+    /// How good each is: attributes of shape (B,).
+    metrics(self) -> BatchMetrics = BatchMetrics { inner: self.inner.metrics.clone() };
+
+    /// What supply or modulation have to multiply each drive by (B,).
+    scale(self, py) -> Bound<'py, PyArray1<f64>> = give::list(py, self.inner.scale.clone());
+
+    /// How each ended (B,): "done", "missed", "out_of_steps" or "stopped".
+    status(self) -> Vec<String> = self.inner.status.iter().map(ToString::to_string).collect();
+
+    /// Whether a pressure of each is above what the array reaches at its point (B,), bool.
+    beyond(self, py) -> Bound<'py, PyArray1<bool>> = give::list(py, self.inner.beyond.clone());
+
+    /// Whether the pressures of each are below half the balanced level, solved unbalanced (B,), bool.
+    weak(self, py) -> Bound<'py, PyArray1<bool>> = give::list(py, self.inner.weak.clone());
+
+    /// Seconds from the checked arguments to the last answer.
+    elapsed(self) -> f64 = self.elapsed;
 }
 
 /// Solves B problems at once, each bit for bit as `solve` would alone.

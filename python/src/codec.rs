@@ -7,6 +7,7 @@ use pyo3::types::{IntoPyDict, PyBytes, PyDict};
 
 use crate::array::Array;
 use crate::error::{invalid, refused};
+use crate::getters::getters;
 use crate::give;
 use crate::quantization;
 use crate::read;
@@ -78,36 +79,6 @@ impl Codec {
         Ok(give::list(py, drive))
     }
 
-    /// The frame that plays nothing.
-    #[getter]
-    fn off_frame<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
-        PyBytes::new(py, &self.board.off_frame())
-    }
-
-    /// The bytes that silence the boards from any state.
-    #[getter]
-    fn silence<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
-        PyBytes::new(py, &self.board.silence())
-    }
-
-    /// The board's name.
-    #[getter]
-    fn name(&self) -> &'static str {
-        self.board.name()
-    }
-
-    /// What it is, in one line.
-    #[getter]
-    fn summary(&self) -> &'static str {
-        self.board.summary()
-    }
-
-    /// Where its bytes are read.
-    #[getter]
-    fn source(&self) -> &'static str {
-        self.board.source()
-    }
-
     /// How bytes reach it and what it does behind that link, by name.
     #[getter]
     fn link<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -124,24 +95,6 @@ impl Codec {
         Ok(facts)
     }
 
-    /// Number of boards.
-    #[getter]
-    fn boards(&self) -> usize {
-        self.board.boards()
-    }
-
-    /// Number of lines; a frame is as many parts of one length, one after the other.
-    #[getter]
-    fn lines(&self) -> usize {
-        self.board.lines()
-    }
-
-    /// The most boards that play together.
-    #[getter]
-    fn most_boards(&self) -> usize {
-        self.board.most_boards()
-    }
-
     /// The channel of each transducer (N,).
     #[getter]
     fn channels<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
@@ -150,22 +103,42 @@ impl Codec {
             self.board.channels().iter().map(|&channel| i64::try_from(channel).unwrap_or(i64::MAX)).collect(),
         )
     }
+}
+
+getters! {
+    Codec:
+
+    /// The frame that plays nothing.
+    off_frame(self, py) -> Bound<'py, PyBytes> = PyBytes::new(py, &self.board.off_frame());
+
+    /// The bytes that silence the boards from any state.
+    silence(self, py) -> Bound<'py, PyBytes> = PyBytes::new(py, &self.board.silence());
+
+    /// The board's name.
+    name(self) -> &'static str = self.board.name();
+
+    /// What it is, in one line.
+    summary(self) -> &'static str = self.board.summary();
+
+    /// Where its bytes are read.
+    source(self) -> &'static str = self.board.source();
+
+    /// Number of boards.
+    boards(self) -> usize = self.board.boards();
+
+    /// Number of lines; a frame is as many parts of one length, one after the other.
+    lines(self) -> usize = self.board.lines();
+
+    /// The most boards that play together.
+    most_boards(self) -> usize = self.board.most_boards();
 
     /// Bits a second of its serial line, or None.
-    #[getter]
-    fn baud(&self) -> Option<u32> {
-        self.board.baud()
-    }
+    baud(self) -> Option<u32> = self.board.baud();
 
     /// Frames a second that its line can carry.
-    #[getter]
-    fn rate(&self) -> f64 {
-        self.board.rate()
-    }
+    rate(self) -> f64 = self.board.rate();
 
     /// Its grid, as an array has it.
-    #[getter]
-    fn quantization<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        quantization::shown(py, Some(&self.board.quantization().map_err(refused)?))
-    }
+    quantization(self, py) -> PyResult<Option<Bound<'py, PyDict>>> =
+        quantization::shown(py, Some(&self.board.quantization().map_err(refused)?));
 }

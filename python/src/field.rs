@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 
 use crate::ctrl_c::attend;
 use crate::error::{invalid, warn};
+use crate::getters::getters;
 use crate::give::{self, rows};
 use crate::limits;
 use crate::pickle::{Reduced, restored};
@@ -62,12 +63,6 @@ impl Field {
 
 #[pymethods]
 impl Field {
-    /// Complex pressure in Pa (peak): (pixels, pixels), indexed [up, across], [y, x] of a plane at a height, or (P,).
-    #[getter]
-    fn pressure<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<Complex32>>> {
-        give::list(py, self.picture.pressure.to_vec()).reshape(self.shape())
-    }
-
     /// Radiation pressure in Pa on a wall at normal incidence, |p|^2/(rho c^2), of the same shape.
     #[getter]
     fn radiation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
@@ -75,24 +70,6 @@ impl Field {
         let modulus = |p: &Complex32| f64::from(p.re).hypot(f64::from(p.im));
         let radiation: Vec<f64> = self.picture.pressure.iter().map(|p| medium.radiation(modulus(p))).collect();
         give::list(py, radiation).reshape(self.shape())
-    }
-
-    /// Samples along x (pixels,) in m, or None for points and for a plane normal to x.
-    #[getter]
-    fn x<'py>(&self, py: Python<'py>) -> plane::Samples<'py> {
-        self.samples(py, Axis::X)
-    }
-
-    /// Samples along y (pixels,) in m, or None for points and for a plane normal to y.
-    #[getter]
-    fn y<'py>(&self, py: Python<'py>) -> plane::Samples<'py> {
-        self.samples(py, Axis::Y)
-    }
-
-    /// Samples along z (pixels,) in m of a plane normal to x or y, else None.
-    #[getter]
-    fn z<'py>(&self, py: Python<'py>) -> plane::Samples<'py> {
-        self.samples(py, Axis::Z)
     }
 
     /// The plane, or None for points.
@@ -135,12 +112,6 @@ impl Field {
         [&self.picture].into_iter().chain(&self.others).map(panel).collect()
     }
 
-    /// The scene it belongs to.
-    #[getter]
-    fn scene(&self) -> Scene {
-        self.scene.clone()
-    }
-
     #[staticmethod]
     fn _restore(
         scene: &Bound<'_, Scene>,
@@ -174,21 +145,35 @@ impl Field {
         restored::<Self>(py, (self.scene(), self.solution(py), pictures.collect::<PyResult<Vec<_>>>()?))
     }
 
-    /// The solution whose field it is, or None for that of a bare drive.
-    #[getter]
-    fn solution(&self, py: Python<'_>) -> Option<Py<Solution>> {
-        self.solution.as_ref().map(|solution| solution.clone_ref(py))
-    }
-
-    /// What supply or modulation multiply all drives by, counted in: the solution's scale; 1 for a bare drive.
-    #[getter]
-    fn scale(&self) -> f64 {
-        self.solution.as_ref().map_or(1.0, |solution| solution.get().inner.scale)
-    }
-
     fn __repr__(&self) -> String {
         format!("<midair.Field of {} samples>", self.picture.pressure.len())
     }
+}
+
+getters! {
+    Field:
+
+    /// Complex pressure in Pa (peak): (pixels, pixels), indexed [up, across], [y, x] of a plane at a height, or (P,).
+    pressure(self, py) -> PyResult<Bound<'py, PyArrayDyn<Complex32>>> =
+        give::list(py, self.picture.pressure.to_vec()).reshape(self.shape());
+
+    /// Samples along x (pixels,) in m, or None for points and for a plane normal to x.
+    x(self, py) -> plane::Samples<'py> = self.samples(py, Axis::X);
+
+    /// Samples along y (pixels,) in m, or None for points and for a plane normal to y.
+    y(self, py) -> plane::Samples<'py> = self.samples(py, Axis::Y);
+
+    /// Samples along z (pixels,) in m of a plane normal to x or y, else None.
+    z(self, py) -> plane::Samples<'py> = self.samples(py, Axis::Z);
+
+    /// The scene it belongs to.
+    scene(self) -> Scene = self.scene.clone();
+
+    /// The solution whose field it is, or None for that of a bare drive.
+    solution(self, py) -> Option<Py<Solution>> = self.solution.as_ref().map(|solution| solution.clone_ref(py));
+
+    /// What supply or modulation multiply all drives by, counted in: the solution's scale; 1 for a bare drive.
+    scale(self) -> f64 = self.solution.as_ref().map_or(1.0, |solution| solution.get().inner.scale);
 }
 
 /// The field p = G q of a drive (N,), or of a Solution with its scale counted in, on a plane or at points (P, 3) in m.

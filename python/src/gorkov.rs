@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 
 use crate::ctrl_c::attend;
 use crate::error::warn_all;
+use crate::getters::getters;
 use crate::give::{self, rows};
 use crate::limits;
 use crate::pickle::{Reduced, restored};
@@ -25,29 +26,11 @@ pub(crate) struct Gorkov {
 
 #[pymethods]
 impl Gorkov {
-    /// Gor'kov potential U (P,) in J.
-    #[getter]
-    fn potential<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        give::list(py, self.potential.clone())
-    }
-
-    /// Force -grad U (P, 3) in N, without gravity.
-    #[getter]
-    fn force<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        rows(py, &self.force)
-    }
-
     /// Stiffness -dF_x/dx, -dF_y/dy, -dF_z/dz (P, 3) in N/m: above 0 where the force pulls back.
     #[getter]
     fn stiffness<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let diagonal = |hessian: &[[f64; 3]; 3]| [0, 1, 2].map(|axis| hessian[axis][axis]);
         rows(py, &self.hessian.iter().map(diagonal).collect::<Vec<_>>())
-    }
-
-    /// All second derivatives of U (P, 3, 3) in N/m, whose diagonal is the stiffness.
-    #[getter]
-    fn hessian<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        give::list(py, self.hessian.as_flattened().as_flattened().to_vec()).reshape([self.hessian.len(), 3, 3])
     }
 
     #[staticmethod]
@@ -67,6 +50,20 @@ impl Gorkov {
         let least = self.hessian.iter().flat_map(|h| [h[0][0], h[1][1], h[2][2]]).fold(f64::INFINITY, f64::min);
         format!("<midair.Gorkov at {} points: stiffness at least {least:.4} N/m>", self.potential.len())
     }
+}
+
+getters! {
+    Gorkov:
+
+    /// Gor'kov potential U (P,) in J.
+    potential(self, py) -> Bound<'py, PyArray1<f64>> = give::list(py, self.potential.clone());
+
+    /// Force -grad U (P, 3) in N, without gravity.
+    force(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, &self.force);
+
+    /// All second derivatives of U (P, 3, 3) in N/m, whose diagonal is the stiffness.
+    hessian(self, py) -> PyResult<Bound<'py, PyArray3<f64>>> =
+        give::list(py, self.hessian.as_flattened().as_flattened().to_vec()).reshape([self.hessian.len(), 3, 3]);
 }
 
 /// Gor'kov potential, force and stiffness of a small sphere in the field of a drive (N,), or of a Solution with its scale

@@ -12,6 +12,7 @@ mod error;
 mod field;
 mod files;
 mod function;
+mod getters;
 mod give;
 mod gorkov;
 mod instruction_set;

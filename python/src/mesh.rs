@@ -11,6 +11,7 @@ use pyo3::types::PyBytes;
 use crate::bodies::surface;
 use crate::ctrl_c::attend;
 use crate::error::{invalid, refused};
+use crate::getters::getters;
 use crate::give::rows;
 use crate::limits;
 use crate::numbers::{Numbers, numbers, told};
@@ -80,29 +81,11 @@ impl Mesh {
         Self::of(read::vectors("mesh.vertices", &vertices)?, indices(&faces)?, kind)
     }
 
-    /// The vertices (V, 3) in m.
-    #[getter]
-    fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        rows(py, self.inner.vertices())
-    }
-
     /// The faces (F, 3), three indices of vertices each.
     #[getter]
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
         let flat = PyArray1::from_slice(py, self.inner.faces().as_flattened());
         flat.reshape([self.inner.faces().len(), 3])
-    }
-
-    /// "rigid" or "soft".
-    #[getter]
-    fn kind(&self) -> &'static str {
-        self.inner.kind().name()
-    }
-
-    /// What it encloses, in m^3.
-    #[getter]
-    fn volume(&self) -> f64 {
-        self.inner.volume()
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
@@ -122,6 +105,19 @@ impl Mesh {
         let [x, y, z] = [0, 1, 2].map(|axis| 1e3 * (high[axis] - low[axis]));
         format!("<midair.Mesh of {} faces, {x:.0} x {y:.0} x {z:.0} mm, {}>", self.inner.faces().len(), self.kind())
     }
+}
+
+getters! {
+    Mesh:
+
+    /// The vertices (V, 3) in m.
+    vertices(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, self.inner.vertices());
+
+    /// "rigid" or "soft".
+    kind(self) -> &'static str = self.inner.kind().name();
+
+    /// What it encloses, in m^3.
+    volume(self) -> f64 = self.inner.volume();
 }
 
 impl Mesh {

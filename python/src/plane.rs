@@ -7,6 +7,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::error::{invalid, refused, warn_all};
+use crate::getters::getters;
 use crate::give;
 use crate::numbers::quoted;
 use crate::pickle::{Reduced, restored};
@@ -84,54 +85,6 @@ impl Plane {
         Ok(Self { inner })
     }
 
-    /// The axis that it is normal to: "x", "y" or "z".
-    #[getter]
-    fn axis(&self) -> String {
-        self.inner.axis.to_string()
-    }
-
-    /// Its place along that axis in m.
-    #[getter]
-    fn at(&self) -> f64 {
-        self.inner.at
-    }
-
-    /// Height in m, or None of a plane normal to x or y.
-    #[getter]
-    fn z(&self) -> Option<f64> {
-        (self.inner.axis == Axis::Z).then_some(self.inner.at)
-    }
-
-    /// Side in m.
-    #[getter]
-    fn size(&self) -> f64 {
-        self.inner.size
-    }
-
-    /// Samples along each side.
-    #[getter]
-    fn pixels(&self) -> usize {
-        self.inner.pixels
-    }
-
-    /// Middle in m, across and up: (x, y), (x, z) or (y, z).
-    #[getter]
-    fn center(&self) -> (f64, f64) {
-        (self.inner.center[0], self.inner.center[1])
-    }
-
-    /// Samples along x (pixels,) in m, or None of a plane normal to x.
-    #[getter]
-    fn x<'py>(&self, py: Python<'py>) -> Samples<'py> {
-        self.samples(py, Axis::X)
-    }
-
-    /// Samples along y (pixels,) in m, or None of a plane normal to y.
-    #[getter]
-    fn y<'py>(&self, py: Python<'py>) -> Samples<'py> {
-        self.samples(py, Axis::Y)
-    }
-
     /// Samples along an axis (pixels,) in m, or None of that which the plane is normal to.
     ///
     /// Raises SceneError for an axis other than "x", "y" and "z".
@@ -153,6 +106,34 @@ impl Plane {
     fn __repr__(&self) -> String {
         self.inner.to_string()
     }
+}
+
+getters! {
+    Plane:
+
+    /// The axis that it is normal to: "x", "y" or "z".
+    axis(self) -> String = self.inner.axis.to_string();
+
+    /// Its place along that axis in m.
+    at(self) -> f64 = self.inner.at;
+
+    /// Height in m, or None of a plane normal to x or y.
+    z(self) -> Option<f64> = (self.inner.axis == Axis::Z).then_some(self.inner.at);
+
+    /// Side in m.
+    size(self) -> f64 = self.inner.size;
+
+    /// Samples along each side.
+    pixels(self) -> usize = self.inner.pixels;
+
+    /// Middle in m, across and up: (x, y), (x, z) or (y, z).
+    center(self) -> (f64, f64) = (self.inner.center[0], self.inner.center[1]);
+
+    /// Samples along x (pixels,) in m, or None of a plane normal to x.
+    x(self, py) -> Samples<'py> = self.samples(py, Axis::X);
+
+    /// Samples along y (pixels,) in m, or None of a plane normal to y.
+    y(self, py) -> Samples<'py> = self.samples(py, Axis::Y);
 }
 
 pub(crate) type Samples<'py> = Option<Bound<'py, PyArray1<f64>>>;

@@ -14,6 +14,7 @@ use pyo3::types::{IntoPyDict, PyDict};
 use crate::array::Array;
 use crate::ctrl_c::attend;
 use crate::error::{refused, warn_all};
+use crate::getters::getters;
 use crate::give::{self, rows};
 use crate::keywords::Keywords;
 use crate::obstacle::{read_obstacles, shown_obstacles};
@@ -183,12 +184,6 @@ impl Scene {
         Array::from(&self.ready)
     }
 
-    /// Points (M, 3) in m.
-    #[getter]
-    fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        rows(py, self.inner.points())
-    }
-
     /// Pressures (M,) in Pa as given, complex where they have phases, or None.
     #[getter]
     fn pressures<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
@@ -199,53 +194,11 @@ impl Scene {
         }
     }
 
-    /// Weights (M,) as given, or None.
-    #[getter]
-    fn weights<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        self.inner.request().weights.clone().map(|weights| give::list(py, weights))
-    }
-
-    /// The numbers of the air by name, as the constructor takes them.
-    #[getter]
-    fn medium<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.inner.medium().numbers().collect::<Vec<_>>().into_py_dict(py)
-    }
-
-    /// Wavelength in m.
-    #[getter]
-    fn wavelength(&self) -> f64 {
-        self.inner.medium().wavelength()
-    }
-
-    /// Whether pressures are in the paper's unit: eq. (5) in mm, which source_pressure = 1e-3 reproduces.
-    #[getter]
-    fn in_paper_unit(&self) -> bool {
-        self.inner.array().in_paper_unit()
-    }
-
     /// The solver the scene file names, (name, options), or None.
     #[getter]
     fn solver<'py>(&self, py: Python<'py>) -> PyResult<Option<(String, Bound<'py, PyDict>)>> {
         let Some(choice) = &self.inner.solver else { return Ok(None) };
         Ok(Some((choice.name.clone(), read::option_dict(py, &choice.table())?)))
-    }
-
-    /// What turns the foci into traps: "trap", "twin", "vortex", complex factors (N,) or (M, N), or None.
-    #[getter]
-    fn signature<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        shown_signature(py, self.inner.signature(), self.inner.array().len())
-    }
-
-    /// What the waves meet: a list of midair.Wall, Sphere, Mesh and the like.
-    #[getter]
-    fn obstacles<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        shown_obstacles(py, self.inner.obstacles())
-    }
-
-    /// The plane the scene file asks pictures of, or None.
-    #[getter]
-    fn plane(&self) -> Option<Plane> {
-        self.inner.plane.map(|inner| Plane { inner })
     }
 
     /// G (M, N) in Pa, complex64: the pressure at point j of transducer i at full drive, eq. (5), times the signature.
@@ -313,6 +266,37 @@ impl Scene {
         let (n, m) = (self.inner.array().len(), self.inner.points().len());
         format!("<midair.Scene of {n} transducers and {m} points at {} Hz>", self.inner.medium().frequency)
     }
+}
+
+getters! {
+    Scene:
+
+    /// Points (M, 3) in m.
+    points(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, self.inner.points());
+
+    /// Weights (M,) as given, or None.
+    weights(self, py) -> Option<Bound<'py, PyArray1<f64>>> =
+        self.inner.request().weights.clone().map(|weights| give::list(py, weights));
+
+    /// The numbers of the air by name, as the constructor takes them.
+    medium(self, py) -> PyResult<Bound<'py, PyDict>> =
+        self.inner.medium().numbers().collect::<Vec<_>>().into_py_dict(py);
+
+    /// Wavelength in m.
+    wavelength(self) -> f64 = self.inner.medium().wavelength();
+
+    /// Whether pressures are in the paper's unit: eq. (5) in mm, which source_pressure = 1e-3 reproduces.
+    in_paper_unit(self) -> bool = self.inner.array().in_paper_unit();
+
+    /// What turns the foci into traps: "trap", "twin", "vortex", complex factors (N,) or (M, N), or None.
+    signature(self, py) -> PyResult<Option<Bound<'py, PyAny>>> =
+        shown_signature(py, self.inner.signature(), self.inner.array().len());
+
+    /// What the waves meet: a list of midair.Wall, Sphere, Mesh and the like.
+    obstacles(self, py) -> PyResult<Vec<Bound<'py, PyAny>>> = shown_obstacles(py, self.inner.obstacles());
+
+    /// The plane the scene file asks pictures of, or None.
+    plane(self) -> Option<Plane> = self.inner.plane.map(|inner| Plane { inner });
 }
 
 /// A scene with other parts, the solver of its file kept, and a warning of what is hardly meant of them.

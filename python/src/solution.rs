@@ -12,6 +12,7 @@ use pyo3::types::PyDict;
 
 use crate::ctrl_c::attend;
 use crate::error::{invalid, refused};
+use crate::getters::getters;
 use crate::give::{self, rows};
 use crate::metrics::Metrics;
 use crate::pickle::{Reduced, part, part_or_none, restored};
@@ -68,91 +69,11 @@ impl Solution {
 
 #[pymethods]
 impl Solution {
-    /// Drives q (N,), complex64, |q| <= 1.
-    #[getter]
-    fn drive<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Complex32>> {
-        give::list(py, self.inner.drive.clone())
-    }
-
-    /// Phases (N,) in rad in [0, 2 pi); 0 where the drive is 0.
-    #[getter]
-    fn phases<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        give::list(py, (0..self.inner.drive.len()).map(|i| self.inner.phase(i)).collect())
-    }
-
-    /// Amplitudes (N,), 0 to 1.
-    #[getter]
-    fn amplitudes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        give::list(py, (0..self.inner.drive.len()).map(|i| self.inner.amplitude(i)).collect())
-    }
-
-    /// Complex pressures (M,) in Pa (peak), complex64.
-    #[getter]
-    fn pressures<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Complex32>> {
-        give::list(py, self.inner.pressures.clone())
-    }
-
-    /// Radiation pressures (M,) in Pa, |p|^2/(rho c^2).
-    #[getter]
-    fn radiation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        give::list(py, (0..self.inner.pressures.len()).map(|j| self.inner.radiation(j)).collect())
-    }
-
-    /// Targets (M,) in Pa that the metrics refer to.
-    #[getter]
-    fn targets<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        give::list(py, self.inner.targets().to_vec())
-    }
-
     /// Sound pressure levels (M,) in dB at the points: 20 log10(|p| / sqrt(2) / 20 uPa); -inf where there is silence.
     #[getter]
     fn spl<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let level = |p: &Complex32| midair::spl(f64::from(p.re).hypot(f64::from(p.im)));
         give::list(py, self.inner.pressures.iter().map(level).collect())
-    }
-
-    /// How good it is.
-    #[getter]
-    fn metrics(&self) -> Metrics {
-        self.inner.metrics().into()
-    }
-
-    /// sqrt(sum w |p - target|^2 / sum w |target|^2) of complex targets over the points of weight above 0, or None where
-    /// pressures have no phases.
-    #[getter]
-    fn complex_error(&self) -> Option<f64> {
-        self.inner.complex_error()
-    }
-
-    /// How the solve ended: "done", "missed" (by more than 1 %), "out_of_steps" or "stopped".
-    #[getter]
-    fn status(&self) -> String {
-        self.inner.status.to_string()
-    }
-
-    /// Steps taken.
-    #[getter]
-    fn steps(&self) -> usize {
-        self.inner.steps
-    }
-
-    /// What supply or modulation have to multiply all drives by, at most 1: below 1 where the device has
-    /// no amplitude for the answer. The pressures count it in, the drives do not.
-    #[getter]
-    fn scale(&self) -> f64 {
-        self.inner.scale
-    }
-
-    /// Seconds from the checked scene to the answer.
-    #[getter]
-    fn elapsed(&self) -> f64 {
-        self.elapsed
-    }
-
-    /// The residual after each step (steps,), or None where no trace was asked for.
-    #[getter]
-    fn trace<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        self.trace.clone().map(|trace| give::list(py, trace))
     }
 
     /// The scene that it answers, or None for a matrix of one's own.
@@ -162,18 +83,6 @@ impl Solution {
             Some(scene) => Ok(Some(scene.clone())),
             None => self.inner.scene().map(Scene::of).transpose(),
         }
-    }
-
-    /// The solver's name.
-    #[getter]
-    fn solver(&self) -> &str {
-        &self.choice.name
-    }
-
-    /// Every option in full, whether the targets were balanced, and the aim where the method uses one.
-    #[getter]
-    fn options<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        read::option_dict(py, &self.choice.table())
     }
 
     #[staticmethod]
@@ -249,6 +158,60 @@ impl Solution {
         let supply = if scale < 1.0 { format!(", drives to be scaled by {scale:.4}") } else { String::new() };
         format!("<midair.Solution by {name}: {status}, {level}, sigma {sigma:.4}{supply}>")
     }
+}
+
+getters! {
+    Solution:
+
+    /// Drives q (N,), complex64, |q| <= 1.
+    drive(self, py) -> Bound<'py, PyArray1<Complex32>> = give::list(py, self.inner.drive.clone());
+
+    /// Phases (N,) in rad in [0, 2 pi); 0 where the drive is 0.
+    phases(self, py) -> Bound<'py, PyArray1<f64>> =
+        give::list(py, (0..self.inner.drive.len()).map(|i| self.inner.phase(i)).collect());
+
+    /// Amplitudes (N,), 0 to 1.
+    amplitudes(self, py) -> Bound<'py, PyArray1<f64>> =
+        give::list(py, (0..self.inner.drive.len()).map(|i| self.inner.amplitude(i)).collect());
+
+    /// Complex pressures (M,) in Pa (peak), complex64.
+    pressures(self, py) -> Bound<'py, PyArray1<Complex32>> = give::list(py, self.inner.pressures.clone());
+
+    /// Radiation pressures (M,) in Pa, |p|^2/(rho c^2).
+    radiation(self, py) -> Bound<'py, PyArray1<f64>> =
+        give::list(py, (0..self.inner.pressures.len()).map(|j| self.inner.radiation(j)).collect());
+
+    /// Targets (M,) in Pa that the metrics refer to.
+    targets(self, py) -> Bound<'py, PyArray1<f64>> = give::list(py, self.inner.targets().to_vec());
+
+    /// How good it is.
+    metrics(self) -> Metrics = self.inner.metrics().into();
+
+    /// sqrt(sum w |p - target|^2 / sum w |target|^2) of complex targets over the points of weight above 0, or None where
+    /// pressures have no phases.
+    complex_error(self) -> Option<f64> = self.inner.complex_error();
+
+    /// How the solve ended: "done", "missed" (by more than 1 %), "out_of_steps" or "stopped".
+    status(self) -> String = self.inner.status.to_string();
+
+    /// Steps taken.
+    steps(self) -> usize = self.inner.steps;
+
+    /// What supply or modulation have to multiply all drives by, at most 1: below 1 where the device has
+    /// no amplitude for the answer. The pressures count it in, the drives do not.
+    scale(self) -> f64 = self.inner.scale;
+
+    /// Seconds from the checked scene to the answer.
+    elapsed(self) -> f64 = self.elapsed;
+
+    /// The residual after each step (steps,), or None where no trace was asked for.
+    trace(self, py) -> Option<Bound<'py, PyArray1<f64>>> = self.trace.clone().map(|trace| give::list(py, trace));
+
+    /// The solver's name.
+    solver(self) -> &str = &self.choice.name;
+
+    /// Every option in full, whether the targets were balanced, and the aim where the method uses one.
+    options(self, py) -> PyResult<Bound<'py, PyDict>> = read::option_dict(py, &self.choice.table());
 }
 
 /// A scene, a drive and where, of a function's first arguments: `(scene, drive, place)`, or `(solution, place)`.

@@ -11,6 +11,7 @@ use pyo3::types::PyDict;
 
 use crate::ctrl_c::attend;
 use crate::error::{invalid, refused, warn_all};
+use crate::getters::getters;
 use crate::give;
 use crate::metrics::Metrics;
 use crate::names::unknown_argument;
@@ -295,66 +296,6 @@ impl Solver {
         Ok(())
     }
 
-    /// Drives q (N,) of the last call with out, complex64.
-    #[getter]
-    fn drive<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<Complex32>>> {
-        self.answer(|solution| give::list(py, solution.drive.clone()))
-    }
-
-    /// Complex pressures (M,) of the last call with out in Pa (peak), complex64.
-    #[getter]
-    fn pressures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<Complex32>>> {
-        self.answer(|solution| give::list(py, solution.pressures.clone()))
-    }
-
-    /// How good the last call with out was.
-    #[getter]
-    fn metrics(&self) -> PyResult<Metrics> {
-        self.answer(|solution| solution.metrics().into())
-    }
-
-    /// The relative complex error of the last call with out, see `Solution.complex_error`.
-    #[getter]
-    fn complex_error(&self) -> PyResult<Option<f64>> {
-        self.answer(midair::Solution::complex_error)
-    }
-
-    /// How the last call with out ended.
-    #[getter]
-    fn status(&self) -> PyResult<String> {
-        self.answer(|solution| solution.status.to_string())
-    }
-
-    /// What supply or modulation have to multiply the drives by; 1 unless the device has no such amplitude.
-    #[getter]
-    fn scale(&self) -> PyResult<f64> {
-        self.answer(|solution| solution.scale)
-    }
-
-    /// Steps of the last call with out.
-    #[getter]
-    fn steps(&self) -> PyResult<usize> {
-        self.answer(|solution| solution.steps)
-    }
-
-    /// Seconds of the last call.
-    #[getter]
-    fn elapsed(&self) -> PyResult<f64> {
-        Ok(self.state()?.elapsed)
-    }
-
-    /// The solver's name.
-    #[getter]
-    fn solver(&self) -> &str {
-        &self.choice.name
-    }
-
-    /// Every option in full, and whether the targets are balanced.
-    #[getter]
-    fn options<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        read::option_dict(py, &self.choice.table())
-    }
-
     /// A copy has the same setting and a memory of its own, without a last answer.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         let (py, Self { choice, points, source, .. }) = (slf.py(), slf.get());
@@ -368,4 +309,40 @@ impl Solver {
         let transducers = self.state()?.session.transducers();
         Ok(format!("<midair.Solver by {}: {transducers} transducers{points}>", self.choice.name))
     }
+}
+
+getters! {
+    Solver:
+
+    /// Drives q (N,) of the last call with out, complex64.
+    drive(self, py) -> PyResult<Bound<'py, PyArray1<Complex32>>> =
+        self.answer(|solution| give::list(py, solution.drive.clone()));
+
+    /// Complex pressures (M,) of the last call with out in Pa (peak), complex64.
+    pressures(self, py) -> PyResult<Bound<'py, PyArray1<Complex32>>> =
+        self.answer(|solution| give::list(py, solution.pressures.clone()));
+
+    /// How good the last call with out was.
+    metrics(self) -> PyResult<Metrics> = self.answer(|solution| solution.metrics().into());
+
+    /// The relative complex error of the last call with out, see `Solution.complex_error`.
+    complex_error(self) -> PyResult<Option<f64>> = self.answer(midair::Solution::complex_error);
+
+    /// How the last call with out ended.
+    status(self) -> PyResult<String> = self.answer(|solution| solution.status.to_string());
+
+    /// What supply or modulation have to multiply the drives by; 1 unless the device has no such amplitude.
+    scale(self) -> PyResult<f64> = self.answer(|solution| solution.scale);
+
+    /// Steps of the last call with out.
+    steps(self) -> PyResult<usize> = self.answer(|solution| solution.steps);
+
+    /// Seconds of the last call.
+    elapsed(self) -> PyResult<f64> = Ok(self.state()?.elapsed);
+
+    /// The solver's name.
+    solver(self) -> &str = &self.choice.name;
+
+    /// Every option in full, and whether the targets are balanced.
+    options(self, py) -> PyResult<Bound<'py, PyDict>> = read::option_dict(py, &self.choice.table());
 }

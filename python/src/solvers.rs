@@ -4,6 +4,7 @@ use midair::solvers as registry;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::getters::getters;
 use crate::pickle::{Reduced, restored};
 use crate::read;
 
@@ -78,24 +79,6 @@ impl SolverInfo {
         Self { name, summary, source, balance, uses, options }
     }
 
-    /// Whether it uses the phases of complex pressures.
-    #[getter]
-    fn uses_phases(&self) -> bool {
-        self.uses[0]
-    }
-
-    /// Whether it uses a start.
-    #[getter]
-    fn uses_start(&self) -> bool {
-        self.uses[1]
-    }
-
-    /// Whether it uses an aim.
-    #[getter]
-    fn uses_aim(&self) -> bool {
-        self.uses[2]
-    }
-
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
         let Self { name, summary, source, balance, uses, options } = self;
         restored::<Self>(py, (name, summary, source, *balance, *uses, options))
@@ -111,6 +94,19 @@ impl SolverInfo {
     fn __repr__(&self) -> String {
         format!("<{}: {}>", self.name, self.summary)
     }
+}
+
+getters! {
+    SolverInfo:
+
+    /// Whether it uses the phases of complex pressures.
+    uses_phases(self) -> bool = self.uses[0];
+
+    /// Whether it uses a start.
+    uses_start(self) -> bool = self.uses[1];
+
+    /// Whether it uses an aim.
+    uses_aim(self) -> bool = self.uses[2];
 }
 
 /// Every solver by name, with its documented options and their defaults.

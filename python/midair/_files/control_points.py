@@ -18,10 +18,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._midair import SceneError
 from .._motion import Sequence
-from .._support.arguments import number
+from .._support.arguments import number, real
 from .._support.text import columns, fault, picked, rows, text
 from ..path import Path
-from ..path._piece import FARTHEST, real
+from ..path._piece import FARTHEST
 
 COLUMNS = ("t", "x", "y", "z", "intensity")
 FREQUENCY = "frequency"

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import Array, Scene, Solver
-from .._support.arguments import refused
-from ..path._piece import changing_pressures, real
+from .._support.arguments import real, refused
+from ..path._piece import changing_pressures
 from .ahead import Tracks, board_of
 from .drives import coded
 from .frames import AIR

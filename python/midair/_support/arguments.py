@@ -89,15 +89,25 @@ def vectors(item: str, value: Any) -> NDArray[np.float64]:
     return found
 
 
-def _numbers(item: str, value: Any, shape: tuple[int, ...], cure: str) -> NDArray[np.float64]:
+def real(item: str, value: Any, cure: str) -> NDArray[np.float64]:
+    """Real numbers of any shape, a copy that nobody changes."""
     try:
         found = np.asarray(value)
     except ValueError:
         raise refused(item, value, cure) from None
-    same = found.ndim == len(shape) and all(n in (-1, m) for n, m in zip(shape, found.shape, strict=True))
-    if found.dtype.kind not in "iuf" or not same or not np.isfinite(found).all():
+    if found.dtype.kind not in "iuf":
         raise refused(item, value, cure)
-    return found.astype(np.float64)
+    found = found.astype(np.float64)
+    found.flags.writeable = False
+    return found
+
+
+def _numbers(item: str, value: Any, shape: tuple[int, ...], cure: str) -> NDArray[np.float64]:
+    found = real(item, value, cure)
+    same = found.ndim == len(shape) and all(n in (-1, m) for n, m in zip(shape, found.shape, strict=True))
+    if not same or not np.isfinite(found).all():
+        raise refused(item, value, cure)
+    return found
 
 
 def path_of(item: str, value: Any, cure: str = "give the name of a file") -> Path:

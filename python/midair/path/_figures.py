@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._midair import MOST_POINTS, Curve
-from .._support.arguments import flag, number, refused, vector, vectors, whole
+from .._support.arguments import flag, number, real, refused, vector, vectors, whole
 from ._curve import walk
 from ._path import Path
-from ._piece import real
 
 #: Straight pieces in a period of a sine: a Lissajous figure of 0.1 m strays by 1e-9 m.
 PIECES = 16384

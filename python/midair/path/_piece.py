@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import SceneError
-from .._support.arguments import refused
+from .._support.arguments import real, refused
 
 #: Of times (T,), ways (T, M), places (T, M, 3), targets (T, M).
 Numbers: TypeAlias = NDArray[np.float64]
@@ -58,19 +58,6 @@ class Piece(ABC):
 
 #: In m; a scene refuses nearer ones, for its own reason.
 FARTHEST = 1e6
-
-
-def real(item: str, value: Any, cure: str) -> Numbers:
-    """Real numbers of any shape, a copy that nobody changes."""
-    try:
-        found = np.asarray(value)
-    except ValueError:
-        raise refused(item, value, cure) from None
-    if found.dtype.kind not in "iuf":
-        raise refused(item, value, cure)
-    found = found.astype(np.float64)
-    found.flags.writeable = False
-    return found
 
 
 def instants(value: ArrayLike) -> Numbers:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._midair import Curve, SceneError
-from .._support.arguments import flag, number, refused
+from .._support.arguments import flag, number, real, refused
 from ..shape._vector_graphics import outlines
 from ._curve import lasting, walk
 from ._path import Path
@@ -23,7 +23,6 @@ from ._piece import (
     constant_pressures,
     mixed,
     point_sets,
-    real,
 )
 
 
