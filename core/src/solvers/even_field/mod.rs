@@ -58,6 +58,9 @@ use crate::solvers::even_field::search::Search;
 use crate::solvers::even_field::silence::Silence;
 use crate::workspace::Workspace;
 
+/// Crowded points whose even field has less than this part of the balanced level are made even from other starts, too.
+const LOUD: f32 = 0.5;
+
 /// How the points of a scene depend on one another, and so which steps make their field even.
 #[derive(Clone, Copy, PartialEq)]
 enum Regime {
@@ -233,7 +236,8 @@ fn raise<'w>(
             }
         }
         if alone && run.rows.equations() <= FEW_ENOUGH {
-            let starts = plans.iter().map(|plan| plan.scattered(search.even)).max().unwrap_or(0);
+            let loud = search.even && search.lowest >= LOUD * run.problem.balance() as f32 * target;
+            let starts = plans.iter().map(|plan| plan.scattered(loud)).max().unwrap_or(0);
             search.scatter(run, starts)?;
         }
     }

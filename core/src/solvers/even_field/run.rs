@@ -64,10 +64,10 @@ impl Plan {
         if rows.unequal() { self.raised.max(1) } else { self.raised }
     }
 
-    /// From how many drives of random phases crowded points are made even, where another start made them so or not.
-    pub(super) fn scattered(&self, even: bool) -> usize {
+    /// From how many drives of random phases crowded points are made even; `loud`: another start did, at a high level.
+    pub(super) fn scattered(&self, loud: bool) -> usize {
         match self.raised {
-            0 if even => 0,
+            0 if loud => 0,
             0 => 6,
             _ => 12,
         }
