@@ -168,6 +168,16 @@ def test_archives_unpack_to_no_more_than_memory_allows(
         text.arrays(path)
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="POSIX")
+@pytest.mark.parametrize("kind", [midair.Sequence, midair.Solution, midair.Calibration])
+def test_a_pipe_or_a_device_is_refused_at_once(kind: Any, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.npz")
+    (tmp_path / "device.npz").symlink_to("/dev/zero")
+    for name in ("pipe.npz", "device.npz"):
+        with pytest.raises(midair.SceneError, match=rf'{name}".* a folder, device or pipe: give a file'):
+            kind.load(tmp_path / name)
+
+
 BOARD = midair.Array.grid(10, 10, pitch=0.01)
 FRAMES = 2000
 

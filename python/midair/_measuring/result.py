@@ -176,6 +176,8 @@ class Calibration:
                 for field in fields(Calibration)
             }
             return Calibration(**(numbers | {"scene": Scene.parse(str(found["scene"]))}))
+        except SceneError as error:
+            raise SceneError(f'calibration file "{path}": {error}') from error
         except OSError:
             raise
         # Whatever a damaged file makes NumPy and the scene's reader raise.

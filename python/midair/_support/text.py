@@ -27,14 +27,23 @@ def fault(path: str | PathLike[str], line: int | None, reason: str) -> SceneErro
     return SceneError(" ".join(f"{place}: {reason}".split()))
 
 
+#: A pipe or a device may never end.
+NO_FILE = "it is a folder, device or pipe: give a file"
+
+
+def _no_file(file: Path) -> bool:
+    """Whether it is there and no file."""
+    return file.exists() and not file.is_file()
+
+
 def content(path: str | PathLike[str], most: int = MOST_BYTES, *, empty: bool = False) -> bytes:
     """The bytes of a file, which may be empty; at most `most`, and what MIDAIR_MEMORY allows."""
     file, most = Path(path), min(most, memory_limit())
     if "\0" in str(file):
         raise SceneError("a name of a file has a character of code 0: give the name of a file")
     try:
-        if file.exists() and not file.is_file():
-            raise fault(path, None, "it is a folder, device or pipe: give a file")
+        if _no_file(file):
+            raise fault(path, None, NO_FILE)
         with file.open("rb") as stream:
             found = stream.read(most + 1)
     except OSError as error:
@@ -53,6 +62,8 @@ def arrays(path: str | PathLike[str], only: Collection[str] | None = None) -> di
     Raises OSError where the file cannot be opened, SceneError where it is too large, and ValueError for all
     that is damaged.
     """
+    if _no_file(Path(path)):
+        raise SceneError(NO_FILE)
     with open(path, "rb") as stream:
         try:
             with zipfile.ZipFile(stream) as archive:
