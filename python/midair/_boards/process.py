@@ -25,9 +25,6 @@ from .wire import Kind
 PATIENCE = 12.0
 OPENING = 70.0
 
-#: How long a guard may take to turn its device off and end, in s.
-ENDING = 0.9
-
 #: The environment of a guard has it: a program that connects there was started in place of an interpreter.
 GUARD = "MIDAIR_GUARD"
 
@@ -109,7 +106,7 @@ class GuardProcess:
         # What nobody holds is collected in whatever thread.
         if already or reader is threading.current_thread():
             return
-        reader.join(ENDING)
+        reader.join(wire.MISSED)
         if reader.is_alive():
             self._process.kill()
             reader.join()
