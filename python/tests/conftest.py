@@ -2,11 +2,16 @@
 
 import json
 import os
+import signal
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+    # A shell that starts pytest by `&` has it and its children ignore Ctrl-C: tests of Ctrl-C would hang.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # BLAS threads that spin make busy machines crawl.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
