@@ -135,9 +135,9 @@ impl Array {
         midair::presets::PRESETS.iter().map(|preset| preset.name).collect()
     }
 
-    /// The same array as hardware, or not.
+    /// The same array as hardware that emits so many Hz, or as none.
     #[pyo3(name = "_with_hardware")]
-    fn with_hardware(&self, hardware: bool) -> Self {
+    fn with_hardware(&self, hardware: Option<f64>) -> Self {
         self.inner.clone().with_hardware(hardware).into()
     }
 
@@ -161,8 +161,10 @@ impl Array {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
         let (class, array) = (py.get_type::<Self>(), &self.inner);
-        if array.is_hardware() && *array.origin() == Origin::Positions {
-            return Ok((class.getattr("_with_hardware")?, (self.with_hardware(false), true).into_pyobject(py)?));
+        if let Some(hardware) = array.hardware()
+            && *array.origin() == Origin::Positions
+        {
+            return Ok((class.getattr("_with_hardware")?, (self.with_hardware(None), hardware).into_pyobject(py)?));
         }
         let call = match array.origin() {
             Origin::Positions => (class, self.positions(py)?, self.normals(py)?).into_pyobject(py)?,
@@ -206,8 +208,8 @@ getters! {
     medium(self, py) -> PyResult<Bound<'py, PyDict>> =
         self.inner.medium(&[]).map_err(refused)?.numbers().collect::<Vec<_>>().into_py_dict(py);
 
-    /// Whether its scenes have a room's air unless they state another.
-    _hardware(self) -> bool = self.inner.is_hardware();
+    /// Hz of hardware, whose scenes have a room's air unless they state another; else None.
+    _hardware(self) -> Option<f64> = self.inner.hardware();
 }
 
 /// What is known of a preset.

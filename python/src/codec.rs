@@ -1,6 +1,6 @@
 //! `Codec`: frames of bytes of a board, behind `midair.Board`.
 
-use midair::{Board, Complex32};
+use midair::{Board, Complex32, Complex64};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyBytes, PyDict};
@@ -132,11 +132,21 @@ getters! {
     /// The most boards that play together.
     most_boards(self) -> usize = self.board.most_boards();
 
+    /// Hz that it emits.
+    frequency(self) -> f64 = self.board.frequency();
+
+    /// What each transducer (N,) radiates for a drive of 1, or None where that is 1.
+    response(self, py) -> Option<Bound<'py, PyArray1<Complex64>>> =
+        self.board.response().map(|list| give::list(py, list));
+
     /// Bits a second of its serial line, or None.
     baud(self) -> Option<u32> = self.board.baud();
 
     /// Frames a second that its line can carry.
     rate(self) -> f64 = self.board.rate();
+
+    /// Frames a second up to which it emits as at rest.
+    steady_rate(self) -> f64 = self.board.steady_rate();
 
     /// Its grid, as an array has it.
     quantization(self, py) -> PyResult<Option<Bound<'py, PyDict>>> =

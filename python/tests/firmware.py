@@ -77,8 +77,13 @@ class SonicSurface:
 
     @property
     def drive(self) -> Complex:
+        """As its VHDL ran: every eighth channel is a tick late, and the secondary board as a whole.
+
+        Its counter begins at half a period of the primary's, behind a filter of eight taps: 189 degrees.
+        """
         codes = np.array(self.playing)
-        return pulses(codes & 31, np.where(codes == 32, 0, 16), 32)
+        late = np.where(np.arange(256) % 8 == 3, 1 / 32, 0.0) + (189 / 360 if self.name == 193 else 0.0)
+        return pulses(codes & 31, np.where(codes == 32, 0, 16), 32) * np.exp(2j * np.pi * late)
 
 
 class SonicSurfaces:
@@ -242,7 +247,9 @@ class Mega64(Arduino):
 
     @property
     def drive(self) -> Complex:
-        return harmonic(self.levels()[:, list(self.PINS)])
+        """As the binary ran: ports A C L B K F H D G J are late by these cycles of 396."""
+        late = np.array([0, 3, 7, 10, 14, 17, 20, 24, 27, 30])[np.array(self.PINS) // 8] / 396
+        return harmonic(self.levels()[:, list(self.PINS)]) * np.exp(2j * np.pi * late)
 
 
 class Chain:

@@ -90,8 +90,17 @@ def of_kind(kind: str) -> tuple[Board, Rig]:
 
 
 def played(board: Board, rig: Rig, drive: Complex) -> Complex:
-    """What the board emits when it is sent this drive, a half wave from the start of the period being 1."""
-    return rig.play(board.encode(drive), board.channels) / TURN[board.name]
+    """What the board plays when it is sent this drive."""
+    return heard(board, rig, board.encode(drive))
+
+
+def heard(board: Board, rig: Rig, frame: bytes) -> Complex:
+    """The drive that the board plays of a frame, a half wave from the start of the period being 1.
+
+    Its pins are late by the board's response, which its array has and a solver counts in.
+    """
+    response = board._codec.response
+    return rig.play(frame, board.channels) / TURN[board.name] / (1.0 if response is None else response)
 
 
 def off_grid(rng: np.random.Generator, transducers: int) -> Complex:

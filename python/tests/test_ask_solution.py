@@ -72,7 +72,7 @@ def test_exposure(solution: midair.Solution) -> None:
 
 def test_exposure_of_a_sequence() -> None:
     ring = midair.path.circle([0, 0, 0.15], 0.01, frequency=5)
-    sequence = midair.sequence(midair.Array.preset("sonicsurface"), ring, rate=100, change=3.2)
+    sequence = midair.sequence(midair.Array.preset("sonicsurface"), ring, rate=100, change=np.pi)
     long = midair.exposure(sequence.scene(0), sequence, PLACES)
     assert long == midair.exposure(sequence, PLACES) == sequence.exposure(PLACES)
 

@@ -17,6 +17,7 @@ from rigs import (
     decoded,
     every,
     forbidden,
+    heard,
     made,
     of_kind,
     off_grid,
@@ -258,7 +259,7 @@ def test_phases_next_to_a_whole_turn_and_far_from_it(kind: str, turn: float) -> 
     # The same as a correction, which is a phase and not a complex number: taken off before rounding.
     fixed = Board(board.name, board.array, corrections=np.full(len(board.array), turn))
     back = np.floor(((-turn) % (2 * np.pi)) / 2 / np.pi * phases + 0.5)
-    got = rig.play(fixed.encode(np.ones(len(board.array))), fixed.channels) / TURN[kind]
+    got = played(fixed, rig, np.ones(len(board.array)))
     np.testing.assert_allclose(got, np.exp(TURNING / phases * back), atol=1e-6)
 
 
@@ -306,7 +307,7 @@ def test_decode_says_what_the_firmware_plays(case: tuple[str, int]) -> None:
     rng = np.random.default_rng(19)
     for _ in range(3 if case == ("mega64", 14) else 30):
         frame = board.encode(off_grid(rng, len(board.array)))
-        got = rig.play(frame, board.channels) / TURN[case[0]]
+        got = heard(board, rig, frame)
         np.testing.assert_allclose(board.decode(frame), got, atol=1e-6)
         assert board.encode(board.decode(frame)) == frame
 
@@ -325,7 +326,7 @@ def test_broken_frames_are_refused_in_a_line_or_read_as_they_are_played(case: tu
         if read is not None and case[1] < 14 and not odd:
             rig = Rig(*case)
             rig.receive(board.off_frame)
-            got = rig.play(bytes(broken), board.channels) / TURN[case[0]]
+            got = heard(board, rig, bytes(broken))
             np.testing.assert_allclose(
                 read, got, atol=1e-6, err_msg=f"byte {at}: {frame[at]} -> {broken[at]}"
             )

@@ -194,7 +194,8 @@ def test_what_a_board_cannot_do_is_one_line(loop):
 def test_an_uploaded_sequence_plays_by_itself():
     with midair.connect("null") as null:
         sequence = frames(null.board.array, 4, 8)
-        null.upload(sequence)
+        with pytest.warns(midair.SceneWarning, match="begins anew with a jump of"):
+            null.upload(sequence)
         begin = time.monotonic()
         assert null.state == "playing"
         seen = {np.round(null.emitting, 3).tobytes()}

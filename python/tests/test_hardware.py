@@ -56,7 +56,9 @@ def test_every_preset_but_the_papers_stands_in_a_rooms_air(name: str) -> None:
         return
     assert array.directivity != "point"
     assert scene.sound_speed == pytest.approx(SPEED, rel=1e-12)
-    assert scene.absorption == pytest.approx(ALPHA, rel=1e-4)
+    # A MEGA64 emits 40.404 kHz, of which the air takes some more.
+    own = (scene.frequency / 40e3) ** 1.2
+    assert scene.absorption == pytest.approx(ALPHA * own, rel=1e-4 if own == 1 else 0.01)
     assert scene.density == pytest.approx(DENSITY, rel=2e-4)
 
 
@@ -109,7 +111,7 @@ def test_a_board_stays_one_whatever_is_made_of_it(tmp_path) -> None:
     assert changed.medium == room
     assert midair.Array.preset("autd3", (2, 2)).medium == room
     assert midair.Board("autd3", midair.Array.preset("autd3", quantization={})).array.medium == room
-    moved = midair.Array(board.positions + 1e-3)._with_hardware(True)
+    moved = midair.Array(board.positions + 1e-3)._with_hardware(40e3)
     for made in (copy.deepcopy(moved), pickle.loads(pickle.dumps(moved)), midair.Board("autd3", moved).array):
         assert made.medium == room
     assert (pickle.loads(pickle.dumps(moved)).positions == moved.positions).all()

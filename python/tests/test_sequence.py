@@ -347,29 +347,29 @@ def test_tracks_over_the_whole_sequence_close_without_a_seam(board):
 def test_no_board_is_asked_for_by_an_empty_quantization(ring):
     array = midair.Array.grid(6, 6, 10e-3, quantization={"phases": 16})
     path = midair.path.circle([0, 0, 0.15], 0.01, frequency=2)
-    free = midair.sequence(array, path, rate=200, change=3.2, quantization={})
+    free = midair.sequence(array, path, rate=200, change=np.pi, quantization={})
     assert free.quantization is None
     assert free.metrics.level == pytest.approx(1, rel=1e-3)
     assert free == midair.sequence(
-        array, path, rate=200, change=3.2, quantization={"phases": None, "amplitudes": None}
+        array, path, rate=200, change=np.pi, quantization={"phases": None, "amplitudes": None}
     )
 
 
 def test_more_frames_in_sight_than_there_are_is_all_of_them():
     array = midair.Array.grid(6, 6, 10e-3, quantization={"phases": 16})
     path = midair.path.circle([0, 0, 0.15], 0.01, frequency=2)
-    found = midair.sequence(array, path, rate=100, change=3.2, ahead=10**30)
-    assert np.array_equal(found.codes, midair.sequence(array, path, rate=100, change=3.2, ahead=50).codes)
+    found = midair.sequence(array, path, rate=100, change=np.pi, ahead=10**30)
+    assert np.array_equal(found.codes, midair.sequence(array, path, rate=100, change=np.pi, ahead=50).codes)
     frames = [[[0, 0, 0.1]]] * 3
-    assert len(list(midair.stream(array, iter(frames), rate=200, change=3.2, ahead=10**30))) == 3
+    assert len(list(midair.stream(array, iter(frames), rate=200, change=np.pi, ahead=10**30))) == 3
 
 
 def test_numbers_below_the_least_are_no_error():
     array = midair.Array.preset("sonicsurface")
     path = midair.path.circle([0, 0, 0.15], 0.01, frequency=2)
-    plain = midair.sequence(array, path, rate=200, change=3.2)
+    plain = midair.sequence(array, path, rate=200, change=np.pi)
     with np.errstate(all="raise"):
-        found = midair.sequence(array, path, rate=200, change=3.2)
+        found = midair.sequence(array, path, rate=200, change=np.pi)
         assert found.metrics == plain.metrics
         found.between(1e-4)
         found.felt([0, 0, 0.15], bands=[(5, 50)])

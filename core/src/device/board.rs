@@ -5,7 +5,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
-use num_complex::Complex32;
+use num_complex::{Complex32, Complex64};
 
 use crate::device::boards::FORMATS;
 use crate::device::code::Code;
@@ -43,7 +43,7 @@ pub struct Board {
     transducers: Vec<Option<usize>>,
     /// The channel of each transducer.
     channels: Vec<usize>,
-    /// Turns that each transducer is late by.
+    /// Turns that each transducer is late by of its own.
     corrections: Vec<f64>,
     live: Vec<bool>,
 }
@@ -61,10 +61,6 @@ impl Board {
             return Err(Error::invalid("transducers", transducers, cure));
         }
         let boards = transducers.div_ceil(format.channels);
-        let channel = |transducer: usize| {
-            let (board, own) = (transducer / format.channels, transducer % format.channels);
-            board * format.channels + (format.order)(own)
-        };
         let board = Self {
             format,
             boards,
@@ -73,7 +69,7 @@ impl Board {
             corrections: vec![0.0; transducers],
             live: vec![true; transducers],
         };
-        board.with_channels((0..transducers).map(channel).collect())
+        board.with_channels((0..transducers).map(|i| format.channel(i)).collect())
     }
 
     /// The names of the kinds of boards.
@@ -192,6 +188,19 @@ impl Board {
         self.format.link
     }
 
+    /// Hz that it emits.
+    #[must_use]
+    pub fn frequency(&self) -> f64 {
+        self.format.frequency
+    }
+
+    /// What each transducer (N,) radiates for a drive of 1, or `None` where that is 1: delays of the firmware that are no whole
+    /// steps. It is the response of its presets' arrays; whole steps are in its bytes.
+    #[must_use]
+    pub fn response(&self) -> Option<Vec<Complex64>> {
+        self.format.response(self.channels.iter().copied())
+    }
+
     /// Bits a second of its serial line, `None` where it is on no such line.
     #[must_use]
     pub fn baud(&self) -> Option<u32> {
@@ -208,6 +217,12 @@ impl Board {
             Link::Serial { baud, .. } => f64::from(baud) / (10 * self.frame_size()) as f64,
             Link::Fifo { rate, .. } | Link::Udp { rate } => rate,
         }
+    }
+
+    /// Frames a second that it can be given and goes on to emit as at rest, at most [`Board::rate`].
+    #[must_use]
+    pub fn steady_rate(&self) -> f64 {
+        self.rate().min(self.format.steady / self.boards as f64)
     }
 
     /// The phases and amplitudes that it plays exactly. Drives off this grid may meet further pulse widths.
@@ -254,7 +269,7 @@ impl Board {
         drive.fill(Complex32::ZERO);
         (self.format.decode)(self.boards, frame, &mut |channel, code| {
             if let Some(transducer) = self.transducers[channel] {
-                drive[transducer] = self.format.steps.drive(code, self.corrections[transducer]);
+                drive[transducer] = self.format.steps.drive(code, self.late(transducer));
             }
         })
     }
@@ -275,9 +290,15 @@ impl Board {
 
     fn code(&self, drive: &[Complex32], channel: usize) -> Code {
         match self.transducers[channel] {
-            Some(i) if self.live[i] => self.format.steps.code(drive[i], self.corrections[i]),
+            Some(i) if self.live[i] => self.format.steps.code(drive[i], self.late(i)),
             _ => Code::default(),
         }
+    }
+
+    /// Turns that the bytes make up for.
+    fn late(&self, transducer: usize) -> f64 {
+        let (steps, _) = (self.format.late)(self.channels[transducer]);
+        self.corrections[transducer] + f64::from(steps) / f64::from(self.format.steps.phases)
     }
 
     fn check(&self, drive: &[Complex32]) -> Result<(), Error> {

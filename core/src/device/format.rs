@@ -2,10 +2,14 @@
 
 use alloc::format;
 use alloc::vec::Vec;
+use core::f64::consts::TAU;
+
+use num_complex::Complex64;
 
 use crate::device::code::{Code, Steps};
 use crate::device::link::Link;
 use crate::error::Error;
+use crate::math;
 
 /// A kind of board.
 pub(crate) struct Format {
@@ -20,9 +24,16 @@ pub(crate) struct Format {
     pub(crate) most_boards: usize,
     pub(crate) steps: Steps,
     pub(crate) link: Link,
+    /// Hz that it emits.
+    pub(crate) frequency: f64,
+    /// Frames a second up to which it emits as at rest; infinite where it always does.
+    pub(crate) steady: f64,
     pub(crate) layout: Layout,
     /// The channel of transducer i of one board, in the order of its preset.
     pub(crate) order: fn(usize) -> usize,
+    /// What a channel, those of a second board after those of the first, emits late: whole steps, which the bytes make up for,
+    /// and turns that are left, which are the response of the array.
+    pub(crate) late: fn(usize) -> (u16, f64),
     /// Bytes of a frame of so many boards.
     pub(crate) size: fn(usize) -> usize,
     /// Writes the codes of the channels of so many boards into a frame of that size.
@@ -31,6 +42,19 @@ pub(crate) struct Format {
     pub(crate) decode: Decode,
     /// Silences so many boards whatever they were told before, half a frame included, by their off frame.
     pub(crate) silence: fn(boards: usize, off: &[u8]) -> Vec<u8>,
+}
+
+impl Format {
+    /// The channel of transducer i in the order of its preset, one board after the other.
+    pub(crate) fn channel(&self, transducer: usize) -> usize {
+        transducer - transducer % self.channels + (self.order)(transducer % self.channels)
+    }
+
+    /// What transducers at some channels radiate for a drive of 1, where that is not 1 of all: what is left of their delays.
+    pub(crate) fn response(&self, channels: impl Iterator<Item = usize>) -> Option<Vec<Complex64>> {
+        let response: Vec<_> = channels.map(|channel| math::phasor(TAU * (self.late)(channel).1)).collect();
+        response.iter().any(|&c| c != Complex64::ONE).then_some(response)
+    }
 }
 
 /// Where the transducers of a kind of board are until the caller gives an array.

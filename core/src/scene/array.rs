@@ -71,8 +71,8 @@ pub struct Array {
     response: Option<Arc<[Complex64]>>,
     mask: Option<Arc<[bool]>>,
     quantization: Option<Arc<Quantization>>,
-    /// Whether scenes without a medium have a room's air: no part of the value, as the origin.
-    hardware: bool,
+    /// Hz that hardware emits, whose scenes without a medium have a room's air: no part of the value, as the origin.
+    hardware: Option<f64>,
     origin: Origin,
 }
 
@@ -116,7 +116,7 @@ impl Array {
             response: None,
             mask: None,
             quantization: None,
-            hardware: false,
+            hardware: None,
             origin: Origin::Positions,
         })
     }
@@ -154,8 +154,9 @@ impl Array {
         let positions = (preset.positions)(tiles);
         let normals = preset.normal.map(|normal| positions.iter().map(|&place| normal(place)).collect());
         let array = Self::new(positions, normals)?;
-        let array = Self { origin, transducer: preset.transducer, hardware: preset.is_hardware(), ..array };
-        Ok(array.with_quantization(preset.quantization()?))
+        let response = preset.response(array.len())?;
+        let array = Self { origin, transducer: preset.transducer, hardware: preset.frequency()?, ..array };
+        array.with_quantization(preset.quantization()?).with_response(response)
     }
 
     /// That of a kind of board: its preset, or a grid of a kind that its owners wire as they like.
@@ -317,22 +318,23 @@ impl Array {
         }
     }
 
-    /// Whether its transducers are hardware, as those of every preset but the paper's; scenes without a medium then have
-    /// [`Medium::room`].
+    /// Hz that its transducers emit where they are hardware, as those of every preset but the paper's; scenes without a medium
+    /// then have [`Medium::room`].
     #[must_use]
-    pub fn is_hardware(&self) -> bool {
+    pub fn hardware(&self) -> Option<f64> {
         self.hardware
     }
 
-    /// The same array as hardware, or not: a subset of a board, or its transducers where they were measured.
+    /// The same array as hardware that emits so many Hz, or as none: a subset of a board, or its transducers where they were
+    /// measured.
     #[must_use]
-    pub fn with_hardware(mut self, hardware: bool) -> Self {
+    pub fn with_hardware(mut self, hardware: Option<f64>) -> Self {
         self.hardware = hardware;
         self
     }
 
     /// The medium of a scene on this array that states some of [`Medium::KEYS`], or none of them: on hardware
-    /// [`Medium::room`] at the frequency given, else the paper's, [`Medium::default`]; changed by [`Medium::with`].
+    /// [`Medium::room`] at the frequency given or its own, else the paper's, [`Medium::default`]; changed by [`Medium::with`].
     ///
     /// ```
     /// use midair::{Array, Medium};
@@ -347,9 +349,8 @@ impl Array {
     /// # Errors
     /// As [`Medium::with`].
     pub fn medium(&self, given: &[(&str, f64)]) -> Result<Medium, Error> {
-        let usual = Medium::default();
-        let frequency = given.iter().find(|(name, _)| *name == "frequency").map_or(usual.frequency, |&(_, f)| f);
-        if self.hardware { Medium::room(frequency)? } else { usual }.with(given)
+        let stated = given.iter().find(|(name, _)| *name == "frequency").map(|&(_, f)| f);
+        self.hardware.map_or(Ok(Medium::default()), |own| Medium::room(stated.unwrap_or(own)))?.with(given)
     }
 
     /// How the array came about.

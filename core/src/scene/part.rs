@@ -1,6 +1,7 @@
 //! Part: what an array has beside its places, such as a mask; each is declared once here for every binding.
 
 use alloc::format;
+use alloc::vec;
 use alloc::vec::Vec;
 
 use num_complex::Complex64;
@@ -10,7 +11,7 @@ use crate::error::{Error, same_name};
 use crate::scene::array::{Array, Origin};
 use crate::scene::directivity::Directivity;
 use crate::scene::key::Key;
-use crate::scene::presets::{self, Preset};
+use crate::scene::presets;
 use crate::scene::transducer::Transducer;
 
 /// What a part is: bindings read and write one kind, whatever the part.
@@ -164,18 +165,24 @@ impl Array {
         Self::PARTS.iter().find(|part| same_name(part.name, name))
     }
 
-    /// The parts that, given beside its origin, make the same array again: no quantization where the preset has it.
+    /// The parts that, given beside its origin, make the same array again: no quantization and response where the preset has them.
     pub fn stated(&self) -> impl Iterator<Item = (&'static str, PartValue)> + '_ {
-        let preset = match self.origin() {
-            Origin::Preset { name, .. } => presets::find(name).and_then(Preset::quantization).ok().flatten(),
+        let found = match self.origin() {
+            Origin::Preset { name, .. } => presets::find(name).ok(),
             _ => None,
         };
+        let preset = found.and_then(|preset| preset.quantization().ok().flatten());
+        let response = found.and_then(|preset| preset.response(self.len()).ok().flatten());
         let others = preset.is_some() && self.quantization().is_none();
         let free = others.then(|| Quantization::new(None, None).ok().map(PartValue::Quantization)).flatten();
         Self::PARTS.iter().filter_map(move |part| {
             let value = match (part.of(self), part.kind()) {
                 (Some(PartValue::Quantization(own)), _) if Some(&own) == preset.as_ref() => None,
                 (None, PartKind::Quantization) => free.clone(),
+                (Some(PartValue::Complexes(own)), _) if Some(&own) == response.as_ref() => None,
+                (None, PartKind::Complexes) if response.is_some() => {
+                    Some(PartValue::Complexes(vec![Complex64::ONE; self.len()]))
+                }
                 (value, _) => value,
             };
             Some((part.name, value?))

@@ -2,6 +2,8 @@
 
 use alloc::vec::Vec;
 
+use num_complex::Complex64;
+
 use crate::device::board;
 use crate::device::quantization::Quantization;
 use crate::error;
@@ -41,9 +43,17 @@ impl Preset {
         self.board.map(|kind| board::format(kind)?.steps.quantization()).transpose()
     }
 
-    /// Whether it is hardware in real air: every preset but the paper's arrays of point sources.
-    pub(crate) fn is_hardware(&self) -> bool {
-        self.transducer != PAPER
+    /// The response of so many transducers of it: what its device cannot make up for.
+    pub(crate) fn response(&self, count: usize) -> Result<Option<Vec<Complex64>>, Error> {
+        let Some(kind) = self.board else { return Ok(None) };
+        let format = board::format(kind)?;
+        Ok(format.response((0..count).map(|i| format.channel(i))))
+    }
+
+    /// Hz that it emits as hardware in real air, which every preset is but the paper's arrays of point sources.
+    pub(crate) fn frequency(&self) -> Result<Option<f64>, Error> {
+        let frequency = self.board.map_or(Ok(40e3), |kind| Ok(board::format(kind)?.frequency))?;
+        Ok((self.transducer != PAPER).then_some(frequency))
     }
 }
 

@@ -27,6 +27,13 @@ if TYPE_CHECKING:
 
 _Result = TypeVar("_Result")
 
+#: Words of the client where a device is there and its firmware is another, and what to do then.
+OTHER_FIRMWARE = "protocol version"
+FIRMWARE = (
+    "midair plays AUTD3 firmware 0.12 (protocol 3; 5 is firmware 0.13): "
+    "put 0.12 on the device with its makers' tool"
+)
+
 #: What a board acknowledges within this time came; a lost datagram costs one retry, hardly ever two.
 ACKNOWLEDGED_MS = 20
 RETRIES = 5
@@ -150,8 +157,9 @@ class Autd3Transport:
         try:
             await self._retried(attempt)
         except autd3.Autd3Error as error:
-            if error.code != autd3.Autd3Error.NETWORK:
-                raise BoardError(f"{self._address}: {error}") from error
+            if error.code != autd3.Autd3Error.NETWORK or OTHER_FIRMWARE in str(error):
+                cure = f": {FIRMWARE}" if OTHER_FIRMWARE in str(error) else ""
+                raise BoardError(f"{self._address}: {error}{cure}") from error
             raise BoardNotFound(
                 f"{self._address}: {str(error).removeprefix('network error: ')}; the array stands for "
                 f"{commands.counted(self._boards, 'board')}: check power, cables and firewall (UDP {PORT}), "

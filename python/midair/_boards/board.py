@@ -72,8 +72,7 @@ class Board:
         # What makes an equal board, in a pickle.
         self._made = kind, array, channels, corrections
         self._codec = Codec(kind, len(array), channels=channels, corrections=corrections, live=live)
-        grid = dict(self._codec.quantization)
-        self._array = array if array.quantization is not None else changed(array, quantization=grid)
+        self._array = _on_board(array, self._codec)
 
     def __reduce__(self) -> tuple[Any, ...]:
         name, array, channels, corrections = self._made
@@ -141,6 +140,7 @@ class Board:
             "amplitudes": grid["amplitudes"],
             "frame_bytes": len(self.off_frame),
             "frames_per_second": self.rate,
+            "steady_frames_per_second": self._codec.steady_rate,
         }
 
     def encode(self, drive: ArrayLike | Solution) -> bytes:
@@ -199,3 +199,14 @@ def _from_files(
     pins = [np.asarray(board.pins) + 256 * k for k, board in enumerate(boards)]
     degrees = np.concatenate([board.corrections for board in boards])
     return "openmpd", array, np.concatenate(pins), np.deg2rad(degrees)
+
+
+def _on_board(array: Array, codec: Codec) -> Array:
+    """The array with the board's grid and response unless it states them; hardware at its frequency."""
+    own: dict[str, Any] = {"quantization": dict(codec.quantization), "response": codec.response}
+    missing = {
+        name: value for name, value in own.items() if value is not None and getattr(array, name) is None
+    }
+    made = changed(array, **missing) if missing else array
+    hardware = array._hardware and codec.frequency
+    return made if hardware == made._hardware else made._with_hardware(hardware)

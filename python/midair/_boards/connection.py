@@ -22,6 +22,7 @@ from .._support.arguments import number, refused, warn
 from . import wire
 from .address import DEFAULT, Address, can_modulate, describe, parse
 from .board import Board
+from .doubts import refuse_real, warn_of_rate, warn_of_seam
 from .errors import BoardError, BoardLost, BoardTimeout
 from .limit import Limit
 from .process import PATIENCE, GuardProcess
@@ -55,6 +56,9 @@ class Stats:
     frames: int
     late: int
     lapses: int
+
+    def __sub__(self, before: Stats) -> Stats:
+        return Stats(self.frames - before.frames, self.late - before.late, self.lapses - before.lapses)
 
 
 class Connection:
@@ -93,8 +97,8 @@ class Connection:
         *,
         rate: float | None = None,
         late: Literal["skip", "wait", "error"] = "skip",
-    ) -> None:
-        """Play drives one after another; the last one goes on playing.
+    ) -> Stats:
+        """Play drives one after another; the last one goes on playing. Returns the counts of this stream.
 
         drives : (T, N), a midair.Sequence, or what gives drives or solutions one by one, as a generator
         rate : frames a second; left out, the sequence's own, or as many as the board takes, of which none is
@@ -103,9 +107,10 @@ class Connection:
             and keeps to the clock, "wait" plays it and moves the clock, "error" raises BoardTimeout. A frame
             that a generator was slow to give is played when it comes, unless that is an error.
 
-        Raises SceneError for a drive that is not in order or above the connection's limit, BoardTimeout for a
-        rate that late="error" cannot keep, BoardLost where the board is gone, BoardError where the connection
-        is closed.
+        Warns, before it begins, of the part that a rate above the board's leaves out, and of a rate at which
+        the board emits less. Raises SceneError for a drive that is not in order or above the connection's
+        limit, BoardTimeout for a rate that late="error" cannot keep, BoardLost where the board is gone,
+        BoardError where the connection is closed.
         """
         frames = self._drives(drives)
         if rate is None and isinstance(drives, Sequence):
@@ -118,6 +123,8 @@ class Connection:
                 f"rate is {pace:g} frames/s, {self.board.name} takes {self.board.rate:.4g}: "
                 'give a lower one, or late="skip"'
             )
+        warn_of_rate(pace, self.board, late == "skip")
+        before = self.stats
         try:
             known = isinstance(drives, Sequence | np.ndarray | list | tuple)
             then = None if rate is None else LATE[late]
@@ -127,9 +134,12 @@ class Connection:
         except BaseException:
             self._quiet()
             raise
+        return self.stats - before
 
     def upload(self, sequence: Sequence) -> None:
         """Let the board play a sequence by itself, over and over, where it can hold one (AUTD3).
+
+        Warns of a jump from the last frame to the first beyond the bound that held when it was solved.
 
         Raises BoardError of a board that holds none, SceneError for frames that are not in order, BoardLost
         where the board is gone, BoardError where the connection is closed.
@@ -138,6 +148,7 @@ class Connection:
             raise BoardError(f"{self.board.name} holds no sequence: use stream")
         if not isinstance(sequence, Sequence):
             raise refused("sequence", sequence, "give a midair.Sequence")
+        warn_of_seam(sequence)
         frames = [self._encode(drive) for drive in self._drives(sequence)]
         self._call(Kind.UPLOAD, wire.UPLOADED.pack(len(frames), sequence.rate) + b"".join(frames))
 
@@ -240,6 +251,8 @@ class Connection:
             if drive.scene is not None:
                 self._placed(drive.scene.array)
             self._warn(drive.scale)
+        else:
+            refuse_real(drive)
         frame = self.board.encode(drive)
         if self._limit is not None:
             self._limit.check(self.board.decode(frame))
@@ -293,9 +306,10 @@ class Connection:
         due = math.inf
         for asked, drive in _timed(drives):
             now = time.monotonic()
+            counted = late is not None and now > due + period
             if late is None or math.isinf(due):
                 due = now
-            elif now > due + period:
+            elif counted:
                 self._late += 1
                 if late == Late.ERROR:
                     raise BoardTimeout(wire.LATE.format(1e3 * (now - due)))
@@ -303,7 +317,9 @@ class Connection:
                     due += period
                     continue
                 due = now
-            frame = wire.WHEN.pack(due, due + period, late or Late.WAIT) + self._encode(drive)
+            # The guard counts no frame that is counted here.
+            then = Late.WAIT if counted else late or Late.WAIT
+            frame = wire.WHEN.pack(due, due + period, then) + self._encode(drive)
             under_way.append(self._guard.ask(Kind.PLAY, frame))
             due += period
             if len(under_way) >= ahead:

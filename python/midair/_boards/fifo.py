@@ -114,7 +114,10 @@ def _open(serial: str, interface: int) -> Any:
 def _failed(serial: str, error: Exception) -> BoardError:
     if _number(error) in TIMED_OUT:
         return BoardTimeout(f'device "{serial}" took nothing for {STALLED_MS / 1e3:g} s: check its power')
-    return BoardLost(f'device "{serial}" is gone ({_reason(error)}): plug the board in and connect again')
+    return BoardLost(
+        f'device "{serial}" is gone ({_reason(error)}): the board plays on, switch its supply off, '
+        "then plug it in and connect again"
+    )
 
 
 def _number(error: Exception) -> int | None:

@@ -109,7 +109,8 @@ class SerialTransport(LineTransport):
             ) from error
         except FAILURES as error:
             raise BoardLost(
-                f'port "{self._name}" is gone ({_reason(error)}): plug the board in and connect again'
+                f'port "{self._name}" is gone ({_reason(error)}): the board plays on, switch its supply off, '
+                "then plug it in and connect again"
             ) from error
 
 

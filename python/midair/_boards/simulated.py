@@ -82,6 +82,15 @@ class LoopTransport(LineTransport):
         super().__init__(**line)
         self.silence()
 
+    def modulate(self, hz: float | None) -> None:
+        """Swap as a board of two banks does; others that modulate do so by themselves."""
+        if self._swap is not None:
+            super().modulate(hz)
+
+    def upload(self, frames: bytes, count: int, rate: float) -> None:
+        """Take as long as the line does for the frames; which board holds a sequence is asked before."""
+        self.play(frames)
+
     def _write(self, content: bytes) -> None:
         """The bytes are gone."""
 

@@ -55,7 +55,7 @@ def read_array(path: str | PathLike[str], **parts: Any) -> Array:
     except SceneError as error:
         raise fault(path, None, str(error)) from error
     # A format that says how its transducers radiate is of a board.
-    return made._with_hardware(found.directivity is not None)
+    return made._with_hardware(None if found.directivity is None else 40e3)
 
 
 def _layout(path: str | PathLike[str]) -> Layout:

@@ -70,7 +70,13 @@ def bound(rate: float, change: Any, change_rate: Any) -> float:
         raise refused("change_rate", change_rate, "change is given, too: give one of them")
     if change_rate is not None:
         return number("change_rate", change_rate, least=0) / rate
-    return CHANGE if change is None else number("change", change, least=0)
+    if change is None:
+        return CHANGE
+    rad = number("change", change, least=0)
+    if rad > pi:
+        cure = f"give {np.deg2rad(rad):.3g} if degrees are meant, pi for no bound"
+        warn(f"change is {rad:g} rad, and above pi binds nothing: {cure}")
+    return rad
 
 
 def request(
@@ -100,7 +106,9 @@ def request(
     if aim is None:
         aim = "max" if targets is None else "target"
     rad = bound(frames, *bounds)
-    return Request(array, scene, points, asked, frames, rad, bool(closed), aim, air, options)
+    return Request(
+        array, scene, points, asked, frames, rad, bool(loops if closed is None else closed), aim, air, options
+    )
 
 
 def warn_of_speed(asked: Request, phases: int | None) -> None:

@@ -32,7 +32,7 @@ def sequence(
     change: float | None = None,
     change_rate: float | None = None,
     tau: float | None = None,
-    closed: bool = False,
+    closed: bool | None = None,
     ahead: int | str = 0,
     pressures: ArrayLike | None = None,
     aim: str | None = None,
@@ -48,7 +48,8 @@ def sequence(
     rate : frames a second
     change, change_rate : the bound, in rad a frame or in rad/s; left out pi/16 a frame, pi for none
     tau : time constant of the transducers' envelopes in s, which `glide` takes into account
-    closed : whether the last frame goes on to the first, within the bound; needs ahead="all"
+    closed : whether the last frame goes on to the first; left out, as the path does. With ahead="all" that
+        step is within the bound, too, which closed=True demands; else `metrics.seam` tells it
     ahead : 0, each frame knows the one before; n, the next n frames, too; "all", tracks over the whole
         sequence
     pressures : targets in Pa: one, (M,) or (T, M), 0 where a point is not there; left out the
@@ -71,7 +72,7 @@ def sequence(
     callback(progress, "frames done, frames")
     solver = solver_name(solver)
     asked = request(array, path, rate, (change, change_rate), closed, pressures, aim, dict(options))
-    known = sight(ahead, asked.closed)
+    known = sight(ahead, bool(closed))
     warn_of_speed(asked, (asked.board if known == 0 else board_of(asked.board)).get("phases"))
     if known is None:
         if resume is not None:

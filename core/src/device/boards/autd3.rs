@@ -16,8 +16,11 @@ pub(crate) const FORMAT: Format = Format {
     steps: Steps { phases: 256, levels: Levels::Even(255) },
     // Frames are acknowledged (up to 1500 a second over loopback), and phases take 1 ms to follow.
     link: Link::Udp { rate: 1000.0 },
+    frequency: 40e3,
+    steady: f64::INFINITY,
     layout: Layout::Preset("autd3"),
     order: |transducer| transducer,
+    late: |_| (0, 0.0),
     size: |boards| 2 * CHANNELS * boards,
     encode: |boards, code, frame| planes::write::<CHANNELS>(boards, 0, code, frame),
     decode: |boards, frame, put| planes::read::<CHANNELS>(boards, [0, 255], frame, put),

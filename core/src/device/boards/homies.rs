@@ -26,8 +26,11 @@ pub(crate) const FORMAT: Format = Format {
     steps: Steps { phases: 256, levels: Levels::OnOff },
     // At 1 MB/s a FIFO, far below what it is built for.
     link: Link::Fifo { rate: 900.0, one_chip: true },
+    frequency: 40e3,
+    steady: f64::INFINITY,
     layout: Layout::Grid(16, 16, 10.5e-3),
     order: |transducer| transducer,
+    late: |_| (0, 0.0),
     size: |boards| SIZE * boards,
     encode,
     decode,

@@ -18,8 +18,11 @@ pub(crate) const FORMAT: Format = Format {
     steps: Steps { phases: 128, levels: Levels::Widths },
     // 40 kHz by the divider it begins with, 4.
     link: Link::Fifo { rate: 10e3, one_chip: false },
+    frequency: 40e3,
+    steady: f64::INFINITY,
     layout: Layout::Preset("openmpd_board"),
     order,
+    late: |_| (0, 0.0),
     size: |boards| 2 * CHANNELS * boards,
     encode: |boards, code, frame| planes::write::<CHANNELS>(boards, BEGIN, code, frame),
     decode: |boards, frame, put| planes::read::<CHANNELS>(boards, [BEGIN, 64], frame, put),

@@ -26,13 +26,23 @@ pub(crate) const FORMAT: Format = Format {
     most_boards: 2,
     steps: Steps { phases: 32, levels: Levels::OnOff },
     link: Link::Serial { baud: 230_400, swap: Some(SWAP), restarts: false },
+    frequency: 40e3,
+    steady: f64::INFINITY,
     layout: Layout::Preset("sonicsurface"),
     order,
+    late,
     size: |boards| if boards == 1 { CHANNELS + 2 } else { (CHANNELS + 2) * boards + 1 },
     encode,
     decode,
     silence,
 };
+
+/// The multiplexer samples every eighth channel a tick late. The secondary's counter begins anew where the primary's is at half
+/// a period, behind a filter: 189 degrees late, which is 17 steps less a fifth.
+fn late(channel: usize) -> (u16, f64) {
+    let (steps, rest) = if channel < CHANNELS { (0, 0.0) } else { (17, -0.2 / 32.0) };
+    (steps + u16::from(channel % 8 == 3), rest)
+}
 
 /// Transducers row by row; channels in squares of four columns, two rows at a time.
 fn order(transducer: usize) -> usize {

@@ -23,8 +23,12 @@ pub(crate) const MEGA64: Format = Format {
     most_boards: 14,
     steps: Steps { phases: 10, levels: Levels::Widths },
     link: ARDUINO,
+    frequency: MEGA64_HZ,
+    // Each byte's interrupt stops the pins for half a period: at 55 frames/s they emit 35 kHz, at .55 of the amplitude.
+    steady: 10.0,
     layout: Layout::Preset("ultraino_flat8x8"),
     order: |transducer| transducer,
+    late: |channel| (0, PORTS_LATE[PINS[channel % 64] / 8] / PERIOD),
     size: |boards| 200 * boards + DURATIONS.len() + 1,
     encode: |boards, code, frame| {
         let mut bytes = Writer::new(frame);
@@ -46,6 +50,13 @@ pub(crate) const MEGA64: Format = Format {
     silence: thrice,
 };
 
+/// Clock cycles of a period as the published binary plays it, at 16 MHz.
+const PERIOD: f64 = 396.0;
+const MEGA64_HZ: f64 = 16e6 / PERIOD;
+
+/// Cycles from the first port to each, in the order of [`PINS`]: they are written one after the other.
+const PORTS_LATE: [f64; 10] = [0.0, 3.0, 7.0, 10.0, 14.0, 17.0, 20.0, 24.0, 27.0, 30.0];
+
 /// One pattern for one period, over and over: durations 1 and 0, two bits a byte, most significant first, taken by the last.
 const DURATIONS: [u8; 9] = [0x30, 0x30, 0x30, 0x70, 0x30, 0x30, 0x30, 0x30, 0x10];
 
@@ -64,8 +75,11 @@ pub(crate) const NANO16: Format = Format {
     most_boards: 1,
     steps: Steps { phases: 16, levels: Levels::OnOff },
     link: ARDUINO,
+    frequency: 40e3,
+    steady: f64::INFINITY,
     layout: Layout::Grid(4, 4, 10e-3),
     order: |transducer| transducer,
+    late: |_| (0, 0.0),
     size: |_| 65,
     encode: |_, code, frame| write_nano::<16>(16, code, frame),
     decode: |_, frame, put| read_nano::<16>(16, frame, put),
@@ -80,8 +94,11 @@ pub(crate) const NANO: Format = Format {
     most_boards: 1,
     steps: Steps { phases: 24, levels: Levels::OnOff },
     link: ARDUINO,
+    frequency: 40e3,
+    steady: f64::INFINITY,
     layout: Layout::Grid(4, 2, 10e-3),
     order: |transducer| transducer,
+    late: |_| (0, 0.0),
     size: |_| 49,
     encode: |_, code, frame| write_nano::<8>(24, code, frame),
     decode: |_, frame, put| read_nano::<8>(24, frame, put),

@@ -1,0 +1,84 @@
+"""What the makers' own gateware did with our bytes, as recorded: fields of the pins as reported, and rates.
+
+SonicSurface's VHDL ran in GHDL, Ultraino's published binary in simavr; `firmware.py` has their timing.
+"""
+
+import numpy as np
+import pytest
+
+import midair
+from rigs import TURN, of_kind
+
+#: What was recorded before bytes made up for it: the part of a focus in the middle of a pair; quiet points
+#: over the focus, loudest of three; the period of a MEGA64 in cycles of 16 MHz.
+PAIR, QUIET, PERIOD = 0.078, 0.018, 396
+
+
+def emitted(board: midair.Board, drive, kind: str) -> np.ndarray:
+    """What the pins do with a drive's frame, in the order of the array."""
+    _, rig = of_kind(kind)
+    return rig.play(board.encode(drive), board.channels)[: len(board.array)] / TURN[kind]
+
+
+def bare(array: midair.Array) -> midair.Array:
+    """Its transducers, which emit what the pins do."""
+    return midair.Array(
+        array.positions, array.normals, source_pressure=array.source_pressure, directivity=array.directivity
+    )
+
+
+def pressures(board: midair.Board, scene: midair.Scene, pins) -> np.ndarray:
+    seen = midair.Scene(bare(board.array), scene.points, **scene.medium)
+    return np.abs(midair.field(seen, pins.astype(np.complex64), scene.points).pressure)
+
+
+@pytest.mark.parametrize("place", [(0, 0, 0), (0.01, 0.005, 0.02)])
+def test_two_sonicsurfaces_make_the_focus_that_is_reported(place) -> None:
+    board = midair.Board("sonicsurface_pair")
+    scene = midair.Scene(board.array, [place])
+    solution = midair.solve(scene)
+    pins = emitted(board, solution.drive, "sonicsurface")
+    (got,) = pressures(board, scene, pins)
+    assert got == pytest.approx(abs(solution.pressures[0]), rel=1e-3)
+    # The bytes that make up for nothing.
+    late = np.where(np.arange(512) < 256, 1, np.exp(1j * np.deg2rad(189)))
+    (silent,) = pressures(board, scene, pins * late)
+    assert silent / got == pytest.approx(PAIR, abs=0.01)
+
+
+def test_quiet_points_of_a_sonicsurface_are_as_quiet_as_reported() -> None:
+    board = midair.Board("sonicsurface")
+    scene = midair.Scene(
+        board.array, [[0, 0, 0.12], [0.03, 0, 0.12], [0.03, 0.01, 0.12], [0.03, -0.01, 0.12]], [1, 0, 0, 0]
+    )
+    solution = midair.solve(scene, aim="max")
+    pins = emitted(board, solution.drive, "sonicsurface")
+    got, told = pressures(board, scene, pins), np.abs(solution.pressures)
+    np.testing.assert_allclose(got, told, atol=1e-4 * told[0])
+    # The multiplexer's eighth channel, a tick late, is what made them loud.
+    late = np.where(board.channels % 8 == 3, np.exp(2j * np.pi / 32), 1)
+    before = pressures(board, scene, pins * late)
+    assert before[1:].max() / before[0] > 3 * told[1:].max() / told[0]
+    assert before[1:].max() / before[0] == pytest.approx(QUIET, abs=0.015)
+
+
+def test_a_mega64_emits_its_own_frequency_and_late_ports() -> None:
+    board = midair.Board("mega64")
+    assert board.array.medium["frequency"] == pytest.approx(16e6 / PERIOD)
+    assert midair.Scene(board.array, [[0, 0, 0.1]]).frequency == pytest.approx(40404.04)
+    scene = midair.Scene(board.array, [[0, 0, 0.1]])
+    solution = midair.solve(scene)
+    (got,) = pressures(board, scene, emitted(board, solution.drive, "mega64"))
+    assert got == pytest.approx(abs(solution.pressures[0]), rel=1e-3)
+    # Ports A and J are 30 cycles, 27 degrees, apart.
+    assert np.ptp(np.unwrap(np.angle(board.array.response))) == pytest.approx(30 / PERIOD * 2 * np.pi)
+    assert board.limits["steady_frames_per_second"] == 10
+
+
+def test_arrays_of_ones_own_get_what_their_board_cannot_make_up_for() -> None:
+    array = midair.Array(midair.Array.preset("sonicsurface_pair").positions)
+    board = midair.Board("sonicsurface", array)
+    np.testing.assert_allclose(board.array.response, midair.Array.preset("sonicsurface_pair").response)
+    own = np.exp(1j * np.arange(512))
+    kept = midair.Board("sonicsurface_pair", midair.Array.preset("sonicsurface_pair", response=own))
+    np.testing.assert_allclose(kept.array.response, own)
