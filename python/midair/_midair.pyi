@@ -374,8 +374,11 @@ class Codec:
     lines: Final[int]
     most_boards: Final[int]
     channels: Final[NDArray[np.int64]]
+    frequency: Final[float]
+    response: Final[NDArray[np.complex128] | None]
     baud: Final[int | None]
     rate: Final[float]
+    steady_rate: Final[float]
     quantization: Final[dict[str, int | NDArray[np.float64] | None]]
 
 @final
