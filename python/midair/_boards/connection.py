@@ -22,9 +22,8 @@ from .._support.arguments import number, refused, warn
 from . import wire
 from .address import DEFAULT, Address, can_modulate, describe, parse
 from .board import Board
-from .doubts import refuse_real, warn_of_rate, warn_of_seam
 from .errors import BoardError, BoardLost, BoardTimeout
-from .limit import Limit
+from .limit import Limit, refuse_real, warn_of_rate, warn_of_seam
 from .process import PATIENCE, GuardProcess
 from .wire import Kind, Late
 

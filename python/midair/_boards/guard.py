@@ -23,6 +23,7 @@ from typing import Any
 from . import wire
 from .errors import BoardError, BoardLost, BoardTimeout, named
 from .transport import Transport, open_transport
+from .watcher import Watch
 from .wire import Kind, Late
 
 #: How often the guard looks whether its owner lives, in s.
@@ -230,12 +231,14 @@ class Guard:
 def main() -> None:
     """Open what the first message describes, serve its owner, and leave the device off."""
     parent = os.getppid()
+    watch = Watch()
     requests, replies = _pipes()
     inbox: SimpleQueue[Message] = SimpleQueue()
     served: list[Guard] = []
     threading.Thread(target=_listen, args=(requests, inbox, served), daemon=True).start()
     kind, number, content = inbox.get()
     if kind == Kind.CLOSE:
+        watch.end()
         return
     setting = json.loads(content)
     sys.path[:] = setting["path"]
@@ -245,6 +248,7 @@ def main() -> None:
         transport = open_transport(setting["transport"])
         guard = Guard(transport, setting["hold"], parent, inbox, replies)
         served.append(guard)
+        watch.begin({name: setting[name] for name in ("path", "transport")})
         wire.write(replies, Kind.DONE, number, guard.status())
         guard.run()
     # Whatever a device's library raises where the device cannot be opened.
@@ -257,6 +261,7 @@ def main() -> None:
             with suppress(Exception):
                 transport.silence()
             transport.close()
+        watch.end()
 
 
 def _pipes() -> tuple[int, int]:

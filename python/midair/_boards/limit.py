@@ -1,7 +1,8 @@
-"""Limit: places, an ear above all, at which no frame may be louder than a pressure."""
+"""What is refused or warned of before it is sent: frames too loud at an ear, real numbers, rates, jumps."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -9,9 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import Array, Scene, field
+from .._motion import Sequence
 from .._points.ear import Ear
-from .._support.arguments import refused, shown
+from .._support.arguments import refused, shown, warn
+from .board import Board
 from .errors import BoardError
+
+#: Bounds and rates are compared to rounding.
+ROUNDING = 1e-6
 
 
 class Limit:
@@ -57,3 +63,38 @@ class Limit:
                 f"limit at ({place}) m is {self._most[worst]:.4g} Pa, this drive makes "
                 f"{pressures[worst]:.4g} Pa: ask for less, or for a quiet point there"
             )
+
+
+def refuse_real(drive: Any) -> None:
+    """Refuse real numbers but -1, 0 and 1, which are plainly drives: others may be phases or codes."""
+    given = np.asarray(drive)
+    if given.dtype.kind in "iuf" and not np.isin(given, (-1, 0, 1)).all():
+        cure = "give np.exp(1j * phases) of phases in rad, amplitudes + 0j where all phases are 0"
+        raise refused("drive", given, f"real numbers are no drive: {cure}")
+
+
+def warn_of_rate(rate: float, board: Board, skips: bool) -> None:
+    """Warn of what a rate leaves out of a stream, and of a board that emits less while it receives."""
+    steady = board.limits["steady_frames_per_second"]
+    if rate > steady * (1 + ROUNDING) and steady < board.rate:
+        warn(
+            f"rate is {rate:g} frames/s: bytes stop the pins of {board.name}, which emits less above "
+            f"{steady:.3g} frames/s, half of the amplitude at its full rate (docs/boards.md)"
+        )
+    if skips and rate > board.rate * (1 + ROUNDING):
+        warn(
+            f"rate is {rate:g} frames/s, {board.name} takes {board.rate:.4g}: {1 - board.rate / rate:.0%} "
+            f'of the frames are left out; solve for at most {math.floor(board.rate)}, or give late="wait"'
+        )
+
+
+def warn_of_seam(sequence: Sequence) -> None:
+    """Warn where phases jump beyond the bound between the last frame and the first."""
+    drives = [sequence.drive(frame) for frame in (0, len(sequence) - 1)]
+    jump = float(np.abs(np.angle(drives[0] * drives[1].conj())).max())
+    bound = 0.0 if sequence.change is None else sequence.change
+    if jump > bound * (1 + ROUNDING) and (sequence.change is not None or not sequence.closed):
+        warn(
+            f"sequence begins anew with a jump of {jump:.3g} rad each time: solve a closed path with "
+            'ahead="all", or use stream'
+        )

@@ -1,0 +1,144 @@
+"""Watcher: a third process, which turns the device off where its guard and the guard's owner die together.
+
+The guard forks it first of all, twice and into a session of its own, so that what ends a group or a tree of
+processes does not find it. It reads the guard's beats. Where these end without a word, the owner turns the
+device off; where the owner is gone, too, the watcher does. A guard that is silent is ended.
+
+It does not survive what ends all three, and Windows, which cannot fork, has none.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import signal
+import sys
+import threading
+import time
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from .errors import BoardBusy
+from .transport import open_transport
+from .wire import BEATS
+
+#: Links behind which a board plays on: AUTD3 mutes itself, others are no device.
+WATCHED = ("serial", "fifo")
+
+#: A guard that is silent for so long is ended, and so long an owner has to turn the device off, in s: longer
+#: than owner and guard may miss each other's beats.
+SILENT = 0.9
+
+#: A port that another still holds is tried so often, so many seconds apart.
+TRIES = 50
+PAUSE = 0.02
+
+BEAT, END = b".", b"E"
+
+
+class Watch:
+    """The guard's end of the pipe to its watcher; made before there are threads."""
+
+    def __init__(self) -> None:
+        self._pipe = _forked() if hasattr(os, "fork") else None
+        self._over = threading.Event()
+
+    def begin(self, setting: dict[str, Any]) -> None:
+        """Tell what the device's transport is made of, and beat from now on."""
+        if self._pipe is None or setting["transport"]["kind"] not in WATCHED:
+            self.end()
+            return
+        self._write(json.dumps(setting).encode() + b"\n")
+        os.set_blocking(self._pipe, False)
+        threading.Thread(target=self._beat, daemon=True).start()
+
+    def end(self) -> None:
+        """The device is off: nobody has to watch."""
+        self._over.set()
+        if self._pipe is not None:
+            self._write(END)
+
+    def _beat(self) -> None:
+        while not self._over.wait(BEATS):
+            self._write(BEAT)
+
+    def _write(self, content: bytes) -> None:
+        # A watcher that was ended, or stopped for long, reads nothing.
+        with suppress(OSError):
+            os.write(self._pipe or -1, content)
+
+
+def _forked() -> int:
+    """The pipe to a watcher, whose parent is not the guard."""
+    guard, owner = os.getpid(), os.getppid()
+    theirs, ours = os.pipe()
+    if child := os.fork():
+        os.waitpid(child, 0)
+        os.close(theirs)
+        return ours
+    try:
+        os.setsid()
+        if os.fork() == 0:
+            # The pipes between guard and owner end with them.
+            nothing = os.open(os.devnull, os.O_RDWR)
+            for standard in range(3):
+                os.dup2(nothing, standard)
+            os.closerange(3, theirs)
+            os.closerange(theirs + 1, max(ours, nothing) + 1)
+            _watch(theirs, guard, owner)
+    finally:
+        os._exit(0)
+
+
+def _watch(pipe: int, guard: int, owner: int) -> None:
+    """Read beats until the guard says that all is over, or says nothing."""
+    with os.fdopen(pipe, "rb", buffering=0) as beats:
+        told = beats.readline()
+        if not told.endswith(b"\n"):
+            return
+        setting = json.loads(told)
+        sys.path[:] = setting["path"]
+        while select.select([beats], [], [], SILENT)[0]:
+            came = os.read(pipe, 4096)
+            if END in came:
+                return
+            if not came:
+                break
+        else:
+            with suppress(OSError):
+                os.kill(guard, signal.SIGKILL)
+    _silence(setting["transport"], owner)
+
+
+def _silence(transport: dict[str, Any], owner: int) -> None:
+    """Turn the device off unless an owner that runs has the time to do so."""
+    until = time.monotonic() + SILENT
+    while _runs(owner):
+        if time.monotonic() > until:
+            return
+        time.sleep(PAUSE / 2)
+    for _ in range(TRIES):
+        try:
+            device = open_transport(transport)
+        except BoardBusy:
+            time.sleep(PAUSE)
+        else:
+            with suppress(Exception):
+                device.silence()
+            device.close()
+            return
+
+
+def _runs(process: int) -> bool:
+    """Whether a process is there and neither stopped nor a zombie."""
+    with suppress(OSError):
+        state = Path(f"/proc/{process}/stat").read_text(errors="replace").rpartition(")")[2].split()[0]
+        return state not in "ZXTt"
+    try:
+        os.kill(process, 0)
+    except OSError:
+        return False
+    # Where there is no /proc, a process that is there runs.
+    return not Path("/proc/self/stat").exists()

@@ -1,0 +1,100 @@
+"""Two deaths at once are survived: a board is off whichever two of owner, guard and watcher are gone.
+
+MIDAIR_SLOW=1 lets each die twenty times.
+"""
+
+import os
+import signal
+import time
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from lines import Line
+from midair._boards.watcher import _runs
+from test_boards_guard import ended, programs, started  # noqa: F401, a fixture among them
+
+TRIALS = 20 if os.environ.get("MIDAIR_SLOW") else 5
+
+#: Within so many seconds, of which a guard that was stopped is given .9 to beat.
+AT_ONCE, STOPPED = 0.25, 1.5
+
+pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="finds processes by /proc")
+
+
+@pytest.fixture
+def line():
+    made = Line()
+    yield made
+    made.unplug()
+
+
+def guard_of(owner: int) -> int:
+    """The process between whose pipes an owner plays: its only child."""
+    (guard,) = Path(f"/proc/{owner}/task/{owner}/children").read_text().split()
+    return int(guard)
+
+
+def watcher_of(guard: int) -> int:
+    """The process that runs as the guard does, in a session of its own."""
+    command = Path(f"/proc/{guard}/cmdline").read_bytes()
+    begun = [path for path in Path("/proc").glob("[0-9]*/cmdline") if int(path.parent.name) > guard]
+    for path in sorted(begun, key=lambda path: int(path.parent.name)):
+        with suppress(OSError):
+            if path.read_bytes() == command:
+                return int(path.parent.name)
+    raise AssertionError("no watcher")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("_", range(TRIALS))
+@pytest.mark.parametrize(
+    ("owner_by", "guard_by", "allowed"),
+    [
+        (signal.SIGKILL, signal.SIGKILL, AT_ONCE),
+        (signal.SIGSTOP, signal.SIGKILL, AT_ONCE),
+        (signal.SIGKILL, signal.SIGSTOP, STOPPED),
+        (signal.SIGSTOP, signal.SIGSTOP, STOPPED),
+    ],
+    ids=lambda value: getattr(value, "name", value),
+)
+def test_owner_and_guard_at_once(programs, line, owner_by, guard_by, allowed, _):  # noqa: F811
+    owner = started(programs, "sleep", line)
+    guard = guard_of(owner)
+    begin = time.monotonic()
+    os.kill(guard, guard_by)
+    os.kill(owner, owner_by)
+    assert line.wait(lambda surface: surface.silent, 10) - begin < allowed
+    with suppress(ProcessLookupError):
+        os.kill(owner, signal.SIGKILL)
+    ended(programs)
+    assert line.surface.silent
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("_", range(TRIALS))
+@pytest.mark.parametrize("with_owner", [True, False])
+def test_the_watcher_and_another_at_once(programs, line, with_owner, _):  # noqa: F811
+    owner = started(programs, "sleep", line)
+    guard = guard_of(owner)
+    os.kill(watcher_of(guard), signal.SIGKILL)
+    begin = time.monotonic()
+    os.kill(owner if with_owner else guard, signal.SIGKILL)
+    assert line.wait(lambda surface: surface.silent, 10) - begin < AT_ONCE
+    if not with_owner:
+        os.kill(owner, signal.SIGKILL)
+    ended(programs)
+
+
+@pytest.mark.slow
+def test_a_watcher_ends_with_its_guard(programs, line):  # noqa: F811
+    owner = started(programs, "sleep", line)
+    watcher = watcher_of(guard_of(owner))
+    os.kill(owner, signal.SIGTERM)
+    line.wait(lambda surface: surface.silent)
+    ended(programs)
+    until = time.monotonic() + 5
+    while _runs(watcher) and time.monotonic() < until:
+        time.sleep(0.01)
+    assert not _runs(watcher)
