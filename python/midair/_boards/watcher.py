@@ -29,7 +29,7 @@ WATCHED = ("serial", "fifo")
 
 #: A guard that is silent for so long is ended, and so long an owner has to turn the device off, in s: longer
 #: than owner and guard may miss each other's beats.
-SILENT = 0.9
+SILENT = 1.5
 
 #: A port that another still holds is tried so often, so many seconds apart.
 TRIES = 50
@@ -105,20 +105,28 @@ def _watch(pipe: int, guard: int, owner: int) -> None:
             if END in came:
                 return
             if not came:
+                if _left_to(owner):
+                    return
                 break
         else:
+            # An owner that runs would have done so before.
             with suppress(OSError):
                 os.kill(guard, signal.SIGKILL)
-    _silence(setting["transport"], owner)
+    _silence(setting["transport"])
 
 
-def _silence(transport: dict[str, Any], owner: int) -> None:
-    """Turn the device off unless an owner that runs has the time to do so."""
+def _left_to(owner: int) -> bool:
+    """Whether an owner runs for as long as it may take to turn the device off."""
     until = time.monotonic() + SILENT
     while _runs(owner):
         if time.monotonic() > until:
-            return
+            return True
         time.sleep(PAUSE / 2)
+    return False
+
+
+def _silence(transport: dict[str, Any]) -> None:
+    """Turn the device off, as soon as it is let go of."""
     for _ in range(TRIES):
         try:
             device = open_transport(transport)
