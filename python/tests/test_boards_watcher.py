@@ -63,11 +63,14 @@ def test_owner_and_guard_at_once(programs, line, owner_by, guard_by, allowed, _)
     owner = started(programs, "sleep", line)
     guard = guard_of(owner)
     begin = time.monotonic()
-    os.kill(guard, guard_by)
+    # The owner first: one that is stopped while it turns the device off holds the port.
     os.kill(owner, owner_by)
-    assert line.wait(lambda surface: surface.silent, 10) - begin < allowed
-    with suppress(ProcessLookupError):
-        os.kill(owner, signal.SIGKILL)
+    os.kill(guard, guard_by)
+    try:
+        assert line.wait(lambda surface: surface.silent, 10) - begin < allowed
+    finally:
+        with suppress(ProcessLookupError):
+            os.kill(owner, signal.SIGKILL)
     ended(programs)
     assert line.surface.silent
 
