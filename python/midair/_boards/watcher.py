@@ -20,7 +20,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from .errors import BoardBusy
 from .transport import open_transport
 from .wire import BEATS
 
@@ -126,17 +125,16 @@ def _left_to(owner: int) -> bool:
 
 
 def _silence(transport: dict[str, Any]) -> None:
-    """Turn the device off, as soon as it is let go of."""
+    """Turn the device off, as soon as it is let go of and takes what is sent."""
     for _ in range(TRIES):
-        try:
+        with suppress(Exception):
             device = open_transport(transport)
-        except BoardBusy:
-            time.sleep(PAUSE)
-        else:
-            with suppress(Exception):
+            try:
                 device.silence()
-            device.close()
-            return
+                return
+            finally:
+                device.close()
+        time.sleep(PAUSE)
 
 
 def _runs(process: int) -> bool:
