@@ -34,6 +34,7 @@ def test_a_mega64_is_warned_of_where_its_bytes_stop_its_pins():
         mega64.stream(np.ones((3, 64)), rate=40)
 
 
+@pytest.mark.slow
 def test_a_closed_path_gives_a_closed_sequence():
     array = midair.Array.preset("autd3")
     ring = midair.path.circle([0, 0, 0.15], 0.01, frequency=5)

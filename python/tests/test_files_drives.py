@@ -203,7 +203,10 @@ def test_archives_hold_what_was_given(tmp_path: Path) -> None:
 
 
 def test_frames_of_a_board(tmp_path: Path) -> None:
-    """The bytes of two SonicSurface frames: 254, codes floor(32 phi / 2 pi + 1/2) mod 32 or 32, 253."""
+    """The bytes of two SonicSurface frames: 254, codes floor(32 phi / 2 pi + 1/2) mod 32 or 32, 253.
+
+    Channels 3, 11, 19, ... emit a step late: their codes are one less.
+    """
     path, board = tmp_path / "a.bin", midair.Board("sonicsurface")
     drives = np.exp(2j * PI * np.random.default_rng(5).random((2, 256))).astype(np.complex64)
     drives[0, 10] = 0
@@ -215,7 +218,10 @@ def test_frames_of_a_board(tmp_path: Path) -> None:
     for frame, expected in enumerate(codes):
         part = data[258 * frame : 258 * frame + 258]
         assert (part[0], part[-1]) == (254, 253)
-        assert sorted(part[1:-1]) == sorted(expected)
+        sent = np.frombuffer(part[1:-1], np.uint8).astype(int)
+        late = (np.arange(256) % 8 == 3) & (sent < 32)
+        sent[late] = (sent[late] + 1) % 32
+        assert sorted(sent) == sorted(expected)
     back = midair.read(path, board="sonicsurface")
     assert isinstance(back, np.ndarray)
     np.testing.assert_allclose(back, np.where(codes == 32, 0, np.exp(2j * PI * codes / 32)), atol=1e-6)
