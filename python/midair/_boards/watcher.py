@@ -94,10 +94,11 @@ def _forked() -> int:
 def _watch(pipe: int, guard: int, owner: int) -> None:
     """Read beats until the guard says that all is over, or says nothing."""
     with os.fdopen(pipe, "rb", buffering=0) as beats:
-        told = beats.readline()
-        if not told.endswith(b"\n"):
+        line = beats.readline()
+        if not line.endswith(b"\n"):
             return
-        setting = json.loads(told)
+        setting = json.loads(line)
+        node = _node(setting["transport"])
         sys.path[:] = setting["path"]
         while select.select([beats], [], [], SILENT)[0]:
             came = os.read(pipe, 4096)
@@ -111,7 +112,15 @@ def _watch(pipe: int, guard: int, owner: int) -> None:
             # An owner that runs would have done so before.
             with suppress(OSError):
                 os.kill(guard, signal.SIGKILL)
-    _silence(setting["transport"])
+    _silence(setting["transport"], node)
+
+
+def _node(transport: dict[str, Any]) -> tuple[int, ...] | None:
+    """Which node in /dev a port is: that of a port that was pulled and plugged in again is another."""
+    with suppress(OSError, KeyError):
+        found = os.stat(transport["port"])
+        return found.st_ino, found.st_rdev, found.st_ctime_ns
+    return None
 
 
 def _left_to(owner: int) -> bool:
@@ -124,9 +133,11 @@ def _left_to(owner: int) -> bool:
     return False
 
 
-def _silence(transport: dict[str, Any]) -> None:
-    """Turn the device off, as soon as it is let go of and takes what is sent."""
+def _silence(transport: dict[str, Any], node: tuple[int, ...] | None) -> None:
+    """Turn the device off, as soon as it is let go of and takes what is sent; not one that took its place."""
     for _ in range(TRIES):
+        if _node(transport) != node:
+            return
         with suppress(Exception):
             device = open_transport(transport)
             try:
