@@ -132,7 +132,7 @@ def test_a_single_sonicsurface_plays_whichever_its_firmware(name: int) -> None:
     board, _ = made(("sonicsurface", 1))
     device = SonicSurface(name)
     device.receive(board.encode(np.ones(256)))
-    # A secondary is late as a whole, which alone nobody hears.
+    # A secondary is late as a whole, which alone does not count.
     np.testing.assert_allclose(device.drive, device.drive[0], atol=1e-12)
     assert abs(device.drive[0]) > 0.99
     device.receive(board.silence)

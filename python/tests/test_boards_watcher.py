@@ -15,7 +15,7 @@ from lines import Line
 from midair._boards.watcher import _runs
 from test_boards_guard import ended, programs, started  # noqa: F401, a fixture among them
 
-TRIALS = 20 if os.environ.get("MIDAIR_SLOW") else 1
+TRIALS = 20 if os.environ.get("MIDAIR_SLOW") else 5
 
 #: Within so many seconds, of which a guard that was stopped is given 1.5 to beat.
 AT_ONCE, STOPPED = 0.25, 2.5

@@ -88,7 +88,7 @@ class LoopTransport(LineTransport):
             super().modulate(hz)
 
     def upload(self, frames: bytes, count: int, rate: float) -> None:
-        """Take as long as the line does for the frames; which board holds a sequence is asked before."""
+        """Take as long as the line does for the frames. The connection checks the board first."""
         self.play(frames)
 
     def _write(self, content: bytes) -> None:

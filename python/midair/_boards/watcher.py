@@ -54,7 +54,7 @@ class Watch:
         threading.Thread(target=self._beat, daemon=True).start()
 
     def end(self) -> None:
-        """The device is off: nobody has to watch."""
+        """End the watch: the device is off."""
         self._over.set()
         if self._pipe is not None:
             self._write(END)

@@ -90,7 +90,7 @@ def vectors(item: str, value: Any) -> NDArray[np.float64]:
 
 
 def real(item: str, value: Any, cure: str) -> NDArray[np.float64]:
-    """Real numbers of any shape, a copy that nobody changes."""
+    """Real numbers of any shape, a read-only copy."""
     try:
         found = np.asarray(value)
     except ValueError:
