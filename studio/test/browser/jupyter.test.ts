@@ -90,7 +90,10 @@ beforeAll(async () => {
   await page.goto(url);
   await cell(2).waitFor({ timeout: 90_000 });
   await run(0);
-  await point(page, 2).waitFor({ timeout: 90_000 });
+  // A cell that fails says why: without `make studio` the package has no view, and no point would ever come.
+  const failed = cell(0).locator(".jp-OutputArea-output", { hasText: "Error" });
+  await point(page, 2).or(failed).first().waitFor({ timeout: 90_000 });
+  if (await failed.count()) throw new Error(await failed.first().innerText());
 });
 
 afterAll(async () => {
