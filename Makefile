@@ -17,7 +17,7 @@ SHOWN := naive,greedy,uniform
 BUILT := $(or $(CARGO_TARGET_DIR),target)/release
 PREFIX := /usr/local
 TRIALS := 1000
-CODE := python capi bench book firmware fuzz examples
+CODE := python capi bench book firmware fuzz gateware examples
 RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml $(shell find core/src python/src -name '*.rs')
 
 # A step: says what it does, how long that takes on two cores where nothing is built yet, how long it took, and its name
@@ -25,7 +25,7 @@ RUST := Cargo.toml Cargo.lock core/Cargo.toml python/Cargo.toml $(shell find cor
 step = @echo; echo "== $(1)"; begin=$$SECONDS; $(2) \
 	|| { status=$$?; echo "== failed: $(1)" >&2; exit $$status; }; echo "-- $$((SECONDS - begin)) s"
 
-.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards test-studio lint fuzz sanitize bench bench-capi bench-peers gallery figures motion exposure measuring obstacles paper docs schema golden map header stubs pins wheels clean
+.PHONY: help outlook check setup demo capi install studio test test-rust test-python test-capi test-firmware embedded test-portable test-boards gateware test-studio lint fuzz sanitize bench bench-capi bench-peers gallery figures motion exposure measuring obstacles paper docs schema golden map header stubs pins wheels clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -117,6 +117,9 @@ test-portable: ## The core on 64-bit ARM and WebAssembly, emulated (Debian's pac
 
 test-boards: setup ## Boards: programs that play end in every way, 20 times each, and 10,000 frames a link (8 min)
 	MIDAIR_SLOW=1 $(PYTHON) -m pytest $(wildcard python/tests/test_boards*.py)
+
+gateware: .venv/extension ## Boards' makers' own gateware with our bytes, recorded (MAKERS=folder of their repositories, Debian's ghdl, simavr)
+	$(PYTHON) gateware/run.py $(MAKERS)
 
 test-studio: setup studio studio/.venv/ready ## The studio: types, tests, the package's side, and a browser (Node 20+, Debian's chromium; 10 min)
 	$(call step,studio: clippy on the door (30 s),cd studio/door && $(CARGO) fmt --check && $(CARGO) clippy --quiet -- -D warnings)

@@ -79,10 +79,12 @@ class SonicSurface:
     def drive(self) -> Complex:
         """As its VHDL ran: every eighth channel is a tick late, and the secondary board as a whole.
 
-        Its counter begins at half a period of the primary's, behind a filter of eight taps: 189 degrees.
+        Its counter begins at half a period of the primary's, behind a filter of five taps or eight: 186.3 or
+        189.0 degrees, of which midair takes the middle.
         """
         codes = np.array(self.playing)
-        late = np.where(np.arange(256) % 8 == 3, 1 / 32, 0.0) + (189 / 360 if self.name == 193 else 0.0)
+        board = (17 - 0.32) / 32 if self.name == 193 else 0.0
+        late = np.where(np.arange(256) % 8 == 3, 1 / 32, 0.0) + board
         return pulses(codes & 31, np.where(codes == 32, 0, 16), 32) * np.exp(2j * np.pi * late)
 
 

@@ -3,6 +3,9 @@
 SonicSurface's VHDL ran in GHDL, Ultraino's published binary in simavr; `firmware.py` has their timing.
 """
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -41,7 +44,7 @@ def test_two_sonicsurfaces_make_the_focus_that_is_reported(place) -> None:
     (got,) = pressures(board, scene, pins)
     assert got == pytest.approx(abs(solution.pressures[0]), rel=1e-3)
     # The bytes that make up for nothing.
-    late = np.where(np.arange(512) < 256, 1, np.exp(1j * np.deg2rad(189)))
+    late = np.where(np.arange(512) < 256, 1, np.exp(1j * np.deg2rad(187.65)))
     (silent,) = pressures(board, scene, pins * late)
     assert silent / got == pytest.approx(PAIR, abs=0.01)
 
@@ -82,3 +85,28 @@ def test_arrays_of_ones_own_get_what_their_board_cannot_make_up_for() -> None:
     own = np.exp(1j * np.arange(512))
     kept = midair.Board("sonicsurface_pair", midair.Array.preset("sonicsurface_pair", response=own))
     np.testing.assert_allclose(kept.array.response, own)
+
+
+RECORDS = Path(__file__).parents[2] / "golden" / "gateware"
+#: How far the second of two OpenMPD boards is ahead of what is reported, in rad: docs/boards.md says so.
+AHEAD = {"openmpd_pair": -1.498}
+#: Its ten ticks last 34 to 56 cycles, which `decode` does not count in.
+UNEVEN = {"mega64": 0.15}
+
+
+@pytest.mark.parametrize("name", [file.stem for file in sorted(RECORDS.glob("*.json"))])
+def test_pins_of_the_makers_gateware_do_what_a_frame_is_reported_to_do(name: str) -> None:
+    """Recorded by `make gateware`: frames of any drive, of a focus and of quiet points beside it."""
+    board = midair.Board(name)
+    record = json.loads((RECORDS / f"{name}.json").read_text())
+    for frame in record["frames"]:
+        pins = np.array(frame["pins"]) @ [1, 1j]
+        pins[256:] *= np.exp(-1j * AHEAD.get(name, 0))
+        response = board.array.response
+        reported = board.decode(bytes.fromhex(frame["bytes"])) * (1 if response is None else response)
+        on = reported != 0
+        assert np.all(pins[~on] == 0)
+        pins *= np.exp(-1j * np.angle(np.vdot(reported, pins)))
+        assert np.abs(np.angle(pins[on] / reported[on])).max() < UNEVEN.get(name, 0.02)
+        if name not in UNEVEN:
+            np.testing.assert_allclose(np.abs(pins), np.abs(reported), atol=1e-4)

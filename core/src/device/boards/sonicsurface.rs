@@ -38,9 +38,10 @@ pub(crate) const FORMAT: Format = Format {
 };
 
 /// The multiplexer samples every eighth channel a tick late. The secondary's counter begins anew where the primary's is at half
-/// a period, behind a filter: 189 degrees late, which is 17 steps less a fifth.
+/// a period, behind a filter: of five taps, as in its diagram, 186.3 degrees late, of eight, as in the primary's, 189.0. Which
+/// its published binary has cannot be seen. The middle is 17 steps less .32.
 fn late(channel: usize) -> (u16, f64) {
-    let (steps, rest) = if channel < CHANNELS { (0, 0.0) } else { (17, -0.2 / 32.0) };
+    let (steps, rest) = if channel < CHANNELS { (0, 0.0) } else { (17, -0.32 / 32.0) };
     (steps + u16::from(channel % 8 == 3), rest)
 }
 
