@@ -86,7 +86,9 @@ impl Problem {
                 *alone += propagation.exact(j, i).norm();
             }
         }
-        Ok(Reach { alone, level: self.targets_in_pascals().iter().map(|target| self.balance() * target).collect() })
+        // A point of weight 0 may have any target.
+        let level = |target: &f64| (self.balance() * target).min(f64::MAX);
+        Ok(Reach { alone, level: self.targets_in_pascals().iter().map(level).collect() })
     }
 
     /// What is asked for and provably cannot be had: a target above its point's own reach, or targets of which no

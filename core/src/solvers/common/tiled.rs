@@ -54,7 +54,7 @@ impl<'w> Rows<'w> {
     ) -> Result<Self, Error> {
         let (targets, weights) = (problem.targets(), problem.weights());
         let targeted = (0..problem.propagation().points() as u32).filter(|&j| targets[j as usize] > 0.0);
-        let heaviest = targeted.clone().map(|j| weights[j as usize]).fold(0.0, f32::max);
+        let heaviest = targeted.clone().map(|j| weights[j as usize]).fold(f32::MIN_POSITIVE, f32::max);
         let mut points = work.indices.take(targeted.clone().count() + quiet.len());
         points.iter_mut().zip(targeted.chain(quiet.iter().copied())).for_each(|(own, j)| *own = j);
         let mut rows = Self::of(problem, points, work, control)?;
