@@ -99,8 +99,8 @@ impl Field {
         Some(give::list(py, shown))
     }
 
-    /// The field in each plane that it takes to show the scene's points, at most four: itself first, and alone where
-    /// its plane was asked for.
+    /// The field in each plane that it takes to show the scene's points, at most four (of traps: two each of four), and its
+    /// bodies: itself first, and alone where its plane was asked for.
     #[getter]
     fn panels(&self, py: Python<'_>) -> Vec<Self> {
         let panel = |picture: &Picture| Self {
@@ -179,7 +179,8 @@ getters! {
 /// The field p = G q of a drive (N,), or of a Solution with its scale counted in, on a plane or at points (P, 3) in m.
 ///
 /// Inside an obstacle it is 0. Left out, the plane is the scene's own, else one through its points: normal to z, y or x, and
-/// several where they do not lie in one (`panels`).
+/// several where they do not lie in one (`panels`). Of traps there are two upright ones each, as a trap is a node; a body that
+/// none of them cuts has one more.
 ///
 /// A Solution alone stands for its scene and its drive: `midair.field(solution, plane)`, or `solution.field(plane)`.
 ///
@@ -207,7 +208,7 @@ pub(crate) fn field<'py>(
     if let Some(Places::Plane(plane)) = places.first()
         && !inner.is_shown(plane)
     {
-        let better = midair::Plane::around(inner.points(), inner.medium().wavelength())[0].rounded();
+        let better = inner.planes_around()[0].rounded();
         warn(py, &format!("no point lies in {plane}: leave it out, or give one through the points, {better}"))?;
     }
     let threads = limits::threads(py)?;

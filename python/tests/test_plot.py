@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+from matplotlib.quiver import Quiver
 
 import midair
 from midair._pictures.plot import answer, contact_sheet
@@ -279,3 +281,60 @@ def test_a_solution_of_a_matrix_plots_what_was_asked_and_got_alone() -> None:
     figure = answer(solution)
     assert not images(figure)
     assert [bar.get_height() for bar in figure.axes[0].patches] == pytest.approx(np.abs(solution.pressures))
+
+
+PAIR = midair.Array.preset("sonicsurface_pair")
+
+
+def test_traps_are_drawn_in_two_upright_planes_each_with_the_force_on_a_bead() -> None:
+    scene = midair.Scene(PAIR, [[-0.02, 0, 0], [0.02, 0.01, 0]], signature="trap")
+    solution = midair.solve(scene, "uniform")
+    panels = solution.field().panels
+    assert [(panel.plane.axis, panel.plane.at) for panel in panels] == [
+        ("y", 0), ("y", 0.01), ("x", -0.02), ("x", 0.02)
+    ]  # fmt: skip
+    figure = solution.plot()
+    for image, panel in zip(images(figure), panels, strict=True):
+        assert np.asarray(image) == pytest.approx(np.abs(panel.pressure), rel=1e-6)
+        # The shell is as loud as the focus was that is a trap.
+        assert image.max() > 0.5 * np.abs(solution.pressures).max()
+    assert "arrows" in titles(figure)
+    for ax, trap in zip(figure.axes, [0, 1, 0, 1], strict=False):
+        (arrows,) = (mark for mark in ax.collections if isinstance(mark, Quiver))
+        across = [axis for axis in range(3) if "xyz"[axis] != panels[figure.axes.index(ax)].plane.axis]
+        place = np.full((len(arrows.X), 3), scene.points[trap])
+        place[:, across] = 1e-3 * np.column_stack([arrows.X, arrows.Y])
+        force = solution.gorkov(place).force[:, across]
+        drawn = np.column_stack([arrows.U, arrows.V])
+        assert (drawn * force).sum(1) == pytest.approx(
+            np.linalg.norm(drawn, axis=1) * np.linalg.norm(force, axis=1), abs=1e-9
+        )
+
+
+@pytest.mark.filterwarnings("ignore:no point lies in")
+def test_a_plane_of_next_to_nothing_says_so_and_is_dark() -> None:
+    # A soft wall holds the pressure down to rounding.
+    wall = midair.Wall([0, 0, 0.2], [0, 0, -1], kind="soft")
+    solution = midair.solve(small(points=[[0, 0, 0.15]], obstacles=[wall]), "uniform")
+    node = solution.field(midair.Plane(0.2, 0.06))
+    ax = midair.plot(node)
+    factor = {"|p| / Pa": 1, "|p| / mPa": 1e-3, "|p| / µPa": 1e-6}[ax.figure.axes[-1].get_ylabel()]
+    high = factor * ax.images[0].get_clim()[1]
+    assert high >= 0.99e-4 * np.abs(solution.pressures).max() > np.abs(node.pressure).max()
+    assert "dark: |p| is below 1e-4 of what the points get" in ax.get_title()
+    assert "dark" not in titles(solution.plot())
+
+
+def test_a_ball_is_seen_in_the_default_picture() -> None:
+    ball = midair.Sphere([0, 0, 0.1], 0.02)
+    solution = midair.solve(small(points=[[0.03, 0.01, 0.18], [-0.03, 0, 0.18]], obstacles=[ball]), "uniform")
+    circles = [patch for ax in solution.plot().axes for patch in ax.patches if isinstance(patch, Circle)]
+    assert [(circle.center, circle.radius) for circle in circles] == [((0, 100), pytest.approx(20))]
+
+
+def test_two_plots_are_two_pictures() -> None:
+    field = midair.field(flat(), np.ones(64))
+    first = midair.plot(field)
+    second = midair.plot(field)
+    assert first.figure is not second.figure
+    assert [len(ax.images) for ax in (first, second)] == [1, 1]

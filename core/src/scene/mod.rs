@@ -56,6 +56,9 @@ use alloc::vec::Vec;
 
 use crate::error::Error;
 
+/// A trap's shell of loud sound is within half a wavelength of it: five times as far as a plane shows points.
+const SHELL: f64 = 5.0;
+
 /// A request: checked when made, and unchanged from then on.
 ///
 /// ```
@@ -208,15 +211,31 @@ impl Scene {
         doubts
     }
 
-    /// The planes of its pictures: the scene's own, else those [`Plane::around`] its points.
+    /// The planes of its pictures: the scene's own, else [`Scene::planes_around`].
     #[must_use]
     pub fn picture_planes(&self) -> Vec<Plane> {
-        self.plane.map_or_else(|| Plane::around(&self.points, self.medium.wavelength()), |plane| [plane].into())
+        self.plane.map_or_else(|| self.planes_around(), |plane| [plane].into())
     }
 
-    /// Whether a picture of the plane shows any of the points.
+    /// The planes that show what is in it: those [`Plane::around`] its points, of traps two upright ones each, and an
+    /// upright one for each body that none of them cuts.
+    #[must_use]
+    pub fn planes_around(&self) -> Vec<Plane> {
+        let (points, wavelength) = (&self.points, self.medium.wavelength());
+        let traps = self.signature.is_some() && !points.is_empty();
+        let mut planes = if traps { Plane::upright(points, wavelength) } else { Plane::around(points, wavelength) };
+        for body in self.obstacles.given().iter().filter_map(Obstacle::bounds) {
+            if !planes.iter().any(|plane| plane.cuts(body)) {
+                planes.push(Plane::through_body(body, points, wavelength));
+            }
+        }
+        planes
+    }
+
+    /// Whether a picture of the plane shows any of the points, or the shell around a trap, which is dark itself.
     #[must_use]
     pub fn is_shown(&self, plane: &Plane) -> bool {
-        self.points.iter().any(|&point| plane.shows(point, self.medium.wavelength()))
+        let wavelength = self.medium.wavelength() * if self.signature.is_some() { SHELL } else { 1.0 };
+        self.points.iter().any(|&point| plane.shows(point, wavelength))
     }
 }

@@ -51,6 +51,17 @@ obstacles! {
     }
 }
 
+impl Obstacle {
+    /// The lowest and highest coordinate of a body along each axis; a wall has none.
+    pub(crate) fn bounds(&self) -> Option<[[f64; 2]; 3]> {
+        match self {
+            Self::Wall { .. } => None,
+            Self::Sphere { center, radius, .. } => Some(center.map(|x| [x - radius, x + radius])),
+            Self::Mesh(mesh) => Some(mesh.bounds()),
+        }
+    }
+}
+
 /// The obstacles of a scene, checked, none of which the array is inside of.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Obstacles {

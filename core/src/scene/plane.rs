@@ -14,8 +14,14 @@ const NEAR: f64 = 0.1;
 /// Wavelengths that a plane of its own accord shows around the points.
 const MARGIN: f64 = 2.0;
 
-/// The most planes that points are shown in; what further ones would show is left out.
+/// Side of a plane through a trap in wavelengths: the shell around it and the next.
+const TRAP: f64 = 2.5;
+
+/// The most planes that points, and the most traps that two planes each are shown in; further ones are left out.
 const MOST_PLANES: usize = 4;
+
+/// Pixels along a side of such a plane.
+const PIXELS: usize = 200;
 
 /// An axis of space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,6 +118,33 @@ impl Plane {
         planes
     }
 
+    /// Two upright planes through each of the first four traps, all of one size: those normal to y, then those normal to
+    /// x. A trap is a node, which a plane across may have nothing but.
+    #[must_use]
+    pub(crate) fn upright(traps: &[[f64; 3]], wavelength: f64) -> Vec<Self> {
+        let through = |axis: Axis| {
+            let middle = move |trap: &[f64; 3]| (trap[axis.index()], axis.others().map(|k| trap[k]));
+            let size = TRAP * wavelength;
+            let plane = move |(at, center)| Self { axis, at, size, pixels: PIXELS, center };
+            traps.iter().take(MOST_PLANES).map(middle).map(plane)
+        };
+        through(Axis::Y).chain(through(Axis::X)).collect()
+    }
+
+    /// The plane normal to y through the middle of a body of those bounds, which shows it and `points`.
+    pub(crate) fn through_body(body: [[f64; 2]; 3], points: &[[f64; 3]], wavelength: f64) -> Self {
+        let corners = [0, 1].map(|end| body.map(|side| side[end]));
+        let around = Self::layers(Axis::Y, &[points, &corners].concat(), wavelength)[0];
+        Self { at: 0.5 * (body[1][0] + body[1][1]), ..around }
+    }
+
+    /// Whether it cuts the box of those bounds.
+    pub(crate) fn cuts(&self, bounds: [[f64; 2]; 3]) -> bool {
+        let within = |k: usize, at: f64, half: f64| bounds[k][0] < at + half && at - half < bounds[k][1];
+        let mut beside = self.axis.others().into_iter().zip(self.center);
+        within(self.axis.index(), self.at, 0.0) && beside.all(|(k, at)| within(k, at, 0.5 * self.size))
+    }
+
     /// The planes normal to `axis` that show all `points`, those with the most of them first; at least one.
     pub(crate) fn layers(axis: Axis, points: &[[f64; 3]], wavelength: f64) -> Vec<Self> {
         let bounds = bounds(points);
@@ -133,7 +166,7 @@ impl Plane {
             layers.push((0, 0.0));
         }
         layers.sort_by_key(|&(count, _)| core::cmp::Reverse(count));
-        layers.into_iter().map(|(_, at)| Self { axis, at, size, pixels: 200, center }).collect()
+        layers.into_iter().map(|(_, at)| Self { axis, at, size, pixels: PIXELS, center }).collect()
     }
 
     /// The place along `axis` that `z` or, of any axis, `at` tells, if either does.

@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use midair::{
-    Array, Axis, Complex32, Complex64, Control, Directivity, Error, InstructionSet, Medium, Model, Plane, Progress,
-    Request, Rng, Scene, Transducer,
+    Array, Axis, Complex32, Complex64, Control, Directivity, Error, InstructionSet, Medium, Model, Obstacle, Plane,
+    Progress, Request, Rng, Scene, Signature, Surface, Transducer,
 };
 
 use crate::oracle;
@@ -135,6 +135,42 @@ fn points_that_no_plane_goes_through_have_one_for_each_place_at_most_four() {
     assert_eq!((axis, at), (Axis::Z, vec![0.1, 0.12, 0.15]));
     let spiral: Vec<_> = (0..50).map(|i| f64::from(i) * 0.01).map(|x| [x, x + 1.0, x + 2.0]).collect();
     assert_eq!(around(&spiral).1.len(), 4);
+}
+
+#[test]
+fn traps_have_two_upright_planes_each_and_a_plane_through_their_shells_shows_them() {
+    let traps = [[-0.02, 0.0, 0.1], [0.02, 0.01, 0.12]];
+    let scene = Scene::new(preset("paper20"), Medium::default(), traps.to_vec(), Request::default()).expect("a scene");
+    let across = scene.picture_planes();
+    let scene = scene.with_signature(Some(Signature::Trap)).expect("a signature");
+    let planes = scene.picture_planes();
+    let told: Vec<_> = planes.iter().map(|plane| (plane.axis, plane.at, plane.center)).collect();
+    let y = |at, center| (Axis::Y, at, center);
+    let x = |at, center| (Axis::X, at, center);
+    assert_eq!(told, [y(0.0, [-0.02, 0.1]), y(0.01, [0.02, 0.12]), x(-0.02, [0.0, 0.1]), x(0.02, [0.01, 0.12])]);
+    assert!(planes.iter().all(|plane| plane.size == planes[0].size && scene.is_shown(plane)));
+    assert!(across.iter().all(|plane| plane.axis == Axis::Z));
+    let beside = |z| scene.is_shown(&Plane::new(z, 0.1, 20, [0.0, 0.0]).expect("a plane"));
+    assert!(beside(0.1022) && !beside(0.11));
+}
+
+#[test]
+fn a_body_that_no_plane_through_the_points_cuts_has_an_upright_one() {
+    let points = vec![[0.03, 0.01, 0.18], [-0.03, 0.0, 0.18]];
+    let scene = Scene::new(preset("paper20"), Medium::default(), points, Request::default()).expect("a scene");
+    let with = |z| {
+        let ball = Obstacle::Sphere { center: [0.01, -0.02, z], radius: 0.02, kind: Surface::Rigid };
+        scene.clone().with_obstacles(vec![ball]).expect("a ball").picture_planes()
+    };
+    let planes = with(0.1);
+    assert_eq!(planes[..1], scene.picture_planes());
+    let [_, body] = planes[..] else { panic!("{planes:?}") };
+    assert_eq!((body.axis, body.at), (Axis::Y, -0.02));
+    for place in [[0.03, -0.02, 0.18], [-0.03, -0.02, 0.18], [0.01, -0.02, 0.08]] {
+        assert!(body.shows(place, scene.medium().wavelength()), "{place:?}");
+    }
+    // A ball that the plane through the points cuts is seen there.
+    assert_eq!(with(0.195).len(), 1);
 }
 
 #[test]

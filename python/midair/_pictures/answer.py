@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .._midair import Field, Solution, field
 from .colours import Quantity, colours, loud, of_pressures
-from .panel import add_bar, draw, grid, paint, sides
+from .panel import add_bar, draw, grid, paint, shape, sides
 from .sheet import HEADROOM
 from .words import marks, number, place, solver, told
 
@@ -128,8 +128,9 @@ def answer(solution: Solution, *, quantity: Quantity = "pressure") -> Figure:
         figure = Figure(figsize=(12.6, 7.2), layout="constrained")
         upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(4.4, 2.4)).flat
     elif len(panels) > 1:
-        figure = Figure(figsize=(max(3.4 * len(panels) + 0.9, 8.0), 7.6), layout="constrained")
-        upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(3.9, 3.2)).flat
+        columns, rows = shape(panels)
+        figure = Figure(figsize=(max(3.4 * columns + 0.9, 8.0), 3.6 * rows + 4.0), layout="constrained")
+        upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(3.6 * rows + 0.3, 3.2)).flat
     elif panels:
         figure = Figure(figsize=(11.0, 4.9), layout="constrained")
         upper, lower = figure.subfigures(1, 2, squeeze=False, width_ratios=(1.0, 1.1)).flat
@@ -139,7 +140,7 @@ def answer(solution: Solution, *, quantity: Quantity = "pressure") -> Figure:
     if drawing:
         wanted_made_difference(upper, panels[0], solution, quantity)
     elif panels:
-        axes = grid(upper, len(panels))
+        axes = grid(upper, panels)
         paint = colours(panels, quantity)
         for panel, ax in zip(panels, axes, strict=True):
             image = draw(panel, ax, paint)
@@ -171,10 +172,13 @@ def asked_and_got(solution: Solution, ax: Axes) -> None:
         else:
             ax.plot(index[chosen], got[chosen], ".", color=colour, markersize=4, label=label)
     ax.hlines(targets, index - 0.5, index + 0.5, color="black", linewidth=1.2, label="asked")
-    paper = solution.scene is not None and solution.scene.in_paper_unit
+    scene = solution.scene
+    unit = " in the paper's unit" if scene is not None and scene.in_paper_unit else " / Pa"
     ax.set(
         xlabel="point",
-        ylabel="|p| in the paper's unit" if paper else "|p| / Pa",
+        ylabel=f"|p| of the focus that is a trap{unit}"
+        if scene and scene.signature is not None
+        else f"|p|{unit}",
         xlim=(-0.6, len(got) - 0.4),
         ylim=(0, 1.18 * max(got.max(), targets.max()) or 1.0),
     )

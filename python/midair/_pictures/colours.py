@@ -23,6 +23,9 @@ DEPTH = 60.0
 #: Below this part of the loudest pressure the phase is noise.
 FAINT = 0.01
 
+#: A picture below this part of what the points get is dark, and told to be.
+DARK = 1e-4
+
 #: Wavelengths around the points within which a field sets its own scale.
 MARGIN = 2.0
 
@@ -69,7 +72,11 @@ def colours(
             raise SceneError(f"vmax is {vmax!r}: phases go from -pi to pi, leave it out")
         return Colours(quantity, -pi, pi, 1.0, "phase of p / rad", "neither")
     if vmax is None:
-        top = _of_pressure(fields[0], max(map(loud, fields)) if loudest is None else loudest, quantity)
+        loudest = max(map(loud, fields)) if loudest is None else loudest
+        # Of a node, such as a plane across a trap, a scale of its own would show what rounding leaves.
+        top = _of_pressure(
+            fields[0], max([loudest, *(DARK * at_points(field) for field in fields)]), quantity
+        )
     elif isinstance(vmax, (int, float, np.number)) and np.isfinite(vmax) and (vmax > 0 or quantity == "spl"):
         top = float(vmax)
     else:
@@ -84,6 +91,17 @@ def colours(
         )
         return Colours(quantity, top - DEPTH, top, factor, label, extend)
     return Colours(quantity, 0.0, top * factor or 1.0, factor, label, "max" if brighter else "neither")
+
+
+def at_points(field: Field) -> float:
+    """The largest |p| that the solution of a field makes at a point, in Pa; 0 of a bare drive."""
+    solution = field.solution
+    return 0.0 if solution is None else float(np.abs(solution.pressures).max(initial=0.0))
+
+
+def is_dark(field: Field) -> bool:
+    """Whether a picture has next to nothing of what the points get."""
+    return float(np.abs(field.pressure).max()) < DARK * at_points(field)
 
 
 def loud(field: Field) -> float:

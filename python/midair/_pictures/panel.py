@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 #: Sines of the angle between a wall and a plane below which they count as parallel.
 PARALLEL = 1e-9
 
+#: Arrows of the force around a trap: so far to each side, in wavelengths, and so many.
+ARROWS, ACROSS = 0.6, 9
+
 #: Lines of rigid and soft surfaces.
 STYLES = {"rigid": "-", "soft": "--"}
 COLOUR = "orange"
@@ -87,15 +90,31 @@ def _mesh(mesh: Mesh, plane: Plane, ax: Axes, axes: tuple[int, int]) -> None:
 OUTLINES: dict[type, Callable[..., None]] = {Wall: _wall, Sphere: _sphere, Mesh: _mesh}
 
 
-def grid(figure: Figure | SubFigure, count: int, columns: int = 4) -> list[Axes]:
-    """Axes for `count` panels that share theirs, each row's and column's labels once."""
-    columns = min(count, columns)
+def is_shared(fields: Sequence[Field]) -> bool:
+    """Whether all fields have one frame, so that their labels stand once a row and column."""
+    return (
+        len({(field.plane.axis, field.plane.size, field.plane.center) for field in fields if field.plane}) < 2
+    )
+
+
+def shape(fields: Sequence[Field]) -> tuple[int, int]:
+    """Columns and rows of the fields' panels: of traps each has a column."""
+    count = len(fields)
+    traps = count > 2 and not is_shared(fields) and fields[0].scene.signature is not None
+    columns = count // 2 if traps else min(count, 4)
+    return columns, -(-count // columns)
+
+
+def grid(figure: Figure | SubFigure, fields: Sequence[Field], columns: int | None = None) -> list[Axes]:
+    """Axes for the panel of each field."""
+    count, shared = len(fields), is_shared(fields)
+    columns = columns or shape(fields)[0]
     rows = -(-count // columns)
-    axes = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).flatten()
+    axes = figure.subplots(rows, columns, sharex=shared, sharey=shared, squeeze=False).flatten()
     for k, ax in enumerate(axes):
         ax.set_visible(k < count)
         # The lowest panel of a column need not be in the lowest row.
-        ax.tick_params(labelbottom=k + columns >= count)
+        ax.tick_params(labelbottom=not shared or k + columns >= count)
     return list(axes[:count])
 
 
@@ -103,7 +122,36 @@ def draw(field: Field, ax: Axes, colours: Colours) -> AxesImage:
     """The image and the points of a field."""
     image = paint(field, ax, colours.values(field), colours.map, (colours.bottom, colours.top))
     _mark(ax, field, sides(field))
+    if colours.quantity != "phase":
+        _push(ax, field, sides(field))
     return image
+
+
+def _push(ax: Axes, field: Field, axes: tuple[int, int]) -> None:
+    """Arrows of Gor'kov's force on a small bead around each trap of an upright plane, as long as its root."""
+    scene, solution = field.scene, field.solution
+    if solution is None or not words.has_arrows(field):
+        return
+    reach = np.linspace(-ARROWS, ARROWS, ACROSS) * scene.wavelength
+    places = np.zeros((ACROSS, ACROSS, 3))
+    places[..., axes[0]], places[..., axes[1]] = np.meshgrid(reach, reach)
+    for trap in scene.points[field.shown]:
+        around = (trap + places).reshape(-1, 3)
+        force = solution.gorkov(around).force[:, axes]
+        size = np.linalg.norm(force, axis=1, keepdims=True)
+        arrow = force / np.sqrt(np.maximum(size, 1e-30) * (size.max() or 1.0))
+        ax.quiver(
+            *(1e3 * around[:, axes]).T,
+            *arrow.T,
+            color="white",
+            edgecolor="black",
+            linewidth=0.3,
+            angles="xy",
+            scale_units="xy",
+            scale=0.8e-3 / (reach[1] - reach[0]),
+            width=0.007,
+            pivot="mid",
+        )
 
 
 def sides(field: Field) -> tuple[int, int]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol, overload
 from .._midair import Field, SceneError, Solution, field
 from .answer import answer
 from .colours import Quantity, colours
-from .panel import add_bar, draw, grid
+from .panel import add_bar, draw, grid, shape
 from .sheet import contact_sheet
 from .words import heading, place
 
@@ -78,14 +78,16 @@ def plot(
     if ax is None:
         import matplotlib.pyplot as plt
 
-        figure = plt.gcf()
-        if figure.axes:
+        if plt.gcf().axes and not plt.gca().has_data():
             axes = [plt.gca()]
         else:
+            # What has a picture keeps it.
+            figure = plt.figure() if plt.gcf().axes else plt.gcf()
             figure.set_layout_engine("constrained")
             if len(panels) > 1:
-                figure.set_size_inches(3.4 * len(panels) + 0.9, 4.4)
-            axes = grid(figure, len(panels))
+                columns, rows = shape(panels)
+                figure.set_size_inches(3.4 * columns + 0.9, 3.4 * rows + 1.0)
+            axes = grid(figure, panels)
     else:
         axes = [ax]
     scale = colours(panels[: len(axes)], quantity, vmax=vmax)

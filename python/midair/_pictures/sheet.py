@@ -29,7 +29,7 @@ def contact_sheet(fields: Sequence[Field], names: Sequence[str], quantity: Quant
     height = -(-len(fields) * width // columns)
     figure = Figure(figsize=(3.6 * columns + 0.9, 3.7 * height + 0.6), layout="constrained")
     panels = [panel for row in rows for panel in row]
-    axes = grid(figure, len(panels), columns)
+    axes = grid(figure, panels, columns)
     paint = colours(panels, quantity, loudest=common_top(rows))
     for k, (panel, ax) in enumerate(zip(panels, axes, strict=True)):
         image = draw(panel, ax, paint)

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._midair import Field, Scene, Solution, solvers
+from .._midair import Field, Scene, Solution, Wall, solvers
+from .colours import is_dark
 
 
 def heading(fields: Sequence[Field]) -> list[str]:
@@ -26,15 +27,26 @@ def quiet(field: Field) -> NDArray[np.bool_]:
     return np.zeros(len(field.scene.points), dtype=bool) if targets is None else targets == 0
 
 
+def has_arrows(field: Field) -> bool:
+    """Whether the force on a bead is drawn: in upright planes through traps, without bodies."""
+    scene, plane = field.scene, field.plane
+    bodies = any(not isinstance(obstacle, Wall) for obstacle in scene.obstacles)
+    trapped = field.solution is not None and scene.signature is not None and not bodies
+    return trapped and plane is not None and plane.axis != "z" and bool(np.any(field.shown))
+
+
 def marks(fields: Sequence[Field]) -> str:
     """What rings and crosses mean, where there are any, and how many points have no plane of theirs."""
     shown = np.array([field.shown for field in fields])
+    dark = all(map(is_dark, fields))
     silent = quiet(fields[0])
     hidden = int((~shown.any(axis=0)).sum()) if len(fields) > 1 else 0
     told = {
         "rings are points off the plane": bool((~shown & ~silent).any()),
         "crosses are quiet points": bool(silent.any()),
         f"{hidden} more point{'s' * (hidden > 1)} in other planes": hidden > 0,
+        "arrows are the force on a small bead": any(map(has_arrows, fields)),
+        "dark: |p| is below 1e-4 of what the points get": dark,
     }
     return ", ".join(text for text, true in told.items() if true)
 
