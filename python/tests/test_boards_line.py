@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from midair._boards import line
+from midair._boards import line, transport
 from midair._boards.line import LineTransport
 
 
@@ -59,7 +59,7 @@ def clock(monkeypatch):
     clock = Clock()
     monkeypatch.setattr(line, "time", clock)
     # The tests themselves go before nothing.
-    monkeypatch.setattr(line, "os", None)
+    monkeypatch.setattr(transport, "os", None)
     return clock
 
 

@@ -266,6 +266,34 @@ def test_an_unplugged_board_is_lost(line, surface):
     assert surface.state == "closed"
 
 
+def test_a_still_focus_notices_a_pulled_cable(line, surface):
+    surface.send(np.ones(256))
+    line.unplug()
+    begin = time.monotonic()
+    # Nothing is sent: the guard looks by itself.
+    while surface.state == "playing":
+        assert time.monotonic() - begin < 2
+        time.sleep(0.02)
+    assert surface.state == "lost"
+
+
+def test_the_end_of_a_block_on_a_dead_link_raises(line):
+    with (
+        pytest.raises(midair.BoardLost, match="the board plays on"),
+        midair.connect(f"sonicsurface:{line.port}") as surface,
+    ):
+        surface.send(np.ones(256))
+        line.unplug()
+    assert surface.state == "closed"
+
+
+def test_an_error_in_a_block_goes_before_a_dead_link(line):
+    with pytest.raises(KeyError), midair.connect(f"sonicsurface:{line.port}") as surface:
+        surface.send(np.ones(256))
+        line.unplug()
+        raise KeyError
+
+
 def test_a_modulated_board_that_is_unplugged_is_lost(line, surface):
     surface.send(np.ones(256))
     surface.modulate(100)

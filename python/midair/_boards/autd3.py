@@ -97,6 +97,10 @@ class Autd3Transport:
         self._silenced += 1
         self._run(self._stop(), CALL)
 
+    def look(self) -> None:
+        """Raise BoardLost of boards that answer the client's heartbeats no more."""
+        self._run(self._looked(), CALL)
+
     def close(self) -> None:
         """Turn all transducers off and let go of the boards; of those that do not answer, too."""
         if self._closed:
@@ -185,6 +189,13 @@ class Autd3Transport:
         async with self._lock:
             await self._answered(lambda: self._there().silent_stop())
             self._divider, self._bank = commands.PHASE_STEPS, PatternBank.B0
+
+    async def _looked(self) -> None:
+        async def nothing() -> None:
+            """What has come says which boards are lost."""
+
+        async with self._lock:
+            await self._answered(nothing)
 
     async def _leave(self) -> None:
         try:

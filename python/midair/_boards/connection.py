@@ -61,7 +61,7 @@ class Stats:
 
 
 class Connection:
-    """A board that plays; from `midair.connect`. At the end of a `with` block it is off.
+    """A board that plays; from `midair.connect`. At the end of a `with` block it is off, or BoardLost is raised.
 
     A guard process owns the device. It turns everything off when the connection is closed, when the program
     ends in whatever way, and when no call to send, stream, upload, modulate or off came for `hold` s; the
@@ -77,7 +77,7 @@ class Connection:
         self._hold = hold
         self._limit = limit
         self._late = 0
-        self._warned = False
+        self._warned = self._missed = False
         self._told: dict[str, Any] = {"state": "off", "frames": 0, "late": 0, "lapses": 0}
         self._guard = GuardProcess(describe(address, board), hold)
         self._finalizer = weakref.finalize(self, self._guard.close)
@@ -178,8 +178,13 @@ class Connection:
     def __enter__(self) -> Connection:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self.close()
+    def __exit__(self, kind: object, *_: object) -> None:
+        """Close; raises BoardLost where the board is gone and no call has said so yet."""
+        try:
+            if kind is None and self._finalizer.alive and not self._missed:
+                self.off()
+        finally:
+            self.close()
 
     @property
     def emitting(self) -> NDArray[np.complex64]:
@@ -203,6 +208,7 @@ class Connection:
         except BoardLost:
             return "lost"
         state: Literal["off", "playing", "modulating", "lost"] = self._told["state"]
+        self._missed |= state == "lost"
         return state
 
     @property
@@ -226,7 +232,11 @@ class Connection:
             raise
 
     def _note(self, asked: Future[bytes], patience: float = PATIENCE) -> None:
-        self._told = json.loads(self._guard.answer(asked, patience))
+        try:
+            self._told = json.loads(self._guard.answer(asked, patience))
+        except (BoardLost, BoardTimeout):
+            self._missed = True
+            raise
 
     def _answered(self, asked: Future[bytes], patience: float) -> None:
         self._wait(patience, asked)

@@ -63,6 +63,15 @@ class FifoTransport:
         """Refused."""
         raise BoardError("this board holds no sequence: use stream")
 
+    def look(self) -> None:
+        """Ask each chip for the state of its lines."""
+        for (serial, _), chip in zip(self._places, self._chips, strict=True):
+            try:
+                chip.poll_modem_status()
+            # Whatever pyftdi and libusb raise.
+            except Exception as error:
+                raise _failed(serial, error) from error
+
     def close(self) -> None:
         """Let go of the chips."""
         for chip in self._chips:

@@ -22,12 +22,15 @@ from typing import Any
 
 from . import wire
 from .errors import BoardError, BoardLost, BoardTimeout, named
-from .transport import Transport, open_transport
+from .transport import Transport, before_what_computes, open_transport
 from .watcher import Watch
 from .wire import Kind, Late
 
 #: How often the guard looks whether its owner lives, in s.
 TICK = 0.02
+
+#: How often the guard looks whether a device that plays and is sent nothing is still there, in s.
+LOOK = 0.25
 
 #: How long the guard may be at work with its device before its owner takes it for one that hangs, in s.
 BUSY = {Kind.UPLOAD: 10.0, Kind.MODULATE: 10.0}
@@ -71,6 +74,7 @@ class Guard:
         self._lost = False
         self._beaten = time.monotonic()
         self._until = math.inf
+        self._looked = 0.0
         self._lock = threading.Lock()
         self._frames = 0
         self._late = 0
@@ -78,6 +82,7 @@ class Guard:
 
     def run(self) -> None:
         """Serve until the owner closes or is gone."""
+        before_what_computes()
         while os.getppid() == self._parent:
             # All that has come goes before what is due: "off" overtakes frames, which the next ones outdate.
             for kind, number, content in self._come():
@@ -92,6 +97,9 @@ class Guard:
             if self._playing and (now - self._called >= self._hold or now - self._beaten >= wire.MISSED):
                 self._lapses += 1
                 self._attempt(0, self._off)
+            elif self._playing and not self._waiting and now - self._looked >= LOOK:
+                self._looked = now
+                self._attempt(0, self._transport.look)
 
     def beat(self, number: int) -> None:
         """Note that the owner lives, and answer unless the device keeps the guard too long; in any thread."""

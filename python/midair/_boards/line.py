@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import threading
 import time
 from abc import ABC, abstractmethod
-from contextlib import suppress
 
 from .errors import BoardError
+from .transport import before_what_computes
 
 #: Bits that a serial line takes for a byte: a start bit, eight bits, a stop bit.
 BITS = 10
@@ -84,6 +83,9 @@ class LineTransport(ABC):
         """Refused: such boards hold one frame."""
         raise BoardError("this board holds no sequence: use stream")
 
+    def look(self) -> None:
+        """A line of which nothing is known is not gone."""
+
     @abstractmethod
     def close(self) -> None:
         """Let go of the line. Never raises, never hangs."""
@@ -114,9 +116,7 @@ class LineTransport(ABC):
     def _swing(self, stopped: threading.Event, begin: float, half: float) -> None:
         """Swap every half period after `begin`, until stopped."""
         assert self._swap is not None
-        # Where the system allows it, what keeps time goes before what computes; 0 is this thread.
-        with suppress(OSError, AttributeError):
-            os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
+        before_what_computes()
         count = 1
         while not stopped.wait(max(0.0, begin + count * half - time.monotonic())):
             with self._lock:

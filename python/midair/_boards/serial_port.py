@@ -80,6 +80,11 @@ class SerialTransport(LineTransport):
             for at in range(0, len(content), PIECE):
                 self._port.write(content[at : at + PIECE])
 
+    def look(self) -> None:
+        """Ask the system for the port's buffer, which a port that is gone has no more."""
+        with self._told():
+            _ = self._port.out_waiting
+
     def close(self) -> None:
         """Let the line carry its last bytes and let go of the port."""
         self._stop()

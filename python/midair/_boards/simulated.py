@@ -23,6 +23,9 @@ class NullTransport:
     def upload(self, frames: bytes, count: int, rate: float) -> None:
         """Forget the frames."""
 
+    def look(self) -> None:
+        """There is nothing to be gone."""
+
     def close(self) -> None:
         """There is nothing to let go of."""
 

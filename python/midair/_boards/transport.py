@@ -5,6 +5,8 @@ Nothing here imports midair itself or NumPy: a guard starts in a few hundredths 
 
 from __future__ import annotations
 
+import os
+from contextlib import suppress
 from importlib import import_module
 from typing import Any, Protocol
 
@@ -24,8 +26,17 @@ class Transport(Protocol):
     def upload(self, frames: bytes, count: int, rate: float) -> None:
         """Let the device play `count` frames at `rate` a second by itself, over and over."""
 
+    def look(self) -> None:
+        """Raise BoardLost where the device is known to be gone, without sending it anything."""
+
     def close(self) -> None:
         """Let go of the device. Never raises, never hangs."""
+
+
+def before_what_computes() -> None:
+    """Let this thread, which keeps time, run before those that compute, where the system allows it."""
+    with suppress(OSError, AttributeError):
+        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
 
 
 #: The module and class of each kind of transport; the class takes the rest of a description as keywords.
