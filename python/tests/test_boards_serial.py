@@ -277,21 +277,21 @@ def test_a_still_focus_notices_a_pulled_cable(line, surface):
     assert surface.state == "lost"
 
 
-def test_the_end_of_a_block_on_a_dead_link_raises(line):
-    with (
-        pytest.raises(midair.BoardLost, match="the board plays on"),
-        midair.connect(f"sonicsurface:{line.port}") as surface,
-    ):
+def played_until_the_cable_is_pulled(line, then=lambda: None):
+    with midair.connect(f"sonicsurface:{line.port}") as surface:
         surface.send(np.ones(256))
         line.unplug()
-    assert surface.state == "closed"
+        then()
+
+
+def test_the_end_of_a_block_on_a_dead_link_raises(line):
+    with pytest.raises(midair.BoardLost, match="the board plays on"):
+        played_until_the_cable_is_pulled(line)
 
 
 def test_an_error_in_a_block_goes_before_a_dead_link(line):
-    with pytest.raises(KeyError), midair.connect(f"sonicsurface:{line.port}") as surface:
-        surface.send(np.ones(256))
-        line.unplug()
-        raise KeyError
+    with pytest.raises(KeyError):
+        played_until_the_cable_is_pulled(line, {}.popitem)
 
 
 def test_a_modulated_board_that_is_unplugged_is_lost(line, surface):

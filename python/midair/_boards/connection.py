@@ -61,7 +61,8 @@ class Stats:
 
 
 class Connection:
-    """A board that plays; from `midair.connect`. At the end of a `with` block it is off, or BoardLost is raised.
+    """A board that plays; from `midair.connect`. At the end of a `with` block it is off, or
+    BoardLost is raised.
 
     A guard process owns the device. It turns everything off when the connection is closed, when the program
     ends in whatever way, and when no call to send, stream, upload, modulate or off came for `hold` s; the

@@ -83,8 +83,9 @@ class LineTransport(ABC):
         """Refused: such boards hold one frame."""
         raise BoardError("this board holds no sequence: use stream")
 
+    @abstractmethod
     def look(self) -> None:
-        """A line of which nothing is known is not gone."""
+        """Raise BoardLost where the line is known to be gone."""
 
     @abstractmethod
     def close(self) -> None:

@@ -97,6 +97,9 @@ class LoopTransport(LineTransport):
     def _write(self, content: bytes) -> None:
         """The bytes are gone."""
 
+    def look(self) -> None:
+        """There is nothing to be gone."""
+
     def close(self) -> None:
         """End the modulation."""
         self._stop()
