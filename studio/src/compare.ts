@@ -96,7 +96,8 @@ export function createCompare(context: Context): Compare {
 
   function ring(slot: Slot) {
     const { picture, rings } = parts[slot];
-    const points = studio.view.frame?.points ?? state().points;
+    // What moves is A's.
+    const points = (slot === 0 && studio.view.frame?.points) || state().points;
     picture.classList.toggle("many", points.length > MANY);
     while (rings.length > points.length) rings.pop()!.remove();
     while (rings.length < points.length) {
@@ -154,15 +155,18 @@ export function createCompare(context: Context): Compare {
         const { method, summary, refusal } = parts[slot];
         const { answer, refused } = studio.view.results[slot];
         if (method.value !== state().methods[slot]) method.value = state().methods[slot];
-        write(summary, answer ? `U ${answer.metrics.uniformity.toFixed(3)}` : "");
+        const moves = Boolean(studio.view.frame?.found);
+        const shown = answer ? `U ${answer.metrics.uniformity.toFixed(3)}` : "";
+        write(summary, moves ? (slot ? say("atRest") : "glide") : shown);
+        parts[slot].root.classList.toggle("still", moves && slot === 1);
         write(refusal, refused && say("unsolved", { line: plain(refused) }));
         refusal.hidden = refused === "";
         ring(slot);
       }
       writeBars(look.map);
       writeTicks(JSON.stringify(ticks(look)));
-      const { results, bound } = studio.view;
-      writeRows(JSON.stringify(numberRows(results, bound, state())));
+      const { results } = studio.view;
+      writeRows(JSON.stringify(numberRows(studio.view)));
       writeWarnings(JSON.stringify([...new Set(results.flatMap((result) => result.warnings))]));
     },
   };

@@ -57,16 +57,16 @@ export const gallery: Example[] = [
   {
     name: ["Quiet ear", "静かな耳"],
     line: [
-      "Nine points of 0 Pa keep an ear quiet beside four loud foci; B knows nothing of them.",
-      "0 Paの9点で、四つの強い焦点のそばの耳を静かに保ちます。Bはこれを考慮しません。",
+      "Nine points of 0 Pa keep the marked ear quiet, 20 mm above four loud foci; B knows nothing of them.",
+      "0 Paの9点 (破線) で、四つの強い焦点の20 mm上、印のある耳を静かに保ちます。Bはこれを考慮しません。",
     ],
     state: shown(ear, "naive", { ear: [0.06, 0.06, 0.22], scale: "decibel" }),
   },
   {
     name: ["Traps", "音響トラップ"],
     line: [
-      "Three beads could hang between two boards: dark nodes inside of bright shells.",
-      "二枚のボードの間に粒を三つ浮かせます。明るい殻の中の暗い節が粒を捕まえます。",
+      "Three beads could hang between two boards: the slice is just above their dark nodes, in the loud shells.",
+      "二枚のボードの間に粒を三つ浮かせます。断面は暗い節のすぐ上、音の強い殻を通ります。",
     ],
     state: shown(traps, "naive"),
   },

@@ -12,9 +12,8 @@ const SPACE = 3;
 /** Strokes of each letter: pairs of digits x, y in units from its lower left corner. */
 const STROKES: Record<string, string> = strokes;
 
-/** The strokes of a line of text, capitals `height` high, its middle at a place; m. */
-export function letters(text: string, height: number, at: Vec3): Contour[] {
-  const unit = height / HEIGHT;
+/** The strokes of a line of text, capitals `height` high or lower so that it is at most `width` wide, its middle at a place; m. */
+export function letters(text: string, height: number, width: number, at: Vec3): Contour[] {
   const contours: Contour[] = [];
   let pen = 0;
   for (const letter of text.trim().toUpperCase()) {
@@ -31,5 +30,6 @@ export function letters(text: string, height: number, at: Vec3): Contour[] {
     pen += GAP + Math.max(...strokes.flat().map(([x]) => +x));
   }
   if (!contours.length) throw new Error("the text is empty: give at least a letter");
+  const unit = Math.min(height / HEIGHT, width / Math.max(pen - GAP, 1));
   return placed(contours, [unit, unit], at);
 }

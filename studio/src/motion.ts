@@ -99,7 +99,7 @@ export function createMotion(context: Context): { root: HTMLElement; place(): vo
         if (!still()) break;
         chart.mark(t / (count - 1));
         const at = (j: number): Vec3 => [...frames.slice(3 * (t * points.length + j)).slice(0, 3)] as Vec3;
-        studio.show({ drive, lattice, points: points.map((_, j) => at(j)) });
+        studio.show({ drive, lattice, points: points.map((_, j) => at(j)), found: answers[t] });
         await new Promise(requestAnimationFrame);
       }
     } catch (error) {

@@ -1,7 +1,7 @@
 /** Numbers: what is told of both methods, row by row, the better one marked. */
 
-import type { Result } from "./studio.ts";
-import type { Slot, State } from "./types.ts";
+import type { Result, View } from "./studio.ts";
+import type { Slot } from "./types.ts";
 import type { Word } from "./words.ts";
 
 /** A row: its word, a text a slot or one for both, and whose is better. */
@@ -27,8 +27,16 @@ export function weakest({ answer }: Result): number {
 
 const NONE = "–";
 
+/** A time in ms with its unit. */
+export const duration = (ms: number) => (ms < 1 ? `${Math.round(1000 * ms)} µs` : `${ms.toFixed(1)} ms`);
+
 /** Every row. */
-export function numberRows(results: [Result, Result], bound: number | null, state: State): Row[] {
+export function numberRows({ results, bound, state, frame }: View): Row[] {
+  if (frame?.found) {
+    const { least, most, change } = frame.found;
+    const own = (word: Word, text: string): Row => ({ word, values: [text, NONE], better: null });
+    return [own("weakest", pressure(least)), own("loudest", pressure(most)), own("changes", `${change.toFixed(2)} rad`)];
+  }
   const row = (word: Word, of: (result: Result) => number, text: (value: number) => string, best: number): Row => {
     const numbers = results.map((result) => (result.answer ? of(result) : NaN));
     const values = numbers.map((value) => (Number.isNaN(value) ? NONE : text(value))) as [string, string];
@@ -50,6 +58,6 @@ export function numberRows(results: [Result, Result], bound: number | null, stat
   ];
   if (state.pressures?.includes(0)) rows.push(metric("leak", -1));
   if (state.ear) rows.push(row("heard", ({ heard }) => heard, (p) => `${decibels(p).toFixed(1)} dB SPL`, -1));
-  rows.push(row("time", ({ milliseconds }) => milliseconds, (ms) => `${ms.toFixed(1)} ms`, 0));
+  rows.push(row("time", ({ milliseconds }) => milliseconds, duration, 0));
   return rows;
 }

@@ -99,7 +99,9 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
 
   let painter: Painter = begin();
   function begin(): Painter {
-    const made = createPainter(canvas) ?? createFlat(canvas);
+    const card = createPainter(canvas);
+    if (!card) context.alarm(context.say("flat"));
+    const made = card ?? createFlat(canvas);
     made.onRestored = context.repaint;
     return made;
   }

@@ -27,9 +27,9 @@ export function removed(state: State, index: number): Partial<State> {
   return { points: others(state.points), pressures: pressures?.some((pressure) => pressure > 0) ? pressures : null };
 }
 
-/** With another target, in Pa; the others are given those that they had by themselves. */
-export function asked(state: State, index: number, pressure: number | null, balanced: number[]): Partial<State> {
-  if (pressure === null) return { pressures: null };
+/** With another target, in Pa; the others are given those that they had by themselves. One without stays as it is, if `others` have. */
+export function asked(state: State, index: number, pressure: number | null, balanced: number[], others = false): Partial<State> {
+  if (pressure === null) return others ? {} : { pressures: null };
   const own = state.pressures ?? state.points.map((_, k) => Math.round(balanced[k] ?? 1000));
   const pressures = own.map((asked, k) => (k === index ? pressure : asked));
   return pressures.some((each) => each > 0) ? { pressures } : {};

@@ -16,6 +16,7 @@ const JAPANESE: [RegExp, string][] = [
 export function plain(language: Language, line: string): string {
   const short = line
     .replace(/^scene file[^:]*: |; for example .*/g, "")
+    .replace(/[,:;]? *balance=True cures it/, "")
     .replace(/points\[(\d+)\]/g, (_, k) => `point ${+k + 1}`);
   const known = language === "ja" && JAPANESE.find(([pattern]) => pattern.test(short));
   return known ? known[0].exec(short)![0].replace(...known) : short;

@@ -23,6 +23,7 @@ export function createShapes(context: Context): { root: HTMLElement } {
     { "aria-label": say("shapes") },
   );
   const text = element("input", { type: "text", value: "HI", maxLength: 8, hidden: true, "aria-label": say("shapeText") });
+  text.onkeydown = ({ key }) => void (key === "Enter" && apply());
   const draw = element("button", { className: "small", onclick: apply }, say("draw"));
 
   async function apply() {
@@ -34,7 +35,7 @@ export function createShapes(context: Context): { root: HTMLElement } {
     const makers: Record<string, () => Promise<Vec3[]>> = {
       circle: () => first.circle(at, half, MOST_POINTS),
       line: () => first.along([[[x - half, y, plane.z], [x + half, y, plane.z]]], MOST_POINTS),
-      text: async () => first.along(letters(text.value, half, at), MOST_POINTS),
+      text: async () => first.along(letters(text.value, half, 0.9 * plane.size, at), MOST_POINTS),
     };
     try {
       studio.change({ points: await makers[kind.value](), pressures: null, path: null });

@@ -50,6 +50,8 @@ export function createStage(context: Context, eye: Eye): Stage {
   const handles: HTMLButtonElement[] = [];
   const hint = element("p", { className: "hint" }, say(matchMedia("(hover: none)").matches ? "hintTouch" : "hint"));
   const view = element("div", { className: "view3d", role: "group", "aria-label": say("view3d") });
+  const listener = element("div", { className: "listener", "aria-hidden": "true" }, say("ear"));
+  view.append(listener);
   const root = element("section", { className: "stage" }, view, hint);
   let gesture = 0;
   let grip: Grip | null = null;
@@ -192,6 +194,12 @@ export function createStage(context: Context, eye: Eye): Stage {
     place() {
       const points = studio.view.frame?.points ?? state().points;
       view.classList.toggle("many", points.length > MANY);
+      const { ear } = state();
+      listener.hidden = !ear;
+      if (ear) {
+        const [x, y] = seen(ear);
+        listener.style.transform = `translate(${x}px, ${y}px) translate(-50%, -64px)`;
+      }
       while (handles.length > points.length) handles.pop()!.remove();
       while (handles.length < points.length) {
         handles.push(handle(handles.length));

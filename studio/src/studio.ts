@@ -1,6 +1,6 @@
 /** The studio: one state, its history, and the newest answers to it. */
 
-import type { Answer } from "./door.ts";
+import type { Answer, Frame } from "./door.ts";
 import type { Engine } from "./engine.ts";
 import { sceneOf } from "./scene_file.ts";
 import { createHistory } from "./history.ts";
@@ -14,7 +14,7 @@ export interface Result {
   lattice: Lattice | null;
   /** |p| at the ear in Pa. */
   heard: number;
-  /** Median of the last solves, in ms. */
+  /** How long solving takes in ms, NaN until it was timed at rest. */
   milliseconds: number;
   refused: string;
   warnings: string[];
@@ -32,7 +32,7 @@ export interface View {
   positions: Float32Array;
   normals: Float32Array;
   /** A frame of what moves, in place of the answer of slot A. */
-  frame: { drive: Float32Array; lattice: Lattice; points: State["points"] } | null;
+  frame: { drive: Float32Array; lattice: Lattice; points: State["points"]; found?: Frame } | null;
   /** Whether something is being moved. */
   moving: boolean;
 }
@@ -58,6 +58,8 @@ export interface Studio {
   stop(): void;
 }
 
+const SLOTS: Slot[] = [0, 1];
+
 /** Places along a side while something moves. */
 const COARSE = 64;
 
@@ -68,7 +70,7 @@ const nothing = (): Result => ({
   answer: null,
   lattice: null,
   heard: 0,
-  milliseconds: 0,
+  milliseconds: NaN,
   refused: "",
   warnings: [],
 });
@@ -88,7 +90,8 @@ export function createStudio(engine: Engine, initial: State): Studio {
   };
   const history = createHistory(initial);
   const listeners = new Set<() => void>();
-  const times: [number[], number[]] = [[], []];
+  /** The scenes whose times are known. */
+  const timed = ["", ""];
   let wanted = 0;
   let shown = "";
   let arrayShown = "";
@@ -110,6 +113,7 @@ export function createStudio(engine: Engine, initial: State): Studio {
       for (;;) {
         const grid = gridOf(view.state, view.moving ? COARSE : undefined);
         if (key(grid) !== shown) await update(grid);
+        else if (!view.moving && SLOTS.some(isUntimed)) await time();
         else if (!view.moving && view.state.view !== "slice" && view.volume === null) await fill();
         else break;
       }
@@ -148,11 +152,24 @@ export function createStudio(engine: Engine, initial: State): Studio {
       Object.assign(result, { ...nothing(), refused: outcome.refused });
       return;
     }
-    times[slot] = [...times[slot].slice(-8), outcome.milliseconds];
-    const milliseconds = times[slot].toSorted((a, b) => a - b)[times[slot].length >> 1];
     const { answer, lattice, heard } = outcome;
+    // Of another slice or ear the same solve takes as long as before.
+    const milliseconds = timed[slot] === text(slot) ? result.milliseconds : NaN;
     const warnings = [...outcome.warnings, ...answer.said];
     view.results[slot] = { answer, lattice, heard, milliseconds, warnings, refused: "" };
+  }
+
+  const isUntimed = (slot: Slot) => Boolean(view.results[slot].answer) && timed[slot] !== text(slot);
+
+  async function time() {
+    const given = scenes();
+    for (const slot of SLOTS.filter(isUntimed)) {
+      const milliseconds = await engine.slots[slot].time(given[slot]).catch(() => NaN);
+      if (stopped || view.moving || text(slot) !== given[slot]) return;
+      timed[slot] = given[slot];
+      view.results[slot] = { ...view.results[slot], milliseconds };
+    }
+    tell();
   }
 
   /** |p| in the box, a layer at a time; given up when the state changes. */

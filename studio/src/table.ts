@@ -13,6 +13,8 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
   const { studio, say } = context;
   const state = () => studio.view.state;
   const rows: { root: HTMLElement; inputs: HTMLInputElement[] }[] = [];
+  /** The points whose pressure a person has typed; the page has filled in those of the others. */
+  const typed = new Set<number>();
   const body = element("tbody");
   const head = ["", ...AXES.map((axis) => `${axis} mm`), say("target"), ""];
   const table = element(
@@ -59,9 +61,17 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
       title: say("targetHint"),
       "aria-label": say("pressure", { n }),
       onchange: () => {
-        const value = target.value === "" ? null : Math.max(0, Number(target.value));
-        const balanced = studio.view.results[0].answer?.targets ?? [];
-        studio.change(asked(state(), index, value, balanced), `target ${index}`);
+        const value = target.value === "" ? null : Number(target.value);
+        if (value !== null && value < 0) context.alarm(say("negative", { value, n }));
+        else {
+          if (value === null) typed.delete(index);
+          else {
+            if (!state().pressures) typed.clear();
+            typed.add(index);
+          }
+          const balanced = studio.view.results[0].answer?.targets ?? [];
+          studio.change(asked(state(), index, value, balanced, typed.size > 0), `target ${index}`);
+        }
         showAll(true);
       },
     });
@@ -87,6 +97,7 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
   /** Writes the values; that which is being typed is left alone until it is `done`. */
   function showAll(done = false) {
     const { points, pressures } = state();
+    if (!pressures || rows.length !== points.length) typed.clear();
     while (rows.length > points.length) rows.pop()!.root.remove();
     while (rows.length < points.length) {
       rows.push(row(rows.length));
@@ -96,6 +107,11 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
     rows.forEach(({ inputs }, index) => {
       const values = [...points[index].map(millimetres), pressures ? String(pressures[index]) : ""];
       inputs.forEach((input, k) => {
+        if (k === AXES.length) {
+          const filled = pressures !== null && typed.size > 0 && !typed.has(index);
+          input.classList.toggle("filled", filled);
+          input.title = say(filled ? "filledHint" : "targetHint");
+        }
         if ((done || input !== activeElement) && input.value !== values[k]) input.value = values[k];
       });
     });

@@ -13,7 +13,7 @@ const door = openDoor(await compile(readFileSync(`${import.meta.dirname}/../buil
 const STEP = 2.125e-3;
 
 const along = (contours: Contour[], most = 64) => door.along(contours, most);
-const written = (text: string, most = 64) => along(letters(text, 0.03, [0, 0, 0.15]), most);
+const written = (text: string, most = 64) => along(letters(text, 0.03, 1, [0, 0, 0.15]), most);
 const distance = (a: Vec3, b: Vec3) => Math.hypot(...a.map((x, axis) => x - b[axis]));
 const nearest = (points: Vec3[]) =>
   Math.min(...points.flatMap((a, k) => points.slice(0, k).map((b) => distance(a, b))));
