@@ -11,7 +11,7 @@ import { writeLink } from "./link.ts";
 export interface Deeds {
   language(): void;
   theme(): void;
-  picture(): void;
+  picture(ending: "png" | "svg"): void;
 }
 
 const LOGO =
@@ -51,7 +51,8 @@ export function createBar(context: Context, deeds: Deeds): { root: HTMLElement; 
     element("span", { className: "caption", "aria-hidden": "true" }, say("export")),
     button(say("scene"), () => void exportScene(context).catch(told), say("exportScene")),
     button(say("drive"), () => void exportDrive(context, studio.view.state.slot).catch(told), say("exportDrive")),
-    button(say("picture"), deeds.picture, say("exportPicture")),
+    button(say("picture"), () => deeds.picture("png"), say("exportPicture")),
+    button("SVG", () => deeds.picture("svg"), say("exportDrawing")),
   );
   const told = ({ message }: Error) => context.alarm(say("failed", { line: message }));
   const tools = element(

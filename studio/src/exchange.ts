@@ -71,8 +71,14 @@ export async function exportDrive({ studio, engine, alarm, say, plain }: Context
   else alarm(say("unsolved", { line: plain(refused) }));
 }
 
-/** What is painted, as a picture. */
-export function exportPicture(canvas: HTMLCanvasElement, repaint: () => void): void {
-  repaint();
+/** Saves the sheet of what is shown, as SVG or as PNG of double size. */
+export async function exportSheet(svg: string, [width, height]: number[], ending: "png" | "svg"): Promise<void> {
+  if (ending === "svg") return save("field.svg", svg, "image/svg+xml");
+  const drawn = new Image(width, height);
+  drawn.src = `data:image/svg+xml,${encodeURIComponent(svg)}`;
+  await drawn.decode();
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [2 * width, 2 * height];
+  canvas.getContext("2d")!.drawImage(drawn, 0, 0, canvas.width, canvas.height);
   canvas.toBlob((blob) => blob && save("field.png", blob, "image/png"));
 }

@@ -7,13 +7,14 @@ import type { Context } from "./context.ts";
 import { element } from "./dom.ts";
 import type { Engine } from "./engine.ts";
 import type { Eye } from "./eye.ts";
-import { exportPicture, open } from "./exchange.ts";
+import { exportSheet, open } from "./exchange.ts";
 import { lookOf } from "./look.ts";
 import { createFlat } from "./painter/canvas2d.ts";
 import { createPainter } from "./painter/painter.ts";
 import type { Painter } from "./painter/picture.ts";
 import { createPanels } from "./panels.ts";
 import { plain } from "./refusals.ts";
+import { SHEET, sheet } from "./sheet.ts";
 import { createStage } from "./stage.ts";
 import type { Studio } from "./studio.ts";
 import { type Lattice, type Slot, VIEWS, type Vec3, type View } from "./types.ts";
@@ -70,7 +71,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       alert.replaceChildren(...(text ? [element("span", {}, text), close] : []));
     },
     repaint: () => {
-      frame ||= requestAnimationFrame(paint);
+      frame ||= requestAnimationFrame(() => void paint());
     },
   };
 
@@ -81,7 +82,15 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   const bar = createBar(context, {
     language: () => manner.again({ language: language === "en" ? "ja" : "en" }),
     theme: () => manner.again({ theme: theme === "dark" ? "light" : "dark" }),
-    picture: () => exportPicture(canvas, paint),
+    picture(ending) {
+      // As fine as the PNG is.
+      const ratio = paint(2);
+      const [outer, inner] = [canvas, stage.view].map((each) => each.getBoundingClientRect());
+      const part = [inner.left - outer.left, inner.top - outer.top, inner.width, inner.height].map((px) => Math.round(px * ratio));
+      const drawn = sheet(context, root, canvas, new DOMRect(...part));
+      context.repaint();
+      exportSheet(drawn, SHEET, ending).catch(({ message }: Error) => context.alarm(context.say("failed", { line: message })));
+    },
   });
   const views = segments(context.say("view"), VIEWS.map((view) => [view, context.say(VIEW_WORDS[view])]), (view) =>
     studio.change({ view: view as View }),
@@ -124,9 +133,10 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   }
 
   let painted: (Lattice | null)[] = [];
-  function paint() {
+  /** Paints, at a ratio of px to CSS px or that of the screen; the ratio. */
+  function paint(given?: number): number {
     frame = 0;
-    if (gone || painter.lost) return;
+    if (gone || painter.lost) return 1;
     // No taller than its views: a long page on a phone would be more pixels than a canvas may have.
     const bottoms = [stage.view, ...compare.slices].map((view) => view.getBoundingClientRect().bottom);
     const { top } = canvas.getBoundingClientRect();
@@ -143,7 +153,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     painted = results.map(({ lattice }) => lattice);
     const slot = view.frame ? 0 : state.slot;
     const lattice = slices[slot];
-    const ratio = Math.min(devicePixelRatio, 2) * (view.moving && painter.slow ? COARSE : 1);
+    const ratio = given ?? Math.min(devicePixelRatio, 2) * (view.moving && painter.slow ? COARSE : 1);
     painter.begin(outer.width, outer.height, ratio, BACKGROUNDS[theme]);
     painter.scene(box(stage.view), {
       camera: stage.camera(),
@@ -163,6 +173,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       if (shown) painter.slice(box(element), shown, "AB"[index], look);
     });
     stage.place();
+    return ratio;
   }
 
   function press(event: KeyboardEvent) {

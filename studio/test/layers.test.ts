@@ -14,7 +14,7 @@ const LAYERS = [
   ["painter/", "eye", "look", "numbers"],
   [
     "context", "announce", "refusals", "chart", "stage", "compare", "exchange", "boardbutton", "gallerybox", "bar", "table",
-    "shaping", "motion", "panels",
+    "shaping", "motion", "panels", "sheet",
   ],
   ["page", "hook", "main", "widget"],
 ];

@@ -10,7 +10,7 @@ import type { Box, Painter, Picture } from "./picture.ts";
 const MOST = 256;
 
 /** The slice in its own pixels, `v` up. */
-function drawSlice(onto: HTMLCanvasElement, lattice: Lattice, look: Look): void {
+export function drawSlice(onto: HTMLCanvasElement, lattice: Lattice, look: Look): void {
   const { width, height } = onto;
   const pen = onto.getContext("2d")!;
   const image = pen.createImageData(width, height);

@@ -333,6 +333,20 @@ test("export gives a scene and a drive that say the same", async () => {
   expect(amplitude * Math.sin(phase)).toBeCloseTo(wanted[0][1], 5);
 });
 
+test("the exported picture is a sheet with axes, bar, numbers, version and link, as SVG and as PNG of double size", async () => {
+  const download = async (name: string) => {
+    const [file] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name }).click()]);
+    return readFile((await file.path())!);
+  };
+  const svg = (await download("Export as SVG")).toString();
+  const version = await page.evaluate(() => window.midair!.version);
+  for (const part of ["A: uniform", "B: naive", "x / mm", "y / mm", "kPa", "Uniformity", `midair ${version}`, "#v=1"]) expect(svg).toContain(part);
+  expect(svg.match(/<image /g)).toHaveLength(5);
+  expect(svg.match(/<circle /g)).toHaveLength(2 * (await points()).length);
+  const png = await download("Export picture");
+  expect([png.readUInt32BE(16), png.readUInt32BE(20)]).toEqual([2560, 1520]);
+});
+
 test("both methods, temperature and quantization change the answer", async () => {
   const metrics = () => page.evaluate(() => window.midair!.state().metrics as { uniformity: number }[]);
   const before = await metrics();

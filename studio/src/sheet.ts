@@ -1,0 +1,114 @@
+/** Sheet: the picture that is exported, as SVG: the 3-D view, both slices with axes and bar, numbers, version and link. */
+
+import type { Context } from "./context.ts";
+import { millimetres } from "./context.ts";
+import { writeLink } from "./link.ts";
+import { lookOf } from "./look.ts";
+import { numberRows } from "./numbers.ts";
+import { drawSlice } from "./painter/canvas2d.ts";
+import { entry, roundStep, ticks } from "./painter/maps.ts";
+import type { Lattice, Slot } from "./types.ts";
+import type { Word } from "./words.ts";
+
+/** Width and height of the sheet, the sides of the 3-D view's box and of a slice, in CSS px. */
+export const SHEET = [1280, 760];
+const VIEW = [560, 640];
+const SIDE = 270;
+
+/** Pixels of a slice's image along a side. */
+const PIXELS = 540;
+
+const escaped = (text: string) => text.replace(/[&<>"]/g, (each) => `&#${each.charCodeAt(0)};`);
+
+/** A text at x, y; `more` are attributes. */
+const text = (x: number, y: number, words: string, more = "") => `<text x="${x}" y="${y}" ${more}>${escaped(words)}</text>`;
+
+const picture = (canvas: HTMLCanvasElement, x: number, y: number, width: number, height: number) =>
+  `<image x="${x}" y="${y}" width="${width}" height="${height}" preserveAspectRatio="none" href="${canvas.toDataURL()}"/>`;
+
+function canvasOf(width: number, height: number): [HTMLCanvasElement, CanvasRenderingContext2D] {
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [width, height];
+  return [canvas, canvas.getContext("2d")!];
+}
+
+/** The sheet of what is shown; `painted` is the page's canvas just painted, `box` the 3-D view in it (px of the canvas). */
+export function sheet({ studio, say, engine }: Context, root: HTMLElement, painted: HTMLCanvasElement, box: DOMRect): string {
+  const { view } = studio;
+  const { state } = view;
+  const look = lookOf(view);
+  const style = getComputedStyle(root);
+  const [back, ink, soft] = ["--back", "--text", "--soft"].map((name) => style.getPropertyValue(name));
+
+  function space(): string {
+    const [copy, pen] = canvasOf(box.width, box.height);
+    pen.drawImage(painted, box.x, box.y, box.width, box.height, 0, 0, box.width, box.height);
+    const scale = Math.min(VIEW[0] / box.width, VIEW[1] / box.height);
+    return picture(copy, 24, 60 + (VIEW[1] - scale * box.height) / 2, scale * box.width, scale * box.height);
+  }
+
+  /** A slice with its axes in mm, its rings and the colour bar. */
+  function slice(slot: Slot, lattice: Lattice, x: number, y: number): string {
+    const [copy] = canvasOf(PIXELS, PIXELS);
+    drawSlice(copy, lattice, look);
+    const { size, center, z } = state.plane;
+    const step = roundStep((1000 * size) / 5);
+    const axis = (middle: number) => {
+      const first = Math.ceil((1000 * (middle - size / 2)) / step);
+      const count = Math.floor((1000 * (middle + size / 2)) / step) - first + 1;
+      return Array.from({ length: count }, (_, k): [number, string] => [(step * (first + k)) / 1000 - middle, String(step * (first + k))]);
+    };
+    const at = (metres: number) => SIDE * (0.5 + metres / size);
+    const across = axis(center[0]).map(([d, name]) => text(x + at(d), y + SIDE + 14, name, 'text-anchor="middle"'));
+    const up = axis(center[1]).map(([d, name]) => text(x - 6, y + at(-d) + 4, name, 'text-anchor="end"'));
+    const points = (slot === 0 && view.frame?.points) || state.points;
+    const rings = points.map(([px, py], k) => {
+      const [left, top] = [x + at(px - center[0]), y + at(center[1] - py)];
+      const ring = `<circle cx="${left}" cy="${top}" r="7" fill="none" stroke="#fff"/>`;
+      return Math.max(Math.abs(px - center[0]), Math.abs(py - center[1])) > size / 2 ? "" : ring + text(left + 9, top - 5, String(k + 1), 'fill="#fff"');
+    });
+    const [bar, pen] = canvasOf(1, 256);
+    for (let k = 0; k < 256; k += 1) {
+      pen.fillStyle = `rgb(${entry(look.map, 1 - k / 255).map(Math.round)})`;
+      pen.fillRect(0, k, 1, 1);
+    }
+    const marks = ticks(look).map((tick) => text(x + SIDE + 28, y + SIDE * (1 - tick.at) + 4, tick.label));
+    const name = slot === 0 && view.frame?.found ? "glide" : state.methods[slot];
+    return [
+      text(x, y - 10, `${"AB"[slot]}: ${name}, |p| at z = ${millimetres(z)} mm`, 'font-weight="600"'),
+      picture(copy, x, y, SIDE, SIDE),
+      ...rings,
+      text(x + SIDE / 2, y + SIDE + 30, "x / mm", 'text-anchor="middle"'),
+      text(x - 40, y + SIDE / 2, "y / mm", `text-anchor="middle" transform="rotate(-90 ${x - 40} ${y + SIDE / 2})"`),
+      ...across,
+      ...up,
+      picture(bar, x + SIDE + 12, y, 10, SIDE),
+      ...marks,
+    ].join("");
+  }
+
+  const rows = numberRows(view).map(({ word, values, better }, k) => {
+    const y = 90 + 26 * k;
+    const cells = values.map((value, slot) => text(values.length === 1 ? 1260 : 1180 + 80 * slot, y, value, `text-anchor="end" font-weight="${better === slot ? 700 : 400}"`));
+    return text(1010, y, say(word as Word), `fill="${soft}" font-size="11"`) + cells.join("");
+  });
+  const { array } = state;
+  const name = "preset" in array ? `${array.preset} ${array.tiles.join(" × ")}` : array.name;
+  const slices = view.results.map(({ lattice }, slot) => {
+    const shown = slot === 0 && view.frame ? view.frame.lattice : lattice;
+    return shown ? slice(slot as Slot, shown, 650, slot ? 410 : 70) : "";
+  });
+  const link = new URL(`#${writeLink(state)}`, location.href).href;
+  return [
+    `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${SHEET.join(" ")}" width="${SHEET[0]}" height="${SHEET[1]}" font-family="Inter, system-ui, sans-serif" font-size="12" fill="${ink}">`,
+    `<rect width="100%" height="100%" fill="${back}"/>`,
+    text(24, 36, `${name}, ${state.points.length} ${say("points").toLowerCase()}, ${state.temperature} °C`, 'font-size="18" font-weight="600"'),
+    space(),
+    ...slices,
+    ...rows,
+    text(1180, 64, "A", `text-anchor="end" fill="${soft}"`),
+    text(1260, 64, "B", `text-anchor="end" fill="${soft}"`),
+    text(24, 744, `midair ${engine.catalogue.version}  ${link.length > 190 ? `${link.slice(0, 190)}…` : link}`, `fill="${soft}" font-size="10"`),
+    "</svg>",
+  ].join("\n");
+}
