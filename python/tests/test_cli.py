@@ -126,7 +126,8 @@ def test_presets_are_listed_with_their_counts(run: Run) -> None:
 def test_solve_prints_the_metrics_and_writes_nothing_unasked(run: Run) -> None:
     status, out, err = run("solve", "scene.toml")
     assert (status, err, files()) == (0, "", {"scene.toml"})
-    header, _, row = out.strip().splitlines()
+    header, _, row, _, told = out.strip().splitlines()
+    assert told.startswith("2 points at ")
     _, solution = expected()
     assert row.split()[:6] == ["greedy", *(f"{numbers(solution.metrics)[name]:.4f}" for name in METRICS[:5])]
     assert header.split()[:6] == ["solver", *METRICS[:5]]

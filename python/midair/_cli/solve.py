@@ -15,7 +15,7 @@ from .._support.ctrl_c import interruptible
 from .progress import progress_bar
 from .progress import tell as say
 from .scene import STANDARD, SceneFile, check_outputs, typed_scene
-from .tables import beside, print_solutions, print_written, write_image
+from .tables import beside, print_solutions, print_summary, print_written, write_image
 
 
 def solve_command(
@@ -117,6 +117,7 @@ def _print(request: Scene, solution: Solution, json: bool, *, document: bool) ->
         return
     with beside(document):
         print_solutions([solution])
+        print_summary(solution)
     if document:
         print(output.drive_json(request, solution))
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import io
+import math
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from rich import box
 from rich.console import Console
 from rich.table import Table
@@ -21,10 +23,20 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+#: Blanks between two columns.
+GAP = 3
+
+#: Letters of a picture as fonts and text, which journals ask for.
+FONTS: Any = {"pdf.fonttype": 42, "ps.fonttype": 42, "svg.fonttype": "none"}
+
+
 def write_image(path: Path, figure: Figure) -> None:
     """Write a figure in the format of the path's ending."""
+    from matplotlib import rc_context
+
     content = io.BytesIO()
-    figure.savefig(content, format=path.suffix[1:].lower(), dpi=150)
+    with rc_context(FONTS):
+        figure.savefig(content, format=path.suffix[1:].lower(), dpi=150)
     output.write(path, content.getvalue())
 
 
@@ -70,9 +82,51 @@ def print_solutions(
     print_columns(columns)
 
 
+def print_summary(solution: Solution) -> None:
+    """What a solution makes at its points, in one plain sentence."""
+    got = np.abs(solution.pressures[solution.targets > 0])
+    if not got.size:
+        return
+    low, high = float(got.min()), float(got.max())
+    points = f"{got.size} point{'s' * (got.size > 1)}"
+    if solution.scene is not None and solution.scene.in_paper_unit:
+        loud = (
+            f"{low:.4g} to {high:.4g} in the paper's unit"
+            if high > 1.001 * low
+            else f"{low:.4g} in the paper's unit"
+        )
+    else:
+        level = 20 * math.log10(max(low, 1e-30) / math.sqrt(2) / 20e-6)
+        span = f"{low:.4g} to {high:.4g} Pa" if high > 1.001 * low else f"{low:.4g} Pa"
+        loud = f"{span} ({level:.0f} dB{' and more' * (high > 1.12 * low)})"
+    alike = f", alike to {max(100 * (1 - low / high), 0.1):.2g} %" if got.size > 1 and high > 0 else ""
+    line = f"{points} at {loud} with {len(solution.drive)} transducers{alike}."
+    console.print(line, markup=False, highlight=False, soft_wrap=True)
+
+
 def print_columns(columns: Mapping[str, list[str]]) -> None:
-    """Columns of text as a table."""
-    table = Table(*columns, box=box.SIMPLE_HEAD, pad_edge=False)
-    for row in zip(*columns.values(), strict=True):
-        table.add_row(*row)
+    """Columns of text as a table; where they do not fit, each is a row, in as many parts as it takes."""
+    lines = [list(columns), *map(list, zip(*columns.values(), strict=True))]
+    widths = [max(map(len, column)) + GAP for column in zip(*lines, strict=True)]
+    width = console.width - GAP
+    if sum(widths) <= width:
+        _print_lines(lines)
+        return
+    head, *rest = lines
+    room = width - max(map(len, head)) - GAP
+    while rest:
+        taken = 1
+        while taken < len(rest) and sum(max(map(len, line)) + GAP for line in rest[: taken + 1]) <= room:
+            taken += 1
+        _print_lines(list(zip(head, *rest[:taken], strict=True)))
+        rest = rest[taken:]
+
+
+def _print_lines(lines: Sequence[Sequence[str]]) -> None:
+    """Lines of cells under the first as their head."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for name in lines[0]:
+        table.add_column(name, no_wrap=True, overflow="fold")
+    for line in lines[1:]:
+        table.add_row(*line)
     console.print(table)
