@@ -254,7 +254,7 @@ def test_a_sheet_has_a_row_a_solver_where_points_lie_in_several_planes() -> None
 
 # Of a hundred points some are near one another.
 @pytest.mark.filterwarnings("ignore::midair.SceneWarning")
-@pytest.mark.parametrize("count", [1, 3, 100])
+@pytest.mark.parametrize("count", [2, 3, 100])
 def test_a_solution_plots_what_was_asked_and_got(count: int) -> None:
     rng = np.random.default_rng(2)
     points = rng.uniform([-0.03, -0.03, 0.15], [0.03, 0.03, 0.15], (count, 3))
@@ -264,7 +264,7 @@ def test_a_solution_plots_what_was_asked_and_got(count: int) -> None:
     assert isinstance(figure, Figure)
     ax = figure.axes[-1]
     assert ax.get_ylabel() == "|p| / Pa"
-    got = dict(zip(range(count), np.abs(solution.pressures), strict=True))
+    got = dict(zip(range(1, count + 1), np.abs(solution.pressures), strict=True))
     bars = {round(bar.get_x() + bar.get_width() / 2): bar.get_height() for bar in ax.patches}
     dots = {int(x): y for line in ax.lines for x, y in zip(*line.get_data(), strict=True)}
     assert (bars or dots) == pytest.approx(got)
@@ -274,6 +274,13 @@ def test_a_solution_plots_what_was_asked_and_got(count: int) -> None:
     assert ax.get_ylim()[1] > max(*got.values(), targets.max())
     labels = [text.get_text() for text in ax.get_legend().get_texts()]
     assert ("got at a quiet point" in labels) == (count > 2)
+
+
+def test_a_single_point_has_no_bar_and_a_smooth_focus() -> None:
+    figure = midair.solve(small(points=[[0, 0, 0.15]], pressures=60), "naive").plot()
+    assert [bool(ax.images) for ax in figure.axes] == [True, False]
+    assert figure.axes[0].images[0].get_interpolation() == "bicubic"
+    assert "target 60 Pa" in titles(figure)
 
 
 def test_a_solution_of_a_matrix_plots_what_was_asked_and_got_alone() -> None:

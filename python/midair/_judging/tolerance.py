@@ -37,7 +37,7 @@ def draw(tolerance: Tolerance) -> Figure:
             ax.vlines(
                 worse, row - 0.4, row + 0.4, color="tab:red", label="" if row else f"{PART:.0%} are worse"
             )
-        ax.set(xlabel=f"{what} kept", xlim=(min(0.0, *ax.get_xlim()), None))
+        ax.set(xlabel=f"{what} kept")
         ax.axvline(1, color="lightgrey", zorder=0)
         ax.grid(axis="x", alpha=0.3)
     labels = ["\n".join(filter(None, (name, tolerance._size(name)))) for name in names]

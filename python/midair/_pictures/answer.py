@@ -124,9 +124,15 @@ def answer(solution: Solution, *, quantity: Quantity = "pressure") -> Figure:
     scene, metrics = solution.scene, solution.metrics
     panels = [] if scene is None else field(scene, solution).panels
     drawing = len(panels) == 1 and is_drawing(panels[0], quantity, MOST_BARS)
+    # Of one point the heading says all that a bar would.
+    bars = len(solution.pressures) > 1 or not panels
     if drawing:
         figure = Figure(figsize=(12.6, 7.2), layout="constrained")
         upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(4.4, 2.4)).flat
+    elif not bars:
+        columns, rows = shape(panels)
+        figure = Figure(figsize=(3.8 * columns + 1.2, 3.6 * rows + 1.0), layout="constrained")
+        upper = figure
     elif len(panels) > 1:
         columns, rows = shape(panels)
         figure = Figure(figsize=(max(3.4 * columns + 0.9, 8.0), 3.6 * rows + 4.0), layout="constrained")
@@ -146,7 +152,8 @@ def answer(solution: Solution, *, quantity: Quantity = "pressure") -> Figure:
             image = draw(panel, ax, paint)
             ax.set_title(place(panel), fontsize="medium")
         add_bar(image, axes, paint)
-    asked_and_got(solution, lower.subplots())
+    if bars:
+        asked_and_got(solution, lower.subplots())
     numbers = f"accuracy {number(metrics.accuracy)}, sigma {number(metrics.sigma)}"
     lines = [
         solver(solution),
@@ -162,7 +169,8 @@ def asked_and_got(solution: Solution, ax: Axes) -> None:
     from matplotlib.ticker import MaxNLocator
 
     got, targets = np.abs(solution.pressures), solution.targets
-    index = np.arange(len(got))
+    # Counted from 1, as everywhere where people look.
+    index = np.arange(len(got)) + 1
     quiet = targets == 0
     for chosen, colour, label in ((~quiet, "tab:blue", "got"), (quiet, "tab:orange", "got at a quiet point")):
         if not chosen.any():
@@ -179,7 +187,7 @@ def asked_and_got(solution: Solution, ax: Axes) -> None:
         ylabel=f"|p| of the focus that is a trap{unit}"
         if scene and scene.signature is not None
         else f"|p|{unit}",
-        xlim=(-0.6, len(got) - 0.4),
+        xlim=(0.4, len(got) + 0.6),
         ylim=(0, 1.18 * max(got.max(), targets.max()) or 1.0),
     )
     ax.xaxis.set_major_locator(MaxNLocator("auto", integer=True, min_n_ticks=1))

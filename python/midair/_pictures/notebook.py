@@ -195,7 +195,7 @@ def scene(scene: Scene) -> str:
     pressures, weights = scene.pressures, scene.weights
     rows = [
         (
-            k,
+            k + 1,
             *(f"{x:.4g}" for x in 1e3 * point),
             "balanced" if pressures is None else f"{pressures[k]:.4g}",
             1 if weights is None else f"{weights[k]:.4g}",
@@ -224,7 +224,7 @@ def solution(solution: Solution) -> str:
     """
     got, targets = np.abs(solution.pressures), solution.targets
     rows = [
-        (k, f"{target:.4g}", f"{pressure:.4g}", f"{pressure / target:.3f}" if target else "quiet")
+        (k + 1, f"{target:.4g}", f"{pressure:.4g}", f"{pressure / target:.3f}" if target else "quiet")
         for k, (target, pressure) in enumerate(zip(targets[:MOST], got, strict=False))
     ]
     facts = _facts(

@@ -120,7 +120,11 @@ def grid(figure: Figure | SubFigure, fields: Sequence[Field], columns: int | Non
 
 def draw(field: Field, ax: Axes, colours: Colours) -> AxesImage:
     """The image and the points of a field."""
-    image = paint(field, ax, colours.values(field), colours.map, (colours.bottom, colours.top))
+    values = colours.values(field)
+    image = paint(field, ax, values, colours.map, (colours.bottom, colours.top))
+    if colours.quantity != "phase":
+        # Between samples a focus is smooth; a phase jumps by a turn.
+        image.set_interpolation("bicubic")
     _mark(ax, field, sides(field))
     if colours.quantity != "phase":
         _push(ax, field, sides(field))
