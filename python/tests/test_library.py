@@ -50,7 +50,7 @@ def test_keywords_have_the_names_and_order_of_the_design() -> None:
         midair.judge: "scene drive pressures weights mask",
         midair.field: "scene drive plane",
         midair.gorkov: "scene drive points radius density sound_speed",
-        midair.plot: "what ax quantity vmax",
+        midair.plot: "what ax plane quantity vmax cmap size",
     }
     for function, names in parameters.items():
         assert list(inspect.signature(function).parameters) == names.split()

@@ -283,6 +283,22 @@ def test_a_single_point_has_no_bar_and_a_smooth_focus() -> None:
     assert "target 60 Pa" in titles(figure)
 
 
+def test_pictures_take_plane_colours_panels_and_size() -> None:
+    solution = midair.solve(flat(), "naive")
+    plane = midair.Plane(0.15, 0.05)
+    figure = solution.plot(plane=plane, cmap="cividis", panels=["field"], size=3.5)
+    assert figure.get_figwidth() == 3.5
+    (image,) = figure.axes[0].images
+    assert image.get_cmap().name == "cividis"
+    assert np.asarray(image.get_array()) == pytest.approx(np.abs(solution.field(plane).pressure), rel=1e-6)
+    assert not images(solution.plot(panels=["points"]))
+    ax = midair.plot(solution, plane=plane, cmap="cividis", size=(7.16, 3))
+    assert tuple(ax.figure.get_size_inches()) == (7.16, 3)
+    for wrong in ({"cmap": "rainbows"}, {"panels": ["bars"]}, {"size": -1}):
+        with pytest.raises(midair.SceneError, match=next(iter(wrong))):
+            solution.plot(**wrong)
+
+
 def test_a_solution_of_a_matrix_plots_what_was_asked_and_got_alone() -> None:
     solution = midair.solve(midair.Propagation(small().propagation()), "naive", pressures=500)
     figure = answer(solution)

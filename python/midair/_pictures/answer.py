@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Field, Solution, field
+from .._midair import Field, Plane, SceneError, Solution, field
 from .colours import Quantity, colours, loud, of_pressures
 from .panel import add_bar, draw, grid, paint, shape, sides
-from .sheet import HEADROOM
+from .sheet import HEADROOM, Size, resize
 from .words import marks, number, place, solver, told
 
 if TYPE_CHECKING:
@@ -106,49 +107,68 @@ def _pitch(points: NDArray[np.float64]) -> float:
     return float(np.median(nearest))
 
 
+#: The parts of an answer's picture.
+Panel = Literal["field", "points"]
+PANELS = get_args(Panel)
+
 #: More points than this are dots: bars would run together.
 MOST_BARS = 40
 
 
-def answer(solution: Solution, *, quantity: Quantity = "pressure") -> Figure:
+def answer(
+    solution: Solution,
+    *,
+    plane: Plane | None = None,
+    quantity: Quantity = "pressure",
+    cmap: str | None = None,
+    panels: Sequence[Panel] | None = None,
+    size: Size | None = None,
+) -> Figure:
     """What was asked and got at each point, in Pa, and the field in the planes through the points.
 
     Of drawings, more than 40 points in one plane, the field has three panels: wanted, made, difference.
 
-    quantity : what the field's picture shows: "pressure", "radiation", "spl" or "phase". Returns the figure.
+    plane : the midair.Plane of the field in place of those through the points
+    quantity : what the field's picture shows: "pressure", "radiation", "spl" or "phase"
+    cmap : the name of a colour map of matplotlib; left out, the quantity's own
+    panels : "field", "points" or both; left out, both, but of a single point the field alone
+    size : of the figure in inches, its width or (width, height)
 
-    Raises SceneError for another quantity.
+    Returns the figure. Raises SceneError for another quantity, colour map, panel or size.
     """
     from matplotlib.figure import Figure
 
     scene, metrics = solution.scene, solution.metrics
-    panels = [] if scene is None else field(scene, solution).panels
-    drawing = len(panels) == 1 and is_drawing(panels[0], quantity, MOST_BARS)
+    chosen = set(PANELS if panels is None else panels)
+    if not chosen or chosen - set(PANELS):
+        raise SceneError(f'panels is {panels!r}: give "field", "points" or both in a list')
+    fields = [] if scene is None or "field" not in chosen else field(scene, solution, plane).panels
+    drawing = len(fields) == 1 and is_drawing(fields[0], quantity, MOST_BARS)
     # Of one point the heading says all that a bar would.
-    bars = len(solution.pressures) > 1 or not panels
+    bars = ("points" in chosen and (panels is not None or len(solution.pressures) > 1)) or not fields
     if drawing:
         figure = Figure(figsize=(12.6, 7.2), layout="constrained")
         upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(4.4, 2.4)).flat
     elif not bars:
-        columns, rows = shape(panels)
+        columns, rows = shape(fields)
         figure = Figure(figsize=(3.8 * columns + 1.2, 3.6 * rows + 1.0), layout="constrained")
         upper = figure
-    elif len(panels) > 1:
-        columns, rows = shape(panels)
+    elif len(fields) > 1:
+        columns, rows = shape(fields)
         figure = Figure(figsize=(max(3.4 * columns + 0.9, 8.0), 3.6 * rows + 4.0), layout="constrained")
         upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(3.6 * rows + 0.3, 3.2)).flat
-    elif panels:
+    elif fields:
         figure = Figure(figsize=(11.0, 4.9), layout="constrained")
         upper, lower = figure.subfigures(1, 2, squeeze=False, width_ratios=(1.0, 1.1)).flat
     else:
         figure = Figure(figsize=(6.4, 4.4), layout="constrained")
         lower = figure
     if drawing:
-        wanted_made_difference(upper, panels[0], solution, quantity)
-    elif panels:
-        axes = grid(upper, panels)
-        paint = colours(panels, quantity)
-        for panel, ax in zip(panels, axes, strict=True):
+        wanted_made_difference(upper, fields[0], solution, quantity)
+    elif fields:
+        axes = grid(upper, fields)
+        paint = colours(fields, quantity).by(cmap)
+        for panel, ax in zip(fields, axes, strict=True):
             image = draw(panel, ax, paint)
             ax.set_title(place(panel), fontsize="medium")
         add_bar(image, axes, paint)
@@ -158,9 +178,10 @@ def answer(solution: Solution, *, quantity: Quantity = "pressure") -> Figure:
     lines = [
         solver(solution),
         f"{told(solution, scene)}, {numbers}",
-        marks(panels) if panels and not drawing else "",
+        marks(fields) if fields and not drawing else "",
     ]
     figure.suptitle("\n".join(filter(None, lines)), fontsize="medium")
+    resize(figure, size)
     return figure
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import log10, pi, sqrt
 from typing import Literal, get_args
 
@@ -42,6 +42,8 @@ class Colours:
     factor: float
     label: str
     extend: str
+    #: A colour map of the caller's own, or "".
+    own: str = ""
 
     def values(self, field: Field) -> NDArray[np.float64]:
         """The values to draw; phases are masked where the pressure is next to nothing."""
@@ -50,7 +52,15 @@ class Colours:
     @property
     def map(self) -> str:
         """The name of matplotlib's colour map."""
-        return MAPS[self.quantity]
+        return self.own or MAPS[self.quantity]
+
+    def by(self, cmap: str | None) -> Colours:
+        """The same with a colour map of the caller's own. Raises SceneError for none that matplotlib has."""
+        from matplotlib import colormaps
+
+        if cmap is not None and cmap not in colormaps:
+            raise SceneError(f"cmap is {cmap!r}: give a name that matplotlib has, such as {self.map}")
+        return replace(self, own=cmap or "")
 
 
 def of_pressures(field: Field, pressures: NDArray[np.float64], colours: Colours) -> NDArray[np.float64]:

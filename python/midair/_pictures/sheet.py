@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._midair import Field
+from .._midair import Field, SceneError
 from .colours import Quantity, colours, loud
 from .panel import add_bar, draw, grid
 from .words import asked, level, marks, number, place, scale
@@ -15,8 +15,25 @@ from .words import asked, level, marks, number, place, scale
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+#: Width in inches, or width and height.
+Size = float | tuple[float, float]
+
 #: How far above the largest target a scale goes where a panel is that loud; an arrow tells of more.
 HEADROOM = 1.5
+
+
+def resize(figure: Figure, size: Size | None) -> None:
+    """Makes a figure `size` inches wide, or wide and high; None leaves it. Raises SceneError for another."""
+    if size is None:
+        return
+    sides = (
+        (size, size * figure.get_figheight() / figure.get_figwidth())
+        if isinstance(size, int | float)
+        else size
+    )
+    if len(sides) != 2 or not all(np.isfinite(side) and side > 0 for side in sides):
+        raise SceneError(f"size is {size!r}: give a width in inches, or (width, height)")
+    figure.set_size_inches(*sides)
 
 
 def contact_sheet(fields: Sequence[Field], names: Sequence[str], quantity: Quantity = "pressure") -> Figure:
