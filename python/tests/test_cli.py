@@ -107,9 +107,10 @@ def test_solvers_are_listed_with_options_and_defaults(run: Run) -> None:
     status, out, _ = run("solvers")
     assert status == 0
     for name, info in midair.solvers().items():
-        assert f" {name} " in out
+        assert any(line.split()[:1] == [name] for line in out.splitlines())
+        own = run("solvers", name)[1]
         for option, about in info.options.items():
-            assert any(line.split()[:2] == [option, str(about.default)] for line in out.splitlines())
+            assert any(line.split()[:2] == [option, str(about.default)] for line in own.splitlines())
     # Beside its own default, what AUTD3's grid makes of it.
     rows = [line.split()[:5] for line in run("solvers", "greedy")[1].splitlines()]
     assert ["phases", "16", "(autd3", "256)"] in [row[:4] for row in rows]
@@ -126,9 +127,11 @@ def test_presets_are_listed_with_their_counts(run: Run) -> None:
 def test_solve_prints_the_metrics_and_writes_nothing_unasked(run: Run) -> None:
     status, out, err = run("solve", "scene.toml")
     assert (status, err, files()) == (0, "", {"scene.toml"})
-    header, _, row, _, told = out.strip().splitlines()
-    assert told.startswith("2 points at ")
+    header, _, row, _, sentence = out.strip().splitlines()
     _, solution = expected()
+    points = int(np.count_nonzero(solution.targets))
+    assert sentence.startswith(f"{points} points at ")
+    assert f"with {np.count_nonzero(solution.drive)} transducers, within " in sentence
     assert row.split()[:6] == ["greedy", *(f"{numbers(solution.metrics)[name]:.4f}" for name in METRICS[:5])]
     assert header.split()[:6] == ["solver", *METRICS[:5]]
     assert row.split()[-1] == "done"
@@ -297,7 +300,7 @@ def test_compare_has_a_line_and_a_panel_for_each_solver(run: Run) -> None:
     # So few transducers cannot do more: the methods that meet targets report it.
     assert err
     assert all("missed by" in line for line in err.splitlines())
-    rows = out.strip().splitlines()[2:]
+    rows = out.strip().splitlines()[2:-2]
     assert [row.split()[0] for row in rows] == list(midair.solvers())
     width, height = png_size("sheet.png")
     assert 400 < height < 8000
@@ -311,7 +314,7 @@ def test_compare_has_a_line_and_a_panel_for_each_solver(run: Run) -> None:
 def test_compare_takes_some_solvers_in_the_order_given(run: Run) -> None:
     status, out, _ = run("compare", "scene.toml", "--solvers", "naive, greedy")
     assert (status, files()) == (0, {"scene.toml"})
-    assert [row.split()[0] for row in out.strip().splitlines()[2:]] == ["naive", "greedy"]
+    assert [row.split()[0] for row in out.strip().splitlines()[2:-2]] == ["naive", "greedy"]
 
 
 def test_leak_is_told_where_there_are_quiet_points(run: Run) -> None:
@@ -390,3 +393,53 @@ def test_ctrl_c_and_sigterm_write_the_whole_file_of_what_was_found(number: signa
     assert drive.shape == (40000, 2)
     assert 0 < np.count_nonzero(np.abs(drive).sum(axis=1)) < 40000
     assert not [name for name in files() if name.endswith(".part")]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["solve", "scene.toml"],
+        ["compare", "scene.toml"],
+        ["compare", "scene.toml", "--solvers", "naive,gs"],
+        ["solvers"],
+        ["solvers", "greedy"],
+        ["boards"],
+        ["presets"],
+    ],
+    ids=" ".join,
+)
+def test_tables_are_whole_in_a_terminal_of_80_columns(command: list[str], tmp_path: Path) -> None:
+    (tmp_path / "scene.toml").write_text(SCENE)
+    far, near = os.openpty()
+    environment = {**os.environ, "COLUMNS": "80", "TERM": "dumb"}
+    program = [sys.executable, "-m", "midair", *command]
+    done = subprocess.Popen(
+        program, stdin=near, stdout=near, stderr=subprocess.DEVNULL, cwd=tmp_path, env=environment
+    )
+    os.close(near)
+    shown = b""
+    while True:
+        try:
+            shown += os.read(far, 65536)
+        except OSError:  # the end of a pseudo-terminal
+            break
+    os.close(far)
+    assert done.wait() == 0
+    lines = shown.decode().replace("\r", "").splitlines()
+    assert all("\u2026" not in line for line in lines)
+    table = lines[:-1]
+    assert all(len(line.rstrip()) <= 80 for line in table)
+    if command[0] == "compare":
+        text = "\n".join(lines)
+        solvers = command[-1].split(",") if len(command) > 2 else list(midair.solvers())
+        assert all(solver in text.split() for solver in solvers)
+
+
+def test_show_draws_the_plane_of_the_points_in_letters(run: Run) -> None:
+    out = run("solve", "--preset", "sonicsurface", "--at", "0,0,0.1", "--at", "0.03,0,0.1", "--show")[1]
+    rows = [line for line in out.splitlines() if set(line) & set("@%#") and not set(line) - set(" .:-=+*#%@")]
+    # The two foci, 30 mm apart in a picture of 65 mm.
+    brightest = max(rows, key=lambda row: row.count("@"))
+    assert brightest.index("@") < 38 < brightest.rindex("@")
+    assert "z = 100 mm; brightest" in out

@@ -13,7 +13,7 @@ from rich.table import Table
 from .. import Array, Board, SceneError, connect, ports
 from .._boards.address import KINDS, PAIR
 from .._support import output
-from .tables import console, print_facts
+from .tables import console, print_facts, print_list
 
 #: Boards of 64 in a chain.
 MOST_MEGA64 = 14
@@ -91,20 +91,14 @@ def boards_command(name: str | None = None, *, json: Annotated[bool, Parameter(n
 
 
 def _print_list(records: dict[str, dict[str, Any]]) -> None:
-    columns = "board", "channels", "boards", "phases", "amplitudes", "bytes a frame", "frames/s", "what it is"
-    table = Table(*columns, box=box.SIMPLE_HEAD)
-    for name, record in records.items():
-        table.add_row(
-            f"[bold]{name}[/bold]",
-            str(record["transducers"]),
-            f"up to {record['most_boards']}" if record["most_boards"] > 1 else "1",
-            str(record["phases"]),
-            str(len(record["amplitudes"])),
-            str(record["frame_bytes"]),
-            f"{record['frames_per_second']:.4g}",
-            record["summary"],
-        )
-    console.print(table)
+    known = records.values()
+    columns = {
+        "board": list(records),
+        "channels": [str(record["transducers"]) for record in known],
+        "phases": [str(record["phases"]) for record in known],
+        "what it is": [record["summary"] for record in known],
+    }
+    print_list(columns, "midair boards NAME tells all of one of them")
 
 
 def _print_one(name: str, record: dict[str, Any]) -> None:

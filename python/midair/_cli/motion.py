@@ -7,8 +7,6 @@ from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
-from rich import box
-from rich.table import Table
 
 from .. import SceneError, Sequence
 from .._motion.document import Document, read
@@ -16,7 +14,7 @@ from .._motion.request import solver_name
 from .._support import output
 from .progress import progress_bar
 from .scene import check_outputs
-from .tables import console, print_written, write_image
+from .tables import console, print_columns, print_written, write_image
 
 #: What is told of a sequence, and how many digits.
 COLUMNS = {
@@ -93,15 +91,12 @@ def _solved(asked: Document, name: str, file: Path | None) -> Sequence:
 
 
 def _print(found: dict[str, Sequence]) -> None:
-    table = Table(
-        "solver", *(name.replace("_", " ") for name in COLUMNS), box=box.SIMPLE_HEAD, pad_edge=False
-    )
-    for name, one in found.items():
-        metrics = one.metrics.asdict()
-        cells = ("-" if metrics[key] is None else form.format(metrics[key]) for key, form in COLUMNS.items())
-        table.add_row(name, *cells)
+    columns = {"solver": list(found)}
+    for key, form in COLUMNS.items():
+        values = [one.metrics.asdict()[key] for one in found.values()]
+        columns[key.replace("_", " ")] = ["-" if value is None else form.format(value) for value in values]
     first = next(iter(found.values()))
     frames, count = first.targets.shape
     console.print(f"{frames} frames of {count} points at {first.rate:g} Hz, {len(first.array)} transducers")
-    console.print(table)
+    print_columns(columns)
     console.print("largest change and seam in rad a frame; noise in dB, a proxy: docs/motion.md")

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from cyclopts import Parameter
 from rich import box
+from rich.markup import escape
 from rich.table import Table
 
 from .. import Array, Solver, SolverInfo, presets, solvers
 from .._midair import preset_name, solver_name
 from .._support import output
 from .scene import check_outputs
-from .tables import console, print_facts, print_written, write_image
+from .tables import console, print_facts, print_list, print_written, write_image
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -75,28 +76,34 @@ def solvers_command(name: str | None = None, *, json: Annotated[bool, Parameter(
     if json:
         print(output.to_json({name: _solver_record(info) for name, info in known.items()}))
         return 0
-    table = Table("solver", "option", "default", "what it does", box=box.SIMPLE_HEAD)
+    if name is None:
+        columns = {"solver": list(known), "what it does": [info.summary for info in known.values()]}
+        print_list(columns, "midair solvers NAME lists the options of one of them and their defaults")
+        return 0
     for listed, info in known.items():
-        table.add_row(f"[bold]{listed}[/bold]", "", "", f"{info.summary} ({info.source})")
-        board = Solver(Array.preset(BOARD), listed).options
-        for option, about in info.options.items():
-            own = "" if board[option] == about.default else f" ({BOARD} {board[option]})"
-            table.add_row("", option, f"{about.default}{own}", about.doc)
-        table.add_row(
-            "", "phases", "used" if info.uses_phases else "not used", "Phases of complex pressures."
-        )
-        table.add_row(
-            "", "balance", str(info.balance), "Solve at the balanced level, reduce the drives afterwards."
-        )
-    console.print(table)
-    if name is not None:
-        _print_uses(*known.items())
+        _print_options(listed, info)
+        _print_uses(listed, info)
     return 0
 
 
-def _print_uses(solver: tuple[str, SolverInfo]) -> None:
+def _print_options(name: str, info: SolverInfo) -> None:
+    """What a method does, and its options: what is said of them goes on over lines, nothing is cut."""
+    console.print(f"{name}: {info.summary} ({info.source})", markup=False, highlight=False)
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for column in ("option", "default"):
+        table.add_column(column, no_wrap=True)
+    table.add_column("what it does")
+    board = Solver(Array.preset(BOARD), name).options
+    for option, about in info.options.items():
+        own = "" if board[option] == about.default else f" ({BOARD} {board[option]})"
+        table.add_row(option, f"{about.default}{own}", escape(about.doc))
+    table.add_row("phases", "used" if info.uses_phases else "not used", "Phases of complex pressures.")
+    table.add_row("balance", str(info.balance), "Solve at the balanced level, reduce the drives afterwards.")
+    console.print(table)
+
+
+def _print_uses(name: str, info: SolverInfo) -> None:
     """How its options are given, wherever they can be."""
-    name, info = solver
     key, value = next(((key, about.default) for key, about in info.options.items()), ("balance", True))
     word = f'"{value}"' if isinstance(value, str) else str(value).lower()
     lines = {
@@ -148,20 +155,13 @@ def presets_command(
 
 
 def _print_list() -> None:
-    columns = "preset", "transducers", "tiles", "P0 / Pa m", "board", "what it is", "source"
-    table = Table(*columns, box=box.SIMPLE_HEAD)
-    for name, info in presets().items():
-        tiles = "yes" if info.tiles else "no"
-        table.add_row(
-            f"[bold]{name}[/bold]",
-            str(info.count),
-            tiles,
-            f"{info.source_pressure:g}",
-            info.board or "-",
-            info.summary,
-            info.source,
-        )
-    console.print(table)
+    known = presets()
+    columns = {
+        "preset": list(known),
+        "transducers": [str(info.count) for info in known.values()],
+        "what it is": [info.summary for info in known.values()],
+    }
+    print_list(columns, "midair presets NAME tells all of one of them")
 
 
 def _print_one(name: str) -> None:

@@ -24,6 +24,10 @@ from rich.progress import (
 REFUSED, FAULT, UNREAD, INTERRUPTED = 2, 70, 141, 130
 
 
+#: Colours of the first word of a line.
+SHADES = {"error": "31", "warning": "33"}
+
+
 def one_line(error: BaseException | str) -> str:
     """What an error says, without line breaks."""
     if isinstance(error, OSError) and error.strerror:
@@ -62,8 +66,11 @@ def prepare() -> None:
 
 def tell(line: str) -> None:
     """A line on standard error, if anybody reads it."""
+    first, colon, rest = line.partition(":")
+    shade = SHADES.get(first) if sys.stderr.isatty() and "NO_COLOR" not in os.environ else None
+    shown = line if shade is None else f"\x1b[{shade}m{first}{colon}\x1b[0m{rest}"
     with suppress(OSError):
-        print(line, file=sys.stderr, flush=True)
+        print(shown, file=sys.stderr, flush=True)
 
 
 def abandon() -> None:

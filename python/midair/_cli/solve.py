@@ -8,14 +8,14 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from .. import Scene, SceneError, Solution, solve
+from .. import Scene, SceneError, Solution, field, solve
 from .._pictures.plot import Quantity, answer
 from .._support import output
 from .._support.ctrl_c import interruptible
 from .progress import progress_bar
 from .progress import tell as say
 from .scene import STANDARD, SceneFile, check_outputs, typed_scene
-from .tables import beside, print_solutions, print_summary, print_written, write_image
+from .tables import beside, print_field, print_solutions, print_written, write_image
 
 
 def solve_command(
@@ -31,6 +31,7 @@ def solve_command(
     quantity: Quantity = "pressure",
     balance: bool | None = None,
     aim: str | None = None,
+    show: Annotated[bool, Parameter(negative=())] = False,
     json: Annotated[bool, Parameter(negative=())] = False,
     **options: Annotated[str, Parameter(allow_leading_hyphen=True)],
 ) -> int:
@@ -66,6 +67,8 @@ def solve_command(
         Solve at the level the array can reach and reduce the drives afterwards.
     aim
         "target" for as loud as asked, "max" for as loud as the array can, for the solvers that use one.
+    show
+        Draw |p| in the plane of the points in the terminal, below the table.
     json
         Print one JSON document in place of the table.
     options
@@ -104,6 +107,8 @@ def solve_command(
     finally:
         # An answer is worth its line, also where its file cannot be written.
         _print(request, solution, json, document=output_file == STANDARD)
+    if show and not json and not stopped:
+        print_field(field(solution.scene or request, solution))
     if output_file is not None and output_file != STANDARD and not json:
         print_written(output_file)
     if stopped:
@@ -117,7 +122,6 @@ def _print(request: Scene, solution: Solution, json: bool, *, document: bool) ->
         return
     with beside(document):
         print_solutions([solution])
-        print_summary(solution)
     if document:
         print(output.drive_json(request, solution))
 

@@ -3,31 +3,43 @@
 from __future__ import annotations
 
 import io
-import math
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 from rich import box
 from rich.console import Console
+from rich.markup import escape
+from rich.measure import Measurement
 from rich.table import Table
+from rich.text import Text
 
-from .. import Solution
-from .._judging.compare import cells
+from .. import Field, Solution
+from .._judging.compare import cells, sentence, weakest
+from .._pictures.colours import MAPS
 from .._support import output
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-#: Blanks between two columns.
-GAP = 3
-
 #: Letters of a picture as fonts and text, which journals ask for.
 FONTS: Any = {"pdf.fonttype": 42, "ps.fonttype": 42, "svg.fonttype": "none"}
+
+#: Characters across a picture, at most, and those that stand for colours, from silence to the loudest.
+WIDEST = 76
+SHADES = " .:-=+*#%@"
+
+#: Blanks between two columns.
+APART = 3
+
+#: Columns that a narrow terminal goes without, the first of them first.
+SPARED = ("sigma", "residual", "limit", "complex error", "accuracy", "steps", "time", "gap")
 
 
 def write_image(path: Path, figure: Figure) -> None:
@@ -76,57 +88,106 @@ def print_written(what: object) -> None:
 def print_solutions(
     solutions: Iterable[Solution], names: Iterable[str] | None = None, gaps: Iterable[float] | None = None
 ) -> None:
-    """Metrics side by side, under the solvers' names unless told otherwise."""
+    """Metrics side by side, under the solvers' names unless told otherwise, and a sentence on the best."""
     solutions = list(solutions)
-    columns = cells(solutions, names or [solution.solver for solution in solutions], gaps)
-    print_columns(columns)
-
-
-def print_summary(solution: Solution) -> None:
-    """What a solution makes at its points, in one plain sentence."""
-    got = np.abs(solution.pressures[solution.targets > 0])
-    if not got.size:
-        return
-    low, high = float(got.min()), float(got.max())
-    points = f"{got.size} point{'s' * (got.size > 1)}"
-    if solution.scene is not None and solution.scene.in_paper_unit:
-        loud = (
-            f"{low:.4g} to {high:.4g} in the paper's unit"
-            if high > 1.001 * low
-            else f"{low:.4g} in the paper's unit"
-        )
-    else:
-        level = 20 * math.log10(max(low, 1e-30) / math.sqrt(2) / 20e-6)
-        span = f"{low:.4g} to {high:.4g} Pa" if high > 1.001 * low else f"{low:.4g} Pa"
-        loud = f"{span} ({level:.0f} dB{' and more' * (high > 1.12 * low)})"
-    alike = f", alike to {max(100 * (1 - low / high), 0.1):.2g} %" if got.size > 1 and high > 0 else ""
-    line = f"{points} at {loud} with {len(solution.drive)} transducers{alike}."
-    console.print(line, markup=False, highlight=False, soft_wrap=True)
+    names = list(names or [solution.solver for solution in solutions])
+    print_columns(cells(solutions, names, gaps))
+    best = max(range(len(solutions)), key=lambda k: weakest(solutions[k]))
+    name = f"{names[best]}: " if len(solutions) > 1 else ""
+    console.print(f"{name}{sentence(solutions[best])}", markup=False, highlight=False, soft_wrap=True)
 
 
 def print_columns(columns: Mapping[str, list[str]]) -> None:
-    """Columns of text as a table; where they do not fit, each is a row, in as many parts as it takes."""
-    lines = [list(columns), *map(list, zip(*columns.values(), strict=True))]
-    widths = [max(map(len, column)) + GAP for column in zip(*lines, strict=True)]
-    width = console.width - GAP
-    if sum(widths) <= width:
-        _print_lines(lines)
-        return
-    head, *rest = lines
-    room = width - max(map(len, head)) - GAP
-    while rest:
-        taken = 1
-        while taken < len(rest) and sum(max(map(len, line)) + GAP for line in rest[: taken + 1]) <= room:
-            taken += 1
-        _print_lines(list(zip(head, *rest[:taken], strict=True)))
-        rest = rest[taken:]
+    """Columns of text as a table that is never cut: one too wide is turned, or leaves columns out."""
+    shown = dict(columns)
+    if not _fits(_table(shown)) and _fits(_table(_turned(shown))):
+        shown = _turned(shown)
+    left = []
+    for name in SPARED:
+        if _fits(_table(shown)):
+            break
+        if shown.pop(name, None) is not None:
+            left.append(name)
+    console.print(_table(shown))
+    if left:
+        line = f"left out, for want of width: {', '.join(left)}; --json has all"
+        console.print(line, markup=False, highlight=False, soft_wrap=True)
 
 
-def _print_lines(lines: Sequence[Sequence[str]]) -> None:
-    """Lines of cells under the first as their head."""
+def print_list(columns: Mapping[str, list[str]], closing: str) -> None:
+    """A line each: names and numbers whole, and as many words of the last column as there is room for."""
+    *_, last = columns
+    others = {name: column for name, column in columns.items() if name != last}
+    room = max(console.width - _width(_table(others)) - APART, 0)
+    words = [shorten(text, room, placeholder=" ...") for text in columns[last]]
+    console.print(_table(others | {last: words}))
+    console.print(closing, markup=False, highlight=False, soft_wrap=True)
+
+
+def print_field(field: Field) -> None:
+    """|p| of each panel of a field: two rows of samples a line in colours, or one in letters."""
+    from matplotlib import colormaps
+    from matplotlib.colors import to_hex
+
+    colours = colormaps[MAPS["pressure"]]
+    for panel in field.panels or [field]:
+        pressure = np.abs(panel.pressure)
+        top = max(float(pressure.max()), 1e-30)
+        height, width = pressure.shape
+        across = min(console.width - 1, WIDEST)
+        rows = max(round(across * height / width / 2), 1)
+        picked = np.ix_(_spread(height, 2 * rows)[::-1], _spread(width, across))
+        parts = pressure[picked] / top
+        for above, below in zip(parts[::2], parts[1::2], strict=True):
+            line = Text(no_wrap=True)
+            for one, other in zip(above, below, strict=True):
+                if console.color_system is None:
+                    line.append(SHADES[round((one + other) / 2 * (len(SHADES) - 1))])
+                else:
+                    ends = [to_hex(colours(float(part))) for part in (one, other)]
+                    line.append("\u2580", f"{ends[0]} on {ends[1]}")
+            console.print(line, soft_wrap=True)
+        console.print(_legend(panel, top), markup=False, highlight=False, soft_wrap=True)
+
+
+def _spread(size: int, count: int) -> NDArray[np.intp]:
+    """So many samples from the first to the last of a side."""
+    return np.linspace(0, size - 1, count).round().astype(np.intp)
+
+
+def _legend(panel: Field, top: float) -> str:
+    """Where a picture lies, and its loudest sample."""
+    ends = [f"{name} {1e3 * side[0]:.0f} to {1e3 * side[-1]:.0f}" for name, side in _sides(panel)]
+    plane = panel.plane
+    place = "" if plane is None else f", {plane.axis} = {1e3 * plane.at:.0f}"
+    return f"{', '.join(ends)}{place} mm; brightest {top:.4g} Pa"
+
+
+def _sides(panel: Field) -> list[tuple[str, NDArray[np.float64]]]:
+    """The axes that a picture goes along, across first."""
+    return [(name, side) for name in "xyz" if (side := getattr(panel, name)) is not None and side.size > 1]
+
+
+def _turned(columns: Mapping[str, list[str]]) -> dict[str, list[str]]:
+    """A row each metric and a column each method."""
+    first, *others = columns
+    rows = zip(*(columns[name] for name in others), strict=True)
+    return {first: others} | {name: list(row) for name, row in zip(columns[first], rows, strict=True)}
+
+
+def _table(columns: Mapping[str, list[str]]) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for name in lines[0]:
-        table.add_column(name, no_wrap=True, overflow="fold")
-    for line in lines[1:]:
-        table.add_row(*line)
-    console.print(table)
+    for name in columns:
+        table.add_column(escape(name), no_wrap=True)
+    for row in zip(*columns.values(), strict=True):
+        table.add_row(*map(escape, row))
+    return table
+
+
+def _width(table: Table) -> int:
+    """Characters of a table that nothing is cut of."""
+    return Measurement.get(console, console.options.update(max_width=10_000), table).maximum
+
+
+def _fits(table: Table) -> bool:
+    return _width(table) <= console.width

@@ -10,6 +10,7 @@ import numpy as np
 
 from .. import _midair
 from .._midair import Array, Propagation, Scene, SceneError, Solution, Solver
+from .._pictures.colours import REFERENCE
 from .._support import text
 from .._support.output import METRICS
 
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
 #: The most points that `midair.bound` takes.
 BOUND_POINTS = 64
 
+
+#: Pressures that differ by less than this factor are one number in words.
+EVEN = 1.002
 
 #: Keywords of `midair.solve` that a `midair.Solver` is not made with.
 OF_A_SOLVE = {"start", "progress", "trace"}
@@ -143,6 +147,55 @@ def cells(
     columns["time"] = [_duration(solution.elapsed) for solution in solutions]
     columns["status"] = [_status(solution) for solution in solutions]
     return columns
+
+
+def weakest(solution: Solution) -> float:
+    """The least |p| / target of the points with a target."""
+    loud = solution.targets > 0
+    parts = np.abs(solution.pressures[loud]) / solution.targets[loud]
+    return float(parts.min()) if parts.size else 0.0
+
+
+def sentence(solution: Solution) -> str:
+    """An answer in plain words: how many points, how loud, by how many transducers, how near the request."""
+    loud = solution.targets > 0
+    got, quiet = np.abs(solution.pressures[loud]), np.abs(solution.pressures[~loud])
+    if not got.size:
+        return f"{_counted(quiet, 'quiet point')}, at most {quiet.max():.3g} Pa"
+    low, high = float(got.min()), float(got.max())
+    unit = _paper if solution.scene is not None and solution.scene.in_paper_unit else _level
+    level = unit(high) if high <= EVEN * low else f"{low:.4g} to {unit(high)}"
+    driven = _counted(np.flatnonzero(solution.drive), "transducer")
+    requested = solution.scene is not None and solution.scene.pressures is not None
+    parts = got / solution.targets[loud]
+    off = float(np.abs(parts / (1 if requested else np.mean(parts)) - 1).max())
+    words = [f"{_counted(got, 'point')} at {level} with {driven}"]
+    if requested:
+        words.append(f"within {_percent(off)} of what was requested")
+    elif len(got) > 1:
+        words.append(f"even to {_percent(off)}")
+    if quiet.size:
+        words.append(f"{_counted(quiet, 'quiet point')} at most {quiet.max():.3g} Pa")
+    return ", ".join(words)
+
+
+def _paper(pressure: float) -> str:
+    return f"{pressure:.4g} in the paper's unit"
+
+
+def _counted(things: NDArray[Any], name: str) -> str:
+    return f"{len(things)} {name}" if len(things) == 1 else f"{len(things)} {name}s"
+
+
+def _percent(part: float) -> str:
+    """In two digits, nothing below a tenth."""
+    return f"{max(100 * part, 0.1):.2g} %"
+
+
+def _level(pressure: float) -> str:
+    """A peak pressure in Pa and dB SPL."""
+    decibels = 20 * np.log10(max(pressure, 1e-12) / np.sqrt(2) / REFERENCE)
+    return f"{pressure:.4g} Pa ({decibels:.0f} dB)"
 
 
 def _duration(seconds: float) -> str:
