@@ -7,7 +7,7 @@
 use num_complex::{Complex32, Complex64};
 
 pub(crate) use libm::{
-    acos, asin, atan2, atan2f, cbrt, ceil, cos, exp, floor, floorf, hypot, j0, j1, log, log10, pow, rint, round, sin,
+    acos, atan2, atan2f, cbrt, ceil, cos, exp, floor, floorf, hypot, j0, j1, log, log10, pow, rint, round, sin,
 };
 
 /// Square root in double precision.

@@ -219,6 +219,9 @@ class Mega64(Arduino):
     )
     # fmt: on
 
+    #: Cycles of each, 396 in all.
+    TICKS = (38, 42, 34, 35, 35, 36, 43, 43, 34, 56)
+
     def __init__(self) -> None:
         super().__init__(10, 10, room=32)
         self.durations = [1] + [0] * 31
@@ -249,9 +252,9 @@ class Mega64(Arduino):
 
     @property
     def drive(self) -> Complex:
-        """As the binary ran: ports A C L B K F H D G J are late by these cycles of 396."""
+        """As the binary ran: ports A C L B K F H D G J are late by these cycles, ticks uneven."""
         late = np.array([0, 3, 7, 10, 14, 17, 20, 24, 27, 30])[np.array(self.PINS) // 8] / 396
-        return harmonic(self.levels()[:, list(self.PINS)]) * np.exp(2j * np.pi * late)
+        return harmonic(self.levels()[:, list(self.PINS)], self.TICKS) * np.exp(2j * np.pi * late)
 
 
 class Chain:
@@ -329,14 +332,14 @@ class Kind:
     lines : the lines of so many boards and what listens to them
     length : bytes of a frame of so many boards
     off : whether a frame of so many boards says in the board's own word that nothing plays
-    ticks : of a period; 0 of a board that is sent codes instead of pulses
+    ticks : of a period, or their lengths; 0 of a board that is sent codes instead of pulses
     widths : of pulses in ticks; left out, half a period or none
     """
 
     lines: Callable[[int], Sequence[Line]]
     length: Callable[[int], int]
     off: Callable[[int, bytes], bool]
-    ticks: int = 0
+    ticks: int | tuple[int, ...] = 0
     widths: Sequence[int] = ()
 
 
@@ -364,7 +367,11 @@ KINDS = {
         widths=range(65),
     ),
     "mega64": Kind(
-        lambda boards: [Chain(boards)], lambda boards: 200 * boards + 10, _no_bits, ticks=10, widths=range(6)
+        lambda boards: [Chain(boards)],
+        lambda boards: 200 * boards + 10,
+        _no_bits,
+        ticks=Mega64.TICKS,
+        widths=range(6),
     ),
     "nano16": Kind(lambda _: [Arduino(16, 2)], lambda _: 65, _no_bits, ticks=16),
     "nano": Kind(lambda _: [Arduino(24, 1)], lambda _: 49, _no_bits, ticks=24),

@@ -7,25 +7,31 @@ from numpy.typing import NDArray
 
 Codes = NDArray[np.int64]
 Levels = NDArray[np.bool]
+Ticks = tuple[int, ...]
 Complex = NDArray[np.complex128]
 
 
-def harmonic(levels: Levels) -> Complex:
+def edges(ticks: int | Ticks) -> Complex:
+    """Where each tick of a period begins, and the last ends: so many equal ones, or of some lengths."""
+    lengths = np.ones(ticks) if isinstance(ticks, int) else np.array(ticks)
+    return np.exp(2j * np.pi * np.r_[0, np.cumsum(lengths)] / lengths.sum())
+
+
+def harmonic(levels: Levels, ticks: Ticks | None = None) -> Complex:
     """The drive of each channel from its pin's levels (ticks, channels) over a period.
 
     An output s(t) = Re q e^{-jwt} has q = (2/T) integral of s e^{jwt}; a square wave of half a period is 1.
     """
-    ticks = len(levels)
-    middles = np.exp(2j * np.pi * (np.arange(ticks) + 0.5) / ticks)
-    return np.sin(np.pi / ticks) * (middles @ levels)
+    return np.diff(edges(ticks or len(levels))) / 2j @ levels
 
 
-def pulses(starts: Codes, widths: Codes, ticks: int) -> Complex:
+def pulses(starts: Codes, widths: Codes, ticks: int | Ticks) -> Complex:
     """The drive of pulses that go high at tick `start` for `width` ticks of a period."""
     return _pulses(ticks)[np.ravel(starts), np.ravel(widths)]
 
 
 @cache
-def _pulses(ticks: int) -> Complex:
-    from_zero = harmonic(np.tri(ticks, k=-1, dtype=bool).T)
-    return np.exp(2j * np.pi * np.arange(ticks)[:, None] / ticks) * from_zero
+def _pulses(ticks: int | Ticks) -> Complex:
+    begins = edges(ticks)[:-1]
+    every = np.arange(len(begins))
+    return (begins[(every[:, None] + every) % len(begins)] - begins[:, None]) / 2j

@@ -8,7 +8,7 @@ import midair
 from firmware import KINDS
 from midair._boards.board import Board
 from midair._midair import Codec
-from pulses import Codes, Complex, pulses
+from pulses import Codes, Complex, edges, pulses
 
 TURNING = 2j * np.pi
 
@@ -35,7 +35,8 @@ class Rig:
         return np.concatenate([line.drive for line in self.lines])
 
 
-TICKS = {kind: known.ticks for kind, known in KINDS.items() if known.ticks}
+LENGTHS = {kind: known.ticks for kind, known in KINDS.items() if known.ticks}
+TICKS = {kind: len(edges(ticks)) - 1 for kind, ticks in LENGTHS.items()}
 WIDTHS = {kind: known.widths for kind, known in KINDS.items() if known.widths}
 
 #: The drive of a half wave that starts with the period, which is called phase 0 on boards of pulses.
@@ -49,7 +50,17 @@ def playable(kind: str) -> Complex:
         return np.ravel(amplitudes * np.exp(TURNING * phases[:, None]))
     ticks = TICKS[kind]
     starts, widths = np.meshgrid(np.arange(ticks), np.array(WIDTHS.get(kind, (0, ticks // 2))))
-    return pulses(starts, widths, ticks) / TURN[kind]
+    # Drives are told from where edges differ least from equal ones; the rest is in the response.
+    early = np.unwrap(np.angle(edges(LENGTHS[kind])[:-1])) - 2 * np.pi * np.arange(ticks) / ticks
+    return pulses(starts, widths, LENGTHS[kind]) / TURN[kind] * np.exp(-1j * early.mean())
+
+
+def assert_nearest(kind: str, got: Complex, wanted: Complex) -> None:
+    """Of all drives that a board of pulses can play, none is nearer to the one wanted."""
+    own, wanted = playable(kind), np.broadcast_to(wanted, got.shape)
+    for one, other in zip(got, wanted, strict=True):
+        assert np.abs(one - own).min() < 1e-6
+        assert abs(one - other) <= np.abs(other - own).min() + 1e-6
 
 
 #: Numbers of boards that are played together; of other kinds one, and two where two can.

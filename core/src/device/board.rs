@@ -8,11 +8,12 @@ use core::f64::consts::TAU;
 use num_complex::{Complex32, Complex64};
 
 use crate::device::boards::FORMATS;
-use crate::device::code::Code;
+use crate::device::code::{Code, of_pulse, pulse};
 use crate::device::format::Format;
 use crate::device::link::Link;
 use crate::device::quantization::Quantization;
 use crate::error::{self, Error, one_each};
+use crate::kernels::pulses::Pulses;
 use crate::math;
 
 /// A drive may exceed 1 by its rounding to f32.
@@ -39,6 +40,8 @@ const SLACK: f64 = 1e-6;
 pub struct Board {
     format: &'static Format,
     boards: usize,
+    /// What it makes, where that is pulses.
+    pulses: Option<Pulses>,
     /// The transducer at each channel.
     transducers: Vec<Option<usize>>,
     /// The channel of each transducer.
@@ -64,6 +67,7 @@ impl Board {
         let board = Self {
             format,
             boards,
+            pulses: format.steps.pulses(),
             transducers: Vec::new(),
             channels: Vec::new(),
             corrections: vec![0.0; transducers],
@@ -269,7 +273,11 @@ impl Board {
         drive.fill(Complex32::ZERO);
         (self.format.decode)(self.boards, frame, &mut |channel, code| {
             if let Some(transducer) = self.transducers[channel] {
-                drive[transducer] = self.format.steps.drive(code, self.late(transducer));
+                let late = self.late(transducer);
+                drive[transducer] = match &self.pulses {
+                    Some(pulses) => pulse(pulses, code, late),
+                    None => self.format.steps.drive(code, late),
+                };
             }
         })
     }
@@ -290,7 +298,10 @@ impl Board {
 
     fn code(&self, drive: &[Complex32], channel: usize) -> Code {
         match self.transducers[channel] {
-            Some(i) if self.live[i] => self.format.steps.code(drive[i], self.late(i)),
+            Some(i) if self.live[i] => match &self.pulses {
+                Some(pulses) => of_pulse(pulses, drive[i], self.late(i)),
+                None => self.format.steps.code(drive[i], self.late(i)),
+            },
             _ => Code::default(),
         }
     }

@@ -7,6 +7,7 @@ use num_complex::Complex32;
 
 use crate::device::quantization::Quantization;
 use crate::error::Error;
+use crate::kernels::pulses::Pulses;
 use crate::math;
 use crate::math::sqrtf;
 
@@ -24,9 +25,9 @@ fn nearest(quick: f32, exact: impl FnOnce() -> f64) -> i32 {
 /// Phase step and amplitude step of one channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Code {
-    /// Step l of the phases; 0 where the channel is off.
+    /// Step l of the phases, or the tick that a pulse begins with; 0 where the channel is off.
     pub phase: u16,
-    /// Step of the amplitudes; 0 is off.
+    /// Step of the amplitudes, or the ticks of a pulse; 0 is off.
     pub level: u16,
 }
 
@@ -37,9 +38,8 @@ pub(crate) enum Levels {
     OnOff,
     /// k/n of level k = 0 to n.
     Even(u16),
-    /// Pulses of w of the L ticks of a period: amplitude sin(pi w/L) of level w = 0 to L/2, the first harmonic of such a
-    /// pulse, whose phase is that of its middle.
-    Widths,
+    /// Pulses of w = 0 to L/2 of the L ticks of a period, which have these lengths in any unit: their first harmonics.
+    Pulses(&'static [u8]),
 }
 
 /// The steps of a board: L phases 2 pi l/L and its levels.
@@ -55,38 +55,31 @@ impl Steps {
         match self.levels {
             Levels::OnOff => 1,
             Levels::Even(most) => most,
-            Levels::Widths => self.phases / 2,
+            Levels::Pulses(_) => self.phases / 2,
         }
+    }
+
+    /// The pulses of a board that makes them.
+    pub(crate) fn pulses(self) -> Option<Pulses> {
+        let Levels::Pulses(ticks) = self.levels else { return None };
+        Some(Pulses::new(&ticks.iter().map(|&tick| f64::from(tick)).collect::<Vec<_>>()))
     }
 
     /// The amplitude of a level.
     fn amplitude(self, level: u16) -> f64 {
         match self.levels {
             Levels::OnOff | Levels::Even(_) => f64::from(level) / f64::from(self.most()),
-            Levels::Widths => math::sin(PI * f64::from(level) / f64::from(self.phases)),
+            Levels::Pulses(_) => math::sin(PI * f64::from(level) / f64::from(self.phases)),
         }
     }
 
-    /// The nearest level: of amplitudes, or of widths, which are even in arcsin.
+    /// The nearest level.
     fn level(self, drive: Complex32) -> u16 {
-        if let Levels::Widths = self.levels {
-            let amplitude = math::modulus(drive).min(1.0);
-            return math::floor(math::asin(amplitude) / PI * f64::from(self.phases) + 0.5) as u16;
-        }
         let quick = sqrtf(drive.re * drive.re + drive.im * drive.im).min(1.0) * f32::from(self.most());
         nearest(quick, || math::modulus(drive).min(1.0) * f64::from(self.most())) as u16
     }
 
-    /// Steps from a phase to where its pulse begins: a pulse narrower than half a period begins later, for its middle to
-    /// stay where it is.
-    fn shift(self, level: u16) -> f64 {
-        match self.levels {
-            Levels::OnOff | Levels::Even(_) => 0.0,
-            Levels::Widths => 0.25 * f64::from(self.phases) - 0.5 * f64::from(level),
-        }
-    }
-
-    /// The code nearest to a finite drive. The width is chosen first, and begin and middle are rounded once.
+    /// The code of the nearest phase and the nearest level to a finite drive.
     ///
     /// Steps are made whole before they are brought into 0 to L - 1: of a phase just below 0 the remainder in floating point
     /// would be L, which is no phase, and on some boards off.
@@ -95,28 +88,47 @@ impl Steps {
         if level == 0 {
             return Code::default();
         }
-        let (phases, shift) = (f64::from(self.phases), self.shift(level));
         let turns = math::atan2f(drive.im, drive.re) / TAU as f32 - correction as f32;
-        let steps = nearest(turns * f32::from(self.phases) + shift as f32, || {
+        let steps = nearest(turns * f32::from(self.phases), || {
             let turns = math::atan2(f64::from(drive.im), f64::from(drive.re)) / TAU - correction;
-            turns * phases + shift
+            turns * f64::from(self.phases)
         });
         Code { phase: steps.rem_euclid(i32::from(self.phases)) as u16, level }
     }
 
     /// The drive that a code plays.
     pub(crate) fn drive(self, code: Code, correction: f64) -> Complex32 {
-        let turns = (f64::from(code.phase) - self.shift(code.level)) / f64::from(self.phases) + correction;
+        let turns = f64::from(code.phase) / f64::from(self.phases) + correction;
         let drive = math::phasor(TAU * turns) * self.amplitude(code.level);
         Complex32::new(drive.re as f32, drive.im as f32)
     }
 
     /// The phases and amplitudes that go together: of pulses those widths whose middles lie on the L phases, with them off.
     pub(crate) fn quantization(self) -> Result<Quantization, Error> {
-        let whole = |&level: &u16| level == 0 || self.shift(level) == math::floor(self.shift(level));
+        let pulses = matches!(self.levels, Levels::Pulses(_));
+        let whole = |&level: &u16| level == 0 || !pulses || (self.phases / 2 - level).is_multiple_of(2);
         let amplitudes: Vec<f64> = (0..=self.most()).filter(whole).map(|level| self.amplitude(level)).collect();
         Quantization::new(Some(self.phases.into()), Some(amplitudes))
     }
+}
+
+/// The code of the pulse nearest to a finite drive: its start and its width.
+pub(crate) fn of_pulse(pulses: &Pulses, drive: Complex32, correction: f64) -> Code {
+    let [start, width] = pulses.nearest(turned(drive, -correction));
+    Code { phase: start as u16, level: width as u16 }
+}
+
+/// The drive of a pulse.
+pub(crate) fn pulse(pulses: &Pulses, code: Code, correction: f64) -> Complex32 {
+    turned(pulses.drive(code.phase.into(), code.level.into()), correction)
+}
+
+fn turned(q: Complex32, turns: f64) -> Complex32 {
+    if turns == 0.0 {
+        return q;
+    }
+    let phasor = math::phasor(TAU * turns);
+    q * Complex32::new(phasor.re as f32, phasor.im as f32)
 }
 
 #[cfg(test)]

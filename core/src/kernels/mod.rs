@@ -21,6 +21,8 @@ pub(crate) mod matrix;
 pub(crate) mod phasor;
 #[forbid(unsafe_code)]
 pub(crate) mod propagate;
+#[forbid(unsafe_code)]
+pub(crate) mod pulses;
 pub(crate) mod simd;
 #[forbid(unsafe_code)]
 #[cfg(test)]

@@ -63,7 +63,14 @@ fn what_a_frame_plays_makes_the_same_frame() {
             for (asked, got) in drive.iter().zip(&heard).filter(|(_, got)| got.norm() > 0.0) {
                 let phases = board.quantization().expect("a grid").phases().expect("phases") as f32;
                 let turned = (asked * got.conj()).arg().abs();
-                let steps = if name == "homies" { 1.5 } else { 0.5 };
+                // homies has two phases moved by a step; a mega64's narrow pulses have amplitudes of their own.
+                let steps = if name == "homies" {
+                    1.5
+                } else if name == "mega64" {
+                    1.0
+                } else {
+                    0.5
+                };
                 assert!(turned < TAU / phases * steps + 1e-5, "{name}: {asked} became {got}");
             }
         }
@@ -78,7 +85,10 @@ fn drives_on_a_boards_grid_come_back() {
         let grid = board.quantization().expect("a grid");
         let drive: Vec<_> = random(&mut rng, transducers).into_iter().map(|q| grid.nearest(q)).collect();
         for (asked, got) in drive.iter().zip(played(&board, &frame(&board, &drive))) {
-            let spared = name == "homies" && asked.norm() > 0.0 && (asked - got).norm() < 0.03;
+            // homies has two phases moved by a step; the grid of a mega64 has equal ticks.
+            let most =
+                [("homies", 0.03), ("mega64", 0.2)].iter().find(|(kind, _)| *kind == name).map_or(0.0, |of| of.1);
+            let spared = asked.norm() > 0.0 && (asked - got).norm() < most;
             assert!((asked - got).norm() < 1e-6 || spared, "{name}: {asked} became {got}");
         }
     }

@@ -15,7 +15,7 @@ pub(crate) const FORMAT: Format = Format {
     source: "OpenMPD FPGA 3.4.2: bytes of a frame, MuxPhase; its driver's pin map, as in the published board files",
     channels: CHANNELS,
     most_boards: 2,
-    steps: Steps { phases: 128, levels: Levels::Widths },
+    steps: Steps { phases: 128, levels: Levels::Pulses(&[1; 128]) },
     // 40 kHz by the divider it begins with, 4.
     link: Link::Fifo { rate: 10e3, one_chip: false },
     frequency: 40e3,

@@ -21,14 +21,14 @@ pub(crate) const MEGA64: Format = Format {
     source: SOURCE,
     channels: 64,
     most_boards: 14,
-    steps: Steps { phases: 10, levels: Levels::Widths },
+    steps: Steps { phases: 10, levels: Levels::Pulses(&TICKS) },
     link: ARDUINO,
     frequency: MEGA64_HZ,
     // Each byte's interrupt stops the pins for half a period: at 55 frames/s they emit 35 kHz, at .55 of the amplitude.
     steady: 10.0,
     layout: Layout::Preset("ultraino_flat8x8"),
     order: |transducer| transducer,
-    late: |channel| (0, PORTS_LATE[PINS[channel % 64] / 8] / PERIOD),
+    late: |channel| (0, (PORTS_LATE[PINS[channel % 64] / 8] - BEFORE) / PERIOD),
     size: |boards| 200 * boards + DURATIONS.len() + 1,
     encode: |boards, code, frame| {
         let mut bytes = Writer::new(frame);
@@ -50,8 +50,11 @@ pub(crate) const MEGA64: Format = Format {
     silence: thrice,
 };
 
-/// Clock cycles of a period as the published binary plays it, at 16 MHz.
+/// Clock cycles of the ticks of a period as the published binary plays them, at 16 MHz.
+const TICKS: [u8; 10] = [38, 42, 34, 35, 35, 36, 43, 43, 34, 56];
 const PERIOD: f64 = 396.0;
+/// Cycles by which they begin before equal ones, on the average.
+const BEFORE: f64 = 8.8;
 const MEGA64_HZ: f64 = 16e6 / PERIOD;
 
 /// Cycles from the first port to each, in the order of [`PINS`]: they are written one after the other.

@@ -17,6 +17,7 @@ mod large_grid;
 mod matrix;
 mod moduli;
 mod moments;
+mod pulses;
 mod search;
 mod shortlist;
 mod simd;
