@@ -55,6 +55,12 @@ def playable(kind: str) -> Complex:
     return pulses(starts, widths, LENGTHS[kind]) / TURN[kind] * np.exp(-1j * early.mean())
 
 
+def full(kind: str) -> complex:
+    """The drive nearest to 1 that a board can play."""
+    own = playable(kind)
+    return complex(own[np.abs(own - 1).argmin()])
+
+
 def assert_nearest(kind: str, got: Complex, wanted: Complex) -> None:
     """Of all drives that a board of pulses can play, none is nearer to the one wanted."""
     own, wanted = playable(kind), np.broadcast_to(wanted, got.shape)

@@ -9,7 +9,7 @@ import firmware
 import midair
 from firmware import KINDS, SonicSurface
 from midair._boards.board import Board
-from rigs import BYTEWISE, Rig, every, made, off_grid, played
+from rigs import BYTEWISE, Rig, every, full, made, off_grid, played
 
 # Off
 
@@ -41,7 +41,7 @@ def test_dead_and_masked_transducers_are_off_whatever_they_are_told(case: tuple[
     wanted = np.where(told_off, 0, 1)
     got = played(board, rig, wanted)
     assert list(np.flatnonzero(np.abs(got) < 1e-9)) == list(np.flatnonzero(masked | dead | told_off))
-    np.testing.assert_allclose(got, wanted * ~masked * ~dead, atol=1e-6)
+    np.testing.assert_allclose(got, full(case[0]) * wanted * ~masked * ~dead, atol=1e-6)
     assert (board.decode(board.encode(wanted))[masked | dead] == 0).all()
 
 
