@@ -67,7 +67,7 @@ fn what_a_frame_plays_makes_the_same_frame() {
                 let steps = if name == "homies" {
                     1.5
                 } else if name == "mega64" {
-                    1.0
+                    1.3
                 } else {
                     0.5
                 };
