@@ -13,7 +13,7 @@ export type Outcome =
 
 /** Solves that are timed, and how long the worker gives them, in ms. */
 const RUNS = 5;
-const PATIENCE = 3000;
+const PATIENCE = 1000;
 
 /** The scene that is shown, and another for questions beside. */
 let door: Door;
