@@ -11,7 +11,7 @@ import pytest
 
 import midair
 import midair._motion.solve as motion
-from midair._points import cache
+from midair._points import boundary as cache
 from midair._support import kept, output
 from sweeps import ASKED
 

@@ -16,7 +16,7 @@ import methods
 import midair
 import oracle
 from midair import _cli as cli
-from midair._reproduce import FIGURES, accuracy, fig7, reproduce, scenes, tables, timing
+from midair._reproduce import FIGURES, fig3, fig7, reproduce, scenes, tables, timing
 from midair._reproduce.run import Run
 from midair._reproduce.scenes import curves, panels
 from midair._sweep.block import solve_block
@@ -106,8 +106,8 @@ def test_figs_3_and_4_share_their_trials_and_more_trials_use_what_is_there(
         return solve_block(settings, start, stop)
 
     told.__module__, told.__qualname__ = solve_block.__module__, solve_block.__qualname__
-    monkeypatch.setattr(accuracy, "solve_block", told)
-    monkeypatch.setattr(accuracy, "CHUNK", 2)
+    monkeypatch.setattr(fig3, "solve_block", told)
+    monkeypatch.setattr(fig3, "CHUNK", 2)
     cells = len(curves()) * len(scenes.COUNTS)
     reproduce(["fig3"], tmp_path, trials=2)
     assert solved == [(0, 2)] * cells

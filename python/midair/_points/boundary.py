@@ -1,7 +1,17 @@
-"""Boundary: the sound on a mesh's elements, E linear equations by LAPACK; Ctrl-C arrives meanwhile."""
+"""Boundary: the sound on a mesh's elements, E linear equations by LAPACK; Ctrl-C arrives meanwhile.
+
+The solved sound is kept in files, by what it depends on.
+"""
 
 from __future__ import annotations
 
+import hashlib
+import os
+import re
+import sys
+from contextlib import suppress
+from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,8 +20,8 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
 from .._midair import Boundary, SceneError
+from .._support import kept
 from .._support.ctrl_c import interruptibly
-from . import cache
 
 #: Elements from which on a solve takes long enough for a progress bar.
 LONG = 600
@@ -19,12 +29,18 @@ LONG = 600
 #: Of the sound at places inside, what may be left there: bodies that are solved well leave up to 13 %.
 LEFT = 0.25
 
+#: Bytes that are kept; beyond, the oldest go.
+MOST = 1_000_000_000
+
+#: Names of files that are ours, and of those of former versions.
+OWN = re.compile(r"[0-9a-f]{32}\.np[yz]")
+
 
 def sound(boundary: Boundary) -> NDArray[np.complex64]:
     """The sound (E, N) on the elements in Pa: solved, or as it was kept."""
-    kept = cache.load(boundary.content(), boundary.shape)
-    if kept is not None:
-        return kept
+    stored = load(boundary.content(), boundary.shape)
+    if stored is not None:
+        return stored
     linalg = lapack()
     elements, transducers = boundary.shape
     # LAPACK wants the right-hand sides column by column: a second copy.
@@ -56,7 +72,7 @@ def sound(boundary: Boundary) -> NDArray[np.complex64]:
             f"obstacles is a mesh of {elements} elements that lets {left:.0%} of the sound into its inside:"
             f" {cure}"
         )
-    cache.store(boundary.content(), solved)
+    store(boundary.content(), solved)
     return solved
 
 
@@ -67,3 +83,45 @@ def lapack() -> Any:
     except ImportError as error:
         raise SceneError('a Mesh needs SciPy: pip install "midair[mesh]"') from error
     return linalg
+
+
+def folder() -> Path:
+    """Where files are kept: the system's place for what can be made again."""
+    if sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local"))
+    elif sys.platform == "darwin":
+        base = Path.home() / "Library" / "Caches"
+    else:
+        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return base / "midair" / "meshes"
+
+
+def path(content: bytes) -> tuple[Path, str]:
+    """The file of what depends on this content, and what its digest names."""
+    key = hashlib.sha256(version("midair").encode() + content).hexdigest()
+    return folder() / f"{key[:32]}.npz", key
+
+
+def load(content: bytes, shape: tuple[int, int]) -> NDArray[np.complex64] | None:
+    """Load what was kept, if it is whole."""
+    arrays = kept.load(*path(content)) or {}
+    found = arrays.get("sound")
+    return found if found is not None and found.dtype == np.complex64 and found.shape == shape else None
+
+
+def store(content: bytes, sound: NDArray[np.complex64]) -> None:
+    """Keep it, if there is room: nobody needs it to go on."""
+    target, identity = path(content)
+    with suppress(SceneError, OSError):
+        kept.save(target, identity, {"sound": sound})
+        prune(target.parent)
+
+
+def prune(where: Path) -> None:
+    """Leave the newest files, up to MOST bytes."""
+    files = [file for file in kept.inside(where) if OWN.fullmatch(file.name)]
+    size = 0
+    for file in sorted(files, key=lambda file: file.stat().st_mtime, reverse=True):
+        size += file.stat().st_size
+        if size > MOST:
+            file.unlink()

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from .._midair import SceneError, memory_limit
 from .._support.arguments import number, path_of, refused, word
 from ..shape import svg, text
-from ..shape._contour import Points
+from ..shape._figures import Points
 from .image import image
 
 #: Formats that modellers write and trimesh reads without further packages.

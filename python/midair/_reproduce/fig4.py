@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from . import accuracy, tables
+from . import fig3, tables
 from .run import Found, Run
 from .scenes import PAPER
 from .tables import Verdict, outcome
@@ -17,12 +17,12 @@ EVEN = 1e-4
 
 def collect(run: Run) -> Found:
     """The trials' sigma, eq. (13)."""
-    return Found(accuracy.study(run, "sigma"))
+    return Found(fig3.study(run, "sigma"))
 
 
 def draw(found: Found) -> Figure:
     """Curves over M, on a log axis: the methods' sigmas are orders of magnitude apart."""
-    figure = accuracy.draw(found.rows, "deviation sigma, eq. (13) with 1/M")
+    figure = fig3.over_points(found.rows, "deviation sigma, eq. (13) with 1/M")
     figure.axes[0].set_ylim(auto=True)
     figure.axes[0].set_yscale("log")
     return figure

@@ -1,15 +1,24 @@
-"""Lines, circles and polylines."""
+"""Lines, circles, polylines and text; contours brought to their place, along which the core makes points."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterable
+from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from .._midair import STEP, Curve
+from .._midair import STEP, Curve, along
 from .._support.arguments import flag, number, refused, vector, vectors, word
-from ._contour import Contour, Points, box, placed, points_along, ways
+
+#: Coordinates (M, 3), or (K, 2) of a plane.
+Points: TypeAlias = NDArray[np.float64]
+
+#: Vertices of straight lines, and whether the last is joined to the first.
+Contour: TypeAlias = tuple[Points, bool]
+
+#: A curve becomes as many straight pieces: an arc of a whole turn strays by 3e-4 of its radius.
+PIECES = 128
 
 
 def line(start: ArrayLike, end: ArrayLike, *, step: float = STEP) -> Points:
@@ -108,3 +117,27 @@ def _outlines(string: str, font: str | None) -> list[Contour]:
         else:
             contours[-1].append(segment(ways(code in (Path.LINETO, Path.CLOSEPOLY)))[1:])
     return [(np.concatenate(contour), True) for contour in contours]
+
+
+def points_along(contours: Iterable[Contour], step: float) -> Points:
+    """Points (M, 3) along contours of vertices (K, 3)."""
+    return along([np.concatenate([way, way[:1]]) if closed else way for way, closed in contours], step)
+
+
+def placed(contours: Iterable[Contour], scale: tuple[float, float], z: float) -> list[Contour]:
+    """Contours (K, 2) of a plane, stretched and brought to a height, the middle of them all at x = y = 0."""
+    contours = list(contours)
+    least, most = box(contours)
+    flat = [((vertices - (least + most) / 2) * scale, closed) for vertices, closed in contours]
+    return [(np.column_stack([vertices, np.full(len(vertices), z)]), closed) for vertices, closed in flat]
+
+
+def box(contours: Iterable[Contour]) -> tuple[Points, Points]:
+    """The least and the largest coordinates of contours."""
+    every = np.concatenate([vertices for vertices, _ in contours])
+    return every.min(axis=0), every.max(axis=0)
+
+
+def ways(straight: bool) -> Points:
+    """Where on a straight or curved segment, from 0 to 1, its vertices are taken."""
+    return np.linspace(0.0, 1.0, 2 if straight else PIECES + 1)

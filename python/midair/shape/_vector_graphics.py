@@ -14,7 +14,7 @@ import numpy as np
 from .._midair import MOST_POINTS, STEP, SceneError
 from .._support.arguments import existing, number, refused, shown
 from .._support.text import content
-from ._contour import Contour, Points, box, placed, points_along, ways
+from ._figures import Contour, Points, box, placed, points_along, ways
 
 #: Bounds of a drawing that svgelements reads within seconds: its time grows by the square of the letters of a
 #: transform or a style sheet. Elements and letters count as often as references repeat them.
