@@ -46,7 +46,7 @@ PYTHON = [
         "measuring",
         "Measuring",
         "Arrays as they are, found from readings.",
-        "calibrate Calibration calibration_drives tune Tuning",
+        "calibrate Calibration calibration_drives doctor Fault Report tune Tuning",
     ),
     (
         "boards",

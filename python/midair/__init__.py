@@ -31,7 +31,7 @@ from ._judging import Kept, Tolerance, tolerate
 from ._judging.compare import Comparison, compare
 from ._judging.exposure import Exposed, Exposure, exposure
 from ._judging.streaming import Streaming, streaming
-from ._measuring import Calibration, Tuning, calibrate, calibration_drives, tune
+from ._measuring import Calibration, Fault, Report, Tuning, calibrate, calibration_drives, doctor, tune
 from ._midair import (
     Array,
     Batch,
@@ -90,6 +90,7 @@ __all__ = [
     "Ear",
     "Exposed",
     "Exposure",
+    "Fault",
     "Felt",
     "Field",
     "Gorkov",
@@ -103,6 +104,7 @@ __all__ = [
     "PresetInfo",
     "Propagation",
     "Reach",
+    "Report",
     "Scene",
     "SceneError",
     "SceneWarning",
@@ -122,6 +124,7 @@ __all__ = [
     "calibration_drives",
     "compare",
     "connect",
+    "doctor",
     "ear",
     "exposure",
     "field",

@@ -13,7 +13,7 @@ from cyclopts import App, CycloptsError, UnusedCliTokensError
 from .. import BoardError, SceneError, SceneWarning, __version__
 from .._support.ctrl_c import Terminated, leave, terminable
 from .boards import boards_command, off_command, ports_command
-from .calibrate import calibrate_command
+from .calibrate import calibrate_command, doctor_command
 from .compare import compare_command
 from .motion import motion_command
 from .new import export_command, new_command
@@ -43,6 +43,7 @@ app.command(tolerate_command, name="tolerate")
 app.command(exposure_command, name="exposure")
 app.command(motion_command, name="motion")
 app.command(calibrate_command, name="calibrate")
+app.command(doctor_command, name="doctor")
 app.command(boards_command, name="boards")
 app.command(ports_command, name="ports")
 app.command(play_command, name="play")

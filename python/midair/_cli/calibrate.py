@@ -1,19 +1,28 @@
-"""`midair calibrate`: an array as it is, from a file of readings."""
+"""`midair calibrate`, from a file of readings, and `midair doctor`, with a microphone: an array as it is."""
 
 from __future__ import annotations
 
+import io
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 from cyclopts import Parameter
 
-from .. import Scene, SceneError, calibrate
+from .. import Board, Connection, Scene, SceneError, calibrate, connect, doctor
+from .._boards.address import DEFAULT, parse
+from .._measuring import microphone as microphones
+from .._measuring.calibrate import places_of
+from .._measuring.doctor import ENDINGS as REPORTS
+from .._measuring.doctor import LISTEN
+from .._measuring.doctor import plan as planned
 from .._measuring.result import ENDINGS
 from .._support import output
 from .._support.text import arrays
 from .progress import progress_bar
 from .scene import check_outputs
-from .tables import print_written
+from .tables import console, print_written
 
 #: What a file of readings may hold; the first two it has to.
 KEYS = ("drives", "readings", "microphones", "scene", "noise")
@@ -76,6 +85,95 @@ def calibrate_command(
         result.plot().savefig(image)
     print_written(f"{output_file}" if image is None else f"{output_file} and {image}")
     return 0
+
+
+def doctor_command(
+    address: str,
+    *,
+    microphone: Annotated[list[str], Parameter(allow_leading_hyphen=True, negative=())],
+    output_file: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    device: int | None = None,
+    rate: float = 192e3,
+    pascals: float | None = None,
+    readings: Path | None = None,
+    plan: Path | None = None,
+    simulate: str | None = None,
+    seconds: float = 60.0,
+    temperature: float | None = None,
+) -> int:
+    """Find what is wrong with a board, by a microphone: transducers, order, delays, level, sound speed.
+
+    Parameters
+    ----------
+    address
+        The board and where it is: sonicsurface:/dev/ttyUSB0, sonicsurface:loop (docs/boards.md).
+    microphone
+        Where a microphone is, x,y,z in m; again for each channel of the sound card. Two or more are better.
+    output_file
+        Where the report goes, .txt or .json: mail it to the maintainers.
+    device
+        Number of the sound card; left out, the default one. `python -m sounddevice` lists them.
+    rate
+        Samples a second of the sound card, 96000 or more.
+    pascals
+        Peak pressure in Pa at the card's full scale; left out, the level is not judged.
+    readings
+        A .csv with a row a drive of the plan, a column a microphone, in place of a sound card.
+    plan
+        Write the drives to play as .npz, and stop.
+    simulate
+        Faults of a simulated microphone, such as "dead 17, swapped 3 9, delay 1 90, speed 350".
+    seconds
+        The most that the board plays.
+    temperature
+        Of the air, in degrees C.
+    """
+    place = parse(address)
+    board = Board(place.board or DEFAULT)
+    at = places_of([_place(each) for each in microphone])
+    check_outputs((output_file, REPORTS), (plan, (".npz",)), taken=[] if readings is None else [readings])
+    if plan is not None:
+        buffer = io.BytesIO()
+        np.savez(buffer, drives=planned(board, len(at), seconds=seconds), microphones=at)
+        output.write(plan, buffer.getvalue())
+        print_written(plan)
+        return 0
+    judged = pascals is not None or readings is not None or simulate is not None
+    played: Board | Connection = board
+    with ExitStack() as held:
+        if readings is not None:
+            read = microphones.from_file(readings, len(at))
+        else:
+            if simulate is not None:
+                read = microphones.simulated(board.array, at, board.boards, simulate)
+            else:
+                frequency, listen = Scene(board.array, at).frequency, LISTEN
+                card = microphones.sound_card(len(at), device, rate, pascals or 1.0, frequency, listen)
+                read = held.enter_context(card)
+            played = held.enter_context(connect(address, board=board))
+        with progress_bar("listening") as tell:
+            report = doctor(
+                played,
+                read,
+                microphones=at,
+                in_pascals=judged,
+                seconds=seconds,
+                temperature=temperature,
+                progress=tell,
+            )
+    console.print(report.table, markup=False, highlight=False, soft_wrap=True)
+    if output_file is not None:
+        report.write(output_file)
+        print_written(output_file)
+    return 0
+
+
+def _place(words: str) -> list[float]:
+    try:
+        x, y, z = map(float, words.split(","))
+    except ValueError:
+        raise SceneError(f'--microphone is "{words}": give x,y,z in m, as 0.03,0.02,0.15') from None
+    return [x, y, z]
 
 
 def _read(path: Path) -> dict[str, Any]:

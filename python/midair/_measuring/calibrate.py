@@ -120,7 +120,7 @@ def calibrate(
     callback(progress, "step, steps")
     scene = _scene(given, microphones)
     array = scene.array
-    places = scene.points if microphones is None else _places(microphones)
+    places = scene.points if microphones is None else places_of(microphones)
     played = drives_of(drives, len(array))
     heard = readings_of(readings, len(played), len(places), complex)
     _enough(heard, played)
@@ -154,10 +154,11 @@ def _scene(given: Scene | Array, microphones: ArrayLike | None) -> Scene:
         raise SceneError(
             "microphones are left out: give their places (M, 3) in m, or a scene whose points they are"
         )
-    return Scene(given, _places(microphones))
+    return Scene(given, places_of(microphones))
 
 
-def _places(value: ArrayLike) -> Any:
+def places_of(value: ArrayLike) -> Any:
+    """Places of microphones (M, 3) in m."""
     try:
         found = np.atleast_2d(np.asarray(value, np.float64))
     except (TypeError, ValueError):

@@ -1,0 +1,349 @@
+"""`midair.doctor`: what is wrong with a board, by a microphone, and the report of it."""
+
+from __future__ import annotations
+
+import platform
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from os import PathLike
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._boards import Board, Connection
+from .._midair import Array, Scene, SceneError
+from .._support import output
+from .._support.arguments import callback, flag, number, path_of, refused
+from .arguments import readings_of
+from .calibrate import calibration_drives, places_of
+from .diagnosis import Diagnosis, Indices, diagnose
+
+#: Real numbers that are read for each transducer, and the least that a diagnosis is made of.
+PLENTY, LEAST = 4.0, 2.2
+#: Seconds that the air takes to settle after a frame, and that a reading lasts.
+SETTLE, LISTEN = 5e-3, 10e-3
+#: A gain below this part of its board's, by so many deviations, is weak, one below the other is dead.
+WEAK, DEAD, SURELY = 0.75, 0.15, 4.0
+#: A phase further off than this is a fault, in degrees, and beyond the other a reversed transducer.
+ODD, REVERSED = 50.0, 130.0
+#: A board is late from so many degrees on, a level is off by this part, a sound speed by so many m/s.
+LATE, LEVEL, SPEED = 20.0, 0.1, 1.5
+#: Numbers of the whole are off by at least so many standard deviations.
+SURE = 4.0
+#: A board of which this part is dead is dead as a whole.
+WHOLE = 0.9
+#: Readings of which more than this part stays unexplained are hardly of this array.
+UNEXPLAINED = 0.35
+#: A microphone further from its place than this, in m, is remarked upon.
+APART = 3e-3
+#: Files of a report.
+ENDINGS = (".txt", ".json")
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A fault: its kind, the transducers (or the board) that it concerns, its size, and a sentence.
+
+    kind : "dead", "weak", "reversed", "phase", "swapped", "order", "board dead", "delay" (size in degrees),
+        "level", "sound speed" (size in m/s), or "unexplained"
+    where : indices of transducers; of "delay" and of one board's "level" that board's number, from 0 on
+    """
+
+    kind: str
+    where: tuple[int, ...]
+    size: float
+    text: str
+
+
+@dataclass(frozen=True, eq=False)
+class Report:
+    """What `midair.doctor` found: `faults`, and what it found them in.
+
+    faults : each a `midair.Fault`; none where nothing is wrong
+    notes : what else is to be known, a sentence each
+    response, response_error : (N,) complex, relative to what the array says; errors of re and im
+    order : (N,) the place of the transducer that each channel drives
+    sound_speed, sound_speed_error : in m/s
+    noise : of a reading, in Pa
+    readings : how many were taken
+    seconds : for which the board played
+    """
+
+    board: str
+    faults: tuple[Fault, ...]
+    notes: tuple[str, ...]
+    response: NDArray[np.complex128]
+    response_error: NDArray[np.float64]
+    order: NDArray[np.intp]
+    sound_speed: float
+    sound_speed_error: float
+    noise: float
+    readings: int
+    seconds: float
+
+    @property
+    def table(self) -> str:
+        """The report as text: a line a fault, then the numbers and the notes."""
+        width = max([len(fault.kind) for fault in self.faults], default=0)
+        many = (
+            "no fault" if not self.faults else f"{len(self.faults)} faults" if self.faults[1:] else "1 fault"
+        )
+        lines = [f"{self.board}, {len(self.response)} transducers: {many} found"]
+        lines += [f"  {fault.kind:{width}}  {fault.text}" for fault in self.faults]
+        lines.append(
+            f"{self.readings} readings, {self.seconds:.0f} s of the board; sound speed "
+            f"{self.sound_speed:.1f} +- {self.sound_speed_error:.1g} m/s; noise {self.noise:.3g} Pa"
+        )
+        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+
+    def write(self, path: str | PathLike[str]) -> None:
+        """Write the table as .txt, or everything as .json, to be mailed.
+
+        Raises SceneError for another ending, and for a path that cannot be written.
+        """
+        target = path_of("path", path)
+        output.check(target, ENDINGS)
+        if target.suffix.lower() == ".txt":
+            text = f"{self.table}\nmidair {version('midair')}, {platform.platform()}\n"
+        else:
+            record = {**asdict(self), "midair": version("midair"), "system": platform.platform()}
+            text = output.to_json(record) + "\n"
+        output.write(target, text.encode())
+
+    def __repr__(self) -> str:
+        return f"<midair.Report of {self.board}: {len(self.faults)} faults>"
+
+
+def doctor(
+    board: Connection | Board | Array | str,
+    read: Callable[[NDArray[np.complex64]], ArrayLike],
+    *,
+    microphones: ArrayLike,
+    microphones_error: float | None = None,
+    in_pascals: bool = True,
+    boards: int | None = None,
+    seconds: float = 60.0,
+    settle: float = SETTLE,
+    seed: int = 0,
+    progress: Callable[[int, int], object] | None = None,
+    temperature: float | None = None,
+    sound_speed: float | None = None,
+) -> Report:
+    """What is wrong with a board: dead, weak, reversed and swapped transducers, order, delays, level, air.
+
+    board : a `Connection`, on which the drives are played before each reading; or a `midair.Board`, its name
+        or an array, where `read` plays them itself
+    read : gives p or |p| at the microphones (M,), as peak pressures, of the drive (N,) that plays. Complex
+        readings (e^{-jwt}, a clock shared with the board) tell more.
+    microphones : their places (M, 3) in m, to some millimetres: the fit corrects them. One sees no swap of
+        transducers at nearly equal distances (modulo a wavelength): give two or more, off the array's axis.
+    microphones_error : how far each coordinate may be off, in m; left out, it is learnt; 0 holds their places
+    in_pascals : False where the microphones' sensitivity is not known; the level is then not judged
+    boards : how many boards an array is of, one after the other; a board knows
+    seconds : the most that the board plays; it takes 4 readings of a transducer where that is time for
+    settle : s that a frame has before it is read
+    seed : of the drives
+    progress : called with (step, steps)
+    temperature, sound_speed : of the air, in degrees C or m/s; left out, those of the array's scenes
+
+    All transducers play at random phases, as for `midair.calibrate`, which the diagnosis is made with.
+    docs/measuring.md tells what is found, and when. Raises SceneError for what is not in order and for a time
+    that is too short, and what `read` and the connection raise.
+
+    >>> import midair
+    >>> array = midair.Array.grid(8, 8, 10e-3)
+    >>> places = [[0.02, 0.03, 0.12], [-0.03, 0.01, 0.1]]
+    >>> pressures = midair.Scene(array, places).propagation().copy()
+    >>> pressures[:, 17] = 0
+    >>> print(midair.doctor(array, lambda drive: abs(pressures @ drive), microphones=places).faults[0].text)
+    transducer 17 is silent
+    """
+    callback(progress, "step, steps")
+    if not callable(read):
+        raise refused("read", read, "give a function of the drive (N,) that gives |p| at the microphones")
+    owner = Board(board) if isinstance(board, str) else board
+    made = owner.board if isinstance(owner, Connection) else owner
+    if not isinstance(made, Board | Array):
+        raise refused("board", board, "give a connection, a midair.Board, its name, or a midair.Array")
+    array = made.array if isinstance(made, Board) else made
+    of = _boards(made, array, boards)
+    places = places_of(microphones)
+    air = {"temperature": temperature, "sound_speed": sound_speed}
+    given: Any = {name: value for name, value in air.items() if value is not None}
+    scene = Scene(array, places, **given)
+    rest = number("settle", settle, least=0)
+    line = 1 / made.limits["steady_frames_per_second"] if isinstance(made, Board) else 0.0
+    error = None if microphones_error is None else number("microphones_error", microphones_error, least=0)
+    judged = flag("in_pascals", in_pascals)
+
+    drives = plan(made, len(places), seconds=seconds, settle=rest, seed=seed)
+    sounding = int(np.any(drives, axis=0).sum())
+    heard: list[NDArray[Any]] = []
+    for k, drive in enumerate(drives):
+        if progress is not None and progress(k, len(drives)) is False:
+            raise KeyboardInterrupt
+        if isinstance(owner, Connection):
+            owner.send(drive)
+            time.sleep(line + rest)
+        heard.append(np.atleast_1d(np.asarray(read(drive))))
+        parts = 2 if np.iscomplexobj(heard[0]) else 1
+        if k == 0 and len(drives) * len(places) * parts < LEAST * sounding:
+            wanted = int(np.ceil(LEAST * sounding / len(places) / parts)) * (line + rest + LISTEN)
+            raise refused(
+                "seconds", seconds, f"{sounding} transducers need {wanted:.0f} s, or more microphones"
+            )
+        if parts == 2 and (k + 1) * len(places) * 2 >= PLENTY * sounding:
+            break
+    if isinstance(owner, Connection):
+        owner.off()
+    drives = drives[: len(heard)]
+    try:
+        gathered = np.array(heard)
+    except ValueError:
+        raise SceneError(f"read gave arrays of several shapes: give ({len(places)},) each time") from None
+    readings = readings_of(gathered, len(heard), len(places), None)
+    found = diagnose(scene, of, drives.astype(np.complex128), readings, error)
+    faults, notes = _named(found, of, np.any(drives, axis=0), scene, judged)
+    return Report(
+        board=made.name if isinstance(made, Board) else "array",
+        faults=tuple(faults),
+        notes=tuple(notes),
+        response=found.relative * found.middle[of],
+        response_error=found.error * np.abs(found.middle[of]),
+        order=found.order,
+        sound_speed=found.calibration.sound_speed,
+        sound_speed_error=found.calibration.sound_speed_error,
+        noise=found.calibration.noise,
+        readings=readings.size,
+        seconds=len(heard) * (line + rest + LISTEN),
+    )
+
+
+def plan(
+    made: Board | Array, microphones: int, *, seconds: float = 60.0, settle: float = SETTLE, seed: int = 0
+) -> NDArray[np.complex64]:
+    """The drives (K, N) that a diagnosis plays, as the board plays them; as many as there is time for."""
+    board = made if isinstance(made, Board) else None
+    array = made if isinstance(made, Array) else made.array
+    line = 1 / board.limits["steady_frames_per_second"] if board else 0.0
+    count = int(number("seconds", seconds, above=0) / (line + settle + LISTEN))
+    drives = calibration_drives(array, PLENTY, microphones=microphones, seed=seed)[:count]
+    return np.array([board.decode(board.encode(drive)) for drive in drives]) if board else drives
+
+
+def _boards(made: Board | Array, array: Array, boards: int | None) -> Indices:
+    """The board of each transducer, from 0 on."""
+    if isinstance(made, Board):
+        if boards is not None:
+            raise refused("boards", boards, "the board knows how many it has, leave it out")
+        each = -(-(int(made.channels.max()) + 1) // made.boards)
+        return np.asarray(made.channels // each, np.intp)
+    count = 1 if boards is None else boards
+    if isinstance(count, bool) or not isinstance(count, int) or count < 1 or len(array) % count:
+        raise refused("boards", boards, f"give how many equal parts the {len(array)} transducers are of")
+    return np.arange(len(array)) * count // len(array)
+
+
+def _named(
+    found: Diagnosis, boards: Indices, sounding: NDArray[np.bool_], scene: Scene, in_pascals: bool
+) -> tuple[list[Fault], list[str]]:
+    """The faults, and what else is to be known."""
+    calibration = found.calibration
+    places = zip(calibration.microphones, scene.points, calibration.microphones_error, strict=True)
+    notes = []
+    for m, (at, told, error) in enumerate(places):
+        apart = float(np.linalg.norm(at - told))
+        if apart > max(APART, 4 * float(np.linalg.norm(error))):
+            notes.append(f"microphone {m} seems {1e3 * apart:.0f} mm from where it was said to be")
+    if len(scene.points) == 1:
+        notes.append("one microphone sees no swap of transducers at nearly equal distances: give two or more")
+    if len(calibration.outlying):
+        notes.append(f"{len(calibration.outlying)} readings lay far off and were left out")
+    if found.unexplained > UNEXPLAINED:
+        text = "the readings do not fit this array: check its order, the microphones' places and echoes"
+        return [Fault("unexplained", (), found.unexplained, text)], notes
+    gone = np.zeros(len(boards), bool)
+    gone[calibration.dead] = True
+    lost = [b for b in range(len(found.middle)) if gone[(boards == b) & sounding].mean() > WHOLE]
+    faults = [Fault("board dead", (b,), 0.0, f"board {b} is silent: check its supply and line") for b in lost]
+    if found.base:
+        faults.append(Fault("order", (), 0.0, f"the channels are in another order: {found.base}"))
+    judged = sounding & ~np.isin(boards, lost)
+    faults += [*_transducers(found, judged, gone), *_whole(found, boards, lost, in_pascals)]
+    faults += _speed(found, scene)
+    if not in_pascals:
+        notes.append("the level is not judged: the microphone's sensitivity is not known")
+    return faults, notes
+
+
+def _transducers(found: Diagnosis, judged: NDArray[np.bool_], gone: NDArray[np.bool_]) -> list[Fault]:
+    """Faults of single transducers, and of channels that are exchanged."""
+    faults = []
+    gain, degrees = np.abs(found.relative), np.degrees(np.angle(found.relative))
+    usual = np.sqrt(found.spread**2 + found.error**2)
+    for i in np.flatnonzero(judged & (gone | (gain < DEAD))).tolist():
+        faults.append(Fault("dead", (i,), 0.0, f"transducer {i} is silent"))
+    alive = judged & ~gone & (gain >= DEAD)
+    for i in np.flatnonzero(alive & (gain < np.minimum(WEAK, 1 - SURELY * usual))).tolist():
+        faults.append(
+            Fault("weak", (i,), float(gain[i]), f"transducer {i} has {gain[i]:.2f} of the usual gain")
+        )
+    turned = alive & (np.abs(degrees) > REVERSED)
+    for i in np.flatnonzero(turned).tolist():
+        faults.append(
+            Fault("reversed", (i,), float(degrees[i]), f"transducer {i} is connected the wrong way round")
+        )
+    unsure = np.degrees(SURELY * usual / np.maximum(gain, 1e-3))
+    for i in np.flatnonzero(alive & ~turned & (np.abs(degrees) > np.maximum(ODD, unsure))).tolist():
+        late = f"{abs(degrees[i]):.0f} degrees {'late' if degrees[i] > 0 else 'early'}"
+        faults.append(Fault("phase", (i,), float(degrees[i]), f"transducer {i} is {late}"))
+    return faults + [_exchanged(cycle) for cycle in found.cycles]
+
+
+def _exchanged(cycle: tuple[int, ...]) -> Fault:
+    if len(cycle) == 2:
+        return Fault("swapped", cycle, 0.0, f"transducers {cycle[0]} and {cycle[1]} are exchanged")
+    way = " to ".join(map(str, (*cycle, cycle[0])))
+    return Fault("order", cycle, 0.0, f"transducers are exchanged in a ring: {way}")
+
+
+def _whole(found: Diagnosis, boards: Indices, lost: list[int], in_pascals: bool) -> list[Fault]:
+    """Delays of boards, and levels."""
+    faults = []
+    left = [b for b in range(len(found.middle)) if b not in lost]
+    # A microphone that is nearer to one of two opposed boards hears the other later: by twice its way.
+    off = np.sqrt(np.mean(found.calibration.microphones_error**2) / len(found.calibration.microphones))
+    unsure = float(SURE * np.degrees(2 * found.wave_number * off))
+    middle = found.middle[left] if left else np.ones(0, complex)
+    for b, v in zip(left[1:], middle[1:], strict=True):
+        degrees = float(np.degrees(np.angle(v / middle[0])))
+        if abs(degrees) > max(LATE, unsure):
+            late = "late" if degrees > 0 else "early"
+            faults.append(
+                Fault(
+                    "delay",
+                    (b,),
+                    degrees,
+                    f"board {b} is {abs(degrees):.0f} degrees {late}, or whole periods more",
+                )
+            )
+    levels = np.abs(middle)
+    if len(levels) and levels.max() / levels.min() > 1 + LEVEL:
+        reference = 1.0 if in_pascals else float(levels.max())
+        for b, level in zip(left, levels / reference, strict=True):
+            if abs(level - 1) > LEVEL:
+                faults.append(Fault("level", (b,), float(level), f"board {b} has {level:.2f} of its level"))
+    elif len(levels) and in_pascals and abs(np.log(level := float(levels.mean()))) > LEVEL:
+        faults.append(Fault("level", (), level, f"everything has {level:.2f} of the expected level"))
+    return faults
+
+
+def _speed(found: Diagnosis, scene: Scene) -> list[Fault]:
+    speed, error = found.calibration.sound_speed, found.calibration.sound_speed_error
+    if abs(speed - scene.sound_speed) <= max(SPEED, SURE * error):
+        return []
+    text = f"sound goes at {speed:.1f} m/s, not {scene.sound_speed:.1f}: give the air's temperature"
+    return [Fault("sound speed", (), speed, text)]
