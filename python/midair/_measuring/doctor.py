@@ -45,11 +45,13 @@ ENDINGS = (".txt", ".json")
 
 @dataclass(frozen=True)
 class Fault:
-    """A fault: its kind, the transducers (or the board) that it concerns, its size, and a sentence.
+    """A fault that `midair.doctor` names.
 
-    kind : "dead", "weak", "reversed", "phase", "swapped", "order", "board dead", "delay" (size in degrees),
-        "level", "sound speed" (size in m/s), or "unexplained"
-    where : indices of transducers; of "delay" and of one board's "level" that board's number, from 0 on
+    kind : "dead", "weak", "reversed", "phase", "swapped", "order", "board dead", "delay", "level",
+        "sound speed", or "unexplained"
+    where : indices of transducers; of a board's delay or level that board's number, from 0 on
+    size : a gain or level relative to the usual one, phase or delay in degrees, sound speed in m/s
+    text : a sentence
     """
 
     kind: str
@@ -62,6 +64,7 @@ class Fault:
 class Report:
     """What `midair.doctor` found: `faults`, and what it found them in.
 
+    board : its kind
     faults : each a `midair.Fault`; none where nothing is wrong
     notes : what else is to be known, a sentence each
     response, response_error : (N,) complex, relative to what the array says; errors of re and im
