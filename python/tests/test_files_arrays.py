@@ -345,3 +345,26 @@ def test_what_scene_files_refuse_is_refused(name: str, tmp_path: Path) -> None:
     scene = '[array]\npositions = { file = "row.csv" }\n[[points]]\nposition = [0, 0, 0.1]\n'
     with pytest.raises(midair.SceneError):
         midair.Scene.parse(scene, folder=tmp_path)
+
+
+@pytest.mark.parametrize(
+    "first",
+    [
+        '<int id="Integer0">1</int>',
+        '<object class="java.lang.Integer" id="Integer0"><int>1</int></object>',
+        '<object class="java.lang.Integer" id="Integer0"><string>1</string></object>',
+    ],
+)
+def test_a_number_that_another_one_refers_to(first: str, tmp_path: Path) -> None:
+    numbers = first, '<object idref="Integer0"/>', "<int>0</int>"
+    made = [
+        '<object class="acousticfield3d.simulation.Transducer">'
+        f'<void property="orderNumber">{number}</void>'
+        f'<void property="power"><float>{power}</float></void></object>'
+        for power, number in enumerate(numbers, 1)
+    ]
+    path = tmp_path / "a.xml"
+    path.write_text(f'<java class="java.beans.XMLDecoder">{"".join(made)}</java>')
+    response = midair.Array.from_file(path).response
+    assert response is not None
+    assert np.allclose(3 * np.abs(response), [3, 1, 2])

@@ -87,5 +87,8 @@ def _vector(path: str | PathLike[str], part: Bean, axes: str, first: float = 0.0
 def _number(path: str | PathLike[str], bean: Bean, name: str, default: float) -> float:
     found: Any = bean.properties.get(name, default)
     if not isinstance(found, float):
-        raise fault(path, bean.line, f"{name} is {str(found)[:40]!r}: give a number")
+        told = (
+            f"an object of {found.kind or 'no class'}" if isinstance(found, Bean) else f"{str(found)[:40]!r}"
+        )
+        raise fault(path, bean.line, f"{name} is {told}: give a number")
     return found

@@ -76,6 +76,9 @@ def parse(path: str | PathLike[str], content: bytes) -> Element:
 
 NUMBERS = ("byte", "short", "int", "long", "float", "double")
 
+#: Java's classes of one number, which other elements may refer to.
+BOXES = tuple(f"java.lang.{name}" for name in ("Byte", "Short", "Integer", "Long", "Float", "Double"))
+
 
 class Bean:
     """An object: the name of its class, its properties and, of a list, its items."""
@@ -115,6 +118,8 @@ class Decoder:
             if found is None:
                 wrong = f'<{element.name}> is "{element.text.strip()[:40]}": give a finite number'
                 raise fault(self._path, element.line, wrong)
+            if "id" in element.attributes:
+                self._named[element.attributes["id"]] = lambda: found
             return found
         if element.name not in ("object", "void"):
             for child in element.children:
@@ -146,6 +151,9 @@ class Decoder:
                 raise fault(self._path, element.line, wrong)
             return self._named[told["idref"]]()
         kind, method, name = told.get("class"), told.get("method"), told.get("property")
+        if kind in BOXES and len(arguments) == 1:
+            value = arguments[0]
+            return number(value.strip()) if isinstance(value, str) else value
         if kind is not None and method is None and name is None:
             bean = Bean(kind, element.line)
             self.beans.append(bean)
