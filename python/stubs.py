@@ -175,6 +175,7 @@ KINDS = {
     "directivity": ("_Directivity", "_Directivity"),
     "complexes": ("ArrayLike", "NDArray[np.complex128] | None"),
     "flags": ("ArrayLike", "NDArray[np.bool_]"),
+    "indices": ("ArrayLike", "NDArray[np.int64] | None"),
     "quantization": ("_Quantization", "dict[str, int | NDArray[np.float64] | None] | None"),
 }
 

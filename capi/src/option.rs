@@ -149,6 +149,7 @@ impl Given<'_> {
             PartKind::Directivity => PartValue::Directivity(Directivity::named(self.text(item)?, None)?),
             PartKind::Complexes => PartValue::Complexes(self.complexes(item)?),
             PartKind::Flags => PartValue::Flags(self.flags(item)?),
+            PartKind::Indices => PartValue::Indices(self.indices(item)?),
             PartKind::Quantization => {
                 let board = self.text(item)?;
                 let none = word(item, &Value::Text(board.into()), &[("none", ())]).is_ok();
@@ -179,6 +180,11 @@ impl Given<'_> {
     fn flags(&self, item: &str) -> Result<Vec<bool>, Error> {
         let flag = |number| (number == 0.0 || number == 1.0).then_some(number == 1.0);
         entries(item, self.numbers(item)?, "give 0 for off or 1 for on", flag)
+    }
+
+    fn indices(&self, item: &str) -> Result<Vec<usize>, Error> {
+        let index = |number| whole(number).and_then(|whole| usize::try_from(whole).ok());
+        entries(item, self.numbers(item)?, "give whole numbers of 0 or above", index)
     }
 
     fn complexes(&self, item: &str) -> Result<Vec<Complex64>, Error> {

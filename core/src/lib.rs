@@ -79,6 +79,7 @@ mod workspace;
 
 pub use control::{Control, Observe, Progress};
 pub use device::board::Board;
+pub use device::channels::Channels;
 pub use device::code::Code;
 pub use device::link::Link;
 pub use device::quantization::Quantization;

@@ -59,7 +59,7 @@ impl<S: Solve> Player<S> {
         if points == 0 {
             return Err(Error::invalid("points", points, "give at least 1"));
         }
-        let board = Board::new(board, array.len())?;
+        let board = array.board(board)?;
         Ok(Self {
             solver,
             model: Model::new(array, array.medium(&[])?, InstructionSet::SCALAR)?,

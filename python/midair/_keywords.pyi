@@ -43,6 +43,8 @@ class Parts(TypedDict, total=False):
     """Complex factor [re, im] of each transducer; 0 is dead."""
     mask: ArrayLike | None
     """Of each transducer; false is off."""
+    channels: ArrayLike | None
+    """The driven channel of each transducer, where several are wired to one; left out the preset's, or each its own."""
     quantization: _Quantization | None
     """What the board can play; left out the preset's, {} any drive."""
 
@@ -57,6 +59,8 @@ class Radiating:
     def response(self) -> NDArray[np.complex128] | None: ...
     @property
     def mask(self) -> NDArray[np.bool_]: ...
+    @property
+    def channels(self) -> NDArray[np.int64] | None: ...
     @property
     def quantization(self) -> dict[str, int | NDArray[np.float64] | None] | None: ...
 

@@ -352,11 +352,10 @@ class Codec:
     def __new__(
         cls,
         name: str,
-        transducers: int,
+        array: Array | None = None,
         *,
         channels: Sequence[int] | NDArray[np.integer] | None = None,
         corrections: ArrayLike | None = None,
-        live: ArrayLike | None = None,
     ) -> Codec: ...
     @staticmethod
     def kinds() -> dict[str, Codec]: ...

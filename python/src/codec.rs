@@ -23,15 +23,16 @@ pub(crate) struct Codec {
 #[pymethods]
 impl Codec {
     #[new]
-    #[pyo3(signature = (name, transducers, *, channels=None, corrections=None, live=None))]
+    #[pyo3(signature = (name, array=None, *, channels=None, corrections=None))]
     fn new(
         name: &Bound<'_, PyAny>,
-        transducers: usize,
+        array: Option<&Array>,
         channels: Argument<'_, '_>,
         corrections: Argument<'_, '_>,
-        live: Argument<'_, '_>,
     ) -> PyResult<Self> {
-        let mut board = Board::new(&read::name(name)?, transducers).map_err(refused)?;
+        let kind = read::name(name)?;
+        let mut board =
+            array.map_or_else(|| Board::new(&kind, 1), |array| array.inner.board(&kind)).map_err(refused)?;
         if let Some(channels) = channels {
             let Ok(channels) = channels.extract() else {
                 return Err(invalid("channels", &crate::numbers::quoted(channels), "give whole numbers (N,)"));
@@ -40,9 +41,6 @@ impl Codec {
         }
         if let Some(corrections) = corrections {
             board = board.with_corrections(&read::reals("corrections", corrections)?).map_err(refused)?;
-        }
-        if let Some(live) = live {
-            board = board.with_live(read::flags("live", live)?).map_err(refused)?;
         }
         Ok(Self { board })
     }
@@ -95,7 +93,7 @@ impl Codec {
         Ok(facts)
     }
 
-    /// The channel of each transducer (N,).
+    /// The channel of each transducer (N,), or (C,) of each of the array's channels.
     #[getter]
     fn channels<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         give::list(

@@ -40,6 +40,7 @@ fn read_part(part: &Part, value: &Bound<'_, PyAny>) -> PyResult<PartValue> {
         PartKind::Directivity => PartValue::Directivity(read::directivity(value)?),
         PartKind::Complexes => PartValue::Complexes(read::complexes(part.name, value)?),
         PartKind::Flags => PartValue::Flags(read::flags(part.name, value)?),
+        PartKind::Indices => PartValue::Indices(read::indices(part.name, value)?),
         PartKind::Quantization => PartValue::Quantization(read_quantization(value)?),
     })
 }
@@ -51,6 +52,7 @@ pub(crate) fn shown(py: Python<'_>, value: PartValue) -> PyResult<Bound<'_, PyAn
         PartValue::Directivity(law) => directivity(py, law)?,
         PartValue::Complexes(list) => give::list(py, list).into_any(),
         PartValue::Flags(list) => give::list(py, list).into_any(),
+        PartValue::Indices(list) => give::list(py, list.into_iter().map(|i| i as i64).collect()).into_any(),
         PartValue::Quantization(board) => quantization::shown(py, Some(&board))?.into_pyobject(py)?.into_any(),
     })
 }

@@ -191,6 +191,13 @@ pub(crate) fn flags(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<bool>>
     one_each(item, value, "b", "give True or False of shape (N,), one a transducer")
 }
 
+/// Whole numbers of 0 or above (N,).
+pub(crate) fn indices(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<usize>> {
+    let cure = "give whole numbers of 0 or above of shape (N,), one a transducer";
+    let index = |number: i64| usize::try_from(number).map_err(|_| invalid(item, &number.to_string(), cure));
+    one_each(item, value, "iu", cure)?.into_iter().map(index).collect()
+}
+
 /// Complex numbers (N,) in double precision.
 pub(crate) fn complexes(item: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Complex64>> {
     one_each(item, value, NUMBER, "give numbers of shape (N,), one a transducer")

@@ -1,5 +1,6 @@
 //! Board: drives of an array to the bytes that make its boards play them, and back.
 
+use alloc::borrow::Cow;
 use alloc::format;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -8,6 +9,7 @@ use core::f64::consts::TAU;
 use num_complex::{Complex32, Complex64};
 
 use crate::device::boards::FORMATS;
+use crate::device::channels::Channels;
 use crate::device::code::{Code, of_pulse, pulse};
 use crate::device::format::Format;
 use crate::device::link::Link;
@@ -42,11 +44,13 @@ pub struct Board {
     boards: usize,
     /// What it makes, where that is pulses.
     pulses: Option<Pulses>,
-    /// The transducer at each channel.
-    transducers: Vec<Option<usize>>,
-    /// The channel of each transducer.
+    /// Which transducers one channel drives; `None` where each has its own. All below has one entry a channel driven.
+    wiring: Option<Channels>,
+    /// Which drive each channel of the boards has.
+    driven: Vec<Option<usize>>,
+    /// The channel of each drive.
     channels: Vec<usize>,
-    /// Turns that each transducer is late by of its own.
+    /// Turns that each drive's transducers are late by of their own.
     corrections: Vec<f64>,
     live: Vec<bool>,
 }
@@ -68,7 +72,8 @@ impl Board {
             format,
             boards,
             pulses: format.steps.pulses(),
-            transducers: Vec::new(),
+            wiring: None,
+            driven: Vec::new(),
             channels: Vec::new(),
             corrections: vec![0.0; transducers],
             live: vec![true; transducers],
@@ -76,22 +81,37 @@ impl Board {
         board.with_channels((0..transducers).map(|i| format.channel(i)).collect())
     }
 
+    /// As many boards of a kind as the driven channels of an array need, several transducers on each.
+    ///
+    /// # Errors
+    /// An unknown name, more of them than the boards have channels.
+    pub fn wired(name: &str, channels: &Channels) -> Result<Self, Error> {
+        let (format, count) = (format(name)?, channels.count());
+        let most = format.channels * format.most_boards;
+        if count > most {
+            let cure = format!("{} has {most}: wire more transducers together", format.name);
+            return Err(Error::invalid("array.channels", format!("{count} of them"), cure));
+        }
+        Ok(Self { wiring: Some(channels.clone()), ..Self::new(name, count)? })
+    }
+
     /// The names of the kinds of boards.
     pub fn names() -> impl Iterator<Item = &'static str> {
         FORMATS.iter().map(|format| format.name)
     }
 
-    /// The same with transducers at other channels (N,), those of a second board after those of the first.
+    /// The same with transducers at other channels (N,), those of a second board after those of the first; of an array with
+    /// channels (C,), one for each of these.
     ///
     /// # Errors
     /// Another number of them, a channel that no board has, or one given twice.
     pub fn with_channels(mut self, channels: Vec<usize>) -> Result<Self, Error> {
-        one_each("channels", channels.len(), "of them", self.len(), "transducers")?;
+        self.one_a_drive("channels", channels.len())?;
         let count = self.boards * self.format.channels;
-        self.transducers = vec![None; count];
+        self.driven = vec![None; count];
         for (i, &channel) in channels.iter().enumerate() {
             let fault = |cure| Err(Error::invalid(format!("channels[{i}]"), channel, cure));
-            match self.transducers.get_mut(channel) {
+            match self.driven.get_mut(channel) {
                 None => return fault(format!("give channels of 0 to {}", count - 1)),
                 Some(Some(other)) => return fault(format!("channels[{other}] is the same: give each once")),
                 Some(free) => *free = Some(i),
@@ -101,13 +121,13 @@ impl Board {
         Ok(self)
     }
 
-    /// The same with phases (N,) in rad that each transducer adds by itself, by its polarity or wiring: the phase sent is the
-    /// one wanted less the correction, before it is rounded.
+    /// The same with phases (N,) in rad that each transducer, or (C,) each of the array's channels, adds by itself, by its
+    /// polarity or wiring: the phase sent is the one wanted less the correction, before it is rounded.
     ///
     /// # Errors
     /// Another number of them, or one that is not finite.
     pub fn with_corrections(mut self, corrections: &[f64]) -> Result<Self, Error> {
-        one_each("corrections", corrections.len(), "of them", self.len(), "transducers")?;
+        self.one_a_drive("corrections", corrections.len())?;
         for (i, (own, &correction)) in self.corrections.iter_mut().zip(corrections).enumerate() {
             let turns = error::real(&format!("corrections[{i}]"), correction, f64::MIN, false)? / TAU;
             *own = turns - math::floor(turns);
@@ -115,13 +135,16 @@ impl Board {
         Ok(self)
     }
 
-    /// The same with transducers (N,) that are always off where `live` is false.
+    /// The same with transducers (N,) that are always off where `live` is false, and channels of none but these.
     ///
     /// # Errors
     /// Another number of them.
     pub fn with_live(mut self, live: Vec<bool>) -> Result<Self, Error> {
         one_each("live", live.len(), "of them", self.len(), "transducers")?;
-        self.live = live;
+        self.live = match &self.wiring {
+            None => live,
+            Some(wiring) => (0..wiring.count()).map(|channel| wiring.members(channel).any(|i| live[i])).collect(),
+        };
         Ok(self)
     }
 
@@ -147,7 +170,13 @@ impl Board {
     #[must_use]
     #[allow(clippy::len_without_is_empty, reason = "a board is never empty")]
     pub fn len(&self) -> usize {
-        self.live.len()
+        self.wiring.as_ref().map_or(self.live.len(), |wiring| wiring.of().len())
+    }
+
+    /// Refuses another number of values than drives.
+    fn one_a_drive(&self, item: &str, found: usize) -> Result<(), Error> {
+        let owners = if self.wiring.is_some() { "channels of the array" } else { "transducers" };
+        one_each(item, found, "of them", self.live.len(), owners)
     }
 
     /// Number of boards.
@@ -171,10 +200,10 @@ impl Board {
     /// Number of channels of its boards.
     #[must_use]
     pub fn channel_count(&self) -> usize {
-        self.transducers.len()
+        self.driven.len()
     }
 
-    /// The channel of each transducer (N,).
+    /// The channel of each transducer (N,), or (C,) of each of the array's channels.
     #[must_use]
     pub fn channels(&self) -> &[usize] {
         &self.channels
@@ -202,7 +231,8 @@ impl Board {
     /// steps. It is the response of its presets' arrays; whole steps are in its bytes.
     #[must_use]
     pub fn response(&self) -> Option<Vec<Complex64>> {
-        self.format.response(self.channels.iter().copied())
+        let own = self.format.response(self.channels.iter().copied())?;
+        Some(self.wiring.as_ref().map_or_else(|| own.clone(), |wiring| wiring.spread(&own)))
     }
 
     /// Bits a second of its serial line, `None` where it is on no such line.
@@ -240,10 +270,10 @@ impl Board {
     /// The codes (channels,) of a drive (N,), off where no transducer is.
     ///
     /// # Errors
-    /// Another number of drives, or one that is not finite or above 1.
+    /// Another number of drives, one that is not finite or above 1, or two of one channel that differ.
     pub fn codes(&self, drive: &[Complex32], codes: &mut [Code]) -> Result<(), Error> {
-        self.check(drive)?;
-        one_each("codes", codes.len(), "of them", self.transducers.len(), "channels")?;
+        let drive = &*self.drives(drive)?;
+        one_each("codes", codes.len(), "of them", self.driven.len(), "channels")?;
         for (channel, code) in codes.iter_mut().enumerate() {
             *code = self.code(drive, channel);
         }
@@ -253,9 +283,9 @@ impl Board {
     /// Writes the frame (of [`Board::frame_size`] bytes) of a drive (N,).
     ///
     /// # Errors
-    /// Another number of drives, one that is not finite or above 1, or a frame of another size.
+    /// Another number of drives, one that is not finite or above 1, two of one channel that differ, or a frame of another size.
     pub fn encode(&self, drive: &[Complex32], frame: &mut [u8]) -> Result<(), Error> {
-        self.check(drive)?;
+        let drive = &*self.drives(drive)?;
         if frame.len() != self.frame_size() {
             let cure = format!("give room for {}", self.frame_size());
             return Err(Error::invalid("frame", format!("{} bytes", frame.len()), cure));
@@ -270,16 +300,18 @@ impl Board {
     /// A frame that the board would not take for one, by the first byte that is wrong; another number of drives.
     pub fn decode(&self, frame: &[u8], drive: &mut [Complex32]) -> Result<(), Error> {
         one_each("drive", drive.len(), "of them", self.len(), "transducers")?;
-        drive.fill(Complex32::ZERO);
+        let mut own = vec![Complex32::ZERO; self.live.len()];
         (self.format.decode)(self.boards, frame, &mut |channel, code| {
-            if let Some(transducer) = self.transducers[channel] {
-                let late = self.late(transducer);
-                drive[transducer] = match &self.pulses {
+            if let Some(k) = self.driven[channel] {
+                let late = self.late(k);
+                own[k] = match &self.pulses {
                     Some(pulses) => pulse(pulses, code, late),
                     None => self.format.steps.drive(code, late),
                 };
             }
-        })
+        })?;
+        drive.copy_from_slice(&self.wiring.as_ref().map_or(own.clone(), |wiring| wiring.spread(&own)));
+        Ok(())
     }
 
     /// The frame of a board that plays nothing.
@@ -297,7 +329,7 @@ impl Board {
     }
 
     fn code(&self, drive: &[Complex32], channel: usize) -> Code {
-        match self.transducers[channel] {
+        match self.driven[channel] {
             Some(i) if self.live[i] => match &self.pulses {
                 Some(pulses) => of_pulse(pulses, drive[i], self.late(i)),
                 None => self.format.steps.code(drive[i], self.late(i)),
@@ -307,22 +339,21 @@ impl Board {
     }
 
     /// Turns that the bytes make up for.
-    fn late(&self, transducer: usize) -> f64 {
-        let (steps, _) = (self.format.late)(self.channels[transducer]);
-        self.corrections[transducer] + f64::from(steps) / f64::from(self.format.steps.phases)
+    fn late(&self, k: usize) -> f64 {
+        let (steps, _) = (self.format.late)(self.channels[k]);
+        self.corrections[k] + f64::from(steps) / f64::from(self.format.steps.phases)
     }
 
-    fn check(&self, drive: &[Complex32]) -> Result<(), Error> {
+    /// One drive of each channel driven, of drives (N,), checked.
+    fn drives<'a>(&self, drive: &'a [Complex32]) -> Result<Cow<'a, [Complex32]>, Error> {
         one_each("drive", drive.len(), "of them", self.len(), "transducers")?;
         // In f32 first, where that is sure.
         let fits = |q: &Complex32| q.norm_sqr() <= 1.0 || (q.is_finite() && math::modulus(*q) <= 1.0 + SLACK);
-        match drive.iter().position(|q| !fits(q)) {
-            None => Ok(()),
-            Some(i) => {
-                let value = format!("{} + {}j", drive[i].re, drive[i].im);
-                Err(Error::invalid(format!("drive[{i}]"), value, "give finite drives of at most 1"))
-            }
+        if let Some(i) = drive.iter().position(|q| !fits(q)) {
+            let value = format!("{} + {}j", drive[i].re, drive[i].im);
+            return Err(Error::invalid(format!("drive[{i}]"), value, "give finite drives of at most 1"));
         }
+        self.wiring.as_ref().map_or(Ok(Cow::Borrowed(drive)), |wiring| wiring.drives(drive).map(Cow::Owned))
     }
 }
 

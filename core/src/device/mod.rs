@@ -2,6 +2,7 @@
 
 pub(crate) mod board;
 mod boards;
+pub(crate) mod channels;
 pub(crate) mod code;
 pub(crate) mod format;
 pub(crate) mod link;

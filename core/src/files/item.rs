@@ -112,6 +112,14 @@ impl<'a> Item<'a> {
         self.each(Item::flag, "give a list of true and false")
     }
 
+    /// A list of whole numbers of 0 or above.
+    pub(super) fn indices(&self) -> Result<Vec<usize>, Fault> {
+        let cure = "give a list of whole numbers of 0 or above";
+        let index = |number: f64| (number.fract() == 0.0 && (0.0..1e9).contains(&number)).then_some(number as usize);
+        let numbers = self.node.reals().ok_or_else(|| self.refused(cure))?;
+        numbers.iter().map(|&number| index(number).ok_or_else(|| self.refused(cure))).collect()
+    }
+
     /// Every value of a list.
     pub(super) fn each<T>(&self, read: impl Fn(&Item<'a>) -> Result<T, Fault>, cure: &str) -> Result<Vec<T>, Fault> {
         let list = match self.node {

@@ -204,6 +204,7 @@ fn value_of(part: &Part, item: &Item<'_>) -> Result<PartValue, Fault> {
             PartValue::Complexes(item.vectors()?.into_iter().map(|[re, im]| Complex64::new(re, im)).collect())
         }
         PartKind::Flags => PartValue::Flags(item.flags()?),
+        PartKind::Indices => PartValue::Indices(item.indices()?),
         PartKind::Quantization => PartValue::Quantization(quantization(item)?),
     })
 }

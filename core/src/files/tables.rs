@@ -78,6 +78,7 @@ fn part(value: PartValue) -> Node {
         },
         PartValue::Complexes(list) => Node::List(list.iter().map(|c| numbers(&[c.re, c.im])).collect()),
         PartValue::Flags(list) => Node::List(list.into_iter().map(Node::Bool).collect()),
+        PartValue::Indices(list) => Node::List(list.into_iter().map(count).collect()),
         PartValue::Quantization(board) => table([
             ("phases", maybe(board.phases().map(|phases| Node::Integer(phases.into())))),
             ("amplitudes", maybe(board.amplitudes().map(numbers))),

@@ -33,7 +33,8 @@ pub struct Ahead {
 /// `points` (T, M, 3) in m and `targets` (T, M) in Pa, or in any unit: the points of a frame get pressures in these ratios, as
 /// loud as can be. A point of target 0 is not there in that frame, wherever it is said to be. A transducer without effect
 /// (masked, response 0) keeps the code 0. `start` (T, N) are codes to begin with, the first of which [`Ends::Held`] keeps; left
-/// out the drives of [`crate::solvers::Uniform`], each from the one before.
+/// out the drives of [`crate::solvers::Uniform`], each from the one before. Transducers of one channel have one code, its first
+/// one's in `start`.
 ///
 /// ```text
 /// |l_i(t) - l_i(t-1)| <= w = floor(change L / 2 pi), modulo L, and from the last frame to the first of a closed sequence
@@ -77,6 +78,7 @@ pub fn ahead(
     let circle = ahead.circle()?;
     let frames = Frames::new(model, points, targets, frames, control)?;
     let (count, transducers) = (frames.count, frames.transducers);
+    let (array, channels) = (model.array(), model.array().wiring());
     let sides = [transducers, frames.points];
     control.room("the codes of all frames", sides, bytes(4, &[count, transducers]))?;
     control.room("the tracks", sides, bytes(4 * control.threads(), &[count, circle.levels]))?;
@@ -89,8 +91,9 @@ pub fn ahead(
         }
         None => guess(&frames, ahead.ends == Ends::Closed, control)?,
         Some(start) => {
-            check_start(start, count, transducers, ahead.phases)?;
-            transpose(start, count, &mut codes);
+            check_start(start, count, array.len(), ahead.phases)?;
+            let columns = |row: &[u16]| channels.map_or(row.to_vec(), |channels| channels.gather(row));
+            transpose(&start.chunks(array.len()).flat_map(columns).collect::<Vec<_>>(), count, &mut codes);
             field(&frames, &circle, &mut codes, control)?
         }
     };
@@ -104,7 +107,10 @@ pub fn ahead(
     let mut by_frames = vec![0; codes.len()];
     transpose(&codes, transducers, &mut by_frames);
     even_out(&frames, &circle, ahead.ends, &mut by_frames, control)?;
-    Ok(by_frames)
+    Ok(match channels {
+        None => by_frames,
+        Some(channels) => by_frames.chunks(transducers).flat_map(|row| channels.spread(row)).collect(),
+    })
 }
 
 impl Ahead {

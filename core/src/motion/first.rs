@@ -20,7 +20,9 @@ use crate::workspace::Workspace;
 pub(super) fn guess(frames: &Frames, closed: bool, control: &mut Control) -> Result<[Vec<f32>; 2], Error> {
     let (count, points) = (frames.count, frames.points);
     let mut field = [vec![0.0; frames.lanes()], vec![0.0; frames.lanes()]];
-    let setup = Arc::new(Setup::of(frames.model.array(), frames.model.medium()));
+    // Of columns, as G.
+    let setup = Setup { channels: None, ..Setup::of(frames.model.array(), frames.model.medium()) };
+    let setup = Arc::new(setup);
     let mut work = Workspace::new();
     let mut last: Option<Vec<Complex32>> = None;
     for frame in 0..count + usize::from(closed) {

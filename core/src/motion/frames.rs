@@ -7,6 +7,7 @@ use alloc::vec::Vec;
 use num_complex::Complex64;
 
 use crate::control::{Control, bytes};
+use crate::device::channels::Channels;
 use crate::error::{Error, real};
 use crate::kernels::{InstructionSet, LANES, padded};
 use crate::math;
@@ -26,7 +27,7 @@ pub(super) struct Frames<'a> {
     pub(super) count: usize,
     /// M.
     pub(super) points: usize,
-    /// N.
+    /// Columns of G: N, or C of an array with channels.
     pub(super) transducers: usize,
     /// Targets (T, M) relative to the largest; 0 for a point that is not there.
     pub(super) targets: Vec<f32>,
@@ -76,7 +77,7 @@ impl<'a> Frames<'a> {
             model,
             count: frames,
             points: each,
-            transducers: model.array().len(),
+            transducers: model.array().wiring().map_or(model.array().len(), Channels::count),
             targets: targets.iter().map(|target| (target / largest) as f32).collect(),
             reach: Vec::with_capacity(points.len()),
             blocks: Vec::with_capacity(frames.div_ceil(TOGETHER)),
@@ -85,7 +86,7 @@ impl<'a> Frames<'a> {
         let mut reach = Vec::new();
         for begin in (0..points.len()).step_by(TOGETHER * each) {
             let end = points.len().min(begin + TOGETHER * each);
-            let propagation = model.propagation(&(begin..end).map(place).collect::<Vec<_>>())?;
+            let propagation = model.driven(&(begin..end).map(place).collect::<Vec<_>>())?;
             propagation.reach(&mut reach, control).map_err(|error| match error {
                 Error::TooNear { point, transducer, distance, least } => {
                     let value = format!("{distance:.3e} m from transducer {transducer}");
@@ -126,9 +127,11 @@ impl<'a> Frames<'a> {
         padded(self.count * self.points)
     }
 
-    /// Whether a transducer radiates at all.
+    /// Whether a transducer radiates at all, or any of a channel's.
     pub(super) fn is_on(&self, i: usize) -> bool {
-        self.model.array().effect(i) != Complex64::ZERO
+        let array = self.model.array();
+        let on = |i: usize| array.effect(i) != Complex64::ZERO;
+        array.wiring().map_or_else(|| on(i), |channels| channels.members(i).any(on))
     }
 
     /// G at some points of a frame.

@@ -10,8 +10,9 @@ use crate::math;
 use crate::problem::Problem;
 use crate::problem::array_request::ArrayRequest;
 use crate::problem::metrics::Metrics;
-use crate::problem::solution::{Solution, Status};
-use crate::scene::{Aim, check_drive};
+use crate::problem::solution::Solution;
+use crate::problem::status::Status;
+use crate::scene::Aim;
 
 /// Quiet points that leak more times what was allowed are reported: crowded ones, of which a few speak for all, leak up to three
 /// times as much between these.
@@ -83,10 +84,10 @@ impl Problem {
     /// The metrics of a drive (N,) over the caller's points, wholly in double precision.
     ///
     /// # Errors
-    /// A drive of another length, a value that is not finite, |q| above 1 + 1e-6; a stop.
+    /// A drive of another length, a value that is not finite, |q| above 1 + 1e-6, two of one channel that differ; a stop.
     pub fn judge(&self, drive: &[Complex32], control: &mut Control) -> Result<Metrics, Error> {
         let all = &self.targets.propagation;
-        check_drive(drive, all.transducers())?;
+        let drive = self.setup().columns(drive, all.transducers())?;
         let wide = |q: Complex32| Complex64::new(f64::from(q.re), f64::from(q.im));
         let mut pressures = vec![0.0; all.points()];
         for (j, pressure) in pressures.iter_mut().enumerate() {

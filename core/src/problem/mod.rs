@@ -10,14 +10,17 @@ pub(crate) mod optimum;
 pub(crate) mod range;
 pub(crate) mod setup;
 pub(crate) mod solution;
+pub(crate) mod status;
 pub(crate) mod upper_bound;
 
 pub use feasibility::{Beyond, Reach};
 pub use metrics::Metrics;
 pub use setup::Setup;
-pub use solution::{Solution, Status};
+pub use solution::Solution;
+pub use status::Status;
 pub use upper_bound::bound;
 
+use alloc::borrow::Cow;
 use alloc::format;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -30,7 +33,7 @@ use crate::error::{Error, one_each};
 use crate::kernels::InstructionSet;
 use crate::problem::array_request::ArrayRequest;
 use crate::propagation::{Model, Propagation};
-use crate::scene::{Aim, Request, Scene, Start, check_drive};
+use crate::scene::{Aim, Request, Scene, Start};
 use crate::workspace::Workspace;
 
 /// A checked problem: it can be solved.
@@ -90,7 +93,7 @@ impl Problem {
         control: &mut Control,
     ) -> Result<Self, Error> {
         let setup = Setup::of(model.array(), model.medium());
-        Self::read(model.propagation(points)?, setup.into(), request, control)
+        Self::read(model.driven(points)?, setup.into(), request, control)
     }
 
     /// The problem of any G, computed or given, and the array behind it.
@@ -116,6 +119,7 @@ impl Problem {
         control: &mut Control,
     ) -> Result<Self, Error> {
         let setup = setup.into();
+        let propagation = propagation.driven(setup.channels.as_ref())?;
         setup.check(&propagation)?;
         Self::read(propagation, setup, request, control)
     }
@@ -219,9 +223,13 @@ impl Problem {
     }
 
     /// As [`Problem::with_start`].
-    pub(crate) fn begin(&mut self, start: Start) -> Result<(), Error> {
-        match &start {
-            Start::Drive(drive) => check_drive(drive, self.propagation().transducers())?,
+    pub(crate) fn begin(&mut self, mut start: Start) -> Result<(), Error> {
+        match &mut start {
+            Start::Drive(drive) => {
+                if let Cow::Owned(columns) = self.setup().columns(drive, self.propagation().transducers())? {
+                    *drive = columns;
+                }
+            }
             Start::Phases(phases) => {
                 one_each("start", phases.len(), "phases", self.targets.pascals.len(), "points")?;
                 if let Some(j) = phases.iter().position(|phase| !phase.is_finite()) {
@@ -252,7 +260,7 @@ impl Problem {
         self.start.is_some()
     }
 
-    /// The drive to start from, if one was given.
+    /// The drive to start from, if one was given: one of each column of G.
     #[must_use]
     pub fn start_drive(&self) -> Option<&[Complex32]> {
         match self.start.as_deref() {
@@ -309,7 +317,7 @@ impl Problem {
         &self.targets.relative_weights
     }
 
-    /// The array behind G: medium, quantization, positions.
+    /// The array behind G: medium, quantization, positions, channels.
     #[must_use]
     pub fn setup(&self) -> &Setup {
         &self.targets.setup

@@ -1,11 +1,15 @@
-//! Setup: the array behind G, as far as a problem needs it (medium, quantization, positions).
+//! Setup: the array behind G, as far as a problem needs it (medium, quantization, positions, channels).
 
+use alloc::borrow::Cow;
 use alloc::sync::Arc;
 
+use num_complex::Complex32;
+
+use crate::device::channels::Channels;
 use crate::device::quantization::Quantization;
-use crate::error::Error;
+use crate::error::{Error, one_each};
 use crate::propagation::Propagation;
-use crate::scene::{Array, Medium, check_positions};
+use crate::scene::{Array, Medium, check_drive, check_positions};
 
 /// What a problem takes beside G and the request. Whatever array G was computed or measured from, it can have a
 /// board's quantization, positions for an order of its transducers, and a medium for radiation pressures.
@@ -29,8 +33,11 @@ pub struct Setup {
     pub medium: Medium,
     /// What the board can play; `None` for any drive.
     pub quantization: Option<Arc<Quantization>>,
-    /// The transducers' positions (N, 3) in m, where they are known: for an order of columns.
+    /// The positions in m of what G has a column of, where they are known: for an order of columns. A channel's is the middle
+    /// of its transducers.
     pub positions: Option<Arc<[[f64; 3]]>>,
+    /// Which transducers one channel drives, where G has a column a channel; `None` where it has one a transducer.
+    pub channels: Option<Channels>,
 }
 
 impl Setup {
@@ -38,12 +45,37 @@ impl Setup {
     #[must_use]
     pub fn of(array: &Array, medium: Medium) -> Self {
         let (positions, quantization) = array.shared();
-        Self { medium, quantization, positions: Some(positions) }
+        let channels = array.wiring().cloned();
+        let middles = channels.as_ref().map(|channels| channels.middles(&positions).into());
+        Self { medium, quantization, positions: middles.or(Some(positions)), channels }
     }
 
     /// Refuses what does not fit G.
     pub(crate) fn check(&self, propagation: &Propagation) -> Result<(), Error> {
         self.medium.check()?;
-        self.positions.as_ref().map_or(Ok(()), |positions| check_positions(positions, propagation.transducers()))
+        let columns = propagation.transducers();
+        if let Some(channels) = &self.channels {
+            one_each("columns of G", columns, "of them", channels.count(), "channels")?;
+        }
+        self.positions.as_ref().map_or(Ok(()), |positions| check_positions(positions, columns))
+    }
+
+    /// Number of transducers N behind a G of so many columns.
+    pub(crate) fn transducers(&self, columns: usize) -> usize {
+        self.channels.as_ref().map_or(columns, |channels| channels.of().len())
+    }
+
+    /// What the columns of G get of drives (N,), checked.
+    ///
+    /// # Errors
+    /// Drives that the array cannot be given.
+    pub(crate) fn columns<'a>(&self, drive: &'a [Complex32], columns: usize) -> Result<Cow<'a, [Complex32]>, Error> {
+        match &self.channels {
+            None => check_drive(drive, columns).map(|()| Cow::Borrowed(drive)),
+            Some(channels) => {
+                check_drive(drive, channels.of().len())?;
+                channels.drives(drive).map(Cow::Owned)
+            }
+        }
     }
 }

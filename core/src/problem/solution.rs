@@ -4,7 +4,6 @@ use alloc::format;
 use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
-use core::fmt;
 
 use num_complex::Complex32;
 
@@ -18,23 +17,10 @@ use crate::problem::array_request::ArrayRequest;
 use crate::problem::metrics::Metrics;
 use crate::problem::mix::{is_of_one_amplitude, mix};
 use crate::problem::setup::Setup;
+use crate::problem::status::Status;
 use crate::propagation::{Propagation, field_of};
 use crate::scene::{Request, Scene, check_drive};
 use crate::workspace::Workspace;
-
-/// How a solve ended. Outcome is data, never an error.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Status {
-    /// The method ran to its end.
-    Done,
-    /// The method's steps ran out before its tolerance was met.
-    OutOfSteps,
-    /// The caller asked to stop; the answer is the best so far.
-    Stopped,
-    /// The method ran to its end, and the targets are missed by more than 1 %.
-    Missed,
-}
 
 /// z / factor, rounded once.
 fn divided(z: Complex32, factor: f64) -> Complex32 {
@@ -42,34 +28,11 @@ fn divided(z: Complex32, factor: f64) -> Complex32 {
     Complex32::new(part(z.re), part(z.im))
 }
 
-impl Status {
-    /// The status of a name, as it is displayed.
-    ///
-    /// # Errors
-    /// A name of none.
-    pub fn named(name: &str) -> Result<Self, Error> {
-        let all = [Self::Done, Self::OutOfSteps, Self::Stopped, Self::Missed];
-        let found = all.into_iter().find(|status| format!("{status}") == name);
-        found.ok_or_else(|| Error::unknown("status", name, ["done", "out_of_steps", "stopped", "missed"]))
-    }
-}
-
-impl fmt::Display for Status {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Done => "done",
-            Self::OutOfSteps => "out_of_steps",
-            Self::Stopped => "stopped",
-            Self::Missed => "missed",
-        })
-    }
-}
-
 /// A drive and what it does at the points.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Solution {
-    /// Drives q (N,), |q| <= 1.
+    /// Drives q (N,), |q| <= 1, of [`crate::solve`]; within a solver one of each column of G.
     pub drive: Vec<Complex32>,
     /// Complex pressures (M,) in Pa (peak) at all of the caller's points, by one f32 pass over the rows. Under a signature
     /// those of the foci that it turned into traps, sum G s q; [`crate::field()`] tells the real ones.
@@ -103,7 +66,7 @@ impl Solution {
     ) -> Result<Self, Error> {
         let mut request = Arc::clone(&problem.targets);
         let points = request.pascals.len();
-        check_drive(&drive, request.propagation.transducers())?;
+        let columns = request.setup.columns(&drive, request.propagation.transducers())?;
         one_each("pressures", pressures.len(), "values", points, "points")?;
         real("scale", scale, 0.0, true)?;
         if scale > 1.0 {
@@ -114,7 +77,7 @@ impl Solution {
             Arc::make_mut(&mut request).pascals = targets;
         }
         let work = Workspace::new();
-        let field = field_of(&request.propagation, &drive, &work, control)?;
+        let field = field_of(&request.propagation, &columns, &work, control)?;
         let unit = request.propagation.reference();
         let mut reach = vec![f64::INFINITY; points];
         request.active.iter().zip(&problem.reach).for_each(|(&j, &own)| reach[j] = own * unit);
@@ -229,6 +192,14 @@ impl Solution {
         for ((pressure, re), im) in self.pressures.iter_mut().zip(&field.re).zip(&field.im) {
             *pressure = pascals(*re, *im, reference);
         }
+    }
+
+    /// The same with the drives of channels as those of their transducers (N,).
+    pub(crate) fn spread(mut self) -> Self {
+        if let Some(channels) = &self.request.setup.channels {
+            self.drive = channels.spread(&self.drive);
+        }
+        self
     }
 
     /// The same with `scale` of it left to supply or modulation.

@@ -1,4 +1,5 @@
-//! Kept: G that no kernel computes, behind obstacles or under a signature: a matrix, of an array and points that are known.
+//! Kept: G that no kernel computes, behind obstacles, under a signature or with a column a channel: a matrix, of an array and
+//! points that are known.
 
 use alloc::format;
 use alloc::sync::Arc;
@@ -7,6 +8,7 @@ use alloc::vec::Vec;
 use num_complex::Complex64;
 
 use crate::control::Control;
+use crate::device::channels::Channels;
 use crate::error::Error;
 use crate::propagation::scattering::Scattering;
 use crate::propagation::sources::Sources;
@@ -32,6 +34,8 @@ pub(crate) struct Kept {
     pub(crate) points: Arc<[[f64; 3]]>,
     pub(crate) scattering: Option<Arc<Scattering>>,
     pub(crate) signature: Option<Signature>,
+    /// Whose transducers' columns are summed.
+    pub(crate) channels: Option<Channels>,
     pub(crate) make: Make,
 }
 
@@ -39,14 +43,20 @@ impl PartialEq for Kept {
     fn eq(&self, other: &Self) -> bool {
         let same = self.sources.array == other.sources.array && self.sources.medium == other.sources.medium;
         let obstacles = [self, other].map(|kept| kept.scattering.as_ref().map(|scattering| &scattering.obstacles));
-        same && self.points == other.points && obstacles[0] == obstacles[1] && self.signature == other.signature
+        same && self.points == other.points
+            && obstacles[0] == obstacles[1]
+            && self.signature == other.signature
+            && self.channels == other.channels
     }
 }
 
 impl Kept {
     pub(crate) const MAKE: Make = Make { matrix: Self::matrix, stiffness: Self::stiffness };
 
-    /// Refuses points inside obstacles, factors that do not fit, and more entries than are kept.
+    /// Of channels alone, without obstacles and signature.
+    pub(crate) const BARE: Make = Make { matrix: Self::bare, stiffness: |_, _| Ok(None) };
+
+    /// Refuses points inside obstacles, and factors that do not fit.
     fn check(&self) -> Result<(), Error> {
         let (transducers, points) = (self.sources.array.len(), self.points.len());
         self.signature.as_ref().map_or(Ok(()), |signature| signature.check(transducers, points))?;
@@ -54,33 +64,56 @@ impl Kept {
             scattering.check()?;
             scattering.obstacles.check_points(&self.points)?;
         }
-        let waves = self.scattering.as_ref().map_or(1, |scattering| scattering.cost());
-        let most = (8 * MOST_ENTRIES / waves.max(8) / transducers).max(1);
-        if points > most {
-            let why = if self.scattering.is_some() { "obstacles" } else { "a signature" };
-            let cure = format!("with {why} G is kept: give at most {most}");
-            return Err(Error::invalid("points", format!("{points} of them"), cure));
-        }
         Ok(())
     }
 
-    /// G (N, M) in Pa, transducer by transducer.
+    /// G in Pa, column by column (N or C, M).
     ///
     /// # Errors
     /// Points inside obstacles, factors that do not fit, more entries than are kept.
     fn matrix(&self) -> Result<Arc<[Complex64]>, Error> {
         self.check()?;
-        let (transducers, points) = (self.sources.array.len(), self.points.len());
-        let mut matrix = alloc::vec![Complex64::ZERO; transducers * points];
-        for (j, &point) in self.points.iter().enumerate() {
-            let mut row: Vec<Complex64> = (0..transducers).map(|i| self.sources.exact(i, point)).collect();
+        let (waves, why) = match (&self.scattering, &self.signature) {
+            (Some(scattering), _) => (scattering.cost(), "obstacles"),
+            (None, Some(_)) => (1, "a signature"),
+            (None, None) => (1, "channels"),
+        };
+        self.columns((waves, why), |j, row| {
+            let point = self.points[j];
             if let Some(scattering) = &self.scattering {
-                scattering.add(&self.sources, point, &mut row);
+                scattering.add(&self.sources, point, row);
             }
             if let Some(signature) = &self.signature {
                 let reach: Vec<f64> = row.iter().map(|g| g.norm()).collect();
                 let factors = signature.factors(&self.sources.array, j, point, &reach);
                 row.iter_mut().zip(factors).for_each(|(g, s)| *g *= s);
+            }
+        })
+    }
+
+    fn bare(&self) -> Result<Arc<[Complex64]>, Error> {
+        self.columns((1, "channels"), |_, _| {})
+    }
+
+    /// The columns of G, of so many waves each, with `more` on top of what comes straight from the transducers to point j.
+    fn columns(
+        &self,
+        (waves, why): (usize, &str),
+        more: impl Fn(usize, &mut Vec<Complex64>),
+    ) -> Result<Arc<[Complex64]>, Error> {
+        let (transducers, points) = (self.sources.array.len(), self.points.len());
+        let most = (8 * MOST_ENTRIES / waves.max(8) / transducers).max(1);
+        if points > most {
+            let cure = format!("with {why} G is kept: give at most {most}");
+            return Err(Error::invalid("points", format!("{points} of them"), cure));
+        }
+        let columns = self.channels.as_ref().map_or(transducers, Channels::count);
+        let mut matrix = alloc::vec![Complex64::ZERO; columns * points];
+        for (j, &point) in self.points.iter().enumerate() {
+            let mut row: Vec<Complex64> = (0..transducers).map(|i| self.sources.exact(i, point)).collect();
+            more(j, &mut row);
+            if let Some(channels) = &self.channels {
+                row = channels.sums(&row);
             }
             row.into_iter().enumerate().for_each(|(i, g)| matrix[i * points + j] = g);
         }
@@ -93,11 +126,12 @@ impl Kept {
     /// # Errors
     /// More memory than allowed, a stop.
     fn stiffness(&self, control: &mut Control) -> Result<Option<Stiffness>, Error> {
-        match &self.scattering {
-            Some(scattering) if scattering.bodies.is_some() => Ok(None),
-            Some(scattering) => Stiffness::of(&self.sources, &scattering.images, &self.points, control),
-            None => Stiffness::of(&self.sources, &[], &self.points, control),
-        }
+        let images = match &self.scattering {
+            Some(scattering) if scattering.bodies.is_some() => return Ok(None),
+            Some(scattering) => &scattering.images[..],
+            None => &[],
+        };
+        Stiffness::of(&self.sources, images, self.channels.as_ref(), &self.points, control)
     }
 
     /// The same at some of the points, whose matrix is known.

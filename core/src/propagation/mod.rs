@@ -35,6 +35,7 @@ use alloc::vec::Vec;
 use num_complex::Complex64;
 
 use crate::control::Control;
+use crate::device::channels::Channels;
 use crate::error::{Error, one_each};
 use crate::kernels;
 use crate::kernels::propagate::rows;
@@ -69,7 +70,7 @@ enum Rows {
         matrix: Arc<[Complex64]>,
         planar: Arc<[Vec<f32>; 2]>,
         reference: f64,
-        /// What they were made of, where a scene's obstacles or signature made them.
+        /// What they were made of, where a scene's obstacles, signature or channels made them.
         kept: Option<Arc<Kept>>,
     },
 }
@@ -106,10 +107,33 @@ impl Propagation {
         Self { count, rows: Rows::Computed { sources, frame, points }, set }
     }
 
-    /// G behind obstacles or under a signature, at points that have been checked.
+    /// G that is kept, at points that have been checked.
     pub(crate) fn kept(kept: Kept, set: InstructionSet) -> Result<Self, Error> {
         let (count, reference, matrix) = (kept.points.len(), kept.sources.reference(), (kept.make.matrix)(&kept)?);
         Ok(Self::stored(matrix, count, reference, set, Some(kept.into())))
+    }
+
+    /// The same with a column a channel, the sum of its transducers'; a given matrix has such columns already.
+    pub(crate) fn driven(self, channels: Option<&Channels>) -> Result<Self, Error> {
+        let Some(channels) = channels else { return Ok(self) };
+        let mut kept = match &self.rows {
+            Rows::Computed { sources, points, .. } => Kept {
+                sources: Arc::clone(sources),
+                points: Arc::clone(points),
+                scattering: None,
+                signature: None,
+                channels: None,
+                make: Kept::BARE,
+            },
+            Rows::Stored { kept: Some(kept), .. } => Kept::clone(kept),
+            Rows::Stored { kept: None, .. } => return Ok(self),
+        };
+        if kept.channels.is_some() {
+            return Ok(self);
+        }
+        one_each("array.channels", channels.of().len(), "values", self.transducers(), "transducers")?;
+        kept.channels = Some(channels.clone());
+        Self::kept(kept, self.set)
     }
 
     /// The same by the kernels of another instruction set than the machine's best.
@@ -188,7 +212,7 @@ impl Propagation {
         Ok(self)
     }
 
-    /// Number of transducers N.
+    /// Number of transducers N, or of channels in what solvers see of an array that has them.
     #[must_use]
     pub fn transducers(&self) -> usize {
         match &self.rows {
@@ -300,11 +324,11 @@ impl Propagation {
                 }
             }
             Rows::Stored { matrix, reference, kept, .. } => {
-                for (i, row) in matrix.chunks(self.count).enumerate() {
+                if let Some(kept) = kept {
+                    (0..kept.sources.array.len()).try_for_each(|i| kept.sources.check_distances(i, &kept.points))?;
+                }
+                for row in matrix.chunks(self.count) {
                     control.pulse()?;
-                    if let Some(kept) = kept {
-                        kept.sources.check_distances(i, &kept.points)?;
-                    }
                     for (reach, g) in reach.iter_mut().zip(row) {
                         *reach += math::hypot(g.re, g.im) / reference;
                     }

@@ -6,6 +6,7 @@ use alloc::sync::Arc;
 use num_complex::Complex32;
 
 use crate::control::Control;
+use crate::device::channels::Channels;
 use crate::error::Error;
 use crate::kernels::InstructionSet;
 use crate::propagation::Propagation;
@@ -135,18 +136,30 @@ impl Model {
     /// No point, a coordinate that is not finite or too far away; one inside an obstacle; factors that do not fit, and more
     /// than 2^20 entries under a signature or behind obstacles (fewer of many images).
     pub fn propagation(&self, points: &[[f64; 3]]) -> Result<Propagation, Error> {
+        self.columns(points, None)
+    }
+
+    /// The same as solvers see it: of an array with channels a column each, the sum of its transducers'.
+    ///
+    /// # Errors
+    /// The same, and more than 2^20 entries (N, M) with channels.
+    pub(crate) fn driven(&self, points: &[[f64; 3]]) -> Result<Propagation, Error> {
+        self.columns(points, self.array().wiring().cloned())
+    }
+
+    fn columns(&self, points: &[[f64; 3]], channels: Option<Channels>) -> Result<Propagation, Error> {
         self.sources.check_points(points)?;
         let sources = Arc::clone(&self.sources);
-        let Some(make) = self.make else {
+        let Some(make) = self.make.or(channels.as_ref().map(|_| Kept::BARE)) else {
             return Ok(Propagation::at(sources, points.into(), self.set));
         };
         let (scattering, signature) = (self.scattering.clone(), self.signature.clone());
-        Propagation::kept(Kept { sources, points: points.into(), scattering, signature, make }, self.set)
+        Propagation::kept(Kept { sources, points: points.into(), scattering, signature, channels, make }, self.set)
     }
 
     /// Bytes that G at a point is kept in, in f64 and f32; 0 where it is computed when asked.
     pub(crate) fn bytes_a_point(&self) -> usize {
-        if self.make.is_some() { 24 * self.array().len() } else { 0 }
+        if self.make.is_some() || self.array().wiring().is_some() { 24 * self.array().len() } else { 0 }
     }
 
     /// Refuses a point inside an obstacle by its name.

@@ -12,6 +12,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use crate::control::{Control, bytes};
+use crate::device::channels::Channels;
 use crate::error::Error;
 use crate::kernels::padded;
 use crate::linalg::symmetric::eigen;
@@ -29,7 +30,7 @@ type Forms = Vec<[[f64; TERMS]; TERMS]>;
 
 /// C and F of some points, for the default particle.
 pub(crate) struct Stiffness {
-    /// C, transducer by transducer, of which point j has the rows from j [`TERMS`] on: padded, re and im, in units of the
+    /// C, column of G by column, of which point j has the rows from j [`TERMS`] on: padded, re and im, in units of the
     /// reference.
     planes: [Vec<f32>; 2],
     points: usize,
@@ -38,22 +39,26 @@ pub(crate) struct Stiffness {
 }
 
 impl Stiffness {
-    /// Of what some sources, and their images in walls, make at some points; `None` where the field has no derivatives.
+    /// Of what some sources, and their images in walls, make at some points, summed by their channels; `None` where the field
+    /// has no derivatives.
     ///
     /// # Errors
     /// More memory than allowed, a stop.
     pub(crate) fn of(
         sources: &Sources,
         images: &[Sources],
+        channels: Option<&Channels>,
         points: &[[f64; 3]],
         control: &mut Control,
     ) -> Result<Option<Self>, Error> {
         let transducers = sources.array.len();
+        let columns = channels.map_or(transducers, Channels::count);
         let lanes = padded(points.len() * TERMS);
         control.room("the stiffness of traps", [transducers, points.len()], bytes(8, &[transducers, lanes]))?;
-        let [mut re, mut im] = [(); 2].map(|()| vec![0.0; transducers * lanes]);
+        let [mut re, mut im] = [(); 2].map(|()| vec![0.0; columns * lanes]);
         let units = units(sources.medium, 1.0 / sources.reference());
         for i in 0..transducers {
+            let column = channels.map_or(i, |channels| channels.of()[i]);
             for (j, &point) in points.iter().enumerate() {
                 control.pulse()?;
                 let mut wave = [Jet::ZERO; 2];
@@ -61,9 +66,9 @@ impl Stiffness {
                     add_wave(sources, (i, point), sources.array.effect(i), &mut wave);
                 }
                 for (plane, part) in [&mut re, &mut im].into_iter().zip(&wave) {
-                    let first = i * lanes + j * TERMS;
+                    let first = column * lanes + j * TERMS;
                     for (own, (c, unit)) in plane[first..].iter_mut().zip(part.coefficients().iter().zip(&units)) {
-                        *own = (c * unit) as f32;
+                        *own += (c * unit) as f32;
                     }
                 }
             }

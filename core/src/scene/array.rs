@@ -1,4 +1,4 @@
-//! Array: positions, normals, transducer, response, mask and quantization.
+//! Array: positions, normals, transducer, response, mask, channels and quantization.
 
 use alloc::format;
 use alloc::sync::Arc;
@@ -7,13 +7,13 @@ use alloc::vec::Vec;
 
 use num_complex::Complex64;
 
-use crate::device::board;
-use crate::device::format::Layout;
+use crate::device::channels::Channels;
 use crate::device::quantization::Quantization;
 use crate::error::{Error, one_each, real};
 use crate::math;
 use crate::scene::geometry::{bounds, check_finite, lattice};
 use crate::scene::medium::Medium;
+use crate::scene::origin::Origin;
 use crate::scene::presets;
 use crate::scene::transducer::Transducer;
 
@@ -22,29 +22,6 @@ const MOST_TRANSDUCERS: usize = 1 << 20;
 
 /// Pressures far outside any unit's would leave f32's range somewhere.
 pub(crate) const UNITS: core::ops::RangeInclusive<f64> = 1e-15..=1e15;
-
-/// How an array came about, so that a scene file can say it as briefly as it was said.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Origin {
-    /// Positions and normals one by one.
-    Positions,
-    /// [`Array::grid`].
-    Grid {
-        /// Transducers along x.
-        nx: usize,
-        /// Transducers along y.
-        ny: usize,
-        /// Their distance in m.
-        pitch: f64,
-    },
-    /// [`Array::preset`].
-    Preset {
-        /// Name of the preset.
-        name: &'static str,
-        /// Boards along x and y.
-        tiles: [usize; 2],
-    },
-}
 
 /// N transducers. Copies share what they hold.
 ///
@@ -70,6 +47,7 @@ pub struct Array {
     transducer: Transducer,
     response: Option<Arc<[Complex64]>>,
     mask: Option<Arc<[bool]>>,
+    pub(super) channels: Option<Channels>,
     quantization: Option<Arc<Quantization>>,
     /// Hz that hardware emits, whose scenes without a medium have a room's air: no part of the value, as the origin.
     hardware: Option<f64>,
@@ -115,6 +93,7 @@ impl Array {
             transducer: Transducer::default(),
             response: None,
             mask: None,
+            channels: None,
             quantization: None,
             hardware: None,
             origin: Origin::Positions,
@@ -156,25 +135,8 @@ impl Array {
         let array = Self::new(positions, normals)?;
         let response = preset.response(array.len())?;
         let array = Self { origin, transducer: preset.transducer, hardware: preset.frequency()?, ..array };
-        array.with_quantization(preset.quantization()?).with_response(response)
-    }
-
-    /// That of a kind of board: its preset, or a grid of a kind that its owners wire as they like.
-    ///
-    /// # Errors
-    /// An unknown name, tiles of 0, tiles for a kind that cannot be tiled.
-    pub fn of_board(kind: &str, tiles: [usize; 2]) -> Result<Self, Error> {
-        let format = board::format(kind)?;
-        match format.layout {
-            Layout::Preset(name) => Self::preset(name, tiles),
-            Layout::Grid(nx, ny, pitch) if tiles == [1, 1] => {
-                Ok(Self::grid(nx, ny, pitch)?.with_quantization(Some(format.steps.quantization()?)))
-            }
-            Layout::Grid(..) => {
-                let cure = "this kind of board is one piece: leave tiles out";
-                Err(Error::invalid("array.tiles", format!("{tiles:?}"), cure))
-            }
-        }
+        let channels = (0..array.len()).map(|i| i / preset.together).collect();
+        array.with_quantization(preset.quantization()?).with_response(response)?.with_channels(Some(channels))
     }
 
     /// The same array with other transducers.
@@ -384,6 +346,7 @@ impl PartialEq for Array {
             && self.normals == other.normals
             && self.transducer == other.transducer
             && self.response == other.response
+            && self.channels == other.channels
             && self.quantization == other.quantization
             && (0..self.len()).all(|i| on(self, i) == on(other, i))
     }

@@ -8,10 +8,10 @@ use num_complex::Complex64;
 
 use crate::device::quantization::Quantization;
 use crate::error::{Error, same_name};
-use crate::scene::array::{Array, Origin};
+use crate::scene::array::Array;
 use crate::scene::directivity::Directivity;
 use crate::scene::key::Key;
-use crate::scene::presets;
+use crate::scene::origin::Origin;
 use crate::scene::transducer::Transducer;
 
 /// What a part is: bindings read and write one kind, whatever the part.
@@ -26,6 +26,8 @@ pub enum PartKind {
     Complexes,
     /// Whether each transducer has it.
     Flags,
+    /// A number of 0 or above for each transducer.
+    Indices,
     /// Phases and amplitudes; one without any binds nothing.
     Quantization,
 }
@@ -42,6 +44,8 @@ pub enum PartValue {
     Complexes(Vec<Complex64>),
     /// One of each transducer (N,).
     Flags(Vec<bool>),
+    /// One of each transducer (N,).
+    Indices(Vec<usize>),
     /// What a board can play.
     Quantization(Quantization),
 }
@@ -55,6 +59,7 @@ enum Access {
     Directivity(fn(&Array) -> Directivity, fn(Array, Directivity) -> Checked),
     Complexes(fn(&Array) -> Option<&[Complex64]>, fn(Array, Option<Vec<Complex64>>) -> Checked),
     Flags(fn(&Array) -> Option<&[bool]>, fn(Array, Option<Vec<bool>>) -> Checked),
+    Indices(fn(&Array) -> Option<&[usize]>, fn(Array, Option<Vec<usize>>) -> Checked),
     Quantization(fn(&Array) -> Option<&Quantization>, fn(Array, Option<Quantization>) -> Array),
 }
 
@@ -101,6 +106,8 @@ parts! {
     response, such as "[[1.0, 0.0], [0.5, -0.2]]": Access::Complexes(Array::response, Array::with_response);
     /// Of each transducer; false is off.
     mask, such as "[true, false]": Access::Flags(Array::mask, Array::with_mask);
+    /// The driven channel of each transducer, where several are wired to one; left out the preset's, or each its own.
+    channels, such as "[0, 0, 1, 1]": Access::Indices(Array::channels, Array::with_channels);
     /// What the board can play; left out the preset's, {} any drive.
     quantization, such as r#"{"phases": 256}"#: Access::Quantization(Array::quantization, Array::with_quantization);
 }
@@ -114,6 +121,7 @@ impl Part {
             Access::Directivity(..) => PartKind::Directivity,
             Access::Complexes(..) => PartKind::Complexes,
             Access::Flags(..) => PartKind::Flags,
+            Access::Indices(..) => PartKind::Indices,
             Access::Quantization(..) => PartKind::Quantization,
         }
     }
@@ -126,6 +134,7 @@ impl Part {
             Access::Directivity(get, _) => Some(PartValue::Directivity(get(array))),
             Access::Complexes(get, _) => get(array).map(|list| PartValue::Complexes(list.to_vec())),
             Access::Flags(get, _) => get(array).map(|list| PartValue::Flags(list.to_vec())),
+            Access::Indices(get, _) => get(array).map(|list| PartValue::Indices(list.to_vec())),
             Access::Quantization(get, _) => get(array).cloned().map(PartValue::Quantization),
         }
     }
@@ -149,6 +158,7 @@ impl Part {
             (Access::Directivity(_, set), PartValue::Directivity(value)) => set(array, value),
             (Access::Complexes(_, set), PartValue::Complexes(value)) => set(array, Some(value)),
             (Access::Flags(_, set), PartValue::Flags(value)) => set(array, Some(value)),
+            (Access::Indices(_, set), PartValue::Indices(value)) => set(array, Some(value)),
             (Access::Quantization(_, set), PartValue::Quantization(value)) => Ok(set(array, Some(value))),
             (_, value) => {
                 let cure = format!("give a value of the kind {:?}", self.kind());
@@ -165,27 +175,31 @@ impl Array {
         Self::PARTS.iter().find(|part| same_name(part.name, name))
     }
 
-    /// The parts that, given beside its origin, make the same array again: no quantization and response where the preset has them.
+    /// The parts that, given beside its origin, make the same array again: what the preset has anyway is left out.
     pub fn stated(&self) -> impl Iterator<Item = (&'static str, PartValue)> + '_ {
-        let found = match self.origin() {
-            Origin::Preset { name, .. } => presets::find(name).ok(),
+        let usual = match *self.origin() {
+            Origin::Preset { name, tiles } => Self::preset(name, tiles).ok(),
             _ => None,
         };
-        let preset = found.and_then(|preset| preset.quantization().ok().flatten());
-        let response = found.and_then(|preset| preset.response(self.len()).ok().flatten());
-        let others = preset.is_some() && self.quantization().is_none();
-        let free = others.then(|| Quantization::new(None, None).ok().map(PartValue::Quantization)).flatten();
         Self::PARTS.iter().filter_map(move |part| {
-            let value = match (part.of(self), part.kind()) {
-                (Some(PartValue::Quantization(own)), _) if Some(&own) == preset.as_ref() => None,
-                (None, PartKind::Quantization) => free.clone(),
-                (Some(PartValue::Complexes(own)), _) if Some(&own) == response.as_ref() => None,
-                (None, PartKind::Complexes) if response.is_some() => {
-                    Some(PartValue::Complexes(vec![Complex64::ONE; self.len()]))
-                }
-                (value, _) => value,
+            let always = matches!(part.kind(), PartKind::Real | PartKind::Directivity);
+            let usual = usual.as_ref().filter(|_| !always).and_then(|usual| part.of(usual));
+            let value = match (part.of(self), usual) {
+                (own, usual) if own == usual => None,
+                (None, Some(usual)) => none_like(&usual, self.len()),
+                (own, _) => own,
             };
             Some((part.name, value?))
         })
     }
+}
+
+/// The value that stands for none of a part, where leaving it out would be the preset's.
+fn none_like(usual: &PartValue, transducers: usize) -> Option<PartValue> {
+    Some(match usual {
+        PartValue::Complexes(_) => PartValue::Complexes(vec![Complex64::ONE; transducers]),
+        PartValue::Flags(_) => PartValue::Flags(vec![true; transducers]),
+        PartValue::Indices(_) => PartValue::Indices((0..transducers).collect()),
+        _ => PartValue::Quantization(Quantization::new(None, None).ok()?),
+    })
 }

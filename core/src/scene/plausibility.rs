@@ -9,10 +9,11 @@ use alloc::vec::Vec;
 use core::fmt;
 use core::ops::RangeInclusive;
 
-use crate::scene::array::{Array, Origin};
+use crate::scene::array::Array;
 use crate::scene::geometry::distance;
 use crate::scene::medium::Medium;
 use crate::scene::neighbours::Neighbours;
+use crate::scene::origin::Origin;
 use crate::scene::plane::Plane;
 use crate::scene::request::Request;
 

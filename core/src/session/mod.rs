@@ -89,6 +89,7 @@ impl Session {
         solver: impl Into<Arc<dyn Solve + Send + Sync>>,
         balance: bool,
     ) -> Result<Self, Error> {
+        let propagation = propagation.driven(setup.channels.as_ref())?;
         setup.check(&propagation)?;
         let transducers = Transducers::Given(propagation);
         Ok(Self::of(Task { transducers, setup: Arc::new(setup), solver: solver.into(), balance }, None))
@@ -281,7 +282,7 @@ impl Session {
     /// Number of transducers N.
     #[must_use]
     pub fn transducers(&self) -> usize {
-        self.task.transducers.count()
+        self.task.transducers.count(&self.task.setup)
     }
 
     /// Number of points M where G is given, and with it the points.

@@ -55,10 +55,10 @@ pub(super) enum Transducers {
 }
 
 impl Transducers {
-    pub(super) fn count(&self) -> usize {
+    pub(super) fn count(&self, setup: &Setup) -> usize {
         match self {
             Self::Model(model) => model.array().len(),
-            Self::Given(propagation) => propagation.transducers(),
+            Self::Given(propagation) => setup.transducers(propagation.transducers()),
         }
     }
 
@@ -88,7 +88,7 @@ impl Task {
         };
         if k == problems.len() {
             let propagation = match &self.transducers {
-                Transducers::Model(model) => model.propagation(&ask.points)?,
+                Transducers::Model(model) => model.driven(&ask.points)?,
                 Transducers::Given(propagation) => propagation.clone(),
             };
             problems.push(Problem::unasked(propagation, Arc::clone(&self.setup)));

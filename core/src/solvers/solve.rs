@@ -26,6 +26,9 @@ const MOST_POWER: f32 = 1.0 + 2e-6;
 /// amplitude. Balancing then reduces to the nearest amplitude; where that would be below the least one above 0, the
 /// drives are brought there and [`Solution::scale`] says what is left to supply or modulation.
 ///
+/// Where several transducers are on one channel ([`crate::Array::with_channels`]), a solver sees one column of each channel, and
+/// the answer has its drive at each of them.
+///
 /// A stop that comes before the solver has anything leaves a drive of 0 and the status [`crate::Status::Stopped`].
 ///
 /// # Errors
@@ -73,12 +76,12 @@ pub(crate) fn solve_after(
     }
     let quantized = |solution: Solution| quantized(solution, factor, work, control);
     match solution.and_then(quantized) {
-        Err(Error::Stopped) => Ok(Solution::silent(problem, work)),
+        Err(Error::Stopped) => Ok(Solution::silent(problem, work).spread()),
         Ok(mut solution) => {
             if problem.missed(solver.meets_targets(), solver.quiet(), &solution).is_some() {
                 solution.status = Status::Missed;
             }
-            Ok(solution)
+            Ok(solution.spread())
         }
         error => error,
     }

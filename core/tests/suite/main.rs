@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod boards;
+mod channels;
 mod constants;
 #[cfg(feature = "scene-file")]
 mod drawn;

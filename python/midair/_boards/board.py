@@ -25,15 +25,16 @@ class Board:
         out, the preset's, or a grid of a kind that has none
     tiles : boards along x and y of a preset that tiles, such as (2, 2)
     channels : (N,) the channel of each transducer, those of a second board after those of the
-        first; left out, the order of the preset
-    corrections : (N,) the phase in rad that each transducer adds by itself. The phase sent is the
+        first; left out, the order of the preset. Of an array with channels of its own, (C,) the
+        board's channel of each of these.
+    corrections : (N,), or (C,), the phase in rad that each transducer adds by itself. The phase sent is the
         one wanted less the correction, before it is rounded.
 
     Transducers that are masked or dead are off, whatever they are told. What each kind is told is
     in docs/boards.md.
 
     Raises SceneError for an unknown name, a file that is not in order, and channels or corrections of another
-    number than the transducers.
+    number than the transducers, or than the array's channels; more of these than the board has.
 
     >>> import midair
     >>> board = midair.Board("sonicsurface")
@@ -61,17 +62,14 @@ class Board:
         if not isinstance(kind, str):
             raise refused("board", name, f"no board plays it, give one of {', '.join(Codec.kinds())}")
         # An unknown name is refused before anything else.
-        Codec(kind, 1)
+        Codec(kind)
         if array is None:
             array = Array.preset(str(name), tiles) if name in presets() else Codec.array(kind, tiles)
         elif tiles is not None:
             raise refused("tiles", tiles, "the array has its boards, leave them out")
-        live = array.mask.copy()
-        if array.response is not None:
-            live &= array.response != 0
         # What makes an equal board, in a pickle.
         self._made = kind, array, channels, corrections
-        self._codec = Codec(kind, len(array), channels=channels, corrections=corrections, live=live)
+        self._codec = Codec(kind, array, channels=channels, corrections=corrections)
         self._array = _on_board(array, self._codec)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -100,7 +98,7 @@ class Board:
 
     @property
     def channels(self) -> NDArray[np.int64]:
-        """The channel of each transducer (N,)."""
+        """The channel of each transducer (N,), or (C,) of each of the array's channels."""
         return self._codec.channels
 
     @property
@@ -148,7 +146,7 @@ class Board:
 
         What a solution leaves to the supply or to modulation (`solution.scale`) is no part of it.
 
-        Raises SceneError for a drive of another shape, not finite or above 1.
+        Raises SceneError for a drive of another shape, not finite or above 1, or of two values on one channel.
         """
         return self._codec.encode(drive.drive if isinstance(drive, Solution) else drive)
 

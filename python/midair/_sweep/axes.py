@@ -81,7 +81,7 @@ Tables = dict[str, Any]
 _SINGLE = {
     "array": (
         "preset",
-        *(name for name, kind in array_parts().items() if kind not in ("complexes", "flags")),
+        *(name for name, kind in array_parts().items() if kind not in ("complexes", "flags", "indices")),
     ),
     "medium": tuple(scene_keys()["medium"]),
     "points": (),

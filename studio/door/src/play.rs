@@ -59,7 +59,7 @@ impl Studio {
 
     fn board(&mut self) -> Result<Board, Error> {
         let name = String::from_utf8_lossy(&self.text_in).into_owned();
-        Board::new(&name, self.opened()?.scene.array().len())
+        self.opened()?.scene.array().board(&name)
     }
 }
 

@@ -34,10 +34,10 @@ const WIDTH: f64 = 1.25;
 /// between two boards descent from a cone ended at an error of .14, from all in phase at .0004.
 const AMID: f64 = 0.25;
 
-/// The drives of modulus 1 of the focus on one side; `None` where places are not known, the points lie amid the transducers
+/// The drives of modulus 1 of the focus on one side; `None` where places are not known, transducers share channels, the points lie amid the transducers
 /// or all are to be quiet.
 pub(crate) fn cover(problem: &Problem, side: Side, work: &Workspace) -> Option<Vec<Complex32>> {
-    let (array, points, _) = problem.propagation().origin()?;
+    let (array, points, _) = problem.propagation().origin().filter(|(array, ..)| array.channels().is_none())?;
     let live = (0..array.len()).map(|i| if array.effect(i) == Complex64::ZERO { 0.0 } else { 1.0 });
     let (middle, aperture) = spread(array.positions(), live);
     let (centre, radius) = spread(points, problem.targets().iter().map(|&target| f64::from(target)));

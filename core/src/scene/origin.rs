@@ -1,0 +1,24 @@
+//! Origin: how an array came about.
+
+/// How an array came about, so that a scene file can say it as briefly as it was said.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Origin {
+    /// Positions and normals one by one.
+    Positions,
+    /// [`Array::grid`].
+    Grid {
+        /// Transducers along x.
+        nx: usize,
+        /// Transducers along y.
+        ny: usize,
+        /// Their distance in m.
+        pitch: f64,
+    },
+    /// [`Array::preset`].
+    Preset {
+        /// Name of the preset.
+        name: &'static str,
+        /// Boards along x and y.
+        tiles: [usize; 2],
+    },
+}

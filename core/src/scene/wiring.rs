@@ -1,0 +1,74 @@
+//! Wiring: which transducers share a channel, and arrays and the boards behind them.
+
+use alloc::format;
+use alloc::vec::Vec;
+
+use num_complex::Complex64;
+
+use crate::device::board::{self, Board};
+use crate::device::channels::Channels;
+use crate::device::format::Layout;
+use crate::error::Error;
+use crate::scene::array::Array;
+
+impl Array {
+    /// That of a kind of board: its preset, or a grid of a kind that its owners wire as they like.
+    ///
+    /// # Errors
+    /// An unknown name, tiles of 0, tiles for a kind that cannot be tiled.
+    pub fn of_board(kind: &str, tiles: [usize; 2]) -> Result<Self, Error> {
+        let format = board::format(kind)?;
+        match format.layout {
+            Layout::Preset(name) => Self::preset(name, tiles),
+            Layout::Grid(nx, ny, pitch) if tiles == [1, 1] => {
+                Ok(Self::grid(nx, ny, pitch)?.with_quantization(Some(format.steps.quantization()?)))
+            }
+            Layout::Grid(..) => {
+                let cure = "this kind of board is one piece: leave tiles out";
+                Err(Error::invalid("array.tiles", format!("{tiles:?}"), cure))
+            }
+        }
+    }
+
+    /// The boards of a kind behind the array, with a channel for each of its transducers, or of its own channels. Transducers
+    /// that are masked or dead are off, and so are channels of none but these.
+    ///
+    /// # Errors
+    /// An unknown name, more transducers or channels than the boards have.
+    ///
+    /// ```
+    /// use midair::{Array, Complex32};
+    ///
+    /// let levitator = Array::preset("tinylev", [1, 1])?;
+    /// let board = levitator.board("nano")?;
+    /// assert_eq!((board.len(), board.channels()), (72, &[0, 1][..]));
+    /// # Ok::<(), midair::Error>(())
+    /// ```
+    pub fn board(&self, kind: &str) -> Result<Board, Error> {
+        let board =
+            self.wiring().map_or_else(|| Board::new(kind, self.len()), |channels| Board::wired(kind, channels))?;
+        board.with_live((0..self.len()).map(|i| self.effect(i) != Complex64::ZERO).collect())
+    }
+
+    /// The same array with several transducers wired to one driven channel: the channel of each transducer (N,), 0 to
+    /// C - 1. Drives stay (N,), equal within a channel. `None`, and 0 to N - 1 in order, give each its own.
+    ///
+    /// # Errors
+    /// As [`Channels::new`].
+    pub fn with_channels(mut self, channels: Option<Vec<usize>>) -> Result<Self, Error> {
+        self.channels = channels.map_or(Ok(None), |channels| Channels::new(channels, self.len()))?;
+        Ok(self)
+    }
+
+    /// The driven channel of each transducer (N,), or `None` where each has its own.
+    #[must_use]
+    pub fn channels(&self) -> Option<&[usize]> {
+        self.wiring().map(Channels::of)
+    }
+
+    /// The same as [`Channels`].
+    #[must_use]
+    pub fn wiring(&self) -> Option<&Channels> {
+        self.channels.as_ref()
+    }
+}
