@@ -1,5 +1,4 @@
-//! Kept: G that no kernel computes, behind obstacles, under a signature or with a column a channel: a matrix, of an array and
-//! points that are known.
+//! Kept: G that no kernel computes: behind obstacles, under a signature, or with a column a channel.
 
 use alloc::format;
 use alloc::sync::Arc;

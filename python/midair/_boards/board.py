@@ -146,7 +146,7 @@ class Board:
 
         What a solution leaves to the supply or to modulation (`solution.scale`) is no part of it.
 
-        Raises SceneError for a drive of another shape, not finite or above 1, or of two values on one channel.
+        Raises SceneError for a drive of another shape, not finite, above 1, or unlike on one channel.
         """
         return self._codec.encode(drive.drive if isinstance(drive, Solution) else drive)
 
