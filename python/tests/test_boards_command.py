@@ -135,3 +135,20 @@ def test_a_file_of_what_moves_is_sent_to_the_command_for_it(tmp_path: Path) -> N
         "its points move: midair motion solves it and midair play plays it"
         in midair("solve", str(path), status=2).stderr
     )
+
+
+def test_ports_say_what_an_adapter_could_lead_to(monkeypatch: pytest.MonkeyPatch) -> None:
+    from serial.tools import list_ports, list_ports_common
+
+    from midair import _boards as boards
+
+    found = []
+    for name, vid, pid in (("a", 0x2341, 0x42), ("b", 0x1A86, 0x7523), ("c", 0x1A86, 1), ("d", None, None)):
+        port = list_ports_common.ListPortInfo(name)
+        port.vid, port.pid = vid, pid
+        found.append(port)
+    monkeypatch.setattr(list_ports, "comports", lambda: found)
+    told = [port.could_be for port in boards.ports()]
+    assert "mega64" in told[0]
+    assert "sonicsurface" in told[1]
+    assert told[2:] == ["", ""]

@@ -126,6 +126,17 @@ def _place(kind: str) -> str:
     return "PORT" if link["kind"] == "serial" else "INTERFACE"
 
 
+#: What an adapter's USB vendor and product (None: any) could lead to: Arduino's own, CH340, and FTDI's chips.
+ADAPTERS: dict[tuple[int | None, int | None], str] = {
+    (0x2341, None): "an Arduino: mega64, nano16, nano",
+    (0x2A03, None): "an Arduino: mega64, nano16, nano",
+    (0x1A86, 0x7523): "a CH340: an Arduino's copy, or sonicsurface",
+    (0x0403, 0x6001): "an FTDI chip: sonicsurface, nano; openmpd on an FT245",
+    (0x0403, 0x6010): "an FT2232H: homies",
+    (0x0403, 0x6014): "an FT232H: openmpd",
+}
+
+
 @dataclass(frozen=True)
 class Port:
     """A serial port.
@@ -133,21 +144,30 @@ class Port:
     name : for an address, as "/dev/ttyUSB0"
     description : what the system calls it
     maker, serial_number : of its USB adapter, None where it has none
+    could_be : boards that have such an adapter, by its USB numbers alone; "" where they say nothing
     """
 
     name: str
     description: str
     maker: str | None
     serial_number: str | None
+    could_be: str = ""
 
 
 def ports() -> list[Port]:
-    """The serial ports, by name. None is opened, and none tells which board it leads to."""
+    """The serial ports, by name, and what their adapters could lead to. None is opened."""
     try:
         from serial.tools.list_ports import comports
     except ImportError as error:
         raise BoardError('ports needs pyserial: pip install "midair[serial]"') from error
     found = (
-        Port(port.device, port.description, port.manufacturer, port.serial_number) for port in comports()
+        Port(
+            port.device,
+            port.description,
+            port.manufacturer,
+            port.serial_number,
+            ADAPTERS.get((port.vid, port.pid)) or ADAPTERS.get((port.vid, None), ""),
+        )
+        for port in comports()
     )
     return sorted(found, key=lambda port: port.name)

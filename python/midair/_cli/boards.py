@@ -46,7 +46,7 @@ def off_command(address: str) -> int:
 
 
 def ports_command(*, json: Annotated[bool, Parameter(negative=())] = False) -> int:
-    """List the serial ports. None is opened, and none tells which board it leads to.
+    """List the serial ports, and what their adapters could lead to. None is opened.
 
     Parameters
     ----------
@@ -60,9 +60,17 @@ def ports_command(*, json: Annotated[bool, Parameter(negative=())] = False) -> i
     if not found:
         console.print("no serial port: plug the board's adapter in")
         return 0
-    table = Table("port", "what the system calls it", "maker", "serial number", box=box.SIMPLE_HEAD)
+    table = Table(
+        "port", "what the system calls it", "maker", "serial number", "could be", box=box.SIMPLE_HEAD
+    )
     for port in found:
-        cells = (port.name, port.description, port.maker or "-", port.serial_number or "-")
+        cells = (
+            port.name,
+            port.description,
+            port.maker or "-",
+            port.serial_number or "-",
+            port.could_be or "-",
+        )
         # What a maker wrote is no markup.
         table.add_row(*map(escape, cells))
     console.print(table)
