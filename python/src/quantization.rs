@@ -9,28 +9,35 @@ use crate::give;
 use crate::numbers::quoted;
 use crate::read;
 
+const KEYS: [&str; 3] = ["phases", "amplitudes", "pulses"];
+
 /// `{"phases": 256, "amplitudes": [0, 0.5, 1]}`; what is left out or None is continuous.
 pub(crate) fn read_quantization(value: &Bound<'_, PyAny>) -> PyResult<Quantization> {
     let Ok(table) = value.cast::<PyDict>() else {
         let cure = "give a dictionary such as {\"phases\": 256, \"amplitudes\": [0, 0.5, 1]}";
         return Err(invalid("quantization", &quoted(value), cure));
     };
-    let (mut phases, mut amplitudes) = (None, None);
+    let (mut phases, mut amplitudes, mut ticks) = (None, None, None);
     for (key, value) in table {
         match key.extract::<String>().as_deref() {
-            Ok("phases" | "amplitudes") if value.is_none() => {}
+            Ok("phases" | "amplitudes" | "pulses") if value.is_none() => {}
             Ok("phases") => {
                 let count = read::count("array.quantization.phases", &value)?;
                 phases = Some(u32::try_from(count).unwrap_or(u32::MAX));
             }
             Ok("amplitudes") => amplitudes = Some(read::reals("array.quantization.amplitudes", &value)?),
+            Ok("pulses") => ticks = Some(read::reals("array.quantization.pulses", &value)?),
             _ => {
                 let name = key.extract().unwrap_or_else(|_| quoted(&key));
-                return Err(refused(midair::Error::unknown("key of quantization", name, ["phases", "amplitudes"])));
+                return Err(refused(midair::Error::unknown("key of quantization", name, KEYS)));
             }
         }
     }
-    Quantization::new(phases, amplitudes).map_err(refused)
+    match ticks {
+        None => Quantization::new(phases, amplitudes),
+        Some(ticks) => Quantization::of_pulses(&ticks).and_then(|board| board.agreeing(phases, amplitudes.as_deref())),
+    }
+    .map_err(refused)
 }
 
 /// The same as a dictionary of Python's, or None where any drive can be had.
@@ -39,5 +46,8 @@ pub(crate) fn shown<'py>(py: Python<'py>, quantization: Option<&Quantization>) -
     let table = PyDict::new(py);
     table.set_item("phases", quantization.phases())?;
     table.set_item("amplitudes", quantization.amplitudes().map(|table| give::list(py, table.to_vec())))?;
+    if let Some(ticks) = quantization.ticks() {
+        table.set_item("pulses", give::list(py, ticks.to_vec()))?;
+    }
     Ok(Some(table))
 }

@@ -103,8 +103,13 @@ impl Steps {
         Complex32::new(drive.re as f32, drive.im as f32)
     }
 
-    /// The phases and amplitudes that go together: of pulses those widths whose middles lie on the L phases, with them off.
+    /// The phases and amplitudes that go together: of even pulses those widths whose middles lie on the L phases, with them off.
     pub(crate) fn quantization(self) -> Result<Quantization, Error> {
+        if let Levels::Pulses(ticks) = self.levels
+            && ticks.iter().any(|&tick| tick != ticks[0])
+        {
+            return Quantization::of_pulses(&ticks.iter().map(|&tick| f64::from(tick)).collect::<Vec<_>>());
+        }
         let pulses = matches!(self.levels, Levels::Pulses(_));
         let whole = |&level: &u16| level == 0 || !pulses || (self.phases / 2 - level).is_multiple_of(2);
         let amplitudes: Vec<f64> = (0..=self.most()).filter(whole).map(|level| self.amplitude(level)).collect();

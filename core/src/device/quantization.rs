@@ -5,13 +5,17 @@ use alloc::vec::Vec;
 
 use num_complex::Complex32;
 
-use crate::error::Error;
+use crate::error::{self, Error};
 use crate::kernels::InstructionSet;
 use crate::kernels::grid::{Amplitudes, Grid, Phases};
+use crate::kernels::pulses::Pulses;
 use crate::math;
 
 /// Phase counts that make sense: fewer than 2 are none, more than 2^16 are finer than f32 drives.
 const PHASES: core::ops::RangeInclusive<u32> = 2..=1 << 16;
+
+/// The most ticks of a period of pulses.
+const MOST_TICKS: usize = 1 << 12;
 
 /// The most amplitudes of a table.
 const MOST_AMPLITUDES: usize = 1 << 16;
@@ -50,6 +54,8 @@ pub(crate) fn steps_within(change: f64, phases: u32) -> f64 {
 pub struct Quantization {
     amplitudes: Option<Vec<f64>>,
     grid: Grid,
+    /// Lengths of the ticks of a period, and the pulses of whole ones, where a board makes these alone.
+    pulses: Option<(Vec<f64>, Pulses)>,
 }
 
 impl Quantization {
@@ -69,7 +75,59 @@ impl Quantization {
             check_table(table)?;
         }
         let grid = Grid { phases: phases.map(Phases::new), amplitudes: amplitudes.as_deref().map(Amplitudes::new) };
-        Ok(Self { amplitudes, grid })
+        Ok(Self { amplitudes, grid, pulses: None })
+    }
+
+    /// A device of pulses that are whole ticks of a period long, 1 to half of them; ticks have these lengths in any unit.
+    /// Searches go by as many even phases and by the amplitudes sin(pi w/L) of pulses about them; an answer is of pulses.
+    ///
+    /// # Errors
+    /// An odd number of ticks or one out of range, a tick that is not above 0.
+    pub fn of_pulses(ticks: &[f64]) -> Result<Self, Error> {
+        let count = ticks.len();
+        if !count.is_multiple_of(2) || !(4..=MOST_TICKS).contains(&count) {
+            let cure = format!("give an even number of 4 to {MOST_TICKS}");
+            return Err(Error::invalid("array.quantization.pulses", format!("{count} ticks"), cure));
+        }
+        for (k, &tick) in ticks.iter().enumerate() {
+            error::real(&format!("array.quantization.pulses[{k}]"), tick, 0.0, true)?;
+        }
+        let most = count / 2;
+        let about = |&width: &usize| width == 0 || (most - width).is_multiple_of(2);
+        let amplitude = |width: usize| math::sin(core::f64::consts::PI * width as f64 / count as f64);
+        let amplitudes = (0..=most).filter(about).map(amplitude).collect();
+        let pulses = Some((ticks.to_vec(), Pulses::new(ticks)));
+        Ok(Self { pulses, ..Self::new(Some(count as u32), Some(amplitudes))? })
+    }
+
+    /// The same, where what else is stated of its phases and amplitudes is what its pulses have.
+    ///
+    /// # Errors
+    /// Others.
+    pub fn agreeing(self, phases: Option<u32>, amplitudes: Option<&[f64]>) -> Result<Self, Error> {
+        let same = |own: &[f64], given: &[f64]| {
+            own.len() == given.len() && own.iter().zip(given).all(|(own, given)| (own - given).abs() < 1e-9)
+        };
+        let cure = "leave them out: pulses have them";
+        if let Some(count) = phases.filter(|_| phases != self.phases()) {
+            return Err(Error::invalid("array.quantization.phases", count, cure));
+        }
+        match (amplitudes, self.amplitudes()) {
+            (Some(given), Some(own)) if !same(own, given) => {
+                Err(Error::invalid("array.quantization.amplitudes", format!("{} of them", given.len()), cure))
+            }
+            _ => Ok(self),
+        }
+    }
+
+    /// The lengths of a period's ticks, where a board makes pulses of whole ones alone.
+    #[must_use]
+    pub fn ticks(&self) -> Option<&[f64]> {
+        self.pulses.as_ref().map(|(ticks, _)| &ticks[..])
+    }
+
+    pub(crate) fn pulses(&self) -> Option<&Pulses> {
+        self.pulses.as_ref().map(|(_, pulses)| pulses)
     }
 
     /// Number of phases L, `None` where any phase can be had.
@@ -96,10 +154,13 @@ impl Quantization {
         self.grid.phases.is_none() && self.amplitudes.is_none()
     }
 
-    /// The drive of the nearest phase and the nearest amplitude, of two as near the later phase and the larger amplitude.
+    /// The nearest pulse, or the drive of the nearest phase and the nearest amplitude, of two as near the later phase and the larger amplitude.
     /// 0 (dead, masked, not driven) stays 0. Phases are told apart to 3e-8 turns.
     #[must_use]
     pub fn nearest(&self, drive: Complex32) -> Complex32 {
+        if let Some(pulses) = self.pulses() {
+            return pulses.rounded(drive);
+        }
         let mut drive = [drive];
         self.grid.round(InstructionSet::SCALAR, 1.0, [1.0; 2], &mut drive);
         drive[0]

@@ -254,7 +254,11 @@ fn quantization(item: &Item<'_>) -> Result<Quantization, Fault> {
     let table = item.table()?;
     let phases = table
         .read("phases", |phases| u32::try_from(phases.integer()?).map_err(|_| phases.refused("give 2 to 65536")))?;
-    Ok(Quantization::new(phases, table.read("amplitudes", Item::reals)?)?)
+    let amplitudes = table.read("amplitudes", Item::reals)?;
+    match table.read("pulses", Item::reals)? {
+        None => Ok(Quantization::new(phases, amplitudes)?),
+        Some(ticks) => Ok(Quantization::of_pulses(&ticks)?.agreeing(phases, amplitudes.as_deref())?),
+    }
 }
 
 fn choice(table: &Table<'_>, board: Option<&Quantization>) -> Result<Choice, Fault> {

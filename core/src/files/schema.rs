@@ -76,6 +76,7 @@ const TABLES: &[Table] = &[
         &[
             Key::new("phases", "256", "How many phases, evenly spaced, 2 to 65536."),
             Key::new("amplitudes", "[0.0, 0.5, 1.0]", "The amplitudes, 0 to 1."),
+            Key::new("pulses", "[1.0, 1.0, 1.0, 1.0]", "Lengths of a period's ticks, of a board of pulses alone."),
         ],
     ),
     (

@@ -82,6 +82,7 @@ fn part(value: PartValue) -> Node {
         PartValue::Quantization(board) => table([
             ("phases", maybe(board.phases().map(|phases| Node::Integer(phases.into())))),
             ("amplitudes", maybe(board.amplitudes().map(numbers))),
+            ("pulses", maybe(board.ticks().map(numbers))),
         ]),
     }
 }

@@ -86,6 +86,23 @@ impl Pulses {
         found
     }
 
+    /// The drive of the nearest pulse.
+    pub(crate) fn rounded(&self, q: Complex32) -> Complex32 {
+        let [start, width] = self.nearest(q);
+        self.drive(start, width)
+    }
+
+    /// Divides every drive by `factor` and rounds it; whether all have stayed what they were.
+    pub(crate) fn round(&self, factor: f32, drive: &mut [Complex32]) -> bool {
+        let mut stayed = true;
+        for q in drive {
+            let new = self.rounded(*q / factor);
+            stayed &= new == *q;
+            *q = new;
+        }
+        stayed
+    }
+
     /// The last edge before a place on the circle.
     fn before(&self, place: Complex32) -> usize {
         let turns = math::atan2f(place.im, place.re) / TAU - self.first;

@@ -209,9 +209,10 @@ impl Solution {
         self
     }
 
-    /// Every drive lies on the board's grid already.
+    /// Every drive lies on the board's grid already; pulses are found at the end.
     pub(crate) fn on_grid(self) -> Self {
-        Self { on_grid: true, ..self }
+        let on_grid = self.request.setup.quantization.as_deref().is_none_or(|board| board.pulses().is_none());
+        Self { on_grid, ..self }
     }
 
     /// Divides drives and pressures by `factor`, at least 1, and rounds every drive to what the board can play.
@@ -231,6 +232,15 @@ impl Solution {
         }
         let set = self.request.propagation.instruction_set();
         let largest = f64::from(kernels::grid::largest(set, &self.drive));
+        if let Some(pulses) = quantization.pulses() {
+            let scale = quantization.scale(largest / factor);
+            let stayed = pulses.round((factor * scale) as f32, &mut self.drive);
+            self.scale *= scale;
+            if !stayed {
+                self.set_pressures(&field_of(&self.request.propagation, &self.drive, work, control)?);
+            }
+            return Ok(!stayed);
+        }
         let of_one = self.request.given && is_of_one_amplitude(&self.drive, largest);
         let largest = largest / factor;
         let scale = quantization.scale(largest);
