@@ -80,15 +80,13 @@ def test_a_mega64_emits_its_own_frequency_and_late_ports() -> None:
     assert board.limits["steady_frames_per_second"] == 10
 
 
-@pytest.mark.filterwarnings("ignore:quiet points leak")
+@pytest.mark.filterwarnings("ignore::midair.SceneWarning")
 def test_what_a_mega64_solves_is_what_its_pins_do() -> None:
     board = midair.Board("mega64")
     points = np.array([[0, 0, 0.06], [0.03, 0, 0.06], [0.03, 0.01, 0.06], [0.03, -0.01, 0.06]])
     scene = midair.Scene(board.array, points, [500, 0, 0, 0])
     for solver in ("uniform", "fast", "greedy", "glide", "naive", "descent"):
-        solution = (
-            midair.solve(scene, solver, aim="max") if solver != "naive" else midair.solve(scene, solver)
-        )
+        solution = midair.solve(scene, solver)
         np.testing.assert_allclose(board.decode(board.encode(solution)), solution.drive, atol=1e-6)
         told = np.abs(solution.pressures)
         seen = np.abs(midair.field(scene, solution.drive, scene.points).pressure) * solution.scale
