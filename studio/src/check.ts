@@ -2,7 +2,7 @@
 
 import type { Catalogue } from "./door.ts";
 import { MOST_POINTS } from "./initial.ts";
-import { MAPS, SCALES, type State, VIEWS } from "./types.ts";
+import { MAPS, QUANTITIES, SCALES, type State, VIEWS } from "./types.ts";
 
 type Rule = [fits: (value: unknown) => boolean, cure: string];
 
@@ -62,6 +62,7 @@ const RULES: Record<keyof State, Rule> = {
   ear: [(value) => value === null || isPlace(value), "give a place [x, y, z] in m, or null"],
   plane: [isPlane, "give { z, size, center: [x, y] } in m"],
   view: oneOf(...VIEWS),
+  quantity: oneOf(...QUANTITIES),
   slot: oneOf(0, 1),
   map: oneOf(...MAPS),
   scale: oneOf(...SCALES),

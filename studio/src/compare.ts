@@ -5,10 +5,10 @@ import { type Context } from "./context.ts";
 import { choice, element, write } from "./dom.ts";
 import { MOST_POINTS } from "./initial.ts";
 import { numberRows, type Row } from "./numbers.ts";
-import { entry, type Tick, ticks } from "./painter/maps.ts";
+import { entry, mapOf, type Tick, ticks } from "./painter/maps.ts";
 import { added, moved } from "./points.ts";
 import { MANY } from "./stage.ts";
-import type { Look, MapName, Slot, Vec3 } from "./types.ts";
+import type { Look, Slot, Vec3 } from "./types.ts";
 import type { Word } from "./words.ts";
 
 /** The right column. */
@@ -135,7 +135,7 @@ export function createCompare(context: Context): Compare {
     warnings.replaceChildren(...(lines.length ? [element("li", {}, `${say("notes")}:`)] : []), ...items);
   });
 
-  const writeBars = changes((map: MapName) => parts.forEach(({ bar }) => paint(bar, map)));
+  const writeBars = changes((map: ReturnType<typeof mapOf>) => parts.forEach(({ bar }) => paint(bar, map)));
   const writeTicks = changes((text: string) => {
     for (const { labels } of parts) {
       const spans = (JSON.parse(text) as Tick[]).map(({ at, label }) => {
@@ -163,7 +163,7 @@ export function createCompare(context: Context): Compare {
         refusal.hidden = refused === "";
         ring(slot);
       }
-      writeBars(look.map);
+      writeBars(mapOf(look));
       writeTicks(JSON.stringify(ticks(look)));
       const { results } = studio.view;
       writeRows(JSON.stringify(numberRows(studio.view)));
@@ -173,7 +173,7 @@ export function createCompare(context: Context): Compare {
 }
 
 /** The colour bar: the map from bottom to top. */
-function paint(bar: HTMLCanvasElement, map: MapName) {
+function paint(bar: HTMLCanvasElement, map: ReturnType<typeof mapOf>) {
   const context = bar.getContext("2d")!;
   const image = context.createImageData(1, 256);
   for (let k = 0; k < 256; k += 1) {

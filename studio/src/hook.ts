@@ -61,7 +61,7 @@ export function createHook(engine: Engine, studio: Studio, page: () => Page): Ho
       const refused = results.map((each) => each.refused);
       const warnings = results.map((each) => each.warnings);
       const ready = results.some((each) => each.answer !== null || each.refused !== "");
-      return structuredClone({ ready, ...state, top: lookOf(studio.view).top, metrics, bound, refused, warnings });
+      return structuredClone({ ready, ...state, top: lookOf(studio.view, "dark").top, metrics, bound, refused, warnings });
     },
     set(partial) {
       const { state } = studio.view;

@@ -34,6 +34,7 @@ export const initial: State = {
   ear: null,
   plane: { z: HEIGHT, size: 0.18, center: [0, 0] },
   view: "both",
+  quantity: "modulus",
   slot: 0,
   map: "viridis",
   scale: "linear",

@@ -4,7 +4,7 @@ import type { Grid } from "./solve.worker.ts";
 import type { State, Vec3, Volume } from "./types.ts";
 
 /** 40 kHz, as all presets. */
-const FREQUENCY = 40e3;
+export const FREQUENCY = 40e3;
 
 /** Places a wavelength: fine enough that p between them is found to .3 % of the peak. */
 const FINE = 5.5;

@@ -11,12 +11,13 @@
 // | `t` | temperature, or temperature,Np/m,kg/m^3 of the air | `e` | ear: x,y,z |
 // | `m` | methods A.B | `g` | path: circle,radius,Hz or line,length,Hz |
 // | `p` | points: x,y,z or x,y,z,Pa | `w`, `s`, `c`, `k` | view, slot (a, b), map, scale |
+// | `d` | displays: modulus, wave, phase | | |
 //
 // An array of one's own is in no link: it is `a=own`, which is refused when read.
 
 import { decimal } from "./decimal.ts";
 import { initial, MOST_POINTS } from "./initial.ts";
-import { MAPS, SCALES, VIEWS } from "./types.ts";
+import { MAPS, QUANTITIES, SCALES, VIEWS } from "./types.ts";
 import type { Obstacle, State, Vec3 } from "./types.ts";
 
 const LEVELS = ["board", "none"] as const;
@@ -141,6 +142,7 @@ const READERS: Record<string, (text: string) => Partial<State>> = {
   p: readPoints,
   z: (text) => ({ plane: readPlane(text) }),
   w: (text) => ({ view: word("w", text, VIEWS) }),
+  d: (text) => ({ quantity: word("d", text, QUANTITIES) }),
   c: (text) => ({ map: word("c", text, MAPS) }),
   k: (text) => ({ scale: word("k", text, SCALES) }),
   s: (text) => ({ slot: word("s", text, SLOTS) === "a" ? 0 : 1 }),
@@ -207,6 +209,7 @@ export function writeLink(state: State): string {
     ["p", state.points.map(point).join("_")],
     ["z", [mm(plane.z), mm(plane.size), ...middle].join()],
     ["w", state.view],
+    ["d", state.quantity === initial.quantity ? null : state.quantity],
     ["c", state.map],
     ["k", state.scale === initial.scale ? null : state.scale],
     ["s", state.slot === 0 ? null : "b"],

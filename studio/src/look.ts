@@ -1,13 +1,20 @@
 /** Look: one colour scale for both methods. */
 
 import type { View } from "./studio.ts";
-import type { Look } from "./types.ts";
+import { FREQUENCY } from "./lattices.ts";
+import type { Look, Theme } from "./types.ts";
+
+/** The wave is so many times slower than sound: 2 Hz, below the three flashes a second that can harm. */
+const SLOWED = 2e4;
+
+/** w t of the slowed wave in rad, below 2 pi, after so many ms. */
+export const turnAt = (milliseconds: number) => 2 * Math.PI * (((FREQUENCY / SLOWED) * milliseconds * 1e-3) % 1);
 
 /** A top above so many times the loudest point is something else's, such as a transducer's. */
 const MOST = 1.5;
 
 /** The colour scale of all that is shown: its top is the loudest |p| of both slices. */
-export function lookOf({ state, results, frame }: View): Look {
+export function lookOf({ state, results, frame }: View, theme: Theme, turn = 0): Look {
   const answers = results.flatMap(({ answer }) => answer ?? []);
   const points = answers.flatMap(({ pressures }) => pressures).map(([re, im]) => Math.hypot(re, im));
   const loudest = points.reduce((a, b) => Math.max(a, b), 0);
@@ -19,5 +26,6 @@ export function lookOf({ state, results, frame }: View): Look {
   }
   // Of a trap the points are dark: what they are asked for stands beside them.
   const top = state.signature ? Math.sqrt(most) : Math.max(loudest, Math.min(Math.sqrt(most), MOST * loudest));
-  return { map: state.map, scale: state.scale, top: top || 1 };
+  const { quantity, map, scale } = state;
+  return { quantity, map, scale, top: top || 1, turn, theme };
 }

@@ -8,7 +8,7 @@ import { element } from "./dom.ts";
 import type { Engine } from "./engine.ts";
 import type { Eye } from "./eye.ts";
 import { exportSheet, open } from "./exchange.ts";
-import { lookOf } from "./look.ts";
+import { lookOf, turnAt } from "./look.ts";
 import { createFlat } from "./painter/canvas2d.ts";
 import { createPainter } from "./painter/painter.ts";
 import type { Painter } from "./painter/picture.ts";
@@ -17,7 +17,7 @@ import { plain } from "./refusals.ts";
 import { SHEET, sheet } from "./sheet.ts";
 import { createStage } from "./stage.ts";
 import type { Studio } from "./studio.ts";
-import { type Lattice, type Slot, VIEWS, type Vec3, type View } from "./types.ts";
+import { type Lattice, QUANTITIES, type Quantity, type Slot, VIEWS, type Vec3, type View } from "./types.ts";
 import { type Language, say } from "./words.ts";
 
 /** A page that is shown. */
@@ -52,6 +52,8 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   const { language, theme } = manner;
   const status = element("div", { className: "hidden", role: "status", "aria-live": "polite" });
   const alert = element("div", { className: "alert", role: "alert" });
+  const calm = matchMedia("(prefers-reduced-motion: reduce)");
+  let turn = 0;
   let frame = 0;
   let gone = false;
   const endings: (() => void)[] = [];
@@ -71,7 +73,11 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       alert.replaceChildren(...(text ? [element("span", {}, text), close] : []));
     },
     repaint: () => {
-      frame ||= requestAnimationFrame(() => void paint());
+      frame ||= requestAnimationFrame((now) => {
+        if (runs()) turn = turnAt(now);
+        paint();
+        if (runs()) context.repaint();
+      });
     },
   };
 
@@ -87,7 +93,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       const ratio = paint(2);
       const [outer, inner] = [canvas, stage.view].map((each) => each.getBoundingClientRect());
       const part = [inner.left - outer.left, inner.top - outer.top, inner.width, inner.height].map((px) => Math.round(px * ratio));
-      const drawn = sheet(context, root, canvas, new DOMRect(...part));
+      const drawn = sheet(context, look(), root, canvas, new DOMRect(...part));
       context.repaint();
       exportSheet(drawn, SHEET, ending).catch(({ message }: Error) => context.alarm(context.say("failed", { line: message })));
     },
@@ -98,7 +104,10 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   const slots = segments(context.say("shownSlot"), ["A", "B"].map((name, k) => [String(k), name]), (slot) =>
     studio.change({ slot: Number(slot) as Slot }),
   );
-  stage.root.append(element("div", { className: "segments" }, views.root, slots.root));
+  const quantities = segments(context.say("quantity"), QUANTITIES.map((name) => [name, context.say(name)]), (quantity) =>
+    studio.change({ quantity: quantity as Quantity }),
+  );
+  stage.root.append(element("div", { className: "segments" }, views.root, slots.root, quantities.root));
   const main = element("main", {}, ...(manner.compact ? [] : [panels.root]), stage.root, compare.root);
   root.classList.add("studio");
   root.classList.toggle("compact", Boolean(manner.compact));
@@ -115,14 +124,19 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     return made;
   }
 
+  /** Whether a wave runs; where less motion is wanted it stands. */
+  const runs = () => !gone && !painter.lost && painter.runs && studio.view.state.quantity === "wave" && !calm.matches;
+  const look = () => lookOf(studio.view, theme, turn);
+
   let [said, told] = ["", ""];
   function place() {
     const { state } = studio.view;
     bar.place();
     if (!manner.compact) panels.place();
-    compare.place(lookOf(studio.view));
+    compare.place(look());
     views.choose(state.view);
     slots.choose(String(state.slot));
+    quantities.choose(state.quantity);
     const [a, b] = studio.view.results.map(({ answer }) => answer?.metrics.uniformity.toFixed(3) ?? "–");
     const [methodA, methodB] = state.methods;
     said = context.say("said", { a, b, methodA, methodB });
@@ -148,12 +162,12 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     };
     const { view } = studio;
     const { state, results } = view;
-    const look = lookOf(view);
+    const shades = look();
     const slices = results.map(({ lattice }, slot) => (slot === 0 && view.frame ? view.frame.lattice : lattice));
     painted = results.map(({ lattice }) => lattice);
     const slot = view.frame ? 0 : state.slot;
     const lattice = slices[slot];
-    const ratio = given ?? Math.min(devicePixelRatio, 2) * (view.moving && painter.slow ? COARSE : 1);
+    const ratio = given ?? Math.min(devicePixelRatio, 2) * ((view.moving || runs()) && painter.slow ? COARSE : 1);
     painter.begin(outer.width, outer.height, ratio, BACKGROUNDS[theme]);
     painter.scene(box(stage.view), {
       camera: stage.camera(),
@@ -161,16 +175,17 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       normals: view.normals,
       drive: view.frame?.drive ?? results[slot].answer?.drive ?? null,
       slice: lattice && (state.view !== "volume" || !view.volume) ? { lattice, key: "AB"[slot] } : null,
-      volume: state.view === "slice" || view.frame ? null : view.volume,
+      // The glow of |p| would hide the wave or the phase.
+      volume: state.view === "slice" || view.frame || (state.view === "both" && state.quantity !== "modulus") ? null : view.volume,
       points: view.frame?.points ?? state.points,
       obstacles: state.obstacles,
-      look,
+      look: shades,
       theme,
       moving: view.moving,
     });
     compare.slices.forEach((element, index) => {
       const shown = slices[index];
-      if (shown) painter.slice(box(element), shown, "AB"[index], look);
+      if (shown) painter.slice(box(element), shown, "AB"[index], shades);
     });
     stage.place();
     return ratio;
@@ -208,6 +223,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   [canvas, stage.view, ...compare.slices].forEach((each) => size.observe(each));
   const listening = new AbortController();
   const { signal } = listening;
+  calm.addEventListener("change", context.repaint, { signal });
   window.addEventListener("scroll", context.repaint, { passive: true, capture: true, signal });
   (manner.compact ? root : window).addEventListener("keydown", press as EventListener, { signal });
   root.addEventListener("drop", dropped, { signal });

@@ -3,11 +3,10 @@
 import type { Context } from "./context.ts";
 import { millimetres } from "./context.ts";
 import { writeLink } from "./link.ts";
-import { lookOf } from "./look.ts";
 import { numberRows } from "./numbers.ts";
 import { drawSlice } from "./painter/canvas2d.ts";
-import { entry, roundStep, ticks } from "./painter/maps.ts";
-import type { Lattice, Slot } from "./types.ts";
+import { entry, mapOf, roundStep, ticks } from "./painter/maps.ts";
+import type { Lattice, Look, Slot } from "./types.ts";
 import type { Word } from "./words.ts";
 
 /** Width and height of the sheet, the sides of the 3-D view's box and of a slice, in CSS px. */
@@ -33,10 +32,9 @@ function canvasOf(width: number, height: number): [HTMLCanvasElement, CanvasRend
 }
 
 /** The sheet of what is shown; `painted` is the page's canvas just painted, `box` the 3-D view in it (px of the canvas). */
-export function sheet({ studio, say, engine }: Context, root: HTMLElement, painted: HTMLCanvasElement, box: DOMRect): string {
+export function sheet({ studio, say, engine }: Context, look: Look, root: HTMLElement, painted: HTMLCanvasElement, box: DOMRect): string {
   const { view } = studio;
   const { state } = view;
-  const look = lookOf(view);
   const style = getComputedStyle(root);
   const [back, ink, soft] = ["--back", "--text", "--soft"].map((name) => style.getPropertyValue(name));
 
@@ -69,13 +67,13 @@ export function sheet({ studio, say, engine }: Context, root: HTMLElement, paint
     });
     const [bar, pen] = canvasOf(1, 256);
     for (let k = 0; k < 256; k += 1) {
-      pen.fillStyle = `rgb(${entry(look.map, 1 - k / 255).map(Math.round)})`;
+      pen.fillStyle = `rgb(${entry(mapOf(look), 1 - k / 255).map(Math.round)})`;
       pen.fillRect(0, k, 1, 1);
     }
     const marks = ticks(look).map((tick) => text(x + SIDE + 28, y + SIDE * (1 - tick.at) + 4, tick.label));
     const name = slot === 0 && view.frame?.found ? "glide" : state.methods[slot];
     return [
-      text(x, y - 10, `${"AB"[slot]}: ${name}, |p| at z = ${millimetres(z)} mm`, 'font-weight="600"'),
+      text(x, y - 10, `${"AB"[slot]}: ${name}, ${say(look.quantity)} at z = ${millimetres(z)} mm`, 'font-weight="600"'),
       picture(copy, x, y, SIDE, SIDE),
       ...rings,
       text(x + SIDE / 2, y + SIDE + 30, "x / mm", 'text-anchor="middle"'),

@@ -19,9 +19,12 @@ export type Obstacle =
 export const MAPS = ["viridis", "cividis", "magma"] as const;
 export const SCALES = ["linear", "squared", "decibel"] as const;
 export const VIEWS = ["slice", "volume", "both"] as const;
+export const QUANTITIES = ["modulus", "wave", "phase"] as const;
 export type MapName = (typeof MAPS)[number];
 export type ScaleName = (typeof SCALES)[number];
 export type View = (typeof VIEWS)[number];
+export type Quantity = (typeof QUANTITIES)[number];
+export type Theme = "dark" | "light";
 
 /** One of the two methods that are compared. */
 export type Slot = 0 | 1;
@@ -49,6 +52,8 @@ export interface State {
   /** The horizontal slice: its height, the length of its sides, its middle. */
   plane: { z: number; size: number; center: [number, number] };
   view: View;
+  /** What of p the slices show: |p|, the wave Re(p e^{-jwt}), or the phase. */
+  quantity: Quantity;
   /** Whose field the 3-D view shows. */
   slot: Slot;
   map: MapName;
@@ -81,9 +86,14 @@ export interface Volume {
   moduli: Float32Array;
 }
 
-/** How |p| becomes a colour: a map, a scale, and the |p| of its top in Pa. */
+/** How p becomes a colour: by its quantity; |p| by a map and a scale, the wave by its theme. */
 export interface Look {
+  quantity: Quantity;
   map: MapName;
   scale: ScaleName;
+  /** The |p| of the top in Pa. */
   top: number;
+  /** The instant of the wave, w t in rad. */
+  turn: number;
+  theme: Theme;
 }

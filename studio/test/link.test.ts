@@ -80,6 +80,7 @@ const BAD: [string, string][] = [
   ["v=1&z=180", "height,size"],
   ["v=1&z=180,0", "size of z"],
   ["v=1&w=all", "slice, volume, both"],
+  ["v=1&d=real", "modulus, wave, phase"],
   ["v=1&c=jet", "viridis"],
   ["v=1&k=log", "linear"],
   ["v=1&s=c", "a, b"],

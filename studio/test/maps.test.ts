@@ -1,8 +1,8 @@
 import { expect, test } from "vitest";
-import { colour, entry, modulusAt, TABLES, ticks, tone } from "../src/painter/maps.ts";
+import { colour, entry, mapOf, modulusAt, shade, TABLES, ticks, tone } from "../src/painter/maps.ts";
 import type { Look } from "../src/types.ts";
 
-const look = (scale: Look["scale"], top = 6900): Look => ({ map: "viridis", scale, top });
+const look = (scale: Look["scale"], top = 6900): Look => ({ quantity: "modulus", map: "viridis", scale, top, turn: 0, theme: "dark" });
 
 test("the maps are matplotlib's", () => {
   const at = (map: Look["map"], i: number) => [...TABLES[map].subarray(4 * i, 4 * i + 3)];
@@ -57,4 +57,36 @@ test("the ticks are round, on the bar, and in the order of |p|", () => {
       }
     }
   }
+});
+
+test("the wave is Re(p e^{-jwt}): it runs away from its source, and its map is quiet in the middle", () => {
+  const wave = (turn: number): Look => ({ ...look("squared", 1000), quantity: "wave", turn });
+  for (let k = 0; k < 40; k += 1) {
+    const [turn, phase] = [0.3 * k, 0.7 * k - 9];
+    const at = shade(wave(turn), 800 * Math.cos(phase), 800 * Math.sin(phase));
+    expect(at).toBeCloseTo(0.5 + 0.4 * Math.cos(phase - turn), 12);
+  }
+  // Of e^{jkr} the crest stands where kr = wt: further out as time goes on.
+  expect(shade(wave(0.5), 1000 * Math.cos(0.5), 1000 * Math.sin(0.5))).toBeCloseTo(1, 12);
+  for (const theme of ["dark", "light"] as const) {
+    const name = mapOf({ ...wave(0), theme });
+    const bright = (t: number) => entry(name, t).reduce((sum, value) => sum + value);
+    const order = [0, 0.25, 0.5].map(bright);
+    expect(order.every((value, k) => k === 0 || (theme === "dark" ? value < order[k - 1] : value > order[k - 1]))).toBe(true);
+    expect([1, 0.75].every((t) => (theme === "dark" ? bright(t) > bright(0.5) : bright(t) < bright(0.5)))).toBe(true);
+  }
+  expect(ticks(wave(0)).map(({ label }) => label)).toEqual(["−1.0 kPa", "−0.5 kPa", "0", "0.5 kPa", "1.0 kPa"]);
+  expect(ticks(wave(1)).map(({ at }) => at)).toEqual([0, 0.25, 0.5, 0.75, 1]);
+});
+
+test("the phase goes around the map, which closes", () => {
+  const phase: Look = { ...look("linear"), quantity: "phase" };
+  for (const angle of [-3, -1, 0, 0.5, 3]) expect(shade(phase, 5 * Math.cos(angle), 5 * Math.sin(angle))).toBeCloseTo(0.5 + angle / 2 / Math.PI, 12);
+  expect(entry("phase", 0)).toEqual(entry("phase", 1));
+  // As the transducers' faces: red at 0, green and blue a third of a turn away.
+  [0, 1 / 3, 2 / 3].forEach((t, k) => {
+    const channels = entry("phase", (0.5 + t) % 1);
+    expect(channels.indexOf(Math.max(...channels))).toBe(k);
+  });
+  for (const { at, value } of ticks(phase)) expect(at).toBeCloseTo(0.5 + value / 2 / Math.PI, 12);
 });

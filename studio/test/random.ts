@@ -1,6 +1,6 @@
 /** Random states for tests: the same seed gives the same states. */
 
-import { MAPS, SCALES, VIEWS } from "../src/types.ts";
+import { MAPS, QUANTITIES, SCALES, VIEWS } from "../src/types.ts";
 import type { Obstacle, State, Vec3 } from "../src/types.ts";
 
 /** Numbers of [0, 1) by mulberry32. */
@@ -48,6 +48,7 @@ export function randomState(random: () => number): State {
       center: random() < 0.5 ? [0, 0] : [length(-0.1, 0.1), length(-0.1, 0.1)],
     },
     view: one(VIEWS),
+    quantity: one(QUANTITIES),
     slot: one([0, 1]),
     map: one(MAPS),
     scale: one(SCALES),

@@ -17,7 +17,7 @@ export function drawSlice(onto: HTMLCanvasElement, lattice: Lattice, look: Look)
   for (let y = 0; y < height; y++) {
     for (let x = 0; x < width; x++) {
       const [re, im] = sampleAt(lattice, (x + 0.5) / width, 1 - (y + 0.5) / height);
-      image.data.set([...colour(look, Math.hypot(re, im)), 255], 4 * (y * width + x));
+      image.data.set([...colour(look, re, im), 255], 4 * (y * width + x));
     }
   }
   pen.putImageData(image, 0, 0);
@@ -97,6 +97,7 @@ export function createFlat(canvas: HTMLCanvasElement): Painter {
       }
       pen.restore();
     },
+    runs: false,
     slow: true,
     lost: false,
     onRestored: null,

@@ -1,6 +1,7 @@
-/** The transducers: small lit cans that face their normals, the phase as the colour of the face. */
+/** The transducers: small lit cans that face their normals; the face has the colour of the phase, or of the wave while it is shown. */
 
 import { changes } from "../changes.ts";
+import { COLOUR, type FieldPainter } from "./field.ts";
 import { type Gl, LOOK_UP, type Program, program, vectors } from "./gl.ts";
 import type { Picture } from "./picture.ts";
 import { aim, type View } from "./view.ts";
@@ -42,7 +43,7 @@ in vec3 paint;
 out vec4 colour;
 void main() { colour = vec4(paint, 1); }`;
 
-const FACE_VERTEX = `${CAN}
+const FACE_VERTEX = `${CAN}${COLOUR}
 uniform float known;
 out vec3 outward;
 out vec2 at;
@@ -61,7 +62,8 @@ void main() {
   // One lightness for all phases, about 40 % saturation.
   vec3 hue = vec3(.53, .51, .56) + .17 * cos(phase + vec3(0, -2.0944, 2.0944));
   bool back = dot(normal, to) < 0.;
-  face = back ? metal * .45 : mix(off, hue, known * amplitude);
+  bool waves = quantity > .5 && quantity < 1.5;
+  face = back ? metal * .45 : waves ? mix(off, entry(.5 + .5 * clamp(dot(drive, turn), -1., 1.)), known) : mix(off, hue, known * amplitude);
   rim = back ? face : metal * (.5 + .5 * max(dot(normal, light), 0.));
   // From behind, a can is seen to be closed.
   gl_Position = matrix * vec4(position + radius * (back ? outward - normal * ${HEIGHT} : outward), 1);
@@ -104,7 +106,7 @@ export function canRadius(positions: Float32Array): number {
 }
 
 /** Paints the transducers of a picture. */
-export function createDiscs(gl: Gl): (view: View, picture: Picture) => void {
+export function createDiscs(gl: Gl, field: FieldPainter): (view: View, picture: Picture) => void {
   const sides = program(gl, SIDE_VERTEX, SIDE_FRAGMENT);
   const faces = program(gl, FACE_VERTEX, FACE_FRAGMENT);
   const lists = { positions: vectors(gl, 3), normals: vectors(gl, 3), drives: vectors(gl, 2) };
@@ -131,6 +133,8 @@ export function createDiscs(gl: Gl): (view: View, picture: Picture) => void {
       gl.drawArrays(gl.TRIANGLES, 0, corners * count);
     };
     draw(sides, 6 * SIDES);
+    faces.use();
+    field.setLook(faces, picture.look);
     draw(faces, 6);
   };
 }

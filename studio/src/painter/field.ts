@@ -1,21 +1,24 @@
 /** The field on the graphics card: textures of spline coefficients and of maps, slices drawn with them. */
 
-import { MAPS, SCALES, type Lattice, type Look } from "../types.ts";
+import { QUANTITIES, SCALES, type Lattice, type Look } from "../types.ts";
 import { type Gl, type Program, program, texture } from "./gl.ts";
 import { coefficients } from "./lattice.ts";
-import { RANGE, TABLES } from "./maps.ts";
+import { mapOf, RANGE, TABLES } from "./maps.ts";
 import { aim, type View } from "./view.ts";
 
-/** `tone` and `colour` of maps.ts in GLSL. */
+/** `tone`, `shade` and `entry` of maps.ts in GLSL. */
 export const COLOUR = `
 uniform sampler2D map;
-uniform float top;
-uniform float scale;
+uniform float top, scale, quantity;
+uniform vec2 turn;
 float tone(float modulus) {
   float ratio = modulus / top;
   float t = scale < .5 ? ratio : scale < 1.5 ? ratio * ratio
     : 1. + 20. / ${RANGE}. * log(max(ratio, 1e-9)) / log(10.);
   return clamp(t, 0., 1.);
+}
+float shade(vec2 p) {
+  return quantity < .5 ? tone(length(p)) : quantity < 1.5 ? clamp(.5 + .5 * dot(p, turn) / top, 0., 1.) : .5 + atan(p.y, p.x) / 6.2831853;
 }
 vec3 entry(float t) { return texture(map, vec2((t * 255. + .5) / 256., .5)).rgb; }`;
 
@@ -51,9 +54,9 @@ uniform float least;
 in vec2 st;
 out vec4 colour;
 void main() {
-  float t = tone(length(pressure(st)));
-  float alpha = mix(least, 1., smoothstep(0., .45, t));
-  colour = vec4(entry(t) * alpha, alpha);
+  vec2 p = pressure(st);
+  float alpha = mix(least, 1., smoothstep(0., .45, tone(length(p))));
+  colour = vec4(entry(shade(p)) * alpha, alpha);
 }`;
 
 /** Takes the unit square to all of the view. */
@@ -61,7 +64,7 @@ const FLAT = [2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, -1, -1, 0, 1];
 
 /** What the painter and the volume need of fields. */
 export interface FieldPainter {
-  /** The map, scale and top of `look` for a program that has COLOUR; the map goes to texture unit 1. */
+  /** What COLOUR needs of `look`, for a program that has it; the map goes to texture unit 3. */
   setLook(program: Program, look: Look): void;
   /** The lattice over all of the view, opaque. */
   flat(lattice: Lattice, key: string, look: Look): void;
@@ -71,11 +74,13 @@ export interface FieldPainter {
 
 export function createField(gl: Gl): FieldPainter {
   const slices = program(gl, VERTEX, FRAGMENT);
-  const maps = MAPS.map((name) => {
-    const made = texture(gl, gl.TEXTURE_2D, gl.LINEAR);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 256, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, TABLES[name]);
-    return made;
-  });
+  const maps = new Map(
+    Object.entries(TABLES).map(([name, table]) => {
+      const made = texture(gl, gl.TEXTURE_2D, gl.LINEAR);
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 256, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, table);
+      return [name, made];
+    }),
+  );
   const fields = new Map<string, { texture: WebGLTexture; values: Float32Array | null }>();
 
   function upload(lattice: Lattice, key: string): WebGLTexture {
@@ -93,9 +98,11 @@ export function createField(gl: Gl): FieldPainter {
   }
 
   function setLook(to: Program, look: Look): void {
-    to.bind("map", 1, gl.TEXTURE_2D, maps[MAPS.indexOf(look.map)]);
+    to.bind("map", 3, gl.TEXTURE_2D, maps.get(mapOf(look))!);
     to.set("top", look.top);
     to.set("scale", SCALES.indexOf(look.scale));
+    to.set("quantity", QUANTITIES.indexOf(look.quantity));
+    to.set("turn", [Math.cos(look.turn), Math.sin(look.turn)]);
   }
 
   function draw(lattice: Lattice, key: string, look: Look, least: number): void {

@@ -1,6 +1,6 @@
-/** Colour maps, and how |p| becomes a colour: the arithmetic of the shaders, for all that is not a shader. */
+/** Colour maps, and how p becomes a colour: the arithmetic of the shaders, for all that is not a shader. */
 
-import type { Look, MapName } from "../types.ts";
+import type { Look, MapName, Theme } from "../types.ts";
 import packed from "./maps.json";
 
 /** How far below the top the decibel scale reaches, dB. */
@@ -22,10 +22,30 @@ function unpack({ first, steps }: (typeof STEPS)[MapName]): Uint8Array<ArrayBuff
   return table;
 }
 
+/** A table of the colours that `at` gives from 0 to 1. */
+const tableOf = (at: (t: number) => number[]) => new Uint8Array(Array.from({ length: 256 }, (_, i) => [...at(i / 255), 255].map(Math.round)).flat());
+
+/** The colour at `t` of stops that lie evenly from 0 to 1. */
+const between = (stops: number[][]) => (t: number) => {
+  const i = Math.min(Math.floor(t * (stops.length - 1)), stops.length - 2);
+  const f = t * (stops.length - 1) - i;
+  return stops[i].map((value, channel) => value * (1 - f) + stops[i + 1][channel] * f);
+};
+
+/** Every map by name: those for |p|, those of the wave by theme, quiet as the page in the middle, and that of the phase. */
+type TableName = MapName | Theme | "phase";
+
 /** The maps as 256 colours of four bytes (red, green, blue, 255). */
-export const TABLES = Object.fromEntries(
-  Object.entries(STEPS).map(([name, steps]) => [name, unpack(steps)]),
-) as Record<MapName, Uint8Array<ArrayBuffer>>;
+export const TABLES = {
+  ...Object.fromEntries(Object.entries(STEPS).map(([name, steps]) => [name, unpack(steps)])),
+  dark: tableOf(between([[178, 216, 255], [45, 118, 200], [12, 15, 20], [200, 84, 36], [255, 208, 150]])),
+  light: tableOf(between([[10, 48, 110], [88, 150, 206], [246, 248, 250], [224, 122, 84], [120, 16, 32]])),
+  // The hues of the transducers' faces.
+  phase: tableOf((t) => [0.53, 0.51, 0.56].map((middle, k) => 255 * (middle - 0.3 * Math.cos(2 * Math.PI * (t - k / 3))))),
+} as Record<TableName, Uint8Array<ArrayBuffer>>;
+
+/** The name of the map that shows what a look shows. */
+export const mapOf = ({ quantity, map, theme }: Look): TableName => (quantity === "modulus" ? map : quantity === "wave" ? theme : quantity);
 
 /** Where `modulus` (|p| in Pa) lies on the map, 0 to 1. */
 export function tone(look: Look, modulus: number): number {
@@ -39,13 +59,21 @@ export function tone(look: Look, modulus: number): number {
   return Math.min(Math.max(t, 0), 1);
 }
 
+/** Where p = re + j im (Pa) lies on its map, 0 to 1: |p| by `tone`, Re(p e^{-jwt}) from -top to top, the phase from -pi to pi. */
+export function shade(look: Look, re: number, im: number): number {
+  if (look.quantity === "modulus") return tone(look, Math.hypot(re, im));
+  if (look.quantity === "phase") return 0.5 + Math.atan2(im, re) / (2 * Math.PI);
+  const now = re * Math.cos(look.turn) + im * Math.sin(look.turn);
+  return Math.min(Math.max(0.5 + now / look.top / 2, 0), 1);
+}
+
 /** The |p| (Pa) that lies at `t` (0 to 1) on the map: `tone` read backwards. */
 export function modulusAt({ scale, top }: Look, t: number): number {
   return top * (scale === "linear" ? t : scale === "squared" ? Math.sqrt(t) : 10 ** ((RANGE * (t - 1)) / 20));
 }
 
 /** The colour at `t` (0 to 1) of a map: red, green, blue, 0 to 255, linear between the map's entries. */
-export function entry(map: MapName, t: number): [number, number, number] {
+export function entry(map: TableName, t: number): [number, number, number] {
   const table = TABLES[map];
   const i = Math.min(Math.floor(t * 255), 254);
   const f = t * 255 - i;
@@ -53,12 +81,12 @@ export function entry(map: MapName, t: number): [number, number, number] {
   return [mix(0), mix(1), mix(2)];
 }
 
-/** The colour of `modulus` (|p| in Pa): red, green, blue, 0 to 255. */
-export function colour(look: Look, modulus: number): [number, number, number] {
-  return entry(look.map, tone(look, modulus));
+/** The colour of p = re + j im (Pa): red, green, blue, 0 to 255. */
+export function colour(look: Look, re: number, im = 0): [number, number, number] {
+  return entry(mapOf(look), shade(look, re, im));
 }
 
-/** A mark of the colour bar: its |p| in Pa, its place on the bar (0 bottom, 1 top), its text. */
+/** A mark of the colour bar: its |p| or Re p in Pa, or phase in rad, its place on the bar (0 bottom, 1 top), its text. */
 export interface Tick {
   value: number;
   at: number;
@@ -71,20 +99,26 @@ export function roundStep(least: number): number {
   return power * ([1, 2, 5].find((digit) => digit * power >= least * 0.999) ?? 10);
 }
 
-/** The marks of the colour bar of `look`: |p| in Pa or kPa, or in dB below the top. */
+/** The marks of the colour bar of `look`: |p| or Re p in Pa or kPa, |p| in dB below the top, or the phase in rad. */
 export function ticks(look: Look): Tick[] {
-  const tick = (value: number, label: string) => ({ value, at: tone(look, value), label });
-  if (look.scale === "decibel") {
+  const waves = look.quantity === "wave";
+  // At the instant when all of p is real.
+  const tick = (value: number, label: string) => ({ value, at: shade({ ...look, turn: 0 }, value, 0), label });
+  if (look.quantity === "phase") {
+    return ["\u2212π", "\u2212π/2", "0", "π/2", "π"].map((name, k) => ({ value: (Math.PI * (k - 2)) / 2, at: k / 4, label: k === 2 ? name : `${name} rad` }));
+  }
+  if (!waves && look.scale === "decibel") {
     return [-30, -20, -10, 0].map((level) => {
       const at = 1 + level / RANGE;
       return { value: modulusAt(look, at), at, label: `${level ? `\u2212${-level}` : 0} dB` };
     });
   }
   const [unit, name] = look.top >= 1000 ? [1000, "kPa"] : [1, "Pa"];
-  const step = roundStep(look.top / unit / 5);
+  const step = roundStep(look.top / unit / (waves ? 3 : 5));
   const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   const count = Math.floor(look.top / unit / step + 1e-6);
-  return Array.from({ length: count + 1 }, (_, i) =>
-    tick(i * step * unit, i ? `${(i * step).toFixed(digits)} ${name}` : "0"),
-  );
+  return Array.from({ length: count * (waves ? 2 : 1) + 1 }, (_, k) => {
+    const i = waves ? k - count : k;
+    return tick(i * step * unit, i ? `${i < 0 ? "\u2212" : ""}${Math.abs(i * step).toFixed(digits)} ${name}` : "0");
+  });
 }

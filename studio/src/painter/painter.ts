@@ -22,7 +22,7 @@ const STEPS = [96, 48];
 function createScene(gl: Gl) {
   const field = createField(gl);
   const volume = createVolume(gl, field);
-  const discs = createDiscs(gl);
+  const discs = createDiscs(gl, field);
   const lines = createLines(gl);
   const solids = createSolids(gl);
   const floor = createFloor(gl);
@@ -98,6 +98,7 @@ export function createPainter(canvas: HTMLCanvasElement): Painter | null {
 
   const { UNMASKED_RENDERER_WEBGL: name = gl.RENDERER } = gl.getExtension("WEBGL_debug_renderer_info") ?? {};
   const painter: Painter = {
+    runs: true,
     slow: /software|swiftshader|llvmpipe|basic render/i.test(gl.getParameter(name)),
     begin(width, height, ratio, background) {
       page = { height, ratio };

@@ -42,6 +42,8 @@ export interface Painter {
   slice(box: Box, lattice: Lattice, key: string, look: Look): void;
   /** The 3-D view. */
   scene(box: Box, picture: Picture): void;
+  /** Fast enough for a wave that runs. */
+  readonly runs: boolean;
   /** Software paints, in place of a graphics card. */
   readonly slow: boolean;
   /** The graphics card has taken the context away: nothing is painted until `onRestored`. */

@@ -126,7 +126,7 @@ export function createVolume(gl: Gl, field: FieldPainter): VolumePainter {
     upload(volume);
     toSheet(view);
     aim(glow, view);
-    field.setLook(glow, look);
+    field.setLook(glow, { ...look, quantity: "modulus" });
     glow.bind("moduli", 0, gl.TEXTURE_3D, data);
     glow.set("least", volume.least);
     glow.set("most", volume.most);

@@ -5,7 +5,7 @@ import { gzipSync } from "node:zlib";
 import type { Page } from "playwright-core";
 import { beforeEach, expect, test } from "vitest";
 
-import { colour } from "../../src/painter/maps.ts";
+import { colour, entry } from "../../src/painter/maps.ts";
 import type { Look, Vec3 } from "../../src/types.ts";
 import { shared } from "./setup.ts";
 import { built, grab, launch, point as pointOf, ready, visit } from "./site.ts";
@@ -122,13 +122,12 @@ test("what was painted coarsely in a drag is painted in full at rest, where the 
   await expect.poll(width).toBe(1440);
 });
 
-test.each(["linear", "squared", "decibel"] as const)("a point on a slice has the map's colour: %s", async (scale) => {
-  await page.evaluate((scale) => window.midair!.set({ scale }), scale);
-  await settled();
-  await page.waitForTimeout(500);
-  const { plane, map, top } = (await page.evaluate(() => window.midair!.state())) as unknown as Look & {
+/** The pixels of the first three points on the slice of B, its field there, and the state. */
+async function onSlice() {
+  const state = (await page.evaluate(() => window.midair!.state())) as unknown as Look & {
     plane: { size: number; center: [number, number] };
   };
+  const { plane } = state;
   const box = (await page.getByRole("img", { name: "Slice of B" }).boundingBox())!;
   const metres = plane.size / box.width;
   // A pixel's colour is that of its middle, up to half a pixel beside the point.
@@ -143,10 +142,70 @@ test.each(["linear", "squared", "decibel"] as const)("a point on a slice has the
     z,
   ]);
   const field = await page.evaluate(async (places) => window.midair!.field(1, places), places);
+  return { pixels, field, state };
+}
+
+test.each(["linear", "squared", "decibel"] as const)("a point on a slice has the map's colour: %s", async (scale) => {
+  await page.evaluate((scale) => window.midair!.set({ scale }), scale);
+  await settled();
+  await page.waitForTimeout(500);
+  const { pixels, field, state: { map, top } } = await onSlice();
   for (const [k, [x, y]] of pixels.entries()) {
-    const want = colour({ map, scale, top }, Math.hypot(...field[k]));
+    const want = colour({ quantity: "modulus", map, scale, top, turn: 0, theme: "dark" }, Math.hypot(...field[k]));
     (await pixel(x, y)).forEach((value, channel) => expect(Math.abs(value - want[channel])).toBeLessThanOrEqual(8));
   }
+});
+
+/** The button of a quantity that the slices can show. */
+const shows = (name: string) => page.getByRole("group", { name: "What the slices show" }).getByRole("button", { name, exact: true });
+
+test("at the points the wave follows the cosine of their phases, half a period a quarter of a second", async () => {
+  // Software paints what runs at half the resolution: a narrow slice, so that a pixel is small nonetheless.
+  await page.evaluate(() => window.midair!.set({ plane: { z: 0.18, size: 0.05, center: [0.032, 0.016] } }));
+  await settled();
+  // The page's clock is the test's.
+  await page.evaluate(() => {
+    const soon = window.requestAnimationFrame.bind(window);
+    const clock = window as unknown as { instant: number };
+    clock.instant = 0;
+    window.requestAnimationFrame = (act) => soon(() => act(clock.instant));
+  });
+  await shows("Wave").click();
+  expect(await shows("Wave").getAttribute("aria-pressed")).toBe("true");
+  const { pixels, field, state: { top } } = await onSlice();
+  for (const instant of [0, 125, 200, 250, 375, 1000]) {
+    await page.evaluate((instant) => void Object.assign(window, { instant }), instant);
+    // The third point is beside the slice.
+    for (const [k, [x, y]] of pixels.slice(0, 2).entries()) {
+      const [re, im] = field[k];
+      const now = (Math.hypot(re, im) / top) * Math.cos(Math.atan2(im, re) - (2 * Math.PI * instant) / 500);
+      const want = entry("light", Math.min(Math.max(0.5 + now / 2, 0), 1));
+      const off = async () => Math.max(...(await pixel(x, y)).map((value, channel) => Math.abs(value - want[channel])));
+      await expect.poll(off, { message: `point ${k + 1} at ${instant} ms`, timeout: 10_000 }).toBeLessThanOrEqual(10);
+    }
+  }
+});
+
+test("the wave runs and can be stopped; it stands where less motion is wanted", async () => {
+  await settled();
+  const { pixels } = await onSlice();
+  const colours = async () => (await Promise.all(pixels.map(([x, y]) => pixel(x, y)))).flat();
+  const changes = async () => {
+    await page.waitForTimeout(1000);
+    const before = await colours();
+    await page.waitForTimeout(130);
+    return (await colours()).some((value, k) => Math.abs(value - before[k]) > 3);
+  };
+  expect(await changes()).toBe(false);
+  await shows("Wave").click();
+  await expect.poll(changes).toBe(true);
+  await page.emulateMedia({ reducedMotion: "reduce" });
+  expect(await changes()).toBe(false);
+  await page.emulateMedia({ reducedMotion: "no-preference" });
+  await expect.poll(changes).toBe(true);
+  await shows("Phase").click();
+  expect(await changes()).toBe(false);
+  expect(await page.evaluate(() => window.midair!.permalink())).toContain("&d=phase");
 });
 
 /** Drops a file onto the page. */

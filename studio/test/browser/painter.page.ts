@@ -22,7 +22,7 @@ function read(from: HTMLCanvasElement, x: number, y: number): number[] {
   return [...pen.getImageData(0, 0, 1, 1).data];
 }
 
-/** The greatest difference (of 255) of a painted slice from `colour(look, |sample|)` at 50 places a look. */
+/** The greatest difference (of 255) of a painted slice from `colour(look, sample)` at 50 places a look. */
 function worst(painter: Painter, on: HTMLCanvasElement): number {
   const positions = square(10);
   const lattice = plane(
@@ -37,23 +37,24 @@ function worst(painter: Painter, on: HTMLCanvasElement): number {
   );
   const box = { x: 30, y: 20, width: 200, height: 180 };
   let most = 0;
-  for (const map of MAPS) {
-    for (const scale of SCALES) {
-      const look: Look = { map, scale, top: 2500 };
-      painter.begin(300, 240, 1, [12, 15, 20]);
-      painter.slice(box, lattice, "A", look);
-      for (let i = 0; i < 50; i++) {
-        const x = Math.floor(((i * 0.7548776662) % 1) * box.width);
-        const y = Math.floor(((i * 0.569840291) % 1) * box.height);
-        const p = sampleAt(lattice, (x + 0.5) / box.width, 1 - (y + 0.5) / box.height);
-        const want = colour(look, Math.hypot(...p));
-        const got = read(on, box.x + x, box.y + y);
-        want.forEach((value, k) => (most = Math.max(most, Math.abs(value - got[k]))));
-      }
-      const outside = read(on, box.x - 2, box.y + 5);
-      if (outside[0] !== 12)
-        throw new Error(`slice: outside its box the page is ${outside}, 12 15 20 is meant`);
+  const rest = { map: MAPS[0], scale: SCALES[0], top: 2500 };
+  const looks: Look[] = MAPS.flatMap((map) => SCALES.map((scale): Look => ({ quantity: "modulus", map, scale, top: 2500, turn: 0, theme: "dark" })));
+  for (const theme of ["dark", "light"] as const) for (const turn of [0, 1, 2.5, 4, 5.5]) looks.push({ ...rest, quantity: "wave", turn, theme });
+  looks.push({ ...rest, quantity: "phase", turn: 2, theme: "dark" });
+  for (const look of looks) {
+    painter.begin(300, 240, 1, [12, 15, 20]);
+    painter.slice(box, lattice, "A", look);
+    for (let i = 0; i < 50; i++) {
+      const x = Math.floor(((i * 0.7548776662) % 1) * box.width);
+      const y = Math.floor(((i * 0.569840291) % 1) * box.height);
+      const p = sampleAt(lattice, (x + 0.5) / box.width, 1 - (y + 0.5) / box.height);
+      const want = colour(look, ...p);
+      const got = read(on, box.x + x, box.y + y);
+      want.forEach((value, k) => (most = Math.max(most, Math.abs(value - got[k]))));
     }
+    const outside = read(on, box.x - 2, box.y + 5);
+    if (outside[0] !== 12)
+      throw new Error(`slice: outside its box the page is ${outside}, 12 15 20 is meant`);
   }
   return most;
 }

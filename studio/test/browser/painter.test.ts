@@ -26,7 +26,7 @@ const run = (name: keyof typeof checks): Promise<number | boolean> =>
   page.evaluate(async (name: string) => (window as unknown as { checks: Record<string, () => number> }).checks[name](), name);
 
 // A map's colour is a byte, and so is its place between two entries on some cards.
-test.each(["webgl", "flat"] as const)("%s: slices are colour(look, |sample|)", async (name) => {
+test.each(["webgl", "flat"] as const)("%s: slices are colour(look, sample)", async (name) => {
   expect(await run(name)).toBeLessThanOrEqual(8);
 });
 
