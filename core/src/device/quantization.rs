@@ -1,5 +1,6 @@
 //! Quantization: a board's phases and amplitude table, and rounding a drive to them.
 
+use alloc::boxed::Box;
 use alloc::format;
 use alloc::vec::Vec;
 
@@ -55,7 +56,7 @@ pub struct Quantization {
     amplitudes: Option<Vec<f64>>,
     grid: Grid,
     /// Lengths of the ticks of a period, and the pulses of whole ones, where a board makes these alone.
-    pulses: Option<(Vec<f64>, Pulses)>,
+    pulses: Option<Box<(Vec<f64>, Pulses)>>,
 }
 
 impl Quantization {
@@ -96,7 +97,7 @@ impl Quantization {
         let about = |&width: &usize| width == 0 || (most - width).is_multiple_of(2);
         let amplitude = |width: usize| math::sin(core::f64::consts::PI * width as f64 / count as f64);
         let amplitudes = (0..=most).filter(about).map(amplitude).collect();
-        let pulses = Some((ticks.to_vec(), Pulses::new(ticks)));
+        let pulses = Some(Box::new((ticks.to_vec(), Pulses::new(ticks))));
         Ok(Self { pulses, ..Self::new(Some(count as u32), Some(amplitudes))? })
     }
 
@@ -123,11 +124,11 @@ impl Quantization {
     /// The lengths of a period's ticks, where a board makes pulses of whole ones alone.
     #[must_use]
     pub fn ticks(&self) -> Option<&[f64]> {
-        self.pulses.as_ref().map(|(ticks, _)| &ticks[..])
+        self.pulses.as_ref().map(|pulses| &pulses.0[..])
     }
 
     pub(crate) fn pulses(&self) -> Option<&Pulses> {
-        self.pulses.as_ref().map(|(_, pulses)| pulses)
+        self.pulses.as_ref().map(|pulses| &pulses.1)
     }
 
     /// Number of phases L, `None` where any phase can be had.

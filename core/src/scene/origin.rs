@@ -5,7 +5,7 @@
 pub enum Origin {
     /// Positions and normals one by one.
     Positions,
-    /// [`Array::grid`].
+    /// [`crate::Array::grid`].
     Grid {
         /// Transducers along x.
         nx: usize,
@@ -14,7 +14,7 @@ pub enum Origin {
         /// Their distance in m.
         pitch: f64,
     },
-    /// [`Array::preset`].
+    /// [`crate::Array::preset`].
     Preset {
         /// Name of the preset.
         name: &'static str,
