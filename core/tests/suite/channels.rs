@@ -152,8 +152,9 @@ fn a_tinylev_has_two_channels_that_a_nano_plays() {
         let mut back = vec![Complex32::ZERO; 72];
         wired.decode(&frames[0], &mut back).expect(kind);
         assert!(back[..36].iter().all(|q| *q == back[0]) && back[36..].iter().all(|q| *q == back[36]));
-        // A node in the middle: the caps differ by half a turn.
-        assert!((back[0] + back[36]).norm() < 1e-6);
+        // A node in the middle: the caps differ by half a turn, of a MEGA64's uneven ticks by about as much.
+        let apart = (back[0] + back[36]).norm();
+        assert!(apart < if kind == "mega64" { 0.2 } else { 1e-6 }, "{kind}: {apart}");
     }
     let masked = array.with_mask(Some((0..72).map(|i| i >= 36).collect())).and_then(|array| array.board("nano"));
     let (board, mut frame, mut back) = (masked.expect("a board"), vec![0; 49], vec![Complex32::ZERO; 72]);
