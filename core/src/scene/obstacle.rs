@@ -52,12 +52,12 @@ obstacles! {
 }
 
 impl Obstacle {
-    /// The lowest and highest coordinate of a body along each axis; a wall has none.
+    /// The lowest and highest coordinate of a body along each axis; what is no body has none.
     pub(crate) fn bounds(&self) -> Option<[[f64; 2]; 3]> {
         match self {
-            Self::Wall { .. } => None,
             Self::Sphere { center, radius, .. } => Some(center.map(|x| [x - radius, x + radius])),
             Self::Mesh(mesh) => Some(mesh.bounds()),
+            _ => None,
         }
     }
 }
