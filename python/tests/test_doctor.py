@@ -149,10 +149,10 @@ def test_the_command_reads_files_and_simulates(tmp_path: Path, capsys: pytest.Ca
     with pytest.raises(SystemExit) as left:
         main([*options, "--plan", str(tmp_path / "plan.npz")])
     assert left.value.code == 0
-    plan = np.load(tmp_path / "plan.npz")
-    pressures = midair.Scene(midair.Board("nano16").array, plan["microphones"]).propagation().copy()
-    pressures[:, 5] *= -1
-    np.savetxt(tmp_path / "read.csv", np.abs(plan["drives"] @ pressures.T), delimiter=",")
+    with np.load(tmp_path / "plan.npz") as plan:
+        pressures = midair.Scene(midair.Board("nano16").array, plan["microphones"]).propagation().copy()
+        pressures[:, 5] *= -1
+        np.savetxt(tmp_path / "read.csv", np.abs(plan["drives"] @ pressures.T), delimiter=",")
     with pytest.raises(SystemExit) as left:
         main([*options, "--readings", str(tmp_path / "read.csv"), "-o", str(tmp_path / "report.txt")])
     assert left.value.code == 0
