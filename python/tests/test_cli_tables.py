@@ -1,13 +1,16 @@
 """What commands print for people, and the letters of the pictures that they write."""
 
 import io
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import midair
-from midair._cli import tables
+from midair._cli import main, tables
 from midair._judging.compare import cells as compare_cells
 from midair._judging.compare import sentence
 from scenes import small
@@ -48,3 +51,55 @@ def test_a_pdf_and_an_svg_have_fonts_that_journals_take(tmp_path: Path) -> None:
         tables.write_image(tmp_path / name, figure)
     assert b"/Type3" not in (tmp_path / "a.pdf").read_bytes()
     assert b"<text" in (tmp_path / "a.svg").read_bytes()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["solve", "scene.toml"],
+        ["compare", "scene.toml"],
+        ["compare", "scene.toml", "--solvers", "naive,gs"],
+        ["solvers"],
+        ["solvers", "greedy"],
+        ["boards"],
+        ["presets"],
+    ],
+    ids=" ".join,
+)
+def test_tables_are_whole_in_a_terminal_of_80_columns(command: list[str], tmp_path: Path) -> None:
+    small(points=[[-0.02, 0, 0.15], [0.02, 0.01, 0.15]]).save(tmp_path / "scene.toml")
+    far, near = os.openpty()
+    environment = {**os.environ, "COLUMNS": "80", "TERM": "dumb"}
+    program = [sys.executable, "-m", "midair", *command]
+    done = subprocess.Popen(
+        program, stdin=near, stdout=near, stderr=subprocess.DEVNULL, cwd=tmp_path, env=environment
+    )
+    os.close(near)
+    shown = b""
+    while True:
+        try:
+            shown += os.read(far, 65536)
+        except OSError:  # the end of a pseudo-terminal
+            break
+    os.close(far)
+    assert done.wait() == 0
+    lines = shown.decode().replace("\r", "").splitlines()
+    assert all("\u2026" not in line for line in lines)
+    table = lines[:-1]
+    assert all(len(line.rstrip()) <= 80 for line in table)
+    if command[0] == "compare":
+        text = "\n".join(lines)
+        solvers = command[-1].split(",") if len(command) > 2 else list(midair.solvers())
+        assert all(solver in text.split() for solver in solvers)
+
+
+def test_show_draws_the_plane_of_the_points_in_letters(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["solve", "--preset", "sonicsurface", "--at", "0,0,0.1", "--at", "0.03,0,0.1", "--show"])
+    out = capsys.readouterr().out
+    rows = [line for line in out.splitlines() if set(line) & set("@%#") and not set(line) - set(" .:-=+*#%@")]
+    # The two foci, 30 mm apart in a picture of 65 mm.
+    brightest = max(rows, key=lambda row: row.count("@"))
+    assert brightest.index("@") < 38 < brightest.rindex("@")
+    assert "z = 100 mm; brightest" in out
