@@ -35,7 +35,7 @@ def test_tables_are_whole_at_any_width(width: int, monkeypatch: pytest.MonkeyPat
             assert {name, *" ".join(cells).split()} <= words
 
 
-def test_an_answer_is_told_in_one_plain_sentence() -> None:
+def test_a_sentence_reports_an_answer() -> None:
     solution = midair.solve(small(points=[[-0.02, 0, 0.15], [0.02, 0.01, 0.15]]), "uniform")
     got = np.abs(solution.pressures)
     level = 20 * np.log10(got.max() / np.sqrt(2) / 20e-6)

@@ -153,6 +153,8 @@ fn a_tinylev_has_two_channels_that_a_nano_plays() {
         wired.decode(&frames[0], &mut back).expect(kind);
         assert!(back[..36].iter().all(|q| *q == back[0]) && back[36..].iter().all(|q| *q == back[36]));
         // A node in the middle: the caps differ by half a turn, of a MEGA64's uneven ticks by about as much.
+        let grid = wired.quantization().expect(kind);
+        assert!([0, 36].iter().all(|&i| (back[i] - grid.nearest(solution.drive[i])).norm() < 1e-6), "{kind}");
         let apart = (back[0] + back[36]).norm();
         assert!(apart < if kind == "mega64" { 0.2 } else { 1e-6 }, "{kind}: {apart}");
     }

@@ -88,7 +88,7 @@ def print_written(what: object) -> None:
 def print_solutions(
     solutions: Iterable[Solution], names: Iterable[str] | None = None, gaps: Iterable[float] | None = None
 ) -> None:
-    """Metrics side by side, under the solvers' names unless told otherwise, and a sentence on the best."""
+    """Metrics side by side, under the solvers' names unless others are given, and a sentence on the best."""
     solutions = list(solutions)
     names = list(names or [solution.solver for solution in solutions])
     print_columns(cells(solutions, names, gaps))

@@ -53,7 +53,7 @@ def sound_card(
         ) from error
 
     def read(drive: NDArray[np.complex64]) -> NDArray[Any]:
-        # What was heard before the drive played.
+        # Sound from before the drive played.
         stream.read(stream.read_available)
         heard, _ = stream.read(count)
         if np.abs(heard).max() > FULL:

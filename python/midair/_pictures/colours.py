@@ -23,7 +23,7 @@ DEPTH = 60.0
 #: Below this part of the loudest pressure the phase is noise.
 FAINT = 0.01
 
-#: A picture below this part of what the points get is dark, and told to be.
+#: A picture below this part of what the points get is dark, and its title says so.
 DARK = 1e-4
 
 #: Wavelengths around the points within which a field sets its own scale.
