@@ -1,0 +1,152 @@
+// What comes in and goes out: files, links, exports, refusals; that nothing leaves the page's origin, and how large it is.
+import { readFile, readdir } from "node:fs/promises";
+import { gzipSync } from "node:zlib";
+
+import type { Page } from "playwright-core";
+import { beforeEach, expect, test } from "vitest";
+
+import type { Vec3 } from "../../src/types.ts";
+import { shared } from "./setup.ts";
+import { built, launch, ready, visit } from "./site.ts";
+
+const open = shared();
+let page: Page;
+let requests: string[];
+let complaints: string[];
+
+beforeEach(async () => {
+  await page?.context().close();
+  ({ page, requests, complaints } = await visit(open.browser, open.url));
+});
+
+const points = () => page.evaluate(() => window.midair!.state().points as Vec3[]);
+const settled = () => page.evaluate(() => window.midair!.settled());
+
+/** Drops a file onto the page. */
+const drop = (name: string, text: string) =>
+  page.evaluate(
+    ([name, text]) => {
+      const dataTransfer = new DataTransfer();
+      dataTransfer.items.add(new File([text], name));
+      document.querySelector("main")!.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true }));
+    },
+    [name, text],
+  );
+
+test("an SVG that is dropped in becomes points along its lines; one with a script is refused", async () => {
+  const before = await points();
+  const svg = (body: string) => `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 10 10">${body}</svg>`;
+  await drop("square.svg", svg('<rect x="1" y="1" width="8" height="8"/>'));
+  await expect.poll(points).not.toEqual(before);
+  const found = await points();
+  expect(found.length).toBeGreaterThanOrEqual(8);
+  for (const [x, y, z] of found) {
+    expect(Math.max(Math.abs(x), Math.abs(y))).toBeCloseTo(0.04, 5);
+    expect(z).toBe(before[0][2]);
+  }
+  await drop("bad.svg", svg("<script>1</script><rect width='8' height='8'/>"));
+  const alert = page.getByRole("alert");
+  await expect.poll(() => alert.innerText()).toMatch(/bad\.svg: the drawing has a script/);
+  expect(await points()).toEqual(found);
+});
+
+test("a file of another kind is told which are read", async () => {
+  await drop("photo.png", "\x89PNG");
+  await expect.poll(() => page.getByRole("alert").innerText()).toMatch(/photo\.png: give \.toml, \.json, \.csv or \.svg/);
+});
+
+test("on a Japanese page a refusal begins in Japanese", async () => {
+  const { page: japanese, context } = await visit(open.browser, `${open.url}#v=1&p=here`, { locale: "ja-JP" });
+  expect(await japanese.getByRole("alert").innerText()).toMatch(/読み込めません.*here/);
+  await context.close();
+});
+
+test("a scene that cannot be solved is told in the page's language, without the file's line and column", async () => {
+  const inside = { points: [[0, 0, 0.1]], obstacles: [{ center: [0, 0, 0.1], radius: 0.02, kind: "rigid" }] };
+  const told = async (shown: Page) => {
+    await shown.evaluate((state) => window.midair!.set(state as never), inside);
+    await shown.evaluate(() => window.midair!.settled());
+    return shown.getByRole("alert").innerText();
+  };
+  expect(await told(page)).toMatch(/^Cannot be solved: point 1\.position is .*inside the sphere/);
+  const { page: japanese, context } = await visit(open.browser, open.url, { locale: "ja-JP" });
+  expect(await told(japanese)).toMatch(/^解けません: 点 1 は障害物の中/);
+  await context.close();
+});
+
+test("a link opens what was shared; a bad one is one alert", async () => {
+  await page.evaluate(() => window.midair!.set({ temperature: 31, methods: ["greedy", "gspat"] }));
+  await settled();
+  const [link, state] = await page.evaluate(() => [window.midair!.permalink(), window.midair!.state()]);
+  const other = await visit(open.browser, link);
+  const found = await other.page.evaluate(() => window.midair!.state());
+  for (const key of ["array", "points", "methods", "temperature", "plane", "map", "scale"]) {
+    expect(found[key]).toEqual(state[key]);
+  }
+  await other.context.close();
+  const bad = await visit(open.browser, `${open.url}#v=1&p=here`);
+  const alerts = bad.page.getByRole("alert");
+  expect(await alerts.count()).toBe(1);
+  expect(await alerts.innerText()).toMatch(/here/);
+  await bad.context.close();
+});
+
+test("export gives a scene and a drive that say the same", async () => {
+  const download = async (name: RegExp) => {
+    const [file] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name }).click()]);
+    return readFile((await file.path())!, "utf8");
+  };
+  const scene = await download(/export scene/i);
+  const drive = (await download(/export drive/i)).trim().split("\n");
+  expect(scene).toContain("[[points]]");
+  expect(drive[0]).toBe("index,x,y,z,amplitude,phase");
+  const wanted = await page.evaluate(() => window.midair!.drive(0));
+  expect(drive).toHaveLength(wanted.length + 1);
+  const [, , , , amplitude, phase] = drive[1].split(",").map(Number);
+  expect(amplitude * Math.cos(phase)).toBeCloseTo(wanted[0][0], 5);
+  expect(amplitude * Math.sin(phase)).toBeCloseTo(wanted[0][1], 5);
+});
+
+test("the exported picture is a sheet with axes, bar, numbers, version and link, as SVG and as PNG of double size", async () => {
+  const download = async (name: string) => {
+    const [file] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name }).click()]);
+    return readFile((await file.path())!);
+  };
+  const svg = (await download("Export as SVG")).toString();
+  const version = await page.evaluate(() => window.midair!.version);
+  for (const part of ["A: uniform", "B: naive", "x / mm", "y / mm", "kPa", "Uniformity", `midair ${version}`, "#v=1"]) expect(svg).toContain(part);
+  expect(svg.match(/<image /g)).toHaveLength(5);
+  expect(svg.match(/<circle /g)).toHaveLength(2 * (await points()).length);
+  const png = await download("Export picture");
+  expect([png.readUInt32BE(16), png.readUInt32BE(20)]).toEqual([2560, 1520]);
+});
+
+test("nothing leaves the origin, and nothing is complained of", async () => {
+  await page.getByRole("button", { name: "Gallery" }).click();
+  await page.getByRole("dialog").getByRole("button").nth(2).click();
+  await settled();
+  expect(requests.filter((url) => !url.startsWith(open.url) && !url.startsWith("blob:") && !url.startsWith("data:"))).toEqual([]);
+  expect(complaints).toEqual([]);
+});
+
+test("page code and style are at most 90 kB", async () => {
+  const files = (await readdir(`${built}/site/assets`)).map((name) => readFile(`${built}/site/assets/${name}`));
+  const sizes = (await Promise.all(files)).map((file) => gzipSync(file, { level: 9 }).length);
+  expect(sizes.reduce((a, b) => a + b)).toBeLessThanOrEqual(90_000);
+});
+
+test("without WebGL2 the slices are still drawn", async () => {
+  const plain = await launch("--disable-3d-apis");
+  const { page: flat } = await visit(plain, open.url);
+  expect(await flat.evaluate(() => window.midair!.state().ready)).toBe(true);
+  expect(await flat.getByRole("alert").innerText()).toContain("no WebGL 2");
+  await plain.close();
+});
+
+test("the single file works from the disk", async () => {
+  const other = await open.browser.newContext();
+  const disk = await other.newPage();
+  await disk.goto(`file://${built}/studio.html`);
+  await ready(disk);
+  await other.close();
+});
