@@ -9,7 +9,7 @@ from math import ceil, log10, pi, sqrt
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .envelope import Envelope
 
@@ -81,6 +81,38 @@ def a_weighting(frequency: NDArray[np.floating]) -> NDArray[np.float64]:
 #: Bands of the skin's slow and fast channels in Hz: steady motion, and vibration.
 BANDS: tuple[tuple[float, float], ...] = ((5.0, 50.0), (50.0, 500.0))
 
+#: Least vibration that the palm feels, (Hz, dB re 1 um peak), by a contactor of 2.9 cm^2 and long bursts: the
+#: curve of Verrillo 1963 (J. Acoust. Soc. Am. 35, 1962) with the slow channel of Bolanowski et al. 1988
+#: (J. Acoust. Soc. Am. 84, 1680), to some 3 dB. Fast channel: -12 dB an octave up to its best, 250 Hz.
+THRESHOLDS = (
+    (1.0, 32.0),
+    (3.0, 28.0),
+    (10.0, 20.0),
+    (30.0, 13.0),
+    (40.0, 11.0),
+    (62.5, 4.0),
+    (125.0, -8.0),
+    (200.0, -17.0),
+    (250.0, -20.0),
+    (300.0, -19.0),
+    (400.0, -15.0),
+    (500.0, -10.0),
+    (700.0, 0.0),
+    (1000.0, 15.0),
+)
+
+
+def threshold(frequency: ArrayLike) -> NDArray[np.float64]:
+    """Least vibration that the palm feels at frequencies in Hz, as peak displacement in m; inf beyond.
+
+    Straight in dB over log frequency between `THRESHOLDS`, of 1 to 1000 Hz.
+    """
+    known = np.array(THRESHOLDS)
+    given = np.maximum(np.asarray(frequency, np.float64), 1e-9)
+    decibels = np.interp(np.log(given), np.log(known[:, 0]), known[:, 1], np.inf, np.inf)
+    found: NDArray[np.float64] = 1e-6 * 10 ** (decibels / 20)
+    return found
+
 
 @dataclass(frozen=True, eq=False)
 class Felt:
@@ -107,8 +139,16 @@ class Felt:
 
     @property
     def rms(self) -> NDArray[np.float64]:
-        """The rms of each band, in `unit`."""
+        """The rms of each band, in `unit`; 0 where it has no line."""
         return np.array([rms(self.frequencies, self.spectrum, band) for band in self.bands])
+
+    @property
+    def thresholds(self) -> NDArray[np.float64]:
+        """Of each frequency, the least peak displacement of the palm that is felt, in m; inf beyond 1 kHz.
+
+        Verrillo 1963 and Bolanowski et al. 1988. `midair.skin` compares displacements with it.
+        """
+        return threshold(self.frequencies)
 
     def __repr__(self) -> str:
         return "\n".join(f"{name:18}  {value}" for name, value in self._rows())

@@ -136,17 +136,18 @@ class JudgedFrames(Frames):
         It is |p|^2/(rho c^2) in Pa, on a wall at normal incidence; with the patch's `area` in m^2, the force
         area times mean in mN.
 
-        bands : pairs (low, high) in Hz whose rms is told
+        bands : pairs (low, high) in Hz whose rms is reported; 0 for a band without a line
         tau : time constant of the transducers in s, 0 for none
 
-        Amplitude modulation (1 + cos)/2 has 3/8 of the force of full amplitude as its static part,
-        sqrt((1 + cos)/2) has 1/2 and one line. The spectrum takes the sequence as repeated.
+        The spectrum takes the sequence as repeated: its lines are rate/len(sequence) apart, so a lap of
+        12.5 ms has lines at 80, 160, 240 Hz and so on, whatever the bands. Amplitude modulation (1 + cos)/2
+        has 3/8 of the force of full amplitude as its static part, sqrt((1 + cos)/2) has 1/2 and one line.
 
         Raises SceneError for a place, area, tau or bands that are not in order.
         """
         places = arguments.places(place)
         size = None if area is None else number("area", area, above=0)
-        read = arguments.bands(bands, self._rate, len(self))
+        read = arguments.bands(bands)
         gains = rows(self._scene, places, name="place")
         values = np.empty(len(self))
         for frames, _, y in self._envelope(tau, "hold").inside(1):
