@@ -26,7 +26,6 @@ STATE = {
     "plane": {"z": 0.18, "size": 0.18, "center": [0, 0]},
     "view": "both",
     "slot": 0,
-    "map": "viridis",
     "scale": "linear",
     "path": None,
 }

@@ -36,7 +36,6 @@ const SAID: { [Key in keyof State]?: [Word, (state: State) => string] } = {
   plane: ["slice", ({ plane }) => `z ${millimetres(plane.z)} mm, ${millimetres(plane.size)} mm`],
   view: ["view", ({ view }) => view],
   slot: ["shownSlot", ({ slot }) => "AB"[slot]],
-  map: ["colours", ({ map }) => map],
   scale: ["scale", ({ scale }) => scale],
   path: ["path", ({ path }) => path?.kind ?? "–"],
 };

@@ -2,7 +2,7 @@
 
 import type { Catalogue } from "./door.ts";
 import { MOST_POINTS } from "./initial.ts";
-import { MAPS, QUANTITIES, SCALES, type State, VIEWS } from "./types.ts";
+import { QUANTITIES, SCALES, type State, VIEWS } from "./types.ts";
 
 type Rule = [fits: (value: unknown) => boolean, cure: string];
 
@@ -64,7 +64,6 @@ const RULES: Record<keyof State, Rule> = {
   view: oneOf(...VIEWS),
   quantity: oneOf(...QUANTITIES),
   slot: oneOf(0, 1),
-  map: oneOf(...MAPS),
   scale: oneOf(...SCALES),
   path: [isPath, 'give { kind: "circle", radius, frequency }, { kind: "line", length, frequency } or null'],
 };

@@ -12,7 +12,7 @@ export function showGallery(context: Context): void {
     const word = (pair: readonly [string, string]) => pair[language === "ja" ? 1 : 0];
     const choose = () => {
       dialog.close();
-      studio.change({ ...state, map: studio.view.state.map });
+      studio.change(state);
       context.announce(say("opened", { name: word(name) }));
     };
     const text = element("span", {}, word(line));

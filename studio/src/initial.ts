@@ -36,7 +36,6 @@ export const initial: State = {
   view: "both",
   quantity: "modulus",
   slot: 0,
-  map: "viridis",
   scale: "linear",
   path: null,
 };

@@ -1,6 +1,6 @@
 /** Link: a state as the fragment of an address, to be read and changed by hand. */
 
-// `#v=1&a=autd3.2x2&l=board&t=25&m=uniform.naive&p=0,0,180_55,0,180&z=180,180&w=both&c=viridis`: mm, Pa and
+// `#v=1&a=autd3.2x2&l=board&t=25&m=uniform.naive&p=0,0,180_55,0,180&z=180,180&w=both`: mm, Pa and
 // degrees C. What is left out is as at the beginning.
 //
 // | key | what | key | what |
@@ -10,14 +10,14 @@
 // | `l` | levels: board, none | `o` | wall,x,y,z,nx,ny,nz,rigid_ball,x,y,z,radius,soft |
 // | `t` | temperature, or temperature,Np/m,kg/m^3 of the air | `e` | ear: x,y,z |
 // | `m` | methods A.B | `g` | path: circle,radius,Hz or line,length,Hz |
-// | `p` | points: x,y,z or x,y,z,Pa | `w`, `s`, `c`, `k` | view, slot (a, b), map, scale |
+// | `p` | points: x,y,z or x,y,z,Pa | `w`, `s`, `k` | view, slot (a, b), scale |
 // | `d` | displays: modulus, wave, phase | | |
 //
 // An array of one's own is in no link: it is `a=own`, which is refused when read.
 
 import { decimal } from "./decimal.ts";
 import { initial, MOST_POINTS } from "./initial.ts";
-import { MAPS, QUANTITIES, SCALES, VIEWS } from "./types.ts";
+import { QUANTITIES, SCALES, VIEWS } from "./types.ts";
 import type { Obstacle, State, Vec3 } from "./types.ts";
 
 const LEVELS = ["board", "none"] as const;
@@ -143,7 +143,8 @@ const READERS: Record<string, (text: string) => Partial<State>> = {
   z: (text) => ({ plane: readPlane(text) }),
   w: (text) => ({ view: word("w", text, VIEWS) }),
   d: (text) => ({ quantity: word("d", text, QUANTITIES) }),
-  c: (text) => ({ map: word("c", text, MAPS) }),
+  // Of earlier pages, which had three maps of |p|.
+  c: (text) => (word("c", text, ["viridis", "cividis", "magma"]), {}),
   k: (text) => ({ scale: word("k", text, SCALES) }),
   s: (text) => ({ slot: word("s", text, SLOTS) === "a" ? 0 : 1 }),
   f: (text) => ({ signature: word("f", text, SIGNATURES) }),
@@ -210,7 +211,6 @@ export function writeLink(state: State): string {
     ["z", [mm(plane.z), mm(plane.size), ...middle].join()],
     ["w", state.view],
     ["d", state.quantity === initial.quantity ? null : state.quantity],
-    ["c", state.map],
     ["k", state.scale === initial.scale ? null : state.scale],
     ["s", state.slot === 0 ? null : "b"],
     ["f", state.signature || null],

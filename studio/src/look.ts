@@ -26,6 +26,6 @@ export function lookOf({ state, results, frame }: View, theme: Theme, turn = 0):
   }
   // Of a trap the points are dark: what they are asked for stands beside them.
   const top = state.signature ? Math.sqrt(most) : Math.max(loudest, Math.min(Math.sqrt(most), MOST * loudest));
-  const { quantity, map, scale } = state;
-  return { quantity, map, scale, top: top || 1, turn, theme };
+  const { quantity, scale } = state;
+  return { quantity, scale, top: top || 1, turn, theme };
 }

@@ -7,7 +7,7 @@ import { createMotion } from "./motion.ts";
 import { createPointTable } from "./table.ts";
 import { createShapes } from "./shaping.ts";
 import { HEIGHT } from "./initial.ts";
-import { MAPS, SCALES, type Obstacle, type State } from "./types.ts";
+import { SCALES, type Obstacle, type State } from "./types.ts";
 
 /** The left column. */
 export interface Panels {
@@ -60,7 +60,6 @@ export function createPanels(context: Context): Panels {
   const heightText = element("output");
   const width = slider(40, 400, 5, (value) => change({ plane: { ...state().plane, size: value / 1000 } }, "drag width"));
   const widthText = element("output");
-  const colours = choice(MAPS.map((map) => [map, map]), "", (map) => change({ map: map as State["map"] }));
   const scale = choice(SCALES.map((name) => [name, say(name)]), "", (name) => change({ scale: name as State["scale"] }));
   const traps = choice(
     (["", "trap", "twin", "vortex"] as const).map((name) => [name, say(name || "none")]),
@@ -122,7 +121,7 @@ export function createPanels(context: Context): Panels {
     { className: "panels", "aria-label": say("settings") },
     group(say("array"), labelled(say("preset"), array), boards, labelled(say("levels"), levels)),
     group(say("points"), table.root, shapes.root),
-    group(say("slice"), labelled(say("height"), height, heightText), labelled(say("width"), width, widthText), labelled(say("colours"), colours), labelled(say("scale"), scale)),
+    group(say("slice"), labelled(say("height"), height, heightText), labelled(say("width"), width, widthText), labelled(say("scale"), scale)),
     group(say("air"), labelled(say("temperature"), temperature, air), labelled(say("signature"), traps), labelled(say("obstacle"), obstacle)),
     group(say("motion"), motion.root),
     group(say("listen"), labelled(say("ear"), ear), ears),
@@ -149,7 +148,7 @@ export function createPanels(context: Context): Panels {
       write(heightText, `${millimetres(now.plane.z)} mm`);
       width.value = String(now.plane.size * 1000);
       write(widthText, `${millimetres(now.plane.size)} mm`);
-      [colours.value, scale.value, traps.value] = [now.map, now.scale, now.signature];
+      [scale.value, traps.value] = [now.scale, now.signature];
       obstacle.value = now.obstacles.length === 0 ? "none" : "center" in now.obstacles[0] ? "ball" : "wall";
       ear.checked = now.ear !== null;
       ears.hidden = now.ear === null;

@@ -201,7 +201,7 @@ export function createStudio(engine: Engine, initial: State): Studio {
   function moved(before: State) {
     wanted += 1;
     clearTimeout(rest);
-    if (JSON.stringify({ ...before, map: 0, scale: 0, quantity: 0 }) !== JSON.stringify({ ...view.state, map: 0, scale: 0, quantity: 0 })) {
+    if (JSON.stringify({ ...before, scale: 0, quantity: 0 }) !== JSON.stringify({ ...view.state, scale: 0, quantity: 0 })) {
       view.frame = null;
       view.volume = null;
     }

@@ -16,11 +16,9 @@ export type Obstacle =
   | { point: Vec3; normal: Vec3; kind: "rigid" | "soft" }
   | { center: Vec3; radius: number; kind: "rigid" | "soft" };
 
-export const MAPS = ["viridis", "cividis", "magma"] as const;
 export const SCALES = ["linear", "squared", "decibel"] as const;
 export const VIEWS = ["slice", "volume", "both"] as const;
 export const QUANTITIES = ["modulus", "wave", "phase"] as const;
-export type MapName = (typeof MAPS)[number];
 export type ScaleName = (typeof SCALES)[number];
 export type View = (typeof VIEWS)[number];
 export type Quantity = (typeof QUANTITIES)[number];
@@ -56,7 +54,6 @@ export interface State {
   quantity: Quantity;
   /** Whose field the 3-D view shows. */
   slot: Slot;
-  map: MapName;
   scale: ScaleName;
   /** What moves, or null. */
   path: Path | null;
@@ -86,10 +83,9 @@ export interface Volume {
   moduli: Float32Array;
 }
 
-/** How p becomes a colour: by its quantity; |p| by a map and a scale, the wave by its theme. */
+/** How p becomes a colour: by its quantity and the theme, |p| by a scale, too. */
 export interface Look {
   quantity: Quantity;
-  map: MapName;
   scale: ScaleName;
   /** The |p| of the top in Pa. */
   top: number;

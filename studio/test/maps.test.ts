@@ -2,35 +2,26 @@ import { expect, test } from "vitest";
 import { colour, entry, mapOf, modulusAt, shade, TABLES, ticks, tone } from "../src/painter/maps.ts";
 import type { Look } from "../src/types.ts";
 
-const look = (scale: Look["scale"], top = 6900): Look => ({ quantity: "modulus", map: "viridis", scale, top, turn: 0, theme: "dark" });
+const look = (scale: Look["scale"], top = 6900): Look => ({ quantity: "modulus", scale, top, turn: 0, theme: "dark" });
 
-test("the maps are matplotlib's", () => {
-  const at = (map: Look["map"], i: number) => [...TABLES[map].subarray(4 * i, 4 * i + 3)];
-  expect([0, 128, 255].map((i) => at("viridis", i))).toEqual([
-    [68, 1, 84],
-    [33, 145, 140],
-    [253, 231, 37],
-  ]);
-  expect([0, 128, 255].map((i) => at("cividis", i))).toEqual([
-    [0, 34, 78],
-    [125, 124, 120],
-    [254, 232, 56],
-  ]);
+test("the map of |p| is matplotlib's, on light ground the other way", () => {
+  const at = (map: "magma" | "magma_r", i: number) => [...TABLES[map].subarray(4 * i, 4 * i + 3)];
   expect([0, 128, 255].map((i) => at("magma", i))).toEqual([
     [0, 0, 4],
     [183, 55, 121],
     [252, 253, 191],
   ]);
+  for (let i = 0; i < 256; i += 1) expect(at("magma_r", i)).toEqual(at("magma", 255 - i));
 });
 
 test("the scales", () => {
-  expect(colour(look("linear"), 3450)).toEqual(entry("viridis", 0.5));
-  expect(colour(look("squared"), 3450)).toEqual(entry("viridis", 0.25));
-  expect(colour(look("decibel"), 690)).toEqual(entry("viridis", 1 - 20 / 30));
+  expect(colour(look("linear"), 3450)).toEqual(entry("magma", 0.5));
+  expect(colour(look("squared"), 3450)).toEqual(entry("magma", 0.25));
+  expect(colour(look("decibel"), 690)).toEqual(entry("magma", 1 - 20 / 30));
   for (const scale of ["linear", "squared", "decibel"] as const) {
     expect(tone(look(scale), modulusAt(look(scale), 0.3))).toBeCloseTo(0.3, 12);
-    expect(colour(look(scale), 0)).toEqual([68, 1, 84]);
-    expect(colour(look(scale), 9000)).toEqual([253, 231, 37]);
+    expect(colour(look(scale), 0)).toEqual([0, 0, 4]);
+    expect(colour(look(scale), 9000)).toEqual([252, 253, 191]);
   }
 });
 
@@ -83,10 +74,9 @@ test("the phase goes around the map, which closes", () => {
   const phase: Look = { ...look("linear"), quantity: "phase" };
   for (const angle of [-3, -1, 0, 0.5, 3]) expect(shade(phase, 5 * Math.cos(angle), 5 * Math.sin(angle))).toBeCloseTo(0.5 + angle / 2 / Math.PI, 12);
   expect(entry("phase", 0)).toEqual(entry("phase", 1));
-  // As the transducers' faces: red at 0, green and blue a third of a turn away.
-  [0, 1 / 3, 2 / 3].forEach((t, k) => {
-    const channels = entry("phase", (0.5 + t) % 1);
-    expect(channels.indexOf(Math.max(...channels))).toBe(k);
-  });
+  // Bright where p is at its crest, dark where it is at its trough; orange ahead of it, blue behind.
+  const bright = (t: number) => entry("phase", t).reduce((sum, value) => sum + value);
+  for (const t of [0.25, 0.75]) expect(bright(0.5) > bright(t) && bright(t) > bright(0)).toBe(true);
+  for (const [t, blue] of [[0.75, -1], [0.25, 1]]) expect(Math.sign(entry("phase", t)[2] - entry("phase", t)[0])).toBe(blue);
   for (const { at, value } of ticks(phase)) expect(at).toBeCloseTo(0.5 + value / 2 / Math.PI, 12);
 });

@@ -1,6 +1,6 @@
 /** Random states for tests: the same seed gives the same states. */
 
-import { MAPS, QUANTITIES, SCALES, VIEWS } from "../src/types.ts";
+import { QUANTITIES, SCALES, VIEWS } from "../src/types.ts";
 import type { Obstacle, State, Vec3 } from "../src/types.ts";
 
 /** Numbers of [0, 1) by mulberry32. */
@@ -50,7 +50,6 @@ export function randomState(random: () => number): State {
     view: one(VIEWS),
     quantity: one(QUANTITIES),
     slot: one([0, 1]),
-    map: one(MAPS),
     scale: one(SCALES),
     path: one([
       null,

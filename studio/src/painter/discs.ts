@@ -58,12 +58,8 @@ void main() {
   outward = a * at.x + cross(normal, a) * at.y;
   axis = normal;
   halfway = normalize(light + to);
-  float phase = atan(drive.y, drive.x), amplitude = min(length(drive), 1.);
-  // One lightness for all phases, about 40 % saturation.
-  vec3 hue = vec3(.53, .51, .56) + .17 * cos(phase + vec3(0, -2.0944, 2.0944));
   bool back = dot(normal, to) < 0.;
-  bool waves = quantity > .5 && quantity < 1.5;
-  face = back ? metal * .45 : waves ? mix(off, entry(.5 + .5 * clamp(dot(drive, turn), -1., 1.)), known) : mix(off, hue, known * amplitude);
+  face = back ? metal * .45 : mix(off, entry(shade(drive)), known * min(length(drive), 1.));
   rim = back ? face : metal * (.5 + .5 * max(dot(normal, light), 0.));
   // From behind, a can is seen to be closed.
   gl_Position = matrix * vec4(position + radius * (back ? outward - normal * ${HEIGHT} : outward), 1);
@@ -134,7 +130,7 @@ export function createDiscs(gl: Gl, field: FieldPainter): (view: View, picture: 
     };
     draw(sides, 6 * SIDES);
     faces.use();
-    field.setLook(faces, picture.look);
+    field.setLook(faces, { ...picture.look, top: 1, quantity: picture.look.quantity === "wave" ? "wave" : "phase" });
     draw(faces, 6);
   };
 }

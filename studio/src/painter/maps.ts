@@ -1,15 +1,14 @@
 /** Colour maps, and how p becomes a colour: the arithmetic of the shaders, for all that is not a shader. */
 
-import type { Look, MapName, Theme } from "../types.ts";
+import { phase } from "../../../python/midair/_pictures/colours.json";
+import type { Look } from "../types.ts";
 import packed from "./maps.json";
 
 /** How far below the top the decibel scale reaches, dB. */
 export const RANGE = 30;
 
-/** First colour, then the steps of red, green and blue ("M": none), made from matplotlib's tables (CC0). */
-const STEPS: Record<MapName, { first: number[]; steps: string }> = packed;
-
-function unpack({ first, steps }: (typeof STEPS)[MapName]): Uint8Array<ArrayBuffer> {
+/** First colour, then the steps of red, green and blue ("M": none), made from matplotlib's table (CC0). */
+function unpack({ first, steps }: typeof packed.magma): Uint8Array<ArrayBuffer> {
   const table = new Uint8Array(256 * 4).fill(255);
   for (let channel = 0; channel < 3; channel++) {
     let value = first[channel];
@@ -32,20 +31,21 @@ const between = (stops: number[][]) => (t: number) => {
   return stops[i].map((value, channel) => value * (1 - f) + stops[i + 1][channel] * f);
 };
 
-/** Every map by name: those for |p|, those of the wave by theme, quiet as the page in the middle, and that of the phase. */
-type TableName = MapName | Theme | "phase";
+const magma = unpack(packed.magma);
 
-/** The maps as 256 colours of four bytes (red, green, blue, 255). */
+/** The maps as 256 colours of four bytes (red, green, blue, 255): |p| and the wave on dark and light ground, silence as the ground is; the phase. */
 export const TABLES = {
-  ...Object.fromEntries(Object.entries(STEPS).map(([name, steps]) => [name, unpack(steps)])),
-  dark: tableOf(between([[178, 216, 255], [45, 118, 200], [12, 15, 20], [200, 84, 36], [255, 208, 150]])),
-  light: tableOf(between([[10, 48, 110], [88, 150, 206], [246, 248, 250], [224, 122, 84], [120, 16, 32]])),
-  // The hues of the transducers' faces.
-  phase: tableOf((t) => [0.53, 0.51, 0.56].map((middle, k) => 255 * (middle - 0.3 * Math.cos(2 * Math.PI * (t - k / 3))))),
-} as Record<TableName, Uint8Array<ArrayBuffer>>;
+  magma,
+  magma_r: new Uint8Array(new Uint32Array(magma.buffer).toReversed().buffer),
+  wave: tableOf(between([[178, 216, 255], [45, 118, 200], [12, 15, 20], [200, 84, 36], [255, 208, 150]])),
+  wave_r: tableOf(between([[10, 48, 110], [88, 150, 206], [246, 248, 250], [224, 122, 84], [120, 16, 32]])),
+  phase: tableOf(between(phase)),
+};
+export type MapName = keyof typeof TABLES;
 
 /** The name of the map that shows what a look shows. */
-export const mapOf = ({ quantity, map, theme }: Look): TableName => (quantity === "modulus" ? map : quantity === "wave" ? theme : quantity);
+export const mapOf = ({ quantity, theme }: Look): MapName =>
+  quantity === "phase" ? quantity : `${quantity === "wave" ? "wave" : "magma"}${theme === "dark" ? "" : "_r"}`;
 
 /** Where `modulus` (|p| in Pa) lies on the map, 0 to 1. */
 export function tone(look: Look, modulus: number): number {
@@ -73,7 +73,7 @@ export function modulusAt({ scale, top }: Look, t: number): number {
 }
 
 /** The colour at `t` (0 to 1) of a map: red, green, blue, 0 to 255, linear between the map's entries. */
-export function entry(map: TableName, t: number): [number, number, number] {
+export function entry(map: MapName, t: number): [number, number, number] {
   const table = TABLES[map];
   const i = Math.min(Math.floor(t * 255), 254);
   const f = t * 255 - i;

@@ -5,7 +5,7 @@ import { sampleAt } from "../../src/painter/lattice.ts";
 import { colour } from "../../src/painter/maps.ts";
 import { createPainter } from "../../src/painter/painter.ts";
 import type { Painter } from "../../src/painter/picture.ts";
-import { type Look, MAPS, SCALES } from "../../src/types.ts";
+import { type Look, SCALES } from "../../src/types.ts";
 import { focused, plane, square } from "../field.ts";
 
 function canvas(): HTMLCanvasElement {
@@ -37,8 +37,8 @@ function worst(painter: Painter, on: HTMLCanvasElement): number {
   );
   const box = { x: 30, y: 20, width: 200, height: 180 };
   let most = 0;
-  const rest = { map: MAPS[0], scale: SCALES[0], top: 2500 };
-  const looks: Look[] = MAPS.flatMap((map) => SCALES.map((scale): Look => ({ quantity: "modulus", map, scale, top: 2500, turn: 0, theme: "dark" })));
+  const rest = { scale: SCALES[0], top: 2500 };
+  const looks: Look[] = (["dark", "light"] as const).flatMap((theme) => SCALES.map((scale): Look => ({ quantity: "modulus", scale, top: 2500, turn: 0, theme })));
   for (const theme of ["dark", "light"] as const) for (const turn of [0, 1, 2.5, 4, 5.5]) looks.push({ ...rest, quantity: "wave", turn, theme });
   looks.push({ ...rest, quantity: "phase", turn: 2, theme: "dark" });
   for (const look of looks) {

@@ -68,9 +68,9 @@ test.each(["linear", "squared", "decibel"] as const)("a point on a slice has the
   await page.evaluate((scale) => window.midair!.set({ scale }), scale);
   await settled();
   await page.waitForTimeout(500);
-  const { pixels, field, state: { map, top } } = await onSlice();
+  const { pixels, field, state: { top } } = await onSlice();
   for (const [k, [x, y]] of pixels.entries()) {
-    const want = colour({ quantity: "modulus", map, scale, top, turn: 0, theme: "dark" }, Math.hypot(...field[k]));
+    const want = colour({ quantity: "modulus", scale, top, turn: 0, theme: "light" }, Math.hypot(...field[k]));
     (await pixel(x, y)).forEach((value, channel) => expect(Math.abs(value - want[channel])).toBeLessThanOrEqual(8));
   }
 });
@@ -98,7 +98,7 @@ test("at the points the wave follows the cosine of their phases, half a period a
     for (const [k, [x, y]] of pixels.slice(0, 2).entries()) {
       const [re, im] = field[k];
       const now = (Math.hypot(re, im) / top) * Math.cos(Math.atan2(im, re) - (2 * Math.PI * instant) / 500);
-      const want = entry("light", Math.min(Math.max(0.5 + now / 2, 0), 1));
+      const want = entry("wave_r", Math.min(Math.max(0.5 + now / 2, 0), 1));
       const off = async () => Math.max(...(await pixel(x, y)).map((value, channel) => Math.abs(value - want[channel])));
       await expect.poll(off, { message: `point ${k + 1} at ${instant} ms`, timeout: 10_000 }).toBeLessThanOrEqual(10);
     }
