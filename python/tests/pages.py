@@ -23,7 +23,7 @@ STATE = {
     "signature": "",
     "obstacles": [],
     "ear": None,
-    "plane": {"z": 0.18, "size": 0.18, "center": [0, 0]},
+    "plane": {"axis": "z", "z": 0.18, "size": 0.18, "center": [0, 0]},
     "view": "both",
     "slot": 0,
     "scale": "linear",

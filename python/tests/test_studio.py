@@ -1,6 +1,7 @@
 """The studio: the server of its page, and `midair studio`."""
 
 import http.client
+import json
 import re
 import signal
 import socket
@@ -16,9 +17,9 @@ import pytest
 import midair
 from midair import _cli as cli
 from midair._cli import studio as command
-from midair._studio.page import BUILT
+from midair._studio.page import BUILT, scene_text, shown_scene
 from midair._studio.server import POLICY, Server
-from pages import FILES, build
+from pages import FILES, STATE, build
 
 #: There so that a hang is a failure and not a hung suite.
 HANG = 60
@@ -254,3 +255,11 @@ def test_the_built_page_is_whole() -> None:
         assert used
         assert {f"/{name}" for name in used} <= set(server.files)
     assert (BUILT / "midair.wasm").read_bytes().startswith(b"\0asm")
+
+
+@pytest.mark.parametrize(("axis", "at", "center"), [("x", 0.01, (0.02, 0.13)), ("y", 0.02, (0.01, 0.13))])
+def test_an_upright_slice_goes_to_the_page_and_comes_back(axis, at, center):
+    state = dict(STATE, plane={"axis": axis, "z": 0.13, "size": 0.2, "center": [0.01, 0.02]})
+    scene = shown_scene(state)
+    assert scene.plane == midair.Plane(None, 0.2, scene.plane.pixels, center, axis=axis, at=at)
+    assert json.loads(scene_text(scene))["plane"]["axis"] == axis

@@ -2,6 +2,7 @@
 
 import { type Context, millimetres } from "./context.ts";
 import { write } from "./dom.ts";
+import { middleOf, SIDES } from "./plane.ts";
 import type { State } from "./types.ts";
 import type { Word } from "./words.ts";
 
@@ -33,7 +34,7 @@ const SAID: { [Key in keyof State]?: [Word, (state: State) => string] } = {
   signature: ["signature", ({ signature }) => signature || "–"],
   obstacles: ["obstacle", ({ obstacles }) => String(obstacles.length)],
   ear: ["ear", ({ ear }) => ear?.map(millimetres).join(", ") ?? "–"],
-  plane: ["slice", ({ plane }) => `z ${millimetres(plane.z)} mm, ${millimetres(plane.size)} mm`],
+  plane: ["slice", ({ plane }) => `${plane.axis} ${millimetres(middleOf(plane)[SIDES[plane.axis][2]])} mm, ${millimetres(plane.size)} mm`],
   view: ["view", ({ view }) => view],
   slot: ["shownSlot", ({ slot }) => "AB"[slot]],
   scale: ["scale", ({ scale }) => scale],

@@ -2,7 +2,7 @@
 
 import type { Catalogue } from "./door.ts";
 import { MOST_POINTS } from "./initial.ts";
-import { QUANTITIES, SCALES, type State, VIEWS } from "./types.ts";
+import { AXES, type Axis, QUANTITIES, SCALES, type State, VIEWS } from "./types.ts";
 
 type Rule = [fits: (value: unknown) => boolean, cure: string];
 
@@ -39,7 +39,7 @@ function isPath(value: unknown): boolean {
 }
 
 function isPlane(value: unknown): boolean {
-  return isTable(value) && isNumber(value.z) && isNumber(value.size) && value.size > 0 && isRow(value.center, 2);
+  return isTable(value) && AXES.includes(value.axis as Axis) && isNumber(value.z) && isNumber(value.size) && value.size > 0 && isRow(value.center, 2);
 }
 
 const RULES: Record<keyof State, Rule> = {
@@ -60,7 +60,7 @@ const RULES: Record<keyof State, Rule> = {
   signature: oneOf("", "trap", "twin", "vortex"),
   obstacles: [(value) => Array.isArray(value) && value.every(isObstacle), "give a list of walls and balls"],
   ear: [(value) => value === null || isPlace(value), "give a place [x, y, z] in m, or null"],
-  plane: [isPlane, "give { z, size, center: [x, y] } in m"],
+  plane: [isPlane, 'give { axis: "x", "y" or "z", z, size, center: [x, y] } in m'],
   view: oneOf(...VIEWS),
   quantity: oneOf(...QUANTITIES),
   slot: oneOf(0, 1),

@@ -6,6 +6,7 @@ import { choice, element, write } from "./dom.ts";
 import { MOST_POINTS } from "./initial.ts";
 import { numberRows, type Row } from "./numbers.ts";
 import { entry, mapOf, type Tick, ticks } from "./painter/maps.ts";
+import { onPlane, placeOn } from "./plane.ts";
 import { added, moved } from "./points.ts";
 import { MANY } from "./stage.ts";
 import type { Look, Slot, Vec3 } from "./types.ts";
@@ -57,15 +58,11 @@ export function createCompare(context: Context): Compare {
 
   /** Points are dragged in a slice, too; a double click makes a new one. */
   function listen(picture: HTMLElement, rings: HTMLElement[]) {
-    let begin: { index: number; at: [number, number]; point: Vec3 } | null = null;
+    let begin: { index: number; at: Vec3; point: Vec3 } | null = null;
     let gesture = 0;
-    const metres = (event: MouseEvent): [number, number] => {
+    const metres = (event: MouseEvent): Vec3 => {
       const box = picture.getBoundingClientRect();
-      const { size, center } = state().plane;
-      return [
-        center[0] + size * ((event.clientX - box.left) / box.width - 0.5),
-        center[1] + size * (0.5 - (event.clientY - box.top) / box.height),
-      ];
+      return placeOn(state().plane, (event.clientX - box.left) / box.width, 1 - (event.clientY - box.top) / box.height);
     };
     picture.onpointerdown = (event) => {
       const index = rings.indexOf(event.target as HTMLElement);
@@ -77,9 +74,8 @@ export function createCompare(context: Context): Compare {
     };
     picture.onpointermove = (event) => {
       if (!begin) return;
-      const [x, y] = metres(event);
-      const [px, py, pz] = begin.point;
-      const to: Vec3 = [px + x - begin.at[0], py + y - begin.at[1], pz];
+      const { at, point } = begin;
+      const to = metres(event).map((x, axis) => point[axis] + x - at[axis]) as Vec3;
       studio.change(moved(state(), begin.index, to), `drag slice ${gesture}`);
     };
     picture.onpointerup = picture.onpointercancel = () => {
@@ -88,8 +84,7 @@ export function createCompare(context: Context): Compare {
     };
     picture.ondblclick = (event) => {
       if (state().points.length >= MOST_POINTS) return context.alarm(say("tooMany", { count: MOST_POINTS + 1 }));
-      const [x, y] = metres(event);
-      studio.change(added(state(), [x, y, state().plane.z]));
+      studio.change(added(state(), metres(event)));
       context.announce(say("added", { n: state().points.length }));
     };
   }
@@ -105,12 +100,11 @@ export function createCompare(context: Context): Compare {
       rings.push(made);
       picture.append(made);
     }
-    const { size, center, z } = state().plane;
     rings.forEach((each, index) => {
-      const [x, y, height] = points[index];
-      each.style.left = `${50 + (100 * (x - center[0])) / size}%`;
-      each.style.top = `${50 - (100 * (y - center[1])) / size}%`;
-      each.classList.toggle("off", Math.abs(height - z) > 0.002);
+      const [right, up, off] = onPlane(state().plane, points[index]);
+      each.style.left = `${100 * right}%`;
+      each.style.top = `${100 - 100 * up}%`;
+      each.classList.toggle("off", Math.abs(off) > 0.002);
     });
   }
 

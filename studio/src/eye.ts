@@ -1,6 +1,7 @@
 /** Eye: the camera of the 3-D view, fitted to what is shown until somebody turns it. */
 
 import { type Camera, fit, project } from "./painter/camera.ts";
+import { placeOn, planesOf } from "./plane.ts";
 import type { Studio } from "./studio.ts";
 import type { State, Vec3 } from "./types.ts";
 
@@ -42,8 +43,7 @@ export function createEye({ view }: Studio): Eye {
   const key = (size: number[]) => JSON.stringify([view.state.array, view.array.length, turned ? [] : size]);
 
   function corners(): Vec3[] {
-    const { z, size, center } = view.state.plane;
-    return [-0.5, 0.5].flatMap((a) => [-0.5, 0.5].map((b): Vec3 => [center[0] + a * size, center[1] + b * size, z]));
+    return planesOf(view.state).flatMap((plane) => [0, 1].flatMap((a) => [0, 1].map((b) => placeOn(plane, a, b))));
   }
 
   function hold(changes: Partial<Camera>) {

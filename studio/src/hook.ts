@@ -3,11 +3,11 @@
 import { faultOf } from "./check.ts";
 import type { Engine } from "./engine.ts";
 import { initial } from "./initial.ts";
-import { gridOf } from "./lattices.ts";
 import { readLink, writeLink } from "./link.ts";
 import { lookOf } from "./look.ts";
 import { weakest } from "./numbers.ts";
 import type { Page } from "./page.ts";
+import { onPlane } from "./plane.ts";
 import { sample } from "./painter/lattice.ts";
 import type { Studio } from "./studio.ts";
 import type { Slot, State, Vec3 } from "./types.ts";
@@ -18,7 +18,7 @@ export interface Hook {
   /** All that the page knows, as data of its own. */
   state(): Record<string, unknown>;
   /** Changes some of the state; refused in one line where it cannot be. */
-  set(partial: Partial<State>): void;
+  set(partial: Partial<Omit<State, "plane">> & { plane?: Partial<State["plane"]> | null }): void;
   /** When answers and pictures are as the state asks; the bound comes later. */
   settled(): Promise<void>;
   /** The field of a slot at places, computed. */
@@ -65,7 +65,7 @@ export function createHook(engine: Engine, studio: Studio, page: () => Page): Ho
     },
     set(partial) {
       const { state } = studio.view;
-      const plane = partial?.plane === null ? partial.plane : { ...state.plane, ...partial?.plane };
+      const plane = partial?.plane === null ? (null as never) : { ...state.plane, ...partial?.plane };
       const next = structuredClone({ ...state, ...partial, plane });
       const fault = faultOf(next, engine.catalogue);
       if (fault) throw new Error(fault);
@@ -82,10 +82,10 @@ export function createHook(engine: Engine, studio: Studio, page: () => Page): Ho
     },
     shown(slot, places) {
       const { lattice } = result(slot);
-      const { corner, u, v } = gridOf(studio.view.state);
-      const beside = ([x, y, z]: Vec3) =>
-        Math.abs(z - corner[2]) > 1e-6 || x < corner[0] || y < corner[1] || x > corner[0] + u[0] || y > corner[1] + v[1];
-      return places.map((place) => (beside(place) ? null : sample(lattice, place)));
+      return places.map((place) => {
+        const [right, up, off] = onPlane(studio.view.state.plane, place);
+        return Math.abs(off) > 1e-6 || Math.abs(right - 0.5) > 0.5 || Math.abs(up - 0.5) > 0.5 ? null : sample(lattice, place);
+      });
     },
     drive: (slot) => pairs(result(slot).answer.drive),
     permalink: () => new URL(`#${writeLink(studio.view.state)}`, location.href).href,

@@ -32,7 +32,7 @@ export const initial: State = {
   signature: "",
   obstacles: [],
   ear: null,
-  plane: { z: HEIGHT, size: 0.18, center: [0, 0] },
+  plane: { axis: "z", z: HEIGHT, size: 0.18, center: [0, 0] },
   view: "both",
   quantity: "modulus",
   slot: 0,

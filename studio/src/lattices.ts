@@ -1,6 +1,7 @@
 /** Where the field is computed: a slice's lattice and the volume's box, fine enough for the wave. */
 
 import type { Grid } from "./solve.worker.ts";
+import { placeOn, SIDES } from "./plane.ts";
 import type { State, Vec3, Volume } from "./types.ts";
 
 /** 40 kHz, as all presets. */
@@ -21,15 +22,16 @@ export const soundSpeed = (temperature: number) => 331.3 * Math.sqrt(1 + tempera
 /** Wavelength in m. */
 export const wavelength = (state: State) => soundSpeed(state.temperature) / FREQUENCY;
 
-/** The slice's lattice, of at most so many places along a side. */
-export function gridOf(state: State, most = MOST): Grid {
-  const { z, size, center } = state.plane;
+/** A slice's lattice, of at most so many places along a side. */
+export function gridOf(state: State, most = MOST, plane = state.plane): Grid {
+  const { size } = plane;
+  const [right, up] = SIDES[plane.axis];
   const count = Math.min(most, Math.ceil((size * FINE) / wavelength(state)) + 1);
   const n = Math.max(count, 8);
   return {
-    corner: [center[0] - size / 2, center[1] - size / 2, z],
-    u: [size, 0, 0],
-    v: [0, size, 0],
+    corner: placeOn(plane, 0, 0),
+    u: [0, 0, 0].with(right, size) as Vec3,
+    v: [0, 0, 0].with(up, size) as Vec3,
     nu: n,
     nv: n,
   };

@@ -11,13 +11,13 @@
 // | `t` | temperature, or temperature,Np/m,kg/m^3 of the air | `e` | ear: x,y,z |
 // | `m` | methods A.B | `g` | path: circle,radius,Hz or line,length,Hz |
 // | `p` | points: x,y,z or x,y,z,Pa | `w`, `s`, `k` | view, slot (a, b), scale |
-// | `d` | displays: modulus, wave, phase | | |
+// | `d` | displays: modulus, wave, phase | `n` | normal of the slice: x, y, z |
 //
 // An array of one's own is in no link: it is `a=own`, which is refused when read.
 
 import { decimal } from "./decimal.ts";
 import { initial, MOST_POINTS } from "./initial.ts";
-import { QUANTITIES, SCALES, VIEWS } from "./types.ts";
+import { AXES, QUANTITIES, SCALES, VIEWS } from "./types.ts";
 import type { Obstacle, State, Vec3 } from "./types.ts";
 
 const LEVELS = ["board", "none"] as const;
@@ -93,7 +93,7 @@ function readPoints(text: string): Pick<State, "points" | "pressures"> {
 function readPlane(text: string): State["plane"] {
   const found = cells("z", text, [2, 4], "height,size or height,size,x,y in mm");
   const [x, y] = found.length === 4 ? [metres("z", found[2]), metres("z", found[3])] : [0, 0];
-  return { z: metres("z", found[0]), size: metres("size of z", found[1], 1), center: [x, y] };
+  return { axis: "z", z: metres("z", found[0]), size: metres("size of z", found[1], 1), center: [x, y] };
 }
 
 function readObstacle(text: string, index: number): Obstacle {
@@ -133,14 +133,15 @@ function readAir(text: string): Partial<State> {
   return { ...air, absorption: number("absorption of t", rest[0], 0, 1e3), density: number("density of t", rest[1], 1e-3, 1e3) };
 }
 
-const READERS: Record<string, (text: string) => Partial<State>> = {
+const READERS: Record<string, (text: string, state: State) => Partial<State>> = {
   v: (text) => (text === "1" ? {} : wrong("v", text, "this page reads v=1")),
   a: (text) => ({ array: readArray(text) }),
   l: (text) => ({ quantization: word("l", text, LEVELS) }),
   t: readAir,
   m: (text) => ({ methods: readMethods(text) }),
   p: readPoints,
-  z: (text) => ({ plane: readPlane(text) }),
+  z: (text, { plane: { axis } }) => ({ plane: { ...readPlane(text), axis } }),
+  n: (text, { plane }) => ({ plane: { ...plane, axis: word("n", text, AXES) } }),
   w: (text) => ({ view: word("w", text, VIEWS) }),
   d: (text) => ({ quantity: word("d", text, QUANTITIES) }),
   // Of earlier pages, which had three maps of |p|.
@@ -162,7 +163,7 @@ function read(fragment: string): State {
     if (!Object.hasOwn(READERS, key)) wrong("a key", key, `give one of ${Object.keys(READERS).join(" ")}`);
     if (seen.has(key)) wrong(key, value, "give it once");
     seen.add(key);
-    Object.assign(state, READERS[key](value));
+    Object.assign(state, READERS[key](value, state));
   }
   if (text !== "" && !seen.has("v")) wrong("the link", text, "begin with v=1");
   return state;
@@ -209,6 +210,7 @@ export function writeLink(state: State): string {
     ["m", state.methods.join(".")],
     ["p", state.points.map(point).join("_")],
     ["z", [mm(plane.z), mm(plane.size), ...middle].join()],
+    ["n", plane.axis === "z" ? null : plane.axis],
     ["w", state.view],
     ["d", state.quantity === initial.quantity ? null : state.quantity],
     ["k", state.scale === initial.scale ? null : state.scale],

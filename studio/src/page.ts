@@ -174,9 +174,9 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       positions: view.positions,
       normals: view.normals,
       drive: view.frame?.drive ?? results[slot].answer?.drive ?? null,
-      slice: lattice && (state.view !== "volume" || !view.volume) ? { lattice, key: "AB"[slot] } : null,
+      slices: lattice && (state.view !== "volume" || !view.volume) ? [lattice, ...(view.frame ? [] : results[slot].crossing)].map((lattice, k) => ({ lattice, key: "AB"[slot] + (k || "") })) : [],
       // The glow of |p| would hide the wave or the phase.
-      volume: state.view === "slice" || view.frame || (state.view === "both" && state.quantity !== "modulus") ? null : view.volume,
+      volume: ["slice", "planes"].includes(state.view) || view.frame || (state.view === "both" && state.quantity !== "modulus") ? null : view.volume,
       points: view.frame?.points ?? state.points,
       obstacles: state.obstacles,
       look: shades,
@@ -244,7 +244,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   };
 }
 
-const VIEW_WORDS = { slice: "viewSlice", volume: "viewVolume", both: "viewBoth" } as const;
+const VIEW_WORDS = { slice: "viewSlice", planes: "viewPlanes", volume: "viewVolume", both: "viewBoth" } as const;
 
 /** Buttons of which one is chosen. */
 function segments(name: string, pairs: readonly (readonly string[])[], choose: (value: string) => void) {

@@ -1,7 +1,8 @@
 /** Scene file: a state as the JSON scene that the package reads, and back (docs/conventions.md, "Files"). */
 
 import { MOST_POINTS } from "./initial.ts";
-import type { ArrayChoice, Obstacle, Slot, State, Vec3 } from "./types.ts";
+import { middleOf, SIDES, through } from "./plane.ts";
+import type { ArrayChoice, Axis, Obstacle, Slot, State, Vec3 } from "./types.ts";
 
 /** A JSON scene; what the door writes of any scene file is one. */
 export interface SceneFile {
@@ -19,7 +20,7 @@ export interface SceneFile {
   obstacles?: (Obstacle | { vertices: unknown })[];
   signature?: unknown;
   solver?: { name: string };
-  plane?: { z?: number; size?: number; center?: [number, number] };
+  plane?: { axis?: Axis; z?: number; at?: number; size?: number; center?: [number, number] };
   [key: string]: unknown;
 }
 
@@ -47,6 +48,11 @@ function writeObstacle(each: Obstacle): Obstacle {
     : { point: place(each.point), normal: each.normal, kind: each.kind };
 }
 
+function writePlane(plane: State["plane"]): SceneFile["plane"] {
+  const [right, up, at] = SIDES[plane.axis].map((axis) => rounded(middleOf(plane)[axis]));
+  return { ...(plane.axis === "z" ? { z: at } : { axis: plane.axis, at }), size: rounded(plane.size), center: [right, up] };
+}
+
 /** The JSON scene of a state, solved by the method of a slot: lengths in m, to 1e-9. */
 export function sceneOf(state: State, slot: Slot): SceneFile {
   const { pressures, plane, obstacles, signature, temperature, absorption, density } = state;
@@ -64,11 +70,7 @@ export function sceneOf(state: State, slot: Slot): SceneFile {
     ...(obstacles.length ? { obstacles: obstacles.map(writeObstacle) } : {}),
     ...(signature ? { signature } : {}),
     solver: { name: state.methods[slot] },
-    plane: {
-      z: rounded(plane.z),
-      size: rounded(plane.size),
-      center: [rounded(plane.center[0]), rounded(plane.center[1])],
-    },
+    plane: writePlane(plane),
   };
 }
 
@@ -109,8 +111,8 @@ function check(scene: SceneFile): void {
   if (signature !== undefined && typeof signature !== "string") {
     refuse("signature", signature, 'give "trap", "twin" or "vortex"');
   }
-  if (points.length && plane.z === undefined && Object.keys(plane).length) {
-    refuse("plane", plane, "the page's slice is normal to z, give z");
+  if (points.length && (plane.z ?? plane.at) === undefined && Object.keys(plane).length) {
+    refuse("plane", plane, "give z, or axis and at");
   }
 }
 
@@ -136,12 +138,16 @@ function temperatureOf(speed: number): number {
 
 /** The slice of a scene, or one through its points. */
 function readPlane(scene: SceneFile, plane: State["plane"]): State["plane"] {
-  const { z, size = plane.size, center = [0, 0] } = scene.plane ?? {};
-  if (z !== undefined) return { z, size, center };
+  const { axis = "z", z, at = z, size = plane.size, center = [0, 0] } = scene.plane ?? {};
+  if (at !== undefined) {
+    const middle: Vec3 = [0, 0, 0];
+    SIDES[axis].forEach((side, k) => (middle[side] = [...center, at][k]));
+    return through({ ...plane, axis, size }, middle);
+  }
   if (!scene.points.length) return plane;
-  const axis = (k: number) => scene.points.map(({ position }) => position[k]);
-  const middle = (k: number) => rounded((Math.max(...axis(k)) + Math.min(...axis(k))) / 2);
-  return { z: scene.points[0].position[2], size, center: [middle(0), middle(1)] };
+  const along = (k: number) => scene.points.map(({ position }) => position[k]);
+  const middle = (k: number) => rounded((Math.max(...along(k)) + Math.min(...along(k))) / 2);
+  return { axis, z: scene.points[0].position[2], size, center: [middle(0), middle(1)] };
 }
 
 /**

@@ -6,7 +6,8 @@ import { writeLink } from "./link.ts";
 import { numberRows } from "./numbers.ts";
 import { drawSlice } from "./painter/canvas2d.ts";
 import { entry, mapOf, roundStep, ticks } from "./painter/maps.ts";
-import type { Lattice, Look, Slot } from "./types.ts";
+import { middleOf, onPlane, SIDES } from "./plane.ts";
+import { AXES, type Lattice, type Look, type Slot } from "./types.ts";
 import type { Word } from "./words.ts";
 
 /** Width and height of the sheet, the sides of the 3-D view's box and of a slice, in CSS px. */
@@ -49,7 +50,10 @@ export function sheet({ studio, say, engine }: Context, look: Look, root: HTMLEl
   function slice(slot: Slot, lattice: Lattice, x: number, y: number): string {
     const [copy] = canvasOf(PIXELS, PIXELS);
     drawSlice(copy, lattice, look);
-    const { size, center, z } = state.plane;
+    const { plane } = state;
+    const { size, axis: normal } = plane;
+    const [right, up, off] = SIDES[normal];
+    const middle = middleOf(plane);
     const step = roundStep((1000 * size) / 5);
     const axis = (middle: number) => {
       const first = Math.ceil((1000 * (middle - size / 2)) / step);
@@ -57,13 +61,14 @@ export function sheet({ studio, say, engine }: Context, look: Look, root: HTMLEl
       return Array.from({ length: count }, (_, k): [number, string] => [(step * (first + k)) / 1000 - middle, String(step * (first + k))]);
     };
     const at = (metres: number) => SIDE * (0.5 + metres / size);
-    const across = axis(center[0]).map(([d, name]) => text(x + at(d), y + SIDE + 14, name, 'text-anchor="middle"'));
-    const up = axis(center[1]).map(([d, name]) => text(x - 6, y + at(-d) + 4, name, 'text-anchor="end"'));
+    const across = axis(middle[right]).map(([d, name]) => text(x + at(d), y + SIDE + 14, name, 'text-anchor="middle"'));
+    const upward = axis(middle[up]).map(([d, name]) => text(x - 6, y + at(-d) + 4, name, 'text-anchor="end"'));
     const points = (slot === 0 && view.frame?.points) || state.points;
-    const rings = points.map(([px, py], k) => {
-      const [left, top] = [x + at(px - center[0]), y + at(center[1] - py)];
+    const rings = points.map((point, k) => {
+      const [across, above] = onPlane(plane, point);
+      const [left, top] = [x + SIDE * across, y + SIDE * (1 - above)];
       const ring = `<circle cx="${left}" cy="${top}" r="7" fill="none" stroke="#fff"/>`;
-      return Math.max(Math.abs(px - center[0]), Math.abs(py - center[1])) > size / 2 ? "" : ring + text(left + 9, top - 5, String(k + 1), 'fill="#fff"');
+      return Math.max(Math.abs(across - 0.5), Math.abs(above - 0.5)) > 0.5 ? "" : ring + text(left + 9, top - 5, String(k + 1), 'fill="#fff"');
     });
     const [bar, pen] = canvasOf(1, 256);
     for (let k = 0; k < 256; k += 1) {
@@ -73,13 +78,13 @@ export function sheet({ studio, say, engine }: Context, look: Look, root: HTMLEl
     const marks = ticks(look).map((tick) => text(x + SIDE + 28, y + SIDE * (1 - tick.at) + 4, tick.label));
     const name = slot === 0 && view.frame?.found ? "glide" : state.methods[slot];
     return [
-      text(x, y - 10, `${"AB"[slot]}: ${name}, ${say(look.quantity)} at z = ${millimetres(z)} mm`, 'font-weight="600"'),
+      text(x, y - 10, `${"AB"[slot]}: ${name}, ${say(look.quantity)} at ${normal} = ${millimetres(middle[off])} mm`, 'font-weight="600"'),
       picture(copy, x, y, SIDE, SIDE),
       ...rings,
-      text(x + SIDE / 2, y + SIDE + 30, "x / mm", 'text-anchor="middle"'),
-      text(x - 40, y + SIDE / 2, "y / mm", `text-anchor="middle" transform="rotate(-90 ${x - 40} ${y + SIDE / 2})"`),
+      text(x + SIDE / 2, y + SIDE + 30, `${AXES[right]} / mm`, 'text-anchor="middle"'),
+      text(x - 40, y + SIDE / 2, `${AXES[up]} / mm`, `text-anchor="middle" transform="rotate(-90 ${x - 40} ${y + SIDE / 2})"`),
       ...across,
-      ...up,
+      ...upward,
       picture(bar, x + SIDE + 12, y, 10, SIDE),
       ...marks,
     ].join("");

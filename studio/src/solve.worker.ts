@@ -6,9 +6,9 @@ import type { Lattice, Vec3, Volume } from "./types.ts";
 /** A lattice that is still to be filled. */
 export type Grid = Omit<Lattice, "values">;
 
-/** What became of a slot: its answer, its slice and |p| at the ear in Pa; or a refusal. */
+/** What became of a slot: its answer, its slices and |p| at the ear in Pa; or a refusal. */
 export type Outcome =
-  | { answer: Answer; lattice: Lattice; heard: number; warnings: string[] }
+  | { answer: Answer; lattices: Lattice[]; heard: number; warnings: string[] }
   | { refused: string };
 
 /** Solves that are timed, and how long the worker gives them, in ms. */
@@ -47,14 +47,14 @@ const jobs = {
     door.solve();
     return { catalogue: door.catalogue(), module };
   },
-  /** Solves a scene, looks at the slice and listens at the ear. */
-  update(scene: string, grid: Grid, ear: Vec3 | null): Outcome {
+  /** Solves a scene, looks at its slices and listens at the ear. */
+  update(scene: string, grids: Grid[], ear: Vec3 | null): Outcome {
     try {
       const warnings = open(scene);
       const answer = door.solve();
       const [re, im] = ear ? door.field(Float64Array.from(ear)) : [0, 0];
-      const lattice = { ...grid, values: door.field(places(grid)) };
-      return { answer, warnings, lattice, heard: Math.hypot(re, im) };
+      const lattices = grids.map((grid) => ({ ...grid, values: door.field(places(grid)) }));
+      return { answer, warnings, lattices, heard: Math.hypot(re, im) };
     } catch (error) {
       return { refused: (error as Error).message };
     }

@@ -3,9 +3,10 @@
 import { type Context, millimetres } from "./context.ts";
 import { element } from "./dom.ts";
 import type { Eye } from "./eye.ts";
-import { type Camera, lift, project, slide } from "./painter/camera.ts";
+import { along, type Camera, lift, project, slide } from "./painter/camera.ts";
 import { MOST_POINTS } from "./initial.ts";
 import { number } from "./numbering.ts";
+import { following, middleOf, SIDES } from "./plane.ts";
 import { added, moved, removed } from "./points.ts";
 import type { Vec3 } from "./types.ts";
 
@@ -60,6 +61,8 @@ export function createStage(context: Context, eye: Eye): Stage {
   const current = (): Camera => eye.camera(size());
   const seen = (place: Vec3) => project(current(), place, ...size());
   const state = () => studio.view.state;
+  /** The axis that the slice is normal to: points are dragged along the slice, and lifted off it. */
+  const normal = () => SIDES[state().plane.axis][2];
 
   function handle(index: number): HTMLButtonElement {
     const button = element("button", { className: "point" }, element("span", {}, String(index + 1)));
@@ -111,18 +114,20 @@ export function createStage(context: Context, eye: Eye): Stage {
     const to: [number, number] = [from[0] + x - at[0], from[1] + y - at[1]];
     const name = `drag ${gesture}`;
     if (lifts) {
-      const rise = lift(current(), from, to, point, size());
-      if (rise !== null) climb(index, [point[0], point[1], point[2] + rise], name);
+      const rise = lift(current(), from, to, point, size(), normal());
+      if (rise !== null) carry(index, point.with(normal(), point[normal()] + rise) as Vec3, name);
     } else {
-      const way = slide(current(), from, to, point[2], size());
-      if (way) studio.change(moved(state(), index, [point[0] + way[0], point[1] + way[1], point[2]]), name);
+      const way = slide(current(), from, to, point, size(), normal());
+      if (way) carry(index, along(point, 1, way), name);
     }
   }
 
-  /** A point at another height takes the slice along. */
-  function climb(index: number, to: Vec3, name: string) {
+  /** A point that leaves the slice takes it along. */
+  function carry(index: number, to: Vec3, name: string) {
+    const { plane, points } = state();
     const change = moved(state(), index, to);
-    studio.change({ ...change, plane: { ...state().plane, z: change.points![index][2] } }, name);
+    const there = change.points![index];
+    studio.change(there[normal()] === points[index][normal()] ? change : { ...change, plane: following(plane, there) }, name);
   }
 
   function press(event: KeyboardEvent, index: number) {
@@ -130,8 +135,7 @@ export function createStage(context: Context, eye: Eye): Stage {
     if (way) {
       const step = STEPS[Number(event.shiftKey)];
       const to = state().points[index].map((x, axis) => x + step * way[axis]) as Vec3;
-      if (way[2]) climb(index, to, `key ${index}`);
-      else studio.change(moved(state(), index, to), `key ${index}`);
+      carry(index, to, `key ${index}`);
       context.announce(label(index));
     } else if (event.key === "Delete" || event.key === "Backspace") {
       if (state().points.length === 1) return context.alarm(say("lastPoint"));
@@ -178,12 +182,12 @@ export function createStage(context: Context, eye: Eye): Stage {
   view.ondblclick = (event) => {
     if (event.target !== view) return;
     const { plane, points } = state();
-    const origin: Vec3 = [plane.center[0], plane.center[1], plane.z];
+    const origin = middleOf(plane);
     const [x, y] = seen(origin);
-    const way = slide(current(), [x, y], local(event), plane.z, size());
+    const way = slide(current(), [x, y], local(event), origin, size(), normal());
     if (points.length >= MOST_POINTS) return context.alarm(say("tooMany", { count: MOST_POINTS + 1 }));
     if (!way) return;
-    studio.change(added(state(), [origin[0] + way[0], origin[1] + way[1], plane.z]));
+    studio.change(added(state(), along(origin, 1, way)));
     context.announce(say("added", { n: points.length + 1 }));
   };
 

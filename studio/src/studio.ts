@@ -5,6 +5,7 @@ import type { Engine } from "./engine.ts";
 import { sceneOf } from "./scene_file.ts";
 import { createHistory } from "./history.ts";
 import { boxOf, gridOf } from "./lattices.ts";
+import { planesOf } from "./plane.ts";
 import type { Grid, Outcome } from "./solve.worker.ts";
 import type { Lattice, Slot, State, Volume } from "./types.ts";
 
@@ -12,6 +13,8 @@ import type { Lattice, Slot, State, Volume } from "./types.ts";
 export interface Result {
   answer: Answer | null;
   lattice: Lattice | null;
+  /** The slices that cross it, where they are shown. */
+  crossing: Lattice[];
   /** |p| at the ear in Pa. */
   heard: number;
   /** How long solving takes in ms, NaN until it was timed at rest. */
@@ -69,6 +72,7 @@ const REST = 500;
 const nothing = (): Result => ({
   answer: null,
   lattice: null,
+  crossing: [],
   heard: 0,
   milliseconds: NaN,
   refused: "",
@@ -102,7 +106,12 @@ export function createStudio(engine: Engine, initial: State): Studio {
   const tell = () => listeners.forEach((listener) => listener());
 
   /** What decides the pictures. */
-  const key = (grid: Grid) => JSON.stringify([scenes(), grid, view.state.ear]);
+  const key = (grids: Grid[][]) => JSON.stringify([scenes(), grids, view.state.ear]);
+  /** The slices of both slots: those that cross are in the 3-D view alone. */
+  const grids = () => {
+    const all = planesOf(view.state).map((plane) => gridOf(view.state, view.moving ? COARSE : undefined, plane));
+    return SLOTS.map((slot) => (slot === view.state.slot ? all : all.slice(0, 1)));
+  };
   const scenes = (): [string, string] => [0, 1].map((slot) => text(slot as Slot)) as [string, string];
   const text = (slot: Slot) => JSON.stringify(sceneOf(view.state, slot));
 
@@ -111,10 +120,10 @@ export function createStudio(engine: Engine, initial: State): Studio {
     busy = true;
     try {
       for (;;) {
-        const grid = gridOf(view.state, view.moving ? COARSE : undefined);
-        if (key(grid) !== shown) await update(grid);
+        const wished = grids();
+        if (key(wished) !== shown) await update(wished);
         else if (!view.moving && SLOTS.some(isUntimed)) await time();
-        else if (!view.moving && view.state.view !== "slice" && view.volume === null) await fill();
+        else if (!view.moving && ["volume", "both"].includes(view.state.view) && view.volume === null) await fill();
         else break;
       }
     } finally {
@@ -127,11 +136,11 @@ export function createStudio(engine: Engine, initial: State): Studio {
     if (view.bound === null) rest = window.setTimeout(bind, REST);
   }
 
-  async function update(grid: Grid) {
-    const asked = key(grid);
+  async function update(wished: Grid[][]) {
+    const asked = key(wished);
     const [given, array] = [scenes(), JSON.stringify(view.state.array)];
     const { ear } = view.state;
-    const outcomes = await Promise.all(engine.slots.map((hand, slot) => hand.update(given[slot], grid, ear)));
+    const outcomes = await Promise.all(engine.slots.map((hand, slot) => hand.update(given[slot], wished[slot], ear)));
     if (stopped) return;
     if (array !== arrayShown && outcomes.some((outcome) => "answer" in outcome)) {
       view.array = await engine.slots["answer" in outcomes[0] ? 0 : 1].array();
@@ -152,11 +161,11 @@ export function createStudio(engine: Engine, initial: State): Studio {
       Object.assign(result, { ...nothing(), refused: outcome.refused });
       return;
     }
-    const { answer, lattice, heard } = outcome;
+    const { answer, lattices: [lattice, ...crossing], heard } = outcome;
     // Of another slice or ear the same solve takes as long as before.
     const milliseconds = timed[slot] === text(slot) ? result.milliseconds : NaN;
     const warnings = [...outcome.warnings, ...answer.said];
-    view.results[slot] = { answer, lattice, heard, milliseconds, warnings, refused: "" };
+    view.results[slot] = { answer, lattice, crossing, heard, milliseconds, warnings, refused: "" };
   }
 
   const isUntimed = (slot: Slot) => Boolean(view.results[slot].answer) && timed[slot] !== text(slot);
@@ -232,7 +241,7 @@ export function createStudio(engine: Engine, initial: State): Studio {
       if (!is) {
         history.rest();
         // The picture was a coarse one, even where its lattice was not.
-        if (key(gridOf(view.state)) === shown) tell();
+        if (key(grids()) === shown) tell();
       }
       void pump();
     },

@@ -17,9 +17,12 @@ export type Obstacle =
   | { center: Vec3; radius: number; kind: "rigid" | "soft" };
 
 export const SCALES = ["linear", "squared", "decibel"] as const;
-export const VIEWS = ["slice", "volume", "both"] as const;
+export const AXES = ["x", "y", "z"] as const;
+/** The slice, three that cross in its middle, the volume, or slice and volume. */
+export const VIEWS = ["slice", "planes", "volume", "both"] as const;
 export const QUANTITIES = ["modulus", "wave", "phase"] as const;
 export type ScaleName = (typeof SCALES)[number];
+export type Axis = (typeof AXES)[number];
 export type View = (typeof VIEWS)[number];
 export type Quantity = (typeof QUANTITIES)[number];
 export type Theme = "dark" | "light";
@@ -47,8 +50,8 @@ export interface State {
   obstacles: Obstacle[];
   /** Where somebody listens. */
   ear: Vec3 | null;
-  /** The horizontal slice: its height, the length of its sides, its middle. */
-  plane: { z: number; size: number; center: [number, number] };
+  /** The slice: the axis that it is normal to, height and x, y of its middle, the length of its sides. */
+  plane: { axis: Axis; z: number; size: number; center: [number, number] };
   view: View;
   /** What of p the slices show: |p|, the wave Re(p e^{-jwt}), or the phase. */
   quantity: Quantity;

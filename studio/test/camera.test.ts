@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { type Camera, fit, lift, project, ray, slide } from "../src/painter/camera.ts";
+import { along, type Camera, fit, lift, project, ray, slide } from "../src/painter/camera.ts";
 import { makeView } from "../src/painter/view.ts";
 import type { Vec3 } from "../src/types.ts";
 import { square } from "./field.ts";
@@ -51,7 +51,7 @@ test("a dragged point stays under the pointer", () => {
       [-90, 45],
       [3, -110],
     ]) {
-      const shift = slide(camera, [x, y], [x + dx, y + dy], point[2], size);
+      const shift = slide(camera, [x, y], [x + dx, y + dy], point, size);
       expect(shift).not.toBeNull();
       const moved: Vec3 = [point[0] + shift![0], point[1] + shift![1], point[2] + shift![2]];
       expect(moved[2]).toBeCloseTo(point[2], 12);
@@ -65,14 +65,29 @@ test("a dragged point stays under the pointer", () => {
   }
 });
 
+test("so does one that is dragged along an upright slice, or off it", () => {
+  for (const [k, point] of points.entries()) {
+    const axis = k % 2;
+    const [x, y] = project(camera, point, width, height);
+    const shift = slide(camera, [x, y], [x + 30, y - 20], point, size, axis)!;
+    expect(shift[axis]).toBeCloseTo(0, 12);
+    const seen = project(camera, along(point, 1, shift), width, height);
+    expect(Math.hypot(seen[0] - x - 30, seen[1] - y + 20)).toBeLessThan(1e-6);
+    // Off the slice it goes along one line, as near to the pointer as that leads.
+    const away = lift(camera, [x, y], [x + 30, y - 20], point, size, axis)!;
+    const off = project(camera, point.with(axis, point[axis] + away) as Vec3, width, height);
+    expect((off[0] - x) * 30 + (off[1] - y) * -20).toBeGreaterThan(0);
+  }
+});
+
 test("a drag that begins beside the point does not jump", () => {
   const [x, y] = project(camera, points[1], width, height);
-  expect(slide(camera, [x + 9, y - 7], [x + 9, y - 7], points[1][2], size)).toEqual([0, 0, 0]);
+  expect(slide(camera, [x + 9, y - 7], [x + 9, y - 7], points[1], size)).toEqual([0, 0, 0]);
   expect(lift(camera, [x + 9, y - 7], [x + 9, y - 7], points[1], size)).toBe(0);
 });
 
 test("a drag beyond the horizon is none", () => {
-  expect(slide(camera, [390, 500], [390, -900], 0.1, size)).toBeNull();
+  expect(slide(camera, [390, 500], [390, -900], [0, 0, 0.1], size)).toBeNull();
   expect(lift({ ...camera, pitch: Math.PI / 2 }, [390, 410], [390, 300], points[0], size)).toBeNull();
 });
 

@@ -27,10 +27,17 @@ test("what is left out is as at the beginning, and a reader cannot change that",
   expect(state.points).toEqual([[0.001, 0.002, 0.003456]]);
   expect(state.pressures).toEqual([1000]);
   expect(state.array).toEqual({ preset: "sonicsurface", tiles: [1, 1] });
-  expect(state.plane).toEqual({ z: 0.1, size: 0.09, center: [0.005, -0.006] });
+  expect(state.plane).toEqual({ axis: "z", z: 0.1, size: 0.09, center: [0.005, -0.006] });
   expect(state.methods).toEqual(initial.methods);
   state.methods[0] = "gs";
   expect(initial.methods[0]).toBe("uniform");
+});
+
+test("an upright slice is told, wherever its normal stands in the link", () => {
+  const plane = { axis: "x" as const, z: 0.1, size: 0.09, center: [0.005, -0.006] as [number, number] };
+  expect(writeLink({ ...initial, plane })).toContain("&z=100,90,5,-6&n=x");
+  for (const link of ["v=1&z=100,90,5,-6&n=x", "v=1&n=x&z=100,90,5,-6"]) expect((readLink(link) as State).plane).toEqual(plane);
+  expect(readLink("v=1&n=w")).toContain("x, y, z");
 });
 
 test("64 points are at most 1.3 kB", () => {
@@ -79,7 +86,7 @@ const BAD: [string, string][] = [
   [`v=1&p=${many(65, "1,2,3")}`, "65 points"],
   ["v=1&z=180", "height,size"],
   ["v=1&z=180,0", "size of z"],
-  ["v=1&w=all", "slice, volume, both"],
+  ["v=1&w=all", "slice, planes, volume, both"],
   ["v=1&d=real", "modulus, wave, phase"],
   ["v=1&c=jet", "viridis"],
   ["v=1&k=log", "linear"],

@@ -1,6 +1,6 @@
 /** Random states for tests: the same seed gives the same states. */
 
-import { QUANTITIES, SCALES, VIEWS } from "../src/types.ts";
+import { AXES, QUANTITIES, SCALES, VIEWS } from "../src/types.ts";
 import type { Obstacle, State, Vec3 } from "../src/types.ts";
 
 /** Numbers of [0, 1) by mulberry32. */
@@ -43,6 +43,7 @@ export function randomState(random: () => number): State {
     obstacles: Array.from({ length: below(3) }, obstacle),
     ear: random() < 0.5 ? null : place(),
     plane: {
+      axis: one(AXES),
       z: length(0, 0.3),
       size: length(0.01, 0.3),
       center: random() < 0.5 ? [0, 0] : [length(-0.1, 0.1), length(-0.1, 0.1)],

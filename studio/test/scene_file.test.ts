@@ -34,6 +34,13 @@ test("the keys of a scene", () => {
   });
 });
 
+test("an upright slice is a file's, its center as the file's axes are", () => {
+  const plane = { axis: "y" as const, z: 0.13, size: 0.2, center: [0.01, 0.02] as [number, number] };
+  const scene = sceneOf({ ...initial, plane }, 0);
+  expect(scene.plane).toEqual({ axis: "y", at: 0.02, size: 0.2, center: [0.01, 0.13] });
+  expect(stateOf(scene, initial).plane).toEqual(plane);
+});
+
 test("a grid, a sound speed and no plane", () => {
   const scene: SceneFile = {
     medium: { frequency: 40000, sound_speed: 346.1295, absorption: 0, density: 1.18 },
@@ -47,7 +54,7 @@ test("a grid, a sound speed and no plane", () => {
     positions: [-0.005, 0.005].flatMap((y) => [-0.01, 0, 0.01].map((x) => [x, y, 0])),
     normals: Array.from({ length: 6 }, () => [0, 0, 1]),
   });
-  expect(state.plane).toEqual({ z: 0.15, size: 0.18, center: [0.02, 0.01] });
+  expect(state.plane).toEqual({ axis: "z", z: 0.15, size: 0.18, center: [0.02, 0.01] });
   expect(state.methods).toEqual(initial.methods);
 });
 

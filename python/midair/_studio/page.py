@@ -64,7 +64,7 @@ def shown_scene(state: dict[str, Any]) -> Scene:
             for k, point in enumerate(state["points"])
         ],
         "solver": {"name": state["methods"][0]},
-        "plane": state["plane"],
+        "plane": _plane(state["plane"]),
         "obstacles": state["obstacles"],
     }
     if state["quantization"] == "none":
@@ -72,6 +72,13 @@ def shown_scene(state: dict[str, Any]) -> Scene:
     if state["signature"]:
         document["signature"] = state["signature"]
     return Scene.parse(json.dumps(document), name="the studio's scene")
+
+
+def _plane(slice_: dict[str, Any]) -> dict[str, Any]:
+    """The page's slice as a scene file's plane: its center in the axes that lead right and up along it."""
+    axis, middle = slice_["axis"], dict(zip("xyz", (*slice_["center"], slice_["z"]), strict=True))
+    across = [middle[other] for other in "xyz" if other != axis]
+    return {"axis": axis, "at": middle[axis], "size": slice_["size"], "center": across}
 
 
 def _unknown(scene: Scene, written: dict[str, Any]) -> Iterator[str]:
@@ -95,8 +102,6 @@ def _unknown(scene: Scene, written: dict[str, Any]) -> Iterator[str]:
     for obstacle in scene.obstacles:
         if not isinstance(obstacle, Wall | Sphere):
             yield "meshes" if isinstance(obstacle, Mesh) else f"a {type(obstacle).__name__.lower()}"
-    if scene.plane is not None and scene.plane.axis != "z":
-        yield "an upright plane"
 
 
 def _passed_over(what: Scene | Solution) -> Iterator[str]:

@@ -83,7 +83,10 @@ class View:
         plane = before.plane
         if plane is not None and _cuts(plane, before) and not _cuts(plane, scene) and len(scene.points):
             # The slice goes along, as it does in the page.
-            scene = scene.replace(plane=Plane(scene.points[0, 2], plane.size, plane.pixels, plane.center))
+            at = scene.points[0, "xyz".index(plane.axis)]
+            scene = scene.replace(
+                plane=Plane(None, plane.size, plane.pixels, plane.center, axis=plane.axis, at=at)
+            )
         self.scene = scene
 
     @property
@@ -126,4 +129,4 @@ class View:
 
 def _cuts(plane: Plane, scene: Scene) -> bool:
     """Whether the slice goes through a point."""
-    return bool(np.isclose(scene.points[:, 2], plane.at).any())
+    return bool(np.isclose(scene.points[:, "xyz".index(plane.axis)], plane.at).any())

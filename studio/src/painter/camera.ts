@@ -73,34 +73,40 @@ function meet(
   return t > 0 && t < 20 * camera.distance ? along(from, t, way) : null;
 }
 
+/** A vector of length 1 along an axis, by its number. */
+const unit = (axis: number) => [0, 0, 0].with(axis, 1) as Vec3;
+
 /**
- * The shift (m) in the horizontal plane at height z (m) of a drag from `from` to `to` (CSS px of the view of
- * that size): the difference of two rays, so that nothing jumps when a drag begins. Null: beyond the horizon.
+ * The shift (m) of a drag from `from` to `to` (CSS px of the view of that size) in the plane through `place` (m) normal to
+ * an axis: the difference of two rays, so that nothing jumps when a drag begins. Null: beyond the horizon.
  */
 export function slide(
   camera: Camera,
   from: [number, number],
   to: [number, number],
-  z: number,
+  place: Vec3,
   size: [number, number],
+  axis = 2,
 ): Vec3 | null {
-  const a = meet(camera, from, size, [0, 0, z], [0, 0, 1]);
-  const b = meet(camera, to, size, [0, 0, z], [0, 0, 1]);
+  const a = meet(camera, from, size, place, unit(axis));
+  const b = meet(camera, to, size, place, unit(axis));
   return a && b && along(b, -1, a);
 }
 
-/** The shift in height (m) of a drag of what is at `place` (m), by the upright plane that faces the camera. */
+/** The shift (m) along an axis of a drag of what is at `place` (m), by the plane along the axis that faces the camera. */
 export function lift(
   camera: Camera,
   from: [number, number],
   to: [number, number],
   place: Vec3,
   size: [number, number],
+  axis = 2,
 ): number | null {
-  const normal: Vec3 = [-Math.sin(camera.yaw), Math.cos(camera.yaw), 0];
+  const { ahead } = frame(camera);
+  const normal = along(ahead, -ahead[axis], unit(axis));
   const a = meet(camera, from, size, place, normal);
   const b = meet(camera, to, size, place, normal);
-  return a && b && b[2] - a[2];
+  return a && b && b[axis] - a[axis];
 }
 
 function extent(positions: Float32Array, axis: number): number {

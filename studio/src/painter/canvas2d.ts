@@ -58,7 +58,7 @@ export function createFlat(canvas: HTMLCanvasElement): Painter {
       pen.drawImage(old.sheet, box.x, box.y, box.width, box.height);
     },
     scene(box, picture) {
-      const { positions, drive, slice, points, camera, theme } = picture;
+      const { positions, drive, slices, points, camera, theme } = picture;
       const ink = theme === "dark" ? "#9aa4b5" : "#4a5260";
       pen.save();
       pen.beginPath();
@@ -78,8 +78,7 @@ export function createFlat(canvas: HTMLCanvasElement): Painter {
         pen.fill();
       }
       pen.strokeStyle = ink;
-      if (slice) {
-        const { corner: c, u, v } = slice.lattice;
+      for (const { lattice: { corner: c, u, v } } of slices) {
         const at = (s: number, t: number): Vec3 => [0, 1, 2].map((k) => c[k] + s * u[k] + t * v[k]) as Vec3;
         path(box, picture, [at(0, 0), at(1, 0), at(1, 1), at(0, 1), at(0, 0)]);
         pen.stroke();

@@ -43,9 +43,10 @@ vec2 pressure(vec2 st) {
 const VERTEX = `
 uniform mat4 matrix;
 uniform vec3 corner, u, v;
+uniform vec4 part;
 out vec2 st;
 void main() {
-  st = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+  st = mix(part.xy, part.zw, vec2(gl_VertexID & 1, gl_VertexID >> 1));
   gl_Position = matrix * vec4(corner + st.x * u + st.y * v, 1);
 }`;
 
@@ -62,14 +63,18 @@ void main() {
 /** Takes the unit square to all of the view. */
 const FLAT = [2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, -1, -1, 0, 1];
 
+/** From where to where of a lattice, right and up, in its sides. */
+export type Part = readonly [number, number, number, number];
+export const ALL: Part = [0, 0, 1, 1];
+
 /** What the painter and the volume need of fields. */
 export interface FieldPainter {
   /** What COLOUR needs of `look`, for a program that has it; the map goes to texture unit 3. */
   setLook(program: Program, look: Look): void;
   /** The lattice over all of the view, opaque. */
   flat(lattice: Lattice, key: string, look: Look): void;
-  /** The lattice where it lies, clear where it is quiet: there its opacity is `least`. */
-  placed(view: View, lattice: Lattice, key: string, look: Look, least: number): void;
+  /** Part of the lattice where it lies, clear where it is quiet: there its opacity is `least`. */
+  placed(view: View, lattice: Lattice, key: string, look: Look, least: number, part: Part): void;
 }
 
 export function createField(gl: Gl): FieldPainter {
@@ -105,11 +110,12 @@ export function createField(gl: Gl): FieldPainter {
     to.set("turn", [Math.cos(look.turn), Math.sin(look.turn)]);
   }
 
-  function draw(lattice: Lattice, key: string, look: Look, least: number): void {
+  function draw(lattice: Lattice, key: string, look: Look, least: number, part: Part): void {
     const data = upload(lattice, key);
     slices.bind("field", 0, gl.TEXTURE_2D, data);
     setLook(slices, look);
     slices.set("least", least);
+    slices.set("part", part);
     gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
   }
 
@@ -121,14 +127,14 @@ export function createField(gl: Gl): FieldPainter {
       slices.set("corner", [0, 0, 0]);
       slices.set("u", [1, 0, 0]);
       slices.set("v", [0, 1, 0]);
-      draw(lattice, key, look, 1);
+      draw(lattice, key, look, 1, ALL);
     },
-    placed(view, lattice, key, look, least) {
+    placed(view, lattice, key, look, least, part) {
       aim(slices, view);
       slices.set("corner", lattice.corner);
       slices.set("u", lattice.u);
       slices.set("v", lattice.v);
-      draw(lattice, key, look, least);
+      draw(lattice, key, look, least, part);
     },
   };
 }

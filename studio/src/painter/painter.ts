@@ -1,9 +1,9 @@
 /** The painter: one WebGL2 context, one canvas behind the page, any number of views on it. */
 
-import type { Vec3 } from "../types.ts";
+import type { Lattice, Vec3 } from "../types.ts";
 import { along, dot } from "./camera.ts";
 import { canRadius, createDiscs, HEIGHT } from "./discs.ts";
-import { createField } from "./field.ts";
+import { ALL, createField, type Part } from "./field.ts";
 import { createFloor } from "./floor.ts";
 import type { Gl } from "./gl.ts";
 import { createLabels } from "./labels.ts";
@@ -18,6 +18,9 @@ import { createVolume } from "./volume.ts";
 /** Steps of a ray through the volume, at rest and while something moves. */
 const STEPS = [96, 48];
 
+/** The quarters of a slice. */
+const QUARTERS: Part[] = [0, 0.5].flatMap((s) => [0, 0.5].map((t): Part => [s, t, s + 0.5, t + 0.5]));
+
 /** The scene, from programs of that context. */
 function createScene(gl: Gl) {
   const field = createField(gl);
@@ -29,7 +32,7 @@ function createScene(gl: Gl) {
   const labels = createLabels(gl);
 
   function scene(box: Box, area: Area, picture: Picture, ratio: number): void {
-    const { camera, slice, obstacles, look } = picture;
+    const { camera, slices, obstacles, look } = picture;
     const view = makeView(camera, box, area, ratio);
     const bounds = boundsOf(picture.positions, picture.points);
     const plane = bounds.least[2];
@@ -51,7 +54,20 @@ function createScene(gl: Gl) {
     const glow = (side: { normal: Vec3; through: Vec3 } | null) => {
       if (picture.volume) volume(view, picture.volume, look, obstacles, steps, side);
     };
-    if (slice) {
+    const opacity = dark ? 0.34 : 0.42;
+    if (slices.length > 1) {
+      // Slices that cross are quarters, the furthest first.
+      const place = ({ corner, u, v }: Lattice, [s, t]: number[]) => along(along(corner, s, u), t, v);
+      const away = ({ lattice, part: [a, b, c, d] }: (typeof quarters)[number]) => {
+        const to = along(place(lattice, [(a + c) / 2, (b + d) / 2]), -1, view.eye);
+        return dot(to, to);
+      };
+      const quarters = slices.flatMap(({ lattice, key }) => QUARTERS.map((part) => ({ lattice, key, part })));
+      gl.depthMask(false);
+      for (const { lattice, key, part } of quarters.toSorted((a, b) => away(b) - away(a))) field.placed(view, lattice, key, look, opacity, part);
+      gl.depthMask(true);
+    } else if (slices.length) {
+      const [slice] = slices;
       // What glows behind the slice is seen through it, what glows before it covers it.
       const { corner, u, v } = slice.lattice;
       const away: Vec3 = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
@@ -59,7 +75,7 @@ function createScene(gl: Gl) {
       const normal: Vec3 = [away[0] / size, away[1] / size, away[2] / size];
       glow({ normal: [-normal[0], -normal[1], -normal[2]], through: corner });
       gl.depthMask(false);
-      field.placed(view, slice.lattice, slice.key, look, dark ? 0.34 : 0.42);
+      field.placed(view, slice.lattice, slice.key, look, opacity, ALL);
       gl.depthMask(true);
       glow({ normal, through: corner });
     } else {

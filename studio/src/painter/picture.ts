@@ -23,8 +23,8 @@ export interface Picture {
   normals: Float32Array;
   /** re and im of N drives of modulus 0 to 1; null: not known yet. */
   drive: Float32Array | null;
-  /** `key` names the texture that the lattice is kept in, as in `Painter.slice`. */
-  slice: { lattice: Lattice; key: string } | null;
+  /** One, or some that cross in their middles; `key` names the texture that the lattice is kept in, as in `Painter.slice`. */
+  slices: { lattice: Lattice; key: string }[];
   volume: Volume | null;
   points: Vec3[];
   obstacles: Obstacle[];

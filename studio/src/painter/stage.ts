@@ -79,13 +79,12 @@ export function axes(camera: Camera, bounds: Bounds, floor: number, theme: Pictu
   return { lines, labels };
 }
 
-/** From each point down to the plane of the array, with a ring at its foot; and the slice's border. */
+/** From each point down to the plane of the array, with a ring at its foot; and the slices' borders. */
 export function guides(picture: Picture, plane: number): Line[] {
   const { faint, strong } = INKS[picture.theme];
   const foot = picture.points.flatMap(([x, y, z]): Line[] => [
     { a: [x, y, z], b: [x, y, plane], ink: faint, width: 1 },
     ...ring([x, y, plane], 0.003, strong, 1.2),
   ]);
-  const lattice = picture.slice?.lattice;
-  return lattice ? [...foot, ...outline(lattice.corner, lattice.u, lattice.v, faint, 1)] : foot;
+  return [...foot, ...picture.slices.flatMap(({ lattice: { corner, u, v } }) => outline(corner, u, v, faint, 1))];
 }
