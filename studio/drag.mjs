@@ -62,8 +62,12 @@ async function measure({ browser, url, visit, grab }, name, state) {
   await context.close();
 }
 
+/** Seven points on a ring of 40 mm and one in its middle, above four AUTD3 boards. */
+const ring = Array.from({ length: 7 }, (_, k) => [0.04 * Math.cos((2 * Math.PI * k) / 7), 0.04 * Math.sin((2 * Math.PI * k) / 7), 0.18]);
+const EIGHT = { level: "engineer", array: { preset: "autd3", tiles: [2, 2] }, points: [...ring, [0, 0, 0.18]], quantity: "modulus", view: "both" };
+
 await withSite(async (open) => {
-  await measure(open, "autd3 2x2, 8 points, both");
-  await measure(open, "the same, slice", { view: "slice" });
+  await measure(open, "autd3 2x2, 8 points, both", EIGHT);
+  await measure(open, "the same, slice", { ...EIGHT, view: "slice" });
   await measure(open, "sonicsurface, 1 point", { array: { preset: "sonicsurface", tiles: [1, 1] }, points: [[0, 0, 0.15]] });
 });

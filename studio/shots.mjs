@@ -1,4 +1,4 @@
-// Pictures of the page to be looked at: node shots.mjs FOLDER [all]. The page wide and narrow, dark and light; with `all` also
+// Pictures of the page to be looked at: node shots.mjs FOLDER [all]. Each level, wide, middle and narrow, dark and light; with `all` also
 // huge, Japanese, with 64 points, with a path, and each gallery scene in every manner.
 import { mkdir } from "node:fs/promises";
 
@@ -6,7 +6,7 @@ import { withSite } from "./with_site.mjs";
 
 const [folder, all] = process.argv.slice(2);
 await mkdir(folder, { recursive: true });
-const sizes = { wide: { width: 1440, height: 900 }, narrow: { width: 390, height: 844 } };
+const sizes = { wide: { width: 1440, height: 900 }, middle: { width: 1024, height: 768 }, narrow: { width: 390, height: 844 } };
 const themes = ["dark", "light"];
 const locales = all ? ["en-GB", "ja-JP"] : ["en-GB"];
 /** As many points as the page takes, on a spiral. */
@@ -19,17 +19,15 @@ const manners = Object.entries(sizes).flatMap(([size, viewport]) =>
 
 /** Takes a scene of the gallery, by its place in it. */
 async function choose(page, k) {
-  // Where the bar is folded, the gallery is in its menu.
-  const menu = page.locator(".menu");
-  if (await menu.isVisible()) await menu.click();
-  await page.getByRole("button", { name: /gallery/i }).click();
+  await page.getByRole("button", { name: /gallery|ギャラリー/i }).click();
   if (k === undefined) return;
   await page.getByRole("dialog").getByRole("listitem").nth(k).getByRole("button").click();
 }
 
 /** Plays a path, and rests when its curves are there. */
 async function play(page) {
-  await page.evaluate(() => window.midair.set({ view: "slice", path: { kind: "circle", radius: 0.01, frequency: 20 } }));
+  await page.evaluate(() => window.midair.set({ level: "engineer", view: "slice", path: { kind: "circle", radius: 0.01, frequency: 20 } }));
+  await page.evaluate(() => document.querySelectorAll("details").forEach((each) => (each.open = true)));
   const button = page.getByRole("button", { name: /^(Move|動かす)$/ });
   await button.click();
   await page.locator(".chart").waitFor({ timeout: 60_000 });
@@ -43,13 +41,13 @@ await withSite(async ({ browser, url, visit }) => {
     await act?.(page);
     await page.evaluate(() => window.midair.settled());
     await page.waitForTimeout(600);
-    await page.screenshot({ path: `${folder}/${name}.png`, fullPage: options.viewport.width < 900, timeout: 150_000 });
+    await page.screenshot({ path: `${folder}/${name}.png`, timeout: 150_000 });
     if (complaints.length) console.log(name, complaints);
     await context.close();
   }
 
   for (const [name, options] of manners) {
-    await shoot(name, options);
+    for (const level of ["play", "compare", "engineer"]) await shoot(`${name}-${level}`, options, (page) => page.evaluate((level) => window.midair.set({ level }), level));
     await shoot(`${name}-gallery`, options, choose);
     if (!all) continue;
     await shoot(`${name}-64-points`, options, (page) => page.evaluate((points) => window.midair.set({ points }), many));

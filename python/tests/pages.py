@@ -24,6 +24,7 @@ STATE = {
     "obstacles": [],
     "ear": None,
     "plane": {"axis": "z", "z": 0.18, "size": 0.18, "center": [0, 0]},
+    "level": "play",
     "view": "both",
     "slot": 0,
     "scale": "linear",

@@ -35,6 +35,7 @@ const SAID: { [Key in keyof State]?: [Word, (state: State) => string] } = {
   obstacles: ["obstacle", ({ obstacles }) => String(obstacles.length)],
   ear: ["ear", ({ ear }) => ear?.map(millimetres).join(", ") ?? "–"],
   plane: ["slice", ({ plane }) => `${plane.axis} ${millimetres(middleOf(plane)[SIDES[plane.axis][2]])} mm, ${millimetres(plane.size)} mm`],
+  level: ["levelOfPage", ({ level }) => level],
   view: ["view", ({ view }) => view],
   slot: ["shownSlot", ({ slot }) => "AB"[slot]],
   scale: ["scale", ({ scale }) => scale],

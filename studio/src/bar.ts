@@ -1,4 +1,4 @@
-/** Bar: name, undo and redo, gallery, files, board, language, theme and link. */
+/** Bar: name, undo and redo, levels, gallery, board and link; a menu of files, language and theme. */
 
 import { createBoardButton } from "./boardbutton.ts";
 import type { Context } from "./context.ts";
@@ -19,8 +19,8 @@ const LOGO =
   'stroke-linecap="round"><circle cx="12" cy="5.5" r="2.4" fill="currentColor" stroke="none"/>' +
   '<path d="M7.2 9.5a6.6 6.6 0 0 0 9.6 0M4.5 13a11 11 0 0 0 15 0M2 17a15.5 15.5 0 0 0 20 0"/></svg>';
 
-/** Makes the bar. */
-export function createBar(context: Context, deeds: Deeds): { root: HTMLElement; place(): void } {
+/** Makes the bar around the buttons of the page's levels. */
+export function createBar(context: Context, levels: HTMLElement, deeds: Deeds): { root: HTMLElement; place(): void } {
   const { studio, say } = context;
   const button = (text: string, act: () => void, name = text, className = "") =>
     element("button", { onclick: act, className, "aria-label": name, title: name }, text);
@@ -45,26 +45,17 @@ export function createBar(context: Context, deeds: Deeds): { root: HTMLElement; 
   };
   const name = element("h1", {}, "midair ", element("small", {}, say("studio")));
   const logo = element("span", { className: "logo", innerHTML: LOGO });
-  const exports = element(
-    "span",
-    { className: "joined", role: "group", "aria-label": say("export") },
-    element("span", { className: "caption", "aria-hidden": "true" }, say("export")),
-    button(say("scene"), () => void exportScene(context).catch(told), say("exportScene")),
-    button(say("drive"), () => void exportDrive(context, studio.view.state.slot).catch(told), say("exportDrive")),
-    button(say("picture"), () => deeds.picture("png"), say("exportPicture")),
-    button("SVG", () => deeds.picture("svg"), say("exportDrawing")),
-  );
   const told = ({ message }: Error) => context.alarm(say("failed", { line: message }));
   const tools = element(
     "div",
     { className: "tools", id: "tools" },
-    button(say("gallery"), () => showGallery(context), say("gallery")),
     button(say("open"), () => file.click(), say("openHint")),
-    exports,
-    createBoardButton(context),
-    button(say("language"), deeds.language, say("language")),
-    button("◐", deeds.theme, say("theme"), "icon"),
-    button(say("share"), () => void share(), say("share"), "filled"),
+    button(say("exportScene"), () => void exportScene(context).catch(told)),
+    button(say("exportDrive"), () => void exportDrive(context, studio.view.state.slot).catch(told)),
+    button(say("exportPicture"), () => deeds.picture("png")),
+    button(say("exportDrawing"), () => deeds.picture("svg")),
+    button(say("language"), deeds.language),
+    button(say("theme"), deeds.theme),
     file,
   );
   const menu = element("button", { className: "menu icon", "aria-label": say("menu"), "aria-controls": "tools", "aria-expanded": "false" }, "☰");
@@ -72,8 +63,28 @@ export function createBar(context: Context, deeds: Deeds): { root: HTMLElement; 
   menu.onclick = () => fold(menu.ariaExpanded === "false");
   // What was taken from the menu is below it. A dialog gives the focus back to where it was.
   tools.addEventListener("click", () => (fold(false), menu.focus()), true);
+  const root = element(
+    "header",
+    { className: "top" },
+    logo,
+    name,
+    undo,
+    redo,
+    levels,
+    button(say("gallery"), () => showGallery(context)),
+    createBoardButton(context),
+    button(say("share"), () => void share(), say("share"), "filled"),
+    menu,
+    tools,
+  );
+  const folds = ({ target, key }: { target: EventTarget | null; key?: string }) => {
+    if (key === "Escape" || (!key && !root.contains(target as Node))) fold(false);
+  };
+  window.addEventListener("pointerdown", folds);
+  root.addEventListener("keydown", folds);
+  context.ending(() => window.removeEventListener("pointerdown", folds));
   return {
-    root: element("header", { className: "top" }, logo, name, undo, redo, menu, tools),
+    root,
     place() {
       undo.disabled = !studio.canUndo();
       redo.disabled = !studio.canRedo();

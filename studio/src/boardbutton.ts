@@ -54,7 +54,7 @@ export function createBoardButton(context: Context): HTMLElement {
 
   function show() {
     const plays = player?.state === "playing";
-    write(button, plays ? say("playing") : player ? say("play") : say("connect"));
+    write(button, plays ? say("playing") : player ? say("playAgain") : say("connect"));
     button.classList.toggle("on", plays);
     context.announce(say(plays ? "boardOn" : "boardOff"));
   }

@@ -2,7 +2,7 @@
 
 import type { Catalogue } from "./door.ts";
 import { MOST_POINTS } from "./initial.ts";
-import { AXES, type Axis, QUANTITIES, SCALES, type State, VIEWS } from "./types.ts";
+import { AXES, type Axis, LEVELS, QUANTITIES, SCALES, type State, VIEWS } from "./types.ts";
 
 type Rule = [fits: (value: unknown) => boolean, cure: string];
 
@@ -61,6 +61,7 @@ const RULES: Record<keyof State, Rule> = {
   obstacles: [(value) => Array.isArray(value) && value.every(isObstacle), "give a list of walls and balls"],
   ear: [(value) => value === null || isPlace(value), "give a place [x, y, z] in m, or null"],
   plane: [isPlane, 'give { axis: "x", "y" or "z", z, size, center: [x, y] } in m'],
+  level: oneOf(...LEVELS),
   view: oneOf(...VIEWS),
   quantity: oneOf(...QUANTITIES),
   slot: oneOf(0, 1),

@@ -1,28 +1,32 @@
-/** Compare: two methods, their slices on one colour scale, and their numbers. */
+/** Compare: two methods, one slice that a wiper parts between them, and their numbers. */
 
 import { changes } from "./changes.ts";
 import { type Context } from "./context.ts";
-import { choice, element, write } from "./dom.ts";
+import { choice, element, explained, write } from "./dom.ts";
 import { MOST_POINTS } from "./initial.ts";
-import { numberRows, type Row } from "./numbers.ts";
+import { numberRows, percent, pressure, type Row, weakest } from "./numbers.ts";
 import { entry, mapOf, type Tick, ticks } from "./painter/maps.ts";
 import { onPlane, placeOn } from "./plane.ts";
 import { added, moved } from "./points.ts";
 import { MANY } from "./stage.ts";
 import type { Look, Slot, Vec3 } from "./types.ts";
-import type { Word } from "./words.ts";
 
-/** The right column. */
+/** What of the page compares. */
 export interface Compare {
+  /** Both methods above the slice that they share, which a wiper parts: A to its left, B to its right. */
   root: HTMLElement;
-  /** Where the slices are painted. */
-  slices: [HTMLElement, HTMLElement];
+  /** Where the slice is painted. */
+  slice: HTMLElement;
+  /** The part of the slice that is A's, 0 to 1. */
+  share(): number;
+  /** Table and warnings. */
+  numbers: HTMLElement[];
   place(look: Look): void;
 }
 
 const SLOTS: Slot[] = [0, 1];
 
-/** Makes the column. */
+/** Makes both. */
 export function createCompare(context: Context): Compare {
   const { studio, say, plain, engine } = context;
   const state = () => studio.view.state;
@@ -36,28 +40,29 @@ export function createCompare(context: Context): Compare {
       { "aria-label": say("method", { slot: letter }) },
     );
     const badge = element("span", { className: `badge ${letter.toLowerCase()}` }, letter);
-    const summary = element("p", { className: "summary" });
-    const picture = element("div", { className: "slice", role: "img", "aria-label": say("sliceOf", { slot: letter }) });
-    const bar = element("canvas", { className: "bar", width: 1, height: 256, "aria-hidden": "true" });
-    const labels = element("div", { className: "ticks", "aria-hidden": "true" });
+    const summary = explained(element("p", { className: "summary" }), say("summaryTip"));
     const refusal = element("p", { className: "refusal" });
-    const root = element(
-      "section",
-      { className: "method", "aria-label": say("method", { slot: letter }) },
-      element("header", {}, badge, method, summary),
-      element("div", { className: "row" }, picture, bar, labels),
-      refusal,
-    );
-    const rings: HTMLElement[] = [];
-    listen(picture, rings);
-    return { root, method, summary, picture, bar, labels, refusal, rings };
+    const root = element("section", { className: "method", "aria-label": say("method", { slot: letter }) }, badge, method, summary, refusal);
+    return { root, method, summary, refusal };
   });
+  const picture = element("div", { className: "slice", role: "img", "aria-label": say("slices") });
+  const wiper = element("input", { className: "wiper", type: "range", min: 0, max: 1, step: 0.01, value: 0.5, "aria-label": say("wiper"), oninput: context.repaint });
+  const bar = element("canvas", { className: "bar", width: 1, height: 256, "aria-hidden": "true" });
+  const labels = element("div", { className: "ticks", "aria-hidden": "true" });
+  const scale = explained(element("div", { className: "scale", role: "img", "aria-label": say("scaleOf") }, bar, labels), say("scaleTip"));
+  const root = element(
+    "section",
+    { className: "pane", "aria-label": say("methods") },
+    element("div", { className: "methods" }, ...parts.map((part) => part.root)),
+    element("div", { className: "row" }, element("div", { className: "wipe" }, picture, wiper), scale),
+  );
+  const rings: HTMLElement[] = [];
+  listen();
   const table = element("table", { className: "numbers" });
   const warnings = element("ul", { className: "warnings" });
-  const root = element("aside", { className: "compare" }, ...parts.map((part) => part.root), table, warnings);
 
   /** Points are dragged in a slice, too; a double click makes a new one. */
-  function listen(picture: HTMLElement, rings: HTMLElement[]) {
+  function listen() {
     let begin: { index: number; at: Vec3; point: Vec3 } | null = null;
     let gesture = 0;
     const metres = (event: MouseEvent): Vec3 => {
@@ -89,10 +94,8 @@ export function createCompare(context: Context): Compare {
     };
   }
 
-  function ring(slot: Slot) {
-    const { picture, rings } = parts[slot];
-    // What moves is A's.
-    const points = (slot === 0 && studio.view.frame?.points) || state().points;
+  function ring() {
+    const points = studio.view.frame?.points ?? state().points;
     picture.classList.toggle("many", points.length > MANY);
     while (rings.length > points.length) rings.pop()!.remove();
     while (rings.length < points.length) {
@@ -114,7 +117,7 @@ export function createCompare(context: Context): Compare {
       element(
         "tr",
         {},
-        element("th", { scope: "row" }, say(word as Word)),
+        explained(element("th", { scope: "row" }, say(word)), say(`${word}Tip`)),
         ...values.map((value, slot) =>
           element("td", { className: better === slot ? "better" : "", colSpan: values.length === 1 ? 2 : 1 }, value),
         ),
@@ -129,37 +132,38 @@ export function createCompare(context: Context): Compare {
     warnings.replaceChildren(...(lines.length ? [element("li", {}, `${say("notes")}:`)] : []), ...items);
   });
 
-  const writeBars = changes((map: ReturnType<typeof mapOf>) => parts.forEach(({ bar }) => paint(bar, map)));
+  const writeBar = changes((map: ReturnType<typeof mapOf>) => paint(bar, map));
   const writeTicks = changes((text: string) => {
-    for (const { labels } of parts) {
-      const spans = (JSON.parse(text) as Tick[]).map(({ at, label }) => {
-        const tick = element("span", {}, label);
-        tick.style.bottom = `${100 * at}%`;
-        return tick;
-      });
-      labels.replaceChildren(...spans);
-    }
+    const spans = (JSON.parse(text) as Tick[]).map(({ at, label }) => {
+      const tick = element("span", {}, label);
+      tick.style.bottom = `${100 * at}%`;
+      return tick;
+    });
+    labels.replaceChildren(...spans);
   });
 
   return {
     root,
-    slices: [parts[0].picture, parts[1].picture],
+    slice: picture,
+    share: () => +wiper.value,
+    numbers: [table, warnings],
     place(look) {
+      const { results, frame } = studio.view;
       for (const slot of SLOTS) {
         const { method, summary, refusal } = parts[slot];
-        const { answer, refused } = studio.view.results[slot];
+        const { answer, refused } = results[slot];
         if (method.value !== state().methods[slot]) method.value = state().methods[slot];
-        const moves = Boolean(studio.view.frame?.found);
-        const shown = answer ? `U ${answer.metrics.uniformity.toFixed(3)}` : "";
+        const moves = Boolean(frame?.found);
+        const shown = answer ? say("summary", { pressure: pressure(weakest(results[slot])), evenness: percent(answer.metrics.uniformity) }) : "";
         write(summary, moves ? (slot ? say("atRest") : "glide") : shown);
         parts[slot].root.classList.toggle("still", moves && slot === 1);
         write(refusal, refused && say("unsolved", { line: plain(refused) }));
         refusal.hidden = refused === "";
-        ring(slot);
       }
-      writeBars(mapOf(look));
+      wiper.hidden = results.some(({ lattice }) => !lattice);
+      ring();
+      writeBar(mapOf(look));
       writeTicks(JSON.stringify(ticks(look)));
-      const { results } = studio.view;
       writeRows(JSON.stringify(numberRows(studio.view)));
       writeWarnings(JSON.stringify([...new Set(results.flatMap((result) => result.warnings))]));
     },

@@ -23,14 +23,33 @@ export function write(place: HTMLElement, text: string): void {
   if (place.textContent !== text) place.textContent = text;
 }
 
-/** A titled group of controls. */
-export function group(title: string, ...children: (Node | null)[]): HTMLElement {
-  return element("section", { className: "group" }, element("h2", {}, title), ...children);
+/** An element that `createTips` explains in one line while it, or a control in it, is pointed at or has the focus. */
+export function explained<Made extends HTMLElement>(made: Made, line: string): Made {
+  made.dataset.tip = line;
+  if (!made.querySelector("input, select") && !made.matches("input, select, button")) made.tabIndex = 0;
+  return made;
 }
 
-/** A control with its name, and what it says beside. */
-export function labelled(name: string, control: HTMLElement, aside?: HTMLElement): HTMLElement {
-  return element("label", { className: aside ? "field wide" : "field" }, element("span", {}, name), aside, control);
+/** A titled group of controls that folds; its second element states what it holds. */
+export function group(title: string, ...children: (Node | null)[]): { root: HTMLDetailsElement; holds: HTMLElement } {
+  const holds = element("span");
+  const summary = element("summary", {}, element("h2", {}, title), holds);
+  return { root: element("details", { className: "group" }, summary, ...children), holds };
+}
+
+/** A control with its name, and what it says beside; `tip` explains its number. */
+export function labelled(name: string, control: HTMLElement, aside?: HTMLElement | null, tip?: string): HTMLElement {
+  const made = element("label", { className: aside ? "field wide" : "field" }, element("span", {}, name), aside, control);
+  return tip ? explained(made, tip) : made;
+}
+
+/** Buttons of which one is chosen. */
+export function segments(name: string, pairs: readonly (readonly string[])[], choose: (value: string) => void) {
+  const buttons = pairs.map(([value, text]) => element("button", { value, onclick: () => choose(value) }, text));
+  return {
+    root: element("div", { className: "joined", role: "group", "aria-label": name }, ...buttons),
+    choose: (value: string) => buttons.forEach((each) => each.setAttribute("aria-pressed", String(each.value === value))),
+  };
 }
 
 /** A select of [value, text] pairs. */

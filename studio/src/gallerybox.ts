@@ -12,7 +12,8 @@ export function showGallery(context: Context): void {
     const word = (pair: readonly [string, string]) => pair[language === "ja" ? 1 : 0];
     const choose = () => {
       dialog.close();
-      studio.change(state);
+      const { level } = studio.view.state;
+      studio.change({ ...state, level: level === "play" ? "compare" : level });
       context.announce(say("opened", { name: word(name) }));
     };
     const text = element("span", {}, word(line));

@@ -33,6 +33,7 @@ export const initial: State = {
   obstacles: [],
   ear: null,
   plane: { axis: "z", z: HEIGHT, size: 0.18, center: [0, 0] },
+  level: "play",
   view: "both",
   quantity: "modulus",
   slot: 0,

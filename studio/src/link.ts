@@ -12,15 +12,16 @@
 // | `m` | methods A.B | `g` | path: circle,radius,Hz or line,length,Hz |
 // | `p` | points: x,y,z or x,y,z,Pa | `w`, `s`, `k` | view, slot (a, b), scale |
 // | `d` | displays: modulus, wave, phase | `n` | normal of the slice: x, y, z |
+// | `h` | how much: play, compare, engineer | | |
 //
 // An array of one's own is in no link: it is `a=own`, which is refused when read.
 
 import { decimal } from "./decimal.ts";
 import { initial, MOST_POINTS } from "./initial.ts";
-import { AXES, QUANTITIES, SCALES, VIEWS } from "./types.ts";
+import { AXES, LEVELS, QUANTITIES, SCALES, VIEWS } from "./types.ts";
 import type { Obstacle, State, Vec3 } from "./types.ts";
 
-const LEVELS = ["board", "none"] as const;
+const QUANTIZATIONS = ["board", "none"] as const;
 const SIGNATURES = ["trap", "twin", "vortex"] as const;
 const SLOTS = ["a", "b"] as const;
 const KINDS = ["rigid", "soft"] as const;
@@ -136,12 +137,13 @@ function readAir(text: string): Partial<State> {
 const READERS: Record<string, (text: string, state: State) => Partial<State>> = {
   v: (text) => (text === "1" ? {} : wrong("v", text, "this page reads v=1")),
   a: (text) => ({ array: readArray(text) }),
-  l: (text) => ({ quantization: word("l", text, LEVELS) }),
+  l: (text) => ({ quantization: word("l", text, QUANTIZATIONS) }),
   t: readAir,
   m: (text) => ({ methods: readMethods(text) }),
   p: readPoints,
   z: (text, { plane: { axis } }) => ({ plane: { ...readPlane(text), axis } }),
   n: (text, { plane }) => ({ plane: { ...plane, axis: word("n", text, AXES) } }),
+  h: (text) => ({ level: word("h", text, LEVELS) }),
   w: (text) => ({ view: word("w", text, VIEWS) }),
   d: (text) => ({ quantity: word("d", text, QUANTITIES) }),
   // Of earlier pages, which had three maps of |p|.
@@ -211,6 +213,7 @@ export function writeLink(state: State): string {
     ["p", state.points.map(point).join("_")],
     ["z", [mm(plane.z), mm(plane.size), ...middle].join()],
     ["n", plane.axis === "z" ? null : plane.axis],
+    ["h", state.level === initial.level ? null : state.level],
     ["w", state.view],
     ["d", state.quantity === initial.quantity ? null : state.quantity],
     ["k", state.scale === initial.scale ? null : state.scale],

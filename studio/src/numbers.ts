@@ -4,9 +4,12 @@ import type { Result, View } from "./studio.ts";
 import type { Slot } from "./types.ts";
 import type { Word } from "./words.ts";
 
+/** What a row can be of. */
+export type Told = "accuracy" | "sigma" | "uniformity" | "level" | "leak" | "bound" | "weakest" | "loudest" | "changes" | "heard" | "time";
+
 /** A row: its word, a text a slot or one for both, and whose is better. */
 export interface Row {
-  word: Word;
+  word: Told;
   values: [string, string] | [string];
   better: Slot | null;
 }
@@ -17,6 +20,9 @@ export const decibels = (peak: number) => 20 * Math.log10(peak / Math.SQRT2 / 20
 /** A pressure with its unit. */
 export const pressure = (pascals: number) =>
   pascals >= 1000 ? `${(pascals / 1000).toFixed(2)} kPa` : `${Number(pascals.toPrecision(3))} Pa`;
+
+/** A part of one as per cent. */
+export const percent = (part: number) => `${Math.round(100 * part)} %`;
 
 /** The least |p| of the points that are not quiet, in Pa. */
 export function weakest({ answer }: Result): number {
@@ -34,10 +40,10 @@ export const duration = (ms: number) => (ms < 1 ? `${Math.round(1000 * ms)} µs`
 export function numberRows({ results, bound, state, frame }: View): Row[] {
   if (frame?.found) {
     const { least, most, change } = frame.found;
-    const own = (word: Word, text: string): Row => ({ word, values: [text, NONE], better: null });
+    const own = (word: Told, text: string): Row => ({ word, values: [text, NONE], better: null });
     return [own("weakest", pressure(least)), own("loudest", pressure(most)), own("changes", `${change.toFixed(2)} rad`)];
   }
-  const row = (word: Word, of: (result: Result) => number, text: (value: number) => string, best: number): Row => {
+  const row = (word: Told, of: (result: Result) => number, text: (value: number) => string, best: number): Row => {
     const numbers = results.map((result) => (result.answer ? of(result) : NaN));
     const values = numbers.map((value) => (Number.isNaN(value) ? NONE : text(value))) as [string, string];
     const ahead = best * (numbers[0] - numbers[1]);
@@ -60,4 +66,21 @@ export function numberRows({ results, bound, state, frame }: View): Row[] {
   if (state.ear) rows.push(row("heard", ({ heard }) => heard, (p) => `${decibels(p).toFixed(1)} dB SPL`, -1));
   rows.push(row("time", ({ milliseconds }) => milliseconds, duration, 0));
   return rows;
+}
+
+/** The sentence on what A does: its word, and what is put in; null where nothing can be said. */
+export function sentenceOf({ results, frame, state }: View): { word: Word; put: Record<string, string | number> } | null {
+  const { answer, milliseconds } = results[0];
+  if (!answer) return null;
+  const count = answer.targets.filter((target) => target > 0).length;
+  const [least, even] = frame?.found ? [frame.found.least, frame.found.least / frame.found.most] : [weakest(results[0]), answer.metrics.uniformity];
+  const put = {
+    count,
+    pressure: pressure(least),
+    level: `${decibels(least).toFixed(0)} dB`,
+    evenness: percent(even),
+    time: Number.isNaN(milliseconds) ? "…" : duration(milliseconds),
+  };
+  const kind = state.signature ? "traps" : count === 1 ? "focus" : "foci";
+  return { word: frame?.found ? "inMotion" : kind, put };
 }

@@ -4,7 +4,7 @@ import { announceChanges, announcer } from "./announce.ts";
 import { createBar } from "./bar.ts";
 import { createCompare } from "./compare.ts";
 import type { Context } from "./context.ts";
-import { element } from "./dom.ts";
+import { element, segments, write } from "./dom.ts";
 import type { Engine } from "./engine.ts";
 import type { Eye } from "./eye.ts";
 import { exportSheet, open } from "./exchange.ts";
@@ -14,10 +14,12 @@ import { createPainter } from "./painter/painter.ts";
 import type { Painter } from "./painter/picture.ts";
 import { createPanels } from "./panels.ts";
 import { plain } from "./refusals.ts";
+import { createSentence } from "./sentence.ts";
 import { SHEET, sheet } from "./sheet.ts";
 import { createStage } from "./stage.ts";
 import type { Studio } from "./studio.ts";
-import { type Lattice, QUANTITIES, type Quantity, type Slot, VIEWS, type Vec3, type View } from "./types.ts";
+import { createTips } from "./tips.ts";
+import { type Lattice, LEVELS, type Level, QUANTITIES, type Quantity, type Vec3 } from "./types.ts";
 import { type Language, say } from "./words.ts";
 
 /** A page that is shown. */
@@ -84,8 +86,12 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   const canvas = element("canvas", { className: "canvas", "aria-hidden": "true" });
   const stage = createStage(context, manner.eye);
   const compare = createCompare(context);
-  const panels = createPanels(context);
-  const bar = createBar(context, {
+  const panels = createPanels(context, compare, Boolean(manner.compact));
+  const sentence = createSentence(context);
+  const levels = segments(context.say("levelOfPage"), LEVELS.map((name) => [name, context.say(name)]), (level) =>
+    studio.change({ level: level as Level }),
+  );
+  const bar = createBar(context, levels.root, {
     language: () => manner.again({ language: language === "en" ? "ja" : "en" }),
     theme: () => manner.again({ theme: theme === "dark" ? "light" : "dark" }),
     picture(ending) {
@@ -98,22 +104,31 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       exportSheet(drawn, SHEET, ending).catch(({ message }: Error) => context.alarm(context.say("failed", { line: message })));
     },
   });
-  const views = segments(context.say("view"), VIEWS.map((view) => [view, context.say(VIEW_WORDS[view])]), (view) =>
-    studio.change({ view: view as View }),
-  );
-  const slots = segments(context.say("shownSlot"), ["A", "B"].map((name, k) => [String(k), name]), (slot) =>
-    studio.change({ slot: Number(slot) as Slot }),
-  );
   const quantities = segments(context.say("quantity"), QUANTITIES.map((name) => [name, context.say(name)]), (quantity) =>
     studio.change({ quantity: quantity as Quantity }),
   );
-  stage.root.append(element("div", { className: "segments" }, views.root, slots.root, quantities.root));
-  const main = element("main", {}, ...(manner.compact ? [] : [panels.root]), stage.root, compare.root);
+  quantities.root.classList.add("quantities");
+  const bench = element("section", { className: "bench", "aria-label": context.say("slice") });
+  const drawer = element("button", { className: "drawer icon", "aria-label": context.say("settings"), "aria-controls": "panels", "aria-expanded": "true" }, "⇥");
+  const main = element("main", {}, stage.root, bench, quantities.root, sentence.root, drawer, panels.root);
+  drawer.onclick = () => {
+    const open = main.classList.toggle("shut");
+    drawer.setAttribute("aria-expanded", String(!open));
+    write(drawer, open ? "⇤" : "⇥");
+  };
+  const skip = element("a", { className: "skip", href: "#points" }, context.say("skip"));
+  skip.onclick = (event) => {
+    event.preventDefault();
+    main.querySelector<HTMLElement>(studio.view.state.level === "compare" ? ".wiper" : ".point")?.focus();
+  };
+  const listening = new AbortController();
+  const { signal } = listening;
+  const tip = createTips(root, signal);
   root.classList.add("studio");
   root.classList.toggle("compact", Boolean(manner.compact));
   root.dataset.theme = theme;
   root.lang = language;
-  root.replaceChildren(canvas, ...(manner.compact ? [] : [bar.root]), main, alert, status);
+  root.replaceChildren(canvas, ...(manner.compact ? [] : [skip, bar.root]), main, alert, status, tip);
 
   let painter: Painter = begin();
   function begin(): Painter {
@@ -132,10 +147,14 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   function place() {
     const { state } = studio.view;
     bar.place();
-    if (!manner.compact) panels.place();
+    const level = manner.compact ? "engineer" : state.level;
+    root.dataset.level = level;
+    const home = level === "compare" ? bench : panels.dock;
+    if (compare.root.parentElement !== home) home.append(compare.root);
+    panels.place();
     compare.place(look());
-    views.choose(state.view);
-    slots.choose(String(state.slot));
+    sentence.place();
+    levels.choose(level);
     quantities.choose(state.quantity);
     const [a, b] = studio.view.results.map(({ answer }) => answer?.metrics.uniformity.toFixed(3) ?? "–");
     const [methodA, methodB] = state.methods;
@@ -152,7 +171,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     frame = 0;
     if (gone || painter.lost) return 1;
     // No taller than its views: a long page on a phone would be more pixels than a canvas may have.
-    const bottoms = [stage.view, ...compare.slices].map((view) => view.getBoundingClientRect().bottom);
+    const bottoms = [stage.view, compare.slice].map((view) => view.getBoundingClientRect().bottom);
     const { top } = canvas.getBoundingClientRect();
     canvas.style.height = `${Math.ceil(Math.max(...bottoms) - top)}px`;
     const outer = canvas.getBoundingClientRect();
@@ -169,7 +188,8 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     const lattice = slices[slot];
     const ratio = given ?? Math.min(devicePixelRatio, 2) * ((view.moving || runs()) && painter.slow ? COARSE : 1);
     painter.begin(outer.width, outer.height, ratio, BACKGROUNDS[theme]);
-    painter.scene(box(stage.view), {
+    const space = box(stage.view);
+    if (space.width) painter.scene(space, {
       camera: stage.camera(),
       positions: view.positions,
       normals: view.normals,
@@ -183,9 +203,16 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       theme,
       moving: view.moving,
     });
-    compare.slices.forEach((element, index) => {
-      const shown = slices[index];
-      if (shown) painter.slice(box(element), shown, "AB"[index], shades);
+    const whole = box(compare.slice);
+    const sheet = box(panels.root);
+    slices.forEach((lattice, slot) => {
+      if (!lattice || !whole.width) return;
+      const shared = slices[1 - slot] ? compare.share() : 1 - slot;
+      const [from, to] = slot ? [whole.x + shared * whole.width, whole.x + whole.width] : [whole.x, whole.x + shared * whole.width];
+      // What is scrolled out of its sheet is not seen above it.
+      const docked = panels.root.contains(compare.slice);
+      const [top, bottom] = [docked ? Math.max(whole.y, sheet.y) : whole.y, whole.y + whole.height];
+      painter.slice(whole, lattice, "AB"[slot], shades, { x: from, y: top, width: to - from, height: bottom - top });
     });
     stage.place();
     return ratio;
@@ -220,9 +247,7 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     context.alarm(refused && context.say("unsolved", { line: plain(language, refused) }));
   }
   const size = new ResizeObserver(context.repaint);
-  [canvas, stage.view, ...compare.slices].forEach((each) => size.observe(each));
-  const listening = new AbortController();
-  const { signal } = listening;
+  [canvas, stage.view, compare.slice].forEach((each) => size.observe(each));
   calm.addEventListener("change", context.repaint, { signal });
   window.addEventListener("scroll", context.repaint, { passive: true, capture: true, signal });
   (manner.compact ? root : window).addEventListener("keydown", press as EventListener, { signal });
@@ -241,18 +266,5 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       listening.abort();
       painter.dispose();
     },
-  };
-}
-
-const VIEW_WORDS = { slice: "viewSlice", planes: "viewPlanes", volume: "viewVolume", both: "viewBoth" } as const;
-
-/** Buttons of which one is chosen. */
-function segments(name: string, pairs: readonly (readonly string[])[], choose: (value: string) => void) {
-  const buttons = pairs.map(([value, text]) =>
-    element("button", { value, onclick: () => choose(value) }, text),
-  );
-  return {
-    root: element("div", { className: "joined", role: "group", "aria-label": name }, ...buttons),
-    choose: (value: string) => buttons.forEach((each) => each.setAttribute("aria-pressed", String(each.value === value))),
   };
 }

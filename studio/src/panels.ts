@@ -1,19 +1,27 @@
-/** Panels: the left column, where array, air, slice, points and all else are chosen. */
+/** Panels: groups of controls, of which each level of the page shows its own; on a phone a sheet of tabs. */
 
+import type { Compare } from "./compare.ts";
 import { type Context, millimetres } from "./context.ts";
-import { choice, element, group, labelled, offer, write } from "./dom.ts";
+import { choice, element, explained, group, labelled, offer, segments, write } from "./dom.ts";
 import { soundSpeed } from "./lattices.ts";
 import { createMotion } from "./motion.ts";
 import { createPointTable } from "./table.ts";
 import { createShapes } from "./shaping.ts";
 import { HEIGHT } from "./initial.ts";
-import { SCALES, type Obstacle, type State } from "./types.ts";
+import { type Level, SCALES, type Obstacle, type State, VIEWS } from "./types.ts";
+import type { Word } from "./words.ts";
 
-/** The left column. */
+/** The groups. */
 export interface Panels {
   root: HTMLElement;
+  /** Where the slice stands that has no stage of its own. */
+  dock: HTMLElement;
   place(): void;
 }
+
+/** Tabs of a phone, each of some groups. */
+const TABS = ["methods", "points", "array", "slice", "motion"] as const;
+type Tab = (typeof TABS)[number];
 
 /** Boards a side that are offered. */
 const TILES = ["1x1", "2x1", "2x2", "3x2", "3x3"] as const;
@@ -28,8 +36,8 @@ const OBSTACLES: Record<string, Obstacle[]> = {
   ball: [{ center: [0, 0, 0.1], radius: 0.02, kind: "rigid" }],
 };
 
-/** Makes the column. */
-export function createPanels(context: Context): Panels {
+/** Makes them; `compact`: for a notebook's cell, the methods alone. */
+export function createPanels(context: Context, compare: Compare, compact: boolean): Panels {
   const { studio, say, engine } = context;
   const state = () => studio.view.state;
   const change = (partial: Partial<State>, gesture?: string) => studio.change(partial, gesture);
@@ -41,14 +49,16 @@ export function createPanels(context: Context): Panels {
     const { array: now } = state();
     if ("preset" in now) change(standing({ ...now, tiles: [across, up] }));
   });
-  const levels = choice(
-    [
-      ["board", say("levelsBoard")],
-      ["none", say("levelsNone")],
-    ],
-    "board",
-    (quantization) => change({ quantization: quantization as State["quantization"] }),
-  );
+  /** A select of some of the state's own words. */
+  const pick = <Key extends "quantization" | "scale" | "view" | "signature">(key: Key, pairs: (readonly [State[Key], Word])[]) => {
+    const select = choice(pairs.map(([value, word]) => [value, say(word)]), state()[key], (value) => change({ [key]: value }));
+    return { select, show: () => (select.value = state()[key]) };
+  };
+  const levels = pick("quantization", [["board", "levelsBoard"], ["none", "levelsNone"]]);
+  const scale = pick("scale", SCALES.map((name) => [name, name]));
+  const views = pick("view", VIEWS.map((name) => [name, VIEW_WORDS[name]]));
+  const traps = pick("signature", (["", "trap", "twin", "vortex"] as const).map((name) => [name, name || "none"]));
+  const slots = choice(["A", "B"].map((name, k) => [String(k), name]), "0", (slot) => change({ slot: Number(slot) as State["slot"] }));
   const slider = (min: number, max: number, step: number, set: (value: number) => void) => {
     const input = element("input", { type: "range", min, max, step, oninput: () => (studio.moving(true), set(+input.value)) });
     input.onchange = () => studio.moving(false);
@@ -60,12 +70,6 @@ export function createPanels(context: Context): Panels {
   const heightText = element("output");
   const width = slider(40, 400, 5, (value) => change({ plane: { ...state().plane, size: value / 1000 } }, "drag width"));
   const widthText = element("output");
-  const scale = choice(SCALES.map((name) => [name, say(name)]), "", (name) => change({ scale: name as State["scale"] }));
-  const traps = choice(
-    (["", "trap", "twin", "vortex"] as const).map((name) => [name, say(name || "none")]),
-    "",
-    (signature) => change({ signature: signature as State["signature"] }),
-  );
   const obstacle = choice(
     (["none", "wall", "ball"] as const).map((name) => [name, say(name)]),
     "none",
@@ -86,11 +90,12 @@ export function createPanels(context: Context): Panels {
       },
     }),
   );
-  const ears = element("div", { className: "triple" }, ...axes.map((input, k) => element("label", {}, "xyz"[k], input)));
+  const ears = explained(element("div", { className: "triple" }, ...axes.map((input, k) => element("label", {}, "xyz"[k], input))), say("coordinateTip"));
   const table = createPointTable(context);
   const shapes = createShapes(context);
   const motion = createMotion(context);
   const boards = labelled(say("boards"), tiles);
+  const levelsField = labelled(say("levels"), levels.select);
 
   /** Another array: where boards face one another the points go between them, else above. */
   function standing(array: State["array"]): Partial<State> {
@@ -116,20 +121,64 @@ export function createPanels(context: Context): Panels {
     );
   }
 
-  const root = element(
-    "aside",
-    { className: "panels", "aria-label": say("settings") },
-    group(say("array"), labelled(say("preset"), array), boards, labelled(say("levels"), levels)),
-    group(say("points"), table.root, shapes.root),
-    group(say("slice"), labelled(say("height"), height, heightText), labelled(say("width"), width, widthText), labelled(say("scale"), scale)),
-    group(say("air"), labelled(say("temperature"), temperature, air), labelled(say("signature"), traps), labelled(say("obstacle"), obstacle)),
-    group(say("motion"), motion.root),
-    group(say("listen"), labelled(say("ear"), ear), ears),
-  );
+  const made = (
+    [
+      ["methods", "methods", ["engineer"], true, []],
+      ["array", "array", ["play", "engineer"], false, [labelled(say("preset"), array, null, say("arrayTip")), boards, levelsField]],
+      ["shapes", "points", ["play", "engineer"], false, [shapes.root]],
+      [
+        "slice", "slice", ["engineer"], false,
+        [
+          labelled(say("height"), height, heightText, say("heightTip")),
+          labelled(say("width"), width, widthText, say("widthTip")),
+          labelled(say("scale"), scale.select),
+          labelled(say("view"), views.select),
+          labelled(say("shownSlot"), slots),
+        ],
+      ],
+      ["air", "array", ["engineer"], false, [labelled(say("temperature"), temperature, air, say("temperatureTip")), labelled(say("signature"), traps.select), labelled(say("obstacle"), obstacle)]],
+      ["motion", "motion", ["engineer"], false, [motion.root]],
+      ["listen", "motion", ["engineer"], false, [labelled(say("ear"), ear), ears]],
+      ["numbers", "methods", ["compare", "engineer"], true, compare.numbers],
+      ["points", "points", ["engineer"], false, [table.root]],
+    ] as [Word, Tab, Level[], boolean, HTMLElement[]][]
+  ).map(([word, tab, levels, open, children]) => {
+    const { root, holds } = group(say(word), ...children);
+    return { word, tab, levels, root, holds, open };
+  });
+  const of = (word: Word) => made.find((each) => each.word === word)!;
+
+  const tabs = segments(say("settings"), TABS.map((tab) => [tab, say(tab)]), (tab) => choose(tab as Tab));
+  let tab: Tab = "methods";
+  /** Which groups a phone shows. */
+  function choose(chosen: Tab) {
+    tabs.choose((tab = chosen));
+    for (const each of made) each.root.classList.toggle("away", each.tab !== tab);
+    // A tab is no group that folds.
+    if (matchMedia("(width < 800px)").matches) made.filter((each) => each.tab === tab).forEach(({ root }) => (root.open = true));
+  }
+  tabs.root.classList.add("tabs");
+  const root = element("aside", { className: "panels", id: "panels", "aria-label": say("settings") }, tabs.root, ...made.map((each) => each.root));
+
+  let shown = "";
   return {
     root,
+    dock: of("methods").root,
     place() {
       const now = state();
+      for (const { levels, tab, root: each } of made) {
+        each.hidden = compact ? tab !== "methods" : !levels.includes(now.level);
+      }
+      if (shown !== now.level) {
+        for (const each of made) {
+          // What folds keeps its fold while a level without folds is shown.
+          if (shown === "engineer") each.open = each.root.open;
+          each.root.open = now.level !== "engineer" || each.open;
+        }
+        shown = now.level;
+        choose(tab);
+      }
+      levelsField.hidden = now.level === "play";
       const own = "preset" in now.array ? [] : [[now.array.name, now.array.name] as const];
       const chosen = "preset" in now.array ? now.array.preset : now.array.name;
       offer(array, [...own, ...presets.map(({ name, count }) => [name, `${name} · ${count}`] as const)], chosen);
@@ -140,7 +189,6 @@ export function createPanels(context: Context): Panels {
         const known = (TILES as readonly string[]).includes(text) ? TILES : [...TILES, text];
         offer(tiles, known.map((each) => [each, each.replace("x", " × ")] as const), text);
       }
-      levels.value = now.quantization;
       temperature.value = String(now.temperature);
       write(air, `${now.temperature.toFixed(1)} °C · ${soundSpeed(now.temperature).toFixed(1)} m/s`);
       height.min = isFacing(now.array) ? "-100" : "20";
@@ -148,13 +196,23 @@ export function createPanels(context: Context): Panels {
       write(heightText, `${millimetres(now.plane.z)} mm`);
       width.value = String(now.plane.size * 1000);
       write(widthText, `${millimetres(now.plane.size)} mm`);
-      [scale.value, traps.value] = [now.scale, now.signature];
+      for (const { show } of [levels, scale, views, traps]) show();
+      slots.value = String(now.slot);
       obstacle.value = now.obstacles.length === 0 ? "none" : "center" in now.obstacles[0] ? "ball" : "wall";
       ear.checked = now.ear !== null;
       ears.hidden = now.ear === null;
       now.ear?.forEach((x, k) => document.activeElement === axes[k] || (axes[k].value = millimetres(x)));
+      write(of("methods").holds, now.methods.join(" · "));
+      write(of("array").holds, `${chosen} · ${studio.view.positions.length / 3}`);
+      write(of("slice").holds, `z ${millimetres(now.plane.z)} mm`);
+      write(of("air").holds, `${now.temperature} °C`);
+      write(of("motion").holds, say(now.path?.kind ?? "none"));
+      write(of("listen").holds, now.ear ? now.ear.map(millimetres).join(", ") : say("none"));
+      write(of("points").holds, String(now.points.length));
       table.place();
       motion.place();
     },
   };
 }
+
+const VIEW_WORDS = { slice: "viewSlice", planes: "viewPlanes", volume: "viewVolume", both: "viewBoth" } as const;

@@ -1,48 +1,61 @@
-/** Shapes: letters, a line or a circle in place of the points. */
+/** Shapes: a circle, a line, a square, a heart or letters in place of the points, each behind its icon. */
 
 import type { Context } from "./context.ts";
-import { choice, element } from "./dom.ts";
+import { element } from "./dom.ts";
 import { MOST_POINTS } from "./initial.ts";
 import { letters } from "./lettering.ts";
-import type { Vec3 } from "./types.ts";
+import { placeOn } from "./plane.ts";
 
 /** Sizes of what is drawn, in m. */
 const SIZE = 0.06;
 
+const SHAPES = ["circle", "line", "square", "heart", "text"] as const;
+type Shape = (typeof SHAPES)[number];
+
+/** Corners of those that have some, about the middle of a square from -1 to 1. */
+const CORNERS: Partial<Record<Shape, [number, number][]>> = {
+  line: [[-1, 0], [1, 0]],
+  square: [[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]],
+  circle: Array.from({ length: 65 }, (_, k) => [Math.cos((Math.PI * k) / 32), Math.sin((Math.PI * k) / 32)]),
+  heart: Array.from({ length: 33 }, (_, k) => {
+    const t = (Math.PI * k) / 16;
+    return [Math.sin(t) ** 3, (13 * Math.cos(t) - 5 * Math.cos(2 * t) - 2 * Math.cos(3 * t) - Math.cos(4 * t)) / 16];
+  }),
+};
+
+const path = (corners: [number, number][]) => `<path d="M${corners.map(([x, y]) => `${12 + 8 * x} ${12 - 8 * y}`).join("L")}"/>`;
+const icon = (shape: Shape) =>
+  `<svg viewBox="0 0 24 24" width="24" height="24" aria-hidden="true" fill="none" stroke="currentColor" stroke-width="2" stroke-linejoin="round" stroke-linecap="round">` +
+  `${CORNERS[shape] ? path(CORNERS[shape]) : '<path d="M5 20L12 4L19 20M7.6 14H16.4"/>'}</svg>`;
+
 /** Makes the controls. */
 export function createShapes(context: Context): { root: HTMLElement } {
   const { studio, engine, say } = context;
-  const kind = choice(
-    [
-      ["circle", say("shapeCircle")],
-      ["line", say("shapeLine")],
-      ["text", say("shapeText")],
-    ],
-    "circle",
-    (value) => (text.hidden = value !== "text"),
-    { "aria-label": say("shapes") },
-  );
-  const text = element("input", { type: "text", value: "HI", maxLength: 8, hidden: true, "aria-label": say("shapeText") });
-  text.onkeydown = ({ key }) => void (key === "Enter" && apply());
-  const draw = element("button", { className: "small", onclick: apply }, say("draw"));
-
-  async function apply() {
-    const { plane } = studio.view.state;
-    const [x, y] = plane.center;
-    const half = Math.min(SIZE, plane.size / 2) / 2;
-    const at: Vec3 = [x, y, plane.z];
-    const [first] = engine.slots;
-    const makers: Record<string, () => Promise<Vec3[]>> = {
-      circle: () => first.circle(at, half, MOST_POINTS),
-      line: () => first.along([[[x - half, y, plane.z], [x + half, y, plane.z]]], MOST_POINTS),
-      text: async () => first.along(letters(text.value, half, 0.9 * plane.size, at), MOST_POINTS),
+  const text = element("input", { type: "text", value: "HI", maxLength: 8, hidden: true, "aria-label": say("letters") });
+  text.onkeydown = ({ key }) => void (key === "Enter" && draw("text"));
+  const buttons = SHAPES.map((shape) => {
+    const name = say(shape === "text" ? "letters" : shape);
+    const choose = () => {
+      text.hidden = shape !== "text";
+      void draw(shape);
     };
+    return element("button", { className: "icon", innerHTML: icon(shape), "aria-label": name, title: name, onclick: choose });
+  });
+
+  /** Draws onto the slice, about its middle. */
+  async function draw(shape: Shape) {
+    const { plane } = studio.view.state;
+    const half = Math.min(SIZE, plane.size / 2) / 2;
+    const place = ([across, up]: number[]) => placeOn(plane, 0.5 + across / plane.size, 0.5 + up / plane.size);
     try {
-      studio.change({ points: await makers[kind.value](), pressures: null, path: null });
+      const corners = CORNERS[shape]?.map((corner) => corner.map((x) => half * x));
+      const contours = corners ? [corners] : letters(text.value, half, 0.9 * plane.size, [0, 0, 0]);
+      const points = await engine.slots[0].along(contours.map((contour) => contour.map(place)), MOST_POINTS);
+      studio.change({ points, pressures: null, path: null });
     } catch (error) {
       context.alarm(say("failed", { line: (error as Error).message }));
     }
   }
 
-  return { root: element("div", { className: "row shapes" }, kind, text, draw) };
+  return { root: element("div", { className: "shapes", role: "group", "aria-label": say("shapes") }, ...buttons, text) };
 }

@@ -1,7 +1,7 @@
 /** Table of points: place and target of each, typed. */
 
 import { type Context, millimetres } from "./context.ts";
-import { element } from "./dom.ts";
+import { element, explained } from "./dom.ts";
 import { MOST_POINTS } from "./initial.ts";
 import { added, asked, moved, removed } from "./points.ts";
 import type { Vec3 } from "./types.ts";
@@ -16,11 +16,13 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
   /** The points whose pressure a person has typed; the page has filled in those of the others. */
   const typed = new Set<number>();
   const body = element("tbody");
-  const head = ["", ...AXES.map((axis) => `${axis} mm`), say("target"), ""];
+  const heads = [...AXES.map((axis) => `${axis} mm`), say("target")].map((text, k) =>
+    explained(element("th", { scope: "col" }, text), say(k < AXES.length ? "coordinateTip" : "targetHint")),
+  );
   const table = element(
     "table",
     { className: "points" },
-    element("thead", {}, element("tr", {}, ...head.map((text) => element("th", { scope: "col" }, text)))),
+    element("thead", {}, element("tr", {}, element("td"), ...heads, element("td"))),
     body,
   );
   const add = element("button", { className: "small", onclick: extend }, `+ ${say("add")}`);
@@ -44,6 +46,7 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
         type: "number",
         step: 1,
         "aria-label": say("coordinate", { axis, n }),
+        "data-tip": say("coordinateTip"),
         onchange: (event: Event) => {
           const { value } = event.target as HTMLInputElement;
           const to = [...state().points[index]] as Vec3;
@@ -58,7 +61,6 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
       min: 0,
       step: 100,
       placeholder: "max",
-      title: say("targetHint"),
       "aria-label": say("pressure", { n }),
       onchange: () => {
         const value = target.value === "" ? null : Number(target.value);
@@ -110,7 +112,7 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
         if (k === AXES.length) {
           const filled = pressures !== null && typed.size > 0 && !typed.has(index);
           input.classList.toggle("filled", filled);
-          input.title = say(filled ? "filledHint" : "targetHint");
+          input.dataset.tip = say(filled ? "filledHint" : "targetHint");
         }
         if ((done || input !== activeElement) && input.value !== values[k]) input.value = values[k];
       });

@@ -21,6 +21,9 @@ export const AXES = ["x", "y", "z"] as const;
 /** The slice, three that cross in its middle, the volume, or slice and volume. */
 export const VIEWS = ["slice", "planes", "volume", "both"] as const;
 export const QUANTITIES = ["modulus", "wave", "phase"] as const;
+/** How much of the page is shown: the field alone, two methods beside one another, or everything. */
+export const LEVELS = ["play", "compare", "engineer"] as const;
+export type Level = (typeof LEVELS)[number];
 export type ScaleName = (typeof SCALES)[number];
 export type Axis = (typeof AXES)[number];
 export type View = (typeof VIEWS)[number];
@@ -52,6 +55,7 @@ export interface State {
   ear: Vec3 | null;
   /** The slice: the axis that it is normal to, height and x, y of its middle, the length of its sides. */
   plane: { axis: Axis; z: number; size: number; center: [number, number] };
+  level: Level;
   view: View;
   /** What of p the slices show: |p|, the wave Re(p e^{-jwt}), or the phase. */
   quantity: Quantity;

@@ -8,13 +8,13 @@ const SOURCES = join(import.meta.dirname, "../src");
 
 /** The layers, lowest first; a name that ends with / is a folder. */
 const LAYERS = [
-  ["types", "door", "words", "dom", "changes", "decimal", "numbering"],
+  ["types", "door", "words", "dom", "tips", "changes", "decimal", "numbering"],
   ["initial", "scene_file", "files", "link", "gallery", "history", "points", "paths", "plane", "contours", "lettering", "drawing", "check"],
   ["solve.worker", "lattices", "engine", "studio", "serial"],
   ["painter/", "eye", "look", "numbers"],
   [
     "context", "announce", "refusals", "chart", "stage", "compare", "exchange", "boardbutton", "gallerybox", "bar", "table",
-    "shaping", "motion", "panels", "sheet",
+    "shaping", "motion", "panels", "sheet", "sentence",
   ],
   ["page", "hook", "main", "widget"],
 ];

@@ -1,6 +1,6 @@
 /** Random states for tests: the same seed gives the same states. */
 
-import { AXES, QUANTITIES, SCALES, VIEWS } from "../src/types.ts";
+import { AXES, LEVELS, QUANTITIES, SCALES, VIEWS } from "../src/types.ts";
 import type { Obstacle, State, Vec3 } from "../src/types.ts";
 
 /** Numbers of [0, 1) by mulberry32. */
@@ -48,6 +48,7 @@ export function randomState(random: () => number): State {
       size: length(0.01, 0.3),
       center: random() < 0.5 ? [0, 0] : [length(-0.1, 0.1), length(-0.1, 0.1)],
     },
+    level: one(LEVELS),
     view: one(VIEWS),
     quantity: one(QUANTITIES),
     slot: one([0, 1]),

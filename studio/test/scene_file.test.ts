@@ -15,8 +15,8 @@ test("states survive, but for what a scene has no place for", () => {
   }
 });
 
-function viewOf({ methods, view, quantity, slot, scale, ear }: State): Partial<State> {
-  return { methods: methods.with(slot, "gs") as [string, string], view, quantity, slot, scale, ear };
+function viewOf({ methods, level, view, quantity, slot, scale, ear }: State): Partial<State> {
+  return { methods: methods.with(slot, "gs") as [string, string], level, view, quantity, slot, scale, ear };
 }
 
 test("the keys of a scene", () => {

@@ -44,7 +44,7 @@ export function createFlat(canvas: HTMLCanvasElement): Painter {
       pen.fillStyle = `rgb(${red} ${green} ${blue})`;
       pen.fillRect(0, 0, width, height);
     },
-    slice(box, lattice, key, look) {
+    slice(box, lattice, key, look, clip = box) {
       const size = [box.width, box.height].map((side) => Math.max(1, Math.min(MOST, Math.round(side))));
       const named = JSON.stringify([look, size]);
       const old = kept.get(key) ?? { sheet: document.createElement("canvas"), values: null, look: "" };
@@ -55,7 +55,12 @@ export function createFlat(canvas: HTMLCanvasElement): Painter {
         old.values = lattice.values;
         old.look = named;
       }
+      pen.save();
+      pen.beginPath();
+      pen.rect(clip.x, clip.y, clip.width, clip.height);
+      pen.clip();
       pen.drawImage(old.sheet, box.x, box.y, box.width, box.height);
+      pen.restore();
     },
     scene(box, picture) {
       const { positions, drive, slices, points, camera, theme } = picture;

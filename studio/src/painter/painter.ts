@@ -129,9 +129,9 @@ export function createPainter(canvas: HTMLCanvasElement): Painter | null {
       gl.clear(gl.COLOR_BUFFER_BIT);
       gl.enable(gl.SCISSOR_TEST);
     },
-    slice(box, lattice, key, look) {
-      if (lost) return;
-      enter(gl, areaOf(box, page.height, page.ratio));
+    slice(box, lattice, key, look, clip = box) {
+      if (lost || clip.width <= 0 || clip.height <= 0) return;
+      enter(gl, areaOf(box, page.height, page.ratio), areaOf(clip, page.height, page.ratio));
       built.flat(lattice, key, look);
     },
     scene(box, picture) {

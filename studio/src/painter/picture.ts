@@ -38,8 +38,8 @@ export interface Picture {
 export interface Painter {
   /** Clears all. Size in CSS px, `ratio` is devicePixelRatio. */
   begin(width: number, height: number, ratio: number, background: Rgb): void;
-  /** The lattice as a flat map that fills `box`, `v` up; texture `key` follows the identity of its values. */
-  slice(box: Box, lattice: Lattice, key: string, look: Look): void;
+  /** The lattice as a flat map that fills `box`, `v` up, seen within `clip`; texture `key` follows the identity of its values. */
+  slice(box: Box, lattice: Lattice, key: string, look: Look, clip?: Box): void;
   /** The 3-D view. */
   scene(box: Box, picture: Picture): void;
   /** Fast enough for a wave that runs. */

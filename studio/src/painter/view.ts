@@ -45,10 +45,10 @@ export function areaOf(box: Box, height: number, ratio: number): Area {
   return [left, bottom, Math.round(box.width * ratio), Math.round(box.height * ratio)];
 }
 
-/** Draws from now on go to `area` and nowhere else. */
-export function enter(gl: Gl, area: Area): void {
+/** Draws from now on go to `area` and nowhere else, and of that to `clip`. */
+export function enter(gl: Gl, area: Area, clip = area): void {
   gl.viewport(...area);
-  gl.scissor(...area);
+  gl.scissor(...clip);
 }
 
 /** The uniforms that every program of the 3-D view shares. */

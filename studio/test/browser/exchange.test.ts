@@ -7,7 +7,7 @@ import { beforeEach, expect, test } from "vitest";
 
 import type { Vec3 } from "../../src/types.ts";
 import { shared } from "./setup.ts";
-import { built, launch, ready, visit } from "./site.ts";
+import { built, EIGHT, fromMenu, launch, ready, visit } from "./site.ts";
 
 const open = shared();
 let page: Page;
@@ -16,7 +16,7 @@ let complaints: string[];
 
 beforeEach(async () => {
   await page?.context().close();
-  ({ page, requests, complaints } = await visit(open.browser, open.url));
+  ({ page, requests, complaints } = await visit(open.browser, open.url + EIGHT));
 });
 
 const points = () => page.evaluate(() => window.midair!.state().points as Vec3[]);
@@ -92,12 +92,12 @@ test("a link opens what was shared; a bad one is one alert", async () => {
 });
 
 test("export gives a scene and a drive that say the same", async () => {
-  const download = async (name: RegExp) => {
-    const [file] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name }).click()]);
+  const download = async (name: string) => {
+    const [file] = await Promise.all([page.waitForEvent("download"), fromMenu(page, name)]);
     return readFile((await file.path())!, "utf8");
   };
-  const scene = await download(/export scene/i);
-  const drive = (await download(/export drive/i)).trim().split("\n");
+  const scene = await download("Export scene");
+  const drive = (await download("Export drive")).trim().split("\n");
   expect(scene).toContain("[[points]]");
   expect(drive[0]).toBe("index,x,y,z,amplitude,phase");
   const wanted = await page.evaluate(() => window.midair!.drive(0));
@@ -109,7 +109,7 @@ test("export gives a scene and a drive that say the same", async () => {
 
 test("the exported picture is a sheet with axes, bar, numbers, version and link, as SVG and as PNG of double size", async () => {
   const download = async (name: string) => {
-    const [file] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name }).click()]);
+    const [file] = await Promise.all([page.waitForEvent("download"), fromMenu(page, name)]);
     return readFile((await file.path())!);
   };
   const svg = (await download("Export as SVG")).toString();

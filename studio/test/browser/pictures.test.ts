@@ -5,14 +5,14 @@ import { beforeEach, expect, test } from "vitest";
 import { colour, entry } from "../../src/painter/maps.ts";
 import type { Look, Vec3 } from "../../src/types.ts";
 import { shared } from "./setup.ts";
-import { grab, visit } from "./site.ts";
+import { EIGHT, grab, visit } from "./site.ts";
 
 const open = shared();
 let page: Page;
 
 beforeEach(async () => {
   await page?.context().close();
-  ({ page } = await visit(open.browser, open.url));
+  ({ page } = await visit(open.browser, open.url + EIGHT));
 });
 
 const points = () => page.evaluate(() => window.midair!.state().points as Vec3[]);
@@ -41,13 +41,14 @@ test("what was painted coarsely in a drag is painted in full at rest, where the 
   await expect.poll(width).toBe(1440);
 });
 
-/** The pixels of the first three points on the slice of B, its field there, and the state. */
+/** The pixels of the first three points on the slice, all of it B's, its field there, and the state. */
 async function onSlice() {
+  await page.getByLabel("Wiper between A and B").fill("0");
   const state = (await page.evaluate(() => window.midair!.state())) as unknown as Look & {
     plane: { size: number; center: [number, number] };
   };
   const { plane } = state;
-  const box = (await page.getByRole("img", { name: "Slice of B" }).boundingBox())!;
+  const box = (await page.getByRole("img", { name: /^Slice/ }).boundingBox())!;
   const metres = plane.size / box.width;
   // A pixel's colour is that of its middle, up to half a pixel beside the point.
   const pixels = (await points()).slice(0, 3).map(([x, y]) => [

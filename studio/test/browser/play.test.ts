@@ -48,7 +48,7 @@ test("a SonicSurface plays, and is off by Escape and blur", async () => {
   const [[baud], , frame] = await given(page);
   expect(baud).toBe(230400);
   expect(frame.length).toBeGreaterThan(256);
-  const off = page.getByRole("button", { name: /play/i });
+  const off = page.getByRole("button", { name: /^play(ing| again)/i });
   for (const act of [
     () => page.keyboard.press("Escape"),
     () => page.evaluate(() => window.dispatchEvent(new Event("blur"))),

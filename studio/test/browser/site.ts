@@ -85,6 +85,20 @@ export async function start(...switches: string[]): Promise<Open> {
   };
 }
 
+/** All of the page, seven points on a ring of 40 mm and one in its middle, 180 mm above four AUTD3 boards. */
+export const EIGHT =
+  "#v=1&h=engineer&a=autd3.2x2&m=uniform.naive&z=180,180&w=both&d=modulus&p=40,0,180_24.94,31.27,180_-8.9,39,180_-36.04,17.36,180_-36.04,-17.36,180_" +
+  "-8.9,-39,180_24.94,-31.27,180_0,0,180";
+
+/** Unfolds a group of controls. */
+export const unfold = (page: Page, name: string) => page.locator("summary", { hasText: name }).click();
+
+/** Clicks what is in the bar's menu. */
+export async function fromMenu(page: Page, name: string): Promise<void> {
+  await page.getByRole("button", { name: "Menu" }).click();
+  await page.getByRole("button", { name, exact: true }).click();
+}
+
 /** A page that is ready, and everything that it asked for or complained of; `before` runs in it ahead of its own scripts. */
 export async function visit(browser: Browser, url: string, options: BrowserContextOptions = {}, before?: () => void) {
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, locale: "en-GB", ...options });

@@ -1,0 +1,49 @@
+/** Tips: one line on what a number means, beside what is pointed at or has the keyboard's focus. */
+
+import { element } from "./dom.ts";
+
+/** Between a tip and what it explains, and the window's edge, in px. */
+const GAP = 6;
+
+/** The tip of a page: the one element that explains whatever has `data-tip` in `root`, until `signal`. */
+export function createTips(root: HTMLElement, signal: AbortSignal): HTMLElement {
+  const tip = element("div", { className: "tip", id: "tip", role: "tooltip", hidden: true });
+  let place: HTMLElement | null = null;
+  let described: Element | null = null;
+
+  function hide() {
+    tip.hidden = true;
+    described?.removeAttribute("aria-describedby");
+    place = described = null;
+  }
+
+  /** Puts the tip below what it explains, or above it where there is no room. */
+  function put() {
+    if (!place) return;
+    const [box, own] = [place.getBoundingClientRect(), tip.getBoundingClientRect()];
+    const below = box.bottom + GAP + own.height < innerHeight;
+    tip.style.left = `${Math.min(Math.max(box.left, GAP), innerWidth - own.width - GAP)}px`;
+    tip.style.top = `${below ? box.bottom + GAP : box.top - GAP - own.height}px`;
+  }
+
+  /** Explains what stands around `target`, if something does. */
+  function show(target: Element) {
+    if (tip.contains(target)) return;
+    hide();
+    place = target.closest<HTMLElement>("[data-tip]");
+    if (!place) return;
+    described = target.matches("input, select") ? target : place;
+    described.setAttribute("aria-describedby", tip.id);
+    tip.textContent = place.dataset.tip!;
+    tip.hidden = false;
+    put();
+  }
+
+  root.addEventListener("pointerover", ({ target }) => show(target as Element), { signal });
+  root.addEventListener("pointerleave", hide, { signal });
+  root.addEventListener("focusin", ({ target }) => (target as Element).matches(":focus-visible") && show(target as Element), { signal });
+  root.addEventListener("focusout", hide, { signal });
+  root.addEventListener("scroll", put, { signal, capture: true });
+  root.addEventListener("keydown", ({ key }) => key === "Escape" && hide(), { signal });
+  return tip;
+}
