@@ -54,7 +54,6 @@ def test_scenes_survive_the_page() -> None:
         (lambda: autd3(weights=[2.0]), "weights"),
         (lambda: autd3(pressures=[1j]), "phases"),
         (lambda: autd3(points=np.linspace([-0.05, 0, 0.1], [0.05, 0, 0.1], 65)), "65 points"),
-        (lambda: autd3().replace(plane=midair.Plane(axis="y", at=0, size=0.1)), "upright"),
         (
             lambda: midair.Scene(midair.Array.preset("autd3", mask=[False] + [True] * 248), [[0, 0, 0.1]]),
             "mask",
