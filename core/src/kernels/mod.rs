@@ -8,6 +8,8 @@ pub(crate) mod cholesky;
 #[forbid(unsafe_code)]
 pub(crate) mod closed_form;
 #[forbid(unsafe_code)]
+pub(crate) mod derivatives;
+#[forbid(unsafe_code)]
 pub(crate) mod double;
 #[forbid(unsafe_code)]
 pub(crate) mod greedy;

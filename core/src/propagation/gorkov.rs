@@ -11,7 +11,8 @@ use crate::error::{Error, real};
 use crate::propagation::jet::Jet;
 use crate::propagation::model::Model;
 use crate::propagation::particle::{Particle, potential};
-use crate::propagation::taylor::add_wave;
+use crate::propagation::sources::Sources;
+use crate::propagation::taylor::Taylor;
 use crate::scene::{check_drive, check_places};
 
 /// Points worked on by one thread at once.
@@ -74,9 +75,15 @@ pub fn gorkov(
     let mut felt = vec![Felt::default(); points.len()];
     let parts = felt.chunks_mut(CHUNK).zip(points.chunks(CHUNK)).enumerate().collect();
     let factors = particle.factors(medium);
+    let images = model.scattering.as_ref().map_or(&[][..], |scattering| &scattering.images);
+    let played = |sources: &Sources, i: usize| {
+        sources.array.effect(i) * Complex64::new(f64::from(drive[i].re), f64::from(drive[i].im))
+    };
+    let all = core::iter::once(&*model.sources).chain(images);
+    let waves: Vec<_> = all.map(|sources| (sources, Taylor::new(model.set, sources, |i| played(sources, i)))).collect();
     control.each(parts, &|(part, (out, points)): (usize, (&mut [Felt], &[[f64; 3]])), control| {
         for (j, (out, point)) in out.iter_mut().zip(points).enumerate() {
-            *out = at(model, drive, (part * CHUNK + j, *point), factors, control)?;
+            *out = at(&waves, (part * CHUNK + j, *point), factors, control)?;
         }
         Ok(())
     })?;
@@ -91,21 +98,15 @@ pub fn gorkov(
 type Felt = (f64, [f64; 3], [[f64; 3]; 3]);
 
 fn at(
-    model: &Model,
-    drive: &[Complex32],
+    waves: &[(&Sources, Taylor)],
     (j, point): (usize, [f64; 3]),
     factors: [f64; 2],
     control: &mut Control,
 ) -> Result<Felt, Error> {
     let mut pressure = [Jet::ZERO; 2];
-    let images = model.scattering.as_ref().map_or(&[][..], |scattering| &scattering.images);
-    for sources in core::iter::once(&*model.sources).chain(images) {
-        for (i, q) in drive.iter().enumerate() {
-            control.pulse()?;
-            sources.check_distance(i, j, point)?;
-            let q = Complex64::new(f64::from(q.re), f64::from(q.im)) * sources.array.effect(i);
-            add_wave(sources, (i, point), q, &mut pressure);
-        }
+    for (sources, taylor) in waves {
+        (0..sources.array.len()).try_for_each(|i| sources.check_distance(i, j, point))?;
+        taylor.add(point, &mut pressure, control)?;
     }
     let potential = potential(&pressure, factors);
     let felt = (potential.value(), potential.gradient().map(|slope| -slope), potential.hessian());

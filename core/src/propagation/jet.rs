@@ -1,7 +1,6 @@
 //! Jet: a function of a place by its Taylor polynomial of degree 3 around a point, so that derivatives are exact.
 
-/// Number of monomials x^a y^b z^c of degree up to 3.
-pub(crate) const TERMS: usize = 20;
+pub(crate) use crate::kernels::derivatives::TERMS;
 
 /// Exponents of the monomials, by degree.
 const EXPONENTS: [[u8; 3]; TERMS] = {
@@ -67,15 +66,9 @@ pub(crate) struct Jet([f64; TERMS]);
 impl Jet {
     pub(crate) const ZERO: Self = Self([0.0; TERMS]);
 
-    /// `value` + `slope` . d + `curvature` |d|^2.
-    pub(crate) fn quadratic(value: f64, slope: [f64; 3], curvature: f64) -> Self {
-        let mut jet = Self::ZERO;
-        jet.0[0] = value;
-        for axis in 0..3 {
-            jet.0[1 + axis] = slope[axis];
-            jet.0[place(second(axis, axis))] = curvature;
-        }
-        jet
+    /// That of its coefficients.
+    pub(crate) fn of(coefficients: [f64; TERMS]) -> Self {
+        Self(coefficients)
     }
 
     /// One monomial.
@@ -86,6 +79,7 @@ impl Jet {
     }
 
     /// The coefficients of the monomials.
+    #[cfg(test)]
     pub(crate) fn coefficients(&self) -> &[f64; TERMS] {
         &self.0
     }
@@ -101,22 +95,6 @@ impl Jet {
             product.0[at] += self.0[i] * other.0[j];
         }
         product
-    }
-
-    /// First, second and third power of what it is above its value: what functions of it are series in.
-    pub(crate) fn powers(&self) -> [Self; 3] {
-        let mut first = *self;
-        first.0[0] = 0.0;
-        let second = first.times(&first);
-        [first, second, second.times(&first)]
-    }
-
-    /// A function by its Taylor coefficients at a value, of what has these [`Jet::powers`] there.
-    pub(crate) fn series(coefficients: [f64; 4], powers: &[Self; 3]) -> Self {
-        let mut jet = Self::ZERO;
-        jet.0[0] = coefficients[0];
-        powers.iter().zip(&coefficients[1..]).for_each(|(power, coefficient)| jet.add(power, *coefficient));
-        jet
     }
 
     /// The derivative along an axis: exact up to degree 2.

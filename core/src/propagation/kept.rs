@@ -9,6 +9,7 @@ use num_complex::Complex64;
 use crate::control::Control;
 use crate::device::channels::Channels;
 use crate::error::Error;
+use crate::kernels::InstructionSet;
 use crate::propagation::scattering::Scattering;
 use crate::propagation::sources::Sources;
 use crate::propagation::stiffness::Stiffness;
@@ -130,7 +131,8 @@ impl Kept {
             Some(scattering) => &scattering.images[..],
             None => &[],
         };
-        Stiffness::of(&self.sources, images, self.channels.as_ref(), &self.points, control)
+        // Every instruction set gives the same bits.
+        Stiffness::of(InstructionSet::best(), &self.sources, images, self.channels.as_ref(), &self.points, control)
     }
 
     /// The same at some of the points, whose matrix is known.

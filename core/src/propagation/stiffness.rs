@@ -14,12 +14,12 @@ use alloc::vec::Vec;
 use crate::control::{Control, bytes};
 use crate::device::channels::Channels;
 use crate::error::Error;
-use crate::kernels::padded;
+use crate::kernels::{InstructionSet, padded};
 use crate::linalg::symmetric::eigen;
 use crate::propagation::jet::{Jet, TERMS, degree};
 use crate::propagation::particle::{Particle, potential};
 use crate::propagation::sources::Sources;
-use crate::propagation::taylor::add_wave;
+use crate::propagation::taylor::Taylor;
 use crate::scene::Medium;
 
 /// The entries of H.
@@ -45,6 +45,7 @@ impl Stiffness {
     /// # Errors
     /// More memory than allowed, a stop.
     pub(crate) fn of(
+        set: InstructionSet,
         sources: &Sources,
         images: &[Sources],
         channels: Option<&Channels>,
@@ -57,20 +58,17 @@ impl Stiffness {
         control.room("the stiffness of traps", [transducers, points.len()], bytes(8, &[transducers, lanes]))?;
         let [mut re, mut im] = [(); 2].map(|()| vec![0.0; columns * lanes]);
         let units = units(sources.medium, 1.0 / sources.reference());
-        for i in 0..transducers {
-            let column = channels.map_or(i, |channels| channels.of()[i]);
+        for sources in core::iter::once(sources).chain(images) {
+            let waves = Taylor::new(set, sources, |i| sources.array.effect(i));
             for (j, &point) in points.iter().enumerate() {
-                control.pulse()?;
-                let mut wave = [Jet::ZERO; 2];
-                for sources in core::iter::once(sources).chain(images) {
-                    add_wave(sources, (i, point), sources.array.effect(i), &mut wave);
-                }
-                for (plane, part) in [&mut re, &mut im].into_iter().zip(&wave) {
-                    let first = column * lanes + j * TERMS;
-                    for (own, (c, unit)) in plane[first..].iter_mut().zip(part.coefficients().iter().zip(&units)) {
-                        *own += (c * unit) as f32;
+                waves.each(point, control, |i, wave| {
+                    let first = channels.map_or(i, |channels| channels.of()[i]) * lanes + j * TERMS;
+                    for (plane, part) in [&mut re, &mut im].into_iter().zip(&wave) {
+                        for (own, (c, unit)) in plane[first..].iter_mut().zip(part.iter().zip(&units)) {
+                            *own += (c * unit) as f32;
+                        }
                     }
-                }
+                })?;
             }
         }
         let finite = re.iter().chain(&im).all(|c| c.is_finite());

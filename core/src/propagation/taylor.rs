@@ -1,50 +1,64 @@
-//! Taylor: eq. (5) of a transducer as a polynomial around a point, exact up to degree 3.
+//! Taylor: eq. (5) of an array's transducers as polynomials around a point, exact up to degree 3.
+
+use alloc::vec::Vec;
 
 use num_complex::Complex64;
 
-use crate::math;
-use crate::propagation::jet::Jet;
+use crate::control::Control;
+use crate::error::Error;
+use crate::kernels::InstructionSet;
+use crate::kernels::derivatives::{self, Emitters, Waves};
+use crate::kernels::simd::doubles::{EIGHT, Eight};
+use crate::propagation::jet::{Jet, TERMS};
 use crate::propagation::sources::Sources;
-use crate::scene::distance;
 
-/// Adds `q` times eq. (5) of transducer i around a point, its response left out, to a pressure.
-pub(crate) fn add_wave(sources: &Sources, (i, point): (usize, [f64; 3]), q: Complex64, [re, im]: &mut [Jet; 2]) {
-    if q != Complex64::ZERO {
-        let [own_re, own_im] = jet(sources, i, point);
-        re.add(&own_re, q.re);
-        re.add(&own_im, -q.im);
-        im.add(&own_im, q.re);
-        im.add(&own_re, q.im);
+/// Those transducers of an array whose factor is not 0.
+pub(crate) struct Taylor {
+    set: InstructionSet,
+    waves: Waves,
+    emitters: Vec<Emitters>,
+    members: Vec<usize>,
+}
+
+impl Taylor {
+    /// Of some sources with a factor each, in which the response is counted.
+    pub(crate) fn new(set: InstructionSet, sources: &Sources, factor: impl Fn(usize) -> Complex64) -> Self {
+        let array = &sources.array;
+        let factor = |i: usize| factor(i) * array.transducer().source_pressure;
+        let members: Vec<usize> = (0..array.len()).filter(|&i| factor(i) != Complex64::ZERO).collect();
+        let emitters = Emitters::all(members.iter().map(|&i| {
+            let Complex64 { re, im } = factor(i);
+            (array.positions()[i], array.normals()[i], [re, im])
+        }));
+        let wavenumber = sources.medium.wavenumber();
+        let slopes = array.transducer().directivity.slopes(wavenumber);
+        let waves = Waves { wavenumber, absorption: sources.medium.absorption, slopes };
+        Self { set, waves, emitters, members }
+    }
+
+    /// Adds the waves of all of them around a point to a pressure, real and imaginary part.
+    pub(crate) fn add(&self, point: [f64; 3], pressure: &mut [Jet; 2], control: &mut Control) -> Result<(), Error> {
+        let sums = derivatives::sum(self.set, &self.waves, &self.emitters, point, control)?;
+        pressure.iter_mut().zip(sums).for_each(|(own, sum)| own.add(&Jet::of(sum), 1.0));
+        Ok(())
+    }
+
+    /// Gives each transducer's wave around a point, real and imaginary part.
+    pub(crate) fn each(
+        &self,
+        point: [f64; 3],
+        control: &mut Control,
+        mut take: impl FnMut(usize, [[f64; TERMS]; 2]),
+    ) -> Result<(), Error> {
+        let of = |b: usize, terms: &[[Eight; TERMS]; 2]| {
+            for (lane, &i) in self.members[b * EIGHT..].iter().take(EIGHT).enumerate() {
+                take(i, terms.each_ref().map(|part| part.each_ref().map(|term| term[lane])));
+            }
+        };
+        derivatives::each(self.set, &self.waves, &self.emitters, point, of, control)
     }
 }
 
-/// Eq. (5) of transducer i around a point, its response left out, in Pa: real and imaginary part.
-fn jet(sources: &Sources, i: usize, point: [f64; 3]) -> [Jet; 2] {
-    let transducer = sources.array.transducer();
-    let (from, normal) = (sources.array.positions()[i], sources.array.normals()[i]);
-    let ray = [0, 1, 2].map(|axis| point[axis] - from[axis]);
-    let r = distance(from, point);
-    // r = sqrt(r^2), r^2 a polynomial.
-    let square = Jet::quadratic(r * r, ray.map(|x| 2.0 * x), 1.0).powers();
-    let root = Jet::series([r, 0.5 / r, -0.125 / (r * r * r), 0.0625 / (r * r * r * r * r)], &square).powers();
-    // e^{(jk - alpha) r}/r: the coefficients of e^{u (r + h)} are those of e^{u r} times u^n/n!, those of 1/(r + h) are
-    // (-1/r)^n/r.
-    let u = Complex64::new(-sources.medium.absorption, sources.medium.wavenumber());
-    let wave = math::exp(u.re * r) * transducer.source_pressure / r;
-    let wave = Complex64::new(wave * math::cos(u.im * r), wave * math::sin(u.im * r));
-    let [a, b] = [u, Complex64::new(-1.0 / r, 0.0)];
-    let second = a * a / 2.0 + a * b + b * b;
-    let third = a * a * a / 6.0 + a * a * b / 2.0 + a * b * b + b * b * b;
-    let series = [wave, wave * (a + b), wave * second, wave * third];
-    let parts = [series.map(|c| c.re), series.map(|c| c.im)].map(|part| Jet::series(part, &root));
-    // cos(theta) = ray . normal/r.
-    let inverse = Jet::series([1.0 / r, -1.0 / (r * r), 1.0 / (r * r * r), -1.0 / (r * r * r * r)], &root);
-    let height = (0..3).map(|axis| ray[axis] * normal[axis]).sum::<f64>();
-    let cosine = Jet::quadratic(height, normal, 0.0).times(&inverse);
-    let slopes = transducer.directivity.taylor(cosine.value(), sources.medium.wavenumber());
-    if slopes == [1.0, 0.0, 0.0, 0.0] {
-        return parts;
-    }
-    let directivity = Jet::series(slopes, &cosine.powers());
-    parts.map(|part| part.times(&directivity))
-}
+#[cfg(test)]
+#[path = "tests/taylor.rs"]
+mod tests;

@@ -1,17 +1,20 @@
 //! AVX2 and FMA: two registers (Haswell and Zen, and later).
 
 use core::arch::x86_64::{
-    __m256, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _mm_add_ps, _mm_add_ss, _mm_cvtss_f32,
-    _mm_max_ps, _mm_movehl_ps, _mm_set1_ps, _mm_shuffle_ps, _mm256_add_epi32, _mm256_add_ps, _mm256_and_ps,
-    _mm256_blend_ps, _mm256_blendv_ps, _mm256_castps_si256, _mm256_castps256_ps128, _mm256_castsi256_ps, _mm256_cmp_ps,
-    _mm256_cvtepi32_ps, _mm256_cvtps_epi32, _mm256_div_ps, _mm256_extractf128_ps, _mm256_floor_ps, _mm256_fmadd_ps,
-    _mm256_fnmadd_ps, _mm256_i32gather_ps, _mm256_loadu_ps, _mm256_max_ps, _mm256_min_epu32, _mm256_min_ps,
-    _mm256_movemask_ps, _mm256_mul_ps, _mm256_permute_ps, _mm256_permute2f128_ps, _mm256_permutevar8x32_ps,
-    _mm256_round_ps, _mm256_set_m128, _mm256_set1_epi32, _mm256_set1_ps, _mm256_slli_epi32, _mm256_sqrt_ps,
-    _mm256_srli_epi32, _mm256_storeu_ps, _mm256_sub_epi32, _mm256_sub_ps,
+    __m256, __m256d, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _mm_add_ps, _mm_add_ss, _mm_cvtss_f32,
+    _mm_max_ps, _mm_movehl_ps, _mm_set1_ps, _mm_shuffle_ps, _mm256_add_epi32, _mm256_add_pd, _mm256_add_ps,
+    _mm256_and_ps, _mm256_blend_ps, _mm256_blendv_pd, _mm256_blendv_ps, _mm256_castps_si256, _mm256_castps256_ps128,
+    _mm256_castsi256_ps, _mm256_cmp_pd, _mm256_cmp_ps, _mm256_cvtepi32_ps, _mm256_cvtps_epi32, _mm256_div_pd,
+    _mm256_div_ps, _mm256_extractf128_ps, _mm256_floor_ps, _mm256_fmadd_ps, _mm256_fnmadd_ps, _mm256_i32gather_ps,
+    _mm256_loadu_pd, _mm256_loadu_ps, _mm256_max_ps, _mm256_min_epu32, _mm256_min_ps, _mm256_movemask_ps,
+    _mm256_mul_pd, _mm256_mul_ps, _mm256_permute_ps, _mm256_permute2f128_ps, _mm256_permutevar8x32_ps, _mm256_round_ps,
+    _mm256_set_m128, _mm256_set1_epi32, _mm256_set1_pd, _mm256_set1_ps, _mm256_slli_epi32, _mm256_sqrt_pd,
+    _mm256_sqrt_ps, _mm256_srli_epi32, _mm256_storeu_pd, _mm256_storeu_ps, _mm256_sub_epi32, _mm256_sub_pd,
+    _mm256_sub_ps,
 };
 
 use crate::kernels::lanes::Lanes;
+use crate::kernels::simd::doubles::{Doubles, EIGHT};
 use crate::kernels::simd::{Elementwise, Simd};
 
 /// AVX2 and FMA are there.
@@ -30,9 +33,10 @@ type Pair = [__m256; 2];
 
 /// A method that does the same to both registers. (Closures would not be compiled for AVX2.)
 macro_rules! operations {
-    ($($name:ident($($argument:ident),*) = $body:expr;)*) => {$(
+    ($($name:ident($($argument:ident),*) = $body:expr;)*) => { operations! { Pair; $($name($($argument),*) = $body;)* } };
+    ($pair:ty; $($name:ident($($argument:ident),*) = $body:expr;)*) => {$(
         #[inline(always)]
-        fn $name(self, $($argument: Pair),*) -> Pair {
+        fn $name(self, $($argument: $pair),*) -> $pair {
             // SAFETY: the token proves that the CPU has AVX2 and FMA.
             let first = unsafe {
                 $(let $argument = $argument[0];)*
@@ -46,6 +50,44 @@ macro_rules! operations {
             [first, second]
         }
     )*};
+}
+
+impl Doubles for Avx2 {
+    type D = [__m256d; 2];
+
+    const WIDTH: usize = EIGHT;
+
+    #[inline(always)]
+    fn splat_double(self, x: f64) -> Self::D {
+        // SAFETY: the token proves that the CPU has AVX2.
+        [unsafe { _mm256_set1_pd(x) }; 2]
+    }
+
+    #[inline(always)]
+    fn load_doubles(self, from: &[f64]) -> Self::D {
+        let eight = from.first_chunk::<EIGHT>().expect("eight numbers");
+        // SAFETY: 8 numbers are two registers.
+        unsafe { [_mm256_loadu_pd(eight.as_ptr()), _mm256_loadu_pd(eight.as_ptr().add(4))] }
+    }
+
+    #[inline(always)]
+    fn store_doubles(self, d: Self::D, to: &mut [f64]) {
+        let eight = to.first_chunk_mut::<EIGHT>().expect("eight numbers");
+        // SAFETY: 8 numbers are two registers.
+        unsafe {
+            _mm256_storeu_pd(eight.as_mut_ptr(), d[0]);
+            _mm256_storeu_pd(eight.as_mut_ptr().add(4), d[1]);
+        }
+    }
+
+    operations! { [__m256d; 2];
+        add_doubles(a, b) = _mm256_add_pd(a, b);
+        sub_doubles(a, b) = _mm256_sub_pd(a, b);
+        mul_doubles(a, b) = _mm256_mul_pd(a, b);
+        div_doubles(a, b) = _mm256_div_pd(a, b);
+        sqrt_doubles(a) = _mm256_sqrt_pd(a);
+        select_doubles(a, b, x, y) = _mm256_blendv_pd(y, x, _mm256_cmp_pd::<_CMP_LT_OQ>(a, b));
+    }
 }
 
 impl Elementwise for Avx2 {

@@ -1,17 +1,20 @@
 //! AVX-512 F and DQ: one register (Skylake-X and later).
 
 use core::arch::x86_64::{
-    __m512, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _MM_FROUND_TO_NEG_INF, _mm_set_ss, _mm512_abs_ps,
-    _mm512_add_epi32, _mm512_add_ps, _mm512_and_si512, _mm512_castpd_ps, _mm512_castps_si512, _mm512_cmp_ps_mask,
-    _mm512_cvt_roundps_epi32, _mm512_cvtps_epi32, _mm512_cvtss_f32, _mm512_div_ps, _mm512_fmadd_ps, _mm512_fnmadd_ps,
-    _mm512_getexp_ps, _mm512_i32gather_ps, _mm512_i64gather_pd, _mm512_loadu_ps, _mm512_mask_blend_ps,
-    _mm512_mask_broadcastss_ps, _mm512_max_ps, _mm512_min_epu32, _mm512_min_ps, _mm512_mul_ps, _mm512_permute_ps,
-    _mm512_permutexvar_ps, _mm512_reduce_ps, _mm512_roundscale_ps, _mm512_rsqrt14_ps, _mm512_scalef_ps,
-    _mm512_set1_epi32, _mm512_set1_epi64, _mm512_set1_ps, _mm512_shuffle_f32x4, _mm512_shuffle_ps, _mm512_sqrt_ps,
-    _mm512_storeu_ps, _mm512_sub_ps, _mm512_unpackhi_ps, _mm512_unpacklo_ps,
+    __m512, __m512d, _CMP_LT_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT, _MM_FROUND_TO_NEG_INF, _mm_set_ss,
+    _mm512_abs_ps, _mm512_add_epi32, _mm512_add_pd, _mm512_add_ps, _mm512_and_si512, _mm512_castpd_ps,
+    _mm512_castps_si512, _mm512_cmp_pd_mask, _mm512_cmp_ps_mask, _mm512_cvt_roundps_epi32, _mm512_cvtps_epi32,
+    _mm512_cvtss_f32, _mm512_div_pd, _mm512_div_ps, _mm512_fmadd_ps, _mm512_fnmadd_ps, _mm512_getexp_ps,
+    _mm512_i32gather_ps, _mm512_i64gather_pd, _mm512_loadu_pd, _mm512_loadu_ps, _mm512_mask_blend_pd,
+    _mm512_mask_blend_ps, _mm512_mask_broadcastss_ps, _mm512_max_ps, _mm512_min_epu32, _mm512_min_ps, _mm512_mul_pd,
+    _mm512_mul_ps, _mm512_permute_ps, _mm512_permutexvar_ps, _mm512_reduce_ps, _mm512_roundscale_ps, _mm512_rsqrt14_ps,
+    _mm512_scalef_ps, _mm512_set1_epi32, _mm512_set1_epi64, _mm512_set1_pd, _mm512_set1_ps, _mm512_shuffle_f32x4,
+    _mm512_shuffle_ps, _mm512_sqrt_pd, _mm512_sqrt_ps, _mm512_storeu_pd, _mm512_storeu_ps, _mm512_sub_pd,
+    _mm512_sub_ps, _mm512_unpackhi_ps, _mm512_unpacklo_ps,
 };
 
 use crate::kernels::lanes::{LANES, Lanes};
+use crate::kernels::simd::doubles::{Doubles, EIGHT};
 use crate::kernels::simd::{Elementwise, Simd};
 
 /// AVX-512F and DQ are there.
@@ -35,6 +38,37 @@ macro_rules! operations {
             unsafe { $body }
         }
     )*};
+}
+
+impl Doubles for Avx512 {
+    type D = __m512d;
+
+    const WIDTH: usize = EIGHT;
+
+    #[inline(always)]
+    fn load_doubles(self, from: &[f64]) -> __m512d {
+        let from = from.first_chunk::<EIGHT>().expect("eight numbers");
+        // SAFETY: the token proves that the CPU has AVX-512F.
+        unsafe { _mm512_loadu_pd(from.as_ptr()) }
+    }
+
+    #[inline(always)]
+    fn store_doubles(self, d: __m512d, to: &mut [f64]) {
+        let to = to.first_chunk_mut::<EIGHT>().expect("eight numbers");
+        // SAFETY: the token proves that the CPU has AVX-512F.
+        unsafe { _mm512_storeu_pd(to.as_mut_ptr(), d) }
+    }
+
+    operations! {
+        splat_double(x: f64) -> __m512d = _mm512_set1_pd(x);
+        add_doubles(a: __m512d, b: __m512d) -> __m512d = _mm512_add_pd(a, b);
+        sub_doubles(a: __m512d, b: __m512d) -> __m512d = _mm512_sub_pd(a, b);
+        mul_doubles(a: __m512d, b: __m512d) -> __m512d = _mm512_mul_pd(a, b);
+        div_doubles(a: __m512d, b: __m512d) -> __m512d = _mm512_div_pd(a, b);
+        sqrt_doubles(a: __m512d) -> __m512d = _mm512_sqrt_pd(a);
+        select_doubles(a: __m512d, b: __m512d, x: __m512d, y: __m512d) -> __m512d =
+            _mm512_mask_blend_pd(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b), y, x);
+    }
 }
 
 impl Elementwise for Avx512 {

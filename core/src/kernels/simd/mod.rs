@@ -13,6 +13,8 @@ pub(crate) mod avx2;
 #[allow(unsafe_code, reason = "it names instructions: a token proves that the CPU has them")]
 pub(crate) mod avx512;
 #[forbid(unsafe_code)]
+pub(crate) mod doubles;
+#[forbid(unsafe_code)]
 pub(crate) mod fours;
 pub(crate) mod instruction_set;
 #[cfg(target_arch = "aarch64")]

@@ -1,9 +1,14 @@
 //! Bessel: functions of k a sin(theta) as series in cos(theta).
 
+use alloc::vec::Vec;
+
 use crate::math;
 
 /// Below this argument the series of the Bessel functions needs few terms, above it the functions themselves lose none.
 const SMALL: f64 = 2.0;
+
+/// Above this y the largest term of the series in y is a hundred times the first, and takes two digits.
+const LARGEST: f64 = 64.0;
 
 /// A function of y = x^2, x = `scale` sin(theta), given by its Taylor coefficients in y, as one of cos(theta).
 pub(super) fn in_sine(scale: f64, c: f64, of: impl Fn(f64) -> [f64; 4]) -> [f64; 4] {
@@ -12,6 +17,23 @@ pub(super) fn in_sine(scale: f64, c: f64, of: impl Fn(f64) -> [f64; 4]) -> [f64;
     // y moves by -square (2 c h + h^2).
     let (a, b) = (-2.0 * square * c, -square);
     [f, f1 * a, f1 * b + f2 * a * a, 2.0 * f2 * a * b + f3 * a * a * a]
+}
+
+/// The coefficients in y of `factor` times what [`normalised`] gives, to 1e-17 of the first up to `most`; none where the terms
+/// grow too large to be added up.
+pub(super) fn series(order: f64, factor: f64, most: f64) -> Option<Vec<f64>> {
+    if most > LARGEST {
+        return None;
+    }
+    let mut term = if order == 1.0 { 0.5 * factor } else { factor };
+    let (mut terms, mut size, mut m) = (Vec::new(), 1.0, 1.0);
+    while size > 1e-17 || most > 4.0 * m * (order + m) {
+        terms.push(term);
+        term *= -1.0 / (4.0 * m * (order + m));
+        size *= most / (4.0 * m * (order + m));
+        m += 1.0;
+    }
+    Some(terms)
 }
 
 /// `Gamma`-normalised Bessel functions in y = x^2: the Taylor coefficients in y of J1(x)/x (`order` 1) or of

@@ -1,18 +1,18 @@
 //! A power of the cosine: `HandyBeam`'s model.
 
 use crate::math;
-use crate::scene::directivity::law::{Directivity, Law, Parameter, Shape};
+use crate::scene::directivity::law::{Directivity, Law, Parameter, Shape, Taylor};
 
 pub(super) static LAW: Law = Law {
     name: "cos",
     parameter: Some(Parameter { default: 3.376, length: false }),
     about: "D = cos(theta)^n; HandyBeam's model with n = 3.376",
     value: |exponent, cos_theta, _| math::pow(cos_theta, exponent),
-    taylor: |n, c, _| {
+    taylor: Taylor::Each(|n, c, _| {
         let power = |m: f64, factor: f64| if factor == 0.0 { 0.0 } else { factor * math::pow(c, n - m) };
         let second = n * (n - 1.0) / 2.0;
         [power(0.0, 1.0), power(1.0, n), power(2.0, second), power(3.0, second * (n - 2.0) / 3.0)]
-    },
+    }),
     sharpness: |exponent, _| math::sqrt(exponent),
     shape: Shape::Power,
 };

@@ -12,12 +12,20 @@ pub(crate) struct Law {
     pub(crate) about: &'static str,
     /// D of (parameter, cos theta, k) for cos theta from 0 to 1.
     pub(crate) value: fn(f64, f64, f64) -> f64,
-    /// The Taylor coefficients D, D', D''/2, D'''/6 by cos theta, of (parameter, cos theta, k), there.
-    pub(crate) taylor: fn(f64, f64, f64) -> [f64; 4],
+    /// How its derivatives by cos theta are found, there.
+    pub(crate) taylor: Taylor,
     /// How fast D varies with the angle, of (parameter, k): x where D falls as 1 - x^2 sin^2(theta)/6 from the axis, about.
     pub(crate) sharpness: fn(f64, f64) -> f64,
     /// What the polynomials of the f32 rows follow.
     pub(crate) shape: Shape,
+}
+
+/// The Taylor coefficients D, D', D''/2, D'''/6 by cos theta.
+pub(crate) enum Taylor {
+    /// Of (parameter, cos theta, k).
+    Each(fn(f64, f64, f64) -> [f64; 4]),
+    /// D = `factor` J(x)/x^`order`, x = `scale` sin theta with a scale of (parameter, k): see [`super::bessel`].
+    InSine { scale: fn(f64, f64) -> f64, order: f64, factor: f64 },
 }
 
 /// The parameter of a law.

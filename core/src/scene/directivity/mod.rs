@@ -9,12 +9,15 @@ pub(crate) mod point;
 pub(crate) mod sinc;
 pub(crate) mod t4010a1;
 
+use alloc::boxed::Box;
 use alloc::format;
 
 pub use law::{Directivity, Parameter};
 
 use crate::error::{Error, find, real};
-use crate::scene::directivity::law::{Law, Shape};
+use crate::kernels::derivatives::Slopes;
+use crate::scene::directivity::bessel::{in_sine, normalised, series};
+use crate::scene::directivity::law::{Law, Shape, Taylor};
 
 /// The laws that scene files, Python and C know.
 static LAWS: [&Law; 5] = [&point::LAW, &piston::LAW, &sinc::LAW, &cos::LAW, &t4010a1::LAW];
@@ -99,7 +102,29 @@ impl Directivity {
     /// The Taylor coefficients of D by cos(theta), up to the third, for wavenumber k (1/m); all 0 behind a baffle.
     pub(crate) fn taylor(&self, cos_theta: f64, k: f64) -> [f64; 4] {
         let c = cos_theta.min(1.0);
-        if self.silent(c) { [0.0; 4] } else { (self.law.taylor)(self.parameter, c, k) }
+        if self.silent(c) {
+            return [0.0; 4];
+        }
+        match self.law.taylor {
+            Taylor::Each(of) => of(self.parameter, c, k),
+            Taylor::InSine { scale, order, factor } => {
+                in_sine(scale(self.parameter, k), c, |y| normalised(y, order).map(|value| factor * value))
+            }
+        }
+    }
+
+    /// The same as the kernels find it for many transducers.
+    pub(crate) fn slopes(self, k: f64) -> Slopes {
+        let each = Slopes::Each(Box::new(move |c| self.taylor(c, k)));
+        match (&self.law.shape, &self.law.taylor) {
+            (Shape::Omnidirectional, _) => Slopes::One,
+            (_, Taylor::InSine { scale, order, factor }) => {
+                let scale = scale(self.parameter, k);
+                let square = scale * scale;
+                series(*order, *factor, square).map_or(each, |terms| Slopes::Even { square, terms })
+            }
+            _ => each,
+        }
     }
 
     /// Whether an angle lies behind the baffle.

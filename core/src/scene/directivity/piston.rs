@@ -1,8 +1,7 @@
 //! A circular piston in a baffle (P. M. Morse and K. U. Ingard, Theoretical Acoustics, 1968, section 7.4).
 
 use crate::math;
-use crate::scene::directivity::bessel::{in_sine, normalised};
-use crate::scene::directivity::law::{Directivity, Law, Parameter, Shape};
+use crate::scene::directivity::law::{Directivity, Law, Parameter, Shape, Taylor};
 
 pub(super) static LAW: Law = Law {
     name: "piston",
@@ -12,7 +11,7 @@ pub(super) static LAW: Law = Law {
         let x = k * radius * math::sqrt((1.0 - cos_theta * cos_theta).max(0.0));
         if x < 1e-4 { 1.0 - x * x / 8.0 } else { 2.0 * math::j1(x) / x }
     },
-    taylor: |radius, cos_theta, k| in_sine(k * radius, cos_theta, |y| normalised(y, 1.0).map(|value| 2.0 * value)),
+    taylor: Taylor::InSine { scale: |radius, k| k * radius, order: 1.0, factor: 2.0 },
     sharpness: |radius, k| k * radius,
     shape: Shape::Even,
 };

@@ -1,13 +1,13 @@
 //! A point source: the paper's model.
 
-use crate::scene::directivity::law::{Directivity, Law, Shape};
+use crate::scene::directivity::law::{Directivity, Law, Shape, Taylor};
 
 pub(super) static LAW: Law = Law {
     name: "point",
     parameter: None,
     about: "D = 1 everywhere, also behind: the paper's model",
     value: |_, _, _| 1.0,
-    taylor: |_, _, _| [1.0, 0.0, 0.0, 0.0],
+    taylor: Taylor::Each(|_, _, _| [1.0, 0.0, 0.0, 0.0]),
     sharpness: |_, _| 0.0,
     shape: Shape::Omnidirectional,
 };

@@ -1,8 +1,7 @@
 //! An aperture of one width: Ultraino's model.
 
 use crate::math;
-use crate::scene::directivity::bessel::{in_sine, normalised};
-use crate::scene::directivity::law::{Directivity, Law, Parameter, Shape};
+use crate::scene::directivity::law::{Directivity, Law, Parameter, Shape, Taylor};
 
 pub(super) static LAW: Law = Law {
     name: "sinc",
@@ -12,7 +11,7 @@ pub(super) static LAW: Law = Law {
         let x = 0.5 * k * width * math::sqrt((1.0 - cos_theta * cos_theta).max(0.0));
         if x < 1e-4 { 1.0 - x * x / 6.0 } else { math::sin(x) / x }
     },
-    taylor: |width, cos_theta, k| in_sine(0.5 * k * width, cos_theta, |y| normalised(y, 0.5)),
+    taylor: Taylor::InSine { scale: |width, k| 0.5 * k * width, order: 0.5, factor: 1.0 },
     sharpness: |width, k| k * width / 2.0,
     shape: Shape::Even,
 };

@@ -1,7 +1,7 @@
 //! The Nicera T4010A1, the AUTD3's transducer, as measured.
 
 use crate::math;
-use crate::scene::directivity::law::{Directivity, Law, Shape};
+use crate::scene::directivity::law::{Directivity, Law, Shape, Taylor};
 
 /// D at 0, 10, ..., 90 degrees (values of the AUTD3 software's transducer table).
 const MEASURED: [f64; 10] = [1.0, 1.0, 1.0, 0.8913, 0.7079, 0.5012, 0.3548, 0.2512, 0.1995, 0.1778];
@@ -15,7 +15,7 @@ pub(super) static LAW: Law = Law {
     about: "the Nicera T4010A1 as measured every 10 degrees (the AUTD3's transducer), by monotone cubics (PCHIP)",
     value: |_, cos_theta, _| pchip(&MEASURED, math::acos(cos_theta.min(1.0)).to_degrees() / 10.0)[0],
     // The second derivative jumps every 10 degrees.
-    taylor: |_, c, _| {
+    taylor: Taylor::Each(|_, c, _| {
         let theta = math::acos(c);
         let [d, d1, d2, d3] = pchip(&MEASURED, theta.to_degrees() / 10.0);
         // The measured values begin flat.
@@ -29,7 +29,7 @@ pub(super) static LAW: Law = Law {
         let [a, b, e] = [-1.0 / s, -c / (2.0 * s2 * s), -(1.0 + 2.0 * c * c) / (6.0 * s2 * s2 * s)]
             .map(|coefficient| coefficient * unit);
         [d, d1 * a, d1 * b + d2 * a * a, d1 * e + 2.0 * d2 * a * b + d3 * a * a * a]
-    },
+    }),
     sharpness: |_, _| 0.0,
     shape: Shape::Pieces(BEGINS),
 };

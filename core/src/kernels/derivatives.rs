@@ -1,0 +1,366 @@
+//! Derivatives of eq. (5) by the place, up to the third, in double precision: eight transducers at a time.
+//!
+//! With the ray d of length r, s = |d|^2/2, h = d . n and c = h/r, eq. (5) is F(s, h) = g(s) D(c), g = e^{ur}/r,
+//! u = jk - alpha. A step x changes s by d . x + |x|^2/2 and h by n . x, so that with the derivatives f_ab of F by s and h, a and
+//! b times, times r^{2a+b}, and e = d/r:
+//!
+//! ```text
+//! degree 1: 1/r   [ f10 ex + f01 nx ],   ex = e . x, nx = n . x
+//! degree 2: 1/r^2 [ f20 ex^2/2 + f11 ex nx + f02 nx^2/2 + f10 |x|^2/2 ]
+//! degree 3: 1/r^3 [ f30 ex^3/6 + f21 ex^2 nx/2 + f12 ex nx^2/2 + f03 nx^3/6 + |x|^2 (f20 ex + f11 nx)/2 ]
+//! ```
+//!
+//! Plain loops without fused products: every instruction set gives the same bits.
+#![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
+
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+
+use crate::control::Control;
+use crate::error::Error;
+use crate::kernels::simd::doubles::{Doubles, EIGHT, Eight, V, total};
+use crate::kernels::simd::instruction_set::{InstructionSet, dispatch};
+use crate::math::exp;
+
+/// Monomials x^a y^b z^c of degree up to 3, in the order of exponents that fall: 1; x, y, z; x^2, xy, xz, y^2, yz, z^2; ...
+pub(crate) const TERMS: usize = 20;
+
+/// A complex number of each of the eight.
+type C<S> = [V<S>; 2];
+
+/// What eight transducers are and do: those that are too many have factor 0.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Emitters {
+    /// Positions in m.
+    pub(crate) position: [Eight; 3],
+    /// Unit normals.
+    pub(crate) normal: [Eight; 3],
+    /// The factor of eq. (5), real and imaginary part: source pressure times response, and the drive if it is known.
+    pub(crate) factor: [Eight; 2],
+}
+
+impl Emitters {
+    /// Those of transducers one by one: position, normal, factor.
+    pub(crate) fn all(of: impl ExactSizeIterator<Item = ([f64; 3], [f64; 3], [f64; 2])>) -> Vec<Self> {
+        let mut blocks: Vec<Self> = Vec::with_capacity(of.len().div_ceil(EIGHT));
+        for (i, (position, normal, factor)) in of.enumerate() {
+            if i % EIGHT == 0 {
+                let [position, normal] = [position, normal].map(|vector| vector.map(|x| [x; EIGHT]));
+                blocks.push(Self { position, normal, factor: [[0.0; EIGHT]; 2] });
+            }
+            let Some(block) = blocks.last_mut() else { continue };
+            let own = block.position.iter_mut().chain(&mut block.normal).chain(&mut block.factor);
+            own.zip(position.into_iter().chain(normal).chain(factor)).for_each(|(own, x)| own[i % EIGHT] = x);
+        }
+        blocks
+    }
+}
+
+/// How D and its derivatives by c = cos(theta) are found.
+pub(crate) enum Slopes {
+    /// D = 1.
+    One,
+    /// D is a polynomial in y = `square` (1 - c^2), 0 behind.
+    Even { square: f64, terms: Vec<f64> },
+    /// The Taylor coefficients D, D', D''/2, D'''/6 at c.
+    Each(Box<dyn Fn(f64) -> [f64; 4] + Send + Sync>),
+}
+
+/// Air and directivity of all transducers.
+pub(crate) struct Waves {
+    /// k in rad/m.
+    pub(crate) wavenumber: f64,
+    /// alpha in 1/m.
+    pub(crate) absorption: f64,
+    pub(crate) slopes: Slopes,
+}
+
+/// Calls `take` with each block's Taylor coefficients around a point, real and imaginary: no transducer lies there.
+pub(crate) fn each(
+    set: InstructionSet,
+    waves: &Waves,
+    emitters: &[Emitters],
+    point: [f64; 3],
+    mut take: impl FnMut(usize, &[[Eight; TERMS]; 2]),
+    control: &mut Control,
+) -> Result<(), Error> {
+    let mut terms = [[[0.0; EIGHT]; TERMS]; 2];
+    for (b, block) in emitters.iter().enumerate() {
+        control.pulse()?;
+        dispatch!(set, s => {
+            for at in runs(s) {
+                let own = expand(s, waves, (block, at), point);
+                for part in 0..2 {
+                    for term in 0..TERMS {
+                        own[part][term].put(&mut terms[part][term][at..]);
+                    }
+                }
+            }
+        });
+        take(b, &terms);
+    }
+    Ok(())
+}
+
+/// The sum of all blocks' Taylor coefficients around a point.
+pub(crate) fn sum(
+    set: InstructionSet,
+    waves: &Waves,
+    emitters: &[Emitters],
+    point: [f64; 3],
+    control: &mut Control,
+) -> Result<[[f64; TERMS]; 2], Error> {
+    let mut sums = [[[0.0; EIGHT]; TERMS]; 2];
+    for blocks in emitters.chunks(EIGHT) {
+        control.pulse()?;
+        dispatch!(set, s => {
+            for block in blocks {
+                for at in runs(s) {
+                    let own = expand(s, waves, (block, at), point);
+                    for part in 0..2 {
+                        for term in 0..TERMS {
+                            let sum = &mut sums[part][term][at..];
+                            (V::of(s, sum) + own[part][term]).put(sum);
+                        }
+                    }
+                }
+            }
+        });
+    }
+    Ok(sums.map(|part| part.map(total)))
+}
+
+/// The first of each run of numbers that a set takes at once.
+#[inline(always)]
+fn runs<S: Doubles>(_s: S) -> impl Iterator<Item = usize> {
+    (0..EIGHT).step_by(S::WIDTH)
+}
+
+#[inline(always)]
+fn expand<S: Doubles>(s: S, waves: &Waves, (block, at): (&Emitters, usize), point: [f64; 3]) -> [[V<S>; TERMS]; 2] {
+    let zero = V::all(s, 0.0);
+    let out = &mut [[zero; TERMS]; 2];
+    let ray: [V<S>; 3] = core::array::from_fn(|axis| V::all(s, point[axis]) - V::of(s, &block.position[axis][at..]));
+    let r = dot(ray, ray).sqrt();
+    let near = r.inverse();
+    let e = ray.map(|x| x * near);
+    let [n0, n1, n2] = &block.normal;
+    let n = [V::of(s, &n0[at..]), V::of(s, &n1[at..]), V::of(s, &n2[at..])];
+    let [re, im] = &block.factor;
+    let factor = [V::of(s, &re[at..]), V::of(s, &im[at..])];
+    let (cos, sin) = phasor(s, r * (waves.wavenumber / core::f64::consts::TAU));
+    let amplitude = if waves.absorption > 0.0 { near * r.each(|r| [exp(-waves.absorption * r)])[0] } else { near };
+    // G_a = r^{2a} times the a-th derivative of g by s, times the factor: g times 1, v - 1, v^2 - 3v + 3, v^3 - 6v^2 + 15v - 15,
+    // v = ur.
+    let v = [r * -waves.absorption, r * waves.wavenumber];
+    let g0 = times([amplitude * cos, amplitude * sin], factor);
+    let g1 = times([v[0] - 1.0, v[1]], g0);
+    let g2 = times(plus(times([v[0] - 3.0, v[1]], v), 3.0), g0);
+    let g3 = times([v[0] - 6.0, v[1]], v);
+    let g3 = times(plus(times(plus(g3, 15.0), v), -15.0), g0);
+    let c = dot(e, n);
+    let slopes = match &waves.slopes {
+        Slopes::One => {
+            constant(out, g0);
+            first(out, near, (g1, e), None);
+            second_third(out, near, (e, n), [g1, g2, g3], None);
+            return *out;
+        }
+        Slopes::Even { square, terms } => even(s, *square, terms, c),
+        Slopes::Each(of) => c.each(of),
+    };
+    // Derivatives of D by s and h, times r^{2a+b}.
+    let [d, d1, d2, d3] = [slopes[0], slopes[1], slopes[2] * 2.0, slopes[3] * 6.0];
+    let (c2, d3c) = (c * c, d3 * c);
+    let (d01, d10, d02) = (d1, d1 * c * -1.0, d2);
+    let d11 = (d2 * c + d1) * -1.0;
+    let d20 = d2 * c2 + d1 * c * 3.0;
+    let (d03, d12) = (d3, (d3c + d2 * 2.0) * -1.0);
+    let d21 = d3c * c + d2 * c * 5.0 + d1 * 3.0;
+    let d30 = (d3c * c2 + d2 * c2 * 9.0 + d1 * c * 15.0) * -1.0;
+    constant(out, by(g0, d));
+    let f10 = both(by(g1, d), by(g0, d10));
+    let f01 = by(g0, d01);
+    first(out, near, (f10, e), Some((f01, n)));
+    let f20 = both(both(by(g2, d), by(g1, d10 * 2.0)), by(g0, d20));
+    let f11 = both(by(g1, d01), by(g0, d11));
+    let f02 = by(g0, d02);
+    let f30 = both(both(by(g3, d), by(g2, d10 * 3.0)), both(by(g1, d20 * 3.0), by(g0, d30)));
+    let f21 = both(both(by(g2, d01), by(g1, d11 * 2.0)), by(g0, d21));
+    let f12 = both(by(g1, d02), by(g0, d12));
+    let f03 = by(g0, d03);
+    second_third(out, near, (e, n), [f10, f20, f30], Some([f11, f02, f21, f12, f03]));
+    *out
+}
+
+#[inline(always)]
+fn constant<S: Doubles>(out: &mut [[V<S>; TERMS]; 2], f: C<S>) {
+    for part in 0..2 {
+        out[part][0] = f[part];
+    }
+}
+
+/// Degree 1.
+#[inline(always)]
+fn first<S: Doubles>(
+    out: &mut [[V<S>; TERMS]; 2],
+    near: V<S>,
+    (f10, e): (C<S>, [V<S>; 3]),
+    directed: Option<(C<S>, [V<S>; 3])>,
+) {
+    for part in 0..2 {
+        for axis in 0..3 {
+            let own = f10[part] * e[axis];
+            let own = if let Some((f01, n)) = directed { own + f01[part] * n[axis] } else { own };
+            out[part][1 + axis] = own * near;
+        }
+    }
+}
+
+/// Degrees 2 and 3, of f10, f20, f30, and of f11, f02, f21, f12, f03 where there is a directivity.
+#[inline(always)]
+fn second_third<S: Doubles>(
+    out: &mut [[V<S>; TERMS]; 2],
+    near: V<S>,
+    (e, n): ([V<S>; 3], [V<S>; 3]),
+    [f10, f20, f30]: [C<S>; 3],
+    directed: Option<[C<S>; 5]>,
+) {
+    let (ee, en, nn) = (product(e, e), product(e, n), product(n, n));
+    let (square, cube) = (near * near, near * near * near);
+    for part in 0..2 {
+        let [half, sixth] = [f20[part] * 0.5, f30[part] * (1.0 / 6.0)];
+        let mut second: [V<S>; 6] = core::array::from_fn(|t| ee[t] * half);
+        let mut along: [V<S>; 6] = core::array::from_fn(|t| ee[t] * sixth);
+        let mut across = [near * 0.0; 6];
+        if let Some([f11, f02, f21, f12, f03]) = directed {
+            for t in 0..6 {
+                second[t] = second[t] + en[t] * f11[part] + nn[t] * (f02[part] * 0.5);
+                along[t] = along[t] + en[t] * (f21[part] * 0.5);
+                across[t] = en[t] * (f12[part] * 0.5) + nn[t] * (f03[part] * (1.0 / 6.0));
+            }
+            for t in [0, 3, 5] {
+                across[t] = across[t] + f11[part] * 0.5;
+            }
+        }
+        for t in [0, 3, 5] {
+            second[t] = second[t] + f10[part] * 0.5;
+            along[t] = along[t] + half;
+        }
+        for t in 0..6 {
+            out[part][4 + t] = second[t] * square;
+        }
+        let mut third = cubic(e, along);
+        if directed.is_some() {
+            let more = cubic(n, across);
+            for t in 0..10 {
+                third[t] = third[t] + more[t];
+            }
+        }
+        for t in 0..10 {
+            out[part][10 + t] = third[t] * cube;
+        }
+    }
+}
+
+/// The quadratic form (a . x)(b . x): its coefficients of x^2, xy, xz, y^2, yz, z^2.
+#[inline(always)]
+fn product<S: Doubles>(a: [V<S>; 3], b: [V<S>; 3]) -> [V<S>; 6] {
+    let mixed = |i: usize, j: usize| a[i] * b[j] + a[j] * b[i];
+    [a[0] * b[0], mixed(0, 1), mixed(0, 2), a[1] * b[1], mixed(1, 2), a[2] * b[2]]
+}
+
+/// A linear form times a quadratic one, in the order of [`TERMS`].
+#[inline(always)]
+fn cubic<S: Doubles>(l: [V<S>; 3], [xx, xy, xz, yy, yz, zz]: [V<S>; 6]) -> [V<S>; 10] {
+    let [x, y, z] = l;
+    [
+        x * xx,
+        x * xy + y * xx,
+        x * xz + z * xx,
+        x * yy + y * xy,
+        x * yz + y * xz + z * xy,
+        x * zz + z * xz,
+        y * yy,
+        y * yz + z * yy,
+        y * zz + z * yz,
+        z * zz,
+    ]
+}
+
+#[inline(always)]
+fn dot<S: Doubles>(a: [V<S>; 3], b: [V<S>; 3]) -> V<S> {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn times<S: Doubles>(a: C<S>, b: C<S>) -> C<S> {
+    [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
+}
+
+#[inline(always)]
+fn plus<S: Doubles>([re, im]: C<S>, x: f64) -> C<S> {
+    [re + x, im]
+}
+
+#[inline(always)]
+fn both<S: Doubles>(a: C<S>, b: C<S>) -> C<S> {
+    [a[0] + b[0], a[1] + b[1]]
+}
+
+#[inline(always)]
+fn by<S: Doubles>([re, im]: C<S>, x: V<S>) -> C<S> {
+    [re * x, im * x]
+}
+
+/// D and its Taylor coefficients by c, of a polynomial in y = `square` (1 - c^2); 0 behind.
+#[inline(always)]
+fn even<S: Doubles>(s: S, square: f64, terms: &[f64], c: V<S>) -> [V<S>; 4] {
+    let [zero, one] = [V::all(s, 0.0), V::all(s, 1.0)];
+    let c = c.where_less(c, one, one);
+    let y = (one - c * c) * square;
+    let mut f = [zero; 4];
+    for &term in terms.iter().rev() {
+        f = [f[0] * y + term, f[1] * y + f[0], f[2] * y + f[1], f[3] * y + f[2]];
+    }
+    // y moves by -square (2 c h + h^2).
+    let (a, b) = (c * (-2.0 * square), -square);
+    let slopes = [f[0], f[1] * a, f[1] * b + f[2] * a * a, f[2] * a * (2.0 * b) + f[3] * a * a * a];
+    slopes.map(|slope| zero.where_less(c, zero, slope))
+}
+
+/// Cosine and sine of an angle in turns below 2^40, to 3e-16: by Taylor's polynomials within a quarter turn of half turns.
+#[inline(always)]
+fn phasor<S: Doubles>(s: S, turns: V<S>) -> (V<S>, V<S>) {
+    let halves = turns * 2.0;
+    let whole = halves.round();
+    // Of an even number of half turns 1, else -1.
+    let odd = whole - (whole * 0.5).round() * 2.0;
+    let sign = V::all(s, 1.0) - odd * odd * 2.0;
+    let angle = (halves - whole) * core::f64::consts::PI;
+    let square = angle * angle;
+    let [mut cos, mut sin] = [V::all(s, TAYLOR[20]), V::all(s, TAYLOR[21])];
+    for n in (0..10).rev() {
+        cos = cos * square + TAYLOR[2 * n];
+        sin = sin * square + TAYLOR[2 * n + 1];
+    }
+    (cos * sign, sin * angle * sign)
+}
+
+/// 1/n! with the signs of cosine and, between them, of sine.
+const TAYLOR: [f64; 22] = {
+    let mut terms = [1.0; 22];
+    let mut n = 1;
+    while n < 22 {
+        terms[n] = terms[n - 1] / n as f64;
+        n += 1;
+    }
+    let mut n = 0;
+    while n < 22 {
+        if n / 2 % 2 == 1 {
+            terms[n] = -terms[n];
+        }
+        n += 1;
+    }
+    terms
+};

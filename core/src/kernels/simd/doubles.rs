@@ -1,0 +1,179 @@
+//! Doubles: operations on f64, none of them fused, so that every instruction set gives the same bits.
+//!
+//! Numbers lie in memory in eights; a set takes all eight at once, or one after the other.
+
+#![allow(clippy::needless_range_loop, reason = "counted loops keep their values in registers")]
+
+use core::ops::{Add, Mul, Sub};
+
+use crate::kernels::simd::fours::Fours;
+use crate::math;
+
+/// Numbers that lie together.
+pub(crate) const EIGHT: usize = 8;
+
+/// Such numbers.
+pub(crate) type Eight = [f64; EIGHT];
+
+/// What a set does with doubles.
+pub(crate) trait Doubles: Copy {
+    /// f64, [`Doubles::WIDTH`] of them: a divisor of [`EIGHT`].
+    type D: Copy;
+
+    const WIDTH: usize;
+
+    fn splat_double(self, x: f64) -> Self::D;
+    /// The first of a slice.
+    fn load_doubles(self, from: &[f64]) -> Self::D;
+    fn store_doubles(self, d: Self::D, to: &mut [f64]);
+    fn add_doubles(self, a: Self::D, b: Self::D) -> Self::D;
+    fn sub_doubles(self, a: Self::D, b: Self::D) -> Self::D;
+    fn mul_doubles(self, a: Self::D, b: Self::D) -> Self::D;
+    fn div_doubles(self, a: Self::D, b: Self::D) -> Self::D;
+    fn sqrt_doubles(self, a: Self::D) -> Self::D;
+    /// x where a < b, else y.
+    fn select_doubles(self, a: Self::D, b: Self::D, x: Self::D, y: Self::D) -> Self::D;
+}
+
+/// One at a time.
+impl<R: Copy> Doubles for Fours<R> {
+    type D = f64;
+
+    const WIDTH: usize = 1;
+
+    #[inline(always)]
+    fn splat_double(self, x: f64) -> f64 {
+        x
+    }
+
+    #[inline(always)]
+    fn load_doubles(self, from: &[f64]) -> f64 {
+        from[0]
+    }
+
+    #[inline(always)]
+    fn store_doubles(self, d: f64, to: &mut [f64]) {
+        to[0] = d;
+    }
+
+    #[inline(always)]
+    fn add_doubles(self, a: f64, b: f64) -> f64 {
+        a + b
+    }
+
+    #[inline(always)]
+    fn sub_doubles(self, a: f64, b: f64) -> f64 {
+        a - b
+    }
+
+    #[inline(always)]
+    fn mul_doubles(self, a: f64, b: f64) -> f64 {
+        a * b
+    }
+
+    #[inline(always)]
+    fn div_doubles(self, a: f64, b: f64) -> f64 {
+        a / b
+    }
+
+    #[inline(always)]
+    fn sqrt_doubles(self, a: f64) -> f64 {
+        math::sqrt(a)
+    }
+
+    #[inline(always)]
+    fn select_doubles(self, a: f64, b: f64, x: f64, y: f64) -> f64 {
+        if a < b { x } else { y }
+    }
+}
+
+/// Doubles with the token of their set, so that formulas can be written as such.
+#[derive(Clone, Copy)]
+pub(crate) struct V<S: Doubles>(S, S::D);
+
+impl<S: Doubles> V<S> {
+    #[inline(always)]
+    pub(crate) fn all(s: S, x: f64) -> Self {
+        Self(s, s.splat_double(x))
+    }
+
+    #[inline(always)]
+    pub(crate) fn of(s: S, from: &[f64]) -> Self {
+        Self(s, s.load_doubles(from))
+    }
+
+    #[inline(always)]
+    pub(crate) fn put(self, to: &mut [f64]) {
+        self.0.store_doubles(self.1, to);
+    }
+
+    /// Functions of each number, one after the other.
+    #[inline(always)]
+    pub(crate) fn each<const N: usize>(self, of: impl Fn(f64) -> [f64; N]) -> [Self; N] {
+        let (mut own, mut out) = ([0.0; EIGHT], [[0.0; EIGHT]; N]);
+        self.put(&mut own);
+        for lane in 0..S::WIDTH {
+            let values = of(own[lane]);
+            for k in 0..N {
+                out[k][lane] = values[k];
+            }
+        }
+        let mut all = [self; N];
+        for k in 0..N {
+            all[k] = Self::of(self.0, &out[k]);
+        }
+        all
+    }
+
+    #[inline(always)]
+    pub(crate) fn sqrt(self) -> Self {
+        Self(self.0, self.0.sqrt_doubles(self.1))
+    }
+
+    /// 1/x.
+    #[inline(always)]
+    pub(crate) fn inverse(self) -> Self {
+        Self(self.0, self.0.div_doubles(self.0.splat_double(1.0), self.1))
+    }
+
+    /// This where `a` < `b`, else `other`.
+    #[inline(always)]
+    pub(crate) fn where_less(self, a: Self, b: Self, other: Self) -> Self {
+        Self(self.0, self.0.select_doubles(a.1, b.1, self.1, other.1))
+    }
+
+    /// The nearest integers of |x| < 2^51, ties to even.
+    #[inline(always)]
+    pub(crate) fn round(self) -> Self {
+        const WHOLE: f64 = 6_755_399_441_055_744.0;
+        (self + WHOLE) - WHOLE
+    }
+}
+
+macro_rules! operator {
+    ($trait:ident, $name:ident, $operation:ident) => {
+        impl<S: Doubles> $trait for V<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                Self(self.0, self.0.$operation(self.1, other.1))
+            }
+        }
+
+        impl<S: Doubles> $trait<f64> for V<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, other: f64) -> Self {
+                Self(self.0, self.0.$operation(self.1, self.0.splat_double(other)))
+            }
+        }
+    };
+}
+operator!(Add, add, add_doubles);
+operator!(Sub, sub, sub_doubles);
+operator!(Mul, mul, mul_doubles);
+
+/// The sum of the eight, in a fixed order.
+pub(crate) fn total([a, b, c, d, e, f, g, h]: Eight) -> f64 {
+    ((a + b) + (c + d)) + ((e + f) + (g + h))
+}

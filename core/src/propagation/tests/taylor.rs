@@ -1,0 +1,120 @@
+//! Tests of `taylor`: the kernel against Taylor polynomials multiplied out one transducer at a time.
+
+use super::*;
+use crate::math;
+use crate::rng::Rng;
+use crate::scene::{Array, Directivity, Medium, Transducer, distance};
+
+/// `value` + `slope` . x + `curvature` |x|^2.
+fn quadratic(value: f64, slope: [f64; 3], curvature: f64) -> Jet {
+    let mut terms = [0.0; TERMS];
+    terms[0] = value;
+    terms[1..4].copy_from_slice(&slope);
+    for term in [4, 7, 9] {
+        terms[term] = curvature;
+    }
+    Jet::of(terms)
+}
+
+/// First, second and third power of what a polynomial is above its value.
+fn powers(of: &Jet) -> [Jet; 3] {
+    let mut first = *of;
+    first.add(&quadratic(of.value(), [0.0; 3], 0.0), -1.0);
+    let second = first.times(&first);
+    [first, second, second.times(&first)]
+}
+
+/// A function by its Taylor coefficients at a value, of what has these [`powers`] there.
+fn series(coefficients: [f64; 4], powers: &[Jet; 3]) -> Jet {
+    let mut sum = quadratic(coefficients[0], [0.0; 3], 0.0);
+    powers.iter().zip(&coefficients[1..]).for_each(|(power, coefficient)| sum.add(power, *coefficient));
+    sum
+}
+
+/// Eq. (5) of transducer i around a point, its response left out, in Pa: real and imaginary part.
+fn jet(sources: &Sources, i: usize, point: [f64; 3]) -> [Jet; 2] {
+    let transducer = sources.array.transducer();
+    let (from, normal) = (sources.array.positions()[i], sources.array.normals()[i]);
+    let ray = [0, 1, 2].map(|axis| point[axis] - from[axis]);
+    let r = distance(from, point);
+    // r = sqrt(r^2), r^2 a polynomial.
+    let square = powers(&quadratic(r * r, ray.map(|x| 2.0 * x), 1.0));
+    let root = powers(&series([r, 0.5 / r, -0.125 / (r * r * r), 0.0625 / (r * r * r * r * r)], &square));
+    // e^{(jk - alpha) r}/r: the coefficients of e^{u (r + h)} are those of e^{u r} times u^n/n!, those of 1/(r + h) are
+    // (-1/r)^n/r.
+    let u = Complex64::new(-sources.medium.absorption, sources.medium.wavenumber());
+    let wave = math::exp(u.re * r) * transducer.source_pressure / r;
+    let wave = Complex64::new(wave * math::cos(u.im * r), wave * math::sin(u.im * r));
+    let [a, b] = [u, Complex64::new(-1.0 / r, 0.0)];
+    let second = a * a / 2.0 + a * b + b * b;
+    let third = a * a * a / 6.0 + a * a * b / 2.0 + a * b * b + b * b * b;
+    let terms = [wave, wave * (a + b), wave * second, wave * third];
+    let parts = [terms.map(|c| c.re), terms.map(|c| c.im)].map(|part| series(part, &root));
+    // cos(theta) = ray . normal/r.
+    let inverse = series([1.0 / r, -1.0 / (r * r), 1.0 / (r * r * r), -1.0 / (r * r * r * r)], &root);
+    let height = (0..3).map(|axis| ray[axis] * normal[axis]).sum::<f64>();
+    let cosine = quadratic(height, normal, 0.0).times(&inverse);
+    let slopes = transducer.directivity.taylor(cosine.value(), sources.medium.wavenumber());
+    if slopes == [1.0, 0.0, 0.0, 0.0] {
+        return parts;
+    }
+    let directivity = series(slopes, &powers(&cosine));
+    parts.map(|part| part.times(&directivity))
+}
+
+/// Thirteen transducers that look at all sides, one of them off, and a point before or behind each.
+fn sources(directivity: Directivity, absorption: f64) -> (Sources, Vec<Complex64>) {
+    let mut rng = Rng::new(11);
+    let mut vector = |size: f64| [(); 3].map(|()| size * (2.0 * rng.uniform() - 1.0));
+    let positions = (0..13).map(|_| vector(0.1)).collect();
+    let normals = (0..13).map(|_| vector(1.0)).collect();
+    let array = Array::new(positions, Some(normals)).expect("an array");
+    let array = array.with_transducer(Transducer { directivity, ..Transducer::default() }).expect("a directivity");
+    let factors = (0..13).map(|_| Complex64::from_polar(rng.uniform(), 6.3 * rng.uniform()));
+    let mut factors: Vec<_> = factors.collect();
+    factors[4] = Complex64::ZERO;
+    (Sources::new(&array, Medium { absorption, ..Medium::default() }), factors)
+}
+
+#[test]
+fn each_wave_and_their_sum_are_those_of_multiplied_polynomials() {
+    let laws = Directivity::all().chain([Directivity::piston(11e-3), Directivity::cos(0.5), Directivity::sinc(2e-3)]);
+    for (law, absorption) in laws.flat_map(|law| [(law, 0.0), (law, 0.15)]) {
+        let (sources, factors) = sources(law, absorption);
+        let point = [0.013, -0.02, 0.17];
+        let mut wanted = [Jet::ZERO; 2];
+        let mut all = vec![];
+        for (i, q) in factors.iter().enumerate() {
+            let [re, im] = jet(&sources, i, point);
+            let mut own = [Jet::ZERO; 2];
+            for (part, [own_re, own_im]) in own.iter_mut().zip([[q.re, -q.im], [q.im, q.re]]) {
+                part.add(&re, own_re);
+                part.add(&im, own_im);
+            }
+            wanted.iter_mut().zip(&own).for_each(|(sum, own)| sum.add(own, 1.0));
+            all.push(own);
+        }
+        let near = |found: &[f64; TERMS], wanted: &Jet| {
+            for (term, (found, wanted)) in found.iter().zip(wanted.coefficients()).enumerate() {
+                let unit = 300.0 * f64::powi(740.0, crate::propagation::jet::degree(term));
+                assert!((found - wanted).abs() < 1e-12 * unit, "{law:?}, term {term}: {found} {wanted}");
+            }
+        };
+        let mut bits = None;
+        for set in InstructionSet::all() {
+            let taylor = Taylor::new(set, &sources, |i| factors[i]);
+            let mut found = [Jet::ZERO; 2];
+            taylor.add(point, &mut found, &mut Control::none()).expect("nobody stops it");
+            found.iter().zip(&wanted).for_each(|(found, wanted)| near(found.coefficients(), wanted));
+            let own = found.each_ref().map(|part| part.coefficients().map(f64::to_bits));
+            assert_eq!(*bits.get_or_insert(own), own, "every set has the same bits");
+            let mut count = 0;
+            let take = |i: usize, wave: [[f64; TERMS]; 2]| {
+                count += 1;
+                wave.iter().zip(&all[i]).for_each(|(found, wanted)| near(found, wanted));
+            };
+            taylor.each(point, &mut Control::none(), take).expect("nobody stops it");
+            assert_eq!(count, 12);
+        }
+    }
+}
