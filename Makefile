@@ -116,9 +116,11 @@ test-portable: ## The core on 64-bit ARM and WebAssembly, emulated (Debian's pac
 	core/tests/portable.sh
 
 test-boards: setup ## Boards: programs that play end in every way, 20 times each, and 10,000 frames a link (8 min)
+	$(CARGO) build --quiet --release --manifest-path gateware/autd3/Cargo.toml
 	MIDAIR_SLOW=1 $(PYTHON) -m pytest $(wildcard python/tests/test_boards*.py)
 
 gateware: .venv/extension ## Boards' makers' own gateware with our bytes, recorded (MAKERS=folder of their repositories, Debian's ghdl, simavr)
+	$(PYTHON) gateware/autd3_run.py
 	$(PYTHON) gateware/run.py $(MAKERS)
 
 test-studio: setup studio studio/.venv/ready ## The studio: types, tests, the package's side, and a browser (Node 20+, Debian's chromium; 10 min)

@@ -46,12 +46,17 @@ def boards(*poses: tuple[list[float], Floats]) -> midair.Array:
     return midair.Array(np.concatenate(places) * 1e-3, np.concatenate(normals))
 
 
-def some_boards(count: int) -> midair.Array:
+def some_poses(count: int) -> list[tuple[list[float], Floats]]:
     """One to four boards around the z axis; the second, the first of one, is tilted and turned."""
     flat, tilted = np.array([1.0, 0, 0, 0]), turned([0.2, 1, 0.1], -25)
     poses = [([-185.0, -145.0, 0.0], flat), ([10.0, -140.0, 2.0], tilted), ([-185.0, 8.0, 0.0], flat)]
     poses = [*poses, ([10.0, 12.0, -3.5], turned([0, 0, 1], 3.0))]
-    return boards(*(poses[1:2] if count == 1 else poses[:count]))
+    return poses[1:2] if count == 1 else poses[:count]
+
+
+def some_boards(count: int) -> midair.Array:
+    """The array of `some_poses`."""
+    return boards(*some_poses(count))
 
 
 def codes(drive: oracle.Complex) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:

@@ -1,4 +1,4 @@
-"""A wire between a client of autd3 and its UDP emulator: loses datagrams, and keeps what boards were told.
+"""A wire between midair and an emulator of AUTD3 boards: loses datagrams, and keeps what boards were told.
 
 The client is given the wire's address for the emulator's. Each board answers from a socket of its own, so the
 wire has one for each, too, towards the client, made when the board first speaks.
@@ -16,8 +16,9 @@ from typing import Any
 #: Kinds of datagrams, by their second byte; and the command of a frame with one pattern, by its second byte.
 FRAME, HEARTBEAT = 0, 7
 PATTERN = 0x16
-#: Bytes of a datagram's header, and of all headers before the codes of a pattern.
+#: Bytes of a datagram's header, and of all headers before the codes of a pattern; protocols of paired codes.
 HEADER, CODES = 4, 20
+PAIRED = 5
 
 
 class Wire:
@@ -26,6 +27,7 @@ class Wire:
     def __init__(self, emulator: str, lose: Callable[[bytes], bool] = lambda _: False) -> None:
         self.lose = lose
         self.told: dict[Any, list[bytes]] = defaultdict(list)
+        self._steps: dict[Any, list[bytes]] = defaultdict(list)
         self.lost, self.carried, self.heartbeats = 0, 0, 0
         self._client: Any = None
         self._selector = selectors.DefaultSelector()
@@ -43,6 +45,10 @@ class Wire:
         for key in list(self._selector.get_map().values()):
             key.fileobj.close()
         self._selector.close()
+
+    def steps(self) -> list[list[bytes]]:
+        """The steps that each board was told, the first board first: the last one is told first."""
+        return [list(each) for each in reversed(self._steps.values())]
 
     def _socket(self, board: Any) -> socket.socket:
         made = socket.socket(socket.AF_INET6, socket.SOCK_DGRAM)
@@ -72,7 +78,10 @@ class Wire:
                     self._towards_boards.sendto(data, key.data)
 
     def _note(self, board: Any, data: bytes) -> None:
-        """Keep the codes of a pattern that is on its way to a board."""
+        """Keep a step that is on its way to a board, and the codes of a pattern: phases, then intensities."""
         self.heartbeats += data[1] == HEARTBEAT
-        if data[1] == FRAME and data[HEADER + 1] == PATTERN:
-            self.told[board].append(data[CODES:])
+        if data[1] == FRAME:
+            self._steps[board].append(data[HEADER:])
+            if data[HEADER + 1] == PATTERN:
+                codes = data[CODES:]
+                self.told[board].append(codes[::2] + codes[1::2] if data[0] == PAIRED else codes)

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 import midair
-from autd3_boards import SITES, boards, matrix, some_boards
+from autd3_boards import SITES, boards, some_boards, some_poses
+from autd3_makers import geometry
 from midair._boards import autd3_commands as commands
 from midair._boards.autd3 import Autd3Transport
 from midair._boards.errors import BoardError
-from midair._boards.poses import poses
+from midair._boards.layout import autd3_boards
 
 
 def random_poses(rng: np.random.Generator, count: int) -> list[tuple[list[float], np.ndarray]]:
@@ -27,44 +28,33 @@ def random_poses(rng: np.random.Generator, count: int) -> list[tuple[list[float]
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4])
-def test_poses_are_found_again(count: int) -> None:
+def test_boards_are_known_anywhere_and_turned_anyhow(count: int) -> None:
     rng = np.random.default_rng(count)
     for _ in range(25):
-        given = random_poses(rng, count)
-        for (origin, rotation), found in zip(given, poses(boards(*given)), strict=True):
-            assert found.origin == pytest.approx(origin, abs=1e-6)
-            assert matrix(np.array(found.rotation)) == pytest.approx(matrix(rotation), abs=1e-9)
-            assert math.hypot(*found.rotation) == pytest.approx(1, abs=1e-12)
-            assert found.rotation[0] >= 0
-
-
-def test_the_preset_has_boards_that_are_not_turned() -> None:
-    found = poses(midair.Array.preset("autd3", tiles=(2, 2)))
-    assert [pose.rotation for pose in found] == [(1, 0, 0, 0)] * 4
-    origins = np.array([pose.origin for pose in found])
-    assert origins - origins[0] == pytest.approx(
-        np.array([[0, 0, 0], [192, 0, 0], [0, 151.4, 0], [192, 151.4, 0]])
-    )
+        assert autd3_boards(boards(*random_poses(rng, count))) == count
+    assert autd3_boards(midair.Array.preset("autd3", tiles=(count, 2))) == 2 * count
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4])
 def test_autd3_places_transducers_where_the_array_has_them(count: int) -> None:
     rng = np.random.default_rng(10 + count)
-    for array in [boards(*random_poses(rng, count)) for _ in range(10)] + [
-        midair.Array.preset("autd3", (count, 1))
-    ]:
-        geometry = commands.geometry(poses(array))
-        places = np.concatenate([device.positions() for device in geometry])
-        normals = np.concatenate([device.directions() for device in geometry])
+    tiled = [((192.0 * k, 0.0, 0.0), np.array([1.0, 0, 0, 0])) for k in range(count)]
+    for given in [tiled, *(random_poses(rng, count) for _ in range(10))]:
+        array = boards(*given)
+        devices = geometry(given)
+        places = np.concatenate([device.positions() for device in devices])
+        normals = np.concatenate([device.directions() for device in devices])
         assert 1e3 * array.positions == pytest.approx(places, abs=0.01)
         assert array.normals == pytest.approx(normals, abs=1e-5)
+    preset = midair.Array.preset("autd3", (count, 1)).positions
+    assert preset - preset[0] == pytest.approx(boards(*tiled).positions, abs=1e-8)
 
 
 @pytest.mark.parametrize("count", [1, 4])
 def test_what_autd3_writes_of_the_boards_is_the_array(count: int, tmp_path: Path) -> None:
     array = some_boards(count)
     path = tmp_path / "boards.json"
-    path.write_text(commands.geometry(poses(array)).to_json())
+    path.write_text(geometry(some_poses(count)).to_json())
     again = midair.Array.from_file(path)
     assert again.positions == pytest.approx(array.positions, abs=1e-6)
     assert again.normals == pytest.approx(array.normals, abs=1e-6)
@@ -107,13 +97,13 @@ REFUSED = {
 def test_what_is_no_autd3_board_is_told(name: str) -> None:
     make, told = REFUSED[name]
     with pytest.raises(midair.SceneError) as caught:
-        poses(make())
+        autd3_boards(make())
     assert told in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
 def test_a_transducer_may_lie_a_hundredth_of_a_millimetre_off() -> None:
-    assert len(poses(moved(300, [5e-6, 0, -5e-6]))) == 2
+    assert autd3_boards(moved(300, [5e-6, 0, -5e-6])) == 2
 
 
 @pytest.mark.parametrize("hz", [0.0625, 1, 37, 137.5, 150, 200, 440.1, 999, 1000])
@@ -150,11 +140,11 @@ LIMITS = {
     "endless rate": (lambda: commands.divider(math.inf), "rate inf frames/s"),
     "slow rate": (lambda: commands.divider(0.5), "the nearest is 0.610360875868"),
     "short frame": (
-        lambda: commands.pattern(bytes(497), 1),
+        lambda: commands.pattern(bytes(497), 1, NEWER),
         "1 frame for 1 AUTD3 board: 497 bytes, not 498; give 498 a board and frame",
     ),
     "frame of more boards": (
-        lambda: commands.pattern(bytes(996), 1),
+        lambda: commands.pattern(bytes(996), 1, NEWER),
         "1 frame for 1 AUTD3 board: 996 bytes, not 498",
     ),
     "one frame": (lambda: sequence(1), "sequence of 1 frame: an AUTD3 board holds 2 to 1024"),
@@ -164,27 +154,22 @@ LIMITS = {
         "5 frames for 1 AUTD3 board: 1992 bytes, not 2490",
     ),
     "IPv4": (
-        lambda: Autd3Transport("autd3:192.168.0.2", FLAT),
-        "autd3:192.168.0.2: AUTD3 boards speak IPv6 only",
+        lambda: Autd3Transport("autd3:192.168.0.2", 1),
+        "autd3:192.168.0.2: '192.168.0.2' is no network interface: give lo",
     ),
-    "no place": (lambda: Autd3Transport("autd3:", FLAT), "give a network interface, as autd3:eth0"),
-    "port left out": (
-        lambda: Autd3Transport("autd3:[::1]", FLAT),
-        'is not an IPv6 socket address such as "[::1]:44336"',
-    ),
-    "no network": (
-        lambda: Autd3Transport("autd3:nope7", FLAT),
-        "autd3:nope7: interface nope7 does not exist",
-    ),
-    "no boards": (lambda: Autd3Transport("autd3", []), "autd3: 0 boards, give 1 to 128"),
-    "many boards": (lambda: Autd3Transport("autd3", FLAT * 129), "129 boards"),
+    "no place": (lambda: Autd3Transport("autd3:", 1), "or an IPv6 address and port, as autd3:[fe80::1%eth0]"),
+    "port left out": (lambda: Autd3Transport("autd3:[::1]", 1), "'[::1]' is no network interface"),
+    "port above 65535": (lambda: Autd3Transport("autd3:[::1]:70000", 1), "is no network interface"),
+    "no network": (lambda: Autd3Transport("autd3:nope7", 1), "autd3:nope7: 'nope7' is no network interface"),
+    "no boards": (lambda: Autd3Transport("autd3", 0), "autd3: 0 boards, give 1 to 128"),
+    "many boards": (lambda: Autd3Transport("autd3", 129), "129 boards"),
 }
-FLAT = [((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))]
+NEWER = commands.PROTOCOLS[5]
 
 
 def sequence(count: int, frames: bytes | None = None) -> object:
     given = bytes(498 * count) if frames is None else frames
-    return commands.sequence(given, count, 1, 40, commands.PatternBank.B0)
+    return commands.sequence(given, count, 1, 40, 0, NEWER)
 
 
 @pytest.mark.parametrize("name", LIMITS)
@@ -206,15 +191,15 @@ def python(code: str) -> str:
 
 
 @pytest.mark.slow
-def test_midair_loads_without_autd3() -> None:
+def test_boards_need_no_package_of_the_makers() -> None:
     listed = "[name for name in sys.modules if name.startswith('autd3')]"
-    assert python(f"import sys, midair, midair._boards.poses; print({listed})").strip() == "[]"
+    assert python(f"import sys, midair, midair._boards.autd3; print({listed})").strip() == "[]"
 
 
 @pytest.mark.slow
 def test_the_missing_extra_is_named() -> None:
-    code = "try: import midair._boards.autd3\nexcept Exception as error: print(repr(error))"
+    code = "try: module.Autd3Transport('autd3:emulator', 1)\nexcept Exception as error: print(repr(error))"
     assert (
-        python(f"import sys; sys.modules['autd3'] = None\n{code}").strip()
-        == """BoardError('AUTD3 boards need autd3: pip install "midair[autd3]"')"""
+        python(f"import sys, midair._boards.autd3 as module; sys.modules['autd3'] = None\n{code}").strip()
+        == """BoardError('autd3:emulator needs autd3: pip install "midair[autd3]"')"""
     )

@@ -9,10 +9,9 @@ from autd3.commands import FixedUpdateRate, SetSilencer
 from autd3_emulator import Emulator, Grid, Record, Recorder, RmsRecordOption
 
 import midair
-from autd3_boards import codes, frame, played, some_boards, widths
+from autd3_boards import codes, frame, played, some_boards, some_poses, widths
+from autd3_makers import OLDER, do, geometry
 from midair._boards import autd3_commands as commands
-from midair._boards.autd3_commands import PatternBank
-from midair._boards.poses import poses
 
 #: One sample of a record: a period of the ultrasound.
 PERIOD = autd3.Duration.from_micros(25)
@@ -53,10 +52,10 @@ def test_boards_play_the_codes_of_solutions(count: int) -> None:
     def play(recorder: Recorder) -> None:
         at_once(recorder)
         for drive in drives:
-            recorder.send(commands.pattern(board.encode(drive), count))
+            do(recorder, commands.pattern(board.encode(drive), count, OLDER))
             recorder.tick(PERIOD)
 
-    phases, pulses = columns(Emulator(commands.geometry(poses(array))).record(play))
+    phases, pulses = columns(Emulator(geometry(some_poses(count))).record(play))
     wanted = [codes(drive) for drive in drives]
     assert np.array_equal(phases, [phase.ravel() for phase, _ in wanted])
     assert np.array_equal(pulses, [widths(intensity).ravel() for _, intensity in wanted])
@@ -73,10 +72,10 @@ def test_their_field_is_that_of_the_drive(count: int) -> None:
 
     def play(recorder: Recorder) -> None:
         at_once(recorder)
-        recorder.send(commands.pattern(frame(drive), count))
+        do(recorder, commands.pattern(frame(drive), count, OLDER))
         recorder.tick(autd3.Duration.from_millis(1))
 
-    record = Emulator(commands.geometry(poses(array))).record(play)
+    record = Emulator(geometry(some_poses(count))).record(play)
     option = RmsRecordOption(340.0 * autd3.units.m / autd3.units.s)
     rms = record.sound_field(Grid((-80, 80), (-80, 80), 160.0, 5.0, "xyz"), option)
     points = 1e-3 * rms.observe_points().to_numpy().astype(float)
@@ -103,10 +102,10 @@ def test_a_sequence_plays_over_and_over() -> None:
 
     def play(recorder: Recorder) -> None:
         at_once(recorder)
-        recorder.send(commands.sequence(frames, len(drives), 2, 3, PatternBank.B1))
+        do(recorder, *commands.sequence(frames, len(drives), 2, 3, 1, OLDER))
         recorder.tick(autd3.Duration.from_micros(25 * 3 * 7 * 3))
 
-    phases, pulses = columns(Emulator(commands.geometry(poses(array))).record(play))
+    phases, pulses = columns(Emulator(geometry(some_poses(2))).record(play))
     wanted = [(phase.tobytes(), widths(intensity).tobytes()) for phase, intensity in map(codes, drives)]
     seen = [
         wanted.index((phase.tobytes(), pulse.astype(np.int64).tobytes()))
@@ -120,17 +119,17 @@ def test_a_sequence_plays_over_and_over() -> None:
 
 @pytest.mark.parametrize("divider", [1, 3, 20, 40, 400])
 def test_the_silencer_lets_a_sequence_reach_every_frame(divider: int) -> None:
-    array, rng = some_boards(1), np.random.default_rng(41)
+    rng = np.random.default_rng(41)
     # The emulator loses count of phases that go round twice; these do not.
     turns = rng.integers(64, 192, (4, 249)) / 256
     drives = list(rng.uniform(0, 1, (4, 249)) * np.exp(2j * math.pi * turns))
 
     def play(recorder: Recorder) -> None:
-        recorder.send(commands.silencer(divider))
-        recorder.send(commands.sequence(b"".join(map(frame, drives)), 4, 1, divider, PatternBank.B1))
+        do(recorder, commands.silencer(divider))
+        do(recorder, *commands.sequence(b"".join(map(frame, drives)), 4, 1, divider, 1, OLDER))
         recorder.tick(autd3.Duration.from_micros(25 * divider * 4 * 3))
 
-    phases, pulses = columns(Emulator(commands.geometry(poses(array))).record(play))
+    phases, pulses = columns(Emulator(geometry(some_poses(1))).record(play))
     for phase, intensity in map(codes, drives):
         reached = (phases == phase).all(axis=1) & (pulses == widths(intensity)).all(axis=1)
         assert reached.sum() == 3 * max(1, divider - 39)
@@ -142,12 +141,12 @@ def test_the_silencer_of_single_frames_is_the_default_one() -> None:
     before, after = (solution.drive for solution in solutions(array, 2, 51))
 
     def play(recorder: Recorder) -> None:
-        recorder.send(commands.silencer(40))
+        do(recorder, commands.silencer(40))
         for drive in (before, after):
-            recorder.send(commands.pattern(frame(drive), 1))
+            do(recorder, commands.pattern(frame(drive), 1, OLDER))
             recorder.tick(autd3.Duration.from_millis(2))
 
-    phases, pulses = columns(Emulator(commands.geometry(poses(array))).record(play))
+    phases, pulses = columns(Emulator(geometry(some_poses(1))).record(play))
     phase, intensity = codes(after)
     assert np.array_equal(phases[80 + 40], phase.ravel())
     assert np.array_equal(pulses[80 + 10], widths(intensity).ravel())
@@ -157,18 +156,17 @@ def test_the_silencer_of_single_frames_is_the_default_one() -> None:
 
 @pytest.mark.parametrize("hz", [137.5, 200.0])
 def test_modulation_multiplies_the_pressure(hz: float) -> None:
-    array = midair.Array.preset("autd3")
     samples = round(40000 / hz * 4)
 
     def play(recorder: Recorder) -> None:
         at_once(recorder)
-        recorder.send(commands.modulation(hz))
-        recorder.send(commands.pattern(frame(np.ones(249)), 1))
+        do(recorder, *commands.modulation(hz))
+        do(recorder, commands.pattern(frame(np.ones(249)), 1, OLDER))
         recorder.tick(autd3.Duration.from_micros(25 * samples))
-        recorder.send(commands.modulation(None))
+        do(recorder, *commands.modulation(None))
         recorder.tick(autd3.Duration.from_millis(1))
 
-    _, pulses = columns(Emulator(commands.geometry(poses(array))).record(play))
+    _, pulses = columns(Emulator(geometry(some_poses(1))).record(play))
     assert (pulses[-1] == 256).all()
     amplitude = np.sin(math.pi * pulses[:samples, 0] / 512)
     spectrum = np.fft.rfft(amplitude) / samples

@@ -1,18 +1,18 @@
 """What AUTD3 boards play, sample by sample, of all that a transport tells them one after the other."""
 
+from collections.abc import Callable
 from typing import Any
 
 import autd3
 import numpy as np
 import pytest
-from autd3.commands import FixedCompletionTime, Pattern, SetSilencer
 from autd3_emulator import Emulator, Recorder
-from autd3_pattern import PhaseBuffer
 
-from autd3_boards import codes, frame, some_boards, widths
-from midair._boards import autd3_commands as commands
+from autd3_boards import codes, frame, some_boards, some_poses, widths
+from autd3_makers import OLDER, do, geometry
+from midair._boards import autd3 as module
 from midair._boards.autd3 import Autd3Transport
-from midair._boards.poses import poses
+from midair._boards.autd3_commands import Step
 
 BOARDS = 2
 ARRAY = some_boards(BOARDS)
@@ -27,45 +27,36 @@ WANTED = [
 
 
 class Told:
-    """A client of autd3 that keeps what it is told, for a `Recorder`, which stays in one thread."""
+    """A link that keeps the steps it is given, for a `Recorder`, which stays in one thread."""
+
+    protocol = OLDER
 
     def __init__(self) -> None:
-        self.log: list[Any] = []
-        self.devices: list[Any] = []
+        self.log: list[Step | int] = []
 
-    async def open(self, *_: object) -> "Told":
+    def open(self, address: str, boards: int) -> "Told":
+        assert (address, boards) == ("autd3", BOARDS)
         return self
 
-    async def send_frame(self, frame: autd3.Frame) -> Any:
-        self.log.append(frame)
+    def send(self, step: Step, wanted: Callable[[], bool] = lambda: True) -> list[bytes]:
+        assert wanted()
+        self.log.append(step)
+        return [b""] * BOARDS
 
-        async def answer() -> "Told":
-            return self
+    def look(self) -> None:
+        """Nothing is lost."""
 
-        return answer()
-
-    async def silent_stop(self) -> None:
-        """As the package's documents and its source have it."""
-        stop = [SetSilencer(FixedCompletionTime(strict_mode=False)), Pattern(PhaseBuffer(BOARDS), 0)]
-        self.log += [one for command in stop for one in autd3.Frames.encode(GEOMETRY, command)]
-
-    async def close(self) -> None:
-        await self.silent_stop()
-
-    def check(self) -> "Told":
-        return self
-
-    def state_checker(self) -> "Told":
-        return self
+    def close(self) -> None:
+        """Nothing is open."""
 
 
-GEOMETRY = commands.geometry(poses(ARRAY))
+GEOMETRY = geometry(some_poses(BOARDS))
 
 
 @pytest.fixture
 def told(monkeypatch: pytest.MonkeyPatch) -> Told:
     made = Told()
-    monkeypatch.setattr(autd3, "Client", made)
+    monkeypatch.setattr(module, "Link", made.open)
     return made
 
 
@@ -77,7 +68,7 @@ def samples(told: Told) -> np.ndarray:
             if isinstance(each, int):
                 recorder.tick(autd3.Duration.from_micros(25 * each))
             else:
-                recorder.send_frame(each)
+                do(recorder, each)
 
     record = Emulator(GEOMETRY).record(play)
     return np.concatenate([record.phase().to_numpy().T, record.pulse_width().to_numpy().T], axis=1)
@@ -88,7 +79,7 @@ def sequence(*which: int) -> bytes:
 
 
 def test_one_thing_after_the_other(told: Told) -> None:
-    boards = Autd3Transport("autd3", poses(ARRAY))
+    boards = Autd3Transport("autd3", BOARDS)
     steps: list[tuple[Any, set[int | None]]] = [
         (lambda: None, {None}),
         (lambda: boards.play(frame(DRIVES[0])), {0}),
@@ -123,7 +114,7 @@ def played_by(row: np.ndarray) -> int | None:
 
 
 def test_modulation_goes_on_over_frames_and_silence(told: Told) -> None:
-    boards = Autd3Transport("autd3", poses(ARRAY))
+    boards = Autd3Transport("autd3", BOARDS)
     boards.modulate(500)
     for _ in range(2):
         boards.play(frame(np.ones(len(ARRAY))))

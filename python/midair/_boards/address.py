@@ -11,6 +11,7 @@ from .._midair import Codec, unknown
 from .._support.arguments import refused, word
 from .board import Board
 from .errors import BoardError
+from .layout import autd3_boards
 
 #: The boards that an address may name.
 KINDS = Codec.kinds()
@@ -19,7 +20,6 @@ KINDS = Codec.kinds()
 NEEDS = {
     "serial": ("pyserial", "serial", "serial"),
     "fifo": ("pyftdi", "pyftdi", "ftdi"),
-    "udp": ("autd3", "autd3", "autd3"),
 }
 
 #: What the preset of two boards of a kind ends in.
@@ -88,19 +88,17 @@ def describe(address: Address, board: Board) -> dict[str, Any]:
     if address.kind == "loop":
         baud = board.baud or round(10 * len(board.off_frame) * board.rate)
         return {"kind": "loop", "baud": baud, "silence": silence, "off": off, "swap": swap}
+    if address.kind == "udp":
+        where = f"autd3:{address.where}" if address.where else "autd3"
+        return {"kind": "udp", "address": where, "boards": autd3_boards(board.array)}
     package, module, extra = NEEDS[address.kind]
     if find_spec(module) is None:
         raise BoardError(f'{board.name} needs {package}: pip install "midair[{extra}]"')
     if address.kind == "serial":
         line = {"baud": board.baud, "silence": silence, "off": off, "swap": swap}
         return {"kind": "serial", "port": address.where, "restarts": board.link["restarts"], **line}
-    if address.kind == "fifo":
-        length = len(board.off_frame)
-        return {"kind": "fifo", "places": _places(address, board), "length": length, "silence": silence}
-    from .poses import poses
-
-    where = f"autd3:{address.where}" if address.where else "autd3"
-    return {"kind": "udp", "address": where, "poses": poses(board.array)}
+    length = len(board.off_frame)
+    return {"kind": "fifo", "places": _places(address, board), "length": length, "silence": silence}
 
 
 def _places(address: Address, board: Board) -> list[tuple[str, int]]:

@@ -1,257 +1,270 @@
-"""AUTD3 boards over UDP, by the packages of autd3 0.12, in a thread with an event loop of its own."""
+"""AUTD3 boards over UDP, of either protocol: every step of what they play is acknowledged by all of them."""
 
 from __future__ import annotations
 
-import asyncio
-import ipaddress
+import struct
 import threading
-from collections.abc import Awaitable, Callable, Coroutine, Sequence
-from concurrent.futures import TimeoutError as Late
+import time
+from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any
 
-from .errors import BoardError, BoardLost, BoardNotFound, BoardTimeout
+from . import autd3_commands as commands
+from .autd3_chain import ASSIGNED, MUTED, PAUSE, Chain, Kind, version
+from .autd3_commands import BANKS, CODES, FAILSAFE_MS, PHASE_STEPS, Command, Step
+from .errors import BoardError, BoardLost
 
-try:
-    import autd3
-    from autd3.commands import Command
-    from autd3.params import PORT
-    from autd3.value import PatternBank
+MOST_BOARDS = 128
+EMULATOR = "autd3:emulator"
 
-    from . import autd3_commands as commands
-except ImportError as error:
-    raise BoardError('AUTD3 boards need autd3: pip install "midair[autd3]"') from error
-
-if TYPE_CHECKING:
-    from autd3 import Client, Interface
-
-_Result = TypeVar("_Result")
-
-#: Words of the client where a device is there and its firmware is another, and what to do then.
-OTHER_FIRMWARE = "protocol version"
-FIRMWARE = (
-    "midair plays AUTD3 firmware 0.12 (protocol 3; 5 is firmware 0.13): "
-    "put 0.12 on the device with its makers' tool"
-)
-
-#: What a board acknowledges within this time came; a lost datagram costs one retry, hardly ever two.
-ACKNOWLEDGED_MS = 20
+#: A step not acknowledged in this time, in s, is sent again. A lost datagram costs one retry, hardly two.
+ACKNOWLEDGED = 0.02
 RETRIES = 5
-#: A board that says nothing for so long is lost. It mutes itself 500 ms after the last word from here.
-LOST_MS = 400
-#: Seconds that an opening may take (many boards, one after the other, then their clocks), and any other call.
-OPENING = 60.0
-CALL = 10.0
-CLOSING = 1.0
+#: The last step to boards that are lost is sent so often, as nobody can do more for them.
+TWICE = 2
+#: Boards get a word so often. One that is silent for so long is lost; it mutes itself soon after.
+BEAT = 0.03
+LOST = 0.4
+
+#: Why a board refuses a step; where it is not ready, it is asked again.
+REFUSED = {
+    0x01: "it does not know it",
+    0x02: "its content is not in order",
+    0x04: "its silencer forbids it",
+    0x07: "its FPGA does not answer",
+    0x08: "its clock is not in step",
+    0x10: "its FPGA is being updated",
+    0x12: "it is about to reboot",
+    0x14: "it missed a tick of its clock",
+}
+NOT_READY = (0x08, 0x14)
+
+#: What happens to boards that do not reply.
+ELSEWHERE = ": unplugged, rebooted or taken over by another program"
+
+_STEP = struct.Struct("<BBI")  # count, command, 0: at once
+_REPLY = struct.Struct("<BBBBQ")  # count, status, flags, the board's number, its clock
+
+_Reply = tuple[int, bytes]
+
+
+class Overtaken(Exception):
+    """A step was given up: it is not wanted any more."""
+
+
+class Link:
+    """Boards that are silent at first; a thread sends them a word while nothing else is sent.
+
+    Raises what `Chain` does, and BoardError of a board with firmware of two series.
+    """
+
+    def __init__(self, address: str, boards: int) -> None:
+        self._address, self._boards = address, boards
+        self._chain = Chain(address, boards)
+        self.protocol = self._chain.protocol
+        self._counts = [0] * boards
+        self._lock = threading.Lock()
+        self._over = threading.Event()
+        self._gone = ""
+        self._spoken = time.monotonic()
+        self._answered = [self._spoken] * boards
+        try:
+            for step in commands.opening(self.protocol):
+                self.send(step)
+            for unit, info in enumerate(self.send(Step(Command.FIRMWARE))):
+                self._check_firmware(unit, info)
+        except BaseException:
+            self._chain.close()
+            raise
+        threading.Thread(target=self._beat, name=address, daemon=True).start()
+
+    def send(self, step: Step, wanted: Callable[[], bool] = lambda: True) -> list[bytes]:
+        """Send a step until every board has acknowledged it; returns the data of their replies.
+
+        Raises Overtaken once it is not wanted any more, BoardLost where boards do not reply, BoardError where
+        one refuses it.
+        """
+        with self._lock:
+            for _ in range(1 + RETRIES):
+                replies = self._acknowledged(step, wanted)
+                if not any(status in NOT_READY for status, _ in replies):
+                    break
+                time.sleep(PAUSE)
+        for unit, (status, _) in enumerate(replies):
+            if status:
+                why = REFUSED.get(status, f"error {status}")
+                raise BoardError(f"{self._address}: board {unit} refuses {step.command.name}: {why}")
+        return [data for _, data in replies]
+
+    def look(self) -> None:
+        """Raise BoardLost once boards do not reply any more."""
+        if self._gone:
+            raise BoardLost(f"{self._address}: {self._gone}; connect again")
+
+    def close(self) -> None:
+        """Leave the boards."""
+        self._over.set()
+        with self._lock:
+            self._gone = "closed"
+            self._chain.close()
+
+    def _acknowledged(self, step: Step, wanted: Callable[[], bool]) -> list[_Reply]:
+        """Each board's reply to a step."""
+        replies: dict[int, _Reply] = {}
+        for _ in range(1 + RETRIES):
+            if not wanted():
+                raise Overtaken
+            replies |= self._exchange(set(range(self._boards)) - set(replies), step)
+            if len(replies) == self._boards:
+                return [replies[unit] for unit in range(self._boards)]
+        missing = min(set(range(self._boards)) - set(replies))
+        raise self._lost(f"board {missing} did not reply within {1000 * ACKNOWLEDGED:g} ms", ELSEWHERE)
+
+    def _exchange(self, units: Collection[int], step: Step | None = None) -> dict[int, _Reply]:
+        """Status and data of the replies that come in time to a step, or to a word without one."""
+        self.look()
+        now = time.monotonic()
+        if now - self._spoken > FAILSAFE_MS / 1000:
+            raise self._lost("this computer was too busy to send the boards a word")
+        self._spoken = now
+        kind = Kind.BEAT if step is None else Kind.STEP
+        self._chain.send(kind, {unit: self._content(unit, step) for unit in units})
+        replies: dict[int, _Reply] = {}
+        for unit, body in self._chain.replies(kind, ACKNOWLEDGED):
+            if unit not in units or unit in replies or len(body) < _REPLY.size:
+                continue
+            count, status, flags, number, _ = _REPLY.unpack_from(body)
+            if not flags & ASSIGNED or number != unit:
+                raise self._lost(f"board {unit} has lost its number", ELSEWHERE)
+            if step is None and flags & MUTED:
+                raise self._lost(f"board {unit} has muted itself")
+            if self.protocol.counted and step is not None and step.command != Command.RESET:
+                # A board that drops a step acknowledges the one before.
+                if count != self._counts[unit]:
+                    continue
+                self._counts[unit] = (count + 1) % 256
+            self._answered[unit] = time.monotonic()
+            replies[unit] = status, body[_REPLY.size :]
+            if len(replies) == len(units):
+                break
+        return replies
+
+    def _content(self, unit: int, step: Step | None) -> bytes:
+        """What a board is sent of a step."""
+        if step is None:
+            return b""
+        payload = step.payloads[unit if len(step.payloads) > 1 else 0]
+        return _STEP.pack(self._counts[unit], step.command, 0) + payload
+
+    def _lost(self, why: str, cause: str = "") -> BoardLost:
+        """The error that boards are lost; those that still listen are turned off, and no word follows."""
+        self._over.set()
+        self._gone = f"{why}{cause}; boards that still play mute themselves in half a second"
+        off = commands.pattern(bytes(self._boards * CODES), self._boards, self.protocol)
+        for _ in range(TWICE):
+            self._chain.send(Kind.STEP, {unit: self._content(unit, off) for unit in range(self._boards)})
+            list(self._chain.replies(Kind.STEP, ACKNOWLEDGED))
+        return BoardLost(f"{self._address}: {self._gone}; connect again")
+
+    def _beat(self) -> None:
+        """Send a word now and then; boards that do not reply for long are lost."""
+        while not self._over.wait(BEAT):
+            with self._lock, suppress(BoardError):
+                self._exchange(range(self._boards))
+                for unit, answered in enumerate(self._answered):
+                    if self._spoken - answered > LOST:
+                        raise self._lost(f"board {unit} stopped answering", ELSEWHERE)
+
+    def _check_firmware(self, unit: int, info: bytes) -> None:
+        """Refuse a board whose processor and FPGA have firmware of two series."""
+        if info[:2] != info[3:5]:
+            raise BoardError(
+                f"{self._address}: board {unit} has firmware {version(info[:3])} in its processor, "
+                f"{version(info[3:6])} in its FPGA: put {self.protocol.firmware} in both by its makers' tool"
+            )
 
 
 class Autd3Transport:
     """Frames to AUTD3 boards.
 
     `address` is "autd3" (looks on every network interface), "autd3:eth0" (on one), "autd3:[IPv6]:PORT" or
-    "autd3:emulator" (boards emulated in this process, which nobody hears). `poses` has two entries for each
-    board: its origin in mm and its unit quaternion (w, x, y, z). Opening it leaves the boards silent.
+    "autd3:emulator" (emulated in this process, where nothing emits). Opening it leaves the boards silent.
     """
 
-    def __init__(self, address: str, poses: Sequence[tuple[Sequence[float], Sequence[float]]]) -> None:
-        self._address = address
-        self._boards = len(poses)
-        if not 1 <= self._boards <= autd3.MAX_DEVICES:
-            raise BoardError(f"{address}: {self._boards} boards, give 1 to {autd3.MAX_DEVICES}")
-        self._geometry = commands.geometry(poses)
-        self._client: Client | None = None
-        self._bank = PatternBank.B0
-        self._divider = commands.PHASE_STEPS
+    def __init__(self, address: str, boards: int) -> None:
+        if not 1 <= boards <= MOST_BOARDS:
+            raise BoardError(f"{address}: {boards} boards, give 1 to {MOST_BOARDS}")
+        self._boards = boards
+        self._bank, self._divider = BANKS[0], PHASE_STEPS
         # Counts the calls of `silence`: what was under way before one is given up.
         self._silenced = 0
-        self._closed = False
-        self._lock = asyncio.Lock()
-        interface = self._interface()
-        self._loop = asyncio.new_event_loop()
-        self._thread = threading.Thread(target=self._loop.run_forever, name=address, daemon=True)
-        self._thread.start()
+        self._lock = threading.Lock()
+        if address == EMULATOR:
+            self._emulator, address = _emulated(boards)
+        self._link = Link(address, boards)
         try:
-            self._run(self._open(interface), OPENING)
+            self.silence()
         except BaseException:
             self.close()
             raise
 
     def play(self, frame: bytes) -> None:
         """Play a frame until something else is played; returns when every board has acknowledged it."""
-        pattern = commands.pattern(frame, self._boards)
-        self._run(self._play(pattern, commands.PHASE_STEPS, PatternBank.B0, self._silenced), CALL)
+        before, step = self._silenced, commands.pattern(frame, self._boards, self._link.protocol)
+        self._play([step], PHASE_STEPS, BANKS[0], before)
 
     def upload(self, frames: bytes, count: int, rate: float) -> None:
         """Let the boards play `count` frames at `rate` a second by themselves, over and over."""
-        divider = commands.divider(rate)
-        bank = PatternBank.B0 if self._bank == PatternBank.B1 else PatternBank.B1
-        sequence = commands.sequence(frames, count, self._boards, divider, bank)
-        self._run(self._play(sequence, divider, bank, self._silenced), CALL)
+        before, divider, bank = self._silenced, commands.divider(rate), 1 - self._bank
+        steps = commands.sequence(frames, count, self._boards, divider, bank, self._link.protocol)
+        self._play(steps, divider, bank, before)
 
     def modulate(self, hz: float | None) -> None:
         """Multiply the pressure, now and later, by a sine from 0 to 1 at `hz`; by 1 for None."""
-        self._run(self._modulate(commands.modulation(hz)), CALL)
+        steps = commands.modulation(hz)
+        with self._lock:
+            for step in steps:
+                self._link.send(step)
 
     def silence(self) -> None:
         """Turn all transducers off within 250 us of its coming; frames under way are given up."""
         self._silenced += 1
-        self._run(self._stop(), CALL)
+        off = commands.pattern(bytes(self._boards * CODES), self._boards, self._link.protocol)
+        with self._lock:
+            self._link.send(commands.silencer(PHASE_STEPS))
+            self._link.send(off)
+            self._bank, self._divider = BANKS[0], PHASE_STEPS
 
     def look(self) -> None:
-        """Raise BoardLost of boards that answer the client's heartbeats no more."""
-        self._run(self._looked(), CALL)
+        """Raise BoardLost of boards that answer no more."""
+        self._link.look()
 
     def close(self) -> None:
         """Turn all transducers off and let go of the boards; of those that do not answer, too."""
-        if self._closed:
-            return
-        self._silenced += 1
-        for last in (self._stop, self._leave):
-            with suppress(Exception):
-                self._run(last(), CLOSING)
-        self._closed = True
-        self._loop.call_soon_threadsafe(self._loop.stop)
-        self._thread.join(CLOSING)
-        if not self._thread.is_alive():
-            self._loop.close()
+        with suppress(BoardError):
+            self.silence()
+        self._link.close()
 
-    def _run(self, work: Coroutine[Any, Any, _Result], seconds: float) -> _Result:
-        """The result of what the loop is to do, from any thread but the loop's."""
-        if self._closed:
-            work.close()
-            raise BoardLost(f"{self._address}: closed; connect again")
-        future = asyncio.run_coroutine_threadsafe(work, self._loop)
-        try:
-            return future.result(seconds)
-        except Late:
-            future.cancel()
-            raise BoardTimeout(f"{self._address}: no answer within {seconds:g} s; connect again") from None
-
-    def _interface(self) -> Interface:
-        """Where to look for boards."""
-        _, colon, place = self._address.partition(":")
-        if not colon:
-            return autd3.Interface.Auto
-        if place == "emulator":
-            self._emulator = autd3.UdpEmulator(self._boards)
-            return self._emulator.option().iface
-        try:
-            if place.startswith("["):
-                return autd3.Interface.Addr(place)
-            if ipaddress.ip_address(place).version == 6:
-                return autd3.Interface.Addr(f"[{place}]:{PORT}")
-        except ValueError as error:
-            if place.startswith("[") or not place:
-                raise BoardError(
-                    f"{self._address}: {error}; give a network interface, as autd3:eth0"
-                ) from error
-            return autd3.Interface.Name(place)
-        raise BoardError(
-            f"{self._address}: AUTD3 boards speak IPv6 only; give autd3, or their network, as autd3:eth0"
-        )
-
-    async def _open(self, interface: Interface) -> None:
-        """Look for the boards and take them over; they are silent then."""
-        option = autd3.UdpOption(iface=interface, lost_timeout=autd3.Duration.from_millis(LOST_MS))
-        config = autd3.ClientConfig(ack_timeout=autd3.Duration.from_millis(ACKNOWLEDGED_MS))
-
-        async def attempt() -> None:
-            self._client = await autd3.Client.open(self._geometry, option, config)
-
-        try:
-            await self._retried(attempt)
-        except autd3.Autd3Error as error:
-            if error.code != autd3.Autd3Error.NETWORK or OTHER_FIRMWARE in str(error):
-                cure = f": {FIRMWARE}" if OTHER_FIRMWARE in str(error) else ""
-                raise BoardError(f"{self._address}: {error}{cure}") from error
-            raise BoardNotFound(
-                f"{self._address}: {str(error).removeprefix('network error: ')}; the array stands for "
-                f"{commands.counted(self._boards, 'board')}: check power, cables and firewall (UDP {PORT}), "
-                "and of several networks name the one, as autd3:eth0"
-            ) from error
-        await self._stop()
-
-    async def _play(self, command: Command, divider: int, bank: PatternBank, before: int) -> None:
+    def _play(self, steps: Sequence[Step], divider: int, bank: int, before: int) -> None:
         """Play what lasts for `divider` ultrasound periods, smoothed by a silencer that lets it."""
-        async with self._lock:
-            with suppress(_Overtaken):
-                if divider != self._divider:
-                    await self._deliver(commands.silencer(divider), before)
-                    self._divider = divider
-                await self._deliver(command, before)
-                self._bank = bank
 
-    async def _modulate(self, command: Command) -> None:
-        async with self._lock:
-            await self._deliver(command)
+        def wanted() -> bool:
+            return self._silenced == before
 
-    async def _stop(self) -> None:
-        async with self._lock:
-            await self._answered(lambda: self._there().silent_stop())
-            self._divider, self._bank = commands.PHASE_STEPS, PatternBank.B0
-
-    async def _looked(self) -> None:
-        async def nothing() -> None:
-            """What has come says which boards are lost."""
-
-        async with self._lock:
-            await self._answered(nothing)
-
-    async def _leave(self) -> None:
-        try:
-            await self._there().close()
-        finally:
-            self._client = None
-
-    async def _deliver(self, command: Command, before: int | None = None) -> None:
-        """Send a command datagram by datagram, each until every board has acknowledged it."""
-        for frame in autd3.Frames.encode(self._geometry, command):
-
-            async def send(frame: autd3.Frame = frame) -> None:
-                if before not in (None, self._silenced):
-                    raise _Overtaken
-                (await (await self._there().send_frame(frame))).check()
-
-            await self._answered(send)
-
-    def _there(self) -> Client:
-        """The client while there is one. Nobody else may keep it: its heartbeats go on while one does."""
-        if self._client is None:
-            raise BoardLost(f"{self._address}: the boards were lost; connect again")
-        return self._client
-
-    async def _answered(self, ask: Callable[[], Awaitable[None]]) -> None:
-        """Ask the boards until all of them answer."""
-        try:
-            await self._retried(ask)
-            states = self._there().state_checker().check().devices
-            lost = [k for k, state in enumerate(states) if state == autd3.DeviceState.Lost]
-            if not lost:
-                return
-            # The client goes on with the others without a word.
-            said = f"board {lost[0]} stopped answering"
-        except autd3.Autd3Error as error:
-            said = str(error)
-            if error.code in (autd3.Autd3Error.DEVICE, autd3.Autd3Error.INVALID_ARGUMENT):
-                raise BoardError(f"{self._address}: {said}") from error
-        # Boards that still answer are turned off. The others mute themselves without heartbeats.
-        with suppress(autd3.Autd3Error):
-            await self._there().silent_stop()
-        self._client = None
-        raise BoardLost(
-            f"{self._address}: {said}: unplugged, rebooted or taken over by another program; boards that "
-            "still play mute themselves in half a second; connect again"
-        )
-
-    async def _retried(self, ask: Callable[[], Awaitable[None]]) -> None:
-        """Datagrams are lost now and then, and nothing below asks for them again."""
-        for retries_left in range(RETRIES, -1, -1):
-            try:
-                return await ask()
-            except autd3.Autd3Error as error:
-                if error.code != autd3.Autd3Error.TIMEOUT or not retries_left:
-                    raise
+        with self._lock, suppress(Overtaken):
+            if divider != self._divider:
+                self._link.send(commands.silencer(divider), wanted)
+                self._divider = divider
+            for step in steps:
+                self._link.send(step, wanted)
+            self._bank = bank
 
 
-class _Overtaken(Exception):
-    """What was to be played was overtaken by `silence`."""
+def _emulated(boards: int) -> tuple[Any, str]:
+    """The makers' emulator of boards with firmware 0.12, and its address."""
+    try:
+        import autd3
+    except ImportError as error:
+        raise BoardError(f'{EMULATOR} needs autd3: pip install "midair[autd3]"') from error
+    emulator = autd3.UdpEmulator(boards)
+    return emulator, "autd3:" + repr(emulator.option().iface).split('"')[1]

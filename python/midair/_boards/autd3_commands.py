@@ -1,30 +1,31 @@
-"""Commands of AUTD3 boards: frames, sequences and modulation as the packages of autd3 take them, checked.
+"""Commands of AUTD3 boards as bytes: frames, sequences and modulation in the two protocols of their firmware.
 
-A frame is, for each board, 249 phase codes and then 249 intensity codes. Nothing here imports midair itself.
+A frame is, for each board, 249 phase codes and then 249 intensity codes. A command is one step or several;
+every board acknowledges a step before the next one goes out. The layouts are those of the makers' crates
+autd3-cpu-wire and autd3-cpu-fw, 0.12.0 for protocol 3 and 0.13.0 for protocol 5. Nothing here imports midair
+itself.
 """
 
 from __future__ import annotations
 
 import math
+import struct
 from collections.abc import Sequence
+from enum import IntEnum
 from fractions import Fraction
-from typing import TypeVar
-
-from autd3 import Duration
-from autd3.commands import FixedCompletionTime, Modulation, Pattern, PatternStm, PatternStmOption, SetSilencer
-from autd3.geometry import Autd3, Geometry
-from autd3.value import PatternBank, SamplingConfig
-from autd3_modulation import ModulationBuffer
-from autd3_pattern import IntensityBuffer, PhaseBuffer
+from typing import NamedTuple
 
 from .errors import BoardError
 
 TRANSDUCERS = 249
+#: Bytes of a board's part of a frame.
+CODES = 2 * TRANSDUCERS
 #: Ultrasound periods a second; the device's clock for all it plays by itself.
 ULTRASOUND = 40_000
-#: Patterns that a device holds, and the longest time of one in ultrasound periods.
+#: Patterns that a device holds in each of its two banks, and the longest time of one in ultrasound periods.
 PATTERNS = (2, 1024)
 DIVIDERS = (1, 65535)
+BANKS = (0, 1)
 #: Samples of a modulation that a device holds, how many it plays a second (one lasts as long as the silencer
 #: takes for an intensity), and how many a period of a sine needs at least.
 SAMPLES = 65536
@@ -33,22 +34,97 @@ SAMPLES_A_PERIOD = 4
 #: Times of the default silencer in ultrasound periods: a phase comes within 1 ms, an intensity within 250 us.
 PHASE_STEPS = 40
 INTENSITY_STEPS = 10
+#: How far the silencer goes in a period where it is not bound to a time; the device wants a number.
+RATE_STEPS = 256
+#: A device without a word for so long mutes itself.
+FAILSAFE_MS = 500
 
-_Buffer = TypeVar("_Buffer", PhaseBuffer, IntensityBuffer)
+#: A step takes this many bytes behind its header, and so many patterns of codes.
+PAYLOAD = 1442
+PATTERNS_A_STEP = 2
+
+#: What a bank that is activated does: it plays at once, and over and over.
+AT_ONCE = 0xFF
+ENDLESS = 0xFFFF
+#: A bank holds codes, not foci.
+RAW = 1
+
+_BANK = struct.Struct("<BBQ")  # bank, when, and by which value
+_PATTERNS = struct.Struct("<BBH")  # bank, count, the first one's place
+_CONFIG_PATTERNS = struct.Struct("<BBHIBBHH")  # bank, RAW, divider, count, three of foci, repetitions
+_SAMPLES = struct.Struct("<BBI")  # bank, 0, the first sample's place
+_CONFIG_SAMPLES = struct.Struct("<BBHIH")  # bank, 0, divider, count, repetitions
+_SILENCER = struct.Struct("<BBHHHH")  # flags, 0, two rates, steps of an intensity, steps of a phase
+#: The settings of a processor: the makers' defaults, and the failsafe, which they leave off in protocol 5.
+_SETTINGS = struct.pack(
+    "<I5H5I9H",
+    *(250_000, 8, 3, 6, 1000, 64, 10_000, 100, 50, 1, 500_000),
+    *(FAILSAFE_MS, 32, 5, 48, 64, 8, 0, 3, 1000),
+)
 
 
-def geometry(poses: Sequence[tuple[Sequence[float], Sequence[float]]]) -> Geometry:
-    """Boards at (origin in mm, quaternion (w, x, y, z)), in their order."""
-    return Geometry([Autd3(origin=origin, rotation=rotation) for origin, rotation in poses])
+class Protocol(NamedTuple):
+    """A protocol, by its number, and the firmware that speaks it.
+
+    counted : whether steps carry a count, by which a board drops one that it has had already
+    paired : whether codes lie in pairs of phase and intensity, in place of all phases before all intensities
+    """
+
+    number: int
+    firmware: str
+    counted: bool
+    paired: bool
 
 
-def pattern(frame: bytes, boards: int) -> Pattern:
+#: By number; the newest one stands first.
+PROTOCOLS = {
+    each.number: each for each in (Protocol(5, "0.13", False, True), Protocol(3, "0.12", True, False))
+}
+
+
+class Command(IntEnum):
+    """The kinds of steps that midair sends, by their number."""
+
+    RESET = 0x00
+    SYNCHRONIZE = 0x01
+    CLEAR = 0x03
+    SETTINGS = 0x05
+    CONFIG_PATTERNS = 0x11
+    PLAY_PATTERNS = 0x12
+    WRITE_PATTERNS = 0x15
+    PATTERN = 0x16
+    WRITE_SAMPLES = 0x20
+    CONFIG_SAMPLES = 0x21
+    PLAY_SAMPLES = 0x22
+    SILENCER = 0x30
+    FIRMWARE = 0xEB
+
+
+class Step(NamedTuple):
+    """One datagram to every board: its command and its payload, one for all boards or one for each."""
+
+    command: Command
+    payloads: Sequence[bytes] = (b"",)
+
+
+def opening(protocol: Protocol) -> list[Step]:
+    """Steps that put boards into their first state, silent, and in step with one another."""
+    if protocol.counted:
+        # The count begins anew; the failsafe is on by default.
+        return [Step(Command.RESET), Step(Command.CLEAR), Step(Command.SYNCHRONIZE)]
+    return [Step(Command.CLEAR), Step(Command.SETTINGS, [_SETTINGS]), Step(Command.SYNCHRONIZE)]
+
+
+def pattern(frame: bytes, boards: int, protocol: Protocol) -> Step:
     """One frame, played at once; the device's first bank of patterns holds it."""
     _check_length(frame, 1, boards)
-    return Pattern(_part(PhaseBuffer, frame, 0), _part(IntensityBuffer, frame, TRANSDUCERS))
+    header = _BANK.pack(BANKS[0], AT_ONCE, 0)
+    return Step(Command.PATTERN, [header + codes for codes in _parts(frame, protocol)])
 
 
-def sequence(frames: bytes, count: int, boards: int, divider: int, bank: PatternBank) -> PatternStm:
+def sequence(
+    frames: bytes, count: int, boards: int, divider: int, bank: int, protocol: Protocol
+) -> list[Step]:
     """Frames that the device plays by itself over and over, each for `divider` ultrasound periods."""
     least, most = PATTERNS
     if not least <= count <= most:
@@ -57,12 +133,18 @@ def sequence(frames: bytes, count: int, boards: int, divider: int, bank: Pattern
             "stream more"
         )
     _check_length(frames, count, boards)
-    size = len(frames) // count
-    parts = [frames[start : start + size] for start in range(0, len(frames), size)]
-    phases = [_part(PhaseBuffer, part, 0) for part in parts]
-    intensities = [_part(IntensityBuffer, part, TRANSDUCERS) for part in parts]
-    # Eight bits a phase, as by default: four would double what fits, but codes 0 and 255 then lie together.
-    return PatternStm(SamplingConfig(divider), phases, intensities, PatternStmOption(bank=bank))
+    parts, steps = _parts(frames, protocol), []
+    for first in range(0, count, PATTERNS_A_STEP):
+        last = min(first + PATTERNS_A_STEP, count)
+        header = _PATTERNS.pack(bank, last - first, first)
+        # A frame's parts lie behind one another, board after board.
+        payloads = [
+            header + b"".join(parts[first * boards + k : last * boards : boards]) for k in range(boards)
+        ]
+        steps.append(Step(Command.WRITE_PATTERNS, payloads))
+    config = _CONFIG_PATTERNS.pack(bank, RAW, divider, count, 0, 0, 0, ENDLESS)
+    played = _BANK.pack(bank, AT_ONCE, 0)
+    return [*steps, Step(Command.CONFIG_PATTERNS, [config]), Step(Command.PLAY_PATTERNS, [played])]
 
 
 def divider(rate: float) -> int:
@@ -78,22 +160,26 @@ def divider(rate: float) -> int:
     return nearest
 
 
-def modulation(hz: float | None) -> Modulation:
+def modulation(hz: float | None) -> list[Step]:
     """A sine of 0 to 255 at `hz`, a whole number of periods of it; a constant 255 for None."""
-    codes = bytes([255, 255]) if hz is None else _sine(hz)
-    return Modulation(SamplingConfig.FREQ_4K, ModulationBuffer.from_bytes(codes))
+    samples = bytes([255, 255]) if hz is None else _sine(hz)
+    bank, most = BANKS[0], PAYLOAD - _SAMPLES.size
+    steps = [
+        Step(Command.WRITE_SAMPLES, [_SAMPLES.pack(bank, 0, first) + samples[first : first + most]])
+        for first in range(0, len(samples), most)
+    ]
+    config = _CONFIG_SAMPLES.pack(bank, 0, ULTRASOUND // SAMPLING, len(samples), ENDLESS)
+    played = _BANK.pack(bank, AT_ONCE, 0)
+    return [*steps, Step(Command.CONFIG_SAMPLES, [config]), Step(Command.PLAY_SAMPLES, [played])]
 
 
-def silencer(divider: int) -> SetSilencer:
+def silencer(divider: int) -> Step:
     """Phases and intensities glide to a pattern within its time, and at most within the default silencer's.
 
     Not strict: the strict one refuses to be set while a fast sequence runs, and asks for a newer FPGA.
     """
-
-    def time(steps: int) -> Duration:
-        return Duration.from_micros(min(steps, divider) * 1_000_000 // ULTRASOUND)
-
-    return SetSilencer(FixedCompletionTime(time(INTENSITY_STEPS), time(PHASE_STEPS), strict_mode=False))
+    steps = min(INTENSITY_STEPS, divider), min(PHASE_STEPS, divider)
+    return Step(Command.SILENCER, [_SILENCER.pack(0, 0, RATE_STEPS, RATE_STEPS, *steps)])
 
 
 def counted(number: int, thing: str) -> str:
@@ -102,19 +188,25 @@ def counted(number: int, thing: str) -> str:
 
 
 def _check_length(frames: bytes, count: int, boards: int) -> None:
-    """The packages take buffers of more boards than there are without a word."""
-    wanted = count * boards * 2 * TRANSDUCERS
+    """Refuse frames of another number of boards."""
+    wanted = count * boards * CODES
     if len(frames) != wanted:
         raise BoardError(
             f"{counted(count, 'frame')} for {counted(boards, 'AUTD3 board')}: {len(frames)} bytes, not "
-            f"{wanted}; give {2 * TRANSDUCERS} a board and frame"
+            f"{wanted}; give {CODES} a board and frame"
         )
 
 
-def _part(buffer: type[_Buffer], frame: bytes, start: int) -> _Buffer:
-    """249 codes of each board, from `start` in the board's part of the frame."""
-    boards = range(start, len(frame), 2 * TRANSDUCERS)
-    return buffer.from_array([frame[at : at + TRANSDUCERS] for at in boards])
+def _parts(frames: bytes, protocol: Protocol) -> list[bytes]:
+    """The codes of each board and frame as the protocol orders them."""
+    parts = [frames[at : at + CODES] for at in range(0, len(frames), CODES)]
+    return [_paired(part) for part in parts] if protocol.paired else parts
+
+
+def _paired(codes: bytes) -> bytes:
+    pairs = bytearray(CODES)
+    pairs[::2], pairs[1::2] = codes[:TRANSDUCERS], codes[TRANSDUCERS:]
+    return bytes(pairs)
 
 
 def _sine(hz: float) -> bytes:

@@ -1,4 +1,4 @@
-"""Layout: what a file says of an array, as `midair.Array` takes it; an array with other parts."""
+"""Layout: what a file says of an array, as `midair.Array` takes it; other parts of it; AUTD3 boards in it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Array, array_parts
+from .._midair import Array, SceneError, array_parts
+
+#: How far a transducer may lie off its place on a board, and how far its normal may lean, in rad.
+TOLERANCE_MM = 0.01
+LEAN = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,3 +42,42 @@ def turned(quaternions: NDArray[np.float64], vector: Sequence[float]) -> NDArray
     given = np.broadcast_to(np.array(vector, np.float64), u.shape)
     found: NDArray[np.float64] = given + 2 * np.cross(u, np.cross(u, given) + w * given)
     return found
+
+
+def autd3_boards(array: Array) -> int:
+    """The number of AUTD3 boards that an array stands for, in the order of its preset and anywhere in space.
+
+    A board is laid on its 249 transducers in least squares: Kabsch 1976, "A solution for the best rotation to
+    relate two sets of vectors". Raises `SceneError` where a transducer lies more than 0.01 mm off its place,
+    or faces elsewhere than the board does.
+    """
+    sites = 1e3 * Array.preset("autd3").positions
+    boards, rest = divmod(len(array), len(sites))
+    if rest or not boards:
+        raise SceneError(
+            f"array of {len(array)} transducers is none of AUTD3 boards: each has {len(sites)}, "
+            'in the order of midair.Array.preset("autd3")'
+        )
+    centred = sites - sites.mean(0)
+    for first in range(0, len(array), len(sites)):
+        block = slice(first, first + len(sites))
+        places = 1e3 * array.positions[block]
+        left, _, right = np.linalg.svd(centred.T @ (places - places.mean(0)))
+        # No mirror image is a turn.
+        axes = left @ np.diag([1, 1, np.linalg.det(left @ right)]) @ right
+        off = np.linalg.norm(places.mean(0) + centred @ axes - places, axis=1)
+        lean = np.linalg.norm(array.normals[block] - axes[2], axis=1)
+        refused = f"transducers {first} to {block.stop - 1} are no AUTD3 board"
+        if off.max() > TOLERANCE_MM:
+            raise SceneError(
+                f"{refused}: transducer {first + int(off.argmax())} lies {off.max():.3g} mm off its place; "
+                f'give them in the order of midair.Array.preset("autd3"), to {TOLERANCE_MM} mm'
+            )
+        if lean.max() > LEAN:
+            at = first + int(lean.argmax())
+            facing, board = ((np.round(each, 4) + 0.0).tolist() for each in (array.normals[at], axes[2]))
+            raise SceneError(
+                f"{refused}: transducer {at} faces {facing}, the board {board}; "
+                "give normals that way, or count the rows from the other end"
+            )
+    return boards

@@ -56,7 +56,7 @@ SIMULATED = ("null", "loop", "file")
 def open_transport(description: dict[str, Any]) -> Transport:
     """The transport that a description, made of what JSON holds, tells of.
 
-    {"kind": "serial", "port": ..., "baud": ..., ...} or {"kind": "udp", "address": ..., "poses": [...]}:
+    {"kind": "serial", "port": ..., "baud": ..., ...} or {"kind": "udp", "address": ..., "boards": ...}:
     `kind` names the class, the other entries are its arguments. Opening it leaves the device silent.
     """
     given = dict(description)

@@ -1,0 +1,308 @@
+"""Chain of AUTD3 boards: they are found by UDP, numbered and brought in step, and exchange datagrams.
+
+Boards stand behind one another at a network interface and listen to all nodes of its IPv6 link. A board that
+is reset closes its port to those behind it, so one after the other is discovered, numbered, and opens its
+port. The first one's clock is that of all. Order and times are those of the makers' client, autd3-rs 0.13.0.
+"""
+
+from __future__ import annotations
+
+import re
+import select
+import socket
+import struct
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from enum import IntEnum
+from itertools import islice
+from typing import Any, NamedTuple
+
+from .autd3_commands import PROTOCOLS, counted
+from .errors import BoardError, BoardNotFound
+
+PORT = 44336
+#: All nodes of a link.
+ALL = "ff02::1"
+
+#: A board answers a request within this time, in s, and is asked so often.
+RESPONSE = 0.2
+ATTEMPTS = 3
+#: Boards that are reset close their ports within the first time; two that are discovered at once, the second.
+SETTLE = 0.1
+LINGER = 0.01
+#: So long boards are looked for, and their clocks waited for.
+ENUMERATION = 10.0
+IN_STEP = 30.0
+PAUSE = 0.05
+
+#: Flags of a board: it has a number, its clock runs and follows the first one's, it has muted itself.
+ASSIGNED, IN_TIME, MUTED = 0x01, 0x18, 0x40
+
+_HEADER = struct.Struct("<BBH")  # protocol, kind, number of the datagram
+_INFO = struct.Struct("<BBB")  # status, the board's number, flags
+#: Where the information of protocols before 5 has the firmware.
+_FIRMWARE = slice(5, 8)
+
+_Place = tuple[Any, ...]
+
+
+class Kind(IntEnum):
+    """What a datagram is about."""
+
+    STEP = 0
+    INFO = 1
+    RESET = 2
+    DISCOVER = 3
+    NUMBER = 4
+    OPEN_PORT = 5
+    SET_CLOCK = 6
+    BEAT = 7
+
+
+class Info(NamedTuple):
+    """What a board says of itself."""
+
+    place: _Place
+    unit: int
+    flags: int
+
+
+class Chain:
+    """So many boards at an address, numbered from 0 on and in step.
+
+    address : "autd3" (looks on every network interface), "autd3:eth0" (on one) or "autd3:[IPv6]:PORT"
+
+    Raises BoardNotFound where there are none, fewer or more, BoardError of firmware with another protocol.
+    """
+
+    def __init__(self, address: str, boards: int) -> None:
+        self._address, self._boards = address, boards
+        self._number = 0
+        self._version = next(iter(PROTOCOLS))
+        self._socket, self._group = self._search()
+        try:
+            if self._version not in PROTOCOLS:
+                raise self._other_firmware()
+            self._places = self._enumerate()
+            self._units = {place[:2]: unit for unit, place in enumerate(self._places)}
+            self._synchronize()
+        except BaseException:
+            self.close()
+            raise
+        self.protocol = PROTOCOLS[self._version]
+
+    def send(self, kind: Kind, contents: Mapping[int, bytes]) -> None:
+        """Send datagrams to boards by their number, the last in the chain first."""
+        self._next()
+        for unit in sorted(contents, reverse=True):
+            self._write(self._places[unit], kind, contents[unit])
+
+    def replies(self, kind: Kind, seconds: float) -> Iterator[tuple[int, bytes]]:
+        """The boards that reply within so many seconds to what was sent last, and what they reply."""
+        for place, body in self._answers(kind, seconds):
+            if place[:2] in self._units:
+                yield self._units[place[:2]], body
+
+    def close(self) -> None:
+        """Leave the boards."""
+        self._socket.close()
+
+    def _search(self) -> tuple[socket.socket, _Place]:
+        """A socket towards the first network where a board answers, and the address of all its boards."""
+        groups = {_socket(group): group for group in self._groups()}
+        asking = _HEADER.pack(self._version, Kind.INFO, self._number)
+        try:
+            for _ in range(ATTEMPTS):
+                for each, group in groups.items():
+                    # Some interfaces have no IPv6.
+                    with suppress(OSError):
+                        each.sendto(asking, group)
+                for each in select.select(list(groups), [], [], RESPONSE)[0]:
+                    with suppress(OSError):
+                        answer = each.recv(2048)
+                        if len(answer) > _HEADER.size and answer[1] == Kind.INFO:
+                            self._version = answer[0]
+                            return each, groups.pop(each)
+        finally:
+            for each in groups:
+                each.close()
+        raise self._not_found("no AUTD3 board answers")
+
+    def _groups(self) -> list[_Place]:
+        """The address of all boards in each network where to look."""
+        _, colon, where = self._address.partition(":")
+        interfaces = {name: index for index, name in socket.if_nameindex()}
+        if not colon:
+            return [(ALL, PORT, 0, index) for index in interfaces.values()]
+        if where in interfaces:
+            return [(ALL, PORT, 0, interfaces[where])]
+        if found := re.fullmatch(r"\[([^]]+)\]:(\d{1,5})|(.*:.*)", where):
+            host, port = found[1] or found[3], int(found[2] or PORT)
+            with suppress(OSError):
+                place = socket.getaddrinfo(host, port, socket.AF_INET6, flags=socket.AI_NUMERICHOST)[0][4]
+                # Some systems take a port modulo 65536.
+                if place[1] == port:
+                    return [place]
+        raise BoardError(
+            f"{self._address}: {where!r} is no network interface: give {', '.join(interfaces)}, or an IPv6 "
+            f"address and port, as autd3:[fe80::1%eth0]:{PORT}"
+        )
+
+    def _enumerate(self) -> list[_Place]:
+        """Number the boards in their order; where each of them is."""
+        self._request(self._group, Kind.RESET)
+        time.sleep(SETTLE)
+        places: list[_Place] = []
+        until = time.monotonic() + ENUMERATION
+        while True:
+            place, late = self._discover(), time.monotonic() > until
+            if place is None:
+                if not late and self._release(places):
+                    continue
+                if len(places) == self._boards:
+                    return places
+                if late:
+                    raise self._not_found(f"only {counted(len(places), 'AUTD3 board')} answered")
+                time.sleep(PAUSE)
+                continue
+            if len(places) == self._boards:
+                raise self._not_found(f"more than {counted(len(places), 'AUTD3 board')} answered")
+            unit = len(places)
+            places.append(self._assign(place, unit))
+            opened = self._ask(unit, places[unit], Kind.OPEN_PORT)
+            if not any(opened[1:]) and len(places) == self._boards:
+                return places
+
+    def _discover(self) -> _Place | None:
+        """Where the next board without a number is."""
+        for place, _ in self._request(self._group, Kind.DISCOVER, most=1):
+            if list(self._answers(Kind.DISCOVER, LINGER)):
+                raise self._not_found("two AUTD3 boards answer at once, which are not in one line")
+            return place
+        return None
+
+    def _release(self, known: list[_Place]) -> bool:
+        """Reset boards that have an older number still; whether there are some."""
+        old = [info.place for info in self._infos() if info.flags & ASSIGNED and info.place not in known]
+        for place in old:
+            self._request(place, Kind.RESET, most=1)
+        if old:
+            time.sleep(SETTLE)
+        return bool(old)
+
+    def _assign(self, place: _Place, unit: int) -> _Place:
+        """Give a board its number, and the first one the clock; where it is from then on."""
+        for _ in range(ATTEMPTS):
+            for answer, body in self._request(place, Kind.NUMBER, bytes([unit, unit == 0]), most=1):
+                self._check(unit, Kind.NUMBER, body)
+                return answer
+            # A board whose answer was lost is elsewhere already.
+            for info in self._infos():
+                if info.flags & ASSIGNED and info.unit == unit:
+                    return info.place
+        raise self._not_found(f"board {unit} does not take its number")
+
+    def _synchronize(self) -> None:
+        """Set the first board's clock, and wait until those of all are in step with it."""
+        self._ask(0, self._places[0], Kind.SET_CLOCK, bytes(8))
+        until = time.monotonic() + IN_STEP
+        while True:
+            infos = self._infos(most=self._boards)
+            if any(self._units.get(info.place[:2]) != info.unit for info in infos):
+                raise self._not_found("another AUTD3 board answers, too")
+            ready = {info.unit for info in infos if info.flags & IN_TIME == IN_TIME}
+            if len(ready) == self._boards:
+                return
+            if time.monotonic() > until:
+                late = min(set(range(self._boards)) - ready)
+                raise self._not_found(f"the clock of board {late} is not in step after {IN_STEP:g} s")
+            time.sleep(PAUSE)
+
+    def _infos(self, most: int | None = None) -> list[Info]:
+        """What boards say of themselves."""
+        found = self._request(self._group, Kind.INFO, most=most)
+        return [Info(place, *_INFO.unpack_from(body)[1:]) for place, body in found if len(body) >= _INFO.size]
+
+    def _ask(self, unit: int, place: _Place, kind: Kind, content: bytes = b"") -> bytes:
+        """A board's answer to a request."""
+        for _ in range(ATTEMPTS):
+            for _, body in self._request(place, kind, content, most=1):
+                self._check(unit, kind, body)
+                return body
+        raise self._not_found(f"board {unit} does not answer")
+
+    def _check(self, unit: int, kind: Kind, body: bytes) -> None:
+        if body[0]:
+            raise BoardError(
+                f"{self._address}: board {unit} refuses {kind.name}: status {body[0]}; try again"
+            )
+
+    def _request(
+        self, place: _Place, kind: Kind, content: bytes = b"", most: int | None = None
+    ) -> list[tuple[_Place, bytes]]:
+        """Where answers to a request come from, and what they say."""
+        self._next()
+        self._write(place, kind, content)
+        return list(islice(self._answers(kind, RESPONSE), most))
+
+    def _next(self) -> None:
+        self._number = (self._number + 1) % 0x10000
+
+    def _write(self, place: _Place, kind: Kind, content: bytes) -> None:
+        # What the system cannot send is as good as lost on the way, and sent again.
+        with suppress(OSError):
+            self._socket.sendto(_HEADER.pack(self._version, kind, self._number) + content, place)
+
+    def _answers(self, kind: Kind, seconds: float) -> Iterator[tuple[_Place, bytes]]:
+        """What comes within so many seconds in answer to the last datagram."""
+        until = time.monotonic() + seconds
+        while (left := until - time.monotonic()) > 0:
+            self._socket.settimeout(left)
+            try:
+                found, place = self._socket.recvfrom(2048)
+            # None in time; or a system's word on a datagram that did not arrive.
+            except OSError:
+                continue
+            if len(found) <= _HEADER.size or _HEADER.unpack_from(found)[1:] != (kind, self._number):
+                continue
+            if found[0] != self._version:
+                raise BoardError(
+                    f"{self._address}: a board speaks UDP protocol {found[0]}, another {self._version}: put "
+                    "the same firmware on all with their makers' tool"
+                )
+            yield place, found[_HEADER.size :]
+
+    def _other_firmware(self) -> BoardError:
+        """The error that the first board's firmware has a protocol of its own."""
+        firmware = ""
+        if self._version < min(PROTOCOLS):
+            for _, body in self._request(self._group, Kind.INFO, most=1):
+                firmware = f" (firmware {version(body[_FIRMWARE])})"
+        known = " and ".join(f"{each.number} (firmware {each.firmware})" for each in PROTOCOLS.values())
+        return BoardError(
+            f"{self._address}: a board speaks UDP protocol {self._version}{firmware}, midair {known}: put "
+            "one of these on it with its makers' tool"
+        )
+
+    def _not_found(self, what: str) -> BoardNotFound:
+        return BoardNotFound(
+            f"{self._address}: {what}; the array stands for {counted(self._boards, 'board')}: check power, "
+            f"cables and firewall (UDP {PORT}), name the network of several, as autd3:eth0; firmware 0.9 and "
+            "older, and 12.1, speaks EtherCAT, which midair does not"
+        )
+
+
+def version(numbers: bytes) -> str:
+    """A version as people write it."""
+    return ".".join(map(str, numbers))
+
+
+def _socket(group: _Place) -> socket.socket:
+    """A socket towards a network, past no router."""
+    made = socket.socket(socket.AF_INET6, socket.SOCK_DGRAM)
+    made.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_HOPS, 1)
+    if group[3]:
+        made.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_IF, group[3])
+    made.bind(("::", 0))
+    return made

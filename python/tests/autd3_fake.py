@@ -1,0 +1,132 @@
+"""AUTD3 boards that play nothing: they take numbers, acknowledge steps in either protocol, and keep them.
+
+They answer as the makers' emulators do; `make test-boards` holds midair to those.
+"""
+
+from __future__ import annotations
+
+import selectors
+import socket
+import struct
+import threading
+from typing import Any
+
+HEADER, STEP = struct.Struct("<BBH"), struct.Struct("<BBI")
+
+
+class Fake:
+    """A chain of boards at `address`; `steps` has of each board the frames that it took, behind their header.
+
+    version : of the protocol that they speak, 5 or one that counts steps as 3 does
+    firmware : of processor and FPGA, as they report it
+    """
+
+    def __init__(self, version: int, boards: int, firmware: bytes = bytes([0, 13, 0, 0, 13, 0])) -> None:
+        self.versions, self.firmware = [version] * boards, firmware
+        self.steps: list[list[bytes]] = [[] for _ in range(boards)]
+        #: Statuses that boards reply next, to whatever comes; and flags besides those of a board in order.
+        self.refusals: list[int] = []
+        self.flags = 0
+        #: So many steps are acknowledged by another count, as boards do that have dropped them.
+        self.skips = 0
+        self._unit: list[int | None] = [None] * boards
+        self._open = [False] * boards
+        self._selector = selectors.DefaultSelector()
+        self._group, *self._sockets = [self._socket(k) for k in range(-1, boards)]
+        self.address = f"autd3:[::1]:{self._group.getsockname()[1]}"
+        self._running = True
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        self._running = False
+        self._thread.join(2)
+        for each in (self._group, *self._sockets):
+            each.close()
+        self._selector.close()
+
+    def _socket(self, board: int) -> socket.socket:
+        made = socket.socket(socket.AF_INET6, socket.SOCK_DGRAM)
+        made.bind(("::1", 0))
+        self._selector.register(made, selectors.EVENT_READ, board)
+        return made
+
+    def _run(self) -> None:
+        while self._running:
+            for key, _ in self._selector.select(0.02):
+                data, host = key.fileobj.recvfrom(2048)
+                for board in self._reached() if key.data < 0 else [key.data]:
+                    answer = self._answer(board, data)
+                    if answer is not None:
+                        number = HEADER.unpack_from(data)[2]
+                        head = HEADER.pack(self.versions[board], data[1], number)
+                        self._sockets[board].sendto(head + answer, host)
+
+    def _reached(self) -> list[int]:
+        """The boards that a datagram to all comes to: up to the first closed port."""
+        closed = self._open.index(False) if False in self._open else len(self._open) - 1
+        return list(range(closed + 1))
+
+    def _answer(self, board: int, data: bytes) -> bytes | None:
+        """What a board answers, None where it says nothing."""
+        version, kind, _ = HEADER.unpack_from(data)
+        body = data[HEADER.size :]
+        if version != self.versions[board]:
+            return bytes([1])
+        unit = self._unit[board]
+        if kind in (0, 7):
+            return self._step(board, body) if unit is not None else None
+        if kind == 1:
+            flags = self._flags(board)
+            head = bytes([0, 255 if unit is None else unit, flags])
+            return head + (bytes([0, 0]) + self.firmware[:3] + bytes(13) if version < 5 else bytes(4))
+        if kind == 2:
+            self._unit[board], self._open[board] = None, False
+        if kind == 3 and unit is not None:
+            return None
+        if kind == 4:
+            assert body[1] == (body[0] == 0)
+            self._unit[board] = body[0]
+        if kind == 5:
+            self._open[board] = True
+            return bytes([0, board + 1 < len(self._unit)])
+        return bytes([0])
+
+    def _flags(self, board: int) -> int:
+        return (self._unit[board] is not None) | 0x18 | self.flags
+
+    def _step(self, board: int, body: bytes) -> bytes:
+        """Take a step, or nothing but a word."""
+        count, data = 0, b""
+        status = self.refusals.pop(0) if body and self.refusals else 0
+        if body:
+            count, command, at_once = STEP.unpack_from(body)
+            assert at_once == 0
+            self.steps[board].append(body)
+            if self.skips:
+                self.skips -= 1
+                count -= 1
+            data = self.firmware + bytes(2) if command == 0xEB else b""
+        return struct.pack("<BBBBQ", count, status, self._flags(board), self._unit[board] or 0, 1) + data
+
+
+def read(frame: bytes) -> tuple[int, int, bytes]:
+    """Count, command and payload of a step."""
+    count, command, _ = STEP.unpack_from(frame)
+    return count, command, frame[STEP.size :]
+
+
+def acts(boards: Any) -> list[Any]:
+    """What golden/autd3 has recordings of: acts with a transport of two boards, one after the other."""
+    codes = bytes(k * k % 251 for k in range(2 * 498 * 7))
+    frames = [codes[k : k + 2 * 498] for k in range(0, len(codes), 2 * 498)]
+    return [
+        lambda: None,
+        lambda: boards.play(frames[0]),
+        lambda: boards.upload(b"".join(frames[1:6]), 5, 40000 / 3),
+        lambda: boards.modulate(150),
+        lambda: boards.play(frames[6]),
+        lambda: boards.modulate(None),
+        boards.silence,
+        boards.close,
+    ]
