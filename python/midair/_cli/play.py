@@ -129,7 +129,7 @@ def _board(name: str, array: Array) -> Board:
         raise SceneError(
             f"the array has {len(array)} transducers, {board.name} {presets()[one].count}: {cure}"
         )
-    # AUTD3 finds its poses in the positions.
+    # AUTD3 boards may stand anywhere.
     known = array if board.name == "autd3" else Array.preset((one, pair)[board.boards - 1])
     if np.abs(known.positions - array.positions).max() > APART:
         order = "its transducers are taken to be in that board's order"
