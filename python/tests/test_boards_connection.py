@@ -379,7 +379,6 @@ with midair.connect("sonicsurface:loop") as loop:
         ("serial", 'connect("sonicsurface:/dev/ttyUSB0")', 'pip install "midair[serial]"'),
         ("serial", "ports()", 'pip install "midair[serial]"'),
         ("pyftdi", 'connect("openmpd:A")', 'pip install "midair[ftdi]"'),
-        ("autd3", 'connect("autd3:emulator")', 'pip install "midair[autd3]"'),
     ],
 )
 def test_a_missing_extra_is_one_line(module, call, message):
