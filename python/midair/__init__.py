@@ -64,6 +64,7 @@ from ._midair import (
 from ._motion import Felt, Sequence, SequenceMetrics, sequence, stream
 from ._pictures.notebook import solvers
 from ._pictures.plot import plot
+from ._pictures.sheet import style
 from ._points.ear import Ear, ear
 from ._points.image import Picture, image
 from ._studio import View, view
@@ -143,6 +144,7 @@ __all__ = [
     "solvers",
     "stream",
     "streaming",
+    "style",
     "sweep",
     "tolerate",
     "tune",

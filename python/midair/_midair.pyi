@@ -24,6 +24,7 @@ from ._judging.tolerate import tolerate as _tolerate
 from ._metrics import BatchMetrics as BatchMetrics
 from ._metrics import Metrics as Metrics
 from ._pictures.answer import answer as _answer
+from ._pictures.plot import plot as _plot
 
 __all__ = [
     "MOST_POINTS",
@@ -282,6 +283,7 @@ class Field:
     scale: Final[float]
     def __eq__(self, other: object, /) -> bool: ...
     def _repr_html_(field: Field) -> str: ...
+    plot = _plot
 
 @final
 class Solution:

@@ -18,6 +18,7 @@ from ._midair import Array, Batch, Field, Scene, Solution
 from ._motion import Sequence
 from ._pictures import notebook
 from ._pictures.answer import answer
+from ._pictures.plot import plot
 from ._points import drawn
 from ._support import arguments, output
 
@@ -25,7 +26,7 @@ from ._support import arguments, output
 METHODS: dict[type, dict[str, Any]] = {
     Array: {"_repr_html_": notebook.array, "from_file": staticmethod(read_array)},
     Batch: {"_repr_html_": notebook.batch},
-    Field: {"_repr_html_": notebook.field},
+    Field: {"_repr_html_": notebook.field, "plot": plot},
     Scene: {"_repr_html_": notebook.scene},
     Sequence: {"exposure": exposure},
     Solution: {

@@ -1,15 +1,21 @@
 """Pictures, by the data on their axes: fields in planes, asked and got, contact sheets."""
 
+from contextlib import nullcontext
+from pathlib import Path
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from matplotlib import rc_context, rcdefaults, rcParams
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from matplotlib.quiver import Quiver
+from matplotlib.text import Text
 
 import midair
-from midair._pictures.plot import answer, contact_sheet
+from midair._pictures.answer import answer
+from midair._pictures.plot import contact_sheet
 from scenes import POINTS, small
 
 BOARD = {"phases": 32, "amplitudes": [0, 1]}
@@ -297,6 +303,68 @@ def test_pictures_take_plane_colours_panels_and_size() -> None:
     for wrong in ({"cmap": "rainbows"}, {"panels": ["bars"]}, {"size": -1}):
         with pytest.raises(midair.SceneError, match=next(iter(wrong))):
             solution.plot(**wrong)
+
+
+def test_axes_of_ones_own_hold_one_panel() -> None:
+    solution = midair.solve(small(), "naive")
+    own, ax = plt.subplots()
+    assert solution.plot(ax) is own
+    assert ax.images[0].get_array() is not None
+    assert len(own.axes) == 2, "the panel and its bar"
+    assert not solution.plot(ax=plt.figure().subplots(), panels="points").axes[0].images
+    table = midair.compare(flat(), ["naive", "gspat"])
+    assert [ax.get_title().split("\n")[0] for ax in table.plot(panels=["gspat"]).axes[:1]] == ["gspat"]
+    assert table.plot(plt.figure().gca(), panels="naive", cmap="cividis").axes[0].images
+    for wrong, word in (({"panels": ["field", "points"]}, "one panel"), ({"panels": "bars"}, "panels")):
+        with pytest.raises(midair.SceneError, match=word):
+            solution.plot(ax, **wrong)
+    for draw in (table.plot, midair.tolerate(solution, phase=5, trials=3).plot):
+        with pytest.raises(midair.SceneError, match="panels"):
+            draw(panels="gs")
+
+
+def test_a_style_holds_within_its_statement_or_from_now_on() -> None:
+    solution = midair.solve(small(points=[[-0.02, 0, 0.15], [0.02, 0, 0.15]]), "naive")
+    before = dict(rcParams)
+    with midair.style("ieee"):
+        assert solution.plot(panels="field").get_figwidth() == 3.5
+        figure = solution.plot()
+        assert (figure.get_figwidth(), figure.get_suptitle()) == (7.16, "")
+        assert plt.figure().get_figwidth() == 3.5
+        figure.draw_without_rendering()
+        texts = [text for text in figure.findobj(Text) if text.get_text()]
+        assert {text.get_fontsize() for text in texts} == {8.0}
+        assert solution.plot(size=5).get_figwidth() == 5
+        assert midair.plot(solution).get_title() == "z = 150 mm"
+    assert dict(rcParams) == before
+    assert solution.plot().get_suptitle().startswith("naive")
+    with rc_context():
+        midair.style("ieee")
+        assert solution.plot(panels="points").get_figwidth() == 3.5
+        rcdefaults()
+        assert solution.plot(panels="points").get_figwidth() == 6.4
+    with pytest.raises(midair.SceneError, match=r"style is .nature.: give"):
+        midair.style("nature")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("style", [None, "ieee"])
+def test_no_file_of_ours_has_a_type_3_font(style: str | None, tmp_path: Path) -> None:
+    solution = midair.solve(flat(), "naive")
+    with nullcontext() if style is None else midair.style(style):
+        figures = {
+            "solution": solution.plot(),
+            "window": midair.plot(solution).figure,
+            "table": midair.compare(flat(), ["naive", "gspat"]).plot(),
+            "tolerance": midair.tolerate(solution, phase=5, trials=3).plot(),
+        }
+        for name, figure in figures.items():
+            for ending in ("pdf", "svg"):
+                figure.savefig(tmp_path / f"{name}.{ending}")
+            pdf = (tmp_path / f"{name}.pdf").read_bytes()
+            assert b"/Type3" not in pdf
+            assert b"/CIDFontType2" in pdf, "TrueType"
+            assert b"<text" in (tmp_path / f"{name}.svg").read_bytes()
 
 
 def test_a_solution_of_a_matrix_plots_what_was_asked_and_got_alone() -> None:

@@ -1,6 +1,7 @@
 """Sequences as values, files, tables and pictures."""
 
 import copy
+import os
 import pickle
 import sys
 from pathlib import Path
@@ -8,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib import rc_context
 from matplotlib.animation import FFMpegWriter
 from matplotlib.figure import Figure
 from PIL import Image
@@ -174,7 +176,7 @@ def test_plot_shows_pressures_changes_and_a_spectrum() -> None:
     assert "phase change / rad (red: bound)" in labels
     for word in ("24 frames at 2000 Hz, 2 points, glide", "level", "seam", "noise"):
         assert word in figure.get_suptitle()
-    with pytest.raises(midair.SceneError, match="a figure of its own"):
+    with pytest.raises(midair.SceneError, match="no vmax"):
         midair.plot(sequence, vmax=3.0)  # type: ignore[call-overload]
 
 
@@ -216,6 +218,44 @@ def test_an_animation_has_the_frames_asked_for(tmp_path: Path) -> None:
     with Image.open(path) as image:
         assert image.n_frames == 2
     assert [file.name for file in tmp_path.iterdir()] == ["motion.gif"]
+
+
+@pytest.mark.slow
+def test_an_animation_is_a_webp_of_what_the_frames_are(tmp_path: Path) -> None:
+    sequence, path = made(), tmp_path / "motion.webp"
+    sequence.animate(path, frames=4, fps=20)
+    with Image.open(path) as film:
+        assert film.n_frames == 4
+        pictures = []
+        for frame in range(4):
+            film.seek(frame)
+            assert film.info.get("duration", 50) == 50
+            pictures.append(np.asarray(film.convert("L"), dtype=float))
+    # The margin stays, the field moves.
+    assert np.abs(pictures[0] - pictures[2])[:, :40].max() < 30
+    assert np.abs(pictures[0] - pictures[2])[:, 100:300].max() > 100
+
+
+#: In place of ffmpeg: keeps its pictures, or ends in its way.
+KEEPS = '#!/bin/sh\nfor last; do :; done\ncat > "$last"\n'
+FAILS = "#!/bin/sh\necho no such codec >&2\nexit 3\n"
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name == "nt", reason="a script of the shell")
+def test_a_film_is_given_to_ffmpeg(tmp_path: Path) -> None:
+    program, path = tmp_path / "ffmpeg", tmp_path / "motion.mp4"
+    with rc_context({"animation.ffmpeg_path": str(program)}):
+        for text in (KEEPS, FAILS):
+            program.write_text(text)
+            program.chmod(0o755)
+            if text == KEEPS:
+                made().animate(path, frames=3)
+                assert path.stat().st_size == 3 * 520 * 460 * 3
+            else:
+                with pytest.raises(midair.SceneError, match=r"ffmpeg ended with: no such codec; give"):
+                    made().animate(path, frames=3)
+    assert {file.name for file in tmp_path.iterdir()} == {"ffmpeg", "motion.mp4"}
 
 
 @pytest.mark.slow

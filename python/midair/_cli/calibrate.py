@@ -22,7 +22,7 @@ from .._support import output
 from .._support.text import arrays
 from .progress import progress_bar
 from .scene import check_outputs
-from .tables import console, print_written
+from .tables import console, print_written, write_image
 
 #: What a file of readings may hold; the first two it has to.
 KEYS = ("drives", "readings", "microphones", "scene", "noise")
@@ -82,7 +82,7 @@ def calibrate_command(
         if len(which := getattr(result, name)):
             print(f"{name}: {', '.join(map(str, which.tolist()))}")
     if image is not None:
-        result.plot().savefig(image)
+        write_image(image, result.plot())
     print_written(f"{output_file}" if image is None else f"{output_file} and {image}")
     return 0
 

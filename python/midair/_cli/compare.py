@@ -11,7 +11,7 @@ from cyclopts import Parameter
 
 from .. import SceneError
 from .._judging.compare import Comparison, choices, growing
-from .._pictures.plot import Quantity
+from .._pictures.colours import Quantity
 from .._support import output
 from .progress import progress_bar
 from .scene import STANDARD, SceneFile

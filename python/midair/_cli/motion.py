@@ -9,6 +9,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from .. import SceneError, Sequence
+from .._motion.animation import ENDINGS
 from .._motion.document import Document, read
 from .._motion.request import solver_name
 from .._support import output
@@ -48,7 +49,7 @@ def motion_command(
     image
         Where a picture goes, of pressures and phase changes over time: .png, .svg, .pdf or .jpg.
     animate
-        Where an animation of the field goes: .gif, or .mp4 by ffmpeg.
+        Where an animation of the field goes: .webp, .gif, or .mp4 by ffmpeg.
     solvers
         Names with commas between, to be compared; left out, the scene file's, else glide.
     json
@@ -57,7 +58,7 @@ def motion_command(
     names = [solver_name(name.strip()) for name in solvers.split(",")] if solvers else []
     if len(names) > 1 and (output_file is not None or image is not None or animate is not None):
         raise SceneError(f"--solvers is {solvers}: a file is of one sequence, give one solver")
-    outputs = (output_file, (".npz",)), (image, output.IMAGES), (animate, (".gif", ".mp4"))
+    outputs = (output_file, (".npz",)), (image, output.IMAGES), (animate, ENDINGS)
     check_outputs(*outputs, taken=[scene])
     asked = read(scene)
     if asked is None:

@@ -30,11 +30,11 @@ BOARD = "autd3"
 
 def arrays(named: Mapping[str, Array]) -> Figure:
     """A panel for each array, flat ones from above, others in perspective; colours go along the order."""
-    from matplotlib.figure import Figure
+    from .._pictures.sheet import sheet
 
     columns = min(len(named), COLUMNS)
     rows = -(-len(named) // columns)
-    figure = Figure(figsize=(3.3 * columns + 0.9, 3.4 * rows + 0.4), layout="constrained")
+    figure = sheet(3.3 * columns + 0.9, 3.4 * rows + 0.4)
     axes = []
     shades: Any = None
     for k, (name, array) in enumerate(named.items(), 1):

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from .. import Scene, SceneError, Solution, field, solve
-from .._pictures.plot import Quantity, answer
+from .._pictures.colours import Quantity
 from .._support import output
 from .._support.ctrl_c import interruptible
 from .progress import progress_bar
@@ -103,7 +103,7 @@ def solve_command(
             output.write_drive(output_file, request, solution)
         if image is not None and not stopped:
             with progress_bar("drawing"):
-                write_image(image, answer(solution, quantity=quantity))
+                write_image(image, solution.plot(quantity=quantity))
     finally:
         # An answer is worth its line, also where its file cannot be written.
         _print(request, solution, json, document=output_file == STANDARD)

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from textwrap import shorten
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,9 +28,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-#: Letters of a picture as fonts and text, which journals ask for.
-FONTS: Any = {"pdf.fonttype": 42, "ps.fonttype": 42, "svg.fonttype": "none"}
-
 #: Characters across a picture, at most, and those that stand for colours, from silence to the loudest.
 WIDEST = 76
 SHADES = " .:-=+*#%@"
@@ -44,11 +41,8 @@ SPARED = ("sigma", "residual", "limit", "complex error", "accuracy", "steps", "t
 
 def write_image(path: Path, figure: Figure) -> None:
     """Write a figure in the format of the path's ending."""
-    from matplotlib import rc_context
-
     content = io.BytesIO()
-    with rc_context(FONTS):
-        figure.savefig(content, format=path.suffix[1:].lower(), dpi=150)
+    figure.savefig(content, format=path.suffix[1:].lower(), dpi=150)
     output.write(path, content.getvalue())
 
 

@@ -9,16 +9,18 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeGuard
 import numpy as np
 
 from .. import _midair
-from .._midair import Array, Propagation, Scene, SceneError, Solution, Solver
+from .._midair import Array, Plane, Propagation, Scene, SceneError, Solution, Solver
 from .._pictures.colours import REFERENCE
 from .._support import text
 from .._support.output import METRICS
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike, NDArray
 
-    from .._pictures.plot import Quantity
+    from .._pictures.colours import Quantity
+    from .._pictures.sheet import Map, Size
 
 #: The most points that `midair.bound` takes.
 BOUND_POINTS = 64
@@ -90,21 +92,39 @@ class Comparison:
         }
         return columns
 
-    def plot(self, *, quantity: Quantity = "pressure") -> Figure:
-        """A sheet with the field of every solution, all in the same colours. Returns the figure.
+    def plot(
+        self,
+        ax: Axes | None = None,
+        *,
+        plane: Plane | None = None,
+        quantity: Quantity = "pressure",
+        cmap: Map | None = None,
+        panels: str | Iterable[str] | None = None,
+        size: Size | None = None,
+    ) -> Figure:
+        """A sheet with the field of every solution, all in the same colours.
 
+        ax : axes of your own for one panel, the first of those asked for
+        plane : the midair.Plane of the fields in place of those through the points
         quantity : "pressure", "radiation", "spl" or "phase", as `midair.plot` takes it
+        cmap : a colour map of matplotlib or its name
+        panels : names of the solvers to be drawn; left out, all
+        size : of the figure in inches, its width or (width, height)
 
-        Raises SceneError for another quantity, and for a matrix, which has no field.
+        Returns the figure. Raises SceneError for another quantity, colour map, panel or size, and for a
+        matrix, which has no field.
         """
         from .._pictures.plot import contact_sheet
+        from .._pictures.sheet import chosen
 
+        names = chosen(panels, self.names, ax)
         fields = []
-        for solution in self.solutions:
+        for name in names:
+            solution = self[name]
             if solution.scene is None:
                 raise SceneError("scene is a matrix: a field needs the positions of a Scene")
-            fields.append(_midair.field(solution.scene, solution))
-        return contact_sheet(fields, self.names, quantity)
+            fields.append(_midair.field(solution.scene, solution, plane))
+        return contact_sheet(fields, names, quantity, ax=ax, cmap=cmap, size=size)
 
     def __getitem__(self, which: str | int) -> Solution:
         if isinstance(which, str):

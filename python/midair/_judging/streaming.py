@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Field, Plane, Scene, SceneError, Solution, about, field
+from .._pictures.colours import MAPS
 from .._pictures.panel import paint, sides
 from .._pictures.words import place
 from .._support.arguments import number
@@ -16,21 +17,27 @@ from .._support.arguments import number
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from .._pictures.sheet import Map, Size
+
 #: Arrows along a side, and the part of the largest force below which there is none.
 ARROWS, FAINT = 20, 0.05
 
 
-def draw(streaming: Streaming, ax: Axes | None = None) -> Axes:
+def draw(streaming: Streaming, ax: Axes | None, cmap: Map | None, size: Size | None) -> Axes:
     """The map."""
+    from .._pictures.sheet import colour_map, sheet
+
     field = streaming.field
     if field.plane is None:
         raise SceneError("the force is at single points: a picture needs a midair.Plane")
     if ax is None:
         import matplotlib.pyplot as plt
 
-        ax = plt.gca()
+        empty = size is None and plt.get_fignums() and not plt.gca().has_data()
+        ax = plt.gca() if empty else sheet(6.4, 4.8, size, plt.figure).subplots()
     top = float(streaming.force.max())
-    image = paint(field, ax, streaming.force, "cividis", (0.0, top or 1.0))
+    image = paint(field, ax, streaming.force, colour_map(cmap, MAPS["pressure"]), (0.0, top or 1.0))
+    image.set_interpolation("bicubic")
     across, up = sides(field)
     every = max(field.plane.pixels // ARROWS, 1)
     here = (slice(every // 2, None, every),) * 2
@@ -75,12 +82,16 @@ class Streaming:
     absorption: float
     field: Field
 
-    def plot(self, ax: Axes | None = None) -> Axes:
+    def plot(self, ax: Axes | None = None, *, cmap: Map | None = None, size: Size | None = None) -> Axes:
         """A map of the force in its plane, with arrows along it. Returns the axes.
 
-        Raises SceneError for forces at single points.
+        ax : the axes to draw in; left out, matplotlib's present ones
+        cmap : a colour map of matplotlib or its name
+        size : of a new figure in inches, its width or (width, height)
+
+        Raises SceneError for another colour map or size, and for forces at single points.
         """
-        return draw(self, ax)
+        return draw(self, ax, cmap, size)
 
 
 def streaming(

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,40 +14,55 @@ from .._support import text as columns
 from .faults import FAULTS
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from .._pictures.sheet import Size
 
 #: How far trials of one row lie apart, of the distance between rows: seen apart, not mixed up.
 SPREAD = 0.3
 
 
-def draw(tolerance: Tolerance) -> Figure:
+def draw(
+    tolerance: Tolerance, ax: Axes | None, panels: Panel | Iterable[Panel] | None, size: Size | None
+) -> Figure:
     """A panel each for level and uniformity: every trial a dot, the mean a line, the 5 % quantile a tick."""
-    from matplotlib.figure import Figure
+    from .._pictures.sheet import chosen, head, sheet, whole
 
-    names = list(tolerance.rows)
-    figure = Figure(figsize=(9, 1.8 + 0.5 * len(names)), layout="constrained")
-    axes = figure.subplots(1, 2, sharey=True)
+    names = chosen(panels, PANELS, ax)
+    rows = list(tolerance.rows)
+    if ax is None:
+        figure: Figure = sheet(4.5 * len(names), 1.8 + 0.5 * len(rows), size)
+        axes = list(figure.subplots(1, len(names), sharey=True, squeeze=False)[0])
+    else:
+        figure, axes = whole(ax), [ax]
     aside = SPREAD * np.random.default_rng(0).uniform(-1, 1, tolerance.trials)
-    for ax, what in zip(axes, ("level", "uniformity"), strict=True):
-        for row, name in enumerate(names):
+    for one, what in zip(axes, names, strict=True):
+        for row, name in enumerate(rows):
             values = getattr(tolerance.rows[name], what)
-            ax.scatter(values, row + aside, s=6, alpha=0.35, linewidths=0, color="tab:blue")
-            ax.vlines(values.mean(), row - 0.4, row + 0.4, color="black", label="" if row else "mean")
             worse = np.quantile(values, PART)
-            ax.vlines(
-                worse, row - 0.4, row + 0.4, color="tab:red", label="" if row else f"{PART:.0%} are worse"
-            )
-        ax.set(xlabel=f"{what} kept")
-        ax.axvline(1, color="lightgrey", zorder=0)
-        ax.grid(axis="x", alpha=0.3)
-    labels = ["\n".join(filter(None, (name, tolerance._size(name)))) for name in names]
-    axes[0].set_yticks(range(len(names)), labels)
+            one.scatter(values, row + aside, s=6, alpha=0.35, linewidths=0, color="tab:blue")
+            ends = row - 0.4, row + 0.4
+            one.vlines(values.mean(), *ends, color="black", label="" if row else "mean")
+            one.vlines(worse, *ends, color="tab:red", label="" if row else f"{PART:.0%} are worse")
+        one.set(xlabel=f"{what} kept")
+        one.axvline(1, color="lightgrey", zorder=0)
+        one.grid(axis="x", alpha=0.3)
+    labels = ["\n".join(filter(None, (name, tolerance._size(name)))) for name in rows]
+    axes[0].set_yticks(range(len(rows)), labels)
     axes[0].invert_yaxis()
+    if ax is not None:
+        ax.legend()
+        return figure
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     played = "a drive" if tolerance.solution is None else tolerance.solution.solver
-    figure.suptitle(f"{played}, {tolerance.trials} trials a row", fontsize="medium")
+    head(figure, f"{played}, {tolerance.trials} trials a row")
     return figure
 
+
+#: The parts of the picture.
+Panel = Literal["level", "uniformity"]
+PANELS = get_args(Panel)
 
 #: The part of the trials that is worse than what is told beside mean and worst.
 PART = 0.05
@@ -121,9 +136,22 @@ class Tolerance:
             table[head] = [f"{row[name]:.4f}" for row in told]
         return table
 
-    def plot(self) -> Figure:
-        """Every trial's level and uniformity, a row a fault. Returns the figure."""
-        return draw(self)
+    def plot(
+        self,
+        ax: Axes | None = None,
+        *,
+        panels: Panel | Iterable[Panel] | None = None,
+        size: Size | None = None,
+    ) -> Figure:
+        """Every trial's level and uniformity, a row a fault.
+
+        ax : axes of your own for one panel, the first of those asked for
+        panels : "level", "uniformity" or both; left out, both
+        size : of the figure in inches, its width or (width, height)
+
+        Returns the figure. Raises SceneError for another panel or size.
+        """
+        return draw(self, ax, panels, size)
 
     def __repr__(self) -> str:
         return f"{columns.plain(self.cells())}\n{self.heading}"

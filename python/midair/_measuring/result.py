@@ -3,67 +3,93 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import Array, Scene, SceneError
+from .._pictures.colours import MAPS
 from .._support import output
 from .._support.arguments import path_of
 from .._support.text import arrays
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from .._pictures.sheet import Map, Size
 
-def draw(calibration: Calibration) -> Figure:
+
+#: The parts of a calibration's picture.
+Panel = Literal["gain", "phase", "residuals"]
+PANELS = get_args(Panel)
+
+
+def draw(
+    calibration: Calibration,
+    ax: Axes | None,
+    cmap: Map | None,
+    panels: Panel | Iterable[Panel] | None,
+    size: Size | None,
+) -> Figure:
     """Gains and phases over the array from above, and how far the readings lie off the model."""
-    from matplotlib.figure import Figure
+    from .._pictures.sheet import chosen, colour_map, sheet, whole
 
-    figure = Figure(figsize=(12, 3.8), layout="constrained")
-    left, middle, right = figure.subplots(1, 3)
-    places = calibration.array.positions * 1e3
-    shades = (
-        (left, calibration.gain, "gain", "viridis", {"vmin": 0.0, "vmax": float(calibration.gain.max())}),
-        (
-            middle,
-            np.degrees(calibration.phase),
-            "phase / degrees",
-            "twilight",
-            {"vmin": -180.0, "vmax": 180.0},
-        ),
-    )
-    for ax, values, title, colours, ends in shades:
-        _over_array(ax, places, values, colours, ends)
-        for marked, sign, name in ((calibration.dead, "x", "dead"), (calibration.reversed, "o", "reversed")):
-            if len(marked):
-                edge: dict[str, Any] = (
-                    {"c": "red"} if sign == "x" else {"facecolors": "none", "edgecolors": "red"}
-                )
-                ax.scatter(*places[marked, :2].T, marker=sign, s=60, label=f"{len(marked)} {name}", **edge)
-        if len(calibration.dead) + len(calibration.reversed):
-            ax.legend(fontsize="x-small", loc="upper right")
-        ax.set_title(title, fontsize="medium")
-        ax.set_xlabel("x / mm")
-    left.set_ylabel("y / mm")
-    for m, heard in enumerate(np.abs(calibration.residuals).T):
-        right.plot(heard, ".", markersize=3, label=f"microphone {m}")
-    right.axhline(calibration.noise, color="black", linewidth=0.8, label="standard deviation found")
-    right.set_title("residuals / Pa", fontsize="medium")
-    right.set_xlabel("drive")
-    right.legend(fontsize="x-small", loc="upper right")
+    names = chosen(panels, PANELS, ax)
+    if ax is None:
+        figure: Figure = sheet(4.0 * len(names), 3.8, size)
+        axes = list(figure.subplots(1, len(names), squeeze=False)[0])
+    else:
+        figure, axes = whole(ax), [ax]
+    for one, name in zip(axes, names, strict=True):
+        if name == "residuals":
+            _residuals(calibration, one)
+        elif name == "gain":
+            colours = colour_map(cmap, MAPS["pressure"])
+            _over_array(calibration, one, calibration.gain, colours, (0.0, float(calibration.gain.max())))
+            one.set_title("gain", fontsize="medium")
+        else:
+            # The caller's map is of the gains; phases go round.
+            degrees = np.degrees(calibration.phase)
+            _over_array(calibration, one, degrees, MAPS["phase"], (-180.0, 180.0))
+            one.set_title("phase / degrees", fontsize="medium")
     return figure
 
 
-def _over_array(ax: Any, places: Any, values: Any, colours: str, ends: dict[str, float]) -> None:
+def _residuals(calibration: Calibration, ax: Axes) -> None:
+    for m, heard in enumerate(np.abs(calibration.residuals).T):
+        ax.plot(heard, ".", markersize=3, label=f"microphone {m + 1}")
+    ax.axhline(calibration.noise, color="black", linewidth=0.8, label="standard deviation found")
+    ax.set_title("residuals / Pa", fontsize="medium")
+    ax.set_xlabel("drive")
+    ax.legend(loc="upper right")
+
+
+#: Marks of dead and reversed transducers.
+RED: dict[str, dict[str, Any]] = {"x": {"c": "red"}, "o": {"facecolors": "none", "edgecolors": "red"}}
+
+
+def _over_array(
+    calibration: Calibration, ax: Axes, values: Any, colours: Map, ends: tuple[float, float]
+) -> None:
+    places = calibration.array.positions * 1e3
     size = 1.5e4 / max(len(places), 60)
-    shown = ax.scatter(*places[:, :2].T, c=values, s=size, cmap=colours, linewidths=0, **ends)
+    x, y, _ = places.T
+    shown = ax.scatter(x, y, size, values, cmap=colours, linewidths=0, vmin=ends[0], vmax=ends[1])
+    for marked, sign, name in ((calibration.dead, "x", "dead"), (calibration.reversed, "o", "reversed")):
+        if len(marked):
+            label = f"{len(marked)} {name}"
+            ax.scatter(x[marked], y[marked], 60, marker=sign, label=label, **RED[sign])
+    if len(calibration.dead) + len(calibration.reversed):
+        ax.legend(loc="upper right")
     ax.figure.colorbar(shown, ax=ax, shrink=0.8)
     ax.set_aspect("equal")
     ax.margins(0.06)
+    ax.set(xlabel="x / mm", ylabel="y / mm")
 
 
 #: Files that a calibration is kept in: everything, or the scene alone.
@@ -143,9 +169,24 @@ class Calibration:
         ]
         return f"<Calibration: {', '.join(parts)}>"
 
-    def plot(self) -> Figure:
-        """Gains and phases over the array, dead and reversed ones marked, and the residuals."""
-        return draw(self)
+    def plot(
+        self,
+        ax: Axes | None = None,
+        *,
+        cmap: Map | None = None,
+        panels: Panel | Iterable[Panel] | None = None,
+        size: Size | None = None,
+    ) -> Figure:
+        """Gains and phases over the array, dead and reversed ones marked, and the residuals.
+
+        ax : axes of your own for one panel, the first of those asked for
+        cmap : a colour map of matplotlib or its name, for the gains
+        panels : "gain", "phase", "residuals" or several; left out, all
+        size : of the figure in inches, its width or (width, height)
+
+        Returns the figure. Raises SceneError for another colour map, panel or size.
+        """
+        return draw(self, ax, cmap, panels, size)
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write everything as .npz, or the corrected scene as .toml or .json.

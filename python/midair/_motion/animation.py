@@ -1,25 +1,26 @@
-"""Animations: |p| in a plane, frame after frame, as .gif or .mp4."""
+"""Animations: |p| in a plane, frame after frame, as .gif, .webp or .mp4."""
 
 from __future__ import annotations
 
+import subprocess
 import warnings
 from collections.abc import Callable
-from contextlib import suppress
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from .._midair import Plane, SceneError, SceneWarning, field
-from .._pictures.panel import sides
+from .._pictures.colours import MAPS
+from .._pictures.panel import POINT, sides
 from .._support.arguments import callback, whole
 from . import files
 
 if TYPE_CHECKING:
     from .judged import JudgedFrames
 
-ENDINGS = (".gif", ".mp4")
+ENDINGS = (".gif", ".webp", ".mp4")
 
 #: Pictures where nobody says how many: some seconds.
 PICTURES = 100
@@ -40,8 +41,6 @@ def animate(
     progress: Callable[[int, int], object] | None,
 ) -> None:
     """Draw frames, evenly chosen, and write them by the path's ending."""
-    from matplotlib.figure import Figure
-
     callback(progress, "pictures drawn, pictures")
     count = min(len(sequence), PICTURES if frames is None else whole("frames", frames, least=1))
     fps = whole("fps", fps, least=1)
@@ -52,33 +51,101 @@ def animate(
     with files.whole(path, ENDINGS) as part, warnings.catch_warnings():
         # Points leave the plane, and what else is hardly meant was told when the sequence was made.
         warnings.simplefilter("ignore", SceneWarning)
-        writer = _writer(part, fps)
-        figure = Figure(figsize=(5.2, 4.6), dpi=DPI, layout="constrained")
-        picture = _Picture(figure, sequence, plane, float(sequence.pressures[chosen].max()))
-        writer.setup(figure, part, DPI)
+        film = (_Film if part.suffix == ".mp4" else _Pictures)(part, fps)
+        picture = _Picture(sequence, plane, float(sequence.pressures[chosen].max()))
         try:
             for done, frame in enumerate(chosen, start=1):
-                picture.show(int(frame))
-                writer.grab_frame()
+                film.add(picture.show(int(frame)))
                 if progress is not None:
                     progress(done, count)
-        except BaseException:
-            # ffmpeg waits for pictures; what it has written is removed.
-            if part.suffix == ".mp4":
-                with suppress(Exception):
-                    writer.finish()
-            raise
-        writer.finish()
+            film.finish()
+        finally:
+            film.close()
 
 
-def _writer(path: Path, fps: int) -> Any:
-    from matplotlib.animation import FFMpegWriter, PillowWriter
+class _Pictures:
+    """A .gif or .webp: pictures are kept and written together."""
 
-    if path.suffix == ".gif":
-        return PillowWriter(fps=fps)
-    if not FFMpegWriter.isAvailable():
-        raise SceneError("output .mp4 needs ffmpeg, which is not there: install it, or give a .gif")
-    return FFMpegWriter(fps=fps)
+    def __init__(self, path: Path, fps: int) -> None:
+        from PIL import Image
+
+        self.path, self.fps = path, fps
+        self.pictures: list[Any] = []
+        self.palette = Image.new("P", (1, 1))
+        self.palette.putpalette(_palette())
+
+    def add(self, pixels: Any) -> None:
+        """One more picture (height, width, 3)."""
+        from PIL import Image
+
+        picture = Image.fromarray(pixels)
+        if self.path.suffix == ".gif":
+            picture = picture.quantize(palette=self.palette, dither=Image.Dither.NONE)
+        self.pictures.append(picture)
+
+    def finish(self) -> None:
+        first, *others = self.pictures
+        pace: dict[str, Any] = {"duration": 1000 / self.fps, "loop": 0}
+        # Of .webp: the fastest way to a good picture.
+        quality = {} if self.path.suffix == ".gif" else {"quality": 80, "method": 0}
+        first.save(self.path, save_all=True, append_images=others, **pace, **quality)
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+
+def _palette() -> bytes:
+    """The 256 colours of a .gif: the map's, greys of what is written, and the points'."""
+    from matplotlib import colormaps
+    from matplotlib.colors import to_rgb
+
+    greys = np.repeat(np.linspace(0, 1, 32)[:, None], 3, axis=1)
+    shades = np.asarray(colormaps[MAPS["pressure"]](np.linspace(0, 1, 223)))[:, :3]
+    colours = np.rint(255 * np.vstack([shades, greys, to_rgb(POINT)]))
+    return bytes(colours.astype(np.uint8).tobytes())
+
+
+class _Film:
+    """An .mp4: pictures go to ffmpeg as they are drawn."""
+
+    def __init__(self, path: Path, fps: int) -> None:
+        from matplotlib.animation import FFMpegWriter
+
+        if not FFMpegWriter.isAvailable():
+            raise SceneError(
+                "output .mp4 needs ffmpeg, which is not there: install it, or give a .webp or .gif"
+            )
+        self.program = FFMpegWriter.bin_path()
+        self.path, self.fps = path, fps
+        self.process: subprocess.Popen[bytes] | None = None
+
+    def add(self, pixels: Any) -> None:
+        """One more picture (height, width, 3)."""
+        if self.process is None:
+            height, width, _ = pixels.shape
+            given = f"-f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {self.fps} -i -"
+            made = "-loglevel error -c:v h264 -pix_fmt yuv420p -y"
+            command = [self.program, *given.split(), *made.split(), str(self.path)]
+            self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+        assert self.process.stdin is not None
+        try:
+            self.process.stdin.write(pixels.tobytes())
+        except BrokenPipeError:
+            # ffmpeg has ended, and `finish` reads why.
+            self.finish()
+
+    def finish(self) -> None:
+        assert self.process is not None
+        _, told = self.process.communicate()
+        if self.process.returncode:
+            line = " ".join(told.decode(errors="replace").split()) or f"code {self.process.returncode}"
+            raise SceneError(f"ffmpeg ended with: {line}; give a .webp or .gif")
+
+    def close(self) -> None:
+        """Ends ffmpeg where pictures are missing: it waits for them."""
+        if self.process is not None and self.process.poll() is None:
+            self.process.kill()
+            self.process.communicate()
 
 
 def _plane(sequence: JudgedFrames) -> Plane:
@@ -92,32 +159,54 @@ def _plane(sequence: JudgedFrames) -> Plane:
 
 
 class _Picture:
-    """One panel whose image, points and title change."""
+    """One panel: what stays is drawn once, and image, points and title over it for each frame."""
 
-    def __init__(self, figure: Any, sequence: JudgedFrames, plane: Plane, top: float) -> None:
+    def __init__(self, sequence: JudgedFrames, plane: Plane, top: float) -> None:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
         self.sequence, self.plane = sequence, plane
         first = sequence.field(0, plane)
         self.axes = sides(first)
         across, up = ("xyz"[axis] for axis in self.axes)
         u, v = (1e3 * getattr(first, name) for name in (across, up))
         edge = (u[1] - u[0]) / 2 if len(u) > 1 else 0.5
+        figure = Figure(figsize=(5.2, 4.6), dpi=DPI, layout="constrained")
+        self.canvas = cast(Any, FigureCanvasAgg)(figure)
         self.ax = figure.subplots()
         self.image = self.ax.imshow(
             np.zeros((len(v), len(u))),
             origin="lower",
             extent=(u[0] - edge, u[-1] + edge, v[0] - edge, v[-1] + edge),
-            cmap="magma",
+            cmap=MAPS["pressure"],
             vmin=0.0,
             vmax=top or 1.0,
+            interpolation="bicubic",
         )
-        self.dots = self.ax.scatter([], [], s=14, facecolors="none", edgecolors="deepskyblue", linewidths=1.1)
+        self.dots = self.ax.scatter([], [], s=14, facecolors="none", edgecolors=POINT, linewidths=1.1)
         self.ax.set(xlabel=f"{across} / mm", ylabel=f"{up} / mm")
         figure.colorbar(self.image, ax=self.ax, fraction=0.046, pad=0.03, label="|p| / Pa", extend="max")
+        self.title = self._place(0)
+        self.moving = (self.image, self.dots, *self.ax.spines.values(), self.title)
+        for artist in self.moving:
+            artist.set_animated(True)
+        self.canvas.draw()
+        figure.set_layout_engine("none")
+        self.still = self.canvas.copy_from_bbox(figure.bbox)
 
-    def show(self, frame: int) -> None:
+    def show(self, frame: int) -> Any:
+        """The pixels (height, width, 3) of a frame."""
         sequence = self.sequence
         self.image.set_data(np.abs(sequence.field(frame, self.plane).pressure))
         there = sequence.points[frame][sequence.targets[frame] > 0]
         self.dots.set_offsets(1e3 * there[:, self.axes])
-        time = f"{1e3 * frame / sequence.rate:.2f} ms"
-        self.ax.set_title(f"{self.plane.axis} = {1e3 * self.plane.at:.4g} mm, {time}", fontsize="medium")
+        self._place(frame)
+        self.canvas.restore_region(self.still)
+        for artist in self.moving:
+            self.ax.draw_artist(artist)
+        return np.asarray(self.canvas.buffer_rgba())[..., :3].copy()
+
+    def _place(self, frame: int) -> Any:
+        time = f"{1e3 * frame / self.sequence.rate:.2f} ms"
+        place = f"{self.plane.axis} = {1e3 * self.plane.at:.4g} mm, {time}"
+        return self.ax.set_title(place, fontsize="medium")

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .._pictures.colours import MAPS
 from .drives import blocks
 from .felt import BANDS, rms, spectrum
 
@@ -15,29 +17,64 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.image import AxesImage
 
+    from .._pictures.sheet import Map, Size
     from .judged import JudgedFrames
+
+#: The parts of a sequence's picture.
+Panel = Literal["pressures", "changes", "spectrum"]
+PANELS = get_args(Panel)
 
 #: Columns and rows of a waterfall: no screen shows more, and what lies between would be lost.
 COLUMNS, ROWS = 1000, 250
 
+#: The least part of its top that a scale of |p| / target spans: an even sequence is one colour, nearly.
+SPAN = 0.1
 
-def motion(sequence: JudgedFrames) -> Figure:
+
+def motion(
+    sequence: JudgedFrames,
+    ax: Axes | None = None,
+    *,
+    cmap: Map | None = None,
+    panels: Panel | Iterable[Panel] | None = None,
+    size: Size | None = None,
+) -> Figure:
     """Waterfalls over time, of |p| / target at the points and of phase changes, and the spectrum of |p|^2.
 
     Where frames or transducers share a cell it shows the least |p| / target and the largest change.
     """
-    from matplotlib.figure import Figure
+    from .._pictures.sheet import chosen, colour_map, head, sheet, whole
 
-    figure = Figure(figsize=(9.6, 8.6), layout="constrained")
-    upper, middle, lower = figure.subplots(3, 1, height_ratios=(1.0, 1.3, 1.2))
-    middle.sharex(upper)
-    upper.tick_params(labelbottom=False)
-    edges = _edges(len(sequence), COLUMNS)
-    _pressures(sequence, upper, edges)
-    _changes(sequence, middle, edges)
-    _spectrum(sequence, lower)
-    figure.suptitle(_heading(sequence), fontsize="medium")
+    names = chosen(panels, PANELS, ax)
+    colours = colour_map(cmap, MAPS["pressure"])
+    if ax is not None:
+        _draw(sequence, names[0], ax, colours)
+        return whole(ax)
+    heights = [HEIGHTS[name] for name in names]
+    figure = sheet(9.6, 0.6 + 2.3 * sum(heights), size)
+    axes = figure.subplots(len(names), 1, height_ratios=heights, squeeze=False)[:, 0]
+    for name, one in zip(names, axes, strict=True):
+        _draw(sequence, name, one, colours)
+    over_time = [one for name, one in zip(names, axes, strict=True) if name != "spectrum"]
+    for one in over_time[:-1]:
+        one.sharex(over_time[-1])
+        one.tick_params(labelbottom=False)
+        one.set_xlabel("")
+    head(figure, *_heading(sequence))
     return figure
+
+
+#: Heights of the panels, relative to one another.
+HEIGHTS: dict[Panel, float] = {"pressures": 1.0, "changes": 1.3, "spectrum": 1.2}
+
+
+def _draw(sequence: JudgedFrames, panel: Panel, ax: Axes, colours: Map) -> None:
+    if panel == "pressures":
+        _pressures(sequence, ax, colours)
+    elif panel == "changes":
+        _changes(sequence, ax, colours)
+    else:
+        _spectrum(sequence, ax)
 
 
 def _edges(count: int, most: int) -> NDArray[np.intp]:
@@ -45,62 +82,71 @@ def _edges(count: int, most: int) -> NDArray[np.intp]:
     return np.linspace(0, count, min(count, most) + 1).astype(np.intp)
 
 
-def _heading(sequence: JudgedFrames) -> str:
+def _heading(sequence: JudgedFrames) -> list[str]:
     metrics = sequence.metrics
     frames, count = sequence.targets.shape
     by = f", {sequence.solver}" if sequence.solver else ""
     seam = "" if metrics.seam is None else f", seam {metrics.seam:.3f} rad"
-    return (
-        f"{frames} frame{'s' * (frames > 1)} at {sequence.rate:g} Hz, {count} point{'s' * (count > 1)}{by}\n"
+    return [
+        f"{frames} frame{'s' * (frames > 1)} at {sequence.rate:g} Hz, {count} point{'s' * (count > 1)}{by}",
         f"level {metrics.level:.3f}, uniformity {metrics.uniformity:.3f}, dip {metrics.dip:.3f}, "
-        f"largest change {metrics.largest_change:.3f} rad{seam}, noise {metrics.noise:.0f} dB"
-    )
+        f"largest change {metrics.largest_change:.3f} rad{seam}, noise {metrics.noise:.0f} dB",
+    ]
 
 
-def _pressures(sequence: JudgedFrames, ax: Axes, edges: NDArray[np.intp]) -> None:
+def _pressures(sequence: JudgedFrames, ax: Axes, colours: Map) -> None:
+    edges = _edges(len(sequence), COLUMNS)
     there = sequence.targets > 0
     ratio = np.divide(sequence.pressures, sequence.targets, out=np.full(there.shape, np.inf), where=there)
     least = np.minimum.reduceat(ratio, edges[:-1], axis=0)
     shown = np.ma.masked_invalid(least.T)
-    image = _waterfall(ax, shown, sequence, "magma", (0.0, float(shown.max()) or 1.0), there.shape[1])
+    top = float(shown.max()) or 1.0
+    bottom = min(float(shown.min()), (1 - SPAN) * top)
+    # Points are counted from 1, as everywhere where people look.
+    image = _waterfall(ax, shown, sequence, colours, (bottom, top), first=1)
     ax.set(ylabel="point")
     _bar(ax, image, "|p| / target")
 
 
-def _changes(sequence: JudgedFrames, ax: Axes, edges: NDArray[np.intp]) -> None:
-    count = len(sequence.array)
+def _changes(sequence: JudgedFrames, ax: Axes, colours: Map) -> None:
+    count, edges = len(sequence.array), _edges(len(sequence), COLUMNS)
     largest = np.zeros((len(edges) - 1, count), np.float32)
     column = np.searchsorted(edges, np.arange(len(sequence)), side="right") - 1
     for frames in blocks(len(sequence), count):
         np.maximum.at(largest, column[frames], sequence.each_change(frames.start, frames.stop))
-    top = max(float(largest.max()), sequence.change or 0.0) or 1.0
+    # The line of the bound is to be seen within the bar.
+    top = max(float(largest.max()), 1.1 * (sequence.change or 0.0)) or 1.0
     rows = np.maximum.reduceat(largest.T, _edges(count, ROWS)[:-1], axis=0)
-    image = _waterfall(ax, rows, sequence, "viridis", (0.0, top), count)
-    ax.set(xlabel="time / ms", ylabel="transducer")
+    image = _waterfall(ax, rows, sequence, colours, (0.0, top), count=count)
+    ax.set(ylabel="transducer")
     bound = "" if sequence.change is None else " (red: bound)"
     bar = _bar(ax, image, f"phase change / rad{bound}")
     if sequence.change is not None:
-        bar.ax.axhline(sequence.change, color="red", linewidth=2)
+        bar.ax.axhline(sequence.change, color="red", linewidth=2.5)
 
 
 def _waterfall(
     ax: Axes,
     values: NDArray[Any],
     sequence: JudgedFrames,
-    colours: str,
+    colours: Map,
     ends: tuple[float, float],
-    count: int,
+    *,
+    first: int = 0,
+    count: int | None = None,
 ) -> AxesImage:
-    """Values (rows, columns) of `count` points or transducers over time."""
+    """Values (rows, columns) over time of `count` things, left out as many as rows, numbered from `first`."""
     from matplotlib.ticker import MaxNLocator
 
     ax.set_facecolor("lightgrey")
+    ax.set_xlabel("time / ms")
     ax.yaxis.set_major_locator(MaxNLocator("auto", integer=True, min_n_ticks=1))
+    low = first - 0.5
     return ax.imshow(
         values,
         aspect="auto",
         origin="lower",
-        extent=(0.0, 1e3 * len(sequence) / sequence.rate, -0.5, count - 0.5),
+        extent=(0.0, 1e3 * len(sequence) / sequence.rate, low, low + (count or len(values))),
         cmap=colours,
         vmin=ends[0],
         vmax=ends[1],
@@ -126,4 +172,4 @@ def _spectrum(sequence: JudgedFrames, ax: Axes) -> None:
         ax.set(xscale="log", yscale="log")
     ax.set(xlabel="frequency / Hz", ylabel="radiation pressure / Pa")
     ax.grid(alpha=0.3)
-    ax.legend(loc="best", fontsize="small")
+    ax.legend(loc="best")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
@@ -16,8 +16,12 @@ from .judged import JudgedFrames
 from .picture import motion
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from xarray import Dataset
+
+    from .._pictures.sheet import Map, Size
+    from .picture import Panel
 
 
 class Sequence(JudgedFrames):
@@ -47,9 +51,24 @@ class Sequence(JudgedFrames):
     1.0
     """
 
-    def plot(self) -> Figure:
-        """Waterfalls of |p| / target and of phase changes, and the spectrum of the radiation pressure."""
-        return motion(self)
+    def plot(
+        self,
+        ax: Axes | None = None,
+        *,
+        cmap: Map | None = None,
+        panels: Panel | Iterable[Panel] | None = None,
+        size: Size | None = None,
+    ) -> Figure:
+        """Waterfalls of |p| / target and of phase changes, and the spectrum of the radiation pressure.
+
+        ax : axes of your own for one panel, the first of those asked for
+        cmap : a colour map of matplotlib or its name
+        panels : "pressures", "changes", "spectrum" or several; left out, all
+        size : of the figure in inches, its width or (width, height)
+
+        Returns the figure. Raises SceneError for another colour map, panel or size.
+        """
+        return motion(self, ax, cmap=cmap, panels=panels, size=size)
 
     def animate(
         self,
@@ -60,7 +79,7 @@ class Sequence(JudgedFrames):
         fps: int = 20,
         progress: Callable[[int, int], object] | None = None,
     ) -> None:
-        """Write |p| in a plane, frame after frame, as .gif or, by ffmpeg, .mp4.
+        """Write |p| in a plane, frame after frame, as .webp, .gif or, by ffmpeg, .mp4.
 
         plane : left out, one through the points of all frames
         frames : how many of the frames are shown, evenly chosen; left out, 100 at most

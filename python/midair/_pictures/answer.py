@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .._midair import Field, Plane, SceneError, Solution, field
+from .._midair import Field, Plane, Solution, field
 from .colours import Quantity, colours, loud, of_pressures
-from .panel import add_bar, draw, grid, paint, shape, sides
-from .sheet import HEADROOM, Size, resize
-from .words import marks, number, place, solver, told
+from .panel import add_bar, grid, paint, shape, sides
+from .plot import HEADROOM, picture, title
+from .words import heading, marks, number, place, solver, told
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure, SubFigure
+
+    from .sheet import Map, Size
 
 #: Of so many points the distance to the nearest is looked for.
 SAMPLE = 200
@@ -55,8 +57,8 @@ def wanted_made_difference(
     apart = made - wanted
     end = min(max(float(np.abs(apart).max()), LEAST * scale.top), scale.top)
     difference = paint(field, axes[2], at_points(apart, nearest), "RdBu_r", (-end, end))
-    for ax, title in zip(axes, ("wanted", f"made, {place(field)}", "made - wanted"), strict=True):
-        ax.set_title(title, fontsize="medium")
+    for ax, name in zip(axes, ("wanted", f"made, {place(field)}", "made - wanted"), strict=True):
+        ax.set_title(name, fontsize="medium")
     for ax in axes[1:]:
         ax.set_ylabel("")
         ax.tick_params(labelleft=False)
@@ -117,71 +119,72 @@ MOST_BARS = 40
 
 def answer(
     solution: Solution,
+    ax: Axes | None = None,
     *,
     plane: Plane | None = None,
     quantity: Quantity = "pressure",
-    cmap: str | None = None,
-    panels: Sequence[Panel] | None = None,
+    cmap: Map | None = None,
+    panels: Panel | Iterable[Panel] | None = None,
     size: Size | None = None,
 ) -> Figure:
     """What was asked and got at each point, in Pa, and the field in the planes through the points.
 
     Of drawings, more than 40 points in one plane, the field has three panels: wanted, made, difference.
 
+    ax : axes of your own for one panel, that of the field in the first plane if `panels` is left out
     plane : the midair.Plane of the field in place of those through the points
     quantity : what the field's picture shows: "pressure", "radiation", "spl" or "phase"
-    cmap : the name of a colour map of matplotlib; left out, the quantity's own
+    cmap : a colour map of matplotlib or its name; left out, the quantity's own
     panels : "field", "points" or both; left out, both, but of a single point the field alone
     size : of the figure in inches, its width or (width, height)
 
     Returns the figure. Raises SceneError for another quantity, colour map, panel or size.
     """
-    from matplotlib.figure import Figure
+    from .sheet import chosen, head, sheet, whole
 
     scene, metrics = solution.scene, solution.metrics
-    chosen = set(PANELS if panels is None else panels)
-    if not chosen or chosen - set(PANELS):
-        raise SceneError(f'panels is {panels!r}: give "field", "points" or both in a list')
-    fields = [] if scene is None or "field" not in chosen else field(scene, solution, plane).panels
+    known = PANELS if scene is not None else PANELS[1:]
+    drawn = chosen(panels, known, ax)
+    fields = [] if scene is None or "field" not in drawn else field(scene, solution, plane).panels
+    if ax is not None:
+        if fields:
+            picture(fields[:1], [ax], quantity, cmap=cmap)
+            title(ax, fields[0], heading(fields[:1]))
+        else:
+            asked_and_got(solution, ax)
+        return whole(ax)
     drawing = len(fields) == 1 and is_drawing(fields[0], quantity, MOST_BARS)
     # Of one point the heading says all that a bar would.
-    bars = ("points" in chosen and (panels is not None or len(solution.pressures) > 1)) or not fields
+    bars = ("points" in drawn and (panels is not None or len(solution.pressures) > 1)) or not fields
     if drawing:
-        figure = Figure(figsize=(12.6, 7.2), layout="constrained")
+        figure = sheet(12.6, 7.2, size)
         upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(4.4, 2.4)).flat
     elif not bars:
         columns, rows = shape(fields)
-        figure = Figure(figsize=(3.8 * columns + 1.2, 3.6 * rows + 1.0), layout="constrained")
+        figure = sheet(3.8 * columns + 1.2, 3.6 * rows + 1.0, size)
         upper = figure
     elif len(fields) > 1:
         columns, rows = shape(fields)
-        figure = Figure(figsize=(max(3.4 * columns + 0.9, 8.0), 3.6 * rows + 4.0), layout="constrained")
+        figure = sheet(max(3.4 * columns + 0.9, 8.0), 3.6 * rows + 4.0, size)
         upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(3.6 * rows + 0.3, 3.2)).flat
     elif fields:
-        figure = Figure(figsize=(11.0, 4.9), layout="constrained")
+        figure = sheet(11.0, 4.9, size)
         upper, lower = figure.subfigures(1, 2, squeeze=False, width_ratios=(1.0, 1.1)).flat
     else:
-        figure = Figure(figsize=(6.4, 4.4), layout="constrained")
+        figure = sheet(6.4, 4.4, size)
         lower = figure
     if drawing:
         wanted_made_difference(upper, fields[0], solution, quantity)
     elif fields:
         axes = grid(upper, fields)
-        paint = colours(fields, quantity).by(cmap)
-        for panel, ax in zip(fields, axes, strict=True):
-            image = draw(panel, ax, paint)
-            ax.set_title(place(panel), fontsize="medium")
-        add_bar(image, axes, paint)
+        picture(fields, axes, quantity, cmap=cmap)
+        for panel, panel_ax in zip(fields, axes, strict=True):
+            title(panel_ax, panel)
     if bars:
         asked_and_got(solution, lower.subplots())
     numbers = f"accuracy {number(metrics.accuracy)}, sigma {number(metrics.sigma)}"
-    lines = [
-        solver(solution),
-        f"{told(solution, scene)}, {numbers}",
-        marks(fields) if fields and not drawing else "",
-    ]
-    figure.suptitle("\n".join(filter(None, lines)), fontsize="medium")
-    resize(figure, size)
+    shown = marks(fields) if fields and not drawing else ""
+    head(figure, solver(solution), f"{told(solution, scene)}, {numbers}", shown)
     return figure
 
 
@@ -214,4 +217,4 @@ def asked_and_got(solution: Solution, ax: Axes) -> None:
     ax.xaxis.set_major_locator(MaxNLocator("auto", integer=True, min_n_ticks=1))
     ax.grid(axis="y", alpha=0.3)
     ax.set_axisbelow(True)
-    ax.legend(loc="upper right", ncols=3, fontsize="small")
+    ax.legend(loc="upper right", ncols=3)

@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import log10, pi, sqrt
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._midair import Field, SceneError
+
+if TYPE_CHECKING:
+    from .sheet import Map
 
 Quantity = Literal["pressure", "radiation", "spl", "phase"]
 
@@ -42,25 +45,23 @@ class Colours:
     factor: float
     label: str
     extend: str
-    #: A colour map of the caller's own, or "".
-    own: str = ""
+    #: A colour map of the caller's own.
+    own: Map | None = None
 
     def values(self, field: Field) -> NDArray[np.float64]:
         """The values to draw; phases are masked where the pressure is next to nothing."""
         return _values(field, self.quantity) * self.factor
 
     @property
-    def map(self) -> str:
-        """The name of matplotlib's colour map."""
+    def map(self) -> Map:
+        """The colour map, by its name unless it is the caller's."""
         return self.own or MAPS[self.quantity]
 
-    def by(self, cmap: str | None) -> Colours:
+    def by(self, cmap: Map | None) -> Colours:
         """The same with a colour map of the caller's own. Raises SceneError for none that matplotlib has."""
-        from matplotlib import colormaps
+        from .sheet import colour_map
 
-        if cmap is not None and cmap not in colormaps:
-            raise SceneError(f"cmap is {cmap!r}: give a name that matplotlib has, such as {self.map}")
-        return replace(self, own=cmap or "")
+        return self if cmap is None else replace(self, own=colour_map(cmap, MAPS[self.quantity]))
 
 
 def of_pressures(field: Field, pressures: NDArray[np.float64], colours: Colours) -> NDArray[np.float64]:

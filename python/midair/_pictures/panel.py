@@ -17,11 +17,16 @@ if TYPE_CHECKING:
     from matplotlib.image import AxesImage
     from numpy.typing import NDArray
 
+    from .sheet import Map
+
 #: Sines of the angle between a wall and a plane below which they count as parallel.
 PARALLEL = 1e-9
 
 #: Arrows of the force around a trap: so far to each side, in wavelengths, and so many.
 ARROWS, ACROSS = 0.6, 9
+
+#: Edges of points.
+POINT = "deepskyblue"
 
 #: Lines of rigid and soft surfaces.
 STYLES = {"rigid": "-", "soft": "--"}
@@ -166,7 +171,7 @@ def sides(field: Field) -> tuple[int, int]:
 
 
 def paint(
-    field: Field, ax: Axes, values: NDArray[np.float64], colour_map: str, ends: tuple[float, float]
+    field: Field, ax: Axes, values: NDArray[np.float64], colour_map: Map, ends: tuple[float, float]
 ) -> AxesImage:
     """An image in the plane of a field, with its obstacles.
 
@@ -219,8 +224,8 @@ def _mark(ax: Axes, field: Field, axes: tuple[int, int]) -> None:
     quiet = words.quiet(field)
     size = float(np.clip(400 / len(points), 3, 12))
     styles: list[tuple[NDArray[np.bool_], dict[str, Any]]] = [
-        (shown & ~quiet, {"s": size, "facecolors": "white", "edgecolors": "deepskyblue"}),
-        (~shown & ~quiet, {"s": size, "facecolors": "none", "edgecolors": "deepskyblue"}),
+        (shown & ~quiet, {"s": size, "facecolors": "white", "edgecolors": POINT}),
+        (~shown & ~quiet, {"s": size, "facecolors": "none", "edgecolors": POINT}),
         (shown & quiet, {"s": 2 * size, "marker": "x", "color": "lime"}),
         (~shown & quiet, {"s": 2 * size, "marker": "x", "color": "lime", "alpha": 0.5}),
     ]

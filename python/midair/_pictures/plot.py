@@ -1,27 +1,29 @@
-"""Pictures: a field in a plane, what was asked and got at the points, and sheets of several solutions."""
+"""Pictures: a field in the planes through its points, and the fields of several solutions side by side."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol, overload
+from collections.abc import Sequence
+from inspect import signature
+from typing import TYPE_CHECKING, Any, Protocol, overload
+
+import numpy as np
 
 from .._midair import Field, Plane, SceneError, Solution, field
-from .answer import answer
-from .colours import Quantity, colours
+from .colours import Quantity, colours, loud
 from .panel import add_bar, draw, grid, shape
-from .sheet import Size, contact_sheet, resize
-from .words import heading, place
+from .words import asked, heading, level, marks, number, place, scale
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["Quantity", "answer", "contact_sheet", "plot"]
+    from .sheet import Map, Size
 
 
 class OwnPicture(Protocol):
     """What has a figure of its own, as a `midair.Sequence` has."""
 
-    def plot(self) -> Figure: ...
+    def plot(self, ax: Axes | None = None) -> Figure: ...
 
 
 @overload
@@ -32,11 +34,19 @@ def plot(  # type: ignore[overload-overlap]
     plane: Plane | None = None,
     quantity: Quantity = "pressure",
     vmax: float | None = None,
-    cmap: str | None = None,
+    cmap: Map | None = None,
     size: Size | None = None,
 ) -> Axes: ...
 @overload
-def plot(what: OwnPicture) -> Figure: ...
+def plot(
+    what: OwnPicture,
+    ax: Axes | None = None,
+    *,
+    plane: Plane | None = None,
+    quantity: Quantity = "pressure",
+    cmap: Map | None = None,
+    size: Size | None = None,
+) -> Figure: ...
 def plot(
     what: Field | Solution | OwnPicture,
     ax: Axes | None = None,
@@ -44,7 +54,7 @@ def plot(
     plane: Plane | None = None,
     quantity: Quantity = "pressure",
     vmax: float | None = None,
-    cmap: str | None = None,
+    cmap: Map | None = None,
     size: Size | None = None,
 ) -> Axes | Figure:
     """Draw a field on a plane, the field of a solution in the plane through its points, or a sequence.
@@ -55,61 +65,160 @@ def plot(
         pressure level in dB ("spl") or the phase of p ("phase")
     vmax : the value at the top of the colour scale, in Pa or dB; left out, the picture's largest, unless that
         is over twice as loud as all within two wavelengths of the points, as a transducer is
-    cmap : the name of a colour map of matplotlib; left out, the quantity's own
+    cmap : a colour map of matplotlib or its name; left out, the quantity's own
     size : of a new figure in inches, its width or (width, height)
 
     Points of the plane are dots, quiet ones crosses; points off it are hollow rings where they project. Where
     it takes several planes to show the points, each has a panel if ax is left out. Returns the (first) axes.
 
-    Of a `midair.Sequence`, which takes none of these arguments: waterfalls of |p| / target at the points and
-    of the transducers' phase changes, and the spectrum of the radiation pressure. Returns the figure.
+    What has a method `plot` of its own, as a `midair.Sequence` or a table of `midair.compare` has, is drawn
+    by it, with those of these arguments that it takes. Returns what it returns, the figure.
 
     Raises SceneError for another quantity, colour map or size, a field at single points and a solution of a
     matrix; TypeError for anything else to draw.
     """
+    from .sheet import head, whole
+
     if isinstance(what, Solution):
         if what.scene is None:
             raise SceneError(
                 "solution is of a matrix: a field needs a Scene, give midair.field(scene, solution)"
             )
         what = field(what.scene, what, plane)
-    elif plane is not None:
+    elif isinstance(what, Field) and plane is not None:
         raise SceneError("plane is for a solution: a field has its own, leave it out")
-    if not isinstance(what, Field) and callable(getattr(what, "plot", None)):
-        if ax is not None or quantity != "pressure" or any(x is not None for x in (vmax, cmap, size)):
-            kind = type(what).__name__.lower()
-            raise SceneError(f"a {kind} has a figure of its own: leave ax, quantity, vmax, cmap and size out")
-        return what.plot()
     if not isinstance(what, Field):
-        kinds = "a midair.Field, midair.Solution or midair.Sequence"
-        raise TypeError(f"expected {kinds} first, not {type(what).__qualname__}")
+        return _own(what, {"ax": ax, "plane": plane, "vmax": vmax, "cmap": cmap, "size": size}, quantity)
     if what.plane is None:
         raise SceneError("field is at single points: a picture needs a midair.Plane")
     panels = what.panels
-    if ax is None:
-        import matplotlib.pyplot as plt
-
-        if plt.gcf().axes and not plt.gca().has_data():
-            axes = [plt.gca()]
-        else:
-            # What has a picture keeps it.
-            figure = plt.figure() if plt.gcf().axes else plt.gcf()
-            figure.set_layout_engine("constrained")
-            if len(panels) > 1:
-                columns, rows = shape(panels)
-                figure.set_size_inches(3.4 * columns + 0.9, 3.4 * rows + 1.0)
-            axes = grid(figure, panels)
-            resize(figure, size)
-    else:
-        axes = [ax]
-    scale = colours(panels[: len(axes)], quantity, vmax=vmax).by(cmap)
-    for panel, place_ax in zip(panels, axes, strict=False):
-        image = draw(panel, place_ax, scale)
-    add_bar(image, axes, scale)
+    axes = _window(panels, size) if ax is None else [ax]
+    panels = panels[: len(axes)]
+    picture(panels, axes, quantity, vmax=vmax, cmap=cmap)
     if len(axes) == 1:
-        axes[0].set_title("\n".join([*heading(panels[: len(axes)]), place(what)]), fontsize="medium")
+        title(axes[0], what, heading(panels))
     else:
         for panel, place_ax in zip(panels, axes, strict=True):
-            place_ax.set_title(place(panel), fontsize="medium")
-        axes[0].figure.suptitle("\n".join(heading(panels[: len(axes)])), fontsize="medium")
+            title(place_ax, panel)
+        head(whole(axes[0]), *heading(panels))
     return axes[0]
+
+
+def _own(what: Any, given: dict[str, Any], quantity: Quantity) -> Figure:
+    """The picture that a thing draws of itself, with the arguments that were given."""
+    kind = type(what).__qualname__
+    if not callable(getattr(what, "plot", None)):
+        kinds = "a midair.Field, midair.Solution or midair.Sequence"
+        raise TypeError(f"expected {kinds} first, not {kind}")
+    given = {name: value for name, value in given.items() if value is not None}
+    if quantity != "pressure":
+        given["quantity"] = quantity
+    known = signature(what.plot).parameters
+    for name in given:
+        if name not in known:
+            raise SceneError(f"the picture of a {kind} has no {name}: leave it out")
+    figure: Figure = what.plot(**given)
+    return figure
+
+
+def _window(panels: Sequence[Field], size: Size | None) -> list[Axes]:
+    """Pyplot's present axes if they are empty, else new ones for each panel."""
+    import matplotlib.pyplot as plt
+
+    from .sheet import sheet
+
+    if plt.get_fignums() and size is None:
+        figure = plt.gcf()
+        if figure.axes and not plt.gca().has_data():
+            return [plt.gca()]
+        if not figure.axes:
+            figure.set_layout_engine("constrained")
+            return grid(figure, panels)
+    columns, rows = shape(panels)
+    sides = (6.4, 4.8) if len(panels) == 1 else (3.4 * columns + 0.9, 3.4 * rows + 1.0)
+    return grid(sheet(*sides, size, plt.figure), panels)
+
+
+def picture(
+    panels: Sequence[Field],
+    axes: Sequence[Axes],
+    quantity: Quantity,
+    *,
+    vmax: float | None = None,
+    loudest: float | None = None,
+    cmap: Map | None = None,
+) -> None:
+    """Fields of one scene in axes, with one scale and its bar."""
+    scale = colours(panels, quantity, vmax=vmax, loudest=loudest).by(cmap)
+    images = [draw(panel, ax, scale) for panel, ax in zip(panels, axes, strict=True)]
+    add_bar(images[0], axes, scale)
+
+
+def title(ax: Axes, field: Field, lines: Sequence[str] = ()) -> None:
+    """Which plane axes show, below lines of a heading; a journal has a caption in their place."""
+    from .sheet import holding
+
+    above = lines if holding() is None else []
+    ax.set_title("\n".join([*above, place(field)]), fontsize="medium", wrap=True)
+
+
+#: How far above the largest target a scale goes where a panel is that loud; an arrow tells of more.
+HEADROOM = 1.5
+
+
+def contact_sheet(
+    fields: Sequence[Field],
+    names: Sequence[str],
+    quantity: Quantity = "pressure",
+    *,
+    ax: Axes | None = None,
+    cmap: Map | None = None,
+    size: Size | None = None,
+) -> Figure:
+    """The field of each solution: a panel, or a row of panels where the points lie in several planes.
+
+    Axes of the caller's own hold one panel: the first of the first field.
+    """
+    from .sheet import head, holding, sheet, whole
+
+    rows = [field.panels for field in fields] if ax is None else [fields[0].panels[:1]]
+    width = len(rows[0])
+    columns = width if width > 1 else min(len(rows), 3)
+    height = -(-len(rows) * width // columns)
+    panels = [panel for row in rows for panel in row]
+    figure = whole(ax) if ax else sheet(3.6 * columns + 0.9, 3.7 * height + 0.6, size)
+    axes = [ax] if ax else grid(figure, panels, columns)
+    picture(panels, axes, quantity, loudest=common_top(rows), cmap=cmap)
+    for k, (panel, panel_ax) in enumerate(zip(panels, axes, strict=True)):
+        above = "" if k % width else names[k // width] if holding() else _title(panel, names[k // width])
+        if width > 1:
+            above = f"{above}\n{place(panel)}" if above else place(panel)
+        panel_ax.set_title(above, fontsize="medium")
+    first = fields[0]
+    targets = [] if first.solution is None else [asked(first.solution.targets, first.scene)]
+    if ax is None:
+        told = ", ".join([*targets, place(first)] if width == 1 else targets)
+        head(figure, told, marks(rows[0]))
+    return figure
+
+
+def common_top(rows: Sequence[Sequence[Field]]) -> float:
+    """The |p| at the top of everybody's scale, in Pa.
+
+    It is the loudest panel's, unless that is far above the targets: one method that overshoots would make all
+    others black. Where most do, their median sets it.
+    """
+    tops = [max(map(loud, row)) for row in rows]
+    targets = [solution.targets.max() for row in rows if (solution := row[0].solution) is not None]
+    if not targets:
+        return max(tops)
+    return min(max(tops), max(HEADROOM * float(max(targets)), float(np.median(tops))))
+
+
+def _title(field: Field, name: str) -> str:
+    solution = field.solution
+    if solution is None:
+        return name
+    metrics = solution.metrics
+    numbers = f"accuracy {number(metrics.accuracy)}, sigma {number(metrics.sigma)}, {level(solution)}"
+    return f"{name}{scale(solution)}\n{numbers}"

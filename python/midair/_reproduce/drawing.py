@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
+from .._pictures.sheet import FONTS
 from .._support import output
 from . import tables
 from .scenes import Method
@@ -24,7 +25,7 @@ def save(figure: Figure, folder: Path, name: str) -> None:
     """NAME.png and NAME.svg; no date and no random identifiers in them."""
     for ending, metadata in (("png", {"Software": None}), ("svg", {"Date": None})):
         content = io.BytesIO()
-        with mpl.rc_context({"svg.hashsalt": "midair"}):
+        with mpl.rc_context({**FONTS, "svg.hashsalt": "midair"}):
             figure.savefig(content, format=ending, dpi=RESOLUTION, metadata=metadata)
         output.write(folder / f"{name}.{ending}", content.getvalue())
 
