@@ -126,7 +126,7 @@ def test_outputs_that_cannot_be_are_refused(tmp_path: Path) -> None:
     ):
         with pytest.raises(midair.SceneError, match=told):
             made().save(tmp_path / name)
-    with pytest.raises(midair.SceneError, match=r"no known ending: give .gif or .mp4"):
+    with pytest.raises(midair.SceneError, match=r"no known ending: give .gif, .webp or .mp4"):
         made().animate(tmp_path / "a.png")
     with pytest.raises(midair.SceneError, match="frames is 0"):
         made().animate(tmp_path / "a.gif", frames=0)
