@@ -243,6 +243,32 @@ def test_boards_that_rebooted_are_lost_and_come_back(
     again.close()
 
 
+@pytest.mark.slow
+def test_boards_without_a_word_mute_themselves_until_they_are_opened(
+    emulator: Packaged | Built, wire: Wire, boards: Autd3Transport
+) -> None:
+    if isinstance(emulator, Packaged):
+        pytest.skip("nobody can read its state")
+    (codes,) = frames(1)
+    boards.play(codes)
+    time.sleep(0.7)
+    assert not any(device["failsafe"] for device in emulator.state())
+    wire.lose = lambda _: True
+    begin = time.perf_counter()
+    while not all(device["failsafe"] for device in emulator.state()):
+        assert time.perf_counter() - begin < 2
+        time.sleep(0.01)
+    assert time.perf_counter() - begin > 0.4
+    with pytest.raises(BoardLost):
+        boards.look()
+    wire.lose = lambda _: False
+    again = described(f"autd3:{wire.address}")
+    again.play(codes)
+    assert not any(device["failsafe"] for device in emulator.state())
+    assert "".join(device["slots"][0] for device in emulator.state()) == codes.hex()
+    again.close()
+
+
 def test_boards_that_are_not_there_are_told() -> None:
     with pytest.raises(
         BoardNotFound,

@@ -24,6 +24,15 @@ def test_a_line_without_a_device_holds_what_its_board_does():
         autd3.upload(frames(autd3.board.array, 4, 8))
         autd3.modulate(150)
         assert autd3.state == "modulating"
+        with pytest.raises(midair.BoardError, match="modulation at 1001 Hz: an AUTD3 board modulates at"):
+            autd3.modulate(1001)
+        for rate, count, why in (
+            (999, 4, "the nearest is 1000"),
+            (8, 1, "holds 2 to 1024"),
+            (0.5, 4, "up to 65535"),
+        ):
+            with pytest.raises(midair.BoardError, match=why):
+                autd3.upload(frames(autd3.board.array, count, rate))
 
 
 def test_a_mega64_is_warned_of_where_its_bytes_stop_its_pins():

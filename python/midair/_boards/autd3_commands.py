@@ -126,12 +126,7 @@ def sequence(
     frames: bytes, count: int, boards: int, divider: int, bank: int, protocol: Protocol
 ) -> list[Step]:
     """Frames that the device plays by itself over and over, each for `divider` ultrasound periods."""
-    least, most = PATTERNS
-    if not least <= count <= most:
-        raise BoardError(
-            f"sequence of {counted(count, 'frame')}: an AUTD3 board holds {least} to {most}: send one, "
-            "stream more"
-        )
+    check_count(count)
     _check_length(frames, count, boards)
     parts, steps = _parts(frames, protocol), []
     for first in range(0, count, PATTERNS_A_STEP):
@@ -145,6 +140,16 @@ def sequence(
     config = _CONFIG_PATTERNS.pack(bank, RAW, divider, count, 0, 0, 0, ENDLESS)
     played = _BANK.pack(bank, AT_ONCE, 0)
     return [*steps, Step(Command.CONFIG_PATTERNS, [config]), Step(Command.PLAY_PATTERNS, [played])]
+
+
+def check_count(count: int) -> None:
+    """Refuse a sequence of fewer or more frames than a device holds."""
+    least, most = PATTERNS
+    if not least <= count <= most:
+        raise BoardError(
+            f"sequence of {counted(count, 'frame')}: an AUTD3 board holds {least} to {most}: send one, "
+            "stream more"
+        )
 
 
 def divider(rate: float) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from .autd3_commands import check_count, divider, modulation
 from .errors import BoardError
 from .line import LineTransport
 
@@ -86,12 +87,16 @@ class LoopTransport(LineTransport):
         self.silence()
 
     def modulate(self, hz: float | None) -> None:
-        """Swap as a board of two banks does; others that modulate do so by themselves."""
+        """Swap as a board of two banks does; AUTD3, which modulates by itself, refuses what it does."""
         if self._swap is not None:
             super().modulate(hz)
+        else:
+            modulation(hz)
 
     def upload(self, frames: bytes, count: int, rate: float) -> None:
-        """Take as long as the line does for the frames. The connection checks the board first."""
+        """Take as long as the line does for frames that AUTD3, which alone holds some, does not refuse."""
+        check_count(count)
+        divider(rate)
         self.play(frames)
 
     def _write(self, content: bytes) -> None:

@@ -10,7 +10,7 @@ const CHANNELS: usize = 249;
 pub(crate) const FORMAT: Format = Format {
     name: "autd3",
     summary: "AUTD3 devices over UDP, up to 128",
-    source: "AUTD3 SDK 0.12: a pattern's phases and intensities; pulse widths make the pressure proportional to the intensity",
+    source: "AUTD3 SDK 0.12 and 0.13: a pattern's phases and intensities; pulse widths make the pressure proportional to the intensity",
     channels: CHANNELS,
     most_boards: 128,
     steps: Steps { phases: 256, levels: Levels::Even(255) },
