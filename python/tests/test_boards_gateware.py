@@ -93,6 +93,34 @@ def test_what_a_mega64_solves_is_what_its_pins_do() -> None:
         np.testing.assert_allclose(seen, told, atol=1e-5 * told[0])
 
 
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::midair.SceneWarning")
+def test_an_openmpd_gets_the_nearest_pulses_of_all() -> None:
+    board = midair.Board("openmpd")
+    own = board.array.quantization or {}
+    np.testing.assert_array_equal(own["pulses"], np.ones(128))
+    assert (own["phases"], len(own["amplitudes"])) == (128, 33)
+    grid = {name: own[name] for name in ("phases", "amplitudes")}
+    quiet: dict[str, list[float]] = {"lm": [], "uniform": []}
+    for seed in range(10):
+        points = np.random.default_rng(seed).uniform([-0.04, -0.04, 0.08], [0.04, 0.04, 0.14], (9, 3))
+        for solver, leaks in quiet.items():
+            pair = []
+            for array in (board.array, midair.Array.preset("openmpd_board", quantization=grid)):
+                scene = midair.Scene(array, points, [*[800.0] * 8, 0.0])
+                solution = midair.solve(scene, solver)
+                played = board.decode(board.encode(solution))
+                np.testing.assert_allclose(played, solution.drive, atol=1e-6)
+                told = np.abs(solution.pressures)
+                seen = np.abs(midair.field(scene, played, points).pressure) * solution.scale
+                np.testing.assert_allclose(seen, told, atol=1e-5 * told.max())
+                pair.append(seen[-1] / seen.max())
+            leaks.append(pair[0] / pair[1])
+    # What searches the grid ends on it.
+    assert np.median(quiet["lm"]) < 0.75
+    assert quiet["uniform"] == [1.0] * 10
+
+
 def test_pulses_are_a_quantization_that_files_keep(tmp_path: Path) -> None:
     ticks = [38, 42, 34, 35, 35, 36, 43, 43, 34, 56]
     array = midair.Board("mega64").array

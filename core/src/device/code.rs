@@ -59,10 +59,15 @@ impl Steps {
         }
     }
 
+    /// Lengths of the ticks of a board that makes pulses.
+    fn ticks(self) -> Option<Vec<f64>> {
+        let Levels::Pulses(ticks) = self.levels else { return None };
+        Some(ticks.iter().map(|&tick| f64::from(tick)).collect())
+    }
+
     /// The pulses of a board that makes them.
     pub(crate) fn pulses(self) -> Option<Pulses> {
-        let Levels::Pulses(ticks) = self.levels else { return None };
-        Some(Pulses::new(&ticks.iter().map(|&tick| f64::from(tick)).collect::<Vec<_>>()))
+        self.ticks().map(|ticks| Pulses::new(&ticks))
     }
 
     /// The amplitude of a level.
@@ -103,16 +108,12 @@ impl Steps {
         Complex32::new(drive.re as f32, drive.im as f32)
     }
 
-    /// The phases and amplitudes that go together: of even pulses those widths whose middles lie on the L phases, with them off.
+    /// Its phases and amplitudes, or its pulses.
     pub(crate) fn quantization(self) -> Result<Quantization, Error> {
-        if let Levels::Pulses(ticks) = self.levels
-            && ticks.iter().any(|&tick| tick != ticks[0])
-        {
-            return Quantization::of_pulses(&ticks.iter().map(|&tick| f64::from(tick)).collect::<Vec<_>>());
+        if let Some(ticks) = self.ticks() {
+            return Quantization::of_pulses(&ticks);
         }
-        let pulses = matches!(self.levels, Levels::Pulses(_));
-        let whole = |&level: &u16| level == 0 || !pulses || (self.phases / 2 - level).is_multiple_of(2);
-        let amplitudes: Vec<f64> = (0..=self.most()).filter(whole).map(|level| self.amplitude(level)).collect();
+        let amplitudes = (0..=self.most()).map(|level| self.amplitude(level)).collect();
         Quantization::new(Some(self.phases.into()), Some(amplitudes))
     }
 }

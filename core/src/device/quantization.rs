@@ -80,7 +80,8 @@ impl Quantization {
     }
 
     /// A device of pulses that are whole ticks of a period long, 1 to half of them; ticks have these lengths in any unit.
-    /// Searches go by as many even phases and by the amplitudes sin(pi w/L) of pulses about them; an answer is of pulses.
+    /// Searches go by as many even phases and by the amplitudes sin(pi w/L) of pulses about them; an answer is of pulses. Where
+    /// ticks are equal, all of these phases and amplitudes are pulses, and other pulses lie half a step between.
     ///
     /// # Errors
     /// An odd number of ticks or one out of range, a tick that is not above 0.
@@ -131,6 +132,11 @@ impl Quantization {
         self.pulses.as_ref().map(|pulses| &pulses.1)
     }
 
+    /// The pulses where not every phase goes with every amplitude.
+    pub(crate) fn uneven(&self) -> Option<&Pulses> {
+        self.pulses().filter(|_| self.ticks().is_some_and(|ticks| ticks.iter().any(|&tick| tick != ticks[0])))
+    }
+
     /// Number of phases L, `None` where any phase can be had.
     #[must_use]
     pub fn phases(&self) -> Option<u32> {
@@ -155,11 +161,12 @@ impl Quantization {
         self.grid.phases.is_none() && self.amplitudes.is_none()
     }
 
-    /// The nearest pulse, or the drive of the nearest phase and the nearest amplitude, of two as near the later phase and the larger amplitude.
+    /// The drive of the nearest phase and the nearest amplitude, of two as near the later phase and the larger amplitude; of uneven
+    /// ticks the nearest pulse.
     /// 0 (dead, masked, not driven) stays 0. Phases are told apart to 3e-8 turns.
     #[must_use]
     pub fn nearest(&self, drive: Complex32) -> Complex32 {
-        if let Some(pulses) = self.pulses() {
+        if let Some(pulses) = self.uneven() {
             return pulses.rounded(drive);
         }
         let mut drive = [drive];

@@ -209,9 +209,9 @@ impl Solution {
         self
     }
 
-    /// Every drive lies on the board's grid already; pulses are found at the end.
+    /// Every drive lies on the board's grid already; pulses of uneven ticks are found at the end.
     pub(crate) fn on_grid(self) -> Self {
-        let on_grid = self.request.setup.quantization.as_deref().is_none_or(|board| board.pulses().is_none());
+        let on_grid = self.request.setup.quantization.as_deref().is_none_or(|board| board.uneven().is_none());
         Self { on_grid, ..self }
     }
 
@@ -232,8 +232,12 @@ impl Solution {
         }
         let set = self.request.propagation.instruction_set();
         let largest = f64::from(kernels::grid::largest(set, &self.drive));
-        if let Some(pulses) = quantization.pulses() {
-            let scale = quantization.scale(largest / factor);
+        let of_one = self.request.given && is_of_one_amplitude(&self.drive, largest);
+        let largest = largest / factor;
+        let scale = quantization.scale(largest);
+        // Where drives are brought down, even pulses keep to the phases that go with every amplitude.
+        let lowered = self.on_grid || of_one && quantization.between(largest).is_some();
+        if let Some(pulses) = if lowered { quantization.uneven() } else { quantization.pulses() } {
             let stayed = pulses.round((factor * scale) as f32, &mut self.drive);
             self.scale *= scale;
             if !stayed {
@@ -241,9 +245,6 @@ impl Solution {
             }
             return Ok(!stayed);
         }
-        let of_one = self.request.given && is_of_one_amplitude(&self.drive, largest);
-        let largest = largest / factor;
-        let scale = quantization.scale(largest);
         // Drives at full amplitude and the board's phases become others at one amplitude: the field keeps its shape.
         let most = (largest / scale) as f32;
         let common = quantization.nearest(Complex32::new(most, 0.0)).re;
