@@ -2,12 +2,18 @@
 
 import json
 import os
+import re
 import signal
+import statistics
 import sys
+import time
 from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
 import pytest
+
+from lines import Line
 
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     # A shell that starts pytest by `&` has it and its children ignore Ctrl-C: tests of Ctrl-C would hang.
@@ -21,6 +27,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 LIMIT = 1.0
 
 OVER: list[str] = []
+
+#: How long boards took to be off, in ms, by what was done to their programs.
+DARK: dict[str, list[float]] = {}
 
 #: The one line of each refusal, by test file and test.
 REFUSALS = Path(__file__).with_name("refusals")
@@ -74,6 +83,28 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     for line in OVER:
         terminalreporter.write_line(line, red=True)
+    if DARK:
+        terminalreporter.write_line("off after, in ms: median, maximum, trials")
+    for act, took in DARK.items():
+        terminalreporter.write_line(f"{statistics.median(took):6.0f}{max(took):6.0f}{len(took):4}  {act}")
+
+
+@pytest.fixture
+def dark(request: pytest.FixtureRequest) -> Callable[..., AbstractContextManager[None]]:
+    """A board is silent within so many seconds of what is done in the block; the time is told at the end."""
+
+    @contextmanager
+    def within(line: Line, allowed: float) -> Iterator[None]:
+        begin = time.monotonic()
+        yield
+        line.wait(lambda surface: surface.silent, 10)
+        took = line.silent_since - begin
+        # The last parameter is the number of the trial.
+        act = re.sub(r"-?\d+\]$", "]", request.node.name).removesuffix("[]")
+        DARK.setdefault(act, []).append(1e3 * took)
+        assert took < allowed
+
+    return within
 
 
 @pytest.fixture

@@ -1,5 +1,6 @@
 """A SonicSurface at the end of a pseudo-terminal, modelled on what its firmware does with each byte."""
 
+import math
 import os
 import select
 import threading
@@ -48,7 +49,10 @@ class Surface:
 
 
 class Line:
-    """A pseudo-terminal whose far end is a Surface: `port` is its name, `times` when each byte came."""
+    """A pseudo-terminal whose far end is a Surface: `port` is its name, `times` when each byte came.
+
+    `silent_since` is when the surface fell silent, infinite while it is not.
+    """
 
     def __init__(self, boards=1):
         self.master, slave = os.openpty()
@@ -58,6 +62,7 @@ class Line:
         self.surface = Surface(boards)
         self.taken = bytearray()
         self.times = []
+        self.silent_since = math.inf
         self.lock = threading.Lock()
         self.changed = threading.Condition(self.lock)
         self.there = True
@@ -80,6 +85,7 @@ class Line:
                 self.times += [at] * len(more)
                 for byte in more:
                     self.surface.take(byte, at)
+                self.silent_since = min(self.silent_since, at) if self.surface.silent else math.inf
                 self.changed.notify_all()
 
     def wait(self, condition, seconds=5.0):

@@ -1,8 +1,9 @@
 """Guard: the process that owns a device, and turns it off when its owner ends, hangs or asks for it.
 
 It learns of its owner's end by the end of the pipe between them, and by its parent's number, which changes
-even where a forked child of the owner holds the pipe open. It misses the beats of an owner that is stopped or
-hangs in foreign code. It is of a session of its own: what ends the owner's terminal does not end it.
+even where a forked child of the owner holds the pipe open. It looks whether its owner is stopped, and misses
+the beats of one that hangs in foreign code. It is of a session of its own: what ends the owner's terminal
+does not end it.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from typing import Any
 
 from . import wire
 from .errors import BoardError, BoardLost, BoardTimeout, named
+from .presence import Stops
 from .transport import Transport, before_what_computes, open_transport
 from .watcher import Watch
 from .wire import Kind, Late
@@ -63,6 +65,7 @@ class Guard:
         self._transport = transport
         self._hold = hold
         self._parent = parent
+        self._stops = Stops(parent)
         self._inbox = inbox
         self._replies = replies
         self._waiting: deque[Waiting] = deque()
@@ -85,7 +88,7 @@ class Guard:
         before_what_computes()
         while os.getppid() == self._parent:
             # All that has come goes before what is due: "off" overtakes frames, which the next ones outdate.
-            for kind, number, content in self._come():
+            for kind, number, content in (came := self._come()):
                 if kind == Kind.CLOSE:
                     return
                 self._until = time.monotonic() + BUSY.get(kind, wire.MISSED)
@@ -94,7 +97,8 @@ class Guard:
             if self._waiting and self._waiting[0].due <= time.monotonic():
                 self._play_next()
             now = time.monotonic()
-            if self._playing and (now - self._called >= self._hold or now - self._beaten >= wire.MISSED):
+            missed = now - self._beaten >= wire.MISSED or (not came and self._stops.look())
+            if self._playing and (missed or now - self._called >= self._hold):
                 self._lapses += 1
                 self._attempt(0, self._off)
             elif self._playing and not self._waiting and now - self._looked >= LOOK:

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from concurrent.futures import Future, InvalidStateError, wait
 from concurrent.futures import TimeoutError as NoAnswer
 from contextlib import suppress
@@ -18,6 +19,7 @@ from typing import Any
 
 from . import wire
 from .errors import KINDS, BoardError, BoardLost, BoardTimeout
+from .presence import Stops
 from .transport import SIMULATED, open_transport
 from .wire import Kind
 
@@ -29,7 +31,7 @@ OPENING = 70.0
 GUARD = "MIDAIR_GUARD"
 
 #: An answer to a beat is waited for in so many parts.
-WAITS = 6
+WAITS = 40
 
 CLOSED = "this connection is closed: connect again"
 
@@ -106,8 +108,12 @@ class GuardProcess:
         # What nobody holds is collected in whatever thread.
         if already or reader is threading.current_thread():
             return
-        reader.join(wire.MISSED)
-        if reader.is_alive():
+
+        def is_over(pause: float) -> bool:
+            reader.join(pause)
+            return not reader.is_alive()
+
+        if self._hangs(is_over):
             self._process.kill()
             reader.join()
             self._silence()
@@ -117,15 +123,22 @@ class GuardProcess:
         with suppress(BoardError):
             while True:
                 asked = self.ask(Kind.BEAT)
-                # This program may itself be stopped for any time, which is one short wait.
-                for _ in range(WAITS):
-                    if wait([asked], wire.MISSED / WAITS).done:
-                        break
-                else:
+                if self._hangs(lambda pause, asked=asked: bool(wait([asked], pause).done)):
                     self._process.kill()
                     return
                 asked.result()
                 time.sleep(wire.BEATS)
+
+    def _hangs(self, is_over: Callable[[float], bool]) -> bool:
+        """Whether the guard is stopped, or not over with something for as long as it may be missed."""
+        stops = Stops(self._process.pid)
+        # This program may itself be stopped for any time, which is one short wait.
+        for _ in range(WAITS):
+            if is_over(wire.MISSED / WAITS):
+                return False
+            if stops.look():
+                break
+        return True
 
     def _write(self) -> None:
         """Pass messages on until there are no more."""

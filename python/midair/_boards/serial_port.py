@@ -35,17 +35,18 @@ with suppress(ImportError):
 
 
 class SerialTransport(LineTransport):
-    """A board at a serial port that no other program may open meanwhile.
+    """A board at a serial port.
 
     port : its name, "/dev/ttyUSB0" or "COM3"
     restarts : whether opening the port may restart the board, as it does an Arduino
+    exclusive : whether no other program may open the port meanwhile
     line : what a LineTransport takes
     """
 
-    def __init__(self, *, port: str, restarts: bool = False, **line: Any) -> None:
+    def __init__(self, *, port: str, restarts: bool = False, exclusive: bool = True, **line: Any) -> None:
         super().__init__(**line)
         self._name = port
-        self._port = serial.Serial(write_timeout=STALLED, exclusive=True)
+        self._port = serial.Serial(write_timeout=STALLED, exclusive=exclusive)
         self._port.port = port
         # The rise of this line restarts an Arduino; Linux raises it all the same, so a restart is waited for.
         self._port.dtr = not restarts

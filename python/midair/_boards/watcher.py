@@ -2,7 +2,7 @@
 
 The guard forks it first of all, twice and into a session of its own, so that what ends a group or a tree of
 processes does not find it. It reads the guard's beats. Where these end without a word, the owner turns the
-device off; where the owner is gone, too, the watcher does. A guard that is silent is ended.
+device off; where the owner is gone, too, the watcher does. A guard that is stopped or silent is ended.
 
 It does not survive what ends all three, and Windows, which cannot fork, has none.
 """
@@ -17,9 +17,9 @@ import sys
 import threading
 import time
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
+from .presence import Stops, is_stopped, runs
 from .transport import open_transport
 from .wire import BEATS
 
@@ -33,6 +33,9 @@ SILENT = 1.5
 #: A port that another still holds is tried so often, so many seconds apart.
 TRIES = 50
 PAUSE = 0.02
+
+#: How often the watcher looks whether guard and owner are stopped, in s.
+LOOK = 0.04
 
 BEAT, END = b".", b"E"
 
@@ -100,19 +103,20 @@ def _watch(pipe: int, guard: int, owner: int) -> None:
         setting = json.loads(line)
         node = _node(setting["transport"])
         sys.path[:] = setting["path"]
-        while select.select([beats], [], [], SILENT)[0]:
-            came = os.read(pipe, 4096)
-            if END in came:
+        stops, silent = Stops(guard), time.monotonic() + SILENT
+        while time.monotonic() < silent and not (stops.look() and not runs(owner)):
+            if not select.select([beats], [], [], LOOK)[0]:
+                continue
+            came, silent = os.read(pipe, 4096), time.monotonic() + SILENT
+            if END in came or (not came and _left_to(owner)):
                 return
             if not came:
-                if _left_to(owner):
-                    return
                 break
         else:
             # An owner that runs would have done so before.
             with suppress(OSError):
                 os.kill(guard, signal.SIGKILL)
-    _silence(setting["transport"], node)
+    _silence(setting["transport"], node, owner)
 
 
 def _node(transport: dict[str, Any]) -> tuple[int, ...] | None:
@@ -126,18 +130,21 @@ def _node(transport: dict[str, Any]) -> tuple[int, ...] | None:
 def _left_to(owner: int) -> bool:
     """Whether an owner runs for as long as it may take to turn the device off."""
     until = time.monotonic() + SILENT
-    while _runs(owner):
+    while runs(owner):
         if time.monotonic() > until:
             return True
         time.sleep(PAUSE / 2)
     return False
 
 
-def _silence(transport: dict[str, Any], node: tuple[int, ...] | None) -> None:
+def _silence(transport: dict[str, Any], node: tuple[int, ...] | None, owner: int) -> None:
     """Turn the device off, as soon as it is let go of and takes what is sent; not one that took its place."""
     for _ in range(TRIES):
         if _node(transport) != node:
             return
+        if transport["kind"] == "serial" and is_stopped(owner):
+            # It may have been stopped while it turned the device off itself, and then keeps the port.
+            transport = {**transport, "exclusive": False}
         with suppress(Exception):
             device = open_transport(transport)
             try:
@@ -146,16 +153,3 @@ def _silence(transport: dict[str, Any], node: tuple[int, ...] | None) -> None:
             finally:
                 device.close()
         time.sleep(PAUSE)
-
-
-def _runs(process: int) -> bool:
-    """Whether a process is there and neither stopped nor a zombie."""
-    with suppress(OSError):
-        state = Path(f"/proc/{process}/stat").read_text(errors="replace").rpartition(")")[2].split()[0]
-        return state not in "ZXTt"
-    try:
-        os.kill(process, 0)
-    except OSError:
-        return False
-    # Where there is no /proc, a process that is there runs.
-    return not Path("/proc/self/stat").exists()

@@ -34,7 +34,7 @@ MODULATION = struct.Struct("<d")
 UPLOADED = struct.Struct("<Id")
 
 #: How often an owner beats, in s, and for how long either may be missed before everything is turned off.
-BEATS = 0.1
+BEATS = 0.05
 MISSED = 0.6
 
 #: What a frame that is late, by ms, is told to be where that is an error.
