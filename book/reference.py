@@ -27,7 +27,7 @@ PYTHON = [
         "judging",
         "Judging and pictures",
         "What a drive does: metrics, fields, forces, loudness elsewhere, faults.",
-        "judge Metrics BatchMetrics field Field plot style gorkov Gorkov ear Ear exposure Exposure Exposed "
+        "judge Metrics BatchMetrics field Field plot style gorkov Gorkov rest Rest ear Ear exposure Exposure Exposed "
         "streaming Streaming tolerate Tolerance Kept",
     ),
     (

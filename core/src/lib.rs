@@ -87,7 +87,7 @@ pub use error::Error;
 pub use kernels::InstructionSet;
 pub use num_complex::{Complex32, Complex64};
 pub use problem::{Beyond, Metrics, Problem, Reach, Setup, Solution, Status, bound};
-pub use propagation::{Boundary, Gorkov, Model, Particle, Propagation, field, gorkov};
+pub use propagation::{Boundary, Gorkov, Model, Particle, Propagation, Rest, field, gorkov, rest};
 pub use rng::Rng;
 pub use scene::{
     Aim, Array, Axis, Body, Choice, Directivity, Doubt, Key, Medium, Mesh, Obstacle, OptionValue, Options, Origin,

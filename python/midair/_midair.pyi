@@ -44,6 +44,7 @@ __all__ = [
     "PresetInfo",
     "Propagation",
     "Reach",
+    "Rest",
     "Scene",
     "SceneError",
     "SceneWarning",
@@ -71,6 +72,7 @@ __all__ = [
     "read_sweep",
     "read_table",
     "register",
+    "rest",
     "scene_files",
     "scene_keys",
     "solve",
@@ -227,8 +229,24 @@ class Gorkov:
     force: Final[NDArray[np.float64]]
     stiffness: Final[NDArray[np.float64]]
     hessian: Final[NDArray[np.float64]]
+    net: Final[NDArray[np.float64]]
+    weight: Final[NDArray[np.float64]]
+    mass: Final[float]
     def __len__(self) -> int: ...
     def __eq__(self, other: object, /) -> bool: ...
+
+@final
+class Rest:
+    place: Final[NDArray[np.float64]]
+    held: Final[NDArray[np.bool_]]
+    stiffness: Final[NDArray[np.float64]]
+    axes: Final[NDArray[np.float64]]
+    basin: Final[NDArray[np.float64]]
+    restoring: Final[NDArray[np.float64]]
+    frequencies: Final[NDArray[np.float64]]
+    acceleration: Final[NDArray[np.float64]]
+    mass: Final[float]
+    def __len__(self) -> int: ...
 
 @final
 class Reach:
@@ -313,7 +331,17 @@ class Solution:
         radius: float | None = None,
         density: float | None = None,
         sound_speed: float | None = None,
+        gravity: ArrayLike | None = None,
     ) -> Gorkov: ...
+    def rest(
+        self,
+        points: ArrayLike | None = None,
+        *,
+        radius: float | None = None,
+        density: float | None = None,
+        sound_speed: float | None = None,
+        gravity: ArrayLike | None = None,
+    ) -> Rest: ...
     # Functions of the package, of which the solution is the first argument.
     exposure = _exposure
     play = _play
@@ -461,4 +489,15 @@ def gorkov(
     radius: float | None = None,
     density: float | None = None,
     sound_speed: float | None = None,
+    gravity: ArrayLike | None = None,
 ) -> Gorkov: ...
+def rest(
+    scene: Scene | Solution,
+    drive: ArrayLike | Solution | None = None,
+    points: ArrayLike | None = None,
+    *,
+    radius: float | None = None,
+    density: float | None = None,
+    sound_speed: float | None = None,
+    gravity: ArrayLike | None = None,
+) -> Rest: ...

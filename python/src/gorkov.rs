@@ -1,6 +1,6 @@
-//! `midair.gorkov` and `midair.Gorkov`.
+//! `midair.gorkov`, `midair.rest` and what they return.
 
-use midair::Particle;
+use midair::{Complex32, Model, Particle};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
@@ -22,6 +22,8 @@ pub(crate) struct Gorkov {
     potential: Vec<f64>,
     force: Vec<[f64; 3]>,
     hessian: Vec<[[f64; 3]; 3]>,
+    weight: [f64; 3],
+    mass: f64,
 }
 
 #[pymethods]
@@ -33,13 +35,26 @@ impl Gorkov {
         rows(py, &self.hessian.iter().map(diagonal).collect::<Vec<_>>())
     }
 
+    /// Net force (P, 3) in N: force and weight, less buoyancy.
+    #[getter]
+    fn net<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let net = |force: &[f64; 3]| [0, 1, 2].map(|axis| force[axis] + self.weight[axis]);
+        rows(py, &self.force.iter().map(net).collect::<Vec<_>>())
+    }
+
     #[staticmethod]
-    fn _restore(potential: Vec<f64>, force: Vec<[f64; 3]>, hessian: Vec<[[f64; 3]; 3]>) -> Self {
-        Self { potential, force, hessian }
+    fn _restore(
+        potential: Vec<f64>,
+        force: Vec<[f64; 3]>,
+        hessian: Vec<[[f64; 3]; 3]>,
+        weight: [f64; 3],
+        mass: f64,
+    ) -> Self {
+        Self { potential, force, hessian, weight, mass }
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
-        restored::<Self>(py, (&self.potential, &self.force, &self.hessian))
+        restored::<Self>(py, (&self.potential, &self.force, &self.hessian, self.weight, self.mass))
     }
 
     fn __len__(&self) -> usize {
@@ -58,6 +73,12 @@ getters! {
     /// Gor'kov potential U (P,) in J.
     potential(self, py) -> Bound<'py, PyArray1<f64>> = give::list(py, self.potential.clone());
 
+    /// Weight less buoyancy (3,) in N.
+    weight(self, py) -> Bound<'py, PyArray1<f64>> = give::list(py, self.weight.to_vec());
+
+    /// Mass in kg that a force moves: the sphere's own and half that of the air in its place.
+    mass(self, _py) -> f64 = self.mass;
+
     /// Force -grad U (P, 3) in N, without gravity.
     force(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, &self.force);
 
@@ -66,19 +87,120 @@ getters! {
         give::list(py, self.hessian.as_flattened().as_flattened().to_vec()).reshape([self.hessian.len(), 3, 3]);
 }
 
+/// Where beads come to rest that start at some points (P,), and what holds them there.
+///
+/// Of a bead that is not held all but `place` is NaN.
+#[pyclass(frozen, module = "midair")]
+pub(crate) struct Rest {
+    inner: midair::Rest,
+    mass: f64,
+}
+
+#[pymethods]
+impl Rest {
+    /// Natural frequencies (P, 3) in Hz, sqrt(stiffness/mass)/(2 pi), the lowest first.
+    #[getter]
+    fn frequencies<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let own = |k: f64| (k / self.mass).sqrt() / std::f64::consts::TAU;
+        rows(py, &self.inner.stiffness.iter().map(|stiffness| stiffness.map(own)).collect::<Vec<_>>())
+    }
+
+    /// The largest acceleration (P, 3, 2) in m/s^2 with which a bead is pulled back: restoring/mass.
+    #[getter]
+    fn acceleration<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        let all = self.inner.restoring.as_flattened().as_flattened();
+        give::list(py, all.iter().map(|force| force / self.mass).collect::<Vec<_>>()).reshape([all.len() / 6, 3, 2])
+    }
+
+    fn __len__(&self) -> usize {
+        self.inner.place.len()
+    }
+
+    fn __repr__(&self) -> String {
+        let held = self.inner.held.iter().filter(|held| **held).count();
+        format!("<midair.Rest: {held} of {} beads held>", self.inner.held.len())
+    }
+}
+
+getters! {
+    Rest:
+
+    /// Places (P, 3) in m where the net force is 0; where a bead that is not held was lost.
+    place(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, &self.inner.place);
+
+    /// Whether each is held (P,): the net force pulls back from all sides, within a wavelength of the start.
+    held(self, py) -> Bound<'py, PyArray1<bool>> = give::list(py, self.inner.held.clone());
+
+    /// Stiffness (P, 3) in N/m along the axes, the softest first: the eigenvalues of Gor'kov's hessian.
+    stiffness(self, py) -> PyResult<Bound<'py, PyArray2<f64>>> = rows(py, &self.inner.stiffness);
+
+    /// The axes (P, 3, 3), a unit vector a row.
+    axes(self, py) -> PyResult<Bound<'py, PyArray3<f64>>> =
+        give::list(py, self.inner.axes.as_flattened().as_flattened().to_vec()).reshape([self.inner.axes.len(), 3, 3]);
+
+    /// How far in m the net force pulls back along each axis (P, 3, 2), against it and along it; a wavelength at most.
+    basin(self, py) -> PyResult<Bound<'py, PyArray3<f64>>> =
+        give::list(py, self.inner.basin.as_flattened().as_flattened().to_vec()).reshape([self.inner.basin.len(), 3, 2]);
+
+    /// The most in N that the net force pulls back with along each axis (P, 3, 2).
+    restoring(self, py) -> PyResult<Bound<'py, PyArray3<f64>>> =
+        give::list(py, self.inner.restoring.as_flattened().as_flattened().to_vec()).reshape([self.inner.place.len(), 3, 2]);
+
+    /// Mass in kg that a force moves: the bead's own and half that of the air in its place.
+    mass(self, _py) -> f64 = self.mass;
+}
+
+/// What a trap is asked with.
+struct Asked {
+    model: Model,
+    drive: Vec<Complex32>,
+    points: Vec<[f64; 3]>,
+    particle: Particle,
+    gravity: [f64; 3],
+    remark: Option<String>,
+}
+
+type Bead<'a, 'py> = [Argument<'a, 'py>; 4];
+
+fn asked<'py>(
+    scene: &Bound<'py, PyAny>,
+    drive: Option<Bound<'py, PyAny>>,
+    points: Option<Bound<'py, PyAny>>,
+    [radius, density, sound_speed, gravity]: Bead<'_, 'py>,
+) -> PyResult<Asked> {
+    let (scene, drive, points) = about(scene, drive, points)?;
+    let (inner, model) = (&scene.get().inner, scene.get().model());
+    let drive = played(&drive)?;
+    let points = points.map(|points| read::vectors("points", &points)).transpose()?;
+    let points = points.unwrap_or_else(|| inner.points().to_vec());
+    let default = Particle::default();
+    let particle = Particle {
+        radius: read::real_or("radius", radius, default.radius)?,
+        density: read::real_or("density", density, default.density)?,
+        sound_speed: read::real_or("sound_speed", sound_speed, default.sound_speed)?,
+    };
+    let gravity = gravity.map_or(Ok(GRAVITY), |gravity| read::place("gravity", gravity))?;
+    let remark = particle.remark(inner.medium());
+    Ok(Asked { model, drive, points, particle, gravity, remark })
+}
+
+/// In m/s^2, down the z axis.
+const GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
+
 /// Gor'kov potential, force and stiffness of a small sphere in the field of a drive (N,), or of a Solution with its scale
 /// counted in, at points (P, 3) in m; left out they are the scene's.
 ///
 /// A Solution alone stands for its scene and its drive: `midair.gorkov(solution, points)`, or `solution.gorkov(points)`.
 ///
 /// radius in m, density in kg/m^3 and sound_speed in m/s are the sphere's; left out it is a bead of expanded polystyrene,
-/// 1e-3, 29 (Marzo et al., Nature Communications 6, 8661, 2015) and 900. The field is the real one, without the scene's
-/// signature, in its air. U = V [f1 <p^2>/(2 rho c^2) - 3/4 f2 rho <v^2>] after Bruus, Lab on a Chip 12, 1014 (2012), which
-/// is for spheres small beside the wavelength, without viscosity, gravity and the push of waves that run. Derivatives are
-/// exact, in double precision.
+/// 1e-3, 29 (Marzo et al., Nature Communications 6, 8661, 2015) and 900. gravity (3,) in m/s^2 is for `net` and `weight`; left
+/// out it is 9.81 down the z axis. The field is the real one, without the scene's signature, in its air and beside its
+/// obstacles. U = V [f1 <p^2>/(2 rho c^2) - 3/4 f2 rho <v^2>] after Bruus, Lab on a Chip 12, 1014 (2012), which
+/// is for spheres small beside the wavelength, without viscosity and the push of waves that run. Derivatives are
+/// exact, in double precision; those of sound that spheres and meshes send on are exact to 1e-5.
 ///
 /// Raises SceneError for a drive or points of another shape or not finite, a sphere's value that is not above 0, and a
-/// scene with obstacles other than walls.
+/// point inside an obstacle or within a hundredth of a wavelength of a sphere or mesh.
 ///
 /// >>> import midair
 /// >>> scene = midair.Scene(midair.Array.grid(16, 16, 10.5e-3), [[0, 0, 0.08]], signature="trap")
@@ -86,32 +208,62 @@ getters! {
 /// >>> bool((trap.stiffness > 0).all())
 /// True
 #[pyfunction]
-#[pyo3(signature = (scene, drive=None, points=None, *, radius=None, density=None, sound_speed=None))]
+#[pyo3(signature = (scene, drive=None, points=None, *, radius=None, density=None, sound_speed=None, gravity=None))]
+#[allow(clippy::too_many_arguments, reason = "they are keywords in Python")]
 pub(crate) fn gorkov<'py>(
     py: Python<'py>,
     scene: &Bound<'py, PyAny>,
     drive: Option<Bound<'py, PyAny>>,
     points: Option<Bound<'py, PyAny>>,
-    radius: Argument<'_, '_>,
-    density: Argument<'_, '_>,
-    sound_speed: Argument<'_, '_>,
+    radius: Argument<'_, 'py>,
+    density: Argument<'_, 'py>,
+    sound_speed: Argument<'_, 'py>,
+    gravity: Argument<'_, 'py>,
 ) -> PyResult<Gorkov> {
-    let (scene, drive, points) = about(scene, drive, points)?;
-    let (inner, model) = (&scene.get().inner, scene.get().model());
-    let drive = played(&drive)?;
-    let points = points.map(|points| read::vectors("points", &points)).transpose()?;
-    let points = points.as_deref().unwrap_or(inner.points());
-    let default = Particle::default();
-    let particle = Particle {
-        radius: read::real_or("radius", radius, default.radius)?,
-        density: read::real_or("density", density, default.density)?,
-        sound_speed: read::real_or("sound_speed", sound_speed, default.sound_speed)?,
-    };
+    let Asked { model, drive, points, particle, gravity, remark } =
+        asked(scene, drive, points, [radius, density, sound_speed, gravity])?;
     let threads = limits::threads(py)?;
-    let felt = attend(py, None, |control| midair::gorkov(&model, &drive, points, particle, &mut control.on(threads)))?;
-    warn_all(py, particle.remark(inner.medium()))?;
+    let felt = attend(py, None, |control| midair::gorkov(&model, &drive, &points, particle, &mut control.on(threads)))?;
+    warn_all(py, remark)?;
     let midair::Gorkov { potential, force, hessian, .. } = felt;
-    Ok(Gorkov { potential, force, hessian })
+    let (weight, mass) = (particle.weight(model.medium(), gravity), particle.mass(model.medium()));
+    Ok(Gorkov { potential, force, hessian, weight, mass })
+}
+
+/// Where small spheres that start at points (P, 3) in m come to rest in the field of a drive (N,), or of a Solution with its
+/// scale counted in, and what holds them there; points left out are the scene's.
+///
+/// The net force, Gor'kov's, weight and buoyancy, is followed to the place where it is 0. Along each axis of the stiffness there,
+/// `basin` and `restoring` say how far and how strongly it pulls back, `frequencies` and `acceleration` what that does to the
+/// bead. Arguments are those of `midair.gorkov`; a Solution alone stands for its scene and drive.
+///
+/// Raises SceneError as `midair.gorkov`.
+///
+/// >>> import midair
+/// >>> boards = midair.Array.preset("openmpd_pair", quantization={})
+/// >>> bead = midair.rest(midair.solve(midair.Scene(boards, [[0, 0, 0]], signature="trap")))
+/// >>> bool(bead.held[0]), bool(abs(bead.place).max() < 1e-4)
+/// (True, True)
+#[pyfunction]
+#[pyo3(signature = (scene, drive=None, points=None, *, radius=None, density=None, sound_speed=None, gravity=None))]
+#[allow(clippy::too_many_arguments, reason = "they are keywords in Python")]
+pub(crate) fn rest<'py>(
+    py: Python<'py>,
+    scene: &Bound<'py, PyAny>,
+    drive: Option<Bound<'py, PyAny>>,
+    points: Option<Bound<'py, PyAny>>,
+    radius: Argument<'_, 'py>,
+    density: Argument<'_, 'py>,
+    sound_speed: Argument<'_, 'py>,
+    gravity: Argument<'_, 'py>,
+) -> PyResult<Rest> {
+    let Asked { model, drive, points, particle, gravity, remark } =
+        asked(scene, drive, points, [radius, density, sound_speed, gravity])?;
+    let threads = limits::threads(py)?;
+    let inner =
+        attend(py, None, |control| midair::rest(&model, &drive, &points, particle, gravity, &mut control.on(threads)))?;
+    warn_all(py, remark)?;
+    Ok(Rest { inner, mass: particle.mass(model.medium()) })
 }
 
 #[pymethods]
@@ -119,14 +271,30 @@ impl Solution {
     /// Potential, force and stiffness of a small sphere in its field: `midair.gorkov` of its scene and drive.
     ///
     /// Raises SceneError as `midair.gorkov`, and where it has no scene.
-    #[pyo3(signature = (points=None, *, radius=None, density=None, sound_speed=None))]
+    #[pyo3(signature = (points=None, *, radius=None, density=None, sound_speed=None, gravity=None))]
     fn gorkov<'py>(
         slf: &Bound<'py, Self>,
         points: Option<Bound<'py, PyAny>>,
         radius: Argument<'_, 'py>,
         density: Argument<'_, 'py>,
         sound_speed: Argument<'_, 'py>,
+        gravity: Argument<'_, 'py>,
     ) -> PyResult<Gorkov> {
-        gorkov(slf.py(), slf, None, points, radius, density, sound_speed)
+        gorkov(slf.py(), slf, None, points, radius, density, sound_speed, gravity)
+    }
+
+    /// Where small spheres come to rest in its field: `midair.rest` of its scene and drive.
+    ///
+    /// Raises SceneError as `midair.rest`, and where it has no scene.
+    #[pyo3(signature = (points=None, *, radius=None, density=None, sound_speed=None, gravity=None))]
+    fn rest<'py>(
+        slf: &Bound<'py, Self>,
+        points: Option<Bound<'py, PyAny>>,
+        radius: Argument<'_, 'py>,
+        density: Argument<'_, 'py>,
+        sound_speed: Argument<'_, 'py>,
+        gravity: Argument<'_, 'py>,
+    ) -> PyResult<Rest> {
+        rest(slf.py(), slf, None, points, radius, density, sound_speed, gravity)
     }
 }

@@ -73,7 +73,7 @@ mod _midair {
     #[pymodule_export]
     use super::files::{scene_files, scene_keys, sweep_keys};
     #[pymodule_export]
-    use super::gorkov::{Gorkov, gorkov};
+    use super::gorkov::{Gorkov, Rest, gorkov, rest};
     #[pymodule_export]
     use super::judge::{bound, judge};
     #[pymodule_export]

@@ -49,7 +49,8 @@ def test_keywords_have_the_names_and_order_of_the_design() -> None:
         midair.bound: "scene pressures weights mask",
         midair.judge: "scene drive pressures weights mask",
         midair.field: "scene drive plane",
-        midair.gorkov: "scene drive points radius density sound_speed",
+        midair.gorkov: "scene drive points radius density sound_speed gravity",
+        midair.rest: "scene drive points radius density sound_speed gravity",
         midair.plot: "what ax plane quantity vmax cmap size",
     }
     for function, names in parameters.items():

@@ -89,6 +89,29 @@ def test_a_plane_standing_wave_has_the_textbook_force() -> None:
     assert force > 0
 
 
+def test_beads_rest_where_the_net_force_is_0() -> None:
+    boards = midair.Array.preset("openmpd_pair", quantization={})
+    points = scattered(4, [0.03, 0.03, 0.01], 0.015, 5)
+    solution = midair.solve(midair.Scene(boards, points, pressures=3000, signature="trap"), aim="max")
+    rest = solution.rest(density=100.0, gravity=[0, -9.81, 0])
+    there = solution.gorkov(rest.place, density=100.0, gravity=[0, -9.81, 0])
+    air, volume = solution.scene.medium["density"], 4 / 3 * np.pi * 1e-9
+    assert rest.held.all()
+    assert np.allclose(there.weight, [0, -9.81 * (100 - air) * volume, 0], atol=1e-20)
+    assert abs(there.net).max() < 1e-6 * abs(there.weight).max()
+    assert np.allclose(np.linalg.eigvalsh(there.hessian), rest.stiffness, rtol=1e-6)
+    mass = (100 + air / 2) * volume
+    assert rest.mass == there.mass == pytest.approx(mass)
+    assert np.allclose(rest.frequencies, np.sqrt(rest.stiffness / mass) / (2 * np.pi))
+    assert np.allclose(rest.acceleration, rest.restoring / mass)
+    # A spring alone would pull back so much at a part of the basin's width.
+    assert (rest.restoring < rest.stiffness[:, :, None] * rest.basin).all()
+    assert (rest.basin > 1.5e-3).all()
+    lost = midair.rest(solution.scene, np.zeros(512), points)
+    assert not lost.held.any()
+    assert np.isnan(lost.stiffness).all()
+
+
 @pytest.mark.parametrize("name", ["trap", "twin", "vortex"])
 def test_a_signature_multiplies_the_responses_and_is_not_played(name: str) -> None:
     positions, normals = traps.openmpd()

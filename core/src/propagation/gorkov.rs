@@ -8,7 +8,9 @@ use num_complex::{Complex32, Complex64};
 
 use crate::control::{Control, bytes};
 use crate::error::{Error, real};
+use crate::propagation::bodies::Bodies;
 use crate::propagation::jet::Jet;
+use crate::propagation::local::Local;
 use crate::propagation::model::Model;
 use crate::propagation::particle::{Particle, potential};
 use crate::propagation::sources::Sources;
@@ -17,6 +19,9 @@ use crate::scene::{check_drive, check_places};
 
 /// Points worked on by one thread at once.
 const CHUNK: usize = 16;
+
+/// What a point must be away from a sphere or a mesh for derivatives, in wavelengths.
+const LEAST_CLEARANCE: f64 = 0.01;
 
 /// What a small sphere feels at some points (P,).
 #[derive(Clone, Debug, PartialEq)]
@@ -41,12 +46,13 @@ pub struct Gorkov {
 /// after H. Bruus, "Acoustofluidics 7", Lab on a Chip 12, 1014 (2012), and L. P. Gor'kov, Sov. Phys. Dokl. 6, 773 (1962):
 /// a sphere that is small beside the wavelength, a fluid without viscosity, no gravity, and no scattering force, which
 /// waves that run, as those of a single array, add. G is eq. (5) itself, not a scene's signature, in double precision, and its
-/// derivatives are exact: Taylor polynomials around each point.
+/// derivatives are exact: Taylor polynomials around each point. Those of the sound that spheres and meshes send on come from its
+/// values on a small ball, to 1e-5.
 ///
 /// # Errors
 /// A drive that does not fit the array; no points, one that is not finite, too far away, within lambda/100 of a
 /// transducer, or in the plane of a transducer whose directivity breaks off there; a particle of no size, density or
-/// sound speed; more memory than allowed; a stop.
+/// sound speed; a point inside an obstacle or within lambda/100 of a sphere or mesh; more memory than allowed; a stop.
 pub fn gorkov(
     model: &Model,
     drive: &[Complex32],
@@ -54,36 +60,13 @@ pub fn gorkov(
     particle: Particle,
     control: &mut Control,
 ) -> Result<Gorkov, Error> {
-    let (array, medium) = (model.array(), model.medium());
-    check_drive(drive, array.len())?;
-    if points.is_empty() {
-        return Err(Error::invalid("points", "empty", "give at least one point"));
-    }
-    check_places(array.centre(), medium, "points", "", points)?;
-    if let Some(scattering) = &model.scattering {
-        scattering.obstacles.check_points(points)?;
-        if scattering.bodies.is_some() {
-            let cure = "derivatives of the sound that a sphere or mesh sends on are not known here: leave it out";
-            return Err(Error::invalid("obstacles", "more than walls", cure));
-        }
-        scattering.check()?;
-    }
-    real("radius", particle.radius, 0.0, true)?;
-    real("density", particle.density, 0.0, true)?;
-    real("sound_speed", particle.sound_speed, 0.0, true)?;
-    control.room("the potential", [array.len(), points.len()], bytes(2 * size_of::<Felt>(), &[points.len()]))?;
+    let trap = Trap::new(model, drive, points, particle)?;
+    control.room("the potential", [drive.len(), points.len()], bytes(2 * size_of::<Felt>(), &[points.len()]))?;
     let mut felt = vec![Felt::default(); points.len()];
     let parts = felt.chunks_mut(CHUNK).zip(points.chunks(CHUNK)).enumerate().collect();
-    let factors = particle.factors(medium);
-    let images = model.scattering.as_ref().map_or(&[][..], |scattering| &scattering.images);
-    let played = |sources: &Sources, i: usize| {
-        sources.array.effect(i) * Complex64::new(f64::from(drive[i].re), f64::from(drive[i].im))
-    };
-    let all = core::iter::once(&*model.sources).chain(images);
-    let waves: Vec<_> = all.map(|sources| (sources, Taylor::new(model.set, sources, |i| played(sources, i)))).collect();
     control.each(parts, &|(part, (out, points)): (usize, (&mut [Felt], &[[f64; 3]])), control| {
         for (j, (out, point)) in out.iter_mut().zip(points).enumerate() {
-            *out = at(&waves, (part * CHUNK + j, *point), factors, control)?;
+            *out = trap.felt(part * CHUNK + j, *point, control)?;
         }
         Ok(())
     })?;
@@ -95,24 +78,83 @@ pub fn gorkov(
 }
 
 /// Potential, force and second derivatives at one point.
-type Felt = (f64, [f64; 3], [[f64; 3]; 3]);
+pub(crate) type Felt = (f64, [f64; 3], [[f64; 3]; 3]);
 
-fn at(
-    waves: &[(&Sources, Taylor)],
-    (j, point): (usize, [f64; 3]),
+/// The field of a drive, ready for what a particle feels at any point.
+pub(crate) struct Trap<'a> {
+    model: &'a Model,
+    waves: Vec<(&'a Sources, Taylor)>,
+    /// Spheres and meshes, and their waves in the field of the drive.
+    bodies: Option<(&'a Bodies, Vec<Complex64>)>,
     factors: [f64; 2],
-    control: &mut Control,
-) -> Result<Felt, Error> {
-    let mut pressure = [Jet::ZERO; 2];
-    for (sources, taylor) in waves {
-        (0..sources.array.len()).try_for_each(|i| sources.check_distance(i, j, point))?;
-        taylor.add(point, &mut pressure, control)?;
+}
+
+impl<'a> Trap<'a> {
+    /// Of a drive and a particle that are checked here, as the points are.
+    ///
+    /// # Errors
+    /// As [`gorkov`].
+    pub(crate) fn new(
+        model: &'a Model,
+        drive: &[Complex32],
+        points: &[[f64; 3]],
+        particle: Particle,
+    ) -> Result<Self, Error> {
+        let (array, medium) = (model.array(), model.medium());
+        check_drive(drive, array.len())?;
+        if points.is_empty() {
+            return Err(Error::invalid("points", "empty", "give at least one point"));
+        }
+        check_places(array.centre(), medium, "points", "", points)?;
+        real("radius", particle.radius, 0.0, true)?;
+        real("density", particle.density, 0.0, true)?;
+        real("sound_speed", particle.sound_speed, 0.0, true)?;
+        let (mut images, mut bodies) = (&[][..], None);
+        if let Some(scattering) = &model.scattering {
+            scattering.obstacles.check_points(points)?;
+            scattering.check()?;
+            images = &scattering.images;
+            bodies = scattering.bodies.as_deref().map(|bodies| (bodies, bodies.driven(&model.sources, drive)));
+        }
+        let played = |sources: &Sources, i: usize| {
+            sources.array.effect(i) * Complex64::new(f64::from(drive[i].re), f64::from(drive[i].im))
+        };
+        let all = core::iter::once(&*model.sources).chain(images);
+        let waves = all.map(|sources| (sources, Taylor::new(model.set, sources, |i| played(sources, i)))).collect();
+        Ok(Self { model, waves, bodies, factors: particle.factors(medium) })
     }
-    let potential = potential(&pressure, factors);
-    let felt = (potential.value(), potential.gradient().map(|slope| -slope), potential.hessian());
-    if !(felt.0.is_finite() && felt.1.iter().chain(felt.2.as_flattened()).all(|x| x.is_finite())) {
-        let cure = "the force has no bound there: move it off the plane of a transducer's face";
-        return Err(Error::invalid(format!("points[{j}]"), format!("{point:?}"), cure));
+
+    /// Potential, force and second derivatives at point `j`.
+    pub(crate) fn felt(&self, j: usize, point: [f64; 3], control: &mut Control) -> Result<Felt, Error> {
+        let mut pressure = [Jet::ZERO; 2];
+        for (sources, taylor) in &self.waves {
+            (0..sources.array.len()).try_for_each(|i| sources.check_distance(i, j, point))?;
+            taylor.add(point, &mut pressure, control)?;
+        }
+        if let Some((bodies, driven)) = &self.bodies {
+            control.pulse()?;
+            let mut row = Vec::new();
+            let sent = self.local(j, point)?.expand(point, |place| bodies.pressure(driven, place, &mut row));
+            pressure.iter_mut().zip(&sent).for_each(|(own, sent)| own.add(sent, 1.0));
+        }
+        let potential = potential(&pressure, self.factors);
+        let felt = (potential.value(), potential.gradient().map(|slope| -slope), potential.hessian());
+        if !(felt.0.is_finite() && felt.1.iter().chain(felt.2.as_flattened()).all(|x| x.is_finite())) {
+            let cure = "the force has no bound there: move it off the plane of a transducer's face";
+            return Err(Error::invalid(format!("points[{j}]"), format!("{point:?}"), cure));
+        }
+        Ok(felt)
     }
-    Ok(felt)
+
+    /// The ball around a point on which the sound of bodies is looked at.
+    fn local(&self, j: usize, point: [f64; 3]) -> Result<Local, Error> {
+        let medium = self.model.medium();
+        let clear = self.model.scattering.as_ref().map_or(f64::INFINITY, |all| all.obstacles.clearance(point));
+        let least = LEAST_CLEARANCE * medium.wavelength();
+        if clear < least {
+            let cure = format!("{clear:.1e} m from an obstacle's surface: leave {least:.1e} m");
+            return Err(Error::invalid(format!("points[{j}]"), format!("{point:?}"), cure));
+        }
+        Ok(Local::new(medium.complex_wavenumber(), 0.125 * clear.min(medium.wavelength())))
+    }
 }

@@ -71,6 +71,20 @@ impl Jet {
         Self(coefficients)
     }
 
+    /// `slope` . x.
+    pub(crate) fn linear(slope: [f64; 3]) -> Self {
+        let mut jet = Self::ZERO;
+        jet.0[1..4].copy_from_slice(&slope);
+        jet
+    }
+
+    /// |x|^2.
+    pub(crate) fn square() -> Self {
+        let mut jet = Self::ZERO;
+        (0..3).for_each(|axis| jet.0[place(second(axis, axis))] = 1.0);
+        jet
+    }
+
     /// One monomial.
     pub(crate) fn monomial(term: usize) -> Self {
         let mut jet = Self::ZERO;
@@ -79,7 +93,6 @@ impl Jet {
     }
 
     /// The coefficients of the monomials.
-    #[cfg(test)]
     pub(crate) fn coefficients(&self) -> &[f64; TERMS] {
         &self.0
     }

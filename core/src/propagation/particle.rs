@@ -38,9 +38,25 @@ impl Particle {
         let compressibility = medium.density * medium.sound_speed * medium.sound_speed;
         let f1 = 1.0 - speeds * speeds / ratio;
         let f2 = 2.0 * (ratio - 1.0) / (2.0 * ratio + 1.0);
-        let volume = 4.0 / 3.0 * core::f64::consts::PI * self.radius * self.radius * self.radius;
+        let volume = self.volume();
         let omega = core::f64::consts::TAU * medium.frequency;
         [volume * f1 / (4.0 * compressibility), volume * 3.0 * f2 / (8.0 * medium.density * omega * omega)]
+    }
+
+    fn volume(&self) -> f64 {
+        4.0 / 3.0 * core::f64::consts::PI * self.radius * self.radius * self.radius
+    }
+
+    /// The mass in kg that a force moves: its own, and half that of the air in its place, which moves with it.
+    #[must_use]
+    pub fn mass(&self, medium: Medium) -> f64 {
+        (self.density + 0.5 * medium.density) * self.volume()
+    }
+
+    /// Weight less buoyancy in N under a `gravity` in m/s^2.
+    #[must_use]
+    pub fn weight(&self, medium: Medium, gravity: [f64; 3]) -> [f64; 3] {
+        gravity.map(|g| (self.density - medium.density) * self.volume() * g)
     }
 
     /// A remark where the radius is beyond an eighth of the wavelength: the potential is then too simple.

@@ -249,7 +249,7 @@ fn hankel(z: Complex64, order: usize) -> Vec<Complex64> {
 }
 
 /// Nodes and weights of Gauss' rule on [-1, 1], by Newton's method on the Legendre polynomial.
-fn gauss(count: usize) -> (Vec<f64>, Vec<f64>) {
+pub(crate) fn gauss(count: usize) -> (Vec<f64>, Vec<f64>) {
     let node = |k: usize| {
         let mut x = math::cos(PI * (k as f64 + 0.75) / (count as f64 + 0.5));
         let mut slope = 1.0;

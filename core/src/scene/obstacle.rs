@@ -138,6 +138,16 @@ impl Obstacles {
         })
     }
 
+    /// The distance in m of a place outside from the nearest sphere or mesh.
+    pub(crate) fn clearance(&self, place: [f64; 3]) -> f64 {
+        let from = |obstacle: &Obstacle| match obstacle {
+            Obstacle::Wall { .. } => f64::INFINITY,
+            Obstacle::Sphere { center, radius, .. } => distance(*center, place) - radius,
+            Obstacle::Mesh(mesh) => mesh.distance(place),
+        };
+        self.given.iter().map(from).fold(f64::INFINITY, f64::min)
+    }
+
     /// Refuses points inside an obstacle.
     pub(crate) fn check_points(&self, points: &[[f64; 3]]) -> Result<(), Error> {
         let each = |(j, &point): (usize, &[f64; 3])| self.check_point(point, || format!("points[{j}].position"));

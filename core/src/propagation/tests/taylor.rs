@@ -7,13 +7,10 @@ use crate::scene::{Array, Directivity, Medium, Transducer, distance};
 
 /// `value` + `slope` . x + `curvature` |x|^2.
 fn quadratic(value: f64, slope: [f64; 3], curvature: f64) -> Jet {
-    let mut terms = [0.0; TERMS];
-    terms[0] = value;
-    terms[1..4].copy_from_slice(&slope);
-    for term in [4, 7, 9] {
-        terms[term] = curvature;
-    }
-    Jet::of(terms)
+    let mut sum = Jet::linear(slope);
+    sum.add(&Jet::monomial(0), value);
+    sum.add(&Jet::square(), curvature);
+    sum
 }
 
 /// First, second and third power of what a polynomial is above its value.

@@ -1,0 +1,97 @@
+//! Local: derivatives of sound without sources nearby, from its pressure on a small ball.
+//!
+//! Inside of a ball that no source reaches, sound of wavenumber k is a sum of regular waves. By the addition theorem of
+//! spherical harmonics (NIST's Digital Library of Mathematical Functions, 14.30.9) its values at the radius a give it at x:
+//!
+//! ```text
+//! p(x) = sum_l (2l + 1)/(4 pi) j_l(kr)/j_l(ka) int p(a s) P_l(s . x/r) ds,   j_l(kr) = (kr)^l/(2l + 1)!! (1 - (kr)^2/(4l + 6) + ...)
+//! ```
+//!
+//! The integral over directions s is Gauss' rule in the height and equal steps around, exact to degree 11: orders l up to 3,
+//! those that derivatives up to the third need, see nothing of orders below 9. r^l P_l(s . x/r) is a polynomial in x.
+
+use alloc::vec::Vec;
+use core::f64::consts::{PI, TAU};
+
+use num_complex::Complex64;
+
+use crate::math;
+use crate::propagation::jet::{Jet, TERMS};
+use crate::propagation::sphere::gauss;
+
+/// Heights of Gauss' rule; there are twice as many steps around.
+const HEIGHTS: usize = 6;
+
+/// Places around a point, from it in m, and what the pressure there adds to each Taylor coefficient at the point.
+pub(crate) struct Local(Vec<([f64; 3], [Complex64; TERMS])>);
+
+impl Local {
+    /// Those of a ball of a radius in m, for wavenumber k, whose imaginary part is the absorption.
+    pub(crate) fn new(wavenumber: Complex64, radius: f64) -> Self {
+        let (heights, weights) = gauss(HEIGHTS);
+        let steps = 2 * HEIGHTS;
+        let place = |k: usize| {
+            let (height, across) = (heights[k / steps], math::sqrt(1.0 - heights[k / steps] * heights[k / steps]));
+            let turn = math::phasor(TAU * (k % steps) as f64 / steps as f64);
+            let s = [across * turn.re, across * turn.im, height];
+            let share = weights[k / steps] * TAU / steps as f64;
+            (s.map(|x| radius * x), shares(wavenumber, radius, s).map(|term| share * term))
+        };
+        Self((0..HEIGHTS * steps).map(place).collect())
+    }
+
+    /// The polynomial around a point, real and imaginary part, of a pressure by place.
+    pub(crate) fn expand(&self, point: [f64; 3], mut pressure: impl FnMut([f64; 3]) -> Complex64) -> [Jet; 2] {
+        let mut sum = [Complex64::ZERO; TERMS];
+        for (offset, terms) in &self.0 {
+            let p = pressure([0, 1, 2].map(|axis| point[axis] + offset[axis]));
+            sum.iter_mut().zip(terms).for_each(|(sum, term)| *sum += p * term);
+        }
+        [Jet::of(sum.map(|c| c.re)), Jet::of(sum.map(|c| c.im))]
+    }
+}
+
+/// The sum over l of (2l + 1)/(4 pi) `j_l(kr)/j_l(ka) P_l(s . x/r)` up to degree 3 in x.
+fn shares(wavenumber: Complex64, radius: f64, s: [f64; 3]) -> [Complex64; TERMS] {
+    let along = Jet::linear(s);
+    let square = Jet::square();
+    let mixed = |a: &Jet, by: f64, b: &Jet, less: f64| {
+        let mut sum = Jet::ZERO;
+        sum.add(a, by);
+        sum.add(b, less);
+        sum
+    };
+    let twice = along.times(&along);
+    let orders = [
+        Jet::monomial(0),
+        along,
+        mixed(&twice, 1.5, &square, -0.5),
+        mixed(&twice.times(&along), 2.5, &square.times(&along), -1.5),
+    ];
+    let mut terms = [Complex64::ZERO; TERMS];
+    let mut unit = 1.0;
+    for (l, order) in orders.iter().enumerate() {
+        let factor = (2 * l + 1) as f64 / (4.0 * PI * unit) / tail(wavenumber * radius, l);
+        unit *= radius;
+        let next = -wavenumber * wavenumber / (4 * l + 6) as f64;
+        let above = order.times(&square);
+        for ((term, own), above) in terms.iter_mut().zip(order.coefficients()).zip(above.coefficients()) {
+            *term += factor * (own + next * above);
+        }
+    }
+    terms
+}
+
+/// `j_l(z)` (2l + 1)!!/z^l of a small z.
+fn tail(z: Complex64, l: usize) -> Complex64 {
+    let (mut sum, mut term) = (Complex64::ONE, Complex64::ONE);
+    for n in 1..12 {
+        term *= -0.5 * z * z / (n * (2 * (l + n) + 1)) as f64;
+        sum += term;
+    }
+    sum
+}
+
+#[cfg(test)]
+#[path = "tests/local.rs"]
+mod tests;
