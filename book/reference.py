@@ -27,8 +27,8 @@ PYTHON = [
         "judging",
         "Judging and pictures",
         "What a drive does: metrics, fields, forces, loudness elsewhere, faults.",
-        "judge Metrics BatchMetrics field Field plot style gorkov Gorkov rest Rest ear Ear exposure Exposure Exposed "
-        "streaming Streaming tolerate Tolerance Kept",
+        "judge Metrics BatchMetrics field Field plot style gorkov Gorkov rest Rest ear Ear exposure Exposure "
+        "Exposed streaming Streaming tolerate Tolerance Kept",
     ),
     (
         "drawing",
