@@ -3,6 +3,7 @@
 import type { Context } from "./context.ts";
 import { element, write } from "./dom.ts";
 import { type Player, type SerialBoard, type SerialPortLike, attended, boardOf, connect, guard } from "./serial.ts";
+import { shownOf } from "./studio.ts";
 
 /** What browsers with WebSerial have. */
 type WithSerial = Navigator & { serial?: { requestPort(): Promise<SerialPortLike> } };
@@ -60,7 +61,7 @@ export function createBoardButton(context: Context): HTMLElement {
   }
 
   function play() {
-    const drive = studio.view.frame?.drive ?? studio.view.results[0].answer?.drive;
+    const drive = shownOf(studio.view)[0].answer?.drive;
     if (!player || !drive) return;
     given = drive;
     player.play(drive);
@@ -77,7 +78,7 @@ export function createBoardButton(context: Context): HTMLElement {
   };
   context.ending(() => void player?.close());
   context.listen(() => {
-    const drive = studio.view.frame?.drive ?? studio.view.results[0].answer?.drive;
+    const drive = shownOf(studio.view)[0].answer?.drive;
     if (player?.state === "playing" && drive !== given) play();
   });
   return button;

@@ -56,6 +56,7 @@ const RULES: Record<keyof State, Rule> = {
     (value) => value === null || (Array.isArray(value) && value.every((each) => isNumber(each) && each >= 0)),
     "give a list of Pa, or null",
   ],
+  filled: [(value) => Array.isArray(value) && value.every((each) => Number.isInteger(each) && each >= 0), "give a list of numbers of points, from 0"],
   methods: [(value) => Array.isArray(value) && value.length === 2, 'give two names, such as ["uniform", "naive"]'],
   signature: oneOf("", "trap", "twin", "vortex"),
   obstacles: [(value) => Array.isArray(value) && value.every(isObstacle), "give a list of walls and balls"],

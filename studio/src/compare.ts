@@ -4,11 +4,13 @@ import { changes } from "./changes.ts";
 import { type Context } from "./context.ts";
 import { choice, element, explained, write } from "./dom.ts";
 import { MOST_POINTS } from "./initial.ts";
+import { createInstrument } from "./instrument.ts";
 import { numberRows, percent, pressure, type Row, weakest } from "./numbers.ts";
 import { entry, mapOf, type Tick, ticks } from "./painter/maps.ts";
 import { onPlane, placeOn } from "./plane.ts";
 import { added, moved } from "./points.ts";
 import { MANY } from "./stage.ts";
+import { shownOf } from "./studio.ts";
 import type { Look, Slot, Vec3 } from "./types.ts";
 
 /** What of the page compares. */
@@ -58,6 +60,7 @@ export function createCompare(context: Context): Compare {
   );
   const rings: HTMLElement[] = [];
   listen();
+  const order = createInstrument(context, picture, (right) => (wiper.hidden ? (shownOf(studio.view)[0].lattice ? 0 : 1) : right < +wiper.value ? 0 : 1));
   const table = element("table", { className: "numbers" });
   const warnings = element("ul", { className: "warnings" });
 
@@ -148,20 +151,22 @@ export function createCompare(context: Context): Compare {
     share: () => +wiper.value,
     numbers: [table, warnings],
     place(look) {
-      const { results, frame } = studio.view;
+      const { frame } = studio.view;
+      const results = shownOf(studio.view);
       for (const slot of SLOTS) {
         const { method, summary, refusal } = parts[slot];
         const { answer, refused } = results[slot];
         if (method.value !== state().methods[slot]) method.value = state().methods[slot];
-        const moves = Boolean(frame?.found);
-        const shown = answer ? say("summary", { pressure: pressure(weakest(results[slot])), evenness: percent(answer.metrics.uniformity) }) : "";
-        write(summary, moves ? (slot ? say("atRest") : "glide") : shown);
-        parts[slot].root.classList.toggle("still", moves && slot === 1);
+        const still = frame !== null && !frame.results[slot];
+        const shown = answer && !still ? say("summary", { pressure: pressure(weakest(results[slot])), evenness: percent(answer.metrics.uniformity) }) : "";
+        write(summary, [frame?.names[slot], shown].filter(Boolean).join("  "));
+        parts[slot].root.classList.toggle("still", still);
         write(refusal, refused && say("unsolved", { line: plain(refused) }));
         refusal.hidden = refused === "";
       }
       wiper.hidden = results.some(({ lattice }) => !lattice);
       ring();
+      order();
       writeBar(mapOf(look));
       writeTicks(JSON.stringify(ticks(look)));
       writeRows(JSON.stringify(numberRows(studio.view)));

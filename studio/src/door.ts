@@ -32,6 +32,13 @@ export interface Answer {
   said: string[];
 }
 
+/** The field at a place: p in Pa, its level in dB SPL, its radiation pressure on a wall in Pa. */
+export interface Probe {
+  pressure: [number, number];
+  level: number;
+  radiation: number;
+}
+
 /** An array known by name. */
 export interface Preset {
   name: string;
@@ -92,6 +99,8 @@ export interface Door {
   writeDrive(): string;
   /** re and im at places (K, 3) in m. */
   field(places: Float64Array): Float32Array;
+  /** What there is at a place in m. */
+  probe(place: Vec3): Probe;
   /** At most so many points of a horizontal circle; m. */
   circle(center: Vec3, radius: number, most: number): Vec3[];
   /** At most so many points along straight lines from vertex to vertex of each contour; m. */
@@ -211,6 +220,12 @@ export function openDoor(module: WebAssembly.Module): Door {
       done(wasm.studio_field(studio));
       const count = Math.floor(places.length / 3);
       return new Float32Array(wasm.memory.buffer, wasm.studio_pressures(studio), 2 * count).slice();
+    },
+    probe(place) {
+      giveNumbers(place);
+      done(wasm.studio_probe(studio));
+      const [re, im, level, radiation] = numbers();
+      return { pressure: [re, im], level, radiation };
     },
     circle(center, radius, most) {
       giveNumbers([...center, radius]);

@@ -3,7 +3,10 @@
 import type { Context } from "./context.ts";
 import { drawing } from "./drawing.ts";
 import { MOST_POINTS } from "./initial.ts";
+import { gridOf } from "./lattices.ts";
+import { planesOf } from "./plane.ts";
 import { stateOf } from "./scene_file.ts";
+import { resultOf } from "./studio.ts";
 import type { Slot } from "./types.ts";
 
 /** The longer side of a drawing that is dropped in, in m. */
@@ -23,7 +26,7 @@ export async function open(context: Context, file: File): Promise<void> {
       const contours = drawing(text, Math.min(SIZE, state.plane.size), [x, y, state.plane.z]);
       studio.change({ points: await engine.slots[0].along(contours, MOST_POINTS), pressures: null, path: null });
     } else if (/^index\b.*\bamplitude\b/.test(text)) {
-      await compareDrive(context, await engine.slots[0].readDrive(text, file.name));
+      await compareDrive(context, await engine.slots[0].readDrive(text, file.name), file.name);
     } else if (ending === "csv") {
       studio.change({ array: await engine.slots[0].readArray(text, file.name) });
     } else {
@@ -38,16 +41,17 @@ export async function open(context: Context, file: File): Promise<void> {
   }
 }
 
-/** Shows the field of a drive that came by file, until something changes. */
-async function compareDrive({ studio, engine }: Context, drive: Float32Array): Promise<void> {
-  const { lattice } = studio.view.results[0];
-  if (!lattice) throw new Error("no slice is shown: choose a scene that can be solved first");
-  const values = await engine.slow.slice(studio.scene(0), drive, lattice);
-  studio.show({ drive, lattice: { ...lattice, values }, points: studio.view.state.points });
+/** Shows a drive that came by file in place of A's, with its own numbers, until something changes. */
+async function compareDrive({ studio, engine }: Context, drive: Float32Array, name: string): Promise<void> {
+  const { state, results } = studio.view;
+  const grids = planesOf(state).map((plane) => gridOf(state, undefined, plane));
+  const found = resultOf(await engine.slow.judged(studio.scene(0), drive, grids, state.ear));
+  if (found.refused) throw new Error(found.refused);
+  studio.show({ points: state.points, results: [found, results[1]], names: [name, ""] });
 }
 
 /** Gives a file to who looks. */
-function save(name: string, content: BlobPart, type: string): void {
+export function save(name: string, content: BlobPart, type: string): void {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(new Blob([content], { type }));
   link.download = name;
@@ -72,11 +76,12 @@ export async function exportDrive({ studio, engine, alarm, say, plain }: Context
 }
 
 /** Saves the sheet of what is shown, as SVG or as PNG of double size. */
-export async function exportSheet(svg: string, [width, height]: number[], ending: "png" | "svg"): Promise<void> {
+export async function exportSheet(svg: string, ending: "png" | "svg"): Promise<void> {
   if (ending === "svg") return save("field.svg", svg, "image/svg+xml");
-  const drawn = new Image(width, height);
+  const drawn = new Image();
   drawn.src = `data:image/svg+xml,${encodeURIComponent(svg)}`;
   await drawn.decode();
+  const { width, height } = drawn;
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = [2 * width, 2 * height];
   canvas.getContext("2d")!.drawImage(drawn, 0, 0, canvas.width, canvas.height);

@@ -1,6 +1,6 @@
 /** Eye: the camera of the 3-D view, fitted to what is shown until somebody turns it. */
 
-import { type Camera, fit, project } from "./painter/camera.ts";
+import { along, type Camera, fit, FOCAL, frame, project } from "./painter/camera.ts";
 import { placeOn, planesOf } from "./plane.ts";
 import type { Studio } from "./studio.ts";
 import type { State, Vec3 } from "./types.ts";
@@ -13,6 +13,10 @@ export interface Eye {
   turn(dx: number, dy: number): void;
   /** Nearer (below 1) or further. */
   zoom(factor: number): void;
+  /** Shifted by pixels. */
+  pan(dx: number, dy: number): void;
+  /** From above, from ahead of the slice, or as at first. */
+  look(from: "fromAbove" | "fromAhead" | "asFirst"): void;
 }
 
 /** Turning by a pixel, in rad. */
@@ -35,16 +39,20 @@ const within = (value: number, [least, most]: number[]) => Math.min(Math.max(val
 /** An eye for a studio. */
 export function createEye({ view }: Studio): Eye {
   let camera: Camera = { target: [0, 0, 0], yaw: 0, pitch: 0, distance: 1 };
+  let last = [1, 1];
   /** What it was fitted to: the array, and the view's size as long as nobody has turned it. */
   let fitted = "";
   let turned = false;
   /** The state that was last looked at so. */
   let seen: State;
-  const key = (size: number[]) => JSON.stringify([view.state.array, view.array.length, turned ? [] : size]);
+  const key = (size: number[]) => JSON.stringify([view.state.array, view.array.length, turned ? [] : [size, view.state.plane.axis]]);
 
   function corners(): Vec3[] {
     return planesOf(view.state).flatMap((plane) => [0, 1].flatMap((a) => [0, 1].map((b) => placeOn(plane, a, b))));
   }
+
+  /** All that is to be seen, the glow about the points too. */
+  const all = () => [...view.state.points.map(([x, y, z]): Vec3 => [x, y, z + GLOW]), ...corners()];
 
   function hold(changes: Partial<Camera>) {
     camera = { ...camera, ...changes };
@@ -57,10 +65,9 @@ export function createEye({ view }: Studio): Eye {
       const { state } = view;
       const fresh = fitted !== key(size);
       if (fresh || (state !== seen && !turned && !view.moving)) {
-        const all = [...state.points.map(([x, y, z]): Vec3 => [x, y, z + GLOW]), ...corners()];
-        const best = fit(view.positions, all, ...size);
+        const best = fit(view.positions, all(), ...size, state.plane.axis);
         // What comes to lie out of sight, or makes the view too large by far, is looked at anew; else nothing jumps.
-        const cut = all.some((place) => {
+        const cut = all().some((place) => {
           const at = project(camera, place, ...size);
           return size.some((side, k) => Math.abs(2 * at[k] - side) > side);
         });
@@ -69,9 +76,22 @@ export function createEye({ view }: Studio): Eye {
         fitted = key(size);
         seen = state;
       }
+      last = size;
       return camera;
     },
     turn: (dx, dy) => hold({ yaw: camera.yaw - TURN * dx, pitch: within(camera.pitch + TURN * dy, PITCH) }),
+    pan(dx, dy) {
+      const { right, up } = frame(camera);
+      const metres = camera.distance / FOCAL / last[1];
+      hold({ target: along(along(camera.target, -dx * metres, right), dy * metres, up) });
+    },
+    look(from) {
+      turned = false;
+      fitted = "";
+      if (from === "asFirst") return;
+      const yaw = view.state.plane.axis === "x" && from === "fromAhead" ? Math.PI / 2 : 0;
+      hold(fit(view.positions, all(), last[0], last[1], view.state.plane.axis, [yaw, from === "fromAbove" ? PITCH[1] : 0]));
+    },
     zoom: (factor) => hold({ distance: within(camera.distance * factor, DISTANCE) }),
   };
 }

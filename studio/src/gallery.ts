@@ -65,10 +65,10 @@ export const gallery: Example[] = [
   {
     name: ["Traps", "音響トラップ"],
     line: [
-      "Three beads could hang between two boards: the slice is just above their dark nodes, in the loud shells.",
-      "二枚のボードの間に粒を三つ浮かせます。断面は暗い節のすぐ上、音の強い殻を通ります。",
+      "Three beads could hang between two boards: the slices cross in the dark node of one, with loud shells around.",
+      "二枚のボードの間に粒を三つ浮かせます。三断面は一つの暗い節で交わり、音の強い殻が囲みます。",
     ],
-    state: shown(traps, "naive"),
+    state: shown(traps, "naive", { view: "planes" }),
   },
   {
     name: ["Face to face", "向かい合う二枚"],

@@ -66,7 +66,7 @@ export function createHook(engine: Engine, studio: Studio, page: () => Page): Ho
     set(partial) {
       const { state } = studio.view;
       const plane = partial?.plane === null ? (null as never) : { ...state.plane, ...partial?.plane };
-      const next = structuredClone({ ...state, ...partial, plane });
+      const next = structuredClone({ ...state, ...("pressures" in partial && { filled: [] }), ...partial, plane });
       const fault = faultOf(next, engine.catalogue);
       if (fault) throw new Error(fault);
       // As a link has it, so that the link brings it back; but arrays of one's own are in none.

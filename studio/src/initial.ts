@@ -28,6 +28,7 @@ export const initial: State = {
   density: null,
   points: [...ring(7), [0, 0, HEIGHT]],
   pressures: null,
+  filled: [],
   methods: ["uniform", "naive"],
   signature: "",
   obstacles: [],

@@ -1,7 +1,7 @@
 /** Link: a state as the fragment of an address, to be read and changed by hand. */
 
 // `#v=1&a=autd3.2x2&l=board&t=25&m=uniform.naive&p=0,0,180_55,0,180&z=180,180&w=both`: mm, Pa and
-// degrees C. What is left out is as at the beginning.
+// degrees C; ~ before a pressure that the page filled in. What is left out is as at the beginning.
 //
 // | key | what | key | what |
 // |---|---|---|---|
@@ -79,7 +79,7 @@ function readMethods(text: string): [string, string] {
   return found ? [found[1], found[2]] : wrong("m", text, "give two methods such as uniform.naive");
 }
 
-function readPoints(text: string): Pick<State, "points" | "pressures"> {
+function readPoints(text: string): Pick<State, "points" | "pressures" | "filled"> {
   const rows = text === "" ? [] : text.split("_");
   if (rows.length > MOST_POINTS) wrong("p", `${rows.length} points`, `give at most ${MOST_POINTS}`);
   const items = rows.map((row, k) => ({ item: `point ${k + 1}`, row }));
@@ -87,8 +87,9 @@ function readPoints(text: string): Pick<State, "points" | "pressures"> {
   const loud = parts.filter((part) => part.length === 4).length;
   if (loud > 0 && loud < parts.length) wrong("p", `${loud} pressures`, "give one to every point or to none");
   const points = parts.map((part, k) => place(items[k].item, part));
-  const pressure = (part: string[], k: number) => number(`pressure of ${items[k].item}`, part[3], 0, LOUDEST);
-  return { points, pressures: loud > 0 ? parts.map(pressure) : null };
+  const pressure = (part: string[], k: number) => number(`pressure of ${items[k].item}`, part[3].replace(/^~/, ""), 0, LOUDEST);
+  const filled = parts.flatMap((part, k) => (part[3]?.startsWith("~") ? [k] : []));
+  return { points, pressures: loud > 0 ? parts.map(pressure) : null, filled };
 }
 
 function readPlane(text: string): State["plane"] {
@@ -199,8 +200,8 @@ function writePath(path: NonNullable<State["path"]>): string {
 
 /** The fragment (without #) of a state, its lengths to 0.001 mm. */
 export function writeLink(state: State): string {
-  const { array, pressures, plane } = state;
-  const point = (at: Vec3, k: number) => [...at.map(mm), ...(pressures ? [pressures[k]] : [])].join();
+  const { array, pressures, filled, plane } = state;
+  const point = (at: Vec3, k: number) => [...at.map(mm), ...(pressures ? [`${filled.includes(k) ? "~" : ""}${pressures[k]}`] : [])].join();
   const { absorption, density } = state;
   const air = absorption === null || density === null ? [] : [absorption, density];
   const middle = plane.center.some((x) => mm(x) !== "0") ? plane.center.map(mm) : [];

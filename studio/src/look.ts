@@ -14,12 +14,13 @@ export const turnAt = (milliseconds: number) => 2 * Math.PI * (((FREQUENCY / SLO
 const MOST = 1.5;
 
 /** The colour scale of all that is shown: its top is the loudest |p| of both slices. */
-export function lookOf({ state, results, frame }: View, theme: Theme, turn = 0): Look {
+export function lookOf(view: View, theme: Theme, turn = 0): Look {
+  const { state, results, frame } = view;
   const answers = results.flatMap(({ answer }) => answer ?? []);
   const points = answers.flatMap(({ pressures }) => pressures).map(([re, im]) => Math.hypot(re, im));
   const loudest = points.reduce((a, b) => Math.max(a, b), 0);
   let most = 0;
-  for (const lattice of [...results.map((result) => result.lattice), frame?.lattice]) {
+  for (const lattice of [...results, ...(frame?.results ?? [])].map((result) => result?.lattice)) {
     if (!lattice) continue;
     const { values } = lattice;
     for (let k = 0; k < values.length; k += 2) most = Math.max(most, values[k] ** 2 + values[k + 1] ** 2);

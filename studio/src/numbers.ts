@@ -1,6 +1,6 @@
 /** Numbers: what is told of both methods, row by row, the better one marked. */
 
-import type { Result, View } from "./studio.ts";
+import { type Result, shownOf, type View } from "./studio.ts";
 import type { Slot } from "./types.ts";
 import type { Word } from "./words.ts";
 
@@ -38,13 +38,9 @@ export const duration = (ms: number) => (ms < 1 ? `${Math.round(1000 * ms)} µs`
 
 /** Every row. */
 export function numberRows({ results, bound, state, frame }: View): Row[] {
-  if (frame?.found) {
-    const { least, most, change } = frame.found;
-    const own = (word: Told, text: string): Row => ({ word, values: [text, NONE], better: null });
-    return [own("weakest", pressure(least)), own("loudest", pressure(most)), own("changes", `${change.toFixed(2)} rad`)];
-  }
+  const shown = frame?.results ?? results;
   const row = (word: Told, of: (result: Result) => number, text: (value: number) => string, best: number): Row => {
-    const numbers = results.map((result) => (result.answer ? of(result) : NaN));
+    const numbers = shown.map((result) => (result?.answer ? of(result) : NaN));
     const values = numbers.map((value) => (Number.isNaN(value) ? NONE : text(value))) as [string, string];
     const ahead = best * (numbers[0] - numbers[1]);
     const better = values[0] === values[1] || !ahead ? null : ahead > 0 ? 0 : 1;
@@ -59,28 +55,31 @@ export function numberRows({ results, bound, state, frame }: View): Row[] {
     metric("sigma", -1),
     metric("uniformity", 1),
     metric("level", 1),
-    { word: "bound", values: [limit], better: null },
+    // Of the points at rest.
+    ...(frame ? [] : [{ word: "bound" as const, values: [limit] as [string], better: null }]),
     row("weakest", weakest, pressure, 1),
   ];
   if (state.pressures?.includes(0)) rows.push(metric("leak", -1));
   if (state.ear) rows.push(row("heard", ({ heard }) => heard, (p) => `${decibels(p).toFixed(1)} dB SPL`, -1));
-  rows.push(row("time", ({ milliseconds }) => milliseconds, duration, 0));
+  if (frame?.change !== undefined) rows.push({ word: "changes", values: [`${frame.change.toFixed(2)} rad`, NONE], better: null });
+  if (!frame) rows.push(row("time", ({ milliseconds }) => milliseconds, duration, 0));
   return rows;
 }
 
 /** The sentence on what A does: its word, and what is put in; null where nothing can be said. */
-export function sentenceOf({ results, frame, state }: View): { word: Word; put: Record<string, string | number> } | null {
-  const { answer, milliseconds } = results[0];
-  if (!answer) return null;
-  const count = answer.targets.filter((target) => target > 0).length;
-  const [least, even] = frame?.found ? [frame.found.least, frame.found.least / frame.found.most] : [weakest(results[0]), answer.metrics.uniformity];
+export function sentenceOf(view: View): { word: Word; put: Record<string, string | number> } | null {
+  const { frame, state } = view;
+  const [a] = shownOf(view);
+  if (!a.answer) return null;
+  const count = a.answer.targets.filter((target) => target > 0).length;
+  const least = weakest(a);
   const put = {
     count,
     pressure: pressure(least),
     level: `${decibels(least).toFixed(0)} dB`,
-    evenness: percent(even),
-    time: Number.isNaN(milliseconds) ? "…" : duration(milliseconds),
+    evenness: percent(a.answer.metrics.uniformity),
+    time: Number.isNaN(a.milliseconds) ? "…" : duration(a.milliseconds),
   };
   const kind = state.signature ? "traps" : count === 1 ? "focus" : "foci";
-  return { word: frame?.found ? "inMotion" : kind, put };
+  return { word: frame ? "inMotion" : kind, put };
 }

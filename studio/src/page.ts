@@ -8,16 +8,18 @@ import { element, segments, write } from "./dom.ts";
 import type { Engine } from "./engine.ts";
 import type { Eye } from "./eye.ts";
 import { exportSheet, open } from "./exchange.ts";
+import { wavelength } from "./lattices.ts";
 import { lookOf, turnAt } from "./look.ts";
 import { createFlat } from "./painter/canvas2d.ts";
 import { createPainter } from "./painter/painter.ts";
 import type { Painter } from "./painter/picture.ts";
 import { createPanels } from "./panels.ts";
+import { createPlayer } from "./player.ts";
 import { plain } from "./refusals.ts";
 import { createSentence } from "./sentence.ts";
-import { SHEET, sheet } from "./sheet.ts";
+import { sheet } from "./sheet.ts";
 import { createStage } from "./stage.ts";
-import type { Studio } from "./studio.ts";
+import { shownOf, type Studio } from "./studio.ts";
 import { createTips } from "./tips.ts";
 import { type Lattice, LEVELS, type Level, QUANTITIES, type Quantity, type Vec3 } from "./types.ts";
 import { type Language, say } from "./words.ts";
@@ -86,7 +88,15 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   const canvas = element("canvas", { className: "canvas", "aria-hidden": "true" });
   const stage = createStage(context, manner.eye);
   const compare = createCompare(context);
-  const panels = createPanels(context, compare, Boolean(manner.compact));
+  /** The 3-D view within the canvas, in px of the canvas at that ratio. */
+  const within = (ratio: number) => {
+    const [outer, inner] = [canvas, stage.view].map((each) => each.getBoundingClientRect());
+    const [x, y, width, height] = [inner.left - outer.left, inner.top - outer.top, inner.width, inner.height].map((px) => Math.round(px * ratio));
+    return new DOMRect(x, y, width, height);
+  };
+  const player = createPlayer(context, () => ({ canvas, box: within(paint()) }));
+  stage.root.append(player.root);
+  const panels = createPanels(context, compare, player, Boolean(manner.compact));
   const sentence = createSentence(context);
   const levels = segments(context.say("levelOfPage"), LEVELS.map((name) => [name, context.say(name)]), (level) =>
     studio.change({ level: level as Level }),
@@ -97,11 +107,9 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
     picture(ending) {
       // As fine as the PNG is.
       const ratio = paint(2);
-      const [outer, inner] = [canvas, stage.view].map((each) => each.getBoundingClientRect());
-      const part = [inner.left - outer.left, inner.top - outer.top, inner.width, inner.height].map((px) => Math.round(px * ratio));
-      const drawn = sheet(context, look(), root, canvas, new DOMRect(...part));
+      const drawn = sheet(context, look(), root, canvas, within(ratio));
       context.repaint();
-      exportSheet(drawn, SHEET, ending).catch(({ message }: Error) => context.alarm(context.say("failed", { line: message })));
+      exportSheet(drawn, ending).catch(({ message }: Error) => context.alarm(context.say("failed", { line: message })));
     },
   });
   const quantities = segments(context.say("quantity"), QUANTITIES.map((name) => [name, context.say(name)]), (quantity) =>
@@ -180,11 +188,12 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       return { x: left - outer.left, y: top - outer.top, width, height };
     };
     const { view } = studio;
-    const { state, results } = view;
+    const { state } = view;
     const shades = look();
-    const slices = results.map(({ lattice }, slot) => (slot === 0 && view.frame ? view.frame.lattice : lattice));
-    painted = results.map(({ lattice }) => lattice);
-    const slot = view.frame ? 0 : state.slot;
+    const results = shownOf(view);
+    const slices = results.map(({ lattice }) => lattice);
+    painted = view.results.map(({ lattice }) => lattice);
+    const slot = view.frame && !view.frame.results[state.slot] ? 0 : state.slot;
     const lattice = slices[slot];
     const ratio = given ?? Math.min(devicePixelRatio, 2) * ((view.moving || runs()) && painter.slow ? COARSE : 1);
     painter.begin(outer.width, outer.height, ratio, BACKGROUNDS[theme]);
@@ -193,8 +202,9 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       camera: stage.camera(),
       positions: view.positions,
       normals: view.normals,
-      drive: view.frame?.drive ?? results[slot].answer?.drive ?? null,
-      slices: lattice && (state.view !== "volume" || !view.volume) ? [lattice, ...(view.frame ? [] : results[slot].crossing)].map((lattice, k) => ({ lattice, key: "AB"[slot] + (k || "") })) : [],
+      drive: results[slot].answer?.drive ?? null,
+      slices: lattice && (state.view !== "volume" || !view.volume) ? [lattice, ...results[slot].crossing].map((lattice, k) => ({ lattice, key: "AB"[slot] + (k || "") })) : [],
+      wavelength: wavelength(state),
       // The glow of |p| would hide the wave or the phase.
       volume: ["slice", "planes"].includes(state.view) || view.frame || (state.view === "both" && state.quantity !== "modulus") ? null : view.volume,
       points: view.frame?.points ?? state.points,

@@ -5,6 +5,7 @@ import { type Context, millimetres } from "./context.ts";
 import { choice, element, explained, group, labelled, offer, segments, write } from "./dom.ts";
 import { soundSpeed } from "./lattices.ts";
 import { createMotion } from "./motion.ts";
+import type { Player } from "./player.ts";
 import { createPointTable } from "./table.ts";
 import { createShapes } from "./shaping.ts";
 import { HEIGHT } from "./initial.ts";
@@ -37,7 +38,7 @@ const OBSTACLES: Record<string, Obstacle[]> = {
 };
 
 /** Makes them; `compact`: for a notebook's cell, the methods alone. */
-export function createPanels(context: Context, compare: Compare, compact: boolean): Panels {
+export function createPanels(context: Context, compare: Compare, player: Player, compact: boolean): Panels {
   const { studio, say, engine } = context;
   const state = () => studio.view.state;
   const change = (partial: Partial<State>, gesture?: string) => studio.change(partial, gesture);
@@ -93,7 +94,7 @@ export function createPanels(context: Context, compare: Compare, compact: boolea
   const ears = explained(element("div", { className: "triple" }, ...axes.map((input, k) => element("label", {}, "xyz"[k], input))), say("coordinateTip"));
   const table = createPointTable(context);
   const shapes = createShapes(context);
-  const motion = createMotion(context);
+  const motion = createMotion(context, player);
   const boards = labelled(say("boards"), tiles);
   const levelsField = labelled(say("levels"), levels.select);
 

@@ -10,29 +10,39 @@ export function moved(state: State, index: number, to: Vec3): Partial<State> {
   return { points: state.points.map((point, k) => (k === index ? rounded(to) : point)) };
 }
 
+/** With some points shifted from where they were. */
+export function shifted(state: State, which: number[], from: Vec3[], way: Vec3): Partial<State> {
+  return { points: state.points.map((point, k) => (which.includes(k) ? rounded(from[k].map((x, axis) => x + way[axis]) as Vec3) : point)) };
+}
+
 /** With a point more; it asks for what the last one does. */
 export function added(state: State, place: Vec3): Partial<State> {
-  const { points, pressures } = state;
+  const { points, pressures, filled } = state;
   return {
     points: [...points, rounded(place)],
-    pressures: pressures && [...pressures, pressures.at(-1) || loudest(pressures)],
+    ...(pressures && { pressures: [...pressures, pressures.at(-1) || loudest(pressures)], filled: [...filled, points.length] }),
   };
 }
 
-/** With one less; the last one stays. */
-export function removed(state: State, index: number): Partial<State> {
-  if (state.points.length === 1) return {};
-  const others = <T>(list: T[]) => list.filter((_, k) => k !== index);
-  const pressures = state.pressures && others(state.pressures);
-  return { points: others(state.points), pressures: pressures?.some((pressure) => pressure > 0) ? pressures : null };
+/** With some less; the last one stays. */
+export function removed(state: State, ...which: number[]): Partial<State> {
+  const left = state.points.map((_, k) => k).filter((k) => !which.includes(k));
+  if (!left.length) return {};
+  const points = left.map((k) => state.points[k]);
+  const filled = left.flatMap((k, now) => (state.filled.includes(k) ? [now] : []));
+  const pressures = state.pressures && left.map((k) => state.pressures![k]);
+  return { points, ...(pressures?.some((pressure) => pressure > 0) && filled.length < left.length ? { pressures, filled } : { pressures: null }) };
 }
 
-/** With another target, in Pa; the others are given those that they had by themselves. One without stays as it is, if `others` have. */
-export function asked(state: State, index: number, pressure: number | null, balanced: number[], others = false): Partial<State> {
-  if (pressure === null) return others ? {} : { pressures: null };
-  const own = state.pressures ?? state.points.map((_, k) => Math.round(balanced[k] ?? 1000));
-  const pressures = own.map((asked, k) => (k === index ? pressure : asked));
-  return pressures.some((each) => each > 0) ? { pressures } : {};
+/** With another target, in Pa; the others are given those that they had by themselves. Null: the page fills it in, if others are asked. */
+export function asked(state: State, index: number, pressure: number | null, balanced: number[]): Partial<State> {
+  const all = state.points.map((_, k) => k);
+  const before = state.pressures ? state.filled : all;
+  const filled = pressure === null ? [...new Set([...before, index])].toSorted((a, b) => a - b) : before.filter((k) => k !== index);
+  if (filled.length === all.length) return { pressures: null };
+  const own = state.pressures ?? all.map((k) => Math.round(balanced[k] ?? 1000));
+  const pressures = pressure === null ? own : own.with(index, pressure);
+  return pressures.some((each) => each > 0) ? { pressures, filled } : {};
 }
 
 const loudest = (pressures: number[]) => Math.max(...pressures);

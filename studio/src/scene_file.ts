@@ -171,6 +171,7 @@ export function stateOf(scene: SceneFile, state: State): State {
     absorption,
     density,
     points: points.map(({ position }) => position),
+    filled: [],
     pressures: loud ? points.map(({ pressure = 0 }) => pressure) : null,
     methods,
     signature: signature as State["signature"],

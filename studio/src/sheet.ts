@@ -2,18 +2,24 @@
 
 import type { Context } from "./context.ts";
 import { millimetres } from "./context.ts";
+import { marks } from "./instrument.ts";
 import { writeLink } from "./link.ts";
 import { numberRows } from "./numbers.ts";
 import { drawSlice } from "./painter/canvas2d.ts";
-import { entry, mapOf, roundStep, ticks } from "./painter/maps.ts";
+import { entry, mapOf, ticks } from "./painter/maps.ts";
 import { middleOf, onPlane, SIDES } from "./plane.ts";
 import { AXES, type Lattice, type Look, type Slot } from "./types.ts";
+import { shownOf } from "./studio.ts";
 import type { Word } from "./words.ts";
 
-/** Width and height of the sheet, the sides of the 3-D view's box and of a slice, in CSS px. */
-export const SHEET = [1280, 760];
+/** Width and height of the sheet with one line at its foot, the sides of the 3-D view's box and of a slice, in CSS px. */
+const SHEET = [1280, 760];
 const VIEW = [560, 640];
 const SIDE = 270;
+
+/** Letters of a line at the foot, which takes link and version, and px from one to the next. */
+const LINE = 190;
+const LEADING = 14;
 
 /** Pixels of a slice's image along a side. */
 const PIXELS = 540;
@@ -54,29 +60,22 @@ export function sheet({ studio, say, engine }: Context, look: Look, root: HTMLEl
     const { size, axis: normal } = plane;
     const [right, up, off] = SIDES[normal];
     const middle = middleOf(plane);
-    const step = roundStep((1000 * size) / 5);
-    const axis = (middle: number) => {
-      const first = Math.ceil((1000 * (middle - size / 2)) / step);
-      const count = Math.floor((1000 * (middle + size / 2)) / step) - first + 1;
-      return Array.from({ length: count }, (_, k): [number, string] => [(step * (first + k)) / 1000 - middle, String(step * (first + k))]);
-    };
-    const at = (metres: number) => SIDE * (0.5 + metres / size);
-    const across = axis(middle[right]).map(([d, name]) => text(x + at(d), y + SIDE + 14, name, 'text-anchor="middle"'));
-    const upward = axis(middle[up]).map(([d, name]) => text(x - 6, y + at(-d) + 4, name, 'text-anchor="end"'));
-    const points = (slot === 0 && view.frame?.points) || state.points;
+    const across = marks(middle[right], size).map((mark) => text(x + SIDE * mark.at, y + SIDE + 14, mark.text, 'text-anchor="middle"'));
+    const upward = marks(middle[up], size).map((mark) => text(x - 6, y + SIDE * (1 - mark.at) + 4, mark.text, 'text-anchor="end"'));
+    const points = (view.frame?.results[slot] && view.frame.points) || state.points;
     const rings = points.map((point, k) => {
-      const [across, above] = onPlane(plane, point);
-      const [left, top] = [x + SIDE * across, y + SIDE * (1 - above)];
+      const [aside, above] = onPlane(plane, point);
+      const [left, top] = [x + SIDE * aside, y + SIDE * (1 - above)];
       const ring = `<circle cx="${left}" cy="${top}" r="7" fill="none" stroke="#fff"/>`;
-      return Math.max(Math.abs(across - 0.5), Math.abs(above - 0.5)) > 0.5 ? "" : ring + text(left + 9, top - 5, String(k + 1), 'fill="#fff"');
+      return Math.max(Math.abs(aside - 0.5), Math.abs(above - 0.5)) > 0.5 ? "" : ring + text(left + 9, top - 5, String(k + 1), 'fill="#fff"');
     });
     const [bar, pen] = canvasOf(1, 256);
     for (let k = 0; k < 256; k += 1) {
       pen.fillStyle = `rgb(${entry(mapOf(look), 1 - k / 255).map(Math.round)})`;
       pen.fillRect(0, k, 1, 1);
     }
-    const marks = ticks(look).map((tick) => text(x + SIDE + 28, y + SIDE * (1 - tick.at) + 4, tick.label));
-    const name = slot === 0 && view.frame?.found ? "glide" : state.methods[slot];
+    const levels = ticks(look).map((tick) => text(x + SIDE + 28, y + SIDE * (1 - tick.at) + 4, tick.label));
+    const name = view.frame?.names[slot] || state.methods[slot];
     return [
       text(x, y - 10, `${"AB"[slot]}: ${name}, ${say(look.quantity)} at ${normal} = ${millimetres(middle[off])} mm`, 'font-weight="600"'),
       picture(copy, x, y, SIDE, SIDE),
@@ -86,7 +85,7 @@ export function sheet({ studio, say, engine }: Context, look: Look, root: HTMLEl
       ...across,
       ...upward,
       picture(bar, x + SIDE + 12, y, 10, SIDE),
-      ...marks,
+      ...levels,
     ].join("");
   }
 
@@ -97,13 +96,11 @@ export function sheet({ studio, say, engine }: Context, look: Look, root: HTMLEl
   });
   const { array } = state;
   const name = "preset" in array ? `${array.preset} ${array.tiles.join(" × ")}` : array.name;
-  const slices = view.results.map(({ lattice }, slot) => {
-    const shown = slot === 0 && view.frame ? view.frame.lattice : lattice;
-    return shown ? slice(slot as Slot, shown, 650, slot ? 410 : 70) : "";
-  });
-  const link = new URL(`#${writeLink(state)}`, location.href).href;
+  const slices = shownOf(view).map(({ lattice }, slot) => (lattice ? slice(slot as Slot, lattice, 650, slot ? 410 : 70) : ""));
+  const foot = `midair ${engine.catalogue.version}  ${new URL(`#${writeLink(state)}`, location.href).href}`.match(new RegExp(`.{1,${LINE}}`, "g"))!;
+  const height = SHEET[1] + (foot.length - 1) * LEADING;
   return [
-    `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${SHEET.join(" ")}" width="${SHEET[0]}" height="${SHEET[1]}" font-family="Inter, system-ui, sans-serif" font-size="12" fill="${ink}">`,
+    `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${SHEET[0]} ${height}" width="${SHEET[0]}" height="${height}" font-family="Inter, system-ui, sans-serif" font-size="12" fill="${ink}">`,
     `<rect width="100%" height="100%" fill="${back}"/>`,
     text(24, 36, `${name}, ${state.points.length} ${say("points").toLowerCase()}, ${state.temperature} °C`, 'font-size="18" font-weight="600"'),
     space(),
@@ -111,7 +108,7 @@ export function sheet({ studio, say, engine }: Context, look: Look, root: HTMLEl
     ...rows,
     text(1180, 64, "A", `text-anchor="end" fill="${soft}"`),
     text(1260, 64, "B", `text-anchor="end" fill="${soft}"`),
-    text(24, 744, `midair ${engine.catalogue.version}  ${link.length > 190 ? `${link.slice(0, 190)}…` : link}`, `fill="${soft}" font-size="10"`),
+    ...foot.map((line, k) => text(24, 744 + k * LEADING, line, `fill="${soft}" font-size="10"`)),
     "</svg>",
   ].join("\n");
 }

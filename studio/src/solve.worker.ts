@@ -1,6 +1,6 @@
 /** The worker: two doors, and the jobs that the page asks for. */
 
-import { compile, openDoor, type Answer, type Door } from "./door.ts";
+import { compile, openDoor, type Answer, type Door, type Probe } from "./door.ts";
 import type { Lattice, Vec3, Volume } from "./types.ts";
 
 /** A lattice that is still to be filled. */
@@ -21,8 +21,9 @@ let door: Door;
 let beside: Door;
 /** The frames of what moves: a scene that is opened elsewhere does not end them. */
 let mover: Door;
-/** The scene that the first has open. */
+/** The scenes that the first two have open. */
 let text = "";
+let other = "";
 
 function places({ corner, u, v, nu, nv }: Grid): Float64Array {
   const all = new Float64Array(3 * nu * nv);
@@ -39,6 +40,30 @@ function open(scene: string): string[] {
   return warnings;
 }
 
+function openBeside(scene: string): void {
+  if (other !== scene) beside.open(scene);
+  other = scene;
+}
+
+/** What a door has of its scene's drive. */
+function looked(by: Door, answer: Answer, warnings: string[], grids: Grid[], ear: Vec3 | null): Outcome {
+  const [re, im] = ear ? by.field(Float64Array.from(ear)) : [0, 0];
+  const lattices = grids.map((grid) => ({ ...grid, values: by.field(places(grid)) }));
+  return { answer, warnings, lattices, heard: Math.hypot(re, im) };
+}
+
+/** The outcome of a drive that was found elsewhere. */
+function judged(scene: string, drive: Float32Array, grids: Grid[], ear: Vec3 | null): Outcome {
+  openBeside(scene);
+  beside.load(drive);
+  const points = JSON.parse(scene).points as { position: Vec3; pressure?: number }[];
+  const field = beside.field(Float64Array.from(points.flatMap(({ position }) => position)));
+  const pressures = points.map((_, k): [number, number] => [field[2 * k], field[2 * k + 1]]);
+  const targets = points.map(({ pressure }, k) => pressure ?? Math.hypot(...pressures[k]));
+  const answer: Answer = { metrics: beside.judge(), scale: 1, status: "done", steps: 0, targets, pressures, drive, said: [] };
+  return looked(beside, answer, [], grids, ear);
+}
+
 const jobs = {
   /** Compiles the door, here or elsewhere, and warms it up: the first solve is slow. */
   async setup(source: BufferSource | WebAssembly.Module, warm: string) {
@@ -48,21 +73,20 @@ const jobs = {
     door.solve();
     return { catalogue: door.catalogue(), module };
   },
-  /** Solves a scene, looks at its slices and listens at the ear. */
-  update(scene: string, grids: Grid[], ear: Vec3 | null): Outcome {
+  /** Solves a scene, looks at its slices and listens at the ear; `passing`: the scene that is open stays so. */
+  update(scene: string, grids: Grid[], ear: Vec3 | null, passing = false): Outcome {
     try {
-      const warnings = open(scene);
-      const answer = door.solve();
-      const [re, im] = ear ? door.field(Float64Array.from(ear)) : [0, 0];
-      const lattices = grids.map((grid) => ({ ...grid, values: door.field(places(grid)) }));
-      return { answer, warnings, lattices, heard: Math.hypot(re, im) };
+      if (passing) openBeside(scene);
+      const warnings = passing ? [] : open(scene);
+      const by = passing ? beside : door;
+      return looked(by, by.solve(), warnings, grids, ear);
     } catch (error) {
       return { refused: (error as Error).message };
     }
   },
   /** How long solving a scene takes in ms: the median of five once it is warm, fewer of what takes seconds. */
   time(scene: string): number {
-    beside.open(scene);
+    openBeside(scene);
     beside.solve();
     const times: number[] = [];
     const first = performance.now();
@@ -83,31 +107,32 @@ const jobs = {
   save: (toml: boolean) => door.save(toml),
   /** The bytes by which a board plays a drive. */
   encode(scene: string, drive: Float32Array, board: string): Uint8Array {
-    beside.open(scene);
+    openBeside(scene);
     beside.load(drive);
     return beside.encode(board);
   },
   /** The bytes that turn it off. */
   silence(scene: string, board: string): Uint8Array {
-    beside.open(scene);
+    openBeside(scene);
     return beside.silence(board);
   },
   readArray: (text: string, name: string) => beside.readArray(text, name),
   readDrive: (text: string, name: string) => beside.readDrive(text, name),
   /** The CSV of a drive that solves a scene. */
   writeDrive(scene: string, drive: Float32Array): string {
-    beside.open(scene);
+    openBeside(scene);
     beside.load(drive);
     return beside.writeDrive();
   },
   /** A scene file as JSON. */
   read(text: string, toml: boolean): string {
     beside.open(text, toml);
+    other = "";
     return beside.save(false);
   },
   /** The bound on the level of a scene. */
   bound(scene: string): number {
-    beside.open(scene);
+    openBeside(scene);
     return beside.bound();
   },
   /** A layer of |p| on a box, of a drive that was found elsewhere. */
@@ -126,22 +151,20 @@ const jobs = {
     const values = door.field(places(grid));
     return Float32Array.from({ length: values.length / 2 }, (_, k) => Math.hypot(values[2 * k], values[2 * k + 1]));
   },
-  /** The slice of a drive that was found elsewhere. */
-  slice(scene: string, drive: Float32Array, grid: Grid): Float32Array {
-    if (text !== scene) open(scene);
-    door.load(drive);
-    return door.field(places(grid));
+  /** What a drive that was found elsewhere makes at a place. */
+  probe(scene: string, drive: Float32Array, place: Vec3): Probe {
+    openBeside(scene);
+    beside.load(drive);
+    return beside.probe(place);
   },
+  judged,
   /** Frames of points (T, M, 3) one after another. */
   follow(scene: string, points: Float64Array, frames: number) {
     mover.open(scene);
     return mover.follow(points, frames);
   },
-  /** The drive of a frame that was followed, and its slice. */
-  frame(index: number, grid: Grid) {
-    const drive = mover.frame(index);
-    return { drive, lattice: { ...grid, values: mover.field(places(grid)) } };
-  },
+  /** The outcome of a frame that was followed; `scene` has its points. */
+  frame: (index: number, scene: string, grids: Grid[], ear: Vec3 | null) => judged(scene, mover.frame(index), grids, ear),
 };
 
 /** What the page may ask for. */

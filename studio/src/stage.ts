@@ -1,14 +1,18 @@
-/** Stage: the 3-D view, its camera, and the points as buttons over it. */
+/** Stage: the 3-D view, its camera, and the points as buttons over it, one or some of which are moved at a time. */
 
 import { type Context, millimetres } from "./context.ts";
 import { element } from "./dom.ts";
 import type { Eye } from "./eye.ts";
-import { along, type Camera, lift, project, slide } from "./painter/camera.ts";
+import { along, type Camera, lift, meetPlane, project, slide } from "./painter/camera.ts";
 import { MOST_POINTS } from "./initial.ts";
 import { number } from "./numbering.ts";
-import { following, middleOf, SIDES } from "./plane.ts";
-import { added, moved, removed } from "./points.ts";
+import { following, middleOf, onPlane, SIDES } from "./plane.ts";
+import { createHandles } from "./handles.ts";
+import { added, removed, shifted } from "./points.ts";
+import { createReadout } from "./readout.ts";
+import { createSliceChoice } from "./slicechoice.ts";
 import type { Vec3 } from "./types.ts";
+import { createViewing, type Spot } from "./viewing.ts";
 
 /** The 3-D view. */
 export interface Stage {
@@ -36,14 +40,20 @@ const KEYS: Record<string, Vec3> = {
 /** More rings than these would hide the field: they are smaller then. */
 export const MANY = 16;
 
-/** A point that is held: where it and the pointer were, and whether it is lifted. */
+/** Points that are held: which one and all, where they and the pointer were, and whether they are lifted off the slice. */
 interface Grip {
   index: number;
-  point: Vec3;
-  at: [number, number];
-  from: [number, number];
+  all: number[];
+  points: Vec3[];
+  at: Spot;
+  from: Spot;
   lifts: boolean;
+  /** Whether the pointer has gone anywhere. */
+  gone: boolean;
 }
+
+/** A pointer that goes less far, in px, was a click. */
+const CLICK = 3;
 
 /** Makes the stage. */
 export function createStage(context: Context, eye: Eye): Stage {
@@ -53,9 +63,15 @@ export function createStage(context: Context, eye: Eye): Stage {
   const view = element("div", { className: "view3d", role: "group", "aria-label": say("view3d") });
   const listener = element("div", { className: "listener", "aria-hidden": "true" }, say("ear"));
   view.append(listener);
-  const root = element("section", { className: "stage" }, view, hint);
+  const lifter = element("div", { className: "lifter", "aria-hidden": "true", title: say("lift") }, "↕");
+  const lasso = element("div", { className: "lasso", hidden: true });
+  const readout = createReadout(context);
+  view.append(lifter, lasso);
   let gesture = 0;
   let grip: Grip | null = null;
+  /** The points that are moved together, and the one that was taken last. */
+  const selected = new Set<number>();
+  let latest = -1;
 
   const size = (): [number, number] => [view.clientWidth || 1, view.clientHeight || 1];
   const current = (): Camera => eye.camera(size());
@@ -71,20 +87,44 @@ export function createStage(context: Context, eye: Eye): Stage {
       const nearest = nearestTo(local(event));
       handles[nearest].focus();
       event.preventDefault();
-      button.setPointerCapture(event.pointerId);
-      grip = grasp(event, nearest);
-      gesture += 1;
-      studio.moving(true);
+      hold(button, event, nearest, event.shiftKey);
     };
-    button.onpointermove = (event) => grip && drag(event);
-    button.onpointerup = button.onpointercancel = () => {
-      if (!grip) return;
-      context.announce(label(grip.index));
-      grip = null;
-      studio.moving(false);
+    follow(button, () => grip!.lifts);
+    button.onfocus = () => {
+      latest = index;
+      place();
     };
     button.onkeydown = (event) => press(event, index);
     return button;
+  }
+
+  /** Takes hold of a point, and of all that are selected where it is one of them. */
+  function hold(by: HTMLElement, event: PointerEvent, index: number, lifts: boolean) {
+    by.setPointerCapture(event.pointerId);
+    grip = grasp(event, index, lifts);
+    gesture += 1;
+    studio.moving(true);
+  }
+
+  /** What is held follows the pointer; a click selects. */
+  function follow(by: HTMLElement, lifted: (event: PointerEvent) => boolean) {
+    by.onpointermove = (event) => grip && drag(event, lifted(event));
+    by.onpointerup = by.onpointercancel = (event) => {
+      if (!grip) return;
+      const { index, gone, lifts } = grip;
+      grip = null;
+      studio.moving(false);
+      if (gone) context.announce(label(index));
+      else if (by !== lifter) select(lifts || event.ctrlKey || event.metaKey ? [index] : [], lifts || event.ctrlKey || event.metaKey);
+    };
+  }
+
+  /** Selects points in place of those before, or each that was not, beside those that were. */
+  function select(which: number[], beside = false) {
+    if (!beside) selected.clear();
+    for (const index of which) if (!selected.delete(index)) selected.add(index);
+    if (which.length) context.announce(say("selected", { count: selected.size }));
+    place();
   }
 
   function label(index: number): string {
@@ -101,47 +141,47 @@ export function createStage(context: Context, eye: Eye): Stage {
     return distances.indexOf(Math.min(...distances));
   }
 
-  const grasp = (event: PointerEvent, index: number): Grip => {
-    const point = state().points[index];
-    const [x, y] = seen(point);
-    return { index, point, at: local(event), from: [x, y], lifts: event.shiftKey };
+  const grasp = (event: PointerEvent, index: number, lifts: boolean): Grip => {
+    const { points } = state();
+    const [x, y] = seen(points[index]);
+    return { index, all: selected.has(index) ? [...selected] : [index], points, at: local(event), from: [x, y], lifts, gone: false };
   };
 
-  function drag(event: PointerEvent) {
-    if (grip!.lifts !== event.shiftKey) grip = grasp(event, grip!.index);
-    const { index, from, at, point, lifts } = grip!;
+  function drag(event: PointerEvent, lifts: boolean) {
+    if (grip!.lifts !== lifts) grip = { ...grasp(event, grip!.index, lifts), gone: grip!.gone };
+    const { index, all, points, from, at } = grip!;
     const [x, y] = local(event);
-    const to: [number, number] = [from[0] + x - at[0], from[1] + y - at[1]];
-    const name = `drag ${gesture}`;
-    if (lifts) {
-      const rise = lift(current(), from, to, point, size(), normal());
-      if (rise !== null) carry(index, point.with(normal(), point[normal()] + rise) as Vec3, name);
-    } else {
-      const way = slide(current(), from, to, point, size(), normal());
-      if (way) carry(index, along(point, 1, way), name);
-    }
+    grip!.gone ||= Math.hypot(x - at[0], y - at[1]) > CLICK;
+    if (!grip!.gone) return;
+    const to: Spot = [from[0] + x - at[0], from[1] + y - at[1]];
+    const point = points[index];
+    const off = lifts ? lift(current(), from, to, point, size(), normal()) : null;
+    const way = lifts ? off !== null && ([0, 0, 0].with(normal(), off) as Vec3) : slide(current(), from, to, point, size(), normal());
+    if (way) carry(index, all, points, way, `drag ${gesture}`);
   }
 
-  /** A point that leaves the slice takes it along. */
-  function carry(index: number, to: Vec3, name: string) {
-    const { plane, points } = state();
-    const change = moved(state(), index, to);
-    const there = change.points![index];
-    studio.change(there[normal()] === points[index][normal()] ? change : { ...change, plane: following(plane, there) }, name);
+  /** Points that leave the slice take it along. */
+  function carry(index: number, all: number[], from: Vec3[], way: Vec3, name: string) {
+    const { plane } = state();
+    const change = shifted(state(), all, from, way);
+    studio.change(way[normal()] === 0 ? change : { ...change, plane: following(plane, change.points![index]) }, name);
   }
 
   function press(event: KeyboardEvent, index: number) {
     const way = KEYS[event.key];
     if (way) {
       const step = STEPS[Number(event.shiftKey)];
-      const to = state().points[index].map((x, axis) => x + step * way[axis]) as Vec3;
-      carry(index, to, `key ${index}`);
+      carry(index, selected.has(index) ? [...selected] : [index], state().points, way.map((x) => step * x) as Vec3, `key ${index}`);
       context.announce(label(index));
     } else if (event.key === "Delete" || event.key === "Backspace") {
-      if (state().points.length === 1) return context.alarm(say("lastPoint"));
-      studio.change(removed(state(), index));
+      const all = selected.has(index) ? [...selected] : [index];
+      if (state().points.length === all.length) return context.alarm(say("lastPoint"));
+      studio.change(removed(state(), ...all));
+      select([]);
       handles[Math.min(index, handles.length - 1)]?.focus();
-      context.announce(say("removed", { n: index + 1 }));
+      context.announce(all.map((each) => say("removed", { n: each + 1 })).join(", "));
+    } else if (event.key === "Escape") {
+      select([]);
     } else return;
     event.preventDefault();
   }
@@ -151,34 +191,45 @@ export function createStage(context: Context, eye: Eye): Stage {
     return [event.clientX - box.left, event.clientY - box.top];
   }
 
-  // The view itself: one finger or the left button turns, two fingers and the wheel zoom, the right button shifts.
-  const fingers = new Map<number, [number, number]>();
-  view.onpointerdown = (event) => {
-    if (event.target !== view) return;
-    view.setPointerCapture(event.pointerId);
-    fingers.set(event.pointerId, local(event));
+  lifter.onpointerdown = (event) => {
+    event.preventDefault();
+    event.stopPropagation();
+    hold(lifter, event, latest, true);
   };
-  view.onpointermove = (event) => {
-    const before = fingers.get(event.pointerId);
-    if (!before) return;
-    const now = local(event);
-    const other = [...fingers].find(([id]) => id !== event.pointerId)?.[1];
-    const apart = (at: [number, number]) => Math.hypot(at[0] - other![0], at[1] - other![1]);
-    if (other) eye.zoom(apart(before) / Math.max(apart(now), 1));
-    else eye.turn(now[0] - before[0], now[1] - before[1]);
-    fingers.set(event.pointerId, now);
-    context.repaint();
-  };
-  view.onpointerup = view.onpointercancel = (event) => void fingers.delete(event.pointerId);
-  view.addEventListener(
-    "wheel",
-    (event) => {
-      event.preventDefault();
-      eye.zoom(Math.exp(event.deltaY * 1e-3));
-      context.repaint();
-    },
-    { passive: false },
-  );
+  follow(lifter, () => true);
+
+  /** Points inside of a box are selected. */
+  function within(from: Spot, to: Spot, done: boolean) {
+    const [left, top] = [0, 1].map((k) => Math.min(from[k], to[k]));
+    const [wide, high] = [0, 1].map((k) => Math.abs(from[k] - to[k]));
+    lasso.hidden = done;
+    Object.assign(lasso.style, { left: `${left}px`, top: `${top}px`, width: `${wide}px`, height: `${high}px` });
+    if (!done) return;
+    const inside = (point: Vec3) => {
+      const [x, y] = seen(point);
+      return x >= left && x <= left + wide && y >= top && y <= top + high;
+    };
+    select(state().points.flatMap((point, k) => (inside(point) ? [k] : [])));
+  }
+
+  const looks = createViewing(context, eye, view, local, within);
+  const slices = createSliceChoice(context);
+  const placeHandles = createHandles(context, view, current, local, seen);
+  const root = element("section", { className: "stage" }, view, hint, element("div", { className: "viewing" }, slices.root, looks), readout.root);
+
+  // What the slice is where it is pointed at.
+  view.addEventListener("pointermove", (event) => {
+    const { plane, view: shown, slot } = state();
+    const spot = local(event);
+    const place = event.target === view && !event.buttons && event.pointerType !== "touch" && shown !== "volume" && meetPlane(current(), spot, size(), middleOf(plane), normal());
+    const [right, up] = place ? onPlane(plane, place) : [NaN, NaN];
+    if (!place || !(Math.abs(right - 0.5) <= 0.5 && Math.abs(up - 0.5) <= 0.5)) return readout.hide();
+    Object.assign(readout.root.style, { left: `${spot[0]}px`, top: `${spot[1]}px` });
+    readout.root.classList.toggle("left", spot[0] > size()[0] - 260);
+    readout.show(slot, place);
+  });
+  view.addEventListener("pointerleave", readout.hide);
+
   view.ondblclick = (event) => {
     if (event.target !== view) return;
     const { plane, points } = state();
@@ -191,39 +242,47 @@ export function createStage(context: Context, eye: Eye): Stage {
     context.announce(say("added", { n: points.length + 1 }));
   };
 
+  function place() {
+    const points = studio.view.frame?.points ?? state().points;
+    view.classList.toggle("many", points.length > MANY);
+    const { ear } = state();
+    listener.hidden = !ear;
+    if (ear) {
+      const [x, y] = seen(ear);
+      listener.style.transform = `translate(${x}px, ${y}px) translate(-50%, -64px)`;
+    }
+    while (handles.length > points.length) handles.pop()!.remove();
+    while (handles.length < points.length) {
+      handles.push(handle(handles.length));
+      view.append(handles.at(-1)!);
+    }
+    const rings = points.map(seen);
+    const style = getComputedStyle(view);
+    const [ring, wide] = ["--ring", "--number"].map((name) => parseFloat(style.getPropertyValue(name)));
+    const spots = number(points.length > MANY ? [] : rings, ring / 2, wide);
+    handles.forEach((button, index) => {
+      const name = label(index);
+      if (button.ariaLabel !== name) button.ariaLabel = name;
+      const [left, top] = rings[index];
+      const spot = spots[index];
+      (button.firstElementChild as HTMLElement).style.translate = spot ? `${spot[0]}px ${spot[1]}px` : "";
+      button.classList.toggle("crowded", !spot);
+      button.style.transform = `translate(${left.toFixed(2)}px, ${top.toFixed(2)}px)`;
+      button.classList.toggle("selected", selected.has(index));
+      button.classList.toggle("quiet", state().pressures?.[index] === 0);
+    });
+    const held = latest < points.length && rings[latest];
+    lifter.hidden = !held || Boolean(studio.view.frame);
+    if (held) lifter.style.transform = `translate(${held[0].toFixed(2)}px, ${held[1].toFixed(2)}px)`;
+    placeHandles();
+    slices.place();
+  }
+
   return {
     root,
     view,
     camera: current,
-    place() {
-      const points = studio.view.frame?.points ?? state().points;
-      view.classList.toggle("many", points.length > MANY);
-      const { ear } = state();
-      listener.hidden = !ear;
-      if (ear) {
-        const [x, y] = seen(ear);
-        listener.style.transform = `translate(${x}px, ${y}px) translate(-50%, -64px)`;
-      }
-      while (handles.length > points.length) handles.pop()!.remove();
-      while (handles.length < points.length) {
-        handles.push(handle(handles.length));
-        view.append(handles.at(-1)!);
-      }
-      const rings = points.map(seen);
-      const style = getComputedStyle(view);
-      const [ring, wide] = ["--ring", "--number"].map((name) => parseFloat(style.getPropertyValue(name)));
-      const spots = number(points.length > MANY ? [] : rings, ring / 2, wide);
-      handles.forEach((button, index) => {
-        const name = label(index);
-        if (button.ariaLabel !== name) button.ariaLabel = name;
-        const [left, top] = rings[index];
-        const spot = spots[index];
-        (button.firstElementChild as HTMLElement).style.translate = spot ? `${spot[0]}px ${spot[1]}px` : "";
-        button.classList.toggle("crowded", !spot);
-        button.style.transform = `translate(${left.toFixed(2)}px, ${top.toFixed(2)}px)`;
-        button.classList.toggle("quiet", state().pressures?.[index] === 0);
-      });
-    },
+    place,
     project(place) {
       const box = view.getBoundingClientRect();
       const [x, y] = seen(place);

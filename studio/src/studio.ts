@@ -1,6 +1,6 @@
 /** The studio: one state, its history, and the newest answers to it. */
 
-import type { Answer, Frame } from "./door.ts";
+import type { Answer } from "./door.ts";
 import type { Engine } from "./engine.ts";
 import { sceneOf } from "./scene_file.ts";
 import { createHistory } from "./history.ts";
@@ -23,6 +23,16 @@ export interface Result {
   warnings: string[];
 }
 
+/** What is shown in place of the results; null: that slot is still as it was. */
+export interface Shown {
+  points: State["points"];
+  results: [Result | null, Result | null];
+  /** Of a slot, in place of its method; "": the method. */
+  names: [string, string];
+  /** The largest change of a phase from the frame before, rad, of what moves. */
+  change?: number;
+}
+
 /** Everything that the page shows. */
 export interface View {
   state: State;
@@ -34,8 +44,8 @@ export interface View {
   array: Float64Array;
   positions: Float32Array;
   normals: Float32Array;
-  /** A frame of what moves, in place of the answer of slot A. */
-  frame: { drive: Float32Array; lattice: Lattice; points: State["points"]; found?: Frame } | null;
+  /** What is shown in place of the results: a frame of what moves, or a drive that came by file. */
+  frame: Shown | null;
   /** Whether something is being moved. */
   moving: boolean;
 }
@@ -78,6 +88,16 @@ const nothing = (): Result => ({
   refused: "",
   warnings: [],
 });
+
+/** A slot's result from what its worker found. */
+export function resultOf(outcome: Outcome): Result {
+  if ("refused" in outcome) return { ...nothing(), refused: outcome.refused };
+  const { answer, lattices: [lattice, ...crossing], heard } = outcome;
+  return { ...nothing(), answer, lattice, crossing, heard, warnings: [...outcome.warnings, ...answer.said] };
+}
+
+/** What both slots show. */
+export const shownOf = ({ results, frame }: View) => results.map((result, slot) => frame?.results[slot] ?? result) as [Result, Result];
 
 /** A studio with its engine. */
 export function createStudio(engine: Engine, initial: State): Studio {
@@ -156,16 +176,10 @@ export function createStudio(engine: Engine, initial: State): Studio {
   }
 
   function take(slot: Slot, outcome: Outcome) {
-    const result = view.results[slot];
-    if ("refused" in outcome) {
-      Object.assign(result, { ...nothing(), refused: outcome.refused });
-      return;
-    }
-    const { answer, lattices: [lattice, ...crossing], heard } = outcome;
+    const result = resultOf(outcome);
     // Of another slice or ear the same solve takes as long as before.
-    const milliseconds = timed[slot] === text(slot) ? result.milliseconds : NaN;
-    const warnings = [...outcome.warnings, ...answer.said];
-    view.results[slot] = { answer, lattice, crossing, heard, milliseconds, warnings, refused: "" };
+    if (result.answer && timed[slot] === text(slot)) result.milliseconds = view.results[slot].milliseconds;
+    view.results[slot] = result;
   }
 
   const isUntimed = (slot: Slot) => Boolean(view.results[slot].answer) && timed[slot] !== text(slot);
@@ -233,6 +247,7 @@ export function createStudio(engine: Engine, initial: State): Studio {
     change(partial, gesture = "") {
       const before = view.state;
       view.state = { ...before, ...partial };
+      if (!view.state.pressures) view.state.filled = [];
       history.keep(view.state, gesture);
       moved(before);
     },

@@ -13,8 +13,6 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
   const { studio, say } = context;
   const state = () => studio.view.state;
   const rows: { root: HTMLElement; inputs: HTMLInputElement[] }[] = [];
-  /** The points whose pressure a person has typed; the page has filled in those of the others. */
-  const typed = new Set<number>();
   const body = element("tbody");
   const heads = [...AXES.map((axis) => `${axis} mm`), say("target")].map((text, k) =>
     explained(element("th", { scope: "col" }, text), say(k < AXES.length ? "coordinateTip" : "targetHint")),
@@ -65,15 +63,7 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
       onchange: () => {
         const value = target.value === "" ? null : Number(target.value);
         if (value !== null && value < 0) context.alarm(say("negative", { value, n }));
-        else {
-          if (value === null) typed.delete(index);
-          else {
-            if (!state().pressures) typed.clear();
-            typed.add(index);
-          }
-          const balanced = studio.view.results[0].answer?.targets ?? [];
-          studio.change(asked(state(), index, value, balanced, typed.size > 0), `target ${index}`);
-        }
+        else studio.change(asked(state(), index, value, studio.view.results[0].answer?.targets ?? []), `target ${index}`);
         showAll(true);
       },
     });
@@ -98,8 +88,7 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
 
   /** Writes the values; that which is being typed is left alone until it is `done`. */
   function showAll(done = false) {
-    const { points, pressures } = state();
-    if (!pressures || rows.length !== points.length) typed.clear();
+    const { points, pressures, filled } = state();
     while (rows.length > points.length) rows.pop()!.root.remove();
     while (rows.length < points.length) {
       rows.push(row(rows.length));
@@ -110,9 +99,9 @@ export function createPointTable(context: Context): { root: HTMLElement; place()
       const values = [...points[index].map(millimetres), pressures ? String(pressures[index]) : ""];
       inputs.forEach((input, k) => {
         if (k === AXES.length) {
-          const filled = pressures !== null && typed.size > 0 && !typed.has(index);
-          input.classList.toggle("filled", filled);
-          input.dataset.tip = say(filled ? "filledHint" : "targetHint");
+          const by = filled.includes(index);
+          input.classList.toggle("filled", by);
+          input.dataset.tip = say(by ? "filledHint" : "targetHint");
         }
         if ((done || input !== activeElement) && input.value !== values[k]) input.value = values[k];
       });

@@ -47,6 +47,8 @@ export interface State {
   points: Vec3[];
   /** Peak |p| of each point in Pa, 0 for a quiet one; null: as loud as all can be at once. */
   pressures: number[] | null;
+  /** The points, by number from 0, whose pressures the page filled in. */
+  filled: number[];
   methods: [string, string];
   /** Foci turned into traps, or "". */
   signature: "" | "trap" | "twin" | "vortex";

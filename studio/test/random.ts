@@ -27,6 +27,7 @@ export function randomState(random: () => number): State {
       ? { center: place(), radius: length(0.001, 0.05), kind: kind() }
       : { point: place(), normal: [random() - 0.5, random() - 0.5, random()], kind: kind() };
   const points = Array.from({ length: 1 + below(64) }, place);
+  const pressures = random() < 0.5 ? null : points.map(() => (random() < 0.2 ? 0 : 5000 * random()));
   const frequency = 0.1 + random();
   return {
     array: one([
@@ -37,7 +38,8 @@ export function randomState(random: () => number): State {
     temperature: below(1200) / 10 - 60,
     ...(random() < 0.5 ? { absorption: null, density: null } : { absorption: random(), density: 1 + random() }),
     points,
-    pressures: random() < 0.5 ? null : points.map(() => (random() < 0.2 ? 0 : 5000 * random())),
+    pressures,
+    filled: pressures ? points.map((_, k) => k).filter(() => random() < 0.3) : [],
     methods: [one(["uniform", "greedy"]), one(["naive", "gspat"])],
     signature: one(["", "trap", "twin", "vortex"]),
     obstacles: Array.from({ length: below(3) }, obstacle),

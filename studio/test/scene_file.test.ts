@@ -8,7 +8,7 @@ import { generator, randomState } from "./random.ts";
 test("states survive, but for what a scene has no place for", () => {
   const random = generator(3);
   for (let index = 0; index < 100; index += 1) {
-    const state = { ...randomState(random), path: null };
+    const state = { ...randomState(random), path: null, filled: [] };
     const scene = JSON.parse(JSON.stringify(sceneOf(state, state.slot))) as SceneFile;
     const other: State = { ...initial, ...viewOf(state) };
     expect(stateOf(scene, other)).toEqual(state);

@@ -160,6 +160,12 @@ pub extern "C" fn studio_field(studio: &mut Studio) -> u32 {
     studio.work(Studio::field)
 }
 
+/// The same; the numbers are, of each place, re and im in Pa, the level in dB SPL, the radiation pressure on a wall in Pa.
+#[unsafe(no_mangle)]
+pub extern "C" fn studio_probe(studio: &mut Studio) -> u32 {
+    studio.work(Studio::probe)
+}
+
 /// Points (K, 3) in m of a horizontal circle, at most `most`: its center (3,) and radius are the numbers handed in.
 #[unsafe(no_mangle)]
 pub extern "C" fn studio_circle(studio: &mut Studio, most: usize) -> u32 {

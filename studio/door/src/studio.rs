@@ -1,7 +1,7 @@
 //! Studio: the buffers between the page and the core, and what a page may do with a scene.
 
 use midair::files::{read_array, read_drive, write_drive};
-use midair::{Array, Complex32, Control, Error, InstructionSet, Status, bound, field};
+use midair::{Array, Complex32, Control, Error, InstructionSet, Status, bound, field, spl};
 
 use crate::opened::Opened;
 
@@ -133,6 +133,17 @@ impl Studio {
         let drive = played(&self.drive, self.scale);
         let Opened { model, .. } = self.opened.as_mut().ok_or_else(none)?;
         self.pressures = field(model, &drive, self.numbers_in.as_chunks().0, &mut Control::none())?;
+        Ok(())
+    }
+
+    pub(crate) fn probe(&mut self) -> Result<(), Error> {
+        self.field()?;
+        let medium = self.opened.as_ref().ok_or_else(none)?.scene.medium();
+        self.numbers.clear();
+        for p in &self.pressures {
+            let peak = f64::from(p.norm());
+            self.numbers.extend([f64::from(p.re), f64::from(p.im), spl(peak), medium.radiation(peak)]);
+        }
         Ok(())
     }
 

@@ -1,6 +1,6 @@
 /** The camera of the 3-D view: it turns about a target, sees in perspective, z is up. */
 
-import type { Vec3 } from "../types.ts";
+import type { Axis, Vec3 } from "../types.ts";
 
 /** Turned by `yaw` (rad, 0: looks along +y, x to the right) and raised by `pitch` (rad, pi/2: from above). */
 export interface Camera {
@@ -76,6 +76,9 @@ function meet(
 /** A vector of length 1 along an axis, by its number. */
 const unit = (axis: number) => [0, 0, 0].with(axis, 1) as Vec3;
 
+/** Where the ray through `at` (px) meets the plane through `place` (m) normal to an axis; null: it does not. */
+export const meetPlane = (camera: Camera, at: [number, number], size: [number, number], place: Vec3, axis: number) => meet(camera, at, size, place, unit(axis));
+
 /**
  * The shift (m) of a drag from `from` to `to` (CSS px of the view of that size) in the plane through `place` (m) normal to
  * an axis: the difference of two rays, so that nothing jumps when a drag begins. Null: beyond the horizon.
@@ -116,11 +119,15 @@ function extent(positions: Float32Array, axis: number): number {
   );
 }
 
-/** A camera that shows all transducers (N x 3, m) and points (m) in a view of that size (CSS px). */
-export function fit(positions: Float32Array, points: Vec3[], width: number, height: number): Camera {
+/**
+ * A camera that shows all transducers (N x 3, m) and points (m) in a view of that size (CSS px), and the slice normal to an
+ * axis well; `way`: turned and raised so.
+ */
+export function fit(positions: Float32Array, points: Vec3[], width: number, height: number, axis: Axis = "z", way?: [number, number]): Camera {
   // From so high that points at one height lie apart, but not over a board that hangs above them.
   const roofed = positions.some((z, i) => i % 3 === 2 && points.every((point) => point[2] < z));
-  const camera: Camera = { target: [0, 0, 0], yaw: 0.5, pitch: roofed ? 0.45 : 0.72, distance: 1 };
+  const [yaw, pitch] = way ?? [axis === "x" ? Math.PI / 2 - 0.5 : 0.5, axis !== "z" ? 0.3 : roofed ? 0.45 : 0.72];
+  const camera: Camera = { target: [0, 0, 0], yaw, pitch, distance: 1 };
   const { right, up, ahead } = frame(camera);
   const all = [...points];
   // Each with room about it for the axes and their marks at the array's edge.

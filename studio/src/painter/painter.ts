@@ -11,7 +11,7 @@ import { createLines } from "./lines.ts";
 import { roundStep } from "./maps.ts";
 import type { Box, Painter, Picture } from "./picture.ts";
 import { createSolids, wallLines } from "./solids.ts";
-import { axes, boundsOf, guides } from "./stage.ts";
+import { axes, boundsOf, guides, scaleBar } from "./stage.ts";
 import { type Area, areaOf, enter, makeView } from "./view.ts";
 import { createVolume } from "./volume.ts";
 
@@ -46,6 +46,7 @@ function createScene(gl: Gl) {
     floor(view, bounds, ground, step, dark);
     discs(view, picture);
     solids.balls(view, obstacles);
+    const bar = scaleBar(picture);
     const marks = axes(camera, bounds, ground, picture.theme);
     lines(view, [...marks.lines, ...guides(picture, plane), ...wallLines(obstacles, bounds)]);
     solids.walls(view, obstacles, bounds);
@@ -81,7 +82,8 @@ function createScene(gl: Gl) {
     } else {
       glow(null);
     }
-    labels(view, marks.labels);
+    lines(view, bar.lines);
+    labels(view, [...marks.labels, ...bar.labels]);
     gl.disable(gl.DEPTH_TEST);
   }
   return { flat: field.flat, scene };

@@ -25,6 +25,8 @@ export interface Picture {
   drive: Float32Array | null;
   /** One, or some that cross in their middles; `key` names the texture that the lattice is kept in, as in `Painter.slice`. */
   slices: { lattice: Lattice; key: string }[];
+  /** Of sound, the length of the bar on the first slice. */
+  wavelength: number;
   volume: Volume | null;
   points: Vec3[];
   obstacles: Obstacle[];

@@ -1,7 +1,7 @@
 /** What stands around the array: the axes with their marks, the lines down from the points. */
 
 import type { Vec3 } from "../types.ts";
-import { type Camera, dot, frame } from "./camera.ts";
+import { along, type Camera, dot, frame } from "./camera.ts";
 import type { Label } from "./labels.ts";
 import { type Ink, type Line, outline, ring } from "./lines.ts";
 import { roundStep } from "./maps.ts";
@@ -77,6 +77,19 @@ export function axes(camera: Camera, bounds: Bounds, floor: number, theme: Pictu
     labels.push({ ...(name as Label), text: `${"xyz"[axis]} mm`, ink: text });
   }
   return { lines, labels };
+}
+
+/** A bar of one wavelength at the foot of the first slice, with its length in mm. */
+export function scaleBar({ slices, wavelength, theme }: Picture): { lines: Line[]; labels: Label[] } {
+  if (!slices.length) return { lines: [], labels: [] };
+  const { corner, u, v } = slices[0].lattice;
+  const part = wavelength / Math.hypot(...u);
+  const from = along(along(corner, 0.03, u), 0.03, v);
+  const { strong, text } = INKS[theme];
+  return {
+    lines: [{ a: from, b: along(from, part, u), ink: strong, width: 3 }],
+    labels: [{ place: along(along(from, part / 2, u), 0.02, v), away: [0, 1], text: `λ ${(1000 * wavelength).toFixed(1)} mm`, ink: text }],
+  };
 }
 
 /** From each point down to the plane of the array, with a ring at its foot; and the slices' borders. */

@@ -138,7 +138,7 @@ test("solve times are those of the methods shown, warm", async () => {
   await settled();
   expect((await times())[0]).toBeLessThan(slow / 2);
   await page.evaluate(() => window.midair!.set({ methods: ["lm", "naive"] }));
-  await expect.poll(async () => Number.isNaN((await times())[0])).toBe(true);
+  await expect.poll(async () => Number.isNaN((await times())[0]), { timeout: 20_000, interval: 20 }).toBe(true);
 });
 
 test("eight letters are typed, drawn by Enter, and fit the slice", async () => {
@@ -150,19 +150,6 @@ test("eight letters are typed, drawn by Enter, and fit the slice", async () => {
   await field.press("Enter");
   await expect.poll(async () => (await points()).length).toBeGreaterThan(30);
   for (const [x, y] of await points()) expect(Math.max(Math.abs(x), Math.abs(y))).toBeLessThan(0.09);
-});
-
-test("what moves right after a change moves, and the panes say whose numbers these are", async () => {
-  await page.evaluate(() => window.midair!.set({ view: "both", methods: ["greedy", "naive"], path: { kind: "circle", radius: 0.01, frequency: 4 } }));
-  await unfold(page, "Motion");
-  await page.getByRole("button", { name: "Move", exact: true }).click();
-  const summary = (slot: string) => page.getByRole("region", { name: `Method ${slot}` }).locator(".summary").innerText();
-  await expect.poll(() => summary("A"), { timeout: 60_000 }).toBe("glide");
-  expect(await summary("B")).toBe("at rest");
-  expect(await page.getByRole("table", { name: "Numbers" }).innerText()).not.toContain("Uniformity");
-  expect(await page.getByRole("alert").innerText()).toBe("");
-  await page.getByRole("button", { name: "Rest", exact: true }).click();
-  await expect.poll(() => summary("A")).toMatch(/kPa, evenness/);
 });
 
 test("a path is played with its changes and weakest points as curves; what stands still is told", async () => {

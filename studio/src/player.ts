@@ -1,0 +1,213 @@
+/** Player: points on a path, followed frame by frame: A by glide, B by its own method; played slowly, stopped, sought and recorded. */
+
+import { createChart } from "./chart.ts";
+import type { Context } from "./context.ts";
+import { element, write } from "./dom.ts";
+import type { Frame } from "./door.ts";
+import { gridOf } from "./lattices.ts";
+import { pressure } from "./numbers.ts";
+import { framesOf } from "./paths.ts";
+import { planesOf } from "./plane.ts";
+import { type Part, record } from "./recording.ts";
+import { sceneOf } from "./scene_file.ts";
+import { resultOf } from "./studio.ts";
+import type { Path, State, Vec3 } from "./types.ts";
+
+/** Frames a second that are computed, where that makes neither too few nor too many of a turn. */
+const RATE = 1000;
+
+/** The fewest and the most frames of a turn. */
+const FEWEST = 20;
+const MOST = 1000;
+
+/** Frames that a picture goes on by: a turn takes some seconds. */
+const STRIDE = 4;
+
+/** Places along a side of a slice that moves. */
+const COARSE = 80;
+
+/** B stands at rest where a frame of it takes longer, in ms. */
+const PATIENCE = 300;
+
+/** Phases that change by less than this, in rad, do not. */
+const STILL = 1e-6;
+
+/** Frames of a turn. */
+const countOf = (path: Path) => Math.max(FEWEST, Math.min(MOST, Math.round(RATE / path.frequency)));
+
+/** What was followed: for which state, all frames' points (T, M, 3), and what there is to say of each. */
+interface Followed {
+  asked: string;
+  state: State;
+  places: Float64Array;
+  frames: Frame[];
+  chart: ReturnType<typeof createChart>;
+}
+
+/** What plays, and its time line. */
+export interface Player {
+  /** The time line, hidden while there is no path. */
+  root: HTMLElement;
+  /** What is to be seen of all frames: in words, and as curves. */
+  found: HTMLElement;
+  playing(): boolean;
+  /** Begins, or ends and shows what is at rest. */
+  toggle(): void;
+  place(): void;
+}
+
+/** Makes one; `changed` is called when it begins or ends, `canvas` gives the part of a canvas that is recorded. */
+export function createPlayer(context: Context, canvas: () => Part): Player {
+  const { studio, engine, say } = context;
+  const state = () => studio.view.state;
+  const found = element("div");
+  const go = element("button", { className: "icon", onclick: () => (mode === "play" ? pause() : void run(at)) }, "▶");
+  const line = element("input", { type: "range", min: 0, max: 1, value: 0, "aria-label": say("frameShown"), oninput: () => void seek(+line.value) });
+  const time = element("output");
+  const film = element("button", { title: say("recordHint"), "aria-label": say("recordHint"), onclick: () => void save(), hidden: typeof MediaRecorder === "undefined" }, "WebM");
+  const root = element("div", { className: "timeline", hidden: true, role: "group", "aria-label": say("motion") }, go, line, time, film);
+  let mode: "rest" | "pause" | "play" = "rest";
+  let followed: Followed | null = null;
+  let at = 0;
+  /** Which run is the newest: an older one ends. */
+  let run_ = 0;
+  let slowB = false;
+  context.ending(halt);
+
+  const asked = () => JSON.stringify({ ...state(), quantity: 0, scale: 0, slot: 0 });
+
+  function halt() {
+    run_ += 1;
+    if (mode !== "rest") studio.show(null);
+    mode = "rest";
+    place();
+  }
+
+  function pause() {
+    run_ += 1;
+    mode = "pause";
+    place();
+  }
+
+  /** Follows the path, unless that was done for this state. */
+  async function follow(): Promise<Followed> {
+    if (followed?.asked === asked()) return followed;
+    const now = state();
+    const path = now.path!;
+    const count = countOf(path);
+    const rate = count * path.frequency;
+    const places = framesOf(now.points, path, rate, count / rate);
+    const frames = await engine.slow.follow(JSON.stringify({ ...sceneOf(now, 0), solver: { name: "glide", rate } }), places, count);
+    const { told, chart } = curvesOf(frames, count / rate);
+    found.replaceChildren(element("p", { className: "told" }, told), chart.root);
+    context.announce(told);
+    [slowB, at] = [false, 0];
+    return (followed = { asked: asked(), state: now, places, frames, chart });
+  }
+
+  /** Shows a frame of both; false where something else is asked for meanwhile. */
+  async function show({ state: now, places, frames, chart, asked: begun }: Followed, t: number, still: () => boolean): Promise<boolean> {
+    const count = now.points.length;
+    const points = now.points.map((_, j) => [...places.subarray(3 * (t * count + j), 3 * (t * count + j) + 3)] as Vec3);
+    const there = { ...now, points };
+    const grids = planesOf(now).map((plane) => gridOf(now, COARSE, plane));
+    const before = performance.now();
+    const [a, b] = await Promise.all([
+      engine.slow.frame(t, JSON.stringify(sceneOf(there, 0)), grids, now.ear),
+      slowB ? null : engine.slots[1].update(JSON.stringify(sceneOf(there, 1)), grids, now.ear, true).then((b) => ((slowB = performance.now() - before > PATIENCE), b)),
+    ]);
+    if (!still() || asked() !== begun) return false;
+    at = t;
+    chart.mark(t / (frames.length - 1));
+    studio.show({ points, results: [resultOf(a), b && resultOf(b)], names: ["glide", b ? "" : say("atRest")], change: frames[t].change });
+    place();
+    return true;
+  }
+
+  async function run(from: number) {
+    if (!state().path) return;
+    const mine = ++run_;
+    const still = () => run_ === mine;
+    mode = "play";
+    place();
+    try {
+      const all = await follow();
+      for (let t = from % all.frames.length; still(); t = (t + STRIDE) % all.frames.length) {
+        if (!(await show(all, t, still))) break;
+        await new Promise(requestAnimationFrame);
+      }
+    } catch (error) {
+      context.alarm(say("failed", { line: (error as Error).message }));
+    }
+    if (still()) halt();
+  }
+
+  /** Stops at a frame. */
+  async function seek(t: number) {
+    const mine = ++run_;
+    mode = "pause";
+    at = t;
+    try {
+      const all = await follow();
+      await show(all, Math.min(t, all.frames.length - 1), () => run_ === mine);
+    } catch (error) {
+      context.alarm(say("failed", { line: (error as Error).message }));
+    }
+  }
+
+  /** One turn, frame by frame, as a film. */
+  async function save() {
+    const mine = ++run_;
+    mode = "play";
+    place();
+    film.disabled = true;
+    try {
+      const all = await follow();
+      await record(canvas, async (shoot) => {
+        for (let t = 0; run_ === mine && t < all.frames.length; t += STRIDE) {
+          if (!(await show(all, t, () => run_ === mine))) break;
+          await new Promise(requestAnimationFrame);
+          shoot();
+        }
+      });
+    } catch (error) {
+      context.alarm(say("failed", { line: (error as Error).message }));
+    }
+    film.disabled = false;
+    if (run_ === mine) pause();
+  }
+
+  function curvesOf(frames: Frame[], seconds: number) {
+    // The first frame has none before it.
+    const changes = frames.map(({ change }, t) => (t ? change : frames[1].change));
+    const weakest = frames.map(({ least }) => least);
+    const change = Math.max(...changes).toFixed(2);
+    const dip = ((100 * Math.min(...weakest)) / Math.max(...frames.map(({ most }) => most))).toFixed(0);
+    const told = Math.max(...changes) < STILL ? say("stands") : say("moved", { change, dip });
+    const curves = [
+      { name: say("changes"), values: changes, most: `${change} rad` },
+      { name: say("weakest"), values: weakest, most: pressure(Math.max(...weakest)) },
+    ];
+    return { told, chart: createChart(curves, 1000 * seconds, `${say("motion")}: ${told}`) };
+  }
+
+  function place() {
+    const now = state();
+    const known = followed?.asked === asked() ? followed : null;
+    if (mode !== "rest" && followed && !known && !studio.view.frame) [mode, run_] = ["rest", run_ + 1];
+    root.hidden = now.path === null;
+    found.hidden = !known;
+    if (!now.path) return;
+    const count = countOf(now.path);
+    if (studio.view.frame === null && mode === "rest") at = 0;
+    write(go, mode === "play" ? "⏸" : "▶");
+    const name = say(mode === "play" ? "pause" : "playPath");
+    if (go.ariaLabel !== name) go.ariaLabel = go.title = name;
+    line.max = String(count - 1);
+    line.value = String(at);
+    const turn = 1000 / now.path.frequency;
+    write(time, `${((turn * at) / count).toFixed(0)} / ${turn.toFixed(0)} ms`);
+  }
+
+  return { root, found, playing: () => mode !== "rest", toggle: () => (mode === "rest" ? void run(0) : halt()), place };
+}

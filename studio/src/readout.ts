@@ -1,0 +1,50 @@
+/** Readout: what the field is at a place that is pointed at: |p|, level, phase and radiation pressure, computed for it. */
+
+import { type Context, millimetres } from "./context.ts";
+import { element } from "./dom.ts";
+import { pressure } from "./numbers.ts";
+import { shownOf } from "./studio.ts";
+import type { Slot, Vec3 } from "./types.ts";
+
+/** Makes one; it is shown for a place of a slot's field, and hidden. */
+export function createReadout({ studio, engine, say }: Context, shown: (line: string) => void = () => undefined) {
+  const root = element("div", { className: "readout", hidden: true, role: "status", "aria-live": "off" });
+  let wanted: [Slot, Vec3] | null = null;
+  let busy = false;
+
+  /** One question at a time, the newest next. */
+  async function ask() {
+    if (busy) return;
+    busy = true;
+    while (wanted) {
+      const [slot, place] = wanted;
+      wanted = null;
+      const drive = shownOf(studio.view)[slot].answer?.drive;
+      if (!drive) continue;
+      const found = await engine.slots[slot].probe(studio.scene(slot), drive, place).catch(() => null);
+      if (!found || root.hidden) continue;
+      const [re, im] = found.pressure;
+      const lines = [
+        `${"AB"[slot]}  ${place.map((x, axis) => `${"xyz"[axis]} ${millimetres(x)}`).join("  ")} mm`,
+        `|p| ${pressure(Math.hypot(re, im))}  ·  ${found.level.toFixed(1)} dB SPL`,
+        `${say("phase")} ${Math.atan2(im, re).toFixed(2)} rad  ·  ${say("radiation")} ${pressure(found.radiation)}`,
+      ];
+      root.replaceChildren(...lines.map((line) => element("div", {}, line)));
+      shown(lines.join(", "));
+    }
+    busy = false;
+  }
+
+  return {
+    root,
+    show(slot: Slot, place: Vec3) {
+      root.hidden = false;
+      wanted = [slot, place.map((x) => Math.round(x * 1e5) / 1e5) as Vec3];
+      void ask();
+    },
+    hide() {
+      root.hidden = true;
+      wanted = null;
+    },
+  };
+}

@@ -1,0 +1,70 @@
+/** Viewing: the 3-D view is turned, shifted and drawn near by pointers, and looked at from above, from ahead or as at first. */
+
+import type { Context } from "./context.ts";
+import { element } from "./dom.ts";
+import type { Eye } from "./eye.ts";
+
+/** A place in the view, CSS px. */
+export type Spot = [number, number];
+
+/**
+ * Lets pointers move the view: one finger or the left button turns, the right button or two fingers shift, two fingers and the
+ * wheel zoom. With Shift the left button draws a box: `box` is given its corners, and whether it is done.
+ */
+export function createViewing(context: Context, eye: Eye, view: HTMLElement, local: (event: MouseEvent) => Spot, box: (from: Spot, to: Spot, done: boolean) => void) {
+  const { say } = context;
+  const fingers = new Map<number, Spot>();
+  let corner: Spot | null = null;
+  view.onpointerdown = (event) => {
+    if (event.target !== view) return;
+    view.setPointerCapture(event.pointerId);
+    if (event.shiftKey && event.button === 0) corner = local(event);
+    else fingers.set(event.pointerId, local(event));
+  };
+  view.onpointermove = (event) => {
+    const now = local(event);
+    if (corner) return box(corner, now, false);
+    const before = fingers.get(event.pointerId);
+    if (!before) return;
+    const [dx, dy] = [now[0] - before[0], now[1] - before[1]];
+    const other = [...fingers].find(([id]) => id !== event.pointerId)?.[1];
+    const apart = (at: Spot) => Math.hypot(at[0] - other![0], at[1] - other![1]);
+    if (other) {
+      eye.zoom(apart(before) / Math.max(apart(now), 1));
+      // The middle between two fingers goes half as far as one.
+      eye.pan(dx / 2, dy / 2);
+    } else if (event.buttons & 2) eye.pan(dx, dy);
+    else eye.turn(dx, dy);
+    fingers.set(event.pointerId, now);
+    context.repaint();
+  };
+  view.onpointerup = view.onpointercancel = (event) => {
+    if (corner) box(corner, local(event), true);
+    corner = null;
+    fingers.delete(event.pointerId);
+  };
+  view.oncontextmenu = (event) => event.preventDefault();
+  view.addEventListener(
+    "wheel",
+    (event) => {
+      event.preventDefault();
+      eye.zoom(Math.exp(event.deltaY * 1e-3));
+      context.repaint();
+    },
+    { passive: false },
+  );
+  const button = (word: "fromAbove" | "fromAhead" | "asFirst", sign: string) => {
+    const act = () => {
+      eye.look(word);
+      context.repaint();
+    };
+    return element("button", { onclick: act, title: say(word), "aria-label": say(word) }, sign);
+  };
+  return element(
+    "div",
+    { className: "joined", role: "group", "aria-label": say("lookFrom") },
+    button("fromAbove", "⊤"),
+    button("fromAhead", "⊢"),
+    button("asFirst", "⟲"),
+  );
+}

@@ -1,0 +1,107 @@
+// What moves: both methods frame by frame, with the numbers of the frame; played, stopped, sought and filmed.
+import { readFile } from "node:fs/promises";
+
+import type { Page } from "playwright-core";
+import { beforeEach, expect, test } from "vitest";
+
+import type { Vec3 } from "../../src/types.ts";
+import { shared } from "./setup.ts";
+import { visit } from "./site.ts";
+
+const open = shared();
+const START = {
+  array: { preset: "sonicsurface", tiles: [1, 1] as [number, number] },
+  points: [[-0.02, 0, 0.15], [0.02, 0.01, 0.15]] as Vec3[],
+  methods: ["greedy", "naive"] as [string, string],
+  view: "slice" as const,
+  path: { kind: "circle" as const, radius: 0.01, frequency: 4 },
+};
+let page: Page;
+let complaints: string[];
+
+beforeEach(async () => {
+  await page?.context().close();
+  ({ page, complaints } = await visit(open.browser, open.url));
+  await page.evaluate((state) => window.midair!.set(state), START);
+});
+
+const summary = (slot: string) => page.getByRole("region", { name: `Method ${slot}` }).locator(".summary").innerText();
+const row = (name: string) => page.getByRole("row", { name: new RegExp(`^${name}`) }).first().getByRole("cell").allInnerTexts();
+const line = () => page.getByRole("slider", { name: "Frame" });
+
+test("what moves right after a change moves, and the panes say whose numbers these are", async () => {
+  await page.waitForTimeout(100);
+  await page.getByRole("button", { name: "Move", exact: true }).click();
+  await expect.poll(() => summary("A"), { timeout: 60_000 }).toMatch(/^glide/);
+  expect(await summary("B")).not.toContain("at rest");
+  expect(await page.getByRole("table", { name: "Numbers" }).innerText()).not.toMatch(/Bound|Solve time/);
+  expect(await page.getByRole("alert").innerText()).toBe("");
+  await page.getByRole("button", { name: "Rest", exact: true }).click();
+  await expect.poll(() => summary("A")).not.toMatch(/^glide/);
+  expect(complaints).toEqual([]);
+});
+
+test("at each frame B's numbers are those of its method at that frame's points, and so is its field", async () => {
+  await line().fill("60");
+  await expect.poll(() => summary("A"), { timeout: 60_000 }).toMatch(/^glide/);
+  await expect.poll(() => page.locator(".timeline output").innerText()).toBe("60 / 250 ms");
+  const shown = await Promise.all(["Uniformity", "Weakest"].map(row));
+  const angle = 2 * Math.PI * (60 / 250);
+  const points = START.points.map(([x, y, z]): Vec3 => [x + 0.01 * Math.cos(angle), y + 0.01 * Math.sin(angle), z]);
+  // The rings are where the points are.
+  const [left, top] = await page.evaluate((place) => window.midair!.project(place), points[0]);
+  const ring = (await page.getByRole("button", { name: /^Point 1:/ }).boundingBox())!;
+  expect(Math.hypot(ring.x + ring.width / 2 - left, ring.y + ring.height / 2 - top)).toBeLessThan(1);
+  await page.evaluate((points) => window.midair!.set({ points, path: null }), points);
+  await page.evaluate(() => window.midair!.settled());
+  const there = await Promise.all(["Uniformity", "Weakest"].map(row));
+  shown.forEach((cells, k) => expect(cells[1]).toBe(there[k][1]));
+  // Glide goes from frame to frame, greedy begins anew.
+  expect(shown[1][0]).toMatch(/Pa$/);
+});
+
+test("the time line plays, stops where it is, and is moved by keys", async () => {
+  const group = page.getByRole("group", { name: "Motion" });
+  await group.getByRole("button", { name: "Play" }).click();
+  await expect.poll(async () => Number(await line().inputValue()), { timeout: 60_000 }).toBeGreaterThan(4);
+  await group.getByRole("button", { name: "Pause" }).click();
+  await page.waitForTimeout(400);
+  const at = await line().inputValue();
+  await page.waitForTimeout(600);
+  expect(await line().inputValue()).toBe(at);
+  await line().focus();
+  await page.keyboard.press("ArrowRight");
+  await expect.poll(() => page.locator(".timeline output").innerText()).toBe(`${Number(at) + 1} / 250 ms`);
+  await page.evaluate(() => window.midair!.set({ path: null }));
+  await expect.poll(() => line().isVisible()).toBe(false);
+});
+
+test("one turn is filmed as WebM", async () => {
+  await page.evaluate(() => window.midair!.set({ path: { kind: "circle", radius: 0.01, frequency: 50 } }));
+  const [file] = await Promise.all([page.waitForEvent("download", { timeout: 90_000 }), page.getByRole("button", { name: /as a film/ }).click()]);
+  const film = await readFile((await file.path())!);
+  expect(file.suggestedFilename()).toBe("midair.webm");
+  expect(film.subarray(0, 4).toString("hex")).toBe("1a45dfa3");
+  expect(film.length).toBeGreaterThan(2000);
+  expect(complaints).toEqual([]);
+});
+
+test("a drive that comes by file has its own field and numbers beside B's", async () => {
+  await page.evaluate(() => window.midair!.set({ path: null }));
+  await page.evaluate(() => window.midair!.settled());
+  const [a, b] = await row("Weakest");
+  const drive = await page.evaluate(() => window.midair!.drive(0));
+  const half = ["index,x,y,z,amplitude,phase", ...drive.map(([re, im], k) => `${k},0,0,0,${Math.hypot(re, im) / 2},${Math.atan2(im, re)}`)].join("\n");
+  await page.evaluate((text) => {
+    const dataTransfer = new DataTransfer();
+    dataTransfer.items.add(new File([text], "half.csv"));
+    document.querySelector("main")!.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true }));
+  }, half);
+  await expect.poll(() => summary("A")).toContain("half.csv");
+  const pascals = (text: string) => Number.parseFloat(text) * (text.includes("kPa") ? 1000 : 1);
+  const [halved, same] = await row("Weakest");
+  expect(pascals(halved) / pascals(a)).toBeCloseTo(0.5, 1);
+  expect(same).toBe(b);
+  await page.evaluate(() => window.midair!.set({ methods: ["greedy", "uniform"] }));
+  await expect.poll(() => summary("A")).not.toContain("half.csv");
+});
