@@ -26,7 +26,7 @@ export function createHandles(context: Context, view: HTMLElement, camera: () =>
     let grip: { at: Spot; place: Vec3; middle: Vec3 } | null = null;
     const push = (value: number, name: string) => {
       const to = Math.round(1e5 * Math.min(Math.max(value, -REACH), REACH)) / 1e5;
-      studio.change({ plane: through({ ...state().plane, axis }, middleOf(state().plane).with(normal, to) as Vec3) }, name);
+      studio.change({ plane: through(state().plane, middleOf(state().plane).with(normal, to) as Vec3) }, name);
     };
     handle.onpointerdown = (event) => {
       event.preventDefault();

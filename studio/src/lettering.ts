@@ -4,23 +4,25 @@ import { type Contour, placed } from "./contours.ts";
 import strokes from "./strokes.json";
 import type { Vec3 } from "./types.ts";
 
-/** A capital is so many units high, and letters are so many apart. */
+/** A capital is so many units high, letters are so many apart, and lines. */
 const HEIGHT = 6;
 const GAP = 2;
 const SPACE = 3;
+const LEADING = 3;
 
 /** Strokes of each letter: pairs of digits x, y in units from its lower left corner. */
 const STROKES: Record<string, string> = strokes;
 
-/** The strokes of a line of text, capitals `height` high or lower so that it is at most `width` wide, its middle at a place; m. */
-export function letters(text: string, height: number, width: number, at: Vec3): Contour[] {
+/** A word or line in units: its strokes from its lower left corner, and its width. */
+interface Line {
+  contours: Contour[];
+  width: number;
+}
+
+function word(text: string): Line {
   const contours: Contour[] = [];
   let pen = 0;
-  for (const letter of text.trim().toUpperCase()) {
-    if (letter === " ") {
-      pen += SPACE;
-      continue;
-    }
+  for (const letter of text) {
     if (!Object.hasOwn(STROKES, letter)) {
       throw new Error(`the text has "${letter}": give A to Z, 0 to 9, blanks and - + = / . : ! ? ♥`);
     }
@@ -29,7 +31,41 @@ export function letters(text: string, height: number, width: number, at: Vec3): 
     contours.push(...strokes.map((stroke) => stroke.map(([x, y]): Vec3 => [start + +x, +y, 0])));
     pen += GAP + Math.max(...strokes.flat().map(([x]) => +x));
   }
-  if (!contours.length) throw new Error("the text is empty: give at least a letter");
-  const unit = Math.min(height / HEIGHT, width / Math.max(pen - GAP, 1));
-  return placed(contours, [unit, unit], at);
+  return { contours, width: pen - GAP };
+}
+
+const shifted = (contours: Contour[], by: number, up: number) => contours.map((contour) => contour.map(([x, y, z]): Vec3 => [x + by, y + up, z]));
+
+/** Words side by side. */
+const joined = (words: Line[]): Line =>
+  words.reduce((line, { contours, width }) => ({ contours: [...line.contours, ...shifted(contours, line.width + SPACE + GAP, 0)], width: line.width + SPACE + GAP + width }));
+
+/** Lines of words, none wider than that if its words are not. */
+function wrapped(words: Line[], most: number): Line[] {
+  const lines: Line[][] = [];
+  for (const each of words) {
+    const last = lines.at(-1);
+    if (last && joined([...last, each]).width <= most) last.push(each);
+    else lines.push([each]);
+  }
+  return lines.map(joined);
+}
+
+/**
+ * The strokes of a text, capitals `height` high or lower so that it is at most `width` wide and high, its middle at a place; m.
+ * It is broken at blanks where letters are larger then. `apart`: how far letters are from one another at least, m.
+ */
+export function letters(text: string, height: number, width: number, at: Vec3): { contours: Contour[]; apart: number } {
+  const words = text.trim().toUpperCase().split(/\s+/).filter(Boolean).map(word);
+  if (!words.length) throw new Error("the text is empty: give at least a letter");
+  const widths = words.flatMap((_, k) => words.slice(k).map((_, n) => joined(words.slice(k, k + n + 1)).width));
+  const ways = widths.map((most) => {
+    const lines = wrapped(words, most);
+    const tall = lines.length * (HEIGHT + LEADING) - LEADING;
+    return { lines, tall, unit: Math.min(height / HEIGHT, width / Math.max(...lines.map((line) => line.width), 1), width / tall) };
+  });
+  const { lines, tall, unit } = ways.toSorted((a, b) => b.unit - a.unit || a.lines.length - b.lines.length)[0];
+  const middle = Math.max(...lines.map((line) => line.width)) / 2;
+  const contours = lines.flatMap((line, k) => shifted(line.contours, middle - line.width / 2, tall - HEIGHT - k * (HEIGHT + LEADING)));
+  return { contours: placed(contours, [unit, unit], at), apart: GAP * unit };
 }

@@ -59,6 +59,8 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
   const calm = matchMedia("(prefers-reduced-motion: reduce)");
   let turn = 0;
   let frame = 0;
+  /** Whether more than the wave is another than in the picture before. */
+  let fresh = true;
   let gone = false;
   const endings: (() => void)[] = [];
   const context: Context = {
@@ -77,12 +79,18 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       alert.replaceChildren(...(text ? [element("span", {}, text), close] : []));
     },
     repaint: () => {
-      frame ||= requestAnimationFrame((now) => {
-        if (runs()) turn = turnAt(now);
-        paint();
-        if (runs()) context.repaint();
-      });
+      fresh = true;
+      next();
     },
+  };
+
+  /** Asks for a picture; of a wave that runs another one follows. */
+  const next = () => {
+    frame ||= requestAnimationFrame((now) => {
+      if (runs()) turn = turnAt(now);
+      paint();
+      if (runs()) next();
+    });
   };
 
   const canvas = element("canvas", { className: "canvas", "aria-hidden": "true" });
@@ -224,7 +232,8 @@ export function createPage(root: HTMLElement, engine: Engine, studio: Studio, ma
       const [top, bottom] = [docked ? Math.max(whole.y, sheet.y) : whole.y, whole.y + whole.height];
       painter.slice(whole, lattice, "AB"[slot], shades, { x: from, y: top, width: to - from, height: bottom - top });
     });
-    stage.place();
+    if (fresh) stage.place();
+    fresh = false;
     return ratio;
   }
 

@@ -3,6 +3,7 @@
 import type { Context } from "./context.ts";
 import { element } from "./dom.ts";
 import { MOST_POINTS } from "./initial.ts";
+import { wavelength } from "./lattices.ts";
 import { letters } from "./lettering.ts";
 import { placeOn } from "./plane.ts";
 
@@ -31,7 +32,7 @@ const icon = (shape: Shape) =>
 /** Makes the controls. */
 export function createShapes(context: Context): { root: HTMLElement } {
   const { studio, engine, say } = context;
-  const text = element("input", { type: "text", value: "HI", maxLength: 8, hidden: true, "aria-label": say("letters") });
+  const text = element("input", { type: "text", value: "HI", maxLength: 24, hidden: true, "aria-label": say("letters") });
   text.onkeydown = ({ key }) => void (key === "Enter" && draw("text"));
   const buttons = SHAPES.map((shape) => {
     const name = say(shape === "text" ? "letters" : shape);
@@ -49,9 +50,11 @@ export function createShapes(context: Context): { root: HTMLElement } {
     const place = ([across, up]: number[]) => placeOn(plane, 0.5 + across / plane.size, 0.5 + up / plane.size);
     try {
       const corners = CORNERS[shape]?.map((corner) => corner.map((x) => half * x));
-      const contours = corners ? [corners] : letters(text.value, half, 0.9 * plane.size, [0, 0, 0]);
+      const { contours, apart } = corners ? { contours: [corners], apart: Infinity } : letters(text.value, half, 0.9 * plane.size, [0, 0, 0]);
       const points = await engine.slots[0].along(contours.map((contour) => contour.map(place)), MOST_POINTS);
       studio.change({ points, pressures: null, path: null });
+      const least = wavelength(studio.view.state) / 2;
+      context.alarm(apart < least ? say("tooFine", { apart: (1000 * apart).toFixed(1), least: (1000 * least).toFixed(1) }) : "");
     } catch (error) {
       context.alarm(say("failed", { line: (error as Error).message }));
     }

@@ -8,6 +8,7 @@ import { MOST_POINTS } from "./initial.ts";
 import { number } from "./numbering.ts";
 import { following, middleOf, onPlane, SIDES } from "./plane.ts";
 import { createHandles } from "./handles.ts";
+import { createPhaseKey } from "./phasekey.ts";
 import { added, removed, shifted } from "./points.ts";
 import { createReadout } from "./readout.ts";
 import { createSliceChoice } from "./slicechoice.ts";
@@ -214,8 +215,9 @@ export function createStage(context: Context, eye: Eye): Stage {
 
   const looks = createViewing(context, eye, view, local, within);
   const slices = createSliceChoice(context);
+  const key = createPhaseKey(context);
   const placeHandles = createHandles(context, view, current, local, seen);
-  const root = element("section", { className: "stage" }, view, hint, element("div", { className: "viewing" }, slices.root, looks), readout.root);
+  const root = element("section", { className: "stage" }, view, hint, element("div", { className: "viewing" }, slices.root, looks), key.root, readout.root);
 
   // What the slice is where it is pointed at.
   view.addEventListener("pointermove", (event) => {
@@ -276,6 +278,7 @@ export function createStage(context: Context, eye: Eye): Stage {
     if (held) lifter.style.transform = `translate(${held[0].toFixed(2)}px, ${held[1].toFixed(2)}px)`;
     placeHandles();
     slices.place();
+    key.place();
   }
 
   return {

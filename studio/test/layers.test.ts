@@ -13,7 +13,7 @@ const LAYERS = [
   ["solve.worker", "lattices", "engine", "studio", "serial"],
   ["painter/", "eye", "look", "numbers"],
   [
-    "context", "announce", "refusals", "chart", "recording", "player", "readout", "instrument", "viewing", "handles", "slicechoice", "stage", "compare", "exchange", "boardbutton", "gallerybox", "bar", "table",
+    "context", "announce", "refusals", "chart", "recording", "player", "readout", "instrument", "viewing", "handles", "slicechoice", "phasekey", "stage", "compare", "exchange", "boardbutton", "gallerybox", "bar", "table",
     "shaping", "motion", "panels", "sheet", "sentence",
   ],
   ["page", "hook", "main", "widget"],

@@ -13,7 +13,7 @@ const door = openDoor(await compile(readFileSync(`${import.meta.dirname}/../buil
 const STEP = 2.125e-3;
 
 const along = (contours: Contour[], most = 64) => door.along(contours, most);
-const written = (text: string, most = 64) => along(letters(text, 0.03, 1, [0, 0, 0.15]), most);
+const written = (text: string, most = 64) => along(letters(text, 0.03, 1, [0, 0, 0.15]).contours, most);
 const distance = (a: Vec3, b: Vec3) => Math.hypot(...a.map((x, axis) => x - b[axis]));
 const nearest = (points: Vec3[]) =>
   Math.min(...points.flatMap((a, k) => points.slice(0, k).map((b) => distance(a, b))));
@@ -81,4 +81,26 @@ test("what is no shape is refused", () => {
   expect(() => along([[[0, 0, 0], [1000, 0, 0]]])).toThrow("step is 0.002125: 1000 m of contours would be more than");
   expect(() => door.circle([0, 0, 0.1], 0, 64)).toThrow("radius is 0.0: give a number above 0");
   expect(() => along([[]])).toThrow("contour is []");
+});
+
+test("many letters are broken into lines where they are larger then, and say how near to one another they are", () => {
+  const size = (text: string) => {
+    const { contours, apart } = letters(text, 0.03, 0.16, [0.01, 0.02, 0.15]);
+    const all = contours.flat();
+    const [x, y] = [0, 1].map((axis) => all.map((at) => at[axis]));
+    const ends = [Math.min(...x), Math.max(...x), Math.min(...y), Math.max(...y)];
+    expect((ends[0] + ends[1]) / 2).toBeCloseTo(0.01, 9);
+    expect((ends[2] + ends[3]) / 2).toBeCloseTo(0.02, 9);
+    return { wide: ends[1] - ends[0], high: ends[3] - ends[2], apart };
+  };
+  expect(size("HI").high).toBeCloseTo(0.03, 9);
+  const one = size("ULTRASOUND");
+  const two = size("ULTRA SOUND");
+  expect(one.high).toBeLessThan(0.02);
+  expect(two.high).toBeGreaterThan(2 * one.high);
+  expect(two.apart).toBeGreaterThan(1.5 * one.apart);
+  for (const { wide, high } of [one, two, size("FOUR WORDS IN LINES")]) expect(Math.max(wide, high)).toBeLessThan(0.16 + 1e-9);
+  // Half a wavelength is 4.3 mm: ten letters on 160 mm are too near, in two lines they are not.
+  expect(one.apart).toBeLessThan(0.0062);
+  expect(size("ABCDEFGHIJKLMNOPQRSTUVWX").apart).toBeLessThan(0.0043);
 });

@@ -59,7 +59,8 @@ void main() {
   axis = normal;
   halfway = normalize(light + to);
   bool back = dot(normal, to) < 0.;
-  face = back ? metal * .45 : mix(off, entry(shade(drive)), known * min(length(drive), 1.));
+  // Dimmed, so that the field is what shines.
+  face = back ? metal * .45 : mix(off, entry(shade(drive)), .72 * known * min(length(drive), 1.));
   rim = back ? face : metal * (.5 + .5 * max(dot(normal, light), 0.));
   // From behind, a can is seen to be closed.
   gl_Position = matrix * vec4(position + radius * (back ? outward - normal * ${HEIGHT} : outward), 1);

@@ -5,14 +5,15 @@ import type { Page } from "playwright-core";
 import { beforeEach, expect, test } from "vitest";
 
 import { shared } from "./setup.ts";
-import { visit } from "./site.ts";
+import { EIGHT, ready, unfold, visit } from "./site.ts";
 
 const open = shared();
 let page: Page;
 
 beforeEach(async () => {
   await page?.context().close();
-  ({ page } = await visit(open.browser, open.url));
+  ({ page } = await visit(open.browser, open.url + EIGHT));
+  await unfold(page, "Control points");
 });
 
 const cell = (n: number) => page.getByRole("spinbutton", { name: `Pressure of point ${n} in Pa` });
@@ -34,7 +35,8 @@ test("cells that the page filled in stay so through a link, undo and a point tha
   await expect.poll(looks).toEqual(["1", "3"]);
   await page.goto(link);
   await page.reload();
-  await page.waitForFunction(() => window.midair?.state().ready, undefined, { timeout: 60_000 });
+  await ready(page);
+  await unfold(page, "Control points");
   await expect.poll(looks).toEqual(["1", "3"]);
   expect(await cell(2).inputValue()).toBe("2000");
   await page.getByRole("button", { name: "Remove point 1" }).click();

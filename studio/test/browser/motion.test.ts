@@ -6,7 +6,7 @@ import { beforeEach, expect, test } from "vitest";
 
 import type { Vec3 } from "../../src/types.ts";
 import { shared } from "./setup.ts";
-import { visit } from "./site.ts";
+import { unfold, visit } from "./site.ts";
 
 const open = shared();
 const START = {
@@ -14,6 +14,7 @@ const START = {
   points: [[-0.02, 0, 0.15], [0.02, 0.01, 0.15]] as Vec3[],
   methods: ["greedy", "naive"] as [string, string],
   view: "slice" as const,
+  level: "engineer" as const,
   path: { kind: "circle" as const, radius: 0.01, frequency: 4 },
 };
 let page: Page;
@@ -30,7 +31,7 @@ const row = (name: string) => page.getByRole("row", { name: new RegExp(`^${name}
 const line = () => page.getByRole("slider", { name: "Frame" });
 
 test("what moves right after a change moves, and the panes say whose numbers these are", async () => {
-  await page.waitForTimeout(100);
+  await unfold(page, "Motion");
   await page.getByRole("button", { name: "Move", exact: true }).click();
   await expect.poll(() => summary("A"), { timeout: 60_000 }).toMatch(/^glide/);
   expect(await summary("B")).not.toContain("at rest");

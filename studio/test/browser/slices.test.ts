@@ -7,7 +7,7 @@ import { shared } from "./setup.ts";
 import { grab, point, visit } from "./site.ts";
 
 const open = shared();
-const BOARD = { array: { preset: "sonicsurface", tiles: [1, 1] as [number, number] }, points: [[-0.03, 0.01, 0.15], [0.03, 0.01, 0.15]] as Vec3[], view: "slice" as const };
+const BOARD = { array: { preset: "sonicsurface", tiles: [1, 1] as [number, number] }, points: [[-0.03, 0.01, 0.15], [0.03, 0.01, 0.15]] as Vec3[], view: "slice" as const, level: "engineer" as const };
 const UPRIGHT = { ...BOARD, plane: { axis: "y" as const, z: 0.15, size: 0.12, center: [0, 0.01] as [number, number] } };
 let page: Page;
 let complaints: string[];
@@ -63,13 +63,13 @@ test("a handle pushes its slice along its normal, by the pointer and by keys", a
   await page.mouse.up();
   const pushed = (await state()).plane;
   expect(pushed.z).toBeGreaterThan(before.z + 0.003);
-  expect(pushed).toEqual({ ...before, axis: "z", z: pushed.z });
+  expect(pushed).toEqual({ ...before, z: pushed.z });
   const there = (await handle("z").boundingBox())!;
   expect(Math.abs(there.y - box.y + 30)).toBeLessThan(2);
   await handle("x").focus();
   await page.keyboard.press("Shift+ArrowUp");
   expect((await state()).plane.center[0]).toBeCloseTo(0.01, 9);
-  expect(await handle("x").getAttribute("aria-valuetext")).toBe("x 10 mm");
+  await expect.poll(() => handle("x").getAttribute("aria-valuetext")).toBe("x 10 mm");
 });
 
 test("points are dragged along an upright slice; one that leaves it takes it along", async () => {
@@ -130,8 +130,7 @@ test("axes in mm and a bar of one wavelength lie over the slice", async () => {
   expect(bar.width / box.width).toBeCloseTo(346.13 / 40e3 / 0.12, 2);
   expect(await picture.locator(".wavelength").innerText()).toBe("λ 8.7");
   const marks = await picture.locator(".marks.up span").allInnerTexts();
-  expect(marks.filter(Boolean)).toEqual(["100", "120", "140", "160", "180", "200"].filter((mark) => marks.includes(mark)));
-  expect(marks.filter(Boolean).length).toBeGreaterThan(2);
+  expect(marks.filter(Boolean)).toEqual(["100", "150", "200"]);
   expect(await picture.locator(".marks b").allInnerTexts()).toEqual(["x mm", "z mm"]);
 });
 

@@ -1,0 +1,19 @@
+/** Phase key: the colours of phases around a circle, as the transducers have them. */
+
+import type { Context } from "./context.ts";
+import { element } from "./dom.ts";
+import { entry } from "./painter/maps.ts";
+
+/** Colours around the circle. */
+const COUNT = 32;
+
+/** Makes the key; phase 0 is to the right, and phases go counterclockwise, as in the complex plane. */
+export function createPhaseKey({ studio, say }: Context): { root: HTMLElement; place(): void } {
+  // A conic gradient goes clockwise from the top: there the phase is a quarter of a turn.
+  const colours = Array.from({ length: COUNT + 1 }, (_, k) => `rgb(${entry("phase", (1.75 - k / COUNT) % 1).map(Math.round)})`);
+  const ring = element("span", { className: "wheel" });
+  ring.style.background = `conic-gradient(${colours.join()})`;
+  const marks = ["0", "π/2", "π", "−π/2"].map((text) => element("i", {}, text));
+  const root = element("div", { className: "phasekey", role: "img", "aria-label": say("phaseKey"), title: say("phaseKey") }, ring, ...marks);
+  return { root, place: () => (root.hidden = studio.view.state.quantity === "wave") };
+}
