@@ -72,6 +72,8 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   /** Which run is the newest: an older one ends. */
   let run_ = 0;
   let slowB = false;
+  /** The state that plays. */
+  let begun = "";
   context.ending(halt);
 
   const asked = () => JSON.stringify({ ...state(), quantity: 0, scale: 0, slot: 0 });
@@ -106,7 +108,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   }
 
   /** Shows a frame of both; false where something else is asked for meanwhile. */
-  async function show({ state: now, places, frames, chart, asked: begun }: Followed, t: number, still: () => boolean): Promise<boolean> {
+  async function show({ state: now, places, frames, chart, asked: theirs }: Followed, t: number, still: () => boolean): Promise<boolean> {
     const count = now.points.length;
     const points = now.points.map((_, j) => [...places.subarray(3 * (t * count + j), 3 * (t * count + j) + 3)] as Vec3);
     const there = { ...now, points };
@@ -116,7 +118,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
       engine.slow.frame(t, JSON.stringify(sceneOf(there, 0)), grids, now.ear),
       slowB ? null : engine.slots[1].update(JSON.stringify(sceneOf(there, 1)), grids, now.ear, true).then((b) => ((slowB = performance.now() - before > PATIENCE), b)),
     ]);
-    if (!still() || asked() !== begun) return false;
+    if (!still() || asked() !== theirs) return false;
     at = t;
     chart.mark(t / (frames.length - 1));
     studio.show({ points, results: [resultOf(a), b && resultOf(b)], names: ["glide", b ? "" : say("atRest")], change: frames[t].change });
@@ -128,7 +130,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
     if (!state().path) return;
     const mine = ++run_;
     const still = () => run_ === mine;
-    mode = "play";
+    [mode, begun] = ["play", asked()];
     place();
     try {
       const all = await follow();
@@ -145,7 +147,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   /** Stops at a frame. */
   async function seek(t: number) {
     const mine = ++run_;
-    mode = "pause";
+    [mode, begun] = ["pause", asked()];
     at = t;
     try {
       const all = await follow();
@@ -158,7 +160,7 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   /** One turn, frame by frame, as a film. */
   async function save() {
     const mine = ++run_;
-    mode = "play";
+    [mode, begun] = ["play", asked()];
     place();
     film.disabled = true;
     try {
@@ -194,7 +196,8 @@ export function createPlayer(context: Context, canvas: () => Part): Player {
   function place() {
     const now = state();
     const known = followed?.asked === asked() ? followed : null;
-    if (mode !== "rest" && followed && !known && !studio.view.frame) [mode, run_] = ["rest", run_ + 1];
+    // Of another state nothing plays.
+    if (mode !== "rest" && begun !== asked()) [mode, run_] = ["rest", run_ + 1];
     root.hidden = now.path === null;
     found.hidden = !known;
     if (!now.path) return;

@@ -118,7 +118,9 @@ test("the exported picture is a sheet with axes, bar, numbers, version and link,
   expect(svg.match(/<image /g)).toHaveLength(5);
   expect(svg.match(/<circle /g)).toHaveLength(2 * (await points()).length);
   const png = await download("Export picture");
-  expect([png.readUInt32BE(16), png.readUInt32BE(20)]).toEqual([2560, 1520]);
+  const size = svg.match(/viewBox="0 0 (\d+) (\d+)"/)!.slice(1).map(Number);
+  expect([png.readUInt32BE(16), png.readUInt32BE(20)]).toEqual(size.map((px) => 2 * px));
+  expect(size[0]).toBe(1280);
 });
 
 test("nothing leaves the origin, and nothing is complained of", async () => {
