@@ -10,28 +10,9 @@ True
 SI units, e^{-jwt}, peak pressures: every convention is in docs/conventions.md.
 """
 
-from importlib.metadata import version as _version
+from typing import TYPE_CHECKING
 
 from . import _toolbox
-from ._boards import (
-    Board,
-    BoardBusy,
-    BoardError,
-    BoardLost,
-    BoardNotFound,
-    BoardPermission,
-    BoardTimeout,
-    Connection,
-    Port,
-    connect,
-    ports,
-)
-from ._files import read, write
-from ._judging import Kept, Tolerance, tolerate
-from ._judging.compare import Comparison, compare
-from ._judging.exposure import Exposed, Exposure, exposure
-from ._judging.streaming import Streaming, streaming
-from ._measuring import Calibration, Fault, Report, Tuning, calibrate, calibration_drives, doctor, tune
 from ._midair import (
     Array,
     Batch,
@@ -63,19 +44,39 @@ from ._midair import (
     solve,
     solve_batch,
 )
-from ._motion import Felt, Sequence, SequenceMetrics, sequence, stream
-from ._pictures.notebook import solvers
-from ._pictures.plot import plot
-from ._pictures.sheet import style
-from ._points.ear import Ear, ear
-from ._points.image import Picture, image
-from ._studio import View, view
-from ._support import slips as _slips
-from ._sweep import sweep
 
-_toolbox.attach()
+if TYPE_CHECKING:
+    # For type checkers; these are loaded when they are first used: `_toolbox.HOMES`.
+    from . import path as path
+    from . import shape as shape
+    from ._boards.address import Port, ports
+    from ._boards.board import Board
+    from ._boards.connection import Connection, connect
+    from ._boards.errors import BoardBusy, BoardError, BoardLost, BoardNotFound, BoardPermission, BoardTimeout
+    from ._files import read, write
+    from ._judging.compare import Comparison, compare
+    from ._judging.exposure import Exposed, Exposure, exposure
+    from ._judging.streaming import Streaming, streaming
+    from ._judging.tolerance import Kept, Tolerance
+    from ._judging.tolerate import tolerate
+    from ._measuring.calibrate import calibrate, calibration_drives
+    from ._measuring.doctor import Fault, Report, doctor
+    from ._measuring.player import Tuning
+    from ._measuring.result import Calibration
+    from ._measuring.tune import tune
+    from ._motion import Felt, Sequence, SequenceMetrics, sequence, stream
+    from ._pictures.notebook import solvers
+    from ._pictures.plot import plot
+    from ._pictures.sheet import style
+    from ._points.ear import Ear, ear
+    from ._points.image import Picture, image
+    from ._studio.view import View, view
+    from ._sweep import sweep
 
-__version__ = _version("midair")
+    __version__: str
+else:
+    __getattr__ = _toolbox.load
+
 __all__ = [
     "Array",
     "Batch",
@@ -156,4 +157,9 @@ __all__ = [
     "write",
 ]
 
-_slips.attach(__name__)
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]
+
+
+_toolbox.attach()

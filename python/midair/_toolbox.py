@@ -1,49 +1,113 @@
-"""Toolbox: methods that Python adds to the extension's classes, and functions that the extension calls.
+"""Toolbox: public names, methods of the extension's classes and functions it calls, loaded when used.
 
-The extension never imports the package: `midair` registers this module.
+`import midair` so loads NumPy and the extension alone. The extension never imports the package: `midair`
+registers this module.
 """
 
 from __future__ import annotations
 
 import sys
+from importlib import import_module
 from typing import Any, cast
 
 from . import _midair
-from ._boards.playing import play
-from ._files import read_array, record
-from ._judging.exposure import exposure
-from ._judging.streaming import streaming
-from ._judging.tolerate import tolerate
 from ._midair import Array, Batch, Field, Scene, Solution
-from ._motion import Sequence
-from ._pictures import notebook
-from ._pictures.answer import answer
-from ._pictures.plot import plot
-from ._points import drawn
-from ._support import arguments, output
+from ._support import slips
+from ._support.slips import Later
+
+#: Public names by the module that has them; of a package without names, its own.
+HOMES = {
+    "_boards.address": "Port ports",
+    "_boards.board": "Board",
+    "_boards.connection": "Connection connect",
+    "_boards.errors": "BoardBusy BoardError BoardLost BoardNotFound BoardPermission BoardTimeout",
+    "_files": "read write",
+    "_judging.compare": "Comparison compare",
+    "_judging.exposure": "Exposed Exposure exposure",
+    "_judging.streaming": "Streaming streaming",
+    "_judging.tolerance": "Kept Tolerance",
+    "_judging.tolerate": "tolerate",
+    "_measuring.calibrate": "calibrate calibration_drives",
+    "_measuring.doctor": "Fault Report doctor",
+    "_measuring.player": "Tuning",
+    "_measuring.result": "Calibration",
+    "_measuring.tune": "tune",
+    "_motion": "Felt Sequence SequenceMetrics sequence stream",
+    "_pictures.notebook": "solvers",
+    "_pictures.plot": "plot",
+    "_pictures.sheet": "style",
+    "_points.ear": "Ear ear",
+    "_points.image": "Picture image",
+    "_studio.view": "View view",
+    "_sweep": "sweep",
+    "path": "",
+    "shape": "",
+}
 
 #: By class and name: `solution.exposure(places)` is `midair.exposure(solution, places)`.
-METHODS: dict[type, dict[str, Any]] = {
-    Array: {"_repr_html_": notebook.array, "from_file": staticmethod(read_array)},
-    Batch: {"_repr_html_": notebook.batch},
-    Field: {"_repr_html_": notebook.field, "plot": plot},
-    Scene: {"_repr_html_": notebook.scene},
-    Sequence: {"exposure": exposure},
+METHODS: dict[type, dict[str, Later]] = {
+    Array: {
+        "_repr_html_": Later("_pictures.notebook", "array"),
+        "from_file": Later("_files", "read_array", static=True),
+    },
+    Batch: {"_repr_html_": Later("_pictures.notebook", "batch")},
+    Field: {"_repr_html_": Later("_pictures.notebook", "field"), "plot": Later("_pictures.plot", "plot")},
+    Scene: {"_repr_html_": Later("_pictures.notebook", "scene")},
     Solution: {
-        "_repr_html_": notebook.solution,
-        "exposure": exposure,
-        "load": staticmethod(record.load),
-        "play": play,
-        "plot": answer,
-        "save": record.save,
-        "streaming": streaming,
-        "tolerate": tolerate,
+        "_repr_html_": Later("_pictures.notebook", "solution"),
+        "exposure": Later("_judging.exposure", "exposure"),
+        "load": Later("_files.record", "load", static=True),
+        "play": Later("_boards.playing", "play"),
+        "plot": Later("_pictures.answer", "answer"),
+        "save": Later("_files.record", "save"),
+        "streaming": Later("_judging.streaming", "streaming"),
+        "tolerate": Later("_judging.tolerate", "tolerate"),
     },
 }
 
-
 #: Functions that the extension calls: for a scene file's tables, for a mesh's file, to write and to warn.
-points, mesh, mesh_file, write, warn = drawn.points, drawn.mesh, drawn.read, output.write, arguments.warn
+CALLED = {
+    "points": ("_points.drawn", "points"),
+    "mesh": ("_points.drawn", "mesh"),
+    "mesh_file": ("_points.drawn", "read"),
+    "write": ("_support.output", "write"),
+    "warn": ("_support.arguments", "warn"),
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in CALLED:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    home, own = CALLED[name]
+    return getattr(import_module(f"midair.{home}"), own)
+
+
+def load(name: str) -> Any:
+    """A public name of `midair` that is not loaded yet. Raises AttributeError where there is none."""
+    package = sys.modules["midair"]
+    if name == "__version__":
+        from importlib.metadata import version
+
+        value: Any = version("midair")
+    else:
+        home = next((home for home, names in HOMES.items() if name in (names.split() or [home])), None)
+        if home is None:
+            raise AttributeError(f"module 'midair' has no attribute {name!r}")
+        module = import_module(f"midair.{home}")
+        value = module if name == home else slips.guided(getattr(module, name), f"midair.{name}")
+    setattr(package, name, value)
+    guide()
+    return value
+
+
+def guide() -> None:
+    """Guides the keywords of all public classes that are loaded by now: what a function returns is of one."""
+    package = sys.modules["midair"]
+    for home, names in HOMES.items():
+        loaded = vars(sys.modules.get(f"midair.{home}", package))
+        for name in names.split():
+            if name not in vars(package) and isinstance(loaded.get(name), type):
+                setattr(package, name, slips.guided(loaded[name], f"midair.{name}"))
 
 
 def sound(boundary: _midair.Boundary) -> Any:
@@ -75,5 +139,7 @@ def attach() -> None:
     declared()
     for owner, methods in METHODS.items():
         for name, method in methods.items():
+            method.__set_name__(owner, name)
             setattr(owner, name, method)
+    slips.attach("midair")
     _midair.register(sys.modules[__name__])

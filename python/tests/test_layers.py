@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ast
 import importlib
+import subprocess
+import sys
 from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -11,6 +13,7 @@ from pathlib import Path
 import pytest
 
 import midair
+from midair._toolbox import HOMES
 
 PACKAGE = Path(midair.__file__).parent
 
@@ -147,3 +150,36 @@ def test_public_modules_show_public_names_only(name: str) -> None:
     module = importlib.import_module(name)
     shown = {inner for inner in dir(module) if not inner.startswith("_")}
     assert shown == set(module.__all__) - {"__version__"}
+
+
+def test_names_that_are_loaded_later_are_those_that_type_checkers_see() -> None:
+    (block, *_) = (
+        node
+        for node in ast.parse(sources()["midair.__init__"]).body
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+    )
+    seen = {
+        node.module: {alias.name for alias in node.names}
+        for node in block.body
+        if isinstance(node, ast.ImportFrom) and node.module
+    }
+    assert seen == {home: set(names.split()) for home, names in HOMES.items() if names}
+    later = {name for names in HOMES.values() for name in names.split()}
+    assert later | {home for home, names in HOMES.items() if not names} <= set(midair.__all__)
+
+
+#: What `import midair` loads of the package and of what it needs: NumPy and the extension.
+LOADED = """
+import sys, midair
+own = {name for name in sys.modules if name.startswith("midair")}
+assert own == {"midair", "midair._midair", "midair._support", "midair._support.slips", "midair._toolbox"}, own
+for heavy in ("matplotlib", "rich", "cyclopts", "importlib.metadata", "asyncio", "email", "json"):
+    assert heavy not in sys.modules, heavy
+assert midair.solve(midair.Scene(midair.Array.preset("paper20"), [[0, 0, 0.15]])).tolerate
+midair.read, midair.Sequence, midair.__version__, midair.path.circle, midair.path.Path
+"""
+
+
+@pytest.mark.slow
+def test_importing_midair_loads_the_extension_alone() -> None:
+    subprocess.run([sys.executable, "-c", LOADED], check=True)

@@ -22,6 +22,8 @@ def walked(module: ModuleType) -> Iterator[tuple[str, Callable[..., Any]]]:
         if isinstance(value, ModuleType):
             yield from walked(value)
         elif isinstance(value, type):
+            for method in [*vars(value)]:
+                getattr(value, method)  # one that is loaded later is a function from now on
             own = {**vars(value)}
             if "_new" in own or isinstance(own.get("__init__"), FunctionType):
                 yield name, value

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from .. import SceneError, exposure, solve
-from .._judging import Trials
+from .._judging.tolerate import Trials
 from .._support import output
 from .progress import progress_bar
 from .scene import SceneFile, numbers

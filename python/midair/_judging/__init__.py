@@ -1,6 +1,1 @@
-"""`midair.tolerate`: what is left of a solution when array and air are not as the scene says."""
-
-from .tolerance import Kept, Tolerance
-from .tolerate import Trials, tolerate
-
-__all__ = ["Kept", "Tolerance", "Trials", "tolerate"]
+"""Judging: solvers compared, exposure, streaming, and what faults of array and air leave of a solution."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from .._midair import Plane, SceneError
 from .._support.arguments import path_of
+from .._support.slips import Later
 from . import files
 from .animation import animate
 from .judged import JudgedFrames
@@ -92,6 +93,8 @@ class Sequence(JudgedFrames):
         order.
         """
         animate(self, path, plane, frames, fps, progress)
+
+    exposure = Later("_judging.exposure", "exposure")
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write it as .npz: points, targets, drives (or codes), scene (array and air) and setting as JSON.

@@ -1,6 +1,6 @@
 """Slips of the keyboard: a keyword that a public callable does not have is refused by one line with a hint.
 
-`attach` wraps what a package's `__all__` names, once, when it is imported. A call that succeeds pays for one
+`attach` wraps what a package's `__all__` names, once, when it is loaded. A call that succeeds pays for one
 more Python frame, and signatures and docstrings stay.
 """
 
@@ -10,6 +10,7 @@ import functools
 import inspect
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from importlib import import_module
 from types import FunctionType, MethodDescriptorType, ModuleType
 from typing import Any, cast
 
@@ -23,19 +24,51 @@ NAMED = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY
 
 
 def attach(package: str) -> None:
-    """Wraps the functions, classes and modules of a package's `__all__`."""
+    """Guides the functions and classes of a package's `__all__`, those that it has loaded."""
     module = sys.modules[package]
     for key in module.__all__:
-        value, name = getattr(module, key), f"{package}.{key}"
-        if isinstance(value, ModuleType):
-            attach(value.__name__)
-        elif isinstance(value, type):
-            _class(value, name)
-        elif callable(value):
-            wrapped = _guided(value, name)
-            # Where it is defined as well: pickles find a function there.
-            for home in {package, value.__module__}:
-                setattr(sys.modules[home], key, wrapped)
+        if key in vars(module):
+            setattr(module, key, guided(getattr(module, key), f"{package}.{key}"))
+
+
+def guided(value: Any, name: str) -> Any:
+    """A public function, guided in its keywords, or a class whose methods now are; anything else as it is."""
+    if isinstance(value, type):
+        _class(value, name)
+    elif callable(value) and not isinstance(value, ModuleType):
+        wrapped = _guided(value, name)
+        # Where it is defined as well: pickles find a function there.
+        home: Any = sys.modules.get(value.__module__)
+        key = name.rpartition(".")[2]
+        if getattr(home, key, None) is value:
+            setattr(home, key, wrapped)
+        return wrapped
+    return value
+
+
+class Later:
+    """A method that a module has, loaded when it is first looked up, and guided in its keywords.
+
+    home, name : the module, below midair, and what it is called there
+    static : whether it takes no instance
+    """
+
+    def __init__(self, home: str, name: str, *, static: bool = False) -> None:
+        self.home, self.name, self.static = home, name, static
+        self.owner: Any = None
+        self.key = ""
+
+    def __set_name__(self, owner: type, key: str) -> None:
+        self.owner, self.key = owner, key
+
+    def __get__(self, instance: object, owner: type) -> Any:
+        function = getattr(import_module(f"midair.{self.home}"), self.name)
+        # One that is a public function, too, is guided under that name already.
+        method = getattr(function, "__wrapped__", function)
+        if not self.key.startswith("_"):
+            method = _guided(method, f"midair.{self.owner.__name__}.{self.key}")
+        setattr(self.owner, self.key, staticmethod(method) if self.static else method)
+        return getattr(owner if instance is None else instance, self.key)
 
 
 def _class(owner: type, name: str) -> None:

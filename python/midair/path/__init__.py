@@ -13,8 +13,11 @@ Pa where `pressures` were given, else relative to full. Speed is in m/s along th
 second. `a & b` are both at the same time, `a.then(b)` one after the other, `a.with_am(200)` is modulated.
 """
 
+from .._support import slips as _slips
 from ._figures import circle, line, lissajous, polyline
 from ._path import Path
 from ._samples import from_array, morph, read, svg
 
 __all__ = ["Path", "circle", "from_array", "line", "lissajous", "morph", "polyline", "read", "svg"]
+
+_slips.attach(__name__)

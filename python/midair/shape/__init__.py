@@ -15,7 +15,10 @@ than half a step to one before it is left out.
 """
 
 from .._midair import MOST_POINTS, STEP
+from .._support import slips as _slips
 from ._figures import circle, line, polyline, text
 from ._vector_graphics import svg
 
 __all__ = ["MOST_POINTS", "STEP", "circle", "line", "polyline", "svg", "text"]
+
+_slips.attach(__name__)
