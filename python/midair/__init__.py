@@ -64,7 +64,7 @@ if TYPE_CHECKING:
     from ._measuring.player import Tuning
     from ._measuring.result import Calibration
     from ._measuring.tune import tune
-    from ._motion import Felt, Sequence, SequenceMetrics, sequence, stream
+    from ._motion import Felt, Sequence, SequenceMetrics, Skin, sequence, skin, stream
     from ._pictures.notebook import solvers
     from ._pictures.plot import plot
     from ._pictures.sheet import style
@@ -115,6 +115,7 @@ __all__ = [
     "SceneWarning",
     "Sequence",
     "SequenceMetrics",
+    "Skin",
     "Solution",
     "Solver",
     "SolverInfo",
@@ -144,6 +145,7 @@ __all__ = [
     "rest",
     "sequence",
     "shape",
+    "skin",
     "solve",
     "solve_batch",
     "solvers",

@@ -3,6 +3,7 @@
 from .felt import Felt
 from .metrics import SequenceMetrics
 from .sequence import Sequence
+from .skin import Skin, skin
 from .solve import sequence, stream
 
-__all__ = ["Felt", "Sequence", "SequenceMetrics", "sequence", "stream"]
+__all__ = ["Felt", "Sequence", "SequenceMetrics", "Skin", "sequence", "skin", "stream"]

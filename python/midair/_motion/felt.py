@@ -81,37 +81,38 @@ def a_weighting(frequency: NDArray[np.floating]) -> NDArray[np.float64]:
 #: Bands of the skin's slow and fast channels in Hz: steady motion, and vibration.
 BANDS: tuple[tuple[float, float], ...] = ((5.0, 50.0), (50.0, 500.0))
 
-#: Least vibration that the palm feels, (Hz, dB re 1 um peak), by a contactor of 2.9 cm^2 and long bursts: the
-#: curve of Verrillo 1963 (J. Acoust. Soc. Am. 35, 1962) with the slow channel of Bolanowski et al. 1988
-#: (J. Acoust. Soc. Am. 84, 1680), to some 3 dB. Fast channel: -12 dB an octave up to its best, 250 Hz.
-THRESHOLDS = (
-    (1.0, 32.0),
-    (3.0, 28.0),
-    (10.0, 20.0),
-    (30.0, 13.0),
-    (40.0, 11.0),
-    (62.5, 4.0),
-    (125.0, -8.0),
-    (200.0, -17.0),
-    (250.0, -20.0),
-    (300.0, -19.0),
-    (400.0, -15.0),
-    (500.0, -10.0),
-    (700.0, 0.0),
-    (1000.0, 15.0),
+#: Least vibration that each channel of the palm feels, (Hz, dB re 1 um peak), by a contactor of 2.9 cm^2 and
+#: long bursts, to some 3 dB: the fast one (Pacinian) of Verrillo 1963 (J. Acoust. Soc. Am. 35, 1962), -12 dB
+#: an octave up to its best, 250 Hz; the slow one (non-Pacinian I) of Bolanowski et al. 1988 (84, 1680).
+SLOW = (
+    (1, 32),
+    (3, 28),
+    (10, 20),
+    (30, 13),
+    (60, 12),
+    (100, 14),
+    (200, 21),
+    (300, 28),
+    (500, 40),
+    (1000, 60),
 )
+FAST = ((1, 75.6), (250, -20), (300, -19), (400, -15), (500, -10), (700, 0), (1000, 15))
 
 
-def threshold(frequency: ArrayLike) -> NDArray[np.float64]:
-    """Least vibration that the palm feels at frequencies in Hz, as peak displacement in m; inf beyond.
+def threshold(
+    frequency: ArrayLike, channels: Sequence[Sequence[tuple[float, float]]] = (SLOW, FAST)
+) -> NDArray[np.float64]:
+    """Least vibration that a channel of the palm feels at frequencies in Hz, as peak displacement in m.
 
-    Straight in dB over log frequency between `THRESHOLDS`, of 1 to 1000 Hz.
+    That of the more sensitive of some channels, straight in dB over log frequency; inf beyond 1 to 1000 Hz.
     """
-    known = np.array(THRESHOLDS)
-    given = np.maximum(np.asarray(frequency, np.float64), 1e-9)
-    decibels = np.interp(np.log(given), np.log(known[:, 0]), known[:, 1], np.inf, np.inf)
-    found: NDArray[np.float64] = 1e-6 * 10 ** (decibels / 20)
-    return found
+    octaves = np.log(np.maximum(np.asarray(frequency, np.float64), 1e-9))
+    decibels = [
+        np.interp(octaves, np.log([f for f, _ in curve]), [dB for _, dB in curve], np.inf, np.inf)
+        for curve in channels
+    ]
+    least: NDArray[np.float64] = 1e-6 * 10 ** (np.min(decibels, axis=0) / 20)
+    return least
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cached_property
 from typing import Any
 
@@ -148,16 +149,22 @@ class JudgedFrames(Frames):
         places = arguments.places(place)
         size = None if area is None else number("area", area, above=0)
         read = arguments.bands(bands)
-        gains = rows(self._scene, places, name="place")
-        values = np.empty(len(self))
-        for frames, _, y in self._envelope(tau, "hold").inside(1):
-            pressure = np.abs(y[:, 0] @ gains.T).astype(np.float64)
-            values[frames] = np.mean(pressure**2, axis=1)
-        values /= self._scene.density * self._scene.sound_speed**2
+        values = np.concatenate(
+            [pushed.mean(axis=1, dtype=np.float64) for _, pushed in self._pushes(places, tau)]
+        )
         if size is not None:
             values *= 1e3 * size
         lines = spectrum(values, self._rate)
         return Felt(self.times, values, *lines, read, "Pa" if size is None else "mN")
+
+    def _pushes(self, places: NDArray[np.float64], tau: float) -> Iterator[tuple[slice, NDArray[np.float32]]]:
+        """Blocks of frames and |p|^2/(rho c^2) (frames, K) in Pa at places (K, 3), at each frame's start."""
+        gains = rows(self._scene, places, name="place").T
+        root = np.float32(1 / np.sqrt(self._scene.density * self._scene.sound_speed**2))
+        for frames, _, y in self._envelope(tau, "hold").inside(1):
+            parts = ((y[:, 0] * root) @ gains).view(np.float32)
+            np.square(parts, out=parts)
+            yield frames, parts[:, ::2] + parts[:, 1::2]
 
     def _envelope(self, tau: float, hold: Hold) -> Envelope:
         held = arguments.hold(hold)

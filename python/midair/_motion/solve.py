@@ -13,9 +13,8 @@ from .._midair import Array, SceneError, Solver, solvers
 from .._support.arguments import callback, number, refused, whole
 from ..path import Path
 from . import store
-from .ahead import Tracks, board_of, check
 from .frames import AIR
-from .horizon import Followed, Foreseen, Found, read_frame, streamed
+from .horizon import Followed, Foreseen, Found, Tracks, board_of, check, read_frame, streamed
 from .request import Request, bound, request, sight, solver_name, warn_of_speed
 from .sequence import Sequence
 

@@ -10,7 +10,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._support.arguments import number, refused, word
+from .._support.arguments import number, real, refused, word
 from ._joined import beside, then
 from ._piece import ROUNDING, Numbers, Piece, instants
 
@@ -24,14 +24,57 @@ SHAPES: dict[str, Callable[[Numbers], Numbers]] = {
 }
 
 
+@dataclass(frozen=True, eq=False)
+class Wave:
+    """A modulation: factors of the targets that repeat.
+
+    frequency : in Hz
+    finest : the highest frequency that frames must follow, in Hz
+    depth : 1 - depth + depth s
+    shape : of s, where there are no samples
+    samples : (S,) of s in a period
+    """
+
+    frequency: float
+    finest: float
+    depth: float
+    shape: str
+    samples: Numbers | None = None
+
+    def factors(self, periods: Numbers) -> Numbers:
+        """By periods since the start."""
+        if self.samples is None:
+            s = SHAPES[self.shape](periods)
+        else:
+            count = len(self.samples)
+            s = self.samples[np.floor(count * (periods + ROUNDING)).astype(np.int64) % count]
+        return 1 - self.depth + self.depth * s
+
+
+def wave(given: float | ArrayLike, shape: str, depth: float, samples_rate: float | None) -> Wave:
+    """1 - depth + depth s, s a shape at a frequency in Hz, or samples (S,) of 0 to 1 that repeat."""
+    depth = number("depth", depth, least=0)
+    if depth > 1:
+        raise refused("depth", depth, "give a number from 0 to 1")
+    if word("shape", shape) not in SHAPES:
+        raise refused("shape", shape, f"give one of {', '.join(SHAPES)}")
+    if samples_rate is None and np.ndim(given) == 0:
+        frequency = number("frequency", given, above=0)
+        return Wave(frequency, frequency, depth, shape)
+    cure = "give samples (S,) from 0 to 1, and samples_rate in Hz"
+    samples = real("samples", given, cure)
+    if samples.ndim != 1 or not samples.size or not ((samples >= 0) & (samples <= 1)).all():
+        raise refused("samples", given, cure)
+    rate = number("samples_rate", samples_rate, above=0)
+    return Wave(rate / len(samples), rate / 2, depth, shape, samples)
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Modulated(Piece):
-    """A piece whose targets are multiplied by 1 - depth + depth shape(frequency t)."""
+    """A piece whose targets are multiplied by the factors of a wave."""
 
     piece: Piece
-    frequency: float
-    shape: str
-    depth: float
+    wave: Wave
 
     def place(self, times: Numbers) -> Numbers:
         """As the piece's."""
@@ -43,18 +86,12 @@ class Modulated(Piece):
 
     def level(self, times: Numbers) -> Numbers:
         """Those of the piece, modulated."""
-        factors = 1 - self.depth + self.depth * SHAPES[self.shape](self.frequency * times)
-        return factors[:, None] * self.piece.level(times)
+        return self.wave.factors(self.wave.frequency * times)[:, None] * self.piece.level(times)
 
 
-def modulated(piece: Piece, frequency: float, shape: str, depth: float) -> Piece:
+def modulated(piece: Piece, by: Wave) -> Piece:
     """The piece, modulated; a closed one holds a whole number of periods."""
-    frequency, depth = number("frequency", frequency, above=0), number("depth", depth, least=0)
-    if depth > 1:
-        raise refused("depth", depth, "give a number from 0 to 1")
-    if word("shape", shape) not in SHAPES:
-        raise refused("shape", shape, f"give one of {', '.join(SHAPES)}")
-    periods = frequency * piece.duration
+    periods = by.frequency * piece.duration
     if piece.closed and abs(periods - round(periods)) > ROUNDING * max(periods, 1):
         near = " or ".join(
             f"{n / piece.duration:.10g}" for n in (math.floor(periods), math.ceil(periods)) if n
@@ -62,17 +99,15 @@ def modulated(piece: Piece, frequency: float, shape: str, depth: float) -> Piece
         lasts = (
             f"the closed path of {piece.duration:.6g} s would hold {periods:.6g} periods and jump at its seam"
         )
-        raise refused("frequency", frequency, f"{lasts}, give {near} Hz")
+        raise refused("frequency", by.frequency, f"{lasts}, give {near} Hz")
     return Modulated(
         points=piece.points,
         duration=piece.duration,
         closed=piece.closed,
         pascals=piece.pascals,
-        modulation=max(piece.modulation, frequency),
+        modulation=max(piece.modulation, by.finest),
         piece=piece,
-        frequency=frequency,
-        shape=shape,
-        depth=depth,
+        wave=by,
     )
 
 
@@ -202,7 +237,23 @@ class Path:
         Raises SceneError for an unknown shape, a depth beyond 0 to 1, and a frequency that a closed path
         cannot hold.
         """
-        return Path(modulated(self._piece, frequency, shape, depth))
+        return self.modulated(frequency, shape, depth)
+
+    def modulated(
+        self,
+        frequency: float | ArrayLike,
+        shape: Shape = "sqrt",
+        depth: float = 1.0,
+        *,
+        samples_rate: float | None = None,
+    ) -> Path:
+        """The same by a frequency in Hz and a shape, or by any samples (S,) from 0 to 1 that repeat.
+
+        samples_rate : of samples, how many are played a second, each for its time; `shape` is not used then
+
+        Raises SceneError as `with_am` does, and for samples or their rate that are not in order.
+        """
+        return Path(modulated(self._piece, wave(frequency, shape, depth, samples_rate)))
 
     def __repr__(self) -> str:
         """Points, duration and whether it closes."""

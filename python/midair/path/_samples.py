@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from .._midair import Curve, SceneError
 from .._support.arguments import flag, number, real, refused
 from ..shape._vector_graphics import outlines
-from ._curve import lasting, walk
+from ._figures import lasting, walk
 from ._path import Path
 from ._piece import (
     FARTHEST,
@@ -175,6 +175,21 @@ def morph(
     if not 1 / duration < np.inf:
         raise refused("duration", duration, "give a longer one")
     return _sampled(np.stack(ends), 1, 1 / duration, False, pressures)
+
+
+def still(places: ArrayLike, *, duration: float, pressures: ArrayLike | None = None) -> Path:
+    """Points (3,) or (M, 3) in m that stay where they are: what modulation and joining need of a focus.
+
+    duration : in s, after which it begins anew: it is closed
+    pressures : in Pa, one number or (M,); left out, balanced
+
+    Raises SceneError for places, a duration or pressures that are not in order.
+    """
+    points = _set("places", np.atleast_2d(real("places", places, "give (3,) or (M, 3) in m")))
+    lasts = number("duration", duration, above=0)
+    if pressures is not None:
+        pressures = constant_pressures(pressures, len(points))
+    return _sampled(np.stack([points, points]), 2, 2 / lasts, True, pressures)
 
 
 def _set(item: str, value: ArrayLike) -> Numbers:

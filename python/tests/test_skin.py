@@ -1,0 +1,245 @@
+"""The skin under a sequence: closed forms, an independent membrane, and published orders."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import midair
+from midair._motion.sheet import Sheet, Triangles, bessel
+
+ARRAY = midair.Array.preset("autd3", tiles=(2, 2))
+HEIGHT = 0.2
+MIDDLE = np.array([0, 0, HEIGHT])
+SHEET = Sheet(6.0, 0.4, 6.4)
+PLANE = midair.Plane(z=HEIGHT, size=0.03, pixels=21)
+AROUND = midair.Plane(z=HEIGHT, size=0.08, pixels=33)
+
+
+def ring(radius: float, frames: int, points: int = 1) -> NDArray[np.float64]:
+    """Frames (T, M, 3) of one turn."""
+    turns = np.arange(frames)[:, None] / frames + np.arange(points) / points
+    angles = 2 * np.pi * turns
+    return MIDDLE + radius * np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=2)
+
+
+def played(points: Any, rate: float, amplitudes: Any = 1.0) -> midair.Sequence:
+    """Every frame by itself: one focus in closed form, more by `fast`, all at full amplitude."""
+    if points.shape[1] == 1:
+        gains = midair.Scene(ARRAY, points[:, 0]).propagation()
+        drives = (gains / abs(gains)).conj()
+    else:
+        drives = midair.solve_batch(ARRAY, points, solver="fast").drives
+    return midair.Sequence(
+        ARRAY, points, 1.0, drives * np.reshape(amplitudes, (-1, 1)), rate=rate, closed=True
+    )
+
+
+def am(frequency: float) -> midair.Sequence:
+    """Full amplitude modulation (1 + cos)/2 in place."""
+    c = np.cos(2 * np.pi * np.arange(40) / 40)
+    return played(np.broadcast_to(MIDDLE, (40, 1, 3)), 40 * frequency, (1 + c) / 2)
+
+
+def stm(speed: float, radius: float = 0.03, points: int = 1) -> midair.Sequence:
+    return played(ring(radius, 96, points), 96 * speed / (2 * np.pi * radius))
+
+
+def test_a_point_load_is_the_closed_form() -> None:
+    special = pytest.importorskip("scipy.special")
+    distance = np.linspace(1e-3, 0.08, 200)
+    for frequency in (10.0, 80.0, 250.0, 500.0):
+        k = 2 * np.pi * frequency / (6 * np.sqrt(1 + 0.4j))
+        green = -0.25j * special.hankel2(0, k * distance) / (6.4 * 36 * (1 + 0.4j))
+        assert SHEET.response(distance, frequency) == pytest.approx(green, rel=0.01)
+        lines = np.zeros((1, 40, 50), np.complex64)
+        lines[0, 7, 11] = 1 / 1e-3**2
+        moved = SHEET.on_plane(np.array([frequency]), lines, 1e-3)[0, 7, 12:]
+        green = -0.25j * special.hankel2(0, k * 1e-3 * np.arange(1, 39)) / (6.4 * 36 * (1 + 0.4j))
+        assert moved == pytest.approx(green, rel=0.01)
+    z = np.array([1e-4, 0.3, 2, 40]) * np.exp(1.3j)
+    assert bessel(1, z) == pytest.approx(special.kv(1, z), rel=1e-9)
+
+
+def spot(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A push of some mm, off the middle."""
+    found: NDArray[np.float64] = np.exp(-((x - 0.004) ** 2 + y**2) / (2 * 0.003**2))
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("frequency", [200.0, 300.0])
+def test_the_sheet_is_that_of_finite_differences(frequency: float) -> None:
+    sparse, linalg = pytest.importorskip("scipy.sparse"), pytest.importorskip("scipy.sparse.linalg")
+    step, count = 1e-3, 161
+    x = (np.arange(count) - count // 2) * step
+    second = sparse.diags_array([1.0, -2.0, 1.0], offsets=[-1, 0, 1], shape=(count, count)) / step**2
+    one = sparse.eye_array(count)
+    laplacian = sparse.kron(second, one) + sparse.kron(one, second)
+    # m w'' = T laplacian w + p, T with a loss, held at rims 8 cm away.
+    w2 = (2 * np.pi * frequency) ** 2
+    matrix = 6.4 * 36 * (1 + 0.4j) * laplacian + 6.4 * w2 * sparse.eye_array(count**2)
+    push = spot(*np.meshgrid(x, x, indexing="ij"))
+    exact = linalg.spsolve(matrix.tocsc(), -push.ravel()).reshape(count, count)
+    inner = slice(count // 2 - 32, count // 2 + 32)
+    moved = SHEET.on_plane(np.array([frequency]), push[None, inner, inner].astype(np.complex64), step)[0]
+    assert np.abs(moved - exact[inner, inner]).max() < 0.02 * np.abs(exact).max()
+
+
+@pytest.mark.slow
+def test_triangles_move_as_the_plane_does() -> None:
+    pytest.importorskip("scipy")
+    step, count = 1.25e-3, 81
+    x = (np.arange(count) - count // 2) * step
+    across, up = np.meshgrid(x, x, indexing="ij")
+    vertices = np.stack([across.ravel(), up.ravel(), 0 * up.ravel()], axis=1)
+    corner = (np.arange(count - 1)[:, None] * count + np.arange(count - 1)).ravel()
+    faces = np.concatenate(
+        [
+            np.stack([corner, corner + count, corner + 1], axis=1),
+            np.stack([corner + count, corner + count + 1, corner + 1], axis=1),
+        ]
+    )
+    push, frequencies = spot(across, up).astype(np.complex64), np.array([250.0])
+    plane = SHEET.on_plane(frequencies, push[None], step)[0]
+    mesh = Triangles(vertices, faces)
+    moved = SHEET.on_mesh(frequencies, push.reshape(1, -1), mesh)
+    assert np.abs(moved[0] - plane.ravel()).max() < 0.03 * np.abs(plane).max()
+    slope = np.sqrt(next(mesh.slopes(moved))).reshape(count, count)
+    gradient = np.sqrt(sum(np.abs(g) ** 2 for g in np.gradient(plane, step)))
+    assert np.abs(slope - gradient)[4:-4, 4:-4].max() < 0.1 * gradient.max()
+
+
+@pytest.mark.slow
+def test_a_hand_of_triangles_is_pushed_on_its_near_side() -> None:
+    trimesh = pytest.importorskip("trimesh")
+    ball = trimesh.creation.icosphere(subdivisions=4, radius=0.03)
+    hand = midair.Mesh(ball.vertices + np.array([0, 0, HEIGHT + 0.03]), ball.faces)
+    found, flat = midair.skin(am(200), hand), midair.skin(am(200))
+    assert found.places[found.strength.argmax()] == pytest.approx(MIDDLE, abs=3e-3)
+    assert found.pressure[found.places[:, 2] > HEIGHT + 0.031].max() == 0
+    assert found.level == pytest.approx(flat.level, abs=1.5)
+
+
+# The published orders: docs/touch.md lists them.
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("wave", [5.0, 7.0])
+def test_a_focus_moves_the_skin_most_at_the_speed_of_its_waves(wave: float) -> None:
+    """Frier et al. 2018."""
+    speeds = np.arange(3.5, 9.5, 0.5)
+    moved = [midair.skin(stm(speed), AROUND, speed=wave).rms.max() for speed in speeds]
+    assert speeds[np.argmax(moved)] == pytest.approx(wave, abs=0.6)
+
+
+@pytest.mark.slow
+def test_the_strongest_speed_is_5_to_8_m_a_second_and_goes_with_the_wave() -> None:
+    """Frier et al. 2018, of what is felt."""
+    speeds = np.arange(3.0, 12, 1.0)
+    found = {
+        wave: speeds[np.argmax([full(stm(speed), speed=wave) for speed in speeds])]
+        for wave in (4.0, 6.0, 8.0)
+    }
+    assert 5 <= found[6.0] <= 8
+    assert found[4.0] < found[6.0] < found[8.0]
+
+
+def full(sequence: midair.Sequence, **skin: Any) -> float:
+    """Strength on the ring, in the mean."""
+    return float(midair.skin(sequence, AROUND, **skin).along(ring(0.03, 24)[:, 0]).mean())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("frequency", [10, 20, 50, 100, 200])
+def test_lateral_modulation_is_felt_more_than_amplitude_modulation(frequency: float) -> None:
+    """Takahashi et al. 2020, by circles; here of a radius of one wavelength."""
+    lateral = midair.skin(played(ring(8.5e-3, 40), 40 * frequency), PLANE)
+    assert lateral.level > midair.skin(am(frequency), PLANE).level
+
+
+@pytest.mark.slow
+def test_more_points_at_once_are_weaker() -> None:
+    """Shen et al. 2023."""
+    strengths = [full(stm(7.0, points=points)) for points in (1, 2, 3, 4, 6)]
+    assert strengths == sorted(strengths, reverse=True)
+
+
+@pytest.mark.slow
+def test_amplitude_modulation_is_strongest_near_200_hertz() -> None:
+    """Dalecki et al. 1995; and its threshold there, 0.4 mN on 1.8 cm^2, is what `mass` is fitted to."""
+    frequencies = [50, 100, 150, 200, 250, 300, 400, 500]
+    levels = [midair.skin(am(frequency), PLANE).level for frequency in frequencies]
+    assert frequencies[int(np.argmax(levels))] in (200, 250)
+    radius, step = np.sqrt(1.8e-4 / np.pi), 0.5e-3
+    x = (np.arange(64) - 32) * step
+    disc = (np.hypot(*np.meshgrid(x, x)) < radius)[None].astype(np.complex64)
+    # A square wave of 0.4 mN has 2/pi of that at its frequency.
+    load = disc * np.float32(0.4e-3 * 2 / np.pi / (disc.real.sum() * step**2))
+    moved = abs(SHEET.on_plane(np.array([200.0]), load, step)[0, 32, 32])
+    assert 20 * np.log10(moved / 1e-6) == pytest.approx(-16.2, abs=0.5)
+
+
+@pytest.mark.slow
+def test_a_tacton_has_lines_at_its_lap_its_modulation_and_their_sums() -> None:
+    """Lim et al. 2024: a circle of 15 Hz with amplitude modulation of 110 Hz."""
+    frames, lap, modulation = 800, 15, 110
+    angles = np.arange(frames) / frames
+    points = ring(0.01, frames)[np.arange(frames) * 3 % frames]
+    amplitudes = (1 + np.cos(2 * np.pi * 22 * angles)) / 2
+    touch = midair.skin(played(points, 5 * frames, amplitudes), midair.Plane(z=HEIGHT, size=0.03, pixels=15))
+    found = dict(
+        zip(
+            np.rint(touch.frequencies).astype(int),
+            touch.spectrum(MIDDLE + np.array([0.01, 0, 0])),
+            strict=True,
+        )
+    )
+    sums = {abs(n * lap + m * modulation) for n in range(-12, 13) for m in range(-2, 3)}
+    strong = sorted(found, key=found.__getitem__, reverse=True)[:20]
+    assert set(strong) <= sums
+    assert {lap, 2 * lap, modulation, modulation - lap, modulation + lap} <= set(strong)
+
+
+def test_it_is_felt_wider_than_the_focus() -> None:
+    """Reardon et al. 2023: by up to an order of magnitude; the sheet has a factor of 2 to 4."""
+    touch = midair.skin(am(200), midair.Plane(z=HEIGHT, size=0.06, pixels=41))
+    assert 2 < touch.width(MIDDLE) / touch.focus_width(MIDDLE) < 10
+
+
+def test_motion_is_the_sum_of_its_lines() -> None:
+    touch = midair.skin(am(100), PLANE)
+    times = np.arange(64) / 6400
+    moved = touch.motion(times)
+    assert moved.std(axis=0) == pytest.approx(touch.rms, rel=1e-3)
+    assert touch.spectrum(MIDDLE)[0] == pytest.approx(np.sqrt(2) * touch.rms.max(), rel=0.1)
+    assert touch.pressure.argmax() == touch.strength.argmax() == 220
+    assert "dB above threshold" in repr(touch)
+    assert "felt" in touch._repr_html_()
+
+
+def test_pictures_show_pressure_motion_and_spectrum() -> None:
+    from matplotlib import pyplot as plt
+
+    figure = midair.skin(am(200), PLANE).plot([0, 0, HEIGHT])
+    assert len(figure.axes) == 5
+    plt.close(figure)
+
+
+@pytest.mark.parametrize(
+    ("ask", "told"),
+    [
+        (lambda s: midair.skin(None), "sequence is None: give a midair.Sequence"),
+        (lambda s: midair.skin(s, "palm"), 'hand is "palm": give a midair.Plane or a midair.Mesh'),
+        (lambda s: midair.skin(s, speed=0), "speed is 0: give a number above 0"),
+        (lambda s: midair.skin(s, loss=0.01), "loss is 0.01: give a number of at least 0.1"),
+        (lambda s: midair.skin(s, PLANE).width([0, 0]), "place is"),
+    ],
+)
+def test_what_is_no_skin_is_refused_in_one_line(ask: Callable[[Any], Any], told: str) -> None:
+    with pytest.raises(midair.SceneError, match=told):
+        ask(am(200))
