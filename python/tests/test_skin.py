@@ -20,9 +20,9 @@ PLANE = midair.Plane(z=HEIGHT, size=0.03, pixels=21)
 AROUND = midair.Plane(z=HEIGHT, size=0.08, pixels=33)
 
 
-def ring(radius: float, frames: int, points: int = 1) -> NDArray[np.float64]:
+def ring(radius: float, count: int, points: int = 1) -> NDArray[np.float64]:
     """Frames (T, M, 3) of one turn."""
-    turns = np.arange(frames)[:, None] / frames + np.arange(points) / points
+    turns = np.arange(count)[:, None] / count + np.arange(points) / points
     angles = 2 * np.pi * turns
     return MIDDLE + radius * np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=2)
 
@@ -39,10 +39,16 @@ def played(points: Any, rate: float, amplitudes: Any = 1.0) -> midair.Sequence:
     )
 
 
+def frames(frequency: float) -> int:
+    """So many in a period that their steps lie beyond what is felt."""
+    return max(30, round(3000 / frequency))
+
+
 def am(frequency: float) -> midair.Sequence:
     """Full amplitude modulation (1 + cos)/2 in place."""
-    c = np.cos(2 * np.pi * np.arange(40) / 40)
-    return played(np.broadcast_to(MIDDLE, (40, 1, 3)), 40 * frequency, (1 + c) / 2)
+    count = frames(frequency)
+    c = np.cos(2 * np.pi * np.arange(count) / count)
+    return played(np.broadcast_to(MIDDLE, (count, 1, 3)), count * frequency, (1 + c) / 2)
 
 
 def stm(speed: float, radius: float = 0.03, points: int = 1) -> midair.Sequence:
@@ -108,10 +114,13 @@ def test_triangles_move_as_the_plane_does() -> None:
     plane = SHEET.on_plane(frequencies, push[None], step)[0]
     mesh = Triangles(vertices, faces)
     moved = SHEET.on_mesh(frequencies, push.reshape(1, -1), mesh)
-    assert np.abs(moved[0] - plane.ravel()).max() < 0.03 * np.abs(plane).max()
-    slope = np.sqrt(next(mesh.slopes(moved))).reshape(count, count)
-    gradient = np.sqrt(sum(np.abs(g) ** 2 for g in np.gradient(plane, step)))
-    assert np.abs(slope - gradient)[4:-4, 4:-4].max() < 0.1 * gradient.max()
+    # Waves come back from the rims of the triangles.
+    inner = (slice(10, -10), slice(10, -10))
+    apart = np.abs(moved.reshape(count, count) - plane)[inner]
+    assert apart.max() < 0.02 * np.abs(plane).max()
+    slope = np.sqrt(next(mesh.slopes(moved))).reshape(count, count)[inner]
+    gradient = np.sqrt(sum(np.abs(g) ** 2 for g in np.gradient(plane, step)))[inner]
+    assert slope.max() == pytest.approx(gradient.max(), rel=0.05)
 
 
 @pytest.mark.slow
@@ -158,7 +167,7 @@ def full(sequence: midair.Sequence, **skin: Any) -> float:
 @pytest.mark.parametrize("frequency", [10, 20, 50, 100, 200])
 def test_lateral_modulation_is_felt_more_than_amplitude_modulation(frequency: float) -> None:
     """Takahashi et al. 2020, by circles; here of a radius of one wavelength."""
-    lateral = midair.skin(played(ring(8.5e-3, 40), 40 * frequency), PLANE)
+    lateral = midair.skin(played(ring(8.5e-3, frames(frequency)), frames(frequency) * frequency), PLANE)
     assert lateral.level > midair.skin(am(frequency), PLANE).level
 
 
@@ -187,11 +196,11 @@ def test_amplitude_modulation_is_strongest_near_200_hertz() -> None:
 @pytest.mark.slow
 def test_a_tacton_has_lines_at_its_lap_its_modulation_and_their_sums() -> None:
     """Lim et al. 2024: a circle of 15 Hz with amplitude modulation of 110 Hz."""
-    frames, lap, modulation = 800, 15, 110
-    angles = np.arange(frames) / frames
-    points = ring(0.01, frames)[np.arange(frames) * 3 % frames]
+    count, lap, modulation = 800, 15, 110
+    angles = np.arange(count) / count
+    points = ring(0.01, count)[np.arange(count) * 3 % count]
     amplitudes = (1 + np.cos(2 * np.pi * 22 * angles)) / 2
-    touch = midair.skin(played(points, 5 * frames, amplitudes), midair.Plane(z=HEIGHT, size=0.03, pixels=15))
+    touch = midair.skin(played(points, 5 * count, amplitudes), midair.Plane(z=HEIGHT, size=0.03, pixels=15))
     found = dict(
         zip(
             np.rint(touch.frequencies).astype(int),
@@ -209,6 +218,17 @@ def test_it_is_felt_wider_than_the_focus() -> None:
     """Reardon et al. 2023: by up to an order of magnitude; the sheet has a factor of 2 to 4."""
     touch = midair.skin(am(200), midair.Plane(z=HEIGHT, size=0.06, pixels=41))
     assert 2 < touch.width(MIDDLE) / touch.focus_width(MIDDLE) < 10
+
+
+def test_held_frames_have_the_lines_of_their_steps() -> None:
+    """On and off at 40 Hz in two frames: a square wave, 2/pi at 40 Hz, a third of that at 120 Hz."""
+    points = np.broadcast_to(MIDDLE, (2, 1, 3))
+    touch = midair.skin(played(points, 80, np.array([1.0, 0.0])), PLANE)
+    fine = midair.skin(played(np.repeat(points, 60, axis=0), 4800, np.repeat([1.0, 0.0], 60)), PLANE)
+    assert touch.frequencies[:3].tolist() == [40, 80, 120]
+    odd = slice(0, 10, 2)
+    assert touch.spectrum(MIDDLE)[odd] == pytest.approx(fine.spectrum(MIDDLE)[odd], rel=0.01)
+    assert touch.spectrum(MIDDLE)[1] < 1e-3 * touch.spectrum(MIDDLE)[0]
 
 
 def test_motion_is_the_sum_of_its_lines() -> None:
