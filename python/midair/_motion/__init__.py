@@ -1,7 +1,7 @@
 """Motion: sequences of frames in time, and what the points and a hand get of them."""
 
 from .felt import Felt
-from .metrics import SequenceMetrics
+from .judged import SequenceMetrics
 from .sequence import Sequence
 from .skin import Skin, skin
 from .solve import sequence, stream

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from html import escape
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._midair import Mesh, Plane
+from .._pictures.colours import MAPS
 from .._support.arguments import number, refused, vector
 from ..path._piece import instants
 from . import arguments
@@ -21,8 +23,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from .._pictures.sheet import Map, Size
+
 #: Places along each side of a hand that is left out, and what it shows around the points, in m.
 SIDE, MARGIN = 64, 0.02
+
+#: The parts of a skin's picture.
+Panel = Literal["pressure", "motion", "spectrum"]
 
 #: Nothing is felt above, in Hz.
 HIGHEST = 1000.0
@@ -124,7 +131,8 @@ class Skin:
 
         The stronger channel and half of the weaker one (Hollins and Roy, Somatosens. Mot. Res. 13, 1996).
         """
-        return np.maximum(self.slow, self.fast) + np.minimum(self.slow, self.fast) / 2
+        found: NDArray[np.float64] = np.maximum(self.slow, self.fast) + np.minimum(self.slow, self.fast) / 2
+        return found
 
     @property
     def level(self) -> float:
@@ -174,48 +182,66 @@ class Skin:
         moved: NDArray[np.float32] = (turned.astype(np.complex64) @ self.displacement).real
         return moved
 
-    def plot(self, place: ArrayLike | None = None) -> Figure:
+    def plot(
+        self,
+        place: ArrayLike | None = None,
+        ax: Axes | None = None,
+        *,
+        cmap: Map | None = None,
+        panels: Panel | Iterable[Panel] | None = None,
+        size: Size | None = None,
+    ) -> Figure:
         """Pressure, skin motion (rms) and the spectrum at a place, left out the strongest, side by side.
 
-        Of a mesh, its places as the array sees them. Raises SceneError for a place that is not in order.
-        """
-        from matplotlib import pyplot as plt
+        ax : axes of your own for one panel, the first of those asked for
+        cmap : a colour map of matplotlib or its name
+        panels : "pressure", "motion", "spectrum" or several; left out, all
+        size : (width, height) in inches
 
+        Of a mesh, its places as the array sees them. Raises SceneError for arguments that are not in order.
+        """
+        from .._pictures.sheet import chosen, colour_map, sheet, whole
+
+        names = chosen(panels, get_args(Panel), ax)
+        colours = colour_map(cmap, MAPS["pressure"])
         best = int(self.strength.argmax()) if place is None else self._nearest(place)
-        figure, (left, middle, right) = plt.subplots(
-            1, 3, figsize=(12, 3.6), layout="constrained", width_ratios=(1, 1, 1.2)
-        )
-        for ax, values, label in (
-            (left, self.pressure, "radiation pressure, mean / Pa"),
-            (middle, 1e6 * self.rms, "skin motion, rms / um"),
-        ):
-            self._map(ax, values, label)
-        first, second = self._across()
-        middle.plot(*(1e3 * self.places[best, axis] for axis in (first, second)), "+", color="white")
-        lines = 1e6 * np.abs(self.displacement[:, best])
-        right.vlines(self.frequencies, 1e-4, np.maximum(lines, 1e-4), color="tab:blue", label="skin at +")
-        heard = np.geomspace(3, HIGHEST, 200)
-        right.plot(heard, 1e6 * threshold(heard), color="black", linewidth=0.9, label="just felt")
-        right.set(xscale="log", yscale="log", xlim=(3, HIGHEST), ylim=(1e-2, 100))
-        right.set(xlabel="frequency / Hz", ylabel="displacement / um", title=f"{self.level:.0f} dB at most")
-        right.legend(loc="best", fontsize="small")
+        if ax is not None:
+            self._draw(names[0], ax, colours, best)
+            return whole(ax)
+        figure = sheet(3.6 * len(names), 3.4, size)
+        for name, one in zip(names, figure.subplots(1, len(names), squeeze=False)[0], strict=True):
+            self._draw(name, one, colours, best)
         return figure
+
+    def _draw(self, panel: Panel, ax: Axes, colours: Map, best: int) -> None:
+        if panel == "pressure":
+            self._map(ax, self.pressure, "radiation pressure, mean / Pa", colours)
+            return
+        if panel == "motion":
+            self._map(ax, 1e6 * self.rms, "skin motion, rms / um", colours)
+            first, second = self._across()
+            ax.plot(1e3 * self.places[best, first], 1e3 * self.places[best, second], "+", color="tab:cyan")
+            return
+        lines = 1e6 * np.abs(self.displacement[:, best])
+        audible = np.geomspace(3, HIGHEST, 200)
+        ax.vlines(self.frequencies, 1e-4, np.maximum(lines, 1e-4), color="tab:blue", label="skin at +")
+        ax.plot(audible, 1e6 * threshold(audible), color="black", linewidth=0.9, label="just felt")
+        ax.set(xscale="log", yscale="log", xlim=(3, HIGHEST), ylim=(1e-2, 100))
+        ax.set(xlabel="frequency / Hz", ylabel="displacement / um", title=f"{self.level:.0f} dB at most")
+        ax.legend(loc="best", fontsize="small")
 
     def _across(self) -> list[int]:
         """The two axes along which the places lie, or a mesh is widest."""
         sides = np.ptp(self.places, axis=0)
         return [axis for axis in range(3) if axis != int(sides.argmin())]
 
-    def _map(self, ax: Axes, values: NDArray[np.float64], label: str) -> None:
+    def _map(self, ax: Axes, values: NDArray[np.float64], label: str, colours: Map) -> None:
+        from matplotlib.tri import Triangulation
+
         first, second = self._across()
         x, y = 1e3 * self.places[:, first], 1e3 * self.places[:, second]
-        if isinstance(self.hand, Plane):
-            shape = (self.hand.pixels, -1)
-            drawn = ax.pcolormesh(
-                x.reshape(shape), y.reshape(shape), values.reshape(shape), cmap="magma", shading="gouraud"
-            )
-        else:
-            drawn = ax.tripcolor(x, y, self.hand.faces, values, cmap="magma", shading="gouraud")
+        faces = self.hand.faces if isinstance(self.hand, Mesh) else None
+        drawn = ax.tripcolor(Triangulation(x, y, faces), values, cmap=colours, shading="gouraud")
         ax.set(aspect="equal", xlabel=f"{'xyz'[first]} / mm", ylabel=f"{'xyz'[second]} / mm")
         ax.figure.colorbar(drawn, ax=ax, label=label)
 
@@ -294,7 +320,7 @@ def _lines(
         turns = np.outer(harmonics, index) % count
         waves = held * np.exp(-2j * np.pi / count * turns).astype(np.complex64)
         lines[1:] += waves @ values
-    return harmonics * (sequence.rate / count), lines
+    return (harmonics * (sequence.rate / count)).astype(np.float64), lines.astype(np.complex64)
 
 
 def _weighted(
