@@ -32,7 +32,7 @@ HOMES = {
     "_measuring.player": "Tuning",
     "_measuring.result": "Calibration",
     "_measuring.tune": "tune",
-    "_motion": "Felt Sequence SequenceMetrics sequence stream",
+    "_motion": "Felt Sequence SequenceMetrics Skin sequence skin stream",
     "_pictures.notebook": "solvers",
     "_pictures.plot": "plot",
     "_pictures.sheet": "style",
