@@ -24,7 +24,7 @@ MOST = 100_000_000
 def calibration_drives(
     array: Array | Scene, readings_per_transducer: float = 4.0, *, microphones: int = 4, seed: int = 0
 ) -> NDArray[np.complex64]:
-    """Drives (K, N) to play for `midair.calibrate`: full drive, random phases of the board.
+    """Drives (K, N) to play for `midair.calibrate`: full drive, random phases of the board, one for each driven channel.
 
     readings_per_transducer : K times the microphones over N; 4 of |p| or 2 complex ones are plenty
     microphones : how many listen
@@ -53,9 +53,11 @@ def calibration_drives(
         raise refused("readings_per_transducer", readings_per_transducer, cure)
     quantization = array.quantization or {}
     phases = int(quantization.get("phases") or PHASES)
+    channels = played if array.channels is None else array.channels[played]
+    driven, members = np.unique(channels, return_inverse=True)
+    codes = np.random.default_rng(seed).integers(0, phases, (count, len(driven)))
     drives = np.zeros((count, len(array)), np.complex64)
-    codes = np.random.default_rng(seed).integers(0, phases, (count, len(played)))
-    drives[:, played] = np.exp(2j * np.pi * codes / phases)
+    drives[:, played] = np.exp(2j * np.pi * codes / phases)[:, members]
     return drives
 
 
@@ -123,7 +125,7 @@ def calibrate(
     places = scene.points if microphones is None else places_of(microphones)
     played = drives_of(drives, len(array))
     heard = readings_of(readings, len(played), len(places), complex)
-    _enough(heard, played)
+    _enough(heard, played, array)
     least = number("noise", noise, least=0) if noise is not None else 0.0
     spread = number("prior", prior, above=0) if prior is not None else None
     if spread is not None and spread > MOST_PRIOR:
@@ -176,10 +178,21 @@ def _pose(value: Any) -> tuple[float, float]:
     return number("pose_error[0]", shift, least=0), number("pose_error[1]", turn, least=0)
 
 
-def _enough(heard: Any, played: Complex) -> None:
-    """Refuse fewer real numbers than transducers: the prior would make up the rest."""
-    count = heard.size * (2 if np.iscomplexobj(heard) else 1)
-    sounding = int(np.any(played, axis=0).sum())
+def _enough(heard: Any, played: Complex, array: Array) -> None:
+    """Refuse fewer real numbers than transducers: the prior would make up the rest.
+
+    C driven channels give C complex pressures at a microphone, less a common phase of |p|, however many drives.
+    """
+    real = 2 if np.iscomplexobj(heard) else 1
+    count, sounding = heard.size * real, int(np.any(played, axis=0).sum())
+    if array.channels is not None:
+        driven = len(np.unique(array.channels[np.any(played, axis=0)]))
+        each = 2 * driven + real - 2
+        if each * heard.shape[1] < sounding:
+            raise SceneError(
+                f"microphones are too few: {driven} driven channels tell {each} numbers at each, of {sounding} "
+                f"transducers; give {-(-sounding // each)} places or more"
+            )
     if count < sounding:
         each = "0.5 complex ones" if np.iscomplexobj(heard) else "1"
         raise SceneError(
