@@ -71,6 +71,15 @@ def test_a_solver_tells_each_kind_once(out: np.ndarray | None) -> None:
     assert texts(0.01) == []
 
 
+def test_as_loud_as_can_be_is_beyond_nothing() -> None:
+    scene = midair.Scene(ARRAY, POINTS, 1e6)
+    assert heard(lambda: midair.solve(scene, aim="max")) == []
+    assert "beyond reach" in heard(lambda: midair.solve(scene, aim="target"))[0]
+    levitator = midair.Array.preset("tinylev")
+    lift = midair.path.line([0, 0, 0], [0, 0, 0.003], speed=0.01)
+    assert heard(lambda: midair.sequence(levitator, lift, rate=100, signature="trap")) == []
+
+
 def test_a_solver_looks_once_for_what_cannot_be_had_together() -> None:
     points = np.array([[-0.06, 0.05, 0.15], [0.06, 0.05, 0.15], [-0.06, -0.05, 0.15], [0.06, -0.05, 0.15]])
     solver = midair.Solver(ARRAY, "wgs")

@@ -10,6 +10,7 @@ use crate::control::Control;
 use crate::error::Error;
 use crate::problem::Problem;
 use crate::problem::upper_bound::{FEW_POINTS, rough_bound};
+use crate::scene::Aim;
 
 /// The paper's own p1/sqrt(M) is out of reach by 14 % in the mean and by a quarter in single scenes of few points. What is
 /// proven to be further away is a slip.
@@ -91,7 +92,7 @@ impl Problem {
         Ok(Reach { alone, level: self.targets_in_pascals().iter().map(level).collect() })
     }
 
-    /// What is asked for and provably cannot be had: a target above its point's own reach, or targets of which no
+    /// What is asked for and provably cannot be had, of [`Aim::Target`]: a target above its point's own reach, or targets of which no
     /// drive gives more than three quarters at the same time, as the quick form of [`crate::bound()`] proves (up to 64 points; from
     /// about 1.4 times the balanced level on at a few points, from 2 to 2.5 times at 64).
     ///
@@ -101,29 +102,29 @@ impl Problem {
         if let Some(alone) = self.beyond_alone() {
             return Ok(Some(alone));
         }
-        if self.balance() >= EVERYDAY || self.targeted().len() > FEW_POINTS {
+        if !self.is_doubtful() || self.targeted().len() > FEW_POINTS {
             return Ok(None);
         }
         let most = rough_bound(self, control)?;
         Ok((most < EVERYDAY).then_some(Beyond::Together { most }))
     }
 
-    /// The first target above its point's own reach: known as soon as the problem is, at no cost.
+    /// The first target above its point's own reach, of [`Aim::Target`]: known as soon as the problem is, at no cost.
     #[must_use]
     pub fn beyond_alone(&self) -> Option<Beyond> {
-        let (point, alone) = self.targets.overasked?;
+        let (point, alone) = self.targets.overasked.filter(|_| self.aim() == Aim::Target)?;
         Some(Beyond::Alone { point, target: self.targets_in_pascals()[point], alone })
     }
 
-    /// How many times its own reach a point is asked for at most; 0 where no target is above its point's reach.
+    /// How many times its own reach a point is asked for at most, of [`Aim::Target`]; 0 where no target is above its point's reach.
     #[must_use]
     pub fn excess(&self) -> f64 {
-        self.targets.excess
+        if self.aim() == Aim::Target { self.targets.excess } else { 0.0 }
     }
 
     /// Whether [`Problem::beyond`] has more to look at than the points' own reach.
     #[must_use]
     pub fn is_doubtful(&self) -> bool {
-        self.balance() < EVERYDAY
+        self.aim() == Aim::Target && self.balance() < EVERYDAY
     }
 }
