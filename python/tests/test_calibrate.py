@@ -267,3 +267,37 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
         main(["calibrate", str(tmp_path / "readings.npz"), "-o", str(tmp_path / "array.toml")])
     assert end.value.code == 2
     assert "has no readings: save" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_wired_array_is_calibrated_by_its_channels() -> None:
+    """Six rows of four: what they radiate together is predicted for drives that were never played."""
+    rng = np.random.default_rng(15)
+    rows = np.arange(24) // 4
+    response = (1 + 0.1 * rng.standard_normal(24)) * np.exp(0.3j * rng.standard_normal(24))
+    believed, real = (
+        midair.Array.grid(4, 6, 10.5e-3, channels=rows, response=own) for own in (None, response)
+    )
+    places = rng.uniform([-0.03, -0.03, 0.06], [0.03, 0.03, 0.12], (5, 3))
+    drives = midair.calibration_drives(believed, 8, microphones=5)
+    assert drives.shape == (39, 24)
+    assert (drives == drives[:, 4 * rows]).all()
+
+    def heard(array: midair.Array, played: Any) -> Any:
+        scene = midair.Scene(array, places)
+        return np.abs([midair.field(scene, drive, places).pressure for drive in played])
+
+    readings = heard(real, drives) * (1 + 2e-3 * rng.standard_normal((39, 5)))
+    found = midair.calibrate(
+        believed, drives, readings, microphones=places, sound_speed_error=0, microphones_error=0
+    )
+    others = midair.calibration_drives(believed, 8, microphones=5, seed=1)
+    truth = heard(real, others)
+    before, after = (
+        np.sqrt(np.mean((heard(array, others) - truth) ** 2)) for array in (believed, found.array)
+    )
+    assert after < 0.1 * before
+    with pytest.raises(
+        midair.SceneError, match=r"6 driven channels tell 11 numbers at each, of 24 trans.*3 places"
+    ):
+        midair.calibrate(believed, drives, readings[:, :2], microphones=places[:2])

@@ -24,7 +24,7 @@ MOST = 100_000_000
 def calibration_drives(
     array: Array | Scene, readings_per_transducer: float = 4.0, *, microphones: int = 4, seed: int = 0
 ) -> NDArray[np.complex64]:
-    """Drives (K, N) to play for `midair.calibrate`: full drive, random phases of the board, one for each driven channel.
+    """Drives (K, N) to play for `midair.calibrate`: full drive, random phases of the board for each channel.
 
     readings_per_transducer : K times the microphones over N; 4 of |p| or 2 complex ones are plenty
     microphones : how many listen
@@ -181,7 +181,7 @@ def _pose(value: Any) -> tuple[float, float]:
 def _enough(heard: Any, played: Complex, array: Array) -> None:
     """Refuse fewer real numbers than transducers: the prior would make up the rest.
 
-    C driven channels give C complex pressures at a microphone, less a common phase of |p|, however many drives.
+    C driven channels tell C complex pressures at a microphone, less a common phase of |p|, by any drives.
     """
     real = 2 if np.iscomplexobj(heard) else 1
     count, sounding = heard.size * real, int(np.any(played, axis=0).sum())
@@ -190,8 +190,8 @@ def _enough(heard: Any, played: Complex, array: Array) -> None:
         each = 2 * driven + real - 2
         if each * heard.shape[1] < sounding:
             raise SceneError(
-                f"microphones are too few: {driven} driven channels tell {each} numbers at each, of {sounding} "
-                f"transducers; give {-(-sounding // each)} places or more"
+                f"microphones are too few: {driven} driven channels tell {each} numbers at each, "
+                f"of {sounding} transducers; give {-(-sounding // each)} places or more"
             )
     if count < sounding:
         each = "0.5 complex ones" if np.iscomplexobj(heard) else "1"
