@@ -148,6 +148,46 @@ def period_of(writes: list[tuple[int, int]]) -> Pins:
     return harmonic(np.append(times[last], times[-1]), bits, 396)
 
 
+#: A byte that sets the step of the tactile firmware's modulation; periods of 40 kHz that are looked at.
+STEP, PERIODS = 165, 440
+
+
+def tactile(makers: Path, folder: Path) -> None:
+    """SonicSurface's tactile firmware with midair's bytes: prints how it modulates and how its phases differ.
+
+    Its table of polarities is its own, and its 16 phases are codes less their last bit: both are made up for.
+    """
+    source = makers / "SonicSurface" / "Firmware" / "FPGA tactile modulation" / "src"
+    files = [*sources(source, [*SONICSURFACE, "AmpModulator"]), str(HERE / "tactile.vhd")]
+    ghdl(folder, "-a", *GHDL, *files)
+    ghdl(folder, "-e", *GHDL, "tactile")
+    frame = midair.Board("sonicsurface").encode(drives(midair.Board("sonicsurface"))["focus"])
+    (folder / "frame").write_bytes(bytes([STEP]) + frame)
+    printed = ghdl(folder, "-r", *GHDL, "tactile", "-gbytes=frame", f"-gperiods={PERIODS}").split()
+    rows = [[int(bit) for bit in reversed(f"{int(word, 16):0256b}")] for word in printed if len(word) == 64]
+    bits = np.array(rows)[: len(rows) // 16 * 16].reshape(-1, 16, 256)
+    on = bits.any(axis=1).sum(axis=1)
+    table = re.search(r":= \(([\d,]+)\)", (source / "Distribute.vhd").read_text())
+    assert table, "the makers' table of polarities"
+    codes = np.frombuffer(frame, np.uint8)[1:257] + np.array(table[1].split(","), int)
+    ticks = np.arange(17.0)
+    # Each channel in the middle of the periods in which it pulses as long as all do.
+    length = np.median(bits.sum(axis=1)[bits.any(axis=1)])
+    whole = [np.flatnonzero(sums == length) for sums in bits.sum(axis=1).T]
+    pins = np.array([harmonic(ticks, bits[k[len(k) // 2], :, [c]].T, 16)[0] for c, k in enumerate(whole)])
+    apart = np.angle(pins * np.exp(-2j * np.pi * (codes % 32 // 2) / 16))
+    late = np.angle(np.exp(1j * (apart - np.median(apart))))
+    slow = np.flatnonzero(np.abs(late) > 0.1)
+    risings = np.flatnonzero(np.diff((on > on.mean()).astype(int)) == 1)
+    hertz = 40e3 / np.diff(risings).mean()
+    print(f"tactile firmware, byte {STEP}: {hertz:.0f} Hz, {on.min()} to {on.max()} of 256 channels on")
+    print(
+        f"  amplitude {np.abs(pins).mean():.3f}; late by {late[slow].mean():.3f} rad: {len(slow)} channels, ",
+        end="",
+    )
+    print(f"{np.unique(slow % 8).tolist()} mod 8")
+
+
 CASES = [
     Case("sonicsurface", sonicsurface),
     Case("sonicsurface_pair", sonicsurface),
@@ -185,6 +225,8 @@ def main() -> int:
     for case in CASES:
         with tempfile.TemporaryDirectory() as folder:
             record(case, case.ready(makers, Path(folder)), Path(folder))
+    with tempfile.TemporaryDirectory() as folder:
+        tactile(makers, Path(folder))
     return 0
 
 
