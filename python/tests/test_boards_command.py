@@ -147,8 +147,14 @@ def test_ports_say_what_an_adapter_could_lead_to(monkeypatch: pytest.MonkeyPatch
         port = list_ports_common.ListPortInfo(name)
         port.vid, port.pid = vid, pid
         found.append(port)
+    for product in ("FT245R USB FIFO", "FT232R USB UART"):
+        port = list_ports_common.ListPortInfo(product)
+        port.vid, port.pid, port.product = 0x0403, 0x6001, product
+        found.append(port)
     monkeypatch.setattr(list_ports, "comports", lambda: found)
-    told = [port.could_be for port in boards.ports()]
+    (serial, fifo, *told) = [port.could_be for port in boards.ports()]
+    assert "sonicsurface" in serial
+    assert fifo == "an FT245: openmpd"
     assert "mega64" in told[0]
     assert "sonicsurface" in told[1]
     assert told[2:] == ["", ""]

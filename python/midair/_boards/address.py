@@ -142,7 +142,7 @@ class Port:
     name : for an address, as "/dev/ttyUSB0"
     description : what the system calls it
     maker, serial_number : of its USB adapter, None where it has none
-    could_be : boards that have such an adapter, by its USB numbers alone; "" where they say nothing
+    could_be : boards that have such an adapter, by its USB numbers and its name; "" where they say nothing
     """
 
     name: str
@@ -150,6 +150,13 @@ class Port:
     maker: str | None
     serial_number: str | None
     could_be: str = ""
+
+
+def _could_be(vid: int | None, pid: int | None, product: str) -> str:
+    # FTDI gives its serial lines and its FIFOs the same numbers, but a name of their own each.
+    if "FT245" in product:
+        return "an FT245: openmpd"
+    return ADAPTERS.get((vid, pid)) or ADAPTERS.get((vid, None), "")
 
 
 def ports() -> list[Port]:
@@ -164,7 +171,7 @@ def ports() -> list[Port]:
             port.description,
             port.manufacturer,
             port.serial_number,
-            ADAPTERS.get((port.vid, port.pid)) or ADAPTERS.get((port.vid, None), ""),
+            _could_be(port.vid, port.pid, port.product or ""),
         )
         for port in comports()
     )
