@@ -26,7 +26,7 @@ TWICE = 2
 BEAT = 0.03
 LOST = 0.4
 
-#: Why a board refuses a step; where it is not ready, it is asked again.
+#: Why a board refuses a step; where it is not ready, it is asked again for so long, in s.
 REFUSED = {
     0x01: "it does not know it",
     0x02: "its content is not in order",
@@ -38,6 +38,7 @@ REFUSED = {
     0x14: "it missed a tick of its clock",
 }
 NOT_READY = (0x08, 0x14)
+READY = 5.0
 
 #: What happens to boards that do not reply.
 ELSEWHERE = ": unplugged, rebooted or taken over by another program"
@@ -85,11 +86,11 @@ class Link:
         one refuses it.
         """
         with self._lock:
-            for _ in range(1 + RETRIES):
-                replies = self._acknowledged(step, wanted)
-                if not any(status in NOT_READY for status, _ in replies):
-                    break
+            until = time.monotonic() + READY
+            replies = self._acknowledged(step, wanted)
+            while any(status in NOT_READY for status, _ in replies) and time.monotonic() < until:
                 time.sleep(PAUSE)
+                replies = self._acknowledged(step, wanted)
         for unit, (status, _) in enumerate(replies):
             if status:
                 why = REFUSED.get(status, f"error {status}")

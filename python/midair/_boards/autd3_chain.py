@@ -110,12 +110,15 @@ class Chain:
 
     def _search(self) -> tuple[socket.socket, _Place]:
         """A socket towards the first network where a board answers, and the address of all its boards."""
-        groups = {_socket(group): group for group in self._groups()}
+        groups = {}
+        for group in self._groups():
+            # Some interfaces have no IPv6.
+            with suppress(OSError):
+                groups[_socket(group)] = group
         asking = _HEADER.pack(self._version, Kind.INFO, self._number)
         try:
-            for _ in range(ATTEMPTS):
+            for _ in range(ATTEMPTS if groups else 0):
                 for each, group in groups.items():
-                    # Some interfaces have no IPv6.
                     with suppress(OSError):
                         each.sendto(asking, group)
                 for each in select.select(list(groups), [], [], RESPONSE)[0]:
